@@ -1,0 +1,1 @@
+"""Show 3D models physically based, from Python."""

@@ -1,0 +1,5 @@
+"""`python -m viewer` is `pbr-viewer`."""
+
+from .cli import main
+
+main()

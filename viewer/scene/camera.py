@@ -1,0 +1,100 @@
+"""Where the picture is taken from. Column vectors, right-handed, float64; the camera looks along its own -Z."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+DEFAULT_FOV = math.radians(45.0)
+DEFAULT_AZIMUTH = math.radians(30.0)
+DEFAULT_ELEVATION = math.radians(15.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A rigid pose and a projection.
+
+    `pose` (4, 4) float64 takes camera space to world space, rotation and translation only. `fov_y` is the vertical
+    field of view in radians; where `height` (world units seen from bottom to top) is given the camera is orthographic.
+    """
+
+    pose: np.ndarray
+    fov_y: float = DEFAULT_FOV
+    height: float | None = None
+    name: str = ""
+
+    @property
+    def eye(self) -> np.ndarray:
+        return self.pose[:3, 3]
+
+    @property
+    def forward(self) -> np.ndarray:
+        return -self.pose[:3, 2]
+
+    @classmethod
+    def look_at(cls, eye, target, up=(0.0, 1.0, 0.0), fov_y: float = DEFAULT_FOV, name: str = "") -> Camera:
+        """A perspective camera at `eye` that looks at `target`; an `up` along the view is replaced by another axis."""
+        eye, target, up = (np.asarray(v, np.float64) for v in (eye, target, up))
+        back = eye - target
+        length = np.linalg.norm(back)
+        back = back / length if length > 0 else np.array([0.0, 0.0, 1.0])
+        right = np.cross(up, back)
+        if np.linalg.norm(right) < 1e-9 * max(np.linalg.norm(up), 1e-300):
+            right = np.cross([0.0, 0.0, -1.0] if abs(back[1]) > 0.5 else [0.0, 1.0, 0.0], back)
+        right /= np.linalg.norm(right)
+        pose = np.eye(4)
+        pose[:3, 0], pose[:3, 1], pose[:3, 2], pose[:3, 3] = right, np.cross(back, right), back, eye
+        return cls(pose, fov_y, name=name)
+
+    @classmethod
+    def orbit(cls, center, distance: float, azimuth: float = DEFAULT_AZIMUTH, elevation: float = DEFAULT_ELEVATION,
+              fov_y: float = DEFAULT_FOV) -> Camera:
+        """On a sphere about `center`: azimuth 0 looks from +Z and grows towards +X; elevation grows upwards (radians)."""
+        center = np.asarray(center, np.float64)
+        cos_el = math.cos(elevation)
+        back = np.array([cos_el * math.sin(azimuth), math.sin(elevation), cos_el * math.cos(azimuth)])
+        # The derivative of `back` by elevation is a valid "up" even at the poles, where +Y is not.
+        up = np.array([-math.sin(elevation) * math.sin(azimuth), cos_el, -math.sin(elevation) * math.cos(azimuth)])
+        return cls.look_at(center + distance * back, center, up, fov_y)
+
+    @classmethod
+    def framing(cls, center, radius: float, aspect: float, azimuth: float = DEFAULT_AZIMUTH,
+                elevation: float = DEFAULT_ELEVATION, fov_y: float = DEFAULT_FOV) -> Camera:
+        """An orbit camera whose narrower field of view is filled by the sphere (center, radius)."""
+        return cls.orbit(center, framing_distance(radius, aspect, fov_y), azimuth, elevation, fov_y)
+
+    def view(self) -> np.ndarray:
+        """World to camera, (4, 4) float64."""
+        rotation = self.pose[:3, :3].T
+        view = np.eye(4)
+        view[:3, :3], view[:3, 3] = rotation, -rotation @ self.pose[:3, 3]
+        return view
+
+    def projection(self, aspect: float, near: float, far: float) -> np.ndarray:
+        """Camera space to OpenGL clip space (z from -w at `near` to +w at `far`), (4, 4) float64."""
+        out = np.zeros((4, 4))
+        if self.height is None:
+            out[1, 1] = 1.0 / math.tan(self.fov_y / 2)
+            out[2, 2], out[2, 3], out[3, 2] = (far + near) / (near - far), 2 * far * near / (near - far), -1.0
+        else:
+            out[1, 1] = 2.0 / self.height
+            out[2, 2], out[2, 3], out[3, 3] = 2.0 / (near - far), (far + near) / (near - far), 1.0
+        out[0, 0] = out[1, 1] / aspect
+        return out
+
+    def depth_range(self, center, radius: float) -> tuple[float, float]:
+        """Near and far that hold the sphere (center, radius), the near plane pushed out as far as it will go."""
+        depth = float((np.asarray(center, np.float64) - self.eye) @ self.forward)
+        far = max(depth + radius, radius * 1e-3) * 1.001
+        near = depth - radius
+        if self.height is not None:
+            return near - 1e-3 * radius, max(far, near + radius)
+        return max(near * 0.999, far * 1e-5), far
+
+
+def framing_distance(radius: float, aspect: float, fov_y: float) -> float:
+    """How far the eye stands from the centre of a sphere that fills the narrower field of view."""
+    half = fov_y / 2 if aspect >= 1 else math.atan(math.tan(fov_y / 2) * aspect)
+    return radius / math.sin(half)

@@ -1,0 +1,80 @@
+"""What surfaces are made of: glTF 2.0's metallic-roughness material and the textures it samples.
+
+Colours are linear Rec. 709. Texture *files* stay encoded until somebody asks for their pixels, so that a texture no
+shader samples is never decoded.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from .texture_image import TextureImage
+
+Wrap = Literal["repeat", "clamp", "mirror"]
+Filter = Literal["nearest", "linear"]
+AlphaMode = Literal["opaque", "mask", "blend"]
+RGB = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Sampler:
+    """How a texture is filtered and wrapped; `mip_filter` None means no mipmaps."""
+
+    wrap_s: Wrap = "repeat"
+    wrap_t: Wrap = "repeat"
+    mag_filter: Filter = "linear"
+    min_filter: Filter = "linear"
+    mip_filter: Filter | None = "linear"
+
+
+@dataclass(frozen=True)
+class UVTransform:
+    """KHR_texture_transform: uv' = translation(offset) * rotation * scale * uv; rotation counter-clockwise in radians."""
+
+    offset: tuple[float, float] = (0.0, 0.0)
+    rotation: float = 0.0
+    scale: tuple[float, float] = (1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Texture:
+    """An image as a material uses it. `uv_set` picks one of the mesh's UV sets."""
+
+    image: TextureImage
+    sampler: Sampler = Sampler()
+    uv_set: int = 0
+    transform: UVTransform | None = None
+
+
+@dataclass(frozen=True)
+class Material:
+    """A metallic-roughness surface (glTF 2.0, with KHR_materials_{unlit,emissive_strength,specular,ior}).
+
+    Channels: base colour and emissive are sRGB RGB(A); metallic in B and perceptual roughness in G of one texture;
+    occlusion in R; specular in A; specular colour sRGB RGB; normals +Y up. `emissive` already holds its strength.
+    `shininess` is the exponent of a Phong material's file (MTL `Ns`), None where the file gave roughness instead.
+    """
+
+    name: str = ""
+    base_color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+    base_color_texture: Texture | None = None
+    metallic: float = 1.0
+    perceptual_roughness: float = 1.0
+    metallic_roughness_texture: Texture | None = None
+    normal_texture: Texture | None = None
+    normal_scale: float = 1.0
+    occlusion_texture: Texture | None = None
+    occlusion_strength: float = 1.0
+    emissive: RGB = (0.0, 0.0, 0.0)
+    emissive_texture: Texture | None = None
+    ior: float = 1.5
+    specular: float = 1.0
+    specular_texture: Texture | None = None
+    specular_color: RGB = (1.0, 1.0, 1.0)
+    specular_color_texture: Texture | None = None
+    alpha_mode: AlphaMode = "opaque"
+    alpha_cutoff: float = 0.5
+    double_sided: bool = False
+    unlit: bool = False
+    shininess: float | None = None
