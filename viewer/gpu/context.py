@@ -1,0 +1,140 @@
+"""OpenGL contexts: where pictures are drawn, with or without a screen."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from typing import Any, Protocol
+
+import moderngl
+
+from ..errors import ContextError, UsageError
+
+MINIMUM_VERSION = 330
+"""OpenGL 3.3 core is the floor of everything the package draws."""
+
+FIX = (
+    "fix: install a graphics driver, or Mesa's software OpenGL: "
+    "Debian, Ubuntu: apt-get install libegl1 libgl1-mesa-dri libosmesa6; "
+    "Fedora: dnf install mesa-libEGL mesa-dri-drivers mesa-libOSMesa; `pbr-viewer doctor` tells what works here"
+)
+
+
+class Loader(Protocol):
+    """What moderngl asks of the owner of a native context; `__enter__` makes it current, `__exit__` makes none so."""
+
+    def load_opengl_function(self, name: str) -> int: ...
+    def __enter__(self) -> Any: ...
+    def __exit__(self, *exc: object) -> None: ...
+    def release(self) -> None: ...
+
+
+class Context:
+    """An OpenGL context of one back end, current from its creation on.
+
+    OpenGL draws into the context that is current on the thread, so after another one was opened or made current call
+    `make_current` before going on with this. Releasing frees the driver's memory; textures, buffers and programs of
+    the context go with it. `with open_context() as context:` releases at the end.
+    """
+
+    backend = ""
+
+    def __init__(self, loader: Loader, device_index: int | None = None) -> None:
+        self._loader = loader
+        self.device_index = device_index
+        try:
+            # Reads the version of the current context, so it must be the new one.
+            self.make_current()
+            self.gl = moderngl.create_context(require=MINIMUM_VERSION, context=loader)
+        except Exception as error:
+            self._drop()
+            raise ContextError(f"{self.backend}: {' '.join(str(error).split())}") from error
+        info = self.gl.info
+        self.renderer: str = info["GL_RENDERER"]
+        self.vendor: str = info["GL_VENDOR"]
+        self.version: str = info["GL_VERSION"]
+
+    def make_current(self) -> None:
+        """Direct this thread's OpenGL calls to this context."""
+        previous = getattr(_current, "context", None)
+        if previous is not self:
+            # EGL, GLX and OSMesa each remember a current context of their own and skip a call that seems to change
+            # nothing, and libglvnd refuses one API while another's context is current: always leave through the old.
+            if previous is not None:
+                previous._loader.__exit__(None, None, None)
+            _current.context = self
+        self._loader.__enter__()
+
+    def release(self) -> None:
+        """Destroy the context; harmless when done twice."""
+        if isinstance(self.gl.mglo, moderngl.InvalidObject):
+            return
+        previous = getattr(_current, "context", None)
+        self.make_current()
+        self.gl.release()
+        self._drop()
+        if previous is not None and previous is not self:
+            previous.make_current()
+
+    def _drop(self) -> None:
+        # A context that is still current is only marked for destruction, so it has to be left first (EGL 1.5, 3.7.2).
+        if getattr(_current, "context", None) is self:
+            self._loader.__exit__(None, None, None)
+            _current.context = None
+        self._loader.release()
+
+    def __enter__(self) -> Context:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.release()
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.renderer}, OpenGL {self.version}>"
+
+
+_current = threading.local()
+
+
+def open_context(backend: str = "auto", device: int | None = None) -> Context:
+    """A context to draw off screen with.
+
+    `backend` is egl, osmesa, window (a hidden one) or auto: the first that works. `device` is an index into the EGL
+    devices that `pbr-viewer doctor` lists, and implies egl; by default the first that works is taken.
+    Raises ContextError, whose text gives one line per attempt and a last one with the fix.
+    """
+    if backend not in ("auto", "egl", "osmesa", "window"):
+        raise UsageError(f"no backend {backend!r}; there are auto, egl, osmesa, window")
+    if device is not None and backend not in ("auto", "egl"):
+        raise UsageError(f"a device can be chosen for the egl backend only, not for {backend}")
+    if backend == "auto":
+        backends = ("egl",) if device is not None else auto_backends()
+    else:
+        backends = (backend,)
+    failures = []
+    for name in backends:
+        try:
+            return _open(name, device)
+        except ContextError as error:
+            failures.append(str(error))
+    raise ContextError("\n".join(["no OpenGL context:", *failures, FIX]))
+
+
+def auto_backends() -> tuple[str, ...]:
+    """The back ends in the order `auto` tries them: only Linux has EGL and need do without a desktop."""
+    return ("egl", "osmesa", "window") if sys.platform.startswith("linux") else ("window", "osmesa")
+
+
+def _open(name: str, device: int | None) -> Context:
+    # Imported here so that a picture through EGL does not pay for loading GLFW.
+    if name == "egl":
+        from .egl import EGLContext
+
+        return EGLContext(device)
+    if name == "osmesa":
+        from .osmesa import OSMesaContext
+
+        return OSMesaContext()
+    from .window import WindowContext
+
+    return WindowContext(visible=False)

@@ -1,0 +1,58 @@
+"""Contexts without a screen, through EGL's device platform (EGL_EXT_platform_device)."""
+
+from __future__ import annotations
+
+import ctypes
+
+from ..errors import ContextError
+from .context import MINIMUM_VERSION, Context
+
+# The name of the installed library. find_library("EGL") would need a compiler or a development package's link, and
+# starts a process or two to look for them.
+LIBRARY = "libEGL.so.1"
+
+
+class EGLContext(Context):
+    """`device` counts as `device_count` does; None takes the first device that gives a context."""
+
+    backend = "egl"
+
+    def __init__(self, device: int | None = None) -> None:
+        try:
+            from glcontext import egl
+        except ImportError as error:
+            raise ContextError("egl: only Linux has it") from error
+        count = device_count()
+        if count == 0:
+            raise ContextError("egl: no devices: the EGL library is there but no driver for it")
+        if device is not None and not 0 <= device < count:
+            raise ContextError(f"egl: no device {device}: there are {count}, counted from 0")
+        failures = []
+        for index in range(count) if device is None else (device,):
+            try:
+                # eglGetProcAddress finds OpenGL's functions as well, so libGL (and with it X11) is not needed.
+                loader = egl.create_context(
+                    libgl=LIBRARY, libegl=LIBRARY, glversion=MINIMUM_VERSION, device_index=index
+                )
+                super().__init__(loader, index)
+                return
+            except Exception as error:
+                failures.append(f"device {index}: {str(error).removeprefix('egl: ')}")
+        raise ContextError(f"egl: {'; '.join(failures)}")
+
+
+def device_count() -> int:
+    """How many devices EGL's drivers offer; Mesa's software rasteriser is one. Raises ContextError without EGL."""
+    try:
+        library = ctypes.CDLL(LIBRARY)
+    except OSError as error:
+        raise ContextError(f"egl: {error}") from error
+    library.eglGetProcAddress.restype = ctypes.c_void_p
+    address = library.eglGetProcAddress(b"eglQueryDevicesEXT")
+    if not address:
+        raise ContextError("egl: the library lacks EGL_EXT_device_enumeration")
+    query = ctypes.CFUNCTYPE(ctypes.c_uint, ctypes.c_int, ctypes.c_void_p, ctypes.POINTER(ctypes.c_int))(address)
+    count = ctypes.c_int()
+    if not query(0, None, ctypes.byref(count)):
+        return 0
+    return count.value

@@ -1,0 +1,93 @@
+"""GLFW's state, which is one per process: the platform it runs on and the windows that keep it there."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Any
+
+import glfw
+
+from ..errors import ContextError
+
+_windows: set[int] = set()
+_null_platform: bool | None = None
+
+
+def create_window(
+    backend: str,
+    *,
+    null_platform: bool,
+    hints: dict[int, int],
+    versions: tuple[tuple[int, int], ...],
+    size: tuple[int, int],
+    title: str,
+) -> Any:
+    """A GLFW window with a core context of the first of `versions` (major, minor) that the driver gives.
+
+    The null platform has no display and serves OSMesa; the other is the desktop's. GLFW runs on one of them at a
+    time, so asking for one while windows of the other live raises ContextError, as does any failure of GLFW's.
+    """
+    reporting, glfw.ERROR_REPORTING = glfw.ERROR_REPORTING, "ignore"  # failures are raised below, not warned of
+    try:
+        _use_platform(backend, null_platform)
+        for major, minor in versions:
+            glfw.default_window_hints()
+            for hint, value in hints.items():
+                glfw.window_hint(hint, value)
+            glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, major)
+            glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, minor)
+            glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
+            window = glfw.create_window(*size, title, None, None)
+            if window:
+                _windows.add(_address(window))
+                return window
+        raise ContextError(f"{backend}: {_last_error()}")
+    finally:
+        glfw.ERROR_REPORTING = reporting
+
+
+def _use_platform(backend: str, null_platform: bool) -> None:
+    global _null_platform
+    if _null_platform is not None and _null_platform != null_platform:
+        if _windows:
+            raise ContextError(
+                f"{backend}: GLFW cannot serve OSMesa and the desktop at once; release the other context first"
+            )
+        glfw.terminate()
+        _null_platform = None
+    if _null_platform is None:
+        glfw.init_hint(glfw.PLATFORM, glfw.PLATFORM_NULL if null_platform else glfw.ANY_PLATFORM)
+        if not glfw.init():
+            raise ContextError(f"{backend}: {_last_error()}")
+        _null_platform = null_platform
+
+
+def _address(window: Any) -> int:
+    return ctypes.cast(window, ctypes.c_void_p).value or 0
+
+
+def _last_error() -> str:
+    _, text = glfw.get_error()
+    return " ".join(text.decode(errors="replace").split()) if text else "GLFW gives no reason"
+
+
+class GLFWLoader:
+    """moderngl's way to the context of a GLFW window."""
+
+    def __init__(self, window: Any) -> None:
+        self.window = window
+
+    def load_opengl_function(self, name: str) -> int:
+        return ctypes.cast(glfw.get_proc_address(name), ctypes.c_void_p).value or 0
+
+    def __enter__(self) -> None:
+        glfw.make_context_current(self.window)
+
+    def __exit__(self, *exc: object) -> None:
+        glfw.make_context_current(None)
+
+    def release(self) -> None:
+        if self.window is not None:
+            _windows.discard(_address(self.window))
+            glfw.destroy_window(self.window)
+            self.window = None

@@ -1,0 +1,63 @@
+"""Programs from shader files, with compile errors that name the real file and line."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import moderngl
+
+from ..errors import ShaderError
+from .context import Context
+from .source import ProgramSource, assemble, display_name
+
+# One message of a driver's log: source-string number, line, text.
+_MESSAGE = re.compile(
+    r"""^\s*(?:
+        (\d+):(\d+)\(\d+\):\s*error:\s*          # Mesa:             0:12(5): error: ...
+      | (\d+)\((\d+)\)\s*:\s*error\s*(?=\w*:)    # NVIDIA:           0(12) : error C1008: ...
+      | ERROR:\s*(\d+):(\d+):\s*                 # AMD, Apple, Intel: ERROR: 0:12: ...
+    )(.*)$""",
+    re.VERBOSE | re.MULTILINE | re.IGNORECASE,
+)
+_STAGE = re.compile(r"^(\w+)_shader\s*$", re.MULTILINE)
+
+
+def compile_program(
+    context: Context,
+    *,
+    vertex: str | Path,
+    fragment: str | Path | None = None,
+    geometry: str | Path | None = None,
+    defines: Mapping[str, float] | None = None,
+    varyings: Sequence[str] = (),
+    version: int = 330,
+) -> moderngl.Program:
+    """Compile and link shader files, each assembled with the same `defines` (see `viewer.gpu.source`).
+
+    `varyings` are the vertex (or geometry) shader's outputs to capture by transform feedback. Raises ShaderError,
+    ``shaders/bsdf/ggx.glsl:12: ...``, when the driver refuses.
+    """
+    stages = {"vertex": vertex, "fragment": fragment, "geometry": geometry}
+    sources = {stage: assemble(path, defines, version) for stage, path in stages.items() if path is not None}
+    context.make_current()
+    try:
+        return context.gl.program(
+            **{f"{stage}_shader": source.text for stage, source in sources.items()}, varyings=tuple(varyings)
+        )
+    except moderngl.Error as error:
+        raise ShaderError(_explain(str(error), sources)) from error
+
+
+def _explain(log: str, sources: Mapping[str, ProgramSource]) -> str:
+    """The first error of moderngl's report of a driver's log, in terms of the files."""
+    stage = _STAGE.search(log)
+    message = _MESSAGE.search(log)
+    if stage and message and stage[1] in sources:
+        number, line, text = (group for group in message.groups() if group is not None)
+        files = sources[stage[1]].files
+        if int(number) < len(files):
+            return f"{display_name(files[int(number)])}:{line}: {text.strip()}"
+    names = ", ".join(display_name(source.files[0]) for source in sources.values())
+    return f"{names}: {' '.join(log.split())}"

@@ -1,0 +1,29 @@
+"""Contexts of a window on the desktop (X11, Wayland, macOS, Windows), through GLFW."""
+
+from __future__ import annotations
+
+import glfw
+
+from .context import Context
+from .glfw_window import GLFWLoader, create_window
+
+
+class WindowContext(Context):
+    """A window, visible or not; `window` is GLFW's handle of it, for events and for swapping buffers.
+
+    `size` is in screen coordinates; the framebuffer may have more pixels (`glfw.get_framebuffer_size`).
+    """
+
+    backend = "window"
+
+    def __init__(self, size: tuple[int, int] = (64, 64), title: str = "pbr-viewer", visible: bool = False) -> None:
+        self.window = create_window(
+            self.backend,
+            null_platform=False,
+            # macOS gives a core context only as a forward compatible one.
+            hints={glfw.VISIBLE: int(visible), glfw.OPENGL_FORWARD_COMPAT: glfw.TRUE},
+            versions=((4, 1), (3, 3)),  # 4.1 is macOS' last; elsewhere drivers give their newest for either
+            size=size,
+            title=title,
+        )
+        super().__init__(GLFWLoader(self.window))
