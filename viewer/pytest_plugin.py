@@ -1,1 +1,165 @@
-"""The pytest plugin: see `golden` and `gl`."""
+"""The pytest plugin: the fixtures `golden` (is the picture still the stored one?) and `gl` (a clean OpenGL context).
+
+pytest loads this module in every project where the package is installed, so nothing heavy is imported up here.
+"""
+
+from __future__ import annotations
+
+import re
+import zlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    import moderngl
+    import numpy as np
+
+    from .gpu.context import Context
+    from .image import Image
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    group = parser.getgroup("pbr-viewer", "golden images and OpenGL contexts (pbr-viewer)")
+    group.addoption("--golden-update", action="store_true", help="store what is drawn as the new golden images")
+    group.addoption("--golden-report", metavar="DIR",
+                    help="folder for the page and pictures of failures (default: golden-failures in the root folder)")
+    group.addoption("--gl-backend", choices=("auto", "egl", "osmesa", "window"), default="auto",
+                    help="where the `gl` fixture draws (default: auto)")
+
+
+class Golden:
+    """Compares pictures with those stored in the folder `golden` beside the test's file."""
+
+    def __init__(self, request: pytest.FixtureRequest) -> None:
+        self._node = request.node.nodeid
+        self._file = request.path
+        self._update = request.config.getoption("--golden-update")
+        self._report = _report_folder(request.config)
+        self._calls = 0
+
+    def __call__(self, picture: Image | np.ndarray, name: str | None = None, **limits: float | None) -> None:
+        """Fails the test where `picture` is not the golden image `name`.
+
+        `picture` is an `Image`, or an array (H, W, 3 or 4): uint8 displayed values, or floating linear ones. `name`
+        is the test's own by default; one that ends in .exr compares radiance, any other is a PNG of the displayed
+        picture. `limits` are the fields of `viewer.measure.golden.Limits`: flip, maximum, rounding.
+        """
+        from .measure.difference import not_finite
+        from .measure.golden import Failure, Limits, as_image, judge
+
+        self._calls += 1
+        path = self.path(name)
+        image = as_image(picture)
+        if self._update and not not_finite(image.linear):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            image.save(path)
+            return
+        failure: Failure | None = judge(image, path, Limits(**limits), self._node)
+        if failure is None:
+            return
+        folder = self._report / _slug(f"{self._node}-{self._calls}")
+        failure.write(folder)
+        pytest.fail(f"{path}: {failure.problem}\nlook at {folder}, and if the picture is right:\n"
+                    f"    pytest '{self._node}' --golden-update", pytrace=False)
+
+    def path(self, name: str | None = None) -> Path:
+        """Where the golden image of that name lies."""
+        if name is None:
+            name = f"{self._file.stem}-{_slug(self._node.partition('::')[2])}"
+            name += f"-{self._calls}" if self._calls > 1 else ""
+        return self._file.parent / "golden" / (name if name.endswith((".png", ".exr")) else f"{name}.png")
+
+
+class GL:
+    """A clean OpenGL context, current; `ctx` is its `moderngl.Context`."""
+
+    def __init__(self, context: Context) -> None:
+        self.context = context
+
+    @property
+    def ctx(self) -> moderngl.Context:
+        return self.context.gl
+
+    def check(self, picture: Image | np.ndarray) -> None:
+        """Fails the test on a NaN or infinite pixel, and on an OpenGL error that is pending."""
+        from .measure.difference import not_finite
+        from .measure.golden import as_image
+
+        problem = not_finite(as_image(picture).linear)
+        if problem:
+            pytest.fail(problem, pytrace=False)
+        self.check_errors()
+
+    def check_errors(self) -> None:
+        """Fails the test where OpenGL has an error pending, as happens at the end of every test with this fixture."""
+        self.context.make_current()
+        error = self.ctx.error
+        if error != "GL_NO_ERROR":
+            pytest.fail(f"OpenGL error pending: {error}", pytrace=False)
+
+
+@pytest.fixture
+def golden(request: pytest.FixtureRequest) -> Callable[..., None]:
+    """`golden(picture, name=None, flip=0.005, maximum=0.5, rounding=2)`: see `Golden`."""
+    return Golden(request)
+
+
+@pytest.fixture
+def gl(request: pytest.FixtureRequest) -> Iterator[GL]:
+    """A fresh OpenGL context (`--gl-backend`) for this test alone, which fails on an OpenGL error left pending."""
+    from .errors import ContextError
+    from .gpu.context import open_context
+
+    try:
+        context = open_context(request.config.getoption("--gl-backend"))
+    except ContextError as error:
+        pytest.fail(str(error), pytrace=False)
+    with context:
+        yield GL(context)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
+    # Here and not when the fixture ends, for there it would be an error beside a test that passed.
+    result = yield
+    fixture = getattr(item, "funcargs", {}).get("gl")
+    if isinstance(fixture, GL):
+        fixture.check_errors()
+    return result
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    folder = _report_folder(session.config)
+    if folder.is_dir() and _in_charge(session.config):
+        from .measure.golden_report import clear_report
+
+        clear_report(folder)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    folder = _report_folder(config)
+    if folder.is_dir() and _in_charge(config):
+        from .measure.golden_report import write_report
+
+        page = write_report(folder)
+        if page is not None:
+            terminalreporter.write_line(f"golden images: expected, actual and difference are in {page}")
+
+
+def _report_folder(config: pytest.Config) -> Path:
+    given = config.getoption("--golden-report")
+    return config.invocation_params.dir / given if given else config.rootpath / "golden-failures"
+
+
+def _in_charge(config: pytest.Config) -> bool:
+    """Not a worker of pytest-xdist, which only adds its failures to the folder."""
+    return not hasattr(config, "workerinput")
+
+
+def _slug(name: str) -> str:
+    """A name that serves as a file's on every system, of at most 120 characters."""
+    slug = re.sub(r"[^\w.]+", "-", name).strip("-.")
+    return slug if len(slug) <= 120 else f"{slug[:111]}-{zlib.crc32(slug.encode()):08x}"
