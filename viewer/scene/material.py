@@ -6,8 +6,11 @@ shader samples is never decoded.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
+
+import numpy as np
 
 from .texture_image import TextureImage
 
@@ -36,6 +39,13 @@ class UVTransform:
     rotation: float = 0.0
     scale: tuple[float, float] = (1.0, 1.0)
 
+    def matrix(self) -> np.ndarray:
+        """The (2, 3) float64 matrix M of uv' = M[:, :2] @ uv + M[:, 2]."""
+        cosine, sine = math.cos(self.rotation), math.sin(self.rotation)
+        # v points down in glTF: counter-clockwise to the eye is [[c, s], [-s, c]].
+        rotation = np.array([[cosine, sine], [-sine, cosine]])
+        return np.column_stack([rotation * self.scale, self.offset])
+
 
 @dataclass(frozen=True)
 class Texture:
@@ -53,6 +63,7 @@ class Material:
 
     Channels: base colour and emissive are sRGB RGB(A); metallic in B and perceptual roughness in G of one texture;
     occlusion in R; specular in A; specular colour sRGB RGB; normals +Y up. `emissive` already holds its strength.
+    `ior` is at least 1, or 0: KHR_materials_ior's word for f0 = 1 before the specular parameters are applied.
     `shininess` is the exponent of a Phong material's file (MTL `Ns`), None where the file gave roughness instead.
     """
 

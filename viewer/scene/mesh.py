@@ -33,7 +33,11 @@ class Mesh:
     @cached_property
     def bounds(self) -> np.ndarray:
         """Lowest and highest corner, (2, 3) float64, of the vertices that are drawn."""
-        used = self.positions if self.indices is None else self.positions[np.unique(self.indices)]
+        used = self.positions
+        if self.indices is not None:
+            drawn = np.zeros(len(self.positions), bool)
+            drawn[self.indices] = True
+            used = used[drawn]
         return np.stack([used.min(axis=0), used.max(axis=0)]).astype(np.float64)
 
     @property

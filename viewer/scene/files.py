@@ -1,0 +1,68 @@
+"""Reading files, and only those a model may name: regular files inside its own folder."""
+
+from __future__ import annotations
+
+import re
+import stat
+from os import PathLike
+from pathlib import Path
+from urllib.parse import unquote
+
+from ..errors import InputError
+
+_SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.\-]*:")
+"""Of a URI (http:, file:), and a Windows drive letter as well."""
+
+
+def read_file(path: str | PathLike[str], name: str = "", place: str = "") -> bytes:
+    """All of a regular file's bytes. Raises InputError about `name` at `place`, or about the file itself."""
+    try:
+        path = Path(path)
+        mode = path.stat().st_mode
+        if stat.S_ISDIR(mode):
+            raise InputError(name or path, place, _problem("is a folder, not a file", path, name))
+        if not stat.S_ISREG(mode):
+            raise InputError(name or path, place, _problem("is not a regular file", path, name))
+        return path.read_bytes()
+    except FileNotFoundError as error:
+        raise InputError(name or path, place, _problem("no such file", path, name)) from error
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(name or path, place, _problem(f"cannot be read: {reason}", path, name)) from error
+
+
+def path_inside(model: Path, uri: str, place: str) -> Path:
+    """The file a relative URI in `model` names. Raises InputError where it would leave the model's folder.
+
+    The check is made on the percent-decoded path with symbolic links followed, so no spelling of `..` gets past it.
+    """
+    folder = model.parent.resolve()
+    for text in dict.fromkeys((unquote(uri), uri)):
+        if not text or "\0" in text:
+            raise InputError(model, place, f"not a file name: {uri[:80]!r}")
+        if _SCHEME.match(text) or text.startswith(("/", "\\")):
+            raise InputError(model, place, f"{text[:80]!r} is absolute or on a network; only files beside the model are read")
+        if "\\" in text:
+            raise InputError(model, place, f"{text[:80]!r} has backslashes; a URI separates folders by /")
+        try:
+            path = (folder / text).resolve()
+        except (OSError, RuntimeError, ValueError) as error:
+            raise InputError(model, place, f"{text[:80]!r} cannot be resolved") from error
+        if not path.is_relative_to(folder):
+            raise InputError(model, place, f"{text[:80]!r} lies outside the model's folder")
+        if path == model.resolve():
+            raise InputError(model, place, "names the model file itself")
+        if _exists(path):
+            return path
+    raise InputError(model, place, f"no such file: {unquote(uri)[:80]!r}")
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except OSError:  # a name that is too long, a folder that cannot be searched
+        return False
+
+
+def _problem(problem: str, path: Path, name: str) -> str:
+    return f"{path.name[:80]!r} {problem}" if name else problem

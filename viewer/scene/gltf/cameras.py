@@ -1,0 +1,40 @@
+"""Cameras, posed by the nodes that hold them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..camera import Camera
+from .element import Element
+
+
+def read_camera(element: Element, world: np.ndarray, name: str) -> Camera | None:
+    """A camera at a node whose world matrix is `world`; None, with a warning, where it could show nothing.
+
+    The node's scale and shear do not belong to a rigid pose: its -Z is the view and its +Y the upward direction.
+    The aspect ratio is the picture's, and near and far are fitted to the scene, whatever the file says.
+    """
+    eye, back, up = world[:3, 3], _unit(world[:3, 2]), _unit(world[:3, 1])
+    pose = Camera.look_at(eye, eye - back, up).pose
+    pose[:3, 3] = eye
+    kind = element.string("type")
+    if kind == "perspective":
+        fov = element.object("perspective").number("yfov")
+        if 0 < fov < math.pi:
+            return Camera(pose, fov, name=name)
+        element.warn(f"a vertical field of view of {fov:g} shows nothing; the camera is left out", "perspective.yfov")
+    elif kind == "orthographic":
+        ymag = abs(element.object("orthographic").number("ymag"))
+        if ymag > 0:
+            return Camera(pose, height=2 * ymag, name=name)
+        element.warn("a height of 0 shows nothing; the camera is left out", "orthographic.ymag")
+    else:
+        element.warn(f"{kind[:20]!r} is unknown; the camera is left out", "type")
+    return None
+
+
+def _unit(vector: np.ndarray) -> np.ndarray:
+    peak = np.abs(vector).max()
+    return vector / peak / np.linalg.norm(vector / peak) if peak > 0 else vector

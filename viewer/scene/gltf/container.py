@@ -1,0 +1,68 @@
+"""The two wrappings of glTF 2.0: a JSON text, or a GLB with a JSON and a binary chunk."""
+
+from __future__ import annotations
+
+import json
+import struct
+from pathlib import Path
+
+from ...errors import InputError
+from ..files import read_file
+
+GLB_MAGIC = b"glTF"
+_JSON_CHUNK = 0x4E4F534A
+_BIN_CHUNK = 0x004E4942
+
+
+def read_container(path: Path) -> tuple[dict, memoryview | None, str]:
+    """The JSON object, the binary chunk or None, and the format's name. Raises InputError for any other content."""
+    data = read_file(path)
+    if data[:4] == GLB_MAGIC:
+        text, binary = _split_glb(path, memoryview(data))
+        return _parse_json(path, bytes(text)), binary, "GLB"
+    if path.suffix.lower() == ".glb" and not data.lstrip()[:1] == b"{":
+        raise InputError(path, "header", "not a GLB file: it does not begin with 'glTF'")
+    return _parse_json(path, data), None, "glTF"
+
+
+def _split_glb(path: Path, data: memoryview) -> tuple[memoryview, memoryview | None]:
+    if len(data) < 12:
+        raise InputError(path, "header", "the file ends inside the 12-byte header")
+    _, version, length = struct.unpack_from("<4sII", data)
+    if version != 2:
+        raise InputError(path, "header.version", f"GLB version {version}; only 2 is supported")
+    if length > len(data):
+        raise InputError(path, "header.length", f"{length} bytes are declared, the file has {len(data)}")
+    chunks: list[tuple[int, memoryview]] = []
+    offset = 12
+    while offset < length:
+        place = f"chunks[{len(chunks)}]"
+        if offset + 8 > length:
+            raise InputError(path, place, "the file ends inside a chunk header")
+        size, kind = struct.unpack_from("<II", data, offset)
+        if offset + 8 + size > length:
+            raise InputError(path, place, f"{size} bytes are declared, {length - offset - 8} are left")
+        chunks.append((kind, data[offset + 8:offset + 8 + size]))
+        offset += 8 + size
+    if not chunks or chunks[0][0] != _JSON_CHUNK:
+        raise InputError(path, "chunks[0]", "the first chunk of a GLB must be its JSON")
+    binary = chunks[1][1] if len(chunks) > 1 and chunks[1][0] == _BIN_CHUNK else None
+    return chunks[0][1], binary
+
+
+def _parse_json(path: Path, text: bytes) -> dict:
+    try:
+        root = json.loads(text.decode("utf-8-sig"), parse_constant=_reject_constant)
+    except UnicodeDecodeError as error:
+        raise InputError(path, f"byte {error.start}", "the JSON is not valid UTF-8") from error
+    except json.JSONDecodeError as error:
+        raise InputError(path, f"line {error.lineno}", f"not valid JSON: {error.msg}") from error
+    except (ValueError, RecursionError) as error:
+        raise InputError(path, "", f"not valid JSON: {error}") from error
+    if not isinstance(root, dict):
+        raise InputError(path, "", "the JSON of a glTF must be an object")
+    return root
+
+
+def _reject_constant(name: str) -> None:
+    raise ValueError(f"{name} is not a JSON number")

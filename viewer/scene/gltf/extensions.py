@@ -1,0 +1,46 @@
+"""Which glTF extensions are read, which are ignored by right, and what is said about the rest."""
+
+from __future__ import annotations
+
+from .element import Element
+
+SUPPORTED = frozenset({
+    "EXT_texture_webp",
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+    "KHR_materials_unlit",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+})
+_WITHOUT_EFFECT = ("FB_ngon_encoding", "KHR_interactivity", "KHR_xmp", "KHR_xmp_json_ld", "MSFT_lod")
+"""These never change how a still picture of the model at full detail looks."""
+
+
+def check_asset(root: Element) -> None:
+    """Raise InputError unless this is a glTF 2 that asks for no more than we have; warn of extensions left out."""
+    if "asset" not in root:
+        raise root.error("is missing: not a glTF", "asset")
+    asset = root.object("asset")
+    version = asset.string("version")
+    needed = asset.string("minVersion", version.split(".")[0] + ".0")
+    if version.split(".")[0] != "2":
+        raise asset.error(f"glTF {version[:20]} is not supported; only 2.0", "version")
+    if needed != "2.0":
+        raise asset.error(f"needs glTF {needed[:20]}; only 2.0 is supported", "minVersion")
+    used, required = extension_names(root, "extensionsUsed"), extension_names(root, "extensionsRequired")
+    for k, name in enumerate(required):
+        if name not in SUPPORTED and name not in _WITHOUT_EFFECT:
+            raise root.error(f"the file needs the extension {name}, which is not supported", f"extensionsRequired[{k}]")
+    for name in used:
+        if name not in SUPPORTED and name not in _WITHOUT_EFFECT:
+            root.document.warn(f"extension {name} is not supported; the model is shown without it")
+
+
+def extension_names(root: Element, key: str) -> list[str]:
+    """The strings of `extensionsUsed` or `extensionsRequired`, each once."""
+    names = root.value.get(key, [])
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise root.error("must be an array of strings", key)
+    return list(dict.fromkeys(names))

@@ -1,0 +1,48 @@
+"""KHR_lights_punctual: lights, placed by the nodes that hold them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..light import Light
+from .element import Element
+
+
+class Lights:
+    """The lights the file defines."""
+
+    def __init__(self, root: Element) -> None:
+        extension = root.extension("KHR_lights_punctual")
+        self._items = [] if extension is None else extension.array("lights")
+
+    def at_node(self, node: Element, world: np.ndarray) -> Light | None:
+        """The light a node holds, with the node's world matrix applied; scale does not touch intensity or range."""
+        extension = node.extension("KHR_lights_punctual")
+        if extension is None or "light" not in extension:
+            return None
+        element = self._items[extension.index("light", len(self._items))]
+        kind = element.string("type")
+        if kind not in ("directional", "point", "spot"):
+            element.warn(f"{kind[:20]!r} is unknown; the light is left out", "type")
+            return None
+        direction = -world[:3, 2]
+        length = float(np.linalg.norm(direction))
+        if not length > 0:
+            direction, length = np.array([0.0, 0.0, -1.0]), 1.0
+        reach = element.number("range", None, 0.0)
+        return Light(kind, element.vector("color", 3, (1.0, 1.0, 1.0), 0.0), element.number("intensity", 1.0, 0.0),
+                     tuple(map(float, world[:3, 3])), tuple(map(float, direction / length)), reach or None,
+                     *_cone(element), name=element.string("name", node.string("name", "")))
+
+
+def _cone(element: Element) -> tuple[float, float]:
+    """Inner and outer angle; the extension wants 0 <= inner < outer <= pi / 2."""
+    spot = element.object("spot")
+    outer = spot.number("outerConeAngle", math.pi / 4, 1e-4, math.pi / 2)
+    inner = spot.number("innerConeAngle", 0.0, 0.0, math.pi / 2)
+    if inner >= outer:
+        spot.warn(f"{inner:g} is not below the outer angle {outer:g}; the cone gets a sharp edge", "innerConeAngle")
+        inner = outer * (1 - 1e-4)
+    return inner, outer

@@ -1,0 +1,248 @@
+"""Mesh primitives as the renderers take them: attributes read, pose applied, normals and tangents made."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..material import Material
+from ..mesh import Mesh
+from ..normals import flat_normals, smooth_normals
+from ..tangents import make_tangents
+from . import deform
+from .accessors import Accessors
+from .element import Element
+from .textures import MAX_UV_SETS
+from .topology import MODES, to_list
+
+MAX_VERTICES = 1 << 26
+"""Vertices and indices in all meshes together: primitives may share the file's bytes, but not our memory."""
+
+_ATTRIBUTES = {"POSITION": ("VEC3",), "NORMAL": ("VEC3",), "TANGENT": ("VEC4",), "COLOR_0": ("VEC3", "VEC4"),
+               **{f"TEXCOORD_{k}": ("VEC2",) for k in range(MAX_UV_SETS)}}
+
+
+@dataclass(frozen=True)
+class Pose:
+    """What deforms a mesh: morph weights, and the joint matrices (J, 4, 4) of a skin."""
+
+    weights: tuple[float, ...] = ()
+    joints: np.ndarray | None = None
+
+
+class Primitives:
+    """Reads primitives; keeps count of how much they ask for."""
+
+    def __init__(self, accessors: Accessors) -> None:
+        self._accessors = accessors
+        self._vertices = 0
+
+    def read(self, primitive: Element, name: str, material: int, materials: list[Material], pose: Pose) -> Mesh | None:
+        """One primitive in its pose; None, with a warning, where there is nothing to draw."""
+        attributes = primitive.object("attributes")
+        mode = primitive.integer("mode", 4)
+        if mode not in MODES:
+            raise primitive.error(f"{mode} is not a mode of drawing", "mode")
+        if "POSITION" not in attributes:
+            primitive.warn("there are no positions; nothing is drawn", "attributes")
+            return None
+        count = self._claim(primitive, attributes)
+        values = {key: self._attribute(attributes, key, count) for key in _ATTRIBUTES if key in attributes}
+        self._morph(primitive, values, pose.weights)
+        if pose.joints is not None:
+            self._skin(attributes, values, count, pose.joints)
+        if not np.isfinite(values["POSITION"]).all():
+            raise attributes.error("the positions must be finite numbers", "POSITION")
+        indices = self._indices(primitive, mode, count)
+        mesh = Mesh(name, values["POSITION"], material, MODES[mode][1], indices, _unit(values.get("NORMAL")),
+                    _unit_tangents(values.get("TANGENT")), _uvs(values, count), _colors(values.get("COLOR_0")))
+        if not mesh.element_count:
+            primitive.warn("there are too few vertices; nothing is drawn")
+            return None
+        mesh = _with_uv_sets(mesh, materials[material], primitive)
+        return _complete(mesh, materials[material], primitive) if mesh.topology == "triangles" else mesh
+
+    def _claim(self, primitive: Element, attributes: Element) -> int:
+        """The number of vertices, checked against what is left of MAX_VERTICES before anything is allocated."""
+        items = self._accessors.items
+        count = self._accessors.count(attributes.index("POSITION", len(items)))
+        self._vertices += count
+        if "indices" in primitive:
+            self._vertices += self._accessors.count(primitive.index("indices", len(items)))
+        if self._vertices > MAX_VERTICES:
+            raise primitive.error(f"more than {MAX_VERTICES} vertices and indices in all")
+        return count
+
+    def _attribute(self, attributes: Element, key: str, count: int) -> np.ndarray:
+        index = attributes.index(key, len(self._accessors.items))
+        self._check_count(attributes, key, index, count)
+        return self._accessors.floats(index, *_ATTRIBUTES[key])
+
+    def _check_count(self, attributes: Element, key: str, index: int, count: int) -> None:
+        found = self._accessors.count(index)
+        if found != count:
+            raise attributes.error(f"{found} values for {count} positions", key)
+
+    def _morph(self, primitive: Element, values: dict[str, np.ndarray], weights: tuple[float, ...]) -> None:
+        targets = primitive.array("targets")
+        if len(weights) > len(targets):
+            primitive.warn(f"{len(weights)} weights for {len(targets)} targets; the others are not used", "targets")
+        active = [(target, weight) for target, weight in zip(targets, weights) if weight]
+        for key, base in values.items():
+            moved = [(target, weight) for target, weight in active if key in target]
+            if moved:
+                # Deltas of tangents have no w (3.7.2.2); those of colours may lack alpha.
+                kinds = ("VEC3",) if key == "TANGENT" else _ATTRIBUTES[key]
+                deltas = [self._delta(target, key, len(base), kinds) for target, _ in moved]
+                values[key] = deform.morph(base, deltas, [weight for _, weight in moved])
+
+    def _delta(self, target: Element, key: str, count: int, kinds: tuple[str, ...]) -> np.ndarray:
+        index = target.index(key, len(self._accessors.items))
+        self._check_count(target, key, index, count)
+        return self._accessors.floats(index, *kinds)
+
+    def _skin(self, attributes: Element, values: dict[str, np.ndarray], count: int, matrices: np.ndarray) -> None:
+        joints, weights = [], []
+        for k in range(2):
+            if f"JOINTS_{k}" in attributes and f"WEIGHTS_{k}" in attributes:
+                for key, read, out in ((f"JOINTS_{k}", self._accessors.raw, joints),
+                                       (f"WEIGHTS_{k}", self._accessors.floats, weights)):
+                    index = attributes.index(key, len(self._accessors.items))
+                    self._check_count(attributes, key, index, count)
+                    out.append(read(index, "VEC4"))
+        if not joints:
+            attributes.warn("the node has a skin, but the mesh has no joints; it is drawn where it is")
+            return
+        joint, weight = np.concatenate(joints, axis=1), np.concatenate(weights, axis=1)
+        if joint.dtype.kind != "u" or not np.isfinite(weight).all():
+            raise attributes.error("joints must be unsigned integers and weights finite", "JOINTS_0")
+        if joint.max() >= len(matrices):
+            raise attributes.error(f"joint {joint.max()}, but the skin has {len(matrices)}", "JOINTS_0")
+        blend = deform.blend_matrices(joint, weight, matrices)
+        values["POSITION"] = deform.skin_positions(values["POSITION"], blend)
+        if "NORMAL" in values:
+            values["NORMAL"] = deform.skin_normals(values["NORMAL"], blend)
+        if "TANGENT" in values:
+            tangents = values["TANGENT"].copy()
+            tangents[:, :3] = deform.skin_directions(tangents[:, :3], blend)
+            values["TANGENT"] = tangents
+
+    def _indices(self, primitive: Element, mode: int, count: int) -> np.ndarray | None:
+        """Of points, lines or triangles; None stands for 0, 1, 2, ... ."""
+        kind, _, size = MODES[mode]
+        if "indices" in primitive:
+            raw = self._accessors.raw(primitive.index("indices", len(self._accessors.items)), "SCALAR")[:, 0]
+            if raw.dtype.kind != "u":
+                raise primitive.error("must be of an unsigned integer type", "indices")
+            highest = int(raw.max())
+            if highest == np.iinfo(raw.dtype).max:
+                raise primitive.error(f"{highest} would restart the primitive, which glTF does not allow", "indices")
+            if highest >= count:
+                raise primitive.error(f"index {highest}, but there are {count} vertices", "indices")
+            indices = raw.astype(np.uint32)
+        else:
+            indices = np.arange(count, dtype=np.uint32)
+        if len(indices) < size:
+            return indices[:0]
+        if mode in (1, 4) and len(indices) % size:
+            primitive.warn(f"{len(indices)} vertices do not make whole {kind}; the last ones are left out")
+        elif "indices" not in primitive and mode in (0, 1, 4):
+            return None
+        return to_list(mode, indices)
+
+
+def _uvs(values: dict[str, np.ndarray], count: int) -> tuple[np.ndarray, ...]:
+    sets = [values.get(f"TEXCOORD_{k}") for k in range(MAX_UV_SETS)]
+    while sets and sets[-1] is None:
+        sets.pop()
+    return tuple(np.zeros((count, 2), np.float32) if uv is None else np.nan_to_num(uv) for uv in sets)
+
+
+def _colors(colors: np.ndarray | None) -> np.ndarray | None:
+    """Linear RGBA in 0..1."""
+    if colors is None:
+        return None
+    rgba = np.ones((len(colors), 4), np.float32)
+    rgba[:, :colors.shape[1]] = np.clip(np.nan_to_num(colors), 0, 1)
+    return rgba
+
+
+def _unit(normals: np.ndarray | None) -> np.ndarray | None:
+    """Unit length where there is one; zero and non-finite vectors stay, to be found and mended."""
+    if normals is None:
+        return None
+    length = np.sqrt(np.einsum("ij,ij->i", normals, normals))[:, None]
+    return normals / np.where(length > 0, length, 1)
+
+
+def _unit_tangents(tangents: np.ndarray | None) -> np.ndarray | None:
+    if tangents is None:
+        return None
+    out = np.empty_like(tangents)
+    out[:, :3] = _unit(tangents[:, :3])
+    out[:, 3] = np.where(tangents[:, 3] < 0, -1, 1)
+    return out
+
+
+def _with_uv_sets(mesh: Mesh, material: Material, primitive: Element) -> Mesh:
+    """The mesh with zeros for the UV sets that its material asks for and it lacks."""
+    textures = (material.base_color_texture, material.metallic_roughness_texture, material.normal_texture,
+                material.occlusion_texture, material.emissive_texture, material.specular_texture,
+                material.specular_color_texture)
+    needed = max((texture.uv_set + 1 for texture in textures if texture), default=0)
+    missing = needed - len(mesh.uvs)
+    if missing <= 0:
+        return mesh
+    primitive.warn(f"the material needs TEXCOORD_{needed - 1}, which is missing; 0, 0 is used", "attributes")
+    return replace(mesh, uvs=mesh.uvs + (np.zeros((len(mesh.positions), 2), np.float32),) * missing)
+
+
+def _complete(mesh: Mesh, material: Material, primitive: Element) -> Mesh:
+    """A triangle mesh with normals, and with tangents where a normal map needs them."""
+    if mesh.normals is None:
+        # Flat normals (3.7.2.1) need corners of their own; given tangents are not to be used without given normals.
+        mesh = _unindexed(mesh)
+        mesh = replace(mesh, normals=flat_normals(mesh.positions), tangents=None)
+    else:
+        mesh = _mended(mesh, primitive)
+    texture = material.normal_texture
+    if texture is None or mesh.tangents is not None:
+        return mesh if texture is not None else replace(mesh, tangents=None)
+    uvs = mesh.uvs[texture.uv_set]
+    if texture.transform is not None:
+        matrix = texture.transform.matrix()
+        uvs = (uvs @ matrix[:, :2].T + matrix[:, 2]).astype(np.float32)
+    source, tangents, triangles = make_tangents(mesh.positions, mesh.normals, uvs, _triangles(mesh))
+    return replace(_picked(mesh, source), tangents=tangents, indices=triangles.ravel())
+
+
+def _mended(mesh: Mesh, primitive: Element) -> Mesh:
+    """The mesh with computed normals and tangents in place of those that are zero or not finite."""
+    square = np.einsum("ij,ij->i", mesh.normals, mesh.normals)
+    bad = ~(np.abs(square - 1) < 0.1)
+    if bad.any():
+        primitive.warn(f"{np.count_nonzero(bad)} normals are zero or not finite; they are computed", "attributes.NORMAL")
+        computed = smooth_normals(mesh.positions, _triangles(mesh))
+        mesh = replace(mesh, normals=np.where(bad[:, None], computed, mesh.normals))
+    if mesh.tangents is not None and not np.isfinite(mesh.tangents).all():
+        primitive.warn("some tangents are not finite; all are computed", "attributes.TANGENT")
+        mesh = replace(mesh, tangents=None)
+    return mesh
+
+
+def _triangles(mesh: Mesh) -> np.ndarray:
+    indices = np.arange(len(mesh.positions) // 3 * 3) if mesh.indices is None else mesh.indices
+    return indices.reshape(-1, 3)
+
+
+def _unindexed(mesh: Mesh) -> Mesh:
+    return mesh if mesh.indices is None else replace(_picked(mesh, mesh.indices), indices=None)
+
+
+def _picked(mesh: Mesh, source: np.ndarray) -> Mesh:
+    """The mesh with vertex k a copy of vertex source[k]; the indices are left as they are."""
+    def pick(array: np.ndarray | None) -> np.ndarray | None:
+        return None if array is None else array[source]
+    return replace(mesh, positions=mesh.positions[source], normals=pick(mesh.normals), tangents=pick(mesh.tangents),
+                   uvs=tuple(uv[source] for uv in mesh.uvs), colors=pick(mesh.colors))

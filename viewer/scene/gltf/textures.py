@@ -1,0 +1,77 @@
+"""Images, samplers, and how a material refers to them."""
+
+from __future__ import annotations
+
+from ..material import Filter, Sampler, Texture, UVTransform, Wrap
+from ..texture_image import TextureImage, open_texture_image
+from .buffers import Buffers, read_uri
+from .element import Element
+
+_WRAPS: dict[int, Wrap] = {33071: "clamp", 33648: "mirror", 10497: "repeat"}
+_MAG_FILTERS: dict[int, Filter] = {9728: "nearest", 9729: "linear"}
+_MIN_FILTERS: dict[int, tuple[Filter, Filter | None]] = {
+    9728: ("nearest", None), 9729: ("linear", None), 9984: ("nearest", "nearest"), 9985: ("linear", "nearest"),
+    9986: ("nearest", "linear"), 9987: ("linear", "linear")}
+MAX_UV_SETS = 2
+
+
+class Textures:
+    """The file's textures; an image is opened when a material that is used refers to it, and shared from then on."""
+
+    def __init__(self, root: Element, buffers: Buffers) -> None:
+        self._textures, self._samplers = root.array("textures"), root.array("samplers")
+        self._images = root.array("images")
+        self._buffers = buffers
+        self.opened: dict[int, TextureImage] = {}
+
+    def read(self, owner: Element, key: str) -> Texture | None:
+        """The texture that the texture info at `owner.key` describes; None, perhaps with a warning, without one."""
+        if key not in owner:
+            return None
+        info = owner.object(key)
+        texture = self._textures[info.index("index", len(self._textures))]
+        image = self._image_index(texture)
+        if image is None:
+            return None
+        uv_set = info.integer("texCoord", 0)
+        transform = None
+        extension = info.extension("KHR_texture_transform")
+        if extension is not None:
+            uv_set = extension.integer("texCoord", uv_set)
+            transform = UVTransform(extension.vector("offset", 2, (0.0, 0.0)), extension.number("rotation", 0.0),
+                                    extension.vector("scale", 2, (1.0, 1.0)))
+        if uv_set >= MAX_UV_SETS:
+            info.warn(f"UV set {uv_set} is left out, with the texture: only sets 0 and 1 are supported", "texCoord")
+            return None
+        return Texture(self._image(image), self._sampler(texture), uv_set, transform)
+
+    def _image_index(self, texture: Element) -> int | None:
+        webp = texture.extension("EXT_texture_webp")
+        if webp is not None and "source" in webp:
+            return webp.index("source", len(self._images))
+        if "source" in texture:
+            return texture.index("source", len(self._images))
+        extensions = ", ".join(texture.object("extensions").value)
+        texture.warn(f"only has an image for {extensions}, which is not supported; it is left out" if extensions else
+                     "has no image; it is left out")
+        return None
+
+    def _sampler(self, texture: Element) -> Sampler:
+        if "sampler" not in texture:
+            return Sampler()
+        sampler = self._samplers[texture.index("sampler", len(self._samplers))]
+        min_filter, mip_filter = sampler.choice("minFilter", _MIN_FILTERS, 9987)
+        return Sampler(sampler.choice("wrapS", _WRAPS, 10497), sampler.choice("wrapT", _WRAPS, 10497),
+                       sampler.choice("magFilter", _MAG_FILTERS, 9729), min_filter, mip_filter)
+
+    def _image(self, index: int) -> TextureImage:
+        if index not in self.opened:
+            image = self._images[index]
+            name = f"{image.document.path}: {image.place}"
+            if "uri" in image:
+                data, path = read_uri(image, "uri")
+                name = name if path is None else str(path)
+            else:
+                data = self._buffers.view(image.index("bufferView", len(self._buffers.views)))
+            self.opened[index] = open_texture_image(data, name)
+        return self.opened[index]

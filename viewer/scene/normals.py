@@ -1,0 +1,51 @@
+"""Normals made from the geometry where a file has none, or none that can be used."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def flat_normals(positions: np.ndarray) -> np.ndarray:
+    """One normal per triangle: (3 T, 3) unindexed positions to (3 T, 3) float32; +Z where a triangle has no area."""
+    return np.repeat(_unit(_face_normals(positions.reshape(-1, 3, 3))), 3, axis=0)
+
+
+def smooth_normals(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """The normal of each vertex as the mean over its triangles, weighted by the angle there (Thurmer & Wuthrich 1998).
+
+    (N, 3) positions and (T, 3) vertex numbers to (N, 3) float32; +Z for a vertex without a triangle that has area.
+    """
+    corners = positions[triangles]
+    weighted = corner_angles(corners)[..., None] * _unit(_face_normals(corners))[:, None, :]
+    return _unit(sum_by(triangles.ravel(), weighted.reshape(-1, 3), len(positions)))
+
+
+def corner_angles(corners: np.ndarray) -> np.ndarray:
+    """Interior angles of triangles in radians: (T, 3, 3) corners to (T, 3); 0 where an edge has no length."""
+    to_next = _normalised(np.roll(corners, -1, axis=1) - corners)
+    to_previous = -np.roll(to_next, 1, axis=1)
+    return np.arccos(np.clip(np.einsum("tki,tki->tk", to_next, to_previous), -1, 1)) * to_next.any(axis=2)
+
+
+def sum_by(group: np.ndarray, vectors: np.ndarray, count: int) -> np.ndarray:
+    """Sums of (M, C) vectors that share a number in `group` (M,), as (count, C) float64."""
+    return np.stack([np.bincount(group, component, count) for component in vectors.T], axis=1)
+
+
+def _face_normals(corners: np.ndarray) -> np.ndarray:
+    """(T, 3, 3) corners to (T, 3) float64 normals as long as twice the area."""
+    corners = corners.astype(np.float64)
+    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+
+
+def _normalised(vectors: np.ndarray) -> np.ndarray:
+    """Unit vectors, or zero where they have no length."""
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return vectors / np.where(length > 0, length, 1)
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    """Unit vectors as float32, +Z where they have no length."""
+    out = _normalised(vectors).astype(np.float32)
+    out[~vectors.any(axis=-1)] = (0, 0, 1)
+    return out

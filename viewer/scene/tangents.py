@@ -1,0 +1,98 @@
+"""Tangents for normal maps, in the manner of MikkTSpace (Mikkelsen 2008), vectorised.
+
+As there: a face's tangent follows the texture's u; at a vertex it is projected onto the normal's plane and averaged
+over the faces around, weighted by the angle, but never between mirrored and unmirrored faces, nor between vertices
+that differ in position, normal or texture coordinates. Faces without texture area take their neighbours' tangent.
+Unlike there, faces that meet in a vertex alone, sharing no edge, are averaged as well.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .normals import corner_angles, sum_by
+
+
+def make_tangents(positions: np.ndarray, normals: np.ndarray, uvs: np.ndarray,
+                  triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Tangents for an indexed mesh; vertices are split where mirrored and unmirrored faces share them.
+
+    positions, normals (N, 3) and uvs (N, 2) float32, v downwards; triangles (T, 3) integers. Returns
+    (source, tangents, triangles): vertex k of the new mesh is a copy of old vertex source[k], (N',) with
+    source[:N] == arange(N); tangents (N', 4) float32; triangles (T, 3) uint32. The bitangent is w * cross(normal,
+    tangent) and points up in the picture.
+    """
+    count = len(positions)
+    face_tangent, mirrored, usable = _face_tangents(positions, uvs, triangles)
+    vertex = triangles.ravel()
+    side = np.repeat(mirrored, 3).astype(np.intp)
+    normal = normals[vertex]
+    tangent = np.repeat(face_tangent, 3, axis=0)
+    tangent -= normal * np.einsum("ij,ij->i", normal, tangent)[:, None]
+    length = np.sqrt(np.einsum("ij,ij->i", tangent, tangent))
+    usable = np.repeat(usable, 3) & (length > 0)
+    weight = np.where(usable, corner_angles(positions[triangles]).ravel() / np.where(usable, length, 1), 0)
+
+    welded = _weld(positions, normals, uvs)
+    group = 2 * welded[vertex] + side
+    total = sum_by(group[usable], (tangent * weight[:, None])[usable], 2 * count)
+
+    # Corners of unusable faces join whichever side their vertex has.
+    has = np.zeros((count, 2), bool)
+    has[vertex[usable], side[usable]] = True
+    side = np.where(usable, side, ~has[vertex, 0] & has[vertex, 1])
+    # A vertex of both sides keeps the unmirrored one; its mirrored corners move to a copy behind the last vertex.
+    split = np.flatnonzero(has.all(axis=1))
+    copy_of = np.arange(count)
+    copy_of[split] = count + np.arange(len(split))
+    new_vertex = np.where(side == 1, copy_of[vertex], vertex)
+
+    source = np.concatenate([np.arange(count), split])
+    new_side = np.concatenate([has[:, 1] & ~has[:, 0], np.ones(len(split), bool)]).astype(np.intp)
+    return source, _finish(total[2 * welded[source] + new_side], normals[source], new_side), \
+        new_vertex.reshape(-1, 3).astype(np.uint32)
+
+
+def any_tangents(normals: np.ndarray) -> np.ndarray:
+    """A unit vector perpendicular to each (N, 3) unit normal, continuous but for a seam (Duff et al. 2017)."""
+    x, y, z = normals.T
+    sign = np.where(z >= 0, 1.0, -1.0)
+    a = -1.0 / (sign + z)
+    return np.stack([1.0 + sign * x * x * a, sign * x * y * a, -sign * x], axis=1).astype(np.float32)
+
+
+def _face_tangents(positions: np.ndarray, uvs: np.ndarray,
+                   triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Per triangle: the direction of growing u (T, 3), whether the texture is mirrored, whether it has an area."""
+    p, uv = positions[triangles].astype(np.float64), uvs[triangles].astype(np.float64)
+    edge1, edge2 = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
+    (u1, v1), (u2, v2) = (uv[:, 1] - uv[:, 0]).T, (uv[:, 2] - uv[:, 0]).T
+    area = u1 * v2 - u2 * v1
+    tangent = v2[:, None] * edge1 - v1[:, None] * edge2
+    # v points down, so the area of an unmirrored texture is negative on a counter-clockwise triangle.
+    tangent *= np.sign(area)[:, None]
+    length = np.sqrt(np.einsum("ij,ij->i", tangent, tangent))
+    usable = (area != 0) & (length > 0) & np.isfinite(length)
+    tangent[~usable] = 0
+    return tangent / np.where(usable, length, 1)[:, None], area > 0, usable
+
+
+def _weld(*attributes: np.ndarray) -> np.ndarray:
+    """For each vertex the number of the first one with the same attributes, by a 64-bit hash; (N,)."""
+    words = np.concatenate([a + np.float32(0) for a in attributes], axis=1).view(np.uint32).astype(np.uint64)  # -0 is 0
+    mixed = np.zeros(len(words), np.uint64)
+    for word in words.T:
+        mixed = (mixed ^ word) * np.uint64(0x9E3779B97F4A7C15)
+        mixed ^= mixed >> np.uint64(29)
+    _, first, number = np.unique(mixed, return_index=True, return_inverse=True)
+    return first[number]
+
+
+def _finish(total: np.ndarray, normals: np.ndarray, mirrored: np.ndarray) -> np.ndarray:
+    """Unit tangents with their handedness, (N, 4) float32, from sums; any perpendicular one where a sum is nothing."""
+    length = np.linalg.norm(total, axis=1)
+    good = length > 1e-6
+    out = np.empty((len(total), 4), np.float32)
+    out[:, :3] = np.where(good[:, None], total / np.where(good, length, 1)[:, None], any_tangents(normals))
+    out[:, 3] = 1 - 2 * mirrored
+    return out
