@@ -33,8 +33,9 @@ class Context:
     """An OpenGL context of one back end, current from its creation on.
 
     OpenGL draws into the context that is current on the thread, so after another one was opened or made current call
-    `make_current` before going on with this. Releasing frees the driver's memory; textures, buffers and programs of
-    the context go with it. `with open_context() as context:` releases at the end.
+    `make_current` before going on with this. Textures, buffers and programs that Python has dropped are freed then, or
+    at once by their own `release`; releasing the context frees all it holds. `with open_context() as context:` does so
+    at the end.
     """
 
     backend = ""
@@ -44,18 +45,25 @@ class Context:
         self.device_index = device_index
         try:
             # Reads the version of the current context, so it must be the new one.
-            self.make_current()
-            self.gl = moderngl.create_context(require=MINIMUM_VERSION, context=loader)
+            self._enter()
+            self.gl = moderngl.create_context(require=MINIMUM_VERSION, context=_Interned(loader))
         except Exception as error:
             self._drop()
             raise ContextError(f"{self.backend}: {' '.join(str(error).split())}") from error
+        # moderngl's default is never to free what is not released by hand. "auto" would free it the moment Python
+        # drops it, into whichever context is current then; so it is only listed, and freed by _free_dropped.
+        self.gl.gc_mode = "context_gc"
         info = self.gl.info
         self.renderer: str = info["GL_RENDERER"]
         self.vendor: str = info["GL_VENDOR"]
         self.version: str = info["GL_VERSION"]
 
     def make_current(self) -> None:
-        """Direct this thread's OpenGL calls to this context."""
+        """Direct this thread's OpenGL calls to this context, and free what of it Python has dropped."""
+        self._enter()
+        self._free_dropped()
+
+    def _enter(self) -> None:
         previous = getattr(_current, "context", None)
         if previous is not self:
             # EGL, GLX and OSMesa each remember a current context of their own and skip a call that seems to change
@@ -70,11 +78,21 @@ class Context:
         if isinstance(self.gl.mglo, moderngl.InvalidObject):
             return
         previous = getattr(_current, "context", None)
-        self.make_current()
+        self._enter()
+        self.gl.fbo = None  # the framebuffer drawn into last, which may be all that keeps it
+        self._free_dropped()
+        self.gl.extensions.clear()  # moderngl leaks the set
         self.gl.release()
         self._drop()
         if previous is not None and previous is not self:
             previous.make_current()
+
+    def _free_dropped(self) -> None:
+        # As moderngl's Context.gc, which stumbles over what was released by hand before it was dropped.
+        while self.gl.objects:
+            dropped = self.gl.objects.popleft()
+            if not isinstance(dropped, moderngl.InvalidObject):
+                dropped.release()
 
     def _drop(self) -> None:
         # A context that is still current is only marked for destruction, so it has to be left first (EGL 1.5, 3.7.2).
@@ -94,6 +112,25 @@ class Context:
 
 
 _current = threading.local()
+_addresses: dict[int, int] = {}
+
+
+class _Interned:
+    """A loader for moderngl, which leaks the number it gets for each of some 900 functions: let it be the same one."""
+
+    def __init__(self, loader: Loader) -> None:
+        self._loader = loader
+        self.release = loader.release
+
+    def load_opengl_function(self, name: str) -> int:
+        address = self._loader.load_opengl_function(name)
+        return _addresses.setdefault(address, address)
+
+    def __enter__(self) -> None:
+        self._loader.__enter__()
+
+    def __exit__(self, *exc: object) -> None:
+        self._loader.__exit__(*exc)
 
 
 def open_context(backend: str = "auto", device: int | None = None) -> Context:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from functools import cache
 
 from ..errors import ContextError
 from .context import MINIMUM_VERSION, Context
@@ -43,10 +44,7 @@ class EGLContext(Context):
 
 def device_count() -> int:
     """How many devices EGL's drivers offer; Mesa's software rasteriser is one. Raises ContextError without EGL."""
-    try:
-        library = ctypes.CDLL(LIBRARY)
-    except OSError as error:
-        raise ContextError(f"egl: {error}") from error
+    library = _library()
     library.eglGetProcAddress.restype = ctypes.c_void_p
     address = library.eglGetProcAddress(b"eglQueryDevicesEXT")
     if not address:
@@ -56,3 +54,11 @@ def device_count() -> int:
     if not query(0, None, ctypes.byref(count)):
         return 0
     return count.value
+
+
+@cache
+def _library() -> ctypes.CDLL:
+    try:
+        return ctypes.CDLL(LIBRARY)
+    except OSError as error:
+        raise ContextError(f"egl: {error}") from error
