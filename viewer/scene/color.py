@@ -1,17 +1,17 @@
-"""The sRGB transfer function, exactly as IEC 61966-2-1 defines it (piecewise, not a 2.2 power)."""
+"""The sRGB transfer function, exact (IEC 61966-2-1:1999), in float64."""
 
 from __future__ import annotations
 
 import numpy as np
 
 
-def srgb_to_linear(encoded) -> np.ndarray:
-    """sRGB-encoded values (0..1, any shape) to linear light, float64."""
+def srgb_to_linear(encoded: np.ndarray) -> np.ndarray:
+    """Displayed values in [0, 1] to linear ones, of any shape."""
     encoded = np.asarray(encoded, np.float64)
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0.0) + 0.055) / 1.055) ** 2.4)
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0.04045) + 0.055) / 1.055) ** 2.4)
 
 
-def linear_to_srgb(linear) -> np.ndarray:
-    """Linear light (any shape) to sRGB-encoded values, float64; nothing is clipped."""
+def linear_to_srgb(linear: np.ndarray) -> np.ndarray:
+    """Linear values in [0, 1] to displayed ones, of any shape."""
     linear = np.asarray(linear, np.float64)
-    return np.where(linear <= 0.0031308, linear * 12.92, 1.055 * np.maximum(linear, 0.0) ** (1 / 2.4) - 0.055)
+    return np.where(linear <= 0.0031308, linear * 12.92, 1.055 * np.maximum(linear, 0.0031308) ** (1 / 2.4) - 0.055)
