@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import threading
+from collections.abc import Callable
 from typing import Any, Protocol
 
 import moderngl
@@ -39,17 +40,25 @@ class Context:
     """
 
     backend = ""
+    device_index: int | None = None
 
-    def __init__(self, loader: Loader, device_index: int | None = None) -> None:
-        self._loader = loader
-        self.device_index = device_index
+    def __init__(self, create: Callable[[], Loader]) -> None:
+        """`create` makes the native context, or raises ContextError."""
+        previous = _leave_current()
         try:
-            # Reads the version of the current context, so it must be the new one.
+            self._loader = create()
             self._enter()
-            self.gl = moderngl.create_context(require=MINIMUM_VERSION, context=_Interned(loader))
-        except Exception as error:
-            self._drop()
-            raise ContextError(f"{self.backend}: {' '.join(str(error).split())}") from error
+            try:
+                # Finds out what the current context can do.
+                self.gl = moderngl.create_context(require=MINIMUM_VERSION, context=_Interned(self._loader))
+            except Exception as error:
+                _leave_current()
+                self._loader.release()
+                raise ContextError(f"{self.backend}: {' '.join(str(error).split())}") from error
+        except ContextError:
+            if previous is not None:
+                previous._enter()
+            raise
         # moderngl's default is never to free what is not released by hand. "auto" would free it the moment Python
         # drops it, into whichever context is current then; so it is only listed, and freed by _free_dropped.
         self.gl.gc_mode = "context_gc"
@@ -64,12 +73,8 @@ class Context:
         self._free_dropped()
 
     def _enter(self) -> None:
-        previous = getattr(_current, "context", None)
-        if previous is not self:
-            # EGL, GLX and OSMesa each remember a current context of their own and skip a call that seems to change
-            # nothing, and libglvnd refuses one API while another's context is current: always leave through the old.
-            if previous is not None:
-                previous._loader.__exit__(None, None, None)
+        if getattr(_current, "context", None) is not self:
+            _leave_current()
             _current.context = self
         self._loader.__enter__()
 
@@ -82,10 +87,11 @@ class Context:
         self.gl.fbo = None  # the framebuffer drawn into last, which may be all that keeps it
         self._free_dropped()
         self.gl.extensions.clear()  # moderngl leaks the set
+        # A context that is still current is only marked for destruction, so it has to be left first (EGL 1.5, 3.7.2).
+        _leave_current()
         self.gl.release()
-        self._drop()
         if previous is not None and previous is not self:
-            previous.make_current()
+            previous._enter()
 
     def _free_dropped(self) -> None:
         # As moderngl's Context.gc, which stumbles over what was released by hand before it was dropped.
@@ -93,13 +99,6 @@ class Context:
             dropped = self.gl.objects.popleft()
             if not isinstance(dropped, moderngl.InvalidObject):
                 dropped.release()
-
-    def _drop(self) -> None:
-        # A context that is still current is only marked for destruction, so it has to be left first (EGL 1.5, 3.7.2).
-        if getattr(_current, "context", None) is self:
-            self._loader.__exit__(None, None, None)
-            _current.context = None
-        self._loader.release()
 
     def __enter__(self) -> Context:
         return self
@@ -112,6 +111,21 @@ class Context:
 
 
 _current = threading.local()
+
+
+def _leave_current() -> Context | None:
+    """Make no context current on this thread, and return the one that was.
+
+    EGL, GLX and OSMesa each remember a current context of their own and skip a call that seems to change nothing, and
+    creating or entering a context of one of them fails while another's is current: always leave by the door one came.
+    """
+    context = getattr(_current, "context", None)
+    if context is not None:
+        context._loader.__exit__(None, None, None)
+        _current.context = None
+    return context
+
+
 _addresses: dict[int, int] = {}
 
 
@@ -151,7 +165,7 @@ def open_context(backend: str = "auto", device: int | None = None) -> Context:
     failures = []
     for name in backends:
         try:
-            return _open(name, device)
+            return create_context(name, device)
         except ContextError as error:
             failures.append(str(error))
     raise ContextError("\n".join(["no OpenGL context:", *failures, FIX]))
@@ -162,7 +176,8 @@ def auto_backends() -> tuple[str, ...]:
     return ("egl", "osmesa", "window") if sys.platform.startswith("linux") else ("window", "osmesa")
 
 
-def _open(name: str, device: int | None) -> Context:
+def create_context(name: str, device: int | None = None) -> Context:
+    """A context of the back end `name`, not auto. Raises ContextError with the one reason."""
     # Imported here so that a picture through EGL does not pay for loading GLFW.
     if name == "egl":
         from .egl import EGLContext

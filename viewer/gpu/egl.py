@@ -6,7 +6,7 @@ import ctypes
 from functools import cache
 
 from ..errors import ContextError
-from .context import MINIMUM_VERSION, Context
+from .context import MINIMUM_VERSION, Context, Loader
 
 # The name of the installed library. find_library("EGL") would need a compiler or a development package's link, and
 # starts a process or two to look for them.
@@ -19,6 +19,9 @@ class EGLContext(Context):
     backend = "egl"
 
     def __init__(self, device: int | None = None) -> None:
+        super().__init__(lambda: self._create(device))
+
+    def _create(self, device: int | None) -> Loader:
         try:
             from glcontext import egl
         except ImportError as error:
@@ -30,15 +33,12 @@ class EGLContext(Context):
             raise ContextError(f"egl: no device {device}: there are {count}, counted from 0")
         failures = []
         for index in range(count) if device is None else (device,):
+            self.device_index = index
             try:
                 # eglGetProcAddress finds OpenGL's functions as well, so libGL (and with it X11) is not needed.
-                loader = egl.create_context(
-                    libgl=LIBRARY, libegl=LIBRARY, glversion=MINIMUM_VERSION, device_index=index
-                )
-                super().__init__(loader, index)
-                return
+                return egl.create_context(libgl=LIBRARY, libegl=LIBRARY, glversion=MINIMUM_VERSION, device_index=index)
             except Exception as error:
-                failures.append(f"device {index}: {str(error).removeprefix('egl: ')}")
+                failures.append(f"device {index}: {error}")
         raise ContextError(f"egl: {'; '.join(failures)}")
 
 

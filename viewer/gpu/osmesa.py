@@ -14,6 +14,9 @@ class OSMesaContext(Context):
     backend = "osmesa"
 
     def __init__(self) -> None:
+        super().__init__(self._create)
+
+    def _create(self) -> GLFWLoader:
         window = create_window(
             self.backend,
             null_platform=True,
@@ -22,4 +25,4 @@ class OSMesaContext(Context):
             size=(1, 1),
             title="",
         )
-        super().__init__(GLFWLoader(window))
+        return GLFWLoader(window)

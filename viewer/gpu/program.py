@@ -12,12 +12,12 @@ from ..errors import ShaderError
 from .context import Context
 from .source import ProgramSource, assemble, display_name
 
-# One message of a driver's log: source-string number, line, text.
+# An error in a driver's log: line and text, after a source-string number that says nothing here.
 _MESSAGE = re.compile(
     r"""^\s*(?:
-        (\d+):(\d+)\(\d+\):\s*error:\s*          # Mesa:             0:12(5): error: ...
-      | (\d+)\((\d+)\)\s*:\s*error\s*(?=\w*:)    # NVIDIA:           0(12) : error C1008: ...
-      | ERROR:\s*(\d+):(\d+):\s*                 # AMD, Apple, Intel: ERROR: 0:12: ...
+        \d+:(\d+)\(\d+\):\s*(?:preprocessor\s)?error:\s*  # Mesa:              0:12(5): error: ...
+      | \d+\((\d+)\)\s*:\s*error\s*(?=\w*:)             # NVIDIA:            0(12) : error C1008: ...
+      | ERROR:\s*\d+:(\d+):\s*                           # AMD, Apple, Intel: ERROR: 0:12: ...
     )(.*)$""",
     re.VERBOSE | re.MULTILINE | re.IGNORECASE,
 )
@@ -55,9 +55,10 @@ def _explain(log: str, sources: Mapping[str, ProgramSource]) -> str:
     stage = _STAGE.search(log)
     message = _MESSAGE.search(log)
     if stage and message and stage[1] in sources:
-        number, line, text = (group for group in message.groups() if group is not None)
-        files = sources[stage[1]].files
-        if int(number) < len(files):
-            return f"{display_name(files[int(number)])}:{line}: {text.strip()}"
+        line, text = (group for group in message.groups() if group is not None)
+        origins = sources[stage[1]].origins
+        if 0 < int(line) <= len(origins):
+            file, file_line = origins[int(line) - 1]
+            return f"{display_name(file)}:{file_line}: {text.strip()}"
     names = ", ".join(display_name(source.files[0]) for source in sources.values())
     return f"{names}: {' '.join(log.split())}"

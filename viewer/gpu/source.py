@@ -28,10 +28,15 @@ _PREDEFINED = re.compile(r"GL_\w+|__\w+__|defined")
 
 @dataclass
 class ProgramSource:
-    """One shader ready to compile. `files[n]` is the file behind source-string number n of `#line` and driver logs."""
+    """One shader ready to compile: its text, the files it is from, and for each line of the text its file and line.
+
+    The lines are kept here because `#line` cannot say it: Mesa (22.3) forgets the source-string number in expressions,
+    and before GLSL 3.30 the directive numbers from the line after the next.
+    """
 
     text: str
     files: list[Path]
+    origins: list[tuple[Path, int]]
 
 
 def assemble(path: str | Path, defines: Mapping[str, float] | None = None, version: int = 330) -> ProgramSource:
@@ -41,11 +46,14 @@ def assemble(path: str | Path, defines: Mapping[str, float] | None = None, versi
     switch that neither `defines` nor a `#define` in the sources knows.
     """
     defines = defines or {}
+    file = _find(path)
     assembly = _Assembly()
-    assembly.lines = [f"#version {version} core", *(f"#define {name} {value + 0}" for name, value in defines.items())]
-    assembly.add(_find(path), [], conditional=False)
+    assembly.emit(f"#version {version} core", file, 1)
+    for name, value in defines.items():
+        assembly.emit(f"#define {name} {value + 0}", file, 1)  # + 0 makes numbers of True and False
+    assembly.add(file, [], conditional=False)
     assembly.check_switches(defines)
-    return ProgramSource("\n".join(assembly.lines) + "\n", assembly.files)
+    return ProgramSource("\n".join(assembly.lines) + "\n", assembly.files, assembly.origins)
 
 
 def source_files(*paths: str | Path) -> list[Path]:
@@ -65,10 +73,15 @@ def display_name(file: Path) -> str:
 @dataclass
 class _Assembly:
     lines: list[str] = field(default_factory=list)
+    origins: list[tuple[Path, int]] = field(default_factory=list)
     files: list[Path] = field(default_factory=list)
     complete: set[Path] = field(default_factory=set)  # what is in the text whatever the switches are
     defined: set[str] = field(default_factory=set)
     used: dict[str, str] = field(default_factory=dict)  # switch -> where it is first asked for
+
+    def emit(self, text: str, file: Path, line: int) -> None:
+        self.lines.append(text)
+        self.origins.append((file, line))
 
     def add(self, file: Path, chain: list[Path], conditional: bool) -> None:
         """Append `file`, which `chain` of files led to; `conditional` is true inside an #if of one of them."""
@@ -81,11 +94,11 @@ class _Assembly:
             raise ShaderError(f"{display_name(chain[-1])}: #include is nested more than {_MAX_DEPTH} deep")
         if file not in self.files:
             self.files.append(file)
-        number = self.files.index(file)
         # Inside an #if this copy may be skipped and a later one needed, so there may be several of which the first
         # that the switches reach counts.
-        guard = f"INCLUDED_{number}"
-        self.lines += [f"#ifndef {guard}", f"#define {guard}", f"#line 1 {number}"]
+        guard = f"INCLUDED_{self.files.index(file)}"
+        self.emit(f"#ifndef {guard}", file, 1)
+        self.emit(f"#define {guard}", file, 1)
         depth = 0
         for line, code in enumerate(_without_comments(_read(file)).split("\n"), start=1):
             directive = _DIRECTIVE.match(code)
@@ -96,15 +109,14 @@ class _Assembly:
                 if not included:
                     raise ShaderError(f'{place}: expected #include "file", found {code.strip()}')
                 self.add(self._find_include(included[1], file, chain, place), [*chain, file], conditional or depth > 0)
-                self.lines.append(f"#line {line + 1} {number}")
                 continue
             if name == "version":
                 raise ShaderError(f"{place}: #version is not for the file to say, it comes before all includes")
             depth += name in ("if", "ifdef", "ifndef")
             depth -= name == "endif"
             self._note_switches(name, rest, place)
-            self.lines.append(code)
-        self.lines.append("#endif")
+            self.emit(code, file, line)
+        self.emit("#endif", file, line)
         if not conditional:
             self.complete.add(file)
 

@@ -17,6 +17,9 @@ class WindowContext(Context):
     backend = "window"
 
     def __init__(self, size: tuple[int, int] = (64, 64), title: str = "pbr-viewer", visible: bool = False) -> None:
+        super().__init__(lambda: self._create(size, title, visible))
+
+    def _create(self, size: tuple[int, int], title: str, visible: bool) -> GLFWLoader:
         self.window = create_window(
             self.backend,
             null_platform=False,
@@ -26,4 +29,4 @@ class WindowContext(Context):
             size=size,
             title=title,
         )
-        super().__init__(GLFWLoader(self.window))
+        return GLFWLoader(self.window)
