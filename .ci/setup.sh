@@ -1,0 +1,96 @@
+#!/bin/sh
+# Makes .venv with the package in it, and sees to it that OpenGL works; `make` calls it when it has to.
+# It may be interrupted and run again at any point: what is half made is made anew.
+#
+#   PYTHON=/path/to/python   the Python to use instead of the first that is new enough
+set -eu
+cd "$(dirname "$0")/.."
+
+VENV=.venv
+
+say() { printf '%s\n' "$*" >&2; }
+fail() { say "setup: $*"; exit 1; }
+
+# as_root COMMAND...: with the rights to install packages, or not at all; never asks for a password.
+as_root() {
+    if [ "$(id -u)" = 0 ]; then "$@"
+    elif command -v sudo >/dev/null && sudo -n true 2>/dev/null; then sudo -n "$@"
+    else return 1
+    fi
+}
+
+# install_with_apt PACKAGE...: without asking.
+install_with_apt() {
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" >/dev/null
+}
+
+is_new_enough() { "$1" -c 'import sys; sys.exit(sys.version_info < (3, 10))' >/dev/null 2>&1; }
+
+find_python() {
+    for python in ${PYTHON:-python3 python3.14 python3.13 python3.12 python3.11 python3.10 python}; do
+        if is_new_enough "$python"; then echo "$python"; return; fi
+    done
+    fail "Python 3.10 or newer is needed, and ${PYTHON:-python3} is not: install it, or set PYTHON=/path/to/python3"
+}
+
+venv_works() { is_new_enough $VENV/bin/python && $VENV/bin/python -m pip --version >/dev/null 2>&1; }
+
+# Debian and Ubuntu keep the module that makes environments in a package of its own.
+make_venv() {
+    rm -rf $VENV
+    "$1" -m venv $VENV >/dev/null 2>&1 && venv_works && return
+    version=$("$1" -c 'import sys; print("%d.%d" % sys.version_info[:2])')
+    if command -v apt-get >/dev/null && as_root true; then
+        say "installing python$version-venv"
+        as_root apt-get update -qq >/dev/null || true
+        install_with_apt "python$version-venv" || install_with_apt python3-venv || true
+        rm -rf $VENV
+        "$1" -m venv $VENV >/dev/null 2>&1 && venv_works && return
+    fi
+    rm -rf $VENV
+    "$1" -m virtualenv -q $VENV >/dev/null 2>&1 && venv_works && return
+    rm -rf $VENV
+    # A pip of the system's may not install into the system, but may into a folder.
+    if "$1" -m pip install -q --target $VENV.virtualenv virtualenv >/dev/null 2>&1; then
+        PYTHONPATH=$VENV.virtualenv "$1" -m virtualenv -q $VENV >/dev/null 2>&1 || true
+    fi
+    rm -rf $VENV.virtualenv
+    venv_works && return
+    rm -rf $VENV
+    fail "$1 cannot make a virtual environment: install python$version-venv (Debian, Ubuntu: sudo apt-get install python$version-venv)"
+}
+
+opengl_works() {
+    $VENV/bin/python -c 'import sys; from viewer.doctor import diagnose, exit_status; sys.exit(exit_status(diagnose()))'
+}
+
+# Mesa's software OpenGL, by the names each system gives it.
+install_mesa() {
+    say "no OpenGL driver works here; installing Mesa's software one"
+    if command -v apt-get >/dev/null; then
+        as_root apt-get update -qq >/dev/null || true
+        install_with_apt libegl1 libgl1 libgl1-mesa-dri || return
+        install_with_apt libosmesa6 2>/dev/null || true  # newer releases have none
+    elif command -v dnf >/dev/null; then as_root dnf install -y -q mesa-libEGL mesa-libGL mesa-dri-drivers
+    elif command -v pacman >/dev/null; then as_root pacman -Sy --noconfirm --needed mesa
+    elif command -v zypper >/dev/null; then as_root zypper -q -n install Mesa-libEGL1 Mesa-libGL1 Mesa-dri
+    elif command -v apk >/dev/null; then as_root apk add -q mesa-egl mesa-gl mesa-dri-gallium
+    else return 1
+    fi
+}
+
+venv_works || make_venv "$(find_python)"
+
+say "installing pbr-viewer into $VENV (the first time takes a minute)"
+$VENV/bin/python -m pip install -q --disable-pip-version-check -e '.[test]' ||
+    fail "pip could not install the package; see its message above"
+
+if ! opengl_works; then
+    install_mesa || true
+    if ! opengl_works; then
+        $VENV/bin/pbr-viewer doctor >&2 || true
+        fail "no OpenGL driver works here: install Mesa's, as said above, and run make again"
+    fi
+fi
+
+touch $VENV/.ready

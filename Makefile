@@ -1,0 +1,34 @@
+# What people do with a checkout; everything it needs is set up on the way. `make help` lists the targets.
+
+MODEL ?= assets/demo.glb
+PICTURE ?= demo.png
+ARGS ?=
+
+READY := .venv/.ready
+BIN := .venv/bin
+
+.PHONY: help demo view test bench clean
+
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "make %-6s %s\n", $$1, $$2}' Makefile
+
+demo: $(READY) ## render MODEL (assets/demo.glb) to PICTURE (demo.png)
+	@$(BIN)/pbr-viewer render "$(MODEL)" -o "$(PICTURE)" $(ARGS)
+	@echo "the picture: $(abspath $(PICTURE))"
+
+view: $(READY) ## look at MODEL in a window
+	@$(BIN)/pbr-viewer view "$(MODEL)" $(ARGS)
+
+test: $(READY) ## run the tests; ARGS="-k egl" goes to pytest
+	@$(BIN)/python -m pytest $(ARGS)
+
+bench: $(READY) ## measure speed and memory; ARGS goes to benchmarks
+	@$(BIN)/python -m benchmarks $(ARGS)
+
+clean: ## remove what make has made
+	rm -rf .venv .pytest_cache golden-failures build dist demo.png
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# Made anew when what the package depends on has changed.
+$(READY): pyproject.toml .ci/setup.sh
+	@.ci/setup.sh
