@@ -77,7 +77,7 @@ class Glb:
         self.node(matrix=_pose(eye, target), extensions={"KHR_lights_punctual": {"light": len(lights) - 1}})
 
     def camera(self, eye, target=(0, 0, 0), fov: float = 30.0) -> None:
-        """A perspective camera; `fov` is vertical, in degrees."""
+        """A perspective camera; `fov` is vertical, in degrees. The scenes are placed to fill a square picture."""
         distance = float(np.linalg.norm(np.subtract(eye, target)))
         lens = {"yfov": np.radians(fov), "znear": distance / 100, "zfar": distance * 100}
         self.node(camera=self.add("cameras", {"type": "perspective", "perspective": lens}), matrix=_pose(eye, target))

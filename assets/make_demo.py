@@ -138,9 +138,10 @@ def ball(glb: Glb, place, radius: float) -> None:
     surface = glb.texture(orm(1, roughness, gold), jpeg=84)
     profile = arc(0, 0, radius, -90, 90, 31)
     profile[[0, -1], 0] = 0
+    bumps = normals(rim + 0.01 * fractal(53, 30), 3.0)
     material = glb.material(
         name="glaze", roughness=1, metallic=1, baseColorTexture=glb.texture(color, jpeg=86),
-        metallicRoughnessTexture=surface, normalTexture=glb.texture(normals(rim + 0.01 * fractal(53, 30), 3.0), jpeg=86))
+        metallicRoughnessTexture=surface, normalTexture=glb.texture(bumps, jpeg=86))
     glb.node(glb.mesh(lathe(profile, segments=60), material), name="ball", translation=place,
              rotation=[0.26, 0.1, 0.17, 0.945])
 

@@ -19,7 +19,7 @@ def spheres() -> Glb:
     for row, column in np.ndindex(4, 4):
         material = glb.material((1.0, 0.5, 0.2), column / 3, (0.05, 0.3, 0.6, 1.0)[row])
         glb.node(glb.mesh(ball, material), translation=[column - 1.5, 1.5 - row, 0])
-    glb.camera((0, 0, 8))
+    glb.camera((0, 0, 7.9))
     return glb
 
 
@@ -37,7 +37,7 @@ def normal_map() -> Glb:
         material = glb.material((0.7, 0.7, 0.7), 0.0, 0.4, normalTexture=texture | {"scale": scale})
         glb.node(glb.mesh(shape, material), translation=[place, 0, 0])
     glb.light("directional", (-2, 2, 1.5), intensity=3.0)
-    glb.camera((0, 0, 6))
+    glb.camera((0, 0, 8.4))
     return glb
 
 
@@ -70,7 +70,7 @@ def textures() -> Glb:
     for place, (sampler, fields) in enumerate(kinds):
         material = glb.material(roughness=1.0, baseColorTexture=glb.texture(pixels, **sampler) | fields)
         glb.node(glb.mesh(wide, material), translation=[place % 4 * 1.1 - 1.65, 0.55 - place // 4 * 1.1, 0])
-    glb.camera((0, 0, 6.5))
+    glb.camera((0, 0, 8.6))
     return glb
 
 
@@ -91,7 +91,7 @@ def alpha() -> Glb:
         glb.node(glb.mesh(card, material), translation=[1.2, 0, 0], rotation=[0, np.sin(turn), 0, np.cos(turn)])
     floor = glb.material((0.5, 0.5, 0.5), roughness=0.9)
     glb.node(glb.mesh(plate(4, 2), floor), rotation=UP, translation=[0, -0.6, 0])
-    glb.camera((0.6, 1.2, 5))
+    glb.camera((0.8, 1.7, 7.4))
     return glb
 
 
@@ -121,7 +121,7 @@ def vertex_colors() -> Glb:
     for place, (colours, fields) in enumerate(cases):
         material = glb.material(roughness=1.0, **fields)
         glb.node(glb.mesh(card | {"COLOR_0": colours}, material), translation=[place * 1.1 - 1.1, 0, 0])
-    glb.camera((0, 0, 3.6))
+    glb.camera((0, 0, 6.6))
     return glb
 
 
@@ -138,7 +138,7 @@ def emissive() -> Glb:
     material = glb.material((0.05, 0.05, 0.05), roughness=0.4, emissiveFactor=[1, 1, 1],
                             emissiveTexture=glb.texture(bands))
     glb.node(glb.mesh(ball, material), translation=[2, 0, 0])
-    glb.camera((0, 0, 6))
+    glb.camera((0, 0, 9.8))
     return glb
 
 
@@ -151,7 +151,7 @@ def unlit() -> Glb:
                                  (0.55, (0.2, 0.4, 1, 0.5), {"alphaMode": "BLEND"})):
         glb.node(glb.mesh(card, glb.material(colour, **fields, **blend)), translation=[place, 0, 0])
     glb.node(glb.mesh(without(sphere(0.5), "TANGENT"), glb.material((1, 1, 1))), translation=[1.65, 0, 0])
-    glb.camera((0, 0, 6))
+    glb.camera((0, 0, 8.6))
     return glb
 
 
@@ -166,7 +166,7 @@ def specular_ior() -> Glb:
         material = glb.material((0.12, 0.12, 0.14), float(place == 7), 0.15, extensions=extensions)
         glb.node(glb.mesh(ball, material), translation=[place % 4 - 1.5, 0.5 - place // 4, 0])
     glb.light("directional", (1, 2, 2), intensity=2.0)
-    glb.camera((0, 0, 7))
+    glb.camera((0, 0, 7.9))
     return glb
 
 
@@ -185,7 +185,7 @@ def two_sided() -> Glb:
         glb.node(glb.mesh(bowl, material), translation=[place % 4 * 1.1 - 1.65, 0.6 - place // 4 * 1.2, 0],
                  scale=[x, y, 1])
     glb.light("directional", (-1, 2, 1), intensity=2.0)
-    glb.camera((0, 3, 6.5))
+    glb.camera((0, 3.7, 8))
     return glb
 
 
@@ -202,7 +202,7 @@ def lines_points() -> Glb:
         shape["COLOR_0"] = shape["COLOR_0"][:len(positions)]
         material = glb.material(roughness=1.0, doubleSided=True, extensions={"KHR_materials_unlit": {}})
         glb.node(glb.mesh(shape, material, mode), translation=[place % 4 - 1.5, 0.5 - place // 4, 0])
-    glb.camera((0, 0, 5))
+    glb.camera((0, 0, 7.7))
     return glb
 
 
@@ -216,7 +216,7 @@ def occlusion() -> Glb:
         glb.node(glb.mesh(without(plate(1, 1), "TANGENT"), material), translation=[place * 1.1 - 1.1, 0.55, 0])
         material = glb.material((0.9, 0.7, 0.3), 1.0, 0.3, occlusionTexture=shade | {"strength": strength})
         glb.node(glb.mesh(without(plate(1, 1), "TANGENT"), material), translation=[place * 1.1 - 1.1, -0.55, 0])
-    glb.camera((0, 0, 5))
+    glb.camera((0, 0, 6.5))
     return glb
 
 
