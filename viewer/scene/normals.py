@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from .weld import weld
+
+CREASE = np.pi / 4
+MAX_VALENCE = 64
 
 def flat_normals(positions: np.ndarray) -> np.ndarray:
     """One normal per triangle: (3 T, 3) unindexed positions to (3 T, 3) float32; +Z where a triangle has no area."""
@@ -18,6 +22,36 @@ def smooth_normals(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     corners = positions[triangles]
     weighted = corner_angles(corners)[..., None] * _unit(_face_normals(corners))[:, None, :]
     return _unit(sum_by(triangles.ravel(), weighted.reshape(-1, 3), len(positions)))
+
+
+def creased_normals(positions: np.ndarray, triangles: np.ndarray, crease: float = CREASE) -> np.ndarray:
+    """The normal of each corner as the mean over the triangles there that lie within `crease` radians of its own.
+
+    (N, 3) positions, (T, 3) vertex numbers to (T, 3, 3) float32. Corners meet where positions agree, whatever their
+    numbers, so that a seam in the texture leaves no mark. Where more than MAX_VALENCE triangles meet, all count.
+    """
+    corners = positions[triangles]
+    face = _unit(_face_normals(corners)).astype(np.float64)
+    own = np.repeat(face, 3, axis=0)
+    weighted = (corner_angles(corners)[..., None] * face[:, None, :]).reshape(-1, 3)
+    vertex = weld(positions)[triangles].ravel()
+    normals = _normalised(sum_by(vertex, weighted, len(positions)))[vertex]
+
+    # Triangles that all lie within half the crease of their mean lie within the crease of each other: nothing to do.
+    creased = np.zeros(len(positions), bool)
+    creased[vertex[np.einsum("ij,ij->i", normals, own) < np.cos(crease / 2)]] = True
+    size = np.bincount(vertex, minlength=len(positions))
+    todo = np.flatnonzero((creased & (size <= MAX_VALENCE))[vertex])
+    todo = todo[np.argsort(vertex[todo], kind="stable")]
+    start = np.searchsorted(vertex[todo], vertex[todo])
+    total = np.zeros((len(todo), 3))
+    for k in range(int(size[vertex[todo]].max(initial=0))):
+        here = np.flatnonzero(k < size[vertex[todo]])
+        other = todo[start[here] + k]
+        near = np.einsum("ij,ij->i", own[todo[here]], own[other]) > np.cos(crease)
+        total[here[near]] += weighted[other[near]]
+    normals[todo] = total
+    return _unit(normals).reshape(-1, 3, 3)
 
 
 def corner_angles(corners: np.ndarray) -> np.ndarray:

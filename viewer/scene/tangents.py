@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from .normals import corner_angles, sum_by
+from .weld import weld
 
 
 def make_tangents(positions: np.ndarray, normals: np.ndarray, uvs: np.ndarray,
@@ -33,7 +34,7 @@ def make_tangents(positions: np.ndarray, normals: np.ndarray, uvs: np.ndarray,
     usable = np.repeat(usable, 3) & (length > 0)
     weight = np.where(usable, corner_angles(positions[triangles]).ravel() / np.where(usable, length, 1), 0)
 
-    welded = _weld(positions, normals, uvs)
+    welded = weld(positions, normals, uvs)
     group = 2 * welded[vertex] + side
     total = sum_by(group[usable], (tangent * weight[:, None])[usable], 2 * count)
 
@@ -75,17 +76,6 @@ def _face_tangents(positions: np.ndarray, uvs: np.ndarray,
     usable = (area != 0) & (length > 0) & np.isfinite(length)
     tangent[~usable] = 0
     return tangent / np.where(usable, length, 1)[:, None], area > 0, usable
-
-
-def _weld(*attributes: np.ndarray) -> np.ndarray:
-    """For each vertex the number of the first one with the same attributes, by a 64-bit hash; (N,)."""
-    words = np.concatenate([a + np.float32(0) for a in attributes], axis=1).view(np.uint32).astype(np.uint64)  # -0 is 0
-    mixed = np.zeros(len(words), np.uint64)
-    for word in words.T:
-        mixed = (mixed ^ word) * np.uint64(0x9E3779B97F4A7C15)
-        mixed ^= mixed >> np.uint64(29)
-    _, first, number = np.unique(mixed, return_index=True, return_inverse=True)
-    return first[number]
 
 
 def _finish(total: np.ndarray, normals: np.ndarray, mirrored: np.ndarray) -> np.ndarray:

@@ -6,7 +6,7 @@ import io
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from PIL import Image
@@ -26,15 +26,17 @@ Buffer = bytes | memoryview
 class TextureImage:
     """Encoded bytes whose header was checked by `open_texture_image`; `name` says where they came from.
 
-    `bits` is the depth of a channel, 8 or 16; `format` is Pillow's name ("PNG", "JPEG", "WEBP", ...).
+    `bits` is the depth of a channel, 8 or 16; `format` is Pillow's name ("PNG", "JPEG", "WEBP", ...); `grey` is true
+    where there is no colour.
     """
 
     name: str
-    data: Buffer
+    data: Buffer = field(repr=False)
     width: int
     height: int
     format: str
     bits: int = 8
+    grey: bool = False
 
     def decode(self, channels: str | None = None) -> np.ndarray:
         """The pixels, (H, W, C) uint8 or uint16, row 0 the top, as stored: no colour space is applied.
@@ -62,12 +64,12 @@ def open_texture_image(data: Buffer, name: str, formats: tuple[str, ...] = GLTF_
     a few kilobytes can claim gigabytes of pixels.
     """
     with _as_input_error(name), Image.open(io.BytesIO(data), formats=formats) as image:
-        width, height, kind = *image.size, image.format
+        width, height, kind, mode = *image.size, image.format, image.mode
     if min(width, height) < 1 or max(width, height) > MAX_SIDE or width * height > MAX_PIXELS:
         raise InputError(name, "", f"{width} x {height} texels; at most {MAX_SIDE} a side and {MAX_PIXELS} in all")
     # Byte 24 of a PNG is the bit depth in IHDR, which always comes first.
     bits = 16 if kind == "PNG" and data[24] == 16 else 8
-    return TextureImage(name, data, width, height, kind, bits)
+    return TextureImage(name, data, width, height, kind, bits, mode[0] in "1LIF" and mode != "LAB")
 
 
 def _plain_mode(image: Image.Image) -> Image.Image:
@@ -132,5 +134,7 @@ def _as_input_error(name: str) -> Iterator[None]:
         raise InputError(name, "", "not an image in a supported format, or its header is broken") from error
     except InputError:
         raise
+    except Image.DecompressionBombError as error:
+        raise InputError(name, "", f"more texels than can be held; at most {MAX_PIXELS}") from error
     except Exception as error:  # decoders raise OSError, SyntaxError, struct.error, EOFError, zlib.error, ...
         raise InputError(name, "", f"cannot be decoded: {error}") from error

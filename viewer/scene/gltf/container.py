@@ -7,20 +7,18 @@ import struct
 from pathlib import Path
 
 from ...errors import InputError
-from ..files import read_file
 
 GLB_MAGIC = b"glTF"
 _JSON_CHUNK = 0x4E4F534A
 _BIN_CHUNK = 0x004E4942
 
 
-def read_container(path: Path) -> tuple[dict, memoryview | None, str]:
+def read_container(path: Path, data: bytes) -> tuple[dict, memoryview | None, str]:
     """The JSON object, the binary chunk or None, and the format's name. Raises InputError for any other content."""
-    data = read_file(path)
     if data[:4] == GLB_MAGIC:
         text, binary = _split_glb(path, memoryview(data))
         return _parse_json(path, bytes(text)), binary, "GLB"
-    if path.suffix.lower() == ".glb" and not data.lstrip()[:1] == b"{":
+    if path.suffix.lower() == ".glb" and data.lstrip()[:1] != b"{":
         raise InputError(path, "header", "not a GLB file: it does not begin with 'glTF'")
     return _parse_json(path, data), None, "glTF"
 

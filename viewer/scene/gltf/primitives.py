@@ -6,10 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..frames import with_flat_normals, with_mended_normals, with_tangents
 from ..material import Material
 from ..mesh import Mesh
-from ..normals import flat_normals, smooth_normals
-from ..tangents import make_tangents
 from . import deform
 from .accessors import Accessors
 from .element import Element
@@ -75,14 +74,15 @@ class Primitives:
         return count
 
     def _attribute(self, attributes: Element, key: str, count: int) -> np.ndarray:
-        index = attributes.index(key, len(self._accessors.items))
-        self._check_count(attributes, key, index, count)
-        return self._accessors.floats(index, *_ATTRIBUTES[key])
+        return self._accessors.floats(self._checked(attributes, key, count), *_ATTRIBUTES[key])
 
-    def _check_count(self, attributes: Element, key: str, index: int, count: int) -> None:
+    def _checked(self, attributes: Element, key: str, count: int) -> int:
+        """The accessor an attribute names, which must have `count` elements."""
+        index = attributes.index(key, len(self._accessors.items))
         found = self._accessors.count(index)
         if found != count:
             raise attributes.error(f"{found} values for {count} positions", key)
+        return index
 
     def _morph(self, primitive: Element, values: dict[str, np.ndarray], weights: tuple[float, ...]) -> None:
         targets = primitive.array("targets")
@@ -94,26 +94,15 @@ class Primitives:
             if moved:
                 # Deltas of tangents have no w (3.7.2.2); those of colours may lack alpha.
                 kinds = ("VEC3",) if key == "TANGENT" else _ATTRIBUTES[key]
-                deltas = [self._delta(target, key, len(base), kinds) for target, _ in moved]
+                deltas = [self._accessors.floats(self._checked(target, key, len(base)), *kinds) for target, _ in moved]
                 values[key] = deform.morph(base, deltas, [weight for _, weight in moved])
-
-    def _delta(self, target: Element, key: str, count: int, kinds: tuple[str, ...]) -> np.ndarray:
-        index = target.index(key, len(self._accessors.items))
-        self._check_count(target, key, index, count)
-        return self._accessors.floats(index, *kinds)
 
     def _skin(self, attributes: Element, values: dict[str, np.ndarray], count: int, matrices: np.ndarray) -> None:
         joints, weights = [], []
         for k in range(2):
-            if f"JOINTS_{k}" in attributes and f"WEIGHTS_{k}" in attributes:
-                for key, read, out in ((f"JOINTS_{k}", self._accessors.raw, joints),
-                                       (f"WEIGHTS_{k}", self._accessors.floats, weights)):
-                    index = attributes.index(key, len(self._accessors.items))
-                    self._check_count(attributes, key, index, count)
-                    out.append(read(index, "VEC4"))
-        if not joints:
-            attributes.warn("the node has a skin, but the mesh has no joints; it is drawn where it is")
-            return
+            if f"JOINTS_{k}" in attributes:
+                joints.append(self._accessors.raw(self._checked(attributes, f"JOINTS_{k}", count), "VEC4"))
+                weights.append(self._accessors.floats(self._checked(attributes, f"WEIGHTS_{k}", count), "VEC4"))
         joint, weight = np.concatenate(joints, axis=1), np.concatenate(weights, axis=1)
         if joint.dtype.kind != "u" or not np.isfinite(weight).all():
             raise attributes.error("joints must be unsigned integers and weights finite", "JOINTS_0")
@@ -199,50 +188,17 @@ def _with_uv_sets(mesh: Mesh, material: Material, primitive: Element) -> Mesh:
 
 
 def _complete(mesh: Mesh, material: Material, primitive: Element) -> Mesh:
-    """A triangle mesh with normals, and with tangents where a normal map needs them."""
+    """A triangle mesh with normals, and with tangents where there is a normal map for them."""
     if mesh.normals is None:
-        # Flat normals (3.7.2.1) need corners of their own; given tangents are not to be used without given normals.
-        mesh = _unindexed(mesh)
-        mesh = replace(mesh, normals=flat_normals(mesh.positions), tangents=None)
+        # Flat, and given tangents are then not to be used (3.7.2.1).
+        mesh = with_flat_normals(mesh)
     else:
-        mesh = _mended(mesh, primitive)
-    texture = material.normal_texture
-    if texture is None or mesh.tangents is not None:
-        return mesh if texture is not None else replace(mesh, tangents=None)
-    uvs = mesh.uvs[texture.uv_set]
-    if texture.transform is not None:
-        matrix = texture.transform.matrix()
-        uvs = (uvs @ matrix[:, :2].T + matrix[:, 2]).astype(np.float32)
-    source, tangents, triangles = make_tangents(mesh.positions, mesh.normals, uvs, _triangles(mesh))
-    return replace(_picked(mesh, source), tangents=tangents, indices=triangles.ravel())
-
-
-def _mended(mesh: Mesh, primitive: Element) -> Mesh:
-    """The mesh with computed normals and tangents in place of those that are zero or not finite."""
-    square = np.einsum("ij,ij->i", mesh.normals, mesh.normals)
-    bad = ~(np.abs(square - 1) < 0.1)
-    if bad.any():
-        primitive.warn(f"{np.count_nonzero(bad)} normals are zero or not finite; they are computed", "attributes.NORMAL")
-        computed = smooth_normals(mesh.positions, _triangles(mesh))
-        mesh = replace(mesh, normals=np.where(bad[:, None], computed, mesh.normals))
-    if mesh.tangents is not None and not np.isfinite(mesh.tangents).all():
-        primitive.warn("some tangents are not finite; all are computed", "attributes.TANGENT")
-        mesh = replace(mesh, tangents=None)
-    return mesh
-
-
-def _triangles(mesh: Mesh) -> np.ndarray:
-    indices = np.arange(len(mesh.positions) // 3 * 3) if mesh.indices is None else mesh.indices
-    return indices.reshape(-1, 3)
-
-
-def _unindexed(mesh: Mesh) -> Mesh:
-    return mesh if mesh.indices is None else replace(_picked(mesh, mesh.indices), indices=None)
-
-
-def _picked(mesh: Mesh, source: np.ndarray) -> Mesh:
-    """The mesh with vertex k a copy of vertex source[k]; the indices are left as they are."""
-    def pick(array: np.ndarray | None) -> np.ndarray | None:
-        return None if array is None else array[source]
-    return replace(mesh, positions=mesh.positions[source], normals=pick(mesh.normals), tangents=pick(mesh.tangents),
-                   uvs=tuple(uv[source] for uv in mesh.uvs), colors=pick(mesh.colors))
+        bad = ~(np.abs(np.einsum("ij,ij->i", mesh.normals, mesh.normals) - 1) < 0.1)
+        if bad.any():
+            primitive.warn(f"{np.count_nonzero(bad)} normals are zero or not finite; they are computed", "attributes.NORMAL")
+            mesh = with_mended_normals(mesh, bad)
+    if material.normal_texture is None:
+        return replace(mesh, tangents=None)
+    if mesh.tangents is not None and np.isfinite(mesh.tangents).all():
+        return mesh
+    return with_tangents(mesh, material.normal_texture)

@@ -27,12 +27,13 @@ from .textures import Textures
 MAX_INSTANCES = 1 << 20
 
 
-def load_gltf(path: Path, scene_index: int | None = None) -> Scene:
-    """Read a .gltf or .glb: the scene of that index, or the file's default one, in its static pose.
+def load_gltf(path: Path, data: bytes, scene_index: int | None = None) -> Scene:
+    """Read the content of a .gltf or .glb: the scene of that index, or the file's default one, in its static pose.
 
+    `path` is where it came from: for messages, and to find the files it names.
     Raises InputError for whatever is not as glTF 2.0 has it and cannot be passed over with a warning.
     """
-    value, binary, kind = read_container(path)
+    value, binary, kind = read_container(path, data)
     document = Document(path, binary)
     root = Element(document, value)
     check_asset(root)
@@ -72,6 +73,8 @@ class _Reader:
                 if camera is not None:
                     cameras.append(camera)
         check_animations(self.root, self.accessors)
+        if not self.instances:
+            self.root.document.warn("there is nothing to draw in this scene")
         return Scene(name or self.root.document.path.stem, tuple(self.meshes), tuple(self.materials.used),
                      tuple(self.instances), tuple(lights), tuple(cameras),
                      warnings=tuple(self.root.document.warnings), facts=self._facts())
@@ -92,6 +95,11 @@ class _Reader:
     def _add_instances(self, node: Element, world: np.ndarray) -> None:
         mesh = node.index("mesh", len(self.mesh_items))
         skin = node.index("skin", len(self.skins.items), None)
+        if skin is not None:
+            self.skins.joint_matrices(skin)
+            if not self._has_joints(mesh):
+                node.warn("the mesh has no joints; the skin is not used", "skin")
+                skin = None
         weights = node.numbers("weights")
         if weights is None:
             weights = self.mesh_items[mesh].numbers("weights") or ()
@@ -104,6 +112,10 @@ class _Reader:
         self.instances += [Instance(number, world, name) for number in self._known[key]]
         if len(self.instances) > MAX_INSTANCES:
             raise node.error(f"more than {MAX_INSTANCES} instances of primitives")
+
+    def _has_joints(self, mesh: int) -> bool:
+        primitives = self.mesh_items[mesh].array("primitives")
+        return all("JOINTS_0" in primitive.object("attributes") for primitive in primitives)
 
     def _read_mesh(self, index: int, skin: int | None, weights: tuple[float, ...]) -> list[int]:
         """Read the primitives of a mesh in a pose; their places in `meshes`."""
