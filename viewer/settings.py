@@ -34,6 +34,17 @@ class Settings:
     specular_aa: Literal["on", "off"] = "on"
     msaa: Literal["1", "2", "4", "8"] = "4"
 
+    @classmethod
+    def of(cls, **values: object) -> Settings:
+        """Settings with some fields given; UsageError for one that does not exist or a value it cannot have."""
+        choices = setting_choices() | {"mode": get_args(Mode), "tonemap": get_args(Tonemap)}
+        for name, value in values.items():
+            if name not in {f.name for f in fields(cls)}:
+                raise UsageError(f"no setting {name!r}; there are {', '.join(f.name for f in fields(cls))}")
+            if name in choices and value not in choices[name]:
+                raise UsageError(f"{name}={value!r}: {name} is one of {', '.join(choices[name])}")
+        return cls(**values)
+
     def with_option(self, assignment: str) -> Settings:
         """A copy with one `NAME=VALUE` of `--set` applied; dashes in the name may be written for underscores."""
         name, _, value = assignment.partition("=")

@@ -41,12 +41,18 @@ class Scene:
     @cached_property
     def bounds(self) -> np.ndarray:
         """Lowest and highest corner of all instances, (2, 3) float64; a unit cube about the origin when empty."""
-        corners = [_box_corners(self.meshes[i.mesh].bounds) @ i.transform[:3, :3].T + i.transform[:3, 3]
-                   for i in self.instances]
-        if not corners:
+        if not self.instances:
             return np.array([[-0.5] * 3, [0.5] * 3])
-        every = np.concatenate(corners)
-        return np.stack([every.min(axis=0), every.max(axis=0)])
+        return np.stack([self.corners.min(axis=(0, 1)), self.corners.max(axis=(0, 1))])
+
+    @cached_property
+    def corners(self) -> np.ndarray:
+        """The corners of each instance's box in the world, (instances, 8, 3) float64."""
+        if not self.instances:
+            return np.zeros((0, 8, 3))
+        boxes = np.stack([_box_corners(self.meshes[i.mesh].bounds) for i in self.instances])
+        transforms = np.stack([i.transform for i in self.instances])
+        return boxes @ transforms[:, :3, :3].transpose(0, 2, 1) + transforms[:, None, :3, 3]
 
     @property
     def center(self) -> np.ndarray:

@@ -1,0 +1,25 @@
+// Radiance to what a screen shows: exposure, tone curve, sRGB, dither. Alpha leaves straight, as PNG has it.
+#include "display/tonemap.glsl"
+#include "display/srgb.glsl"
+
+uniform sampler2D u_radiance; // associated alpha
+uniform float u_exposure;     // factor, 2^EV
+
+out vec4 o_color;
+
+// Interleaved gradient noise in [0, 1) (Jimenez 2014): error spread evenly over neighbouring pixels, same every frame.
+float dither(vec2 pixel) {
+    return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
+}
+
+void main() {
+    vec4 c = texelFetch(u_radiance, ivec2(gl_FragCoord.xy), 0);
+    float alpha = clamp(c.a, 0.0, 1.0);
+    vec3 straight = alpha > 0.0 ? c.rgb / alpha : vec3(0.0);
+    vec3 shown = srgb_from_linear(tonemap(straight * u_exposure));
+    // Round up or down as often as the fraction says; a code value that is exact stays what it is.
+    vec3 code = shown * 255.0;
+    bvec3 exact = lessThan(abs(code - round(code)), vec3(1e-3));
+    shown = floor(code + mix(vec3(dither(gl_FragCoord.xy)), vec3(0.5), exact)) / 255.0;
+    o_color = vec4(shown, alpha);
+}

@@ -1,0 +1,7 @@
+// One triangle over the whole target, from the vertex number alone, on the far plane.
+out vec2 v_ndc;
+
+void main() {
+    v_ndc = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 2.0 - 1.0;
+    gl_Position = vec4(v_ndc, 1.0, 1.0);
+}

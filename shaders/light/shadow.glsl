@@ -1,0 +1,49 @@
+// Shadow maps in one atlas: a tile of depth for a directional or spot light, six (the faces of a cube) for a point light.
+struct ShadowTile {
+    mat4 matrix;  // eye-relative position to (u, v, depth, 1) * w within the tile
+    vec4 texel;   // x: a texel's size in scene units, y: the same per unit of distance; zw: the tile's corner in texels
+};
+layout(std140) uniform Shadows {
+    ShadowTile u_shadow_tiles[SHADOW_LAYERS];
+};
+uniform sampler2DShadow u_shadow_map;
+uniform float u_shadow_tile_size; // in texels
+
+int cube_face(vec3 d) {
+    vec3 a = abs(d);
+    if (a.x >= a.y && a.x >= a.z) return d.x > 0.0 ? 0 : 1;
+    if (a.y >= a.z) return d.y > 0.0 ? 2 : 3;
+    return d.z > 0.0 ? 4 : 5;
+}
+
+// 3 x 3 tent filter from four bilinear comparisons (Castano 2013, "Shadow Mapping Summary"); texel in atlas texels.
+float filtered_shadow(vec2 texel, float depth) {
+    vec2 size = vec2(textureSize(u_shadow_map, 0));
+    vec2 base = floor(texel + 0.5);
+    vec2 st = texel + 0.5 - base;
+    base -= 0.5;
+    vec2 w0 = 3.0 - 2.0 * st, w1 = 1.0 + 2.0 * st;
+    vec2 o0 = base + (2.0 - st) / w0 - 1.0, o1 = base + st / w1 + 1.0;
+    float sum = w0.x * w0.y * texture(u_shadow_map, vec3(vec2(o0.x, o0.y) / size, depth));
+    sum += w1.x * w0.y * texture(u_shadow_map, vec3(vec2(o1.x, o0.y) / size, depth));
+    sum += w0.x * w1.y * texture(u_shadow_map, vec3(vec2(o0.x, o1.y) / size, depth));
+    sum += w1.x * w1.y * texture(u_shadow_map, vec3(vec2(o1.x, o1.y) / size, depth));
+    return sum / 16.0;
+}
+
+// Share of the light that arrives at p (geometric normal n, direction l to the light). The point is moved off its
+// surface by the filter's footprint, more at grazing angles: nothing to tune with the scene's scale.
+float shadow_visibility(int first_layer, bool is_point, vec3 p, vec3 n, vec3 l, vec3 light_position) {
+    vec3 from_light = p - light_position;
+    ShadowTile tile = u_shadow_tiles[first_layer + (is_point ? cube_face(from_light) : 0)];
+    float footprint = tile.texel.x + tile.texel.y * length(from_light);
+    float NoL = clamp(dot(n, l), 0.0, 1.0);
+    vec3 offset = n * (footprint * 2.0 * sqrt(1.0 - NoL * NoL)) + l * (footprint * 0.5);
+    vec4 q = tile.matrix * vec4(p + offset, 1.0);
+    if (q.w <= 0.0) return 1.0;
+    vec3 c = q.xyz / q.w;
+    if (c.z >= 1.0 || min(c.x, c.y) < 0.0 || max(c.x, c.y) > 1.0) return 1.0; // nothing between here and the light
+    // The filter reaches a texel and a half to each side and must not reach the neighbouring tile.
+    vec2 texel = clamp(c.xy * u_shadow_tile_size, 1.5, u_shadow_tile_size - 1.5);
+    return filtered_shadow(tile.texel.zw + texel, c.z);
+}

@@ -1,0 +1,27 @@
+// The environment as a surface sees it: turned about +Y and scaled, its sun already taken out as a light.
+#include "light/irradiance_sh.glsl"
+#include "light/prefiltered.glsl"
+
+uniform float u_environment_intensity;
+#if ENVIRONMENT_ROTATED
+uniform vec2 u_environment_rotation; // cosine, sine
+#endif
+uniform vec3 u_irradiance_sh[SH_COUNT];
+uniform sampler2D u_prefiltered;
+
+vec3 to_environment(vec3 d) {
+#if ENVIRONMENT_ROTATED
+    float c = u_environment_rotation.x, s = u_environment_rotation.y;
+    return vec3(c * d.x - s * d.z, d.y, s * d.x + c * d.z);
+#else
+    return d;
+#endif
+}
+
+vec3 environment_irradiance(vec3 n) {
+    return u_environment_intensity * irradiance_sh(to_environment(n), u_irradiance_sh);
+}
+
+vec3 environment_specular(vec3 d, float perceptual_roughness) {
+    return u_environment_intensity * prefiltered_radiance(u_prefiltered, to_environment(d), perceptual_roughness);
+}

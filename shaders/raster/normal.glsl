@@ -1,0 +1,34 @@
+// Geometric and shading normal at a fragment, both on the side the eye is on.
+in vec3 v_normal;
+#if HAS_TANGENT
+in vec4 v_tangent;
+#endif
+#if NORMAL_MAP
+uniform float u_normal_scale;
+#endif
+
+vec3 geometric_normal() {
+    vec3 n = normalize(v_normal);
+#if DOUBLE_SIDED
+    if (!gl_FrontFacing) n = -n;
+#endif
+    return n;
+}
+
+vec3 shading_normal(vec3 n) {
+#if NORMAL_MAP && HAS_TANGENT
+    // Tangent space as MikkTSpace lays it down: bitangent = w cross(n, t), the interpolated vectors as they are.
+    vec3 texel = normal_texel().xyz * (255.0 / 127.5) - 1.0;
+    texel.xy *= u_normal_scale;
+    vec3 t = normalize(v_tangent.xyz);
+    vec3 front = normalize(v_normal);
+    vec3 b = cross(front, t) * v_tangent.w;
+    vec3 mapped = normalize(texel.x * t + texel.y * b + texel.z * front);
+#if DOUBLE_SIDED
+    if (!gl_FrontFacing) mapped = -mapped;
+#endif
+    return mapped;
+#else
+    return n;
+#endif
+}

@@ -1,0 +1,219 @@
+// Cook-Torrance: a Lambertian base under a microfacet interface, and a microfacet conductor, mixed by metalness.
+//   dielectric = (1 - F) rho / pi + D V F,   metal = D V F with f0 = rho,   both compensated for multiple scattering
+// Dielectric and metal are evaluated apart and mixed last: the compensation is not linear in f0.
+#include "raster/material.glsl"
+#include "raster/normal.glsl"
+#include "bsdf/lambert.glsl"
+#include "bsdf/microfacet.glsl"
+#include "bsdf/multiscatter.glsl"
+#if SPECULAR_AA
+#include "bsdf/specular_aa.glsl"
+#endif
+#include "light/dfg.glsl"
+#if HAS_ENVIRONMENT
+#include "raster/environment.glsl"
+#endif
+#if LIGHT_COUNT > 0
+#include "light/punctual.glsl"
+#endif
+#if SHADOW_LAYERS > 0
+#include "light/shadow.glsl"
+#endif
+#if IS_ORTHOGRAPHIC
+uniform vec3 u_view_direction; // towards the eye
+#endif
+
+// METALNESS: 0 all dielectric, 1 all metal, 2 a mixture
+uniform float u_metallic;
+uniform float u_perceptual_roughness;
+uniform float u_occlusion_strength;
+uniform float u_ior;
+uniform float u_specular;
+uniform vec3 u_specular_color;
+uniform sampler2D u_dfg;
+
+struct Interface {
+    vec3 f0;
+    vec3 f90;
+    vec3 E_ss;   // directional albedo of single scattering
+    vec3 E_ms;   // of what scatters more than once
+    vec3 direct; // factor on D V F that makes up for it under a point light
+};
+
+struct Surface {
+    vec3 n, v;
+    float NoV;
+    float perceptual_roughness, alpha;
+    vec3 base_color;
+    float metallic;
+    Interface dielectric, metal;
+};
+
+Interface make_interface(vec3 f0, vec3 f90, float NoV, vec2 dfg) {
+    Interface face;
+    face.f0 = f0;
+    face.f90 = f90;
+    face.E_ss = f0 * dfg.x + f90 * dfg.y;
+#if SHOW_MULTISCATTER
+    face.E_ms = fdez_aguera_albedo(face.E_ss, f0, f90, dfg.x + dfg.y);
+    face.direct = turquin_factor(f0, dfg.x + dfg.y);
+#else
+    face.E_ms = vec3(0.0);
+    face.direct = vec3(1.0);
+#endif
+    return face;
+}
+
+vec3 dielectric_f0(float weight, vec3 tint) {
+    float f0 = (u_ior - 1.0) / (u_ior + 1.0);
+    return min(f0 * f0 * tint, 1.0) * weight;
+}
+
+// What FRESNEL = 1 (exact) makes of Schlick's value for a dielectric; metals keep Schlick, their files give only f0.
+vec3 dielectric_fresnel(Interface face, float mu) {
+#if FRESNEL == 1
+    float f0 = (u_ior - 1.0) / (u_ior + 1.0);
+    f0 *= f0;
+    float exact = f_dielectric(mu, u_ior);
+    return mix(face.f0, face.f90, clamp((exact - f0) / max(1.0 - f0, 1e-6), 0.0, 1.0));
+#else
+    return f_schlick(face.f0, face.f90, mu);
+#endif
+}
+
+float max3(vec3 c) {
+    return max(c.r, max(c.g, c.b));
+}
+
+#if LIGHT_COUNT > 0
+vec3 shade_light(int i, Surface s, vec3 n_geometric) {
+    vec3 l;
+    vec3 irradiance = punctual_irradiance(i, v_position, l);
+    float NoL = dot(s.n, l);
+    if (NoL <= 0.0) return vec3(0.0);
+#if SHADOW_LAYERS > 0
+    float layer = u_lights[i].direction.w;
+    if (layer >= 0.0) {
+        bool is_point = i >= DIRECTIONAL_COUNT && i < DIRECTIONAL_COUNT + POINT_COUNT;
+        irradiance *= shadow_visibility(int(layer), is_point, v_position, n_geometric, l, u_lights[i].position.xyz);
+    }
+#endif
+    vec3 h = normalize(s.v + l);
+    float NoH = clamp(dot(s.n, h), 0.0, 1.0);
+    float VoH = clamp(dot(s.v, h), 0.0, 1.0);
+    vec3 nxh = cross(s.n, h);
+    float dv = d_microfacet(NoH, dot(nxh, nxh), s.alpha) * v_microfacet(s.NoV, NoL, NoH, VoH, s.alpha);
+    vec3 f = vec3(0.0);
+#if METALNESS != 1
+    vec3 F = dielectric_fresnel(s.dielectric, VoH);
+#if SHOW_DIFFUSE
+    vec3 dielectric = (1.0 - max3(F)) * f_lambert(s.base_color);
+#else
+    vec3 dielectric = vec3(0.0);
+#endif
+    dielectric += dv * F * (s.dielectric.direct - (1.0 - float(SHOW_SPECULAR)));
+    f += (METALNESS == 2 ? 1.0 - s.metallic : 1.0) * dielectric;
+#endif
+#if METALNESS != 0
+    vec3 metal = dv * f_schlick(s.metal.f0, s.metal.f90, VoH) * (s.metal.direct - (1.0 - float(SHOW_SPECULAR)));
+    f += (METALNESS == 2 ? s.metallic : 1.0) * metal;
+#endif
+    return f * irradiance * NoL;
+}
+#endif
+
+#if HAS_ENVIRONMENT
+vec3 environment_response(Interface face, vec3 diffuse_albedo, vec3 specular_light, vec3 mean_light) {
+    vec3 single = face.E_ss, multiple = face.E_ms;
+    vec3 diffuse = diffuse_albedo * (1.0 - max3(single + multiple));
+    return specular_light * single * float(SHOW_SPECULAR) + mean_light * (multiple + diffuse * float(SHOW_DIFFUSE));
+}
+
+// Occlusion of the reflected lobe by what occludes the hemisphere      Lagarde & de Rousiers 2014, "Frostbite", p. 76
+float specular_occlusion(float NoV, float occlusion, float alpha) {
+    return clamp(pow(NoV + occlusion, exp2(-16.0 * alpha - 1.0)) - 1.0 + occlusion, 0.0, 1.0);
+}
+
+vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion) {
+    vec3 r = reflect(-s.v, s.n);
+    // A mapped normal may send the reflection under the surface, where it would meet the surface itself.
+    float below = min(dot(r, n_geometric), 0.0);
+    r -= 2.0 * below * n_geometric;
+    vec3 specular_light = environment_specular(r, s.perceptual_roughness);
+    vec3 mean_light = environment_irradiance(s.n) * INV_PI;
+#if OCCLUSION_MAP
+    mean_light *= occlusion;
+    specular_light *= specular_occlusion(s.NoV, occlusion, s.alpha);
+#endif
+    vec3 radiance = vec3(0.0);
+#if METALNESS != 1
+    radiance += (METALNESS == 2 ? 1.0 - s.metallic : 1.0)
+              * environment_response(s.dielectric, s.base_color, specular_light, mean_light);
+#endif
+#if METALNESS != 0
+    radiance += (METALNESS == 2 ? s.metallic : 1.0)
+              * environment_response(s.metal, vec3(0.0), specular_light, mean_light);
+#endif
+    return radiance;
+}
+#endif
+
+void main() {
+    vec4 base = base_color();
+    float covered = coverage(base.a);
+
+    Surface s;
+    vec3 n_geometric = geometric_normal();
+    s.n = shading_normal(n_geometric);
+    s.v = -normalize(v_position);
+#if IS_ORTHOGRAPHIC
+    s.v = u_view_direction;
+#endif
+    s.NoV = clamp(dot(s.n, s.v), 1e-4, 1.0);
+    s.base_color = base.rgb;
+    s.metallic = u_metallic;
+    s.perceptual_roughness = u_perceptual_roughness;
+#if METALLIC_ROUGHNESS_MAP
+    vec4 mr = metallic_roughness_texel();
+    s.perceptual_roughness *= mr.g;
+    s.metallic *= mr.b;
+#endif
+    s.perceptual_roughness = clamp(s.perceptual_roughness, MIN_PERCEPTUAL_ROUGHNESS, 1.0);
+    s.alpha = s.perceptual_roughness * s.perceptual_roughness;
+#if SPECULAR_AA
+    s.alpha = alpha_antialiased(s.alpha, dFdx(s.n), dFdy(s.n));
+    s.perceptual_roughness = sqrt(s.alpha);
+#endif
+
+    vec2 dfg = dfg_lookup(u_dfg, s.NoV, s.perceptual_roughness);
+#if METALNESS != 1
+    float weight = u_specular;
+#if SPECULAR_MAP
+    weight *= specular_texel().a;
+#endif
+    vec3 tint = u_specular_color;
+#if SPECULAR_COLOR_MAP
+    tint *= specular_color_texel().rgb;
+#endif
+    s.dielectric = make_interface(dielectric_f0(weight, tint), vec3(weight), s.NoV, dfg);
+#endif
+#if METALNESS != 0
+    s.metal = make_interface(s.base_color, vec3(1.0), s.NoV, dfg);
+#endif
+
+    vec3 radiance = vec3(0.0);
+#if SHOW_EMISSION
+    radiance += emitted();
+#endif
+#if HAS_ENVIRONMENT
+    float occlusion = 1.0;
+#if OCCLUSION_MAP
+    occlusion = 1.0 + u_occlusion_strength * (occlusion_texel().r - 1.0);
+#endif
+    radiance += shade_environment(s, n_geometric, occlusion);
+#endif
+#if LIGHT_COUNT > 0
+    for (int i = 0; i < LIGHT_COUNT; ++i) radiance += shade_light(i, s, n_geometric);
+#endif
+    write_radiance(radiance, covered);
+}

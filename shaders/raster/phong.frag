@@ -1,0 +1,91 @@
+// Phong's model: ambient + diffuse + a cosine power, under the same lights and maps as the physically based mode.
+//   L = k_a (k_d + k_s) + sum over lights of (k_d / pi + k_s f(shininess)) E NoL
+// k_d = base colour (1 - metalness), k_s = base colour for metal, f0 otherwise; k_a is the ambient irradiance / pi.
+#include "raster/material.glsl"
+#include "raster/normal.glsl"
+#include "bsdf/lambert.glsl"
+#include "bsdf/phong.glsl"
+#if LIGHT_COUNT > 0
+#include "light/punctual.glsl"
+#endif
+#if SHADOW_LAYERS > 0
+#include "light/shadow.glsl"
+#endif
+#if IS_ORTHOGRAPHIC
+uniform vec3 u_view_direction; // towards the eye
+#endif
+
+uniform float u_metallic;
+uniform float u_perceptual_roughness;
+uniform float u_occlusion_strength;
+uniform vec3 u_phong_specular; // reflectance of a dielectric at normal incidence
+#if HAS_ENVIRONMENT
+uniform vec3 u_ambient; // irradiance
+#endif
+#if HAS_SHININESS
+uniform float u_shininess;
+#endif
+
+void main() {
+    vec4 base = base_color();
+    float covered = coverage(base.a);
+    vec3 n_geometric = geometric_normal();
+    vec3 n = shading_normal(n_geometric);
+    vec3 v = -normalize(v_position);
+#if IS_ORTHOGRAPHIC
+    v = u_view_direction;
+#endif
+    float metallic = u_metallic;
+    float perceptual_roughness = u_perceptual_roughness;
+#if METALLIC_ROUGHNESS_MAP
+    vec4 mr = metallic_roughness_texel();
+    perceptual_roughness *= mr.g;
+    metallic *= mr.b;
+#endif
+#if HAS_SHININESS
+    float shininess = u_shininess;
+#else
+    // alpha = sqrt(2 / (shininess + 2)), alpha the square of perceptual roughness
+    float alpha = max(perceptual_roughness, MIN_PERCEPTUAL_ROUGHNESS);
+    alpha *= alpha;
+    float shininess = max(2.0 / (alpha * alpha) - 2.0, 0.0);
+#endif
+    vec3 k_d = base.rgb * (1.0 - metallic);
+    vec3 k_s = mix(u_phong_specular, base.rgb, metallic);
+
+    vec3 radiance = vec3(0.0);
+#if SHOW_EMISSION
+    radiance += emitted();
+#endif
+#if HAS_ENVIRONMENT
+    float occlusion = 1.0;
+#if OCCLUSION_MAP
+    occlusion = 1.0 + u_occlusion_strength * (occlusion_texel().r - 1.0);
+#endif
+    vec3 reflected = k_d * float(SHOW_DIFFUSE) + k_s * float(SHOW_SPECULAR);
+    radiance += reflected * u_ambient * (INV_PI * occlusion);
+#endif
+#if LIGHT_COUNT > 0
+    for (int i = 0; i < LIGHT_COUNT; ++i) {
+        vec3 l;
+        vec3 irradiance = punctual_irradiance(i, v_position, l);
+        float NoL = dot(n, l);
+        if (NoL <= 0.0) continue;
+#if SHADOW_LAYERS > 0
+        float layer = u_lights[i].direction.w;
+        if (layer >= 0.0) {
+            bool is_point = i >= DIRECTIONAL_COUNT && i < DIRECTIONAL_COUNT + POINT_COUNT;
+            irradiance *= shadow_visibility(int(layer), is_point, v_position, n_geometric, l, u_lights[i].position.xyz);
+        }
+#endif
+#if BLINN
+        float highlight = f_blinn(dot(n, normalize(v + l)), shininess);
+#else
+        float highlight = f_phong(dot(reflect(-l, n), v), shininess);
+#endif
+        vec3 f = f_lambert(k_d) * float(SHOW_DIFFUSE) + k_s * (highlight * float(SHOW_SPECULAR));
+        radiance += f * irradiance * NoL;
+    }
+#endif
+    write_radiance(radiance, covered);
+}

@@ -1,0 +1,28 @@
+// Depth of what casts a shadow, seen from the light.
+uniform mat4 u_model_to_light;
+in vec3 a_position;
+#if UV_SETS & 1
+in vec2 a_uv0;
+out vec2 v_uv0;
+#endif
+#if UV_SETS & 2
+in vec2 a_uv1;
+out vec2 v_uv1;
+#endif
+#if HAS_COLOR
+in vec4 a_color;
+out vec4 v_color;
+#endif
+
+void main() {
+    gl_Position = u_model_to_light * vec4(a_position, 1.0);
+#if UV_SETS & 1
+    v_uv0 = a_uv0;
+#endif
+#if UV_SETS & 2
+    v_uv1 = a_uv1;
+#endif
+#if HAS_COLOR
+    v_color = a_color;
+#endif
+}

@@ -1,0 +1,92 @@
+"""Meshes on the GPU: only the attributes some program reads, each uploaded once."""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+
+from ..scene.mesh import Mesh
+
+_FORMATS = {"a_position": "3f", "a_normal": "3f", "a_tangent": "4f", "a_color": "4f", "a_uv0": "2f", "a_uv1": "2f"}
+_PRIMITIVES = {"triangles": moderngl.TRIANGLES, "lines": moderngl.LINES, "points": moderngl.POINTS}
+
+
+class MeshBuffers:
+    """One mesh's buffers and its vertex arrays, one for each program it is drawn with.
+
+    Positions are stored about the middle of the mesh's box, so that a mesh whose numbers are far from its origin keeps
+    its digits in float32 arithmetic; `to_mesh` is the translation back.
+    """
+
+    def __init__(self, gl: moderngl.Context, mesh: Mesh) -> None:
+        self._gl, self._mesh = gl, mesh
+        self._buffers: dict[str, moderngl.Buffer] = {}
+        self._arrays: dict[tuple[int, bool], moderngl.VertexArray] = {}
+        self._sorted: moderngl.Buffer | None = None
+        center = mesh.bounds.mean(axis=0)
+        self.to_mesh = np.eye(4)
+        self.to_mesh[:3, 3] = center
+
+    def draw(self, program: moderngl.Program, order: np.ndarray | None = None) -> None:
+        """Draw with `program`; `order`, from `back_to_front`, replaces the mesh's own indices."""
+        if order is not None:
+            data = np.ascontiguousarray(order, np.uint32)
+            if self._sorted is None:
+                self._sorted = self._gl.buffer(data, dynamic=True)
+            else:
+                self._sorted.write(data)
+        self._array(program, order is not None).render()
+
+    def back_to_front(self, model: np.ndarray, forward: np.ndarray) -> np.ndarray | None:
+        """Triangle indices, (3 M,), farthest first, for a mesh seen through `model` (eye-relative) along `forward`."""
+        if self._mesh.topology != "triangles":
+            return None
+        triangles = self._triangles()
+        along = (forward @ model[:3, :3]).astype(np.float32)
+        depth = (self._mesh.positions @ along)[triangles].sum(axis=1)
+        return triangles[np.argsort(-depth, kind="stable")].ravel()
+
+    def _triangles(self) -> np.ndarray:
+        indices = self._mesh.indices
+        if indices is None:
+            indices = np.arange(len(self._mesh.positions), dtype=np.uint32)
+        return indices[: len(indices) // 3 * 3].reshape(-1, 3)
+
+    def _array(self, program: moderngl.Program, is_sorted: bool) -> moderngl.VertexArray:
+        key = (program.glo, is_sorted)
+        if key not in self._arrays:
+            names = [name for name in _FORMATS if name in program]
+            content = [(self._buffer(name), _FORMATS[name], name) for name in names]
+            if is_sorted:
+                index = self._sorted
+            else:
+                index = None if self._mesh.indices is None else self._buffer("indices")
+            self._arrays[key] = self._gl.vertex_array(
+                program, content, index_buffer=index, mode=_PRIMITIVES[self._mesh.topology]
+            )
+        return self._arrays[key]
+
+    def _buffer(self, name: str) -> moderngl.Buffer:
+        if name not in self._buffers:
+            self._buffers[name] = self._gl.buffer(self._data(name))
+        return self._buffers[name]
+
+    def _data(self, name: str) -> np.ndarray:
+        mesh = self._mesh
+        if name == "a_position":
+            return (mesh.positions - self.to_mesh[:3, 3]).astype(np.float32)
+        data = {"a_normal": mesh.normals, "a_tangent": mesh.tangents, "a_color": mesh.colors, "indices": mesh.indices}
+        array = mesh.uvs[int(name[-1])] if name.startswith("a_uv") else data[name]
+        return np.ascontiguousarray(array)
+
+    def drop_arrays(self) -> None:
+        """Forget what was built on programs that are gone."""
+        for array in self._arrays.values():
+            array.release()
+        self._arrays.clear()
+
+    def release(self) -> None:
+        self.drop_arrays()
+        for buffer in (*self._buffers.values(), self._sorted):
+            if buffer is not None:
+                buffer.release()

@@ -1,0 +1,222 @@
+"""The real-time renderer: a scene, a camera and settings in; radiance or a displayed picture out."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+
+import moderngl
+import numpy as np
+
+from ..bake.dfg import dfg_table
+from ..gpu.context import Context
+from ..image import Image
+from ..plan import Plan, plan_scene
+from ..scene.camera import Camera
+from ..scene.light import Light
+from ..scene.scene import Scene
+from ..settings import Settings
+from .display import DisplayPass
+from .environment import EnvironmentLight
+from .floats import float_texture
+from .frame import Frame, uniform
+from .lights import pack_lights
+from .programs import Programs
+from .shadows import ShadowMaps
+from .surfaces import UNIT_DFG, UNIT_RADIANCE, UNIT_SHADOW, Surfaces
+from .target import Target
+
+
+class Renderer:
+    """Draws scenes with one OpenGL context.
+
+    It keeps the textures and buffers of the last scene and the programs of all. Scenes are told apart by identity:
+    derive a changed one with `dataclasses.replace`, and what the two share is not uploaded again. `use_cache` allows
+    environments' bakes to be kept on disk; `measure` waits for each pass to finish and keeps its time in `pass_ms`.
+    """
+
+    def __init__(self, context: Context, use_cache: bool = True, measure: bool = False) -> None:
+        self.context = context
+        self.plan: Plan | None = None
+        """The plan of the last frame."""
+        self.times: dict[str, float] = {}
+        """Seconds spent on preparing, by part, since the renderer was made."""
+        self.pass_ms: dict[str, float] = {}
+        """Milliseconds of each pass of the last frame, by the wall clock, where `measure` is set."""
+        self.programs = Programs(context)
+        self._measure = measure
+        self._gl = context.gl
+        self._use_cache = use_cache
+        self._display = DisplayPass(self._gl, self.programs)
+        self._target: Target | None = None
+        self._surfaces: Surfaces | None = None
+        self._environment: EnvironmentLight | None = None
+        self._shadows: ShadowMaps | None = None
+        self._plan_key: tuple[object, ...] = ()
+        self._blocks: list[moderngl.Buffer] = []
+        self._dfg: dict[tuple[str, str], moderngl.Texture] = {}
+
+    def render(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> Image:
+        """The picture in full precision: linear radiance in single floats, and as displayed."""
+        self.draw(scene, camera, settings, size, half=False)
+        linear = np.frombuffer(self._target.read(), np.float32).reshape(size[1], size[0], 4)[::-1]
+        return Image(np.ascontiguousarray(linear), self.read_display(settings), {"plan": self.plan.to_json()})
+
+    def display(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> Image:
+        """The picture as displayed: what a PNG needs, and no more. `linear` is then its sRGB decoding."""
+        self.draw(scene, camera, settings, size, half=True)
+        return Image.from_srgb(self.read_display(settings))
+
+    @property
+    def texture_bytes(self) -> int:
+        """About what the scene's textures take on the GPU."""
+        return self._surfaces.textures.bytes if self._surfaces is not None else 0
+
+    def read_display(self, settings: Settings) -> np.ndarray:
+        """The frame drawn last, as displayed, (H, W, 4) uint8."""
+        width, height = self._target.size
+        framebuffer = self._display.target((width, height))
+        self.present(settings, framebuffer)
+        pixels = np.frombuffer(framebuffer.read(components=4), np.uint8).reshape(height, width, 4)
+        return np.ascontiguousarray(pixels[::-1])
+
+    def present(self, settings: Settings, framebuffer: moderngl.Framebuffer) -> None:
+        """Draw the frame drawn last into `framebuffer`, as displayed."""
+        with self._pass("display"):
+            self._display.draw(self._target.radiance, settings, framebuffer, UNIT_RADIANCE)
+
+    def draw(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int], half: bool = True) -> None:
+        """Draw radiance into the renderer's target, one of half floats where `half` is set."""
+        self.context.make_current()
+        target = self._sized_target(size, settings, half)
+        plan = self._prepare(scene, settings, target, camera.height is not None)
+        frame = Frame(scene, camera, size)
+        uniforms = self._frame_uniforms(plan, frame, settings)
+
+        target.framebuffer.use()
+        is_color = isinstance(settings.background, tuple)
+        target.framebuffer.clear(*((*settings.background, 1.0) if is_color else (0.0, 0.0, 0.0, 0.0)), depth=1.0)
+        with self._pass("surfaces"):
+            self._surfaces.draw_opaque(frame, plan, uniforms)
+        if plan.background:
+            with self._pass("background"):
+                self._environment.draw_background(self.programs, frame, half)
+        if plan.has_blended:
+            with self._pass("blend"):
+                self._surfaces.draw_blended(frame, plan, uniforms)
+        self._gl.clear_samplers()
+        with self._pass("resolve"):
+            target.resolve()
+
+    def _sized_target(self, size: tuple[int, int], settings: Settings, half: bool) -> Target:
+        samples = min(int(settings.msaa), max(self._gl.max_samples, 1))
+        if self._target is None or not self._target.fits(size, samples, half):
+            if self._target is not None:
+                self._target.release()
+            self._target = Target(self._gl, size, samples, half)
+        return self._target
+
+    def _prepare(self, scene: Scene, settings: Settings, target: Target, orthographic: bool) -> Plan:
+        """Everything that does not depend on the camera, from the last frame where it still holds."""
+        shading = replace(settings, exposure=0.0, tonemap="none")
+        key = (scene, shading, target.samples, target.half, orthographic, self.programs.generation)
+        if len(key) == len(self._plan_key) and all(a is b or a == b for a, b in zip(key, self._plan_key, strict=True)):
+            return self.plan
+        with self._timed("environment"):
+            self._prepare_environment(scene, settings)
+        plan = plan_scene(scene, settings, self._lights(scene, settings), samples=target.samples,
+                          half_target=target.half, orthographic=orthographic)
+        if self._surfaces is None or not self._surfaces.holds(scene):
+            self._release(self._surfaces, self._shadows)
+            self._surfaces, self._shadows = Surfaces(self._gl, scene, self.programs), None
+        self._surfaces.scene = scene
+        self._surfaces.textures.prefetch(plan)
+        with self._timed("compile and upload"):
+            self._surfaces.prepare(plan)
+        with self._timed("shadows"):
+            self._prepare_shadows(scene, plan)
+        self._plan_key, self.plan = key, plan
+        return plan
+
+    def _prepare_environment(self, scene: Scene, settings: Settings) -> None:
+        if scene.environment is None:
+            self._release(self._environment)
+            self._environment = None
+        elif self._environment is None or not self._environment.holds(scene.environment, settings):
+            self._release(self._environment)
+            self._environment = EnvironmentLight(self._gl, scene.environment, settings, self._use_cache)
+        if self._environment is not None:
+            self._environment.environment = scene.environment
+
+    def _lights(self, scene: Scene, settings: Settings) -> list[Light]:
+        from_environment = self._environment.lights(settings) if self._environment is not None else []
+        return [*scene.lights, *from_environment]
+
+    def _prepare_shadows(self, scene: Scene, plan: Plan) -> None:
+        if self._shadows is not None and self._shadows.holds(plan):
+            return
+        self._release(self._shadows)
+        self._shadows = None
+        if plan.shadow_layer_count:
+            self._shadows = ShadowMaps(self._gl, scene, plan, self._surfaces.draw_depth)
+
+    def _frame_uniforms(self, plan: Plan, frame: Frame, settings: Settings) -> dict[str, object]:
+        """What every surface of the frame is told; fills the uniform blocks and binds the textures all share."""
+        values: dict[str, object] = {
+            "u_view_projection": uniform(frame.view_projection),
+            "u_view_direction": tuple(-frame.camera.forward),
+            "u_point_size": max(1.0, frame.size[1] / 200),
+        }
+        if self._environment is not None:
+            values |= self._environment.uniforms(plan)
+        if plan.dfg:
+            self._dfg_texture(settings).use(UNIT_DFG)
+            values["u_dfg"] = UNIT_DFG
+        blocks = [pack_lights(plan, frame)] if plan.lights else []
+        if self._shadows is not None:
+            blocks.append(self._shadows.pack(frame))
+            self._shadows.texture.use(UNIT_SHADOW)
+            values |= {"u_shadow_map": UNIT_SHADOW, "u_shadow_tile_size": float(self._shadows.tile_size)}
+        self._release(*self._blocks)
+        self._blocks = [self._gl.buffer(np.ascontiguousarray(block)) for block in blocks]
+        for binding, block in enumerate(self._blocks):
+            block.bind_to_uniform_block(binding)
+        return values
+
+    def _dfg_texture(self, settings: Settings) -> moderngl.Texture:
+        key = (settings.ndf, settings.masking)
+        if key not in self._dfg:
+            self._dfg[key] = float_texture(self._gl, dfg_table(*key))
+        return self._dfg[key]
+
+    @contextmanager
+    def _timed(self, name: str) -> Iterator[None]:
+        start = time.perf_counter()
+        yield
+        self.times[name] = self.times.get(name, 0.0) + time.perf_counter() - start
+
+    @contextmanager
+    def _pass(self, name: str) -> Iterator[None]:
+        """A pass of the frame. Timer queries do not see a software rasteriser's work: wait, and read the wall clock."""
+        if not self._measure:
+            yield
+            return
+        self._gl.finish()
+        start = time.perf_counter()
+        yield
+        self._gl.finish()
+        self.pass_ms[name] = (time.perf_counter() - start) * 1e3
+
+    @staticmethod
+    def _release(*things) -> None:
+        for thing in things:
+            if thing is not None:
+                thing.release()
+
+    def release(self) -> None:
+        """Free what the renderer holds; the context stays."""
+        self._release(self._display, self._target, self._surfaces, self._environment, self._shadows, *self._blocks,
+                      *self._dfg.values())
+        self.programs.release()

@@ -1,0 +1,138 @@
+"""Shadow maps: one atlas of depth tiles, drawn again only when scene or lights change.
+
+A directional or a spot light has one tile, a point light the six faces of a cube. Each tile is fitted to the scene.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import moderngl
+import numpy as np
+
+from ..plan import Draw, Plan
+from ..scene.light import Light
+from ..scene.scene import Scene
+from .frame import Frame
+
+ATLAS_SIDE = 4096
+MAX_TILE = 2048
+
+_FACES = ((0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0), (2, 1.0), (2, -1.0))  # axis and sign, as cube_face() counts them
+
+
+@dataclass(frozen=True, eq=False)
+class Tile:
+    """A light's view: `matrix` takes scene units about the scene's centre to clip space."""
+
+    matrix: np.ndarray
+    texel: float
+    texel_per_distance: float
+
+
+class ShadowMaps:
+    """The atlas for one plan. `draw_depth(draw, matrix)` draws a mesh's depth; it belongs to the surfaces."""
+
+    def __init__(self, gl: moderngl.Context, scene: Scene, plan: Plan, draw_depth: Callable[[Draw, np.ndarray], None]):
+        count = plan.shadow_layer_count
+        self._key = _key(plan)
+        self._columns = math.ceil(math.sqrt(count))
+        self.tile_size = min(MAX_TILE, ATLAS_SIDE // self._columns)
+        rows = math.ceil(count / self._columns)
+        self.texture = gl.depth_texture((self._columns * self.tile_size, rows * self.tile_size))
+        self.texture.compare_func = "<="
+        self.texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        self.texture.repeat_x = self.texture.repeat_y = False
+        self._tiles = [tile for light, layer in zip(plan.lights, plan.shadow_layers, strict=True) if layer >= 0
+                       for tile in light_tiles(light, scene, self.tile_size)]
+        self._draw(gl, scene, plan, draw_depth)
+
+    def _draw(self, gl: moderngl.Context, scene: Scene, plan: Plan, draw_depth: Callable[[Draw, np.ndarray], None]):
+        framebuffer = gl.framebuffer(depth_attachment=self.texture)
+        framebuffer.use()
+        framebuffer.clear(depth=1.0)
+        gl.enable_only(moderngl.DEPTH_TEST)
+        gl.polygon_offset = 1.0, 2.0  # half a step of depth and of slope: what rounding the tile's depth costs
+        to_center = np.eye(4) / scene.radius
+        to_center[:3, 3], to_center[3, 3] = -scene.center / scene.radius, 1.0
+        casters = [d for d in plan.draws if d.alpha_mode != "blend" and scene.meshes[d.mesh].topology == "triangles"]
+        for k, tile in enumerate(self._tiles):
+            framebuffer.viewport = (*self._corner(k), self.tile_size, self.tile_size)
+            for draw in casters:
+                draw_depth(draw, tile.matrix @ to_center @ scene.instances[draw.instance].transform)
+        gl.polygon_offset = 0.0, 0.0
+        framebuffer.release()
+
+    def pack(self, frame: Frame) -> np.ndarray:
+        """The uniform block of shaders/light/shadow.glsl, (tiles, 20) float32."""
+        from_eye = np.eye(4)
+        from_eye[:3, 3] = (frame.camera.eye - frame.scene.center) / frame.unit
+        to_unit = np.array([[0.5, 0, 0, 0.5], [0, 0.5, 0, 0.5], [0, 0, 0.5, 0.5], [0, 0, 0, 1.0]])
+        rows = np.zeros((len(self._tiles), 20), np.float32)
+        for k, tile in enumerate(self._tiles):
+            rows[k, :16] = (to_unit @ tile.matrix @ from_eye).T.ravel()
+            rows[k, 16:18] = tile.texel, tile.texel_per_distance
+            rows[k, 18:] = self._corner(k)
+        return rows
+
+    def _corner(self, k: int) -> tuple[int, int]:
+        return k % self._columns * self.tile_size, k // self._columns * self.tile_size
+
+    def holds(self, plan: Plan) -> bool:
+        """Whether these maps are the ones `plan` wants of the same meshes."""
+        return _key(plan) == self._key
+
+    def release(self) -> None:
+        self.texture.release()
+
+
+def _key(plan: Plan) -> tuple[object, ...]:
+    return plan.lights, plan.shadow_layers
+
+
+def light_tiles(light: Light, scene: Scene, size: int) -> list[Tile]:
+    """The views of one light that see all of the scene they light; `size` is a tile's side in texels."""
+    corners = (scene.corners.reshape(-1, 3) - scene.center) / scene.radius
+    if light.kind == "directional":
+        return [_directional_tile(np.asarray(light.direction, np.float64), corners, size)]
+    origin = (np.asarray(light.position, np.float64) - scene.center) / scene.radius
+    far = max(float(np.linalg.norm(corners - origin, axis=1).max()), 1e-6) * 1.001
+    if light.kind == "spot":
+        # A cone of 89 degrees would need an endless plane; what lies outside the tile is not shadowed.
+        half = math.tan(min(light.outer_cone * 1.02 + 0.01, math.radians(80)))
+        return [_perspective_tile(origin, np.asarray(light.direction, np.float64), half, far, size)]
+    half = size / (size - 4)  # two texels beyond the face for the filter
+    return [_perspective_tile(origin, np.eye(3)[axis] * sign, half, far, size) for axis, sign in _FACES]
+
+
+def _directional_tile(direction: np.ndarray, corners: np.ndarray, size: int) -> Tile:
+    basis = _basis(direction)
+    local = corners @ basis.T
+    low, high = local.min(axis=0), local.max(axis=0)
+    margin = (high - low).max() * 2 / size + 1e-6
+    low, high = low - margin, high + margin
+    matrix = np.eye(4)
+    matrix[:3, :3] = basis * (2.0 / (high - low))[:, None]
+    matrix[:3, 3] = -(high + low) / (high - low)
+    return Tile(matrix, float((high - low)[:2].max()) / size, 0.0)
+
+
+def _perspective_tile(origin: np.ndarray, direction: np.ndarray, half: float, far: float, size: int) -> Tile:
+    near = far * 1e-3
+    view = np.eye(4)
+    view[:3, :3] = _basis(direction)
+    view[:3, 3] = -view[:3, :3] @ origin
+    projection = np.zeros((4, 4))
+    projection[0, 0] = projection[1, 1] = 1.0 / half
+    projection[2, 2], projection[2, 3], projection[3, 2] = (far + near) / (far - near), -2 * far * near / (far - near), 1.0
+    return Tile(projection @ view, 0.0, 2.0 * half / size)
+
+
+def _basis(direction: np.ndarray) -> np.ndarray:
+    """Rows x, y, z of a frame whose z is `direction`."""
+    z = direction / np.linalg.norm(direction)
+    x = np.cross([0.0, 1.0, 0.0] if abs(z[1]) < 0.9 else [1.0, 0.0, 0.0], z)
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(z, x), z])

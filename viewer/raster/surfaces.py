@@ -1,0 +1,178 @@
+"""The passes that draw meshes: opaque and masked ones, then what blends, from back to front."""
+
+from __future__ import annotations
+
+import math
+
+import moderngl
+import numpy as np
+
+from ..plan import MAPS, Draw, Plan, material_map
+from ..scene.material import Material, UVTransform
+from ..scene.scene import Scene
+from .frame import Frame, handedness, normal_matrix, uniform
+from .geometry import MeshBuffers
+from .programs import Programs, set_uniform
+from .textures import Textures
+
+# Texture units: the material's maps come first, in the order of MAPS.
+UNIT_DFG, UNIT_PREFILTERED, UNIT_SHADOW, UNIT_BACKGROUND, UNIT_RADIANCE = range(len(MAPS), len(MAPS) + 5)
+
+_SAMPLE_ALPHA_TO_COVERAGE, _SAMPLE_ALPHA_TO_ONE = 0x809E, 0x809F
+_VERTEX = "raster/surface.vert"
+
+
+class Surfaces:
+    """One scene's meshes and textures on the GPU, and how they are drawn."""
+
+    def __init__(self, gl: moderngl.Context, scene: Scene, programs: Programs) -> None:
+        self._gl, self.scene, self._programs = gl, scene, programs
+        self._meshes: dict[int, MeshBuffers] = {}
+        self._generation = programs.generation
+        self.textures = Textures(gl, scene)
+
+    def holds(self, scene: Scene) -> bool:
+        """Whether `scene` has the same meshes, materials and places, and differs in other things only."""
+        ours = self.scene
+        return ours.meshes is scene.meshes and ours.materials is scene.materials and ours.instances is scene.instances
+
+    def prepare(self, plan: Plan) -> None:
+        """Compile and upload what `plan` draws, so that the first frame costs what every other does."""
+        if self._generation != self._programs.generation:
+            self._generation = self._programs.generation
+            for mesh in self._meshes.values():
+                mesh.drop_arrays()
+        for program in plan.programs:
+            self._program(program.fragment, dict(program.switches))
+        for draw in plan.draws:
+            self._mesh(draw.mesh)
+
+    def draw_opaque(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
+        """Draw what does not blend; returns how many instances were drawn."""
+        draws = [d for d in plan.draws if d.alpha_mode != "blend" and frame.visible[d.instance]]
+        order = {program: k for k, program in enumerate(plan.programs)}
+        draws.sort(key=lambda d: (order[d.program], d.material))
+        self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
+        self._draw(draws, frame, frame_uniforms)
+        return len(draws)
+
+    def draw_blended(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
+        """Draw what blends, farthest first; instances at the same depth in an order that only depends on what they are."""
+        draws = [d for d in plan.draws if d.alpha_mode == "blend" and frame.visible[d.instance]]
+        if not draws:
+            return 0
+        forward, centers = frame.camera.forward, self.scene.corners.mean(axis=1)
+        draws.sort(key=lambda d: (-round(float(centers[d.instance] @ forward) / frame.unit, 6),
+                                  *centers[d.instance], d.mesh, d.material))
+        self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND | moderngl.PROGRAM_POINT_SIZE)
+        self._gl.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+        self._draw(draws, frame, frame_uniforms, is_sorted=True)
+        return len(draws)
+
+    def draw_depth(self, draw: Draw, matrix: np.ndarray) -> None:
+        """Draw a mesh into a depth map; `matrix` takes its instance's local space to clip space."""
+        material = self.scene.materials[draw.material]
+        mask = draw.alpha_mode == "mask"
+        names = ["ALPHA_MODE", "BASE_COLOR_MAP", "BASE_COLOR_UV", "BASE_COLOR_TRANSFORM", "BASE_COLOR_MIRROR", "HAS_COLOR"]
+        switches = {name: draw.program[name] if mask else 0 for name in names}
+        switches["UV_SETS"] = 1 << switches["BASE_COLOR_UV"] if switches["BASE_COLOR_MAP"] else 0
+        switches |= {f"{name.upper()}_MAP": 0 for name in MAPS if name != "base_color"}
+        program = self._programs.get("raster/shadow.vert", "raster/shadow.frag", switches)
+        mesh = self._mesh(draw.mesh)
+        set_uniform(program, "u_model_to_light", uniform(matrix @ mesh.to_mesh))
+        if mask:
+            set_uniform(program, "u_base_color", material.base_color)
+            set_uniform(program, "u_alpha_cutoff", material.alpha_cutoff)
+            if switches["BASE_COLOR_MAP"]:
+                self._bind_map(program, material, "base_color")
+        mesh.draw(program)
+
+    def _draw(
+        self, draws: list[Draw], frame: Frame, frame_uniforms: dict[str, object], is_sorted: bool = False
+    ) -> None:
+        bound: tuple[object, object] = (None, None)
+        scene, gl = self.scene, self._gl
+        for draw in draws:
+            material = scene.materials[draw.material]
+            program = self._program(draw.program.fragment, dict(draw.program.switches))
+            if bound[0] is not draw.program:
+                for name, value in frame_uniforms.items():
+                    set_uniform(program, name, value)
+                _bind_blocks(program)
+            if bound != (draw.program, draw.material):
+                self._set_material(program, draw, material)
+            bound = (draw.program, draw.material)
+            mesh = self._mesh(draw.mesh)
+            transform = scene.instances[draw.instance].transform
+            model = frame.model(transform @ mesh.to_mesh)
+            hand = handedness(transform)
+            set_uniform(program, "u_model", uniform(model))
+            set_uniform(program, "u_normal_matrix", uniform(normal_matrix(transform)))
+            set_uniform(program, "u_handedness", hand)
+            gl.front_face = "ccw" if hand > 0 else "cw"
+            cull = not material.double_sided and scene.meshes[draw.mesh].topology == "triangles"
+            (gl.enable if cull else gl.disable)(moderngl.CULL_FACE)
+            if draw.alpha_mode == "mask":
+                gl.enable_direct(_SAMPLE_ALPHA_TO_COVERAGE)
+                gl.enable_direct(_SAMPLE_ALPHA_TO_ONE)
+            mesh.draw(program, mesh.back_to_front(frame.model(transform), frame.camera.forward) if is_sorted else None)
+            if draw.alpha_mode == "mask":
+                gl.disable_direct(_SAMPLE_ALPHA_TO_COVERAGE)
+                gl.disable_direct(_SAMPLE_ALPHA_TO_ONE)
+        gl.front_face = "ccw"
+
+    def _set_material(self, program: moderngl.Program, draw: Draw, material: Material) -> None:
+        set_uniform(program, "u_base_color", material.base_color)
+        set_uniform(program, "u_emissive", material.emissive)
+        set_uniform(program, "u_alpha_cutoff", material.alpha_cutoff)
+        set_uniform(program, "u_metallic", material.metallic)
+        set_uniform(program, "u_perceptual_roughness", material.perceptual_roughness)
+        set_uniform(program, "u_normal_scale", material.normal_scale)
+        set_uniform(program, "u_occlusion_strength", material.occlusion_strength)
+        set_uniform(program, "u_ior", material.ior)
+        set_uniform(program, "u_specular", material.specular)
+        set_uniform(program, "u_specular_color", material.specular_color)
+        set_uniform(program, "u_phong_specular", phong_specular(material))
+        set_uniform(program, "u_shininess", material.shininess or 0.0)
+        for name in draw.maps:
+            self._bind_map(program, material, name)
+
+    def _bind_map(self, program: moderngl.Program, material: Material, name: str) -> None:
+        unit = list(MAPS).index(name)
+        texture = material_map(material, name)
+        self.textures.bind(texture, name, unit)
+        set_uniform(program, f"u_{name}_map", unit)
+        if texture.transform is not None:
+            set_uniform(program, f"u_{name}_transform", uv_matrix(texture.transform).T.astype(np.float32).tobytes())
+
+    def _program(self, fragment: str, switches: dict[str, int]) -> moderngl.Program:
+        return self._programs.get(_VERTEX, fragment, switches)
+
+    def _mesh(self, index: int) -> MeshBuffers:
+        if index not in self._meshes:
+            self._meshes[index] = MeshBuffers(self._gl, self.scene.meshes[index])
+        return self._meshes[index]
+
+    def release(self) -> None:
+        for mesh in self._meshes.values():
+            mesh.release()
+        self.textures.release()
+
+
+def uv_matrix(transform: UVTransform) -> np.ndarray:
+    """KHR_texture_transform as (2, 3): uv' = translation * rotation * scale * uv, v downwards."""
+    c, s = math.cos(transform.rotation), math.sin(transform.rotation)
+    (x, y), (sx, sy) = transform.offset, transform.scale
+    return np.array([[c * sx, s * sy, x], [-s * sx, c * sy, y]])
+
+
+def phong_specular(material: Material) -> tuple[float, float, float]:
+    """k_s of a dielectric: its reflectance at normal incidence."""
+    f0 = ((material.ior - 1.0) / (material.ior + 1.0)) ** 2
+    return tuple(min(f0 * c, 1.0) * material.specular for c in material.specular_color)
+
+
+def _bind_blocks(program: moderngl.Program) -> None:
+    for binding, name in enumerate(("Lights", "Shadows")):
+        if name in program:
+            program[name].binding = binding

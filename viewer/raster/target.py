@@ -1,0 +1,49 @@
+"""What a frame is drawn into: a multisampled target of floats, resolved to one sample a pixel."""
+
+from __future__ import annotations
+
+import moderngl
+
+from ..errors import UsageError
+
+MAX_SIDE_FALLBACK = 16384
+
+
+class Target:
+    """Colour (RGBA half or single floats, associated alpha) with depth, at `size` and `samples`."""
+
+    def __init__(self, gl: moderngl.Context, size: tuple[int, int], samples: int, half: bool) -> None:
+        limit = gl.info.get("GL_MAX_TEXTURE_SIZE", MAX_SIDE_FALLBACK)
+        if max(size) > limit or min(size) < 1:
+            raise UsageError(f"a picture of {size[0]}x{size[1]}: this OpenGL draws from 1x1 to {limit}x{limit}")
+        self.size, self.samples, self.half = size, samples, half
+        dtype = "f2" if half else "f4"
+        self.radiance = gl.texture(size, 4, dtype=dtype)
+        self.radiance.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        self._resolved = gl.framebuffer([self.radiance])
+        if samples > 1:
+            self._color = gl.renderbuffer(size, 4, samples=samples, dtype=dtype)
+            self._depth = gl.depth_renderbuffer(size, samples=samples)
+            self.framebuffer = gl.framebuffer([self._color], self._depth)
+        else:
+            self._color = None
+            self._depth = gl.depth_renderbuffer(size)
+            self.framebuffer = gl.framebuffer([self.radiance], self._depth)
+        self._gl = gl
+
+    def fits(self, size: tuple[int, int], samples: int, half: bool) -> bool:
+        return (self.size, self.samples, self.half) == (size, samples, half)
+
+    def resolve(self) -> None:
+        """Average the samples of linear radiance, as a box filter over the pixel does."""
+        if self.samples > 1:
+            self._gl.copy_framebuffer(self._resolved, self.framebuffer)
+
+    def read(self) -> bytes:
+        """The resolved radiance, rows from the bottom up, RGBA in the target's precision."""
+        return self._resolved.read(components=4, dtype="f2" if self.half else "f4")
+
+    def release(self) -> None:
+        for thing in (self.framebuffer, self._resolved, self._color, self._depth, self.radiance):
+            if thing is not None:
+                thing.release()

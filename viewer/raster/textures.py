@@ -1,0 +1,144 @@
+"""Material maps on the GPU: decoded when first sampled, only in the channels that are read, each image once."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future, ThreadPoolExecutor
+
+import moderngl
+import numpy as np
+
+from ..plan import MAPS, Plan, material_map
+from ..scene.color import srgb_to_linear
+from ..scene.material import Sampler, Texture
+from ..scene.scene import Scene
+from ..scene.texture_image import TextureImage
+
+_SRGB8, _SRGB8_ALPHA8 = 0x8C41, 0x8C43
+_FILTERS = {
+    ("nearest", None): moderngl.NEAREST,
+    ("linear", None): moderngl.LINEAR,
+    ("nearest", "nearest"): moderngl.NEAREST_MIPMAP_NEAREST,
+    ("linear", "nearest"): moderngl.LINEAR_MIPMAP_NEAREST,
+    ("nearest", "linear"): moderngl.NEAREST_MIPMAP_LINEAR,
+    ("linear", "linear"): moderngl.LINEAR_MIPMAP_LINEAR,
+}
+# Grey stands for red, green and blue; alpha is last.
+_SWIZZLES = {1: "RRR1", 2: "RRRG", 3: "RGB1", 4: "RGBA"}
+
+Key = tuple[int, str, bool]
+
+
+class Textures:
+    """The textures of one scene."""
+
+    def __init__(self, gl: moderngl.Context, scene: Scene) -> None:
+        self._gl, self._scene = gl, scene
+        self._textures: dict[Key, moderngl.Texture] = {}
+        self._samplers: dict[Sampler, moderngl.Sampler] = {}
+        self._decoding: dict[Key, Future[np.ndarray]] = {}
+        self._channels: dict[tuple[int, bool], str] = {}
+
+    def prefetch(self, plan: Plan) -> None:
+        """Begin to decode what `plan` samples, on other threads, while shaders compile on this one."""
+        self._note_channels(plan)
+        wanted = {}
+        for draw in plan.draws:
+            for name in draw.maps:
+                texture = material_map(self._scene.materials[draw.material], name)
+                key = self._key(texture.image, MAPS[name])
+                if key not in self._textures and key not in self._decoding:
+                    wanted[key] = texture.image
+        if wanted:
+            pool = ThreadPoolExecutor(2)
+            for key, image in wanted.items():
+                self._decoding[key] = pool.submit(_decode, image, key[1], key[2])
+            pool.shutdown(wait=False)
+
+    def bind(self, texture: Texture, name: str, unit: int) -> None:
+        """Bind a material's map to a texture unit with its sampler."""
+        self._texture(texture.image, MAPS[name]).use(unit)
+        self._sampler(texture.sampler).use(unit)
+
+    @property
+    def bytes(self) -> int:
+        """About what the textures take, with their mipmaps."""
+        return sum(t.width * t.height * t.components * 4 // 3 for t in self._textures.values())
+
+    def _note_channels(self, plan: Plan) -> None:
+        """Which channels of each image some map reads; an image used twice (occlusion and roughness) is stored once."""
+        reads: dict[tuple[int, bool], set[str]] = {}
+        for draw in plan.draws:
+            material = self._scene.materials[draw.material]
+            for name in draw.maps:
+                wanted = _CHANNELS[name]
+                if name == "base_color" and material.alpha_mode == "opaque":
+                    wanted = "RGB"
+                image = material_map(material, name).image
+                reads.setdefault((id(image), MAPS[name]), set()).update(wanted)
+        self._channels |= {key: "R" if letters == {"R"} else "RGBA" if "A" in letters else "RGB"
+                           for key, letters in reads.items()}
+
+    def _key(self, image: TextureImage, srgb: bool) -> Key:
+        return id(image), self._channels[id(image), srgb], srgb
+
+    def _texture(self, image: TextureImage, srgb: bool) -> moderngl.Texture:
+        key = self._key(image, srgb)
+        if key not in self._textures:
+            decoding = self._decoding.pop(key, None)
+            pixels = decoding.result() if decoding else _decode(image, *key[1:])
+            self._textures[key] = _upload(self._gl, pixels, srgb)
+        return self._textures[key]
+
+    def _sampler(self, sampler: Sampler) -> moderngl.Sampler:
+        if sampler not in self._samplers:
+            # Mirrored repetition is folded in the shader (map_uv), where [0, 1] is all that is left.
+            self._samplers[sampler] = self._gl.sampler(
+                repeat_x=sampler.wrap_s == "repeat",
+                repeat_y=sampler.wrap_t == "repeat",
+                filter=(_FILTERS[sampler.min_filter, sampler.mip_filter], _FILTERS[sampler.mag_filter, None]),
+            )
+        return self._samplers[sampler]
+
+    def release(self) -> None:
+        for future in self._decoding.values():
+            future.cancel()
+        for thing in (*self._textures.values(), *self._samplers.values()):
+            thing.release()
+
+
+_CHANNELS = {
+    "base_color": "RGBA", "metallic_roughness": "GB", "normal": "RGB", "occlusion": "R",
+    "emissive": "RGB", "specular": "A", "specular_color": "RGB",
+}
+
+
+def _decode(image: TextureImage, channels: str, srgb: bool) -> np.ndarray:
+    """(H, W, C) in the least channels that hold what is read: uint8, uint16, or float16 where sRGB has 16 bits."""
+    if channels == "R":
+        return image.decode("R")
+    pixels = image.decode()
+    if channels == "RGB" and pixels.shape[2] == 4:
+        pixels = np.ascontiguousarray(pixels[..., :3])
+    if srgb and pixels.dtype == np.uint16:
+        linear = pixels / 65535.0
+        color = slice(None) if pixels.shape[2] in (1, 3) else slice(None, -1)
+        linear[..., color] = srgb_to_linear(linear[..., color])
+        return linear.astype(np.float16)
+    if srgb and pixels.shape[2] < 3:  # OpenGL's sRGB formats have three colours
+        grey, alpha = pixels[..., :1], pixels[..., 1:]
+        pixels = np.concatenate([grey, grey, grey, alpha], axis=2)
+    return pixels
+
+
+def _upload(gl: moderngl.Context, pixels: np.ndarray, srgb: bool) -> moderngl.Texture:
+    height, width, components = pixels.shape
+    encoded = srgb and pixels.dtype == np.uint8
+    texture = gl.texture(
+        (width, height), components, pixels, alignment=1,
+        dtype={"uint8": "f1", "uint16": "nu2", "float16": "f2"}[pixels.dtype.name],
+        internal_format=(_SRGB8_ALPHA8 if components == 4 else _SRGB8) if encoded else None,
+    )
+    if components < 3:
+        texture.swizzle = _SWIZZLES[components]
+    texture.build_mipmaps()
+    return texture
