@@ -19,10 +19,8 @@ as_root() {
     fi
 }
 
-# install_with_apt PACKAGE...: without asking.
-install_with_apt() {
-    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" >/dev/null
-}
+APT="DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends"
+apt_update() { as_root apt-get update -qq >/dev/null || true; }
 
 is_new_enough() { "$1" -c 'import sys; sys.exit(sys.version_info < (3, 10))' >/dev/null 2>&1; }
 
@@ -42,8 +40,8 @@ make_venv() {
     version=$("$1" -c 'import sys; print("%d.%d" % sys.version_info[:2])')
     if command -v apt-get >/dev/null && as_root true; then
         say "installing python$version-venv"
-        as_root apt-get update -qq >/dev/null || true
-        install_with_apt "python$version-venv" || install_with_apt python3-venv || true
+        apt_update
+        as_root env $APT "python$version-venv" >/dev/null || as_root env $APT python3-venv >/dev/null || true
         rm -rf $VENV
         "$1" -m venv $VENV >/dev/null 2>&1 && venv_works && return
     fi
@@ -64,32 +62,42 @@ opengl_works() {
     $VENV/bin/python -c 'import sys; from viewer.doctor import diagnose, exit_status; sys.exit(exit_status(diagnose()))'
 }
 
-# Mesa's software OpenGL, by the names each system gives it.
-install_mesa() {
-    say "no OpenGL driver works here; installing Mesa's software one"
-    if command -v apt-get >/dev/null; then
-        as_root apt-get update -qq >/dev/null || true
-        install_with_apt libegl1 libgl1 libgl1-mesa-dri || return
-        install_with_apt libosmesa6 2>/dev/null || true  # newer releases have none
-    elif command -v dnf >/dev/null; then as_root dnf install -y -q mesa-libEGL mesa-libGL mesa-dri-drivers
-    elif command -v pacman >/dev/null; then as_root pacman -Sy --noconfirm --needed mesa
-    elif command -v zypper >/dev/null; then as_root zypper -q -n install Mesa-libEGL1 Mesa-libGL1 Mesa-dri
-    elif command -v apk >/dev/null; then as_root apk add -q mesa-egl mesa-gl mesa-dri-gallium
-    else return 1
+# The command that installs Mesa's software OpenGL on this system, or nothing where it is unknown.
+mesa_command() {
+    if command -v apt-get >/dev/null; then echo "apt-get install -y libegl1 libgl1 libgl1-mesa-dri"
+    elif command -v dnf >/dev/null; then echo "dnf install -y mesa-libEGL mesa-libGL mesa-dri-drivers"
+    elif command -v pacman >/dev/null; then echo "pacman -Sy --noconfirm --needed mesa"
+    elif command -v zypper >/dev/null; then echo "zypper -n install Mesa-libEGL1 Mesa-libGL1 Mesa-dri"
+    elif command -v apk >/dev/null; then echo "apk add mesa-egl mesa-gl mesa-dri-gallium"
     fi
 }
 
-venv_works || make_venv "$(find_python)"
+install_mesa() {
+    command=$(mesa_command)
+    [ -n "$command" ] || fail "no OpenGL 3.3 driver works here: install one, or Mesa's software one"
+    as_root true || fail "no OpenGL driver works here; install Mesa's software one: sudo $command"
+    say "no OpenGL driver works here: $command"
+    if command -v apt-get >/dev/null; then
+        apt_update
+        as_root env $APT libosmesa6 >/dev/null 2>&1 || true  # a second way to draw, which newer releases lack
+    fi
+    as_root env DEBIAN_FRONTEND=noninteractive $command >/dev/null || fail "this failed: $command"
+}
+
+if ! venv_works; then
+    python=$(find_python)
+    make_venv "$python"
+fi
 
 say "installing pbr-viewer into $VENV (the first time takes a minute)"
 $VENV/bin/python -m pip install -q --disable-pip-version-check -e '.[test]' ||
     fail "pip could not install the package; see its message above"
 
 if ! opengl_works; then
-    install_mesa || true
+    install_mesa
     if ! opengl_works; then
         $VENV/bin/pbr-viewer doctor >&2 || true
-        fail "no OpenGL driver works here: install Mesa's, as said above, and run make again"
+        fail "no OpenGL driver works here"
     fi
 fi
 

@@ -29,7 +29,7 @@ def test_agrees_with_open_context() -> None:
 
 
 def test_nothing_works(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(doctor, "probe", lambda *_: {"problem": "no DISPLAY"})
+    monkeypatch.setattr(doctor, "probe", lambda *_: {"problem": "no display"})
     findings = doctor.diagnose()
     assert doctor.exit_status(findings) == 3
     assert all(finding.fix for finding in findings)

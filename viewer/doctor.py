@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from glob import glob
@@ -72,13 +73,13 @@ def format_findings(findings: Sequence[Finding]) -> str:
 
 def _finding(backend: str, device: int | None) -> Finding:
     result = {"device": device, **probe(backend, device)}
-    fix = _fix(backend, result["problem"]) if result["problem"] else ""
+    fix = _fix(backend) if result["problem"] else ""
     return Finding(backend=backend, fix=fix, **result)
 
 
-def _fix(backend: str, problem: str) -> str:
+def _fix(backend: str) -> str:
     if backend == "window":
-        if "DISPLAY" in problem or "display" in problem:
+        if sys.platform.startswith("linux") and not {"DISPLAY", "WAYLAND_DISPLAY"} & os.environ.keys():
             return "needed only to look at models in a window: start it from a desktop session, or under xvfb-run"
         return "update the graphics driver: OpenGL 3.3 is needed"
     fix = f"install Mesa's software OpenGL: {_PACKAGES[backend]}"
