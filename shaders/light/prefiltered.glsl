@@ -1,0 +1,19 @@
+// The environment filtered for rough surfaces: a mip chain made by viewer/bake/prefilter.py, lobe by lobe.
+#include "light/equirect.glsl"
+
+// Linear between the levels in x = alpha / (alpha + 0.4), by one ramp per level; the levels are filtered for perceptual
+// roughness 0, 0.12, 0.22, 0.36, 0.58, 1 (LEVEL_ROUGHNESS in prefilter.py; a test holds the two together).
+float lod_of_roughness(float perceptual_roughness) {
+    float alpha = perceptual_roughness * perceptual_roughness;
+    float x = alpha / (alpha + 0.4);
+    vec4 ramps = clamp(x * vec4(28.777778, 13.663012, 7.311350, 4.714669)
+                       - vec4(0.0, 0.474776, 0.789182, 1.153741), 0.0, 1.0);
+    return dot(ramps, vec4(1.0)) + clamp(x * 3.883966 - 1.774262, 0.0, 1.0);
+}
+
+// d: unit length, in the environment's frame. The map wraps in u, and its rows run over both poles: see prefilter.py.
+vec3 prefiltered_radiance(sampler2D map, vec3 d, float perceptual_roughness) {
+    vec2 uv = equirect_uv(d);
+    uv.y = uv.y * 0.9375 + 0.03125;
+    return textureLod(map, uv, lod_of_roughness(perceptual_roughness)).rgb;
+}

@@ -1,0 +1,80 @@
+"""Everything the shaders need of an environment, baked once and kept."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..scene.environment import Environment
+from ..scene.light import Light
+from . import cache as disk
+from .irradiance import irradiance_coefficients
+from .lobes import LOBES
+from .prefilter import LEVEL_ROUGHNESS, prefilter
+from .sun import extract_sun
+
+HALF_CEILING = 32768.0  # levels are scaled to peak below this: all of half's range, whatever the map's units
+
+
+@dataclass(frozen=True, eq=False)
+class BakedEnvironment:
+    """An environment prepared for image-based light, before its rotation and intensity.
+
+    `levels`: the mip chain of `prefiltered.glsl`'s texture, six arrays (512, 1024, 3) to (16, 32, 3) float16, top row
+    first, wrap repeat in u and clamp in v. `irradiance`: (18, 3) float32 for `irradiance_sh.glsl`. Both are in units of
+    `scale` (a power of two): multiply what the shader looks up by it, along with the intensity. `suns` are directional
+    lights in true units that were taken out of the levels and the irradiance.
+    """
+
+    levels: tuple[np.ndarray, ...]
+    irradiance: np.ndarray
+    scale: float
+    suns: tuple[Light, ...]
+
+
+def bake_environment(environment: Environment, ndf: str = "ggx", cache: bool = True) -> BakedEnvironment:
+    """The environment filtered for the lobes of `ndf` (one of LOBES), from the cache where that has it.
+
+    A cached bake does not touch the environment's pixels, so its file is not even decoded. `cache=False` neither reads
+    nor writes the cache.
+    """
+    if ndf not in LOBES:
+        raise ValueError(f"no lobe {ndf!r}; there are {', '.join(LOBES)}")
+    name = ""
+    if cache and disk.cache_folder() is not None:
+        name = disk.key("environment", environment.digest or _digest(environment.radiance), ndf)
+        stored = disk.load(name)
+        if stored is not None:
+            return _from_arrays(stored)
+    arrays = _bake(environment, ndf)
+    if name:
+        disk.store(name, arrays)
+    return _from_arrays(arrays)
+
+
+def _bake(environment: Environment, ndf: str) -> dict[str, np.ndarray]:
+    rest, suns = extract_sun(environment)
+    levels, harmonics = prefilter(rest.radiance, ndf)
+    peak = max(float(level.max()) for level in levels)
+    scale = 2.0 ** np.ceil(np.log2(peak / HALF_CEILING)) if peak > 0 else 1.0
+    arrays = {f"level{k}": (level * np.float32(1 / scale)).astype(np.float16) for k, level in enumerate(levels)}
+    arrays["irradiance"] = irradiance_coefficients(harmonics / scale)
+    arrays["scale"] = np.array([scale])
+    arrays["suns"] = np.array([[*sun.direction, *sun.color, sun.intensity] for sun in suns], np.float64).reshape(-1, 7)
+    return arrays
+
+
+def _from_arrays(arrays: dict[str, np.ndarray]) -> BakedEnvironment:
+    suns = (row.tolist() for row in arrays["suns"])
+    return BakedEnvironment(
+        levels=tuple(arrays[f"level{k}"] for k in range(len(LEVEL_ROUGHNESS))),
+        irradiance=arrays["irradiance"],
+        scale=float(arrays["scale"][0]),
+        suns=tuple(Light("directional", tuple(r[3:6]), r[6], direction=tuple(r[:3]), name="sun") for r in suns),
+    )
+
+
+def _digest(radiance: np.ndarray) -> str:
+    return hashlib.blake2b(np.ascontiguousarray(radiance).data, digest_size=20).hexdigest() + str(radiance.shape)

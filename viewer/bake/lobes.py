@@ -1,0 +1,54 @@
+"""The lobes an environment is filtered with, as functions of the angle from the mirror direction, and their spectra.
+
+With the viewer on the normal and on the mirror direction (n = v = r, Karis 2013 "Real Shading in Unreal Engine 4") a
+microfacet lobe weighs light from an angle theta by D(theta / 2) cos(theta) and nothing else: the Jacobian
+1 / (4 VoH) cancels against VoH, and masking is left to the DFG table.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+LOBES = ("ggx", "beckmann", "blinn-phong")
+
+
+def lobe(ndf: str, alpha: float, theta: np.ndarray) -> np.ndarray:
+    """The weight of light from `theta` (radians from the mirror direction), not normalised; 0 past the horizon.
+
+    D as in Walter 2007, without its normalisation; Blinn-Phong's exponent is 2 / alpha^2 - 2. (Phong's own lobe,
+    cos^s about the mirror direction, is close to Blinn-Phong's with half the alpha.)
+    """
+    cos_half, tan_half, cos_light = np.cos(theta / 2), np.tan(theta / 2), np.cos(theta)
+    if ndf == "ggx":
+        density = (alpha**2 / (tan_half**2 + alpha**2)) ** 2 / cos_half**4
+    elif ndf == "beckmann":
+        density = np.exp(-((tan_half / alpha) ** 2)) / cos_half**4
+    elif ndf == "blinn-phong":
+        density = cos_half ** (2 / alpha**2 - 2)
+    else:
+        raise ValueError(f"no lobe {ndf!r}; there are {', '.join(LOBES)}")
+    return density * np.maximum(cos_light, 0)
+
+
+def lobe_spectrum(ndf: str, alpha: float, degree: int) -> np.ndarray:
+    """lambda_0 .. lambda_degree of the lobe normalised to integrate to 1 over the sphere (so lambda_0 = 1), float64.
+
+    Gauss-Legendre quadrature in panels that grow with the distance from the peak, 48 nodes each, enough for twelve
+    waves of P_255 across the widest.
+    """
+    edges = [0.0, 0.5 * alpha]
+    while edges[-1] < np.pi / 2:
+        edges.append(min(edges[-1] + min(0.5 * edges[-1] + 0.25 * alpha, 0.3), np.pi / 2))
+    nodes, weights = np.polynomial.legendre.leggauss(48)
+    width = np.diff(edges)[:, None] / 2
+    theta = (np.array(edges[:-1])[:, None] + width * (nodes + 1)).ravel()
+    mass = (width * weights).ravel() * lobe(ndf, alpha, theta) * np.sin(theta)
+    mass /= mass.sum()
+
+    cosine, spectrum = np.cos(theta), np.empty(degree + 1)
+    last, older = np.ones_like(theta), np.zeros_like(theta)
+    spectrum[0] = 1.0
+    for l in range(1, degree + 1):
+        last, older = ((2 * l - 1) * cosine * last - (l - 1) * older) / l, last
+        spectrum[l] = mass @ last
+    return spectrum

@@ -1,0 +1,84 @@
+"""A sun in an environment, taken out and made a directional light.
+
+A sun holds most of an outdoor map's energy in a handful of texels: no filtered map or low-order irradiance shows it
+well, half floats cannot hold it, and it should cast a shadow. Energy is booked: what leaves the map is the light's.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..scene.environment import Environment
+from ..scene.equirect import texel_directions, texel_solid_angles
+from ..scene.light import Light
+
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+SHARE = 0.15  # of the whole map's energy: the suns of real skies hold 0.5 and more, single lamps 0.1 and less
+CORE, DISK, RING = np.radians([1.5, 2.5, 5.0])  # half angles; a sun with its glare in a camera's lens is 1 degree wide
+MOST = 3
+
+
+def extract_sun(environment: Environment) -> tuple[Environment, list[Light]]:
+    """The environment without its suns, and those as directional lights, before its rotation and intensity.
+
+    A sun is a spot of DISK's size that outshines the ring around it by SHARE of all energy on the map, nine tenths of
+    that within CORE; soft boxes, windows and strings of lamps are none. It is lowered to the ring's median radiance;
+    the light's `intensity` is the integral of what was removed over solid angle (lux: irradiance facing it), its
+    direction that integral's centroid. Without a sun the same environment comes back.
+    """
+    radiance = environment.radiance
+    height, width = radiance.shape[:2]
+    lights: list[Light] = []
+    if width * CORE < 2 * np.pi:  # a texel wider than a sun says nothing about compactness
+        return environment, lights
+    solid_angles = texel_solid_angles(height, width)
+    luminance = radiance @ LUMINANCE.astype(np.float32)
+    total = width * float(solid_angles @ luminance.mean(axis=1, dtype=np.float64))
+    for _ in range(MOST):
+        peak = np.unravel_index(int(luminance.argmax()), luminance.shape)
+        # No spot of this size can hold the share unless its peak could, spread over all of it.
+        if luminance[peak] * np.pi * DISK**2 < SHARE * total:
+            break
+        spot = _spot_around(radiance, luminance, peak, solid_angles)
+        excess = spot.removed @ LUMINANCE
+        if excess.sum() < SHARE * total or excess[spot.angle < CORE].sum() < 0.9 * excess.sum():
+            break
+        if not lights:
+            radiance = radiance.copy()
+        lights.append(_light(spot))
+        radiance[spot.rows, spot.columns] = spot.lowered
+        luminance[spot.rows, spot.columns] = spot.lowered @ LUMINANCE
+    return (replace(environment, source=radiance, digest="") if lights else environment), lights
+
+
+class _spot_around:
+    """The texels within DISK of the brightest one: where they are, what is removed (radiance x solid angle), what stays."""
+
+    def __init__(self, radiance, luminance, peak, solid_angles) -> None:
+        height, width = luminance.shape
+        reach = int(np.ceil(RING / np.pi * height)) + 1
+        first = max(0, peak[0] - reach)
+        band = slice(first, peak[0] + reach + 1)
+        directions = texel_directions(height, width, band)
+        centre = directions[peak[0] - first, peak[1]]
+        angle = np.arccos(np.clip(directions @ centre, -1, 1))
+        ring = (angle > DISK) & (angle < RING)
+        surround = np.median(radiance[band][ring], axis=0)
+        rows, self.columns = np.nonzero(angle <= DISK)
+        self.rows = rows + first
+        self.angle = angle[rows, self.columns]
+        self.directions = directions[rows, self.columns]
+        before = radiance[self.rows, self.columns]
+        self.lowered = np.minimum(before, surround)
+        self.removed = (before.astype(np.float64) - self.lowered) * solid_angles[self.rows, None]
+
+
+def _light(spot: _spot_around) -> Light:
+    energy = spot.removed.sum(axis=0)
+    centroid = (spot.removed @ LUMINANCE) @ spot.directions
+    toward = -centroid / np.linalg.norm(centroid)
+    lux = float(energy.max())
+    return Light("directional", color=tuple((energy / lux).tolist()), intensity=lux,
+                 direction=tuple(toward.tolist()), name="sun")

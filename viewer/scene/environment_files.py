@@ -1,0 +1,155 @@
+"""Environments by name or from image files: Radiance HDR and OpenEXR (linear), PNG and JPEG (decoded from sRGB)."""
+
+from __future__ import annotations
+
+import hashlib
+from functools import lru_cache, partial
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import InputError
+from .environment import Environment
+from .environment_presets import PRESETS, make_preset
+from .equirect import texel_solid_angles
+
+FORMATS = {".hdr": "hdr", ".rgbe": "hdr", ".pic": "hdr", ".exr": "openexr", ".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg"}
+MAX_WIDTH = 4096  # wider maps are averaged down: 11 texels to a degree are as sharp as a 1280 pixel picture at 45 degrees
+MAX_TEXELS = 1 << 29  # of a file; a 32k map, and seconds of decoding
+MAX_RADIANCE = 1e12  # the sun's disk is 2e9 cd/m2
+HALF_MAX = 65504.0
+BAND = 1 << 22  # texels decoded at once
+
+
+def load_environment(spec: str | Path | None) -> Environment | None:
+    """An environment from a file, or a built-in one: 'studio', 'sky', 'furnace'; None and 'none' are no environment.
+
+    A name that is also a file's is the built-in one; write ./studio for the file. The file is read, to know its
+    content, but decoded only when its radiance is asked for. Maps wider than 4096 are then reduced by a whole factor,
+    as solid angles have it. Negative values (colours outside Rec. 709) become 0 and infinite ones 65504, what
+    overflowed a half float; alpha is ignored, grey is repeated, and so is Radiance's EXPOSURE, as viewers do.
+
+    Raises InputError, here or when the radiance is first asked for, where the file is not a whole image of its format,
+    holds NaN or values over 1e12, or claims more than 2^29 texels.
+    """
+    if spec is None or spec == "none":
+        return None
+    if spec in PRESETS:
+        return make_preset(str(spec))
+    path = Path(spec)
+    if path.suffix.lower() not in FORMATS:
+        problem = "is no environment: " + (f"cannot read {path.suffix} files" if path.is_file() else "no such file")
+        raise InputError(path, "", f"{problem}; a {', '.join(FORMATS)} file, or one of none, {', '.join(PRESETS)}")
+    # One decoded copy is shared by all copies of the environment (dataclasses.replace).
+    decode = lru_cache(maxsize=1)(partial(_decode, path))
+    return Environment(path.stem, decode, digest=_file_digest(path))
+
+
+def _file_digest(path: Path) -> str:
+    digest = hashlib.blake2b(Path(__file__).read_bytes(), digest_size=20)  # how it is decoded counts, too
+    try:
+        with path.open("rb") as file:
+            while block := file.read(1 << 20):
+                digest.update(block)
+    except FileNotFoundError:
+        raise InputError(path, "", "no such file") from None
+    except IsADirectoryError:
+        raise InputError(path, "", "is a folder") from None
+    except OSError as error:
+        raise InputError(path, "", f"cannot be read: {error.strerror}") from None
+    return digest.hexdigest()
+
+
+def _decode(path: Path) -> np.ndarray:
+    """Radiance (H, W, 3) float32, W at most MAX_WIDTH."""
+    import OpenImageIO as oiio
+
+    source = oiio.ImageInput.open(str(path))
+    if source is None:
+        raise InputError(path, "", _first_line(oiio.geterror()) or "not an image")
+    try:
+        spec, found, wanted = source.spec(), source.format_name(), FORMATS[path.suffix.lower()]
+        if found != wanted:
+            raise InputError(path, "", f"is a {found} file, by its extension it should be {wanted}")
+        if spec.depth > 1 or spec.nchannels < 1 or spec.deep:
+            raise InputError(path, "", "is no flat image")
+        if spec.width * spec.height > MAX_TEXELS:
+            raise InputError(path, "", f"{spec.width} x {spec.height} texels are more than {MAX_TEXELS}")
+        encoded = str(spec.format) in ("uint8", "uint16")
+        bands = [_clean(path, first, _linear(texels) if encoded else texels) for first, texels in _bands(path, source)]
+    finally:
+        source.close()
+    radiance = bands[0] if len(bands) == 1 else np.concatenate(bands)
+    return _upright(radiance, spec.get_int_attribute("Orientation", 1))
+
+
+def _bands(path: Path, source):
+    """Yields (first row, texels (h, W, 3) float32), reduced to MAX_WIDTH, so that memory stays bounded."""
+    spec = source.spec()
+    factor = -(-max(spec.width, 2 * spec.height) // MAX_WIDTH)
+    step = max(1, BAND // spec.width)
+    unit = factor * max(1, spec.tile_height)
+    step = max(unit, step - step % unit)
+    channels = _color_channels(list(spec.channelnames))
+    last = channels[-1] + 1
+    for first in range(0, spec.height, step):
+        end = min(first + step, spec.height)
+        top, bottom = spec.y + first, spec.y + end
+        if spec.tile_width:
+            texels = source.read_tiles(spec.x, spec.x + spec.width, top, bottom, spec.z, spec.z + 1, 0, last, "float")
+        else:
+            texels = source.read_scanlines(top, bottom, spec.z, 0, last, "float")
+        if texels is None:
+            raise InputError(path, f"row {first}", _first_line(source.geterror()) or "cannot be decoded")
+        texels = texels.reshape(end - first, spec.width, last)[:, :, channels]
+        yield first, _reduce(np.ascontiguousarray(texels), factor, first, spec.height)
+
+
+def _color_channels(names: list[str]) -> list[int]:
+    if all(c in names for c in "RGB"):
+        return [names.index(c) for c in "RGB"]
+    return [0, 1, 2] if len(names) >= 3 else [0, 0, 0]
+
+
+def _reduce(texels: np.ndarray, factor: int, first: int, height: int) -> np.ndarray:
+    """Means over factor x factor texels weighted by solid angle; what is left over at the right and bottom edge joins in."""
+    if factor == 1:
+        return texels
+    rows, columns = np.arange(0, len(texels), factor), np.arange(0, texels.shape[1], factor)
+    weights = texel_solid_angles(height, 1)[first:first + len(texels)].astype(np.float32)[:, None]
+    across = np.add.reduceat(texels, columns, axis=1) / np.diff([*columns, texels.shape[1]]).astype(np.float32)[:, None]
+    sums = np.add.reduceat(across * weights[:, :, None], rows, axis=0)
+    return sums / np.add.reduceat(weights, rows, axis=0)[:, :, None]
+
+
+def _clean(path: Path, first: int, texels: np.ndarray) -> np.ndarray:
+    peak = texels.max(initial=0)  # NaN where there is any
+    if not peak <= MAX_RADIANCE:
+        if np.isnan(texels).any():
+            row, column = np.argwhere(np.isnan(texels).any(axis=2))[0]
+            raise InputError(path, f"row {first + row}, column {column}", "is not a number")
+        texels = np.where(np.isposinf(texels), np.float32(HALF_MAX), texels)
+        if texels.max() > MAX_RADIANCE:
+            row, column = np.argwhere((texels > MAX_RADIANCE).any(axis=2))[0]
+            raise InputError(path, f"row {first + row}, column {column}", f"radiance {texels.max():.3g} is over 1e12")
+    return np.maximum(texels, 0)
+
+
+def _linear(encoded: np.ndarray) -> np.ndarray:
+    """sRGB to linear (IEC 61966-2-1)."""
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4).astype(np.float32)
+
+
+def _upright(texels: np.ndarray, orientation: int) -> np.ndarray:
+    """Undo Exif's orientation 1..8 (Radiance's +Y and X-major files carry one)."""
+    if orientation >= 5:
+        texels = texels.swapaxes(0, 1)
+    if orientation in (3, 4, 7, 8):
+        texels = texels[::-1]
+    if orientation in (2, 3, 6, 7):
+        texels = texels[:, ::-1]
+    return np.ascontiguousarray(texels)
+
+
+def _first_line(message: str) -> str:
+    return message.strip().split("\n")[0]
