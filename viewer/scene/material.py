@@ -42,7 +42,7 @@ class UVTransform:
     def matrix(self) -> np.ndarray:
         """The (2, 3) float64 matrix M of uv' = M[:, :2] @ uv + M[:, 2]."""
         cosine, sine = math.cos(self.rotation), math.sin(self.rotation)
-        # v points down in glTF: counter-clockwise to the eye is [[c, s], [-s, c]].
+        # As Khronos' TextureTransformTest wants it; the GLSL in the extension's text turns the other way.
         rotation = np.array([[cosine, sine], [-sine, cosine]])
         return np.column_stack([rotation * self.scale, self.offset])
 

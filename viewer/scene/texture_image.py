@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import io
+import tempfile
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 from PIL import Image
@@ -106,17 +108,22 @@ def _pick(pixels: np.ndarray, channels: str | None) -> np.ndarray:
 
 
 def _decode_16_bit(image: TextureImage) -> np.ndarray:
-    """Through OpenImageIO: Pillow reduces 16-bit colour to 8 bits."""
+    """Through OpenImageIO, for Pillow reduces 16-bit colour to 8 bits; its Python API reads from files alone."""
     import OpenImageIO as oiio
 
+    with Image.open(io.BytesIO(image.data), formats=("PNG",)) as png:
+        png.verify()  # a broken chunk would make libpng write to stderr
     config = oiio.ImageSpec()
     config.attribute("oiio:UnassociatedAlpha", 1)
-    source = oiio.ImageInput.open("texture.png", config, oiio.IOMemReader(bytes(image.data)))
-    if source is None:
-        raise ValueError(oiio.geterror())
-    pixels = source.read_image(0, 0, 0, source.spec().nchannels, oiio.UINT16)
-    problem = source.geterror()
-    source.close()
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "texture.png")
+        path.write_bytes(image.data)
+        source = oiio.ImageInput.open(str(path), config)
+        if source is None:
+            raise ValueError(oiio.geterror())
+        pixels = source.read_image(0, 0, 0, source.spec().nchannels, oiio.UINT16)
+        problem = source.geterror()
+        source.close()
     if pixels is None or problem:
         raise ValueError(problem or "no pixels")
     return pixels
