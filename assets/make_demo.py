@@ -87,8 +87,8 @@ def board(glb: Glb, feet: list[tuple[float, float, float]]) -> None:
     rings = np.hypot(x / radius * 0.6 - 1.1 + 0.04 * noise(3, 3, 0.3), z / radius * 0.12) * 34
     band = np.interp(rings % 1, [0, 0.75, 0.95, 1], [0, 0.7, 1, 0]) * (0.75 + 0.25 * noise(4, 4))
     pores = step(1.2, 2.4, noise(6, 200, 0.05))
-    color = mix((0.50, 0.34, 0.23), (0.30, 0.18, 0.115), np.clip(0.8 * band + 0.08 * noise(5, 80, 0.04), 0, 1))
-    color = mix(color, (0.17, 0.10, 0.06), 0.6 * pores)
+    color = mix((0.46, 0.28, 0.16), (0.25, 0.135, 0.075), np.clip(0.8 * band + 0.08 * noise(5, 80, 0.04), 0, 1))
+    color = mix(color, (0.13, 0.07, 0.04), 0.6 * pores)
     shade = np.ones_like(X)
     for foot_x, foot_z, size in feet:
         shade *= 1 - 0.85 * np.exp(-np.maximum(np.hypot(x - foot_x, z - foot_z) - size, 0) / (0.28 * size))

@@ -34,7 +34,7 @@ def normal_map() -> Glb:
     glb = Glb()
     texture = glb.texture(normal / 2 + 0.5)
     for place, scale, shape in ((-1.1, 1.0, plate(2, 2)), (1.1, 0.5, without(plate(2, 2), "TANGENT"))):
-        material = glb.material((0.7, 0.7, 0.7), 0.0, 0.4, normalTexture=texture | {"scale": scale})
+        material = glb.material((0.35, 0.35, 0.35), 0.0, 0.4, normalTexture=texture | {"scale": scale})
         glb.node(glb.mesh(shape, material), translation=[place, 0, 0])
     glb.light("directional", (-2, 2, 1.5), intensity=3.0)
     glb.camera((0, 0, 8.4))
@@ -96,9 +96,9 @@ def alpha() -> Glb:
 
 
 def lights() -> Glb:
-    """A white floor with a ball, a ring and a post under a red point, a green spot and a blue directional light."""
+    """A grey floor with a ball, a ring and a post under a red point, a green spot and a blue directional light."""
     glb = Glb()
-    floor, body = glb.material((0.8, 0.8, 0.8), roughness=0.8), glb.material((0.9, 0.9, 0.9), roughness=0.3)
+    floor, body = glb.material((0.25, 0.25, 0.25), roughness=0.8), glb.material((0.4, 0.4, 0.4), roughness=0.3)
     glb.node(glb.mesh(plate(6, 6), floor), rotation=UP)
     post = lathe([[0, 0], [0.15, 0]], [[0.15, 0], [0.15, 1.2]], [[0.15, 1.2], [0, 1.2]], segments=16)
     for shape, place in ((sphere(0.5, 32), [-1.2, 0.5, 0.2]), (torus(0.45, 0.15, 32, 12), [1.1, 0.6, 0.4]),
