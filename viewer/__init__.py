@@ -7,16 +7,22 @@
     viewer.show(scene)
 """
 
-from .api import load, render, show
-from .errors import ContextError, InputError, OutputError, ShaderError, UsageError, ViewerError
-from .image import Image
-from .scene.camera import Camera
-from .scene.environment import Environment
-from .scene.light import Light
-from .scene.material import Material
-from .scene.mesh import Mesh
-from .scene.scene import Instance, Scene
-from .settings import Settings
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .api import load, render, show
+    from .errors import ContextError, InputError, OutputError, ShaderError, UsageError, ViewerError
+    from .image import Image
+    from .scene.camera import Camera
+    from .scene.environment import Environment
+    from .scene.light import Light
+    from .scene.material import Material
+    from .scene.mesh import Mesh
+    from .scene.scene import Instance, Scene
+    from .settings import Settings
 
 __all__ = [
     "Camera",
@@ -38,3 +44,18 @@ __all__ = [
     "render",
     "show",
 ]
+
+_MODULES = {"Camera": "scene.camera", "Environment": "scene.environment", "Image": "image", "Instance": "scene.scene",
+            "Light": "scene.light", "Material": "scene.material", "Mesh": "scene.mesh", "Scene": "scene.scene",
+            "Settings": "settings", "load": "api", "render": "api", "show": "api"}
+
+
+def __getattr__(name: str) -> object:
+    # Imported when asked for: pytest loads this package in every project where it is installed, for its plugin.
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f".{_MODULES.get(name, 'errors')}", __name__), name)
+
+
+def __dir__() -> list[str]:
+    return __all__
