@@ -1,0 +1,110 @@
+import numpy as np
+import pytest
+
+from gltf_builder import GltfBuilder, png_bytes
+from viewer.errors import InputError
+from viewer.scene.material import Material, Sampler, UVTransform
+
+
+def read(material: dict, builder: GltfBuilder | None = None, **top_level):
+    builder = builder or GltfBuilder()
+    builder.json.update(top_level)
+    builder.node(mesh=builder.triangle(material=builder.add("materials", material)))
+    scene = builder.load()
+    return scene.materials[scene.meshes[0].material], scene.warnings
+
+
+def test_defaults():
+    assert read({})[0] == Material()
+    builder = GltfBuilder()
+    builder.node(mesh=builder.triangle())
+    assert builder.load().materials == (Material(),)
+
+
+def test_factors_and_extensions():
+    material, warnings = read({
+        "name": "m", "emissiveFactor": [1, 0.5, 0], "alphaMode": "MASK", "alphaCutoff": 0.3, "doubleSided": True,
+        "pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.2, 0.3, 0.4], "metallicFactor": 0.6, "roughnessFactor": 0.7},
+        "extensions": {"KHR_materials_unlit": {}, "KHR_materials_emissive_strength": {"emissiveStrength": 4},
+                       "KHR_materials_ior": {"ior": 1.8},
+                       "KHR_materials_specular": {"specularFactor": 0.9, "specularColorFactor": [2, 1, 0]}}})
+    assert material == Material("m", (0.1, 0.2, 0.3, 0.4), metallic=0.6, perceptual_roughness=0.7, emissive=(4, 2, 0),
+                                ior=1.8, specular=0.9, specular_color=(2, 1, 0), alpha_mode="mask", alpha_cutoff=0.3,
+                                double_sided=True, unlit=True)
+    assert not warnings
+
+
+def test_ior_zero_is_kept_and_others_below_one_are_not():
+    assert read({"extensions": {"KHR_materials_ior": {"ior": 0}}})[0].ior == 0
+    material, warnings = read({"extensions": {"KHR_materials_ior": {"ior": 0.5}}})
+    assert material.ior == 1 and "ior" in warnings[0]
+
+
+def test_values_out_of_range_are_clamped_with_a_warning():
+    material, warnings = read({"pbrMetallicRoughness": {"roughnessFactor": 3}, "alphaMode": "GLASS"})
+    assert material.perceptual_roughness == 1 and material.alpha_mode == "opaque"
+    assert len(warnings) == 2 and "materials[0].pbrMetallicRoughness.roughnessFactor" in warnings[0]
+
+
+def test_textures_samplers_and_transforms():
+    builder = GltfBuilder()
+    texture = builder.texture(wrapS=33071, wrapT=33648, magFilter=9728, minFilter=9985)
+    transform = {"offset": [0.1, 0.2], "rotation": 0.3, "scale": [2, 3], "texCoord": 0}
+    material, _ = read({"normalTexture": {"index": texture, "scale": 0.5, "texCoord": 1,
+                                          "extensions": {"KHR_texture_transform": transform}},
+                        "occlusionTexture": {"index": texture, "strength": 0.25}}, builder)
+    normal = material.normal_texture
+    assert normal.sampler == Sampler("clamp", "mirror", "nearest", "linear", "nearest")
+    assert normal.transform == UVTransform((0.1, 0.2), 0.3, (2, 3)) and normal.uv_set == 0
+    assert (material.normal_scale, material.occlusion_strength) == (0.5, 0.25)
+    assert material.occlusion_texture.image is normal.image
+
+
+def test_texture_transform_turns_as_in_the_khronos_test_model():
+    """TextureTransformTest: the tip of the arrow, at 45 degrees below the u axis, is seen 22.5 degrees further down."""
+    angle = np.pi / 8
+    matrix = UVTransform(rotation=angle).matrix()
+    seen = np.array([np.cos(np.pi / 4 + angle), np.sin(np.pi / 4 + angle)])
+    np.testing.assert_allclose(matrix[:, :2] @ seen, [np.sqrt(0.5)] * 2, atol=1e-12)
+    full = UVTransform((0.5, 0.25), np.pi / 2, (2, 3)).matrix()
+    np.testing.assert_allclose(full, [[0, 3, 0.5], [-2, 0, 0.25]], atol=1e-12)
+
+
+def test_webp_source_is_preferred():
+    builder = GltfBuilder()
+    texture = builder.texture(np.zeros((1, 1, 3), np.uint8))
+    other = builder.add("images", {"bufferView": builder.view(png_bytes(np.zeros((2, 2, 3), np.uint8)))})
+    builder.json["textures"][texture]["extensions"] = {"EXT_texture_webp": {"source": other}}
+    material, _ = read({"emissiveTexture": {"index": texture}}, builder)
+    assert material.emissive_texture.image.width == 2
+
+
+@pytest.mark.parametrize("texture", [{}, {"extensions": {"KHR_texture_basisu": {"source": 0}}}])
+def test_textures_without_an_image_we_read_are_left_out(texture):
+    material, warnings = read({"emissiveTexture": {"index": 0}}, textures=[texture], images=[{"uri": "a.ktx2"}])
+    assert material.emissive_texture is None and "textures[0]" in warnings[0]
+
+
+def test_third_uv_set_is_left_out():
+    builder = GltfBuilder()
+    material, warnings = read({"emissiveTexture": {"index": builder.texture(), "texCoord": 2}}, builder)
+    assert material.emissive_texture is None and "UV set 2" in warnings[0]
+
+
+def test_required_extension_is_named():
+    with pytest.raises(InputError, match=r"extensionsRequired\[0\].*ACME_mesh"):
+        read({}, extensionsUsed=["ACME_mesh"], extensionsRequired=["ACME_mesh"])
+
+
+def test_used_extensions_are_one_warning_each():
+    names = ["KHR_materials_sheen", "KHR_materials_sheen", "KHR_xmp", "MSFT_lod", "KHR_materials_ior", "ACME_x"]
+    warnings = read({}, extensionsUsed=names)[1]
+    assert len(warnings) == 2 and "KHR_materials_sheen" in warnings[0] and "ACME_x" in warnings[1]
+
+
+@pytest.mark.parametrize("asset, problem", [
+    ({"version": "1.0"}, "glTF 1.0"), ({"version": "2.1", "minVersion": "2.1"}, "needs glTF 2.1"), ({}, "missing"),
+    (None, "object"), ({"version": 2}, "string")])
+def test_versions(asset, problem):
+    with pytest.raises(InputError, match=f"asset.*{problem}"):
+        read({}, asset=asset)

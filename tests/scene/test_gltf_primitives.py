@@ -1,0 +1,125 @@
+import numpy as np
+import pytest
+
+from gltf_builder import GltfBuilder
+from viewer.errors import InputError
+
+POINTS = np.float32([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0, 2, 0]])
+
+
+def load(mode: int, indices=None, points=POINTS):
+    builder = GltfBuilder()
+    attributes = {"POSITION": builder.accessor(points), "NORMAL": builder.accessor([[0, 0, 1]] * len(points))}
+    extra = {} if indices is None else {"indices": builder.accessor(indices, "uint16")}
+    builder.node(mesh=builder.mesh(attributes, mode=mode, **extra))
+    return builder.load()
+
+
+@pytest.mark.parametrize("mode, topology, expected", [
+    (0, "points", None), (2, "lines", [0, 1, 1, 2, 2, 3, 3, 4, 4, 0]), (3, "lines", [0, 1, 1, 2, 2, 3, 3, 4]),
+    (5, "triangles", [0, 1, 2, 1, 3, 2, 2, 3, 4]), (6, "triangles", [1, 2, 0, 2, 3, 0, 3, 4, 0])])
+def test_modes(mode, topology, expected):
+    mesh = load(mode).meshes[0]
+    assert mesh.topology == topology
+    assert (mesh.indices is None) if expected is None else mesh.indices.tolist() == expected
+
+
+def test_strips_wind_alike():
+    mesh = load(5).meshes[0]
+    a, b, c = mesh.positions[mesh.indices.reshape(-1, 3)].transpose(1, 0, 2)
+    assert (np.cross(b - a, c - a)[:, 2] > 0).all()
+
+
+def test_strip_of_indices():
+    assert load(5, [4, 2, 3]).meshes[0].indices.tolist() == [4, 2, 3]
+
+
+def test_left_over_vertices_are_dropped_with_a_warning():
+    scene = load(4)
+    assert scene.meshes[0].indices.tolist() == [0, 1, 2]
+    assert any("whole triangles" in line for line in scene.warnings)
+
+
+@pytest.mark.parametrize("indices, problem", [([0, 1, 5], "index 5, but there are 5"), ([0, 1, 65535], "restart")])
+def test_bad_indices(indices, problem):
+    with pytest.raises(InputError, match=rf"meshes\[0\]\.primitives\[0\]\.indices: .*{problem}"):
+        load(4, indices)
+
+
+def test_missing_normals_are_flat_and_unindexed():
+    builder = GltfBuilder()
+    position = builder.accessor([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 1]])
+    tangent = builder.accessor([[1, 0, 0, 1]] * 4)
+    builder.node(mesh=builder.mesh({"POSITION": position, "TANGENT": tangent},
+                                   indices=builder.accessor([0, 1, 2, 0, 3, 1], "uint8")))
+    mesh = builder.load().meshes[0]
+    assert mesh.indices is None and len(mesh.positions) == 6 and mesh.tangents is None
+    np.testing.assert_allclose(mesh.normals, [[0, 0, 1]] * 3 + [[0, 1, 0]] * 3, atol=1e-6)
+
+
+def test_bad_normals_are_computed_with_a_warning():
+    builder = GltfBuilder()
+    normals = builder.accessor([[0, 0, 1], [np.nan, 0, 0], [0, 0, 0]])
+    builder.node(mesh=builder.mesh({"POSITION": builder.accessor(POINTS[:3]), "NORMAL": normals}))
+    scene = builder.load()
+    np.testing.assert_allclose(scene.meshes[0].normals, [[0, 0, 1]] * 3, atol=1e-6)
+    assert any("2 normals" in line for line in scene.warnings)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_positions_must_be_finite(value):
+    builder = GltfBuilder()
+    builder.node(mesh=builder.mesh({"POSITION": builder.accessor([[0, 0, 0], [1, 0, 0], [0, value, 0]])}))
+    with pytest.raises(InputError, match="POSITION: .*finite"):
+        builder.load()
+
+
+@pytest.mark.parametrize("dtype, columns", [("uint8", 3), ("uint16", 4), ("float32", 3), ("float32", 4)])
+def test_vertex_colours(dtype, columns):
+    builder = GltfBuilder()
+    peak = {"uint8": 255, "uint16": 65535, "float32": 1}[dtype]
+    colors = np.array([[1, 0, 0, 1], [0, 1, 0, 1], [0, 0, 1, 0]])[:, :columns] * peak
+    if dtype == "uint8":  # rows of 3 bytes are padded to 4
+        view = builder.view(np.pad(colors.astype(np.uint8), ((0, 0), (0, 1))).tobytes(), byteStride=4)
+        color = builder.add("accessors", {"bufferView": view, "componentType": 5121, "count": 3, "type": "VEC3",
+                                          "normalized": True})
+    else:
+        color = builder.accessor(colors, dtype, normalized=dtype != "float32")
+    builder.node(mesh=builder.mesh({"POSITION": builder.accessor(POINTS[:3]), "COLOR_0": color}))
+    expected = np.array([[1, 0, 0, 1], [0, 1, 0, 1], [0, 0, 1, 0 if columns == 4 else 1]])
+    np.testing.assert_array_equal(builder.load().meshes[0].colors, expected)
+
+
+def test_two_uv_sets_and_a_missing_one():
+    builder = GltfBuilder()
+    material = builder.add("materials", {"emissiveTexture": {"index": builder.texture(), "texCoord": 1}})
+    position, uv = builder.accessor(POINTS[:3]), builder.accessor([[1, 2]] * 3)
+    builder.node(mesh=builder.mesh({"POSITION": position, "TEXCOORD_0": uv, "TEXCOORD_1": uv}, material=material))
+    builder.node(mesh=builder.mesh({"POSITION": position, "TEXCOORD_0": uv}, material=material))
+    scene = builder.load()
+    assert [len(mesh.uvs) for mesh in scene.meshes] == [2, 2]
+    assert not scene.meshes[1].uvs[1].any()
+    assert any("TEXCOORD_1" in line for line in scene.warnings)
+
+
+def test_tangents_are_made_for_a_normal_map_alone():
+    builder = GltfBuilder()
+    material = builder.add("materials", {"normalTexture": {"index": builder.texture()}})
+    attributes = {"POSITION": builder.accessor(POINTS[:3]), "NORMAL": builder.accessor([[0, 0, 1]] * 3),
+                  "TEXCOORD_0": builder.accessor([[0, 1], [1, 1], [0, 0]])}
+    builder.node(mesh=builder.mesh(attributes, material=material))
+    builder.node(mesh=builder.mesh(attributes))
+    mapped, plain = builder.load().meshes
+    np.testing.assert_allclose(mapped.tangents, [[1, 0, 0, 1]] * 3, atol=1e-6)
+    assert plain.tangents is None
+
+
+def test_attributes_of_unequal_counts_and_missing_positions():
+    builder = GltfBuilder()
+    builder.node(mesh=builder.mesh({"POSITION": builder.accessor(POINTS[:3]), "NORMAL": builder.accessor(POINTS)}))
+    with pytest.raises(InputError, match=r"attributes\.NORMAL: 5 values for 3"):
+        builder.load()
+    builder = GltfBuilder()
+    builder.node(mesh=builder.mesh({"NORMAL": builder.accessor(POINTS)}))
+    scene = builder.load()
+    assert not scene.instances and any("no positions" in line for line in scene.warnings)

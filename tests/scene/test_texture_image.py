@@ -1,0 +1,83 @@
+import io
+import struct
+import zlib
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from viewer.errors import InputError
+from viewer.scene.texture_image import MAX_SIDE, open_texture_image
+
+
+def encoded(image: Image.Image, kind: str = "PNG", **options) -> bytes:
+    out = io.BytesIO()
+    image.save(out, kind, **options)
+    return out.getvalue()
+
+
+def png_chunk(kind: bytes, data: bytes) -> bytes:
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+
+def png(width: int, height: int, bits: int, color_type: int, rows: bytes) -> bytes:
+    header = struct.pack(">IIBBBBB", width, height, bits, color_type, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + png_chunk(b"IHDR", header) + png_chunk(b"IDAT", zlib.compress(rows)) \
+        + png_chunk(b"IEND", b"")
+
+
+@pytest.mark.parametrize("mode, kind, expected", [
+    ("L", "PNG", [50]), ("LA", "PNG", [50, 60]), ("RGB", "PNG", [10, 20, 30]), ("RGBA", "PNG", [10, 20, 30, 40]),
+    ("1", "PNG", [255]), ("RGB", "WEBP", [10, 20, 30])])
+def test_channels_stay_as_stored(mode, kind, expected):
+    color = {"L": 50, "LA": (50, 60), "RGB": (10, 20, 30), "RGBA": (10, 20, 30, 40), "1": 1}[mode]
+    image = open_texture_image(encoded(Image.new(mode, (3, 2), color), kind, **({"lossless": True} if kind == "WEBP" else {})), "x")
+    pixels = image.decode()
+    assert (image.width, image.height, image.format) == (3, 2, kind)
+    assert pixels.shape == (2, 3, len(expected)) and pixels.dtype == np.uint8
+    assert pixels[1, 2].tolist() == expected
+
+
+def test_palette_and_cmyk_become_colour():
+    palette = Image.new("RGB", (2, 2), (200, 100, 50)).convert("P")
+    assert open_texture_image(encoded(palette), "x").decode().shape == (2, 2, 3)
+    assert open_texture_image(encoded(palette, transparency=0), "x").decode().shape == (2, 2, 4)
+    assert open_texture_image(encoded(Image.new("CMYK", (2, 2)), "JPEG"), "x").decode().shape == (2, 2, 3)
+
+
+@pytest.mark.parametrize("count, color_type", [(1, 0), (2, 4), (3, 2), (4, 6)])
+def test_16_bits_are_kept(count, color_type):
+    values = np.random.default_rng(1).integers(0, 1 << 16, (4, 5, count), dtype=np.uint16)
+    rows = b"".join(b"\0" + row.astype(">u2").tobytes() for row in values)
+    image = open_texture_image(png(5, 4, 16, color_type, rows), "x")
+    assert image.bits == 16
+    np.testing.assert_array_equal(image.decode(), values)
+    np.testing.assert_array_equal(image.decode("G")[..., 0], values[..., 1 if count >= 3 else 0])
+
+
+def test_picked_channels():
+    image = open_texture_image(encoded(Image.new("RGB", (2, 2), (10, 20, 30))), "x")
+    assert image.decode("GB")[0, 0].tolist() == [20, 30]
+    assert image.decode("A")[0, 0].tolist() == [255]
+    assert open_texture_image(encoded(Image.new("LA", (2, 2), (7, 8))), "x").decode("BA")[0, 0].tolist() == [7, 8]
+
+
+def test_bombs_are_refused_by_their_header():
+    with pytest.raises(InputError, match="bomb.png.*texels"):
+        open_texture_image(png(MAX_SIDE + 1, 1, 8, 0, b"\0\0"), "bomb.png")
+    with pytest.raises(InputError, match="bomb.png"):
+        open_texture_image(png(1 << 30, 1 << 30, 8, 0, b"\0\0"), "bomb.png")
+
+
+@pytest.mark.parametrize("bits", [8, 16])
+def test_truncated_data_names_the_image(bits, capfd):
+    noise = np.random.default_rng(2).integers(0, 256, (8, 8 * 3 * bits // 8), dtype=np.uint8)
+    data = png(8, 8, bits, 2, np.pad(noise, ((0, 0), (1, 0))).tobytes())[:150]
+    with pytest.raises(InputError, match="^wall.png: "):
+        open_texture_image(data, "wall.png").decode()
+    assert capfd.readouterr().err == ""
+
+
+def test_formats_gltf_lacks_are_refused():
+    with pytest.raises(InputError):
+        open_texture_image(encoded(Image.new("RGB", (2, 2)), "BMP"), "x")
