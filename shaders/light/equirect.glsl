@@ -1,7 +1,7 @@
 // Direction to equirectangular texture: u = 1/2 + atan2(z, x) / 2 pi, v = acos(y) / pi, v = 0 the top row.
 
-// atan(z / x) in units of a turn, in -1/2 .. 1/2. Odd polynomial on the octant, below 1e-4 rad off: a sixtieth of a texel
-// of a 1024-wide map. At the poles, where x = z = 0, it is 0.
+// atan2(z, x) in turns, -1/2 .. 1/2. Odd polynomial on the octant, below 1e-4 rad off: a sixtieth of a texel of a
+// 1024-wide map. At the poles, where x = z = 0, it is 0.
 float turns(float z, float x) {
     float ax = abs(x), az = abs(z);
     float t = min(ax, az) / max(max(ax, az), 1e-20);
@@ -12,7 +12,7 @@ float turns(float z, float x) {
     return z < 0.0 ? -a : a;
 }
 
-// acos(y) / pi. sqrt(1 - |y|) carries the slope at the poles (the form of Abramowitz & Stegun 4.4.45), below 4e-5 rad off.
+// acos(y) / pi. sqrt(1 - |y|) carries the slope at the poles (as in Abramowitz & Stegun 4.4.45), below 4e-5 rad off.
 float colatitude(float y) {
     float a = min(abs(y), 1.0);
     float c = sqrt(1.0 - a) * (0.49998793 + a * (-0.06776048 + a * (0.02447766 + a * -0.00665043)));

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..scene.environment import Environment
+from ..scene.equirect import shrink
 from ..scene.light import Light
 from . import cache as disk
 from .irradiance import irradiance_coefficients
 from .lobes import LOBES
-from .prefilter import LEVEL_ROUGHNESS, prefilter
+from .prefilter import HEIGHT, LEVEL_ROUGHNESS, WIDTH, prefilter
 from .sun import extract_sun
 
 HALF_CEILING = 32768.0  # levels are scaled to peak below this: all of half's range, whatever the map's units
@@ -55,7 +56,8 @@ def bake_environment(environment: Environment, ndf: str = "ggx", cache: bool = T
 
 
 def _bake(environment: Environment, ndf: str) -> dict[str, np.ndarray]:
-    rest, suns = extract_sun(environment)
+    # A map far larger than the levels is shrunk first: the sun is compact in those, too, and found much sooner.
+    rest, suns = extract_sun(replace(environment, source=shrink(environment.radiance, HEIGHT, WIDTH)))
     levels, harmonics = prefilter(rest.radiance, ndf)
     peak = max(float(level.max()) for level in levels)
     scale = 2.0 ** np.ceil(np.log2(peak / HALF_CEILING)) if peak > 0 else 1.0

@@ -25,9 +25,9 @@ ORDERS_AT_ONCE = 32  # bounds the Legendre table: 32 x 256 degrees x 480 rows in
 
 @dataclass(frozen=True)
 class Filter:
-    """A kernel by its `spectrum` (lambda_0 .. lambda_L), and the map wanted of it: `theta` of the upper half of its rows.
+    """A kernel by its `spectrum` (lambda_0 .. lambda_L), and the map wanted of it by its rows.
 
-    The lower half mirrors them; the map is twice as wide as high. A theta below 0 lies beyond the pole, and gets what
+    `theta` is that of the upper half; the lower half mirrors it, and the map is twice as wide as high. A theta below 0 lies beyond the pole, and gets what
     is there: the values at -theta half a turn on.
     """
 

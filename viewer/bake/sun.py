@@ -41,31 +41,29 @@ def extract_sun(environment: Environment) -> tuple[Environment, list[Light]]:
         # No spot of this size can hold the share unless its peak could, spread over all of it.
         if luminance[peak] * np.pi * DISK**2 < SHARE * total:
             break
-        spot = _spot_around(radiance, luminance, peak, solid_angles)
+        spot = _Spot(radiance, peak, solid_angles)
         excess = spot.removed @ LUMINANCE
         if excess.sum() < SHARE * total or excess[spot.angle < CORE].sum() < 0.9 * excess.sum():
             break
         if not lights:
             radiance = radiance.copy()
-        lights.append(_light(spot))
+        lights.append(spot.light())
         radiance[spot.rows, spot.columns] = spot.lowered
         luminance[spot.rows, spot.columns] = spot.lowered @ LUMINANCE
     return (replace(environment, source=radiance, digest="") if lights else environment), lights
 
 
-class _spot_around:
-    """The texels within DISK of the brightest one: where they are, what is removed (radiance x solid angle), what stays."""
+class _Spot:
+    """The texels within DISK of the brightest: where they are, what is removed (radiance x solid angle), what stays."""
 
-    def __init__(self, radiance, luminance, peak, solid_angles) -> None:
-        height, width = luminance.shape
+    def __init__(self, radiance: np.ndarray, peak: tuple[int, int], solid_angles: np.ndarray) -> None:
+        height, width = radiance.shape[:2]
         reach = int(np.ceil(RING / np.pi * height)) + 1
         first = max(0, peak[0] - reach)
         band = slice(first, peak[0] + reach + 1)
         directions = texel_directions(height, width, band)
-        centre = directions[peak[0] - first, peak[1]]
-        angle = np.arccos(np.clip(directions @ centre, -1, 1))
-        ring = (angle > DISK) & (angle < RING)
-        surround = np.median(radiance[band][ring], axis=0)
+        angle = np.arccos(np.clip(directions @ directions[peak[0] - first, peak[1]], -1, 1))
+        surround = np.median(radiance[band][(angle > DISK) & (angle < RING)], axis=0)
         rows, self.columns = np.nonzero(angle <= DISK)
         self.rows = rows + first
         self.angle = angle[rows, self.columns]
@@ -74,11 +72,10 @@ class _spot_around:
         self.lowered = np.minimum(before, surround)
         self.removed = (before.astype(np.float64) - self.lowered) * solid_angles[self.rows, None]
 
-
-def _light(spot: _spot_around) -> Light:
-    energy = spot.removed.sum(axis=0)
-    centroid = (spot.removed @ LUMINANCE) @ spot.directions
-    toward = -centroid / np.linalg.norm(centroid)
-    lux = float(energy.max())
-    return Light("directional", color=tuple((energy / lux).tolist()), intensity=lux,
-                 direction=tuple(toward.tolist()), name="sun")
+    def light(self) -> Light:
+        energy = self.removed.sum(axis=0)
+        centroid = (self.removed @ LUMINANCE) @ self.directions
+        direction = -centroid / np.linalg.norm(centroid)
+        lux = float(energy.max())
+        color = tuple((energy / lux).tolist())
+        return Light("directional", color, lux, direction=tuple(direction.tolist()), name="sun")

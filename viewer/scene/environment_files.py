@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterator
 from functools import lru_cache, partial
 from pathlib import Path
 
@@ -13,12 +14,12 @@ from .environment import Environment
 from .environment_presets import PRESETS, make_preset
 from .equirect import texel_solid_angles
 
-FORMATS = {".hdr": "hdr", ".rgbe": "hdr", ".pic": "hdr", ".exr": "openexr", ".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg"}
-MAX_WIDTH = 4096  # wider maps are averaged down: 11 texels to a degree are as sharp as a 1280 pixel picture at 45 degrees
+FORMATS = {".hdr": "hdr", ".exr": "openexr", ".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg"}
+MAX_WIDTH = 4096  # wider maps are averaged down: 11 texels to a degree, 100 MB of radiance
 MAX_TEXELS = 1 << 29  # of a file; a 32k map, and seconds of decoding
 MAX_RADIANCE = 1e12  # the sun's disk is 2e9 cd/m2
 HALF_MAX = 65504.0
-BAND = 1 << 22  # texels decoded at once
+BAND = 1 << 20  # texels decoded at once
 
 
 def load_environment(spec: str | Path | None) -> Environment | None:
@@ -75,21 +76,18 @@ def _decode(path: Path) -> np.ndarray:
             raise InputError(path, "", "is no flat image")
         if spec.width * spec.height > MAX_TEXELS:
             raise InputError(path, "", f"{spec.width} x {spec.height} texels are more than {MAX_TEXELS}")
-        encoded = str(spec.format) in ("uint8", "uint16")
-        bands = [_clean(path, first, _linear(texels) if encoded else texels) for first, texels in _bands(path, source)]
+        bands = list(_bands(path, source, encoded=str(spec.format) in ("uint8", "uint16")))
     finally:
         source.close()
-    radiance = bands[0] if len(bands) == 1 else np.concatenate(bands)
-    return _upright(radiance, spec.get_int_attribute("Orientation", 1))
+    return _upright(bands[0] if len(bands) == 1 else np.concatenate(bands), spec.get_int_attribute("Orientation", 1))
 
 
-def _bands(path: Path, source):
-    """Yields (first row, texels (h, W, 3) float32), reduced to MAX_WIDTH, so that memory stays bounded."""
+def _bands(path: Path, source, encoded: bool) -> Iterator[np.ndarray]:
+    """The map from the top in pieces (h, W, 3) float32, each reduced to MAX_WIDTH as it comes: memory stays bounded."""
     spec = source.spec()
     factor = -(-max(spec.width, 2 * spec.height) // MAX_WIDTH)
-    step = max(1, BAND // spec.width)
     unit = factor * max(1, spec.tile_height)
-    step = max(unit, step - step % unit)
+    step = max(1, BAND // spec.width // unit) * unit
     channels = _color_channels(list(spec.channelnames))
     last = channels[-1] + 1
     for first in range(0, spec.height, step):
@@ -101,8 +99,11 @@ def _bands(path: Path, source):
             texels = source.read_scanlines(top, bottom, spec.z, 0, last, "float")
         if texels is None:
             raise InputError(path, f"row {first}", _first_line(source.geterror()) or "cannot be decoded")
-        texels = texels.reshape(end - first, spec.width, last)[:, :, channels]
-        yield first, _reduce(np.ascontiguousarray(texels), factor, first, spec.height)
+        texels = texels.reshape(end - first, spec.width, last)
+        if channels != [0, 1, 2]:
+            texels = np.ascontiguousarray(texels[:, :, channels])
+        texels = _linear(texels) if encoded else _clean(path, first, texels)
+        yield _reduce(texels, factor, first, spec.height)
 
 
 def _color_channels(names: list[str]) -> list[int]:
@@ -112,14 +113,16 @@ def _color_channels(names: list[str]) -> list[int]:
 
 
 def _reduce(texels: np.ndarray, factor: int, first: int, height: int) -> np.ndarray:
-    """Means over factor x factor texels weighted by solid angle; what is left over at the right and bottom edge joins in."""
+    """Means over factor x factor texels weighted by solid angle; the rest at the right and bottom makes smaller blocks."""
     if factor == 1:
         return texels
-    rows, columns = np.arange(0, len(texels), factor), np.arange(0, texels.shape[1], factor)
-    weights = texel_solid_angles(height, 1)[first:first + len(texels)].astype(np.float32)[:, None]
-    across = np.add.reduceat(texels, columns, axis=1) / np.diff([*columns, texels.shape[1]]).astype(np.float32)[:, None]
-    sums = np.add.reduceat(across * weights[:, :, None], rows, axis=0)
-    return sums / np.add.reduceat(weights, rows, axis=0)[:, :, None]
+    weights = texel_solid_angles(height, 1)[first:first + len(texels)].astype(np.float32)
+    rows = np.arange(0, len(texels), factor)
+    sums = np.add.reduceat(texels * weights[:, None, None], rows, axis=0)
+    sums /= np.add.reduceat(weights, rows)[:, None, None]
+    columns = np.arange(0, texels.shape[1], factor)
+    counts = np.diff([*columns, texels.shape[1]]).astype(np.float32)
+    return np.add.reduceat(sums, columns, axis=1) / counts[:, None]
 
 
 def _clean(path: Path, first: int, texels: np.ndarray) -> np.ndarray:

@@ -46,19 +46,23 @@ def studio() -> np.ndarray:
     grey = 0.10 + 0.30 * _smoothstep((y + 0.35) / 0.9)
     grey = np.repeat(grey[:, None], WIDTH, axis=1)
     for azimuth, elevation, wide, high, radiance in _SOFT_BOXES:
-        _add_soft_box(grey, math.radians(azimuth), math.radians(elevation), math.radians(wide), math.radians(high), radiance)
+        _add_soft_box(grey, *map(math.radians, (azimuth, elevation, wide, high)), radiance)
     return np.repeat(grey[:, :, None], 3, axis=2)
 
 
-def _add_soft_box(grey: np.ndarray, azimuth: float, elevation: float, wide: float, high: float, radiance: float) -> None:
+def _add_soft_box(
+    grey: np.ndarray, azimuth: float, elevation: float, wide: float, high: float, radiance: float
+) -> None:
     """In place: a rectangle on the plane facing the origin, a little brighter in its middle, with soft edges."""
     sin_az, cos_az, sin_el, cos_el = math.sin(azimuth), math.cos(azimuth), math.sin(elevation), math.cos(elevation)
-    frame = np.array([[cos_az, 0, -sin_az], [-sin_el * sin_az, cos_el, -sin_el * cos_az],
-                      [cos_el * sin_az, sin_el, cos_el * cos_az]])
+    frame = np.array([  # right, up, ahead
+        [cos_az, 0, -sin_az], [-sin_el * sin_az, cos_el, -sin_el * cos_az], [cos_el * sin_az, sin_el, cos_el * cos_az]
+    ], np.float32)  # fmt: skip
     reach = math.hypot(math.tan(wide / 2), math.tan(high / 2))
     centre, span = math.pi / 2 - elevation, math.atan(reach) + 0.02
-    rows = slice(max(0, int((centre - span) / math.pi * HEIGHT)), min(HEIGHT, int((centre + span) / math.pi * HEIGHT) + 1))
-    right, up, ahead = np.moveaxis(texel_directions(HEIGHT, WIDTH, rows).astype(np.float32) @ frame.T.astype(np.float32), 2, 0)
+    first, last = int((centre - span) / math.pi * HEIGHT), int((centre + span) / math.pi * HEIGHT)
+    rows = slice(max(0, first), last + 1)
+    right, up, ahead = np.moveaxis(texel_directions(HEIGHT, WIDTH, rows).astype(np.float32) @ frame.T, 2, 0)
     ahead = np.maximum(ahead, 1e-3)
     right, up = np.abs(right / ahead) / math.tan(wide / 2), np.abs(up / ahead) / math.tan(high / 2)
     inside = _smoothstep((1 - right) / 0.12) * _smoothstep((1 - up) / 0.12)
@@ -87,7 +91,6 @@ def sky() -> np.ndarray:
     illuminance = _sun_illuminance(SUN_ELEVATION)
     down = directions[:, :1, 1:2] * texel_solid_angles(HEIGHT, WIDTH)[upper, None, None]
     on_ground = (radiance[upper] * down).sum(axis=(0, 1)) + illuminance * sun[1]
-    # The horizon is a row of texels wide enough to be a step; the ground sees all of the sky.
     radiance[HEIGHT // 2:] = GROUND_ALBEDO * on_ground / np.pi
     radiance += disk[:, :, None] * illuminance.astype(np.float32)
     return radiance * np.float32(np.pi / (on_ground @ [0.2126, 0.7152, 0.0722]))
@@ -99,7 +102,7 @@ def _sun_direction() -> np.ndarray:
 
 
 def _sun_illuminance(elevation: float) -> np.ndarray:
-    """On a surface facing the sun, in klx, linear Rec. 709: Rayleigh and aerosol extinction (Preetham 1999, appendix 1)."""
+    """On a surface facing the sun, klx, linear Rec. 709: Rayleigh and aerosol extinction (Preetham 1999, appendix 1)."""
     wavelength = np.array([0.610, 0.550, 0.465])  # micrometres, where the primaries weigh most
     air_mass = 1 / (math.sin(elevation) + 0.15 * (math.degrees(elevation) + 3.885) ** -1.253)
     beta = 0.04608 * TURBIDITY - 0.04586

@@ -29,39 +29,42 @@ def sphere_integral(radiance: np.ndarray) -> np.ndarray:
     return width * (texel_solid_angles(height, width) @ radiance.mean(axis=1, dtype=np.float64))
 
 
-def shrink(radiance: np.ndarray, factor: int) -> np.ndarray:
-    """Means over blocks of factor x factor texels, weighted by solid angle; both sizes must divide by `factor`."""
-    height, width, channels = radiance.shape
-    if factor == 1:
+def shrink(radiance: np.ndarray, height: int, width: int) -> np.ndarray:
+    """Means over square blocks of texels, weighted by solid angle, that stay at least (height, width); the map itself
+    where no whole factor does that."""
+    old_height, old_width, channels = radiance.shape
+    factor = min(old_height // height, old_width // width)
+    if factor <= 1 or old_height % factor or old_width % factor:
         return radiance
-    weights = texel_solid_angles(height, 1).reshape(-1, factor)
-    weights = (weights / weights.sum(axis=1, keepdims=True)).astype(radiance.dtype)
-    blocks = radiance.reshape(height // factor, factor, width // factor, factor, channels)
-    return np.einsum("hawbc,ha->hwc", blocks, weights / radiance.dtype.type(factor), optimize=False)
+    weights = texel_solid_angles(old_height, 1).reshape(-1, factor)
+    weights = (weights / weights.sum(axis=1, keepdims=True)).astype(np.float32)
+    blocks = radiance.reshape(old_height // factor, factor, old_width, channels)
+    rows = sum(blocks[:, k] * weights[:, k, None, None] for k in range(factor))
+    return rows.reshape(len(rows), old_width // factor, factor, channels).mean(axis=2)
 
 
 def resample(radiance: np.ndarray, height: int, width: int) -> np.ndarray:
     """The map at another size: areas are averaged where it shrinks, texels interpolated where it grows."""
-    if radiance.shape[:2] == (height, width):
-        return radiance
-    factor = min(radiance.shape[0] // height, radiance.shape[1] // width)
-    if factor > 1 and radiance.shape[0] % factor == 0 and radiance.shape[1] % factor == 0:
-        radiance = shrink(radiance, factor)
+    radiance = shrink(radiance, height, width)
     old_height, old_width = radiance.shape[:2]
     if height != old_height:
-        edges = (lambda n: -np.cos(np.pi * np.arange(n + 1) / n))
-        rows = _axis_weights(old_height, height, edges, wraps=False)
+        rows = _axis_weights(_colatitude_edges(old_height), _colatitude_edges(height), wraps=False)
         radiance = np.tensordot(rows, radiance, axes=(1, 0))
     if width != old_width:
-        columns = _axis_weights(old_width, width, lambda n: np.arange(n + 1) / n, wraps=True)
+        columns = _axis_weights(np.linspace(0, 1, old_width + 1), np.linspace(0, 1, width + 1), wraps=True)
         radiance = np.ascontiguousarray(np.tensordot(columns, radiance, axes=(1, 1)).swapaxes(0, 1))
     return radiance
 
 
-def _axis_weights(old: int, new: int, edges, wraps: bool) -> np.ndarray:
-    """(new, old) float32: each new texel as a mean of old ones. `edges(n)` are the n + 1 borders of n texels."""
+def _colatitude_edges(rows: int) -> np.ndarray:
+    """Where rows begin and end, in the measure -cos(theta) in which equal steps are equal solid angles."""
+    return -np.cos(np.pi * np.arange(rows + 1) / rows)
+
+
+def _axis_weights(theirs: np.ndarray, ours: np.ndarray, wraps: bool) -> np.ndarray:
+    """(new, old) float32: each new texel as a mean of old ones, given the old and the new texels' edges."""
+    old, new = len(theirs) - 1, len(ours) - 1
     if new < old:
-        ours, theirs = edges(new), edges(old)
         overlap = np.minimum(ours[1:, None], theirs[1:]) - np.maximum(ours[:-1, None], theirs[:-1])
         overlap = np.maximum(overlap, 0)
         return (overlap / overlap.sum(axis=1, keepdims=True)).astype(np.float32)
