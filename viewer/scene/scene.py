@@ -54,15 +54,26 @@ class Scene:
         transforms = np.stack([i.transform for i in self.instances])
         return boxes @ transforms[:, :3, :3].transpose(0, 2, 1) + transforms[:, None, :3, 3]
 
-    @property
+    @cached_property
     def center(self) -> np.ndarray:
         return self.bounds.mean(axis=0)
 
-    @property
+    @cached_property
     def radius(self) -> float:
-        """Of the bounding sphere about `center`; never 0, so that it can be divided by."""
-        radius = float(np.linalg.norm(self.bounds[1] - self.bounds[0])) / 2
-        return radius or max(1e-6, float(np.abs(self.center).max()) * 1e-6)
+        """Of the bounding sphere about `center`, from the vertices; never 0, so that it can be divided by."""
+        center, radius = self.center, 0.0
+        reach = np.linalg.norm(self.corners - center, axis=2).max(axis=1, initial=0.0)
+        for k in np.argsort(-reach):
+            if reach[k] <= radius:
+                break  # no vertex of this box, or of those after it, is farther out than what was found
+            instance = self.instances[k]
+            mesh = self.meshes[instance.mesh]
+            used = mesh.positions if mesh.indices is None else mesh.positions[np.unique(mesh.indices)]
+            points = used @ instance.transform[:3, :3].T + (instance.transform[:3, 3] - center)
+            radius = max(radius, float(np.sqrt(np.einsum("ij,ij->i", points, points).max())))
+        if not self.instances:
+            return float(np.sqrt(0.75))
+        return radius or max(1e-6, float(np.abs(center).max()) * 1e-6)
 
     @property
     def triangle_count(self) -> int:
