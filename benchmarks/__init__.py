@@ -1,0 +1,1 @@
+"""How fast and how lean the viewer is, beside other programs that draw the same picture: `python -m benchmarks`."""

@@ -1,0 +1,42 @@
+"""What the figures were measured on."""
+
+from __future__ import annotations
+
+import os
+import platform
+import subprocess
+import time
+from pathlib import Path
+
+from . import shot
+from .process import Run
+from .programs import OURS
+from .summary import Rounds
+
+
+def facts(named: dict[str, Run], phases: dict[str, Rounds]) -> dict[str, object]:
+    """The machine, its load while measuring, and the renderer and versions that the programs named."""
+    loads = [run["load"] for rounds in phases.values() for several in rounds.values() for run in several
+             if "load" in run]
+    return {
+        "date": time.strftime("%Y-%m-%d %H:%M"),
+        "processor": f"{_processor()}, {len(os.sched_getaffinity(0))} cores",
+        "system": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
+        "load average": f"{min(loads)} to {max(loads)}" if loads else "unknown",
+        "commit": _commit(),
+        "renderer": named.get(OURS, {}).get("renderer", "unknown"),
+        "versions": ", ".join(f"{name} {run['version']}" for name, run in named.items() if "version" in run),
+    }
+
+
+def _processor() -> str:
+    information = Path("/proc/cpuinfo")
+    lines = information.read_text().splitlines() if information.is_file() else []
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor()
+
+
+def _commit() -> str:
+    asked = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=shot.REPOSITORY, capture_output=True,
+                           text=True)
+    return asked.stdout.strip() or "unknown"

@@ -1,0 +1,72 @@
+"""Who takes part: ours, and what other programs a folder holds."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from . import shot
+
+OURS = "pbr-viewer"
+
+
+@dataclass(frozen=True)
+class Program:
+    """`script` takes MODEL HDR WxH OUT.png [--frames N] and `options`; `image_based` tells whether the HDR lights."""
+
+    name: str
+    script: tuple[str, ...]
+    options: tuple[str, ...] = ()
+    image_based: bool = True
+    folder: Path | None = None
+    """Where it has to be started; None for its home."""
+
+    def frames(self, model: str, environment: str, size: tuple[int, int], picture: Path, count: int) -> list[str]:
+        """The command that draws one picture, then `count` timed frames in the same process."""
+        return [*self.script, model, environment, "{}x{}".format(*size), str(picture),
+                *(("--frames", str(count)) if count else ()), *self.options]
+
+    def screenshot(self, model: str, environment: str, size: tuple[int, int], picture: Path) -> list[str]:
+        """The command from start to PNG: for ours the command line that users have."""
+        if self.name != OURS:
+            return self.frames(model, environment, size, picture, 0)
+        return _render_command(model, environment, size, picture)
+
+
+def ours() -> Program:
+    return Program(OURS, (sys.executable, "-m", "benchmarks.ours"), folder=shot.REPOSITORY)
+
+
+# name: (virtual environment, script, options, image-based light)
+_PEERS: dict[str, tuple[str, str, tuple[str, ...], bool]] = {
+    "f3d-egl": ("f3d", "peer_f3d.py", (), True),
+    "f3d-osmesa": ("f3d", "peer_f3d.py", ("--backend", "osmesa"), True),
+    "panda3d": ("panda3d", "peer_panda3d.py", (), True),
+    "pygfx": ("pygfx", "peer_pygfx.py", (), True),
+    "pyvista-egl": ("pyvista", "peer_pyvista.py", (), True),
+    "open3d": ("open3d", "peer_open3d.py", (), True),
+    "pyrender-egl": ("pyrender", "peer_pyrender.py", (), False),
+    "pyrender-osmesa": ("pyrender", "peer_pyrender.py", ("--backend", "osmesa"), False),
+}
+
+
+def peers(environments: Path, scripts: Path) -> list[Program]:
+    """Those of the programs above whose virtual environment is in one folder and whose script is in the other."""
+    found = []
+    for name, (environment, script, options, image_based) in _PEERS.items():
+        python, file = environments / environment / "bin/python", scripts / script
+        if python.exists() and file.is_file():
+            found.append(Program(name, (str(python.absolute()), str(file.resolve())), options, image_based))
+    return found
+
+
+def _render_command(model: str, environment: str, size: tuple[int, int], picture: Path) -> list[str]:
+    from viewer.scene.load import load_scene
+
+    scene = load_scene(model)
+    eye = shot.eye(scene.center, scene.radius)
+    return [sys.executable, "-m", "viewer", "render", model, "-o", str(picture), "--size", "{}x{}".format(*size),
+            "--env", environment, "--background", "env", "--fov", str(shot.FOV_Y),
+            "--eye=" + ",".join(f"{x:.6g}" for x in eye), "--target=" + ",".join(f"{x:.6g}" for x in scene.center),
+            "-q"]
