@@ -28,6 +28,9 @@ from .shadows import ShadowMaps
 from .surfaces import UNIT_DFG, UNIT_RADIANCE, UNIT_SHADOW, Surfaces
 from .target import Target
 
+_KEPT = 2
+"""Plans and shadow maps kept: a window split between two modes draws with two in turn."""
+
 
 class Renderer:
     """Draws scenes with one OpenGL context.
@@ -53,8 +56,9 @@ class Renderer:
         self._target: Target | None = None
         self._surfaces: Surfaces | None = None
         self._environment: EnvironmentLight | None = None
-        self._shadows: ShadowMaps | None = None
-        self._plan_key: tuple[object, ...] = ()
+        self._generation = self.programs.generation
+        self._shadows: list[ShadowMaps] = []
+        self._plans: list[tuple[tuple[object, ...], Plan]] = []
         self._blocks: list[moderngl.Buffer] = []
         self._dfg: dict[tuple[str, str], moderngl.Texture] = {}
 
@@ -87,14 +91,27 @@ class Renderer:
         with self._pass("display"):
             self._display.draw(self._target.radiance, settings, framebuffer, UNIT_RADIANCE)
 
-    def draw(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int], half: bool = True) -> None:
-        """Draw radiance into the renderer's target, one of half floats where `half` is set."""
+    def draw(
+        self,
+        scene: Scene,
+        camera: Camera,
+        settings: Settings,
+        size: tuple[int, int],
+        half: bool = True,
+        part: tuple[int, int, int, int] | None = None,
+    ) -> None:
+        """Draw radiance into the renderer's target, one of half floats where `half` is set.
+
+        `part` (x, y, width, height), from the lower left in pixels, is all that is drawn of the picture then; the rest
+        of the target stays as it was.
+        """
         self.context.make_current()
         target = self._sized_target(size, settings, half)
         plan = self._prepare(scene, settings, target, camera.height is not None)
         frame = Frame(scene, camera, size)
         uniforms = self._frame_uniforms(plan, frame, settings)
 
+        target.scissor = part
         target.framebuffer.use()
         is_color = isinstance(settings.background, tuple)
         target.framebuffer.clear(*((*settings.background, 1.0) if is_color else (0.0, 0.0, 0.0, 0.0)), depth=1.0)
@@ -119,25 +136,34 @@ class Renderer:
         return self._target
 
     def _prepare(self, scene: Scene, settings: Settings, target: Target, orthographic: bool) -> Plan:
-        """Everything that does not depend on the camera, from the last frame where it still holds."""
-        shading = replace(settings, exposure=0.0, tonemap="none")
-        key = (scene, shading, target.samples, target.half, orthographic, self.programs.generation)
-        if len(key) == len(self._plan_key) and all(a is b or a == b for a, b in zip(key, self._plan_key, strict=True)):
-            return self.plan
+        """Everything that does not depend on the camera, from an earlier frame where it still holds."""
         with self._timed("environment"):
             self._prepare_environment(scene, settings)
-        plan = plan_scene(scene, settings, self._lights(scene, settings), samples=target.samples,
-                          half_target=target.half, orthographic=orthographic)
+        self._prepare_surfaces(scene)
+        shading = replace(settings, exposure=0.0, tonemap="none")
+        key = (scene, shading, target.samples, target.half, orthographic)
+        self.plan = next((plan for k, plan in self._plans if k == key), None) or self._make_plan(key)
+        return self.plan
+
+    def _prepare_surfaces(self, scene: Scene) -> None:
         if self._surfaces is None or not self._surfaces.holds(scene):
-            self._release(self._surfaces, self._shadows)
-            self._surfaces, self._shadows = Surfaces(self._gl, scene, self.programs), None
+            self._release(self._surfaces, *self._shadows)
+            self._surfaces, self._shadows, self._plans = Surfaces(self._gl, scene, self.programs), [], []
+        if self._generation != self.programs.generation:
+            self._release(*self._shadows)
+            self._generation, self._shadows, self._plans = self.programs.generation, [], []
         self._surfaces.scene = scene
+
+    def _make_plan(self, key: tuple[object, ...]) -> Plan:
+        scene, settings, samples, half, orthographic = key
+        plan = plan_scene(scene, settings, self._lights(scene, settings), samples=samples, half_target=half,
+                          orthographic=orthographic)
         self._surfaces.textures.prefetch(plan)
         with self._timed("compile and upload"):
             self._surfaces.prepare(plan)
         with self._timed("shadows"):
             self._prepare_shadows(scene, plan)
-        self._plan_key, self.plan = key, plan
+        self._plans = [(key, plan), *self._plans][:_KEPT]
         return plan
 
     def _prepare_environment(self, scene: Scene, settings: Settings) -> None:
@@ -155,12 +181,13 @@ class Renderer:
         return [*scene.lights, *from_environment]
 
     def _prepare_shadows(self, scene: Scene, plan: Plan) -> None:
-        if self._shadows is not None and self._shadows.holds(plan):
-            return
-        self._release(self._shadows)
-        self._shadows = None
-        if plan.shadow_layer_count:
-            self._shadows = ShadowMaps(self._gl, scene, plan, self._surfaces.draw_depth)
+        if plan.shadow_layer_count and self._shadows_of(plan) is None:
+            self._release(*self._shadows[_KEPT - 1:])
+            maps = ShadowMaps(self._gl, scene, plan, self._surfaces.draw_depth)
+            self._shadows = [maps, *self._shadows[:_KEPT - 1]]
+
+    def _shadows_of(self, plan: Plan) -> ShadowMaps | None:
+        return next((maps for maps in self._shadows if maps.holds(plan)), None)
 
     def _frame_uniforms(self, plan: Plan, frame: Frame, settings: Settings) -> dict[str, object]:
         """What every surface of the frame is told; fills the uniform blocks and binds the textures all share."""
@@ -175,10 +202,11 @@ class Renderer:
             self._dfg_texture(settings).use(UNIT_DFG)
             values["u_dfg"] = UNIT_DFG
         blocks = [pack_lights(plan, frame)] if plan.lights else []
-        if self._shadows is not None:
-            blocks.append(self._shadows.pack(frame))
-            self._shadows.texture.use(UNIT_SHADOW)
-            values |= {"u_shadow_map": UNIT_SHADOW, "u_shadow_tile_size": float(self._shadows.tile_size)}
+        shadows = self._shadows_of(plan)
+        if shadows is not None:
+            blocks.append(shadows.pack(frame))
+            shadows.texture.use(UNIT_SHADOW)
+            values |= {"u_shadow_map": UNIT_SHADOW, "u_shadow_tile_size": float(shadows.tile_size)}
         self._release(*self._blocks)
         self._blocks = [self._gl.buffer(np.ascontiguousarray(block)) for block in blocks]
         for binding, block in enumerate(self._blocks):
@@ -217,6 +245,6 @@ class Renderer:
 
     def release(self) -> None:
         """Free what the renderer holds; the context stays."""
-        self._release(self._display, self._target, self._surfaces, self._environment, self._shadows, *self._blocks,
+        self._release(self._display, self._target, self._surfaces, self._environment, *self._shadows, *self._blocks,
                       *self._dfg.values())
         self.programs.release()

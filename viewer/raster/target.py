@@ -34,6 +34,15 @@ class Target:
     def fits(self, size: tuple[int, int], samples: int, half: bool) -> bool:
         return (self.size, self.samples, self.half) == (size, samples, half)
 
+    @property
+    def scissor(self) -> tuple[int, int, int, int] | None:
+        """The part (x, y, width, height) that is cleared, drawn and resolved; None is all."""
+        return self.framebuffer.scissor
+
+    @scissor.setter
+    def scissor(self, part: tuple[int, int, int, int] | None) -> None:
+        self.framebuffer.scissor = self._resolved.scissor = part
+
     def resolve(self) -> None:
         """Average the samples of linear radiance, as a box filter over the pixel does."""
         if self.samples > 1:

@@ -65,8 +65,11 @@ class Textures:
         return sum(t.width * t.height * t.components * 4 // 3 for t in self._textures.values())
 
     def _note_channels(self, plan: Plan) -> None:
-        """Which channels of each image some map reads; an image used twice (occlusion and roughness) is stored once."""
-        reads: dict[tuple[int, bool], set[str]] = {}
+        """Which channels of each image some map reads, in this plan or one before.
+
+        An image used twice (occlusion and roughness) is stored once.
+        """
+        reads: dict[tuple[int, bool], set[str]] = {key: set(channels) for key, channels in self._channels.items()}
         for draw in plan.draws:
             material = self._scene.materials[draw.material]
             for name in draw.maps:
