@@ -35,8 +35,8 @@ def test_normalised_integers(dtype, stored, expected):
 @pytest.mark.parametrize("dtype", ["uint8", "uint16", "uint32"])
 def test_index_types(dtype):
     builder = GltfBuilder()
-    builder.node(mesh=builder.mesh({"POSITION": builder.accessor(TRIANGLE), "NORMAL": builder.accessor([[0, 0, 1]] * 3)},
-                                   indices=builder.accessor([2, 0, 1], dtype)))
+    attributes = {"POSITION": builder.accessor(TRIANGLE), "NORMAL": builder.accessor([[0, 0, 1]] * 3)}
+    builder.node(mesh=builder.mesh(attributes, indices=builder.accessor([2, 0, 1], dtype)))
     assert builder.load().meshes[0].indices.tolist() == [2, 0, 1]
 
 
@@ -44,8 +44,9 @@ def test_interleaved():
     builder = GltfBuilder()
     rows = np.concatenate([TRIANGLE, [[0.5, 0.25]] * 3], axis=1).astype(np.float32)
     view = builder.view(rows.tobytes(), byteStride=20)
-    position = builder.add("accessors", {"bufferView": view, "componentType": 5126, "count": 3, "type": "VEC3"})
-    uv = builder.add("accessors", {"bufferView": view, "byteOffset": 12, "componentType": 5126, "count": 3, "type": "VEC2"})
+    both = {"bufferView": view, "componentType": 5126, "count": 3}
+    position = builder.add("accessors", {**both, "type": "VEC3"})
+    uv = builder.add("accessors", {**both, "type": "VEC2", "byteOffset": 12})
     mesh = scene_of(builder, POSITION=position, TEXCOORD_0=uv)
     np.testing.assert_array_equal(mesh.positions, TRIANGLE)
     np.testing.assert_array_equal(mesh.uvs[0], [[0.5, 0.25]] * 3)
@@ -65,7 +66,8 @@ def test_sparse(backed):
 
 
 @pytest.mark.parametrize("change, place", [
-    ({"count": 4}, r"accessors\[0\]\.count"), ({"count": 2**53}, r"meshes\[0\]\.primitives\[0\]"), ({"count": 2.5}, r"accessors\[0\]\.count"),
+    ({"count": 4}, r"accessors\[0\]\.count"), ({"count": 2**53}, r"meshes\[0\]\.primitives\[0\]"),
+    ({"count": 2.5}, r"accessors\[0\]\.count"),
     ({"byteOffset": 4}, r"accessors\[0\]\.count"), ({"bufferView": 7}, r"accessors\[0\]\.bufferView"),
     ({"componentType": 5124}, r"accessors\[0\]\.componentType"), ({"type": "VEC2"}, r"accessors\[0\]\.type"),
     ({"count": "3"}, r"accessors\[0\]\.count"), ({"count": -3}, r"accessors\[0\]\.count")])

@@ -41,7 +41,8 @@ def skinned(joint_nodes, weights, joints, dtype="float32", **extra):
     for k in range(len(joints[0]) // 4):
         columns = slice(4 * k, 4 * k + 4)
         attributes[f"JOINTS_{k}"] = builder.accessor(np.array(joints)[:, columns], "uint8")
-        attributes[f"WEIGHTS_{k}"] = builder.accessor(np.array(weights)[:, columns], dtype, normalized=dtype != "float32")
+        attributes[f"WEIGHTS_{k}"] = builder.accessor(np.array(weights)[:, columns], dtype,
+                                                      normalized=dtype != "float32")
     builder.node(mesh=builder.mesh(attributes), skin=skin, translation=[100, 0, 0], **extra)
     return builder
 

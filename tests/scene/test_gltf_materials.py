@@ -24,7 +24,8 @@ def test_defaults():
 def test_factors_and_extensions():
     material, warnings = read({
         "name": "m", "emissiveFactor": [1, 0.5, 0], "alphaMode": "MASK", "alphaCutoff": 0.3, "doubleSided": True,
-        "pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.2, 0.3, 0.4], "metallicFactor": 0.6, "roughnessFactor": 0.7},
+        "pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.2, 0.3, 0.4], "metallicFactor": 0.6,
+                                 "roughnessFactor": 0.7},
         "extensions": {"KHR_materials_unlit": {}, "KHR_materials_emissive_strength": {"emissiveStrength": 4},
                        "KHR_materials_ior": {"ior": 1.8},
                        "KHR_materials_specular": {"specularFactor": 0.9, "specularColorFactor": [2, 1, 0]}}})

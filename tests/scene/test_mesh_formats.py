@@ -108,6 +108,7 @@ def test_off(write):
 
 @pytest.mark.parametrize("name, content", [
     ("m.obj", "v 0 0 0\nf 1 2 3\n"), ("m.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), ("m.obj", "# nothing\n"),
+    ("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -x\n"),
     ("m.stl", b"\0" * 80 + struct.pack("<I", 100) + b"\0" * 30), ("m.off", "OFF\n1000000000 1 0\n"),
     ("m.ply", "ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n0\n"),
     ("m.ply", "ply\nformat ascii 1.0\nelement vertex 1\n")])

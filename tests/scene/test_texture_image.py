@@ -31,7 +31,8 @@ def png(width: int, height: int, bits: int, color_type: int, rows: bytes) -> byt
     ("1", "PNG", [255]), ("RGB", "WEBP", [10, 20, 30])])
 def test_channels_stay_as_stored(mode, kind, expected):
     color = {"L": 50, "LA": (50, 60), "RGB": (10, 20, 30), "RGBA": (10, 20, 30, 40), "1": 1}[mode]
-    image = open_texture_image(encoded(Image.new(mode, (3, 2), color), kind, **({"lossless": True} if kind == "WEBP" else {})), "x")
+    options = {"lossless": True} if kind == "WEBP" else {}
+    image = open_texture_image(encoded(Image.new(mode, (3, 2), color), kind, **options), "x")
     pixels = image.decode()
     assert (image.width, image.height, image.format) == (3, 2, kind)
     assert pixels.shape == (2, 3, len(expected)) and pixels.dtype == np.uint8

@@ -41,7 +41,7 @@ def path_inside(model: Path, uri: str, place: str) -> Path:
         if not text or "\0" in text:
             raise InputError(model, place, f"not a file name: {uri[:80]!r}")
         if _SCHEME.match(text) or text.startswith(("/", "\\")):
-            raise InputError(model, place, f"{text[:80]!r} is absolute or on a network; only files beside the model are read")
+            raise InputError(model, place, f"{text[:80]!r} is not relative; only files by the model are read")
         if "\\" in text:
             raise InputError(model, place, f"{text[:80]!r} has backslashes; a URI separates folders by /")
         try:

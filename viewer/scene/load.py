@@ -27,14 +27,16 @@ def load_scene(path: str | PathLike[str], scene_index: int | None = None) -> Sce
     path = Path(path)
     data = read_file(path)
     kind = _format(path, data)
-    if kind == "gltf":
-        scene = load_gltf(path, data, scene_index)
-    else:
-        from .mesh_formats import load_mesh_file
+    # Numbers that overflow are found by checks of their own, not by numpy's warnings on stderr.
+    with np.errstate(all="ignore"):
+        if kind == "gltf":
+            scene = load_gltf(path, data, scene_index)
+        else:
+            from .mesh_formats import load_mesh_file
 
-        scene = load_mesh_file(path, data, kind)
-    if not np.abs(scene.bounds).max() < MAX_EXTENT:
-        raise InputError(path, "", f"the model reaches beyond {MAX_EXTENT:g}; nothing that large can be drawn")
+            scene = load_mesh_file(path, data, kind)
+        if not np.abs(scene.bounds).max() < MAX_EXTENT:
+            raise InputError(path, "", f"the model reaches beyond {MAX_EXTENT:g}; nothing that large can be drawn")
     return scene
 
 

@@ -33,7 +33,7 @@ class Sampler:
 
 @dataclass(frozen=True)
 class UVTransform:
-    """KHR_texture_transform: uv' = translation(offset) * rotation * scale * uv; rotation counter-clockwise in radians."""
+    """KHR_texture_transform: uv' = offset + rotation * scale * uv; the rotation in radians, counter-clockwise."""
 
     offset: tuple[float, float] = (0.0, 0.0)
     rotation: float = 0.0

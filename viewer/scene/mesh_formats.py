@@ -45,11 +45,11 @@ def load_mesh_file(path: Path, data: bytes, kind: str) -> Scene:
     Raises InputError where trimesh cannot make sense of it or it holds nothing to draw. Textures and material files
     are read from the model's folder only; one that is missing is left out with a warning.
     """
-    reader = _Reader(path, data, kind)
     _check_counts(path, data, kind)
     with _as_input_error(path, kind):
         import trimesh
 
+        reader = _Reader(path, data, kind)
         loaded = trimesh.load_scene(io.BytesIO(reader.data), file_type=kind, resolver=reader, process=False)
         return reader.scene(loaded)
 
@@ -224,7 +224,8 @@ def _check_counts(path: Path, data: bytes, kind: str) -> None:
     for name, count in re.findall(rb"^element[ \t]+(\S+)[ \t]+(\d+)", data[:end], re.MULTILINE):
         if int(count[:20]) > len(data) - end:
             name = name.decode("ascii", "replace")[:20]
-            raise InputError(path, f"element {name}", f"{count[:20].decode()} are declared in a file of {len(data)} bytes")
+            problem = f"{count[:20].decode()} are declared in a file of {len(data)} bytes"
+            raise InputError(path, f"element {name}", problem)
 
 
 @contextmanager
@@ -234,7 +235,7 @@ def _as_input_error(path: Path, kind: str) -> Iterator[None]:
     level = log.level
     log.setLevel(logging.CRITICAL + 1)
     try:
-        with warnings.catch_warnings(), np.errstate(all="ignore"):
+        with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             yield
     except InputError:

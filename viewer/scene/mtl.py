@@ -66,7 +66,7 @@ class MaterialLibrary:
                         alpha_mode="blend" if opacity < 1 else "opaque", double_sided=True, shininess=shininess)
 
     def _normal_map(self, block: dict[str, str]) -> tuple[Texture | None, float]:
-        """`norm` is a normal map; `map_Bump` is one in practice, unless it is grey and so the height map of the book."""
+        """`norm` is a normal map; `map_Bump` is one in practice, unless it is grey: then it is a height map."""
         key = next((key for key in ("norm", "map_bump", "bump") if key in block), "norm")
         texture, scale = self._texture(block, key)
         if texture is not None and texture.image.grey:

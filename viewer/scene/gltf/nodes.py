@@ -38,7 +38,8 @@ class Nodes:
         for node, children in enumerate(self._children):
             for child in children:
                 if parent[child] >= 0:
-                    raise self.items[node].error(f"nodes[{child}] is a child of nodes[{parent[child]}] already", "children")
+                    problem = f"nodes[{child}] is a child of nodes[{parent[child]}] already"
+                    raise self.items[node].error(problem, "children")
                 parent[child] = node
         # Every node has at most one parent, so what cannot be reached from a root is on a cycle, or hangs on one.
         order = [node for node, above in enumerate(parent) if above < 0]
@@ -47,10 +48,9 @@ class Nodes:
         if len(order) < len(self.items):
             node = next(iter(set(range(len(self.items))) - set(order)))
             raise self.items[node].error("the node is its own ancestor, or is under one that is")
-        with np.errstate(over="ignore", invalid="ignore"):
-            for node in order:
-                local = local_matrix(self.items[node])
-                world[node] = local if parent[node] < 0 else world[parent[node]] @ local
+        for node in order:
+            local = local_matrix(self.items[node])
+            world[node] = local if parent[node] < 0 else world[parent[node]] @ local
         broken = np.flatnonzero(~np.isfinite(world).all(axis=(1, 2)))
         if len(broken):
             raise self.items[broken[0]].error("the transformation overflows")

@@ -195,7 +195,8 @@ def _complete(mesh: Mesh, material: Material, primitive: Element) -> Mesh:
     else:
         bad = ~(np.abs(np.einsum("ij,ij->i", mesh.normals, mesh.normals) - 1) < 0.1)
         if bad.any():
-            primitive.warn(f"{np.count_nonzero(bad)} normals are zero or not finite; they are computed", "attributes.NORMAL")
+            problem = f"{np.count_nonzero(bad)} normals are zero or not finite; they are computed"
+            primitive.warn(problem, "attributes.NORMAL")
             mesh = with_mended_normals(mesh, bad)
     if material.normal_texture is None:
         return replace(mesh, tangents=None)
