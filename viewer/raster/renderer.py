@@ -172,6 +172,7 @@ class Renderer:
             self._environment = None
         elif self._environment is None or not self._environment.holds(scene.environment, settings):
             self._release(self._environment)
+            self._environment = None  # should the next one fail
             self._environment = EnvironmentLight(self._gl, scene.environment, settings, self._use_cache)
         if self._environment is not None:
             self._environment.environment = scene.environment
@@ -182,9 +183,9 @@ class Renderer:
 
     def _prepare_shadows(self, scene: Scene, plan: Plan) -> None:
         if plan.shadow_layer_count and self._shadows_of(plan) is None:
-            self._release(*self._shadows[_KEPT - 1:])
-            maps = ShadowMaps(self._gl, scene, plan, self._surfaces.draw_depth)
-            self._shadows = [maps, *self._shadows[:_KEPT - 1]]
+            self._shadows, dropped = self._shadows[:_KEPT - 1], self._shadows[_KEPT - 1:]
+            self._release(*dropped)
+            self._shadows.insert(0, ShadowMaps(self._gl, scene, plan, self._surfaces.draw_depth))
 
     def _shadows_of(self, plan: Plan) -> ShadowMaps | None:
         return next((maps for maps in self._shadows if maps.holds(plan)), None)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -74,6 +74,14 @@ class Scene:
         if not self.instances:
             return float(np.sqrt(0.75))
         return radius or max(1e-6, float(np.abs(center).max()) * 1e-6)
+
+    def relit(self, **changes) -> Scene:
+        """A copy with other `environment` or `lights`; what was worked out from the geometry is not lost."""
+        copy = replace(self, **changes)
+        for name in ("bounds", "corners", "center", "radius"):
+            if name in self.__dict__:
+                copy.__dict__[name] = self.__dict__[name]
+        return copy
 
     @property
     def triangle_count(self) -> int:

@@ -1,0 +1,86 @@
+"""Keys, mouse gestures and what they do: the one table behind the bindings, the help overlay and docs/window.md."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Binding:
+    """`keys` do `action`. A key is a letter, a digit or a name of GLFW's (F1, TAB, KP_7), after Shift+ or Ctrl+."""
+
+    group: str
+    keys: tuple[str, ...]
+    action: str
+    text: str
+
+
+KEYS = (
+    Binding("Shading", ("1",), "pbr", "Physically based"),
+    Binding("Shading", ("2",), "phong", "Phong"),
+    Binding("Shading", ("3",), "split", "Phong | PBR; drag the line between them"),
+    Binding("Shading", ("4",), "uniform_diffuse", "Uniform diffuse light alone"),
+    Binding("Shading", ("5",), "specular", "Specular light alone"),
+    Binding("Shading", ("6",), "directional_diffuse", "Directional diffuse light alone (multiple scattering)"),
+    Binding("Camera", ("F", "HOME"), "frame_all", "Frame all"),
+    Binding("Camera", ("V",), "view_default", "Three-quarter view"),
+    Binding("Camera", ("Z", "KP_1"), "view_front", "Front view"),
+    Binding("Camera", ("Shift+Z", "Ctrl+KP_1"), "view_back", "Back view"),
+    Binding("Camera", ("X", "KP_3"), "view_right", "Right view"),
+    Binding("Camera", ("Shift+X", "Ctrl+KP_3"), "view_left", "Left view"),
+    Binding("Camera", ("Y", "KP_7"), "view_top", "Top view"),
+    Binding("Camera", ("Shift+Y", "Ctrl+KP_7"), "view_bottom", "Bottom view"),
+    Binding("Camera", ("O", "KP_5"), "orthographic", "Perspective or orthographic"),
+    Binding("Camera", ("C",), "next_camera", "The file's next camera"),
+    Binding("Camera", ("I",), "inertia", "Inertia on or off"),
+    Binding("Window", ("TAB",), "panel", "Panel"),
+    Binding("Window", ("H", "F1"), "help", "This help"),
+    Binding("Window", ("S", "Ctrl+S", "F12"), "screenshot", "Save the picture as PNG in the current folder"),
+    Binding("Window", ("R",), "reload", "Reload the shaders now"),
+    Binding("Window", ("Q", "ESCAPE"), "close", "Close"),
+)
+
+MOUSE = (
+    ("Drag", "Orbit"),
+    ("Right, middle or Shift + drag", "Pan"),
+    ("Wheel, two fingers", "Come closer to what is under the cursor, or go away"),
+    ("Shift + wheel", "Pan"),
+    ("Ctrl + wheel", "Orbit"),
+    ("Double click, Shift + click", "Centre on what is under the cursor"),
+    ("Drop a file", "Open a model; light it by an HDR or EXR picture"),
+)
+
+_LABELS = {"ESCAPE": "Esc", "TAB": "Tab", "HOME": "Home"}
+
+
+def action_of(key: str, shift: bool = False, control: bool = False) -> str | None:
+    """What a key does with these modifiers held; None for a key without a meaning."""
+    name = "Ctrl+" * control + "Shift+" * shift + key
+    return _BY_NAME.get(name)
+
+
+_BY_NAME = {key: binding.action for binding in KEYS for key in binding.keys}
+
+
+def label(key: str) -> str:
+    """A key as people call it: `Ctrl+KP_7` is `Ctrl+Num 7`."""
+    *modifiers, name = key.split("+")
+    return "+".join([*modifiers, _LABELS.get(name, name.replace("KP_", "Num "))])
+
+
+def help_groups() -> list[tuple[str, list[tuple[str, str]]]]:
+    """Groups of lines: keys or gesture, and what it does."""
+    groups: dict[str, list[tuple[str, str]]] = {}
+    for binding in KEYS:
+        groups.setdefault(binding.group, []).append((", ".join(map(label, binding.keys)), binding.text))
+    return [*groups.items(), ("Mouse and trackpad", list(MOUSE))]
+
+
+def markdown() -> str:
+    """The tables of docs/window.md."""
+    parts = []
+    for group, lines in help_groups():
+        parts += [f"### {group}", "", "| | |", "|---|---|"]
+        parts += [f"| {keys} | {text.replace('|', chr(92) + '|')} |" for keys, text in lines]
+        parts.append("")
+    return "\n".join(parts)

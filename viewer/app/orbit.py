@@ -1,0 +1,138 @@
+"""The camera under the hand: orbit, pan and dolly about a target. Pure mathematics, no window."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, DEFAULT_FOV, Camera, framing_distance
+
+QUARTER = math.pi / 2
+NEAREST, FARTHEST = 1e-4, 50.0
+"""Bounds of the distance to the target, in units of the distance that frames the scene."""
+COAST_SECONDS = 0.35
+"""The time in which inertia loses all but 1/e of its speed."""
+COAST_END = 0.02
+"""The speed, in window heights per second, at which it stops."""
+
+
+class OrbitController:
+    """A camera on a sphere about `target`; angles in radians, distances in world units.
+
+    `roll` is the camera's own turn about its view; only a file's camera brings one. An orthographic view shows what the
+    perspective one shows at the target's depth. Movements of the hand are in window heights, x to the right and y
+    downwards, so that they mean the same in every window and for every size of scene.
+    """
+
+    def __init__(self, center, radius: float, aspect: float, fov_y: float = DEFAULT_FOV) -> None:
+        self.fov_y = fov_y
+        self.is_orthographic = False
+        self.velocity = np.zeros(2)
+        """Of the orbit, in window heights per second, where it goes on by itself."""
+        self.set_scene(center, radius)
+        self.frame_all(aspect, DEFAULT_AZIMUTH, DEFAULT_ELEVATION)
+
+    def set_scene(self, center, radius: float) -> None:
+        """The sphere that `frame_all` frames and that bounds how far the camera goes; the camera stays."""
+        self.center, self.radius = np.asarray(center, np.float64), float(radius)
+
+    def frame_all(self, aspect: float, azimuth: float | None = None, elevation: float | None = None) -> None:
+        """Fill the view with the scene, seen from where it was or from the given angles."""
+        self.target = self.center.copy()
+        self.distance = framing_distance(self.radius, aspect, self.fov_y)
+        self.azimuth = self.azimuth if azimuth is None else azimuth
+        self.elevation = self.elevation if elevation is None else elevation
+        self.roll = 0.0
+        self.velocity = np.zeros(2)
+
+    def look_from(self, azimuth: float, elevation: float) -> None:
+        """A standard view of the same target from the same distance, upright."""
+        self.azimuth, self.elevation, self.roll = azimuth, elevation, 0.0
+        self.velocity = np.zeros(2)
+
+    def follow(self, camera: Camera, depth: float) -> None:
+        """Take over a camera as it is; the target is `depth` in front of it."""
+        rotation = camera.pose[:3, :3]
+        back, up = rotation[:, 2], rotation[:, 1]
+        self.elevation = math.atan2(back[1], math.hypot(back[0], back[2]))
+        if math.hypot(back[0], back[2]) > 1e-6:
+            self.azimuth = math.atan2(back[0], back[2])
+        else:  # straight up or down, "up" tells the azimuth
+            sign = -math.copysign(1.0, back[1])
+            self.azimuth = math.atan2(sign * up[0], sign * up[2])
+        reference = self._rotation(0.0)
+        self.roll = math.atan2(rotation[:, 0] @ reference[:, 1], rotation[:, 0] @ reference[:, 0])
+        if abs(self.roll) < 1e-9:
+            self.roll = 0.0
+        self.fov_y, self.is_orthographic = camera.fov_y, camera.height is not None
+        self.target = camera.eye - depth * back
+        self.distance = depth if camera.height is None else camera.height / (2 * math.tan(self.fov_y / 2))
+        self.velocity = np.zeros(2)
+
+    @property
+    def camera(self) -> Camera:
+        """Where it stands now."""
+        pose = np.eye(4)
+        pose[:3, :3] = self._rotation(self.roll)
+        pose[:3, 3] = self.target + self.distance * pose[:3, 2]
+        height = 2 * self.distance * math.tan(self.fov_y / 2) if self.is_orthographic else None
+        return Camera(pose, self.fov_y, height)
+
+    def orbit(self, dx: float, dy: float) -> None:
+        """Turn by half a circle per window height; the scene follows the hand. It ends at the poles, without a flip."""
+        self.azimuth = math.remainder(self.azimuth - math.pi * dx, 2 * math.pi)
+        self.elevation = min(max(self.elevation + math.pi * dy, -QUARTER), QUARTER)
+
+    def pan(self, dx: float, dy: float, depth: float | None = None) -> None:
+        """Shift in the plane of the screen so that what is `depth` away (the target by default) stays under the hand."""
+        if depth is None or self.is_orthographic:
+            depth = self.distance
+        rotation = self._rotation(self.roll)
+        height = 2 * depth * math.tan(self.fov_y / 2)
+        self._set_target(self.target + height * (-dx * rotation[:, 0] + dy * rotation[:, 1]))
+
+    def dolly(self, factor: float, point=None) -> None:
+        """Multiply the distance to `point` (the target by default), which stays where it is in the picture."""
+        nearest, farthest = self._limits()
+        distance = min(max(self.distance * factor, min(nearest, self.distance)), max(farthest, self.distance))
+        if point is not None:
+            point = np.asarray(point, np.float64)
+            self._set_target(point + (self.target - point) * (distance / self.distance))
+        self.distance = distance
+
+    def center_on(self, point) -> None:
+        """Look at `point` from the same direction, no farther from it than it was."""
+        point = np.asarray(point, np.float64)
+        if not self.is_orthographic:
+            back = self._rotation(0.0)[:, 2]
+            depth = float((self.target + self.distance * back - point) @ back)
+            self.distance = min(max(depth, self._limits()[0]), self._limits()[1])
+        self._set_target(point)
+        self.velocity = np.zeros(2)
+
+    def coast(self, seconds: float) -> bool:
+        """Let inertia carry the orbit on; whether there was any left."""
+        if math.hypot(*self.velocity) < COAST_END:
+            self.velocity = np.zeros(2)
+            return False
+        self.orbit(*(self.velocity * seconds))
+        self.velocity = self.velocity * math.exp(-seconds / COAST_SECONDS)
+        return True
+
+    def _limits(self) -> tuple[float, float]:
+        framing = framing_distance(self.radius, 1.0, self.fov_y)
+        return NEAREST * framing, FARTHEST * framing
+
+    def _set_target(self, target: np.ndarray) -> None:
+        """Not farther from the scene than the camera may go, so that it is always found again."""
+        offset = target - self.center
+        length, limit = float(np.linalg.norm(offset)), self._limits()[1]
+        self.target = self.center + offset * min(1.0, limit / length) if length > 0 else target
+
+    def _rotation(self, roll: float) -> np.ndarray:
+        """Right, up and back as columns, (3, 3). Written out in angles it needs no "up" and holds at the poles."""
+        sa, ca, se, ce = math.sin(self.azimuth), math.cos(self.azimuth), math.sin(self.elevation), math.cos(self.elevation)
+        right, up = np.array([ca, 0.0, -sa]), np.array([-se * sa, ce, -se * ca])
+        c, s = math.cos(roll), math.sin(roll)
+        return np.stack([c * right + s * up, c * up - s * right, [ce * sa, se, ce * ca]], axis=1)

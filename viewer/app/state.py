@@ -1,0 +1,113 @@
+"""What the window shows, as plain data: changed by keys, mouse and panel, drawn by the window."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from ..scene.environment import Environment
+from ..scene.light import Light
+from ..scene.scene import Scene
+from ..settings import Settings
+
+Part = tuple[int, int, int, int]
+
+CLEAR_GREY = (0.03, 0.03, 0.03)
+"""What stands behind a model without background on screen, in linear Rec. 709: a window has no alpha."""
+MESSAGE_SECONDS = 4.0
+ADDED_LIGHT = "--light"
+"""The name of lights the user added: they stay when another model is opened."""
+
+
+@dataclass
+class ViewState:
+    """`split` is where the line between Phong (left) and PBR stands, as a fraction of the width, or None."""
+
+    scene: Scene
+    settings: Settings
+    split: float | None = None
+    panel: bool = True
+    help: bool = False
+    inertia: bool = False
+    message: str = ""
+    is_error: bool = False
+    expires: float = 0.0
+
+    def show_mode(self, mode: str, lobes: str = "all") -> None:
+        self.split = None
+        self.settings = replace(self.settings, mode=mode, lobes=lobes)
+
+    def show_split(self) -> None:
+        self.split = 0.5 if self.split is None else self.split
+        self.settings = replace(self.settings, lobes="all")
+
+    def say(self, text: str, is_error: bool = False) -> None:
+        """One line over the picture: for some seconds, or until the next one where it is an error."""
+        self.message, self.is_error = " ".join(text.split()), is_error
+        self.expires = float("inf") if is_error else time.monotonic() + MESSAGE_SECONDS
+
+    def forget_message(self) -> bool:
+        """Drop a message whose time is over; whether there was one."""
+        if self.message and time.monotonic() > self.expires:
+            self.message = ""
+            return True
+        return False
+
+    def relight(self, environment: Environment | None) -> None:
+        """Another environment, turned and scaled as the one before."""
+        old = self.scene.environment
+        if environment is not None and old is not None:
+            environment = replace(environment, rotation=old.rotation, intensity=old.intensity)
+        self.scene = self.scene.relit(environment=environment)
+
+    def set_lights(self, lights: tuple[Light, ...]) -> None:
+        self.scene = self.scene.relit(lights=lights)
+
+    def open(self, scene: Scene) -> None:
+        """Another model under the same environment and the lights that were added by hand."""
+        added = tuple(light for light in self.scene.lights if light.name == ADDED_LIGHT)
+        self.scene = scene.relit(environment=self.scene.environment, lights=(*scene.lights, *added))
+
+    def on_screen(self) -> Settings:
+        """The settings as a window can show them."""
+        if self.settings.background != "none":
+            return self.settings
+        return replace(self.settings, background=CLEAR_GREY)
+
+    def shots(self, settings: Settings, size: tuple[int, int]) -> list[tuple[Settings, Part | None]]:
+        """What to draw for a picture of `size` pixels: settings, and the part of the picture or None for all of it."""
+        if self.split is None:
+            return [(settings, None)]
+        width, height = size
+        line = min(max(round(self.split * width), 0), width)
+        parts = (("phong", (0, 0, line, height)), ("pbr", (line, 0, width - line, height)))
+        return [(replace(settings, mode=mode), part) for mode, part in parts if part[2] > 0]
+
+
+def free_path(folder: Path, name: str, suffix: str = ".png") -> Path:
+    """`name-1.png`, or the first number that no file there has; characters no file system wants become `_`."""
+    stem = "".join(c if c.isalnum() or c in "-_. " else "_" for c in name).strip(" .") or "picture"
+    number = 1
+    while (path := folder / f"{stem}-{number}{suffix}").exists():
+        number += 1
+    return path
+
+
+def scene_facts(scene: Scene) -> list[tuple[str, str]]:
+    """Name and value of what there is to know about a model at a glance."""
+    extent = scene.bounds[1] - scene.bounds[0]
+    textures = {id(t.image) for m in scene.materials for t in vars(m).values() if hasattr(t, "image")}
+    facts = [
+        ("Triangles", f"{scene.triangle_count:,}"),
+        ("Instances", f"{len(scene.instances):,} of {len(scene.meshes):,} meshes"),
+        ("Materials", f"{len(scene.materials)}, {len(textures)} images"),
+        ("Size", " × ".join(f"{side:.3g}" for side in extent) + " m"),
+        ("Lights", str(len(scene.lights))),
+        ("Cameras", str(len(scene.cameras))),
+    ]
+    return facts + [(name.replace("_", " ").capitalize(), _text(value)) for name, value in scene.facts.items()]
+
+
+def _text(value: object) -> str:
+    return ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
