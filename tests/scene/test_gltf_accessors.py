@@ -66,7 +66,7 @@ def test_sparse(backed):
 
 
 @pytest.mark.parametrize("change, place", [
-    ({"count": 4}, r"accessors\[0\]\.count"), ({"count": 2**53}, r"meshes\[0\]\.primitives\[0\]"),
+    ({"count": 4}, r"accessors\[0\]\.count"), ({"count": 2**53}, r"accessors\[0\]\.count"),
     ({"count": 2.5}, r"accessors\[0\]\.count"),
     ({"byteOffset": 4}, r"accessors\[0\]\.count"), ({"bufferView": 7}, r"accessors\[0\]\.bufferView"),
     ({"componentType": 5124}, r"accessors\[0\]\.componentType"), ({"type": "VEC2"}, r"accessors\[0\]\.type"),
@@ -93,5 +93,15 @@ def test_bad_buffer_views_name_their_place(change, place):
 def test_elements_without_data_are_bounded():
     builder = GltfBuilder()
     position = builder.add("accessors", {"componentType": 5126, "count": 1 << 25, "type": "VEC3"})
-    with pytest.raises(InputError, match="without a buffer view"):
+    with pytest.raises(InputError, match=r"accessors\[0\]: .*too many"):
         scene_of(builder, POSITION=position)
+
+
+def test_sharing_is_bounded_by_the_size_of_the_file():
+    """Each primitive would take 65534 flat-shaded vertices of ours, and the file 50 more bytes."""
+    builder = GltfBuilder()
+    primitive = {"attributes": {"POSITION": builder.accessor(TRIANGLE)},
+                 "indices": builder.accessor(np.zeros(65535), "uint8")}
+    builder.node(mesh=builder.add("meshes", {"primitives": [primitive] * 300}))
+    with pytest.raises(InputError, match=r"meshes\[0\]\.primitives\[256\]: .*too many"):
+        builder.load()

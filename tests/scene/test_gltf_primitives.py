@@ -123,3 +123,18 @@ def test_attributes_of_unequal_counts_and_missing_positions():
     builder.node(mesh=builder.mesh({"NORMAL": builder.accessor(POINTS)}))
     scene = builder.load()
     assert not scene.instances and any("no positions" in line for line in scene.warnings)
+
+
+def test_vertices_that_are_not_drawn_are_dropped():
+    builder = GltfBuilder()
+    many = np.arange(3000, dtype=np.float32).reshape(1000, 3)
+    attributes = {"POSITION": builder.accessor(many), "NORMAL": builder.accessor([[0, 0, 1]] * 1000),
+                  "TEXCOORD_0": builder.accessor(many[:, :2])}
+    drawn = [[900, 5, 7], list(range(300, 0, -1)), list(range(999))]
+    for indices in drawn:
+        builder.node(mesh=builder.mesh(attributes, indices=builder.accessor(indices, "uint16")))
+    meshes = builder.load().meshes
+    assert [len(mesh.positions) for mesh in meshes] == [3, 300, 1000]
+    for mesh, indices in zip(meshes, drawn):
+        np.testing.assert_array_equal(mesh.positions[mesh.indices], many[indices])
+        np.testing.assert_array_equal(mesh.uvs[0][mesh.indices], many[indices, :2])

@@ -11,8 +11,8 @@ _COMPONENTS = {5120: np.dtype("i1"), 5121: np.dtype("u1"), 5122: np.dtype("<i2")
                5125: np.dtype("<u4"), 5126: np.dtype("<f4")}
 _COUNTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 
-MAX_UNBACKED = 1 << 24
-"""Elements that accessors without a buffer view may claim in all: they cost the file nothing and us memory."""
+MIN_CLAIM, MAX_SHARING = 1 << 24, 4
+"""Elements that may be asked of us in all: this many, or so many for each byte of the buffers if that is more."""
 
 
 class Accessors:
@@ -23,11 +23,21 @@ class Accessors:
         self._buffers = buffers
         self._raw: dict[int, np.ndarray] = {}
         self._floats: dict[int, np.ndarray] = {}
-        self._unbacked = 0
+        self._claimed = 0
 
     def count(self, index: int) -> int:
         """The number of elements the file claims, before anything is read."""
         return self.items[index].integer("count", low=1)
+
+    def claim(self, place: Element, count: int) -> None:
+        """Book `count` elements of our own memory; raise InputError at `place` when the file asks for too many.
+
+        Zeros take no bytes, and the same bytes may serve any number of primitives: what a file asks for is bounded by
+        its size alone.
+        """
+        self._claimed += count
+        if self._claimed > max(MIN_CLAIM, MAX_SHARING * self._buffers.size):
+            raise place.error(f"{self._claimed} elements in all are too many for {self._buffers.size} bytes of buffers")
 
     def raw(self, index: int, *types: str) -> np.ndarray:
         """(count, components) in the stored component type. Raises InputError unless it is one of `types`."""
@@ -43,6 +53,8 @@ class Accessors:
         """(count, components) float32, normalised integers in 0..1 or -1..1 (glTF 2.0, 3.6.2.2)."""
         raw = self.raw(index, *types)
         if index not in self._floats:
+            if raw.dtype != np.float32:
+                self.claim(self.items[index], len(raw))
             self._floats[index] = _to_float(raw, self.items[index].boolean("normalized", False))
         return self._floats[index]
 
@@ -53,11 +65,12 @@ class Accessors:
         if "bufferView" in accessor:
             array = self._strided(accessor, dtype, count, components)
         else:
-            self._unbacked += count
-            if self._unbacked > MAX_UNBACKED:
-                raise accessor.error(f"{count} elements without a buffer view; at most {MAX_UNBACKED} in all", "count")
+            self.claim(accessor, count)
             array = np.zeros((count, components), dtype)
-        return array if sparse is None else self._substitute(array, sparse, dtype)
+        if sparse is None:
+            return array
+        self.claim(accessor, count)
+        return self._substitute(array, sparse, dtype)
 
     def _strided(self, place: Element, dtype: np.dtype, count: int, components: int) -> np.ndarray:
         """A view of the buffer view that `place` names, without a copy."""

@@ -29,6 +29,11 @@ class Buffers:
             raise view.error(f"ends at byte {offset + length}, but buffers[{number}] has {len(data)}", "byteLength")
         return data[offset:offset + length]
 
+    @property
+    def size(self) -> int:
+        """Bytes in the buffers that were read so far."""
+        return sum(map(len, self._read.values()))
+
     def _buffer(self, index: int) -> memoryview:
         if index not in self._read:
             buffer = self._buffers[index]

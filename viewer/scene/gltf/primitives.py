@@ -13,10 +13,8 @@ from . import deform
 from .accessors import Accessors
 from .element import Element
 from .textures import MAX_UV_SETS
-from .topology import MODES, to_list
-
-MAX_VERTICES = 1 << 26
-"""Vertices and indices in all meshes together: primitives may share the file's bytes, but not our memory."""
+from .topology import MODES
+from .vertices import Vertices
 
 _ATTRIBUTES = {"POSITION": ("VEC3",), "NORMAL": ("VEC3",), "TANGENT": ("VEC4",), "COLOR_0": ("VEC3", "VEC4"),
                **{f"TEXCOORD_{k}": ("VEC2",) for k in range(MAX_UV_SETS)}}
@@ -30,115 +28,63 @@ class Pose:
     joints: np.ndarray | None = None
 
 
-class Primitives:
-    """Reads primitives; keeps count of how much they ask for."""
+def read_primitive(accessors: Accessors, primitive: Element, name: str, material: int, materials: list[Material],
+                   pose: Pose) -> Mesh | None:
+    """One primitive in its pose; None, with a warning, where there is nothing to draw."""
+    attributes = primitive.object("attributes")
+    mode = primitive.integer("mode", 4)
+    if mode not in MODES:
+        raise primitive.error(f"{mode} is not a mode of drawing", "mode")
+    if "POSITION" not in attributes:
+        primitive.warn("there are no positions; nothing is drawn", "attributes")
+        return None
+    vertices = Vertices(accessors, primitive, mode)
+    values = {key: vertices.floats(attributes, key, *_ATTRIBUTES[key]) for key in _ATTRIBUTES if key in attributes}
+    _morph(primitive, vertices, values, pose.weights)
+    if pose.joints is not None:
+        _skin(attributes, vertices, values, pose.joints)
+    if not np.isfinite(values["POSITION"]).all():
+        raise attributes.error("the positions must be finite numbers", "POSITION")
+    mesh = Mesh(name, values["POSITION"], material, MODES[mode][1], vertices.indices,
+                _unit(values.get("NORMAL")), _unit_tangents(values.get("TANGENT")), _uvs(values, vertices.count),
+                _colors(values.get("COLOR_0")))
+    if not mesh.element_count:
+        primitive.warn("there are too few vertices; nothing is drawn")
+        return None
+    mesh = _with_uv_sets(mesh, materials[material], primitive)
+    return _complete(mesh, materials[material], primitive) if mesh.topology == "triangles" else mesh
 
-    def __init__(self, accessors: Accessors) -> None:
-        self._accessors = accessors
-        self._vertices = 0
 
-    def read(self, primitive: Element, name: str, material: int, materials: list[Material], pose: Pose) -> Mesh | None:
-        """One primitive in its pose; None, with a warning, where there is nothing to draw."""
-        attributes = primitive.object("attributes")
-        mode = primitive.integer("mode", 4)
-        if mode not in MODES:
-            raise primitive.error(f"{mode} is not a mode of drawing", "mode")
-        if "POSITION" not in attributes:
-            primitive.warn("there are no positions; nothing is drawn", "attributes")
-            return None
-        count = self._claim(primitive, attributes)
-        values = {key: self._attribute(attributes, key, count) for key in _ATTRIBUTES if key in attributes}
-        self._morph(primitive, values, pose.weights)
-        if pose.joints is not None:
-            self._skin(attributes, values, count, pose.joints)
-        if not np.isfinite(values["POSITION"]).all():
-            raise attributes.error("the positions must be finite numbers", "POSITION")
-        indices = self._indices(primitive, mode, count)
-        mesh = Mesh(name, values["POSITION"], material, MODES[mode][1], indices, _unit(values.get("NORMAL")),
-                    _unit_tangents(values.get("TANGENT")), _uvs(values, count), _colors(values.get("COLOR_0")))
-        if not mesh.element_count:
-            primitive.warn("there are too few vertices; nothing is drawn")
-            return None
-        mesh = _with_uv_sets(mesh, materials[material], primitive)
-        return _complete(mesh, materials[material], primitive) if mesh.topology == "triangles" else mesh
+def _morph(primitive: Element, vertices: Vertices, values: dict[str, np.ndarray], weights: tuple[float, ...]) -> None:
+    targets = primitive.array("targets")
+    if len(weights) > len(targets):
+        primitive.warn(f"{len(weights)} weights for {len(targets)} targets; the others are not used", "targets")
+    active = [(target, weight) for target, weight in zip(targets, weights) if weight]
+    for key, base in values.items():
+        moved = [(target, weight) for target, weight in active if key in target]
+        if moved:
+            # Deltas of tangents have no w (3.7.2.2); those of colours may lack alpha.
+            kinds = ("VEC3",) if key == "TANGENT" else _ATTRIBUTES[key]
+            deltas = [vertices.floats(target, key, *kinds) for target, _ in moved]
+            values[key] = deform.morph(base, deltas, [weight for _, weight in moved])
 
-    def _claim(self, primitive: Element, attributes: Element) -> int:
-        """The number of vertices, checked against what is left of MAX_VERTICES before anything is allocated."""
-        items = self._accessors.items
-        count = self._accessors.count(attributes.index("POSITION", len(items)))
-        self._vertices += count
-        if "indices" in primitive:
-            self._vertices += self._accessors.count(primitive.index("indices", len(items)))
-        if self._vertices > MAX_VERTICES:
-            raise primitive.error(f"more than {MAX_VERTICES} vertices and indices in all")
-        return count
 
-    def _attribute(self, attributes: Element, key: str, count: int) -> np.ndarray:
-        return self._accessors.floats(self._checked(attributes, key, count), *_ATTRIBUTES[key])
-
-    def _checked(self, attributes: Element, key: str, count: int) -> int:
-        """The accessor an attribute names, which must have `count` elements."""
-        index = attributes.index(key, len(self._accessors.items))
-        found = self._accessors.count(index)
-        if found != count:
-            raise attributes.error(f"{found} values for {count} positions", key)
-        return index
-
-    def _morph(self, primitive: Element, values: dict[str, np.ndarray], weights: tuple[float, ...]) -> None:
-        targets = primitive.array("targets")
-        if len(weights) > len(targets):
-            primitive.warn(f"{len(weights)} weights for {len(targets)} targets; the others are not used", "targets")
-        active = [(target, weight) for target, weight in zip(targets, weights) if weight]
-        for key, base in values.items():
-            moved = [(target, weight) for target, weight in active if key in target]
-            if moved:
-                # Deltas of tangents have no w (3.7.2.2); those of colours may lack alpha.
-                kinds = ("VEC3",) if key == "TANGENT" else _ATTRIBUTES[key]
-                deltas = [self._accessors.floats(self._checked(target, key, len(base)), *kinds) for target, _ in moved]
-                values[key] = deform.morph(base, deltas, [weight for _, weight in moved])
-
-    def _skin(self, attributes: Element, values: dict[str, np.ndarray], count: int, matrices: np.ndarray) -> None:
-        joints, weights = [], []
-        for k in range(2):
-            if f"JOINTS_{k}" in attributes:
-                joints.append(self._accessors.raw(self._checked(attributes, f"JOINTS_{k}", count), "VEC4"))
-                weights.append(self._accessors.floats(self._checked(attributes, f"WEIGHTS_{k}", count), "VEC4"))
-        joint, weight = np.concatenate(joints, axis=1), np.concatenate(weights, axis=1)
-        if joint.dtype.kind != "u" or not np.isfinite(weight).all():
-            raise attributes.error("joints must be unsigned integers and weights finite", "JOINTS_0")
-        if joint.max() >= len(matrices):
-            raise attributes.error(f"joint {joint.max()}, but the skin has {len(matrices)}", "JOINTS_0")
-        blend = deform.blend_matrices(joint, weight, matrices)
-        values["POSITION"] = deform.skin_positions(values["POSITION"], blend)
-        if "NORMAL" in values:
-            values["NORMAL"] = deform.skin_normals(values["NORMAL"], blend)
-        if "TANGENT" in values:
-            tangents = values["TANGENT"].copy()
-            tangents[:, :3] = deform.skin_directions(tangents[:, :3], blend)
-            values["TANGENT"] = tangents
-
-    def _indices(self, primitive: Element, mode: int, count: int) -> np.ndarray | None:
-        """Of points, lines or triangles; None stands for 0, 1, 2, ... ."""
-        kind, _, size = MODES[mode]
-        if "indices" in primitive:
-            raw = self._accessors.raw(primitive.index("indices", len(self._accessors.items)), "SCALAR")[:, 0]
-            if raw.dtype.kind != "u":
-                raise primitive.error("must be of an unsigned integer type", "indices")
-            highest = int(raw.max())
-            if highest == np.iinfo(raw.dtype).max:
-                raise primitive.error(f"{highest} would restart the primitive, which glTF does not allow", "indices")
-            if highest >= count:
-                raise primitive.error(f"index {highest}, but there are {count} vertices", "indices")
-            indices = raw.astype(np.uint32)
-        else:
-            indices = np.arange(count, dtype=np.uint32)
-        if len(indices) < size:
-            return indices[:0]
-        if mode in (1, 4) and len(indices) % size:
-            primitive.warn(f"{len(indices)} vertices do not make whole {kind}; the last ones are left out")
-        elif "indices" not in primitive and mode in (0, 1, 4):
-            return None
-        return to_list(mode, indices)
+def _skin(attributes: Element, vertices: Vertices, values: dict[str, np.ndarray], matrices: np.ndarray) -> None:
+    sets = [k for k in range(2) if f"JOINTS_{k}" in attributes]
+    joints = np.concatenate([vertices.raw(attributes, f"JOINTS_{k}", "VEC4") for k in sets], axis=1)
+    weights = np.concatenate([vertices.floats(attributes, f"WEIGHTS_{k}", "VEC4") for k in sets], axis=1)
+    if joints.dtype.kind != "u" or not np.isfinite(weights).all():
+        raise attributes.error("joints must be unsigned integers and weights finite", "JOINTS_0")
+    if joints.max() >= len(matrices):
+        raise attributes.error(f"joint {joints.max()}, but the skin has {len(matrices)}", "JOINTS_0")
+    blend = deform.blend_matrices(joints, weights, matrices)
+    values["POSITION"] = deform.skin_positions(values["POSITION"], blend)
+    if "NORMAL" in values:
+        values["NORMAL"] = deform.skin_normals(values["NORMAL"], blend)
+    if "TANGENT" in values:
+        tangents = values["TANGENT"].copy()
+        tangents[:, :3] = deform.skin_directions(tangents[:, :3], blend)
+        values["TANGENT"] = tangents
 
 
 def _uvs(values: dict[str, np.ndarray], count: int) -> tuple[np.ndarray, ...]:

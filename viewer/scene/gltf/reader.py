@@ -21,7 +21,7 @@ from .extensions import check_asset, extension_names
 from .lights import Lights
 from .materials import Materials
 from .nodes import Nodes
-from .primitives import Pose, Primitives
+from .primitives import Pose, read_primitive
 from .textures import Textures
 
 MAX_INSTANCES = 1 << 20
@@ -49,7 +49,6 @@ class _Reader:
         self.materials = Materials(root, self.textures)
         self.nodes = Nodes(root)
         self.skins = Skins(root, self.nodes, self.accessors)
-        self.primitives = Primitives(self.accessors)
         self.mesh_items, self.camera_items = root.array("meshes"), root.array("cameras")
         self.lights = Lights(root)
         self.meshes: list[Mesh] = []
@@ -125,7 +124,7 @@ class _Reader:
         numbers = []
         for primitive in element.array("primitives"):
             material = self.materials.number(primitive)
-            mesh = self.primitives.read(primitive, name, material, self.materials.used, pose)
+            mesh = read_primitive(self.accessors, primitive, name, material, self.materials.used, pose)
             if mesh is not None:
                 numbers.append(len(self.meshes))
                 self.meshes.append(mesh)
