@@ -127,16 +127,16 @@ def info(model: str | None, json_file: str | None, list_settings: bool, **option
 @click.option("-o", "--output", metavar="DIFF.png", help="Write the FLIP error map.")
 def diff(a: str, b: str, json_file: str | None, output: str | None) -> None:
     """Compare two pictures: FLIP, root mean square error, maximum."""
-    from .image import Image
-    from .measure.difference import compare
+    from .info import format_facts
+    from .measure.difference import compare_files
 
-    result = compare(Image.open(a), Image.open(b))
+    result = compare_files(a, b)
     if output:
         result.save_map(output)
     if json_file:
         _write_json(json_file, result.to_json())
     else:
-        click.echo(result)
+        click.echo(format_facts(result.to_json()))
 
 
 @cli.command()
@@ -159,10 +159,13 @@ def cache(clear: bool) -> None:
     """Tell where prepared environments are kept and how much they take."""
     from .bake.cache import cache_folder, cache_size, clear_cache
 
-    if clear:
-        click.echo(f"{clear_cache() / 1e6:.1f} MB freed in {cache_folder()}")
+    folder = cache_folder()
+    if folder is None:
+        click.echo("the cache is switched off")
+    elif clear:
+        click.echo(f"{folder}: {clear_cache() / 1e6:.1f} MB freed")
     else:
-        click.echo(f"{cache_size() / 1e6:.1f} MB in {cache_folder()}")
+        click.echo(f"{folder}: {cache_size() / 1e6:.1f} MB")
 
 
 def main() -> None:

@@ -32,7 +32,8 @@ class Settings:
     phong: Literal["phong", "blinn-phong"] = "phong"
     shadows: Literal["on", "off"] = "on"
     specular_aa: Literal["on", "off"] = "on"
-    msaa: Literal["1", "2", "4", "8"] = "4"
+    antialias: Literal["auto", "none", "fxaa", "msaa-2", "msaa-4", "msaa-8"] = "auto"
+    """auto: four samples a pixel, but FXAA for frames that a processor draws, where samples double a frame's time."""
 
     @classmethod
     def of(cls, **values: object) -> Settings:
@@ -44,6 +45,12 @@ class Settings:
             if name in choices and value not in choices[name]:
                 raise UsageError(f"{name}={value!r}: {name} is one of {', '.join(choices[name])}")
         return cls(**values)
+
+    def samples(self, is_software: bool, is_still: bool) -> int:
+        """Samples a pixel on such a device, for a picture that is kept or one of a moving camera."""
+        if self.antialias == "auto":
+            return 1 if is_software and not is_still else 4
+        return int(self.antialias[5:]) if self.antialias.startswith("msaa") else 1
 
     def with_option(self, assignment: str) -> Settings:
         """A copy with one `NAME=VALUE` of `--set` applied; dashes in the name may be written for underscores."""

@@ -1,4 +1,5 @@
-// Radiance to what a screen shows: exposure, tone curve, sRGB, dither. Alpha leaves straight, as PNG has it.
+// Radiance to what a screen shows: exposure, tone curve, sRGB, dither. Alpha leaves straight, as PNG has it, or
+// associated where another pass will filter the picture (ASSOCIATED).
 #include "display/tonemap.glsl"
 #include "display/srgb.glsl"
 
@@ -21,5 +22,8 @@ void main() {
     vec3 code = shown * 255.0;
     bvec3 exact = lessThan(abs(code - round(code)), vec3(1e-3));
     shown = floor(code + mix(vec3(dither(gl_FragCoord.xy)), vec3(0.5), exact)) / 255.0;
+#if ASSOCIATED
+    shown *= alpha;
+#endif
     o_color = vec4(shown, alpha);
 }

@@ -67,6 +67,11 @@ class Context:
         self.vendor: str = info["GL_VENDOR"]
         self.version: str = info["GL_VERSION"]
 
+    @property
+    def is_software(self) -> bool:
+        """Whether a processor draws, not a graphics card."""
+        return any(name in self.renderer.lower() for name in ("llvmpipe", "softpipe", "swrast", "swiftshader"))
+
     def make_current(self) -> None:
         """Direct this thread's OpenGL calls to this context, and free what of it Python has dropped."""
         self._enter()

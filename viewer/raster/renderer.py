@@ -64,13 +64,13 @@ class Renderer:
 
     def render(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> Image:
         """The picture in full precision: linear radiance in single floats, and as displayed."""
-        self.draw(scene, camera, settings, size, half=False)
+        self.draw(scene, camera, settings, size, half=False, still=True)
         linear = np.frombuffer(self._target.read(), np.float32).reshape(size[1], size[0], 4)[::-1]
         return Image(np.ascontiguousarray(linear), self.read_display(settings), {"plan": self.plan.to_json()})
 
     def display(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> Image:
         """The picture as displayed: what a PNG needs, and no more. `linear` is then its sRGB decoding."""
-        self.draw(scene, camera, settings, size, half=True)
+        self.draw(scene, camera, settings, size, still=True)
         return Image.from_srgb(self.read_display(settings))
 
     @property
@@ -88,8 +88,9 @@ class Renderer:
 
     def present(self, settings: Settings, framebuffer: moderngl.Framebuffer) -> None:
         """Draw the frame drawn last into `framebuffer`, as displayed."""
+        fxaa = self._target.samples == 1 and settings.antialias in ("auto", "fxaa")
         with self._pass("display"):
-            self._display.draw(self._target.radiance, settings, framebuffer, UNIT_RADIANCE)
+            self._display.draw(self._target.radiance, settings, framebuffer, UNIT_RADIANCE, fxaa)
 
     def draw(
         self,
@@ -98,15 +99,17 @@ class Renderer:
         settings: Settings,
         size: tuple[int, int],
         half: bool = True,
+        still: bool = False,
         part: tuple[int, int, int, int] | None = None,
     ) -> None:
         """Draw radiance into the renderer's target, one of half floats where `half` is set.
 
+        `still` is for a picture that is kept, which may take more samples than a frame of a moving camera.
         `part` (x, y, width, height), from the lower left in pixels, is all that is drawn of the picture then; the rest
         of the target stays as it was.
         """
         self.context.make_current()
-        target = self._sized_target(size, settings, half)
+        target = self._sized_target(size, settings.samples(self.context.is_software, still), half)
         plan = self._prepare(scene, settings, target, camera.height is not None)
         frame = Frame(scene, camera, size)
         uniforms = self._frame_uniforms(plan, frame, settings)
@@ -127,8 +130,8 @@ class Renderer:
         with self._pass("resolve"):
             target.resolve()
 
-    def _sized_target(self, size: tuple[int, int], settings: Settings, half: bool) -> Target:
-        samples = min(int(settings.msaa), max(self._gl.max_samples, 1))
+    def _sized_target(self, size: tuple[int, int], samples: int, half: bool) -> Target:
+        samples = min(samples, max(self._gl.max_samples, 1))
         if self._target is None or not self._target.fits(size, samples, half):
             if self._target is not None:
                 self._target.release()

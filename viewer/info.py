@@ -1,0 +1,109 @@
+"""What `pbr-viewer info` tells: of a model and the plan to show it, or of the package itself."""
+
+from __future__ import annotations
+
+from collections import Counter
+from importlib.metadata import version
+
+from .bake.environment import bake_environment
+from .plan import Plan, plan_scene
+from .scene.environment import Environment
+from .scene.scene import Scene
+from .settings import Settings, setting_choices
+
+Facts = dict[str, object]
+
+
+def describe_scene(scene: Scene, settings: Settings) -> Facts:
+    """The scene's content and its plan, without opening an OpenGL context; JSON-able."""
+    low, high = scene.bounds
+    plan = _plan(scene, settings)
+    environment = scene.environment
+    return {
+        "name": scene.name,
+        **scene.facts,
+        "instances": len(scene.instances),
+        "primitives": dict(Counter(mesh.topology for mesh in scene.meshes)),
+        "triangles": scene.triangle_count,
+        "vertices": sum(len(mesh.positions) for mesh in scene.meshes),
+        "bounds_m": [low.tolist(), high.tolist()],
+        "radius_m": scene.radius,
+        "materials": [_material_line(scene, k) for k in range(len(scene.materials))],
+        "lights": [f"{light.kind} {light.name or '(unnamed)'}, {light.intensity:g} {_unit(light.kind)}"
+                   for light in scene.lights],
+        "cameras": [camera.name or "(unnamed)" for camera in scene.cameras],
+        "environment": _environment_line(environment) if environment is not None else "none",
+        "warnings": list(scene.warnings),
+        "plan": plan.to_json(),
+    }
+
+
+def describe_package() -> Facts:
+    from .bake.cache import cache_folder
+    from .image import WRITABLE
+
+    return {
+        "version": version("pbr-viewer"),
+        "environments": ["studio", "sky", "furnace", "none"],
+        "writes": list(WRITABLE),
+        "cache": str(cache_folder()),
+        "settings": settings_table(),
+    }
+
+
+def settings_table() -> Facts:
+    """What --set takes: each name with its default and its other values."""
+    default = Settings()
+    return {
+        name: f"{getattr(default, name)} (or {', '.join(c for c in choices if c != getattr(default, name))})"
+        for name, choices in setting_choices().items()
+    }
+
+
+def format_facts(facts: Facts, indent: str = "") -> str:
+    """The facts as text: a line each, lists and tables below their name."""
+    lines = []
+    for name, value in facts.items():
+        label = indent + name.replace("_", " ")
+        if value in ([], {}, None):
+            lines.append(f"{label}: none")
+        elif isinstance(value, dict):
+            lines += [f"{label}:", format_facts(value, indent + "  ")]
+        elif isinstance(value, list) and any(isinstance(item, (str, dict)) for item in value):
+            lines.append(f"{label}:")
+            lines += [f"{indent}  - {_one_line(item)}" for item in value]
+        else:
+            lines.append(f"{label}: {_one_line(value)}")
+    return "\n".join(lines)
+
+
+def _one_line(value: object) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{name} {_one_line(item)}" for name, item in value.items())
+    if isinstance(value, list):
+        return "  ".join(_one_line(item) for item in value)
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _plan(scene: Scene, settings: Settings) -> Plan:
+    """As the renderer makes it for a picture, with a perspective camera and all the samples that are asked for."""
+    suns = bake_environment(scene.environment, settings.ndf).suns if scene.environment is not None else ()
+    return plan_scene(scene, settings, [*scene.lights, *suns], half_target=True, orthographic=False,
+                      samples=settings.samples(is_software=False, is_still=True))
+
+
+def _material_line(scene: Scene, index: int) -> str:
+    material = scene.materials[index]
+    words = [material.name or f"material {index}", material.alpha_mode]
+    words += ["unlit"] * material.unlit + ["double-sided"] * material.double_sided
+    words += [f"metallic {material.metallic:g}", f"roughness {material.perceptual_roughness:g}"]
+    return ", ".join(words)
+
+
+def _unit(kind: str) -> str:
+    return "lx" if kind == "directional" else "cd"
+
+
+def _environment_line(environment: Environment) -> str:
+    height, width = environment.radiance.shape[:2]
+    return f"{environment.name}, {width} x {height}, radiance up to {float(environment.radiance.max()):.6g}"
