@@ -91,3 +91,11 @@ def test_skin_on_a_mesh_without_joints_is_not_used():
     builder.node(mesh=builder.triangle(), skin=0, translation=[4, 0, 0])
     scene = builder.load()
     assert scene.instances[0].transform[0, 3] == 4 and any("skin" in line for line in scene.warnings)
+
+
+def test_inverse_bind_matrices_come_before_the_joints():
+    builder = skinned([{"translation": [0, 0, 5], "scale": [2, 2, 2]}], [[1, 0, 0, 0]] * 3, [[0] * 4] * 3)
+    inverse_bind = np.eye(4)
+    inverse_bind[:3, 3] = (-1, 0, 0)
+    builder.json["skins"][0]["inverseBindMatrices"] = builder.accessor(inverse_bind.T.reshape(1, 16))
+    np.testing.assert_allclose(builder.load().meshes[0].positions, 2 * (TRIANGLE - (1, 0, 0)) + (0, 0, 5), atol=1e-6)
