@@ -31,8 +31,9 @@ MASKINGS = ("smith", "smith-separable", "v-cavity", "none")
 def dfg_table(ndf: str = "ggx", masking: str = "smith", size: int = SIZE) -> np.ndarray:
     """a and b, (size, size, 2) float32, read-only.
 
-    Row j is NoV = (j / (size-1))^2, column i perceptual roughness i / (size-1). As a texture that is u = roughness, v = sqrt(NoV), each inset by half a texel, as dfg.glsl looks it up. The default
-    comes from the package's assets; any other is computed (0.3 s) and kept in the cache on disk.
+    Row j is NoV = (j / (size-1))^2, column i perceptual roughness i / (size-1). As a texture that
+    is u = roughness, v = sqrt(NoV), each inset by half a texel, as dfg.glsl looks it up. The default comes from the
+    package's assets; any other is computed (0.3 s) and kept in the cache on disk.
     """
     if (ndf, masking, size) == ("ggx", "smith", SIZE):
         table = np.load(resource_folder("assets") / "dfg_ggx_smith.npy", allow_pickle=False)

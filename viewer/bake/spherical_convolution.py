@@ -27,8 +27,8 @@ ORDERS_AT_ONCE = 32  # bounds the Legendre table: 32 x 256 degrees x 480 rows in
 class Filter:
     """A kernel by its `spectrum` (lambda_0 .. lambda_L), and the map wanted of it by its rows.
 
-    `theta` is that of the upper half; the lower half mirrors it, and the map is twice as wide as high. A theta below 0 lies beyond the pole, and gets what
-    is there: the values at -theta half a turn on.
+    `theta` is that of the upper half; the lower half mirrors it, and the map is twice as wide as high. A theta
+    below 0 lies beyond the pole, and gets what is there: the values at -theta half a turn on.
     """
 
     theta: np.ndarray

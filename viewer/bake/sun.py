@@ -39,7 +39,7 @@ def extract_sun(environment: Environment) -> tuple[Environment, list[Light]]:
     for _ in range(MOST):
         peak = np.unravel_index(int(luminance.argmax()), luminance.shape)
         # No spot of this size can hold the share unless its peak could, spread over all of it.
-        if luminance[peak] * np.pi * DISK**2 < SHARE * total:
+        if luminance[peak] * np.pi * DISK**2 <= SHARE * total:
             break
         spot = _Spot(radiance, peak, solid_angles)
         excess = spot.removed @ LUMINANCE

@@ -113,7 +113,7 @@ def _color_channels(names: list[str]) -> list[int]:
 
 
 def _reduce(texels: np.ndarray, factor: int, first: int, height: int) -> np.ndarray:
-    """Means over factor x factor texels weighted by solid angle; the rest at the right and bottom makes smaller blocks."""
+    """Means over factor x factor texels weighted by solid angle; the rest at the right and bottom is smaller blocks."""
     if factor == 1:
         return texels
     weights = texel_solid_angles(height, 1)[first:first + len(texels)].astype(np.float32)

@@ -102,7 +102,7 @@ def _sun_direction() -> np.ndarray:
 
 
 def _sun_illuminance(elevation: float) -> np.ndarray:
-    """On a surface facing the sun, klx, linear Rec. 709: Rayleigh and aerosol extinction (Preetham 1999, appendix 1)."""
+    """On a surface facing the sun, klx, linear Rec. 709, after Rayleigh and aerosols (Preetham 1999, appendix 1)."""
     wavelength = np.array([0.610, 0.550, 0.465])  # micrometres, where the primaries weigh most
     air_mass = 1 / (math.sin(elevation) + 0.15 * (math.degrees(elevation) + 3.885) ** -1.253)
     beta = 0.04608 * TURBIDITY - 0.04586

@@ -1,0 +1,93 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from viewer.bake.dfg import MASKINGS, SIZE, compute_dfg_table, dfg_table, directional_albedo
+from viewer.bake.lobes import LOBES
+
+
+def by_light_direction(ndf: str, masking: str, NoV: float, alpha: float, nodes: int = 1200) -> np.ndarray:
+    """a and b as the plain integral of D V Fc NoL over light directions, midpoints in (mu, phi): an independent way."""
+    mu = (np.arange(nodes) + 0.5) / nodes
+    phi = (np.arange(nodes) + 0.5) / nodes * np.pi
+    NoL, sin_l = mu[:, None], np.sqrt(1 - mu**2)[:, None]
+    h = np.stack([np.sqrt(1 - NoV**2) + sin_l * np.cos(phi), sin_l * np.sin(phi), NoV + NoL + 0 * phi])
+    h /= np.sqrt((h * h).sum(axis=0))
+    NoH, VoH = h[2], np.sqrt(1 - NoV**2) * h[0] + NoV * h[2]
+    tan2 = 1 / NoH**2 - 1
+    if ndf == "ggx":
+        D = alpha**2 / (np.pi * NoH**4 * (alpha**2 + tan2) ** 2)
+    elif ndf == "beckmann":
+        D = np.exp(-tan2 / alpha**2) / (np.pi * alpha**2 * NoH**4)
+    else:
+        s = 2 / alpha**2 - 2
+        D = (s + 2) / (2 * np.pi) * NoH**s
+
+    def smith(c):
+        if ndf == "ggx":
+            return (np.sqrt(1 + alpha**2 * (1 - c * c) / (c * c)) - 1) / 2
+        a = c / (alpha * np.sqrt(1 - c * c))
+        return np.where(a < 1.6, (1 - 1.259 * a + 0.396 * a * a) / (3.535 * a + 2.181 * a * a), 0)
+
+    G = {
+        "smith": lambda: 1 / (1 + smith(NoV) + smith(NoL)),
+        "smith-separable": lambda: 1 / ((1 + smith(NoV)) * (1 + smith(NoL))),
+        "v-cavity": lambda: np.minimum(1, 2 * NoH * np.minimum(NoV, NoL) / VoH),
+        "none": lambda: 1.0,
+    }[masking]()
+    f = D * G / (4 * NoV) * (2 * np.pi / nodes**2)
+    fresnel = (1 - VoH) ** 5
+    return np.array([(f * (1 - fresnel)).sum(), (f * fresnel).sum()])
+
+
+@pytest.mark.parametrize("ndf", LOBES)
+@pytest.mark.parametrize("masking", MASKINGS)
+def test_against_the_integral_over_light_directions(ndf, masking):
+    for NoV, alpha in ((0.15, 0.3), (0.5, 0.15), (0.9, 1.0), (0.4, 0.6)):
+        found = directional_albedo(ndf, masking, np.array([NoV]), alpha)[0]
+        assert found == pytest.approx(by_light_direction(ndf, masking, NoV, alpha), abs=1e-3)
+
+
+def test_the_mirror_column_is_schlick():
+    NoV = (np.arange(SIZE) / (SIZE - 1)) ** 2
+    NoV[0] = 1e-4
+    b = (1 - NoV) ** 5
+    assert dfg_table()[:, 0] == pytest.approx(np.stack([1 - b, b], axis=-1), abs=1e-6)
+
+
+def test_almost_a_mirror_is_almost_a_mirror():
+    NoV = np.array([0.1, 0.5, 1.0])
+    near, mirror = directional_albedo("ggx", "smith", NoV, 1e-4), directional_albedo("ggx", "smith", NoV, 0.0)
+    assert near == pytest.approx(mirror, abs=1e-4)
+
+
+def test_smith_ggx_loses_what_single_scattering_loses_at_normal_view():
+    lost = [1 - directional_albedo("ggx", "smith", np.array([1.0]), alpha)[0].sum() for alpha in (0.25, 0.5, 1.0)]
+    assert lost == pytest.approx([0.08, 0.31, 0.69], abs=0.005)
+
+
+@pytest.mark.parametrize("masking", ["smith", "smith-separable", "v-cavity"])
+def test_no_more_light_than_came(masking):
+    table = dfg_table("ggx", masking)
+    assert table.min() >= 0
+    assert table.sum(axis=2).max() <= 1 + 2e-3
+
+
+def test_the_shipped_table_is_what_its_script_makes():
+    fresh = compute_dfg_table("ggx", "smith", SIZE)
+    assert np.abs(fresh - dfg_table()).max() < 1.5e-3
+    assert np.abs(fresh - dfg_table()).mean() < 1e-4
+    assert dfg_table().dtype == np.float32
+
+
+def test_the_lookup_between_texels_is_close():
+    table = dfg_table().astype(np.float64)
+    NoV = np.linspace(0.1, 1, 91)
+    for r in np.linspace(0.1, 1, 37):
+        x, y = r * (SIZE - 1), np.sqrt(NoV) * (SIZE - 1)
+        i, j = min(int(x), SIZE - 2), np.minimum(y.astype(int), SIZE - 2)
+        s, t = x - i, (y - j)[:, None]
+        found = (table[j, i] * (1 - s) + table[j, i + 1] * s) * (1 - t)
+        found += (table[j + 1, i] * (1 - s) + table[j + 1, i + 1] * s) * t
+        assert found == pytest.approx(directional_albedo("ggx", "smith", NoV, r * r, 48), abs=2e-3)

@@ -1,0 +1,95 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from maps import bilinear, convolved, noise_with_sun, random_directions
+
+from viewer.bake.prefilter import LEVEL_ROUGHNESS, MARGIN, level_integral, lod_of_roughness, prefilter, row_angles
+from viewer.bake.sun import extract_sun
+from viewer.scene.environment_files import load_environment
+from viewer.scene.equirect import sphere_integral, texel_directions
+
+ENVIRONMENTS = Path(__file__).resolve().parents[2].parent / "shared" / "corpus" / "environments"
+
+
+def test_levels_are_a_mip_chain():
+    levels, _ = prefilter(noise_with_sun())
+    assert [level.shape for level in levels] == [(512 >> k, 1024 >> k, 3) for k in range(6)]
+    assert all(level.dtype == np.float32 and level.min() >= 0 for level in levels)
+
+
+def test_lod_runs_from_the_sharpest_to_the_roughest_without_turning_back():
+    lod = lod_of_roughness(np.linspace(0, 1, 1001))
+    assert lod[0] == 0
+    assert lod[-1] == 5
+    assert np.diff(lod).min() > 0
+    assert lod_of_roughness(np.array(LEVEL_ROUGHNESS)) == pytest.approx(np.arange(6), abs=1e-12)
+
+
+@pytest.mark.parametrize("size", [(1, 1), (4, 16), (100, 200), (512, 1024)])
+def test_every_level_of_a_constant_map_is_that_constant(size):
+    levels, _ = prefilter(np.full((*size, 3), 0.7, np.float32))
+    assert max(np.abs(level / 0.7 - 1).max() for level in levels) < 1e-5
+
+
+def test_black_stays_black():
+    levels, _ = prefilter(np.zeros((32, 64, 3), np.float32))
+    assert max(level.max() for level in levels) == 0
+
+
+def test_every_level_holds_the_energy_of_the_map_and_of_its_sun():
+    radiance = noise_with_sun(64)
+    levels, _ = prefilter(radiance)
+    for level in levels:
+        assert level_integral(level) == pytest.approx(sphere_integral(radiance), rel=1e-5)
+    # level_integral itself, against a fine sum of what a bilinear lookup sees
+    directions = texel_directions(256, 512)
+    for level in levels[2:]:
+        seen = sphere_integral(bilinear(level, directions, MARGIN))
+        assert level_integral(level) == pytest.approx(seen, rel=1e-3)
+
+
+@pytest.mark.parametrize("direction", [(0.6, 0.48, 0.64), (-0.8, 0.0, -0.6), (0.0, -0.8, 0.6), (0.05, 0.998, 0.0)])
+def test_a_bright_texel_is_brightest_where_it_is_at_every_level(direction):
+    direction = np.array(direction) / np.linalg.norm(direction)
+    aim = texel_directions(512, 1024)
+    radiance = np.full((512, 1024, 3), 0.01, np.float32)
+    radiance[np.unravel_index((aim @ direction).argmax(), (512, 1024))] = 1000
+    levels, _ = prefilter(radiance)
+    for level in levels:
+        height = len(level)
+        theta, phi = row_angles(height)[:, None], 2 * np.pi * ((np.arange(2 * height) + 0.5) / (2 * height) - 0.5)
+        towards = np.stack([np.sin(theta) * np.cos(phi), np.cos(theta) + 0 * phi, np.sin(theta) * np.sin(phi)], axis=-1)
+        brightest = np.unravel_index(level[:, :, 1].argmax(), level.shape[:2])
+        assert np.arccos(min(1.0, towards[brightest] @ direction)) < 1.6 * np.pi / height
+
+
+def test_levels_against_direct_quadrature():
+    radiance = prefilter(noise_with_sun(64, sun=1000))[0][1]  # any smooth map will do that needs no interpolation
+    radiance = np.ascontiguousarray(np.repeat(np.repeat(radiance, 2, axis=0), 2, axis=1))
+    directions = random_directions(8)
+    levels, _ = prefilter(radiance)
+    for level, perceptual_roughness in list(zip(levels, LEVEL_ROUGHNESS))[2:]:
+        exact = convolved(radiance, "ggx", perceptual_roughness**2, directions)
+        found = bilinear(level, directions, MARGIN)
+        assert np.abs(found - exact).max() < 0.03 * exact.max()
+        assert np.abs(found - exact).mean() < 0.004 * exact.mean()
+
+
+@pytest.mark.parametrize("name", ["lightroom_14b_from_ktx", "noon_grass"])
+def test_between_the_levels_a_lookup_is_near_the_exact_lobe(name):
+    path = ENVIRONMENTS / f"{name}_1k.hdr"
+    if not path.is_file():
+        pytest.skip("the corpus is not here")
+    radiance = extract_sun(load_environment(path))[0].radiance
+    levels, _ = prefilter(radiance)
+    directions = random_directions(6)
+    for perceptual_roughness in (0.3, 0.45, 0.75):
+        lod = float(lod_of_roughness(perceptual_roughness))
+        k = int(lod)
+        low, high = (bilinear(levels[i], directions, MARGIN) for i in (k, k + 1))
+        found = low + (lod - k) * (high - low)
+        exact = convolved(radiance, "ggx", perceptual_roughness**2, directions)
+        assert (np.abs(found - exact) / (exact + 0.05 * radiance.mean())).mean() < 0.05
