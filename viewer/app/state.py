@@ -106,7 +106,9 @@ def scene_facts(scene: Scene) -> list[tuple[str, str]]:
         ("Lights", str(len(scene.lights))),
         ("Cameras", str(len(scene.cameras))),
     ]
-    return facts + [(name.replace("_", " ").capitalize(), _text(value)) for name, value in scene.facts.items()]
+    told = {name.lower() for name, _ in facts}
+    return facts + [(name.replace("_", " ").capitalize(), _text(value)) for name, value in scene.facts.items()
+                    if value and name not in told]
 
 
 def _text(value: object) -> str:

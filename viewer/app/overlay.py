@@ -1,0 +1,89 @@
+"""What is drawn over the picture beside the panel: the split's line, one line of message, the help."""
+
+from __future__ import annotations
+
+from imgui_bundle import imgui
+
+from .keys import help_groups
+from .state import ViewState
+
+_WHITE, _SHADOW = 0xE6FFFFFF, 0xB4000000  # ABGR
+_INFO, _ERROR = 0xE61E1E1E, 0xF0202890
+_HINT = imgui.ImVec4(0.62, 0.74, 0.90, 1.0)
+
+
+def draw_split(position: float, scale: float) -> None:
+    """The line at `position` (a fraction of the width), its handle, and which side is which."""
+    width, height = imgui.get_io().display_size
+    draw, x = imgui.get_background_draw_list(), round(position * width) + 0.5
+    draw.add_line((x, 0), (x, height), _SHADOW, 3 * scale)
+    draw.add_line((x, 0), (x, height), _WHITE, scale)
+    draw.add_circle_filled((x, height / 2), 7 * scale, _WHITE)
+    draw.add_circle((x, height / 2), 7 * scale, _SHADOW, 0, scale)
+    gap, y = 12 * scale, 10 * scale
+    _label(draw, x - gap - imgui.calc_text_size("Phong").x, y, "Phong", _SHADOW, scale)
+    _label(draw, x + gap, y, "PBR", _SHADOW, scale)
+
+
+def draw_message(state: ViewState, scale: float) -> None:
+    """One line at the bottom left, broken where it does not fit."""
+    height = imgui.get_io().display_size.y
+    margin = 14 * scale
+    imgui.set_next_window_pos((margin, height - margin), 0, (0.0, 1.0))
+    limit = max(imgui.get_io().display_size.x - 2 * margin, 80.0)
+    imgui.push_style_color(imgui.Col_.window_bg, _ERROR if state.is_error else _INFO)
+    imgui.push_style_var(imgui.StyleVar_.window_rounding, 4 * scale)
+    imgui.begin("##message", None, _STILL | imgui.WindowFlags_.no_inputs)
+    imgui.push_text_wrap_pos(limit)
+    imgui.text_unformatted(state.message)
+    imgui.pop_text_wrap_pos()
+    imgui.end()
+    imgui.pop_style_var()
+    imgui.pop_style_color()
+
+
+def draw_help(state: ViewState, scale: float) -> None:
+    """All keys and gestures, in two columns where there is room."""
+    width, height = imgui.get_io().display_size
+    imgui.set_next_window_pos((width / 2, height / 2), 0, (0.5, 0.5))
+    imgui.set_next_window_size_constraints((0, 0), (width, height))
+    imgui.push_style_var(imgui.StyleVar_.window_rounding, 6 * scale)
+    imgui.set_next_window_bg_alpha(0.97)
+    imgui.push_style_var(imgui.StyleVar_.window_padding, (22 * scale, 18 * scale))
+    imgui.begin("##help", None, _STILL & ~imgui.WindowFlags_.no_scrollbar)
+    groups = help_groups()
+    for column in (groups[:2], groups[2:]) if width > 940 * scale else (groups,):
+        if column is not groups and column[0] is not groups[0]:
+            imgui.same_line(spacing=36 * scale)
+        imgui.begin_group()
+        for title, lines in column:
+            imgui.text_colored(_HINT, title)
+            _table(title, lines)
+            imgui.dummy((0, 6 * scale))
+        imgui.end_group()
+    imgui.end()
+    imgui.pop_style_var(2)
+    if imgui.is_mouse_clicked(0):
+        state.help = False
+
+
+_STILL = (imgui.WindowFlags_.no_decoration | imgui.WindowFlags_.always_auto_resize | imgui.WindowFlags_.no_move
+          | imgui.WindowFlags_.no_nav | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_focus_on_appearing)
+
+
+def _table(title: str, lines: list[tuple[str, str]]) -> None:
+    flags = imgui.TableFlags_.sizing_fixed_fit | imgui.TableFlags_.no_host_extend_x
+    if imgui.begin_table(title, 2, flags):
+        for keys, text in lines:
+            imgui.table_next_column()
+            imgui.text_disabled(keys)
+            imgui.table_next_column()
+            imgui.text(text)
+        imgui.end_table()
+
+
+def _label(draw: imgui.ImDrawList, x: float, y: float, text: str, shade: int, scale: float) -> None:
+    size = imgui.calc_text_size(text)
+    pad = 5 * scale
+    draw.add_rect_filled((x - pad, y - pad / 2), (x + size.x + pad, y + size.y + pad / 2), shade, 3 * scale)
+    draw.add_text((x, y), _WHITE, text)

@@ -1,0 +1,313 @@
+"""The desktop window: it waits for something to happen, draws it, and waits again."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import glfw
+import moderngl
+
+from ..errors import ViewerError
+from ..gpu.window import WindowContext
+from ..image import Image
+from ..raster.renderer import Renderer
+from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, Camera
+from ..scene.environment_files import FORMATS, load_environment
+from ..scene.load import load_scene
+from ..scene.scene import Scene
+from ..settings import Settings
+from .gui import Gui
+from .input import Input
+from .orbit import QUARTER, OrbitController
+from .overlay import draw_help, draw_message, draw_split
+from .panel import Panel, Readings
+from .pick import pick
+from .state import ViewState, free_path
+from .watch import INTERVAL, ShaderWatch
+
+SETTLING_FRAMES = 3
+"""Frames of the panel after an event: what ImGui lays out in one it shows in the next."""
+REST_SECONDS = 0.3
+"""A picture that has not changed for so long is drawn again with the samples of one that is kept, if those are more."""
+PANEL_FROM_WIDTH = 900
+_CLEAR = (0.08, 0.08, 0.08, 1.0)
+_VIEWS = {
+    "view_front": (0.0, 0.0), "view_back": (math.pi, 0.0), "view_right": (QUARTER, 0.0), "view_left": (-QUARTER, 0.0),
+    "view_top": (0.0, QUARTER), "view_bottom": (0.0, -QUARTER), "view_default": (DEFAULT_AZIMUTH, DEFAULT_ELEVATION),
+}
+
+
+def run(
+    scene: Scene,
+    settings: Settings,
+    camera: Camera | None = None,
+    size: tuple[int, int] = (1280, 720),
+    use_cache: bool = True,
+) -> None:
+    """Open a window of `size` (in the desktop's coordinates) on `scene`, and return when it is closed.
+
+    Without `camera` the scene is framed. `use_cache` allows prepared environments to be kept on disk. Raises
+    ContextError where no window can be opened, and what the renderer raises for a scene that cannot be drawn.
+    """
+    with ViewerWindow(scene, settings, camera, size, use_cache) as window:
+        while not window.is_closed:
+            window.step()
+
+
+class ViewerWindow:
+    """The window, one `step` at a time."""
+
+    def __init__(self, scene: Scene, settings: Settings, camera: Camera | None = None,
+                 size: tuple[int, int] = (1280, 720), use_cache: bool = True) -> None:
+        self.state = ViewState(scene, settings, panel=size[0] >= PANEL_FROM_WIDTH)
+        self.context = WindowContext(size, _title(scene), visible=True)
+        self.renderer = Renderer(self.context, use_cache)
+        self.window = self.context.window
+        self.orbit = OrbitController(scene.center, scene.radius, size[0] / size[1])
+        if camera is not None:
+            self._follow(camera)
+        self.readings = Readings(f"{self.context.renderer}, OpenGL {self.context.version}")
+        self._gui = Gui(self.context, self.window)
+        self._panel = Panel(self.state, self.readings, lambda path: self.open([path]))
+        self._watch = ShaderWatch(self.renderer.programs)
+        self._input = Input(self.window, self.state, self.orbit, self._gui, self.do, self.open)
+        self._next_camera = 0
+        self._to_open: list[str] = []
+        self._frames_left = SETTLING_FRAMES
+        self._drawn: tuple[object, ...] | None = None
+        self._drawn_at = 0.0
+        self._samples = 0
+        self._good: tuple[Scene, Settings, float | None] | None = None
+        self._coasted_at = time.monotonic()
+        glfw.swap_interval(1)
+        self._show_notice(f"Preparing {scene.name} …")
+
+    @property
+    def is_closed(self) -> bool:
+        return bool(glfw.window_should_close(self.window))
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing is left to draw until something happens."""
+        return not (self._frames_left or self._to_open or self.orbit.velocity.any())
+
+    @property
+    def is_refined(self) -> bool:
+        """Whether the picture has the samples of one that is kept."""
+        return self._samples == self._wanted_samples(still=True)
+
+    def step(self, timeout: float = INTERVAL) -> None:
+        """Wait for an event, `timeout` seconds at most, and draw if there is anything new."""
+        if self.is_idle:
+            glfw.wait_events_timeout(timeout if self.is_refined else min(timeout, REST_SECONDS))
+        else:
+            glfw.poll_events()
+        if self._to_open:
+            self._open_now()
+        reloaded = self._watch.poll()
+        if reloaded is not None:
+            self._tell_reload(reloaded)
+        now = time.monotonic()
+        coasting = self.orbit.coast(min(now - self._coasted_at, 0.1))
+        self._coasted_at = now
+        rested = not self.is_refined and now - self._drawn_at > REST_SECONDS
+        if self._input.changed or coasting or rested or self.state.forget_message():
+            self._input.changed, self._frames_left = False, SETTLING_FRAMES
+        if self._frames_left:
+            self._frames_left -= 1
+            self._draw()
+
+    def do(self, action: str) -> None:
+        """What a key stands for; `viewer.app.keys.KEYS` lists the actions."""
+        state, orbit = self.state, self.orbit
+        if action in ("pbr", "phong"):
+            state.show_mode(action)
+        elif action == "split":
+            state.show_split()
+        elif action in ("uniform_diffuse", "specular", "directional_diffuse"):
+            state.show_mode("pbr", action.replace("_", "-"))
+        elif action in _VIEWS:
+            orbit.look_from(*_VIEWS[action])
+        elif action in ("panel", "help", "inertia"):
+            setattr(state, action, not getattr(state, action))
+            if action == "inertia":
+                state.say(f"Inertia {'on' if state.inertia else 'off'}")
+        else:
+            {"frame_all": self._frame_all, "orthographic": self._toggle_orthographic, "next_camera": self._show_next_camera,
+             "screenshot": self.save_screenshot, "reload": self._reload, "close": self._close}[action]()
+
+    def open(self, paths: list[str]) -> None:
+        """Open models and environments, told apart by their names, once it was said on screen."""
+        self._to_open = list(paths)
+        self.state.say(f"Opening {Path(paths[0]).name} …")
+        self._input.changed = True
+        self._show_notice(self.state.message)
+
+    def save_screenshot(self) -> None:
+        """The picture without what is drawn over it, in the current folder, under a name that is free."""
+        state = self.state
+        path = free_path(Path.cwd(), Path(state.scene.name).stem)
+        try:
+            self._draw_picture(state.settings, still=True)
+            Image.from_srgb(self.renderer.read_display(state.settings)).save(path)
+        except ViewerError as error:
+            state.say(str(error), is_error=True)
+        else:
+            state.say(f"Saved {path.name}")
+        self._drawn = None
+
+    def _draw(self) -> None:
+        if 0 in self._pixels:
+            return
+        start = time.perf_counter()
+        is_new = self._draw_scene()
+        self._gui.begin()
+        scale = self._gui.scale
+        if self.state.split is not None:
+            draw_split(self.state.split, scale)
+        if self.state.panel and not self.state.help:
+            self._panel.draw(scale)
+        if self.state.message:
+            draw_message(self.state, scale)
+        if self.state.help:
+            draw_help(self.state, scale)
+        screen = self._screen()
+        self.renderer.present(self.state.on_screen(), screen)
+        self._gui.draw(screen)
+        self.context.gl.finish()
+        if is_new:
+            self.readings.frame_ms.append((time.perf_counter() - start) * 1e3)
+        glfw.swap_buffers(self.window)
+
+    def _draw_scene(self) -> bool:
+        """Draw what changed; whether anything had. What cannot be drawn gives way to what was there before."""
+        state = self.state
+        shading = replace(state.on_screen(), exposure=0.0, tonemap="none")
+        camera = self.orbit.camera
+        wanted = (state.scene, shading, state.split, camera.pose.tobytes(), camera.fov_y, camera.height, self._pixels,
+                  self.renderer.programs.generation)
+        still = wanted == self._drawn and time.monotonic() - self._drawn_at > REST_SECONDS
+        if wanted == self._drawn and not (still and not self.is_refined):
+            return False
+        try:
+            self._draw_picture(state.on_screen(), still)
+        except (ViewerError, moderngl.Error, MemoryError) as error:
+            if self._good is None or self._good == (state.scene, state.settings, state.split):
+                raise
+            state.say(str(error) or "out of memory", is_error=True)
+            state.scene, state.settings, state.split = self._good
+            self._frame_for(state.scene)
+            return self._draw_scene()
+        self._drawn, self._good = wanted, (state.scene, state.settings, state.split)
+        self._drawn_at, self._samples = time.monotonic(), self._wanted_samples(still)
+        self.readings.left_out = self.renderer.plan.left_out
+        return True
+
+    def _wanted_samples(self, still: bool) -> int:
+        return self.state.settings.samples(self.context.is_software, still)
+
+    def _draw_picture(self, settings: Settings, still: bool) -> None:
+        for shot, part in self.state.shots(settings, self._pixels):
+            self.renderer.draw(self.state.scene, self.orbit.camera, shot, self._pixels, still=still, part=part)
+
+    def _open_now(self) -> None:
+        paths, self._to_open = self._to_open, []
+        self.state.message = ""
+        self._input.changed = True
+        for path in paths:
+            try:
+                if Path(path).suffix.lower() in FORMATS:
+                    environment = load_environment(Path(path))
+                    environment.radiance  # decoded here, where an error can be told
+                    self.state.relight(environment)
+                else:
+                    self._open_scene(load_scene(path))
+            except (ViewerError, OSError, MemoryError) as error:
+                self.state.say(str(error) or f"{path}: out of memory", is_error=True)
+
+    def _open_scene(self, scene: Scene) -> None:
+        self.state.open(scene)
+        self._frame_for(scene)
+        self._frame_all()
+
+    def _frame_for(self, scene: Scene) -> None:
+        self.orbit.set_scene(scene.center, scene.radius)
+        self._next_camera = 0
+        glfw.set_window_title(self.window, _title(scene))
+
+    def _frame_all(self) -> None:
+        width, height = self._pixels
+        self.orbit.frame_all(width / max(height, 1))
+
+    def _toggle_orthographic(self) -> None:
+        self.orbit.is_orthographic = not self.orbit.is_orthographic
+
+    def _show_next_camera(self) -> None:
+        cameras = self.state.scene.cameras
+        if not cameras:
+            self.state.say("The file has no cameras")
+            return
+        number = self._next_camera % len(cameras)
+        self._next_camera = number + 1
+        self._follow(cameras[number])
+        self.state.say(f"Camera {number + 1} of {len(cameras)} {cameras[number].name}")
+
+    def _follow(self, camera: Camera) -> None:
+        """Take over a camera, to turn about what it looks at."""
+        scene = self.state.scene
+        point = pick(scene, camera, (2, 2), (1, 1))
+        depth = float(((scene.center if point is None else point) - camera.eye) @ camera.forward)
+        self.orbit.follow(camera, depth if depth > 1e-6 * scene.radius else scene.radius)
+
+    def _reload(self) -> None:
+        self._tell_reload(self._watch.reload())
+
+    def _tell_reload(self, error: str) -> None:
+        self.state.say(error or "Shaders reloaded", is_error=bool(error))
+        self._input.changed = True
+
+    def _close(self) -> None:
+        if self.state.help:
+            self.state.help = False
+        else:
+            glfw.set_window_should_close(self.window, True)
+
+    def _show_notice(self, text: str) -> None:
+        """A message on screen at once, before something that takes its time."""
+        if 0 in self._pixels:
+            return
+        self.context.make_current()
+        self._gui.begin()
+        draw_message(replace(self.state, message=text, is_error=False), self._gui.scale)
+        screen = self._screen()
+        if self._drawn is None:
+            screen.clear(*_CLEAR)
+        else:
+            self.renderer.present(self.state.on_screen(), screen)
+        self._gui.draw(screen)
+        glfw.swap_buffers(self.window)
+
+    def _screen(self) -> moderngl.Framebuffer:
+        screen = self.context.gl.screen
+        screen.viewport = (0, 0, *self._pixels)
+        screen.scissor = None
+        return screen
+
+    @property
+    def _pixels(self) -> tuple[int, int]:
+        return glfw.get_framebuffer_size(self.window)
+
+    def __enter__(self) -> ViewerWindow:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.renderer.release()
+        self._gui.release()
+        self.context.release()
+
+
+def _title(scene: Scene) -> str:
+    return f"{scene.name} — pbr-viewer"
