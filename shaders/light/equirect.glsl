@@ -23,3 +23,9 @@ float colatitude(float y) {
 vec2 equirect_uv(vec3 d) {
     return vec2(0.5 + turns(d.z, d.x), colatitude(d.y));
 }
+
+// The same in a map whose rows run over both poles, a thirty-second of its height each: see viewer/bake/prefilter.py.
+vec2 equirect_uv_with_margin(vec3 d) {
+    vec2 uv = equirect_uv(d);
+    return vec2(uv.x, uv.y * 0.9375 + 0.03125);
+}

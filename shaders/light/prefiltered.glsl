@@ -11,9 +11,7 @@ float lod_of_roughness(float perceptual_roughness) {
     return dot(ramps, vec4(1.0)) + clamp(x * 3.883966 - 1.774262, 0.0, 1.0);
 }
 
-// d: unit length, in the environment's frame. The map wraps in u, and its rows run over both poles: see prefilter.py.
+// d: unit length, in the environment's frame.
 vec3 prefiltered_radiance(sampler2D map, vec3 d, float perceptual_roughness) {
-    vec2 uv = equirect_uv(d);
-    uv.y = uv.y * 0.9375 + 0.03125;
-    return textureLod(map, uv, lod_of_roughness(perceptual_roughness)).rgb;
+    return textureLod(map, equirect_uv_with_margin(d), lod_of_roughness(perceptual_roughness)).rgb;
 }

@@ -1,12 +1,12 @@
 // The environment as a surface sees it: turned about +Y and scaled, its sun already taken out as a light.
-#include "light/irradiance_sh.glsl"
+#include "light/irradiance.glsl"
 #include "light/prefiltered.glsl"
 
 uniform float u_environment_intensity;
 #if ENVIRONMENT_ROTATED
 uniform vec2 u_environment_rotation; // cosine, sine
 #endif
-uniform vec3 u_irradiance_sh[SH_COUNT];
+uniform sampler2D u_irradiance;
 uniform sampler2D u_prefiltered;
 
 vec3 to_environment(vec3 d) {
@@ -18,8 +18,8 @@ vec3 to_environment(vec3 d) {
 #endif
 }
 
-vec3 environment_irradiance(vec3 n) {
-    return u_environment_intensity * irradiance_sh(to_environment(n), u_irradiance_sh);
+vec3 environment_irradiance_over_pi(vec3 n) {
+    return u_environment_intensity * irradiance_over_pi(u_irradiance, to_environment(n));
 }
 
 vec3 environment_specular(vec3 d, float perceptual_roughness) {

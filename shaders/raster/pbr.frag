@@ -140,7 +140,7 @@ vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion) {
     float below = min(dot(r, n_geometric), 0.0);
     r -= 2.0 * below * n_geometric;
     vec3 specular_light = environment_specular(r, s.perceptual_roughness);
-    vec3 mean_light = environment_irradiance(s.n) * INV_PI;
+    vec3 mean_light = environment_irradiance_over_pi(s.n);
 #if OCCLUSION_MAP
     mean_light *= occlusion;
     specular_light *= specular_occlusion(s.NoV, occlusion, s.alpha);

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from viewer.bake.dfg import SIZE, dfg_table
-from viewer.bake.irradiance import COEFFICIENTS, irradiance
 from viewer.bake.prefilter import LEVEL_ROUGHNESS, lod_of_roughness
 from viewer.errors import ContextError
 from viewer.gpu.context import create_context
@@ -103,13 +102,18 @@ def test_a_level_is_looked_up_where_its_direction_is(gl, evaluate, directions):
         assert np.abs(found - directions[:, :3]).max() < spacing**2 / 4 + 3e-3 * 2.0**-level + 3e-4
 
 
-def test_irradiance_polynomial(evaluate, directions):
-    coefficients = np.random.default_rng(8).normal(size=(COEFFICIENTS, 3))
-    coefficients[0] += 2
-    found = evaluate("irradiance_sh", "uniform vec3 sh[SH_COUNT];", "vec4(irradiance_sh(i.xyz, sh), 0.0)", directions,
-                     sh=coefficients)[:, :3]
-    assert found == pytest.approx(irradiance(directions[:, :3], coefficients), abs=1e-5)
-    assert found.min() == 0
+def test_irradiance_is_looked_up_along_the_normal(gl, evaluate, directions):
+    # A map that is linear in the direction: bilinear lookup errs by its curvature alone.
+    height = 32
+    theta = np.pi * ((np.arange(height) + 0.5) / height - 1 / 32) / (15 / 16)
+    phi = 2 * np.pi * ((np.arange(2 * height) + 0.5) / (2 * height) - 0.5)
+    sine = np.sin(theta)[:, None]
+    rows = np.stack([sine * np.cos(phi), np.cos(theta)[:, None] + 0 * phi, sine * np.sin(phi)], axis=-1)
+    texture = gl.texture((2 * height, height), 3, rows.astype("f4").tobytes(), dtype="f4")
+    texture.repeat_x, texture.repeat_y = True, False
+    found = evaluate("irradiance", "uniform sampler2D map;", "vec4(irradiance_over_pi(map, i.xyz), 0.0)", directions,
+                     map=texture)[:, :3]
+    assert np.abs(found - directions[:, :3]).max() < (np.pi / 30) ** 2 / 4 + 3e-3
 
 
 def test_dfg_lookup_hits_the_table(gl, evaluate):

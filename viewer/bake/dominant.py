@@ -5,20 +5,30 @@ from __future__ import annotations
 import numpy as np
 
 from ..scene.light import Light
+from .prefilter import row_angles
 
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
-def ambient_and_key(coefficients: np.ndarray) -> tuple[np.ndarray, Light]:
+def ambient_and_key(irradiance: np.ndarray) -> tuple[np.ndarray, Light]:
     """The ambient irradiance, (3,), and the key light that share the first two bands of an irradiance.
 
-    `coefficients` (18, 3) are those of `irradiance_coefficients`. A directional light of E lux makes E/4 + E/2 n.d plus
+    `irradiance` is the map of it, over pi, that `prefilter` gives. A directional light of E lux makes E/4 + E/2 n.d plus
     higher bands (Ramamoorthi & Hanrahan 2001), so d points along the luminance of the linear band, E follows from it,
     and what the mean has beyond E/4 is ambient.
     """
-    sh = np.asarray(coefficients, np.float64)
-    mean = sh[0] + sh[2] / 3 + sh[3] / 5  # of 1, y^2 and y^4 over the sphere; the other terms have none
-    linear = sh[[4, 1, 7]]  # x, y, z
+    height, width = irradiance.shape[:2]
+    theta, phi = row_angles(height), 2 * np.pi * ((np.arange(width) + 0.5) / width - 0.5)
+    inside = (theta >= 0) & (theta <= np.pi)
+    sine, cosine = np.sin(theta[inside]), np.cos(theta[inside])
+    rows = np.pi * irradiance[inside].astype(np.float64)
+    weights = sine / sine.sum()  # of the rows, in solid angle
+    mean = weights @ rows.mean(axis=1)
+    # E(n) = mean + g.n + ...: over the sphere the average of E n is g / 3
+    x = (weights * sine) @ (rows * np.cos(phi)[:, None]).mean(axis=1)
+    y = (weights * cosine) @ rows.mean(axis=1)
+    z = (weights * sine) @ (rows * np.sin(phi)[:, None]).mean(axis=1)
+    linear = 3 * np.stack([x, y, z])
     towards = linear @ _LUMINANCE
     length = float(np.linalg.norm(towards))
     towards = towards / length if length > 0 else np.array([0.0, 1.0, 0.0])

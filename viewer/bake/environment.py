@@ -11,7 +11,6 @@ from ..scene.environment import Environment
 from ..scene.equirect import shrink
 from ..scene.light import Light
 from . import cache as disk
-from .irradiance import irradiance_coefficients
 from .lobes import LOBES
 from .prefilter import HEIGHT, LEVEL_ROUGHNESS, WIDTH, prefilter
 from .sun import extract_sun
@@ -24,7 +23,7 @@ class BakedEnvironment:
     """An environment prepared for image-based light, before its rotation and intensity.
 
     `levels`: the mip chain of `prefiltered.glsl`'s texture, six arrays (512, 1024, 3) to (16, 32, 3) float16, top row
-    first, wrap repeat in u and clamp in v. `irradiance`: (18, 3) float32 for `irradiance_sh.glsl`. Both are in units of
+    first, wrap repeat in u and clamp in v. `irradiance`: over pi, (64, 128, 3) float16, laid out alike. Both are in units of
     `scale` (a power of two): multiply what the shader looks up by it, along with the intensity. `suns` are directional
     lights in true units that were taken out of the levels and the irradiance.
     """
@@ -58,11 +57,11 @@ def bake_environment(environment: Environment, ndf: str = "ggx", cache: bool = T
 def _bake(environment: Environment, ndf: str) -> dict[str, np.ndarray]:
     # A map far larger than the levels is shrunk first: the sun is compact in those, too, and found much sooner.
     rest, suns = extract_sun(replace(environment, source=shrink(environment.radiance, HEIGHT, WIDTH)))
-    levels, harmonics = prefilter(rest.radiance, ndf)
+    levels, irradiance = prefilter(rest.radiance, ndf)
     peak = max(float(level.max()) for level in levels)
     scale = 2.0 ** np.ceil(np.log2(peak / HALF_CEILING)) if peak > 0 else 1.0
     arrays = {f"level{k}": (level * np.float32(1 / scale)).astype(np.float16) for k, level in enumerate(levels)}
-    arrays["irradiance"] = irradiance_coefficients(harmonics / scale)
+    arrays["irradiance"] = (irradiance * np.float32(1 / scale)).astype(np.float16)
     arrays["scale"] = np.array([scale])
     arrays["suns"] = np.array([[*sun.direction, *sun.color, sun.intensity] for sun in suns], np.float64).reshape(-1, 7)
     return arrays

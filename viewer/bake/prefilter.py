@@ -10,6 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..scene.equirect import resample, sphere_integral
+from .irradiance import HEIGHT as irradiance_rows
+from .irradiance import irradiance_filter
 from .lobes import lobe_spectrum
 from .spherical_convolution import Filter, convolve
 
@@ -37,7 +39,7 @@ def _blend_variable(perceptual_roughness: np.ndarray) -> np.ndarray:
 
 
 def prefilter(radiance: np.ndarray, ndf: str = "ggx") -> tuple[list[np.ndarray], np.ndarray]:
-    """The levels, (512, 1024, 3) to (16, 32, 3) float32, and the map's harmonics of degree <= 4 (see `convolve`).
+    """The levels, (512, 1024, 3) to (16, 32, 3) float32, and irradiance / pi, (64, 128, 3), with the same margin.
 
     `radiance` is (H, W, 3), finite, not negative. Level 0 is the map itself. Every level holds the map's energy: the
     integral over the sphere of what a bilinear lookup sees is the map's, per channel.
@@ -47,9 +49,9 @@ def prefilter(radiance: np.ndarray, ndf: str = "ggx") -> tuple[list[np.ndarray],
     filters = [Filter(row_angles(HEIGHT >> k)[:HEIGHT >> (k + 1)],
                       lobe_spectrum(ndf, r * r, (WIDTH >> (k + 1)) - 1)[:256])
                for k, r in enumerate(LEVEL_ROUGHNESS) if k]
-    filtered, harmonics = convolve(source, filters)
+    *filtered, irradiance = convolve(source, [*filters, irradiance_filter(row_angles(irradiance_rows))])
     levels = [_with_margin(source)] + filtered
-    return [_with_energy(level, energy) for level in levels], harmonics
+    return [_with_energy(level, energy) for level in levels], _with_energy(irradiance, energy)
 
 
 def row_angles(height: int) -> np.ndarray:

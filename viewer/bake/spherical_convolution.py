@@ -39,8 +39,8 @@ class Filter:
         return 2 * len(self.theta)
 
 
-def convolve(radiance: np.ndarray, filters: Sequence[Filter]) -> tuple[list[np.ndarray], np.ndarray]:
-    """The maps (h, 2h, 3) float32, one per filter, and the harmonics a_lm of degree <= 4, (5, 5, 3) complex [l, m].
+def convolve(radiance: np.ndarray, filters: Sequence[Filter]) -> list[np.ndarray]:
+    """The maps, (h, 2h, 3) float32, one per filter.
 
     `radiance` (H, W, 3) has an even height above every filter's degree. Texels count as constant over their solid
     angle, and the mean is taken out before the transform, so a constant map comes back exactly and no kernel with
@@ -56,7 +56,6 @@ def convolve(radiance: np.ndarray, filters: Sequence[Filter]) -> tuple[list[np.n
     spans = [slice(end - len(theta), end) for end, theta in zip(ends, latitudes)]
     spectra = [np.asarray(f.spectrum[:min(f.height, degree + 1)], np.float32) for f in filters]
     rows = [np.zeros((f.height, 3, f.height + 1), np.complex64) for f in filters]
-    low = np.zeros((5, 5, 3), np.complex128)
 
     for first, table in legendre_tables(degree, np.concatenate(latitudes)):
         for m, values in enumerate(table, start=first):
@@ -64,8 +63,6 @@ def convolve(radiance: np.ndarray, filters: Sequence[Filter]) -> tuple[list[np.n
             a = np.empty((degree + 1 - m, 6), np.float32)
             a[0::2] = values[0::2, spans[0]] @ waves[0, m]
             a[1::2] = values[1::2, spans[0]] @ waves[1, m]
-            if m < 5:
-                low[m:, m] = a[:5 - m].view(np.complex64)
             for spectrum, span, out in zip(spectra, spans[1:], rows):
                 count = len(spectrum) - m
                 if count <= 0:
@@ -75,8 +72,7 @@ def convolve(radiance: np.ndarray, filters: Sequence[Filter]) -> tuple[list[np.n
                 odd = (values[1:count:2, span].T @ scaled[1::2]).view(np.complex64)
                 out[:len(even), :, m] = even + odd
                 out[len(even):, :, m] = (even - odd)[::-1]
-    low[0, 0] += mean * np.sqrt(4 * np.pi)
-    return [_from_waves(row, mean) for row in rows], low
+    return [_from_waves(row, mean) for row in rows]
 
 
 def legendre_tables(degree: int, theta: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:

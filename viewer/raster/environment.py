@@ -18,7 +18,7 @@ from .display import fullscreen
 from .frame import Frame, uniform
 from .programs import Programs, set_uniform
 from .floats import float_texture
-from .surfaces import UNIT_BACKGROUND, UNIT_PREFILTERED
+from .surfaces import UNIT_BACKGROUND, UNIT_IRRADIANCE, UNIT_PREFILTERED
 
 
 class EnvironmentLight:
@@ -32,6 +32,7 @@ class EnvironmentLight:
         self._ndf = settings.ndf
         self._baked = bake_environment(environment, ndf=settings.ndf, cache=use_cache)
         self._prefiltered: moderngl.Texture | None = None
+        self._irradiance: moderngl.Texture | None = None
         self._background: moderngl.Texture | None = None
 
     def holds(self, environment: Environment, settings: Settings) -> bool:
@@ -60,7 +61,11 @@ class EnvironmentLight:
             angle = self.environment.rotation
             values["u_environment_intensity"] = self.environment.intensity * self._baked.scale
             values["u_environment_rotation"] = (math.cos(angle), math.sin(angle))
-            values["u_irradiance_sh"] = np.ascontiguousarray(self._baked.irradiance, np.float32).tobytes()
+            if self._irradiance is None:
+                self._irradiance = float_texture(self._gl, self._baked.irradiance)
+                self._irradiance.repeat_x = True
+            self._irradiance.use(UNIT_IRRADIANCE)
+            values["u_irradiance"] = UNIT_IRRADIANCE
             if self._prefiltered is None:
                 self._prefiltered = _mip_texture(self._gl, self._baked.levels)
             self._prefiltered.use(UNIT_PREFILTERED)
@@ -83,7 +88,7 @@ class EnvironmentLight:
         self._gl.depth_func = "<"
 
     def release(self) -> None:
-        for texture in (self._prefiltered, self._background):
+        for texture in (self._prefiltered, self._irradiance, self._background):
             if texture is not None:
                 texture.release()
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import moderngl
 import numpy as np
 
 from ..plan import MAPS, Draw, Plan, material_map
-from ..scene.material import Material, UVTransform
+from ..scene.material import Material
 from ..scene.scene import Scene
 from .frame import Frame, handedness, normal_matrix, uniform
 from .geometry import MeshBuffers
@@ -16,7 +14,7 @@ from .programs import Programs, set_uniform
 from .textures import Textures
 
 # Texture units: the material's maps come first, in the order of MAPS.
-UNIT_DFG, UNIT_PREFILTERED, UNIT_SHADOW, UNIT_BACKGROUND, UNIT_RADIANCE = range(len(MAPS), len(MAPS) + 5)
+UNIT_DFG, UNIT_PREFILTERED, UNIT_IRRADIANCE, UNIT_SHADOW, UNIT_BACKGROUND, UNIT_RADIANCE = range(len(MAPS), len(MAPS) + 6)
 
 _SAMPLE_ALPHA_TO_COVERAGE, _SAMPLE_ALPHA_TO_ONE = 0x809E, 0x809F
 _VERTEX = "raster/surface.vert"
@@ -143,7 +141,7 @@ class Surfaces:
         self.textures.bind(texture, name, unit)
         set_uniform(program, f"u_{name}_map", unit)
         if texture.transform is not None:
-            set_uniform(program, f"u_{name}_transform", uv_matrix(texture.transform).T.astype(np.float32).tobytes())
+            set_uniform(program, f"u_{name}_transform", texture.transform.matrix().T.astype(np.float32).tobytes())
 
     def _program(self, fragment: str, switches: dict[str, int]) -> moderngl.Program:
         return self._programs.get(_VERTEX, fragment, switches)
@@ -157,13 +155,6 @@ class Surfaces:
         for mesh in self._meshes.values():
             mesh.release()
         self.textures.release()
-
-
-def uv_matrix(transform: UVTransform) -> np.ndarray:
-    """KHR_texture_transform as (2, 3): uv' = translation * rotation * scale * uv, v downwards."""
-    c, s = math.cos(transform.rotation), math.sin(transform.rotation)
-    (x, y), (sx, sy) = transform.offset, transform.scale
-    return np.array([[c * sx, s * sy, x], [-s * sx, c * sy, y]])
 
 
 def phong_specular(material: Material) -> tuple[float, float, float]:
