@@ -1,7 +1,7 @@
 """The environment as a Lambertian surface sees it: convolved with the clamped cosine.
 
-A small map holds it to 0.4 % of the mean (0.08 % RMS). Spherical harmonics of degree 4 in its place are up to 8 % of the mean off in a room lit
-by soft boxes, and the 18 coefficients cost a shader more than a lookup does.
+A small map holds it to 0.4 % of the mean (0.08 % RMS). Spherical harmonics of degree 4 in its place are up to 8 % of
+the mean off in a room lit by soft boxes, and their 18 coefficients cost a shader more than a lookup does.
 """
 
 from __future__ import annotations
