@@ -32,8 +32,8 @@ class Settings:
     phong: Literal["phong", "blinn-phong"] = "phong"
     shadows: Literal["on", "off"] = "on"
     specular_aa: Literal["on", "off"] = "on"
-    antialias: Literal["auto", "none", "fxaa", "msaa-2", "msaa-4", "msaa-8"] = "auto"
-    """auto: four samples a pixel, but FXAA for frames that a processor draws, where samples double a frame's time."""
+    antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8"] = "auto"
+    """auto: four samples a pixel; one for frames of a moving camera that a processor draws, where four double the time."""
 
     @classmethod
     def of(cls, **values: object) -> Settings:

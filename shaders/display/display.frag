@@ -1,5 +1,4 @@
-// Radiance to what a screen shows: exposure, tone curve, sRGB, dither. Alpha leaves straight, as PNG has it, or
-// associated where another pass will filter the picture (ASSOCIATED).
+// Radiance to what a screen shows: exposure, tone curve, sRGB, dither. Alpha leaves straight, as PNG has it.
 #include "display/tonemap.glsl"
 #include "display/srgb.glsl"
 
@@ -22,8 +21,5 @@ void main() {
     vec3 code = shown * 255.0;
     bvec3 exact = lessThan(abs(code - round(code)), vec3(1e-3));
     shown = floor(code + mix(vec3(dither(gl_FragCoord.xy)), vec3(0.5), exact)) / 255.0;
-#if ASSOCIATED
-    shown *= alpha;
-#endif
     o_color = vec4(shown, alpha);
 }

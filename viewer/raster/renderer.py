@@ -88,9 +88,8 @@ class Renderer:
 
     def present(self, settings: Settings, framebuffer: moderngl.Framebuffer) -> None:
         """Draw the frame drawn last into `framebuffer`, as displayed."""
-        fxaa = self._target.samples == 1 and settings.antialias in ("auto", "fxaa")
         with self._pass("display"):
-            self._display.draw(self._target.radiance, settings, framebuffer, UNIT_RADIANCE, fxaa)
+            self._display.draw(self._target.radiance, settings, framebuffer, UNIT_RADIANCE)
 
     def draw(
         self,
@@ -249,6 +248,7 @@ class Renderer:
 
     def release(self) -> None:
         """Free what the renderer holds; the context stays."""
+        self.context.make_current()
         self._release(self._display, self._target, self._surfaces, self._environment, *self._shadows, *self._blocks,
                       *self._dfg.values())
         self.programs.release()
