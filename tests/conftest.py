@@ -13,12 +13,12 @@ import pytest
 
 @pytest.fixture(scope="session")
 def display() -> Iterator[str]:
-    """A display to open windows on: the desktop's, or else a virtual one; skips where there is neither."""
-    if not sys.platform.startswith("linux") or os.environ.get("DISPLAY"):
+    """A display to open windows on: a virtual one, so that nobody's desktop is disturbed, or else the desktop's."""
+    if not sys.platform.startswith("linux") or not shutil.which("Xvfb"):
+        if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
+            pytest.skip("there is no display, nor Xvfb to make one")
         yield os.environ.get("DISPLAY", "")
         return
-    if not shutil.which("Xvfb"):
-        pytest.skip("there is no display, nor Xvfb to make one")
     reading, writing = os.pipe()
     server = subprocess.Popen(
         ["Xvfb", "-displayfd", str(writing), "-screen", "0", "1280x800x24", "-nolisten", "tcp", "-noreset"],
@@ -30,8 +30,10 @@ def display() -> Iterator[str]:
         number = pipe.readline().strip()  # the server writes it when it is ready, or ends
     if not number:
         pytest.skip("Xvfb does not start")
+    desktop = {name: os.environ.pop(name) for name in ("DISPLAY", "WAYLAND_DISPLAY") if name in os.environ}
     os.environ["DISPLAY"] = f":{number}"
     yield os.environ["DISPLAY"]
     del os.environ["DISPLAY"]
+    os.environ.update(desktop)
     server.terminate()
     server.wait()

@@ -23,10 +23,10 @@ class ShaderWatch:
 
     def poll(self) -> str | None:
         """Reload what has changed, at most every `INTERVAL`: None where nothing has, "" when it went well, or an error."""
+        self._note_files()
         if time.monotonic() < self._next:
             return None
         self._next = time.monotonic() + INTERVAL
-        self._note_files()
         stamps = {file: _stamp(file) for file in self._stamps}
         if stamps == self._stamps:
             return None

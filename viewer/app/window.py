@@ -80,7 +80,7 @@ class ViewerWindow:
         self._drawn: tuple[object, ...] | None = None
         self._drawn_at = 0.0
         self._samples = 0
-        self._good: tuple[Scene, Settings, float | None] | None = None
+        self._good: tuple[Scene, Settings, float | None, dict[str, object]] | None = None
         self._coasted_at = time.monotonic()
         glfw.swap_interval(1)
         self._show_notice(f"Preparing {scene.name} …")
@@ -106,6 +106,7 @@ class ViewerWindow:
         else:
             glfw.poll_events()
         if self._to_open:
+            self._draw()  # the message
             self._open_now()
         reloaded = self._watch.poll()
         if reloaded is not None:
@@ -144,16 +145,15 @@ class ViewerWindow:
         self._to_open = list(paths)
         self.state.say(f"Opening {Path(paths[0]).name} …")
         self._input.changed = True
-        self._show_notice(self.state.message)
 
     def save_screenshot(self) -> None:
         """The picture without what is drawn over it, in the current folder, under a name that is free."""
         state = self.state
-        path = free_path(Path.cwd(), Path(state.scene.name).stem)
         try:
+            path = free_path(Path.cwd(), Path(state.scene.name).stem)
             self._draw_picture(state.settings, still=True)
             Image.from_srgb(self.renderer.read_display(state.settings)).save(path)
-        except ViewerError as error:
+        except (ViewerError, OSError) as error:
             state.say(str(error), is_error=True)
         else:
             state.say(f"Saved {path.name}")
@@ -163,6 +163,7 @@ class ViewerWindow:
         if 0 in self._pixels:
             return
         start = time.perf_counter()
+        self.context.make_current()
         is_new = self._draw_scene()
         self._gui.begin()
         scale = self._gui.scale
@@ -195,16 +196,24 @@ class ViewerWindow:
         try:
             self._draw_picture(state.on_screen(), still)
         except (ViewerError, moderngl.Error, MemoryError) as error:
-            if self._good is None or self._good == (state.scene, state.settings, state.split):
-                raise
-            state.say(str(error) or "out of memory", is_error=True)
-            state.scene, state.settings, state.split = self._good
-            self._frame_for(state.scene)
+            self._drawn = None
+            self._go_back(error)
             return self._draw_scene()
-        self._drawn, self._good = wanted, (state.scene, state.settings, state.split)
+        self._drawn, self._good = wanted, (state.scene, state.settings, state.split, dict(vars(self.orbit)))
         self._drawn_at, self._samples = time.monotonic(), self._wanted_samples(still)
         self.readings.left_out = self.renderer.plan.left_out
         return True
+
+    def _go_back(self, error: Exception) -> None:
+        """To what could be drawn last, saying why; where that is what now fails, there is nothing left to show."""
+        good, state = self._good, self.state
+        if good is None:
+            raise error
+        state.say(str(error) or "out of memory", is_error=True)
+        state.scene, state.settings, state.split, orbit = good
+        vars(self.orbit).update(orbit)
+        glfw.set_window_title(self.window, _title(state.scene))
+        self._good = None  # until it is drawn again
 
     def _wanted_samples(self, still: bool) -> int:
         return self.state.settings.samples(self.context.is_software, still)
@@ -276,17 +285,11 @@ class ViewerWindow:
             glfw.set_window_should_close(self.window, True)
 
     def _show_notice(self, text: str) -> None:
-        """A message on screen at once, before something that takes its time."""
-        if 0 in self._pixels:
-            return
-        self.context.make_current()
+        """A message alone, before the first picture, which may take its time."""
         self._gui.begin()
-        draw_message(replace(self.state, message=text, is_error=False), self._gui.scale)
+        draw_message(replace(self.state, message=text), self._gui.scale)
         screen = self._screen()
-        if self._drawn is None:
-            screen.clear(*_CLEAR)
-        else:
-            self.renderer.present(self.state.on_screen(), screen)
+        screen.clear(*_CLEAR)
         self._gui.draw(screen)
         glfw.swap_buffers(self.window)
 

@@ -1,0 +1,347 @@
+"""The window, driven by real events; its pictures compared with those made without one."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import viewer
+from viewer.app.keys import KEYS
+from viewer.image import Image
+from viewer.measure.difference import compare
+from viewer.resources import resource_folder
+from viewer.scene.camera import Camera
+from viewer.settings import Settings
+
+from .conftest import PLAIN, SIZE
+
+SAME = 0.005
+"""Mean FLIP between two drivers' pictures of the same."""
+OTHER = 0.02
+"""Mean FLIP of pictures nobody would take for the same."""
+
+
+def headless(scene, settings: Settings = PLAIN, camera: Camera | None = None) -> np.ndarray:
+    camera = camera or Camera.framing(scene.center, scene.radius, SIZE[0] / SIZE[1])
+    return viewer.render(scene, SIZE, camera, **vars(settings)).srgb[..., :3]
+
+
+def flip(a: np.ndarray, b: np.ndarray) -> float:
+    return compare(Image.from_srgb(a), Image.from_srgb(b)).flip
+
+
+def test_shows_what_render_makes_in_both_modes(open_window, scene):
+    hands = open_window(scene)
+    pbr, phong = headless(scene), headless(scene, replace(PLAIN, mode="phong"))
+    assert flip(pbr, phong) > OTHER
+    assert flip(hands.screen(), pbr) < SAME
+    hands.key("2")
+    assert flip(hands.screen(), phong) < SAME
+    hands.key("1")
+    assert flip(hands.screen(), pbr) < SAME
+
+
+@pytest.mark.parametrize("key, lobes", [("4", "uniform-diffuse"), ("5", "specular"), ("6", "directional-diffuse")])
+def test_number_keys_show_single_contributions(open_window, scene, key, lobes):
+    hands = open_window(scene)
+    hands.key(key)
+    assert flip(hands.screen(), headless(scene, replace(PLAIN, lobes=lobes))) < SAME
+
+
+def test_split_shows_both_modes_and_its_line_is_dragged(open_window, scene):
+    hands = open_window(scene)
+    pbr, phong = headless(scene), headless(scene, replace(PLAIN, mode="phong"))
+    hands.key("3")
+    screen, margin = hands.screen(), 12
+    assert flip(screen[40:, :160 - margin], phong[40:, :160 - margin]) < SAME
+    assert flip(screen[40:, 160 + margin:], pbr[40:, 160 + margin:]) < SAME
+    azimuth = hands.window.orbit.azimuth
+    hands.drag((160, 200), (80, 180))
+    assert hands.window.state.split == pytest.approx(0.25, abs=1e-6)
+    assert hands.window.orbit.azimuth == azimuth
+    screen = hands.screen()
+    assert flip(screen[40:, :80 - margin], phong[40:, :80 - margin]) < SAME
+    assert flip(screen[40:, 80 + margin:], pbr[40:, 80 + margin:]) < SAME
+
+
+def test_drag_orbits_and_the_picture_is_that_of_the_new_camera(open_window, scene):
+    hands = open_window(scene)
+    orbit = hands.window.orbit
+    azimuth, elevation, before = orbit.azimuth, orbit.elevation, hands.screen()
+    hands.drag((160, 120), (184, 144))
+    assert orbit.azimuth == pytest.approx(azimuth - np.pi * 0.1, abs=1e-9)
+    assert orbit.elevation == pytest.approx(elevation + np.pi * 0.1, abs=1e-9)
+    after = hands.screen()
+    assert flip(after, before) > OTHER
+    assert flip(after, headless(scene, camera=orbit.camera)) < SAME
+    hands.window.step(0.05)
+    assert np.array_equal(hands.screen(), after)  # inertia is off
+
+
+@pytest.mark.parametrize("button", [2, 3])
+def test_other_buttons_pan_what_is_under_the_cursor(open_window, scene, button):
+    hands = open_window(scene)
+    before = hands.screen().astype(float)
+    hands.drag((160, 120), (184, 108), button=button)
+    after = hands.screen().astype(float)
+    # The content moved by (24, -12): best of all shifts tried.
+    window = (slice(60, 180), slice(80, 240))
+
+    def error(dx, dy):
+        return np.abs(after[window] - np.roll(before, (dy, dx), (0, 1))[window]).mean()
+
+    shifts = [(dx, dy) for dx in range(-36, 37, 4) for dy in range(-24, 25, 4)]
+    assert min(shifts, key=lambda shift: error(*shift)) == (24, -12)
+
+
+def test_wheel_comes_closer_to_what_is_under_the_cursor(open_window, scene):
+    from viewer.app.pick import pick
+
+    hands = open_window(scene)
+    orbit = hands.window.orbit
+    point = pick(scene, orbit.camera, SIZE, (110, 100))
+    assert point is not None
+    distance = np.linalg.norm(orbit.camera.eye - point)
+    hands.click(110, 100, "--repeat", 3, button=4)
+    assert np.linalg.norm(orbit.camera.eye - point) == pytest.approx(distance * 0.88**3, rel=1e-9)
+    assert np.allclose(pick(scene, orbit.camera, SIZE, (110, 100)), point, atol=1e-6 * scene.radius)
+    hands.click(110, 100, "--repeat", 3, button=5)
+    assert np.linalg.norm(orbit.camera.eye - point) == pytest.approx(distance, rel=1e-9)
+
+
+@pytest.mark.parametrize("how", ["double click", "shift click"])
+def test_a_click_centres_on_what_is_under_the_cursor(open_window, scene, how):
+    from viewer.app.pick import pick
+
+    hands = open_window(scene)
+    orbit = hands.window.orbit
+    point = pick(scene, orbit.camera, SIZE, (110, 100))
+    if how == "double click":
+        hands.click(110, 100, "--repeat", 2, "--delay", 20)
+    else:
+        hands.move(110, 100)
+        hands.xdotool("keydown", "shift", "click", 1, "keyup", "shift")
+    assert np.allclose(orbit.target, point, atol=1e-9 * scene.radius)
+    hands.key("f")
+    assert np.allclose(orbit.target, scene.center)
+
+
+def test_standard_views(open_window, scene):
+    hands = open_window(scene)
+    orbit = hands.window.orbit
+    looks = {"z": (0, 0, -1), "shift+z": (0, 0, 1), "x": (-1, 0, 0), "shift+x": (1, 0, 0), "y": (0, -1, 0),
+             "shift+y": (0, 1, 0)}
+    for key, forward in looks.items():
+        hands.key(key)
+        assert np.allclose(orbit.camera.forward, forward, atol=1e-12), key
+    assert flip(hands.screen(), headless(scene, camera=orbit.camera)) < SAME
+    hands.key("o")
+    assert orbit.camera.height is not None
+    assert flip(hands.screen(), headless(scene, camera=orbit.camera)) < SAME
+
+
+def test_the_files_own_cameras(open_window, scene):
+    own = (Camera.orbit(scene.center, 2 * scene.radius, 1.0, 0.5), Camera(np.eye(4), height=2 * scene.radius, name="flat"))
+    hands = open_window(replace(scene, cameras=own))
+    for camera in (*own, own[0]):
+        hands.key("c")
+        shown = hands.window.orbit.camera
+        assert np.allclose(shown.pose[:3, :3], camera.pose[:3, :3], atol=1e-9)
+        assert flip(hands.screen()[:180], headless(scene, camera=camera)[:180]) < SAME  # above the message
+    assert "Camera 1 of 2" in hands.window.state.message
+
+
+def test_screenshot_is_the_picture_under_a_free_name(open_window, scene, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    hands = open_window(scene, Settings())
+    hands.key("Tab")
+    hands.key("s", "F12", "ctrl+s")
+    names = [f"{Path(scene.name).stem}-{k}.png" for k in (1, 2, 3)]
+    assert sorted(path.name for path in tmp_path.iterdir()) == names
+    assert f"Saved {names[2]}" == hands.window.state.message
+    assert flip(Image.open(names[0]).srgb[..., :3], headless(scene, Settings())) < SAME
+
+
+def test_screenshot_where_nothing_can_be_written(open_window, scene, tmp_path, monkeypatch):
+    hands = open_window(scene)
+    missing = tmp_path / "gone"
+    missing.mkdir()
+    monkeypatch.chdir(missing)
+    missing.rmdir()
+    hands.key("s")
+    assert hands.window.state.is_error and hands.window.state.message
+
+
+def test_dropped_files_are_opened_and_bad_ones_told(open_window, scene, tmp_path):
+    hands = open_window(scene)
+    window = hands.window
+    before = hands.screen()
+    for bad in ("broken.glb", "broken.hdr"):
+        (tmp_path / bad).write_bytes(b"glTF nothing")
+        window.open([str(tmp_path / bad)])
+        hands.settle()
+        assert window.state.is_error and bad in window.state.message and "\n" not in window.state.message
+        assert window.state.scene is scene
+    window.state.message = ""
+    assert np.array_equal(hands.screen(), before)
+    model = resource_folder("assets") / "scenes" / "textures.glb"
+    window.open([str(model)])
+    hands.settle()
+    opened = viewer.load(model)
+    assert window.state.scene.environment is scene.environment
+    assert flip(hands.screen(), headless(opened)) < SAME
+
+
+def test_a_model_that_cannot_be_drawn_gives_way_to_the_one_before(open_window, scene, monkeypatch):
+    hands = open_window(scene)
+    before = hands.screen()
+    broken = viewer.load(resource_folder("assets") / "scenes" / "textures.glb")
+    image = next(m.base_color_texture.image for m in broken.materials if m.base_color_texture)
+
+    def fail(*_):
+        raise viewer.InputError("textures.glb", "images[0]", "is broken")
+
+    monkeypatch.setattr(type(image), "decode", fail)
+    monkeypatch.setattr("viewer.app.window.load_scene", lambda _: broken)
+    hands.window.open(["textures.glb"])
+    hands.settle()
+    state = hands.window.state
+    assert state.scene is scene and state.is_error and state.message == "textures.glb: images[0]: is broken"
+    state.message = ""
+    assert np.array_equal(hands.screen(), before)
+
+
+def test_shaders_are_reloaded_and_broken_ones_leave_the_old(open_window, scene, tmp_path, monkeypatch):
+    shaders = tmp_path / "shaders"
+    shutil.copytree(resource_folder("shaders"), shaders)
+    folder = {"shaders": shaders}
+    original = viewer.resources.resource_folder
+    for module in ("viewer.gpu.source",):
+        monkeypatch.setattr(f"{module}.resource_folder", lambda name: folder.get(name) or original(name))
+    hands = open_window(scene)
+    state, before = hands.window.state, hands.screen()
+    display = shaders / "display" / "display.frag"
+    text = display.read_text()
+
+    def clean() -> np.ndarray:
+        state.message = ""
+        return hands.screen()
+
+    display.write_text(text.replace("void main() {", "void main() {\n    nonsense;"))
+    hands.until(lambda: state.message)
+    line = text[:text.index("void main() {")].count("\n") + 2
+    assert state.is_error and f"display.frag:{line}: " in state.message and "nonsense" in state.message
+    assert np.array_equal(clean(), before)
+    display.write_text(text.replace("u_exposure)", "u_exposure * 0.25)"))
+    hands.until(lambda: state.message)
+    assert state.message == "Shaders reloaded" and not state.is_error
+    assert clean().mean() < 0.8 * before.mean()
+    display.write_text(text)
+    hands.until(lambda: state.message)
+    assert np.array_equal(clean(), before)
+
+
+def test_panel_takes_the_mouse_and_changes_the_picture(open_window, scene):
+    hands = open_window(scene, size=(640, 480))
+    azimuth = hands.window.orbit.azimuth
+    hands.key("Tab")
+    before = hands.screen()
+    assert before[:, 400:].mean() < 90 and hands.window.state.panel
+    hands.drag((350, 420), (430, 420))
+    hands.click(418, 47)  # the second button: Phong
+    state = hands.window.state
+    assert hands.window.orbit.azimuth == azimuth
+    assert state.settings.mode == "phong"
+    hands.key("Tab")
+    assert not state.panel
+
+
+def test_keys_typed_into_a_field_do_nothing_else(open_window, scene):
+    hands = open_window(scene, size=(640, 560))
+    hands.key("Tab")
+    hands.click(540, 300)
+    for y in range(270, 330, 6):
+        hands.click(540, y)
+        if hands.window._gui.wants_keyboard:
+            break
+    hands.key("2", "q", "3")
+    assert hands.window.state.settings.mode == "pbr" and not hands.window.is_closed
+    assert hands.window._panel._path == "2q3"
+    hands.key("Return")
+    assert hands.window.state.is_error and "2q3" in hands.window.state.message
+
+
+def test_help_overlay_and_closing(open_window, scene):
+    hands = open_window(scene)
+    before = hands.screen()
+    hands.key("h")
+    assert flip(hands.screen(), before) > OTHER
+    hands.key("Escape")
+    assert not hands.window.state.help and not hands.window.is_closed
+    hands.key("Escape")
+    assert hands.window.is_closed
+
+
+def test_every_key_of_the_table_does_something(open_window, scene, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    hands = open_window(scene)
+    for binding in KEYS:
+        hands.window.do(binding.action)
+        hands.settle()
+
+
+def test_inertia_carries_on_and_ends(open_window, scene):
+    hands = open_window(scene)
+    hands.key("i")
+    orbit = hands.window.orbit
+    orbit.velocity = np.array([1.0, 0.0])
+    azimuth = orbit.azimuth
+    hands.settle()
+    assert not orbit.velocity.any() and abs(orbit.azimuth - azimuth) > 0.5
+
+
+def test_resizing_and_sizes_of_nothing(open_window, scene, monkeypatch):
+    import glfw
+
+    hands = open_window(scene)
+    glfw.set_window_size(hands.window.window, 200, 260)
+    hands.until(lambda: hands.window._pixels == (200, 260))
+    screen = hands.screen()
+    assert screen.shape == (260, 200, 3)
+    camera = hands.window.orbit.camera
+    expected = viewer.render(scene, (200, 260), camera, **vars(PLAIN)).srgb[..., :3]
+    assert flip(screen, expected) < SAME
+    monkeypatch.setattr(glfw, "get_framebuffer_size", lambda _: (0, 0))  # minimised, on some desktops
+    hands.window._input.changed = True
+    hands.settle()
+
+
+def test_an_idle_window_draws_nothing(open_window, scene, monkeypatch):
+    hands = open_window(scene)
+    drawn = []
+    monkeypatch.setattr(hands.window, "_draw", lambda: drawn.append(1))
+    for _ in range(3):
+        hands.window.step(timeout=0.05)
+    assert not drawn
+
+
+def test_software_refines_a_picture_at_rest(open_window, scene):
+    hands = open_window(scene, Settings())
+    still = hands.screen()
+    assert flip(still, headless(scene, Settings())) < SAME
+    assert hands.window.is_refined
+
+
+def test_no_display_is_one_clear_error(scene, monkeypatch):
+    from viewer.app.window import run
+    from viewer.errors import ContextError
+
+    monkeypatch.setattr("glfw.create_window", lambda *_: None)
+    monkeypatch.setattr("glfw.get_error", lambda: (0, b"X11: Failed to open display"))
+    with pytest.raises(ContextError, match="window: X11: Failed to open display") as caught:
+        run(scene, PLAIN)
+    assert "\n" not in str(caught.value)
