@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import math
+import re
 from dataclasses import dataclass, fields, replace
-from typing import Literal, get_args, get_type_hints
+from typing import Any, Literal, get_args, get_type_hints
 
 from .errors import UsageError
 
 Mode = Literal["pbr", "phong"]
 Tonemap = Literal["neutral", "agx", "aces", "none"]
 Background = Literal["env", "none"] | tuple[float, float, float]
+
+MAX_EXPOSURE = 64.0
+"""In stops; 2**64 times any radiance a half float holds is still a float32."""
 
 
 @dataclass(frozen=True)
@@ -18,7 +23,9 @@ class Settings:
 
     mode: Mode = "pbr"
     background: Background = "env"
-    """The environment itself, nothing (alpha 0), or a colour in linear Rec. 709."""
+    """The environment itself, nothing (alpha 0), or a colour in linear Rec. 709.
+
+    A colour is shown as it is, whatever the exposure and the tone map."""
     exposure: float = 0.0
     """In EV: radiance is multiplied by 2**exposure before the tone map."""
     tonemap: Tonemap = "neutral"
@@ -36,14 +43,22 @@ class Settings:
     """auto: four samples a pixel; one for frames of a moving camera that a processor draws, where four double the time."""
 
     @classmethod
-    def of(cls, **values: object) -> Settings:
-        """Settings with some fields given; UsageError for one that does not exist or a value it cannot have."""
+    def of(cls, **values: Any) -> Settings:
+        """Settings with some fields given; a colour may be written "#rrggbb", as sRGB.
+
+        Raises UsageError for a field that does not exist or a value it cannot have.
+        """
+        names = [f.name for f in fields(cls)]
         choices = setting_choices() | {"mode": get_args(Mode), "tonemap": get_args(Tonemap)}
         for name, value in values.items():
-            if name not in {f.name for f in fields(cls)}:
-                raise UsageError(f"no setting {name!r}; there are {', '.join(f.name for f in fields(cls))}")
+            if name not in names:
+                raise UsageError(f"no setting {name!r}; there are {', '.join(names)}")
             if name in choices and value not in choices[name]:
                 raise UsageError(f"{name}={value!r}: {name} is one of {', '.join(choices[name])}")
+        if "background" in values:
+            values["background"] = parse_background(values["background"])
+        if "exposure" in values:
+            values["exposure"] = _number(values["exposure"], "exposure", -MAX_EXPOSURE, MAX_EXPOSURE)
         return cls(**values)
 
     def samples(self, is_software: bool, is_still: bool) -> int:
@@ -62,6 +77,29 @@ class Settings:
         if value not in choices[name]:
             raise UsageError(f"--set {assignment}: {name} is one of {', '.join(choices[name])}")
         return replace(self, **{name: value})
+
+
+def parse_background(value: object) -> Background:
+    """What `Settings.background` holds, from "env", "none", "#rrggbb" (sRGB) or linear (r, g, b); else UsageError."""
+    if value == "env" or value == "none":
+        return value  # type: ignore[return-value]
+    if isinstance(value, str) and re.fullmatch("#?[0-9a-fA-F]{6}", value):
+        from .scene.color import srgb_to_linear
+
+        return tuple(float(srgb_to_linear(code / 255)) for code in bytes.fromhex(value.removeprefix("#")))
+    if isinstance(value, (tuple, list)) and len(value) == 3:
+        return tuple(_number(part, "background", 0.0, 1.0) for part in value)
+    raise UsageError(f"background={value!r}: it is env, none, #rrggbb or three linear numbers from 0 to 1")
+
+
+def _number(value: object, name: str, low: float, high: float) -> float:
+    try:
+        number = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        number = math.nan
+    if not low <= number <= high:
+        raise UsageError(f"{name}={value!r}: it is a number from {low:g} to {high:g}")
+    return number
 
 
 def setting_choices() -> dict[str, tuple[str, ...]]:

@@ -4,6 +4,7 @@
 
 uniform sampler2D u_radiance; // associated alpha
 uniform float u_exposure;     // factor, 2^EV
+uniform vec4 u_backdrop;      // linear display light behind the picture, and 1; or alpha 0
 
 out vec4 o_color;
 
@@ -16,7 +17,12 @@ void main() {
     vec4 c = texelFetch(u_radiance, ivec2(gl_FragCoord.xy), 0);
     float alpha = clamp(c.a, 0.0, 1.0);
     vec3 straight = alpha > 0.0 ? c.rgb / alpha : vec3(0.0);
-    vec3 shown = srgb_from_linear(tonemap(straight * u_exposure));
+    vec3 light = clamp(tonemap(straight * u_exposure), 0.0, 1.0);
+    if (u_backdrop.a > 0.0) { // coverage mixes light, not code values
+        light = mix(u_backdrop.rgb, light, alpha);
+        alpha = 1.0;
+    }
+    vec3 shown = srgb_from_linear(light);
     // Round up or down as often as the fraction says; a code value that is exact stays what it is.
     vec3 code = shown * 255.0;
     bvec3 exact = lessThan(abs(code - round(code)), vec3(1e-3));

@@ -32,7 +32,7 @@ def renderer():
 
 def test_two_parts_are_the_halves_of_two_whole_pictures(scene, renderer):
     camera = Camera.framing(scene.center, scene.radius, SIZE[0] / SIZE[1])
-    phong, pbr = Settings(mode="phong", background=(0.2, 0.3, 0.4)), Settings()
+    phong, pbr = Settings(mode="phong", background="none"), Settings()
     whole = {}
     for settings in (phong, pbr):
         renderer.draw(scene, camera, settings, SIZE)

@@ -16,7 +16,10 @@ class DisplayPass:
         self._target: moderngl.Framebuffer | None = None
 
     def draw(self, radiance: moderngl.Texture, settings: Settings, target: moderngl.Framebuffer, unit: int) -> None:
-        """Draw `radiance` (associated alpha) into `target` as sRGB with straight alpha, through texture `unit`."""
+        """Draw `radiance` (associated alpha) into `target` as sRGB with straight alpha, through texture `unit`.
+
+        A background colour is what the user wants to see, so it is laid behind after exposure and tone map.
+        """
         program = self._programs.get(
             "display/fullscreen.vert", "display/display.frag", {"TONEMAP": _TONEMAPS.index(settings.tonemap)}
         )
@@ -25,6 +28,8 @@ class DisplayPass:
         radiance.use(unit)
         set_uniform(program, "u_radiance", unit)
         set_uniform(program, "u_exposure", 2.0**settings.exposure)
+        is_color = isinstance(settings.background, tuple)
+        set_uniform(program, "u_backdrop", (*settings.background, 1.0) if is_color else (0.0, 0.0, 0.0, 0.0))
         fullscreen(self._gl, program).render(vertices=3)
 
     def target(self, size: tuple[int, int]) -> moderngl.Framebuffer:

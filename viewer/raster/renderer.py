@@ -65,8 +65,10 @@ class Renderer:
     def render(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> Image:
         """The picture in full precision: linear radiance in single floats, and as displayed."""
         self.draw(scene, camera, settings, size, half=False, still=True)
-        linear = np.frombuffer(self._target.read(), np.float32).reshape(size[1], size[0], 4)[::-1]
-        return Image(np.ascontiguousarray(linear), self.read_display(settings), {"plan": self.plan.to_json()})
+        linear = np.frombuffer(self._target.read(), np.float32).reshape(size[1], size[0], 4)[::-1].copy()
+        if isinstance(settings.background, tuple):
+            linear += (1 - linear[..., 3:]) * np.float32([*settings.background, 1])
+        return Image(linear, self.read_display(settings), {"plan": self.plan.to_json()})
 
     def display(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> Image:
         """The picture as displayed: what a PNG needs, and no more. `linear` is then its sRGB decoding."""
@@ -115,8 +117,7 @@ class Renderer:
 
         target.scissor = part
         target.framebuffer.use()
-        is_color = isinstance(settings.background, tuple)
-        target.framebuffer.clear(*((*settings.background, 1.0) if is_color else (0.0, 0.0, 0.0, 0.0)), depth=1.0)
+        target.framebuffer.clear(depth=1.0)  # alpha 0: a colour is laid behind when the picture is displayed
         with self._pass("surfaces"):
             self._surfaces.draw_opaque(frame, plan, uniforms)
         if plan.background:
@@ -142,7 +143,8 @@ class Renderer:
         with self._timed("environment"):
             self._prepare_environment(scene, settings)
         self._prepare_surfaces(scene)
-        shading = replace(settings, exposure=0.0, tonemap="none")
+        background = settings.background if settings.background == "env" else "none"
+        shading = replace(settings, exposure=0.0, tonemap="none", background=background)
         key = (scene, shading, target.samples, target.half, orthographic)
         self.plan = next((plan for k, plan in self._plans if k == key), None) or self._make_plan(key)
         return self.plan

@@ -17,7 +17,16 @@ class Target:
         if max(size) > limit or min(size) < 1:
             raise UsageError(f"a picture of {size[0]}x{size[1]}: this OpenGL draws from 1x1 to {limit}x{limit}")
         self.size, self.samples, self.half = size, samples, half
-        dtype = "f2" if half else "f4"
+        self._gl = gl
+        try:
+            self._make()
+        except moderngl.Error as error:
+            raise UsageError(f"a picture of {size[0]}x{size[1]} with {samples} samples a pixel is more than this OpenGL "
+                             f"can hold ({error})") from error
+
+    def _make(self) -> None:
+        gl, size, samples = self._gl, self.size, self.samples
+        dtype = "f2" if self.half else "f4"
         self.radiance = gl.texture(size, 4, dtype=dtype)
         self.radiance.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._resolved = gl.framebuffer([self.radiance])
@@ -29,7 +38,6 @@ class Target:
             self._color = None
             self._depth = gl.depth_renderbuffer(size)
             self.framebuffer = gl.framebuffer([self.radiance], self._depth)
-        self._gl = gl
 
     def fits(self, size: tuple[int, int], samples: int, half: bool) -> bool:
         return (self.size, self.samples, self.half) == (size, samples, half)
