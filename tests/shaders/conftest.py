@@ -1,0 +1,60 @@
+"""GLSL functions called on arrays: one pixel an input."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import moderngl
+import numpy as np
+import pytest
+
+from viewer.errors import ContextError
+from viewer.gpu.context import create_context
+from viewer.gpu.source import assemble
+
+VERTEX = """#version 330 core
+void main() { gl_Position = vec4(vec2(gl_VertexID == 1, gl_VertexID == 2) * 4.0 - 1.0, 0.0, 1.0); }
+"""
+
+
+@pytest.fixture(scope="module")
+def gl() -> Iterator[moderngl.Context]:
+    try:
+        context = create_context("egl")
+    except ContextError as error:
+        pytest.skip(str(error))
+    with context:
+        yield context.gl
+
+
+@pytest.fixture
+def evaluate(gl, tmp_path: Path):
+    """Runs GLSL on each row of `inputs`, (N, 4), as the vec4 `i`: what `expression`, a vec4, gives, (N, 4) float64.
+
+    `include` is a file of the shaders folder, without its ending. `uniforms` are arrays or a texture, declared in
+    `declarations`.
+    """
+
+    def run(include: str, expression: str, inputs: np.ndarray, declarations: str = "",
+            defines: Mapping[str, float] | None = None, **uniforms: np.ndarray | moderngl.Texture) -> np.ndarray:
+        file = tmp_path / "evaluate.frag"
+        file.write_text(f'#include "{include}.glsl"\n{declarations}\nuniform sampler2D inputs;\nout vec4 o;\n'
+                        f"void main() {{ vec4 i = texelFetch(inputs, ivec2(gl_FragCoord.xy), 0); o = {expression}; }}\n")
+        program = gl.program(vertex_shader=VERTEX, fragment_shader=assemble(file, defines).text)
+        count = len(inputs)
+        texture = gl.texture((count, 1), 4, np.ascontiguousarray(inputs, "f4"), dtype="f4")
+        texture.use(0)
+        program["inputs"] = 0
+        for name, value in uniforms.items():
+            if isinstance(value, moderngl.Texture):
+                value.use(1)
+                program[name] = 1
+            else:
+                program[name].write(value.astype("f4").tobytes())
+        target = gl.framebuffer([gl.texture((count, 1), 4, dtype="f4")])
+        target.use()
+        gl.vertex_array(program, []).render(moderngl.TRIANGLES, 3)
+        return np.frombuffer(target.read(components=4, dtype="f4"), "f4").reshape(count, 4).astype(np.float64)
+
+    return run
