@@ -109,7 +109,8 @@ class Input:
             earlier = [cursor for moment, cursor in self._trail if now - moment < THROW_SECONDS]
             if earlier:
                 self._orbit.velocity = (self._cursor - earlier[0]) / self._size()[1] / THROW_SECONDS
-        if drag == "split" or button != glfw.MOUSE_BUTTON_LEFT or _length(self._cursor - self._pressed_at) > CLICK_DISTANCE:
+        is_click = _length(self._cursor - self._pressed_at) <= CLICK_DISTANCE
+        if drag == "split" or button != glfw.MOUSE_BUTTON_LEFT or not is_click:
             return
         is_double = now - self._clicked_at < DOUBLE_CLICK_SECONDS
         self._clicked_at = -math.inf if is_double else now
@@ -131,7 +132,8 @@ class Input:
         elif self._drag == "pan":
             depth = (self._grabbed[1] - self._orbit.camera.eye) @ self._orbit.camera.forward
             self._orbit.pan(*delta, depth)
-        over_split = self._drag == "split" or (self._drag is None and self._on_split(cursor) and not self._gui.wants_mouse)
+        is_free = self._drag is None and not self._gui.wants_mouse
+        over_split = self._drag == "split" or (is_free and self._on_split(cursor))
         glfw.set_cursor(self._window, self._split_cursor if over_split else None)
 
     def _on_scroll(self, _window, dx: float, dy: float) -> None:

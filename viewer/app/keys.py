@@ -37,7 +37,7 @@ KEYS = (
     Binding("Window", ("H", "F1"), "help", "This help"),
     Binding("Window", ("S", "Ctrl+S", "F12"), "screenshot", "Save the picture as PNG in the current folder"),
     Binding("Window", ("R",), "reload", "Reload the shaders now"),
-    Binding("Window", ("Q", "ESCAPE"), "close", "Close"),
+    Binding("Window", ("Q", "ESCAPE"), "close", "Close: the help, an error, the window"),
 )
 
 MOUSE = (

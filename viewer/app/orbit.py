@@ -85,7 +85,7 @@ class OrbitController:
         self.elevation = min(max(self.elevation + math.pi * dy, -QUARTER), QUARTER)
 
     def pan(self, dx: float, dy: float, depth: float | None = None) -> None:
-        """Shift in the plane of the screen so that what is `depth` away (the target by default) stays under the hand."""
+        """Shift in the plane of the screen: what is `depth` away (the target by default) stays under the hand."""
         if depth is None or self.is_orthographic:
             depth = self.distance
         rotation = self._rotation(self.roll)
@@ -132,7 +132,8 @@ class OrbitController:
 
     def _rotation(self, roll: float) -> np.ndarray:
         """Right, up and back as columns, (3, 3). Written out in angles it needs no "up" and holds at the poles."""
-        sa, ca, se, ce = math.sin(self.azimuth), math.cos(self.azimuth), math.sin(self.elevation), math.cos(self.elevation)
+        sa, ca = math.sin(self.azimuth), math.cos(self.azimuth)
+        se, ce = math.sin(self.elevation), math.cos(self.elevation)
         right, up = np.array([ca, 0.0, -sa]), np.array([-se * sa, ce, -se * ca])
         c, s = math.cos(roll), math.sin(roll)
         return np.stack([c * right + s * up, c * up - s * right, [ce * sa, se, ce * ca]], axis=1)

@@ -25,16 +25,18 @@ def draw_split(position: float, scale: float) -> None:
     _label(draw, x + gap, y, "PBR", _SHADOW, scale)
 
 
-def draw_message(state: ViewState, scale: float) -> None:
-    """One line at the bottom left, broken where it does not fit."""
-    height = imgui.get_io().display_size.y
-    margin = 14 * scale
-    imgui.set_next_window_pos((margin, height - margin), 0, (0.0, 1.0))
-    limit = max(imgui.get_io().display_size.x - 2 * margin, 80.0)
+def draw_message(state: ViewState, scale: float, width: float) -> None:
+    """One line at the bottom left, broken where it is wider than `width`."""
+    margin, padding = 14 * scale, imgui.get_style().window_padding
+    wrap = max(width - 2 * (margin + padding.x), 60.0)
+    size = imgui.calc_text_size(state.message, wrap_width=wrap)
+    size = (size.x + 2 * padding.x + 1, size.y + 2 * padding.y)
+    imgui.set_next_window_pos((margin, imgui.get_io().display_size.y - margin - size[1]))
+    imgui.set_next_window_size(size)
     imgui.push_style_color(imgui.Col_.window_bg, _ERROR if state.is_error else _INFO)
     imgui.push_style_var(imgui.StyleVar_.window_rounding, 4 * scale)
     imgui.begin("##message", None, _STILL | imgui.WindowFlags_.no_inputs)
-    imgui.push_text_wrap_pos(limit)
+    imgui.push_text_wrap_pos(padding.x + wrap)
     imgui.text_unformatted(state.message)
     imgui.pop_text_wrap_pos()
     imgui.end()
@@ -50,7 +52,7 @@ def draw_help(state: ViewState, scale: float) -> None:
     imgui.push_style_var(imgui.StyleVar_.window_rounding, 6 * scale)
     imgui.set_next_window_bg_alpha(0.97)
     imgui.push_style_var(imgui.StyleVar_.window_padding, (22 * scale, 18 * scale))
-    imgui.begin("##help", None, _STILL & ~imgui.WindowFlags_.no_scrollbar)
+    imgui.begin("##help", None, _STILL & ~imgui.WindowFlags_.no_scrollbar | imgui.WindowFlags_.always_auto_resize)
     groups = help_groups()
     for column in (groups[:2], groups[2:]) if width > 940 * scale else (groups,):
         if column is not groups and column[0] is not groups[0]:
@@ -67,8 +69,8 @@ def draw_help(state: ViewState, scale: float) -> None:
         state.help = False
 
 
-_STILL = (imgui.WindowFlags_.no_decoration | imgui.WindowFlags_.always_auto_resize | imgui.WindowFlags_.no_move
-          | imgui.WindowFlags_.no_nav | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_focus_on_appearing)
+_STILL = (imgui.WindowFlags_.no_decoration | imgui.WindowFlags_.no_move | imgui.WindowFlags_.no_nav
+          | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_focus_on_appearing)
 
 
 def _table(title: str, lines: list[tuple[str, str]]) -> None:

@@ -23,12 +23,13 @@ WIDTH = 310.0
 _LABEL_WIDTH = 104.0
 _LABELS = {
     "ggx": "GGX", "beckmann": "Beckmann", "blinn-phong": "Blinn–Phong", "smith": "Smith, height-correlated",
-    "smith-separable": "Smith, separable", "v-cavity": "V-cavity", "none": "None", "schlick": "Schlick", "exact": "Exact",
-    "phong": "Phong", "all": "All", "uniform-diffuse": "Uniform diffuse", "specular": "Specular",
+    "smith-separable": "Smith, separable", "v-cavity": "V-cavity", "none": "None", "schlick": "Schlick",
+    "exact": "Exact", "phong": "Phong", "all": "All", "uniform-diffuse": "Uniform diffuse", "specular": "Specular",
     "directional-diffuse": "Directional diffuse", "neutral": "Khronos PBR Neutral", "agx": "AgX", "aces": "ACES (Hill)",
-    "auto": "Automatic", "fxaa": "FXAA", "msaa-2": "2 samples", "msaa-4": "4 samples", "msaa-8": "8 samples",
+    "auto": "Automatic", "msaa-2": "2 samples", "msaa-4": "4 samples", "msaa-8": "8 samples",
 }
 _TONEMAPS = ("neutral", "agx", "aces", "none")
+_FIRST_COLOR = (0.18, 0.18, 0.18)
 _WARNING = imgui.ImVec4(0.95, 0.75, 0.35, 1.0)
 
 
@@ -49,7 +50,8 @@ class Panel:
         self._path = ""
         self._scale = 1.0
 
-    def draw(self, scale: float) -> None:
+    def draw(self, scale: float) -> float:
+        """Draw it; its width in window coordinates."""
         self._scale = scale
         width, height = imgui.get_io().display_size
         panel_width = min(WIDTH * scale, width)
@@ -59,8 +61,9 @@ class Panel:
         imgui.begin("##panel", None, flags.no_decoration & ~flags.no_scrollbar | flags.no_move | flags.no_nav
                     | flags.no_saved_settings)
         for name, is_open, section in (
-            ("Warnings", True, self._warnings), ("Shading", True, self._shading), ("Environment", True, self._environment),
-            ("Lights", False, self._lights), ("Picture", True, self._picture), ("Model", False, self._model),
+            ("Warnings", True, self._warnings), ("Shading", True, self._shading),
+            ("Environment", True, self._environment), ("Lights", False, self._lights),
+            ("Picture", True, self._picture), ("Model", False, self._model),
             ("Left out", False, self._left_out), ("Frame time", True, self._frame_time),
         ):
             if name == "Warnings" and not self._state.scene.warnings:
@@ -71,6 +74,7 @@ class Panel:
                 imgui.spacing()
             imgui.pop_id()
         imgui.end()
+        return panel_width
 
     def _warnings(self) -> None:
         for line in self._state.scene.warnings:
@@ -173,7 +177,7 @@ class Panel:
         kind = settings.background if isinstance(settings.background, str) else "color"
         chosen, index = imgui.combo("##background", kinds.index(kind), ["Environment", "None", "Colour"])
         if chosen:
-            background = ((0.18, 0.18, 0.18) if kind != "color" else settings.background) if index == 2 else kinds[index]
+            background = _FIRST_COLOR if kinds[index] == "color" else kinds[index]
             state.settings = replace(state.settings, background=background)
         if kind == "color":
             self._row("")
@@ -214,7 +218,7 @@ class Panel:
     def _combo(self, label: str, name: str, values: Sequence[str]) -> None:
         self._row(label)
         current = values.index(getattr(self._state.settings, name))
-        changed, index = imgui.combo(f"##{name}", current, [_LABELS[value] for value in values])
+        changed, index = imgui.combo(f"##{name}", current, [_LABELS.get(value, value) for value in values])
         if changed:
             self._state.settings = replace(self._state.settings, **{name: values[index]})
 

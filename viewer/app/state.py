@@ -42,8 +42,12 @@ class ViewState:
         self.split = 0.5 if self.split is None else self.split
         self.settings = replace(self.settings, lobes="all")
 
+    def shown(self) -> dict[str, object]:
+        """The fields that decide what the picture shows, as they are now."""
+        return {"scene": self.scene, "settings": self.settings, "split": self.split}
+
     def say(self, text: str, is_error: bool = False) -> None:
-        """One line over the picture: for some seconds, or until the next one where it is an error."""
+        """One line over the picture: for some seconds, or until the next one or Esc where it is an error."""
         self.message, self.is_error = " ".join(text.split()), is_error
         self.expires = float("inf") if is_error else time.monotonic() + MESSAGE_SECONDS
 

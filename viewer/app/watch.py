@@ -22,7 +22,7 @@ class ShaderWatch:
         self._next = 0.0
 
     def poll(self) -> str | None:
-        """Reload what has changed, at most every `INTERVAL`: None where nothing has, "" when it went well, or an error."""
+        """Reload what has changed, at most every `INTERVAL`: None if nothing has, "" if it went well, or the error."""
         self._note_files()
         if time.monotonic() < self._next:
             return None

@@ -12,7 +12,6 @@ import moderngl
 
 from ..errors import ViewerError
 from ..gpu.window import WindowContext
-from ..image import Image
 from ..raster.renderer import Renderer
 from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, Camera
 from ..scene.environment_files import FORMATS, load_environment
@@ -25,13 +24,12 @@ from .orbit import QUARTER, OrbitController
 from .overlay import draw_help, draw_message, draw_split
 from .panel import Panel, Readings
 from .pick import pick
-from .state import ViewState, free_path
+from .picture import REST_SECONDS, Picture
+from .state import ViewState
 from .watch import INTERVAL, ShaderWatch
 
 SETTLING_FRAMES = 3
 """Frames of the panel after an event: what ImGui lays out in one it shows in the next."""
-REST_SECONDS = 0.3
-"""A picture that has not changed for so long is drawn again with the samples of one that is kept, if those are more."""
 PANEL_FROM_WIDTH = 900
 _CLEAR = (0.08, 0.08, 0.08, 1.0)
 _VIEWS = {
@@ -69,6 +67,7 @@ class ViewerWindow:
         self.orbit = OrbitController(scene.center, scene.radius, size[0] / size[1])
         if camera is not None:
             self._follow(camera)
+        self.picture = Picture(self.renderer, self.state, self.orbit)
         self.readings = Readings(f"{self.context.renderer}, OpenGL {self.context.version}")
         self._gui = Gui(self.context, self.window)
         self._panel = Panel(self.state, self.readings, lambda path: self.open([path]))
@@ -77,10 +76,6 @@ class ViewerWindow:
         self._next_camera = 0
         self._to_open: list[str] = []
         self._frames_left = SETTLING_FRAMES
-        self._drawn: tuple[object, ...] | None = None
-        self._drawn_at = 0.0
-        self._samples = 0
-        self._good: tuple[Scene, Settings, float | None, dict[str, object]] | None = None
         self._coasted_at = time.monotonic()
         glfw.swap_interval(1)
         self._show_notice(f"Preparing {scene.name} …")
@@ -91,18 +86,13 @@ class ViewerWindow:
 
     @property
     def is_idle(self) -> bool:
-        """Whether nothing is left to draw until something happens."""
+        """Whether nothing is left to draw at once; a picture at rest may yet be refined."""
         return not (self._frames_left or self._to_open or self.orbit.velocity.any())
-
-    @property
-    def is_refined(self) -> bool:
-        """Whether the picture has the samples of one that is kept."""
-        return self._samples == self._wanted_samples(still=True)
 
     def step(self, timeout: float = INTERVAL) -> None:
         """Wait for an event, `timeout` seconds at most, and draw if there is anything new."""
         if self.is_idle:
-            glfw.wait_events_timeout(timeout if self.is_refined else min(timeout, REST_SECONDS))
+            glfw.wait_events_timeout(timeout if self.picture.is_refined else min(timeout, REST_SECONDS))
         else:
             glfw.poll_events()
         if self._to_open:
@@ -114,8 +104,8 @@ class ViewerWindow:
         now = time.monotonic()
         coasting = self.orbit.coast(min(now - self._coasted_at, 0.1))
         self._coasted_at = now
-        rested = not self.is_refined and now - self._drawn_at > REST_SECONDS
-        if self._input.changed or coasting or rested or self.state.forget_message():
+        has_news = self._input.changed or coasting or self.picture.wants_refinement
+        if self.state.forget_message() or has_news:
             self._input.changed, self._frames_left = False, SETTLING_FRAMES
         if self._frames_left:
             self._frames_left -= 1
@@ -137,8 +127,9 @@ class ViewerWindow:
             if action == "inertia":
                 state.say(f"Inertia {'on' if state.inertia else 'off'}")
         else:
-            {"frame_all": self._frame_all, "orthographic": self._toggle_orthographic, "next_camera": self._show_next_camera,
-             "screenshot": self.save_screenshot, "reload": self._reload, "close": self._close}[action]()
+            {"frame_all": self._frame_all, "orthographic": self._toggle_orthographic,
+             "next_camera": self._show_next_camera, "screenshot": self._save, "reload": self._reload,
+             "close": self._close}[action]()
 
     def open(self, paths: list[str]) -> None:
         """Open models and environments, told apart by their names, once it was said on screen."""
@@ -146,81 +137,32 @@ class ViewerWindow:
         self.state.say(f"Opening {Path(paths[0]).name} …")
         self._input.changed = True
 
-    def save_screenshot(self) -> None:
-        """The picture without what is drawn over it, in the current folder, under a name that is free."""
-        state = self.state
-        try:
-            path = free_path(Path.cwd(), Path(state.scene.name).stem)
-            self._draw_picture(state.settings, still=True)
-            Image.from_srgb(self.renderer.read_display(state.settings)).save(path)
-        except (ViewerError, OSError) as error:
-            state.say(str(error), is_error=True)
-        else:
-            state.say(f"Saved {path.name}")
-        self._drawn = None
-
     def _draw(self) -> None:
         if 0 in self._pixels:
             return
         start = time.perf_counter()
         self.context.make_current()
-        is_new = self._draw_scene()
+        is_new = self.picture.update(self._pixels)
         self._gui.begin()
         scale = self._gui.scale
         if self.state.split is not None:
             draw_split(self.state.split, scale)
+        free_width = glfw.get_window_size(self.window)[0]
         if self.state.panel and not self.state.help:
-            self._panel.draw(scale)
+            free_width -= self._panel.draw(scale)
         if self.state.message:
-            draw_message(self.state, scale)
+            draw_message(self.state, scale, free_width)
         if self.state.help:
             draw_help(self.state, scale)
         screen = self._screen()
-        self.renderer.present(self.state.on_screen(), screen)
+        self.picture.present(screen)
         self._gui.draw(screen)
         self.context.gl.finish()
         if is_new:
+            glfw.set_window_title(self.window, _title(self.state.scene))
+            self.readings.left_out = self.renderer.plan.left_out
             self.readings.frame_ms.append((time.perf_counter() - start) * 1e3)
         glfw.swap_buffers(self.window)
-
-    def _draw_scene(self) -> bool:
-        """Draw what changed; whether anything had. What cannot be drawn gives way to what was there before."""
-        state = self.state
-        shading = replace(state.on_screen(), exposure=0.0, tonemap="none")
-        camera = self.orbit.camera
-        wanted = (state.scene, shading, state.split, camera.pose.tobytes(), camera.fov_y, camera.height, self._pixels,
-                  self.renderer.programs.generation)
-        still = wanted == self._drawn and time.monotonic() - self._drawn_at > REST_SECONDS
-        if wanted == self._drawn and not (still and not self.is_refined):
-            return False
-        try:
-            self._draw_picture(state.on_screen(), still)
-        except (ViewerError, moderngl.Error, MemoryError) as error:
-            self._drawn = None
-            self._go_back(error)
-            return self._draw_scene()
-        self._drawn, self._good = wanted, (state.scene, state.settings, state.split, dict(vars(self.orbit)))
-        self._drawn_at, self._samples = time.monotonic(), self._wanted_samples(still)
-        self.readings.left_out = self.renderer.plan.left_out
-        return True
-
-    def _go_back(self, error: Exception) -> None:
-        """To what could be drawn last, saying why; where that is what now fails, there is nothing left to show."""
-        good, state = self._good, self.state
-        if good is None:
-            raise error
-        state.say(str(error) or "out of memory", is_error=True)
-        state.scene, state.settings, state.split, orbit = good
-        vars(self.orbit).update(orbit)
-        glfw.set_window_title(self.window, _title(state.scene))
-        self._good = None  # until it is drawn again
-
-    def _wanted_samples(self, still: bool) -> int:
-        return self.state.settings.samples(self.context.is_software, still)
-
-    def _draw_picture(self, settings: Settings, still: bool) -> None:
-        for shot, part in self.state.shots(settings, self._pixels):
-            self.renderer.draw(self.state.scene, self.orbit.camera, shot, self._pixels, still=still, part=part)
 
     def _open_now(self) -> None:
         paths, self._to_open = self._to_open, []
@@ -239,13 +181,9 @@ class ViewerWindow:
 
     def _open_scene(self, scene: Scene) -> None:
         self.state.open(scene)
-        self._frame_for(scene)
-        self._frame_all()
-
-    def _frame_for(self, scene: Scene) -> None:
         self.orbit.set_scene(scene.center, scene.radius)
+        self._frame_all()
         self._next_camera = 0
-        glfw.set_window_title(self.window, _title(scene))
 
     def _frame_all(self) -> None:
         width, height = self._pixels
@@ -271,6 +209,10 @@ class ViewerWindow:
         depth = float(((scene.center if point is None else point) - camera.eye) @ camera.forward)
         self.orbit.follow(camera, depth if depth > 1e-6 * scene.radius else scene.radius)
 
+    def _save(self) -> None:
+        if 0 not in self._pixels:
+            self.picture.save(self._pixels)
+
     def _reload(self) -> None:
         self._tell_reload(self._watch.reload())
 
@@ -281,13 +223,15 @@ class ViewerWindow:
     def _close(self) -> None:
         if self.state.help:
             self.state.help = False
+        elif self.state.message and self.state.is_error:
+            self.state.message = ""
         else:
             glfw.set_window_should_close(self.window, True)
 
     def _show_notice(self, text: str) -> None:
         """A message alone, before the first picture, which may take its time."""
         self._gui.begin()
-        draw_message(replace(self.state, message=text), self._gui.scale)
+        draw_message(replace(self.state, message=text), self._gui.scale, glfw.get_window_size(self.window)[0])
         screen = self._screen()
         screen.clear(*_CLEAR)
         self._gui.draw(screen)

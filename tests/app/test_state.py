@@ -1,0 +1,104 @@
+"""What the window shows, as data."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from viewer.app.state import ViewState, free_path, scene_facts
+from viewer.scene.environment import Environment
+from viewer.scene.light import Light
+from viewer.scene.material import Material
+from viewer.scene.mesh import Mesh
+from viewer.scene.scene import Instance, Scene
+from viewer.settings import Settings
+
+GREY = np.ones((2, 4, 3), np.float32)
+
+
+def triangle(**kwargs) -> Scene:
+    mesh = Mesh("m", np.eye(3, dtype=np.float32), 0)
+    return Scene("triangle.glb", (mesh,), (Material(),), (Instance(0, np.eye(4)),), **kwargs)
+
+
+@pytest.fixture
+def state() -> ViewState:
+    return ViewState(triangle(environment=Environment("grey", GREY, rotation=0.5, intensity=2.0)), Settings())
+
+
+def test_one_shot_is_the_whole_picture(state):
+    assert state.shots(state.settings, (100, 50)) == [(state.settings, None)]
+
+
+@pytest.mark.parametrize("split, line", [(0.5, 50), (0.251, 25), (0.999, 100)])
+def test_a_split_covers_the_picture_without_overlap(state, split, line):
+    state.split = split
+    shots = state.shots(state.settings, (100, 50))
+    assert shots[0][0].mode == "phong" and shots[0][1] == (0, 0, line, 50)
+    assert shots[1:] == [] if line == 100 else shots[1][0].mode == "pbr" and shots[1][1] == (line, 0, 100 - line, 50)
+
+
+def test_a_mode_ends_the_split_and_the_split_stays_where_it_was(state):
+    state.show_split()
+    state.split = 0.3
+    state.show_split()
+    assert state.split == 0.3
+    state.show_mode("pbr", "specular")
+    assert state.split is None and (state.settings.mode, state.settings.lobes) == ("pbr", "specular")
+    state.show_mode("phong")
+    assert (state.settings.mode, state.settings.lobes) == ("phong", "all")
+
+
+def test_another_environment_keeps_rotation_and_intensity(state):
+    state.relight(Environment("other", GREY))
+    environment = state.scene.environment
+    assert (environment.name, environment.rotation, environment.intensity) == ("other", 0.5, 2.0)
+    state.relight(None)
+    assert state.scene.environment is None
+
+
+def test_relighting_keeps_what_the_renderer_shares(state):
+    before, corners = state.scene, state.scene.corners
+    state.set_lights((Light("point"),))
+    assert state.scene is not before and state.scene.lights == (Light("point"),)
+    assert state.scene.meshes is before.meshes and state.scene.instances is before.instances
+    assert state.scene.corners is corners
+
+
+def test_another_model_keeps_the_environment_and_the_lights_added_by_hand(state):
+    added, environment = Light.from_angles(0.1, 0.2, 3.0), state.scene.environment
+    state.set_lights((Light("point", name="lamp"), added))
+    state.open(triangle(lights=(Light("spot", name="torch"),)))
+    assert [light.name for light in state.scene.lights] == ["torch", added.name]
+    assert state.scene.environment is environment
+
+
+def test_no_background_is_dark_on_screen_only(state):
+    state.settings = Settings(background="none", exposure=1.0)
+    assert isinstance(state.on_screen().background, tuple) and state.on_screen().exposure == 1.0
+    assert state.settings.background == "none"
+
+
+def test_messages_are_one_line_and_go_but_errors_stay(state, monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr("viewer.app.state.time.monotonic", lambda: now[0])
+    state.say("saved\n  it")
+    assert state.message == "saved it" and not state.forget_message()
+    now[0] += 5
+    assert state.forget_message() and state.message == "" and not state.forget_message()
+    state.say("broken", is_error=True)
+    now[0] += 1e6
+    assert not state.forget_message() and state.message == "broken"
+
+
+def test_a_free_path_is_never_one_that_exists(tmp_path):
+    assert free_path(tmp_path, "helmet").name == "helmet-1.png"
+    (tmp_path / "helmet-1.png").touch()
+    (tmp_path / "helmet-3.png").touch()
+    assert free_path(tmp_path, "helmet").name == "helmet-2.png"
+    assert free_path(tmp_path, "a/../b:c?").parent == tmp_path
+    assert free_path(tmp_path, "..").name == "picture-1.png"
+
+
+def test_facts(state):
+    assert dict(scene_facts(state.scene))["Triangles"] == "1"
