@@ -25,13 +25,15 @@ class BakedEnvironment:
     `levels`: the mip chain of `prefiltered.glsl`'s texture, six arrays (512, 1024, 3) to (16, 32, 3) float16, top row
     first, wrap repeat in u and clamp in v. `irradiance`: over pi, (64, 128, 3) float16, laid out alike. Both are in units
     of `scale` (a power of two): multiply what the shader looks up by it, along with the intensity. `suns` are
-    directional lights in true units that were taken out of the levels and the irradiance.
+    directional lights in true units that were taken out of the levels and the irradiance. `background` is the map as
+    it is, suns and all: see `background_map`.
     """
 
     levels: tuple[np.ndarray, ...]
     irradiance: np.ndarray
     scale: float
     suns: tuple[Light, ...]
+    background: np.ndarray | None
 
 
 def bake_environment(environment: Environment, ndf: str = "ggx", cache: bool = True) -> BakedEnvironment:
@@ -54,13 +56,21 @@ def bake_environment(environment: Environment, ndf: str = "ggx", cache: bool = T
     return _from_arrays(arrays)
 
 
+def background_map(radiance: np.ndarray) -> np.ndarray:
+    """The map in half floats where they reach; one with a sun above their range keeps its single ones."""
+    return radiance.astype(np.float16) if radiance.max() < 65504 else radiance
+
+
 def _bake(environment: Environment, ndf: str) -> dict[str, np.ndarray]:
+    radiance = environment.radiance
+    arrays = {"background": background_map(radiance)}
     # A map far larger than the levels is shrunk first: the sun is compact in those, too, and found much sooner.
-    rest, suns = extract_sun(replace(environment, source=shrink(environment.radiance, HEIGHT, WIDTH)))
+    rest, suns = extract_sun(replace(environment, source=shrink(radiance, HEIGHT, WIDTH)))
+    del radiance
     levels, irradiance = prefilter(rest.radiance, ndf)
     peak = max(float(level.max()) for level in levels)
     scale = 2.0 ** np.ceil(np.log2(peak / HALF_CEILING)) if peak > 0 else 1.0
-    arrays = {f"level{k}": (level * np.float32(1 / scale)).astype(np.float16) for k, level in enumerate(levels)}
+    arrays |= {f"level{k}": (level * np.float32(1 / scale)).astype(np.float16) for k, level in enumerate(levels)}
     arrays["irradiance"] = (irradiance * np.float32(1 / scale)).astype(np.float16)
     arrays["scale"] = np.array([scale])
     arrays["suns"] = np.array([[*sun.direction, *sun.color, sun.intensity] for sun in suns], np.float64).reshape(-1, 7)
@@ -71,9 +81,10 @@ def _from_arrays(arrays: dict[str, np.ndarray]) -> BakedEnvironment:
     suns = (row.tolist() for row in arrays["suns"])
     return BakedEnvironment(
         levels=tuple(arrays[f"level{k}"] for k in range(len(LEVEL_ROUGHNESS))),
-        irradiance=arrays["irradiance"],
+        irradiance=arrays["irradiance"].copy(),  # a view of it would keep all that was read with it
         scale=float(arrays["scale"][0]),
         suns=tuple(Light("directional", tuple(r[3:6]), r[6], direction=tuple(r[:3]), name="sun") for r in suns),
+        background=arrays["background"],
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import sys
 import threading
 from collections.abc import Callable
@@ -71,6 +72,10 @@ class Context:
     def is_software(self) -> bool:
         """Whether a processor draws, not a graphics card."""
         return any(name in self.renderer.lower() for name in ("llvmpipe", "softpipe", "swrast", "swiftshader"))
+
+    def function(self, name: str, *arguments: type) -> Callable[..., None]:
+        """An OpenGL function that returns nothing and that moderngl lacks, by the ctypes of its arguments."""
+        return ctypes.CFUNCTYPE(None, *arguments)(self._loader.load_opengl_function(name))
 
     def make_current(self) -> None:
         """Direct this thread's OpenGL calls to this context, and free what of it Python has dropped."""

@@ -9,7 +9,9 @@ import moderngl
 import numpy as np
 
 from ..bake.dominant import ambient_and_key
-from ..bake.environment import bake_environment
+from ..bake.environment import background_map, bake_environment
+from ..gpu.context import Context
+from ..gpu.mipmaps import mipmapped_texture
 from ..plan import Plan
 from ..scene.environment import Environment
 from ..scene.light import Light
@@ -18,22 +20,24 @@ from .display import fullscreen
 from .frame import Frame, uniform
 from .programs import Programs, set_uniform
 from .floats import float_texture
+from .mip_levels import mip_levels
 from .surfaces import UNIT_BACKGROUND, UNIT_IRRADIANCE, UNIT_PREFILTERED
 
 
 class EnvironmentLight:
     """Textures and uniforms of one environment, each made when a plan first asks for it.
 
-    `environment` may be replaced by one that differs in rotation and intensity only.
+    `environment` may be replaced by one that differs in rotation and intensity only. What is baked is let go of once
+    it is uploaded.
     """
 
-    def __init__(self, gl: moderngl.Context, environment: Environment, settings: Settings, use_cache: bool) -> None:
-        self._gl, self.environment = gl, environment
+    def __init__(self, context: Context, environment: Environment, settings: Settings, use_cache: bool) -> None:
+        self._context, self._gl, self.environment = context, context.gl, environment
         self._ndf = settings.ndf
         self._baked = bake_environment(environment, ndf=settings.ndf, cache=use_cache)
         self._prefiltered: moderngl.Texture | None = None
         self._irradiance: moderngl.Texture | None = None
-        self._background: moderngl.Texture | None = None
+        self._background: _Background | None = None
 
     def holds(self, environment: Environment, settings: Settings) -> bool:
         """Whether this is that environment, turned and scaled at most."""
@@ -67,53 +71,58 @@ class EnvironmentLight:
             self._irradiance.use(UNIT_IRRADIANCE)
             values["u_irradiance"] = UNIT_IRRADIANCE
             if self._prefiltered is None:
-                self._prefiltered = _mip_texture(self._gl, self._baked.levels)
+                self._prefiltered = mipmapped_texture(self._context, self._baked.levels)
+                self._prefiltered.repeat_y = False
+                self._baked = replace(self._baked, levels=())
             self._prefiltered.use(UNIT_PREFILTERED)
             values["u_prefiltered"] = UNIT_PREFILTERED
         return values
 
     def draw_background(self, programs: Programs, frame: Frame, half_target: bool) -> None:
         program = programs.get("display/fullscreen.vert", "raster/background.frag", {"HALF_TARGET": int(half_target)})
-        if self._background is None:
-            self._background = _background_texture(self._gl, self.environment.radiance)
-        self._background.use(UNIT_BACKGROUND)
-        texel_angle = math.pi / self._background.height
+        background = self._background_seen_at(frame.pixel_angle)
+        background.texture.use(UNIT_BACKGROUND)
         set_uniform(program, "u_background", UNIT_BACKGROUND)
         set_uniform(program, "u_ray", uniform(rotation_about_y(self.environment.rotation) @ frame.ray))
-        set_uniform(program, "u_lod", max(0.0, math.log2(max(frame.pixel_angle / texel_angle, 1e-6))))
+        set_uniform(program, "u_lod", background.lod(frame.pixel_angle))
         set_uniform(program, "u_environment_intensity", self.environment.intensity)
         self._gl.enable_only(moderngl.DEPTH_TEST)
         self._gl.depth_func = "<="
         fullscreen(self._gl, program).render(vertices=3)
         self._gl.depth_func = "<"
 
+    def _background_seen_at(self, pixel_angle: float) -> _Background:
+        """The map itself, with mip levels from when it is first drawn smaller than it is."""
+        if self._background is None:
+            pixels, self._baked = self._baked.background, replace(self._baked, background=None)
+        elif self._background.lod(pixel_angle) > 0 and not self._background.has_levels:
+            self._background.texture.release()
+            pixels = background_map(self.environment.radiance)
+        else:
+            return self._background
+        self._background = _Background(self._context, pixels, pixel_angle)
+        return self._background
+
     def release(self) -> None:
-        for texture in (self._prefiltered, self._irradiance, self._background):
+        background = self._background.texture if self._background is not None else None
+        for texture in (self._prefiltered, self._irradiance, background):
             if texture is not None:
                 texture.release()
+
+
+class _Background:
+    def __init__(self, context: Context, pixels: np.ndarray, pixel_angle: float) -> None:
+        self._height = len(pixels)
+        self.has_levels = self.lod(pixel_angle) > 0
+        self.texture = mipmapped_texture(context, mip_levels(pixels) if self.has_levels else [pixels])
+        self.texture.repeat_y = False
+
+    def lod(self, pixel_angle: float) -> float:
+        """The level whose texels are as large as a pixel that sees `pixel_angle` radians."""
+        return math.log2(max(pixel_angle * self._height / math.pi, 1.0))
 
 
 def rotation_about_y(angle: float) -> np.ndarray:
     """World direction to the direction looked up in an environment turned by `angle`, (3, 3): to_environment() in GLSL."""
     c, s = math.cos(angle), math.sin(angle)
     return np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
-
-
-def _background_texture(gl: moderngl.Context, radiance: np.ndarray) -> moderngl.Texture:
-    """In half floats where nothing is lost by it: a sun above their range keeps its single ones."""
-    dtype = np.float16 if radiance.max() < 65504 else np.float32
-    texture = float_texture(gl, radiance.astype(dtype))
-    texture.repeat_x = True
-    texture.build_mipmaps()
-    return texture
-
-
-def _mip_texture(gl: moderngl.Context, levels: list[np.ndarray]) -> moderngl.Texture:
-    """A texture whose mip levels are given, each half the size of the one before."""
-    texture = float_texture(gl, levels[0])
-    texture.build_mipmaps(max_level=len(levels) - 1)
-    for level, pixels in enumerate(levels[1:], start=1):
-        texture.write(np.ascontiguousarray(pixels), level=level, alignment=1)
-    texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
-    texture.repeat_x = True
-    return texture

@@ -152,7 +152,7 @@ class Renderer:
     def _prepare_surfaces(self, scene: Scene) -> None:
         if self._surfaces is None or not self._surfaces.holds(scene):
             self._release(self._surfaces, *self._shadows)
-            self._surfaces, self._shadows, self._plans = Surfaces(self._gl, scene, self.programs), [], []
+            self._surfaces, self._shadows, self._plans = Surfaces(self.context, scene, self.programs), [], []
         if self._generation != self.programs.generation:
             self._release(*self._shadows)
             self._generation, self._shadows, self._plans = self.programs.generation, [], []
@@ -177,7 +177,7 @@ class Renderer:
         elif self._environment is None or not self._environment.holds(scene.environment, settings):
             self._release(self._environment)
             self._environment = None  # should the next one fail
-            self._environment = EnvironmentLight(self._gl, scene.environment, settings, self._use_cache)
+            self._environment = EnvironmentLight(self.context, scene.environment, settings, self._use_cache)
         if self._environment is not None:
             self._environment.environment = scene.environment
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 
+from ..gpu.context import Context
 from ..plan import MAPS, Draw, Plan, material_map
 from ..scene.material import Material
 from ..scene.scene import Scene
@@ -23,11 +24,11 @@ _VERTEX = "raster/surface.vert"
 class Surfaces:
     """One scene's meshes and textures on the GPU, and how they are drawn."""
 
-    def __init__(self, gl: moderngl.Context, scene: Scene, programs: Programs) -> None:
-        self._gl, self.scene, self._programs = gl, scene, programs
+    def __init__(self, context: Context, scene: Scene, programs: Programs) -> None:
+        self._gl, self.scene, self._programs = context.gl, scene, programs
         self._meshes: dict[int, MeshBuffers] = {}
         self._generation = programs.generation
-        self.textures = Textures(gl, scene)
+        self.textures = Textures(context, scene)
 
     def holds(self, scene: Scene) -> bool:
         """Whether `scene` has the same meshes, materials and places, and differs in other things only."""

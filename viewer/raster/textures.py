@@ -7,13 +7,15 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import moderngl
 import numpy as np
 
+from ..gpu.context import Context
+from ..gpu.mipmaps import mipmapped_texture
 from ..plan import MAPS, Plan, material_map
 from ..scene.color import srgb_to_linear
 from ..scene.material import Sampler, Texture
 from ..scene.scene import Scene
 from ..scene.texture_image import TextureImage
+from .mip_levels import mip_levels
 
-_SRGB8, _SRGB8_ALPHA8 = 0x8C41, 0x8C43
 _FILTERS = {
     ("nearest", None): moderngl.NEAREST,
     ("linear", None): moderngl.LINEAR,
@@ -31,12 +33,13 @@ Key = tuple[int, str, bool]
 class Textures:
     """The textures of one scene."""
 
-    def __init__(self, gl: moderngl.Context, scene: Scene) -> None:
-        self._gl, self._scene = gl, scene
+    def __init__(self, context: Context, scene: Scene) -> None:
+        self._context, self._scene = context, scene
         self._textures: dict[Key, moderngl.Texture] = {}
         self._samplers: dict[Sampler, moderngl.Sampler] = {}
-        self._decoding: dict[Key, Future[np.ndarray]] = {}
+        self._decoding: dict[Key, Future[list[np.ndarray]]] = {}
         self._channels: dict[tuple[int, bool], str] = {}
+        self._bytes = 0
 
     def prefetch(self, plan: Plan) -> None:
         """Begin to decode what `plan` samples, on other threads, while shaders compile on this one."""
@@ -62,7 +65,7 @@ class Textures:
     @property
     def bytes(self) -> int:
         """About what the textures take, with their mipmaps."""
-        return sum(t.width * t.height * t.components * 4 // 3 for t in self._textures.values())
+        return self._bytes
 
     def _note_channels(self, plan: Plan) -> None:
         """Which channels of each image some map reads, in this plan or one before.
@@ -88,14 +91,15 @@ class Textures:
         key = self._key(image, srgb)
         if key not in self._textures:
             decoding = self._decoding.pop(key, None)
-            pixels = decoding.result() if decoding else _decode(image, *key[1:])
-            self._textures[key] = _upload(self._gl, pixels, srgb)
+            levels = decoding.result() if decoding else _decode(image, *key[1:])
+            self._textures[key] = _upload(self._context, levels, srgb)
+            self._bytes += sum(level.nbytes for level in levels)
         return self._textures[key]
 
     def _sampler(self, sampler: Sampler) -> moderngl.Sampler:
         if sampler not in self._samplers:
             # Mirrored repetition is folded in the shader (map_uv), where [0, 1] is all that is left.
-            self._samplers[sampler] = self._gl.sampler(
+            self._samplers[sampler] = self._context.gl.sampler(
                 repeat_x=sampler.wrap_s == "repeat",
                 repeat_y=sampler.wrap_t == "repeat",
                 filter=(_FILTERS[sampler.min_filter, sampler.mip_filter], _FILTERS[sampler.mag_filter, None]),
@@ -115,8 +119,14 @@ _CHANNELS = {
 }
 
 
-def _decode(image: TextureImage, channels: str, srgb: bool) -> np.ndarray:
-    """(H, W, C) in the least channels that hold what is read: uint8, uint16, or float16 where sRGB has 16 bits."""
+def _decode(image: TextureImage, channels: str, srgb: bool) -> list[np.ndarray]:
+    """The mip levels, (H, W, C), in the least channels that hold what is read."""
+    pixels = _pixels(image, channels, srgb)
+    return mip_levels(pixels, srgb and pixels.dtype == np.uint8)
+
+
+def _pixels(image: TextureImage, channels: str, srgb: bool) -> np.ndarray:
+    """uint8, uint16, or float16, linear then, where sRGB has 16 bits."""
     if channels == "R":
         return image.decode("R")
     pixels = image.decode()
@@ -133,15 +143,9 @@ def _decode(image: TextureImage, channels: str, srgb: bool) -> np.ndarray:
     return pixels
 
 
-def _upload(gl: moderngl.Context, pixels: np.ndarray, srgb: bool) -> moderngl.Texture:
-    height, width, components = pixels.shape
-    encoded = srgb and pixels.dtype == np.uint8
-    texture = gl.texture(
-        (width, height), components, pixels, alignment=1,
-        dtype={"uint8": "f1", "uint16": "nu2", "float16": "f2"}[pixels.dtype.name],
-        internal_format=(_SRGB8_ALPHA8 if components == 4 else _SRGB8) if encoded else None,
-    )
+def _upload(context: Context, levels: list[np.ndarray], srgb: bool) -> moderngl.Texture:
+    texture = mipmapped_texture(context, levels, srgb and levels[0].dtype == np.uint8)
+    components = levels[0].shape[2]
     if components < 3:
         texture.swizzle = _SWIZZLES[components]
-    texture.build_mipmaps()
     return texture
