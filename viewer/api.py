@@ -1,12 +1,19 @@
-"""The Python API: load a scene, render it, show it."""
+"""The Python API: load a scene, render it, show it.
+
+Each thread has an OpenGL context of its own, opened when it first renders and released when it ends, so any thread may
+render. A process forked off after that cannot: start others by "spawn" (`multiprocessing.set_start_method`).
+"""
 
 from __future__ import annotations
 
+import sys
 import threading
 from dataclasses import replace
-from os import PathLike
-from typing import TYPE_CHECKING
+from operator import index
+from os import PathLike, fspath
+from typing import TYPE_CHECKING, Any
 
+from .errors import UsageError
 from .scene.camera import Camera
 from .scene.scene import Scene
 from .settings import Settings
@@ -15,65 +22,94 @@ if TYPE_CHECKING:
     from .image import Image
     from .raster.renderer import Renderer
 
-_local = threading.local()
+DEFAULT_SIZE = (1280, 720)
 
 
 def load(path: str | PathLike[str], environment: str | PathLike[str] | None = "studio") -> Scene:
     """A scene from a model file, under an environment.
 
-    `environment` is an HDR or EXR file, the name of a built-in one (studio, sky, furnace) or None. Raises InputError.
+    `environment` is an HDR or EXR file, the name of a built-in one (studio, sky, furnace) or None. What of the file
+    is not supported is named in the scene's `warnings`. Raises InputError for a file that cannot be used; an
+    environment's pixels are decoded when they are first needed, so that its InputError may come from `render`.
     """
     from .scene.environment_files import load_environment
     from .scene.load import load_scene
 
-    return replace(load_scene(path), environment=load_environment(environment))
+    spec = environment if environment is None else fspath(environment)
+    return replace(load_scene(path), environment=load_environment(spec))
 
 
 def render(
     scene: Scene,
-    size: tuple[int, int] = (1280, 720),
+    size: tuple[int, int] = DEFAULT_SIZE,
     camera: Camera | None = None,
     *,
     backend: str = "auto",
-    **settings: object,
+    **settings: Any,
 ) -> Image:
     """A picture of `scene`, `size` = (width, height) pixels.
 
     Without `camera` the one that frames the scene. `settings` are the fields of `viewer.Settings`, for instance
-    ``mode="phong", exposure=1.0, background="none"``. Raises UsageError for a setting that does not exist and
-    ContextError where there is no OpenGL.
+    ``mode="phong", exposure=1.0, background="#336699"``. `backend` is auto, egl, osmesa or window (a hidden one).
+
+    Raises UsageError for a size that cannot be drawn and a setting that does not exist, InputError for textures and
+    environments that cannot be decoded, ContextError where there is no OpenGL.
     """
-    chosen = Settings.of(**settings)
+    chosen, size = Settings.of(**settings), _checked(size)
     if camera is None:
         camera = Camera.framing(scene.center, scene.radius, size[0] / size[1])
     return shared_renderer(backend).render(scene, camera, chosen, size)
 
 
-def show(scene: Scene, **settings: object) -> Image | None:
-    """Open a window on `scene` until it is closed; in a notebook, return a picture of it to be shown."""
+def show(
+    scene: Scene, size: tuple[int, int] = DEFAULT_SIZE, camera: Camera | None = None, **settings: Any
+) -> Image | None:
+    """Open a window on `scene` and wait until it is closed; in a notebook return a picture, which shows itself.
+
+    The arguments are those of `render`. Raises ContextError where no window can be opened.
+    """
     if _in_notebook():
-        return render(scene, **settings)
+        return render(scene, size, camera, **settings)
     from .app.window import run
 
-    run(scene, Settings.of(**settings))
+    run(scene, Settings.of(**settings), camera, _checked(size))
     return None
 
 
 def shared_renderer(backend: str = "auto") -> Renderer:
-    """This thread's renderer for `backend`, made on first use."""
+    """This thread's renderer for `backend`, made on first use. Raises ContextError."""
     from .gpu.context import open_context
     from .raster.renderer import Renderer
 
-    renderers = _local.__dict__.setdefault("renderers", {})
+    renderers: _Renderers = _local.__dict__.setdefault("renderers", _Renderers())
     if backend not in renderers:
         renderers[backend] = Renderer(open_context(backend))
     return renderers[backend]
 
 
-def _in_notebook() -> bool:
+class _Renderers(dict[str, "Renderer"]):
+    """A thread's renderers, which go with it."""
+
+    def __del__(self) -> None:
+        if not sys.is_finalizing():  # the process takes its contexts along
+            for renderer in self.values():
+                renderer.context.release()
+
+
+_local = threading.local()
+
+
+def _checked(size: object) -> tuple[int, int]:
     try:
-        from IPython import get_ipython
-    except ImportError:
-        return False
-    shell = get_ipython()
-    return shell is not None and type(shell).__name__ == "ZMQInteractiveShell"
+        width, height = map(index, size)  # type: ignore[call-overload]
+    except (TypeError, ValueError):
+        width = height = 0
+    if width < 1 or height < 1:
+        raise UsageError(f"size={size!r}: it is (width, height), two whole numbers of pixels")
+    return width, height
+
+
+def _in_notebook() -> bool:
+    """Whether this runs in a Jupyter kernel (a terminal's IPython has none)."""
+    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+    return getattr(shell, "kernel", None) is not None

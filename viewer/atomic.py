@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import tempfile
@@ -30,7 +31,7 @@ def atomic_write(path: str | PathLike[str]) -> Iterator[Path]:
         raise OutputError(f"{path}: is a folder; a file name is needed")
     if not folder.is_dir():
         raise OutputError(f"{path}: the folder {target.parent} does not exist")
-    temporary = folder / f".pbr-viewer-{os.getpid()}-{os.urandom(4).hex()}{target.suffix}"
+    temporary = folder / f".pbr-viewer-{os.getpid()}-{os.urandom(4).hex()}{Path(path).suffix}"
     try:
         # Not mkstemp, whose files only their owner may read: open() leaves the mode to the user's umask.
         temporary.open("xb").close()
@@ -45,3 +46,10 @@ def atomic_write(path: str | PathLike[str]) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             temporary.unlink()
+
+
+def write_json(path: str | PathLike[str], content: object) -> None:
+    """`content` as a JSON file, whole or not at all. Raises OutputError."""
+    text = json.dumps(content, indent=1, allow_nan=False) + "\n"
+    with atomic_write(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")

@@ -1,234 +1,266 @@
 """The command line: pbr-viewer view, render, info, diff, doctor, cache.
 
-Exit status: 0 done; 1 the input is bad; 2 wrong usage; 3 no OpenGL context. Errors are one line on stderr.
+Exit status: 0 done; 1 the input is bad or the output cannot be written; 2 wrong usage; 3 no OpenGL context;
+130 interrupted. What goes wrong is told in one line on stderr.
 """
 
 from __future__ import annotations
 
-import json
-import math
+import os
 import sys
-from dataclasses import replace
-from importlib.metadata import version
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import Any
 
 import click
 
 from .errors import ViewerError
-from .options import BackgroundColor, Numbers, Size, make_camera, make_light
-from .settings import Settings
-
-_SCENE_OPTIONS = [
-    click.option("--mode", type=click.Choice(["pbr", "phong"]), default="pbr", help="Shading model."),
-    click.option("--env", default="studio", metavar="FILE|NAME|none", show_default=True,
-                 help="Environment: an HDR or EXR file, or studio, sky, furnace, none."),
-    click.option("--env-rotation", type=float, default=0.0, metavar="DEG", help="Turn the environment about +Y."),
-    click.option("--env-intensity", type=click.FloatRange(0), default=1.0, metavar="X", help="Multiply its light."),
-    click.option("--background", type=BackgroundColor(), default="env", help="What stands behind the model."),
-    click.option("--exposure", type=click.FloatRange(-64, 64), default=0.0, metavar="EV",
-                 help="Exposure in stops before the tone map."),
-    click.option("--tonemap", type=click.Choice(["neutral", "agx", "aces", "none"]), default="neutral"),
-    click.option("--light", "lights", type=Numbers("AZ,EL,LUX", 3), multiple=True,
-                 help="A directional light from azimuth and elevation; repeatable."),
-    click.option("--set", "assignments", multiple=True, metavar="NAME=VALUE",
-                 help="Another setting; `info --settings` lists them; repeatable."),
-]
-_CAMERA_OPTIONS = [
-    click.option("--orbit", type=Numbers("AZ,EL[,DIST]", 2, 3), help="Camera on a sphere about the model, in degrees."),
-    click.option("--eye", type=Numbers("X,Y,Z", 3), help="Camera position."),
-    click.option("--target", type=Numbers("X,Y,Z", 3), help="What the camera looks at; the model's middle by default."),
-    click.option("--fov", type=click.FloatRange(0.01, 179), metavar="DEG", help="Vertical field of view, 45 by default."),
-    click.option("--camera", type=int, metavar="N", help="The file's own camera, counted from 0."),
-]
-_COMMON_OPTIONS = [
-    click.option("--size", type=Size(), default="1280x720", show_default=True, help="Of the picture, in pixels."),
-    click.option("--no-cache", is_flag=True, help="Neither read nor write the cache of prepared environments."),
-    click.option("-q", "--quiet", is_flag=True, help="No warnings and no progress."),
-    click.option("-v", "--verbose", is_flag=True, help="Say what is done."),
-]
+from .messages import one_line, say, say_error
+from .options import (
+    CAMERA_OPTIONS,
+    COMMON_OPTIONS,
+    JSON_OPTION,
+    QUIET_OPTION,
+    SCENE_OPTIONS,
+    check_camera_options,
+    with_options,
+)
+from .signals import Stopped, stoppable
 
 
-def _with(options):
-    def decorate(command):
-        for option in reversed(options):
-            command = option(command)
-        return command
+def _print_version(context: click.Context, _: click.Parameter, wanted: bool) -> None:
+    if wanted and not context.resilient_parsing:
+        from importlib.metadata import version
 
-    return decorate
+        _print(f"pbr-viewer, version {version('pbr-viewer')}")
+        context.exit()
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
-@click.version_option(version("pbr-viewer"), prog_name="pbr-viewer")
+@click.option("--version", is_flag=True, expose_value=False, is_eager=True, callback=_print_version,
+              help="Show the version and exit.")
 def cli() -> None:
-    """Show 3D models physically based: in a window, as pictures, as numbers."""
+    """Look at 3D models, physically based: in a window, as pictures, as numbers.
+
+    `pbr-viewer COMMAND --help` tells the options of a command.
+    """
 
 
-@cli.command()
+@cli.command(short_help="Open a model in a window.")
 @click.argument("model")
-@_with(_SCENE_OPTIONS + _CAMERA_OPTIONS + _COMMON_OPTIONS)
-def view(model: str, **options) -> None:
-    """Open MODEL in a window with an orbit camera."""
-    from .app.window import run
+@with_options([*SCENE_OPTIONS, *CAMERA_OPTIONS, *COMMON_OPTIONS])
+def view(model: str, **options: Any) -> None:
+    """Open MODEL in a window: drag to turn it, scroll to come closer, press H for all keys.
 
-    settings = _settings(options)
-    scene = _load(model, options)
-    camera = None
-    if any(options[name] is not None for name in ("orbit", "eye", "camera", "fov", "target")):
-        camera = _camera(scene, options)
+    MODEL is a glTF file (.gltf, .glb), an OBJ, PLY, STL or OFF, or another mesh that trimesh reads.
+    """
+    check_camera_options(options)
+    from .app.window import run
+    from .assemble import make_camera, make_environment, make_scene, make_settings
+
+    settings = make_settings(options)
+    scene = make_scene(model, make_environment(options), options)
+    _warn(model, scene, options)
+    asked = any(options[name] is not None for name in ("orbit", "eye", "camera", "fov", "target"))
+    camera = make_camera(model, scene, options) if asked else None
     run(scene, settings, camera=camera, size=options["size"], use_cache=not options["no_cache"])
 
 
-@cli.command()
+@cli.command(short_help="Make pictures of models, without a screen.")
 @click.argument("models", metavar="MODEL...", nargs=-1, required=True)
 @click.option("-o", "--output", required=True, metavar="OUT",
-              help="Picture (.png .exr .jpg .webp); for several models a folder, or a pattern with {name}.")
-@click.option("--backend", type=click.Choice(["auto", "egl", "osmesa", "window"]), default="auto", show_default=True)
-@click.option("--stats", metavar="FILE.json", help="Write times, plan and memory.")
-@_with(_SCENE_OPTIONS + _CAMERA_OPTIONS + _COMMON_OPTIONS)
-def render(models: tuple[str, ...], output: str, backend: str, stats: str | None, **options) -> None:
-    """Make a picture of each MODEL, without a screen."""
-    from .render_job import RenderJob, output_paths
+              help="The picture: .png .jpg .webp (as displayed), .exr (linear light). For several models a folder, or "
+                   "a pattern such as out/{name}.png.")
+@click.option("--backend", type=click.Choice(["auto", "egl", "osmesa", "window"]), default="auto", show_default=True,
+              help="Where OpenGL comes from; `pbr-viewer doctor` tells what works here.")
+@click.option("--stats", metavar="FILE.json", help="Write times, the plan and memory; for several models a list.")
+@with_options([*SCENE_OPTIONS, *CAMERA_OPTIONS, *COMMON_OPTIONS])
+def render(models: tuple[str, ...], output: str, backend: str, stats: str | None, **options: Any) -> None:
+    """Make a picture of each MODEL, without a screen.
 
-    job = RenderJob(backend, _settings(options), options["size"], use_cache=not options["no_cache"],
-                    measure=stats is not None, quiet=options["quiet"], verbose=options["verbose"])
-    job.run(
-        [(model, path) for model, path in zip(models, output_paths(models, output), strict=True)],
-        load=lambda model: _load(model, options),
-        camera=lambda scene: _camera(scene, options),
-        stats=stats,
-    )
+    MODEL is a glTF file (.gltf, .glb), an OBJ, PLY, STL or OFF, or another mesh that trimesh reads. Of several models,
+    one that cannot be shown is told on stderr, the others are made all the same, and the exit status is not 0.
+
+    \b
+    pbr-viewer render helmet.glb -o helmet.png
+    pbr-viewer render *.glb -o thumbnails/ --size 256 --background none
+    pbr-viewer render car.obj -o car.exr --env studio.hdr --orbit -30,15
+    """
+    check_camera_options(options)
+    from .assemble import make_camera, make_environment, make_scene, make_settings
+    from .render_job import RenderJob, check_output, output_paths
+
+    settings = make_settings(options)
+    work = list(zip(models, output_paths(models, output), strict=True))
+    if stats is not None:
+        check_output(stats)
+    environment = make_environment(options)
+    if environment is not None and len(work) > 1:
+        environment.radiance  # noqa: B018  decoded here: broken, it is told once, not for every model
+
+    def load(model: str) -> Any:
+        scene = make_scene(model, environment, options)
+        _warn(model, scene, options)
+        return scene
+
+    job = RenderJob(backend, settings, options["size"], use_cache=not options["no_cache"], measure=stats is not None,
+                    quiet=options["quiet"], verbose=options["verbose"])
+    sys.exit(job.run(work, load, lambda model, scene: make_camera(model, scene, options), stats))
 
 
-@cli.command()
+@cli.command(short_help="Tell what is in a model and how it will be shown.")
 @click.argument("model", required=False)
-@click.option("--json", "json_file", metavar="FILE", help="Write it as JSON ('-' for standard output).")
+@JSON_OPTION
 @click.option("--settings", "list_settings", is_flag=True, help="List what --set takes.")
-@_with(_SCENE_OPTIONS)
-@click.option("-q", "--quiet", is_flag=True, help="No warnings.")
-def info(model: str | None, json_file: str | None, list_settings: bool, **options) -> None:
-    """Tell what is in MODEL, what will be done to show it, and what is left out and why."""
-    from .info import describe_package, describe_scene, format_facts, settings_table
+@with_options([*SCENE_OPTIONS, QUIET_OPTION])
+def info(model: str | None, json_file: str | None, list_settings: bool, **options: Any) -> None:
+    """Tell what is in MODEL, what will be done to show it, and what is left out and why.
+
+    Without MODEL: what this program knows and where it keeps its cache. No OpenGL is needed.
+    """
+    from .info import describe_package, describe_scene, format_settings, settings_table
 
     if list_settings:
-        facts: dict[str, object] = {"settings": settings_table()}
-    elif model is None:
+        if json_file:
+            _write_json(json_file, settings_table())
+        else:
+            _print(format_settings())
+        return
+    if model is None:
         facts = describe_package()
     else:
-        facts = describe_scene(_load(model, options), _settings(options))
-    if json_file:
-        _write_json(json_file, facts)
-    else:
-        click.echo(format_facts(facts))
+        from .assemble import make_environment, make_scene, make_settings
+
+        settings = make_settings(options)
+        scene = make_scene(model, make_environment(options), options)
+        _warn(model, scene, options)
+        facts = describe_scene(scene, settings)
+    _tell(facts, json_file)
 
 
-@cli.command()
+@cli.command(short_help="Compare two pictures.")
 @click.argument("a")
 @click.argument("b")
-@click.option("--json", "json_file", metavar="FILE", help="Write the numbers as JSON ('-' for standard output).")
-@click.option("-o", "--output", metavar="DIFF.png", help="Write the FLIP error map.")
+@JSON_OPTION
+@click.option("-o", "--output", metavar="DIFF.png", help="Write the FLIP map: black where they agree.")
 def diff(a: str, b: str, json_file: str | None, output: str | None) -> None:
-    """Compare two pictures: FLIP, root mean square error, maximum."""
-    from .info import format_facts
+    """Compare picture B with the reference A: FLIP (how different they look), root mean square error, maximum.
+
+    Two .exr or .hdr files are compared as light, others as displayed. The exit status does not depend on the result.
+    """
     from .measure.difference import compare_files
 
     result = compare_files(a, b)
     if output:
         result.save_map(output)
-    if json_file:
-        _write_json(json_file, result.to_json())
-    else:
-        click.echo(format_facts(result.to_json()))
+    _tell(result.to_json(), json_file)
 
 
-@cli.command()
-@click.option("--json", "json_file", metavar="FILE", help="Write it as JSON ('-' for standard output).")
+@cli.command(short_help="Tell which OpenGL contexts work here.")
+@JSON_OPTION
 def doctor(json_file: str | None) -> None:
-    """Tell which OpenGL contexts work here, and what to do about those that don't."""
+    """Tell which OpenGL contexts work here, and what to do about those that don't. Exit status 3: none works."""
     from .doctor import diagnose, exit_status, format_findings
 
     findings = diagnose()
     if json_file:
         _write_json(json_file, [finding.to_json() for finding in findings])
     else:
-        click.echo(format_findings(findings))
+        _print(format_findings(findings))
     sys.exit(exit_status(findings))
 
 
-@cli.command()
+@cli.command(short_help="Tell where prepared environments are kept.")
 @click.option("--clear", is_flag=True, help="Empty it.")
 def cache(clear: bool) -> None:
-    """Tell where prepared environments are kept and how much they take."""
+    """Tell where prepared environments are kept and how much room they take.
+
+    The variable PBR_VIEWER_CACHE names another folder, or is `off`.
+    """
     from .bake.cache import cache_folder, cache_size, clear_cache
 
     folder = cache_folder()
     if folder is None:
-        click.echo("the cache is switched off")
+        _print("the cache is switched off")
     elif clear:
-        click.echo(f"{folder}: {clear_cache() / 1e6:.1f} MB freed")
+        _print(f"{folder}: {clear_cache() / 1e6:.1f} MB freed")
     else:
-        click.echo(f"{folder}: {cache_size() / 1e6:.1f} MB")
+        _print(f"{folder}: {cache_size() / 1e6:.1f} MB")
 
 
-def main() -> None:
-    """Run the command line; never a traceback for what a user did."""
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line on `arguments`, or on those of the process; ends in SystemExit."""
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(AttributeError, ValueError, OSError):
+            stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]  # a file's name may be no text
+    sys.exit(_run(arguments))
+
+
+def _run(arguments: Sequence[str] | None) -> int:
+    """The exit status; never a traceback for what a user did."""
     try:
-        cli.main(standalone_mode=False)
-    except click.exceptions.Abort:
-        _fail("interrupted", 130)
+        with stoppable():
+            cli.main(args=arguments, prog_name="pbr-viewer", standalone_mode=False)
+        return 0
+    except (Stopped, ViewerError) as error:
+        say_error(error)
+        return error.exit_status
+    except (KeyboardInterrupt, click.Abort):
+        say_error("interrupted")
+        return 130
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message(), err=True)
     except click.ClickException as error:
-        error.show()
-        sys.exit(2)
-    except ViewerError as error:
-        _fail(str(error), error.exit_status)
+        command = error.ctx.command_path if isinstance(error, click.UsageError) and error.ctx else "pbr-viewer"
+        say_error(f"{error.format_message()} (`{command} --help` tells more)")
     except MemoryError:
-        _fail("out of memory", 1)
-    except BrokenPipeError:
-        sys.exit(1)
+        say_error("out of memory")
+        return 1
     except OSError as error:
-        _fail(str(error), 1)
+        say_error(f"{error.filename or 'standard output'}: {error.strerror or error}")
+        # What could not be written waits in the stream, to be tried again, and to fail again, at exit.
+        with suppress(OSError, ValueError, AttributeError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    return 2
 
 
-def _fail(text: str, status: int) -> None:
-    click.echo(f"pbr-viewer: {text}", err=True)
-    sys.exit(status)
+def _warn(model: str, scene: Any, options: dict[str, Any]) -> None:
+    if options["quiet"]:
+        return
+    from .plan import is_dark
+
+    warnings = list(scene.warnings)
+    if is_dark(scene):
+        warnings.append("nothing lights it and it does not shine: the picture will be black; try --env or --light")
+    for warning in warnings:
+        say(f"{model}: warning: {warning}")
 
 
-def _settings(options) -> Settings:
-    settings = Settings(mode=options["mode"], background=options["background"], exposure=options["exposure"],
-                        tonemap=options["tonemap"])
-    for assignment in options["assignments"]:
-        settings = settings.with_option(assignment)
-    return settings
+def _tell(facts: dict[str, object], json_file: str | None) -> None:
+    if json_file:
+        _write_json(json_file, facts)
+        return
+    from .info import format_facts
 
-
-def _load(model: str, options):
-    """The scene under the environment and the extra lights the options ask for; warnings go to stderr."""
-    from .scene.environment_files import load_environment
-    from .scene.load import load_scene
-
-    scene = load_scene(model)
-    environment = load_environment(options["env"])
-    if environment is not None:
-        environment = replace(environment, rotation=math.radians(options["env_rotation"]),
-                              intensity=options["env_intensity"])
-    lights = (*scene.lights, *map(make_light, options["lights"]))
-    scene = replace(scene, environment=environment, lights=lights)
-    if not options["quiet"]:
-        for warning in scene.warnings:
-            click.echo(f"{model}: {warning}", err=True)
-    return scene
-
-
-def _camera(scene, options):
-    return make_camera(scene, options["size"], orbit=options["orbit"], eye=options["eye"], target=options["target"],
-                       fov=options["fov"], number=options["camera"])
+    _print(format_facts(facts))
 
 
 def _write_json(path: str, content: object) -> None:
-    from .atomic import atomic_write
+    from .atomic import write_json
 
-    text = json.dumps(content, indent=1) + "\n"
     if path == "-":
-        click.echo(text, nl=False)
-        return
-    with atomic_write(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+        import json
+
+        _print(json.dumps(content, indent=1, allow_nan=False))
+    else:
+        write_json(path, content)
+
+
+def _print(text: str) -> None:
+    click.echo("\n".join(map(_escaped, text.split("\n"))))
+
+
+def _escaped(line: str) -> str:
+    indent = len(line) - len(line.lstrip(" "))
+    return line if line.isprintable() else " " * indent + one_line(line)

@@ -9,7 +9,7 @@ from .bake.environment import bake_environment
 from .plan import Plan, plan_scene
 from .scene.environment import Environment
 from .scene.scene import Scene
-from .settings import Settings, setting_choices
+from .settings import Settings, setting_choices, setting_meanings
 
 Facts = dict[str, object]
 
@@ -39,25 +39,35 @@ def describe_scene(scene: Scene, settings: Settings) -> Facts:
 
 
 def describe_package() -> Facts:
+    """What this program reads and writes, and where it keeps its cache; JSON-able."""
     from .bake.cache import cache_folder
     from .image import WRITABLE
+    from .scene.environment_files import FORMATS
+    from .scene.environment_presets import PRESETS
+    from .scene.mesh_formats import mesh_formats
 
     return {
         "version": version("pbr-viewer"),
-        "environments": ["studio", "sky", "furnace", "none"],
-        "writes": list(WRITABLE),
-        "cache": str(cache_folder()),
-        "settings": settings_table(),
+        "models": " ".join(sorted({"gltf", "glb"} | mesh_formats())),
+        "environments": " ".join([*PRESETS, "none", *(f"*{suffix}" for suffix in FORMATS)]),
+        "pictures": " ".join(WRITABLE),
+        "cache": str(cache_folder() or "off"),
     }
 
 
-def settings_table() -> Facts:
-    """What --set takes: each name with its default and its other values."""
-    default = Settings()
-    return {
-        name: f"{getattr(default, name)} (or {', '.join(c for c in choices if c != getattr(default, name))})"
-        for name, choices in setting_choices().items()
-    }
+def settings_table() -> list[dict[str, object]]:
+    """What --set takes: each name with its values, the default, and what it is for."""
+    default, meanings = Settings(), setting_meanings()
+    return [{"name": name, "choices": list(choices), "default": getattr(default, name), "meaning": meanings[name]}
+            for name, choices in setting_choices().items()]
+
+
+def format_settings() -> str:
+    """`settings_table` as text, two lines each."""
+    default, meanings, lines = Settings(), setting_meanings(), []
+    for name, choices in setting_choices().items():
+        lines += [f"--set {name}={'|'.join(choices)}", f"      {meanings[name]}; default: {getattr(default, name)}"]
+    return "\n".join(lines)
 
 
 def format_facts(facts: Facts, indent: str = "") -> str:

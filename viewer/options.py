@@ -1,38 +1,62 @@
-"""The command line's words turned into cameras, colours, lights and sizes."""
+"""The command line's options that several commands share, and the types of their values.
+
+Nothing heavy is imported here, so that `--help` and a wrong word answer at once.
+"""
 
 from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import click
-import numpy as np
 
-from .scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, Camera
-from .scene.color import srgb_to_linear
-from .scene.light import Light
-from .scene.scene import Scene
-from .settings import Background
+from .errors import UsageError
+from .settings import MAX_EXPOSURE, Background, parse_background
+
+
+class Number(click.ParamType):
+    """A finite number from `low` to `high`, both allowed."""
+
+    name = "number"
+
+    def __init__(self, low: float = -math.inf, high: float = math.inf) -> None:
+        self.low, self.high = low, high
+
+    def convert(self, value, param, ctx) -> float:
+        try:
+            number = float(value)
+        except ValueError:
+            number = math.nan
+        if not math.isfinite(number):
+            self.fail(f"{value!r} is not a number.", param, ctx)
+        if not self.low <= number <= self.high:
+            self.fail(f"{value} is not from {self.low:g} to {self.high:g}.", param, ctx)
+        return number
 
 
 class Numbers(click.ParamType):
-    """Finite numbers with commas between, as many as `counts` allows."""
+    """Finite numbers with commas between, as many as `counts` allows; `check` gives the problem with them, or ""."""
 
     name = "numbers"
 
-    def __init__(self, form: str, *counts: int) -> None:
-        self.form, self.counts = form, counts
+    def __init__(self, form: str, *counts: int, check: Callable[[tuple[float, ...]], str] | None = None) -> None:
+        self.form, self.counts, self.check = form, counts, check
 
-    def convert(self, value, param, ctx):
+    def convert(self, value, param, ctx) -> tuple[float, ...]:
         try:
             numbers = tuple(float(part) for part in value.split(","))
         except ValueError:
-            self.fail(f"{value!r} is not {self.form}", param, ctx)
+            numbers = ()
         if len(numbers) not in self.counts or not all(map(math.isfinite, numbers)):
-            self.fail(f"{value!r} is not {self.form}", param, ctx)
+            self.fail(f"{value!r} is not {self.form}, numbers with commas between.", param, ctx)
+        problem = self.check(numbers) if self.check else ""
+        if problem:
+            self.fail(problem, param, ctx)
         return numbers
 
-    def get_metavar(self, param, ctx=None):
+    def get_metavar(self, param, ctx=None) -> str:
         return self.form
 
 
@@ -41,15 +65,13 @@ class Size(click.ParamType):
 
     name = "size"
 
-    def convert(self, value, param, ctx):
-        match = re.fullmatch(r"(\d{1,6})(?:[xX](\d{1,6}))?", value) if isinstance(value, str) else None
-        if isinstance(value, tuple):
-            return value
+    def convert(self, value, param, ctx) -> tuple[int, int]:
+        match = re.fullmatch(r"([0-9]{1,6})(?:[xX]([0-9]{1,6}))?", value)
         if not match or not all(int(n) for n in match.groups() if n):
-            self.fail(f"{value!r} is not WxH", param, ctx)
+            self.fail(f"{value!r} is not WxH, such as 1280x720.", param, ctx)
         return int(match[1]), int(match[2] or match[1])
 
-    def get_metavar(self, param, ctx=None):
+    def get_metavar(self, param, ctx=None) -> str:
         return "WxH"
 
 
@@ -59,64 +81,79 @@ class BackgroundColor(click.ParamType):
     name = "background"
 
     def convert(self, value, param, ctx) -> Background:
-        if value in ("env", "none") or isinstance(value, tuple):
-            return value
-        match = re.fullmatch(r"#?([0-9a-fA-F]{6})", value)
-        if not match:
-            self.fail(f"{value!r} is not env, none or #rrggbb", param, ctx)
-        code = np.array([int(match[1][k : k + 2], 16) for k in (0, 2, 4)]) / 255
-        return tuple(float(c) for c in srgb_to_linear(code))
+        try:
+            return parse_background(value)
+        except UsageError:
+            self.fail(f"{value!r} is not env, none or #rrggbb.", param, ctx)
 
-    def get_metavar(self, param, ctx=None):
+    def get_metavar(self, param, ctx=None) -> str:
         return "env|none|#rrggbb"
 
 
-def make_light(numbers: tuple[float, ...]) -> Light:
-    azimuth, elevation, lux = numbers
-    if lux < 0:
-        raise click.UsageError(f"--light: {lux:g} lux is negative")
-    return Light.from_angles(math.radians(azimuth), math.radians(elevation), lux)
+def _orbit_problem(orbit: tuple[float, ...]) -> str:
+    return f"the distance {orbit[2]:g} is not positive." if len(orbit) == 3 and orbit[2] <= 0 else ""
 
 
-def make_camera(
-    scene: Scene,
-    size: tuple[int, int],
-    *,
-    orbit: tuple[float, ...] | None = None,
-    eye: tuple[float, ...] | None = None,
-    target: tuple[float, ...] | None = None,
-    fov: float | None = None,
-    number: int | None = None,
-) -> Camera:
-    """The camera the options ask for; without any the one that frames the scene.
-
-    `orbit` is azimuth and elevation in degrees and perhaps a distance; `number` counts the file's own cameras from 0.
-    """
-    if sum(option is not None for option in (orbit, eye, number)) > 1:
-        raise click.UsageError("--orbit, --eye and --camera exclude one another")
-    if target is not None and number is not None:
-        raise click.UsageError("--target does not go with --camera")
-    if number is not None:
-        return _own_camera(scene, number, fov)
-    fov_y = math.radians(45.0 if fov is None else fov)
-    center = scene.center if target is None else np.array(target)
-    if eye is not None:
-        if np.array_equal(eye, center):
-            raise click.UsageError("--eye and --target are the same point")
-        return Camera.look_at(eye, center, fov_y=fov_y)
-    azimuth, elevation = DEFAULT_AZIMUTH, DEFAULT_ELEVATION
-    if orbit is not None:
-        azimuth, elevation = math.radians(orbit[0]), math.radians(orbit[1])
-    if orbit is not None and len(orbit) == 3:
-        if orbit[2] <= 0:
-            raise click.UsageError(f"--orbit: the distance {orbit[2]:g} is not positive")
-        return Camera.orbit(center, orbit[2], azimuth, elevation, fov_y)
-    return Camera.framing(center, scene.radius, size[0] / size[1], azimuth, elevation, fov_y)
+def _light_problem(light: tuple[float, ...]) -> str:
+    return f"{light[2]:g} lux is negative." if light[2] < 0 else ""
 
 
-def _own_camera(scene: Scene, number: int, fov: float | None) -> Camera:
-    if not 0 <= number < len(scene.cameras):
-        have = f"0 to {len(scene.cameras) - 1}" if scene.cameras else "none"
-        raise click.UsageError(f"--camera {number}: {scene.name} has {have}")
-    camera = scene.cameras[number]
-    return camera if fov is None else Camera(camera.pose, math.radians(fov), None, camera.name)
+SCENE_OPTIONS = [
+    click.option("--mode", type=click.Choice(["pbr", "phong"]), default="pbr", show_default=True,
+                 help="Physically based shading, or Phong's."),
+    click.option("--env", default="studio", metavar="FILE|NAME|none", show_default=True,
+                 help="Light from all around: a panorama (.hdr, .exr), or studio, sky, furnace, none."),
+    click.option("--env-rotation", type=Number(), default=0.0, metavar="DEG",
+                 help="Turn it about the vertical axis, counter-clockwise seen from above."),
+    click.option("--env-intensity", type=Number(0, 1e6), default=1.0, metavar="X", help="Multiply its light."),
+    click.option("--background", type=BackgroundColor(), default="env", show_default=True,
+                 help="Behind the model: the environment, nothing (alpha 0), or a colour, which is shown exactly so; "
+                      "an .exr holds the colour as linear light."),
+    click.option("--exposure", type=Number(-MAX_EXPOSURE, MAX_EXPOSURE), default=0.0, metavar="EV",
+                 help="Make the picture 2^EV times as bright; an .exr is left as it is."),
+    click.option("--tonemap", type=click.Choice(["neutral", "agx", "aces", "none"]), default="neutral",
+                 show_default=True, help="How bright light is brought into the range of a screen."),
+    click.option("--light", "lights", type=Numbers("AZ,EL,LUX", 3, check=_light_problem), multiple=True,
+                 help="Add a distant light that shines from azimuth and elevation (degrees); repeatable."),
+    click.option("--set", "assignments", multiple=True, metavar="NAME=VALUE",
+                 help="Any other setting; `pbr-viewer info --settings` lists them; repeatable."),
+]
+CAMERA_OPTIONS = [
+    click.option("--orbit", type=Numbers("AZ,EL[,DIST]", 2, 3, check=_orbit_problem),
+                 help="Look from azimuth and elevation (degrees; 0,0 is the front) and a distance; without one, or "
+                      "without any option for the camera, the model fills the picture. Default: 30,15."),
+    click.option("--eye", type=Numbers("X,Y,Z", 3), help="Look from this point."),
+    click.option("--target", type=Numbers("X,Y,Z", 3), help="Look at this point; default: the model's middle."),
+    click.option("--fov", type=Number(0.01, 179), metavar="DEG", help="Vertical field of view; default: 45."),
+    click.option("--camera", type=click.IntRange(0), metavar="N", help="The file's own camera N, counted from 0."),
+]
+QUIET_OPTION = click.option("-q", "--quiet", is_flag=True, help="No warnings and no progress bar.")
+COMMON_OPTIONS = [
+    click.option("--size", type=Size(), default="1280x720", show_default=True, help="In pixels; one number: a square."),
+    click.option("--no-cache", is_flag=True, help="Neither read nor write the cache of prepared environments."),
+    QUIET_OPTION,
+    click.option("-v", "--verbose", is_flag=True, help="Tell what is done and how long it takes."),
+]
+JSON_OPTION = click.option("--json", "json_file", metavar="FILE", help="Write JSON to FILE ('-': standard output).")
+
+
+def with_options(options: Sequence[Callable[[Any], Any]]) -> Callable[[Any], Any]:
+    """A decorator that adds them all, to be listed in this order."""
+
+    def decorate(command: Any) -> Any:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return decorate
+
+
+def check_camera_options(options: dict[str, Any]) -> None:
+    """Raises UsageError for options that contradict each other, before anything is loaded."""
+    given = [f"--{name}" for name in ("orbit", "eye", "camera") if options[name] is not None]
+    if len(given) > 1:
+        raise UsageError(f"{' and '.join(given)} exclude one another")
+    if options["target"] is not None and options["camera"] is not None:
+        raise UsageError("--target does not go with --camera")
+    if options["eye"] is not None and options["eye"] == options["target"]:
+        raise UsageError("--eye and --target are the same point")

@@ -101,6 +101,17 @@ def is_lit(mesh: Mesh, material: Material) -> bool:
     return mesh.normals is not None and not material.unlit
 
 
+def is_dark(scene: Scene) -> bool:
+    """Whether no light falls on anything and nothing shines by itself: the picture will be black."""
+    if scene.environment is not None and scene.environment.intensity > 0:
+        return False
+    if not scene.instances or any(light.intensity * max(light.color) > 0 for light in scene.lights):
+        return False
+    meshes = (scene.meshes[instance.mesh] for instance in scene.instances)
+    shown = ((mesh, scene.materials[mesh.material]) for mesh in meshes)
+    return not any(any(material.emissive) or not is_lit(mesh, material) for mesh, material in shown)
+
+
 def plan_scene(
     scene: Scene, settings: Settings, lights: Sequence[Light], *, samples: int, half_target: bool, orthographic: bool
 ) -> Plan:

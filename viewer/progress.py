@@ -4,18 +4,29 @@ from __future__ import annotations
 
 import sys
 import threading
+from typing import TYPE_CHECKING
+
+from .messages import one_line
+
+if TYPE_CHECKING:
+    from rich.progress import Progress as Bar
+    from rich.progress import TaskID
 
 DELAY_S = 1.0
 
 
 class Progress:
-    """`step` begins the next of `total` pieces of work, `say` changes the words beside the bar."""
+    """`step` begins the next of `total` pieces of work, `say` changes the words beside the bar.
+
+    What is written to stderr meanwhile appears above the bar, which is gone at the end.
+    """
 
     def __init__(self, total: int, enabled: bool = True) -> None:
         self._total, self._done, self._text = total, -1, ""
-        self._bar = None
+        self._bar: Bar | None = None
+        self._task: TaskID | None = None
         self._lock = threading.Lock()
-        self._timer = threading.Timer(DELAY_S, self._show) if enabled and sys.stderr.isatty() else None
+        self._timer = threading.Timer(DELAY_S, self._show) if enabled and _is_terminal() else None
 
     def step(self, text: str) -> None:
         self._done += 1
@@ -23,9 +34,9 @@ class Progress:
 
     def say(self, text: str) -> None:
         with self._lock:
-            self._text = text
-            if self._bar is not None:
-                self._bar.update(self._task, completed=max(self._done, 0), description=text)
+            self._text = one_line(text)
+            if self._bar is not None and self._task is not None:
+                self._bar.update(self._task, completed=max(self._done, 0), description=self._text)
 
     def _show(self) -> None:
         from rich.console import Console
@@ -34,7 +45,8 @@ class Progress:
         with self._lock:
             if self._timer is None:  # closed while we waited
                 return
-            columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+            words = TextColumn("{task.description}", markup=False)
+            columns = words, BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
             self._bar = Progress(*columns, console=Console(stderr=True), transient=True)
             self._task = self._bar.add_task(self._text, total=self._total, completed=max(self._done, 0))
             self._bar.start()
@@ -52,3 +64,7 @@ class Progress:
             self._timer = None
             if self._bar is not None:
                 self._bar.stop()
+
+
+def _is_terminal() -> bool:
+    return sys.stderr is not None and sys.stderr.isatty()

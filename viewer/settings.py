@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal, get_args, get_type_hints
 
 from .errors import UsageError
@@ -15,6 +15,10 @@ Background = Literal["env", "none"] | tuple[float, float, float]
 
 MAX_EXPOSURE = 64.0
 """In stops; 2**64 times any radiance a half float holds is still a float32."""
+
+
+def _option(default: str, meaning: str) -> Any:
+    return field(default=default, metadata={"meaning": meaning})
 
 
 @dataclass(frozen=True)
@@ -31,16 +35,18 @@ class Settings:
     tonemap: Tonemap = "neutral"
 
     # --set
-    ndf: Literal["ggx", "beckmann", "blinn-phong"] = "ggx"
-    masking: Literal["smith", "smith-separable", "v-cavity", "none"] = "smith"
-    fresnel: Literal["schlick", "exact"] = "schlick"
-    multiscatter: Literal["on", "off"] = "on"
-    lobes: Literal["all", "uniform-diffuse", "specular", "directional-diffuse"] = "all"
-    phong: Literal["phong", "blinn-phong"] = "phong"
-    shadows: Literal["on", "off"] = "on"
-    specular_aa: Literal["on", "off"] = "on"
-    antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8"] = "auto"
-    """auto: four samples a pixel; one for frames of a moving camera that a processor draws, where four double the time."""
+    ndf: Literal["ggx", "beckmann", "blinn-phong"] = _option("ggx", "how the normals of microfacets are spread, D")
+    masking: Literal["smith", "smith-separable", "v-cavity", "none"] = _option(
+        "smith", "how microfacets hide one another, G; smith is height-correlated")
+    fresnel: Literal["schlick", "exact"] = _option("schlick", "how reflection grows towards grazing angles, F")
+    multiscatter: Literal["on", "off"] = _option("on", "give back the light that bounces between microfacets")
+    lobes: Literal["all", "uniform-diffuse", "specular", "directional-diffuse"] = _option(
+        "all", "show one contribution alone")
+    phong: Literal["phong", "blinn-phong"] = _option("phong", "the highlight of --mode phong")
+    shadows: Literal["on", "off"] = _option("on", "shadows of the lights")
+    specular_aa: Literal["on", "off"] = _option("on", "widen highlights that are finer than a pixel")
+    antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8"] = _option(
+        "auto", "samples a pixel; auto: four, but one while the camera moves and a processor draws")
 
     @classmethod
     def of(cls, **values: Any) -> Settings:
@@ -105,5 +111,9 @@ def _number(value: object, name: str, low: float, high: float) -> float:
 def setting_choices() -> dict[str, tuple[str, ...]]:
     """The settings `--set` reaches, each with its allowed values, in the order they are documented."""
     hints = get_type_hints(Settings)
-    by_option = ("mode", "background", "exposure", "tonemap")
-    return {f.name: get_args(hints[f.name]) for f in fields(Settings) if f.name not in by_option}
+    return {name: get_args(hints[name]) for name in setting_meanings()}
+
+
+def setting_meanings() -> dict[str, str]:
+    """What each setting of `setting_choices` is for, in a few words."""
+    return {f.name: f.metadata["meaning"] for f in fields(Settings) if "meaning" in f.metadata}

@@ -77,6 +77,15 @@ def store(name: str, arrays: dict[str, np.ndarray]) -> None:
     _trim(path.parent)
 
 
+def cache_size() -> int:
+    """Bytes all entries take."""
+    folder, size = cache_folder(), 0
+    for path in _entries(folder) if folder else []:
+        with suppress(OSError):  # another process may have removed it
+            size += path.stat().st_size
+    return size
+
+
 def clear_cache() -> int:
     """Remove every entry; the bytes freed."""
     folder = cache_folder()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import sys
 import threading
 from collections.abc import Callable
@@ -45,6 +46,7 @@ class Context:
 
     def __init__(self, create: Callable[[], Loader]) -> None:
         """`create` makes the native context, or raises ContextError."""
+        _check_process()
         previous = _leave_current()
         try:
             self._loader = create()
@@ -63,6 +65,8 @@ class Context:
         # moderngl's default is never to free what is not released by hand. "auto" would free it the moment Python
         # drops it, into whichever context is current then; so it is only listed, and freed by _free_dropped.
         self.gl.gc_mode = "context_gc"
+        _processes.add(os.getpid())
+        self._process = os.getpid()
         info = self.gl.info
         self.renderer: str = info["GL_RENDERER"]
         self.vendor: str = info["GL_VENDOR"]
@@ -83,6 +87,7 @@ class Context:
         self._free_dropped()
 
     def _enter(self) -> None:
+        _check_process()
         if getattr(_current, "context", None) is not self:
             _leave_current()
             _current.context = self
@@ -90,7 +95,7 @@ class Context:
 
     def release(self) -> None:
         """Destroy the context; harmless when done twice."""
-        if isinstance(self.gl.mglo, moderngl.InvalidObject):
+        if isinstance(self.gl.mglo, moderngl.InvalidObject) or self._process != os.getpid():
             return
         previous = getattr(_current, "context", None)
         self._enter()
@@ -121,6 +126,15 @@ class Context:
 
 
 _current = threading.local()
+_processes: set[int] = set()
+"""This one, once it has had a context; the one it was forked off, if that had."""
+
+
+def _check_process() -> None:
+    """A fork copies a driver's state but not its threads, for which it would wait forever: raises ContextError."""
+    if _processes and os.getpid() not in _processes:
+        raise ContextError("no OpenGL context: this process was forked off one that has used OpenGL; start it another "
+                           'way, as by multiprocessing.set_start_method("spawn")')
 
 
 def _leave_current() -> Context | None:
@@ -166,6 +180,7 @@ def open_context(backend: str = "auto", device: int | None = None) -> Context:
     """
     if backend not in ("auto", "egl", "osmesa", "window"):
         raise UsageError(f"no backend {backend!r}; there are auto, egl, osmesa, window")
+    _check_process()
     if device is not None and backend not in ("auto", "egl"):
         raise UsageError(f"a device can be chosen for the egl backend only, not for {backend}")
     if backend == "auto":

@@ -21,8 +21,8 @@ class Target:
         try:
             self._make()
         except moderngl.Error as error:
-            raise UsageError(f"a picture of {size[0]}x{size[1]} with {samples} samples a pixel is more than this OpenGL "
-                             f"can hold ({error})") from error
+            raise UsageError(f"a picture of {size[0]}x{size[1]} with {samples} samples a pixel is more than this "
+                             f"OpenGL can hold ({error})") from error
 
     def _make(self) -> None:
         gl, size, samples = self._gl, self.size, self.samples
