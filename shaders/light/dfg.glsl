@@ -1,8 +1,25 @@
-// The split sum's table (Karis 2013): directional albedo = f0 * dfg.x + f90 * dfg.y. Made by viewer/bake/dfg.py.
+// The split sum's table (Karis 2013), made by viewer/bake/dfg.py: directional albedo = f0 * a + f90 * b, and for each of
+// the two parts where the filtered environment is to be looked up: along mix(n, r, t), with which roughness.
 #define DFG_SIZE 64.0
 
-// u = perceptual roughness, v = sqrt(NoV), from the first texel's centre to the last one's.
-vec2 dfg_lookup(sampler2D table, float NoV, float perceptual_roughness) {
-    vec2 uv = vec2(perceptual_roughness, sqrt(max(NoV, 0.0)));
-    return textureLod(table, uv * ((DFG_SIZE - 1.0) / DFG_SIZE) + 0.5 / DFG_SIZE, 0.0).rg;
+struct SplitSum {
+    vec2 albedo;    // a, b
+    vec2 t;         // share of the mirror direction, of a and of b
+    vec2 roughness; // perceptual
+};
+
+// u = perceptual roughness, v = sqrt(NoV), from the first texel's centre to the last one's, in either half of the table.
+vec2 dfg_uv(float NoV, float perceptual_roughness) {
+    vec2 uv = vec2(perceptual_roughness, sqrt(max(NoV, 0.0))) * ((DFG_SIZE - 1.0) / DFG_SIZE) + 0.5 / DFG_SIZE;
+    return uv * vec2(1.0, 0.5);
+}
+
+vec2 dfg_albedo(sampler2D table, float NoV, float perceptual_roughness) {
+    return textureLod(table, dfg_uv(NoV, perceptual_roughness), 0.0).rg;
+}
+
+SplitSum dfg_lookup(sampler2D table, float NoV, float perceptual_roughness) {
+    vec2 uv = dfg_uv(NoV, perceptual_roughness);
+    vec4 upper = textureLod(table, uv, 0.0);
+    return SplitSum(upper.rg, upper.ba, textureLod(table, uv + vec2(0.0, 0.5), 0.0).rg);
 }

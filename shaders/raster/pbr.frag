@@ -123,10 +123,11 @@ vec3 shade_light(int i, Surface s, vec3 n_geometric) {
 #endif
 
 #if HAS_ENVIRONMENT
-vec3 environment_response(Interface face, vec3 diffuse_albedo, vec3 specular_light, vec3 mean_light) {
-    vec3 single = face.E_ss, multiple = face.E_ms;
-    vec3 diffuse = diffuse_albedo * (1.0 - max3(single + multiple));
-    return specular_light * single * float(SHOW_SPECULAR) + mean_light * (multiple + diffuse * float(SHOW_DIFFUSE));
+// Light reflected at the interface, `specular` the radiance its parts a and b see, and what passes through to the base.
+vec3 environment_response(Interface face, SplitSum split_sum, mat2x3 specular, vec3 diffuse_albedo, vec3 mean_light) {
+    vec3 single = face.f0 * (split_sum.albedo.x * specular[0]) + face.f90 * (split_sum.albedo.y * specular[1]);
+    vec3 diffuse = diffuse_albedo * (1.0 - max3(face.E_ss + face.E_ms));
+    return single * float(SHOW_SPECULAR) + mean_light * (face.E_ms + diffuse * float(SHOW_DIFFUSE));
 }
 
 // Occlusion of the reflected lobe by what occludes the hemisphere      Lagarde & de Rousiers 2014, "Frostbite", p. 76
@@ -134,25 +135,35 @@ float specular_occlusion(float NoV, float occlusion, float alpha) {
     return clamp(pow(NoV + occlusion, exp2(-16.0 * alpha - 1.0)) - 1.0 + occlusion, 0.0, 1.0);
 }
 
-vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion) {
-    vec3 r = reflect(-s.v, s.n);
+vec3 reflected_light(vec3 n, vec3 r, vec3 n_geometric, float t, float perceptual_roughness) {
+    vec3 d = mix(n, r, t);
     // A mapped normal may send the reflection under the surface, where it would meet the surface itself.
-    float below = min(dot(r, n_geometric), 0.0);
-    r -= 2.0 * below * n_geometric;
-    vec3 specular_light = environment_specular(r, s.perceptual_roughness);
+    d -= 2.0 * min(dot(d, n_geometric), 0.0) * n_geometric;
+    return environment_specular(normalize(d), perceptual_roughness);
+}
+
+vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, SplitSum split_sum) {
+    vec3 r = reflect(-s.v, s.n);
+    mat2x3 specular;
+    specular[0] = reflected_light(s.n, r, n_geometric, split_sum.t.x, split_sum.roughness.x);
+#if METALNESS == 1
+    specular[1] = specular[0]; // of a metal b is a small part
+#else
+    specular[1] = reflected_light(s.n, r, n_geometric, split_sum.t.y, split_sum.roughness.y);
+#endif
     vec3 mean_light = environment_irradiance_over_pi(s.n);
 #if OCCLUSION_MAP
     mean_light *= occlusion;
-    specular_light *= specular_occlusion(s.NoV, occlusion, s.alpha);
+    specular *= specular_occlusion(s.NoV, occlusion, s.alpha);
 #endif
     vec3 radiance = vec3(0.0);
 #if METALNESS != 1
     radiance += (METALNESS == 2 ? 1.0 - s.metallic : 1.0)
-              * environment_response(s.dielectric, s.base_color, specular_light, mean_light);
+              * environment_response(s.dielectric, split_sum, specular, s.base_color, mean_light);
 #endif
 #if METALNESS != 0
     radiance += (METALNESS == 2 ? s.metallic : 1.0)
-              * environment_response(s.metal, vec3(0.0), specular_light, mean_light);
+              * environment_response(s.metal, split_sum, specular, vec3(0.0), mean_light);
 #endif
     return radiance;
 }
@@ -185,7 +196,12 @@ void main() {
     s.perceptual_roughness = sqrt(s.alpha);
 #endif
 
-    vec2 dfg = dfg_lookup(u_dfg, s.NoV, s.perceptual_roughness);
+    #if HAS_ENVIRONMENT
+    SplitSum split_sum = dfg_lookup(u_dfg, s.NoV, s.perceptual_roughness);
+    vec2 dfg = split_sum.albedo;
+#else
+    vec2 dfg = dfg_albedo(u_dfg, s.NoV, s.perceptual_roughness);
+#endif
 #if METALNESS != 1
     float weight = u_specular;
 #if SPECULAR_MAP
@@ -210,7 +226,7 @@ void main() {
 #if OCCLUSION_MAP
     occlusion = 1.0 + u_occlusion_strength * (occlusion_texel().r - 1.0);
 #endif
-    radiance += shade_environment(s, n_geometric, occlusion);
+    radiance += shade_environment(s, n_geometric, occlusion, split_sum);
 #endif
 #if LIGHT_COUNT > 0
     for (int i = 0; i < LIGHT_COUNT; ++i) radiance += shade_light(i, s, n_geometric);

@@ -73,11 +73,15 @@ def test_irradiance_is_looked_up_along_the_normal(gl, evaluate, directions):
 
 def test_dfg_lookup_hits_the_table(gl, evaluate):
     values = dfg_table()
-    table = gl.texture((SIZE, SIZE), values.shape[2], values.tobytes(), dtype="f4")
+    table = gl.texture((SIZE, 2 * SIZE), 4, values.tobytes(), dtype="f4")
     table.repeat_x = table.repeat_y = False
     column, row = np.random.default_rng(9).integers(0, SIZE, (2, COUNT))
     inputs = np.stack([(row / (SIZE - 1)) ** 2, column / (SIZE - 1), column, row], axis=1)
-    found = evaluate("light/dfg", "vec4(dfg_lookup(table, i.x, i.y).xy, 0.0, 0.0)", inputs, "uniform sampler2D table;",
-                     table=table)
+    found = {name: evaluate("light/dfg", f"vec4(dfg_lookup(table, i.x, i.y).{name}, 0.0, 0.0)", inputs,
+                            "uniform sampler2D table;", table=table)[:, :2]
+             for name in ("albedo", "t", "roughness")}
     # llvmpipe places samples to 1/256 of a texel, and the table is steep only towards the mirror at grazing view.
-    assert np.abs(found[:, :2] - values[row, column, :2]).max() < 5e-3
+    assert np.abs(found["albedo"] - values[row, column, :2]).max() < 5e-3
+    assert np.abs(found["t"] - values[row, column, 2:]).max() < 0.06
+    assert np.abs(found["roughness"] - values[SIZE + row, column, :2]).max() < 0.01
+

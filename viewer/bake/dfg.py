@@ -1,4 +1,4 @@
-"""The directional albedo of a microfacet lobe under Schlick's Fresnel: the DFG table of the split sum (Karis 2013).
+"""What a microfacet lobe does with light from all around: the DFG table of the split sum (Karis 2013), and where to look.
 
     E(NoV, alpha) = integral f(v, l) NoL dl = f0 a + f90 b,     a = <1 - Fc>, b = <Fc>, Fc = (1 - VoH)^5
 
@@ -9,6 +9,13 @@ where <.> weighs the half vectors h by D(h) G2(v, l) VoH / NoV (Walter 2007, the
 
 and light leaves above the surface exactly while cos phi > (NoV / (2 NoH) - NoV NoH) / (sin v sin h). The integrand is
 smooth but for square roots where that limit reaches the whole circle and where it closes: h at (pi/2 -+ theta_v) / 2.
+The environment is filtered for a lobe seen along the normal (n = v = r). Seen at a slant the lobe leans from the mirror
+direction r towards n and changes its width (Lagarde & de Rousiers 2014, "Frostbite", section 4.9.3, fit the first), and
+what Fresnel adds, b, leans the other way. So each of the two parts is looked up on its own, by its first moment
+M = <l>: the direction is that of M, kept as the share t of r in mix(n, r, t), and the roughness is the one whose filter
+has lambda_1 = |M| / <1>. Against the integral, in four of our test environments and all directions, the logarithm of a
+rough dielectric's reflection then errs by 0.2 (RMS) where r itself and the surface's roughness err by 0.5 to 0.7.
+
 Gauss-Legendre between those angles, its nodes drawn to the ends by a cosine, errs by 1.5e-3 at most (at grazing) with
 24 nodes a side, and by 1e-4 with 64.
 """
@@ -21,15 +28,17 @@ import numpy as np
 
 from ..resources import resource_folder
 from .cache import key, load, store
+from .lobes import lobe_spectrum
 
 SIZE = 64  # looked up bilinearly: 6e-5 off on average, 2e-3 at most where NoV and roughness are above 0.1
 MIN_COSINE = 1e-4  # where the row of NoV = 0 is evaluated: the limit exists, 0 / 0 does not
+SHARES = (-0.5, 5.0)  # bounds on t: near the normal, where r is n and t is idle, that of b grows without end
 MASKINGS = ("smith", "smith-separable", "v-cavity", "none")
 
 
 @lru_cache(maxsize=4)
 def dfg_table(ndf: str = "ggx", masking: str = "smith", size: int = SIZE) -> np.ndarray:
-    """a and b, (size, size, 2) float32, read-only.
+    """a, b, t of a, t of b; and below them the roughness to look up a and b with, 0, 0: (2 size, size, 4) float32, read-only.
 
     Row j is NoV = (j / (size-1))^2, column i perceptual roughness i / (size-1). As a texture that
     is u = roughness, v = sqrt(NoV), each inset by half a texel, as dfg.glsl looks it up. The default comes from the
@@ -50,19 +59,48 @@ def dfg_table(ndf: str = "ggx", masking: str = "smith", size: int = SIZE) -> np.
 def compute_dfg_table(ndf: str, masking: str, size: int, nodes: int = 24) -> np.ndarray:
     """The table of `dfg_table`, worked out anew."""
     axis = np.arange(size) / (size - 1)
-    table = np.empty((size, size, 2))
+    albedo, look_up = np.empty((size, size, 4)), np.zeros((size, size, 4))
     NoV = np.maximum(axis**2, MIN_COSINE)
+    NoV[-1] = np.cos(1e-3)  # at the normal itself n and r coincide and t is 0 / 0; its limit is reached here
+    concentration = _filter_concentration(ndf)
     for column, perceptual_roughness in enumerate(axis):
-        table[:, column] = directional_albedo(ndf, masking, NoV, perceptual_roughness**2, nodes)
-    return table.astype(np.float32)
+        moments = lobe_moments(ndf, masking, NoV, perceptual_roughness**2, nodes)
+        albedo[:, column, :2] = moments[..., 0]
+        albedo[:, column, 2:] = _share_of_mirror(moments[..., 1:], NoV[:, None])
+        # np.interp wants the abscissa to rise; the concentration falls with roughness.
+        length = np.linalg.norm(moments[..., 1:], axis=2) / np.maximum(moments[..., 0], 1e-60)
+        look_up[:, column, :2] = np.interp(-length, -concentration[:, 1], concentration[:, 0])
+    return np.concatenate([albedo, look_up]).astype(np.float32)
+
+
+def _filter_concentration(ndf: str) -> np.ndarray:
+    """Perceptual roughness and lambda_1 of the environment's filter for it, (65, 2), from the mirror to roughness 1."""
+    roughness = np.linspace(0, 1, 65)
+    return np.array([(r, lobe_spectrum(ndf, r * r, 1)[1] if r > 0.01 else 1.0) for r in roughness])
+
+
+def _share_of_mirror(mean: np.ndarray, NoV: np.ndarray) -> np.ndarray:
+    """t of the mix(n, r, t) along `mean` (..., 2), which is given along the normal and the tangent r leans to.
+
+    tan(theta_m) = t sin / (1 - t + t cos), with r's angle theta_v = acos(NoV), solved for t.
+    """
+    along_n, along_t = mean[..., 0], mean[..., 1]
+    share = along_t / np.maximum(np.sqrt(1 - NoV**2) * along_n + (1 - NoV) * along_t, 1e-60)
+    return np.clip(share, *SHARES)
 
 
 def directional_albedo(ndf: str, masking: str, NoV: np.ndarray, alpha: float, nodes: int = 24) -> np.ndarray:
     """a and b by quadrature, (N, 2) float64, for NoV (N,) in (0, 1]; alpha 0 is the mirror."""
+    return lobe_moments(ndf, masking, NoV, alpha, nodes)[..., 0]
+
+
+def lobe_moments(ndf: str, masking: str, NoV: np.ndarray, alpha: float, nodes: int = 24) -> np.ndarray:
+    """Of a and of b: <1>, and <l> along n and along the tangent the mirror direction leans to, (N, 2, 3) float64."""
     NoV = np.asarray(NoV, np.float64)
     if alpha == 0:
         mirror = (1 - NoV) ** 5
-        return np.stack([1 - mirror, mirror], axis=-1)
+        moments = np.stack([np.ones_like(NoV), NoV, np.sqrt(1 - NoV**2)], axis=-1)
+        return np.stack([1 - mirror, mirror], axis=-1)[..., None] * moments[:, None]
     theta_v = np.arccos(np.minimum(NoV, 1.0))
     limits = np.stack([0 * theta_v, (np.pi / 2 - theta_v) / 2, (np.pi / 2 + theta_v) / 2])
     survival = _survival(ndf, np.tan(limits) ** 2, alpha)  # w at the panels' ends, falling from 1
@@ -70,7 +108,7 @@ def directional_albedo(ndf: str, masking: str, NoV: np.ndarray, alpha: float, no
     s, weight = (x + 1) / 2, weight / 2
     drawn, drawn_weight = (1 - np.cos(np.pi * s)) / 2, weight * np.pi / 2 * np.sin(np.pi * s)
 
-    total = np.zeros((len(NoV), 2))
+    total = np.zeros((len(NoV), 2, 3))
     v = NoV[:, None, None]
     sin_v = np.sin(theta_v)[:, None, None]
     for high, low in zip(survival[:-1], survival[1:]):
@@ -85,8 +123,9 @@ def directional_albedo(ndf: str, masking: str, NoV: np.ndarray, alpha: float, no
         share = _masking(ndf, masking, v, NoL, NoH, VoH, alpha) * VoH / (v * NoH)
         share = share * phi_max / np.pi * weight * ((high - low)[:, None] * drawn_weight)[:, :, None]
         fresnel = np.clip(1 - VoH, 0, 1) ** 5
-        b = (share * fresnel).sum(axis=(1, 2))
-        total += np.stack([share.sum(axis=(1, 2)) - b, b], axis=-1)
+        toward_mirror = sin_v - 2 * VoH * sin_h * np.cos(phi_max * s)
+        for part, weights in enumerate((share * (1 - fresnel), share * fresnel)):
+            total[:, part] += np.stack([(weights * f).sum(axis=(1, 2)) for f in (1, NoL, toward_mirror)], axis=-1)
     return total
 
 
