@@ -169,7 +169,7 @@ def _shadow_layers(lights: Sequence[Light], settings: Settings) -> tuple[tuple[i
     first, used = [], 0
     for light in lights:
         needed = 6 if light.kind == "point" else 1
-        if settings.shadows == "on" and used + needed <= MAX_SHADOW_LAYERS:
+        if settings.shadows == "on" and light.casts_shadow and used + needed <= MAX_SHADOW_LAYERS:
             first.append(used)
             used += needed
         else:

@@ -35,5 +35,6 @@ def ambient_and_key(irradiance: np.ndarray) -> tuple[np.ndarray, Light]:
     key = np.clip(2 * towards @ linear, 0, 4 * np.maximum(mean, 0))
     peak = float(key.max())
     color = tuple((key / peak).tolist()) if peak > 0 else (1.0, 1.0, 1.0)
-    light = Light("directional", color, peak, direction=tuple((-towards).tolist()), name="environment")
+    away = tuple((-towards).tolist())
+    light = Light("directional", color, peak, direction=away, casts_shadow=False, name="environment")
     return np.maximum(mean - key / 4, 0), light
