@@ -13,6 +13,7 @@ import numpy as np
 from .atomic import atomic_write
 from .errors import InputError, OutputError
 from .scene.color import linear_to_srgb, srgb_to_linear
+from .utf8_name import utf8_name
 
 # zlib level 1 takes 7-11 ms at 512x512 and 20-36 ms at 1280x720 on one slow core; Pillow's own choice, 6, takes three
 # times that and is 8 % smaller.
@@ -164,7 +165,8 @@ def _read_displayed(file: Path) -> np.ndarray:
 def _read_linear(file: Path) -> np.ndarray:
     import OpenImageIO as oiio
 
-    source = oiio.ImageInput.open(fspath(file))
+    with utf8_name(file) as name:
+        source = oiio.ImageInput.open(name)
     if source is None:
         raise InputError(file, "", f"cannot be read: {oiio.geterror()}")
     spec = source.spec()
@@ -194,6 +196,7 @@ def _write_exr(path: Path, linear: np.ndarray) -> None:
     height, width = linear.shape[:2]
     spec = oiio.ImageSpec(width, height, 4, "float")
     spec.attribute("compression", "zip")
-    target = oiio.ImageOutput.create(fspath(path))
-    if not (target.open(fspath(path), spec) and target.write_image(linear) and target.close()):
-        raise OSError(target.geterror())
+    target = oiio.ImageOutput.create("exr")
+    with utf8_name(path) as name:
+        if not (target.open(name, spec) and target.write_image(linear) and target.close()):
+            raise OSError(target.geterror())

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
+from ..utf8_name import utf8_name
 from .environment import Environment
 from .environment_presets import PRESETS, make_preset
 from .equirect import texel_solid_angles
@@ -65,7 +66,8 @@ def _decode(path: Path) -> np.ndarray:
     """Radiance (H, W, 3) float32, W at most MAX_WIDTH."""
     import OpenImageIO as oiio
 
-    source = oiio.ImageInput.open(str(path))
+    with utf8_name(path) as name:
+        source = oiio.ImageInput.open(name)
     if source is None:
         raise InputError(path, "", _first_line(oiio.geterror()) or "not an image")
     try:
