@@ -45,7 +45,8 @@ def evaluate(gl, tmp_path: Path):
         count = len(inputs)
         texture = gl.texture((count, 1), 4, np.ascontiguousarray(inputs, "f4"), dtype="f4")
         texture.use(0)
-        program["inputs"] = 0
+        if "inputs" in program:  # it is not where the expression has no use for it
+            program["inputs"] = 0
         for name, value in uniforms.items():
             if isinstance(value, moderngl.Texture):
                 value.use(1)
