@@ -26,7 +26,7 @@ PHASES = {"cold": ("cold",), "warm": ("warm",), "frame": ("frame",), "memory": (
 
 def main() -> None:
     options = _parse()
-    programs = [ours()]
+    programs = ours()
     if options.peers:
         programs += peers(options.peers, options.peer_scripts)
     if options.only:

@@ -31,12 +31,12 @@ def main() -> None:
     from viewer.settings import Settings
 
     scene = load(options.model, options.environment)
-    settings = Settings()
+    settings = Settings.of(antialias=options.antialias)
     with open_context(options.backend) as context:
         renderer = Renderer(context)
 
         def camera(frame: int) -> Camera:
-            eye = shot.eye(scene.center, scene.radius, frame)
+            eye = shot.eye(scene.bounds, frame)
             return Camera.look_at(eye, scene.center, fov_y=math.radians(shot.FOV_Y))
 
         def displayed(frame: int) -> np.ndarray:
@@ -64,6 +64,7 @@ def _parse() -> argparse.Namespace:
     parser.add_argument("picture")
     parser.add_argument("--frames", type=int, default=0)
     parser.add_argument("--backend", default="auto")
+    parser.add_argument("--antialias", default="auto", help="as in --set antialias=")
     return parser.parse_args()
 
 

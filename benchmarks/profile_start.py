@@ -65,7 +65,7 @@ def profile(model: str, environment: str, picture: Path, started: float) -> dict
         context = open_context()
     with spans.span("read the model"):
         scene = load(model, environment)
-    camera = Camera.look_at(shot.eye(scene.center, scene.radius), scene.center, fov_y=math.radians(shot.FOV_Y))
+    camera = Camera.look_at(shot.eye(scene.bounds), scene.center, fov_y=math.radians(shot.FOV_Y))
     renderer = Renderer(context)
     with spans.span("first frame, the rest"):
         renderer.draw(scene, camera, Settings(), SIZE)

@@ -10,7 +10,7 @@ AZIMUTH, ELEVATION = 35.0, 15.0
 STEP = 7.0
 """Degrees of azimuth between two frames that follow each other."""
 FILL = 0.8
-"""The camera's distance, in units of the one at which the bounding sphere fits the view."""
+"""The camera's distance, in units of the one at which the sphere about the bounding box fits the view."""
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 _CORPUS = REPOSITORY.parent / "shared" / "corpus"
@@ -36,14 +36,11 @@ def inputs(model: str, environment: str) -> tuple[str, str]:
     return str(Path(model).resolve()), str(Path(environment).resolve()) if known else environment
 
 
-def distance(radius: float) -> float:
-    """From the eye to the centre of a bounding sphere of this radius."""
-    return FILL * radius / math.sin(math.radians(FOV_Y / 2))
-
-
-def eye(center, radius: float, frame: int = 0) -> tuple[float, float, float]:
-    """Where the camera stands, in world units, for the frame-th picture; it looks at `center`."""
+def eye(bounds, frame: int = 0) -> tuple[float, float, float]:
+    """Where the camera stands, in world units, for the frame-th picture; it looks at the middle of `bounds` (2, 3)."""
+    low, high = bounds
+    center = [(a + b) / 2 for a, b in zip(low, high)]
     azimuth, elevation = math.radians(AZIMUTH + STEP * frame), math.radians(ELEVATION)
-    away = distance(radius)
+    away = FILL * math.dist(low, high) / 2 / math.sin(math.radians(FOV_Y / 2))
     return (center[0] + away * math.cos(elevation) * math.sin(azimuth), center[1] + away * math.sin(elevation),
             center[2] + away * math.cos(elevation) * math.cos(azimuth))

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from .process import Run
-from .programs import OURS
+from .programs import OURS, OURS_MULTISAMPLED
 
 Rounds = dict[str, list[Run]]
 """The runs of each program, one a round, in order."""
@@ -83,7 +83,7 @@ def judge(target: Target, rounds: Rounds, image_based: set[str]) -> Verdict | No
     for name, runs in rounds.items():
         found = [run[target.key] for run in runs if target.key in run]
         eligible = {"image-based": name in image_based, "f3d": name.startswith("f3d"), "all": True}[target.rivals]
-        if found and eligible and name != OURS:
+        if found and eligible and name not in (OURS, OURS_MULTISAMPLED):
             medians[name] = statistics.median(found)
     if not medians:
         return None
