@@ -7,8 +7,10 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
+from command_line import Run, runner
 
 
 @pytest.fixture(scope="session")
@@ -37,3 +39,16 @@ def display() -> Iterator[str]:
     os.environ.update(desktop)
     server.terminate()
     server.wait()
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str]) -> Run:
+    """`run("render", model, ...)` as `pbr-viewer render model ...` would, in this process."""
+    return runner(capsys)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The current folder, empty."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path

@@ -15,6 +15,9 @@ import click
 from .errors import UsageError
 from .settings import MAX_EXPOSURE, Background, parse_background
 
+MAX_NUMBER = 1e18
+"""Of metres and lux; models reach no farther, and its square is still a float32."""
+
 
 class Number(click.ParamType):
     """A finite number from `low` to `high`, both allowed."""
@@ -37,7 +40,7 @@ class Number(click.ParamType):
 
 
 class Numbers(click.ParamType):
-    """Finite numbers with commas between, as many as `counts` allows; `check` gives the problem with them, or ""."""
+    """Numbers with commas between, as many as `counts` allows; `check` gives the problem with them, or ""."""
 
     name = "numbers"
 
@@ -51,6 +54,8 @@ class Numbers(click.ParamType):
             numbers = ()
         if len(numbers) not in self.counts or not all(map(math.isfinite, numbers)):
             self.fail(f"{value!r} is not {self.form}, numbers with commas between.", param, ctx)
+        if max(map(abs, numbers)) > MAX_NUMBER:
+            self.fail(f"{value!r} goes beyond {MAX_NUMBER:g}.", param, ctx)
         problem = self.check(numbers) if self.check else ""
         if problem:
             self.fail(problem, param, ctx)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -48,7 +49,7 @@ class RenderJob:
         """
         records: list[Record] = []
         failed = False
-        with Progress(len(work), enabled=not self.quiet) as progress:
+        with Progress(len(work), enabled=not self.quiet) as progress, self._opened():
             for model, path in work:
                 try:
                     record = self._one(model, path, load, camera, progress)
@@ -82,6 +83,16 @@ class RenderJob:
         if self.verbose:
             say(f"{path}: {_listed(seconds)}; preparing: {_listed(renderer.times)}")
         return self._record(renderer, model, path, scene, seconds)
+
+    @contextmanager
+    def _opened(self) -> Iterator[None]:
+        """Release at the end what `_open` opened, if it did."""
+        try:
+            yield
+        finally:
+            if self._renderer is not None:
+                self._renderer.context.release()
+                self._renderer = None
 
     def _open(self) -> Renderer:
         if self._renderer is None:

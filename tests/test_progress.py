@@ -1,0 +1,59 @@
+"""The progress bar: on a terminal alone, after a while, and gone at the end."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+pty = pytest.importorskip("pty")
+START = "import sys, time, viewer.progress as p\n"
+
+
+def on_terminal(code: str) -> bytes:
+    """What Python code writes to stderr when that is a terminal."""
+    terminal, end = pty.openpty()
+    process = subprocess.Popen([sys.executable, "-c", START + code], stderr=end, stdout=subprocess.PIPE)
+    os.close(end)
+    shown = b""
+    while True:
+        try:
+            piece = os.read(terminal, 4096)
+        except OSError:  # the other end is closed
+            break
+        if not piece:
+            break
+        shown += piece
+    os.close(terminal)
+    out, _ = process.communicate()
+    assert (process.returncode, out) == (0, b"")
+    return shown
+
+
+LONG = """p.DELAY_S = 0.05
+with p.Progress(2) as bar:
+    bar.step("one [b]")
+    time.sleep(0.5)
+    print("a warning", file=sys.stderr)
+    bar.step("t\x1bwo")
+"""
+
+
+def test_what_takes_long_shows_a_bar_that_goes_again():
+    shown = on_terminal(LONG)
+    assert b"one [b]" in shown and b"0/2" in shown and b"1/2" in shown and b"t\\x1bwo" in shown
+    assert b"a warning\r\n" in shown
+    assert shown.endswith(b"\x1b[2K")  # the line is erased
+
+
+def test_what_is_short_or_quiet_shows_nothing():
+    assert on_terminal('with p.Progress(2) as bar: bar.step("one")') == b""
+    assert on_terminal(LONG.replace("Progress(2)", "Progress(2, enabled=False)")) == b"a warning\r\n"
+
+
+def test_without_a_terminal_there_is_none():
+    for code in (LONG, "sys.stderr = None\n" + LONG.replace("    print(", "    0 and print(")):
+        process = subprocess.run([sys.executable, "-c", START + code], capture_output=True)
+        assert process.returncode == 0 and process.stdout == b"" and b"one" not in process.stderr
