@@ -113,6 +113,17 @@ def test_abandoned_temporary_files_go(own_cache):
     assert fresh.exists()
 
 
+def test_the_size_is_that_of_all_entries(own_cache, monkeypatch):
+    assert cache.cache_size() == 0
+    for name in ("one", "two"):
+        cache.store(name, {"a": np.zeros(1000, np.float32)})
+    size = cache.cache_size()
+    assert size == sum(path.stat().st_size for path in cache.cache_folder().iterdir()) > 8000
+    assert cache.clear_cache() == size and cache.cache_size() == 0
+    monkeypatch.setenv("PBR_VIEWER_CACHE", "off")
+    assert cache.cache_size() == 0
+
+
 def test_clearing_frees_what_it_says_and_nothing_else(own_cache):
     cache.store(cache.key("a"), ARRAYS)
     cache.store(cache.key("b"), ARRAYS)

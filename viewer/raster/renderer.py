@@ -133,8 +133,8 @@ class Renderer:
     def _sized_target(self, size: tuple[int, int], samples: int, half: bool) -> Target:
         samples = min(samples, max(self._gl.max_samples, 1))
         if self._target is None or not self._target.fits(size, samples, half):
-            if self._target is not None:
-                self._target.release()
+            self._release(self._target)
+            self._target = None  # should the next one fail
             self._target = Target(self._gl, size, samples, half)
         return self._target
 

@@ -1,0 +1,125 @@
+"""import viewer: load, render, show; from several threads, and after a fork."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import time
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from command_line import SCENES
+from moderngl import InvalidObject
+
+import viewer
+from viewer import api
+
+MODEL = SCENES / "unlit.glb"
+SIZE = (32, 24)
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return viewer.load(MODEL)
+
+
+def test_a_picture_is_light_and_display(scene):
+    image = viewer.render(scene, SIZE)
+    assert image.size == SIZE and np.asarray(image).shape == (24, 32, 4) and image.srgb[..., :3].std() > 10
+    assert image._repr_png_().startswith(b"\x89PNG") and image.stats["plan"]["draws"] > 0
+    assert np.array_equal(viewer.render(scene, SIZE).linear, image.linear)
+
+
+def test_settings_and_camera_count(scene):
+    plain = viewer.render(scene, SIZE)
+    camera = viewer.Camera.orbit(scene.center, 3 * scene.radius, azimuth=2.0)
+    others = [viewer.render(scene, SIZE, camera), viewer.render(scene, SIZE, tonemap="none"),
+              viewer.render(scene, SIZE, background="#336699"), viewer.render(viewer.load(MODEL, "sky"), SIZE)]
+    assert not any(np.array_equal(plain.srgb, other.srgb) for other in others)
+    assert others[2].srgb[0, 0].tolist() == [51, 102, 153, 255]
+    assert not viewer.render(viewer.load(MODEL, None), SIZE).linear[0, 0].any()
+
+
+@pytest.mark.parametrize("arguments", [
+    {"size": (0, 5)}, {"size": (5, -1)}, {"size": 5}, {"size": (1.5, 2)}, {"size": "12"}, {"size": (1, 2, 3)},
+    {"size": (40000, 40000)}, {"mode": "path"}, {"colour": "red"}, {"background": "red"}, {"exposure": float("inf")},
+    {"backend": "vulkan"},
+])
+def test_wrong_arguments_are_usage_errors(scene, arguments):
+    with pytest.raises(viewer.UsageError):
+        viewer.render(scene, **({"size": SIZE} | arguments))
+
+
+def test_bad_files_are_input_errors(tmp_path):
+    (tmp_path / "bad.hdr").write_text("#?RADIANCE\n")
+    with pytest.raises(viewer.InputError, match="no such file"):
+        viewer.load(tmp_path / "none.glb")
+    with pytest.raises(viewer.InputError, match="no environment"):
+        viewer.load(MODEL, environment="moon")
+    with pytest.raises(viewer.InputError, match=r"bad\.hdr"):
+        viewer.render(viewer.load(MODEL, environment=tmp_path / "bad.hdr"), SIZE)
+    good = viewer.render(viewer.load(MODEL, environment="furnace"), SIZE)  # the renderer is none the worse for it
+    assert np.isfinite(good.linear).all()
+
+
+def test_each_thread_renders_with_a_context_that_goes_with_it(scene):
+    expected = viewer.render(scene, SIZE).srgb
+    pictures, contexts = [], []
+
+    def work():
+        pictures.append(viewer.render(scene, SIZE).srgb)
+        contexts.append(api.shared_renderer().context)
+
+    for _ in range(2):
+        threads = [threading.Thread(target=work) for _ in range(2)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    assert len(pictures) == 4 and all(np.array_equal(picture, expected) for picture in pictures)
+    own = api.shared_renderer().context
+    assert len({id(context) for context in [own, *contexts]}) == 5
+    deadline = time.monotonic() + 10  # a thread may be joined a moment before what it held is gone
+    while not all(isinstance(context.gl.mglo, InvalidObject) for context in contexts):
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    assert np.array_equal(viewer.render(scene, SIZE).srgb, expected)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
+@pytest.mark.filterwarnings("ignore:.*multi-threaded.*fork:DeprecationWarning")
+def test_after_a_fork_there_is_an_error_and_no_hang(scene):
+    viewer.render(scene, SIZE)
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        signal.alarm(20)
+        try:
+            viewer.render(scene, SIZE)
+            answer = "rendered"
+        except viewer.ContextError as error:
+            answer = str(error)
+        os.write(writing, answer.encode())
+        os._exit(0)
+    os.close(writing)
+    with os.fdopen(reading) as pipe:
+        assert "forked" in pipe.read()
+    assert os.waitpid(child, 0)[1] == 0
+
+
+def test_in_a_notebook_show_returns_a_picture(scene, monkeypatch):
+    kernel = SimpleNamespace(kernel=object())
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: kernel))
+    assert viewer.show(scene, SIZE, background="none").size == SIZE
+
+
+@pytest.mark.parametrize("shell", [None, SimpleNamespace()])
+def test_elsewhere_show_opens_a_window(scene, monkeypatch, shell):
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+    monkeypatch.setattr("viewer.app.window.run", lambda *arguments: opened.append(arguments))
+    opened: list[tuple] = []
+    assert viewer.show(scene, SIZE, mode="phong") is None
+    assert opened == [(scene, viewer.Settings(mode="phong"), None, SIZE)]

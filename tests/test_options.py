@@ -1,0 +1,96 @@
+"""The command line's words: numbers, colours, cameras, lights."""
+
+from __future__ import annotations
+
+import math
+
+import click
+import numpy as np
+import pytest
+from command_line import SCENES
+
+from viewer.assemble import make_camera, make_light
+from viewer.errors import InputError, UsageError
+from viewer.options import BackgroundColor, Number, Numbers, Size, check_camera_options
+from viewer.scene.load import load_scene
+
+NO_CAMERA = dict.fromkeys(("orbit", "eye", "target", "fov", "camera")) | {"size": (200, 100)}
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return load_scene(SCENES / "lights.glb")
+
+
+def camera(scene, **options):
+    return make_camera("m.glb", scene, NO_CAMERA | options)
+
+
+@pytest.mark.parametrize("kind, word, value", [
+    (Size(), "640x480", (640, 480)), (Size(), "640X480", (640, 480)), (Size(), "64", (64, 64)),
+    (Number(), "-2.5", -2.5), (Number(0, 1), "1", 1.0),
+    (Numbers("X,Y,Z", 3), "-1,2e3,.5", (-1, 2000, 0.5)), (Numbers("A,B[,C]", 2, 3), "1, 2", (1, 2)),
+    (BackgroundColor(), "none", "none"), (BackgroundColor(), "#ffffff", (1, 1, 1)),
+])
+def test_words_that_are_understood(kind, word, value):
+    assert kind.convert(word, None, None) == value
+
+
+@pytest.mark.parametrize("kind, word", [
+    (Size(), ""), (Size(), "x"), (Size(), "1x"), (Size(), "0x1"), (Size(), "-1x1"), (Size(), "1x1x1"), (Size(), "1.5x2"),
+    (Size(), "1000000"), (Size(), "\u0663x3"), (Number(), "nan"), (Number(), "inf"), (Number(), "1,5"), (Number(0, 1), "2"),
+    (Numbers("X,Y,Z", 3), "1,2"), (Numbers("X,Y,Z", 3), "1,2,nan"), (Numbers("X,Y,Z", 3), "1,2,"),
+    (Numbers("X,Y,Z", 3), "1,2,1e19"), (BackgroundColor(), "#12345"), (BackgroundColor(), "ENV"), (BackgroundColor(), ""),
+])
+def test_words_that_are_not(kind, word):
+    with pytest.raises(click.BadParameter):
+        kind.convert(word, None, None)
+
+
+def test_without_options_the_model_is_framed(scene):
+    plain = camera(scene)
+    assert plain.fov_y == pytest.approx(math.radians(45))
+    distance = np.linalg.norm(plain.eye - scene.center)
+    assert distance == pytest.approx(scene.radius / math.sin(math.radians(22.5)), rel=1e-9)
+    azimuth, elevation = math.radians(30), math.radians(15)
+    back = [math.cos(elevation) * math.sin(azimuth), math.sin(elevation), math.cos(elevation) * math.cos(azimuth)]
+    assert (plain.eye - scene.center) / distance == pytest.approx(back, abs=1e-12)
+
+
+def test_a_tall_picture_is_filled_by_its_width(scene):
+    tall = camera(scene, size=(100, 200))
+    half = math.atan(math.tan(math.radians(22.5)) / 2)
+    assert np.linalg.norm(tall.eye - scene.center) == pytest.approx(scene.radius / math.sin(half), rel=1e-9)
+
+
+def test_orbit_eye_and_target(scene):
+    assert camera(scene, orbit=(90, 0, 2)).eye == pytest.approx(scene.center + [2, 0, 0])
+    assert camera(scene, orbit=(0, 90)).forward == pytest.approx([0, -1, 0], abs=1e-12)
+    assert camera(scene, orbit=(0, 0, 3), target=(5, 6, 7)).eye == pytest.approx([5, 6, 10])
+    looking = camera(scene, eye=(0, 0, 9), target=(0, 0, 1), fov=20)
+    assert looking.forward == pytest.approx([0, 0, -1]) and looking.fov_y == pytest.approx(math.radians(20))
+
+
+def test_the_files_own_camera(scene):
+    own = camera(scene, camera=0)
+    assert own is scene.cameras[0]
+    assert camera(scene, camera=0, fov=20).fov_y == pytest.approx(math.radians(20))
+    with pytest.raises(InputError, match=r"m\.glb: cameras: --camera 9: the file has \d"):
+        camera(scene, camera=9)
+
+
+def test_an_eye_in_the_middle_needs_a_target(scene):
+    with pytest.raises(UsageError, match="give a --target"):
+        camera(scene, eye=tuple(scene.center))
+
+
+@pytest.mark.parametrize("given", [("orbit", "eye"), ("eye", "camera"), ("orbit", "camera"), ("target", "camera")])
+def test_options_that_contradict_each_other(given):
+    with pytest.raises(UsageError):
+        check_camera_options(NO_CAMERA | {name: (1.0, 2.0, 3.0) for name in given})
+
+
+def test_a_light_shines_from_where_it_is_put():
+    light = make_light((90, 0, 7))
+    assert light.direction == pytest.approx((-1, 0, 0), abs=1e-12) and light.intensity == 7
+    assert make_light((0, 90, 1)).direction == pytest.approx((0, -1, 0), abs=1e-12)
