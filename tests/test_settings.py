@@ -58,5 +58,7 @@ def test_a_colour_is_decoded_from_srgb():
 
 
 def test_samples_by_device():
-    assert [Settings().samples(software, still) for software in (True, False) for still in (True, False)] == [4, 1, 4, 4]
-    assert Settings(antialias="msaa-8").samples(True, False) == 8 and Settings(antialias="none").samples(False, True) == 1
+    devices = [(is_software, is_still) for is_software in (True, False) for is_still in (True, False)]
+    assert [Settings().samples(*device) for device in devices] == [4, 1, 4, 4]
+    assert Settings(antialias="msaa-8").samples(True, False) == 8
+    assert Settings(antialias="none").samples(False, True) == 1
