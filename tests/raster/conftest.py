@@ -1,0 +1,48 @@
+"""One renderer for all tests of a file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pytest
+
+from viewer.errors import ContextError
+from viewer.gpu.context import Context, open_context
+from viewer.raster.renderer import Renderer
+from viewer.scene.camera import Camera
+from viewer.scene.scene import Scene
+from viewer.settings import Settings
+
+
+@pytest.fixture(scope="module")
+def context() -> Iterator[Context]:
+    try:
+        opened = open_context()
+    except ContextError as error:
+        pytest.skip(str(error))
+    with opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def renderer(context: Context) -> Iterator[Renderer]:
+    renderer = Renderer(context, use_cache=False)
+    yield renderer
+    renderer.release()
+
+
+@pytest.fixture
+def radiance(renderer: Renderer) -> Iterator[Callable[..., np.ndarray]]:
+    """`radiance(scene, camera, size, **settings)`: linear RGBA, (H, W, 4) float64, one sample a pixel.
+
+    Fails on a pixel that is not finite, and on an OpenGL error."""
+
+    def draw(scene: Scene, camera: Camera, size: tuple[int, int] = (32, 32), **settings: object) -> np.ndarray:
+        settings = {"antialias": "none"} | settings
+        pixels = renderer.render(scene, camera, Settings.of(**settings), size).linear
+        assert np.isfinite(pixels).all()
+        return pixels.astype(np.float64)
+
+    yield draw
+    assert renderer.context.gl.error == "GL_NO_ERROR"

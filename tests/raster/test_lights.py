@@ -1,0 +1,122 @@
+"""Punctual lights on a plate, against the formulas worked out in float64."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from shapes import WHITE, orthographic, plate, scene, seen_plane
+
+from viewer.scene.camera import Camera
+from viewer.scene.light import Light
+from viewer.scene.material import Material
+
+SIZE = (24, 24)
+
+
+def lit(light: Light, material: Material = WHITE):
+    return scene(plate(half=4.0), materials=[material], lights=(light,))
+
+
+def test_pi_lux_on_white_is_radiance_one(radiance):
+    light = Light("directional", intensity=np.pi, direction=(0, 0, -1))
+    for mode in ("pbr", "phong"):
+        picture = radiance(lit(light), orthographic(), mode=mode, shadows="off")
+        assert np.abs(picture - 1).max() < 1e-5
+    # What a dielectric's interface reflects does not reach the base: 1 - F, 0.04 at normal incidence.
+    picture = radiance(lit(light, replace(WHITE, specular=1.0)), orthographic(), lobes="uniform-diffuse", shadows="off")
+    assert np.abs(picture[..., :3] - 0.96).max() < 1e-5
+
+
+@pytest.mark.parametrize("elevation", [0.0, 0.7, 1.3, 1.55])
+def test_cosine_law(radiance, elevation):
+    light = Light.from_angles(0.0, elevation, 2.0)
+    for mode in ("pbr", "phong"):
+        picture = radiance(lit(light), orthographic(0.5, 0.3), mode=mode, shadows="off")
+        assert np.abs(picture[..., :3] - 2 / np.pi * np.cos(elevation)).max() < 1e-5
+    behind = Light.from_angles(np.pi, elevation, 2.0)
+    assert radiance(lit(behind), orthographic(0.5, 0.3), shadows="off")[..., :3].max() < 1e-6
+
+
+def cook_torrance(v, l, material: Material) -> np.ndarray:
+    """(1 - F) rho / pi + D V F and D V F, by the textbook forms (Cook & Torrance 1982; Walter 2007; Heitz 2014)."""
+    n = np.array([0.0, 0.0, 1.0])
+    h = (v + l) / np.linalg.norm(v + l)
+    alpha = material.perceptual_roughness**2
+    base = np.array(material.base_color[:3])
+    d = alpha**2 / (np.pi * ((n @ h) ** 2 * (alpha**2 - 1) + 1) ** 2)
+
+    def smith_lambda(w):
+        return (np.sqrt(1 + alpha**2 * (1 / (n @ w) ** 2 - 1)) - 1) / 2
+
+    dv = d / (1 + smith_lambda(v) + smith_lambda(l)) / (4 * (n @ v) * (n @ l))
+    f0 = np.minimum(((material.ior - 1) / (material.ior + 1)) ** 2 * np.array(material.specular_color), 1)
+    f = material.specular * (f0 + (1 - f0) * (1 - v @ h) ** 5)
+    dielectric = (1 - f.max()) * base / np.pi + dv * f
+    metal = dv * (base + (1 - base) * (1 - v @ h) ** 5)
+    return (1 - material.metallic) * dielectric + material.metallic * metal
+
+
+MATERIALS = {
+    "rough plastic": Material(base_color=(0.8, 0.3, 0.1, 1), metallic=0.0, perceptual_roughness=0.9),
+    "smooth plastic": Material(base_color=(0.2, 0.3, 0.9, 1), metallic=0.0, perceptual_roughness=0.2),
+    "gold": Material(base_color=(1.0, 0.77, 0.34, 1), metallic=1.0, perceptual_roughness=0.4),
+    "half metal": Material(base_color=(0.5, 0.6, 0.7, 1), metallic=0.5, perceptual_roughness=0.6),
+    "diamond": Material(base_color=(0.1, 0.1, 0.1, 1), metallic=0.0, perceptual_roughness=0.5, ior=2.4),
+    "tinted": Material(metallic=0.0, perceptual_roughness=0.3, specular=0.7, specular_color=(1, 0.2, 0.5)),
+}
+
+
+@pytest.mark.parametrize("name", MATERIALS)
+@pytest.mark.parametrize(("azimuth", "elevation"), [(0.1, 0.1), (1.2, 0.4), (-0.6, 1.1), (-1.5, 0.05)])
+def test_the_whole_brdf(radiance, name, azimuth, elevation):
+    light, camera = Light.from_angles(azimuth, elevation, 3.0), orthographic(0.7, 0.2)
+    expected = 3 * -light.direction[2] * cook_torrance(-camera.forward, -np.array(light.direction), MATERIALS[name])
+    picture = radiance(lit(light, MATERIALS[name]), camera, shadows="off", multiscatter="off")
+    assert np.abs(picture[..., :3] / expected - 1).max() < 2e-4
+
+
+def distances(camera: Camera, position) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """From the points seen on the plate: distance to the light, NoL, direction from the light."""
+    to_light = np.array(position) - seen_plane(camera, SIZE)
+    d = np.linalg.norm(to_light, axis=-1)
+    return d, to_light[..., 2] / d, -to_light / d[..., None]
+
+
+@pytest.mark.parametrize("mode", ["pbr", "phong"])
+def test_point_light(radiance, mode):
+    """I NoL / (pi d^2), with color, and windowed by range."""
+    camera, position = orthographic(0.3, 0.2, height=3.0), (0.4, -0.3, 0.7)
+    d, NoL, _ = distances(camera, position)
+    for reach in (None, 1.5):
+        light = Light("point", (1.0, 0.5, 0.25), 5.0, position, range=reach)
+        window = np.clip(1 - (d / reach) ** 4, 0, 1) if reach else 1.0
+        expected = (5 / np.pi * NoL / d**2 * window)[..., None] * light.color
+        picture = radiance(lit(light), camera, SIZE, mode=mode, shadows="off")[..., :3]
+        assert np.abs(picture - expected).max() < 1e-4 * expected.max()
+        assert (picture == 0).any() == (reach is not None)
+
+
+@pytest.mark.parametrize("mode", ["pbr", "phong"])
+def test_spot_light(radiance, mode):
+    camera, position = orthographic(height=3.0), (0.3, 0.2, 1.5)
+    axis = np.array([-0.2, 0.1, -1.0]) / np.linalg.norm([-0.2, 0.1, -1.0])
+    light = Light("spot", intensity=4.0, position=position, direction=tuple(axis), inner_cone=0.3, outer_cone=0.6)
+    d, NoL, away = distances(camera, position)
+    cone = np.clip((away @ axis - np.cos(0.6)) / (np.cos(0.3) - np.cos(0.6)), 0, 1) ** 2
+    picture = radiance(lit(light), camera, SIZE, mode=mode, shadows="off")[..., 0]
+    assert np.abs(picture - 4 / np.pi * NoL / d**2 * cone).max() < 1e-3 * picture.max()
+    assert (picture == 0).any() and (cone == 1).any()
+
+
+def test_lights_add_up(radiance):
+    """All kinds together, in any order, give what they give alone."""
+    lights = [Light("spot", (1, 0, 0), 6.0, (0.5, 0, 2), (0, 0, -1)), Light("point", (0, 1, 0), 2.0, (-1, 1, 1)),
+              Light.from_angles(0.4, 0.4, 1.0), Light("point", (0, 0, 1), 3.0, (1, 1, 1)), Light.from_angles(-1.0, 0.2, 2.0)]
+    rough = Material(metallic=0.3, perceptual_roughness=0.5)
+    alone = sum(radiance(lit(light, rough), orthographic(), SIZE)[..., :3] for light in lights)
+    together = scene(plate(half=4.0), materials=[rough], lights=tuple(lights))
+    turned = replace(together, lights=tuple(reversed(lights)))
+    for each in (together, turned):
+        assert np.abs(radiance(each, orthographic(), SIZE)[..., :3] - alone).max() < 1e-5 * alone.max()

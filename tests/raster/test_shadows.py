@@ -1,0 +1,145 @@
+"""Shadows of a ball on a floor, against rays traced in float64."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from shapes import WHITE, facing_floor, moved, orthographic, pixel_points, plate, scene, seen_plane, sphere
+
+from viewer.raster.shadows import light_tiles
+from viewer.scene.equirect import texel_directions, texel_solid_angles
+from viewer.scene.environment import Environment
+from viewer.scene.light import Light
+from viewer.scene.material import Material
+
+SIZE = (96, 96)
+TEXELS = 3.0
+"""What a shadow's edge may be off by, in texels of the map: its filter reaches 1.5, the offset against acne 0.5 to 2."""
+CAMERA = orthographic(0.6, 0.5, height=4.0, distance=10.0)
+RADIUS = 0.6
+CENTER = np.array([0.0, RADIUS, 0.0])  # the ball rests on the floor: a shadow that has come loose would show there
+
+LIGHTS = {
+    "directional": Light.from_angles(-0.9, 0.8, 2.0),
+    "grazing": Light.from_angles(2.2, 0.15, 5.0),
+    "point": Light("point", intensity=8.0, position=(1.5, 1.8, 0.4)),
+    "spot": Light("spot", intensity=20.0, position=(-1.2, 2.6, 1.0), direction=(0.396, -0.859, -0.33),
+                  inner_cone=0.4, outer_cone=0.6),
+}
+
+
+def room(light: Light | None = None, **fields):
+    return scene((plate(0, half=3.0), facing_floor()), (sphere(segments=128), moved(CENTER, RADIUS)),
+                 lights=(light,) if light else (), **fields)
+
+
+def floor_seen() -> tuple[np.ndarray, np.ndarray]:
+    """The points of the floor in the picture, (H, W, 3), and where they are not hidden by the ball."""
+    points = seen_plane(CAMERA, SIZE, (0, 1, 0))
+    start = pixel_points(CAMERA, SIZE)
+    along = (CENTER - start) @ CAMERA.forward
+    miss = np.linalg.norm(start + along[..., None] * CAMERA.forward - CENTER, axis=-1)
+    return points, (miss > RADIUS * 1.05) & (np.abs(points) < 2.9).all(axis=-1)
+
+
+def clearance(points: np.ndarray, light: Light) -> np.ndarray:
+    """How far the ray from each point to the light passes from the ball's surface; negative in shadow."""
+    if light.kind == "directional":
+        to_light = np.broadcast_to(-np.array(light.direction), points.shape)
+    else:
+        to_light = np.array(light.position) - points
+        to_light = to_light / np.linalg.norm(to_light, axis=-1, keepdims=True)
+    along = np.maximum(((CENTER - points) * to_light).sum(axis=-1), 0)
+    return np.linalg.norm(points + along[..., None] * to_light - CENTER, axis=-1) - RADIUS
+
+
+def texel(points: np.ndarray, light: Light, model) -> np.ndarray:
+    """A texel's size at each point, in the world."""
+    layers = 6 if light.kind == "point" else 1
+    size = min(2048, 4096 // int(np.ceil(np.sqrt(layers))))
+    tile = light_tiles(light, model, size)[0]
+    d = np.linalg.norm(points - np.array(light.position), axis=-1)
+    return tile.texel * model.radius + tile.texel_per_distance * d
+
+
+@pytest.mark.parametrize("mode", ["pbr", "phong"])
+@pytest.mark.parametrize("name", LIGHTS)
+def test_shadow_falls_where_rays_say(radiance, name, mode):
+    light, model = LIGHTS[name], room(LIGHTS[name])
+    bare = radiance(model, CAMERA, SIZE, mode=mode, shadows="off")[..., 0]
+    shaded = radiance(model, CAMERA, SIZE, mode=mode)[..., 0]
+    points, visible = floor_seen()
+    lit = visible & (bare > 1e-3)
+    gap, tolerance = clearance(points, light), TEXELS * texel(points, light, model)
+    inside, outside = lit & (gap < -tolerance), lit & (gap > tolerance)
+    assert inside.sum() > 100 and outside.sum() > 500
+    assert inside.sum() + outside.sum() > 0.98 * lit.sum()  # the edge is a small part of the picture
+    assert (shaded[inside] == 0).all()
+    assert np.abs(shaded / np.maximum(bare, 1e-9) - 1)[outside].max() < 1e-5
+
+
+@pytest.mark.parametrize("name", ["directional", "grazing", "point", "spot"])
+def test_no_acne_where_nothing_is_in_the_way(radiance, name):
+    """A ball alone: with and without shadows the lit side is the same."""
+    light = LIGHTS[name]
+    model = scene((sphere(segments=128), moved(CENTER, RADIUS)), lights=(light,))
+    camera = orthographic(-0.5, 0.4, height=3.0)
+    bare, shaded = (radiance(model, camera, SIZE, shadows=on)[..., 0] for on in ("off", "on"))
+    lit = bare > 0.02 * bare.max()
+    assert lit.sum() > 100
+    assert (shaded[lit] / bare[lit]).min() > 0.95
+    assert np.abs(shaded - bare).max() < 0.02 * bare.max()
+
+
+def test_no_acne_on_a_coarse_ball(radiance):
+    """Flat facets under smooth normals: the map sees the facets."""
+    model = scene(sphere(segments=12), lights=(LIGHTS["directional"],))
+    bare, shaded = (radiance(model, orthographic(-0.5, 0.4, height=3.0), SIZE, shadows=on)[..., 0] for on in ("off", "on"))
+    lit = bare > 0.5 * bare.max()
+    assert (shaded[lit] / bare[lit]).min() > 0.95
+
+
+def test_a_mask_lets_light_through_its_holes_and_glass_casts_none(radiance):
+    light = Light("directional", intensity=np.pi, direction=(0, -1, 0))
+    card, points = (plate(1, half=0.5), facing_floor(y=1.0)), seen_plane(CAMERA, SIZE, (0, 1, 0))
+    under = (np.abs(points[..., [0, 2]]) < 0.45).all(axis=-1)
+    for mode, alpha, expected in (("opaque", 0.0, 0.0), ("mask", 0.2, 1.0), ("mask", 0.8, 0.0), ("blend", 0.8, 1.0)):
+        material = Material(base_color=(1, 1, 1, alpha), alpha_mode=mode, double_sided=True)
+        model = scene((plate(0, half=3.0), facing_floor()), card, materials=[WHITE, material], lights=(light,))
+        picture = radiance(model, CAMERA, SIZE)[..., 0]
+        start, forward = pixel_points(CAMERA, SIZE), CAMERA.forward
+        on_card = start + ((1 - start[..., 1]) / forward[1])[..., None] * forward
+        hidden = (np.abs(on_card[..., [0, 2]]) < 0.55).all(axis=-1)
+        seen = picture[under & ~hidden]
+        assert len(seen) > 30
+        assert np.abs(seen - expected).max() < 1e-4
+
+
+def sun_environment(direction, lux: float, around: float) -> Environment:
+    """A disk of 0.6 degrees of `lux` in light of `around` from everywhere else."""
+    height = 512
+    covered = texel_directions(height, 2 * height) @ np.asarray(direction) > np.cos(np.radians(0.6))
+    solid_angle = (covered * texel_solid_angles(height, 2 * height)[:, None]).sum()
+    radiance = np.full((height, 2 * height, 3), around, np.float32)
+    radiance[covered] += lux / solid_angle
+    return Environment("sun", radiance)
+
+
+@pytest.mark.parametrize("rotation", [0.0, 1.0])
+def test_the_sun_of_an_environment(radiance, rotation):
+    """It casts a shadow away from itself, and its light on a white plate is what the map holds."""
+    azimuth, elevation, lux, around = -1.4, 0.6, 4.0, 0.3
+    stands = -np.array(Light.from_angles(azimuth, elevation, lux).direction)
+    turned = Light.from_angles(azimuth + rotation, elevation, lux)
+    environment = sun_environment(stands, lux, around)
+    environment = replace(environment, rotation=rotation)
+    picture = radiance(room(environment=environment), CAMERA, SIZE)[..., :3]
+    points, visible = floor_seen()
+    gap = clearance(points, turned)
+    inside, outside = visible & (gap < -0.02), visible & (gap > 0.02)
+    assert inside.sum() > 100 and outside.sum() > 500
+    sky = around  # an irradiance of pi around, over pi; what the ball hides of it is not modelled
+    assert np.abs(picture[outside] / (lux * np.sin(elevation) / np.pi + sky) - 1).max() < 0.01
+    assert np.abs(picture[inside] / sky - 1).max() < 0.01
