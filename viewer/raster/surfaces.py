@@ -61,8 +61,9 @@ class Surfaces:
         if not draws:
             return 0
         forward, centers = frame.camera.forward, self.scene.corners.mean(axis=1)
+        places = [instance.transform.ravel() for instance in self.scene.instances]
         draws.sort(key=lambda d: (-round(float(centers[d.instance] @ forward) / frame.unit, 6),
-                                  *centers[d.instance], d.mesh, d.material))
+                                  *centers[d.instance], *places[d.instance], d.mesh, d.material))
         self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND | moderngl.PROGRAM_POINT_SIZE)
         self._gl.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
         self._draw(draws, frame, frame_uniforms, is_sorted=True)
