@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from .api import load, render, show
     from .errors import ContextError, InputError, OutputError, ShaderError, UsageError, ViewerError
+    from .gpu.call import call_glsl
     from .image import Image
     from .scene.camera import Camera
     from .scene.environment import Environment
@@ -40,6 +41,7 @@ __all__ = [
     "ShaderError",
     "UsageError",
     "ViewerError",
+    "call_glsl",
     "load",
     "render",
     "show",
@@ -47,7 +49,7 @@ __all__ = [
 
 _MODULES = {"Camera": "scene.camera", "Environment": "scene.environment", "Image": "image", "Instance": "scene.scene",
             "Light": "scene.light", "Material": "scene.material", "Mesh": "scene.mesh", "Scene": "scene.scene",
-            "Settings": "settings", "load": "api", "render": "api", "show": "api"}
+            "Settings": "settings", "call_glsl": "gpu.call", "load": "api", "render": "api", "show": "api"}
 
 
 def __getattr__(name: str) -> object:

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import re
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -82,6 +82,13 @@ class GL:
     @property
     def ctx(self) -> moderngl.Context:
         return self.context.gl
+
+    def call(self, file: str | Path, function: str, /, *, defines: Mapping[str, float] | None = None,
+             **arrays: Any) -> np.ndarray | dict[str, Any]:
+        """What a GLSL function returns for `arrays`, computed in this context: see `viewer.call_glsl`."""
+        from .gpu.call import call_glsl
+
+        return call_glsl(file, function, defines=defines, context=self.context, **arrays)
 
     def check(self, picture: Image | np.ndarray) -> None:
         """Fails the test on a NaN or infinite pixel, and on an OpenGL error that is pending."""

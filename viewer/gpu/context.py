@@ -88,7 +88,7 @@ class Context:
 
     def _enter(self) -> None:
         _check_process()
-        if getattr(_current, "context", None) is not self:
+        if current_context() is not self:
             _leave_current()
             _current.context = self
         self._loader.__enter__()
@@ -97,7 +97,7 @@ class Context:
         """Destroy the context; harmless when done twice."""
         if isinstance(self.gl.mglo, moderngl.InvalidObject) or self._process != os.getpid():
             return
-        previous = getattr(_current, "context", None)
+        previous = current_context()
         self._enter()
         self.gl.fbo = None  # the framebuffer drawn into last, which may be all that keeps it
         self._free_dropped()
@@ -137,13 +137,18 @@ def _check_process() -> None:
                            'way, as by multiprocessing.set_start_method("spawn")')
 
 
+def current_context() -> Context | None:
+    """The context that this thread draws into."""
+    return getattr(_current, "context", None)
+
+
 def _leave_current() -> Context | None:
     """Make no context current on this thread, and return the one that was.
 
     EGL, GLX and OSMesa each remember a current context of their own and skip a call that seems to change nothing, and
     creating or entering a context of one of them fails while another's is current: always leave by the door one came.
     """
-    context = getattr(_current, "context", None)
+    context = current_context()
     if context is not None:
         context._loader.__exit__(None, None, None)
         _current.context = None

@@ -41,6 +41,13 @@ def compile_program(
     """
     stages = {"vertex": vertex, "fragment": fragment, "geometry": geometry}
     sources = {stage: assemble(path, defines, version) for stage, path in stages.items() if path is not None}
+    return compile_sources(context, sources, varyings)
+
+
+def compile_sources(
+    context: Context, sources: Mapping[str, ProgramSource], varyings: Sequence[str] = ()
+) -> moderngl.Program:
+    """As `compile_program`, for shaders by stage (vertex, geometry, fragment) that are assembled already."""
     context.make_current()
     try:
         return context.gl.program(

@@ -3,8 +3,8 @@
     #include "bsdf/ggx.glsl"
 
 takes a file of the shaders folder, once per program however often it is named. A user's own shader, outside that
-folder, may also include what lies in its folder. Features are chosen by switches, numbers that every program
-gets as `#define`s and asks for with `#if`; one that is misspelt is an error, not off.
+folder, may also include what lies in its folder, and may name the `#version` it needs. Features are chosen by switches,
+numbers that every program gets as `#define`s and asks for with `#if`; one that is misspelt is an error, not off.
 """
 
 from __future__ import annotations
@@ -52,6 +52,7 @@ def assemble(path: str | Path, defines: Mapping[str, float] | None = None, versi
     for name, value in defines.items():
         assembly.emit(f"#define {name} {value + 0}", file, 1)  # + 0 makes numbers of True and False
     assembly.add(file, [], conditional=False)
+    assembly.lines[0] = f"#version {max(version, assembly.version)} core"
     assembly.check_switches(defines)
     return ProgramSource("\n".join(assembly.lines) + "\n", assembly.files, assembly.origins)
 
@@ -78,6 +79,7 @@ class _Assembly:
     complete: set[Path] = field(default_factory=set)  # what is in the text whatever the switches are
     defined: set[str] = field(default_factory=set)
     used: dict[str, str] = field(default_factory=dict)  # switch -> where it is first asked for
+    version: int = 0  # that a user's own shader names; OpenGL ES counts its own way
 
     def emit(self, text: str, file: Path, line: int) -> None:
         self.lines.append(text)
@@ -109,6 +111,11 @@ class _Assembly:
                 if not included:
                     raise ShaderError(f'{place}: expected #include "file", found {code.strip()}')
                 self.add(self._find_include(included[1], file, chain, place), [*chain, file], conditional or depth > 0)
+                continue
+            if name == "version" and not chain and not file.is_relative_to(resource_folder("shaders")):
+                number, _, profile = rest.strip().partition(" ")
+                self.version = int(number) if number.isdigit() and profile.strip() != "es" else 0
+                self.emit("", file, line)
                 continue
             if name == "version":
                 raise ShaderError(f"{place}: #version is not for the file to say, it comes before all includes")
