@@ -7,10 +7,13 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 from command_line import Run, runner
+
+collect_ignore = [] if find_spec("imgui_bundle") else ["app"]
 
 
 @pytest.fixture(scope="session")

@@ -119,7 +119,13 @@ def test_in_a_notebook_show_returns_a_picture(scene, monkeypatch):
 @pytest.mark.parametrize("shell", [None, SimpleNamespace()])
 def test_elsewhere_show_opens_a_window(scene, monkeypatch, shell):
     monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
-    monkeypatch.setattr("viewer.app.window.run", lambda *arguments: opened.append(arguments))
+    monkeypatch.setattr("viewer.app.open_window", lambda *arguments: opened.append(arguments))
     opened: list[tuple] = []
     assert viewer.show(scene, SIZE, mode="phong") is None
     assert opened == [(scene, viewer.Settings(mode="phong"), None, SIZE)]
+
+
+def test_a_window_without_its_library_is_one_clear_error(scene, monkeypatch):
+    monkeypatch.setattr("viewer.app.find_spec", lambda name: None)
+    with pytest.raises(viewer.ContextError, match=r"^the window needs imgui-bundle, [^\n]*3\.11"):
+        viewer.show(scene, SIZE)

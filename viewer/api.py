@@ -70,9 +70,9 @@ def show(
     """
     if _in_notebook():
         return render(scene, size, camera, **settings)
-    from .app.window import run
+    from .app import open_window
 
-    run(scene, Settings.of(**settings), camera, _checked(size))
+    open_window(scene, Settings.of(**settings), camera, _checked(size))
     return None
 
 

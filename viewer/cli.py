@@ -55,7 +55,7 @@ def view(model: str, **options: Any) -> None:
     MODEL is a glTF file (.gltf, .glb), an OBJ, PLY, STL or OFF, or another mesh that trimesh reads.
     """
     check_camera_options(options)
-    from .app.window import run
+    from .app import open_window
     from .assemble import make_camera, make_environment, make_scene, make_settings
 
     settings = make_settings(options)
@@ -63,7 +63,7 @@ def view(model: str, **options: Any) -> None:
     _warn(model, scene, options)
     asked = any(options[name] is not None for name in ("orbit", "eye", "camera", "fov", "target"))
     camera = make_camera(model, scene, options) if asked else None
-    run(scene, settings, camera=camera, size=options["size"], use_cache=not options["no_cache"])
+    open_window(scene, settings, camera, options["size"], use_cache=not options["no_cache"])
 
 
 @cli.command(short_help="Make pictures of models, without a screen.")
