@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image as Pillow
 
-from viewer.atomic import atomic_write
+from viewer.atomic import atomic_write, write_json
 from viewer.errors import InputError, OutputError
 from viewer.image import Image
 
@@ -130,11 +131,22 @@ def test_until_the_end_of_the_block_the_old_file_stands(tmp_path):
     assert target.read_text() == "new" and leftovers(tmp_path) == ["report.json"]
 
 
+def test_json_is_whole_and_valid_or_not_there(tmp_path):
+    write_json(tmp_path / "a.json", {"a": [1, "\udcff"]})
+    assert json.loads((tmp_path / "a.json").read_text()) == {"a": [1, "\udcff"]}
+    with pytest.raises(ValueError):
+        write_json(tmp_path / "b.json", {"a": float("nan")})
+    assert leftovers(tmp_path) == ["a.json"]
+
+
 def test_links_and_pipes_stay_what_they_are(tmp_path):
     (tmp_path / "link").symlink_to("real")
     with atomic_write(tmp_path / "link") as temporary:
         temporary.write_text("new")
     assert (tmp_path / "link").is_symlink() and (tmp_path / "real").read_text() == "new"
+    (tmp_path / "link.exr").symlink_to("data.bin")
+    with atomic_write(tmp_path / "link.exr") as temporary:
+        assert temporary.suffix == ".exr"  # of the name that was given: encoders go by it
     with atomic_write("/dev/null") as temporary:
         temporary.write_text("gone")
     assert Path("/dev/null").is_char_device()

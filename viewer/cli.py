@@ -43,6 +43,9 @@ def cli() -> None:
     """Look at 3D models, physically based: in a window, as pictures, as numbers.
 
     `pbr-viewer COMMAND --help` tells the options of a command.
+
+    Exit status: 0 done; 1 the input is bad or the output cannot be written; 2 wrong usage; 3 no OpenGL context.
+    What goes wrong is told in one line.
     """
 
 

@@ -82,7 +82,8 @@ class Settings:
             raise UsageError(f"--set {assignment}: no setting {name!r}; there are {', '.join(choices)}")
         if value not in choices[name]:
             raise UsageError(f"--set {assignment}: {name} is one of {', '.join(choices[name])}")
-        return replace(self, **{name: value})
+        change: dict[str, Any] = {name: value}
+        return replace(self, **change)
 
 
 def parse_background(value: object) -> Background:
@@ -90,11 +91,16 @@ def parse_background(value: object) -> Background:
     if value == "env" or value == "none":
         return value  # type: ignore[return-value]
     if isinstance(value, str) and re.fullmatch("#?[0-9a-fA-F]{6}", value):
+        import numpy as np
+
         from .scene.color import srgb_to_linear
 
-        return tuple(float(srgb_to_linear(code / 255)) for code in bytes.fromhex(value.removeprefix("#")))
+        code = np.frombuffer(bytes.fromhex(value.removeprefix("#")), np.uint8)
+        red, green, blue = srgb_to_linear(code / 255).tolist()
+        return red, green, blue
     if isinstance(value, (tuple, list)) and len(value) == 3:
-        return tuple(_number(part, "background", 0.0, 1.0) for part in value)
+        red, green, blue = (_number(part, "background", 0.0, 1.0) for part in value)
+        return red, green, blue
     raise UsageError(f"background={value!r}: it is env, none, #rrggbb or three linear numbers from 0 to 1")
 
 

@@ -1,0 +1,51 @@
+"""Being asked to stop."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+
+import pytest
+
+from viewer.signals import Stopped, stoppable
+
+
+@pytest.mark.parametrize("name, status, text", [("SIGINT", 130, "interrupted"), ("SIGTERM", 143, "terminated"),
+                                                ("SIGHUP", 129, "terminated")])
+def test_a_signal_ends_the_block_and_its_handler_comes_back(name, status, text):
+    number = getattr(signal, name, None)
+    if number is None:
+        pytest.skip(f"no {name} here")
+    before = signal.getsignal(number)
+    with pytest.raises(Stopped) as stopped, stoppable():
+        os.kill(os.getpid(), number)
+        threading.Event().wait(5)
+    assert (stopped.value.exit_status, str(stopped.value)) == (status, text)
+    assert signal.getsignal(number) is before
+
+
+def test_what_is_ignored_stays_ignored():
+    before = signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    try:
+        with stoppable():
+            os.kill(os.getpid(), signal.SIGTERM)
+            assert signal.getsignal(signal.SIGTERM) == signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def test_another_thread_may_use_it():
+    problems = []
+
+    def work():
+        try:
+            with stoppable():
+                pass
+        except BaseException as error:
+            problems.append(error)
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert problems == []
