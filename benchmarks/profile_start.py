@@ -22,9 +22,9 @@ _CHILD = "--child"
 _WATCHED = {
     "bake the environment": "viewer.raster.environment:bake_environment",
     "compile GLSL": "viewer.raster.programs:compile_program",
-    "decode textures": "viewer.raster.textures:_decode",
+    "decode textures": "viewer.raster.decoding:decode_levels",
     "upload textures": "viewer.raster.textures:_upload",
-    "wait for textures": "viewer.raster.textures:Textures._texture",
+    "wait for textures": "viewer.raster.textures:Textures.upload",
     "upload meshes": "viewer.raster.geometry:MeshBuffers._buffer",
     "draw surfaces": "viewer.raster.surfaces:Surfaces.draw_opaque",
     "draw the background": "viewer.raster.environment:EnvironmentLight.draw_background",
@@ -56,17 +56,20 @@ def profile(model: str, environment: str, picture: Path, started: float) -> dict
         from viewer.api import load
         from viewer.gpu.context import open_context
         from viewer.image import Image
+        from viewer.raster.decoding import decode_ahead
         from viewer.raster.renderer import Renderer
         from viewer.scene.camera import Camera
         from viewer.settings import Settings
     for name, place in _WATCHED.items():
         spans.watch(name, place)
-    with spans.span("open the context"):
-        context = open_context()
     with spans.span("read the model"):
         scene = load(model, environment)
+    ahead = decode_ahead(scene, Settings())
+    with spans.span("open the context"):
+        context = open_context()
     camera = Camera.look_at(shot.eye(scene.bounds), scene.center, fov_y=math.radians(shot.FOV_Y))
     renderer = Renderer(context)
+    renderer.expect(ahead)
     with spans.span("first frame, the rest"):
         renderer.draw(scene, camera, Settings(), SIZE)
         pixels = renderer.read_display(Settings())

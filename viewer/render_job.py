@@ -8,16 +8,20 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from .atomic import write_json
 from .errors import ContextError, OutputError, UsageError, ViewerError
 from .image import WRITABLE, Image
 from .messages import say, say_error
 from .progress import Progress
-from .raster.renderer import Renderer
+from .raster.decoding import decode_ahead
 from .scene.camera import Camera
 from .scene.scene import Scene
 from .settings import Settings
+
+if TYPE_CHECKING:
+    from .raster.renderer import Renderer
 
 Record = dict[str, object]
 
@@ -69,12 +73,15 @@ class RenderJob:
         progress.step(f"{Path(model).name}: loading")
         start = time.perf_counter()
         scene = load(model)
+        view = camera(model, scene)
+        ahead = decode_ahead(scene, self.settings)  # the processor has other things to do in the meantime
         loaded = time.perf_counter()
         progress.say(f"{Path(model).name}: rendering")
         renderer = self._open()
+        renderer.expect(ahead)
         renderer.times.clear()
         renderer.pass_ms.clear()
-        image = self._render(renderer, scene, camera(model, scene), path)
+        image = self._render(renderer, scene, view, path)
         rendered = time.perf_counter()
         image.save(path)
         saved = time.perf_counter()
@@ -97,6 +104,7 @@ class RenderJob:
     def _open(self) -> Renderer:
         if self._renderer is None:
             from .gpu.context import open_context
+            from .raster.renderer import Renderer
 
             start = time.perf_counter()
             context = open_context(self.backend)

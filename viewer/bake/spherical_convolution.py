@@ -20,7 +20,7 @@ import numpy as np
 
 from ..scene.equirect import sphere_integral, texel_solid_angles
 
-ORDERS_AT_ONCE = 32  # bounds the Legendre table: 32 x 256 degrees x 480 rows in float32 is 16 MB
+ORDERS_AT_ONCE = 16  # bounds the Legendre table: 16 x 256 degrees x 480 rows in float32 is 8 MB
 
 
 @dataclass(frozen=True)
@@ -78,14 +78,18 @@ def convolve(radiance: np.ndarray, filters: Sequence[Filter]) -> list[np.ndarray
 def legendre_tables(degree: int, theta: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
     """Normalised P_lm(cos theta) for m <= l <= degree: yields (first m, (orders, degree + 1, N) float32) blockwise.
 
+    Each block takes the place of the one before; its rows l < first are not set.
+
     Three-term recurrence in l from P_mm = sqrt((2m+1)/2m) sin(theta) P_(m-1)(m-1), stable upwards; kept in float64,
     because rounding grows with l, and stored in float32, because afterwards it is only summed.
     """
     sines, cosines = np.sin(theta), np.cos(theta)
     sectoral = np.full(len(theta), np.sqrt(0.5))
+    whole = np.empty((min(ORDERS_AT_ONCE, degree + 1), degree + 1, len(theta)), np.float32)
     for first in range(0, degree + 1, ORDERS_AT_ONCE):
         orders = np.arange(first, min(first + ORDERS_AT_ONCE, degree + 1))
-        table = np.zeros((len(orders), degree + 1, len(theta)), np.float32)
+        table = whole[:len(orders)]
+        table[:, first:first + len(orders)] = 0  # where l < m
         last, older, scratch = (np.zeros((len(orders), len(theta))) for _ in range(3))
         for l in range(first, degree + 1):
             begun = min(l - first, len(orders))  # orders m < l go by the recurrence; m = l starts

@@ -18,6 +18,7 @@ from ..scene.camera import Camera
 from ..scene.light import Light
 from ..scene.scene import Scene
 from ..settings import Settings
+from .decoding import Decoder
 from .display import DisplayPass
 from .environment import EnvironmentLight
 from .floats import float_texture
@@ -56,11 +57,18 @@ class Renderer:
         self._target: Target | None = None
         self._surfaces: Surfaces | None = None
         self._environment: EnvironmentLight | None = None
+        self._ahead: Decoder | None = None
         self._generation = self.programs.generation
         self._shadows: list[ShadowMaps] = []
         self._plans: list[tuple[tuple[object, ...], Plan]] = []
         self._blocks: list[moderngl.Buffer] = []
         self._dfg: dict[tuple[str, str], moderngl.Texture] = {}
+
+    def expect(self, ahead: Decoder) -> None:
+        """The next new scene's images are begun already, by `decode_ahead`."""
+        if self._ahead is not None:
+            self._ahead.cancel()
+        self._ahead = ahead
 
     def render(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> Image:
         """The picture in full precision: linear radiance in single floats, and as displayed."""
@@ -152,7 +160,8 @@ class Renderer:
     def _prepare_surfaces(self, scene: Scene) -> None:
         if self._surfaces is None or not self._surfaces.holds(scene):
             self._release(self._surfaces, *self._shadows)
-            self._surfaces, self._shadows, self._plans = Surfaces(self.context, scene, self.programs), [], []
+            self._surfaces = Surfaces(self.context, scene, self.programs, self._ahead)
+            self._ahead, self._shadows, self._plans = None, [], []
         if self._generation != self.programs.generation:
             self._release(*self._shadows)
             self._generation, self._shadows, self._plans = self.programs.generation, [], []

@@ -9,6 +9,7 @@ from ..gpu.context import Context
 from ..plan import MAPS, Draw, Plan, material_map
 from ..scene.material import Material
 from ..scene.scene import Scene
+from .decoding import Decoder
 from .frame import Frame, handedness, normal_matrix, uniform
 from .geometry import MeshBuffers
 from .programs import Programs, set_uniform
@@ -24,11 +25,11 @@ _VERTEX = "raster/surface.vert"
 class Surfaces:
     """One scene's meshes and textures on the GPU, and how they are drawn."""
 
-    def __init__(self, context: Context, scene: Scene, programs: Programs) -> None:
+    def __init__(self, context: Context, scene: Scene, programs: Programs, ahead: Decoder | None = None) -> None:
         self._gl, self.scene, self._programs = context.gl, scene, programs
         self._meshes: dict[int, MeshBuffers] = {}
         self._generation = programs.generation
-        self.textures = Textures(context, scene)
+        self.textures = Textures(context, scene, ahead)
 
     def holds(self, scene: Scene) -> bool:
         """Whether `scene` has the same meshes, materials and places, and differs in other things only."""
@@ -45,6 +46,7 @@ class Surfaces:
             self._program(program.fragment, dict(program.switches))
         for draw in plan.draws:
             self._mesh(draw.mesh)
+        self.textures.upload()
 
     def draw_opaque(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
         """Draw what does not blend; returns how many instances were drawn."""

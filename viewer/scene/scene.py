@@ -68,8 +68,10 @@ class Scene:
                 break  # no vertex of this box, or of those after it, is farther out than what was found
             instance = self.instances[k]
             mesh = self.meshes[instance.mesh]
-            used = mesh.positions if mesh.indices is None else mesh.positions[np.unique(mesh.indices)]
-            points = used @ instance.transform[:3, :3].T + (instance.transform[:3, 3] - center)
+            used = np.full(len(mesh.positions), mesh.indices is None)
+            if mesh.indices is not None:
+                used[mesh.indices] = True
+            points = mesh.positions[used] @ instance.transform[:3, :3].T + (instance.transform[:3, 3] - center)
             radius = max(radius, float(np.sqrt(np.einsum("ij,ij->i", points, points).max())))
         if not self.instances:
             return float(np.sqrt(0.75))

@@ -22,6 +22,7 @@ MESH_FORMATS = (*GLTF_FORMATS, "BMP", "GIF", "TGA", "TIFF")
 """What materials of the older mesh formats may name as well."""
 
 Buffer = bytes | memoryview
+_ROWS = 256  # copied at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,8 +55,7 @@ class TextureImage:
             image.load()
             plain = _plain_mode(image)
             if channels is None or channels == "RGBA"[:len(plain.getbands())]:
-                pixels = np.asarray(plain)
-                return pixels if pixels.ndim == 3 else pixels[..., None]
+                return _pixels(plain)
             return _pick_bands(plain, channels)
 
 
@@ -81,6 +81,15 @@ def _plain_mode(image: Image.Image) -> Image.Image:
     if image.mode in ("L", "LA", "RGB", "RGBA"):
         return image
     return image.convert({"1": "L", "La": "LA", "PA": "RGBA", "RGBa": "RGBA"}.get(image.mode, "RGB"))
+
+
+def _pixels(image: Image.Image) -> np.ndarray:
+    """All bands; a few rows at a time, because Pillow would make a second copy of the whole on the way."""
+    out = np.empty((image.height, image.width, len(image.getbands())), np.uint8)
+    for top in range(0, image.height, _ROWS):
+        rows = out[top:top + _ROWS]
+        rows[:] = np.asarray(image.crop((0, top, image.width, top + len(rows)))).reshape(rows.shape)
+    return out
 
 
 def _pick_bands(image: Image.Image, channels: str) -> np.ndarray:

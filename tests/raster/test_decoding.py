@@ -1,0 +1,105 @@
+"""Images decoded on other threads: each once, in the channels that are read, errors and all."""
+
+from __future__ import annotations
+
+import io
+import threading
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import viewer
+from viewer.errors import InputError
+from viewer.plan import plan_scene
+from viewer.raster.decoding import Decoder, channels_read, decode_ahead, decode_levels, sampled_images
+from viewer.resources import resource_folder
+from viewer.scene.texture_image import open_texture_image
+from viewer.settings import Settings
+
+
+def encoded(pixels: np.ndarray, name: str = "image"):
+    file = io.BytesIO()
+    Image.fromarray(pixels).save(file, "PNG")
+    return open_texture_image(file.getvalue(), name)
+
+
+@pytest.fixture(scope="module")
+def pixels() -> np.ndarray:
+    return np.random.default_rng(1).integers(0, 256, (40, 24, 4), np.uint8)
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return viewer.load(resource_folder("assets") / "scenes" / "textures.glb")
+
+
+def test_all_come_once_with_all_their_levels(pixels):
+    keys = [(encoded(pixels[k:]), "RGB", k % 2 == 1) for k in range(9)]
+    results = dict(Decoder(keys).results())
+    assert set(results) == set(keys)
+    for k, key in enumerate(keys):
+        assert np.array_equal(results[key][0], pixels[k:, :, :3])
+        assert results[key][-1].shape == (1, 1, 3)
+
+
+def test_nothing_to_decode():
+    assert list(Decoder([]).results()) == []
+
+
+def test_no_more_than_a_few_are_held_at_once(pixels, monkeypatch):
+    begun = []
+    monkeypatch.setattr("viewer.raster.decoding.decode_levels", lambda *key: begun.append(key) or [pixels])
+    decoder = Decoder([(encoded(pixels), "RGB", False) for _ in range(9)])
+    deadline = time.monotonic() + 5
+    while len(begun) < 4 and time.monotonic() < deadline:
+        time.sleep(0.01)
+    time.sleep(0.05)
+    assert len(begun) == 4
+    assert len(list(decoder.results())) == 9
+
+
+def test_a_broken_image_is_an_error_where_results_are_asked_for(pixels):
+    whole = encoded(pixels, "broken.png")
+    broken = replace(whole, data=whole.data[: len(whole.data) // 2])
+    decoder = Decoder([(broken, "RGB", False), *((encoded(pixels), "RGB", False) for _ in range(6))])
+    with pytest.raises(InputError, match="broken.png"):
+        list(decoder.results())
+
+
+def test_cancelled_threads_end(pixels):
+    before = threading.active_count()
+    decoder = Decoder([(encoded(pixels), "RGB", False) for _ in range(9)])
+    decoder.cancel()
+    deadline = time.monotonic() + 5
+    while threading.active_count() > before and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert threading.active_count() <= before
+
+
+@pytest.mark.parametrize("settings", [Settings(), Settings(mode="phong"), Settings(lobes="specular")])
+def test_ahead_of_the_plan_the_same_images_are_decoded(scene, settings):
+    light = viewer.Light.from_angles(0.3, 0.8, 3.0)
+    plan = plan_scene(scene, settings, (light,), samples=4, half_target=True, orthographic=True)
+    ahead = decode_ahead(scene, settings)
+    assert ahead.keys == sampled_images(scene, plan, channels_read(scene, plan, {})) and ahead.keys
+    ahead.cancel()
+
+
+def test_what_another_plan_read_is_kept(scene):
+    plan = plan_scene(scene, Settings(), (), samples=1, half_target=False, orthographic=False)
+    read = channels_read(scene, plan, {})
+    image = next(iter(read))
+    assert channels_read(scene, plan, {image: "RGBA"})[image] == "RGBA"
+
+
+def test_channels(pixels):
+    image = encoded(pixels)
+    assert np.array_equal(decode_levels(image, "R", False)[0], pixels[..., :1])
+    assert np.array_equal(decode_levels(image, "RGB", True)[0], pixels[..., :3])
+    assert np.array_equal(decode_levels(image, "RGBA", True)[0], pixels)
+    grey = encoded(pixels[..., 0])
+    assert decode_levels(grey, "RGB", False)[0].shape[2] == 1
+    assert np.array_equal(decode_levels(grey, "RGB", True)[0], pixels[..., [0, 0, 0]])
