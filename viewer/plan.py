@@ -89,7 +89,7 @@ class Plan:
             "passes": [*passes, "display"],
             "programs": [{"fragment": p.fragment, "on": {k: v for k, v in p.switches if v}} for p in self.programs],
             "draws": len(self.draws),
-            "maps": sorted({f"{self.draws[i].material}:{m}" for i in range(len(self.draws)) for m in self.draws[i].maps}),
+            "maps": sorted({f"{draw.material}:{name}" for draw in self.draws for name in draw.maps}),
             "lights": len(self.lights),
             "shadow_layers": self.shadow_layer_count,
             "left_out": list(self.left_out),
@@ -282,7 +282,8 @@ def _left_out(
         if lights and not any(light.kind == kind for light in lights):
             lines.append(f"code for {kind} lights: there are none")
     if settings.background != "env" or scene.environment is None:
-        lines.append("the environment as background: " + ("there is none" if scene.environment is None else "not asked for"))
+        reason = "there is none" if scene.environment is None else "not asked for"
+        lines.append(f"the environment as background: {reason}")
     if not any(draw.alpha_mode == "blend" for draw in draws):
         lines.append("the sorted pass for blending: nothing is see-through")
     if not any("a_tangent" in draw.attributes for draw in draws):
