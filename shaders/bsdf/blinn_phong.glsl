@@ -7,9 +7,13 @@ float shininess_from_alpha(float alpha) {
 }
 
 // D(h) = (s + 2) / (2 pi) NoH^s, NoH^s = exp(s/2 log(1 - s2)) with s2 = |n x h|^2.
-// log(1 - s2) needs its series where 1 - s2 would round: at alpha = 0.01, s is 2e4 and NoH alone has lost its digits.
+// 1 - s2 would round, and s multiplies what is lost: at alpha = 0.01, s is 2e4 and NoH alone has lost its digits. So
+// log(1 - s2) = -2 artanh(t), t = s2 / (2 - s2), by its series, whose rest is below a unit in the last place here.
 float d_blinn_phong(float NoH, float s2, float alpha) {
     float s = shininess_from_alpha(alpha);
-    float log_c2 = s2 < 0.01 ? -s2 * (1.0 + s2 * (0.5 + s2 * (1.0 / 3.0 + 0.25 * s2))) : log(max(1.0 - s2, 1e-30));
+    float t = s2 / (2.0 - s2);
+    float t2 = t * t;
+    float series = -2.0 * t * (1.0 + t2 * (1.0 / 3.0 + t2 * (0.2 + t2 * (1.0 / 7.0 + t2 / 9.0))));
+    float log_c2 = s2 < 0.25 ? series : log(max(1.0 - s2, 1e-30));
     return NoH > 0.0 ? (s + 2.0) * 0.5 * INV_PI * exp(0.5 * s * log_c2) : 0.0;
 }

@@ -1,0 +1,97 @@
+"""The BSDF library's formulas in float64 (long double where that cancels), from the papers: what the shaders should give.
+
+Each function takes arrays that broadcast. Angles enter by their cosines, distributions by the angle itself, so that
+nothing is lost before the formula begins. Nothing here follows the shaders' own rearrangements.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+Array = Any
+
+
+def d_ggx(theta: Array, alpha: Array) -> Array:
+    """Walter et al. 2007, eq. 33."""
+    return alpha**2 / (np.pi * np.cos(theta) ** 4 * (alpha**2 + np.tan(theta) ** 2) ** 2)
+
+
+def d_beckmann(theta: Array, alpha: Array) -> Array:
+    """Walter et al. 2007, eq. 25."""
+    return np.exp(-((np.tan(theta) / alpha) ** 2)) / (np.pi * alpha**2 * np.cos(theta) ** 4)
+
+
+def d_blinn_phong(theta: Array, alpha: Array) -> Array:
+    """Walter et al. 2007, eq. 30, with s = 2 / alpha^2 - 2; the power by a logarithm that keeps its digits."""
+    s = 2 / alpha**2 - 2
+    return (s + 2) / (2 * np.pi) * np.exp(s / 2 * np.log1p(-np.sin(theta) ** 2))
+
+
+def lambda_ggx(mu: Array, alpha: Array) -> Array:
+    """Heitz 2014, eq. 72, with a = mu / (alpha sin): (sqrt(1 + 1 / a^2) - 1) / 2."""
+    return (np.sqrt(1 + alpha**2 * (1 - mu**2) / mu**2) - 1) / 2
+
+
+def v_smith_ggx(NoV: Array, NoL: Array, alpha: Array) -> Array:
+    """G2 / (4 NoV NoL), height-correlated (Heitz 2014, eq. 99)."""
+    return 1 / ((1 + lambda_ggx(NoV, alpha) + lambda_ggx(NoL, alpha)) * 4 * NoV * NoL)
+
+
+def v_smith_separable_ggx(NoV: Array, NoL: Array, alpha: Array) -> Array:
+    """G1 G1 / (4 NoV NoL) (Heitz 2014, eq. 98)."""
+    return 1 / ((1 + lambda_ggx(NoV, alpha)) * (1 + lambda_ggx(NoL, alpha)) * 4 * NoV * NoL)
+
+
+def lambda_beckmann(mu: Array, alpha: Array) -> Array:
+    """The rational fit of Walter et al. 2007, eq. 15, which is what the model is: Lambda = 1 / G1 - 1."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        a = mu / (alpha * np.sqrt(1 - mu**2))
+        g1 = (3.535 * a + 2.181 * a**2) / (1 + 2.276 * a + 2.577 * a**2)
+        return np.where(a < 1.6, 1 / g1 - 1, 0.0)
+
+
+def v_smith_beckmann(NoV: Array, NoL: Array, alpha: Array) -> Array:
+    """G2 / (4 NoV NoL), height-correlated."""
+    return 1 / ((1 + lambda_beckmann(NoV, alpha) + lambda_beckmann(NoL, alpha)) * 4 * NoV * NoL)
+
+
+def v_smith_separable_beckmann(NoV: Array, NoL: Array, alpha: Array) -> Array:
+    return 1 / ((1 + lambda_beckmann(NoV, alpha)) * (1 + lambda_beckmann(NoL, alpha)) * 4 * NoV * NoL)
+
+
+def v_cavity(NoV: Array, NoL: Array, NoH: Array, VoH: Array) -> Array:
+    """Cook & Torrance 1982, eq. 2, over 4 NoV NoL."""
+    g = np.minimum(1, np.minimum(2 * NoH * NoV / VoH, 2 * NoH * NoL / VoH))
+    return g / (4 * NoV * NoL)
+
+
+def f_schlick(f0: Array, f90: Array, mu: Array) -> Array:
+    """Schlick 1994, eq. 15."""
+    return f0 + (f90 - f0) * (1 - mu) ** 5
+
+
+def f_dielectric(mu: Array, eta: Array) -> Array:
+    """Fresnel's equations for unpolarised light, by Snell's law (Born & Wolf 1999, section 1.5.2)."""
+    mu, eta = np.longdouble(mu), np.longdouble(eta)
+    cos2_t = (eta**2 - 1 + mu**2) / eta**2
+    cos_t = np.sqrt(np.maximum(cos2_t, 0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        r_s = (mu - eta * cos_t) / (mu + eta * cos_t)
+        r_p = (eta * mu - cos_t) / (eta * mu + cos_t)
+    return np.where(cos2_t < 0, 1.0, (r_s**2 + r_p**2) / 2).astype(np.float64)
+
+
+def f_conductor(mu: Array, eta: Array, k: Array) -> Array:
+    """Fresnel's equations with the complex index eta + i k."""
+    mu, index = np.longdouble(mu), np.longdouble(eta) + 1j * np.longdouble(k)
+    cos_t = np.sqrt(1 - (1 - mu**2) / index**2)
+    r_s = (mu - index * cos_t) / (mu + index * cos_t)
+    r_p = (index * mu - cos_t) / (index * mu + cos_t)
+    return ((np.abs(r_s) ** 2 + np.abs(r_p) ** 2) / 2).astype(np.float64)
+
+
+def srgb_from_linear(c: Array) -> Array:
+    """IEC 61966-2-1."""
+    return np.where(c <= 0.0031308, 12.92 * c, 1.055 * np.maximum(c, 1e-30) ** (1 / 2.4) - 0.055)
