@@ -2,11 +2,12 @@
 // 8, 31 and 69 % of it (white GGX, normal view, alpha 0.25, 0.5, 1).
 #include "bsdf/fresnel.glsl"
 
-// E_w is the directional albedo of the lobe with F = 1 (a + b of the split sum), f0 and f90 Schlick's.
+// E_w is the directional albedo of the lobe with F = 1 (a + b of the split sum), f0 and f90 Schlick's. Without masking
+// it passes 1, and nothing is missing.
 
 // Direct light: f_total = f * turquin_factor            Turquin 2019, "Practical multiple scattering compensation"
 vec3 turquin_factor(vec3 f0, float E_w) {
-    return 1.0 + f0 * ((1.0 - E_w) / max(E_w, 1e-3));
+    return 1.0 + f0 * (max(1.0 - E_w, 0.0) / max(E_w, 1e-3));
 }
 
 // Image-based light: the share that scattered more than once, E_ms, lit by the irradiance.
@@ -14,6 +15,6 @@ vec3 turquin_factor(vec3 f0, float E_w) {
 //   E_ms = E_ss F_mean (1 - E_w) / (1 - F_mean (1 - E_w))
 // Nonlinear in F: evaluate dielectric and metal apart and mix the results, never their f0.
 vec3 fdez_aguera_albedo(vec3 E_ss, vec3 f0, vec3 f90, float E_w) {
-    vec3 lost = f_schlick_mean(f0, f90) * (1.0 - E_w);
+    vec3 lost = f_schlick_mean(f0, f90) * max(1.0 - E_w, 0.0);
     return E_ss * lost / (1.0 - lost);
 }
