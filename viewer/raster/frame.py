@@ -71,7 +71,9 @@ class Frame:
             return low, high
         high = max(high, 1e-3)
         # 24 bits of depth still tell surfaces apart that are a thousandth of their distance from one another at 1e5:1.
-        return max(low, high * 1e-5), high
+        low = max(low, high * 1e-5)
+        # z / w at the far end differs from 1 by parts of low / high, and float32 must not round it beyond.
+        return low, high * (1 + 2.0**-21 * high / low)
 
     @cached_property
     def visible(self) -> np.ndarray:
