@@ -54,6 +54,8 @@ class Programs:
 
     def release(self) -> None:
         for program in self._programs.values():
+            if program.extra is not None:  # the vertex array of a fullscreen pass
+                program.extra.release()
             program.release()
         self._programs = {}
 
