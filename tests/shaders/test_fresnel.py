@@ -34,7 +34,7 @@ def test_exact_dielectric(evaluate):
     clear = (eta != 1) & (mu > 0) & (np.abs(1 - (1 - mu**2) / eta**2) > 1e-4)  # not at the critical angle itself
     assert np.abs(found - fresnel(mu, eta))[clear].max() < 2e-5
     normal = (mu == 1) & (eta != 1)
-    assert np.abs(found / ((eta - 1) / (eta + 1)) ** 2 - 1)[normal].max() < 1e-5
+    assert np.abs(found[normal] / ((eta[normal] - 1) / (eta[normal] + 1)) ** 2 - 1).max() < 1e-5
 
 
 def test_matched_indices_keep_their_digits(evaluate):

@@ -1,0 +1,110 @@
+"""Scenes with little or nothing in them, and numbers at the ends of their ranges: a picture, and every pixel finite."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import pytest
+from shapes import constant, facing_floor, lopsided, moved, orthographic, plate, scene, sphere
+
+from viewer.scene.camera import Camera
+from viewer.scene.light import Light
+from viewer.scene.material import Material
+from viewer.scene.mesh import Mesh
+from viewer.scene.scene import Scene
+from viewer.settings import Settings
+
+SIZE = (24, 24)
+
+
+def framing(model: Scene) -> Camera:
+    return Camera.framing(model.center, model.radius, 1.0)
+
+
+def cloud(topology: str, points) -> Mesh:
+    return Mesh(topology, np.float32(points), 0, topology=topology)
+
+
+NOTHING_MUCH = {
+    "empty": Scene("empty"),
+    "no triangles": scene(cloud("lines", [[0, 0, 0], [1, 1, 0], [0, 1, 0], [1, 0, 1]])),
+    "a single point": scene(cloud("points", [[3, 2, 1]])),
+    "a triangle of no size": scene(Mesh("dot", np.float32([[1, 1, 1]] * 3), 0, normals=np.float32([[0, 0, 1]] * 3))),
+    "a scale of 0": scene((sphere(segments=12), moved((1, 2, 3), 0.0))),
+    "a flat scale": scene((sphere(segments=12), moved((0, 0, 0), (1, 0, 1)))),
+}
+
+
+@pytest.mark.parametrize("name", NOTHING_MUCH)
+@pytest.mark.parametrize("mode", ["pbr", "phong"])
+def test_little_or_nothing(radiance, name, mode):
+    lights = (Light.from_angles(0.2, 0.5, 2.0), Light("point", intensity=1.0, position=(1, 1, 1)))
+    for environment in (None, constant(0.5)):
+        model = replace(NOTHING_MUCH[name], environment=environment, lights=lights)
+        picture = radiance(model, framing(model), SIZE, mode=mode, antialias="msaa-4")
+        corners = picture[[0, 0, -1, -1], [0, -1, 0, -1]]
+        assert np.abs(corners - ([0, 0, 0, 0] if environment is None else [0.5, 0.5, 0.5, 1])).max() < 1e-6
+
+
+def test_a_single_point_is_seen(radiance):
+    model = replace(NOTHING_MUCH["a single point"], materials=(Material(base_color=(1, 0.5, 0, 1)),))
+    picture = radiance(model, framing(model), (25, 25), background="none")
+    assert picture[12, 12].tolist() == [1, 0.5, 0, 1]
+    assert (picture[..., 3] > 0).sum() == 1
+
+
+ROUGHNESS, F0 = (0.0, 1e-4, 0.5, 1.0), ({"ior": 1.0}, {"ior": 1.0001}, {"ior": 0.0}, {"specular": 0.0}, {"ior": 1e4})
+LIGHTS = (Light("directional", intensity=1e12, direction=(-1, -1e-5, 0)), Light.from_angles(0.1, 1e-3, 1e12),
+          Light("point", intensity=1e12, position=(0, 0, 1.0)), Light("point", intensity=1.0, position=(0, 0, 0)),
+          Light("spot", intensity=1e12, position=(0, 0, 1.0000001), direction=(0, 0, -1), outer_cone=1e-5),
+          Light("directional", intensity=1e-30))
+
+
+@pytest.mark.parametrize("ndf", ["ggx", "beckmann", "blinn-phong"])
+@pytest.mark.parametrize("fresnel", ["schlick", "exact"])
+@pytest.mark.parametrize("masking", ["smith", "v-cavity", "none"])
+def test_extreme_materials_under_extreme_lights(radiance, ndf, fresnel, masking):
+    """Balls for every corner of the parameters, from grazing to facing; radiance is finite and not negative."""
+    cases = list(product(ROUGHNESS, (0.0, 1.0), (0.0, 1.0)))[:16]
+    materials = [Material(base_color=(base,) * 3 + (1.0,), metallic=metallic, perceptual_roughness=roughness,
+                          **F0[k % len(F0)]) for k, (roughness, metallic, base) in enumerate(cases)]
+    balls = [(sphere(k, 12), moved((2 * (k % 4) - 3, 2 * (k // 4) - 3, 0))) for k in range(len(cases))]
+    model = scene(*balls, materials=materials, lights=LIGHTS, environment=lopsided())
+    picture = radiance(model, orthographic(0.0, 0.0, 8.0, 20.0), (48, 48), ndf=ndf, fresnel=fresnel, masking=masking,
+                       shadows="off")
+    assert picture.min() >= 0
+
+
+def test_every_f0_with_every_roughness(radiance):
+    cases = list(product(ROUGHNESS, F0))
+    materials = [Material(metallic=0.0, perceptual_roughness=roughness, **f0) for roughness, f0 in cases]
+    balls = [(sphere(k, 12), moved((2 * (k % 5) - 4, 2 * (k // 5) - 3, 0))) for k in range(len(cases))]
+    model = scene(*balls, materials=materials, lights=LIGHTS[:3], environment=lopsided())
+    for mode in ("pbr", "phong"):
+        assert radiance(model, orthographic(0.0, 0.0, 10.0, 20.0), (50, 50), mode=mode, shadows="off").min() >= 0
+
+
+@pytest.mark.parametrize("exposure", [-20.0, 0.0, 20.0])
+@pytest.mark.parametrize("tonemap", ["neutral", "agx", "aces", "none"])
+def test_what_is_displayed_of_it(renderer, exposure, tonemap):
+    """Half floats and samples averaged: 1e12 lux ends at white, 20 stops down nothing wraps round."""
+    model = scene((plate(), facing_floor()), lights=(Light("directional", intensity=1e12, direction=(0, -1, 0)),),
+                  materials=[Material(metallic=0.0)])
+    shown = renderer.display(model, orthographic(0.0, 1.0, 1.0), Settings.of(
+        exposure=exposure, tonemap=tonemap, antialias="msaa-4", shadows="off"), SIZE).srgb
+    assert (shown[..., 3] == 255).all()
+    assert np.ptp(shown[..., :3].astype(int)) <= 4  # dithering, and AgX' tints
+    if exposure >= 0:
+        assert shown[..., :3].min() > 245
+    if exposure == -20 and tonemap == "none":
+        assert 65 <= shown[..., :3].min() <= shown[..., :3].max() <= 72  # 65504 / 2**20 = 0.0625
+
+
+def test_grazing_to_the_last_pixel(radiance):
+    """A floor that runs to the horizon."""
+    model = scene((plate(half=1000.0), facing_floor()), materials=[Material(perceptual_roughness=0.2)],
+                  lights=(Light.from_angles(np.pi, 0.01, 3.0),), environment=lopsided())
+    for mode in ("pbr", "phong"):
+        radiance(model, Camera.look_at((0, 1e-3, 5), (0, 1e-3, 0)), SIZE, mode=mode)
