@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from ..scene.mesh import Mesh
 from ..scene.scene import Instance, Scene
 
 
+@lru_cache(maxsize=4)
 def sphere(material: int = 0, segments: int = 128) -> Mesh:
     """Radius 1 about the origin, with its own positions as normals, tangents along the equator and a map's UVs."""
     v, u = np.meshgrid(np.linspace(0, 1, segments // 2 + 1), np.linspace(0, 1, segments + 1), indexing="ij")
@@ -64,6 +66,7 @@ def ball_cosines(camera: Camera, size: int) -> np.ndarray:
     return np.sqrt(np.maximum(1 - offset[:, None] ** 2 - offset[None, :] ** 2, 0))
 
 
+@lru_cache(maxsize=4)
 def constant(radiance: float = 1.0) -> Environment:
     """The same radiance from everywhere."""
     return Environment("constant", np.full((32, 64, 3), radiance, np.float32))
