@@ -1,0 +1,239 @@
+"""What a plan leaves out, and that every program it may ask for compiles."""
+
+from __future__ import annotations
+
+import random
+import re
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from viewer.errors import ContextError
+from viewer.gpu.context import open_context
+from viewer.gpu.source import assemble
+from viewer.plan import MAPS, MAX_LIGHTS, MAX_SHADOW_LAYERS, plan_scene
+from viewer.raster.programs import Programs
+from viewer.scene.environment import Environment
+from viewer.scene.light import Light
+from viewer.scene.material import Material, Sampler, Texture, UVTransform
+from viewer.scene.mesh import Mesh
+from viewer.scene.scene import Instance, Scene
+from viewer.scene.texture_image import TextureImage
+from viewer.settings import Settings, setting_choices
+
+ENVIRONMENT = Environment("grey", np.ones((16, 32, 3), np.float32))
+SUN = Light.from_angles(0.0, 0.5, 1.0)
+MAP = Texture(TextureImage("none", b"", 1, 1, "PNG"))  # never decoded: nothing is drawn here
+
+
+def scene(material: Material = Material(), *, topology: str = "triangles", tangents: bool = True, uvs: int = 1,
+          colors: bool = False, lit: bool = True, **fields) -> Scene:
+    corner = np.float32([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    mesh = Mesh("mesh", corner, 0, topology, normals=np.float32([[0, 0, 1]] * 3) if lit else None,
+                tangents=np.float32([[1, 0, 0, 1]] * 3) if tangents else None, uvs=(corner[:, :2],) * uvs,
+                colors=np.ones((3, 4), np.float32) if colors else None)
+    return Scene("test", (mesh,), (material,), (Instance(0, np.eye(4)),), **fields)
+
+
+def plan(model: Scene, *, samples: int = 4, half: bool = True, orthographic: bool = False, **settings):
+    return plan_scene(model, Settings.of(**settings), model.lights, samples=samples, half_target=half,
+                      orthographic=orthographic)
+
+
+def code(found) -> str:
+    """The fragment shader as the compiler sees it: what the switches leave of it."""
+    program = found.programs[0]
+    values: dict[str, str] = {}
+    branches: list[tuple[bool, bool]] = []  # of every open #if: whether this branch is on, and whether one was
+    lines = []
+
+    def holds(condition: str) -> bool:
+        condition = re.sub(r"\b[A-Za-z_]\w*", lambda word: values[word[0]], condition)
+        return bool(eval(condition.replace("&&", " and ").replace("||", " or ")))
+
+    for line in assemble(program.fragment, dict(program.switches)).text.splitlines():
+        directive, _, rest = line.strip().partition(" ")
+        seen = all(on for on, _ in branches)
+        if directive in ("#if", "#ifndef"):
+            on = seen and (holds(rest) if directive == "#if" else rest not in values)
+            branches.append((on, on))
+        elif directive in ("#elif", "#else"):
+            _, done = branches.pop()
+            on = not done and all(on for on, _ in branches) and (directive == "#else" or holds(rest))
+            branches.append((on, done or on))
+        elif directive == "#endif":
+            branches.pop()
+        elif seen and directive == "#define":
+            name, _, value = rest.partition(" ")
+            values[name] = value
+        elif seen:
+            lines.append(line)
+    return "\n".join(lines)
+
+
+def test_an_unlit_scene_has_no_light_of_any_kind():
+    model = scene(Material(unlit=True), lights=(SUN,), environment=ENVIRONMENT)
+    for mode in ("pbr", "phong"):
+        found = plan(model, mode=mode)
+        assert not (found.environment or found.ambient or found.dfg or found.lights or found.shadow_layer_count)
+        assert {p.fragment for p in found.programs} == {"raster/unlit.frag"}
+        assert found.background
+        assert any("unlit" in line for line in found.left_out)
+
+
+def test_lines_without_normals_are_not_lit():
+    assert plan(scene(topology="lines", lit=False), mode="pbr").programs[0].fragment == "raster/unlit.frag"
+
+
+@pytest.mark.parametrize("mode", ["pbr", "phong"])
+def test_code_for_what_is_not_there_is_not_compiled(mode):
+    bare = code(plan(scene(), mode=mode))
+    for word in ("u_prefiltered", "u_irradiance", "u_ambient", "u_lights", "u_shadow_map", "u_normal_map", "u_emissive",
+                 "v_color", "u_alpha_cutoff", "u_occlusion_map", "v_uv0", "dFdx(s.n)" if mode == "phong" else "u_shininess"):
+        assert word not in bare
+    full = scene(Material(normal_texture=MAP, occlusion_texture=MAP, emissive=(1, 1, 1), alpha_mode="mask"), colors=True,
+                 lights=(SUN,), environment=ENVIRONMENT)
+    text = code(plan(full, mode=mode))
+    for word in ("u_lights", "u_shadow_map", "u_normal_map", "u_emissive", "v_color", "u_alpha_cutoff", "u_occlusion_map",
+                 "v_uv0", "u_prefiltered" if mode == "pbr" else "u_ambient"):
+        assert word in text
+
+
+def test_only_what_the_material_is_made_of():
+    dielectric = code(plan(scene(Material(metallic=0.0), lights=(SUN,), environment=ENVIRONMENT)))
+    metal = code(plan(scene(Material(metallic=1.0), lights=(SUN,), environment=ENVIRONMENT)))
+    assert "s.metal =" not in dielectric and "s.dielectric =" in dielectric
+    assert "s.metal =" in metal and "s.dielectric =" not in metal
+    mixed = code(plan(scene(Material(metallic=0.5), lights=(SUN,), environment=ENVIRONMENT)))
+    assert "s.metal =" in mixed and "s.dielectric =" in mixed
+
+
+@pytest.mark.parametrize(("change", "sampled"), [
+    ({}, set(MAPS)),
+    ({"emissive": (0.0, 0.0, 0.0)}, set(MAPS) - {"emissive"}),
+    ({"occlusion_strength": 0.0}, set(MAPS) - {"occlusion"}),
+    ({"normal_scale": 0.0}, set(MAPS) - {"normal"}),
+    ({"specular": 0.0}, set(MAPS) - {"specular", "specular_color"}),
+    ({"unlit": True}, {"base_color", "emissive"}),
+])
+def test_maps_that_change_no_pixel_are_not_sampled(change, sampled):
+    material = replace(Material(emissive=(1, 1, 1), **{f"{name}_texture": MAP for name in MAPS}), **change)
+    found = plan(scene(material, environment=ENVIRONMENT))
+    assert set(found.draws[0].maps) == sampled
+    idle = len(MAPS) - len(sampled)
+    assert any(f"{idle} material map" in line for line in found.left_out) == bool(idle)
+
+
+def test_maps_without_coordinates_or_tangents_are_not_sampled():
+    material = Material(base_color_texture=MAP, normal_texture=MAP, occlusion_texture=replace(MAP, uv_set=1))
+    model = scene(material, uvs=1, tangents=False, environment=ENVIRONMENT)
+    assert plan(model).draws[0].maps == ("base_color",)
+    assert plan(replace(model, environment=None)).draws[0].maps == ("base_color",)
+
+
+def test_lights_are_ordered_bounded_and_dark_ones_dropped():
+    spot, point = Light("spot", intensity=1.0), Light("point", intensity=2.0)
+    found = plan(scene(lights=(spot, point, SUN, Light("point", intensity=0.0), Light("point", (0, 0, 0), 3.0))))
+    assert found.lights == (SUN, point, spot)
+    assert found.shadow_layers == (0, 1, 7) and found.shadow_layer_count == 8
+    assert plan(scene(lights=(spot, point)), shadows="off").shadow_layers == (-1, -1)
+    many = plan(scene(lights=tuple(Light("point", intensity=1.0 + k) for k in range(200))))
+    assert len(many.lights) == MAX_LIGHTS and min(light.intensity for light in many.lights) == 200 - MAX_LIGHTS + 1
+    assert many.shadow_layer_count <= MAX_SHADOW_LAYERS
+
+
+def test_background():
+    model = scene(environment=ENVIRONMENT)
+    assert plan(model).background
+    assert not plan(model, background="none").background
+    assert not plan(replace(model, environment=None)).background
+
+
+MATERIALS = {
+    "plain": (Material(metallic=0.0), {}),
+    "metal": (Material(), {"tangents": False}),
+    "every map": (Material(metallic=0.7, emissive=(1, 1, 1), alpha_mode="mask", double_sided=True,
+                           **{f"{name}_texture": MAP for name in MAPS}), {"colors": True}),
+    "two UV sets, transformed, mirrored": (
+        Material(alpha_mode="blend", base_color_texture=replace(MAP, uv_set=1, sampler=Sampler("mirror", "clamp")),
+                 normal_texture=replace(MAP, transform=UVTransform((0.1, 0.2), 0.5, (2, 2))),
+                 metallic_roughness_texture=replace(MAP, sampler=Sampler("mirror", "mirror"))), {"uvs": 2}),
+    "second UV set only": (Material(metallic=0.0, occlusion_texture=replace(MAP, uv_set=1), shininess=20.0), {"uvs": 2}),
+    "unlit": (Material(unlit=True, base_color_texture=MAP, emissive=(1, 0, 0), alpha_mode="mask"), {"colors": True}),
+    "points": (Material(alpha_mode="blend"), {"topology": "points", "lit": False, "colors": True}),
+    "lit lines": (Material(emissive=(1, 1, 1)), {"topology": "lines"}),
+}
+LIGHTS = {
+    "none": (), "sun": (SUN,), "point": (Light("point"),), "spot": (Light("spot"),),
+    "all": (SUN, SUN, Light("point"), Light("point"), Light("spot")), "most": (Light("point"),) * MAX_LIGHTS,
+}
+CHOICES = {
+    "material": list(MATERIALS), "lights": list(LIGHTS), "environment": [None, 0.0, 1.0], "mode": ["pbr", "phong"],
+    "samples": [1, 4], "half": [False, True], "orthographic": [False, True],
+} | {name: list(values) for name, values in setting_choices().items() if name != "antialias"}
+
+
+def pairwise(choices: dict[str, list], seed: int = 1) -> list[dict[str, object]]:
+    """Few combinations in which every value of every choice meets every value of every other one."""
+    rng = random.Random(seed)
+    missing = {((a, i), (b, j)) for a, b in combinations(choices, 2)
+               for i in range(len(choices[a])) for j in range(len(choices[b]))}
+    rows = []
+    while missing:
+        best, most = None, -1
+        wanted = dict(min(missing))
+        for _ in range(30):
+            row = {name: rng.randrange(len(values)) for name, values in choices.items()} | wanted
+            met = sum(pair in missing for pair in combinations(row.items(), 2))
+            if met > most:
+                best, most = row, met
+        missing -= set(combinations(best.items(), 2))
+        rows.append({name: choices[name][k] for name, k in best.items()})
+    return rows
+
+
+@pytest.fixture(scope="module")
+def programs():
+    try:
+        context = open_context()
+    except ContextError as error:
+        pytest.skip(str(error))
+    with context:
+        yield Programs(context)
+
+
+def test_every_pair_of_choices_compiles(programs):
+    rows = pairwise(CHOICES)
+    assert len(rows) < 150
+    fragments = set()
+    for row in rows:
+        row = dict(row)
+        material, fields = MATERIALS[row.pop("material")]
+        rotation, lights = row.pop("environment"), LIGHTS[row.pop("lights")]
+        environment = None if rotation is None else replace(ENVIRONMENT, rotation=rotation)
+        model = scene(material, lights=lights, environment=environment, **fields)
+        for program in plan(model, **row).programs:
+            programs.get("raster/surface.vert", program.fragment, dict(program.switches))
+            fragments.add(program.fragment)
+    assert fragments == {"raster/pbr.frag", "raster/phong.frag", "raster/unlit.frag"}
+    assert len(programs) > 40
+
+
+def test_every_microfacet_model_compiles(programs):
+    """All of D x G x F, with and without compensation, for a mixture of dielectric and metal."""
+    model = scene(Material(metallic=0.5), lights=(SUN,), environment=ENVIRONMENT)
+    choices = setting_choices()
+    for ndf in choices["ndf"]:
+        for masking in choices["masking"]:
+            for fresnel in choices["fresnel"]:
+                for multiscatter in choices["multiscatter"]:
+                    [program] = plan(model, ndf=ndf, masking=masking, fresnel=fresnel, multiscatter=multiscatter).programs
+                    programs.get("raster/surface.vert", program.fragment, dict(program.switches))
+
+
+def test_equal_materials_share_a_program():
+    a = scene(Material(base_color=(1, 0, 0, 1), perceptual_roughness=0.2), environment=ENVIRONMENT)
+    b = scene(Material(base_color=(0, 1, 0, 1), perceptual_roughness=0.9), environment=ENVIRONMENT)
+    assert plan(a).programs == plan(b).programs
