@@ -1,0 +1,209 @@
+"""What any BSDF owes: it loses and gains no light, knows no negative light, is reciprocal, and samples what it says."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .bsdf import Bsdf, Samples
+from .checks import Check
+from .chi_squared import critical_value, statistic
+from .half_vector import bin_coordinates, binned_grid, reflected_grid, refracted_grid
+
+NOV = (1.0, 0.7, 0.4, 0.15, 0.05)
+AZIMUTH = 0.7  # of wo: on neither tangent
+SAMPLES = 1 << 14
+BINS = (20, 12)
+TRANSMISSION, DELTA = 2, 4  # shaders/bsdf/bsdf.glsl
+
+FURNACE_BOUND = 5e-3
+BALANCE_BOUND = 2e-3
+"""What float32 and the quadrature leave over 1; sharp lobes resolve no better."""
+
+
+@dataclass(frozen=True)
+class LobeCase:
+    """A lobe with the parameter sets it is checked at: each of `values` has the sets on its first axis.
+
+    `white` tells for each set whether it absorbs nothing, and so owes a furnace of 1, within `furnace_bound`; `expected`
+    names the checks the model is known to fail. `passes` sets let light through, by the index of refraction in `eta`.
+    """
+
+    bsdf: Bsdf
+    values: Mapping[str, np.ndarray]
+    white: np.ndarray
+    expected: Collection[str] = field(default_factory=frozenset)
+    furnace_bound: float = FURNACE_BOUND
+    eta: np.ndarray | None = None
+
+    @property
+    def sets(self) -> int:
+        return len(self.white)
+
+    def repeated(self, per_set: int, *, axis: bool = True) -> dict[str, np.ndarray]:
+        """Every set `per_set` times over, with an axis for what each case is asked."""
+        out = {name: np.repeat(np.asarray(value), per_set, axis=0) for name, value in self.values.items()}
+        return {name: value[:, None] if axis else value for name, value in out.items()}
+
+
+def check_lobe(case: LobeCase) -> Iterator[Check]:
+    """All that can be asked of the functions the lobe has; each row is the worst of all its parameter sets."""
+    wo = np.tile(directions(NOV), (case.sets, 1))
+    albedo = _Integral(case, wo)
+    yield from _check_balance(case, albedo)
+    yield from _check_pairs(case)
+    if case.bsdf.function("sample") and case.bsdf.function("pdf"):
+        yield from _check_sampling(case, wo, albedo)
+    if case.bsdf.function("albedo"):
+        NoV = wo[:, 2]
+        found = case.bsdf.albedo(case.repeated(len(NOV), axis=False), NoV)
+        # Mirrors, whose light is all in one direction, are no part of the integral.
+        gap = np.abs(found - albedo.of_light).max(axis=-1) * (albedo.of_light.max(axis=-1) > 0)
+        yield _row(case, "albedo", gap, 0.01, wo)
+
+
+def directions(cosines: Collection[float]) -> np.ndarray:
+    """Unit vectors (N, 3) with these z, all at one azimuth."""
+    z = np.asarray(list(cosines), np.float64)
+    s = np.sqrt(1 - z**2)
+    return np.stack([s * np.cos(AZIMUTH), s * np.sin(AZIMUTH), z], axis=-1)
+
+
+class _Integral:
+    """Integrals over the directions wi of K cases, by quadrature in half vectors."""
+
+    def __init__(self, case: LobeCase, wo: np.ndarray) -> None:
+        grids = [reflected_grid(wo)]
+        if case.eta is not None:
+            grids.append(refracted_grid(wo, np.repeat(case.eta, len(NOV))))
+        values = case.repeated(len(NOV))
+        self.of_light, self.of_view, self.of_pdf = np.zeros((len(wo), 3)), np.zeros((len(wo), 3)), np.zeros(len(wo))
+        self.smallest = np.inf
+        for grid in grids:
+            weight = grid.solid_angle * np.abs(grid.wi[..., 2])
+            forth = case.bsdf.eval(values, wo[:, None], grid.wi)
+            self.of_light += np.einsum("kqc,kq->kc", _lit(forth, weight), weight)
+            self.smallest = min(self.smallest, _smallest(forth[weight > 0]))
+            if case.bsdf.function("pdf"):
+                self.of_pdf += (_lit(case.bsdf.pdf(values, wo[:, None], grid.wi), weight) * grid.solid_angle).sum(axis=1)
+        grid = grids[0]
+        weight = grid.solid_angle * np.abs(grid.wi[..., 2])
+        back = case.bsdf.eval(values, grid.wi, np.broadcast_to(wo[:, None], grid.wi.shape))
+        self.of_view = np.einsum("kqc,kq->kc", _lit(back, weight), weight)
+
+
+def _check_balance(case: LobeCase, albedo: _Integral) -> Iterator[Check]:
+    wo = np.tile(directions(NOV), (case.sets, 1))
+    white = np.repeat(case.white, len(NOV))
+    if white.any():
+        deviation = np.abs(albedo.of_light - 1).max(axis=-1)
+        yield _row(case, "white furnace", np.where(white, deviation, -np.inf), case.furnace_bound, wo)
+    gain = np.maximum(albedo.of_light, albedo.of_view).max(axis=-1) - 1
+    yield _row(case, "hemisphere balance", gain, BALANCE_BOUND, wo)
+
+
+def _check_pairs(case: LobeCase) -> Iterator[Check]:
+    """All pairs of a set of directions from the normal to a millionth above the horizon."""
+    cosines = np.array([1, 0.9, 0.5, 0.1, 1e-3, 1e-6])
+    wo = directions(cosines)
+    turns = np.linspace(-np.pi, np.pi, 13)[:-1] + 0.05
+    s = np.sqrt(1 - cosines**2)
+    wi = np.stack([np.multiply.outer(s, np.cos(turns)), np.multiply.outer(s, np.sin(turns)),
+                   np.repeat(cosines[:, None], len(turns), axis=1)], axis=-1).reshape(-1, 3)
+    if case.eta is not None:
+        wi = np.concatenate([wi, wi * [1, 1, -1]])
+    values = case.repeated(len(wo))
+    wo_all, wi_all = np.tile(wo, (case.sets, 1))[:, None], np.broadcast_to(wi, (case.sets * len(wo), *wi.shape))
+    forth = case.bsdf.eval(values, wo_all, wi_all)
+    per_case = np.where(np.isfinite(forth), -forth, np.inf).max(axis=(1, 2))
+    yield _row(case, "not negative", np.maximum(per_case, 0), 0.0, wo_all[:, 0])
+    above = wi[:, 2] > 0
+    back = case.bsdf.eval(values, wi_all[:, above], np.broadcast_to(wo_all, wi_all[:, above].shape))
+    scale = np.maximum(np.maximum(np.abs(forth[:, above]), np.abs(back)), 1e-6)
+    yield _row(case, "reciprocity", (np.abs(forth[:, above] - back) / scale).max(axis=(1, 2)), 1e-3, wo_all[:, 0])
+
+
+def _check_sampling(case: LobeCase, wo: np.ndarray, albedo: _Integral) -> Iterator[Check]:
+    random = np.random.default_rng(7)
+    values = case.repeated(len(NOV))
+    u = random.random((1, SAMPLES, 3), np.float32)
+    drawn = case.bsdf.sample(values, wo[:, None], np.broadcast_to(u, (len(wo), SAMPLES, 3)))
+    kept = (drawn.flags & DELTA == 0) & (drawn.flags != 0)
+    share = kept.mean(axis=1)
+    spread = 5 * np.sqrt(np.maximum(share * (1 - share), 1e-4) / SAMPLES)
+    yield _row(case, "pdf integrates to 1", np.abs(albedo.of_pdf - share), 0.0, wo, allowed=5e-3 + spread,
+               note="of what is not sent under the surface; the bound is 5 standard deviations and 0.005")
+    yield from _check_weights(case, wo, drawn, kept)
+    yield from _check_histogram(case, wo, drawn, kept)
+
+
+def _check_weights(case: LobeCase, wo: np.ndarray, drawn: Samples, kept: np.ndarray) -> Iterator[Check]:
+    values = case.repeated(len(NOV))
+    few = slice(0, 2048)
+    wi, pdf, weight = drawn.wi[:, few], drawn.pdf[:, few], drawn.weight[:, few]
+    f = case.bsdf.eval(values, wo[:, None], wi)
+    asked = case.bsdf.pdf(values, wo[:, None], wi)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        expected = f * np.abs(wi[..., 2:]) / asked[..., None]
+        error = np.abs(weight - expected).max(axis=-1) / np.maximum(expected.max(axis=-1), 1e-3)
+        pdf_error = np.abs(pdf / asked - 1)
+    # Directions are float32: a lobe of width alpha moves by 6e-8 / alpha of itself. What counts is the bulk.
+    for name, errors in (("weight = f cos / pdf", error), ("sample's pdf = pdf", pdf_error)):
+        typical = np.array([np.quantile(e[k], 0.99) if k.any() else 0.0 for e, k in zip(errors, kept[:, few])])
+        yield _row(case, name, typical, 0.01, wo, note="99 % of the samples")
+
+
+def _check_histogram(case: LobeCase, wo: np.ndarray, drawn: Samples, kept: np.ndarray) -> Iterator[Check]:
+    tests = []
+    sides = [(None, drawn.flags & TRANSMISSION == 0)]
+    if case.eta is not None:
+        sides.append((np.repeat(case.eta, len(NOV)), drawn.flags & TRANSMISSION != 0))
+    values = case.repeated(len(NOV))
+    for eta, side in sides:
+        expected = _expected_counts(case.bsdf, values, wo, eta) * drawn.wi.shape[1]
+        x, phi = bin_coordinates(wo, drawn.wi, eta)
+        for k in range(len(wo)):
+            mine = kept[k] & side[k]
+            if mine.any() or expected[k].sum() > 1:
+                counts = np.histogram2d(x[k, mine], phi[k, mine], BINS, ((0, 1), (-np.pi, np.pi)))[0]
+                tests.append((k, *statistic(counts.ravel(), expected[k])))
+    ratios = np.full(len(wo), -np.inf)
+    for k, chi2, degrees in tests:
+        ratios[k] = max(ratios[k], chi2 / critical_value(degrees, len(tests)))
+    if tests:
+        yield _row(case, "samples follow pdf", ratios, 1.0, wo, note=f"chi-squared over its threshold, {len(tests)} tests")
+
+
+def _expected_counts(bsdf: Bsdf, values: Mapping[str, Any], wo: np.ndarray, eta: np.ndarray | None) -> np.ndarray:
+    """The pdf's integral over each bin, (K, bins)."""
+    grid = binned_grid(wo, BINS, eta)
+    density = _lit(bsdf.pdf(values, wo[:, None], grid.wi), grid.solid_angle)
+    return (density * grid.solid_angle).reshape(len(wo), BINS[0] * BINS[1], -1).sum(axis=2)
+
+
+def _lit(values: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Where the weight is 0 the direction is none, and neither is what was asked there."""
+    return np.where(weight[..., None] > 0 if values.ndim > weight.ndim else weight > 0, values, 0.0)
+
+
+def _smallest(f: np.ndarray) -> float:
+    return float(np.where(np.isfinite(f), f, -np.inf).min(initial=np.inf))
+
+
+def _row(case: LobeCase, check: str, values: np.ndarray, bound: float, wo: np.ndarray,
+         allowed: np.ndarray | None = None, note: str = "") -> Check:
+    """The case with the largest value over what is allowed there, and where it lies."""
+    values = np.where(np.isnan(values), np.inf, values)
+    worst = int(np.argmax(values if allowed is None else values - allowed))
+    chosen = worst // (len(values) // case.sets)
+    place = ", ".join(f"{name} {_short(value[chosen])}" for name, value in case.values.items())
+    where = f"worst at NoV {wo[worst, 2]:.2g}" + (f", {place}" if place else "")
+    return Check(check, case.bsdf.name, float(values[worst]), float(bound if allowed is None else allowed[worst]),
+                 check in case.expected, f"{where}; {note}" if note else where)
+
+
+def _short(value: Any) -> str:
+    return "/".join(f"{number:.3g}" for number in np.unique(np.atleast_1d(value)))
