@@ -15,6 +15,7 @@ from typing import Any
 import click
 
 from .errors import ViewerError
+from .heap import share_one_heap
 from .messages import one_line, say, say_error
 from .options import (
     CAMERA_OPTIONS,
@@ -196,6 +197,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for stream in (sys.stdout, sys.stderr):
         with suppress(AttributeError, ValueError, OSError):
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]  # a file's name may be no text
+    share_one_heap()
     sys.exit(_run(arguments))
 
 

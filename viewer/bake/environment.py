@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..heap import give_back
 from ..scene.environment import Environment
 from ..scene.equirect import shrink
 from ..scene.light import Light
@@ -51,6 +52,7 @@ def bake_environment(environment: Environment, ndf: str = "ggx", cache: bool = T
         if stored is not None:
             return _from_arrays(stored)
     arrays = _bake(environment, ndf)
+    give_back()  # 40 MB that nothing else will want
     if name:
         disk.store(name, arrays)
     return _from_arrays(arrays)

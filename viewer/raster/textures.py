@@ -7,6 +7,7 @@ import numpy as np
 
 from ..gpu.context import Context
 from ..gpu.mipmaps import mipmapped_texture
+from ..heap import give_back
 from ..plan import MAPS, Plan
 from ..scene.material import Sampler, Texture
 from ..scene.scene import Scene
@@ -49,6 +50,8 @@ class Textures:
             for key, levels in self._decoders.pop(0).results():
                 self._textures[key] = _upload(self._context, levels, key[2])
                 self.bytes += sum(level.nbytes for level in levels)
+                del levels
+                give_back()  # OpenGL has its own copy now
 
     def bind(self, texture: Texture, name: str, unit: int) -> None:
         """Bind a map of a material that a prefetched plan samples to a texture unit, with its sampler."""
