@@ -1,0 +1,113 @@
+// Rough glass of one scattering: GGX facets that reflect the share F and refract the rest.
+//   reflected:   f_r = D G2 F / (4 NoV NoL)
+//   transmitted: f_t = (1 - F) D G2 |VoH LoH| / (NoV |NoL| (LoH + VoH/eta)^2) / eta^2,  h along -(wo + eta wi)
+// Walter et al. 2007, eqs. 20, 21 and 16, eta the index beyond the surface over that on wo's side; the last factor is
+// for radiance, which is denser in the medium of the higher index. G2 is Smith's for heights that both directions share:
+// reflection 1 / (1 + Lambda_o + Lambda_i), transmission B(1 + Lambda_o, 1 + Lambda_i), Euler's beta (Heitz et al.
+// 2016, "Multiple-Scattering Microfacet BSDFs with the Smith Model"); the former in place of the latter makes energy.
+#include "bsdf/beta.glsl"
+#include "bsdf/fresnel.glsl"
+#include "bsdf/ggx_reflection.glsl"
+#include "sample/lattice.glsl"
+
+struct Dielectric {
+    float eta;
+    vec2 alpha; // along the tangent, across it
+};
+
+// What alpha |eta - 1| under DELTA_ALPHA blurs is too narrow for float32 directions: light goes on as through a smooth
+// surface. At eta = 1 that is straight on.
+bool transmits_straight(Dielectric m) {
+    return max(m.alpha.x, m.alpha.y) * abs(m.eta - 1.0) < DELTA_ALPHA;
+}
+
+// wo refracted at h, VoH >= 0; false when all is reflected
+bool refract_at(vec3 wo, vec3 h, float eta, out vec3 wi) {
+    float c = dot(wo, h);
+    float cos2_t = 1.0 - (1.0 - c * c) / (eta * eta);
+    wi = normalize((c / eta - sqrt(max(cos2_t, 0.0))) * h - wo / eta);
+    return cos2_t > 0.0;
+}
+
+// Facet between wo and wi, turned to +z
+vec3 refracting_half(vec3 wo, vec3 wi, float eta) {
+    vec3 h = wo + eta * wi;
+    return h * (h.z < 0.0 ? -1.0 : 1.0) / max(length(h), 1e-18);
+}
+
+vec3 dielectric_eval(Dielectric m, vec3 wo, vec3 wi, sampler2D dfg) {
+    float VoH;
+    float dv = ggx_reflection(m.alpha, wo, wi, VoH);
+    if (wo.z <= 0.0 || wi.z >= 0.0 || transmits_straight(m)) return vec3(dv * f_dielectric(VoH, m.eta));
+    vec2 a = finite_alpha(m.alpha);
+    vec3 h = refracting_half(wo, wi, m.eta);
+    VoH = dot(wo, h);
+    float LoH = dot(wi, h);
+    if (VoH <= 0.0 || LoH >= 0.0) return vec3(0.0);
+    float g2 = beta(1.0 + lambda_ggx_local(wo, a), 1.0 + lambda_ggx_local(wi, a));
+    float jacobian = m.eta * LoH + VoH;
+    return vec3((1.0 - f_dielectric(VoH, m.eta)) * d_ggx_local(h, a) * g2 * (VoH / wo.z) * (LoH / wi.z)
+                / (jacobian * jacobian));
+}
+
+float dielectric_pdf(Dielectric m, vec3 wo, vec3 wi, sampler2D dfg) {
+    if (wo.z <= 0.0 || is_delta(m.alpha)) return 0.0;
+    vec2 a = finite_alpha(m.alpha);
+    if (wi.z > 0.0) {
+        vec3 h = normalize(wo + wi);
+        return f_dielectric(clamp(dot(wo, h), 0.0, 1.0), m.eta) * pdf_visible_reflection(wo, h, a, 1.0);
+    }
+    if (wi.z == 0.0 || transmits_straight(m)) return 0.0;
+    vec3 h = refracting_half(wo, wi, m.eta);
+    float VoH = dot(wo, h), LoH = dot(wi, h);
+    if (VoH <= 0.0 || LoH >= 0.0) return 0.0;
+    float jacobian = LoH + VoH / m.eta;
+    return (1.0 - f_dielectric(VoH, m.eta)) * pdf_visible_normal(wo, h, a) * -LoH / (jacobian * jacobian);
+}
+
+// weight = G2 / G1(o), through the surface times 1 / eta^2; the facet's F chooses.
+BsdfSample dielectric_sample(Dielectric m, vec3 wo, vec3 u, sampler2D dfg) {
+    if (wo.z <= 0.0) return NO_SAMPLE;
+    bool is_smooth = is_delta(m.alpha);
+    vec2 a = finite_alpha(m.alpha);
+    vec3 h = is_smooth ? vec3(0.0, 0.0, 1.0) : sample_visible_normal(wo, a, 1.0, u.xy);
+    float VoH = clamp(dot(wo, h), 0.0, 1.0);
+    float F = f_dielectric(VoH, m.eta);
+    vec3 wi;
+    if (u.z < F) {
+        wi = normalize(2.0 * VoH * h - wo);
+        if (wi.z <= 0.0) return NO_SAMPLE;
+        if (is_smooth) return BsdfSample(wi, vec3(1.0), F, REFLECTION | DELTA, 1.0);
+        float t_o = smith_t(wo, a);
+        float weight = wi.z * (wo.z + t_o) / (t_o * wi.z + smith_t(wi, a) * wo.z);
+        return BsdfSample(wi, vec3(weight), F * pdf_visible_reflection(wo, h, a, 1.0), REFLECTION, 1.0);
+    }
+    bool is_straight = is_smooth || transmits_straight(m);
+    if (!refract_at(wo, is_straight ? vec3(0.0, 0.0, 1.0) : h, m.eta, wi) || wi.z >= 0.0) return NO_SAMPLE;
+    float lambda_o = lambda_ggx_local(wo, a);
+    float weight = is_smooth ? 1.0 : (1.0 + lambda_o) * beta(1.0 + lambda_o, 1.0 + lambda_ggx_local(wi, a));
+    weight /= m.eta * m.eta;
+    if (is_straight) return BsdfSample(wi, vec3(weight), 1.0 - F, TRANSMISSION | DELTA, m.eta);
+    return BsdfSample(wi, vec3(weight), dielectric_pdf(m, wo, wi, dfg), TRANSMISSION, m.eta);
+}
+
+// Of power, reflected and transmitted: by 64 of its own samples of both, to 0.01
+vec2 dielectric_shares(Dielectric m, float NoV, sampler2D dfg) {
+    vec3 wo = vec3(sqrt(max(1.0 - NoV * NoV, 0.0)), 0.0, NoV);
+    m.alpha = vec2(sqrt(m.alpha.x * m.alpha.y));
+    vec2 shares = vec2(0.0);
+    for (uint i = 0u; i < 64u; ++i) {
+        vec3 h = is_delta(m.alpha) ? vec3(0.0, 0.0, 1.0)
+                                   : sample_visible_normal(wo, finite_alpha(m.alpha), 1.0, hammersley(i, 64u));
+        float F = f_dielectric(clamp(dot(wo, h), 0.0, 1.0), m.eta);
+        vec3 u = vec3(hammersley(i, 64u), 0.0);
+        if (F > 0.0) shares.x += F * dielectric_sample(m, wo, u, dfg).weight.x;
+        if (F < 1.0) shares.y += (1.0 - F) * dielectric_sample(m, wo, vec3(u.xy, 1.0), dfg).weight.x;
+    }
+    return shares * vec2(1.0, m.eta * m.eta) / 64.0;
+}
+
+vec3 dielectric_albedo(Dielectric m, float NoV, sampler2D dfg) {
+    vec2 shares = dielectric_shares(m, NoV, dfg);
+    return vec3(shares.x + shares.y);
+}

@@ -1,0 +1,37 @@
+// GGX with what it loses spread evenly, f_ss + E_ms(o) / pi: what the split sum of image-based light makes of it.
+// Fdez-Aguera 2019, "A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting". E_ms knows only wo, so
+// the lobe is not reciprocal.
+#include "bsdf/kulla_conty.glsl"
+#include "bsdf/lobe/ggx.glsl"
+#include "bsdf/multiscatter.glsl"
+
+vec3 fdez_aguera_multiple(Ggx m, float NoV, sampler2D dfg) {
+    if (is_delta(m.alpha)) return vec3(0.0);
+    vec2 ab = dfg_albedo(dfg, NoV, mean_perceptual_roughness(m.alpha));
+    return fdez_aguera_albedo(m.f0 * ab.x + m.f90 * ab.y, m.f0, m.f90, ab.x + ab.y);
+}
+
+vec3 fdez_aguera_eval(Ggx m, vec3 wo, vec3 wi, sampler2D dfg) {
+    if (wo.z <= 0.0 || wi.z <= 0.0) return vec3(0.0);
+    return ggx_eval(m, wo, wi, dfg) + fdez_aguera_multiple(m, wo.z, dfg) * INV_PI;
+}
+
+float fdez_aguera_diffuse_probability(Ggx m, float NoV, sampler2D dfg) {
+    float diffuse = luminance(fdez_aguera_multiple(m, NoV, dfg));
+    return diffuse > 0.0 ? diffuse / (diffuse + luminance(ggx_albedo(m, NoV, dfg))) : 0.0;
+}
+
+float fdez_aguera_pdf(Ggx m, vec3 wo, vec3 wi, sampler2D dfg) {
+    return compensated_pdf(m.alpha, fdez_aguera_diffuse_probability(m, wo.z, dfg), wo, wi);
+}
+
+BsdfSample fdez_aguera_sample(Ggx m, vec3 wo, vec3 u, sampler2D dfg) {
+    float VoH;
+    BsdfSample s = compensated_direction(m.alpha, fdez_aguera_diffuse_probability(m, wo.z, dfg), wo, u, VoH);
+    s.weight = compensated_weight(s, fdez_aguera_eval(m, wo, s.wi, dfg), f_schlick(m.f0, m.f90, VoH));
+    return s;
+}
+
+vec3 fdez_aguera_albedo(Ggx m, float NoV, sampler2D dfg) {
+    return ggx_albedo(m, NoV, dfg) + fdez_aguera_multiple(m, NoV, dfg);
+}

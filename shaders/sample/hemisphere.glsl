@@ -1,0 +1,40 @@
+// Directions from uniform numbers u in [0, 1)^2, z the normal, and their densities by solid angle.
+#include "bsdf/constants.glsl"
+
+// The unit disk by concentric squares: area to area, and neighbours stay neighbours.
+// Shirley & Chiu 1997, "A Low Distortion Map Between Disk and Square"
+vec2 sample_disk(vec2 u) {
+    vec2 p = 2.0 * u - 1.0;
+    bool wide = abs(p.x) > abs(p.y);
+    float r = wide ? p.x : p.y;
+    if (r == 0.0) return vec2(0.0);
+    float phi = wide ? 0.25 * PI * (p.y / p.x) : 0.5 * PI - 0.25 * PI * (p.x / p.y);
+    return r * vec2(cos(phi), sin(phi));
+}
+
+// p = cos / pi: points of the disk lifted to the hemisphere (Malley's method; Pharr et al., "PBRT", section A.5.3)
+vec3 sample_cosine_hemisphere(vec2 u) {
+    vec2 p = sample_disk(u);
+    return vec3(p, sqrt(max(1.0 - dot(p, p), 0.0)));
+}
+
+float pdf_cosine_hemisphere(vec3 w) {
+    return max(w.z, 0.0) * INV_PI;
+}
+
+// p = 1 / (2 pi): z is uniform (Archimedes)
+vec3 sample_uniform_hemisphere(vec2 u) {
+    float phi = 2.0 * PI * u.x;
+    return vec3(sqrt(max(1.0 - u.y * u.y, 0.0)) * vec2(cos(phi), sin(phi)), u.y);
+}
+
+float pdf_uniform_hemisphere(vec3 w) {
+    return w.z > 0.0 ? 0.5 * INV_PI : 0.0;
+}
+
+// p = 1 / (4 pi)
+vec3 sample_uniform_sphere(vec2 u) {
+    float z = 1.0 - 2.0 * u.y;
+    float phi = 2.0 * PI * u.x;
+    return vec3(sqrt(max(1.0 - z * z, 0.0)) * vec2(cos(phi), sin(phi)), z);
+}
