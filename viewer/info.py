@@ -115,5 +115,6 @@ def _unit(kind: str) -> str:
 
 
 def _environment_line(environment: Environment) -> str:
-    height, width = environment.radiance.shape[:2]
-    return f"{environment.name}, {width} x {height}, radiance up to {float(environment.radiance.max()):.6g}"
+    radiance = environment.radiance
+    height, width = radiance.shape[:2]
+    return f"{environment.name}, {width} x {height}, radiance up to {float(radiance.max()):.6g}"

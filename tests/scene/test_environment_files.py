@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import weakref
 from dataclasses import replace
 from pathlib import Path
 
@@ -140,3 +141,11 @@ def test_malformed_files(entry):
         assert entry["expect"] != "error"
         assert np.isfinite(radiance).all()
         assert radiance.min() >= 0
+
+
+def test_pixels_that_nobody_holds_are_let_go(tmp_path):
+    environment = load_environment(write(tmp_path / "a.exr", random_map()))
+    held = weakref.ref(environment.radiance)
+    assert held() is None
+    again = environment.radiance
+    assert environment.radiance is again

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -27,7 +26,10 @@ class Environment:
     intensity: float = 1.0
     digest: str = ""
 
-    @cached_property
+    @property
     def radiance(self) -> np.ndarray:
-        """Linear Rec. 709 radiance, (H, W, 3) float32, finite and not negative. A broken file raises InputError."""
+        """Linear Rec. 709 radiance, (H, W, 3) float32, finite and not negative. A broken file raises InputError.
+
+        A file is decoded again where nobody holds the array: 100 MB, for a large map, that a picture does not need.
+        """
         return self.source() if callable(self.source) else self.source

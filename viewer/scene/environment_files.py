@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
-from functools import lru_cache, partial
+import weakref
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -42,9 +43,22 @@ def load_environment(spec: str | Path | None) -> Environment | None:
     if path.suffix.lower() not in FORMATS:
         problem = "is no environment: " + (f"cannot read {path.suffix} files" if path.is_file() else "no such file")
         raise InputError(path, "", f"{problem}; a {', '.join(FORMATS)} file, or one of none, {', '.join(PRESETS)}")
-    # One decoded copy is shared by all copies of the environment (dataclasses.replace).
-    decode = lru_cache(maxsize=1)(partial(_decode, path))
-    return Environment(path.stem, decode, digest=_file_digest(path))
+    return Environment(path.stem, _while_held(partial(_decode, path)), digest=_file_digest(path))
+
+
+def _while_held(decode: Callable[[], np.ndarray]) -> Callable[[], np.ndarray]:
+    """One decoded copy for all copies of an environment (dataclasses.replace), for as long as somebody holds it."""
+    held: Callable[[], np.ndarray | None] = lambda: None  # noqa: E731
+
+    def shared() -> np.ndarray:
+        nonlocal held
+        radiance = held()
+        if radiance is None:
+            radiance = decode()
+            held = weakref.ref(radiance)
+        return radiance
+
+    return shared
 
 
 def _file_digest(path: Path) -> str:
