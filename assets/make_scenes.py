@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from glb import Glb, Shape, arc, grid, lathe, merge, moved, plate, sphere, torus, without
+from glb import Glb, Shape, arc, lathe, moved, plate, sphere, torus, without
 from PIL import Image, ImageDraw, ImageFont
 
 RED, GREEN, BLUE = (0.8, 0.05, 0.05), (0.05, 0.6, 0.1), (0.05, 0.15, 0.8)

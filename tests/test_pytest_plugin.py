@@ -7,9 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
+
 # pytester unloads what its runs imported, and these would not stand being loaded twice.
 import OpenImageIO  # noqa: F401
-import numpy as np
 import pytest
 
 import viewer.gpu.context  # noqa: F401

@@ -1,11 +1,8 @@
-// Cook-Torrance: a Lambertian base under a microfacet interface, and a microfacet conductor, mixed by metalness.
-//   dielectric = (1 - F) rho / pi + D V F,   metal = D V F with f0 = rho,   both compensated for multiple scattering
-// Dielectric and metal are evaluated apart and mixed last: the compensation is not linear in f0.
+// Cook-Torrance: the material of bsdf/standard.glsl under lights and an environment.
 #include "raster/material.glsl"
 #include "raster/normal.glsl"
-#include "bsdf/lambert.glsl"
 #include "bsdf/microfacet.glsl"
-#include "bsdf/multiscatter.glsl"
+#include "bsdf/standard.glsl"
 #if SPECULAR_AA
 #include "bsdf/specular_aa.glsl"
 #endif
@@ -32,14 +29,6 @@ uniform float u_specular;
 uniform vec3 u_specular_color;
 uniform sampler2D u_dfg;
 
-struct Interface {
-    vec3 f0;
-    vec3 f90;
-    vec3 E_ss;   // directional albedo of single scattering
-    vec3 E_ms;   // of what scatters more than once
-    vec3 direct; // factor on D V F that makes up for it under a point light
-};
-
 struct Surface {
     vec3 n, v;
     float NoV;
@@ -48,21 +37,6 @@ struct Surface {
     float metallic;
     Interface dielectric, metal;
 };
-
-Interface make_interface(vec3 f0, vec3 f90, float NoV, vec2 dfg) {
-    Interface face;
-    face.f0 = f0;
-    face.f90 = f90;
-    face.E_ss = f0 * dfg.x + f90 * dfg.y;
-#if SHOW_MULTISCATTER
-    face.E_ms = fdez_aguera_albedo(face.E_ss, f0, f90, dfg.x + dfg.y);
-    face.direct = turquin_factor(f0, dfg.x + dfg.y);
-#else
-    face.E_ms = vec3(0.0);
-    face.direct = vec3(1.0);
-#endif
-    return face;
-}
 
 vec3 dielectric_f0(float weight, vec3 tint) {
     float f0 = (u_ior - 1.0) / (u_ior + 1.0);
@@ -79,10 +53,6 @@ vec3 dielectric_fresnel(Interface face, float mu) {
 #else
     return f_schlick(face.f0, face.f90, mu);
 #endif
-}
-
-float max3(vec3 c) {
-    return max(c.r, max(c.g, c.b));
 }
 
 #if LIGHT_COUNT > 0
@@ -106,17 +76,10 @@ vec3 shade_light(int i, Surface s, vec3 n_geometric) {
     vec3 f = vec3(0.0);
 #if METALNESS != 1
     vec3 F = dielectric_fresnel(s.dielectric, VoH);
-#if SHOW_DIFFUSE
-    vec3 dielectric = (1.0 - max3(F)) * f_lambert(s.base_color);
-#else
-    vec3 dielectric = vec3(0.0);
-#endif
-    dielectric += dv * F * (s.dielectric.direct - (1.0 - float(SHOW_SPECULAR)));
-    f += (METALNESS == 2 ? 1.0 - s.metallic : 1.0) * dielectric;
+    f += (METALNESS == 2 ? 1.0 - s.metallic : 1.0) * dielectric_response(s.dielectric, s.base_color, F, dv);
 #endif
 #if METALNESS != 0
-    vec3 metal = dv * f_schlick(s.metal.f0, s.metal.f90, VoH) * (s.metal.direct - (1.0 - float(SHOW_SPECULAR)));
-    f += (METALNESS == 2 ? s.metallic : 1.0) * metal;
+    f += (METALNESS == 2 ? s.metallic : 1.0) * metal_response(s.metal, VoH, dv);
 #endif
     return f * irradiance * NoL;
 }
@@ -211,10 +174,10 @@ void main() {
 #if SPECULAR_COLOR_MAP
     tint *= specular_color_texel().rgb;
 #endif
-    s.dielectric = make_interface(dielectric_f0(weight, tint), vec3(weight), s.NoV, dfg);
+    s.dielectric = make_interface(dielectric_f0(weight, tint), vec3(weight), dfg);
 #endif
 #if METALNESS != 0
-    s.metal = make_interface(s.base_color, vec3(1.0), s.NoV, dfg);
+    s.metal = make_interface(s.base_color, vec3(1.0), dfg);
 #endif
 
     vec3 radiance = vec3(0.0);

@@ -9,8 +9,8 @@ import pytest
 from shapes import WHITE, facing_floor, moved, orthographic, pixel_points, plate, scene, seen_plane, sphere
 
 from viewer.raster.shadows import light_tiles
-from viewer.scene.equirect import texel_directions, texel_solid_angles
 from viewer.scene.environment import Environment
+from viewer.scene.equirect import texel_directions, texel_solid_angles
 from viewer.scene.light import Light
 from viewer.scene.material import Material
 

@@ -3,8 +3,8 @@ import struct
 from pathlib import Path
 
 import pytest
-
 from gltf_builder import GltfBuilder, triangle_glb
+
 from viewer.errors import InputError
 from viewer.scene.gltf import load_gltf
 

@@ -2,8 +2,8 @@ import math
 
 import numpy as np
 import pytest
-
 from gltf_builder import GltfBuilder
+
 from viewer.errors import InputError
 
 TRIANGLE = np.float32([[0, 0, 0], [1, 0, 0], [0, 1, 0]])

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
-
 from gltf_builder import GltfBuilder, png_bytes
+
 from viewer.errors import InputError
 from viewer.scene.material import Material, Sampler, UVTransform
 

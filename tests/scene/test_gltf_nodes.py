@@ -2,8 +2,8 @@ import math
 
 import numpy as np
 import pytest
-
 from gltf_builder import GltfBuilder
+
 from viewer.errors import InputError
 
 

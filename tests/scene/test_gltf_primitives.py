@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
-
 from gltf_builder import GltfBuilder
+
 from viewer.errors import InputError
 
 POINTS = np.float32([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0, 2, 0]])

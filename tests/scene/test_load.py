@@ -1,6 +1,6 @@
 import pytest
-
 from gltf_builder import GltfBuilder, triangle_glb
+
 from viewer.errors import InputError
 from viewer.scene.load import load_scene
 

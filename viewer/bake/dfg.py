@@ -1,4 +1,4 @@
-"""What a microfacet lobe does with light from all around: the DFG table of the split sum (Karis 2013), and where to look.
+"""What a microfacet lobe does with light from all around: the split sum's DFG table (Karis 2013), and where to look.
 
     E(NoV, alpha) = integral f(v, l) NoL dl = f0 a + f90 b,     a = <1 - Fc>, b = <Fc>, Fc = (1 - VoH)^5
 
@@ -38,7 +38,7 @@ MASKINGS = ("smith", "smith-separable", "v-cavity", "none")
 
 @lru_cache(maxsize=4)
 def dfg_table(ndf: str = "ggx", masking: str = "smith", size: int = SIZE) -> np.ndarray:
-    """a, b, t of a, t of b; and below them the roughness to look up a and b with, 0, 0: (2 size, size, 4) float32, read-only.
+    """a, b, t of a, t of b; below them the roughness to look up a and b with, 0, 0. (2 size, size, 4) float32.
 
     Row j is NoV = (j / (size-1))^2, column i perceptual roughness i / (size-1). As a texture that
     is u = roughness, v = sqrt(NoV), each inset by half a texel, as dfg.glsl looks it up. The default comes from the

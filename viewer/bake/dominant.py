@@ -14,8 +14,8 @@ def ambient_and_key(irradiance: np.ndarray) -> tuple[np.ndarray, Light]:
     """The ambient irradiance, (3,), and the key light that share the first two bands of an irradiance.
 
     `irradiance` is the map of it, over pi, that `prefilter` gives. A directional light of E lux makes E/4 + E/2 n.d
-    plus higher bands (Ramamoorthi & Hanrahan 2001), so d points along the luminance of the linear band, E follows from it,
-    and what the mean has beyond E/4 is ambient.
+    plus higher bands (Ramamoorthi & Hanrahan 2001). So d points along the luminance of the linear band, E follows from
+    it, and what the mean has beyond E/4 is ambient.
     """
     height, width = irradiance.shape[:2]
     theta, phi = row_angles(height), 2 * np.pi * ((np.arange(width) + 0.5) / width - 0.5)

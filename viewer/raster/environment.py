@@ -17,10 +17,10 @@ from ..scene.environment import Environment
 from ..scene.light import Light
 from ..settings import Settings
 from .display import fullscreen
-from .frame import Frame, uniform
-from .programs import Programs, set_uniform
 from .floats import float_texture
+from .frame import Frame, uniform
 from .mip_levels import mip_levels
+from .programs import Programs, set_uniform
 from .surfaces import UNIT_BACKGROUND, UNIT_IRRADIANCE, UNIT_PREFILTERED
 
 
@@ -45,13 +45,13 @@ class EnvironmentLight:
 
     def lights(self, settings: Settings) -> list[Light]:
         """The environment's suns; in Phong mode, which reflects no environment, also its dominant direction."""
-        turn = rotation_about_y(self.environment.rotation).T
+        turn, scale = rotation_about_y(self.environment.rotation).T, self.environment.intensity
         lights = list(self._baked.suns)
         if settings.mode == "phong":
             key = ambient_and_key(self._baked.irradiance)[1]
             lights.append(replace(key, intensity=key.intensity * self._baked.scale))
         return [
-            replace(light, direction=tuple(turn @ light.direction), intensity=light.intensity * self.environment.intensity)
+            replace(light, direction=tuple(turn @ light.direction), intensity=light.intensity * scale)
             for light in lights
         ]
 
@@ -123,6 +123,6 @@ class _Background:
 
 
 def rotation_about_y(angle: float) -> np.ndarray:
-    """World direction to the direction looked up in an environment turned by `angle`, (3, 3): to_environment() in GLSL."""
+    """World direction to the one looked up in an environment turned by `angle`, (3, 3): to_environment() in GLSL."""
     c, s = math.cos(angle), math.sin(angle)
     return np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])

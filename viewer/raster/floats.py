@@ -9,7 +9,8 @@ import numpy as np
 def float_texture(gl: moderngl.Context, pixels: np.ndarray) -> moderngl.Texture:
     """(H, W, C) float16 or float32 as a texture: bilinear, clamped, row 0 at v = 0."""
     height, width, components = pixels.shape
-    texture = gl.texture((width, height), components, np.ascontiguousarray(pixels), dtype=f"f{pixels.itemsize}", alignment=1)
+    data, dtype = np.ascontiguousarray(pixels), f"f{pixels.itemsize}"
+    texture = gl.texture((width, height), components, data, dtype=dtype, alignment=1)
     texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
     texture.repeat_x = texture.repeat_y = False
     return texture

@@ -1,8 +1,8 @@
 """The numbers of one frame: matrices relative to the eye, in units of the scene's radius.
 
-All positions a shader sees are world axes with the eye at the origin and the scene's bounding radius as the unit, worked
-out in float64 and only then rounded. A scene of a micron and one of a thousand kilometres, at the origin or a million
-units away, give the same float32 numbers and so the same picture.
+All positions a shader sees are world axes with the eye at the origin and the scene's bounding radius as the unit,
+worked out in float64 and only then rounded. A scene of a micron and one of a thousand kilometres, at the origin or a
+million units away, give the same float32 numbers and so the same picture.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ class Frame:
 
 
 def normal_matrix(transform: np.ndarray) -> np.ndarray:
-    """The inverse transpose of the upper 3x3, up to a positive factor, as its cofactors: a flat scale of 0 is no trouble."""
+    """The inverse transpose of the upper 3x3, up to a positive factor, as its cofactors: a scale of 0 is no trouble."""
     m = transform[:3, :3]
     m = m / (np.abs(m).max() or 1.0)
     cofactor = np.stack([np.cross(m[1], m[2]), np.cross(m[2], m[0]), np.cross(m[0], m[1])])

@@ -68,7 +68,7 @@ def _quarter(sums: np.ndarray) -> np.ndarray:
 
 
 def _means_of_columns(pixels: np.ndarray) -> np.ndarray:
-    """Half as many columns; where they are odd in number each new one covers two and a bit (Guthe and Heckbert 2005)."""
+    """Half as many columns; where they are odd in number each new one covers two and a bit (Guthe & Heckbert 2005)."""
     width = pixels.shape[1]
     half = width // 2
     if width == 1:

@@ -126,7 +126,8 @@ def _perspective_tile(origin: np.ndarray, direction: np.ndarray, half: float, fa
     view[:3, 3] = -view[:3, :3] @ origin
     projection = np.zeros((4, 4))
     projection[0, 0] = projection[1, 1] = 1.0 / half
-    projection[2, 2], projection[2, 3], projection[3, 2] = (far + near) / (far - near), -2 * far * near / (far - near), 1.0
+    projection[2, 2], projection[2, 3] = (far + near) / (far - near), -2 * far * near / (far - near)
+    projection[3, 2] = 1.0
     return Tile(projection @ view, 0.0, 2.0 * half / size)
 
 

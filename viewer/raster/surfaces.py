@@ -16,7 +16,9 @@ from .programs import Programs, set_uniform
 from .textures import Textures
 
 # Texture units: the material's maps come first, in the order of MAPS.
-UNIT_DFG, UNIT_PREFILTERED, UNIT_IRRADIANCE, UNIT_SHADOW, UNIT_BACKGROUND, UNIT_RADIANCE = range(len(MAPS), len(MAPS) + 6)
+UNIT_DFG, UNIT_PREFILTERED, UNIT_IRRADIANCE, UNIT_SHADOW, UNIT_BACKGROUND, UNIT_RADIANCE = (
+    len(MAPS) + k for k in range(6)
+)
 
 _SAMPLE_ALPHA_TO_COVERAGE, _SAMPLE_ALPHA_TO_ONE = 0x809E, 0x809F
 _VERTEX = "raster/surface.vert"
@@ -58,7 +60,7 @@ class Surfaces:
         return len(draws)
 
     def draw_blended(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
-        """Draw what blends, farthest first; instances at the same depth in an order that only depends on what they are."""
+        """Draw what blends, farthest first; instances at one depth in an order that only depends on what they are."""
         draws = [d for d in plan.draws if d.alpha_mode == "blend" and frame.visible[d.instance]]
         if not draws:
             return 0
@@ -75,7 +77,7 @@ class Surfaces:
         """Draw a mesh into a depth map; `matrix` takes its instance's local space to clip space."""
         material = self.scene.materials[draw.material]
         mask = draw.alpha_mode == "mask"
-        names = ["ALPHA_MODE", "BASE_COLOR_MAP", "BASE_COLOR_UV", "BASE_COLOR_TRANSFORM", "BASE_COLOR_MIRROR", "HAS_COLOR"]
+        names = ["ALPHA_MODE", "HAS_COLOR", *(f"BASE_COLOR_{word}" for word in ("MAP", "UV", "TRANSFORM", "MIRROR"))]
         switches = {name: draw.program[name] if mask else 0 for name in names}
         switches["UV_SETS"] = 1 << switches["BASE_COLOR_UV"] if switches["BASE_COLOR_MAP"] else 0
         switches |= {f"{name.upper()}_MAP": 0 for name in MAPS if name != "base_color"}

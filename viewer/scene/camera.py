@@ -51,7 +51,7 @@ class Camera:
     @classmethod
     def orbit(cls, center, distance: float, azimuth: float = DEFAULT_AZIMUTH, elevation: float = DEFAULT_ELEVATION,
               fov_y: float = DEFAULT_FOV) -> Camera:
-        """On a sphere about `center`: azimuth 0 looks from +Z and grows towards +X; elevation grows upwards (radians)."""
+        """On a sphere about `center`: azimuth 0 looks from +Z and grows towards +X, elevation upwards; in radians."""
         center = np.asarray(center, np.float64)
         cos_el = math.cos(elevation)
         back = np.array([cos_el * math.sin(azimuth), math.sin(elevation), cos_el * math.cos(azimuth)])

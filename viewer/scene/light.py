@@ -16,7 +16,7 @@ class Light:
     `intensity` is illuminance in lux for a directional light and luminous intensity in candela for point and spot.
     As in glTF viewers, one unit of luminous flux is one unit of radiance here: a white Lambertian surface facing a
     directional light of pi lux has radiance 1. `direction` is where the light travels to. `range` None is unlimited.
-    Cone angles are measured from the axis, in radians. `casts_shadow` is off for a light that stands in for a wide source.
+    Cone angles are measured from the axis, in radians. `casts_shadow` is off for one that stands in for a wide source.
     """
 
     kind: Literal["directional", "point", "spot"]
