@@ -101,11 +101,11 @@ class _Assembly:
         guard = f"INCLUDED_{self.files.index(file)}"
         self.emit(f"#ifndef {guard}", file, 1)
         self.emit(f"#define {guard}", file, 1)
-        depth = 0
+        depth, shown = 0, display_name(file)
         for line, code in enumerate(_without_comments(_read(file)).split("\n"), start=1):
             directive = _DIRECTIVE.match(code)
             name, rest = directive.groups() if directive else ("", "")
-            place = f"{display_name(file)}:{line}"
+            place = f"{shown}:{line}"
             if name == "include":
                 included = _INCLUDE.match(rest)
                 if not included:
