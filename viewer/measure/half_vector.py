@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-PANEL_NODES, AZIMUTH_NODES = 40, 48
+PANEL_NODES, AZIMUTH_NODES = 40, 64
 BIN_POWER = 5  # theta_h = pi / 2 x^5: the bins in x see lobes of alpha 1e-3 and of alpha 1 alike
 
 
@@ -24,7 +24,7 @@ class Directions:
     solid_angle: np.ndarray
 
 
-def reflected_grid(wo: np.ndarray) -> Directions:
+def reflected_grid(wo: np.ndarray, azimuth_nodes: int = AZIMUTH_NODES) -> Directions:
     """Nodes and weights of an integral over the hemisphere, for wo (K, 3) above the horizon.
 
     Gauss-Legendre, between the angles where the horizon begins and ends to cut the circle of h, and in phi up to the
@@ -38,7 +38,7 @@ def reflected_grid(wo: np.ndarray) -> Directions:
     d_theta = np.concatenate([(high - low) * d_graded for low, high in _pairs(edges)], axis=1)
     sin_o, cos_o = np.sin(theta_o)[:, None], wo[:, 2:]
     phi_max = _horizon(sin_o, cos_o, theta)
-    s, ds = _unit_nodes(AZIMUTH_NODES)
+    s, ds = _unit_nodes(azimuth_nodes)
     phi = phi_max[..., None] * (2 * s - 1)
     d_phi = 2 * phi_max[..., None] * ds
     theta, d_theta = (np.broadcast_to(a[..., None], phi.shape) for a in (theta, d_theta))
@@ -47,13 +47,13 @@ def reflected_grid(wo: np.ndarray) -> Directions:
     return Directions(wi, np.where(wi[..., 2] > 0, solid_angle, 0.0))
 
 
-def refracted_grid(wo: np.ndarray, eta: np.ndarray) -> Directions:
+def refracted_grid(wo: np.ndarray, eta: np.ndarray, azimuth_nodes: int = AZIMUTH_NODES) -> Directions:
     """As `reflected_grid`, for the directions beyond the surface; eta (K,)."""
     s, ds = _unit_nodes(3 * PANEL_NODES)
     theta, d_theta = np.pi / 2 * s**3, np.pi / 2 * 3 * s**2 * ds
-    phi = (np.arange(2 * AZIMUTH_NODES) + 0.5) / AZIMUTH_NODES * np.pi - np.pi
+    phi = (np.arange(azimuth_nodes) + 0.5) / azimuth_nodes * 2 * np.pi
     theta, phi = (np.tile(a.ravel(), (len(wo), 1)) for a in np.meshgrid(theta, phi, indexing="ij"))
-    weight = np.repeat(np.sin(np.pi / 2 * s**3) * d_theta, 2 * AZIMUTH_NODES) * np.pi / AZIMUTH_NODES
+    weight = np.repeat(np.sin(np.pi / 2 * s**3) * d_theta, azimuth_nodes) * 2 * np.pi / azimuth_nodes
     wi, jacobian = refract(wo, eta, theta, phi)
     return Directions(wi, jacobian * weight)
 
@@ -87,9 +87,13 @@ def bin_coordinates(wo: np.ndarray, wi: np.ndarray, eta: Any = None) -> tuple[np
     return (theta / (np.pi / 2)) ** (1 / BIN_POWER), (phi + np.pi) % (2 * np.pi) - np.pi
 
 
-def binned_grid(wo: np.ndarray, bins: tuple[int, int], eta: np.ndarray | None = None) -> Directions:
-    """Nodes in each of `bins` of `bin_coordinates`, bin after bin in one axis: (K, bins of x * bins of phi * nodes)."""
-    inner_x, inner_phi = 8, 6
+def binned_grid(wo: np.ndarray, bins: tuple[int, int], eta: np.ndarray | None = None,
+                fine: bool = False) -> Directions:
+    """Nodes in each of `bins` of `bin_coordinates`, bin after bin in one axis: (K, bins of x * bins of phi * nodes).
+
+    `fine` is for lobes that vary along phi, as anisotropic ones do.
+    """
+    inner_x, inner_phi = 8 if eta is None else 12, 24 if fine else 6 if eta is None else 10
     x = (np.arange(bins[0] * inner_x) + 0.5) / (bins[0] * inner_x)
     theta = np.pi / 2 * x**BIN_POWER
     d_theta = np.pi / 2 * BIN_POWER * x ** (BIN_POWER - 1) / len(x)

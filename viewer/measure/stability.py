@@ -86,14 +86,13 @@ def relative_error(found: np.ndarray, exact: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(found) & ~np.isnan(error), error, np.inf)
 
 
-def check_stability() -> Iterator[Check]:
-    """A row for every sweep; bad input never: the shaders are the package's own."""
-    for sweep in sweeps():
-        errors = measure(sweep)
-        worst = np.unravel_index(np.argmax(errors.relative), errors.relative.shape)
-        place = ", ".join(f"{name} {axis[k]:.3g}" for (name, axis), k in zip(sweep.axes.items(), worst))
-        note = f"{errors.ulp.max():.0f} ulp; worst at {place}; rounded arguments alone: {errors.limit.max():.1e}"
-        yield Check("float32", f"{sweep.function}, {sweep.case}", float(errors.relative.max()), sweep.bound, note=note)
+def check_sweep(sweep: Sweep) -> Check:
+    """Its largest relative error; in the note units in the last place, where, and what float32 allows at best."""
+    errors = measure(sweep)
+    worst = np.unravel_index(np.argmax(errors.relative), errors.relative.shape)
+    place = ", ".join(f"{name} {axis[k]:.3g}" for (name, axis), k in zip(sweep.axes.items(), worst))
+    note = f"{errors.ulp.max():.0f} ulp; worst at {place}; rounded arguments alone: {errors.limit.max():.1e}"
+    return Check("float32", f"{sweep.function}, {sweep.case}", float(errors.relative.max()), sweep.bound, note=note)
 
 
 def sweeps() -> Iterator[Sweep]:

@@ -1,4 +1,4 @@
-"""A lobe's functions of a GLSL file, called on arrays: eval, and where the file has them sample, pdf and albedo."""
+"""A lobe of the user's own shader file: eval, and where the file has them sample, pdf and albedo, called on arrays."""
 
 from __future__ import annotations
 
@@ -15,44 +15,39 @@ from ..errors import UsageError
 from ..gpu.call import call_glsl
 from ..gpu.glsl_types import Function, Sampler, Struct, find_functions
 from ..gpu.source import assemble
+from .energy import LobeCase
 
 Values = Mapping[str, Any]
 
-
-@dataclass(frozen=True)
-class Samples:
-    """Of K cases and N numbers each: wi (K, N, 3), weight (K, N, 3), pdf (K, N); flags as in shaders/bsdf/bsdf.glsl."""
-
-    wi: np.ndarray
-    weight: np.ndarray
-    pdf: np.ndarray
-    flags: np.ndarray
+# Values of the sets a lobe is checked at, in turn; what is not named here is 0.5, and a colour 1.
+_RANGES = {
+    "alpha": (0.02, 0.1, 0.4, 1.0), "perceptual_roughness": (0.15, 0.3, 0.6, 1.0), "roughness": (0.15, 0.3, 0.6, 1.0),
+    "sigma": (0.0, 0.3, 0.6, 1.0), "shininess": (1.0, 10.0, 100.0, 1000.0), "exponent": (1.0, 10.0, 100.0, 1000.0),
+    "eta": (1.5,) * 4, "ior": (1.5,) * 4, "k": (0.0,) * 4, "metallic": (0.0, 0.5, 0.5, 1.0),
+}
+_COLORS_OF_WHITE = {"albedo", "base_color", "color", "f0", "specular", "k_s", "rho"}
 
 
 @dataclass(frozen=True)
-class Bsdf:
+class UserLobe:
     """`name`_eval and its companions in `file`, which take the lobe's struct, directions, and the albedo table if last.
 
     The struct's members are given in each call as arrays whose leading axes broadcast with those of the directions.
     Parameters are told by their types and order: their names are free.
     """
 
-    file: str | Path
+    file: Path
     name: str
-    defines: Mapping[str, float] | None = None
 
     def __post_init__(self) -> None:
-        if self.function("eval") is None:
+        if "eval" not in self.functions:
             raise UsageError(f"{self.file}: there is no function {self.name}_eval")
 
     @cached_property
     def functions(self) -> dict[str, Function]:
-        found = {f.name: f for f in find_functions(assemble(self.file, self.defines).text)}
+        found = {f.name: f for f in find_functions(assemble(self.file).text)}
         wanted = {what: f"{self.name}_{what}" for what in ("eval", "sample", "pdf", "albedo")}
         return {what: found[name] for what, name in wanted.items() if name in found}
-
-    def function(self, what: str) -> Function | None:
-        return self.functions.get(what)
 
     @property
     def members(self) -> dict[str, tuple[int, ...]]:
@@ -63,7 +58,7 @@ class Bsdf:
         return {}
 
     def eval(self, values: Values, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
-        """f, (..., 3) float64."""
+        """f, (..., 3)."""
         f = self._call("eval", values, [wo, wi])
         return f if f.shape[-1:] == (3,) and f.ndim == np.ndim(wi) else np.repeat(f[..., None], 3, axis=-1)
 
@@ -73,9 +68,8 @@ class Bsdf:
     def albedo(self, values: Values, NoV: np.ndarray) -> np.ndarray:
         return self._call("albedo", values, [NoV])
 
-    def sample(self, values: Values, wo: np.ndarray, u: np.ndarray) -> Samples:
-        found = self._call("sample", values, [wo, u])
-        return Samples(*(np.asarray(found[key]) for key in ("wi", "weight", "pdf", "flags")))
+    def sample(self, values: Values, wo: np.ndarray, u: np.ndarray) -> dict[str, np.ndarray]:
+        return self._call("sample", values, [wo, u])
 
     def _call(self, what: str, values: Values, arguments: list[np.ndarray]) -> Any:
         function, given = self.functions[what], iter(arguments)
@@ -87,7 +81,20 @@ class Bsdf:
                 named[parameter.name] = dict(values)
             else:
                 named[parameter.name] = next(given)
-        found = call_glsl(self.file, function.name, defines=self.defines, **named)
-        if not isinstance(found, dict):
-            return found.astype(np.float64)
-        return {name: np.asarray(value, None if name == "flags" else np.float64) for name, value in found.items()}
+        return call_glsl(self.file, function.name, **named)
+
+
+def user_case(file: str | Path, name: str) -> LobeCase:
+    """What to check `name`_eval of `file` at: four sets, white ones where the struct has a colour to make white.
+
+    Raises ShaderError for a file that is missing or broken, UsageError where it has no such function.
+    """
+    lobe = UserLobe(Path(file).absolute(), name)
+    members = lobe.members
+    sets = 4 if members else 1
+    values = {}
+    for member, shape in members.items():
+        numbers = np.array(_RANGES.get(member, (1.0 if shape == (3,) else 0.5,) * 4))
+        values[member] = np.broadcast_to(numbers.reshape(-1, *[1] * len(shape)), (sets, *shape)).astype(np.float64)
+    return LobeCase(name, lobe, values, np.full(sets, bool(_COLORS_OF_WHITE & set(members))),
+                    provides=frozenset(lobe.functions))
