@@ -136,7 +136,7 @@ class Renderer:
                 self._surfaces.draw_blended(frame, plan, uniforms)
         self._gl.clear_samplers()
         with self._pass("resolve"):
-            target.resolve()
+            target.resolve(self.programs, UNIT_RADIANCE)
 
     def _sized_target(self, size: tuple[int, int], samples: int, half: bool) -> Target:
         samples = min(samples, max(self._gl.max_samples, 1))

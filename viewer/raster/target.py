@@ -5,6 +5,8 @@ from __future__ import annotations
 import moderngl
 
 from ..errors import UsageError
+from .display import fullscreen
+from .programs import Programs, set_uniform
 
 MAX_SIDE_FALLBACK = 16384
 
@@ -31,7 +33,7 @@ class Target:
         self.radiance.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._resolved = gl.framebuffer([self.radiance])
         if samples > 1:
-            self._color = gl.renderbuffer(size, 4, samples=samples, dtype=dtype)
+            self._color = gl.texture(size, 4, samples=samples, dtype=dtype)
             self._depth = gl.depth_renderbuffer(size, samples=samples)
             self.framebuffer = gl.framebuffer([self._color], self._depth)
         else:
@@ -51,10 +53,19 @@ class Target:
     def scissor(self, part: tuple[int, int, int, int] | None) -> None:
         self.framebuffer.scissor = self._resolved.scissor = part
 
-    def resolve(self) -> None:
-        """Average the samples of linear radiance, as a box filter over the pixel does."""
-        if self.samples > 1:
-            self._gl.copy_framebuffer(self._resolved, self.framebuffer)
+    def resolve(self, programs: Programs, unit: int) -> None:
+        """Average the samples into `radiance`; reads them through texture `unit`.
+
+        By a program of our own: that of glBlitFramebuffer Mesa's software rasteriser compiles in every process anew.
+        """
+        if self.samples == 1:
+            return
+        program = programs.get("display/fullscreen.vert", "raster/resolve.frag", {"SAMPLES": self.samples})
+        self._resolved.use()
+        self._gl.enable_only(moderngl.NOTHING)
+        self._color.use(unit)
+        set_uniform(program, "u_samples", unit)
+        fullscreen(self._gl, program).render(vertices=3)
 
     def read(self) -> bytes:
         """The resolved radiance, rows from the bottom up, RGBA in the target's precision."""
