@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import json
+import pickle
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -189,3 +192,11 @@ def test_a_picture_bomb_is_refused_before_it_is_decoded(tmp_path):
     Pillow.new("1", (20000, 20000)).save(tmp_path / "bomb.png")
     with pytest.raises(InputError, match="20000x20000|decompression bomb"):
         Image.open(tmp_path / "bomb.png")
+
+
+def test_linear_is_worked_out_when_asked_for_and_kept():
+    image = Image.from_srgb(np.full((2, 2, 4), 255, np.uint8))
+    for one in (image, copy.copy(image), pickle.loads(pickle.dumps(image)), replace(image, stats={"a": 1})):
+        assert one.linear is one.linear and (one.linear == 1).all() and one.size == (2, 2)
+    with pytest.raises(AttributeError, match="lineal"):
+        image.lineal

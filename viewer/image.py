@@ -54,11 +54,18 @@ class Image:
     @classmethod
     def from_srgb(cls, pixels: np.ndarray) -> Image:
         """From displayed values, (H, W, 3 or 4) uint8 with straight alpha; `linear` is their exact sRGB decoding."""
-        srgb = _with_alpha(np.asarray(pixels, np.uint8), 255)
-        linear = _DECODED[srgb]
-        linear[..., 3] = srgb[..., 3] / np.float32(255)
+        image = cls.__new__(cls)  # without `linear`, which most never ask for: it takes as long as a PNG
+        vars(image).update(srgb=_with_alpha(np.asarray(pixels, np.uint8), 255), stats={})
+        return image
+
+    def __getattr__(self, name: str) -> np.ndarray:
+        if name != "linear":
+            raise AttributeError(name)
+        linear = _DECODED[self.srgb]
+        linear[..., 3] = self.srgb[..., 3] / np.float32(255)
         linear[..., :3] *= linear[..., 3:]
-        return cls(linear, srgb)
+        vars(self)["linear"] = linear
+        return linear
 
     @classmethod
     def from_linear(cls, pixels: np.ndarray) -> Image:
@@ -86,7 +93,7 @@ class Image:
     @property
     def size(self) -> tuple[int, int]:
         """(width, height) in pixels."""
-        height, width = self.linear.shape[:2]
+        height, width = self.srgb.shape[:2]
         return width, height
 
     def save(self, path: str | PathLike[str]) -> None:
