@@ -28,7 +28,7 @@ vec3 f_f82_tint_mean(vec3 f0, vec3 tint) {
 float f_conductor(float mu, float eta, float k) {
     k = min(k, 1e4); // 1 - F is 4 eta 1e-8 there; k^2 must stay well within range
     float s2 = 1.0 - mu * mu;
-    float t = eta * eta - k * k - s2;
+    float t = (eta - 1.0) * (eta + 1.0) + mu * mu - k * k; // eta^2 - s2 would cancel at eta = 1
     float product = eta * k;
     float w = length(vec2(t, 2.0 * product));
     float large = 0.5 * (w + abs(t));

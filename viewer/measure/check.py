@@ -15,7 +15,8 @@ from .energy import LobeCase, check_lobe
 from .extremes import check_extremes
 from .furnace import check_furnaces, check_material, check_renderer_balance
 from .lobe_cases import lobe_cases
-from .stability import check_sweep, sweeps
+from .lobe_stability import check_lobe_stability
+from .stability import check_stability
 from .user_lobe import user_case
 
 WHAT = ("energy", "stability", "all")
@@ -31,7 +32,8 @@ def run_checks(what: str, quiet: bool = False) -> list[Check]:
             parts += _lobe_parts(lobe_cases())
             parts += [("furnace", partial(check_furnaces, renderer)), ("balance", partial(check_renderer_balance, renderer))]
         if what != "energy":
-            parts += [(sweep.function, partial(_one, sweep)) for sweep in sweeps()]
+            parts += [("float32", check_stability)]
+            parts += [("lobes' values", check_lobe_stability)]
             parts += [("extremes", partial(check_extremes, renderer))]
         return _run(parts, quiet)
 
@@ -53,10 +55,6 @@ def run_shader_checks(file: str, lobe: str, quiet: bool = False) -> list[Check]:
 
 def _lobe_parts(cases: list[LobeCase]) -> list[Part]:
     return [(case.name, partial(check_lobe, case)) for case in cases]
-
-
-def _one(sweep) -> Iterator[Check]:
-    yield check_sweep(sweep)
 
 
 def _run(parts: list[Part], quiet: bool) -> list[Check]:

@@ -6,6 +6,7 @@ nothing is lost before the formula begins. Nothing here follows the shaders' own
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -86,7 +87,7 @@ def f_dielectric(mu: Array, eta: Array) -> Array:
 def f_conductor(mu: Array, eta: Array, k: Array) -> Array:
     """Fresnel's equations with the complex index eta + i k."""
     mu, index = np.longdouble(mu), np.longdouble(eta) + 1j * np.longdouble(k)
-    cos_t = np.sqrt(1 - (1 - mu**2) / index**2)
+    cos_t = np.sqrt(index**2 - 1 + mu**2) / index
     r_s = (mu - index * cos_t) / (mu + index * cos_t)
     r_p = (index * mu - cos_t) / (index * mu + cos_t)
     return ((np.abs(r_s) ** 2 + np.abs(r_p) ** 2) / 2).astype(np.float64)
@@ -95,3 +96,63 @@ def f_conductor(mu: Array, eta: Array, k: Array) -> Array:
 def srgb_from_linear(c: Array) -> Array:
     """IEC 61966-2-1."""
     return np.where(c <= 0.0031308, 12.92 * c, 1.055 * np.maximum(c, 1e-30) ** (1 / 2.4) - 0.055)
+
+
+def smith_lambda(w: Array, alpha: Array) -> Array:
+    """Lambda of directions (..., 3) over facets of alpha (..., 2): Heitz 2014, eqs. 72 and 80."""
+    projected2 = alpha[..., 0] ** 2 * w[..., 0] ** 2 + alpha[..., 1] ** 2 * w[..., 1] ** 2
+    return (np.sqrt(1 + projected2 / w[..., 2] ** 2) - 1) / 2
+
+
+def d_ggx_anisotropic(h: Array, alpha: Array) -> Array:
+    """Walter et al. 2007, eq. 33, stretched as in Burley 2012, eq. 13."""
+    tangent, across = h[..., 0] / h[..., 2] / alpha[..., 0], h[..., 1] / h[..., 2] / alpha[..., 1]
+    return 1 / (np.pi * alpha[..., 0] * alpha[..., 1] * h[..., 2] ** 4 * (1 + tangent**2 + across**2) ** 2)
+
+
+def ggx_reflection(wo: Array, wi: Array, alpha: Array) -> tuple[Array, Array]:
+    """D G2 / (4 NoV NoL) and VoH for directions on one side (Walter et al. 2007, eq. 20, with F = 1)."""
+    h = _unit(wo + wi)
+    g2 = 1 / (1 + smith_lambda(wo, alpha) + smith_lambda(wi, alpha))
+    dv = d_ggx_anisotropic(h, alpha) * g2 / (4 * wo[..., 2] * wi[..., 2])
+    return dv, (wo * h).sum(axis=-1)
+
+
+def ggx_transmission(wo: Array, wi: Array, alpha: Array, eta: Array) -> Array:
+    """Radiance through a rough dielectric, Walter et al. 2007, eq. 21, with the shared heights of Heitz et al. 2016."""
+    h = _unit(-(wo + eta[..., None] * wi))
+    h = h * np.where(h[..., 2:] < 0, -1, 1)
+    VoH, LoH = (wo * h).sum(axis=-1), (wi * h).sum(axis=-1)
+    x, y = 1 + smith_lambda(wo, alpha), 1 + smith_lambda(wi, alpha)
+    g2 = np.exp(_log_gamma(x) + _log_gamma(y) - _log_gamma(x + y))
+    f = np.abs(VoH * LoH / (wo[..., 2] * wi[..., 2])) * eta**2 / (VoH + eta * LoH) ** 2
+    return f * (1 - f_dielectric(np.abs(VoH), eta)) * d_ggx_anisotropic(h, alpha) * g2 / eta**2
+
+
+def eon(wo: Array, wi: Array, sigma: Array) -> Array:
+    """White EON: Portsmouth, Kutz & Hill 2024, eqs. 13 to 29."""
+    scale = 1 / (1 + (0.5 - 2 / (3 * np.pi)) * sigma)
+
+    def albedo(mu: Array) -> Array:
+        theta, s = np.arccos(np.minimum(mu, 1)), np.sqrt(np.maximum(1 - mu**2, 0))
+        g = s * (theta - s * mu) + 2 / 3 * (s / mu * (1 - s**3) - s)
+        return scale * (1 + sigma * g / np.pi)
+
+    mean = scale * (1 + sigma * (2 / 3 - 28 / (15 * np.pi)))
+    s = (wo * wi).sum(axis=-1) - wo[..., 2] * wi[..., 2]
+    single = scale * (1 + sigma * s / np.where(s > 0, np.maximum(wo[..., 2], wi[..., 2]), 1))
+    return (single + (1 - albedo(wo[..., 2])) * (1 - albedo(wi[..., 2])) / (1 - mean)) / np.pi
+
+
+def burley(wo: Array, wi: Array, perceptual_roughness: Array) -> Array:
+    """White, Burley 2012, section 5.3."""
+    LoH = (wi * _unit(wo + wi)).sum(axis=-1)
+    f90 = 0.5 + 2 * perceptual_roughness * LoH**2
+    return (1 + (f90 - 1) * (1 - wi[..., 2]) ** 5) * (1 + (f90 - 1) * (1 - wo[..., 2]) ** 5) / np.pi
+
+
+def _unit(v: Array) -> Array:
+    return v / np.linalg.norm(v, axis=-1, keepdims=True)
+
+
+_log_gamma = np.vectorize(math.lgamma, otypes=[np.float64])

@@ -86,6 +86,11 @@ def relative_error(found: np.ndarray, exact: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(found) & ~np.isnan(error), error, np.inf)
 
 
+def check_stability() -> Iterator[Check]:
+    """A row for every sweep."""
+    return map(check_sweep, sweeps())
+
+
 def check_sweep(sweep: Sweep) -> Check:
     """Its largest relative error; in the note units in the last place, where, and what float32 allows at best."""
     errors = measure(sweep)
@@ -157,3 +162,6 @@ def _fresnels() -> Iterator[Sweep]:
     near = np.concatenate([critical * (1 + np.geomspace(1e-5, 0.3, 100)), critical * np.linspace(0.01, 0.999, 20)])
     yield Sweep("f_dielectric", file, "eta 1 / 1.5, about the critical angle", {"mu": near, "eta": np.array([1 / 1.5])},
                 reference.f_dielectric, 1e-3)
+    metals = {"mu": COSINE, "eta": np.array([0.05, 0.2, 1, 1.5, 4]), "k": np.array([0, 0.1, 1, 3, 8, 100])}
+    yield Sweep("f_conductor(float, float, float)", "bsdf/fresnel_metal.glsl", "metals", metals,
+                reference.f_conductor, 1e-5)

@@ -1,0 +1,81 @@
+"""Lobes' values in float32 against float64, over directions of wo and half vectors.
+
+Both get the same float32 directions. That a half vector, their sum, is known to 6e-8 and so a lobe of width alpha to
+about 4 times 6e-8 / alpha is in no formula's power; nor is that wo + eta wi keeps but |eta - 1| of its digits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import reference
+from .checks import Check
+from .energy import directions
+from .half_vector import reflect, refract
+from .lobes import LOBES
+from .stability import relative_error
+
+NOV = (1.0, 0.9, 0.5, 0.1, 0.01, 1e-3)
+ALPHA = np.array([[a, a] for a in (0.01, 0.03, 0.1, 0.3, 1.0)] + [[0.05, 0.4], [1.0, 0.1]])
+ETA = (1.05, 1.5, 2.4, 1 / 1.5)
+
+
+@dataclass(frozen=True)
+class _Lobe:
+    name: str
+    parameters: dict[str, np.ndarray]
+    exact: Callable[..., np.ndarray]
+    bound: float
+    eta: np.ndarray | None = None
+    floor: float = 0.0
+    """A smaller value counts as this one: EON towards the light behind is 1 - 1, with nothing left to be relative to."""
+
+
+def check_lobe_stability() -> Iterator[Check]:
+    """A row for each lobe that has a reference: its largest relative error where it is not negligible."""
+    table = {lobe.name: lobe for lobe in LOBES}
+    for case in _lobes():
+        lobe = table[case.name]
+        sets = len(next(iter(case.parameters.values())))
+        wo = np.repeat(directions(NOV), sets, axis=0).astype(np.float32).astype(np.float64)
+        m = {name: np.tile(value, (len(NOV), *[1] * (value.ndim - 1)))[:, None] for name, value in case.parameters.items()}
+        wi, valid = _half_vector_grid(wo, None if case.eta is None else np.tile(case.eta, len(NOV)))
+        found = lobe.eval(lobe.struct(**m), wo[:, None], wi)[..., 0].astype(np.float64)
+        with np.errstate(all="ignore"):
+            exact = case.exact(np.broadcast_to(wo[:, None], wi.shape), wi, **m)
+        counted = valid & (exact > 1e-6 * np.where(valid, exact, 0).max(axis=1, keepdims=True))
+        share = np.minimum(np.where(counted, exact, 0) / max(case.floor, 1e-300), 1)
+        relative = np.where(counted, relative_error(found, exact), 0.0) * share
+        error = np.where(np.isfinite(found), relative, np.inf)
+        worst = np.unravel_index(np.argmax(error), error.shape)
+        ulp = np.abs(found[worst] - exact[worst]) / np.spacing(np.float32(max(exact[worst], 1e-30)))
+        place = ", ".join(f"{name} {np.array2string(value[worst[0], 0], precision=3)}" for name, value in m.items())
+        what = f"{case.name}, transmitted" if case.eta is not None else case.name
+        yield Check("float32", f"{what}, all directions", float(error[worst]), case.bound,
+                    note=f"{ulp:.0f} ulp; worst at NoV {wo[worst[0], 2]:.2g}, {place}")
+
+
+def _lobes() -> Iterator[_Lobe]:
+    sigma = np.linspace(0.01, 1, 7)
+    yield _Lobe("eon", {"sigma": sigma}, lambda wo, wi, sigma: reference.eon(wo, wi, sigma), 1e-5, floor=0.01)
+    yield _Lobe("burley", {"perceptual_roughness": sigma},
+                lambda wo, wi, perceptual_roughness: reference.burley(wo, wi, perceptual_roughness), 1e-5)
+    yield _Lobe("ggx", {"alpha": ALPHA}, lambda wo, wi, alpha: reference.ggx_reflection(wo, wi, alpha)[0], 1e-5)
+    # Narrower ones go straight on, as a mirror does: bsdf.glsl's DELTA_ALPHA.
+    pairs = [(eta, alpha) for eta in ETA for alpha in ALPHA if alpha.max() * abs(eta - 1) > 1e-3]
+    eta, alpha = np.array([p[0] for p in pairs]), np.array([p[1] for p in pairs])
+    # At eta 1.05 the half vector has lost a digit and a half, and alpha takes as many again.
+    yield _Lobe("dielectric", {"eta": eta, "alpha": alpha},
+                lambda wo, wi, eta, alpha: reference.ggx_transmission(wo, wi, alpha, eta), 1e-2, eta)
+
+
+def _half_vector_grid(wo: np.ndarray, eta: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+    """Float32 directions wi (K, Q, 3), as float64, and whether they exist, with half vectors from 1e-4 on."""
+    theta, phi = np.meshgrid(np.append(0, np.geomspace(1e-4, 1.5, 24)), np.linspace(-np.pi, np.pi, 13), indexing="ij")
+    theta, phi = (np.tile(a.ravel(), (len(wo), 1)) for a in (theta, phi))
+    wi, jacobian = reflect(wo, theta, phi) if eta is None else refract(wo, eta, theta, phi)
+    # A grazing direction's cosine has no digits of its own after rounding; 1e-3 keeps three of them.
+    return wi.astype(np.float32).astype(np.float64), (jacobian > 0) & (np.abs(wi[..., 2]) > 1e-3)
