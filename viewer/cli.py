@@ -1,4 +1,4 @@
-"""The command line: pbr-viewer view, render, info, diff, doctor, cache.
+"""The command line: pbr-viewer view, render, info, check, diff, doctor, cache.
 
 Exit status: 0 done; 1 the input is bad or the output cannot be written; 2 wrong usage; 3 no OpenGL context;
 130 interrupted. What goes wrong is told in one line on stderr.
@@ -14,7 +14,7 @@ from typing import Any
 
 import click
 
-from .errors import ViewerError
+from .errors import UsageError, ViewerError
 from .heap import share_one_heap
 from .messages import one_line, say, say_error
 from .options import (
@@ -140,6 +140,60 @@ def info(model: str | None, json_file: str | None, list_settings: bool, **option
         _warn(model, scene, options)
         facts = describe_scene(scene, settings)
     _tell(facts, json_file)
+
+
+@cli.command(short_help="Check the shaders: energy, and what float32 makes of them.")
+@click.argument("what", type=click.Choice(["energy", "stability", "all"]), default="all")
+@click.argument("model", required=False)
+@click.option("--shader", metavar="FILE", help="Check a lobe of your own GLSL file.")
+@click.option("--lobe", metavar="NAME", help="Its name: the file has NAME_eval, and may have NAME_sample, NAME_pdf.")
+@JSON_OPTION
+@click.option("-o", "--output", metavar="DIR", help="Write index.html, with plots, and check.json.")
+@click.option("--set", "assignments", multiple=True, metavar="NAME=VALUE", help="A setting the MODEL is shaded with.")
+@QUIET_OPTION
+def check(what: str, model: str | None, shader: str | None, lobe: str | None, json_file: str | None,
+          output: str | None, assignments: tuple[str, ...], quiet: bool) -> None:
+    """Prove the shaders: that none makes or loses light, and that float32 computes what the formulas say.
+
+    With MODEL: the energy of each of its materials. Exit status 1 if a bound is broken; a model that is known to fail
+    is reported, and is no reason.
+
+    \b
+    pbr-viewer check -o report/
+    pbr-viewer check energy helmet.glb
+    pbr-viewer check energy --shader mine.glsl --lobe velvet
+    """
+    if (shader is None) != (lobe is None):
+        raise UsageError("--shader and --lobe go together")
+    if model and shader:
+        raise UsageError("check either a MODEL or a --shader")
+    if what != "energy" and (model or shader):
+        raise UsageError("of a MODEL or a --shader there is `check energy`")
+    from .measure.check import run_checks, run_model_checks, run_shader_checks
+    from .measure.check_table import print_table
+    from .measure.checks import exit_status
+
+    if shader and lobe:
+        checks = run_shader_checks(shader, lobe, quiet)
+    elif model:
+        from .scene.load import load_scene
+        from .settings import Settings
+
+        settings = Settings()
+        for assignment in assignments:
+            settings = settings.with_option(assignment)
+        checks = run_model_checks(load_scene(model), settings, quiet)
+    else:
+        checks = run_checks(what, quiet)
+    if output:
+        from .measure.check_page import write_page
+
+        write_page(output, checks, with_plots=not (model or shader))
+    if json_file:
+        _write_json(json_file, [check.to_json() for check in checks])
+    if json_file != "-":
+        print_table(checks)
+    sys.exit(exit_status(checks))
 
 
 @cli.command(short_help="Compare two pictures.")
