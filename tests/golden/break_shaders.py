@@ -1,0 +1,175 @@
+"""Proves the golden images: breaks the shaders, one term at a time, and lists which images notice.
+
+    python tests/golden/break_shaders.py [NAME...]
+
+Every mutation is planted in a temporary copy of the shaders and all cases are drawn with it and judged with the limits
+of the tests. Exits with status 1 where one goes unnoticed. Takes minutes: no part of the test run.
+"""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from cases import CASES, SIZE
+
+import viewer.gpu.source
+from viewer.errors import ShaderError
+from viewer.gpu.context import open_context
+from viewer.measure.golden import Limits, judge
+from viewer.raster.renderer import Renderer
+from viewer.resources import resource_folder
+
+
+@dataclass(frozen=True)
+class Mutation:
+    """`old`, which the shader `file` holds exactly once, becomes `new`."""
+
+    name: str
+    file: str
+    old: str
+    new: str
+
+    def check(self, shaders: Path) -> None:
+        count = (shaders / self.file).read_text().count(self.old)
+        if count != 1:
+            raise LookupError(f"{self.name}: shaders/{self.file} holds {self.old!r} {count} times, not once")
+
+    def plant(self, shaders: Path) -> None:
+        self.check(shaders)
+        path = shaders / self.file
+        path.write_text(path.read_text().replace(self.old, self.new))
+
+
+MUTATIONS = [
+    Mutation("D without 1/pi", "bsdf/ggx.glsl", "return k * k * INV_PI;", "return k * k;"),
+    Mutation("D with alpha for alpha squared", "bsdf/ggx.glsl", "s2 + alpha * alpha * NoH", "s2 + alpha * NoH"),
+    Mutation("G separable", "bsdf/ggx.glsl", "return 0.5 / (NoL * t_v + NoV * t_l);",
+             "return 1.0 / ((NoV + t_v) * (NoL + t_l));"),
+    Mutation("separable G as if correlated", "bsdf/ggx.glsl", "return 1.0 / ((NoV + t_v) * (NoL + t_l));",
+             "return 0.5 / (NoL * t_v + NoV * t_l);"),
+    Mutation("Beckmann's D without 1/pi", "bsdf/beckmann.glsl", "* INV_PI / (alpha * alpha", "/ (alpha * alpha"),
+    Mutation("Beckmann's G without shadowing", "bsdf/beckmann.glsl",
+             "(1.0 + lambda_beckmann(NoV, alpha) + lambda_beckmann(NoL, alpha))", "(1.0 + lambda_beckmann(NoV, alpha))"),
+    Mutation("Blinn-Phong's D with (s + 8) / 8", "bsdf/blinn_phong.glsl", "(s + 2.0) * 0.5", "(s + 8.0) * 0.125"),
+    Mutation("V-cavity without its factor of 2", "bsdf/v_cavity.glsl", "2.0 * NoH * min(NoV, NoL)", "NoH * min(NoV, NoL)"),
+    Mutation("F with exponent 4", "bsdf/fresnel.glsl", "return x2 * x2 * x;", "return x2 * x2;"),
+    Mutation("F without the difference of indices", "bsdf/fresnel.glsl",
+             "float r_s = delta / (sum_s * sum_s);", "float r_s = 1.0 / (sum_s * sum_s);"),
+    Mutation("sRGB as pow 1/2.2", "display/srgb.glsl", "return mix(high, low, vec3(lessThanEqual(c, vec3(0.0031308))));",
+             "return pow(c, vec3(1.0 / 2.2));"),
+    Mutation("sRGB left out", "display/srgb.glsl", "return mix(high, low, vec3(lessThanEqual(c, vec3(0.0031308))));",
+             "return c;"),
+    Mutation("ACES without its pre-exposure", "display/tonemap.glsl", "min(c, 1e6) / 0.6", "min(c, 1e6)"),
+    Mutation("AgX encoded once more", "display/tonemap.glsl", "return pow(clamp(outset * c, 0.0, 1.0), vec3(2.2));",
+             "return clamp(outset * c, 0.0, 1.0);"),
+    Mutation("neutral without desaturation", "display/tonemap.glsl", "desaturation = 0.15", "desaturation = 0.0"),
+    Mutation("normal map's green flipped", "raster/normal.glsl", "texel.y * b", "-texel.y * b"),
+    Mutation("normal map's red flipped", "raster/normal.glsl", "texel.x * t", "-texel.x * t"),
+    Mutation("back faces keep their normal", "raster/normal.glsl",
+             "if (!gl_FrontFacing) n = -n;", "if (!gl_FrontFacing) n = n;"),
+    Mutation("environment mirrored", "light/equirect.glsl", "vec2(0.5 + turns(d.z, d.x)", "vec2(0.5 - turns(d.z, d.x)"),
+    Mutation("environment upside down", "light/equirect.glsl", "return y < 0.0 ? 1.0 - c : c;",
+             "return y < 0.0 ? c : 1.0 - c;"),
+    Mutation("environment's rotation reversed", "raster/environment.glsl",
+             "s = u_environment_rotation.y;", "s = -u_environment_rotation.y;"),
+    Mutation("reflection at the wrong roughness", "light/prefiltered.glsl",
+             "float alpha = perceptual_roughness * perceptual_roughness;", "float alpha = perceptual_roughness;"),
+    Mutation("alpha cutoff ignored", "raster/material.glsl", "if (covered <= 0.0) discard;", "covered = 1.0;"),
+    Mutation("alpha not premultiplied", "raster/material.glsl",
+             "o_color = vec4(radiance * covered, covered);", "o_color = vec4(radiance, covered);"),
+    Mutation("vertex colours ignored", "raster/material.glsl", "c *= v_color;", "c.rgb *= 1.0;"),
+    Mutation("emission left out", "raster/material.glsl", "vec3 e = u_emissive;", "vec3 e = vec3(0.0);"),
+    Mutation("shadow bias reversed", "light/shadow.glsl", "vec4(p + offset, 1.0)", "vec4(p - offset, 1.0)"),
+    Mutation("no shadow", "light/shadow.glsl", "return filtered_shadow(tile.texel.zw + texel, c.z);", "return 1.0;"),
+    Mutation("cube faces swapped", "light/shadow.glsl", "return d.y > 0.0 ? 2 : 3;", "return d.y > 0.0 ? 3 : 2;"),
+    Mutation("lights fall off with 1/d", "light/punctual.glsl", "/ max(d2, 1e-8);", "/ sqrt(max(d2, 1e-8));"),
+    Mutation("spot's cone not squared", "light/punctual.glsl", "return a * a;", "return a;"),
+    Mutation("range ignored", "light/punctual.glsl", "clamp(1.0 - x * x, 0.0, 1.0)", "1.0"),
+    Mutation("occlusion ignored (PBR)", "raster/pbr.frag", "mean_light *= occlusion;", "mean_light *= 1.0;"),
+    Mutation("occlusion ignored (Phong)", "raster/phong.frag", "(INV_PI * occlusion)", "INV_PI"),
+    Mutation("1 - F forgotten under lights", "bsdf/standard.glsl", "(1.0 - max3(F))", "1.0"),
+    Mutation("1 - E forgotten under the environment", "raster/pbr.frag", "diffuse_albedo * max(1.0 -",
+             "diffuse_albedo * max(1.0 - 0.0 *"),
+    Mutation("multiple scattering mixed before metalness", "raster/pbr.frag",
+             "s.metal = make_interface(s.base_color,",
+             "s.dielectric = s.metal = make_interface(mix(s.dielectric.f0, s.base_color, s.metallic),"),
+    Mutation("multiple scattering left out under the environment", "bsdf/multiscatter.glsl",
+             "return E_ss * lost / (1.0 - lost);", "return vec3(0.0);"),
+    Mutation("multiple scattering left out under lights", "bsdf/multiscatter.glsl",
+             "return 1.0 + f0 *", "return 1.0 + 0.0 * f0 *"),
+    Mutation("Lambert without 1/pi", "bsdf/lambert.glsl", "return albedo * INV_PI;", "return albedo;"),
+    Mutation("Phong's exponent off by a factor of 4", "raster/phong.frag",
+             "max(2.0 / (alpha * alpha) - 2.0, 0.0)", "max(0.5 / (alpha * alpha) - 2.0, 0.0)"),
+    Mutation("normals not turned with the mesh", "raster/surface.vert", "u_normal_matrix * a_normal", "a_normal"),
+    Mutation("exposure ignored", "display/display.frag", "straight * u_exposure", "straight"),
+]
+
+
+@contextmanager
+def broken(mutation: Mutation) -> Iterator[None]:
+    """The shaders with `mutation` in place of the real ones."""
+    real = viewer.gpu.source.resource_folder
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder).resolve() / "shaders"
+        shutil.copytree(resource_folder("shaders"), copy)
+        mutation.plant(copy)
+        viewer.gpu.source.resource_folder = lambda name: copy if name == "shaders" else real(name)
+        try:
+            yield
+        finally:
+            viewer.gpu.source.resource_folder = real
+
+
+def caught_by(renderer: Renderer) -> list[str]:
+    """The golden images that the renderer's pictures do not match."""
+    caught = []
+    for case in CASES:
+        scene, camera = case.load()
+        for mode in ("pbr", "phong"):
+            name = f"{case.name}-{mode}"
+            picture = renderer.display(scene, camera, case.with_mode(mode), SIZE)
+            if judge(picture, Path(__file__).parent / "golden" / f"{name}.png", Limits(), name) is not None:
+                caught.append(name)
+    return caught
+
+
+def _listed(names: list[str], most: int = 5) -> str:
+    rest = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + rest or "NONE"
+
+
+def main(names: list[str]) -> int:
+    unnoticed = 0
+    with open_context() as context:
+        renderer = Renderer(context)
+        unbroken = caught_by(renderer)
+        renderer.release()
+        if unbroken:
+            print(f"without any mutation these differ already: {', '.join(unbroken)}", file=sys.stderr)
+            return 1
+        print("| mutation | noticed by |\n|---|---|")
+        for mutation in MUTATIONS:
+            if names and not any(name in mutation.name for name in names):
+                continue
+            renderer = Renderer(context)
+            try:
+                with broken(mutation):
+                    caught = caught_by(renderer)
+            except ShaderError as error:
+                print(f"{mutation.name}: {error}", file=sys.stderr)
+                return 1
+            finally:
+                renderer.release()
+            print(f"| {mutation.name} | {_listed(caught)} |", flush=True)
+            unnoticed += not caught
+    return min(unnoticed, 1)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
