@@ -44,7 +44,8 @@ def test_nor_on_the_order_of_meshes(radiance, order):
 @pytest.mark.parametrize("azimuth", [0.0, np.pi])
 def test_the_farther_pane_lies_behind(radiance, azimuth):
     """Porter & Duff 1984: over, in linear light, with associated alpha."""
-    panes = scene((plate(0), moved((0, 0, 0.5))), (plate(1), moved((0, 0, -0.5))), materials=[pane(RED, 0.5), pane(BLUE, 0.25)])
+    panes = scene((plate(0), moved((0, 0, 0.5))), (plate(1), moved((0, 0, -0.5))),
+                  materials=[pane(RED, 0.5), pane(BLUE, 0.25)])
     near, far = ((RED, 0.5), (BLUE, 0.25)) if azimuth == 0 else ((BLUE, 0.25), (RED, 0.5))
     expected = np.array([*np.array(near[0]) * near[1], near[1]])
     expected += (1 - near[1]) * np.array([*np.array(far[0]) * far[1], far[1]])

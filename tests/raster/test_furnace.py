@@ -38,7 +38,8 @@ def test_white_vanishes(radiance, roughness, metallic, ndf):
 @pytest.mark.parametrize("roughness", [0.3, 0.5, 0.75, 1.0])
 def test_without_compensation_a_white_metal_loses_what_scatters_twice(radiance, roughness):
     """8 % at alpha 0.25, 31 % at 0.5 and 69 % at 1 where it is seen along the normal."""
-    picture = radiance(ball(metallic=1.0, perceptual_roughness=roughness), CAMERA, SIZE, multiscatter="off", specular_aa="off")
+    picture = radiance(ball(metallic=1.0, perceptual_roughness=roughness), CAMERA, SIZE, multiscatter="off",
+                       specular_aa="off")
     NoV = cosine_of_view()
     inside = NoV >= 0.1
     expected = directional_albedo("ggx", "smith", NoV[inside], roughness**2).sum(axis=1)

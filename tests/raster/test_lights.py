@@ -39,10 +39,10 @@ def test_cosine_law(radiance, elevation):
     assert radiance(lit(behind), orthographic(0.5, 0.3), shadows="off")[..., :3].max() < 1e-6
 
 
-def cook_torrance(v, l, material: Material) -> np.ndarray:
+def cook_torrance(wo, wi, material: Material) -> np.ndarray:
     """(1 - F) rho / pi + D V F and D V F, by the textbook forms (Cook & Torrance 1982; Walter 2007; Heitz 2014)."""
     n = np.array([0.0, 0.0, 1.0])
-    h = (v + l) / np.linalg.norm(v + l)
+    h = (wo + wi) / np.linalg.norm(wo + wi)
     alpha = material.perceptual_roughness**2
     base = np.array(material.base_color[:3])
     d = alpha**2 / (np.pi * ((n @ h) ** 2 * (alpha**2 - 1) + 1) ** 2)
@@ -50,11 +50,11 @@ def cook_torrance(v, l, material: Material) -> np.ndarray:
     def smith_lambda(w):
         return (np.sqrt(1 + alpha**2 * (1 / (n @ w) ** 2 - 1)) - 1) / 2
 
-    dv = d / (1 + smith_lambda(v) + smith_lambda(l)) / (4 * (n @ v) * (n @ l))
+    dv = d / (1 + smith_lambda(wo) + smith_lambda(wi)) / (4 * (n @ wo) * (n @ wi))
     f0 = np.minimum(((material.ior - 1) / (material.ior + 1)) ** 2 * np.array(material.specular_color), 1)
-    f = material.specular * (f0 + (1 - f0) * (1 - v @ h) ** 5)
+    f = material.specular * (f0 + (1 - f0) * (1 - wo @ h) ** 5)
     dielectric = (1 - f.max()) * base / np.pi + dv * f
-    metal = dv * (base + (1 - base) * (1 - v @ h) ** 5)
+    metal = dv * (base + (1 - base) * (1 - wo @ h) ** 5)
     return (1 - material.metallic) * dielectric + material.metallic * metal
 
 
@@ -113,7 +113,8 @@ def test_spot_light(radiance, mode):
 def test_lights_add_up(radiance):
     """All kinds together, in any order, give what they give alone."""
     lights = [Light("spot", (1, 0, 0), 6.0, (0.5, 0, 2), (0, 0, -1)), Light("point", (0, 1, 0), 2.0, (-1, 1, 1)),
-              Light.from_angles(0.4, 0.4, 1.0), Light("point", (0, 0, 1), 3.0, (1, 1, 1)), Light.from_angles(-1.0, 0.2, 2.0)]
+              Light.from_angles(0.4, 0.4, 1.0), Light("point", (0, 0, 1), 3.0, (1, 1, 1)),
+              Light.from_angles(-1.0, 0.2, 2.0)]
     rough = Material(metallic=0.3, perceptual_roughness=0.5)
     alone = sum(radiance(lit(light, rough), orthographic(), SIZE)[..., :3] for light in lights)
     together = scene(plate(half=4.0), materials=[rough], lights=tuple(lights))

@@ -62,10 +62,10 @@ def test_two_renderers_in_turn(renderer, shots, context):
     if elsewhere is not None:
         third.release()
         elsewhere.release()
-    assert np.array_equal(renderer.display(*shots[0], SETTINGS, SIZE).srgb, pictures_of(renderer, shots[0]))
+    assert np.array_equal(renderer.display(*shots[0], SETTINGS, SIZE).srgb, picture_of(renderer, shots[0]))
 
 
-def pictures_of(renderer, shot) -> np.ndarray:
+def picture_of(renderer, shot) -> np.ndarray:
     return renderer.display(*shot, SETTINGS, SIZE).srgb
 
 
@@ -98,7 +98,7 @@ def test_release_frees_everything(context):
     before = objects(context)
     for _ in range(2):
         renderer = Renderer(context)
-        model = scene(sphere(), plate(1), materials=[Material(), Material(alpha_mode="blend", base_color=(1, 1, 1, 0.5))],
+        model = scene(sphere(), plate(1), materials=[Material(), Material(alpha_mode="blend")],
                       lights=(Light.from_angles(0.1, 0.5, 1.0),), environment=lopsided())
         renderer.display(model, orthographic(), SETTINGS, SIZE)
         assert objects(context) != before
@@ -114,5 +114,6 @@ def test_what_scenes_share_is_not_uploaded_again(renderer):
     renderer.display(model, camera, SETTINGS, SIZE)
     surfaces = renderer._surfaces
     lit = replace(model, lights=(Light.from_angles(0.1, 0.5, 1.0),))
-    assert not np.array_equal(renderer.display(lit, camera, SETTINGS, SIZE).srgb, pictures_of(renderer, (model, camera)))
+    picture = renderer.display(lit, camera, SETTINGS, SIZE).srgb
+    assert not np.array_equal(picture, picture_of(renderer, (model, camera)))
     assert renderer._surfaces is surfaces

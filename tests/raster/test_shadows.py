@@ -16,7 +16,7 @@ from viewer.scene.material import Material
 
 SIZE = (96, 96)
 TEXELS = 3.0
-"""What a shadow's edge may be off by, in texels of the map: its filter reaches 1.5, the offset against acne 0.5 to 2."""
+"""What a shadow's edge may be off by, in texels of the map: its filter reaches 1.5, the offset against acne 2."""
 CAMERA = orthographic(0.6, 0.5, height=4.0, distance=10.0)
 RADIUS = 0.6
 CENTER = np.array([0.0, RADIUS, 0.0])  # the ball rests on the floor: a shadow that has come loose would show there
@@ -96,7 +96,8 @@ def test_no_acne_where_nothing_is_in_the_way(radiance, name):
 def test_no_acne_on_a_coarse_ball(radiance):
     """Flat facets under smooth normals: the map sees the facets."""
     model = scene(sphere(segments=12), lights=(LIGHTS["directional"],))
-    bare, shaded = (radiance(model, orthographic(-0.5, 0.4, height=3.0), SIZE, shadows=on)[..., 0] for on in ("off", "on"))
+    camera = orthographic(-0.5, 0.4, height=3.0)
+    bare, shaded = (radiance(model, camera, SIZE, shadows=on)[..., 0] for on in ("off", "on"))
     lit = bare > 0.5 * bare.max()
     assert (shaded[lit] / bare[lit]).min() > 0.95
 

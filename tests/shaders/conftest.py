@@ -40,7 +40,8 @@ def evaluate(gl, tmp_path: Path):
             defines: Mapping[str, float] | None = None, **uniforms: np.ndarray | moderngl.Texture) -> np.ndarray:
         file = tmp_path / "evaluate.frag"
         file.write_text(f'#include "{include}.glsl"\n{declarations}\nuniform sampler2D inputs;\nout vec4 o;\n'
-                        f"void main() {{ vec4 i = texelFetch(inputs, ivec2(gl_FragCoord.xy), 0); o = {expression}; }}\n")
+                        "void main() { vec4 i = texelFetch(inputs, ivec2(gl_FragCoord.xy), 0);"
+                        f" o = {expression}; }}\n")
         program = gl.program(vertex_shader=VERTEX, fragment_shader=assemble(file, defines).text)
         count = len(inputs)
         texture = gl.texture((count, 1), 4, np.ascontiguousarray(inputs, "f4"), dtype="f4")

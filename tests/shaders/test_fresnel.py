@@ -41,7 +41,8 @@ def test_matched_indices_keep_their_digits(evaluate):
     """At eta = 1.0001 the textbook form's numerators cancel; relative error is what tells."""
     mu = np.linspace(0.05, 1, 400).astype("f4").astype(float)
     eta = float(np.float32(1.0001))
-    found = evaluate("bsdf/fresnel", "vec4(f_dielectric(i.x, i.y))", np.stack([mu, 0 * mu + eta, mu, mu], axis=-1))[:, 0]
+    inputs = np.stack([mu, 0 * mu + eta, mu, mu], axis=-1)
+    found = evaluate("bsdf/fresnel", "vec4(f_dielectric(i.x, i.y))", inputs)[:, 0]
     expected = fresnel(mu, eta)
     assert np.abs(found / expected - 1)[expected > 1e-11].max() < 1e-4
 
@@ -62,7 +63,8 @@ def test_schlick_mean(evaluate):
     mu = (x + 1) / 2
     f0 = np.array([0.0, 0.04, 1.0])
     mean = 2 * ((f0 + (1 - f0) * (1 - mu[:, None]) ** 5) * (mu * weight / 2)[:, None]).sum(axis=0)
-    found = evaluate("bsdf/fresnel", "vec4(f_schlick_mean(vec3(0.0, 0.04, 1.0), vec3(1.0)), 0.0)", np.zeros((1, 4)))[0, :3]
+    expression = "vec4(f_schlick_mean(vec3(0.0, 0.04, 1.0), vec3(1.0)), 0.0)"
+    found = evaluate("bsdf/fresnel", expression, np.zeros((1, 4)))[0, :3]
     assert np.abs(found - mean).max() < 1e-6
 
 
@@ -71,6 +73,7 @@ def test_compensation_makes_a_white_metal_white(evaluate):
     albedo = np.linspace(0.2, 1, 64)
     inputs = np.stack([albedo] * 4, axis=-1)
     direct = evaluate("bsdf/multiscatter", "vec4(turquin_factor(vec3(1.0), i.x), 0.0)", inputs)[:, 0] * albedo
-    around = evaluate("bsdf/multiscatter", "vec4(fdez_aguera_albedo(vec3(i.x), vec3(1.0), vec3(1.0), i.x), 0.0)", inputs)
+    expression = "vec4(fdez_aguera_albedo(vec3(i.x), vec3(1.0), vec3(1.0), i.x), 0.0)"
+    around = evaluate("bsdf/multiscatter", expression, inputs)
     assert np.abs(direct - 1).max() < 1e-6
     assert np.abs(around[:, 0] + albedo - 1).max() < 1e-6

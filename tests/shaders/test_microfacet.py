@@ -105,8 +105,8 @@ def test_every_choice_of_factors_is_the_one_named(evaluate, ndf, masking):
     """microfacet.glsl: the dispatcher returns the function its switches ask for."""
     inputs = np.random.default_rng(1).uniform(0.05, 1, (64, 4))
     defines = {"NDF": ndf, "MASKING": masking}
-    found = evaluate("bsdf/microfacet", "vec4(d_microfacet(i.x, 0.3, i.y), v_microfacet(i.x, i.y, i.z, i.w, 0.4), 0.0, 0.0)",
-                     inputs, defines=defines)
+    expression = "vec4(d_microfacet(i.x, 0.3, i.y), v_microfacet(i.x, i.y, i.z, i.w, 0.4), 0.0, 0.0)"
+    found = evaluate("bsdf/microfacet", expression, inputs, defines=defines)
     smith = "ggx" if ndf == 0 else "beckmann"
     v = (f"v_smith_{smith}(i.x, i.y, 0.4)", f"v_smith_separable_{smith}(i.x, i.y, 0.4)", "v_cavity(i.x, i.y, i.z, i.w)",
          "v_none(i.x, i.y)")[masking]

@@ -18,7 +18,8 @@ def test_inverse_square_and_its_window(evaluate):
     assert np.abs(found - expected).max() <= 1e-5 * expected.max()
     assert np.allclose(found, expected, rtol=1e-5, atol=1e-6)
     assert (found[(d > 3) & (inv_range > 0)] == 0).all()
-    assert np.isfinite(evaluate("light/punctual", "vec4(distance_attenuation(0.0, 0.0))", inputs[:1], defines=DEFINES)).all()
+    touching = evaluate("light/punctual", "vec4(distance_attenuation(0.0, 0.0))", inputs[:1], defines=DEFINES)
+    assert np.isfinite(touching).all()
 
 
 def test_cone(evaluate):
