@@ -7,23 +7,24 @@ from statistics import NormalDist
 import numpy as np
 
 MIN_EXPECTED = 5.0  # bins that expect less are pooled: below it the statistic is not chi-squared (Cochran 1954)
+MAX_STRAY = 1e-3  # share of samples that rounding may put where none is expected
 SIGNIFICANCE = 0.01  # of all tests together
 
 
 def statistic(observed: np.ndarray, expected: np.ndarray) -> tuple[float, int]:
     """Pearson's sum and its degrees of freedom for counts (bins,); the smallest bins are pooled into one."""
+    impossible = expected < 1e-9 * expected.sum()
+    if observed[impossible].sum() > MAX_STRAY * observed.sum():
+        return float("inf"), 1
     order = np.argsort(expected)
     observed, expected = observed[order], expected[order]
-    below = np.searchsorted(np.cumsum(expected), MIN_EXPECTED) + 1
-    small = max(int((expected < MIN_EXPECTED).sum()), below if expected[0] < MIN_EXPECTED else 0)
-    if small:
-        observed = np.append(observed[small:], observed[:small].sum())
-        expected = np.append(expected[small:], expected[:small].sum())
-    keep = expected > 0
-    if (observed[~keep] > 0).any():
-        return float("inf"), max(int(keep.sum()) - 1, 1)
-    sums = (observed[keep] - expected[keep]) ** 2 / np.maximum(expected[keep], 1.0)
-    return float(sums.sum()), max(int(keep.sum()) - 1, 1)
+    # Bins up to the first that expects enough, and as many more as their pool needs to expect enough itself.
+    pooled = int((expected < MIN_EXPECTED).sum())
+    if pooled:
+        pooled = max(pooled, int(np.searchsorted(np.cumsum(expected), MIN_EXPECTED)) + 1)
+        observed = np.append(observed[pooled:], observed[:pooled].sum())
+        expected = np.append(expected[pooled:], expected[:pooled].sum())
+    return float(((observed - expected) ** 2 / np.maximum(expected, 1.0)).sum()), max(len(expected) - 1, 1)
 
 
 def critical_value(degrees: int, tests: int, significance: float = SIGNIFICANCE) -> float:

@@ -108,7 +108,7 @@ def check_material(renderer: Renderer, name: str, material: Material, settings: 
     own = furnace_picture(renderer, bare, **options)
     yield Check("no gain", f"{name}, furnace", float(own.pixels.max() - 1), FURNACE_BOUND,
                 note=f"darkest {own.pixels.min():.3f}")
-    yield Check("not negative", f"{name}, lights to grazing", -min(_lit_minima(renderer, bare, options)), 0.0)
+    yield Check("not negative", f"{name}, lights to grazing", max(0.0, -min(_lit_minima(renderer, bare, options))), 0.0)
     if material.perceptual_roughness >= 0.2:  # a smoother lobe falls between the pictures' pixels
         balance = check_balance(renderer, name, bare, **options)
         yield replace(balance, expected=not balance.passed)  # that it may gain is known: see check_renderer_balance

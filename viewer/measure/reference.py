@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from ..bake.dfg import directional_albedo
+
 Array = Any
 
 
@@ -149,6 +151,18 @@ def burley(wo: Array, wi: Array, perceptual_roughness: Array) -> Array:
     LoH = (wi * _unit(wo + wi)).sum(axis=-1)
     f90 = 0.5 + 2 * perceptual_roughness * LoH**2
     return (1 + (f90 - 1) * (1 - wi[..., 2]) ** 5) * (1 + (f90 - 1) * (1 - wo[..., 2]) ** 5) / np.pi
+
+
+def standard_dielectric(wo: Array, wi: Array, alpha: Array) -> Array:
+    """A white base under an interface of f0 = 0.04: glTF 2.0, appendix B, with the compensation of Turquin 2019.
+
+    The single-scattering albedo is that of the integral itself, alpha and wo.z being one number for each wo.
+    """
+    dv, VoH = ggx_reflection(wo, wi, np.stack([alpha, alpha], axis=-1))
+    fresnel = f_schlick(0.04, 1.0, VoH)
+    albedo = [directional_albedo("ggx", "smith", wo[k, :1, 2], float(a), 64).sum() for k, a in enumerate(alpha[:, 0])]
+    factor = 1 + 0.04 * (1 / np.array(albedo)[:, None] - 1)
+    return (1 - fresnel) / np.pi + dv * fresnel * factor
 
 
 def _unit(v: Array) -> Array:

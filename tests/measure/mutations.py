@@ -1,0 +1,101 @@
+"""Wrong formulas planted in a copy of the shaders, for what checks them to notice."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import viewer.gpu.source
+from viewer.gpu.context import open_context
+from viewer.measure.checks import Check
+from viewer.measure.energy import check_lobe
+from viewer.measure.furnace import FURNACE_BOUND, lit_furnace
+from viewer.measure.lobe_cases import lobe_cases
+from viewer.measure.lobe_stability import check_lobe_stability
+from viewer.measure.stability import check_sweep, sweeps
+from viewer.raster.renderer import Renderer
+from viewer.resources import resource_folder
+from viewer.scene.material import Material
+
+Checks = Callable[[], Iterable[Check]]
+
+
+@dataclass(frozen=True)
+class Mutation:
+    """`old`, which the shader `file` holds exactly once, becomes `new`; `checks` are quick ones that notice."""
+
+    name: str
+    file: str
+    old: str
+    new: str
+    checks: Checks
+
+
+def values(function: str) -> Checks:
+    return lambda: [check_sweep(sweep) for sweep in sweeps() if sweep.function == function]
+
+
+def energy(lobe: str) -> Checks:
+    return lambda: (check for case in lobe_cases() if case.name == lobe for check in check_lobe(case))
+
+
+def lobe_values() -> Iterator[Check]:
+    return check_lobe_stability()
+
+
+def furnace_of_lights() -> Iterator[Check]:
+    with open_context() as context:
+        light = lit_furnace(Renderer(context, use_cache=False), Material(perceptual_roughness=0.75), 0.5)
+        yield Check("furnace of lights", "roughness 0.75", abs(light - 1), FURNACE_BOUND)
+
+
+_D = "float k = alpha / (s2 + alpha * alpha * NoH * NoH);\n    return k * k * INV_PI;"
+_V = "return 0.5 / (NoL * t_v + NoV * t_l);"
+_V_LOCAL = "return 0.5 / (smith_t(wo, alpha) * wi.z + smith_t(wi, alpha) * wo.z);"
+MUTATIONS = [
+    Mutation("pi missing in D", "bsdf/ggx.glsl", _D, _D.replace(" * INV_PI", ""), furnace_of_lights),
+    Mutation("pi missing in the lobes' D", "bsdf/ggx_local.glsl", "return INV_PI / (", "return 1.0 / (", energy("ggx")),
+    Mutation("alpha for alpha squared", "bsdf/ggx.glsl", _D, _D.replace("alpha * alpha * NoH", "alpha * NoH"),
+             values("d_ggx")),
+    Mutation("separable for correlated G", "bsdf/ggx.glsl", _V, "return 1.0 / ((NoV + t_v) * (NoL + t_l));",
+             furnace_of_lights),
+    Mutation("separable for correlated G in the lobes", "bsdf/ggx_local.glsl", _V_LOCAL,
+             "return 1.0 / ((wo.z + smith_t(wo, alpha)) * (wi.z + smith_t(wi, alpha)));", energy("metal")),
+    Mutation("(1 - F) forgotten in the blend", "bsdf/standard.glsl", "(1.0 - max3(F)) * f_lambert(base_color)",
+             "f_lambert(base_color)", lobe_values),
+    Mutation("V clamped at 1", "bsdf/ggx.glsl", _V, "return min(0.5 / (NoL * t_v + NoV * t_l), 1.0);",
+             values("v_smith_ggx")),
+    Mutation("sample and pdf with different probabilities of the parts", "bsdf/kulla_conty.glsl", "if (u.z < p_diffuse) {",
+             "if (u.z < 0.5 * p_diffuse) {", energy("metal")),
+    Mutation("textbook D in float32", "bsdf/ggx.glsl", _D,
+             "float k = 1.0 + NoH * NoH * (alpha * alpha - 1.0);\n    return alpha * alpha / (PI * k * k);",
+             values("d_ggx")),
+    Mutation("sRGB by pow 2.2", "display/srgb.glsl", "return mix(high, low, vec3(lessThanEqual(c, vec3(0.0031308))));",
+             "return pow(c, vec3(1.0 / 2.2));", values("srgb_from_linear")),
+    Mutation("transmission with the reflection's G2", "bsdf/lobe/dielectric.glsl",
+             "float g2 = beta(1.0 + lambda_ggx_local(wo, a), 1.0 + lambda_ggx_local(wi, a));",
+             "float g2 = 1.0 / (1.0 + lambda_ggx_local(wo, a) + lambda_ggx_local(wi, a));", lobe_values),
+]
+
+
+@contextmanager
+def planted(mutation: Mutation) -> Iterator[None]:
+    """The shaders with `mutation` in place of the real ones. Raises LookupError where its text is not there once."""
+    real = viewer.gpu.source.resource_folder
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder).resolve() / "shaders"
+        shutil.copytree(resource_folder("shaders"), copy)
+        file = copy / mutation.file
+        text = file.read_text(encoding="utf-8")
+        if text.count(mutation.old) != 1:
+            raise LookupError(f"{mutation.name}: shaders/{mutation.file} does not hold {mutation.old!r} once")
+        file.write_text(text.replace(mutation.old, mutation.new), encoding="utf-8")
+        viewer.gpu.source.resource_folder = lambda name: copy if name == "shaders" else real(name)
+        try:
+            yield
+        finally:
+            viewer.gpu.source.resource_folder = real
