@@ -21,16 +21,16 @@ def run(command: Sequence[str], picture: Path, size: tuple[int, int], home: Path
         timeout: float = 300.0) -> Run:
     """Runs `command` in `folder`, with `home` for HOME and the XDG folders and no other settings of this user.
 
-    Returns wall_s, rss_mb (the largest resident set of the process, from wait4), load (of the machine, one minute),
+    Returns wall_s, rss_mb (the largest resident set of the process), load (of the machine, one minute),
     and what the program printed as its last line of JSON; or `error`, also where the picture is missing or blank.
     """
     picture.unlink(missing_ok=True)
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         start = time.perf_counter()
         process = subprocess.Popen(command, stdout=out, stderr=err, env=_environment(home), cwd=folder)
-        status, usage = _wait(process, start + timeout)
+        status, peak_kb = _wait(process, start + timeout)
         wall = time.perf_counter() - start
-        if usage is None:
+        if peak_kb is None:
             return {"error": f"over {timeout:g} s"}
         if status:
             return {"error": f"status {status}: {' | '.join(_tail(err, 3))}"}
@@ -39,7 +39,7 @@ def run(command: Sequence[str], picture: Path, size: tuple[int, int], home: Path
             return {"error": problem}
         said = [line for line in _tail(out, 20) if line.startswith("{")]
     reported = json.loads(said[-1]) if said else {}
-    return {**reported, "wall_s": round(wall, 4), "rss_mb": round(usage.ru_maxrss / 1024, 1),
+    return {**reported, "wall_s": round(wall, 4), "rss_mb": round(peak_kb / 1024, 1),
             "load": round(os.getloadavg()[0], 2)}
 
 
@@ -49,18 +49,34 @@ def _environment(home: Path) -> dict[str, str]:
     return {**kept, **folders, "HOME": str(home), "TMPDIR": str(home), "XDG_RUNTIME_DIR": str(home)}
 
 
-def _wait(process: subprocess.Popen, deadline: float):
-    """(exit status, resource usage); the usage is None where it had to be killed."""
+def _wait(process: subprocess.Popen, deadline: float) -> tuple[int, int | None]:
+    """(exit status, peak resident set in KiB); the peak is None where the process had to be killed."""
+    peak = 0
     while True:
+        peak = _high_water_mark(process.pid) or peak
         pid, status, usage = os.wait4(process.pid, os.WNOHANG)
         if pid:
             process.returncode = os.waitstatus_to_exitcode(status)
-            return process.returncode, usage
+            return process.returncode, peak or usage.ru_maxrss
         if time.perf_counter() > deadline:
             process.kill()
             process.wait()
             return process.returncode, None
         time.sleep(_POLL)
+
+
+def _high_water_mark(pid: int) -> int | None:
+    """The most memory the process has held so far, in KiB, where Linux tells.
+
+    It never falls, so the last look before the end will do; what wait4 tells counts this process too, of which the
+    other is a copy until it starts its program.
+    """
+    try:
+        status = Path(f"/proc/{pid}/status").read_text()
+    except OSError:
+        return None
+    found = [line.split()[1] for line in status.splitlines() if line.startswith("VmHWM:")]
+    return int(found[0]) if found else None
 
 
 def _tail(file, lines: int) -> list[str]:

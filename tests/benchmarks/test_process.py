@@ -26,9 +26,11 @@ def test_a_picture_gives_times_memory_and_what_was_said(attempt) -> None:
     assert result["version"] == "1" and 0 < result["wall_s"] < 60 and 1 < result["rss_mb"] < 1000
 
 
-def test_the_peak_counts_not_what_is_left(attempt) -> None:
+def test_the_peak_counts_not_what_is_left_nor_who_asks(attempt) -> None:
     drawn = DRAW.format((255, 0, 0))
+    ours = bytearray(300 << 20)
     assert attempt("bytearray(200 << 20); " + drawn)["rss_mb"] > attempt(drawn)["rss_mb"] + 150
+    assert attempt(drawn)["rss_mb"] < len(ours) >> 20
 
 
 def test_a_blank_picture_is_a_failure(attempt) -> None:
