@@ -30,7 +30,8 @@ def run_checks(what: str, quiet: bool = False) -> list[Check]:
         parts: list[Part] = []
         if what != "stability":
             parts += _lobe_parts(lobe_cases())
-            parts += [("furnace", partial(check_furnaces, renderer)), ("balance", partial(check_renderer_balance, renderer))]
+            parts += [("furnace", partial(check_furnaces, renderer))]
+            parts += [("balance", partial(check_renderer_balance, renderer))]
         if what != "energy":
             parts += [("float32", check_stability)]
             parts += [("lobes' values", check_lobe_stability)]
@@ -43,8 +44,8 @@ def run_model_checks(scene: Scene, settings: Settings, quiet: bool = False) -> l
     with open_context() as context:
         renderer = Renderer(context, use_cache=False)
         names = [material.name or f"material {k}" for k, material in enumerate(scene.materials)]
-        parts = [(name, partial(check_material, renderer, name, material, settings))
-                 for name, material in zip(names, scene.materials)]
+        parts: list[Part] = [(name, partial(check_material, renderer, name, material, settings))
+                             for name, material in zip(names, scene.materials)]
         return _run(parts, quiet)
 
 

@@ -85,7 +85,8 @@ def _sections() -> Iterator[str]:
         if sweep.function in wanted:
             first.setdefault(sweep.function, sweep)
     yield _section("Errors of float32", "Relative error against float64 over the parameters, from 1e-8 (light) to 1e-3 "
-                   "(dark); where there is a third parameter, the worst over it.", [_error_map(s) for s in first.values()])
+                   "(dark); where there is a third parameter, the worst over it.",
+                   [_error_map(sweep) for sweep in first.values()])
 
 
 def _section(title: str, text: str, figures: Sequence[str]) -> str:
@@ -113,7 +114,8 @@ def _settings(lobe: Lobe) -> dict[str, dict]:
               "shininess": (3.0, 10.0, 100.0)}
     name = next(name for name in ranges if name in lobe.parameters)
     size = lobe.parameters[name].size
-    return {f"{name} {value:g}": lobe.struct(**{name: value if size == 1 else (value,) * size}) for value in ranges[name]}
+    return {f"{name} {value:g}": lobe.struct(**{name: value if size == 1 else (value,) * size})
+            for value in ranges[name]}
 
 
 def _lobe_shape(lobe: Lobe) -> str:

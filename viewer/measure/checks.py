@@ -11,7 +11,7 @@ from dataclasses import dataclass
 class Check:
     """`value` is to be `bound` at most; NaN never is.
 
-    `expected` marks a model that is known to break the bound: that it does so is a result, and that it does not a defect.
+    `expected` marks a model that is known to break the bound: that it does so is a result, that it does not a defect.
     `note` says what the row alone does not: units in the last place, the limit of the number format.
     """
 

@@ -16,6 +16,7 @@ NOV = (1.0, 0.7, 0.4, 0.15, 0.05)
 AZIMUTH = 0.7  # of wo: on neither tangent
 SAMPLES = 1 << 14
 BINS = (20, 12)
+Drawn = Mapping[str, np.ndarray]
 TRANSMISSION, DELTA = 2, 4  # shaders/bsdf/bsdf.glsl
 
 FURNACE_BOUND = 5e-3
@@ -29,7 +30,7 @@ class LobeCase:
 
     `lobe` has eval(m, wo, wi), and as `provides` says sample(m, wo, u), pdf(m, wo, wi) and albedo(m, NoV).
 
-    `white` tells for each set whether it absorbs nothing, and so owes a furnace of 1, within `furnace_bound`; `expected`
+    `white` tells for each set whether it absorbs nothing, and so owes a furnace of 1 to `furnace_bound`; `expected`
     names the checks the model is known to fail. `passes` sets let light through, by the index of refraction in `eta`.
     """
 
@@ -98,7 +99,8 @@ class _Integral:
             forth = case.lobe.eval(values, wo[:, None], grid.wi)
             self.of_light += np.einsum("kqc,kq->kc", _lit(forth, weight), weight)
             if "pdf" in case.provides:
-                self.of_pdf += (_lit(case.lobe.pdf(values, wo[:, None], grid.wi), weight) * grid.solid_angle).sum(axis=1)
+                pdf = _lit(case.lobe.pdf(values, wo[:, None], grid.wi), weight)
+                self.of_pdf += (pdf * grid.solid_angle).sum(axis=1)
         grid = grids[0][0]
         weight = grid.solid_angle * np.abs(grid.wi[..., 2])
         back = case.lobe.eval(values, grid.wi, np.broadcast_to(wo[:, None], grid.wi.shape))
@@ -151,7 +153,7 @@ def _check_sampling(case: LobeCase, wo: np.ndarray, albedo: _Integral) -> Iterat
     yield from _check_histogram(case, wo, drawn, kept)
 
 
-def _check_weights(case: LobeCase, wo: np.ndarray, drawn: Mapping[str, np.ndarray], kept: np.ndarray) -> Iterator[Check]:
+def _check_weights(case: LobeCase, wo: np.ndarray, drawn: Drawn, kept: np.ndarray) -> Iterator[Check]:
     values = case.repeated(len(NOV))
     few = slice(0, 2048)
     wi, pdf, weight = drawn["wi"][:, few], drawn["pdf"][:, few], drawn["weight"][:, few]
@@ -167,7 +169,7 @@ def _check_weights(case: LobeCase, wo: np.ndarray, drawn: Mapping[str, np.ndarra
         yield _row(case, name, typical, 0.01, wo, note="99 % of the samples")
 
 
-def _check_histogram(case: LobeCase, wo: np.ndarray, drawn: Mapping[str, np.ndarray], kept: np.ndarray) -> Iterator[Check]:
+def _check_histogram(case: LobeCase, wo: np.ndarray, drawn: Drawn, kept: np.ndarray) -> Iterator[Check]:
     tests = []
     sides = [(None, drawn["flags"] & TRANSMISSION == 0)]
     if case.eta is not None:
@@ -185,7 +187,8 @@ def _check_histogram(case: LobeCase, wo: np.ndarray, drawn: Mapping[str, np.ndar
     for k, chi2, degrees in tests:
         ratios[k] = max(ratios[k], chi2 / critical_value(degrees, len(tests)))
     if tests:
-        yield _row(case, "samples follow pdf", ratios, 1.0, wo, note=f"chi-squared over its threshold, {len(tests)} tests")
+        note = f"chi-squared over its threshold, {len(tests)} tests"
+        yield _row(case, "samples follow pdf", ratios, 1.0, wo, note=note)
 
 
 def _expected_counts(lobe: Any, values: Mapping[str, Any], wo: np.ndarray, eta: np.ndarray | None,

@@ -83,7 +83,8 @@ def _check_lights(renderer: Renderer) -> Iterator[Check]:
         yield not_finite(f"a sun of 1e6 in an environment of 1e-3, {name}", picture)
         if material is LAMBERTIAN:
             error = abs(float(picture.linear[32, 32, 0]) / total - 1)
-            yield Check("light kept", "a sun of 1e6 in an environment of 1e-3", error, 0.01, note=f"radiance {total:.4g}")
+            note = f"radiance {total:.4g}"
+            yield Check("light kept", "a sun of 1e6 in an environment of 1e-3", error, 0.01, note=note)
     ball = scene([sphere()], [Material(metallic=0.5, perceptual_roughness=0.4)], lights=[replace(KEY, intensity=1.0)])
     usual = _picture(renderer, ball, _framed(ball)).linear[..., :3].astype(np.float64)
     for intensity in (1e-12, 1e12):
@@ -144,7 +145,8 @@ def _check_depth(renderer: Renderer) -> Iterator[Check]:
         yield not_finite(case, picture)
         wrong = int((picture.linear[..., 0] > picture.linear[..., 1]).sum())
         covered = int((picture.linear[..., 3] > 0).sum())
-        yield Check("right one in front", case, wrong / max(covered, 1), 0.0 if covered else -1.0, note="share of pixels")
+        share = wrong / covered if covered else 1.0
+        yield Check("right one in front", case, share, 0.0, note="share of pixels that show the one behind")
 
 
 def _check_broken_geometry(renderer: Renderer) -> Iterator[Check]:

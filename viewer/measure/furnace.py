@@ -47,7 +47,8 @@ def furnace_picture(renderer: Renderer, material: Material, **settings: object) 
     pixels = renderer.render(ball, camera, options, (SIZE, SIZE)).linear[..., :3].astype(np.float64)
     deviation = np.abs(pixels - 1).max(axis=-1)
     inside = ball_cosines(camera, SIZE) >= GRAZING
-    return FurnacePicture(pixels, float(deviation[inside].max()), float(deviation[inside].mean()), float(deviation.max()))
+    seen = deviation[inside]
+    return FurnacePicture(pixels, float(seen.max()), float(seen.mean()), float(deviation.max()))
 
 
 def check_furnaces(renderer: Renderer) -> Iterator[Check]:
@@ -59,7 +60,8 @@ def check_furnaces(renderer: Renderer) -> Iterator[Check]:
                 yield _row("furnace picture", f"{name}, {ndf}, roughness {roughness:g}", picture)
     for roughness in (0.5, 0.75, 1.0):
         picture = furnace_picture(renderer, Material(perceptual_roughness=roughness), multiscatter="off")
-        yield _row("furnace picture", f"white metal, single scattering, roughness {roughness:g}", picture, expected=True)
+        case = f"white metal, single scattering, roughness {roughness:g}"
+        yield _row("furnace picture", case, picture, expected=True)
 
 
 def check_renderer_balance(renderer: Renderer) -> Iterator[Check]:
@@ -71,9 +73,9 @@ def check_renderer_balance(renderer: Renderer) -> Iterator[Check]:
                         FURNACE_BOUND)
     # Turquin's factor knows the view's side alone, and so does 1 - F(VoH) under the interface: neither is reciprocal,
     # and light at a slant gains.
-    for name, material, roughness, known in (("white metal", Material(), 0.25, False), ("white metal", Material(), 1.0, True),
-                                             ("white plastic", Material(metallic=0.0), 0.25, True),
-                                             ("white plastic", Material(metallic=0.0), 1.0, False)):
+    metal, plastic = ("white metal", Material()), ("white plastic", Material(metallic=0.0))
+    for (name, material), roughness, known in ((metal, 0.25, False), (metal, 1.0, True),
+                                               (plastic, 0.25, True), (plastic, 1.0, False)):
         chosen = replace(material, perceptual_roughness=roughness)
         yield replace(check_balance(renderer, f"{name}, roughness {roughness:g}", chosen), expected=known)
 
@@ -133,7 +135,8 @@ def hemisphere_balance(renderer: Renderer, material: Material, NoL: float, **set
     from another direction o, and radiance is f(o, i) NoL times the light's intensity.
     """
     towards = np.array([np.sqrt(1 - NoL**2), 0.0, NoL])
-    lit = scene([plate(half=100.0)], [material], lights=[Light("directional", intensity=1.0, direction=tuple(-towards))])
+    light = Light("directional", intensity=1.0, direction=tuple(-towards))
+    lit = scene([plate(half=100.0)], [material], lights=[light])
     options = Settings.of(**{"antialias": "none", "shadows": "off", "background": "none"} | settings)
     size = 192
     x = (np.arange(size) + 0.5) / size * 2 - 1

@@ -107,9 +107,10 @@ def binned_grid(wo: np.ndarray, bins: tuple[int, int], eta: np.ndarray | None = 
     phi = low[..., None] + (high - low)[..., None] * s
     weight = (high - low)[..., None] * ds * (np.sin(theta) * d_theta)[:, None, None]
     # From (x, inner_x, bin of phi, inner_phi) to a bin's nodes side by side.
-    shape = (len(wo), bins[0], inner_x, bins[1], inner_phi)
     thetas = np.broadcast_to(theta[:, None, None], phi.shape)
-    thetas, phi, weight = (a.reshape(shape).transpose(0, 1, 3, 2, 4).reshape(len(wo), -1) for a in (thetas, phi, weight))
+    grouped = [a.reshape(len(wo), bins[0], inner_x, bins[1], inner_phi).transpose(0, 1, 3, 2, 4)
+               for a in (thetas, phi, weight)]
+    thetas, phi, weight = (a.reshape(len(wo), -1) for a in grouped)
     wi, jacobian = reflect(wo, thetas, phi) if eta is None else refract(wo, eta, thetas, phi)
     return Directions(wi, jacobian * weight)
 

@@ -42,7 +42,7 @@ def _case(lobe: Lobe, white: Sequence[dict], drawn: bool) -> LobeCase:
     arrays = {name: np.asarray(value, np.float64) for name, value in values.items()}
     if "alpha" in arrays:
         alpha = arrays["alpha"]
-        # Narrower lobes are mirrors or fall between the nodes. What is drawn is isotropic: the others have a case apart.
+        # Narrower lobes are mirrors or fall between the nodes. What is drawn is isotropic, the others are a case apart.
         alpha = np.repeat(alpha[:, :1], 2, axis=1) if alpha.ndim == 2 and drawn else alpha
         arrays["alpha"] = np.where((alpha > 0) & (alpha < ALPHA[0]), ALPHA[0], alpha)
     expected = {_CHECKS[name] for name in lobe.failures}

@@ -31,7 +31,7 @@ class _Lobe:
     bound: float
     eta: np.ndarray | None = None
     floor: float = 0.0
-    """A smaller value counts as this one: EON towards the light behind is 1 - 1, with nothing left to be relative to."""
+    """A smaller value counts as this one: EON towards the light behind is 1 - 1, and relative to nothing."""
 
 
 def check_lobe_stability() -> Iterator[Check]:
@@ -41,7 +41,8 @@ def check_lobe_stability() -> Iterator[Check]:
         lobe = table[case.name]
         sets = len(next(iter(case.parameters.values())))
         wo = np.repeat(directions(NOV), sets, axis=0).astype(np.float32).astype(np.float64)
-        m = {name: np.tile(value, (len(NOV), *[1] * (value.ndim - 1)))[:, None] for name, value in case.parameters.items()}
+        m = {name: np.tile(value, (len(NOV), *[1] * (value.ndim - 1)))[:, None]
+             for name, value in case.parameters.items()}
         wi, valid = _half_vector_grid(wo, None if case.eta is None else np.tile(case.eta, len(NOV)))
         found = lobe.eval(lobe.struct(**m), wo[:, None], wi)[..., 0].astype(np.float64)
         with np.errstate(all="ignore"):

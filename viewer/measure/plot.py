@@ -19,7 +19,8 @@ def lines(title: str, series: Series, x_label: str, y_label: str) -> str:
     """Lines of (x, y) by name, on linear axes from 0."""
     x_max = max(float(x.max()) for x, _ in series.values())
     y_max = _rounded_up(max(float(y.max()) for _, y in series.values()))
-    body = [_frame(x_label, y_label, [f"{k / 4 * x_max:g}" for k in range(5)], [f"{k / 4 * y_max:g}" for k in range(5)])]
+    x_ticks, y_ticks = ([f"{k / 4 * largest:g}" for k in range(5)] for largest in (x_max, y_max))
+    body = [_frame(x_label, y_label, x_ticks, y_ticks)]
     for k, (name, (x, y)) in enumerate(series.items()):
         points = " ".join(f"{_x(a / x_max):.1f},{_y(b / y_max):.1f}" for a, b in zip(x, y) if math.isfinite(b))
         body.append(f'<polyline fill="none" stroke="{_color(k)}" stroke-width="1.5" points="{points}"/>')
@@ -29,9 +30,9 @@ def lines(title: str, series: Series, x_label: str, y_label: str) -> str:
 def polar(title: str, series: Series) -> str:
     """Lobes over a horizontal surface: (angle from the normal, length), each drawn to its own longest length."""
     center, radius = (_WIDTH / 2, _HEIGHT - _BOTTOM), _HEIGHT - _TOP - _BOTTOM
-    body = [f'<line x1="{center[0] - radius}" x2="{center[0] + radius}" y1="{center[1]}" y2="{center[1]}" '
-            'stroke="#999"/>', f'<path d="M{center[0] - radius} {center[1]}a{radius} {radius} 0 0 1 {2 * radius} 0" '
-            'fill="none" stroke="#ddd"/>']
+    left = f"M{center[0] - radius} {center[1]}"
+    body = [f'<path d="{left}h{2 * radius}" stroke="#999"/>',
+            f'<path d="{left}a{radius} {radius} 0 0 1 {2 * radius} 0" fill="none" stroke="#ddd"/>']
     for k, (angle, length) in enumerate(series.values()):
         length = length / max(float(length.max()), 1e-30) * radius
         points = " ".join(f"{center[0] + r * math.sin(a):.1f},{center[1] - r * math.cos(a):.1f}"
@@ -65,19 +66,21 @@ def _svg(title: str, body: Sequence[str]) -> str:
 def _frame(x_label: str, y_label: str, x_ticks: Sequence[str], y_ticks: Sequence[str]) -> str:
     right, bottom = _WIDTH - _RIGHT, _HEIGHT - _BOTTOM
     parts = [f'<path d="M{_LEFT} {_TOP}V{bottom}H{right}" fill="none" stroke="#666"/>',
-             f'<text x="{(_LEFT + right) / 2}" y="{_HEIGHT - 6}" text-anchor="middle">{html.escape(x_label)}</text>',
-             f'<text transform="translate(12 {(_TOP + bottom) / 2}) rotate(-90)" text-anchor="middle">'
-             f'{html.escape(y_label)}</text>']
+             _text(x_label, "middle", (_LEFT + right) / 2, _HEIGHT - 6),
+             f'<g transform="translate(12 {(_TOP + bottom) / 2}) rotate(-90)">{_text(y_label, "middle", 0, 0)}</g>']
     for k, text in enumerate(x_ticks):
-        parts.append(f'<text x="{_x(k / max(len(x_ticks) - 1, 1)):.1f}" y="{bottom + 14}" text-anchor="middle">{text}</text>')
+        parts.append(_text(text, "middle", _x(k / max(len(x_ticks) - 1, 1)), bottom + 14))
     for k, text in enumerate(y_ticks):
-        parts.append(f'<text x="{_LEFT - 4}" y="{_y(k / max(len(y_ticks) - 1, 1)) + 4:.1f}" text-anchor="end">{text}</text>')
+        parts.append(_text(text, "end", _LEFT - 4, _y(k / max(len(y_ticks) - 1, 1)) + 4))
     return "".join(parts)
 
 
+def _text(text: str, anchor: str, x: float, y: float, color: str = "#222") -> str:
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" fill="{color}">{html.escape(text)}</text>'
+
+
 def _legend(names: Sequence[str]) -> list[str]:
-    return [f'<text x="{_WIDTH - _RIGHT}" y="{_TOP + 12 + 14 * k}" text-anchor="end" fill="{_color(k)}">'
-            f"{html.escape(name)}</text>" for k, name in enumerate(names)]
+    return [_text(name, "end", _WIDTH - _RIGHT, _TOP + 12 + 14 * k, _color(k)) for k, name in enumerate(names)]
 
 
 def _color(k: int) -> str:

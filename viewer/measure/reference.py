@@ -1,4 +1,4 @@
-"""The BSDF library's formulas in float64 (long double where that cancels), from the papers: what the shaders should give.
+"""What the shaders should give: the formulas in float64, from the papers (in long double where that cancels).
 
 Each function takes arrays that broadcast. Angles enter by their cosines, distributions by the angle itself, so that
 nothing is lost before the formula begins. Nothing here follows the shaders' own rearrangements.
