@@ -6,7 +6,7 @@
 // Hoffman 2019, "Fresnel Equations Considered Harmful"; Kutz, Hasan & Edmondson 2021, "Novel aspects of the Adobe
 // Standard Material"
 vec3 f82_dip(vec3 f0, vec3 tint) {
-    return f_schlick(f0, vec3(1.0), 1.0 / 7.0) * (1.0 - tint) * 17.6512597; // 7 (7/6)^6
+    return f_schlick(f0, vec3(1.0), 1.0 / 7.0) * (1.0 - tint) * (823543.0 / 46656.0); // 7 (7/6)^6
 }
 
 vec3 f_f82_tint(vec3 f0, vec3 tint, float mu) {

@@ -16,9 +16,9 @@ struct Dielectric {
 };
 
 // What alpha |eta - 1| under DELTA_ALPHA blurs is too narrow for float32 directions: light goes on as through a smooth
-// surface. At eta = 1 that is straight on.
+// surface. At eta = 1 that is straight on. Divided by the lower index, it says the same from either side.
 bool transmits_straight(Dielectric m) {
-    return max(m.alpha.x, m.alpha.y) * abs(m.eta - 1.0) < DELTA_ALPHA;
+    return max(m.alpha.x, m.alpha.y) * abs(m.eta - 1.0) < DELTA_ALPHA * min(m.eta, 1.0);
 }
 
 // wo refracted at h, VoH >= 0; false when all is reflected

@@ -1,0 +1,242 @@
+"""The shaders' lobes in float64, from the papers: slopes, complex indices and plain quotients where GLSL has none.
+
+Directions are (..., 3) in the local frame, z the normal; functions without a struct take arrays of one shape.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import lgamma
+
+import numpy as np
+
+_log_gamma = np.vectorize(lgamma, otypes=[float])
+
+
+def dot(a, b):
+    return (a * b).sum(axis=-1)
+
+
+def unit(v):
+    return v / np.linalg.norm(v, axis=-1, keepdims=True)
+
+
+def schlick(f0, f90, mu):
+    """Schlick 1994, eq. 15; colours (..., 3), mu (...)."""
+    return f0 + (f90 - f0) * (1 - np.asarray(mu)[..., None]) ** 5
+
+
+def fresnel(mu, index):
+    """Unpolarised reflectance at an interface of relative complex `index` (Born & Wolf, sections 1.5.2 and 14.2)."""
+    index = np.asarray(index, complex)
+    transmitted = np.sqrt(1 - (1 - mu**2) / index**2)
+    s = (mu - index * transmitted) / (mu + index * transmitted)
+    p = (index * mu - transmitted) / (index * mu + transmitted)
+    return (np.abs(s) ** 2 + np.abs(p) ** 2) / 2
+
+
+def f82_tint(f0, tint, mu):
+    """Kutz et al. 2021: Schlick's curve less a multiple of mu (1 - mu)^6 that makes it `tint` times itself at 1/7."""
+    mu = np.asarray(mu)[..., None]
+    bar = 1 / 7
+    s_bar = f0 + (1 - f0) * (1 - bar) ** 5
+    b = s_bar * (1 - tint) / (bar * (1 - bar) ** 6)
+    return np.maximum(f0 + (1 - f0) * (1 - mu) ** 5 - b * mu * (1 - mu) ** 6, 0)
+
+
+def hemispherical_mean(f, nodes: int = 200):
+    """2 int f(mu) mu dmu."""
+    x, weight = np.polynomial.legendre.leggauss(nodes)
+    return sum(w * (t + 1) / 2 * f((t + 1) / 2) for t, w in zip(x, weight))
+
+
+def ggx_d(h, alpha):
+    """Heitz 2014, eqs. 83 to 85: the density of slopes over cos^4."""
+    slope = -h[..., :2] / h[..., 2:]
+    p22 = 1 / (np.pi * alpha[..., 0] * alpha[..., 1] * (1 + ((slope / alpha) ** 2).sum(axis=-1)) ** 2)
+    return p22 / h[..., 2] ** 4
+
+
+def ggx_lambda(w, alpha):
+    """Heitz 2014, eqs. 72 and 86, by the roughness along w and the tangent of its angle."""
+    s2 = w[..., 0] ** 2 + w[..., 1] ** 2
+    projected2 = np.where(s2 > 0, ((alpha * w[..., :2]) ** 2).sum(axis=-1) / np.maximum(s2, 1e-300), 0)
+    x = projected2 * s2 / w[..., 2] ** 2
+    return np.where(x > 1e-6, (np.sqrt(1 + x) - 1) / 2, x / 4 - x * x / 16)
+
+
+def ggx_reflection(alpha, wo, wi):
+    """D G2 / (4 NoV NoL) and VoH."""
+    h = unit(wo + wi)
+    g2 = 1 / (1 + ggx_lambda(wo, alpha) + ggx_lambda(wi, alpha))
+    return ggx_d(h, alpha) * g2 / (4 * wo[..., 2] * wi[..., 2]), dot(wo, h)
+
+
+def beta(x, y):
+    return np.exp(_log_gamma(x) + _log_gamma(y) - _log_gamma(x + y))
+
+
+def ggx_albedo(NoV, alpha: float, f0=1.0, f90=1.0):
+    """Directional albedo by Heitz 2018's visible normals ("Sampling the GGX Distribution of Visible Normals").
+
+    On a Fibonacci lattice, to 3e-4.
+    """
+    i = np.arange(17711)
+    u1, u2 = (i + 0.5) / len(i), (i * 10946 / len(i)) % 1
+    NoV = np.asarray(NoV, float).ravel()
+    wo = np.stack([np.sqrt(1 - NoV**2), 0 * NoV, NoV], axis=-1)
+    out = np.empty(len(wo))
+    for i, o in enumerate(wo):
+        v = unit(o * [alpha, alpha, 1])
+        t1 = np.array([0.0, 1.0, 0.0])
+        t2 = np.cross(v, t1)
+        r, phi = np.sqrt(u1), 2 * np.pi * u2
+        p1, p2 = r * np.cos(phi), r * np.sin(phi)
+        s = (1 + v[2]) / 2
+        p2 = (1 - s) * np.sqrt(np.maximum(1 - p1**2, 0)) + s * p2
+        n = p1[:, None] * t1 + p2[:, None] * t2 + np.sqrt(np.maximum(1 - p1**2 - p2**2, 0))[:, None] * v
+        h = unit(np.stack([alpha * n[:, 0], alpha * n[:, 1], np.maximum(n[:, 2], 1e-9)], axis=-1))
+        wi = 2 * dot(o, h)[:, None] * h - o
+        up = wi[:, 2] > 1e-12
+        wi = wi[up]
+        lambda_o = ggx_lambda(o, np.array([alpha, alpha]))
+        F = f0 + (f90 - f0) * (1 - np.clip(dot(o, h[up]), 0, 1)) ** 5
+        out[i] = (F * (1 + lambda_o) / (1 + lambda_o + ggx_lambda(wi, np.array([alpha, alpha])))).sum() / len(u1)
+    return out
+
+
+@lru_cache
+def ggx_mean_albedo(alpha: float) -> float:
+    x, weight = np.polynomial.legendre.leggauss(24)
+    mu = (x + 1) / 2
+    return float((weight * mu * ggx_albedo(mu, alpha)).sum())
+
+
+def kulla_conty(alpha: float, mean, NoV, NoL):
+    """Kulla & Conty 2017, isotropic; `mean` (..., 3) is the hemispherical mean of F."""
+    E_mean = ggx_mean_albedo(alpha)
+    scale = mean**2 * E_mean / (1 - mean * (1 - E_mean))
+    lost = (1 - ggx_albedo(NoV, alpha)) * (1 - ggx_albedo(NoL, alpha))
+    return scale * (lost / (np.pi * (1 - E_mean)))[..., None]
+
+
+def lambert(m, wo, wi):
+    return m["albedo"] / np.pi
+
+
+def burley(m, wo, wi):
+    """Burley 2012, section 5.3."""
+    cos_d = dot(wi, unit(wo + wi))
+    f90 = 0.5 + 2 * m["perceptual_roughness"] * cos_d**2
+    light, view = (1 + (f90 - 1) * (1 - w[..., 2]) ** 5 for w in (wi, wo))
+    return m["albedo"] / np.pi * (light * view)[..., None]
+
+
+def eon(m, wo, wi):
+    """Portsmouth, Kutz & Hill 2024: single scattering of eq. 13 with its A, and the multiple one of eqs. 18 to 29."""
+    sigma, rho = m["sigma"], m["albedo"]
+    A = 1 / (1 + (0.5 - 2 / (3 * np.pi)) * sigma)
+    mu_i, mu_o = wi[..., 2], wo[..., 2]
+    s = dot(wi, wo) - mu_i * mu_o
+    s_over_t = np.where(s > 0, s / np.maximum(mu_i, mu_o), s)
+    single = rho / np.pi * (A * (1 + sigma * s_over_t))[..., None]
+
+    def E(mu):
+        theta = np.arccos(mu)
+        G = np.sin(theta) * (theta - np.sin(theta) * np.cos(theta))
+        G += 2 / 3 * (np.tan(theta) * (1 - np.sin(theta) ** 3) - np.sin(theta))
+        return A * (1 + sigma / np.pi * G)
+
+    E_mean = A * (1 + (2 / 3 - 28 / (15 * np.pi)) * sigma)
+    rho_ms = rho**2 * E_mean[..., None] / (1 - rho * (1 - E_mean)[..., None])
+    with np.errstate(invalid="ignore"):
+        multiple = rho_ms / np.pi * ((1 - E(mu_i)) * (1 - E(mu_o)) / (1 - E_mean))[..., None]
+    return single + np.where(sigma[..., None] > 1e-4, multiple, 0)
+
+
+def phong(m, wo, wi):
+    """Lafortune & Willems 1994, eq. 8, about the mirrored wo."""
+    c = dot(wi, wo * [-1, -1, 1])
+    power = np.where(c > 0, np.maximum(c, 1e-300) ** m["shininess"], 0)
+    return m["specular"] * ((m["shininess"] + 2) / (2 * np.pi) * power)[..., None]
+
+
+def plain_phong(m, wo, wi):
+    """Phong 1975: what is reflected, over the irradiance it came with."""
+    return phong(m, wo, wi) * (2 * np.pi / (m["shininess"] + 2) / wi[..., 2])[..., None]
+
+
+def blinn(m, wo, wi):
+    c = unit(wo + wi)[..., 2]
+    return m["specular"] * ((m["shininess"] + 8) / (8 * np.pi) * c ** m["shininess"])[..., None]
+
+
+def normalized_blinn(m, wo, wi):
+    """Giesen 2009."""
+    s, c = m["shininess"], unit(wo + wi)[..., 2]
+    return m["specular"] * ((s + 2) * (s + 4) / (8 * np.pi * (2 ** (-s / 2) + s)) * c**s)[..., None]
+
+
+def ggx(m, wo, wi):
+    dv, VoH = ggx_reflection(m["alpha"], wo, wi)
+    return dv[..., None] * schlick(m["f0"], m["f90"], VoH)
+
+
+def turquin(m, wo, wi):
+    """Turquin 2019, eq. 16, with E at F = 1; one isotropic alpha for all."""
+    E = ggx_albedo(wo[..., 2], _one_alpha(m))[..., None]
+    return ggx(m, wo, wi) * (1 + m["f0"] * (1 - E) / E)
+
+
+def fdez_aguera(m, wo, wi):
+    """Fdez-Aguera 2019, eq. 18; one isotropic alpha for all."""
+    alpha = _one_alpha(m)
+    E_white = ggx_albedo(wo[..., 2], alpha)[..., None]
+    b = ggx_albedo(wo[..., 2], alpha, 0.0, 1.0)[..., None]
+    single = m["f0"] * (E_white - b) + m["f90"] * b
+    mean = m["f0"] + (m["f90"] - m["f0"]) / 21
+    return ggx(m, wo, wi) + single * mean * (1 - E_white) / (1 - mean * (1 - E_white)) / np.pi
+
+
+def metal(m, wo, wi):
+    dv, VoH = ggx_reflection(m["alpha"], wo, wi)
+    mean = hemispherical_mean(lambda mu: f82_tint(m["f0"], m["tint"], mu))
+    return dv[..., None] * f82_tint(m["f0"], m["tint"], VoH) + kulla_conty(_one_alpha(m), mean, wo[..., 2], wi[..., 2])
+
+
+def conductor(m, wo, wi):
+    index = m["eta"] + 1j * m["k"]
+    dv, VoH = ggx_reflection(m["alpha"], wo, wi)
+    mean = hemispherical_mean(lambda mu: fresnel(mu, index))
+    return dv[..., None] * fresnel(VoH[..., None], index) + kulla_conty(_one_alpha(m), mean, wo[..., 2], wi[..., 2])
+
+
+def dielectric(m, wo, wi):
+    """Walter et al. 2007, eqs. 20 and 21, light from wi (index eta) to wo (index 1), with Heitz 2016's masking."""
+    eta, alpha = m["eta"], m["alpha"]
+    reflected, VoH = ggx_reflection(alpha, wo, wi)
+    reflected = reflected * fresnel(VoH, eta)
+    h = -unit(wo + eta[..., None] * wi)
+    h = h * np.sign(h[..., 2:])
+    o_h, i_h = dot(wo, h), dot(wi, h)
+    g2 = beta(1 + ggx_lambda(wo, alpha), 1 + ggx_lambda(wi, alpha))
+    through = np.abs(i_h * o_h / (wi[..., 2] * wo[..., 2])) * (1 - fresnel(np.abs(o_h), eta)) * g2 * ggx_d(h, alpha)
+    through = np.where((o_h > 0) & (i_h < 0), through / (eta * i_h + o_h) ** 2, 0)
+    return np.where(wi[..., 2] > 0, reflected, through)[..., None]
+
+
+def standard(m, wo, wi):
+    """glTF 2.0, appendix B, with Turquin's compensation; one alpha for all."""
+    m = dict(m, alpha=np.stack([m["alpha"]] * 2, axis=-1))
+    E = ggx_albedo(wo[..., 2], _one_alpha(m))[..., None]
+    dv, VoH = ggx_reflection(m["alpha"], wo, wi)
+    F = schlick(m["f0"], m["f90"], VoH)
+    base = (1 - F.max(axis=-1, keepdims=True)) * m["base_color"] / np.pi
+    dielectric_ = base + F * dv[..., None] * (1 + m["f0"] * (1 - E) / E)
+    metal_ = schlick(m["base_color"], 1.0, VoH) * dv[..., None] * (1 + m["base_color"] * (1 - E) / E)
+    return dielectric_ + m["metallic"][..., None] * (metal_ - dielectric_)
+
+
+def _one_alpha(m) -> float:
+    (alpha,) = np.unique(m["alpha"])
+    return float(alpha)
