@@ -1,5 +1,6 @@
 // f = rho / pi (1 + X (1 - NoL)^5) (1 + X (1 - NoV)^5),  X = F90 - 1 = 2 r LoH^2 - 1/2,  r perceptual roughness
-// Burley 2012, "Physically Based Shading at Disney", section 5.3. Does not conserve energy: 1.09 at r = 1, grazing.
+// Burley 2012, "Physically Based Shading at Disney", section 5.3. Does not conserve energy: its albedo is 1.5 at r = 1,
+// grazing, and 0.5 at r = 0.
 #include "bsdf/bsdf.glsl"
 #include "bsdf/fresnel.glsl"
 #include "sample/hemisphere.glsl"
