@@ -222,7 +222,8 @@ def _pbr_switches(material: Material, settings: Settings) -> dict[str, int]:
         "NDF": _NDF.index(settings.ndf),
         "MASKING": _MASKING.index(settings.masking),
         "FRESNEL": int(settings.fresnel == "exact"),
-        "SHOW_MULTISCATTER": int(settings.multiscatter == "on" and settings.lobes in ("all", "directional-diffuse")),
+        "MULTISCATTER": int(settings.multiscatter == "on"),
+        "SHOW_MULTISCATTER": int(settings.lobes in ("all", "directional-diffuse")),
         "SPECULAR_AA": int(settings.specular_aa == "on"),
     }
 

@@ -90,7 +90,8 @@ vec3 shade_light(int i, Surface s, vec3 n_geometric) {
 vec3 environment_response(Interface face, SplitSum split_sum, mat2x3 specular, vec3 diffuse_albedo, vec3 mean_light) {
     vec3 single = face.f0 * (split_sum.albedo.x * specular[0]) + face.f90 * (split_sum.albedo.y * specular[1]);
     vec3 diffuse = diffuse_albedo * max(1.0 - max3(face.E_ss + face.E_ms), 0.0); // < 0 without masking
-    return single * float(SHOW_SPECULAR) + mean_light * (face.E_ms + diffuse * float(SHOW_DIFFUSE));
+    vec3 spread = face.E_ms * float(SHOW_MULTISCATTER) + diffuse * float(SHOW_DIFFUSE);
+    return single * float(SHOW_SPECULAR) + mean_light * spread;
 }
 
 // Occlusion of the reflected lobe by what occludes the hemisphere      Lagarde & de Rousiers 2014, "Frostbite", p. 76

@@ -76,5 +76,5 @@ def test_lobes_add_up_to_all(radiance):
     whole = radiance(thing, CAMERA, SIZE, background="none")
     parts = [radiance(thing, CAMERA, SIZE, background="none", lobes=lobe)[..., :3]
              for lobe in ("uniform-diffuse", "specular", "directional-diffuse")]
-    assert np.abs(sum(parts) - whole[..., :3]).max() < 2e-3
+    assert np.abs(sum(parts) - whole[..., :3]).max() < 1e-5
     assert all(part.max() > 0.01 for part in parts)

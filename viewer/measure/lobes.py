@@ -109,7 +109,7 @@ class Lobe:
 _LOST = "light that scatters more than once is lost"
 _GGX = {"f0": F0, "f90": COLOR, "alpha": ALPHA_2}
 _WHITE_GGX = {"f0": 1.0, "f90": 1.0, "alpha": 0.5}
-_SHOW_ALL = {"SHOW_DIFFUSE": 1, "SHOW_SPECULAR": 1, "SHOW_MULTISCATTER": 1}
+_SHOW_ALL = {"MULTISCATTER": 1, "SHOW_DIFFUSE": 1, "SHOW_SPECULAR": 1, "SHOW_MULTISCATTER": 1}
 
 
 def _phong(name: str, file: str, failures: Mapping[str, str]) -> Lobe:
