@@ -42,8 +42,8 @@ vec3 standard_eval(Standard m, vec3 wo, vec3 wi, sampler2D dfg) {
 // Of the facets against facets and base, by what each reflects
 float standard_specular_probability(Standard m, float NoV, sampler2D dfg) {
     StandardInterfaces faces = standard_interfaces(m, NoV, dfg);
-    float facets = luminance(mix(faces.dielectric.E_ss * faces.dielectric.direct, faces.metal.E_ss * faces.metal.direct,
-                                 m.metallic));
+    float facets = luminance(mix(faces.dielectric.E_ss * shown_reflection(faces.dielectric),
+                                 faces.metal.E_ss * shown_reflection(faces.metal), m.metallic));
     float base = (1.0 - m.metallic) * (1.0 - max3(faces.dielectric.E_ss)) * luminance(m.base_color);
     return base > 0.0 ? facets / (facets + base) : 1.0;
 }
@@ -79,6 +79,6 @@ vec3 standard_albedo(Standard m, float NoV, sampler2D dfg) {
     float c = NoV;
     float x = 0.02816537 + c * (-0.07986442 + c * (0.08649544 + c * (-0.04371615 + c * 0.00900256)));
     vec3 base = m.base_color * (1.0 - max3(mix(m.f0, m.f90, x)));
-    return mix(faces.dielectric.E_ss * faces.dielectric.direct + base,
-               faces.metal.E_ss * faces.metal.direct, m.metallic);
+    return mix(faces.dielectric.E_ss * shown_reflection(faces.dielectric) + base,
+               faces.metal.E_ss * shown_reflection(faces.metal), m.metallic);
 }
