@@ -15,7 +15,7 @@ from .energy import LobeCase, check_lobe
 from .extremes import check_extremes
 from .furnace import check_furnaces, check_material, check_renderer_balance
 from .lobe_cases import lobe_cases
-from .lobe_stability import check_lobe_stability
+from .lobe_stability import check_lobe_extremes, check_lobe_stability
 from .stability import check_stability
 from .user_lobe import user_case
 
@@ -34,7 +34,7 @@ def run_checks(what: str, quiet: bool = False) -> list[Check]:
             parts += [("balance", partial(check_renderer_balance, renderer))]
         if what != "energy":
             parts += [("float32", check_stability)]
-            parts += [("lobes' values", check_lobe_stability)]
+            parts += [("lobes' values", check_lobe_stability), ("lobes' extremes", check_lobe_extremes)]
             parts += [("extremes", partial(check_extremes, renderer))]
         return _run(parts, quiet)
 

@@ -83,3 +83,24 @@ def _half_vector_grid(wo: np.ndarray, eta: np.ndarray | None) -> tuple[np.ndarra
     wi, jacobian = reflect(wo, theta, phi) if eta is None else refract(wo, eta, theta, phi)
     # A grazing direction's cosine has no digits of its own after rounding; 1e-3 keeps three of them.
     return wi.astype(np.float32).astype(np.float64), (jacobian > 0) & (np.abs(wi[..., 2]) > 1e-3)
+
+
+def check_lobe_extremes() -> Iterator[Check]:
+    """Every function of every lobe where it is stiff: how many of its numbers are NaN or infinite. None may be."""
+    rng = np.random.default_rng(11)
+    count, cosines = 400, directions((1.0, 1 - 1e-7, 0.5, 0.1, 1e-3, 1e-6))
+    for lobe in LOBES:
+        m = {name: value[:, None] for name, value in lobe.draw(rng, count).items()}
+        wo = cosines[rng.integers(len(cosines), size=count)][:, None]
+        mirror, back = wo * [-1, -1, 1], wo
+        scattered = rng.normal(size=(count, 24, 3))
+        scattered /= np.linalg.norm(scattered, axis=-1, keepdims=True)
+        grazing = scattered * [1, 1, 1e-6]
+        wi = np.concatenate([mirror, back, -wo, scattered, grazing], axis=1)
+        u = np.concatenate([rng.random((count, 24, 3)), rng.choice([0.0, 1 - 2.0**-24], (count, 8, 3))], axis=1)
+        drawn = lobe.sample(m, wo, u)
+        results = {"eval": lobe.eval(m, wo, wi), "pdf": lobe.pdf(m, wo, wi), "albedo": lobe.albedo(m, wo[..., 2]),
+                   **{f"sample's {name}": drawn[name] for name in ("wi", "weight", "pdf")}}
+        broken = {name: int((~np.isfinite(found)).sum()) for name, found in results.items()}
+        note = ", ".join(f"{name} {number}" for name, number in broken.items() if number)
+        yield Check("no NaN, no Inf", f"{lobe.name}, all functions at extremes", sum(broken.values()), 0, note=note)
