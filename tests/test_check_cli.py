@@ -58,6 +58,15 @@ def test_a_lobe_that_is_not_there_or_does_not_compile(run, folder):
     assert run("check", "energy", "--shader", "none.glsl", "--lobe", "chalk").status == 1
 
 
+@pytest.mark.parametrize(("text", "words"), [
+    ("float odd_eval(vec3 wo) { return 1.0; }", "it takes vec3 wo, vec3 wi"),
+    ("float odd_eval(vec3 wo, vec3 wi) { return 1.0; } vec3 odd_sample(vec3 wo, vec3 u) { return u; }", "BsdfSample")])
+def test_a_lobe_of_another_shape(run, folder, text, words):
+    (folder / "odd.glsl").write_text(text)
+    outcome = run("check", "energy", "--shader", "odd.glsl", "--lobe", "odd")
+    assert outcome.status == 2 and words in outcome.error
+
+
 def test_every_material_of_a_model(run, folder):
     outcome = run("check", "energy", SCENES / "specular-ior.glb", "--json", "a.json")
     assert (outcome.status, outcome.err) == (0, "")

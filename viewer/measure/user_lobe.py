@@ -25,6 +25,7 @@ _RANGES = {
     "sigma": (0.0, 0.3, 0.6, 1.0), "shininess": (1.0, 10.0, 100.0, 1000.0), "exponent": (1.0, 10.0, 100.0, 1000.0),
     "eta": (1.5,) * 4, "ior": (1.5,) * 4, "k": (0.0,) * 4, "metallic": (0.0, 0.5, 0.5, 1.0),
 }
+_ARGUMENTS = {"eval": "vec3 wo, vec3 wi", "pdf": "vec3 wo, vec3 wi", "sample": "vec3 wo, vec3 u", "albedo": "float NoV"}
 _COLORS_OF_WHITE = {"albedo", "base_color", "color", "f0", "specular", "k_s", "rho"}
 
 
@@ -42,6 +43,14 @@ class UserLobe:
     def __post_init__(self) -> None:
         if "eval" not in self.functions:
             raise UsageError(f"{self.file}: there is no function {self.name}_eval")
+        for what, function in self.functions.items():
+            plain = [p for p in function.inputs if not isinstance(p.type, (Struct, Sampler))]
+            if len(plain) != len(_ARGUMENTS[what].split(", ")) or len(plain) < len(function.inputs) - 2:
+                raise UsageError(f"{self.file}: {function}: beside a struct and a sampler2D it takes {_ARGUMENTS[what]}")
+        sample = self.functions.get("sample")
+        members = {name for name, _ in sample.result.members} if sample and isinstance(sample.result, Struct) else set()
+        if sample and not members >= {"wi", "weight", "pdf", "flags"}:
+            raise UsageError(f"{self.file}: {sample}: it returns a BsdfSample, as shaders/bsdf/bsdf.glsl has it")
 
     @cached_property
     def functions(self) -> dict[str, Function]:
