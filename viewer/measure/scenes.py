@@ -36,8 +36,9 @@ def plate(material: int = 0, half: float = 1.0) -> Mesh:
     """A square of the plane z = 0, `half` its half side, that faces +Z."""
     corners = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
     return Mesh("plate", corners * np.float32(half), material, indices=np.array([0, 1, 2, 0, 2, 3], np.uint32),
-                normals=np.tile(np.float32([0, 0, 1]), (4, 1)), tangents=np.tile(np.float32([1, 0, 0, 1]), (4, 1)),
-                uvs=((corners[:, :2] * np.float32([0.5, -0.5]) + np.float32(0.5)),))
+                normals=np.tile(np.array([0, 0, 1], np.float32), (4, 1)),
+                tangents=np.tile(np.array([1, 0, 0, 1], np.float32), (4, 1)),
+                uvs=(corners[:, :2] * np.array([0.5, -0.5], np.float32) + np.float32(0.5),))
 
 
 def scene(meshes: Sequence[Mesh], materials: Sequence[Material], *, transforms: Sequence[np.ndarray] | None = None,
@@ -62,7 +63,7 @@ def orthographic(height: float = 2.1, azimuth: float = 0.4, elevation: float = 0
 
 def ball_cosines(camera: Camera, size: int) -> np.ndarray:
     """NoV of the unit sphere at the pixels' centres of an orthographic square picture, (size, size); 0 beside it."""
-    offset = ((np.arange(size) + 0.5) / size - 0.5) * camera.height
+    offset = ((np.arange(size) + 0.5) / size - 0.5) * (camera.height or 0.0)
     return np.sqrt(np.maximum(1 - offset[:, None] ** 2 - offset[None, :] ** 2, 0))
 
 

@@ -48,7 +48,8 @@ class UserLobe:
             if len(plain) != len(_ARGUMENTS[what].split(", ")) or len(plain) < len(function.inputs) - 2:
                 raise UsageError(f"{self.file}: {function}: beside a struct and a sampler2D it takes {_ARGUMENTS[what]}")
         sample = self.functions.get("sample")
-        members = {name for name, _ in sample.result.members} if sample and isinstance(sample.result, Struct) else set()
+        result = sample.result if sample else None
+        members = {name for name, _ in result.members} if isinstance(result, Struct) else set()
         if sample and not members >= {"wi", "weight", "pdf", "flags"}:
             raise UsageError(f"{self.file}: {sample}: it returns a BsdfSample, as shaders/bsdf/bsdf.glsl has it")
 
