@@ -41,7 +41,7 @@ class LobeCase:
     expected: Collection[str] = field(default_factory=frozenset)
     furnace_bound: float = FURNACE_BOUND
     albedo_bound: float = 0.01
-    provides: Collection[str] = frozenset({"sample", "pdf", "albedo"})
+    provides: frozenset[str] = frozenset({"sample", "pdf", "albedo"})
     eta: np.ndarray | None = None
 
     @property
@@ -171,7 +171,7 @@ def _check_weights(case: LobeCase, wo: np.ndarray, drawn: Drawn, kept: np.ndarra
 
 def _check_histogram(case: LobeCase, wo: np.ndarray, drawn: Drawn, kept: np.ndarray) -> Iterator[Check]:
     tests = []
-    sides = [(None, drawn["flags"] & TRANSMISSION == 0)]
+    sides: list[tuple[np.ndarray | None, np.ndarray]] = [(None, drawn["flags"] & TRANSMISSION == 0)]
     if case.eta is not None:
         sides.append((np.repeat(case.eta, len(NOV)), drawn["flags"] & TRANSMISSION != 0))
     values = case.repeated(len(NOV))

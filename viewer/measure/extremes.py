@@ -182,7 +182,7 @@ def _gltf(positions: list, normals: list, uvs: list, indices: list) -> dict[str,
     accessors = [{"bufferView": k, "componentType": component, "count": len(part), "type": kind}
                  for k, (part, (kind, component)) in enumerate(zip(parts, kinds))]
     accessors[0] |= {"min": parts[0].min(axis=0).tolist(), "max": parts[0].max(axis=0).tolist()}
-    bumps = np.tile(np.uint8([[[128, 128, 255], [200, 128, 230]]]), (2, 1, 1))
+    bumps = np.tile(np.array([[[128, 128, 255], [200, 128, 230]]], np.uint8), (2, 1, 1))
     normal_map = base64.b64encode(Image.from_srgb(bumps)._repr_png_()).decode()
     return {
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],

@@ -102,7 +102,7 @@ def lit_furnace(renderer: Renderer, material: Material, NoV: float) -> float:
 def check_material(renderer: Renderer, name: str, material: Material, settings: Settings) -> Iterator[Check]:
     """A material's factors, without its maps: furnace as white and in its own colour, balance, no negative light."""
     bare = _bare(material)
-    options = {"ndf": settings.ndf, "masking": settings.masking, "fresnel": settings.fresnel,
+    options: dict[str, object] = {"ndf": settings.ndf, "masking": settings.masking, "fresnel": settings.fresnel,
                "multiscatter": settings.multiscatter}
     # A specular colour, or weight, under 1 absorbs at the interface by design; an f0 tinted so still may not glow.
     white = replace(bare, base_color=(1, 1, 1, 1), specular_color=(1, 1, 1))

@@ -49,7 +49,7 @@ def scene(meshes: Sequence[Mesh], materials: Sequence[Material], *, transforms: 
     return Scene("check", tuple(meshes), tuple(materials), instances, lights=tuple(lights), environment=environment)
 
 
-def placed(offset: Sequence[float] = (0, 0, 0), scale: float = 1.0) -> np.ndarray:
+def placed(offset: Sequence[float] | np.ndarray = (0, 0, 0), scale: float = 1.0) -> np.ndarray:
     """Scaled about the origin, then moved; (4, 4)."""
     matrix = np.diag([scale, scale, scale, 1.0])
     matrix[:3, 3] = offset

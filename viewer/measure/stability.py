@@ -61,7 +61,7 @@ def measure(sweep: Sweep) -> Errors:
     axes = [np.float32(axis).astype(np.float64) for axis in sweep.axes.values()]
     grid = np.meshgrid(*axes, indexing="ij")
     arguments = sweep.arguments(*grid) if sweep.arguments else dict(zip(sweep.axes, grid))
-    found = call_glsl(sweep.file, sweep.function, defines=sweep.defines, **arguments).astype(np.float64)
+    found = np.asarray(call_glsl(sweep.file, sweep.function, defines=sweep.defines, **arguments), np.float64)
     exact = sweep.exact(*grid)
     if found.ndim > exact.ndim:
         found = found[..., 0]

@@ -46,7 +46,7 @@ class UserLobe:
         for what, function in self.functions.items():
             plain = [p for p in function.inputs if not isinstance(p.type, (Struct, Sampler))]
             if len(plain) != len(_ARGUMENTS[what].split(", ")) or len(plain) < len(function.inputs) - 2:
-                raise UsageError(f"{self.file}: {function}: beside a struct and a sampler2D it takes {_ARGUMENTS[what]}")
+                raise UsageError(f"{self.file}: {function}: beside struct and sampler2D it takes {_ARGUMENTS[what]}")
         sample = self.functions.get("sample")
         result = sample.result if sample else None
         members = {name for name, _ in result.members} if isinstance(result, Struct) else set()
