@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -102,3 +104,18 @@ def test_a_free_path_is_never_one_that_exists(tmp_path):
 
 def test_facts(state):
     assert dict(scene_facts(state.scene))["Triangles"] == "1"
+
+
+def test_the_furnace_view_makes_white_and_comes_back():
+    scene = Scene("x", materials=(Material(base_color=(0.2, 0.4, 0.6, 1.0), emissive=(1.0, 0.0, 0.0), metallic=0.0),),
+                  lights=(Light("directional"),))
+    state = ViewState(scene, Settings(exposure=2.0, multiscatter="off"))
+    state.toggle_furnace()
+    assert state.scene.materials[0].base_color == (1.0, 1.0, 1.0, 1.0)
+    assert not any(state.scene.materials[0].emissive)
+    assert state.scene.lights == () and state.scene.environment.name == "furnace"
+    assert (state.settings.exposure, state.settings.tonemap) == (-1.0, "none")
+    state.settings = replace(state.settings, multiscatter="on")
+    state.toggle_furnace()
+    assert state.scene is scene
+    assert (state.settings.exposure, state.settings.tonemap, state.settings.multiscatter) == (2.0, "neutral", "on")

@@ -7,7 +7,10 @@ import pytest
 from shapes import constant, facing_floor, orthographic, pixel_points, plate, scene, sphere
 
 from viewer.bake.dfg import directional_albedo
+from viewer.resources import resource_folder
+from viewer.scene.furnace import in_furnace
 from viewer.scene.light import Light
+from viewer.scene.load import load_scene
 from viewer.scene.material import Material
 
 SIZE = (64, 64)
@@ -78,3 +81,11 @@ def test_lobes_add_up_to_all(radiance):
              for lobe in ("uniform-diffuse", "specular", "directional-diffuse")]
     assert np.abs(sum(parts) - whole[..., :3]).max() < 1e-5
     assert all(part.max() > 0.01 for part in parts)
+
+
+def test_any_model_vanishes_in_the_furnace(radiance):
+    model = in_furnace(load_scene(resource_folder("assets") / "scenes" / "spheres.glb"))
+    picture = radiance(model, model.cameras[0], (64, 64))
+    assert np.abs(picture[..., :3] - 1).max() < 1e-4
+    lossy = radiance(model, model.cameras[0], (64, 64), multiscatter="off")
+    assert lossy[..., :3].min() < 0.8

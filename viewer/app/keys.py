@@ -22,6 +22,7 @@ KEYS = (
     Binding("Shading", ("4",), "uniform_diffuse", "Uniform diffuse light alone"),
     Binding("Shading", ("5",), "specular", "Specular light alone"),
     Binding("Shading", ("6",), "directional_diffuse", "Directional diffuse light alone (multiple scattering)"),
+    Binding("Shading", ("7",), "furnace", "White furnace: what keeps all light vanishes"),
     Binding("Camera", ("F", "HOME"), "frame_all", "Frame all"),
     Binding("Camera", ("V",), "view_default", "Three-quarter view"),
     Binding("Camera", ("Z", "KP_1"), "view_front", "Front view"),

@@ -89,6 +89,8 @@ class Panel:
             imgui.same_line(spacing=14 * self._scale)
         imgui.new_line()
         self._choice("Shows", "lobes")
+        if imgui.checkbox("White furnace", state.unheated is not None)[0]:
+            state.toggle_furnace()
         if current != "phong":
             self._choice("Distribution D", "ndf")
             self._choice("Masking G", "masking")

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..scene.environment import Environment
+from ..scene.furnace import in_furnace
 from ..scene.light import Light
 from ..scene.scene import Scene
 from ..settings import Settings
@@ -18,11 +19,16 @@ CLEAR_GREY = (0.03, 0.03, 0.03)
 MESSAGE_SECONDS = 4.0
 ADDED_LIGHT = "--light"
 """The name of lights the user added: they stay when another model is opened."""
+FURNACE = {"exposure": -1.0, "tonemap": "none", "background": "env"}
+"""Settings of the furnace view: radiance 1 is mid grey, so that a surface too bright shows as well as one too dark."""
 
 
 @dataclass
 class ViewState:
-    """`split` is where the line between Phong (left) and PBR stands, as a fraction of the width, or None."""
+    """`split` is where the line between Phong (left) and PBR stands, as a fraction of the width, or None.
+
+    `unheated` is the scene, and its settings in FURNACE's terms, to come back to from the furnace view; None outside it.
+    """
 
     scene: Scene
     settings: Settings
@@ -33,6 +39,7 @@ class ViewState:
     message: str = ""
     is_error: bool = False
     expires: float = 0.0
+    unheated: tuple[Scene, dict[str, object]] | None = None
 
     def show_mode(self, mode: str, lobes: str = "all") -> None:
         self.split = None
@@ -42,9 +49,20 @@ class ViewState:
         self.split = 0.5 if self.split is None else self.split
         self.settings = replace(self.settings, lobes="all")
 
+    def toggle_furnace(self) -> None:
+        """The model white and in a white furnace, where what keeps all light vanishes; or back."""
+        if self.unheated is None:
+            self.unheated = self.scene, {name: getattr(self.settings, name) for name in FURNACE}
+            self.scene, self.settings = in_furnace(self.scene), replace(self.settings, **FURNACE)
+            self.say("White furnace: what keeps all light vanishes")
+        else:
+            self.scene, settings = self.unheated
+            self.settings, self.unheated = replace(self.settings, **settings), None
+
     def shown(self) -> dict[str, object]:
         """The fields that decide what the picture shows, as they are now."""
-        return {"scene": self.scene, "settings": self.settings, "split": self.split}
+        return {"scene": self.scene, "settings": self.settings, "split": self.split,
+                "unheated": self.unheated}
 
     def say(self, text: str, is_error: bool = False) -> None:
         """One line over the picture: for some seconds, or until the next one or Esc where it is an error."""
@@ -70,6 +88,8 @@ class ViewState:
 
     def open(self, scene: Scene) -> None:
         """Another model under the same environment and the lights that were added by hand."""
+        if self.unheated is not None:
+            self.toggle_furnace()
         added = tuple(light for light in self.scene.lights if light.name == ADDED_LIGHT)
         self.scene = scene.relit(environment=self.scene.environment, lights=(*scene.lights, *added))
 

@@ -118,6 +118,8 @@ class ViewerWindow:
             state.show_mode(action)
         elif action == "split":
             state.show_split()
+        elif action == "furnace":
+            state.toggle_furnace()
         elif action in ("uniform_diffuse", "specular", "directional_diffuse"):
             state.show_mode("pbr", action.replace("_", "-"))
         elif action in _VIEWS:
