@@ -1,9 +1,9 @@
 // The light GGX facets scatter more than once, as a second, diffuse part of the lobe.
 //   f_ms = (1 - E(o)) (1 - E(i)) / (pi (1 - E_mean)) * F_mean^2 E_mean / (1 - F_mean (1 - E_mean))
-// Kulla & Conty 2017, "Revisiting Physically Based Shading at Imageworks", with the Fresnel factor of Hill 2018. E is
-// the albedo of the lobe with F = 1, from the DFG table, E_mean its mean 2 int E mu dmu. Reciprocal, and white where F
-// is 1.
+// Kulla & Conty 2017, "Revisiting Physically Based Shading at Imageworks". E is the albedo of the lobe with F = 1, from
+// the DFG table, E_mean its mean 2 int E mu dmu. Reciprocal, and white where F is 1.
 #include "bsdf/ggx_reflection.glsl"
+#include "bsdf/multiscatter.glsl"
 #include "sample/hemisphere.glsl"
 #include "sample/luminance.glsl"
 
@@ -17,11 +17,6 @@ float ggx_white_albedo(sampler2D dfg, float NoV, float perceptual_roughness) {
 float ggx_mean_loss(float r) {
     float p = 0.1811368 + r * (4.1822464 + r * (-8.203204 + r * (7.7952734 + r * (-4.7875201 + r * 1.4231675))));
     return r * r * r * p;
-}
-
-// F_mean^2 E_mean / (1 - F_mean (1 - E_mean)): what of the light lost gets out again
-vec3 kulla_conty_fresnel(vec3 F_mean, float mean_loss) {
-    return F_mean * F_mean * (1.0 - mean_loss) / (1.0 - F_mean * mean_loss);
 }
 
 vec3 kulla_conty_eval(vec2 alpha, vec3 F_mean, vec3 wo, vec3 wi, sampler2D dfg) {

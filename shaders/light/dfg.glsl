@@ -1,5 +1,6 @@
 // The split sum's table (Karis 2013), made by viewer/bake/dfg.py: directional albedo = f0 * a + f90 * b, and for each of
-// the two parts where the filtered environment is to be looked up: along mix(n, r, t), with which roughness.
+// the two parts where the filtered environment is to be looked up: along mix(n, r, t), with which roughness. And the
+// means of a and b over the hemisphere, 2 int a mu dmu.
 #define DFG_SIZE 64.0
 
 struct SplitSum {
@@ -16,6 +17,10 @@ vec2 dfg_uv(float NoV, float perceptual_roughness) {
 
 vec2 dfg_albedo(sampler2D table, float NoV, float perceptual_roughness) {
     return textureLod(table, dfg_uv(NoV, perceptual_roughness), 0.0).rg;
+}
+
+vec2 dfg_mean(sampler2D table, float perceptual_roughness) {
+    return textureLod(table, dfg_uv(1.0, perceptual_roughness) + vec2(0.0, 0.5), 0.0).ba;
 }
 
 SplitSum dfg_lookup(sampler2D table, float NoV, float perceptual_roughness) {

@@ -73,13 +73,16 @@ vec3 shade_light(int i, Surface s, vec3 n_geometric) {
     float VoH = clamp(dot(s.v, h), 0.0, 1.0);
     vec3 nxh = cross(s.n, h);
     float dv = d_microfacet(NoH, dot(nxh, nxh), s.alpha) * v_microfacet(s.NoV, NoL, NoH, VoH, s.alpha);
+    vec2 dfg = dfg_albedo(u_dfg, NoL, s.perceptual_roughness);
     vec3 f = vec3(0.0);
 #if METALNESS != 1
-    vec3 F = dielectric_fresnel(s.dielectric, VoH);
-    f += (METALNESS == 2 ? 1.0 - s.metallic : 1.0) * dielectric_response(s.dielectric, s.base_color, F, dv);
+    f += (METALNESS == 2 ? 1.0 - s.metallic : 1.0)
+       * (interface_response(s.dielectric, dielectric_fresnel(s.dielectric, VoH), dv, dfg)
+          + base_response(s.dielectric, s.base_color, dfg));
 #endif
 #if METALNESS != 0
-    f += (METALNESS == 2 ? s.metallic : 1.0) * metal_response(s.metal, VoH, dv);
+    f += (METALNESS == 2 ? s.metallic : 1.0)
+       * interface_response(s.metal, f_schlick(s.metal.f0, s.metal.f90, VoH), dv, dfg);
 #endif
     return f * irradiance * NoL;
 }
@@ -160,12 +163,13 @@ void main() {
     s.perceptual_roughness = sqrt(s.alpha);
 #endif
 
-    #if HAS_ENVIRONMENT
+#if HAS_ENVIRONMENT
     SplitSum split_sum = dfg_lookup(u_dfg, s.NoV, s.perceptual_roughness);
     vec2 dfg = split_sum.albedo;
 #else
     vec2 dfg = dfg_albedo(u_dfg, s.NoV, s.perceptual_roughness);
 #endif
+    vec2 dfg_over_hemisphere = dfg_mean(u_dfg, s.perceptual_roughness);
 #if METALNESS != 1
     float weight = u_specular;
 #if SPECULAR_MAP
@@ -175,10 +179,10 @@ void main() {
 #if SPECULAR_COLOR_MAP
     tint *= specular_color_texel().rgb;
 #endif
-    s.dielectric = make_interface(dielectric_f0(weight, tint), vec3(weight), dfg);
+    s.dielectric = make_interface(dielectric_f0(weight, tint), vec3(weight), dfg, dfg_over_hemisphere);
 #endif
 #if METALNESS != 0
-    s.metal = make_interface(s.base_color, vec3(1.0), dfg);
+    s.metal = make_interface(s.base_color, vec3(1.0), dfg, dfg_over_hemisphere);
 #endif
 
     vec3 radiance = vec3(0.0);

@@ -70,6 +70,22 @@ def test_smith_ggx_loses_what_single_scattering_loses_at_normal_view():
     assert lost == pytest.approx([0.08, 0.31, 0.69], abs=0.005)
 
 
+def test_the_means_are_those_over_the_hemisphere():
+    """2 int E mu dmu by other nodes than the table's rows; a mirror's are 20/21 and 1/21."""
+    means = dfg_table()[SIZE:, :, 2:]
+    assert np.ptp(means, axis=0).max() == 0
+    x, weight = np.polynomial.legendre.leggauss(48)
+    mu = (x + 1) / 2
+    for column in (0, 16, 40, 63):
+        albedo = directional_albedo("ggx", "smith", mu, (column / (SIZE - 1)) ** 2, 64)
+        assert means[0, column] == pytest.approx(weight * mu @ albedo, abs=2e-4)
+    assert means[0, 0] == pytest.approx([20 / 21, 1 / 21], abs=2e-4)
+
+
+def test_without_masking_no_light_is_missing():
+    assert dfg_table("ggx", "none")[SIZE:, :, 2:].sum(axis=-1).max() <= 1 + 1e-6
+
+
 @pytest.mark.parametrize("masking", ["smith", "smith-separable", "v-cavity"])
 def test_no_more_light_than_came(masking):
     table = dfg_table("ggx", masking)[:SIZE, :, :2]

@@ -60,16 +60,18 @@ def test_nothing_gains_energy_whatever_the_reflectance(radiance):
         assert radiance(black, CAMERA, SIZE)[..., :3].max() < 1.005
 
 
+@pytest.mark.parametrize("metallic", [0.0, 1.0])
 @pytest.mark.parametrize("elevation", [0.3, 1.2])
 @pytest.mark.parametrize("roughness", [0.6, 1.0])
-def test_white_metal_under_lights_from_everywhere(radiance, roughness, elevation):
+def test_white_under_lights_from_everywhere(radiance, roughness, elevation, metallic):
     """The furnace as 128 directional lights (a Fibonacci lattice): direct light loses nothing either."""
     count = 128
     y = 1 - (2 * np.arange(count) + 1) / count
     turn = np.arange(count) * np.pi * (3 - np.sqrt(5))
     towards = np.stack([np.sqrt(1 - y**2) * np.cos(turn), y, np.sqrt(1 - y**2) * np.sin(turn)], axis=-1)
     lights = tuple(Light("directional", intensity=4 * np.pi / count, direction=tuple(-d)) for d in towards)
-    model = scene((plate(), facing_floor()), materials=[Material(perceptual_roughness=roughness)], lights=lights)
+    white = Material(metallic=metallic, perceptual_roughness=roughness)
+    model = scene((plate(), facing_floor()), materials=[white], lights=lights)
     picture = radiance(model, orthographic(0.0, elevation, height=0.5), (4, 4), shadows="off")
     assert np.abs(picture[..., :3] - 1).max() < 0.02
 

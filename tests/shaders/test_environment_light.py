@@ -80,6 +80,9 @@ def test_dfg_lookup_hits_the_table(gl, evaluate):
     found = {name: evaluate("light/dfg", f"vec4(dfg_lookup(table, i.x, i.y).{name}, 0.0, 0.0)", inputs,
                             "uniform sampler2D table;", table=table)[:, :2]
              for name in ("albedo", "t", "roughness")}
+    mean = evaluate("light/dfg", "vec4(dfg_mean(table, i.y), 0.0, 0.0)", inputs, "uniform sampler2D table;",
+                    table=table)[:, :2]
+    assert np.abs(mean - values[SIZE, column, 2:]).max() < 1e-3
     # llvmpipe places samples to 1/256 of a texel, and the table is steep only towards the mirror at grazing view.
     assert np.abs(found["albedo"] - values[row, column, :2]).max() < 5e-3
     assert np.abs(found["t"] - values[row, column, 2:]).max() < 0.06

@@ -106,10 +106,10 @@ def ggx_albedo(NoV, alpha: float, f0=1.0, f90=1.0):
 
 
 @lru_cache
-def ggx_mean_albedo(alpha: float) -> float:
+def ggx_mean_albedo(alpha: float, f0=1.0, f90=1.0) -> float:
     x, weight = np.polynomial.legendre.leggauss(24)
     mu = (x + 1) / 2
-    return float((weight * mu * ggx_albedo(mu, alpha)).sum())
+    return float((weight * mu * ggx_albedo(mu, alpha, f0, f90)).sum())
 
 
 def kulla_conty(alpha: float, mean, NoV, NoL):
@@ -226,15 +226,25 @@ def dielectric(m, wo, wi):
 
 
 def standard(m, wo, wi):
-    """glTF 2.0, appendix B, with Turquin's compensation; one alpha for all."""
-    m = dict(m, alpha=np.stack([m["alpha"]] * 2, axis=-1))
-    E = ggx_albedo(wo[..., 2], _one_alpha(m))[..., None]
-    dv, VoH = ggx_reflection(m["alpha"], wo, wi)
-    F = schlick(m["f0"], m["f90"], VoH)
-    base = (1 - F.max(axis=-1, keepdims=True)) * m["base_color"] / np.pi
-    dielectric_ = base + F * dv[..., None] * (1 + m["f0"] * (1 - E) / E)
-    metal_ = schlick(m["base_color"], 1.0, VoH) * dv[..., None] * (1 + m["base_color"] * (1 - E) / E)
-    return dielectric_ + m["metallic"][..., None] * (metal_ - dielectric_)
+    """glTF 2.0, appendix B, compensated by Kulla & Conty 2017, its base by Kelemen & Szirmay-Kalos 2001; one alpha."""
+    alpha = _one_alpha(m)
+    dv, VoH = ggx_reflection(np.stack([m["alpha"]] * 2, axis=-1), wo, wi)
+    f0, f90, NoV, NoL = m["f0"], m["f90"][..., None], wo[..., 2], wi[..., 2]
+
+    def interface(f0, f90):
+        return schlick(f0, f90, VoH) * dv[..., None] + kulla_conty(alpha, f0 + (f90 - f0) / 21, NoV, NoL)
+
+    def through(white, grazing):
+        """1 less all that is reflected, of the brightest channel; `white` at F = 1, `grazing` at f0 = 0, f90 = 1."""
+        white, grazing = np.asarray(white)[..., None], np.asarray(grazing)[..., None]
+        mean, E_mean = f0 + (f90 - f0) / 21, ggx_mean_albedo(alpha)
+        multiple = mean**2 * E_mean / (1 - mean * (1 - E_mean)) * (1 - white)
+        return 1 - (f0 * (white - grazing) + f90 * grazing + multiple).max(axis=-1, keepdims=True)
+
+    o, i = (through(ggx_albedo(mu, alpha), ggx_albedo(mu, alpha, 0.0, 1.0)) for mu in (NoV, NoL))
+    mean = through(ggx_mean_albedo(alpha), ggx_mean_albedo(alpha, 0.0, 1.0))
+    dielectric_ = interface(f0, f90) + o * i / np.maximum(mean, 1e-4) * m["base_color"] / np.pi
+    return dielectric_ + m["metallic"][..., None] * (interface(m["base_color"], 1.0) - dielectric_)
 
 
 def _one_alpha(m) -> float:

@@ -38,7 +38,9 @@ MASKINGS = ("smith", "smith-separable", "v-cavity", "none")
 
 @lru_cache(maxsize=4)
 def dfg_table(ndf: str = "ggx", masking: str = "smith", size: int = SIZE) -> np.ndarray:
-    """a, b, t of a, t of b; below them the roughness to look up a and b with, 0, 0. (2 size, size, 4) float32.
+    """a, b, t of a, t of b; below them the roughness to look up a and b with, their means. (2 size, size, 4) float32.
+
+    The means, 2 int a mu dmu and 2 int b mu dmu, are those of the table as it is looked up, the same in all rows.
 
     Row j is NoV = (j / (size-1))^2, column i perceptual roughness i / (size-1). As a texture that
     is u = roughness, v = sqrt(NoV), each inset by half a texel, as dfg.glsl looks it up. The default comes from the
@@ -70,7 +72,22 @@ def compute_dfg_table(ndf: str, masking: str, size: int, nodes: int = 24) -> np.
         # np.interp wants the abscissa to rise; the concentration falls with roughness.
         length = np.linalg.norm(moments[..., 1:], axis=2) / np.maximum(moments[..., 0], 1e-60)
         look_up[:, column, :2] = np.interp(-length, -concentration[:, 1], concentration[:, 0])
+    look_up[..., 2:] = hemispherical_mean(albedo[..., :2])
     return np.concatenate([albedo, look_up]).astype(np.float32)
+
+
+def hemispherical_mean(albedo: np.ndarray) -> np.ndarray:
+    """Means of a and b over the hemisphere, (size, 2), of their table (size, size, 2).
+
+    With v = sqrt(mu), 2 int E mu dmu = int E 4 v^3 dv, exact for E linear in v between the rows. Where a + b passes 1,
+    without masking, the two are taken in proportion from 1: no light is missing there.
+    """
+    limited = albedo / np.maximum(albedo.sum(axis=-1, keepdims=True), 1.0)
+    v = np.linspace(0, 1, len(albedo))
+    whole, moment = np.diff(v**4), np.diff(0.8 * v**5)
+    upper = (moment - v[:-1] * whole) / np.diff(v)
+    weight = np.append(whole - upper, 0) + np.append(0, upper)
+    return np.einsum("j,jic->ic", weight, limited)
 
 
 def _filter_concentration(ndf: str) -> np.ndarray:

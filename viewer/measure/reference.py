@@ -154,15 +154,32 @@ def burley(wo: Array, wi: Array, perceptual_roughness: Array) -> Array:
 
 
 def standard_dielectric(wo: Array, wi: Array, alpha: Array) -> Array:
-    """A white base under an interface of f0 = 0.04: glTF 2.0, appendix B, with the compensation of Turquin 2019.
+    """A white base under an interface of f0 = 0.04: D V F, Kulla & Conty 2017, and Kelemen & Szirmay-Kalos 2001.
 
-    The single-scattering albedo is that of the integral itself, alpha and wo.z being one number for each wo.
+    The albedos are integrals themselves, at 512 cosines for each alpha, which is one number for each wo.
     """
     dv, VoH = ggx_reflection(wo, wi, np.stack([alpha, alpha], axis=-1))
-    fresnel = f_schlick(0.04, 1.0, VoH)
-    albedo = [directional_albedo("ggx", "smith", wo[k, :1, 2], float(a), 64).sum() for k, a in enumerate(alpha[:, 0])]
-    factor = 1 + 0.04 * (1 / np.array(albedo)[:, None] - 1)
-    return (1 - fresnel) / np.pi + dv * fresnel * factor
+    f = dv * f_schlick(0.04, 1.0, VoH)
+    F_mean = 0.04 + 0.96 / 21
+    v = np.linspace(1e-2, 1, 512)
+    x, weight = np.polynomial.legendre.leggauss(32)
+    for a in np.unique(alpha):
+        of_a = np.broadcast_to(alpha == a, f.shape)
+        rows = directional_albedo("ggx", "smith", v**2, float(a), 64)
+        mean = weight * (x + 1) / 2 @ directional_albedo("ggx", "smith", (x + 1) / 2, float(a), 64)
+        returned = F_mean**2 * mean.sum() / (1 - F_mean * (1 - mean.sum()))
+
+        def lost(ab: Array) -> Array:
+            return 1 - ab.sum(axis=-1)
+
+        def through(ab: Array) -> Array:
+            return 1 - 0.04 * ab[..., 0] - ab[..., 1] - returned * lost(ab)
+
+        o, i = (np.stack([np.interp(np.sqrt(np.broadcast_to(w[..., 2], f.shape)[of_a]), v, rows[:, part])
+                          for part in (0, 1)], axis=-1) for w in (wo, wi))
+        f[of_a] += returned * lost(o) * lost(i) / (np.pi * lost(mean))
+        f[of_a] += through(o) * through(i) / (np.pi * through(mean))
+    return f
 
 
 def _unit(v: Array) -> Array:
