@@ -12,16 +12,15 @@ float ggx_white_albedo(sampler2D dfg, float NoV, float perceptual_roughness) {
     return min(ab.x + ab.y, 1.0);
 }
 
-// 1 - E_mean as a polynomial in perceptual roughness, to 1.4 % of itself from 0.04 on. Fitted to the table and not to
-// the integral: what the table's rounding does to E it does to the mean, and the furnace stays within 6e-4 of 1.
-float ggx_mean_loss(float r) {
-    float p = 0.1811368 + r * (4.1822464 + r * (-8.203204 + r * (7.7952734 + r * (-4.7875201 + r * 1.4231675))));
-    return r * r * r * p;
+// 1 - E_mean, of the table as it is looked up: what its rounding does to E it does to the mean.
+float ggx_mean_loss(sampler2D dfg, float perceptual_roughness) {
+    vec2 mean = dfg_mean(dfg, perceptual_roughness);
+    return 1.0 - mean.x - mean.y;
 }
 
 vec3 kulla_conty_eval(vec2 alpha, vec3 F_mean, vec3 wo, vec3 wi, sampler2D dfg) {
     float r = mean_perceptual_roughness(alpha);
-    float loss = ggx_mean_loss(r);
+    float loss = ggx_mean_loss(dfg, r);
     if (wo.z <= 0.0 || wi.z <= 0.0 || loss < 1e-4) return vec3(0.0); // less than the table's error
     float lost = (1.0 - ggx_white_albedo(dfg, wo.z, r)) * (1.0 - ggx_white_albedo(dfg, wi.z, r));
     return kulla_conty_fresnel(F_mean, loss) * (lost * INV_PI / loss);
@@ -29,7 +28,7 @@ vec3 kulla_conty_eval(vec2 alpha, vec3 F_mean, vec3 wo, vec3 wi, sampler2D dfg) 
 
 vec3 kulla_conty_albedo(vec2 alpha, vec3 F_mean, float NoV, sampler2D dfg) {
     float r = mean_perceptual_roughness(alpha);
-    float loss = ggx_mean_loss(r);
+    float loss = ggx_mean_loss(dfg, r);
     return loss < 1e-4 ? vec3(0.0) : kulla_conty_fresnel(F_mean, loss) * (1.0 - ggx_white_albedo(dfg, NoV, r));
 }
 

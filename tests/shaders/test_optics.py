@@ -7,6 +7,7 @@ import pytest
 import twins
 
 from viewer import call_glsl
+from viewer.bake.dfg import dfg_table
 
 COSINES = np.concatenate([np.geomspace(1e-4, 1, 60), [0.5, 0.9999]])
 ALPHAS = np.array([1e-3, 3e-3, 0.01, 0.1, 0.5, 1.0])
@@ -139,7 +140,7 @@ def test_f0_and_eta():
 
 def test_mean_loss_is_that_of_the_albedo():
     r = np.array([0.2, 0.35, 0.5, 0.7, 0.85, 1.0])
-    found = call_glsl("bsdf/kulla_conty.glsl", "ggx_mean_loss", r=r)
+    found = call_glsl("bsdf/kulla_conty.glsl", "ggx_mean_loss", dfg=dfg_table(), perceptual_roughness=r)
     expected = [1 - twins.ggx_mean_albedo(a * a) for a in r]
     assert np.abs(found - expected).max() < 5e-4
 
