@@ -5,13 +5,14 @@
 // E_w is the directional albedo of the lobe with F = 1 (a + b of the split sum), f0 and f90 Schlick's. Without masking
 // it passes 1, and nothing is missing.
 
-// Direct light, on both sides alike: what of the light lost gets out again, F_mean^2 E_mean / (1 - F_mean (1 - E_mean)),
-// with mean_loss = 1 - E_mean.     Kulla & Conty 2017, with the Fresnel factor of Hill 2018
+// Direct light, both sides alike: what of the light lost gets out again, with mean_loss = 1 - E_mean,
+//   F_mean^2 E_mean / (1 - F_mean (1 - E_mean))       Kulla & Conty 2017, with the Fresnel factor of Hill 2018
 vec3 kulla_conty_fresnel(vec3 F_mean, float mean_loss) {
     return F_mean * F_mean * (1.0 - mean_loss) / (1.0 - F_mean * mean_loss);
 }
 
-// The same as a factor, knowing the viewer's side alone: f_total = f * turquin_factor            Turquin 2019, "Practical multiple scattering compensation"
+// The same as a factor that knows the viewer's side alone: f_total = f * turquin_factor
+// Turquin 2019, "Practical multiple scattering compensation"
 vec3 turquin_factor(vec3 f0, float E_w) {
     return 1.0 + f0 * (max(1.0 - E_w, 0.0) / max(E_w, 1e-3));
 }

@@ -160,26 +160,30 @@ def standard_dielectric(wo: Array, wi: Array, alpha: Array) -> Array:
     """
     dv, VoH = ggx_reflection(wo, wi, np.stack([alpha, alpha], axis=-1))
     f = dv * f_schlick(0.04, 1.0, VoH)
-    F_mean = 0.04 + 0.96 / 21
-    v = np.linspace(1e-2, 1, 512)
-    x, weight = np.polynomial.legendre.leggauss(32)
+    NoV, NoL = (np.broadcast_to(w[..., 2], f.shape) for w in (wo, wi))
     for a in np.unique(alpha):
-        of_a = np.broadcast_to(alpha == a, f.shape)
-        rows = directional_albedo("ggx", "smith", v**2, float(a), 64)
-        mean = weight * (x + 1) / 2 @ directional_albedo("ggx", "smith", (x + 1) / 2, float(a), 64)
-        returned = F_mean**2 * mean.sum() / (1 - F_mean * (1 - mean.sum()))
-
-        def lost(ab: Array) -> Array:
-            return 1 - ab.sum(axis=-1)
-
-        def through(ab: Array) -> Array:
-            return 1 - 0.04 * ab[..., 0] - ab[..., 1] - returned * lost(ab)
-
-        o, i = (np.stack([np.interp(np.sqrt(np.broadcast_to(w[..., 2], f.shape)[of_a]), v, rows[:, part])
-                          for part in (0, 1)], axis=-1) for w in (wo, wi))
-        f[of_a] += returned * lost(o) * lost(i) / (np.pi * lost(mean))
-        f[of_a] += through(o) * through(i) / (np.pi * through(mean))
+        chosen = np.broadcast_to(alpha == a, f.shape)
+        f[chosen] += _plastic_diffuse(float(a), NoV[chosen], NoL[chosen])
     return f
+
+
+def _plastic_diffuse(alpha: float, NoV: Array, NoL: Array) -> Array:
+    """What `standard_dielectric` has beside D V F: scattered more than once by its facets, and from the base."""
+    v = np.linspace(1e-2, 1, 512)
+    rows = directional_albedo("ggx", "smith", v**2, alpha, 64)
+    x, weight = np.polynomial.legendre.leggauss(32)
+    mean = weight * (x + 1) / 2 @ directional_albedo("ggx", "smith", (x + 1) / 2, alpha, 64)
+    E_mean, F_mean = mean.sum(), 0.04 + 0.96 / 21
+    returned = F_mean**2 * E_mean / (1 - F_mean * (1 - E_mean))
+
+    def lost(ab: Array) -> Array:
+        return 1 - ab.sum(axis=-1)
+
+    def through(ab: Array) -> Array:
+        return 1 - 0.04 * ab[..., 0] - ab[..., 1] - returned * lost(ab)
+
+    o, i = (np.stack([np.interp(np.sqrt(mu), v, part) for part in rows.T], axis=-1) for mu in (NoV, NoL))
+    return (returned * lost(o) * lost(i) / lost(mean) + through(o) * through(i) / through(mean)) / np.pi
 
 
 def _unit(v: Array) -> Array:
