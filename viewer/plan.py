@@ -217,7 +217,9 @@ def _draw(
 
 def _pbr_switches(material: Material, settings: Settings) -> dict[str, int]:
     varies = material.metallic_roughness_texture is not None or 0 < material.metallic < 1
+    tinted = material.specular_color_texture is not None or material.specular_color != (1.0, 1.0, 1.0)
     return {
+        "SPECULAR_TINTED": int(tinted),
         "METALNESS": 0 if material.metallic == 0 else 2 if varies else 1,
         "NDF": _NDF.index(settings.ndf),
         "MASKING": _MASKING.index(settings.masking),

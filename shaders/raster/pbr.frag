@@ -175,7 +175,11 @@ void main() {
 #if SPECULAR_MAP
     weight *= specular_texel().a;
 #endif
+#if SPECULAR_TINTED
     vec3 tint = u_specular_color;
+#else
+    const vec3 tint = vec3(1.0); // all channels of the interface alike: worked out once
+#endif
 #if SPECULAR_COLOR_MAP
     tint *= specular_color_texel().rgb;
 #endif
