@@ -89,51 +89,7 @@ vec3 shade_light(int i, Surface s, vec3 n_geometric) {
 #endif
 
 #if HAS_ENVIRONMENT
-// Light reflected at the interface, `specular` the radiance its parts a and b see, and what passes through to the base.
-vec3 environment_response(Interface face, SplitSum split_sum, mat2x3 specular, vec3 diffuse_albedo, vec3 mean_light) {
-    vec3 single = face.f0 * (split_sum.albedo.x * specular[0]) + face.f90 * (split_sum.albedo.y * specular[1]);
-    vec3 diffuse = diffuse_albedo * max(1.0 - max3(face.E_ss + face.E_ms), 0.0); // < 0 without masking
-    vec3 spread = face.E_ms * float(SHOW_MULTISCATTER) + diffuse * float(SHOW_DIFFUSE);
-    return single * float(SHOW_SPECULAR) + mean_light * spread;
-}
-
-// Occlusion of the reflected lobe by what occludes the hemisphere      Lagarde & de Rousiers 2014, "Frostbite", p. 76
-float specular_occlusion(float NoV, float occlusion, float alpha) {
-    return clamp(pow(NoV + occlusion, exp2(-16.0 * alpha - 1.0)) - 1.0 + occlusion, 0.0, 1.0);
-}
-
-vec3 reflected_light(vec3 n, vec3 r, vec3 n_geometric, float t, float perceptual_roughness) {
-    vec3 d = mix(n, r, t);
-    // A mapped normal may send the reflection under the surface, where it would meet the surface itself.
-    d -= 2.0 * min(dot(d, n_geometric), 0.0) * n_geometric;
-    return environment_specular(normalize(d), perceptual_roughness);
-}
-
-vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, SplitSum split_sum) {
-    vec3 r = reflect(-s.v, s.n);
-    mat2x3 specular;
-    specular[0] = reflected_light(s.n, r, n_geometric, split_sum.t.x, split_sum.roughness.x);
-#if METALNESS == 1
-    specular[1] = specular[0]; // of a metal b is a small part
-#else
-    specular[1] = reflected_light(s.n, r, n_geometric, split_sum.t.y, split_sum.roughness.y);
-#endif
-    vec3 mean_light = environment_irradiance_over_pi(s.n);
-#if OCCLUSION_MAP
-    mean_light *= occlusion;
-    specular *= specular_occlusion(s.NoV, occlusion, s.alpha);
-#endif
-    vec3 radiance = vec3(0.0);
-#if METALNESS != 1
-    radiance += (METALNESS == 2 ? 1.0 - s.metallic : 1.0)
-              * environment_response(s.dielectric, split_sum, specular, s.base_color, mean_light);
-#endif
-#if METALNESS != 0
-    radiance += (METALNESS == 2 ? s.metallic : 1.0)
-              * environment_response(s.metal, split_sum, specular, vec3(0.0), mean_light);
-#endif
-    return radiance;
-}
+#include "raster/shade_environment.glsl"
 #endif
 
 void main() {
