@@ -107,6 +107,8 @@ def _material_line(scene: Scene, index: int) -> str:
     words = [material.name or f"material {index}", material.alpha_mode]
     words += ["unlit"] * material.unlit + ["double-sided"] * material.double_sided
     words += [f"metallic {material.metallic:g}", f"roughness {material.perceptual_roughness:g}"]
+    words += [f"transmission {material.transmission:g}"] * (material.transmission > 0)
+    words += [f"thickness {material.thickness:g}"] * (material.transmission > 0 and material.thickness > 0)
     return ", ".join(words)
 
 

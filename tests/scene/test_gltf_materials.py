@@ -35,6 +35,42 @@ def test_factors_and_extensions():
     assert not warnings
 
 
+def test_transmission_and_volume():
+    builder = GltfBuilder()
+    a, b = builder.texture(), builder.texture()
+    material, warnings = read({"extensions": {
+        "KHR_materials_transmission": {"transmissionFactor": 0.9, "transmissionTexture": {"index": a, "texCoord": 1}},
+        "KHR_materials_volume": {"thicknessFactor": 2.5, "thicknessTexture": {"index": b}, "attenuationDistance": 0.25,
+                                 "attenuationColor": [0.1, 0.5, 1]}}}, builder)
+    assert (material.transmission, material.transmission_texture.uv_set) == (0.9, 1)
+    assert (material.thickness, material.thickness_texture.uv_set) == (2.5, 0)
+    assert (material.attenuation_distance, material.attenuation_color) == (0.25, (0.1, 0.5, 1))
+    assert not warnings
+    assert read({"extensions": {"KHR_materials_transmission": {}, "KHR_materials_volume": {}}})[0] == Material()
+
+
+@pytest.mark.parametrize("volume, place", [
+    ({"attenuationDistance": 0}, "attenuationDistance"), ({"attenuationColor": [0, 2, 0]}, "attenuationColor"),
+    ({"thicknessFactor": -1}, "thicknessFactor")])
+def test_volumes_out_of_range_are_clamped(volume, place):
+    material, warnings = read({"extensions": {"KHR_materials_volume": volume}})
+    assert len(warnings) == 1 and place in warnings[0]
+    assert material.attenuation_distance > 0 and material.thickness == 0 and max(material.attenuation_color) == 1
+
+
+@pytest.mark.parametrize("extension, problem", [
+    ({"KHR_materials_transmission": 1}, "KHR_materials_transmission: must be an object"),
+    ({"KHR_materials_transmission": {"transmissionFactor": "1"}}, "transmissionFactor: must be a number"),
+    ({"KHR_materials_transmission": {"transmissionTexture": {"index": 3}}}, "transmissionTexture.index"),
+    ({"KHR_materials_volume": {"attenuationColor": [1, 1]}}, "attenuationColor: must have 3 numbers"),
+    ({"KHR_materials_volume": {"attenuationDistance": 10**400}}, "attenuationDistance: must be a finite number"),
+    ({"KHR_materials_volume": {"thicknessTexture": []}}, "thicknessTexture: must be an object")])
+def test_broken_transmission_is_one_line(extension, problem):
+    with pytest.raises(InputError) as caught:
+        read({"extensions": extension})
+    assert problem in str(caught.value) and "\n" not in str(caught.value)
+
+
 def test_ior_zero_is_kept_and_others_below_one_are_not():
     assert read({"extensions": {"KHR_materials_ior": {"ior": 0}}})[0].ior == 0
     material, warnings = read({"extensions": {"KHR_materials_ior": {"ior": 0.5}}})

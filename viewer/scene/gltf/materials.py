@@ -52,6 +52,8 @@ def read_material(element: Element, textures: Textures) -> Material:
         emissive_texture=textures.read(element, "emissiveTexture"),
         ior=1.5 if ior is None else _ior(ior),
         **_specular(element, textures),
+        **_transmission(element, textures),
+        **_volume(element, textures),
         alpha_mode=element.choice("alphaMode", _ALPHA_MODES, "OPAQUE"),
         alpha_cutoff=element.number("alphaCutoff", 0.5, 0.0),
         double_sided=element.boolean("doubleSided", False),
@@ -74,4 +76,27 @@ def _specular(element: Element, textures: Textures) -> dict[str, object]:
         "specular_texture": textures.read(extension, "specularTexture"),
         "specular_color": extension.vector("specularColorFactor", 3, (1.0, 1.0, 1.0), 0.0),
         "specular_color_texture": textures.read(extension, "specularColorTexture"),
+    }
+
+
+def _transmission(element: Element, textures: Textures) -> dict[str, object]:
+    extension = element.extension("KHR_materials_transmission")
+    if extension is None:
+        return {}
+    return {
+        "transmission": extension.number("transmissionFactor", 0.0, 0.0, 1.0),
+        "transmission_texture": textures.read(extension, "transmissionTexture"),
+    }
+
+
+def _volume(element: Element, textures: Textures) -> dict[str, object]:
+    extension = element.extension("KHR_materials_volume")
+    if extension is None:
+        return {}
+    return {
+        "thickness": extension.number("thicknessFactor", 0.0, 0.0),
+        "thickness_texture": textures.read(extension, "thicknessTexture"),
+        # Must be above 0: what lets nothing through is said by its colour.
+        "attenuation_distance": extension.number("attenuationDistance", math.inf, 1e-9),
+        "attenuation_color": extension.vector("attenuationColor", 3, (1.0, 1.0, 1.0), 0.0, 1.0),
     }
