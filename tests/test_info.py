@@ -11,7 +11,7 @@ from viewer.assemble import make_light
 from viewer.info import describe_package, describe_scene, format_facts, format_settings, settings_table
 from viewer.scene.environment_files import load_environment
 from viewer.scene.load import load_scene
-from viewer.settings import Settings, setting_choices
+from viewer.settings import Settings, setting_choices, setting_meanings
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +53,9 @@ def test_text_has_a_line_for_each_fact():
 
 
 def test_every_setting_is_listed_with_its_choices():
-    text = format_settings()
-    assert [row["name"] for row in settings_table()] == list(setting_choices())
+    text, rows = format_settings(), {row["name"]: row for row in settings_table()}
+    assert list(rows) == list(setting_meanings())
+    assert rows["bounces"]["range"] == [1, 255] and rows["bounces"]["default"] == 32
+    assert "--set bounces=N, a whole number from 1 to 255\n" in text
     for name, choices in setting_choices().items():
         assert f"--set {name}={'|'.join(choices)}\n" in text

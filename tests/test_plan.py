@@ -10,7 +10,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from viewer.errors import ContextError
+from viewer.errors import ContextError, UsageError
 from viewer.gpu.context import open_context
 from viewer.gpu.source import assemble
 from viewer.plan import MAPS, MAX_LIGHTS, MAX_SHADOW_LAYERS, plan_scene
@@ -240,3 +240,8 @@ def test_equal_materials_share_a_program():
     a = scene(Material(base_color=(1, 0, 0, 1), perceptual_roughness=0.2), environment=ENVIRONMENT)
     b = scene(Material(base_color=(0, 1, 0, 1), perceptual_roughness=0.9), environment=ENVIRONMENT)
     assert plan(a).programs == plan(b).programs
+
+
+def test_mode_path_is_not_the_rasters():
+    with pytest.raises(UsageError, match="mode path"):
+        plan(scene(Material()), mode="path")

@@ -7,13 +7,16 @@ from dataclasses import fields
 import pytest
 
 from viewer.errors import UsageError
-from viewer.settings import Settings, parse_background, setting_choices, setting_meanings
+from viewer.settings import MAX_SPP, RANGES, Settings, parse_background, setting_choices, setting_meanings
 
 
 def test_every_setting_has_a_default_among_its_choices_and_a_meaning():
     for name, choices in setting_choices().items():
         assert getattr(Settings(), name) in choices and len(choices) > 1 and setting_meanings()[name]
-    assert set(setting_choices()) == {f.name for f in fields(Settings)} - {"mode", "background", "exposure", "tonemap"}
+    of_numbers = setting_meanings().keys() - setting_choices().keys()
+    assert of_numbers == {"bounces", "light_radius", "clamp"} < RANGES.keys()
+    own_options = {"mode", "background", "exposure", "tonemap", "spp", "time_budget", "error", "seed", "denoise"}
+    assert set(setting_meanings()) == {f.name for f in fields(Settings)} - own_options
 
 
 def test_each_choice_of_each_setting_is_taken():
@@ -23,7 +26,33 @@ def test_each_choice_of_each_setting_is_taken():
             assert Settings.of(**{name: choice}) == Settings().with_option(f"{name.replace('_', '-')}={choice}")
 
 
+def test_settings_that_are_numbers():
+    settings = Settings().with_option("bounces=8").with_option("light-radius=2.5e-1")
+    assert (settings.bounces, settings.light_radius) == (8, 0.25) and isinstance(settings.bounces, int)
+    assert Settings.of(bounces=8, light_radius=0.25) == settings
+    assert Settings.of(spp=None, time_budget=2, error="0.5").error == 0.5
+
+
+def test_what_mode_path_alone_uses_is_refused_elsewhere():
+    Settings.of(mode="path", spp=3, clamp=9).check_used()
+    Settings.of(mode="phong", seed=0, denoise="off").check_used()
+    with pytest.raises(UsageError, match="^spp and clamp do nothing in mode pbr, only in mode path$"):
+        Settings.of(spp=3, clamp=9).check_used()
+    with pytest.raises(UsageError, match="^denoise does nothing in mode phong"):
+        Settings.of(mode="phong", denoise="fast").check_used()
+
+
+def test_the_most_samples_follow_the_rules_given():
+    assert Settings().most_spp == 64 and Settings(spp=7, error=0.1).most_spp == 7
+    assert Settings(error=0.1).most_spp == Settings(time_budget=1.0).most_spp == MAX_SPP
+
+
 @pytest.mark.parametrize("assignment, words", [
+    ("bounces=0", "--set bounces=0: bounces is a whole number from 1 to 255"),
+    ("bounces=2.5", "a whole number from 1 to 255"),
+    ("bounces=", "a whole number from 1 to 255"),
+    ("clamp=nan", "clamp is a number from 0 to 1e[+]09"),
+    ("spp=4", "no setting 'spp'"),
     ("ndf", "--set ndf: ndf is one of ggx, beckmann, blinn-phong"),
     ("ndf=GGX", "ndf is one of"),
     ("mode=phong", "no setting 'mode'; there are ndf, "),
@@ -36,7 +65,12 @@ def test_a_wrong_assignment_says_what_there_is(assignment, words):
 
 @pytest.mark.parametrize("values, words", [
     ({"mood": "dark"}, "no setting 'mood'; there are mode, background"),
-    ({"mode": "path"}, "mode='path': mode is one of pbr, phong"),
+    ({"mode": "ray"}, "mode='ray': mode is one of pbr, phong, path"),
+    ({"spp": 0}, "spp=0: it is a whole number from 1 to 65536"),
+    ({"spp": 1.5}, "a whole number"),
+    ({"error": -1}, "error=-1: it is a number from 1e-05 to 1"),
+    ({"seed": None}, "seed=None: it is a whole number from 0 to 4294967295"),
+    ({"denoise": "on"}, "denoise is one of off, fast, oidn"),
     ({"tonemap": None}, "tonemap is one of neutral, agx, aces, none"),
     ({"exposure": "bright"}, "exposure='bright': it is a number from -64 to 64"),
     ({"exposure": float("nan")}, "a number from -64 to 64"),

@@ -56,6 +56,7 @@ def render(
     environments that cannot be decoded, ContextError where there is no OpenGL.
     """
     chosen, size = Settings.of(**settings), _checked(size)
+    chosen.check_used()
     if camera is None:
         camera = Camera.framing(scene.center, scene.radius, size[0] / size[1])
     return shared_renderer(backend).render(scene, camera, chosen, size)

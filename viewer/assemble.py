@@ -17,11 +17,13 @@ from .scene.load import load_scene
 from .scene.scene import Scene
 from .settings import Settings
 
+_SETTINGS = ("mode", "background", "exposure", "tonemap", "spp", "time_budget", "error", "seed", "denoise")
+
 
 def make_settings(options: dict[str, Any]) -> Settings:
     """Raises UsageError for a --set that does not exist."""
-    settings = Settings(mode=options["mode"], background=options["background"], exposure=options["exposure"],
-                        tonemap=options["tonemap"])
+    given = {name: options[name] for name in _SETTINGS if name in options}
+    settings = Settings(**given)
     for assignment in options["assignments"]:
         settings = settings.with_option(assignment)
     return settings

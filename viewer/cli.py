@@ -21,6 +21,7 @@ from .options import (
     CAMERA_OPTIONS,
     COMMON_OPTIONS,
     JSON_OPTION,
+    PATH_OPTIONS,
     QUIET_OPTION,
     SCENE_OPTIONS,
     check_camera_options,
@@ -52,7 +53,7 @@ def cli() -> None:
 
 @cli.command(short_help="Open a model in a window.")
 @click.argument("model")
-@with_options([*SCENE_OPTIONS, *CAMERA_OPTIONS, *COMMON_OPTIONS])
+@with_options([*SCENE_OPTIONS, *PATH_OPTIONS, *CAMERA_OPTIONS, *COMMON_OPTIONS])
 def view(model: str, **options: Any) -> None:
     """Open MODEL in a window: drag to turn it, scroll to come closer, press H for all keys.
 
@@ -78,7 +79,7 @@ def view(model: str, **options: Any) -> None:
 @click.option("--backend", type=click.Choice(["auto", "egl", "osmesa", "window"]), default="auto", show_default=True,
               help="Where OpenGL comes from; `pbr-viewer doctor` tells what works here.")
 @click.option("--stats", metavar="FILE.json", help="Write times, the plan and memory; for several models a list.")
-@with_options([*SCENE_OPTIONS, *CAMERA_OPTIONS, *COMMON_OPTIONS])
+@with_options([*SCENE_OPTIONS, *PATH_OPTIONS, *CAMERA_OPTIONS, *COMMON_OPTIONS])
 def render(models: tuple[str, ...], output: str, backend: str, stats: str | None, **options: Any) -> None:
     """Make a picture of each MODEL, without a screen.
 
@@ -95,6 +96,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     from .render_job import RenderJob, check_output, output_paths
 
     settings = make_settings(options)
+    settings.check_used()
     work = list(zip(models, output_paths(models, output), strict=True))
     if stats is not None:
         check_output(stats)

@@ -9,7 +9,7 @@ from .bake.environment import bake_environment
 from .plan import Plan, plan_scene
 from .scene.environment import Environment
 from .scene.scene import Scene
-from .settings import Settings, setting_choices, setting_meanings
+from .settings import RANGES, Settings, setting_choices, setting_meanings
 
 Facts = dict[str, object]
 
@@ -56,17 +56,23 @@ def describe_package() -> Facts:
 
 
 def settings_table() -> list[dict[str, object]]:
-    """What --set takes: each name with its values, the default, and what it is for."""
-    default, meanings = Settings(), setting_meanings()
-    return [{"name": name, "choices": list(choices), "default": getattr(default, name), "meaning": meanings[name]}
-            for name, choices in setting_choices().items()]
+    """What --set takes: each name with its values, words or the range of a number; the default; what it is for."""
+    default, choices = Settings(), setting_choices()
+    return [{"name": name, **({"choices": list(choices[name])} if name in choices else _range(name)),
+             "default": getattr(default, name), "meaning": meaning} for name, meaning in setting_meanings().items()]
+
+
+def _range(name: str) -> Facts:
+    numbers = RANGES[name]
+    return {"range": [numbers.low, numbers.high], "whole": numbers.is_whole}
 
 
 def format_settings() -> str:
     """`settings_table` as text, two lines each."""
-    default, meanings, lines = Settings(), setting_meanings(), []
-    for name, choices in setting_choices().items():
-        lines += [f"--set {name}={'|'.join(choices)}", f"      {meanings[name]}; default: {getattr(default, name)}"]
+    default, choices, lines = Settings(), setting_choices(), []
+    for name, meaning in setting_meanings().items():
+        values = "|".join(choices[name]) if name in choices else f"N, {RANGES[name]}"
+        lines += [f"--set {name}={values}", f"      {meaning}; default: {getattr(default, name)}"]
     return "\n".join(lines)
 
 

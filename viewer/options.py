@@ -8,12 +8,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, get_args
 
 import click
 
 from .errors import UsageError
-from .settings import MAX_EXPOSURE, Background, parse_background
+from .settings import DEFAULT_SPP, MAX_EXPOSURE, RANGES, Background, Denoise, Mode, parse_background
 
 MAX_NUMBER = 1e18
 """Of metres and lux; models reach no farther, and its square is still a float32."""
@@ -103,9 +103,13 @@ def _light_problem(light: tuple[float, ...]) -> str:
     return f"{light[2]:g} lux is negative." if light[2] < 0 else ""
 
 
+def _ends(name: str) -> tuple[Any, Any]:
+    return RANGES[name].low, RANGES[name].high
+
+
 SCENE_OPTIONS = [
-    click.option("--mode", type=click.Choice(["pbr", "phong"]), default="pbr", show_default=True,
-                 help="Physically based shading, or Phong's."),
+    click.option("--mode", type=click.Choice(get_args(Mode)), default="pbr", show_default=True,
+                 help="Physically based shading, Phong's, or light followed along its paths: the right answer, slowly."),
     click.option("--env", default="studio", metavar="FILE|NAME|none", show_default=True,
                  help="Light from all around: a panorama (.hdr, .exr), or studio, sky, furnace, none."),
     click.option("--env-rotation", type=Number(), default=0.0, metavar="DEG",
@@ -131,6 +135,20 @@ CAMERA_OPTIONS = [
     click.option("--target", type=Numbers("X,Y,Z", 3), help="Look at this point; default: the model's middle."),
     click.option("--fov", type=Number(0.01, 179), metavar="DEG", help="Vertical field of view; default: 45."),
     click.option("--camera", type=click.IntRange(0), metavar="N", help="The file's own camera N, counted from 0."),
+]
+PATH_OPTIONS = [
+    click.option("--spp", type=click.IntRange(*_ends("spp")), metavar="N",
+                 help=f"Mode path: samples a pixel; with one of the next two options the most it gets. Default: "
+                      f"{DEFAULT_SPP}, or no end with one of them."),
+    click.option("--time-budget", type=Number(*_ends("time_budget")), metavar="SECONDS",
+                 help="Mode path: stop after so long, with samples where they help most."),
+    click.option("--error", type=Number(*_ends("error")), metavar="TARGET",
+                 help="Mode path: stop at this relative error, 0.02 for 2 %, as estimated from the samples."),
+    click.option("--seed", type=click.IntRange(*_ends("seed")), default=0, metavar="N",
+                 help="Mode path: another N, another noise; the same N, the same picture."),
+    click.option("--denoise", type=click.Choice(get_args(Denoise)), default="off", show_default=True,
+                 help="Mode path: take the noise away, and some truth with it: fast (a filter of our own), oidn (Intel "
+                      "Open Image Denoise, an extra)."),
 ]
 QUIET_OPTION = click.option("-q", "--quiet", is_flag=True, help="No warnings and no progress bar.")
 COMMON_OPTIONS = [

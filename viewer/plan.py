@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from .errors import UsageError
 from .scene.light import Light
 from .scene.material import Material, Texture
 from .scene.mesh import Mesh
@@ -118,8 +119,10 @@ def plan_scene(
     """The plan for `scene` under `settings`.
 
     `lights` are all there are, those taken out of the environment included; `samples` the multisampling the target
-    has; `half_target` whether it holds half floats.
+    has; `half_target` whether it holds half floats. Raises UsageError for mode path, which is not the raster's.
     """
+    if settings.mode == "path":
+        raise UsageError("mode path is not the raster's to draw")
     lit = [is_lit(scene.meshes[i.mesh], scene.materials[scene.meshes[i.mesh].material]) for i in scene.instances]
     shown_lights = _ordered_lights(lights) if any(lit) else ()
     layers, layer_count = _shadow_layers(shown_lights, settings)

@@ -5,19 +5,66 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, field, fields, replace
+from operator import index
 from typing import Any, Literal, get_args, get_type_hints
 
 from .errors import UsageError
 
-Mode = Literal["pbr", "phong"]
+Mode = Literal["pbr", "phong", "path"]
+Denoise = Literal["off", "fast", "oidn"]
 Tonemap = Literal["neutral", "agx", "aces", "none"]
 Background = Literal["env", "none"] | tuple[float, float, float]
 
 MAX_EXPOSURE = 64.0
 """In stops; 2**64 times any radiance a half float holds is still a float32."""
+DEFAULT_SPP = 64
+MAX_SPP = 1 << 16
+"""A float32 sum of so many samples is off by 0.4 % at worst, were each rounded the same way."""
 
 
-def _option(default: str, meaning: str) -> Any:
+@dataclass(frozen=True)
+class Range:
+    """The numbers a setting can have, both ends among them."""
+
+    low: float
+    high: float
+    is_whole: bool = False
+
+    def number(self, value: object, prefix: str) -> float:
+        """`value` as such a number, an int where it is whole; else UsageError, which begins with `prefix`."""
+        try:
+            number = self._whole(value) if self.is_whole else float(value)  # type: ignore[arg-type]
+        except (TypeError, ValueError):
+            number = math.nan
+        if not self.low <= number <= self.high:
+            raise UsageError(f"{prefix} is {self}")
+        return number
+
+    @staticmethod
+    def _whole(value: object) -> int:
+        return int(value) if isinstance(value, str) else index(value)  # type: ignore[arg-type]
+
+    def __str__(self) -> str:
+        return f"a {'whole ' * self.is_whole}number from {_plain(self.low)} to {_plain(self.high)}"
+
+
+def _plain(number: float) -> str:
+    return str(number) if isinstance(number, int) else f"{number:g}"
+
+
+RANGES = {
+    "exposure": Range(-MAX_EXPOSURE, MAX_EXPOSURE),
+    "spp": Range(1, MAX_SPP, is_whole=True),
+    "time_budget": Range(0.01, 1e6),
+    "error": Range(1e-5, 1.0),
+    "seed": Range(0, (1 << 32) - 1, is_whole=True),
+    "bounces": Range(1, 255, is_whole=True),
+    "light_radius": Range(0.0, 1e9),
+    "clamp": Range(0.0, 1e9),
+}
+
+
+def _option(default: str | float, meaning: str) -> Any:
     return field(default=default, metadata={"meaning": meaning})
 
 
@@ -34,6 +81,16 @@ class Settings:
     """In EV: radiance is multiplied by 2**exposure before the tone map."""
     tonemap: Tonemap = "neutral"
 
+    # Of mode path. It ends by whichever of spp, time_budget and error comes first; where none is given, after 64 spp.
+    spp: int | None = None
+    """Samples a pixel: exactly so many where no other rule is given, else the most that a pixel gets."""
+    time_budget: float | None = None
+    """In seconds, for one picture, preparing it included."""
+    error: float | None = None
+    """The relative error to reach, estimated from the samples themselves."""
+    seed: int = 0
+    denoise: Denoise = "off"
+
     # --set
     ndf: Literal["ggx", "beckmann", "blinn-phong"] = _option("ggx", "how the normals of microfacets are spread, D")
     masking: Literal["smith", "smith-separable", "v-cavity", "none"] = _option(
@@ -47,6 +104,9 @@ class Settings:
     specular_aa: Literal["on", "off"] = _option("on", "widen highlights that are finer than a pixel")
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8"] = _option(
         "auto", "samples a pixel; auto: four, but one while the camera moves and a processor draws")
+    bounces: int = _option(32, "mode path: the most often light is reflected or refracted on its way")
+    light_radius: float = _option(0.0, "mode path: radius of point and spot lights, in the scene's unit")
+    clamp: float = _option(0.0, "mode path: most luminance of one indirect sample; 0: none; what it takes is lost")
 
     @classmethod
     def of(cls, **values: Any) -> Settings:
@@ -55,7 +115,8 @@ class Settings:
         Raises UsageError for a field that does not exist or a value it cannot have.
         """
         names = [f.name for f in fields(cls)]
-        choices = setting_choices() | {"mode": get_args(Mode), "tonemap": get_args(Tonemap)}
+        choices = setting_choices() | {"mode": get_args(Mode), "tonemap": get_args(Tonemap),
+                                       "denoise": get_args(Denoise)}
         for name, value in values.items():
             if name not in names:
                 raise UsageError(f"no setting {name!r}; there are {', '.join(names)}")
@@ -63,9 +124,24 @@ class Settings:
                 raise UsageError(f"{name}={value!r}: {name} is one of {', '.join(choices[name])}")
         if "background" in values:
             values["background"] = parse_background(values["background"])
-        if "exposure" in values:
-            values["exposure"] = _number(values["exposure"], "exposure", -MAX_EXPOSURE, MAX_EXPOSURE)
+        for name in values.keys() & RANGES.keys():
+            if values[name] is not None or name not in STOPPING:
+                values[name] = RANGES[name].number(values[name], f"{name}={values[name]!r}: it")
         return cls(**values)
+
+    def check_used(self) -> None:
+        """Raises UsageError for what was set and is of no use in this mode."""
+        unused = [f.name for f in fields(self) if f.name in PATH_ONLY and getattr(self, f.name) != f.default]
+        if self.mode != "path" and unused:
+            verb = "does" if len(unused) == 1 else "do"
+            raise UsageError(f"{' and '.join(unused)} {verb} nothing in mode {self.mode}, only in mode path")
+
+    @property
+    def most_spp(self) -> int:
+        """The most samples a pixel can get in mode path."""
+        if self.spp is not None:
+            return self.spp
+        return DEFAULT_SPP if self.time_budget is None and self.error is None else MAX_SPP
 
     def samples(self, is_software: bool, is_still: bool) -> int:
         """Samples a pixel on such a device, for a picture that is kept or one of a moving camera."""
@@ -78,12 +154,19 @@ class Settings:
         name, _, value = assignment.partition("=")
         name = name.strip().replace("-", "_")
         choices = setting_choices()
-        if name not in choices:
-            raise UsageError(f"--set {assignment}: no setting {name!r}; there are {', '.join(choices)}")
-        if value not in choices[name]:
+        if name not in setting_meanings():
+            raise UsageError(f"--set {assignment}: no setting {name!r}; there are {', '.join(setting_meanings())}")
+        if name in RANGES:
+            change: dict[str, Any] = {name: RANGES[name].number(value, f"--set {assignment}: {name}")}
+        elif value in choices[name]:
+            change = {name: value}
+        else:
             raise UsageError(f"--set {assignment}: {name} is one of {', '.join(choices[name])}")
-        change: dict[str, Any] = {name: value}
         return replace(self, **change)
+
+
+STOPPING = ("spp", "time_budget", "error")
+PATH_ONLY = (*STOPPING, "seed", "denoise", "bounces", "light_radius", "clamp")
 
 
 def parse_background(value: object) -> Background:
@@ -99,27 +182,17 @@ def parse_background(value: object) -> Background:
         red, green, blue = srgb_to_linear(code / 255).tolist()
         return red, green, blue
     if isinstance(value, (tuple, list)) and len(value) == 3:
-        red, green, blue = (_number(part, "background", 0.0, 1.0) for part in value)
+        red, green, blue = (Range(0, 1).number(part, f"background={part!r}: it") for part in value)
         return red, green, blue
     raise UsageError(f"background={value!r}: it is env, none, #rrggbb or three linear numbers from 0 to 1")
 
 
-def _number(value: object, name: str, low: float, high: float) -> float:
-    try:
-        number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        number = math.nan
-    if not low <= number <= high:
-        raise UsageError(f"{name}={value!r}: it is a number from {low:g} to {high:g}")
-    return number
-
-
 def setting_choices() -> dict[str, tuple[str, ...]]:
-    """The settings `--set` reaches, each with its allowed values, in the order they are documented."""
+    """The settings of words that `--set` reaches, each with its allowed values; those of numbers are in `RANGES`."""
     hints = get_type_hints(Settings)
-    return {name: get_args(hints[name]) for name in setting_meanings()}
+    return {name: get_args(hints[name]) for name in setting_meanings() if name not in RANGES}
 
 
 def setting_meanings() -> dict[str, str]:
-    """What each setting of `setting_choices` is for, in a few words."""
+    """The settings `--set` reaches and what each is for, in the order they are documented."""
     return {f.name: f.metadata["meaning"] for f in fields(Settings) if "meaning" in f.metadata}
