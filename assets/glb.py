@@ -74,13 +74,13 @@ class Glb:
         """A punctual light at `eye` that shines at `target`."""
         lights = self.json.setdefault("extensions", {}).setdefault("KHR_lights_punctual", {"lights": []})["lights"]
         lights.append({"type": kind, **fields})
-        self.node(matrix=_pose(eye, target), extensions={"KHR_lights_punctual": {"light": len(lights) - 1}})
+        self.node(matrix=pose(eye, target), extensions={"KHR_lights_punctual": {"light": len(lights) - 1}})
 
     def camera(self, eye, target=(0, 0, 0), fov: float = 30.0) -> None:
         """A perspective camera; `fov` is vertical, in degrees. The scenes are placed to fill a square picture."""
         distance = float(np.linalg.norm(np.subtract(eye, target)))
         lens = {"yfov": np.radians(fov), "znear": distance / 100, "zfar": distance * 100}
-        self.node(camera=self.add("cameras", {"type": "perspective", "perspective": lens}), matrix=_pose(eye, target))
+        self.node(camera=self.add("cameras", {"type": "perspective", "perspective": lens}), matrix=pose(eye, target))
 
     def save(self, path: Path) -> None:
         used = sorted(_extensions(self.json))
@@ -192,7 +192,7 @@ def without(shape: Shape, *names: str) -> Shape:
     return {name: values for name, values in shape.items() if name not in names}
 
 
-def _pose(eye, target) -> list[float]:
+def pose(eye, target) -> list[float]:
     """The column-major matrix of a thing at `eye` whose -Z points at `target`."""
     back = np.subtract(eye, target).astype(float)
     back /= np.linalg.norm(back)

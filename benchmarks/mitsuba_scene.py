@@ -1,0 +1,158 @@
+"""A scene of ours as one of Mitsuba 3's, for renders to hold ours against. Needs the extra `truth`.
+
+What both can say exactly: Lambertian surfaces (specular 0), metals of F0 = 1 or a tint of it (F = F0 at every angle,
+so only F0 = 1 is Schlick's), glass, emission by factor, environments, point and directional lights. Everything else
+becomes Mitsuba's `principled`, textures included: close, not equal, and good for speed alone.
+"""
+
+from __future__ import annotations
+
+import glob
+import importlib.util
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from viewer.scene.camera import Camera
+from viewer.scene.color import srgb_to_linear
+from viewer.scene.light import Light
+from viewer.scene.material import Material, Texture
+from viewer.scene.mesh import Mesh
+from viewer.scene.scene import Scene
+
+DEPTH = 33
+"""Of Mitsuba's longest path, in segments: 32 bounces of ours."""
+
+_LLVM = ("/usr/lib/*/libLLVM.so.2*", "/usr/lib/*/libLLVM.so.19*", "/usr/lib/llvm-*/lib/libLLVM.so*")
+# LLVM 15 and 16 end the process on some of Mitsuba's code ("Cannot select: fminimum").
+
+
+def is_installed() -> bool:
+    """Whether Mitsuba and an LLVM that it works with are there."""
+    return importlib.util.find_spec("mitsuba") is not None and bool(_llvm())
+
+
+def mitsuba() -> Any:
+    """The module, set to its LLVM variant."""
+    os.environ.setdefault("DRJIT_LIBLLVM_PATH", _llvm())
+    import mitsuba as mi
+
+    mi.set_variant("llvm_ad_rgb")
+    return mi
+
+
+def convert(scene: Scene, camera: Camera, size: tuple[int, int], depth: int = DEPTH) -> Any:
+    """A scene for `render`. Raises ValueError for what has no counterpart: spots, orthographic cameras."""
+    mi = mitsuba()
+    parts: dict[str, Any] = {"type": "scene", "integrator": {"type": "path", "max_depth": depth, "rr_depth": 4},
+                             "sensor": _sensor(mi, camera, size)}
+    if scene.environment is not None:
+        turn = 90 + np.degrees(scene.environment.rotation)
+        parts["environment"] = {"type": "envmap", "bitmap": mi.Bitmap(np.ascontiguousarray(scene.environment.radiance)),
+                                "scale": scene.environment.intensity,
+                                "to_world": mi.ScalarTransform4f().rotate([0, 1, 0], turn)}
+    for k, light in enumerate(scene.lights):
+        parts[f"light{k}"] = _light(light)
+    for k, instance in enumerate(scene.instances):
+        mesh = scene.meshes[instance.mesh]
+        if mesh.topology == "triangles":
+            parts[f"mesh{k}"] = _mesh(mi, mesh, scene.materials[mesh.material], instance.transform)
+    return mi.load_dict(parts)
+
+
+def render(scene: Any, spp: int, seed: int = 0) -> np.ndarray:
+    """Linear Rec. 709 radiance, (H, W, 3) float32, row 0 the top."""
+    return np.array(mitsuba().render(scene, spp=spp, seed=seed))[..., :3]
+
+
+def _llvm() -> str:
+    given = os.environ.get("DRJIT_LIBLLVM_PATH")
+    found = [given] if given else [path for pattern in _LLVM for path in sorted(glob.glob(pattern))]
+    return next((path for path in found if Path(path).exists()), "")
+
+
+def _sensor(mi: Any, camera: Camera, size: tuple[int, int]) -> dict[str, Any]:
+    if camera.height is not None:
+        raise ValueError("an orthographic camera")
+    pose = camera.pose @ np.diag([-1.0, 1.0, -1.0, 1.0])  # Mitsuba looks along +Z, with +X to the left
+    film = {"type": "hdrfilm", "width": size[0], "height": size[1], "rfilter": {"type": "box"}, "pixel_format": "rgb"}
+    return {"type": "perspective", "fov": float(np.degrees(camera.fov_y)), "fov_axis": "y", "near_clip": 1e-3,
+            "far_clip": 1e5, "to_world": mi.ScalarTransform4f(pose), "film": film,
+            "sampler": {"type": "independent"}}
+
+
+def _light(light: Light) -> dict[str, Any]:
+    power = {"type": "rgb", "value": [light.intensity * c for c in light.color]}
+    if light.kind == "point":
+        return {"type": "point", "position": list(light.position), "intensity": power}
+    if light.kind == "directional":
+        return {"type": "directional", "direction": list(light.direction), "irradiance": power}
+    raise ValueError(f"a light of kind {light.kind}")
+
+
+def _mesh(mi: Any, mesh: Mesh, material: Material, transform: np.ndarray) -> Any:
+    triangles = np.arange(len(mesh.positions)) if mesh.indices is None else mesh.indices
+    positions = mesh.positions @ transform[:3, :3].T + transform[:3, 3]
+    mirrored = np.linalg.det(transform[:3, :3]) < 0
+    triangles = triangles.reshape(-1, 3)[:, ::-1 if mirrored else 1]
+    properties = mi.Properties()
+    properties["bsdf"] = mi.load_dict(_bsdf(mi, material))
+    if max(material.emissive) > 0:
+        properties["emitter"] = mi.load_dict({"type": "area", "radiance": _color(
+            mi, material.emissive, material.emissive_texture)})
+    uvs = mesh.uvs[0] if mesh.uvs else None
+    out = mi.Mesh(mesh.name or "mesh", len(positions), len(triangles), has_vertex_normals=mesh.normals is not None,
+                  has_vertex_texcoords=uvs is not None, props=properties)
+    parameters = mi.traverse(out)
+    parameters["vertex_positions"] = np.ascontiguousarray(positions, np.float32).ravel()
+    parameters["faces"] = np.ascontiguousarray(triangles, np.uint32).ravel()
+    if mesh.normals is not None:
+        normals = mesh.normals @ np.linalg.inv(transform[:3, :3])
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        parameters["vertex_normals"] = np.ascontiguousarray(normals, np.float32).ravel()
+    if uvs is not None:
+        parameters["vertex_texcoords"] = np.ascontiguousarray(np.stack([uvs[:, 0], 1 - uvs[:, 1]], 1),
+                                                              np.float32).ravel()
+    parameters.update()
+    return out
+
+
+def _bsdf(mi: Any, material: Material) -> dict[str, Any]:
+    alpha = max(material.perceptual_roughness**2, 1e-4)
+    rough = {"distribution": "ggx", "alpha": alpha, "sample_visible": True}
+    color = _color(mi, material.base_color[:3], material.base_color_texture)
+    if getattr(material, "transmission", 0.0) == 1.0:
+        kind = {"type": "dielectric"} if material.perceptual_roughness == 0 else {"type": "roughdielectric", **rough}
+        return kind | {"int_ior": material.ior, "ext_ior": 1.0}
+    plain = material.metallic_roughness_texture is None and material.normal_texture is None
+    if plain and material.metallic == 0 and material.specular == 0:
+        return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": color}}
+    if plain and material.metallic == 1:
+        metal = {"type": "roughconductor", "material": "none", "eta": 0.0, "k": 1.0, "specular_reflectance": color}
+        return {"type": "twosided", "bsdf": metal | rough}
+    data = material.metallic_roughness_texture
+    bsdf = {"type": "principled", "specular": 0.5 * material.specular, "base_color": color,
+            "roughness": _data(mi, data, material.perceptual_roughness, "G"),
+            "metallic": _data(mi, data, material.metallic, "B")}
+    if material.normal_texture is not None:
+        texels = material.normal_texture.image.decode("RGB").astype(np.float32) / 255
+        bsdf = {"type": "normalmap", "normalmap": _bitmap(mi, texels), "bsdf": bsdf}
+    return {"type": "twosided", "bsdf": bsdf}
+
+
+def _color(mi: Any, factor: tuple[float, ...], texture: Texture | None) -> dict[str, Any]:
+    if texture is None:
+        return {"type": "rgb", "value": list(factor)}
+    texels = srgb_to_linear(texture.image.decode("RGB") / 255) * np.asarray(factor)
+    return _bitmap(mi, texels)
+
+
+def _data(mi: Any, texture: Texture | None, factor: float, channel: str) -> float | dict[str, Any]:
+    return factor if texture is None else _bitmap(mi, texture.image.decode(channel) / 255 * factor)
+
+
+def _bitmap(mi: Any, texels: np.ndarray) -> dict[str, Any]:
+    return {"type": "bitmap", "bitmap": mi.Bitmap(np.ascontiguousarray(texels, np.float32)), "raw": True,
+            "filter_type": "bilinear"}
