@@ -206,7 +206,7 @@ def test_being_stopped_leaves_nothing_and_the_old_handlers(run, folder, monkeypa
         os.kill(os.getpid(), number)
         time.sleep(5)
 
-    monkeypatch.setattr("viewer.image._write_exr", lambda path, linear: stopped(None, folder / "x"))
+    monkeypatch.setattr("viewer.image.write_exr", lambda *_: stopped(None, folder / "x"))
     outcome = run("render", MODEL, "-o", "a.exr", *SMALL)
     words = "interrupted" if number == signal.SIGINT else "terminated"
     assert (outcome.status, outcome.error) == (128 + number, words)

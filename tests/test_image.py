@@ -41,6 +41,37 @@ def test_exr_keeps_every_linear_bit(image, tmp_path):
     assert np.array_equal(Image.open(tmp_path / "a.exr").linear, image.linear)
 
 
+def test_layers_lie_beside_the_picture_in_one_exr(image, tmp_path):
+    import OpenImageIO as oiio
+
+    rng = np.random.default_rng(8)
+    shapes = {"samples": (13, 17), "normal": (13, 17, 3), "albedo": (13, 17, 3), "depth": (13, 17)}
+    layers = {name: rng.normal(0, 9, shape).astype(np.float32) for name, shape in shapes.items()}
+    layers["depth"][0, 0] = np.inf
+    replace(image, layers=layers, attributes={"denoised": "fast"}).save(tmp_path / "a.exr")
+    assert np.array_equal(Image.open(tmp_path / "a.exr").linear, image.linear)
+    source = oiio.ImageInput.open(str(tmp_path / "a.exr"))
+    names, pixels = source.spec().channelnames, source.read_image("float")
+    assert set(names) == {*"RGBA", "samples.Y", "normal.X", "normal.Y", "normal.Z", "albedo.R", "albedo.G", "albedo.B",
+                          "depth.Z"}
+    assert source.spec().get_string_attribute("denoised") == "fast"
+    for name, suffix in (("samples", "Y"), ("normal", "XYZ"), ("albedo", "RGB"), ("depth", "Z")):
+        stored = pixels[..., [names.index(f"{name}.{c}") for c in suffix]]
+        assert np.array_equal(stored.reshape(shapes[name]), layers[name])
+    assert leftovers(tmp_path) == ["a.exr"]
+
+
+def test_a_png_says_what_was_done_to_it(image, tmp_path):
+    replace(image, attributes={"denoised": "fast"}).save(tmp_path / "a.png")
+    assert Pillow.open(tmp_path / "a.png").text == {"denoised": "fast"}
+
+
+def test_a_layer_of_another_size_is_refused(image):
+    for layer in (np.zeros((2, 2), np.float32), np.zeros((13, 17)), np.zeros((13, 17, 2), np.float32)):
+        with pytest.raises(ValueError, match="layer depth"):
+            replace(image, layers={"depth": layer})
+
+
 def test_jpeg_lies_over_white(tmp_path):
     pixels = np.zeros((16, 32, 4), np.uint8)
     pixels[:, 16:] = 200, 100, 50, 255
@@ -119,7 +150,7 @@ def test_a_failing_encoder_leaves_the_old_file_and_nothing_else(image, tmp_path,
     def fail(*args, **options):
         raise failure
 
-    monkeypatch.setattr("viewer.image._write_exr" if suffix == ".exr" else "viewer.image.Image._encode", fail)
+    monkeypatch.setattr("viewer.image.write_exr" if suffix == ".exr" else "viewer.image.Image._encode", fail)
     with pytest.raises(OutputError if isinstance(failure, OSError) else failure):
         image.save(target)
     assert target.read_bytes() == b"old" and leftovers(tmp_path) == [target.name]

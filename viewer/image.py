@@ -12,6 +12,7 @@ import numpy as np
 
 from .atomic import atomic_write
 from .errors import InputError, OutputError
+from .exr import write_exr
 from .scene.color import linear_to_srgb, srgb_to_linear
 from .utf8_name import utf8_name
 
@@ -36,12 +37,16 @@ class Image:
 
     `linear` (H, W, 4) float32 is Rec. 709 radiance with associated (premultiplied) alpha, as EXR has it; `srgb`
     (H, W, 4) uint8 is what a screen shows, after exposure and tone map, with straight alpha, as PNG has it.
-    `stats` holds times and the plan of the render. `numpy.asarray(image)` is `linear`.
+    `stats` holds times and the plan of the render. `layers` are what a path tracer knows beside the colour, such as
+    "albedo", "depth": (H, W, 3) or (H, W) float32. `attributes` are what a file should say of the picture, for instance
+    that it was denoised. `numpy.asarray(image)` is `linear`.
     """
 
     linear: np.ndarray
     srgb: np.ndarray
     stats: dict[str, object] = field(default_factory=dict)
+    layers: dict[str, np.ndarray] = field(default_factory=dict)
+    attributes: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name, dtype in (("linear", np.float32), ("srgb", np.uint8)):
@@ -50,12 +55,15 @@ class Image:
                 raise ValueError(f"{name} is {array.dtype} {array.shape}, not {np.dtype(dtype)} (H, W, 4)")
         if self.linear.shape != self.srgb.shape:
             raise ValueError(f"linear is {self.linear.shape} and srgb {self.srgb.shape}")
+        for name, layer in self.layers.items():
+            if layer.dtype != np.float32 or layer.shape not in (self.srgb.shape[:2], (*self.srgb.shape[:2], 3)):
+                raise ValueError(f"layer {name} is {layer.dtype} {layer.shape}, not float32 (H, W) or (H, W, 3)")
 
     @classmethod
     def from_srgb(cls, pixels: np.ndarray) -> Image:
         """From displayed values, (H, W, 3 or 4) uint8 with straight alpha; `linear` is their exact sRGB decoding."""
         image = cls.__new__(cls)  # without `linear`, which most never ask for: it takes as long as a PNG
-        vars(image).update(srgb=_with_alpha(np.asarray(pixels, np.uint8), 255), stats={})
+        vars(image).update(srgb=_with_alpha(np.asarray(pixels, np.uint8), 255), stats={}, layers={}, attributes={})
         return image
 
     def __getattr__(self, name: str) -> np.ndarray:
@@ -97,9 +105,9 @@ class Image:
         return width, height
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Writes .png, .jpg, .jpeg, .webp (displayed) or .exr (linear float32), whole or not at all.
+        """Writes .png, .jpg, .jpeg, .webp (displayed) or .exr (linear float32, with the layers), whole or not at all.
 
-        JPEG has no alpha: the picture is laid over white, as a page would show it. WebP is lossless.
+        EXR and PNG hold the `attributes` too. JPEG has no alpha: the picture is laid over white, as a page would show it. WebP is lossless.
         Raises OutputError, in one line, where that fails.
         """
         suffix = Path(path).suffix.lower()
@@ -108,7 +116,7 @@ class Image:
                               f"there are {', '.join(WRITABLE)}")
         with atomic_write(path) as temporary:
             if suffix == ".exr":
-                _write_exr(temporary, self.linear)
+                write_exr(temporary, self.linear, self.layers, self.attributes)
             else:
                 temporary.write_bytes(self._encode(**_ENCODERS[suffix]))
 
@@ -123,6 +131,12 @@ class Image:
         pixels = self.srgb
         if options["format"] == "JPEG":
             pixels = (self.over(1) * 255 + 0.5).astype(np.uint8)
+        if options["format"] == "PNG" and self.attributes:
+            from PIL.PngImagePlugin import PngInfo
+
+            options["pnginfo"] = words = PngInfo()
+            for name, value in self.attributes.items():
+                words.add_text(name, value)
         encoded = io.BytesIO()
         try:
             Pillow.fromarray(pixels).save(encoded, **options)
@@ -195,15 +209,3 @@ def _read_linear(file: Path) -> np.ndarray:
 def _check_size(file: Path, width: int, height: int) -> None:
     if width * height > _MAX_PIXELS:
         raise InputError(file, "", f"{width}x{height} is more than {_MAX_PIXELS} pixels")
-
-
-def _write_exr(path: Path, linear: np.ndarray) -> None:
-    import OpenImageIO as oiio
-
-    height, width = linear.shape[:2]
-    spec = oiio.ImageSpec(width, height, 4, "float")
-    spec.attribute("compression", "zip")
-    target = oiio.ImageOutput.create("exr")
-    with utf8_name(path) as name:
-        if not (target.open(name, spec) and target.write_image(linear) and target.close()):
-            raise OSError(target.geterror())
