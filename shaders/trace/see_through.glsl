@@ -1,0 +1,19 @@
+// Whether a shadow ray goes through a see-through triangle: with probability 1 - coverage.
+#include "trace/material.glsl"
+
+// PCG4D, M. Jarzynski, M. Olano: Hash Functions for GPU Rendering, JCGT 9(3), 2020.
+uvec4 pcg4d(uvec4 v) {
+    v = v * 1664525u + 1013904223u;
+    v += v.yzxy * v.wxyz;
+    v ^= v >> 16u;
+    return v + v.yzxy * v.wxyz;
+}
+
+// The random number is of the ray (its `vector` differs from sample to sample) and the triangle alone: in whichever
+// order, and however often, the triangles of a ray are met, they decide the same.
+bool goes_through(Hit hit, vec3 vector) {
+    float coverage = coverage_at(hit);
+    uvec4 seed = pcg4d(uvec4(floatBitsToUint(vector), uint(hit.instance)));
+    uint random = pcg4d(seed ^ uvec4(uint(hit.triangle))).x;
+    return float(random >> 8) * (1.0 / 16777216.0) >= coverage;
+}

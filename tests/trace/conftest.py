@@ -1,0 +1,20 @@
+"""One context for all tests of a file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from viewer.errors import ContextError
+from viewer.gpu.context import Context, open_context
+
+
+@pytest.fixture(scope="module")
+def context() -> Iterator[Context]:
+    try:
+        opened = open_context()
+    except ContextError as error:
+        pytest.skip(str(error))
+    with opened:
+        yield opened

@@ -1,0 +1,89 @@
+"""Scenes and waves as the intersectors see them, without the rest of the tracer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+
+import moderngl
+import numpy as np
+
+
+@dataclass
+class Mesh:
+    positions: np.ndarray
+    triangles: np.ndarray
+
+
+@dataclass
+class Instance:
+    mesh: int
+    transform: np.ndarray
+    kind: int = 0
+    see_through: bool = False
+
+
+@dataclass
+class Geometry:
+    meshes: list[Mesh]
+    instances: list[Instance] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        if not self.instances:
+            self.instances = [Instance(index, np.eye(3, 4)) for index in range(len(self.meshes))]
+
+
+def mesh(positions: object, triangles: object) -> Mesh:
+    return Mesh(np.asarray(positions, np.float32).reshape(-1, 3), np.asarray(triangles, np.uint32).reshape(-1, 3))
+
+
+def sphere(rings: int, segments: int, radius: float = 1.0) -> Mesh:
+    """A closed one, whose triangles share their vertices."""
+    theta, phi = np.meshgrid(np.pi * np.arange(1, rings) / rings, 2 * np.pi * np.arange(segments) / segments, indexing="ij")
+    ring = np.stack([np.sin(theta) * np.cos(phi), np.cos(theta), np.sin(theta) * np.sin(phi)], -1).reshape(-1, 3)
+    positions = radius * np.concatenate([[(0, 1, 0)], ring, [(0, -1, 0)]])
+    row, column = np.meshgrid(np.arange(rings - 2), np.arange(segments), indexing="ij")
+    a, b = 1 + row * segments + column, 1 + row * segments + (column + 1) % segments
+    around = np.arange(segments)
+    last = len(positions) - 1
+    top = np.stack([np.zeros_like(around), 1 + (around + 1) % segments, 1 + around], 1)
+    bottom = np.stack([np.full_like(around, last), last - segments + around, last - segments + (around + 1) % segments], 1)
+    sides = np.stack([a, b, a + segments, b, b + segments, a + segments], -1).reshape(-1, 3)
+    return mesh(positions, np.concatenate([top, sides, bottom]))
+
+
+def soup(count: int, size: float, seed: int = 0) -> Mesh:
+    """Triangles here and there in the unit cube, none of them near another's edge but by chance."""
+    rng = np.random.default_rng(seed)
+    centers = rng.uniform(-1, 1, (count, 1, 3))
+    return mesh(centers + size * rng.normal(size=(count, 3, 3)), np.arange(3 * count))
+
+
+def make_wave(gl: moderngl.Context, size: tuple[int, int]) -> SimpleNamespace:
+    """Nothing in flight."""
+    names = ("origin", "direction", "shadow_origin", "shadow_vector")
+    textures = {name: gl.texture(size, 4, np.zeros((size[0] * size[1], 4), "f4").tobytes(), dtype="f4") for name in names}
+    wave = SimpleNamespace(**textures, hit=gl.texture(size, 4, dtype="u4"))
+    for texture in vars(wave).values():
+        texture.filter = moderngl.NEAREST, moderngl.NEAREST
+    return wave
+
+
+def fill(wave: SimpleNamespace, **states: np.ndarray) -> None:
+    """Write state textures from their first rows, (rays, 3 or 4) each; the rest is zero."""
+    for name, values in states.items():
+        texture = getattr(wave, name)
+        texels = np.zeros((texture.width * texture.height, 4), np.float32)
+        texels[: len(values), : values.shape[1]] = values
+        texture.write(texels)
+
+
+def trace(context: object, intersector: object, origin, direction, shadow_origin=None, shadow_vector=None) -> np.ndarray:
+    """(rays, 4) uint32 hit words of rays (rays, 3), through a wave just big enough."""
+    width = 256
+    wave = make_wave(context.gl, (width, -(-len(origin) // width)))
+    fill(wave, origin=np.c_[origin, np.ones(len(origin))], direction=np.asarray(direction))
+    if shadow_vector is not None:
+        fill(wave, shadow_origin=np.asarray(shadow_origin), shadow_vector=np.asarray(shadow_vector))
+    intersector.store(wave, intersector.trace(intersector.fetch(wave)))
+    return np.frombuffer(wave.hit.read(), np.uint32).reshape(-1, 4)[: len(origin)]

@@ -1,0 +1,104 @@
+"""Rays through Embree, as hits of instances."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from stand_ins import Geometry, Instance, fill, make_wave, mesh, sphere, trace
+
+from viewer.gpu.context import Context
+from viewer.trace.intersect import FREE, MISS, make_intersector
+
+pytest.importorskip("embreex")
+
+SQUARE = mesh([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], [(0, 1, 2), (0, 2, 3)])
+DOWN = np.array([(0.0, 0.0, -1.0)])
+
+
+def at(z: float) -> np.ndarray:
+    transform = np.eye(3, 4)
+    transform[2, 3] = z
+    return transform
+
+
+def test_a_hit_names_instance_kind_triangle_and_barycentrics(context: Context) -> None:
+    geometry = Geometry([SQUARE, SQUARE], [Instance(0, at(-0.5)), Instance(1, at(0.25), kind=1), Instance(0, at(0.0))])
+    embree = make_intersector(context, geometry, kind="embree")
+    (word,) = trace(context, embree, np.array([(-0.5, 0.5, 1.0)]), DOWN)
+    assert (word[0], word[1]) == (1 << 28 | 1, 1)
+    u, v = word[2:].view(np.float32)
+    # p = (1 - u - v) p0 + u p1 + v p2 of triangle (0, 2, 3)
+    assert (u, v) == pytest.approx((0.25, 0.5), abs=1e-6)
+    (word,) = trace(context, embree, np.array([(-0.5, 0.5, 0.1)]), DOWN)
+    assert (word[0], word[1]) == (2, 1)
+    (word,) = trace(context, embree, np.array([(-0.5, 0.5, 0.1)]), np.array([(1.0, 0.0, 0.0)]))
+    assert word[0] == MISS
+
+
+def test_shadow_rays_stop_before_the_light(context: Context) -> None:
+    embree = make_intersector(context, Geometry([SQUARE]), kind="embree")
+    origin = np.repeat([(0.3, 0.1, 1.0)], 4, axis=0)
+    vector = np.array([(0, 0, -1.0), (0, 0, -1.001), (0, 0, 1.0), (0, 0, 0)])
+    words = trace(context, embree, origin, np.repeat([(1.0, 0, 0)], 4, axis=0), origin, vector)
+    np.testing.assert_array_equal(words[:, 0] & FREE != 0, [True, False, True, False])
+    np.testing.assert_array_equal(words[:, 0] & ~np.uint32(FREE), MISS)
+
+
+def test_only_slots_that_have_rays_are_traced(context: Context) -> None:
+    embree = make_intersector(context, Geometry([SQUARE]), kind="embree")
+    wave = make_wave(context.gl, (16, 16))
+    states = np.array([0.0, 1.0, 2.0, 1.0])
+    origin = np.c_[np.repeat([(0.3, 0.1, 1.0)], 4, axis=0), states]
+    direction = np.repeat(DOWN, 4, axis=0)
+    fill(wave, origin=origin, direction=direction, shadow_origin=origin, shadow_vector=-direction * [[1], [0], [1], [1]])
+    answer = embree.trace(embree.fetch(wave))
+    assert (answer.alive, answer.rays) == (3, 4)
+    embree.store(wave, answer)
+    words = np.frombuffer(wave.hit.read(), np.uint32).reshape(-1, 4)[:5, 0]
+    np.testing.assert_array_equal(words, np.array([MISS, 0, MISS | FREE, FREE, MISS], np.uint32))
+
+
+def test_a_scene_without_triangles_is_all_miss(context: Context) -> None:
+    embree = make_intersector(context, Geometry([]), kind="embree")
+    origin = np.zeros((3, 3))
+    words = trace(context, embree, origin, np.repeat(DOWN, 3, axis=0), origin, np.repeat(DOWN, 3, axis=0))
+    np.testing.assert_array_equal(words[:, 0], np.uint32(MISS | FREE))
+
+
+def test_many_instances_keep_their_numbers(context: Context) -> None:
+    rng = np.random.default_rng(5)
+    places = rng.uniform(-0.9, 0.9, (3000, 3))
+    small = [np.c_[0.001 * np.eye(3), place] for place in places]
+    geometry = Geometry([sphere(4, 6), SQUARE], [Instance(i % 2, transform) for i, transform in enumerate(small)])
+    embree = make_intersector(context, geometry, kind="embree")
+    target = rng.permutation(3000)[:500]
+    # From just above, a little off the spheres' poles and the squares' diagonals.
+    words = trace(context, embree, places[target] + (2e-4, 3e-4, 0.002), np.repeat(DOWN, 500, axis=0))
+    np.testing.assert_array_equal(words[:, 0], target)
+
+
+class Panes:
+    """Of a stand-in for the material: instance 0 lets all through, 1 nothing, 2 a part."""
+
+    switches: dict[str, int] = {}
+
+    def __init__(self) -> None:
+        self.asked = 0
+
+    def passes(self, words: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+        self.asked += len(words)
+        return words[:, 0] & 0xF == 0
+
+
+def test_shadow_rays_go_through_what_lets_them(context: Context, monkeypatch: pytest.MonkeyPatch) -> None:
+    panes = Panes()
+    monkeypatch.setattr("viewer.trace.embree.SeeThrough", lambda context, surfaces: panes)
+    instances = [Instance(0, at(0.5), see_through=True), Instance(0, at(0.0), see_through=True), Instance(0, at(-0.5))]
+    embree = make_intersector(context, Geometry([SQUARE], instances), SimpleNamespace(), kind="embree")
+    origin = np.repeat([(0.3, 0.1, 1.0)], 4, axis=0)
+    vector = DOWN * [[0.4], [0.9], [1.2], [1.9]]
+    words = trace(context, embree, origin, np.repeat(DOWN, 4, axis=0), origin, vector)
+    np.testing.assert_array_equal(words[:, 0], np.array([FREE, FREE, 0, 0], np.uint32))  # and the nearest hit is a pane
+    assert panes.asked == 3  # the first ray ends before, the last one meets something solid

@@ -1,0 +1,181 @@
+"""Rays through Embree, for where OpenGL is software anyway.
+
+embreex has no instances: every instance's triangles are put into tracer space in float64, rounded to float32 and kept
+by Embree once more. Its robust mode is used, in which no ray slips through an edge that triangles share; it costs a
+fifth of the speed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import embreex
+import numpy as np
+from embreex.mesh_construction import TriangleMesh
+from embreex.rtcore_scene import EmbreeScene
+from numpy.typing import NDArray
+
+from ..gpu.context import Context
+from .intersect import FREE, KIND_SHIFT, MISS, SHADOW_REACH, Answer, WaveTextures
+from .see_through import MAX_LAYERS, SeeThrough
+
+if TYPE_CHECKING:
+    from .geometry import TraceGeometry, TraceInstance
+
+_CHUNK = 1 << 20  # vertices that are transformed at a time
+
+
+@dataclass
+class Rays:
+    """A wave's rays on this side, (slots, 4) float32 each, as the textures have them."""
+
+    origin: NDArray[np.float32]
+    direction: NDArray[np.float32]
+    shadow_origin: NDArray[np.float32]
+    shadow_vector: NDArray[np.float32]
+
+
+class EmbreeIntersector:
+    """See `viewer.trace.intersect.Intersector`."""
+
+    def __init__(self, context: Context, geometry: TraceGeometry, surfaces: Any = None) -> None:
+        self.name = "embree " + ".".join(embreex.__version__.split(".")[:2])
+        numbered = list(enumerate(geometry.instances))
+        self._solid = _Triangles(geometry, [pair for pair in numbered if not pair[1].see_through])
+        self._see_through = _Triangles(geometry, [pair for pair in numbered if pair[1].see_through])
+        self._coverage = SeeThrough(context, surfaces) if self._see_through.count else None
+        self._rays: Rays | None = None
+
+    def fetch(self, wave: WaveTextures) -> Rays:
+        slots = wave.origin.width * wave.origin.height
+        if self._rays is None or len(self._rays.origin) != slots:
+            self._rays = Rays(*(np.empty((slots, 4), np.float32) for _ in range(4)))
+        rays = self._rays
+        wave.origin.read_into(rays.origin)
+        wave.direction.read_into(rays.direction)
+        wave.shadow_origin.read_into(rays.shadow_origin)
+        wave.shadow_vector.read_into(rays.shadow_vector)
+        return rays
+
+    def trace(self, rays: Rays) -> Answer:
+        words = np.empty((len(rays.origin), 4), np.uint32)
+        words[:] = (MISS, 0, 0, 0)
+        state = rays.origin[:, 3]
+        moving = np.flatnonzero(state == 1)
+        self._nearest(words, moving, _rows(rays.origin, moving), _rows(rays.direction, moving))
+        vector = rays.shadow_vector
+        shadowed = np.flatnonzero((state != 0) & ((vector[:, 0] != 0) | (vector[:, 1] != 0) | (vector[:, 2] != 0)))
+        free = self._free(_rows(rays.shadow_origin, shadowed), _rows(vector, shadowed))
+        words[shadowed[free], 0] |= FREE
+        return Answer(int(np.count_nonzero(state)), len(moving) + len(shadowed), words)
+
+    def store(self, wave: WaveTextures, answer: Answer) -> None:
+        wave.hit.write(answer.words)
+
+    def _nearest(self, words: NDArray, slots: NDArray, origins: NDArray, directions: NDArray) -> None:
+        """Put the nearest hits into the slots' words."""
+        if not len(slots):
+            return
+        found = self._solid.intersect(origins, directions)
+        words[slots] = self._solid.words(found)
+        if self._see_through.count:
+            nearer = self._see_through.intersect(origins, directions, found["tfar"])
+            (hit,) = np.nonzero(nearer["primID"] >= 0)
+            words[slots[hit]] = self._see_through.words(nearer)[hit]
+
+    def _free(self, origins: NDArray, vectors: NDArray) -> NDArray[np.bool_]:
+        """Which shadow rays meet nothing."""
+        free = ~self._solid.occluded(origins, vectors)
+        if self._coverage is None:
+            return free
+        # Layer after layer: Embree gives the nearest triangle in the way, the shaders its coverage.
+        pending = np.flatnonzero(free)
+        start, reach = origins[pending], np.full(len(pending), SHADOW_REACH, np.float32)
+        vector = vectors[pending]
+        for _ in range(MAX_LAYERS):
+            found = self._see_through.intersect(start, vector, reach.copy())
+            (hit,) = np.nonzero(found["primID"] >= 0)
+            if not len(hit):
+                return free
+            words = self._see_through.words(found)[hit]
+            passes = self._coverage.passes(words, vectors[pending[hit]])
+            free[pending[hit[~passes]]] = False
+            pending, vector = pending[hit[passes]], vector[hit[passes]]
+            step = found["tfar"][hit[passes]] + _STEP / np.linalg.norm(vector, axis=1)
+            start, reach = start[hit[passes]] + step[:, None] * vector, reach[hit[passes]] - step
+        free[pending] = False
+        return free
+
+
+_STEP = 1e-6
+"""From one see-through triangle to the next, tracer units. Meeting the same one again does no harm: it says the same."""
+
+
+class _Triangles:
+    """Some of the instances as one Embree scene, and the way back from its triangles to theirs."""
+
+    def __init__(self, geometry: TraceGeometry, instances: list[tuple[int, TraceInstance]]) -> None:
+        vertices, triangles, self._words = _flatten(geometry, instances)
+        self.count = len(triangles)
+        if self.count:
+            self._scene = EmbreeScene(robust=True)
+            self._mesh = TriangleMesh(self._scene, vertices, triangles)
+            self.occluded(vertices[:1], vertices[:1])  # the first rays build it
+
+    def intersect(self, origins: NDArray, directions: NDArray, reach: NDArray | None = None) -> dict[str, NDArray]:
+        """The nearest hits, (rays,) each of `primID` (-1: none), `u`, `v` and `tfar`, which is `reach` written over."""
+        if not self.count or not len(origins):
+            nothing = np.full(len(origins), np.inf, np.float32)
+            return {"primID": np.full(len(origins), -1), "u": nothing, "v": nothing, "tfar": nothing}
+        return self._scene.run(origins, directions, reach, query="INTERSECT", output=True)
+
+    def occluded(self, origins: NDArray, vectors: NDArray) -> NDArray[np.bool_]:
+        """Whether anything lies on the vectors, their ends left out."""
+        if not self.count or not len(origins):
+            return np.zeros(len(origins), bool)
+        return self._scene.run(origins, vectors, SHADOW_REACH, query="OCCLUDED") >= 0
+
+    def words(self, found: dict[str, NDArray]) -> NDArray[np.uint32]:
+        """Hits as the hit texture has them, (rays, 4)."""
+        words = np.empty((len(found["primID"]), 4), np.uint32)
+        words[:, :2] = self._words[found["primID"]]
+        words[:, 2] = found["u"].view(np.uint32)
+        words[:, 3] = found["v"].view(np.uint32)
+        return words
+
+
+def _rows(texels: NDArray[np.float32], slots: NDArray[np.intp]) -> NDArray[np.float32]:
+    """xyz of some slots, (len(slots), 3); of all of them without a copy."""
+    return texels[:, :3] if len(slots) == len(texels) else texels[slots][:, :3]
+
+
+def _flatten(
+    geometry: TraceGeometry, instances: list[tuple[int, TraceInstance]]
+) -> tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.uint32]]:
+    """Vertices (V, 3) in tracer space, triangles (T, 3), and (T + 1, 2) the first two words of a hit of each.
+
+    The last words are those of no hit, so that Embree's -1 finds them.
+    """
+    by_mesh: dict[int, list[tuple[int, TraceInstance]]] = {}
+    for index, instance in instances:
+        by_mesh.setdefault(instance.mesh, []).append((index, instance))
+    vertices, triangles, words, first = [np.empty((0, 3), np.float32)], [np.empty((0, 3), np.int32)], [], 0
+    for mesh_index, placed in by_mesh.items():
+        mesh = geometry.meshes[mesh_index]
+        size, count = len(mesh.positions), len(mesh.triangles)
+        if not size or not count:
+            continue
+        matrices = np.array([instance.transform for _, instance in placed])
+        for chunk in np.array_split(matrices, -(-len(matrices) * size // _CHUNK)):
+            moved = mesh.positions.astype(np.float64) @ chunk[:, :, :3].transpose(0, 2, 1) + chunk[:, None, :, 3]
+            vertices.append(moved.astype(np.float32).reshape(-1, 3))
+        firsts = first + size * np.arange(len(placed), dtype=np.int32)
+        triangles.append((mesh.triangles.astype(np.int32) + firsts[:, None, None]).reshape(-1, 3))
+        codes = np.array([instance.kind << KIND_SHIFT | index for index, instance in placed], np.uint32)
+        pairs = np.empty((len(placed), count, 2), np.uint32)
+        pairs[..., 0], pairs[..., 1] = codes[:, None], np.arange(count)
+        words.append(pairs.reshape(-1, 2))
+        first += size * len(placed)
+    words.append(np.array([(MISS, 0)], np.uint32))
+    return np.concatenate(vertices), np.concatenate(triangles), np.concatenate(words)
