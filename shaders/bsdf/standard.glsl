@@ -66,3 +66,16 @@ vec3 interface_response(Interface face, vec3 F, float dv, vec2 dfg_light) {
 vec3 base_response(Interface face, vec3 base_color, vec2 dfg_light) {
     return f_lambert(base_color) * (face.through * transmitted(face, dfg_light) * float(SHOW_DIFFUSE));
 }
+
+// F of a dielectric. FRESNEL = 1 (exact) takes Fresnel's curve at this index for Schlick's from f0 to f90; metals keep
+// Schlick, their files give only f0.
+vec3 dielectric_fresnel(Interface face, float mu, float ior) {
+#if FRESNEL == 1
+    float f0 = (ior - 1.0) / (ior + 1.0);
+    f0 *= f0;
+    float exact = f_dielectric(mu, ior);
+    return mix(face.f0, face.f90, clamp((exact - f0) / max(1.0 - f0, 1e-6), 0.0, 1.0));
+#else
+    return f_schlick(face.f0, face.f90, mu);
+#endif
+}

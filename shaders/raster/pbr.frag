@@ -43,18 +43,6 @@ vec3 dielectric_f0(float weight, vec3 tint) {
     return min(f0 * f0 * tint, 1.0) * weight;
 }
 
-// What FRESNEL = 1 (exact) makes of Schlick's value for a dielectric; metals keep Schlick, their files give only f0.
-vec3 dielectric_fresnel(Interface face, float mu) {
-#if FRESNEL == 1
-    float f0 = (u_ior - 1.0) / (u_ior + 1.0);
-    f0 *= f0;
-    float exact = f_dielectric(mu, u_ior);
-    return mix(face.f0, face.f90, clamp((exact - f0) / max(1.0 - f0, 1e-6), 0.0, 1.0));
-#else
-    return f_schlick(face.f0, face.f90, mu);
-#endif
-}
-
 #if LIGHT_COUNT > 0
 vec3 shade_light(int i, Surface s, vec3 n_geometric) {
     vec3 l;
@@ -77,7 +65,7 @@ vec3 shade_light(int i, Surface s, vec3 n_geometric) {
     vec3 f = vec3(0.0);
 #if METALNESS != 1
     f += (METALNESS == 2 ? 1.0 - s.metallic : 1.0)
-       * (interface_response(s.dielectric, dielectric_fresnel(s.dielectric, VoH), dv, dfg)
+       * (interface_response(s.dielectric, dielectric_fresnel(s.dielectric, VoH, u_ior), dv, dfg)
           + base_response(s.dielectric, s.base_color, dfg));
 #endif
 #if METALNESS != 0

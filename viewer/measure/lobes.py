@@ -159,9 +159,10 @@ LOBES: tuple[Lobe, ...] = (
     Lobe("dielectric", "dielectric", "dielectric", {"eta": Range(0.4, 3.0, ETAS), "alpha": ALPHA_2},
          {"eta": 1.5, "alpha": 0.5}, {"furnace": _LOST}, transmits=True),
     Lobe("standard", "standard", "standard",
-         {"base_color": COLOR, "metallic": UNIT, "f0": F0, "f90": UNIT, "alpha": ALPHA},
-         {"base_color": 1.0, "metallic": 1.0, "f0": 0.04, "f90": 1.0, "alpha": 0.5},
-         defines={"NDF": 0, "MASKING": 0, **_SHOW_ALL}),
+         {"base_color": COLOR, "metallic": UNIT, "f0": F0, "f90": UNIT, "alpha": ALPHA,
+          "ior": Range(1.0, 3.0, (0.0, 1.0, 1.5))},
+         {"base_color": 1.0, "metallic": 1.0, "f0": 0.04, "f90": 1.0, "alpha": 0.5, "ior": 1.5},
+         defines={"NDF": 0, "MASKING": 0, "FRESNEL": 0, **_SHOW_ALL}),
     *_MICROFACETS,
 )
 """All of them, the comparisons of microfacet.glsl last."""
