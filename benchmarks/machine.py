@@ -18,14 +18,20 @@ def facts(named: dict[str, Run], phases: dict[str, Rounds]) -> dict[str, object]
     """The machine, its load while measuring, and the renderer and versions that the programs named."""
     loads = [run["load"] for rounds in phases.values() for several in rounds.values() for run in several
              if "load" in run]
+    return here() | {
+        "load average": f"{min(loads)} to {max(loads)}" if loads else "unknown",
+        "renderer": named.get(OURS, {}).get("renderer", "unknown"),
+        "versions": ", ".join(f"{name} {run['version']}" for name, run in named.items() if "version" in run),
+    }
+
+
+def here() -> dict[str, object]:
+    """This machine, this moment and this commit."""
     return {
         "date": time.strftime("%Y-%m-%d %H:%M"),
         "processor": f"{_processor()}, {len(os.sched_getaffinity(0))} cores",
         "system": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
-        "load average": f"{min(loads)} to {max(loads)}" if loads else "unknown",
         "commit": _commit(),
-        "renderer": named.get(OURS, {}).get("renderer", "unknown"),
-        "versions": ", ".join(f"{name} {run['version']}" for name, run in named.items() if "version" in run),
     }
 
 

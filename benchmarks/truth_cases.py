@@ -1,0 +1,62 @@
+"""Scenes another renderer has solved already: scene.glb, case.json and reference.exr in a folder each."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+import viewer
+from viewer.image import Image
+from viewer.measure.relmse import reduced
+from viewer.scene.camera import Camera
+from viewer.scene.scene import Scene
+from viewer.settings import Settings
+
+from .shot import REPOSITORY
+
+FOLDER = REPOSITORY.parent / "shared" / "truth"
+ENVIRONMENTS = REPOSITORY.parent / "shared" / "corpus" / "environments"
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """`reference` is linear radiance (H, W, 3) float64; `floor` the relMSE of its own noise at `spp` samples."""
+
+    name: str
+    scene: Scene
+    camera: Camera
+    settings: dict[str, object]
+    reference: np.ndarray
+    floor: float
+    spp: int
+
+    @property
+    def size(self) -> tuple[int, int]:
+        height, width = self.reference.shape[:2]
+        return width, height
+
+    def small(self, factor: int) -> Case:
+        """In 1/factor of the size, by a box filter; the noise of factor^2 pixels goes into one."""
+        return replace(self, reference=reduced(self.reference, factor), floor=self.floor / factor**2)
+
+    def with_settings(self, **more: object) -> Settings:
+        return Settings.of(mode="path", **(self.settings | more))
+
+
+def names(folder: Path = FOLDER) -> list[str]:
+    """The cases in `folder`; none where it does not exist."""
+    return sorted(file.parent.name for file in folder.glob("*/case.json"))
+
+
+def load_case(name: str, folder: Path = FOLDER, environments: Path = ENVIRONMENTS) -> Case:
+    """Raises FileNotFoundError and InputError."""
+    case = json.loads((folder / name / "case.json").read_text())
+    environment = None if case["env"] == "none" else environments / case["env"]
+    scene = viewer.load(folder / name / "scene.glb", environment=environment)
+    camera = Camera.look_at(case["eye"], case["target"], fov_y=np.radians(case["fov"]))
+    reference = Image.open(folder / name / "reference.exr").linear[..., :3].astype(np.float64)
+    settings = case["set"] | {"background": case["background"]}
+    return Case(name, scene, camera, settings, reference, case["relmse_floor"], case["spp"])
