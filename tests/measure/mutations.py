@@ -77,8 +77,10 @@ MUTATIONS = [
     Mutation("sRGB by pow 2.2", "display/srgb.glsl", "return mix(high, low, vec3(lessThanEqual(c, vec3(0.0031308))));",
              "return pow(c, vec3(1.0 / 2.2));", values("srgb_from_linear")),
     Mutation("transmission with the reflection's G2", "bsdf/lobe/dielectric.glsl",
-             "float g2 = beta(1.0 + lambda_ggx_local(wo, a), 1.0 + lambda_ggx_local(wi, a));",
+             "float g2 = g2_through_ggx(lambda_ggx_local(wo, a), lambda_ggx_local(wi, a));",
              "float g2 = 1.0 / (1.0 + lambda_ggx_local(wo, a) + lambda_ggx_local(wi, a));", lobe_values),
+    Mutation("a wall of one face", "bsdf/lobe/thin_dielectric.glsl", "return 2.0 * R / (1.0 + R);", "return R;",
+             lobe_values),
 ]
 
 

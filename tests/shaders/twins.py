@@ -211,18 +211,40 @@ def conductor(m, wo, wi):
     return dv[..., None] * fresnel(VoH[..., None], index) + kulla_conty(_one_alpha(m), mean, wo[..., 2], wi[..., 2])
 
 
-def dielectric(m, wo, wi):
+def separable(alpha, wo, wi):
+    """G1(o) G1(i), Heitz 2014, eq. 98."""
+    return 1 / ((1 + ggx_lambda(wo, alpha)) * (1 + ggx_lambda(wi, alpha)))
+
+
+def glass_reflection(alpha, wo, wi, is_separable):
+    """D G2 / (4 NoV NoL) and VoH, under either masking."""
+    dv, VoH = ggx_reflection(alpha, wo, wi)
+    if is_separable:
+        dv = ggx_d(unit(wo + wi), alpha) * separable(alpha, wo, wi) / (4 * wo[..., 2] * wi[..., 2])
+    return dv, VoH
+
+
+def dielectric(m, wo, wi, is_separable=False):
     """Walter et al. 2007, eqs. 20 and 21, light from wi (index eta) to wo (index 1), with Heitz 2016's masking."""
     eta, alpha = m["eta"], m["alpha"]
-    reflected, VoH = ggx_reflection(alpha, wo, wi)
+    reflected, VoH = glass_reflection(alpha, wo, wi, is_separable)
     reflected = reflected * fresnel(VoH, eta)
     h = -unit(wo + eta[..., None] * wi)
     h = h * np.sign(h[..., 2:])
     o_h, i_h = dot(wo, h), dot(wi, h)
-    g2 = beta(1 + ggx_lambda(wo, alpha), 1 + ggx_lambda(wi, alpha))
+    g2 = separable(alpha, wo, wi) if is_separable else beta(1 + ggx_lambda(wo, alpha), 1 + ggx_lambda(wi, alpha))
     through = np.abs(i_h * o_h / (wi[..., 2] * wo[..., 2])) * (1 - fresnel(np.abs(o_h), eta)) * g2 * ggx_d(h, alpha)
     through = np.where((o_h > 0) & (i_h < 0), through / (eta * i_h + o_h) ** 2, 0)
     return np.where(wi[..., 2] > 0, reflected, through)[..., None]
+
+
+def thin_dielectric(m, wo, wi, is_separable=False):
+    """KHR_materials_transmission's mirrored lobe, with what goes to and fro inside added up bounce by bounce."""
+    dv, VoH = glass_reflection(m["alpha"], wo, wi * np.where(wi[..., 2:] < 0, [1, 1, -1], 1), is_separable)
+    R, there = fresnel(VoH, m["eta"]), 0.0
+    for k in range(4000):
+        there = there + R ** (2 * k) * (1 - R) ** 2
+    return (dv * np.where(wi[..., 2] > 0, 1 - there, there))[..., None]
 
 
 def standard(m, wo, wi):

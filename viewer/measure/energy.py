@@ -10,7 +10,7 @@ import numpy as np
 
 from .checks import Check
 from .chi_squared import critical_value, statistic
-from .half_vector import bin_coordinates, binned_grid, reflected_grid, refracted_grid
+from .half_vector import Directions, bin_coordinates, binned_grid, mirrored, reflected_grid, refracted_grid
 
 NOV = (1.0, 0.7, 0.4, 0.15, 0.05)
 AZIMUTH = 0.7  # of wo: on neither tangent
@@ -31,7 +31,8 @@ class LobeCase:
     `lobe` has eval(m, wo, wi), and as `provides` says sample(m, wo, u), pdf(m, wo, wi) and albedo(m, NoV).
 
     `white` tells for each set whether it absorbs nothing, and so owes a furnace of 1 to `furnace_bound`; `expected`
-    names the checks the model is known to fail. `passes` sets let light through, by the index of refraction in `eta`.
+    names the checks the model is known to fail. Light goes through, refracted by the sets' `eta`, or where the lobe
+    `mirrors`, as if reflected and seen in the surface's plane.
     """
 
     name: str
@@ -43,6 +44,11 @@ class LobeCase:
     albedo_bound: float = 0.01
     provides: frozenset[str] = frozenset({"sample", "pdf", "albedo"})
     eta: np.ndarray | None = None
+    mirrors: bool = False
+
+    @property
+    def transmits(self) -> bool:
+        return self.mirrors or self.eta is not None
 
     @property
     def sets(self) -> int:
@@ -92,6 +98,8 @@ class _Integral:
             # Beyond the surface radiance is eta^2 times what power per solid angle makes of it.
             eta = np.repeat(case.eta, len(NOV))
             grids.append((refracted_grid(wo, eta, nodes), eta**2))
+        if case.mirrors:
+            grids.append((mirrored(grids[0][0]), np.ones(len(wo))))
         values = case.repeated(len(NOV))
         self.of_light, self.of_view, self.of_pdf = np.zeros((len(wo), 3)), np.zeros((len(wo), 3)), np.zeros(len(wo))
         for grid, compression in grids:
@@ -126,7 +134,7 @@ def _check_pairs(case: LobeCase) -> Iterator[Check]:
     s = np.sqrt(1 - cosines**2)
     wi = np.stack([np.multiply.outer(s, np.cos(turns)), np.multiply.outer(s, np.sin(turns)),
                    np.repeat(cosines[:, None], len(turns), axis=1)], axis=-1).reshape(-1, 3)
-    if case.eta is not None:
+    if case.transmits:
         wi = np.concatenate([wi, wi * [1, 1, -1]])
     values = case.repeated(len(wo))
     wo_all, wi_all = np.tile(wo, (case.sets, 1))[:, None], np.broadcast_to(wi, (case.sets * len(wo), *wi.shape))
@@ -171,13 +179,16 @@ def _check_weights(case: LobeCase, wo: np.ndarray, drawn: Drawn, kept: np.ndarra
 
 def _check_histogram(case: LobeCase, wo: np.ndarray, drawn: Drawn, kept: np.ndarray) -> Iterator[Check]:
     tests = []
-    sides: list[tuple[np.ndarray | None, np.ndarray]] = [(None, drawn["flags"] & TRANSMISSION == 0)]
-    if case.eta is not None:
-        sides.append((np.repeat(case.eta, len(NOV)), drawn["flags"] & TRANSMISSION != 0))
     values = case.repeated(len(NOV))
-    for eta, side in sides:
-        expected = _expected_counts(case.lobe, values, wo, eta, case.is_anisotropic) * drawn["wi"].shape[1]
-        x, phi = bin_coordinates(wo, drawn["wi"], eta)
+    for transmitted in (False, True) if case.transmits else (False,):
+        side = (drawn["flags"] & TRANSMISSION != 0) == transmitted
+        eta = np.repeat(case.eta, len(NOV)) if transmitted and case.eta is not None else None
+        grid = binned_grid(wo, BINS, eta, case.is_anisotropic)
+        wi = drawn["wi"]
+        if transmitted and case.mirrors:
+            grid, wi = mirrored(grid), wi * [1, 1, -1]
+        expected = _expected_counts(case.lobe, values, wo, grid) * drawn["wi"].shape[1]
+        x, phi = bin_coordinates(wo, wi, eta)
         for k in range(len(wo)):
             mine = kept[k] & side[k]
             if mine.any() or expected[k].sum() > 1:
@@ -191,10 +202,8 @@ def _check_histogram(case: LobeCase, wo: np.ndarray, drawn: Drawn, kept: np.ndar
         yield _row(case, "samples follow pdf", ratios, 1.0, wo, note=note)
 
 
-def _expected_counts(lobe: Any, values: Mapping[str, Any], wo: np.ndarray, eta: np.ndarray | None,
-                     fine: bool) -> np.ndarray:
-    """The pdf's integral over each bin, (K, bins)."""
-    grid = binned_grid(wo, BINS, eta, fine)
+def _expected_counts(lobe: Any, values: Mapping[str, Any], wo: np.ndarray, grid: Directions) -> np.ndarray:
+    """The pdf's integral over each bin of a binned grid, (K, bins)."""
     density = _lit(lobe.pdf(values, wo[:, None], grid.wi), grid.solid_angle)
     return (density * grid.solid_angle).reshape(len(wo), BINS[0] * BINS[1], -1).sum(axis=2)
 

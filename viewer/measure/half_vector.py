@@ -58,6 +58,11 @@ def refracted_grid(wo: np.ndarray, eta: np.ndarray, azimuth_nodes: int = AZIMUTH
     return Directions(wi, jacobian * weight)
 
 
+def mirrored(directions: Directions) -> Directions:
+    """The same seen in the surface's plane, from z to -z: beyond a thin wall."""
+    return Directions(directions.wi * [1, 1, -1], directions.solid_angle)
+
+
 def reflect(wo: np.ndarray, theta: np.ndarray, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """wi (K, Q, 3) and dwi / dh (K, Q), 0 where h faces away or wi lies below."""
     h = _half_vector(wo, theta, phi)

@@ -20,7 +20,8 @@ _CHECKS = {"energy": "reflects at most all", "furnace": "white furnace", "recipr
 # The table of albedos knows one alpha, to which the geometric mean of the two is not quite the answer.
 _ANISOTROPIC_FAILURES = {"white furnace", "albedo"}
 _KULLA_CONTY = {"metal", "conductor"}
-_TABULATED = {"ggx", "turquin", "fdez_aguera", "standard", "microfacet", "lambert", "burley", "eon"}
+_TABULATED = {"ggx", "turquin", "fdez_aguera", "standard", "microfacet", "lambert", "burley", "eon",
+              "thin_dielectric"}
 
 
 def lobe_cases() -> list[LobeCase]:
@@ -55,13 +56,14 @@ def _case(lobe: Lobe, white: Sequence[dict], drawn: bool) -> LobeCase:
                     np.arange(len(arrays[next(iter(arrays))])) < len(white), expected,
                     2e-3 if lobe.name in _KULLA_CONTY else FURNACE_BOUND,
                     0.01 if lobe.prefix in _TABULATED else 0.05,  # the others take 32 or 64 samples
-                    eta=arrays["eta"] if lobe.transmits else None)
+                    eta=arrays["eta"] if lobe.transmits == "refracted" else None, mirrors=lobe.transmits == "mirrored")
 
 
 def _white_sets(lobe: Lobe) -> list[dict]:
     swept = [name for name in lobe.parameters if name in _SWEPT]
     if lobe.transmits:
-        return [{**lobe.white, "eta": eta, "alpha": alpha} for eta in _ETA for alpha in (0.05, 0.3, 1.0)]
+        return [{**lobe.white, "eta": eta, "alpha": alpha} for eta in _ETA if eta >= lobe.parameters["eta"].low
+                for alpha in (0.05, 0.3, 1.0)]
     if "alpha" in lobe.parameters:
         return [{**lobe.white, "alpha": alpha} for alpha in ALPHA]
     return [{**lobe.white, swept[0]: value} for value in _SWEPT[swept[0]]] if swept else [dict(lobe.white)]

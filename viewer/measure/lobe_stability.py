@@ -30,6 +30,7 @@ class _Lobe:
     exact: Callable[..., np.ndarray]
     bound: float
     eta: np.ndarray | None = None
+    mirrors: bool = False
     floor: float = 0.0
     """A smaller value counts as this one: EON towards the light behind is 1 - 1, and relative to nothing."""
 
@@ -44,6 +45,7 @@ def check_lobe_stability() -> Iterator[Check]:
         m = {name: np.tile(value, (len(NOV), *[1] * (value.ndim - 1)))[:, None]
              for name, value in case.parameters.items()}
         wi, valid = _half_vector_grid(wo, None if case.eta is None else np.tile(case.eta, len(NOV)))
+        wi = wi * [1, 1, -1] if case.mirrors else wi
         found = lobe.eval(lobe.struct(**m), wo[:, None], wi)[..., 0].astype(np.float64)
         with np.errstate(all="ignore"):
             exact = case.exact(np.broadcast_to(wo[:, None], wi.shape), wi, **m)
@@ -54,7 +56,7 @@ def check_lobe_stability() -> Iterator[Check]:
         worst = np.unravel_index(np.argmax(error), error.shape)
         ulp = np.abs(found[worst] - exact[worst]) / np.spacing(np.float32(max(exact[worst], 1e-30)))
         place = ", ".join(f"{name} {np.array2string(value[worst[0], 0], precision=3)}" for name, value in m.items())
-        what = f"{case.name}, transmitted" if case.eta is not None else case.name
+        what = f"{case.name}, transmitted" if case.mirrors or case.eta is not None else case.name
         yield Check("float32", f"{what}, all directions", float(error[worst]), case.bound,
                     note=f"{ulp:.0f} ulp; worst at NoV {wo[worst[0], 2]:.2g}, {place}")
 
@@ -74,6 +76,8 @@ def _lobes() -> Iterator[_Lobe]:
     # At eta 1.05 the half vector has lost a digit and a half, and alpha takes as many again.
     yield _Lobe("dielectric", {"eta": eta, "alpha": alpha},
                 lambda wo, wi, eta, alpha: reference.ggx_transmission(wo, wi, alpha, eta), 1e-2, eta)
+    yield _Lobe("thin_dielectric", {"eta": eta, "alpha": alpha},
+                lambda wo, wi, eta, alpha: reference.thin_wall(wo, wi, alpha, eta), 1e-4, mirrors=True)
 
 
 def _half_vector_grid(wo: np.ndarray, eta: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -60,7 +60,8 @@ class Lobe:
 
     `white` are the parameters for the white furnace, in which `loses` tells whether light is lost by design.
     `failures` are checks the model is known to fail, each with the reason: energy (reflects more than it gets),
-    furnace (white, and reflects less), reciprocity.
+    furnace (white, and reflects less), reciprocity. `transmits` is how light goes on beyond the surface: refracted by
+    the struct's eta, or mirrored, in the direction it would be reflected to seen in the surface's plane.
     """
 
     name: str
@@ -71,7 +72,7 @@ class Lobe:
     failures: Mapping[str, str] = field(default_factory=dict)
     table: tuple[str, str] | None = ("ggx", "smith")
     defines: Mapping[str, int] = field(default_factory=dict)
-    transmits: bool = False
+    transmits: Literal["", "refracted", "mirrored"] = ""
 
     def eval(self, m: Mapping[str, Any], wo: Any, wi: Any, context: Context | None = None) -> np.ndarray:
         """f, without the cosine, (..., 3)."""
@@ -128,10 +129,19 @@ def _microfacet(ndf: str, masking: str, index: tuple[int, int]) -> Lobe:
                 {"NDF": index[0], "MASKING": index[1]})
 
 
+def _glass(name: str, masking: str) -> Lobe:
+    index, is_thin = _MASKINGS.index(masking), name == "thin_dielectric"
+    eta = Range(1.0, 3.0, tuple(eta for eta in ETAS if eta >= 1)) if is_thin else Range(0.4, 3.0, ETAS)
+    return Lobe(name if index == 0 else f"{name} {masking}", name, name, {"eta": eta, "alpha": ALPHA_2},
+                {"eta": 1.5, "alpha": 0.5}, {"furnace": _LOST}, ("ggx", masking), {"MASKING": index},
+                "mirrored" if is_thin else "refracted")
+
+
+_MASKINGS = ("smith", "smith-separable", "v-cavity", "none")
 _MICROFACETS = tuple(
     _microfacet(ndf, masking, (i, j))
     for i, ndf in enumerate(("ggx", "beckmann", "blinn-phong"))
-    for j, masking in enumerate(("smith", "smith-separable", "v-cavity", "none"))
+    for j, masking in enumerate(_MASKINGS)
 )
 
 LOBES: tuple[Lobe, ...] = (
@@ -156,8 +166,7 @@ LOBES: tuple[Lobe, ...] = (
          {"eta": Range(0.05, 4.0, (0.0, 1.0, 1.0001, 100.0), 3), "k": Range(0.0, 8.0, (0.0, 1e-4, 1e4, 1e12), 3),
           "alpha": ALPHA_2},
          {"eta": 0.2, "k": 1e6, "alpha": 0.5}),
-    Lobe("dielectric", "dielectric", "dielectric", {"eta": Range(0.4, 3.0, ETAS), "alpha": ALPHA_2},
-         {"eta": 1.5, "alpha": 0.5}, {"furnace": _LOST}, transmits=True),
+    *(_glass(name, masking) for name in ("dielectric", "thin_dielectric") for masking in _MASKINGS[:2]),
     Lobe("standard", "standard", "standard",
          {"base_color": COLOR, "metallic": UNIT, "f0": F0, "f90": UNIT, "alpha": ALPHA,
           "ior": Range(1.0, 3.0, (0.0, 1.0, 1.5))},

@@ -131,6 +131,13 @@ def ggx_transmission(wo: Array, wi: Array, alpha: Array, eta: Array) -> Array:
     return f * (1 - f_dielectric(np.abs(VoH), eta)) * d_ggx_anisotropic(h, alpha) * g2 / eta**2
 
 
+def thin_wall(wo: Array, wi: Array, alpha: Array, eta: Array) -> Array:
+    """Light that goes on through a thin wall, summed over its way to and fro inside: T^2 (1 + R^2 + R^4 + ...)."""
+    dv, VoH = ggx_reflection(wo, wi * [1, 1, -1], alpha)
+    R = f_dielectric(np.abs(VoH), eta)
+    return dv * (1 - R) ** 2 / np.maximum(1 - R**2, 1e-300)
+
+
 def eon(wo: Array, wi: Array, sigma: Array) -> Array:
     """White EON: Portsmouth, Kutz & Hill 2024, eqs. 13 to 29."""
     scale = 1 / (1 + (0.5 - 2 / (3 * np.pi)) * sigma)

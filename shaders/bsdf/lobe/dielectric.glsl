@@ -2,12 +2,12 @@
 //   reflected:   f_r = D G2 F / (4 NoV NoL)
 //   transmitted: f_t = (1 - F) D G2 |VoH LoH| / (NoV |NoL| (LoH + VoH/eta)^2) / eta^2,  h along -(wo + eta wi)
 // Walter et al. 2007, eqs. 20, 21 and 16, eta the index beyond the surface over that on wo's side; the last factor is
-// for radiance, which is denser in the medium of the higher index. G2 is Smith's for heights that both directions share:
-// reflection 1 / (1 + Lambda_o + Lambda_i), transmission B(1 + Lambda_o, 1 + Lambda_i), Euler's beta (Heitz et al.
-// 2016, "Multiple-Scattering Microfacet BSDFs with the Smith Model"); the former in place of the latter makes energy.
-#include "bsdf/beta.glsl"
+// for radiance, which is denser in the medium of the higher index. G2 is that of ggx_masking.glsl. F is exact whatever
+// is chosen elsewhere: Schlick's knows no critical angle.
+#include "bsdf/bsdf.glsl"
 #include "bsdf/fresnel.glsl"
-#include "bsdf/ggx_reflection.glsl"
+#include "bsdf/ggx_masking.glsl"
+#include "bsdf/visible_normal.glsl"
 #include "sample/lattice.glsl"
 
 struct Dielectric {
@@ -36,15 +36,18 @@ vec3 refracting_half(vec3 wo, vec3 wi, float eta) {
 }
 
 vec3 dielectric_eval(Dielectric m, vec3 wo, vec3 wi, sampler2D dfg) {
-    float VoH;
-    float dv = ggx_reflection(m.alpha, wo, wi, VoH);
-    if (wo.z <= 0.0 || wi.z >= 0.0 || transmits_straight(m)) return vec3(dv * f_dielectric(VoH, m.eta));
+    if (wo.z <= 0.0 || is_delta(m.alpha)) return vec3(0.0);
     vec2 a = finite_alpha(m.alpha);
+    if (wi.z > 0.0) {
+        vec3 h = normalize(wo + wi);
+        float F = f_dielectric(clamp(dot(wo, h), 0.0, 1.0), m.eta);
+        return vec3(d_ggx_local(h, a) * v_masked_ggx(wo, wi, a) * F);
+    }
+    if (wi.z == 0.0 || transmits_straight(m)) return vec3(0.0);
     vec3 h = refracting_half(wo, wi, m.eta);
-    VoH = dot(wo, h);
-    float LoH = dot(wi, h);
+    float VoH = dot(wo, h), LoH = dot(wi, h);
     if (VoH <= 0.0 || LoH >= 0.0) return vec3(0.0);
-    float g2 = beta(1.0 + lambda_ggx_local(wo, a), 1.0 + lambda_ggx_local(wi, a));
+    float g2 = g2_through_ggx(lambda_ggx_local(wo, a), lambda_ggx_local(wi, a));
     float jacobian = m.eta * LoH + VoH;
     return vec3((1.0 - f_dielectric(VoH, m.eta)) * d_ggx_local(h, a) * g2 * (VoH / wo.z) * (LoH / wi.z)
                 / (jacobian * jacobian));
@@ -78,14 +81,13 @@ BsdfSample dielectric_sample(Dielectric m, vec3 wo, vec3 u, sampler2D dfg) {
         wi = normalize(2.0 * VoH * h - wo);
         if (wi.z <= 0.0) return NO_SAMPLE;
         if (is_smooth) return BsdfSample(wi, vec3(1.0), F, REFLECTION | DELTA, 1.0);
-        float t_o = smith_t(wo, a);
-        float weight = wi.z * (wo.z + t_o) / (t_o * wi.z + smith_t(wi, a) * wo.z);
+        float weight = masked_reflection_weight(wo, wi, a, 1.0);
         return BsdfSample(wi, vec3(weight), F * pdf_visible_reflection(wo, h, a, 1.0), REFLECTION, 1.0);
     }
     bool is_straight = is_smooth || transmits_straight(m);
     if (!refract_at(wo, is_straight ? vec3(0.0, 0.0, 1.0) : h, m.eta, wi) || wi.z >= 0.0) return NO_SAMPLE;
     float lambda_o = lambda_ggx_local(wo, a);
-    float weight = is_smooth ? 1.0 : (1.0 + lambda_o) * beta(1.0 + lambda_o, 1.0 + lambda_ggx_local(wi, a));
+    float weight = is_smooth ? 1.0 : (1.0 + lambda_o) * g2_through_ggx(lambda_o, lambda_ggx_local(wi, a));
     weight /= m.eta * m.eta;
     if (is_straight) return BsdfSample(wi, vec3(weight), 1.0 - F, TRANSMISSION | DELTA, m.eta);
     return BsdfSample(wi, vec3(weight), dielectric_pdf(m, wo, wi, dfg), TRANSMISSION, m.eta);
