@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from queue import SimpleQueue
+from typing import Any
 
 import numpy as np
 
@@ -30,9 +31,13 @@ _CHANNELS = {
 
 
 class Decoder:
-    """Begins at once to decode `keys`, the largest first; `results` gives each when it is ready."""
+    """Begins at once to decode `keys`, the largest first; `results` gives each when it is ready.
 
-    def __init__(self, keys: Iterable[Key]) -> None:
+    A key begins with the image; `decode` makes of its parts what is asked for.
+    """
+
+    def __init__(self, keys: Iterable[Key], decode: Callable[..., Any] | None = None) -> None:
+        self._decode = decode or decode_levels
         self._waiting = deque(sorted(keys, key=lambda key: -len(key[0].data)))
         self.keys = frozenset(self._waiting)
         self._ready: SimpleQueue[tuple[Key, list[np.ndarray] | BaseException]] = SimpleQueue()
@@ -64,7 +69,7 @@ class Decoder:
             except IndexError:
                 return
             try:
-                self._ready.put((key, decode_levels(*key)))
+                self._ready.put((key, self._decode(*key)))
             except BaseException as error:
                 self._ready.put((key, error))
 

@@ -1,0 +1,142 @@
+// Where a ray met a triangle: position, normals and attributes, from the words that viewer/trace/scene_words.py packs.
+#include "trace/words.glsl"
+#if HAS_NORMAL_MAP
+#include "trace/atlas.glsl"
+#endif
+#include "trace/shading_normal.glsl"
+
+const int INSTANCE_WORDS = 5;
+const int VERTEX_WORDS = 2 + HAS_TANGENT + HAS_UV1 + HAS_COLOR;
+const int MATERIAL_WORDS = 6;
+const uint SEE_THROUGH = 1u, MIRRORED = 2u, DOUBLE_SIDED = 4u, UNLIT = 8u, THIN = 16u; // an instance's flags
+
+uniform int u_instances, u_triangles, u_vertices, u_materials;
+
+struct Hit {
+    int instance;
+    int triangle; // within its mesh
+    vec2 barycentric; // of vertices 1 and 2
+};
+
+struct Interaction {
+    vec3 position;    // tracer space
+    vec3 n_geometric; // unit, on wo's side
+    bool is_front;    // wo is on the front side: where the corners go counter-clockwise
+    vec3 n;           // shading normal, bent so that wo and its reflection are above it and above n_geometric
+    vec3 t, b;        // with n a right-handed frame, t along the tangent where there is one
+    vec2 uv0, uv1;
+    vec4 color;       // of the vertices
+    int material;
+    uint flags;
+    int emitter;      // of this triangle, or -1
+    float area;       // of this triangle, tracer units squared
+};
+
+// The words of an instance and of a triangle's corners
+struct Triangle {
+    vec4 row0, row1, row2;  // mesh to tracer space
+    uint first_vertex, material, first_emitter, flags;
+    ivec3 corners;          // words
+    vec3 weights;
+};
+
+Triangle find_triangle(Hit hit) {
+    int at = u_instances + hit.instance * INSTANCE_WORDS;
+    uvec4 links = word(at + 3);
+    Triangle t;
+    t.row0 = word_float(at);
+    t.row1 = word_float(at + 1);
+    t.row2 = word_float(at + 2);
+    t.material = links.z;
+    t.first_emitter = links.w;
+    t.flags = word(at + 4).z;
+    uvec3 corners = word(u_triangles + int(links.x) + hit.triangle).xyz + links.y;
+    t.corners = u_vertices + ivec3(corners) * VERTEX_WORDS;
+    t.weights = vec3(1.0 - hit.barycentric.x - hit.barycentric.y, hit.barycentric);
+    return t;
+}
+
+// One word of the corners, interpolated
+vec4 interpolate(Triangle t, int part) {
+    return t.weights.x * word_float(t.corners.x + part)
+         + t.weights.y * word_float(t.corners.y + part)
+         + t.weights.z * word_float(t.corners.z + part);
+}
+
+vec3 unit_or(vec3 v, vec3 otherwise) {
+    float largest = max(abs(v.x), max(abs(v.y), abs(v.z)));
+    return largest > 1e-36 ? normalize(v / largest) : otherwise;
+}
+
+Interaction interact(Hit hit, vec3 wo) {
+    Triangle tri = find_triangle(hit);
+    vec4 p0 = word_float(tri.corners.x), p1 = word_float(tri.corners.y), p2 = word_float(tri.corners.z);
+    vec4 p = tri.weights.x * p0 + tri.weights.y * p1 + tri.weights.z * p2;
+    vec4 normal_word = interpolate(tri, 1);
+
+    Interaction i;
+    i.position = vec3(dot(tri.row0, vec4(p.xyz, 1.0)), dot(tri.row1, vec4(p.xyz, 1.0)), dot(tri.row2, vec4(p.xyz, 1.0)));
+    i.material = int(tri.material);
+    i.flags = tri.flags;
+    i.emitter = tri.first_emitter == 0xffffffffu ? -1 : int(tri.first_emitter) + hit.triangle;
+    i.uv0 = vec2(p.w, normal_word.w);
+    i.uv1 = vec2(0.0);
+#if HAS_UV1
+    i.uv1 = interpolate(tri, 2 + HAS_TANGENT).xy;
+#endif
+    i.color = vec4(1.0);
+#if HAS_COLOR
+    i.color = interpolate(tri, 2 + HAS_TANGENT + HAS_UV1);
+#endif
+
+    float hand = (tri.flags & MIRRORED) != 0u ? -1.0 : 1.0;
+    mat3 to_tracer = transpose(mat3(tri.row0.xyz, tri.row1.xyz, tri.row2.xyz));
+    vec3 edges = cross(to_tracer * (p1.xyz - p0.xyz), to_tracer * (p2.xyz - p0.xyz));
+    i.area = 0.5 * length(edges);
+    vec3 front = unit_or(hand * edges, wo);
+    i.is_front = dot(front, wo) >= 0.0;
+    i.n_geometric = i.is_front ? front : -front;
+
+    // Normals go by the cofactors, the inverse transpose but for its length: a scale of 0 is no trouble.
+    vec3 a = tri.row0.xyz, b = tri.row1.xyz, c = tri.row2.xyz;
+    vec3 largest3 = max(abs(a), max(abs(b), abs(c)));
+    float scale = 1.0 / max(max(largest3.x, max(largest3.y, largest3.z)), 1e-36);
+    a *= scale;
+    b *= scale;
+    c *= scale;
+    vec3 stored = normal_word.xyz;
+    vec3 n = unit_or(hand * vec3(dot(cross(b, c), stored), dot(cross(c, a), stored), dot(cross(a, b), stored)), front);
+#if HAS_TANGENT
+    vec4 tangent = interpolate(tri, 2);
+    tangent = vec4(to_tracer * tangent.xyz, tangent.w * hand);
+#if HAS_NORMAL_MAP
+    // As raster/normal.glsl; the normal map is a loop of at most one, because software OpenGL skips loops alone.
+    uvec4 maps = word(u_materials + i.material * MATERIAL_WORDS + 5);
+    vec3 front_n = n;
+    for (int k = int(maps.z); k > 0; k = 0) {
+        vec3 texel = sample_atlas(u_data_atlas, texture_map(k - 1, i.uv0, i.uv1)).xyz * (255.0 / 127.5) - 1.0;
+        texel.xy *= word_float(u_materials + i.material * MATERIAL_WORDS + 3).w;
+        vec3 along = unit_or(tangent.xyz, vec3(0.0));
+        vec3 across = cross(front_n, along) * tangent.w;
+        n = unit_or(texel.x * along + texel.y * across + texel.z * front_n, front_n);
+    }
+#endif
+    i.n = bend_normal(n, i.n_geometric, wo);
+    i.t = tangent_beside(i.n, tangent.xyz);
+#else
+    i.n = bend_normal(n, i.n_geometric, wo);
+    i.t = any_tangent(i.n);
+#endif
+    i.b = cross(i.n, i.t);
+    return i;
+}
+
+// Waechter & Binder 2019, "A Fast and Robust Method for Avoiding Self-Intersection", Ray Tracing Gems, chapter 6: off
+// the surface by units in the last place, and near the origin, where those vanish, by a fixed length. n is the
+// geometric normal on the side the new ray leaves to.
+vec3 offset_origin(vec3 p, vec3 n) {
+    ivec3 ulps = ivec3(256.0 * n);
+    vec3 moved = intBitsToFloat(floatBitsToInt(p) + ivec3(p.x < 0.0 ? -ulps.x : ulps.x, p.y < 0.0 ? -ulps.y : ulps.y,
+                                                          p.z < 0.0 ? -ulps.z : ulps.z));
+    return mix(moved, p + n * (1.0 / 65536.0), lessThan(abs(p), vec3(1.0 / 32.0)));
+}

@@ -1,0 +1,38 @@
+// Shading normals that no path can go under, and frames about them.
+
+// The normal for which light from wo is mirrored to where `n` mirrors it, unless that lies less than `lift` above the
+// surface: then it is raised to there. An even function of n, continuous, and the identity where n is n_geometric.
+//   r = 2 (n.o) n - o,   r' = r where r.g >= lift, else sqrt(1 - lift^2) unit(r - (r.g) g) + lift g,   n' = unit(o + r')
+// so n'.o >= (g.o + lift) / 2 > 0. Keller et al. 2017, "The Iray Light Transport Simulation and Rendering System",
+// appendix A.3, raise r to the horizon; `lift` keeps r' clear of it. n_geometric, g, and wo, o, are on one side.
+vec3 bend_normal(vec3 n, vec3 n_geometric, vec3 wo) {
+    float cos_wo = dot(n_geometric, wo);
+    if (cos_wo < 1e-6) return n_geometric;
+    float lift = min(0.9 * cos_wo, 0.01);
+    float cos_n = dot(n, wo);
+    vec3 r = 2.0 * cos_n * n - wo;
+    float height = dot(r, n_geometric);
+    if (height >= lift) return cos_n < 0.0 ? -n : n;
+    vec3 flat_r = r - height * n_geometric;
+    float flat_length = length(flat_r);
+    if (flat_length < 1e-6) return n_geometric;
+    vec3 raised = flat_r * (sqrt(1.0 - lift * lift) / flat_length) + lift * n_geometric;
+    vec3 bent = normalize(wo + raised);
+    // Where wo and r' all but cancel, the digits that are left may lean away: no farther than the bound above.
+    float lack = 0.5 * (cos_wo + lift) - dot(bent, wo);
+    return lack > 0.0 ? normalize(bent + lack / cos_wo * n_geometric) : bent;
+}
+
+// Duff et al. 2017, "Building an Orthonormal Basis, Revisited"
+vec3 any_tangent(vec3 n) {
+    float s = n.z >= 0.0 ? 1.0 : -1.0;
+    float a = -1.0 / (s + n.z);
+    return vec3(1.0 + s * n.x * n.x * a, s * n.x * n.y * a, -s * n.x);
+}
+
+// Along `tangent` as far as it is perpendicular to n; any other where that leaves nothing
+vec3 tangent_beside(vec3 n, vec3 tangent) {
+    vec3 t = tangent - dot(n, tangent) * n;
+    float squared = dot(t, t);
+    return squared > 1e-12 * dot(tangent, tangent) ? t * inversesqrt(squared) : any_tangent(n);
+}

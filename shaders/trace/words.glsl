@@ -1,0 +1,11 @@
+// The scene as a texture of words, 4096 a row, four times 32 bits each. Unsigned, for a float texture need not keep the
+// bits of what is not a number.
+uniform usampler2D u_words;
+
+uvec4 word(int i) {
+    return texelFetch(u_words, ivec2(i & 4095, i >> 12), 0);
+}
+
+vec4 word_float(int i) {
+    return uintBitsToFloat(word(i));
+}

@@ -1,0 +1,138 @@
+"""All texture images of a scene as pages of one texture, which a shader that may meet any material can then read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import partial
+from math import isqrt
+
+import moderngl
+import numpy as np
+
+from ..gpu.context import Context
+from ..raster.decoding import Decoder
+from ..raster.mip_levels import mip_levels
+from ..scene.texture_image import TextureImage
+
+Page = tuple[int, int, int, int]
+"""x, y, width, height in texels."""
+
+_SRGB8_ALPHA8 = 0x8C43
+
+
+@dataclass(frozen=True, eq=False)
+class AtlasLayout:
+    """`pages` has each image's place, `halvings` how many times its sides are halved to fit."""
+
+    size: tuple[int, int]
+    pages: dict[TextureImage, Page]
+    halvings: dict[TextureImage, int]
+
+    @property
+    def warnings(self) -> list[str]:
+        shrunk = sum(1 for n in self.halvings.values() if n)
+        return [f"{shrunk} texture image{'s' * (shrunk > 1)} traced at reduced size: all of them have to fit into one "
+                "texture of this OpenGL"] * (shrunk > 0)
+
+
+class Atlas:
+    """Begins at once to decode its images on other threads; `upload` waits for them."""
+
+    def __init__(self, images: Iterable[TextureImage], is_srgb: bool, limit: int) -> None:
+        """`limit` is the largest side of a texture."""
+        self.layout = layout_atlas(images, limit)
+        self._is_srgb = is_srgb
+        # sRGB has eight bits in OpenGL; data of sixteen keep them.
+        self._is_deep = not is_srgb and any(image.bits == 16 for image in self.layout.pages)
+        keys = [(image, halvings) for image, halvings in self.layout.halvings.items()]
+        self._decoder = Decoder(keys, partial(_decode_page, is_srgb=is_srgb, is_deep=self._is_deep))
+
+    def upload(self, context: Context) -> moderngl.Texture:
+        """The texture, row 0 of each page the image's top. Raises InputError for an image that is broken."""
+        if self._is_deep:
+            texture = context.gl.texture(self.layout.size, 4, dtype="nu2")
+        else:
+            internal = _SRGB8_ALPHA8 if self._is_srgb else None
+            texture = context.gl.texture(self.layout.size, 4, internal_format=internal)
+        texture.filter = moderngl.NEAREST, moderngl.NEAREST
+        for key, pixels in self._decoder.results():
+            texture.write(pixels, viewport=self.layout.pages[key[0]])
+            del pixels
+        return texture
+
+    def cancel(self) -> None:
+        """Decode no more."""
+        self._decoder.cancel()
+
+
+def layout_atlas(images: Iterable[TextureImage], limit: int) -> AtlasLayout:
+    """Places for `images` in a texture of at most `limit` texels a side; the largest are halved until they fit."""
+    images = list(dict.fromkeys(images))
+    halvings = dict.fromkeys(images, 0)
+    while True:
+        sizes = [_halved(image, halvings[image]) for image in images]
+        packed = _pack(sizes, limit)
+        if packed is not None:
+            size, corners = packed
+            pages = {image: (*corner, *extent) for image, corner, extent in zip(images, corners, sizes)}
+            return AtlasLayout(size, pages, halvings)
+        largest = max(width * height for width, height in sizes)
+        for image, (width, height) in zip(images, sizes):
+            halvings[image] += width * height == largest
+
+
+def _halved(image: TextureImage, times: int) -> tuple[int, int]:
+    return max(image.width >> times, 1), max(image.height >> times, 1)
+
+
+def _pack(sizes: list[tuple[int, int]], limit: int) -> tuple[tuple[int, int], list[tuple[int, int]]] | None:
+    """The atlas's size and each rectangle's corner, in the smallest area of some widths; None if none will do."""
+    if not sizes:
+        return (1, 1), []
+    widest, area = max(width for width, _ in sizes), sum(width * height for width, height in sizes)
+    square = isqrt(area)
+    widths = {widest * k for k in range(1, 9)} | {max(square, widest), max(square * 5 // 4, widest), limit}
+    found = []
+    for width in sorted(w for w in widths if widest <= w <= limit):
+        corners = _skyline(sizes, width)
+        used = max(x + w for (x, _), (w, _) in zip(corners, sizes))
+        height = max(y + h for (_, y), (_, h) in zip(corners, sizes))
+        if height <= limit:
+            found.append((used * height, max(used, height), (used, height), corners))
+    return min(found, key=lambda f: f[:3])[2:] if found else None
+
+
+def _skyline(sizes: list[tuple[int, int]], width: int) -> list[tuple[int, int]]:
+    """Bottom-left packing into a strip: each rectangle, the highest first, to where it lies lowest (Jylanki 2010)."""
+    corners = [(0, 0)] * len(sizes)
+    skyline = [(0, 0, width)]  # x, y and width of what is free from y upwards
+    for k in sorted(range(len(sizes)), key=lambda k: (-sizes[k][1], -sizes[k][0])):
+        w, h = sizes[k]
+        y, x = min((_rest(skyline, x, w), x) for x, _, _ in skyline if x + w <= width)
+        corners[k] = x, y
+        below = [(max(left, x + w), level, left + span - max(left, x + w)) for left, level, span in skyline
+                 if left + span > x + w]
+        before = [(left, level, min(span, x - left)) for left, level, span in skyline if left < x]
+        skyline = [*before, (x, y + h, w), *below]
+    return corners
+
+
+def _rest(skyline: list[tuple[int, int, int]], x: int, width: int) -> int:
+    """How low a rectangle of `width` can lie at x."""
+    return max(level for left, level, span in skyline if left < x + width and left + span > x)
+
+
+def _decode_page(image: TextureImage, halvings: int, is_srgb: bool, is_deep: bool) -> np.ndarray:
+    """(H, W, 4) uint8, or uint16 where `is_deep`."""
+    pixels = image.decode()
+    if pixels.dtype == np.uint16 and not is_deep:
+        pixels = ((pixels.astype(np.uint32) * 255 + 32767) // 65535).astype(np.uint8)
+    if is_deep and pixels.dtype == np.uint8:
+        pixels = pixels.astype(np.uint16) * 257
+    count = pixels.shape[2]
+    page = np.full((*pixels.shape[:2], 4), np.iinfo(pixels.dtype).max, pixels.dtype)
+    page[..., :3] = pixels[..., :3] if count >= 3 else pixels[..., :1]
+    if count in (2, 4):
+        page[..., 3] = pixels[..., -1]
+    return mip_levels(page, is_srgb)[halvings] if halvings else page
