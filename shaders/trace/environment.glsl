@@ -1,0 +1,69 @@
+// The environment in full, and directions chosen by its radiance, from the tables of viewer/trace/environment.py.
+// HAS_ENVIRONMENT, ENVIRONMENT_ROTATED
+#if HAS_ENVIRONMENT
+#include "trace/equirect.glsl"
+
+uniform sampler2D u_environment;
+uniform usampler2D u_environment_table; // by cell: bits of the threshold, alias, bits of its density and of its alias's
+uniform vec2 u_environment_cell;        // size of a cell in texture coordinates; the last may be cut off at 1
+uniform float u_environment_intensity;
+uniform float u_environment_share;      // of all light samples
+#if ENVIRONMENT_ROTATED
+uniform vec2 u_environment_rotation;    // cosine, sine
+#endif
+
+// From the world to the map about +Y, as in raster/environment.glsl, or with -1 back.
+vec3 turn_environment(vec3 d, float way) {
+#if ENVIRONMENT_ROTATED
+    float c = u_environment_rotation.x, s = way * u_environment_rotation.y;
+    return vec3(c * d.x - s * d.z, d.y, s * d.x + c * d.z);
+#else
+    return d;
+#endif
+}
+
+vec3 environment_radiance(vec3 d) {
+    vec2 uv = precise_equirect_uv(turn_environment(d, 1.0));
+    return textureLod(u_environment, uv, 0.0).rgb * u_environment_intensity;
+}
+
+// By solid angle, of all of sample_light
+float environment_pdf(vec3 d) {
+    vec2 uv = precise_equirect_uv(turn_environment(d, 1.0));
+    ivec2 cells = textureSize(u_environment_table, 0);
+    ivec2 cell = clamp(ivec2(uv / u_environment_cell), ivec2(0), cells - 1);
+    return u_environment_share * uintBitsToFloat(texelFetch(u_environment_table, cell, 0).z);
+}
+
+// Even over cells by u.yz, whose fractions then place the direction in the cell, evenly by solid angle; the alias is
+// taken by u.x. Those fractions keep more bits than what is left of one number by which all cells are told apart.
+vec3 sample_environment(vec3 u, out float pdf) {
+    ivec2 cells = textureSize(u_environment_table, 0);
+    vec2 position = u.zy * vec2(cells);
+    ivec2 cell = min(ivec2(position), cells - 1);
+    vec2 inside = position - vec2(cell);
+    uvec4 entry = texelFetch(u_environment_table, cell, 0);
+    bool is_own = u.x < uintBitsToFloat(entry.x);
+    if (!is_own) cell = ivec2(int(entry.y) % cells.x, int(entry.y) / cells.x);
+    pdf = u_environment_share * uintBitsToFloat(is_own ? entry.z : entry.w);
+
+    vec2 low = vec2(cell) * u_environment_cell;
+    vec2 high = min(low + u_environment_cell, 1.0);
+    float phi = 2.0 * PI * (mix(low.x, high.x, inside.x) - 0.5);
+    // (1 - cos theta) / 2 = sin^2(theta / 2) from the nearer pole, where 1 - cos theta itself has no digits
+    bool is_south = low.y + high.y > 1.0;
+    vec2 edges = sin(0.5 * PI * (is_south ? 1.0 - vec2(low.y, high.y) : vec2(low.y, high.y)));
+    float w = mix(edges.x * edges.x, edges.y * edges.y, inside.y);
+    float sin_theta = 2.0 * sqrt(w * (1.0 - w));
+    float cos_theta = is_south ? 2.0 * w - 1.0 : 1.0 - 2.0 * w;
+    return turn_environment(vec3(sin_theta * cos(phi), cos_theta, sin_theta * sin(phi)), -1.0);
+}
+#else
+vec3 environment_radiance(vec3 d) {
+    return vec3(0.0);
+}
+
+float environment_pdf(vec3 d) {
+    return 0.0;
+}
+#endif

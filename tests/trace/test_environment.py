@@ -1,0 +1,201 @@
+"""The environment as a light: its samples, their densities and what they add up to, against float64."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from pixels import run_pixels
+
+from viewer.measure.chi_squared import critical_value, statistic
+from viewer.scene.environment import Environment
+from viewer.scene.equirect import texel_solid_angles
+from viewer.trace import environment as module
+from viewer.trace.environment import EnvironmentTable, cell_densities
+
+INCLUDE = "trace/environment.glsl"
+RANDOM = np.random.default_rng(11)
+
+
+def sun_map(height: int = 16, width: int = 32) -> np.ndarray:
+    radiance = RANDOM.uniform(0, 1, (height, width, 3)).astype(np.float32)
+    radiance[height // 4, width // 3] = 1e5
+    radiance[-3:] = 0
+    return radiance
+
+
+def poles_map() -> np.ndarray:
+    radiance = np.full((8, 16, 3), 0.01, np.float32)
+    radiance[0], radiance[-1, 3] = 50, 200
+    return radiance
+
+
+MAPS = {
+    "one texel": np.full((1, 1, 3), 2.0, np.float32),
+    "constant": np.full((8, 16, 3), 0.5, np.float32),
+    "sun": sun_map(),
+    "poles": poles_map(),
+    "odd": RANDOM.exponential(size=(7, 5, 3)).astype(np.float32) ** 4,
+    "half dark": np.repeat(np.array([0, 1], np.float32), 4)[:, None, None] * np.ones((1, 16, 3), np.float32),
+}
+CASES = [(name, angle) for name in MAPS for angle in (0.0, 1.1)]
+
+
+class Sampled:
+    """`environment` on the GPU; `samples` (N, 3) directions and (N,) pdf, `look` (N, 3) radiance and (N,) pdf."""
+
+    def __init__(self, context, radiance: np.ndarray, angle: float = 0.0, intensity: float = 1.0) -> None:
+        self.context = context
+        table = EnvironmentTable(context.gl, Environment("map", radiance, angle, intensity), radiance)
+        self.uniforms = table.bind(0) | {"u_environment_share": 1.0}
+        self.defines = {"HAS_ENVIRONMENT": 1, "ENVIRONMENT_ROTATED": int(angle != 0)}
+        self.table = table
+
+    def run(self, body: str, inputs: np.ndarray) -> np.ndarray:
+        if inputs.shape[1] == 3:
+            inputs = np.c_[inputs, np.zeros(len(inputs))]
+        return run_pixels(self.context, INCLUDE, body, inputs, self.uniforms, self.defines)
+
+    def samples(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        found = self.run("float pdf; o[0].xyz = sample_environment(i.xyz, pdf); o[0].w = pdf; o[1] = i;", u)
+        return found[:, 0, :3], found[:, 0, 3]
+
+    def look(self, d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        found = self.run("vec3 d = normalize(i.xyz); o[0] = vec4(environment_radiance(d), environment_pdf(d)); o[1] = i;", d)
+        return found[:, 0, :3], found[:, 0, 3]
+
+
+def numbers(count: int, seed: int = 1) -> np.ndarray:
+    """(count, 3) multiples of 2^-24 in [0, 1)."""
+    return np.random.default_rng(seed).integers(0, 1 << 24, (count, 3)) / 2**24
+
+
+def turned(d: np.ndarray, angle: float) -> np.ndarray:
+    """World to map."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([c * d[:, 0] - s * d[:, 2], d[:, 1], s * d[:, 0] + c * d[:, 2]], axis=1)
+
+
+def bilinear(radiance: np.ndarray, d: np.ndarray) -> np.ndarray:
+    """(N, 3) float64: the map's look-up in directions of its own frame, wrapped in u and clamped in v."""
+    height, width = radiance.shape[:2]
+    x = (0.5 + np.arctan2(d[:, 2], d[:, 0]) / (2 * np.pi)) * width - 0.5
+    y = np.arctan2(np.hypot(d[:, 0], d[:, 2]), d[:, 1]) / np.pi * height - 0.5
+    column, row = np.floor(x).astype(int), np.floor(y).astype(int)
+    fx, fy = (x - column)[:, None], (y - row)[:, None]
+    rows = np.clip([row, row + 1], 0, height - 1)
+    columns = np.array([column, column + 1]) % width
+    texels = radiance.astype(np.float64)
+    top, bottom = ((1 - fx) * texels[r, columns[0]] + fx * texels[r, columns[1]] for r in rows)
+    return (1 - fy) * top + fy * bottom
+
+
+def sphere_points(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Midpoints of an equirectangular grid (2 n^2, 3) and their solid angles."""
+    theta = np.pi * (np.arange(n) + 0.5) / n
+    phi = 2 * np.pi * ((np.arange(2 * n) + 0.5) / (2 * n) - 0.5)
+    d = np.stack([np.sin(theta)[:, None] * np.cos(phi), np.cos(theta)[:, None] + 0 * phi,
+                  np.sin(theta)[:, None] * np.sin(phi)], axis=-1)
+    return d.reshape(-1, 3), np.repeat(texel_solid_angles(n, 2 * n), 2 * n)
+
+
+@pytest.mark.parametrize(("name", "angle"), CASES)
+def test_radiance_is_the_bilinear_map(context, name, angle):
+    """Everywhere, at the seam and the poles too: to 1e-5 of the map's brightest texel."""
+    d = np.concatenate([np.random.default_rng(4).normal(size=(3000, 3)), [[0, 1, 0], [0, -1, 0], [-1, 0, 0], [-1, 0, 1e-9]]])
+    d /= np.linalg.norm(d, axis=1, keepdims=True)
+    found, _ = Sampled(context, MAPS[name], angle, 0.5).look(d)
+    expected = 0.5 * bilinear(MAPS[name], turned(d.astype(np.float32).astype(np.float64), angle))
+    assert np.abs(found - expected).max() < 1e-5 * MAPS[name].max()
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_samples_have_their_density(context, name):
+    """Samples land where their density says: environment_pdf of the direction is the sample's own, but for 1 in 1000."""
+    for angle in (0.0, 2.5):
+        sampled = Sampled(context, MAPS[name], angle)
+        d, pdf = sampled.samples(numbers(20000))
+        assert np.abs(np.linalg.norm(d, axis=1) - 1).max() < 1e-6
+        again = sampled.look(d)[1]
+        assert (np.abs(again / pdf - 1) > 1e-6).mean() < 1e-3
+        assert (pdf > 0).all()
+
+
+@pytest.mark.parametrize(("name", "angle"), CASES)
+def test_density(context, name, angle):
+    """It integrates to 1 over the sphere, and is positive wherever there is light."""
+    sampled = Sampled(context, MAPS[name], angle)
+    points, solid_angles = sphere_points(560)  # divided by all the maps' sides
+    to_world = turned(points, -angle)
+    radiance, pdf = sampled.look(to_world)
+    assert (pdf * solid_angles).sum() == pytest.approx(1, abs=2e-4)
+    assert (pdf[radiance.sum(axis=1) > 0] > 0).all()
+
+
+@pytest.mark.parametrize(("name", "angle"), CASES)
+def test_histogram(context, name, angle):
+    """Pearson's test over cells cut in four; exactly their share by solid angle."""
+    sampled = Sampled(context, MAPS[name], angle)
+    d = turned(sampled.samples(numbers(200000))[0], angle)
+    densities, _ = cell_densities(MAPS[name])
+    height, width = densities.shape
+    column = ((0.5 + np.arctan2(d[:, 2], d[:, 0]) / (2 * np.pi)) * 2 * width).astype(int) % (2 * width)
+    row = np.minimum(np.arccos(np.clip(d[:, 1], -1, 1)) / np.pi * 2 * height, 2 * height - 1).astype(int)
+    observed = np.bincount(row * 2 * width + column, minlength=4 * width * height)
+    expected = np.repeat(np.repeat(densities, 2, axis=0), 2, axis=1) * texel_solid_angles(2 * height, 2 * width)[:, None]
+    assert expected.sum() == pytest.approx(1, abs=1e-12)
+    value, degrees = statistic(observed, expected.ravel() * len(d))
+    assert value < critical_value(degrees, len(CASES))
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_irradiance(context, name):
+    """Light samples alone estimate the irradiance of planes as quadrature in float64 has it: within 4.5 deviations."""
+    angle = 0.8
+    sampled = Sampled(context, MAPS[name], angle)
+    d, pdf = sampled.samples(numbers(400000))
+    radiance, _ = sampled.look(d)
+    points, solid_angles = sphere_points(560)
+    exact = bilinear(MAPS[name], points)
+    for normal in np.array([[0, 1, 0], [0.6, 0, -0.8], [0, -0.6, 0.8]]):
+        estimates = radiance[:, 1] * np.maximum(d @ normal, 0) / pdf
+        error = estimates.std() / np.sqrt(len(d))
+        expected = (exact[:, 1] * np.maximum(turned(points, -angle) @ normal, 0) * solid_angles).sum()
+        assert error <= 0.3 * expected
+        assert abs(estimates.mean() - expected) < 4.5 * error + 1e-3 * expected
+
+
+def test_sun_is_chosen():
+    """A texel of 1e5 in a map of 1 gets nearly all samples; the rest keep the floor's share of their light."""
+    densities, solid_angles = cell_densities(sun_map(64, 128))
+    shares = densities * solid_angles
+    assert shares[15:18, 41:44].sum() > 0.99
+    assert (shares[:50] > 0).all() and (shares[-2:] == 0).all()
+
+
+def test_compensation():
+    """Light from all around is left to the BSDF's samples: its density is a tenth of what it is without."""
+    radiance = np.full((32, 64, 3), 1.0, np.float32)
+    radiance[8, 20] = 1000
+    densities, solid_angles = cell_densities(radiance)
+    mean = 1 + 999 * solid_angles[8, 20] / (4 * np.pi)
+    # The look-up's mean over the sun's texel is 9/16 of the way to its top.
+    expected = 0.1 / (1 + 999 * 9 / 16 - mean)
+    assert densities[30, 5] / densities[8, 20] == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize("limit", [(16, 4), (5, 3), (1, 1)])
+def test_large_map_in_blocks(context, monkeypatch, limit):
+    """Cells of several texels, cut off at the edges: densities integrate to 1 and samples have them."""
+    monkeypatch.setattr(module, "MAX_CELLS", limit)
+    radiance = sun_map(14, 20)
+    sampled = Sampled(context, radiance)
+    points, solid_angles = sphere_points(560)
+    light, pdf = sampled.look(points)
+    assert (pdf * solid_angles).sum() == pytest.approx(1, abs=2e-4)
+    assert (pdf[light.sum(axis=1) > 0] > 0).all()
+    d, pdf = sampled.samples(numbers(100000))
+    light, again = sampled.look(d)
+    assert (np.abs(again / pdf - 1) > 1e-6).mean() < 1e-3
+    estimates = light[:, 0] / pdf
+    expected = (bilinear(radiance, points)[:, 0] * solid_angles).sum()
+    assert abs(estimates.mean() - expected) < 4.5 * estimates.std() / np.sqrt(len(d)) + 1e-3 * expected

@@ -1,0 +1,95 @@
+"""The environment as a light: its map in full, and a table that chooses directions by its radiance."""
+
+from __future__ import annotations
+
+import math
+
+import moderngl
+import numpy as np
+
+from ..raster.floats import float_texture
+from ..scene.environment import Environment
+from ..scene.equirect import sphere_integral, texel_solid_angles
+from .alias import alias_table
+
+MAX_CELLS = 2048, 1024
+"""Columns and rows of a table; cells of a larger map are blocks of its texels."""
+FLOOR = 0.1
+"""Share of its radiance by which a direction is chosen at least."""
+
+_LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
+
+
+def cell_texels(height: int, width: int) -> int:
+    """Texels of a map along each side of a cell."""
+    return max(-(-width // MAX_CELLS[0]), -(-height // MAX_CELLS[1]))
+
+
+def cell_densities(radiance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Density by solid angle and solid angles of the cells of a map, both (rows, columns) float64.
+
+    radiance (H, W, 3), some of it positive. A texel counts with the mean of the bilinear look-up over its area, to
+    which its neighbours give an eighth each: it is 0 only where the look-up is. Of that the mean over the sphere is
+    taken away (Karlik et al. 2019, "MIS Compensation"): light from all around is found by the BSDF's samples well
+    enough. But a floor is kept, so that light samples alone would be right as well, if noisier; a map of one colour
+    is sampled evenly by it.
+    """
+    height, width = radiance.shape[:2]
+    luminance = (radiance @ _LUMINANCE).astype(np.float64)
+    luminance = 0.75 * luminance + 0.125 * (np.roll(luminance, 1, axis=1) + np.roll(luminance, -1, axis=1))
+    padded = np.pad(luminance, ((1, 1), (0, 0)), mode="edge")
+    luminance = 0.75 * luminance + 0.125 * (padded[:-2] + padded[2:])
+    solid_angles = texel_solid_angles(height, width)
+    mean = width * (solid_angles @ luminance.mean(axis=1)) / (4 * np.pi)
+    weights = np.maximum(luminance - mean, FLOOR * luminance) * solid_angles[:, None]
+    solid_angles = np.broadcast_to(solid_angles[:, None], weights.shape)
+    side = cell_texels(height, width)
+    if side > 1:
+        rows, columns = np.arange(0, height, side), np.arange(0, width, side)
+        weights, solid_angles = (np.add.reduceat(np.add.reduceat(a, rows, axis=0), columns, axis=1)
+                                 for a in (weights, solid_angles))
+    return weights / weights.sum() / solid_angles, solid_angles
+
+
+class EnvironmentTable:
+    """Textures and uniforms of shaders/trace/environment.glsl, for an environment and its `radiance` decoded."""
+
+    def __init__(self, gl: moderngl.Context, environment: Environment, radiance: np.ndarray) -> None:
+        self._environment = environment
+        height, width = radiance.shape[:2]
+        side = cell_texels(height, width)
+        self._cell = side / width, side / height
+        self._map = float_texture(gl, np.ascontiguousarray(radiance, np.float32))
+        self._map.repeat_x = True
+        densities, solid_angles = cell_densities(radiance)
+        threshold, alias = alias_table((densities * solid_angles).ravel())
+        density = densities.ravel().astype(np.float32)
+        words = np.empty((len(alias), 4), np.uint32)
+        words[:, 0] = threshold.astype(np.float32).view(np.uint32)
+        words[:, 1] = alias
+        words[:, 2] = density.view(np.uint32)
+        words[:, 3] = density[alias].view(np.uint32)
+        self._table = gl.texture(densities.shape[::-1], 4, words, dtype="u4")
+        self._table.filter = moderngl.NEAREST, moderngl.NEAREST
+
+    def bind(self, first_unit: int) -> dict[str, object]:
+        """Bind both textures to units from `first_unit` on, and give the uniforms."""
+        self._map.use(first_unit)
+        self._table.use(first_unit + 1)
+        angle = self._environment.rotation
+        return {
+            "u_environment": first_unit,
+            "u_environment_table": first_unit + 1,
+            "u_environment_cell": self._cell,
+            "u_environment_intensity": self._environment.intensity,
+            "u_environment_rotation": (math.cos(angle), math.sin(angle)),
+        }
+
+    def release(self) -> None:
+        self._map.release()
+        self._table.release()
+
+
+def mean_luminance(radiance: np.ndarray) -> float:
+    """Over the sphere, of an (H, W, 3) map."""
+    return float(sphere_integral(radiance) @ _LUMINANCE) / (4 * math.pi)
