@@ -12,6 +12,7 @@ from ..scene.scene import Scene
 from ..scene.texture_image import TextureImage
 from .atlas import Page
 from .geometry import TraceGeometry, TraceInstance, TraceMesh
+from .glass import glass_switches
 from .materials import SPECULAR_COLOR, MapUse, map_words, material_words
 from .words import WordsBuilder
 
@@ -46,7 +47,7 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry) -> dict[str, int]:
         "HAS_TRANSMISSION": any(m.transmission > 0 for m in materials),
         "HAS_VOLUME": any(m.sigma.any() for m in materials),
     }
-    return {name: int(value) for name, value in switches.items()}
+    return {name: int(value) for name, value in switches.items()} | glass_switches(materials)
 
 
 def geometry_left_out(scene: Scene, geometry: TraceGeometry) -> list[str]:
