@@ -1,0 +1,57 @@
+// What the wavelet filter works on: light with the first hit's colour divided out, so that textures stay sharp, the
+// variance of its luminance, and the guide.
+#include "sample/luminance.glsl"
+#include "trace/denoise/color.glsl"
+#include "trace/denoise/guide.glsl"
+
+uniform sampler2D u_radiance;  // mean, associated alpha
+uniform sampler2D u_sum;       // rgb, number of samples
+uniform sampler2D u_squares;
+uniform sampler2D u_albedo;    // sum over the samples that hit something, w: how many
+uniform sampler2D u_normal;    // likewise, w: sum of the depth
+layout(location = 0) out vec4 o_light;
+layout(location = 1) out vec4 o_guide;
+
+bool is_finite(vec3 c) {
+    uvec3 exponent = floatBitsToUint(c) & 0x7f800000u;
+    return all(notEqual(exponent, uvec3(0x7f800000u)));
+}
+
+// Mean depth at p, or that at `otherwise` where nothing is hit there.
+float depth_at(ivec2 p, float otherwise) {
+    p = clamp(p, ivec2(0), textureSize(u_normal, 0) - 1);
+    float hits = texelFetch(u_albedo, p, 0).w;
+    return hits > 0.0 ? texelFetch(u_normal, p, 0).w / hits : otherwise;
+}
+
+// The smaller of the slopes on both sides: the larger one may lead across an edge.
+float slope(float before, float here, float after) {
+    return abs(after - here) < abs(here - before) ? after - here : here - before;
+}
+
+void main() {
+    ivec2 p = ivec2(gl_FragCoord.xy);
+    vec3 radiance = texelFetch(u_radiance, p, 0).rgb;
+    vec4 albedo = texelFetch(u_albedo, p, 0), normal = texelFetch(u_normal, p, 0);
+    o_light = vec4(radiance, 0.0);
+    o_guide = vec4(-1.0, 0.0, 0.0, 0.0);
+    // So far from 1 its square would not be a float32.
+    if (albedo.w == 0.0 || !is_finite(radiance) || max(radiance.r, max(radiance.g, radiance.b)) > 1e15) return;
+
+    vec4 sum = texelFetch(u_sum, p, 0);
+    float n = sum.w;
+    vec3 mean = sum.rgb / n;
+    vec3 variance = max(texelFetch(u_squares, p, 0).rgb / n - mean * mean, 0.0) / max(n - 1.0, 1.0);
+    vec3 color = demodulation(albedo);
+    // Channels vary together: their deviations add.
+    float deviation = min(luminance(sqrt(variance) / color), 1e15);
+    o_light = vec4(radiance / color, deviation * deviation);
+
+    float depth = normal.w / albedo.w;
+    vec2 gradient = vec2(slope(depth_at(p - ivec2(1, 0), depth), depth, depth_at(p + ivec2(1, 0), depth)),
+                         slope(depth_at(p - ivec2(0, 1), depth), depth, depth_at(p + ivec2(0, 1), depth)));
+    float size = length(normal.xyz);
+    vec3 direction = size > 0.0 ? normal.xyz / size : vec3(0.0, 0.0, 1.0);
+    float reflectance = min(luminance(albedo.rgb) / albedo.w, 1.0);
+    o_guide = vec4(pack_guide(Guide(direction, min(albedo.w / n, 1.0), reflectance)), depth, gradient);
+}
