@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
 from math import isqrt
+from typing import Literal
 
 import moderngl
 import numpy as np
@@ -13,12 +14,17 @@ import numpy as np
 from ..gpu.context import Context
 from ..raster.decoding import Decoder
 from ..raster.mip_levels import mip_levels
+from ..scene.color import srgb_to_linear
 from ..scene.texture_image import TextureImage
 
 Page = tuple[int, int, int, int]
 """x, y, width, height in texels."""
 
+_Format = Literal["srgb", "light", "data", "deep"]
+"""Colours in sRGB's 8 bits or as linear halves, data of 8 bits or of 16."""
+
 _SRGB8_ALPHA8 = 0x8C43
+_TEXTURES = {"srgb": ("f1", _SRGB8_ALPHA8), "light": ("f2", None), "data": ("f1", None), "deep": ("nu2", None)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,22 +45,21 @@ class AtlasLayout:
 class Atlas:
     """Begins at once to decode its images on other threads; `upload` waits for them."""
 
-    def __init__(self, images: Iterable[TextureImage], is_srgb: bool, limit: int) -> None:
-        """`limit` is the largest side of a texture."""
-        self.layout = layout_atlas(images, limit)
-        self._is_srgb = is_srgb
-        # sRGB has eight bits in OpenGL; data of sixteen keep them.
-        self._is_deep = not is_srgb and any(image.bits == 16 for image in self.layout.pages)
-        keys = [(image, halvings) for image, halvings in self.layout.halvings.items()]
-        self._decoder = Decoder(keys, partial(_decode_page, is_srgb=is_srgb, is_deep=self._is_deep))
-
-    def upload(self, context: Context) -> moderngl.Texture:
-        """The texture, row 0 of each page the image's top. Raises InputError for an image that is broken."""
-        if self._is_deep:
-            texture = context.gl.texture(self.layout.size, 4, dtype="nu2")
+    def __init__(self, context: Context, images: Iterable[TextureImage], is_srgb: bool) -> None:
+        self._context = context
+        self.layout = layout_atlas(images, context.gl.info["GL_MAX_TEXTURE_SIZE"])
+        is_deep = any(image.bits == 16 for image in self.layout.pages)
+        if is_srgb:
+            # Mesa's software rasteriser decodes sRGB by a polynomial that is up to 0.7 % off.
+            self._format: _Format = "light" if is_deep or context.is_software else "srgb"
         else:
-            internal = _SRGB8_ALPHA8 if self._is_srgb else None
-            texture = context.gl.texture(self.layout.size, 4, internal_format=internal)
+            self._format = "deep" if is_deep else "data"
+        self._decoder = Decoder(self.layout.halvings.items(), partial(_decode_page, format=self._format))
+
+    def upload(self) -> moderngl.Texture:
+        """The texture, row 0 of each page the image's top. Raises InputError for an image that is broken."""
+        dtype, internal = _TEXTURES[self._format]
+        texture = self._context.gl.texture(self.layout.size, 4, dtype=dtype, internal_format=internal)
         texture.filter = moderngl.NEAREST, moderngl.NEAREST
         for key, pixels in self._decoder.results():
             texture.write(pixels, viewport=self.layout.pages[key[0]])
@@ -123,16 +128,29 @@ def _rest(skyline: list[tuple[int, int, int]], x: int, width: int) -> int:
     return max(level for left, level, span in skyline if left < x + width and left + span > x)
 
 
-def _decode_page(image: TextureImage, halvings: int, is_srgb: bool, is_deep: bool) -> np.ndarray:
-    """(H, W, 4) uint8, or uint16 where `is_deep`."""
+def _decode_page(image: TextureImage, halvings: int, format: _Format) -> np.ndarray:
+    """(H, W, 4), as `_Format` says."""
     pixels = image.decode()
-    if pixels.dtype == np.uint16 and not is_deep:
-        pixels = ((pixels.astype(np.uint32) * 255 + 32767) // 65535).astype(np.uint8)
-    if is_deep and pixels.dtype == np.uint8:
-        pixels = pixels.astype(np.uint16) * 257
+    is_color, full = format in ("srgb", "light"), np.iinfo(pixels.dtype).max
     count = pixels.shape[2]
-    page = np.full((*pixels.shape[:2], 4), np.iinfo(pixels.dtype).max, pixels.dtype)
+    page = np.full((*pixels.shape[:2], 4), full, pixels.dtype)
     page[..., :3] = pixels[..., :3] if count >= 3 else pixels[..., :1]
     if count in (2, 4):
         page[..., 3] = pixels[..., -1]
-    return mip_levels(page, is_srgb)[halvings] if halvings else page
+    if format == "deep" and full == 255:
+        page = page.astype(np.uint16) * 257
+    if format == "light" and full == 65535:  # in light before it is halved
+        page = _light(page)
+    page = mip_levels(page, is_color and page.dtype == np.uint8)[halvings] if halvings else page
+    return _light(page) if format == "light" and page.dtype == np.uint8 else page
+
+
+def _light(page: np.ndarray) -> np.ndarray:
+    """sRGB colours with alpha, of 8 or 16 bits, as linear halves."""
+    full = np.iinfo(page.dtype).max
+    values = np.arange(full + 1) / full
+    color, alpha = srgb_to_linear(values).astype(np.float16), values.astype(np.float16)
+    out = np.empty(page.shape, np.float16)
+    for channel in range(4):
+        out[..., channel] = (alpha if channel == 3 else color).take(page[..., channel])
+    return out

@@ -22,11 +22,10 @@ class SceneData:
     def __init__(self, context: Context, scene: Scene, geometry: TraceGeometry) -> None:
         self._context, self._name = context, scene.name
         self.switches = geometry_switches(scene, geometry)
-        limit = context.gl.info["GL_MAX_TEXTURE_SIZE"]
         color = [use.texture.image for m in geometry.materials for use in m.color_maps]
         data = [texture.image for m in geometry.materials for texture in m.data_textures]
-        self._color = Atlas(color, True, limit) if color else None
-        self._data = Atlas(data, False, limit) if data else None
+        self._color = Atlas(context, color, True) if color else None
+        self._data = Atlas(context, data, False) if data else None
         self.warnings = [line for atlas in (self._color, self._data) if atlas for line in atlas.layout.warnings]
         self.words = WordsBuilder()
         add_geometry(self.words, scene, geometry, self.switches)
@@ -37,9 +36,9 @@ class SceneData:
         """Make the textures. Raises InputError for an image that is broken."""
         self._textures["u_words"] = UNIT_WORDS, self.words.texture(self._context.gl, self._name)
         if self._color:
-            self._textures["u_color_atlas"] = UNIT_COLOR_ATLAS, self._color.upload(self._context)
+            self._textures["u_color_atlas"] = UNIT_COLOR_ATLAS, self._color.upload()
         if self._data:
-            self._textures["u_data_atlas"] = UNIT_DATA_ATLAS, self._data.upload(self._context)
+            self._textures["u_data_atlas"] = UNIT_DATA_ATLAS, self._data.upload()
 
     def bind(self, program: moderngl.Program) -> None:
         """Bind the textures and set the uniforms that shaders/trace/{words,atlas,interaction,material}.glsl read."""
