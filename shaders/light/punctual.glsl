@@ -1,5 +1,7 @@
 // Lights without size: LIGHT_COUNT of them, first DIRECTIONAL_COUNT directional, then POINT_COUNT point, the rest spot.
 // All positions are relative to the eye and in scene units (see viewer/raster/frame.py).
+#include "light/attenuation.glsl"
+
 struct PunctualLight {
     vec4 position;  // xyz; w = 1 / range^2, 0 where unlimited
     vec4 direction; // xyz: where the light travels to; w = first shadow layer, -1 without shadow
@@ -10,19 +12,6 @@ struct PunctualLight {
 layout(std140) uniform Lights {
     PunctualLight u_lights[LIGHT_COUNT];
 };
-
-// 1 / d^2, windowed by range: clamp(1 - (d / range)^4)       KHR_lights_punctual, "Range Property"
-// The floor protects a surface that touches the light: 1e-8 is a ten-thousandth of the scene's radius, squared.
-float distance_attenuation(float d2, float inv_range2) {
-    float x = d2 * inv_range2;
-    return clamp(1.0 - x * x, 0.0, 1.0) / max(d2, 1e-8);
-}
-
-// clamp(cos * scale + offset)^2                        KHR_lights_punctual, "Inner and Outer Cone Angles"
-float angular_attenuation(float cos_angle, vec2 cone) {
-    float a = clamp(cos_angle * cone.x + cone.y, 0.0, 1.0);
-    return a * a;
-}
 
 // Direction to light i from p, and the irradiance it would give a surface facing it, without shadow.
 vec3 punctual_irradiance(int i, vec3 p, out vec3 l) {
