@@ -4,16 +4,22 @@
 // PCG4D, M. Jarzynski, M. Olano: Hash Functions for GPU Rendering, JCGT 9(3), 2020.
 uvec4 pcg4d(uvec4 v) {
     v = v * 1664525u + 1013904223u;
-    v += v.yzxy * v.wxyz;
+    v.x += v.y * v.w;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v.w += v.y * v.z;
     v ^= v >> 16u;
-    return v + v.yzxy * v.wxyz;
+    v.x += v.y * v.w;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v.w += v.y * v.z;
+    return v;
 }
 
 // The random number is of the ray (its `vector` differs from sample to sample) and the triangle alone: in whichever
 // order, and however often, the triangles of a ray are met, they decide the same.
-bool goes_through(Hit hit, vec3 vector) {
-    float coverage = coverage_at(hit);
-    uvec4 seed = pcg4d(uvec4(floatBitsToUint(vector), uint(hit.instance)));
-    uint random = pcg4d(seed ^ uvec4(uint(hit.triangle))).x;
-    return float(random >> 8) * (1.0 / 16777216.0) >= coverage;
+bool goes_through(int instance, int triangle, vec2 barycentric, vec3 vector) {
+    uvec4 seed = pcg4d(uvec4(floatBitsToUint(vector), uint(instance)));
+    uint random = pcg4d(seed ^ uvec4(uint(triangle))).x;
+    return float(random >> 8u) * (1.0 / 16777216.0) >= coverage_at(Hit(instance, triangle, barycentric));
 }

@@ -1,0 +1,174 @@
+// Nearest hits, and whether there is any, by a walk through the trees of viewer/trace/bvh.py. To be included first.
+//
+// No ray slips through an edge or a corner that triangles share: S. Woop, C. Benthin, I. Wald: Watertight Ray/Triangle
+// Intersection, JCGT 2(1), 2013; T. Ize: Robust BVH Ray Traversal, JCGT 2(2), 2013.
+#extension GL_ARB_gpu_shader5 : enable
+#ifdef GL_ARB_gpu_shader5
+#define PRECISE precise
+#else
+#define PRECISE
+#endif
+
+uniform usampler2D u_bvh;
+uniform uint u_root;
+uniform int u_bvh_triangles, u_bvh_instances; // the texels where they start
+
+const uint MISS = 0x7fffffffu;     // kind 7, instance 0x0fffffff
+const uint LEAF = 0x80000000u;     // | (count - 1) << 28 | first triangle
+const uint INSTANCE = 0xf0000000u; // | number of the instance here
+const uint NOTHING = 0xffffffffu;
+const float FARTHEST = 16.0;       // all is within 1 of the origin, and rays start within some 2
+
+struct Found {
+    float t;
+    uint code; // kind << 28 | instance
+    uint triangle;
+    vec2 barycentric;
+    uint is_see_through;
+};
+
+// A ray as the tests want it
+struct Walker {
+    vec3 origin;
+    vec3 inverse; // 1 / direction
+    int axis;     // along which the direction is longest
+    vec3 shear;   // takes the direction to the unit of that axis
+};
+
+uvec4 bvh_texel(int i) {
+    return texelFetch(u_bvh, ivec2(i & (BVH_WIDTH - 1), i / BVH_WIDTH), 0);
+}
+
+// The same axes with `axis` last
+vec3 turned(vec3 v, int axis) {
+    return axis == 0 ? v.yzx : axis == 1 ? v.zxy : v;
+}
+
+Walker walker(vec3 origin, vec3 direction) {
+    vec3 size = abs(direction);
+    int axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
+    // Exactly 0 would make 0 times infinity of a box's side that the origin lies on.
+    vec3 nonzero = mix(direction, vec3(1e-20), lessThan(size, vec3(1e-20)));
+    vec3 d = turned(direction, axis);
+    return Walker(origin, 1.0 / nonzero, axis, vec3(d.xy, 1.0) / d.z);
+}
+
+// `precise`: a product that is rounded for the one triangle of an edge and not for the other would open it.
+bool meet_triangle(Walker ray, int texel, float t_max, out Found found) {
+    uvec4 bits_a = bvh_texel(texel), bits_b = bvh_texel(texel + 1), bits_c = bvh_texel(texel + 2);
+    vec3 a = turned(uintBitsToFloat(bits_a.xyz) - ray.origin, ray.axis);
+    vec3 b = turned(uintBitsToFloat(bits_b.xyz) - ray.origin, ray.axis);
+    vec3 c = turned(uintBitsToFloat(bits_c.xyz) - ray.origin, ray.axis);
+    PRECISE vec2 a2 = a.xy - ray.shear.xy * a.z;
+    PRECISE vec2 b2 = b.xy - ray.shear.xy * b.z;
+    PRECISE vec2 c2 = c.xy - ray.shear.xy * c.z;
+    PRECISE float u = c2.x * b2.y - c2.y * b2.x;
+    PRECISE float v = a2.x * c2.y - a2.y * c2.x;
+    PRECISE float w = b2.x * a2.y - b2.y * a2.x;
+    float determinant = u + v + w;
+    float t = ray.shear.z * (u * a.z + v * b.z + w * c.z) / determinant;
+    found = Found(t, bits_b.w, bits_a.w, vec2(v, w) / determinant, bits_c.w);
+    bool is_inside = !(min(u, min(v, w)) < 0.0 && max(u, max(v, w)) > 0.0);
+    return is_inside && determinant != 0.0 && t > 0.0 && t < t_max;
+}
+
+#if HAS_SEE_THROUGH
+bool goes_through(int instance, int triangle, vec2 barycentric, vec3 vector); // trace/see_through.glsl
+#endif
+
+// Distances to the boxes of a node's four children; above `t_max` where the ray misses.
+vec4 meet_boxes(Walker ray, int texel, float t_max) {
+    vec4 near = vec4(0.0), far = vec4(t_max);
+    for (int axis = 0; axis < 3; ++axis) {
+        vec4 a = (uintBitsToFloat(bvh_texel(texel + 2 * axis)) - ray.origin[axis]) * ray.inverse[axis];
+        vec4 b = (uintBitsToFloat(bvh_texel(texel + 2 * axis + 1)) - ray.origin[axis]) * ray.inverse[axis];
+        near = max(near, min(a, b));
+        far = min(far, max(a, b) * (1.0 + 1.0 / 1048576.0)); // more than what rounding takes off
+    }
+    return mix(near, vec4(2.0 * FARTHEST), greaterThan(near, far));
+}
+
+void sort(inout vec4 t, inout uvec4 children, int i, int j) {
+    if (t[j] < t[i]) {
+        float nearer = t[j];
+        uint child = children[j];
+        t[j] = t[i];
+        children[j] = children[i];
+        t[i] = nearer;
+        children[i] = child;
+    }
+}
+
+// Whether the ray o + t d meets a triangle for t in (0, t_max): the nearest, or, for shadow rays, any that stops it.
+bool walk(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
+    uint waiting[STACK];
+    int count = 0;
+    nearest = Found(t_max, MISS, 0u, vec2(0.0), 0u);
+    bool is_hit = false;
+    Walker ray = walker(o, d);
+#if HAS_INSTANCES
+    uvec4 instance = uvec4(NOTHING);
+    int outside = -1; // how many wait outside of the instance
+#endif
+    uint next = u_root;
+    while (next != NOTHING) {
+        if ((next & LEAF) == 0u) {
+            vec4 t = meet_boxes(ray, int(next) * 7, nearest.t);
+            uvec4 children = bvh_texel(int(next) * 7 + 6);
+            sort(t, children, 0, 1);
+            sort(t, children, 2, 3);
+            sort(t, children, 0, 2);
+            sort(t, children, 1, 3);
+            sort(t, children, 1, 2);
+            if (t.w <= FARTHEST) waiting[count++] = children.w;
+            if (t.z <= FARTHEST) waiting[count++] = children.z;
+            if (t.y <= FARTHEST) waiting[count++] = children.y;
+            if (t.x <= FARTHEST) {
+                next = children.x;
+                continue;
+            }
+#if HAS_INSTANCES
+        } else if (next >= INSTANCE) {
+            int texel = u_bvh_instances + int(next & 0x0fffffffu) * 4;
+            vec4 x = uintBitsToFloat(bvh_texel(texel)), y = uintBitsToFloat(bvh_texel(texel + 1));
+            vec4 z = uintBitsToFloat(bvh_texel(texel + 2));
+            ray = walker(vec3(dot(x, vec4(o, 1.0)), dot(y, vec4(o, 1.0)), dot(z, vec4(o, 1.0))),
+                         vec3(dot(x.xyz, d), dot(y.xyz, d), dot(z.xyz, d)));
+            instance = bvh_texel(texel + 3);
+            outside = count;
+            next = instance.x;
+            continue;
+#endif
+        } else {
+            int texel = u_bvh_triangles + int(next & 0x0fffffffu) * 3;
+            int end = texel + 3 * (int(next >> 28 & 7u) + 1);
+            for (; texel < end; texel += 3) {
+                Found found;
+                if (!meet_triangle(ray, texel, nearest.t, found)) continue;
+#if HAS_INSTANCES
+                if (outside >= 0) {
+                    found.code = instance.y;
+                    found.is_see_through = instance.z;
+                }
+#endif
+#if HAS_SEE_THROUGH
+                int placed = int(found.code & 0x0fffffffu);
+                if (is_shadow && found.is_see_through != 0u
+                    && goes_through(placed, int(found.triangle), found.barycentric, d)) continue;
+#endif
+                if (is_shadow) return true;
+                nearest = found;
+                is_hit = true;
+            }
+        }
+        if (count == 0) break;
+#if HAS_INSTANCES
+        if (count == outside) {
+            outside = -1;
+            ray = walker(o, d);
+        }
+#endif
+        next = waiting[--count];
+    }
+    return is_hit;
+}

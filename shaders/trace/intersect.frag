@@ -1,0 +1,2 @@
+// What rays meet where nothing is see-through.
+#include "trace/intersect.glsl"

@@ -1,0 +1,3 @@
+// What rays meet where shadow rays may go through some of it.
+#include "trace/intersect.glsl"
+#include "trace/see_through.glsl"

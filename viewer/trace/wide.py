@@ -1,0 +1,133 @@
+"""Trees whose nodes have up to four children, as the shader walks through them.
+
+A binary tree is cut where a leaf of several primitives is cheaper, by the surface-area heuristic (J. Goldsmith, J.
+Salmon: Automatic Creation of Object Hierarchies for Ray Tracing, 1987), and then every other level is left out:
+a node takes its largest grandchildren for its children (I. Wald, C. Benthin, S. Boulos: Getting Rid of Packets, 2008).
+All is done for a whole level of the tree at a time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .ploc import BinaryTree, cluster, half_area
+
+LEAF = 1 << 31
+"""A reference to a leaf: LEAF | (count - 1) << 28 | first primitive. Others are numbers of nodes."""
+
+MAX_LEAF = 4
+
+NOTHING = 0xFFFFFFFF
+"""The reference where there is no child, or no tree."""
+
+NOWHERE = 1e30
+"""Where the boxes of children are that a node lacks: no ray gets that far."""
+
+_NODE_COST = 1.0
+"""Of one step through the binary tree, the test of one primitive being 1."""
+
+_MAX_STACK = 96
+"""More than four-wide nodes need over a binary tree of depth 26, that of 2^26 leaves when it is balanced."""
+
+
+@dataclass
+class WideTree:
+    """`lower` and `upper` are (nodes, 3, 4) float32 the boxes of the children; `children`
+    (nodes, 4) uint32 their references; `order` (N,) says which primitive is the first, the second, ... for the leaves.
+    `root` is the reference to start with, `stack` how many references at most wait while walking through the tree.
+    """
+
+    lower: NDArray[np.float32]
+    upper: NDArray[np.float32]
+    children: NDArray[np.uint32]
+    order: NDArray[np.intp]
+    root: int
+    stack: int
+
+
+def build(lower: NDArray[np.float32], upper: NDArray[np.float32], max_leaf: int = MAX_LEAF) -> WideTree:
+    """The tree over boxes (N, 3) each, with leaves of at most `max_leaf` (1 to 7) of them."""
+    if not len(lower):
+        empty = np.empty((0, 3, 4), np.float32)
+        return WideTree(empty, empty, np.empty((0, 4), np.uint32), np.empty(0, np.intp), NOTHING, 0)
+    tree = _collapse(cluster(lower, upper), max_leaf)
+    if tree.stack > _MAX_STACK:  # boxes inside boxes inside boxes: take the halves of the curve, and their halves
+        tree = _collapse(cluster(lower, upper, patience=0), max_leaf)
+    return tree
+
+
+def _collapse(tree: BinaryTree, max_leaf: int) -> WideTree:
+    count, area = tree.count, half_area(tree.lower, tree.upper)
+    size, is_leaf = _cut(tree, area, max_leaf)
+    first = _places(tree, size)
+    order = np.empty(count, np.intp)
+    order[first[:count]] = tree.leaves
+
+    def references(nodes: NDArray[np.int32], numbers: NDArray[np.int64]) -> NDArray[np.uint32]:
+        return np.where(is_leaf[nodes], LEAF | (size[nodes] - 1) << 28 | first[nodes], numbers).astype(np.uint32)
+
+    root = np.array([2 * count - 2], np.int32)
+    if is_leaf[root[0]]:
+        empty = np.empty((0, 3, 4), np.float32)
+        return WideTree(empty, empty, np.empty((0, 4), np.uint32), order, int(references(root, root)[0]), 1)
+    boxes_low, boxes_high, links = [], [], []
+    frontier, waiting, made, stack = root, np.ones(1, np.int64), 1, 1
+    while len(frontier):
+        children = _open(tree, area, is_leaf, frontier)
+        present = children >= 0
+        inner = present & ~is_leaf[children]
+        numbers = made + np.cumsum(inner).reshape(inner.shape) - 1
+        links.append(np.where(present, references(children, numbers), NOTHING).astype(np.uint32))
+        boxes_low.append(np.where(present, tree.lower[:, children], NOWHERE).transpose(1, 0, 2))
+        boxes_high.append(np.where(present, tree.upper[:, children], NOWHERE).transpose(1, 0, 2))
+        waiting = waiting + present.sum(axis=1) - 1  # the node itself is taken off, its children put on
+        stack = max(stack, int(waiting.max()))
+        made += int(inner.sum())
+        frontier, waiting = children[inner], np.repeat(waiting, inner.sum(axis=1))
+    return WideTree(np.concatenate(boxes_low), np.concatenate(boxes_high), np.concatenate(links), order, 0, stack)
+
+
+def _cut(tree: BinaryTree, area: NDArray[np.float32], max_leaf: int) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """For every node the number of primitives below, and whether it is to be a leaf."""
+    count = tree.count
+    size = np.ones(2 * count - 1, np.int64)
+    cost = area.copy()
+    is_leaf = np.ones(2 * count - 1, bool)
+    for made in tree.rounds:
+        nodes = slice(made.start + count, made.stop + count)
+        left, right = tree.children[made].T
+        size[nodes] = size[left] + size[right]
+        together = size[nodes] * area[nodes]
+        apart = cost[left] + cost[right] + _NODE_COST * area[nodes]
+        is_leaf[nodes] = (size[nodes] <= max_leaf) & (together <= apart)
+        cost[nodes] = np.where(is_leaf[nodes], together, apart)
+    return size, is_leaf
+
+
+def _places(tree: BinaryTree, size: NDArray[np.int64]) -> NDArray[np.int64]:
+    """For every node the place of its first primitive when those of each node lie together."""
+    first = np.zeros(2 * tree.count - 1, np.int64)
+    for made in reversed(tree.rounds):
+        left, right = tree.children[made].T
+        parents = first[made.start + tree.count : made.stop + tree.count]
+        first[left], first[right] = parents, parents + size[left]
+    return first
+
+
+def _open(
+    tree: BinaryTree, area: NDArray[np.float32], is_leaf: NDArray[np.bool_], nodes: NDArray[np.int32]
+) -> NDArray[np.int32]:
+    """The children (nodes, 4) that each node gets, -1 for none: twice the largest that is no leaf makes way for its own
+    children."""
+    children = np.full((len(nodes), 4), -1, np.int32)
+    children[:, :2] = tree.children[nodes - tree.count]
+    for slot in (2, 3):
+        sizes = np.where((children >= 0) & ~is_leaf[children], area[children], -1.0)
+        largest = sizes.argmax(axis=1)
+        (rows,) = np.nonzero(sizes[np.arange(len(nodes)), largest] >= 0)
+        opened = children[rows, largest[rows]]
+        children[rows, largest[rows]], children[rows, slot] = tree.children[opened - tree.count].T
+    return children
