@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import moderngl
@@ -11,7 +11,6 @@ import numpy as np
 
 from viewer.gpu.context import Context
 from viewer.gpu.source import assemble
-from viewer.raster.programs import set_uniform
 
 _VERTEX = """#version 330 core
 void main() { gl_Position = vec4(vec2(gl_VertexID == 1, gl_VertexID == 2) * 4.0 - 1.0, 0.0, 1.0); }
@@ -19,12 +18,11 @@ void main() { gl_Position = vec4(vec2(gl_VertexID == 1, gl_VertexID == 2) * 4.0 
 _WIDTH = 4096
 
 
-def run_pixels(context: Context, include: str, body: str, inputs: np.ndarray, uniforms: Mapping[str, object],
+def run_pixels(context: Context, include: str, body: str, inputs: np.ndarray, bind: Callable[[moderngl.Program], None],
                defines: Mapping[str, float] | None = None) -> np.ndarray:
     """What `body` leaves in `vec4 o[2]`, given `vec4 i` from each row of `inputs` (N, 4): (N, 2, 4) float64.
 
-    `include` is a file of the shaders folder; `uniforms` as for set_uniform, with samplers' units already bound;
-    texture unit 15 is used for the inputs.
+    `include` is a file of the shaders folder; `bind` binds its textures and sets its uniforms. Texture unit 15 is taken.
     """
     gl = context.gl
     with tempfile.TemporaryDirectory() as folder:
@@ -39,9 +37,10 @@ def run_pixels(context: Context, include: str, body: str, inputs: np.ndarray, un
     padded[: len(inputs)] = inputs
     texture = gl.texture((_WIDTH, rows), 4, padded, dtype="f4")
     texture.filter = moderngl.NEAREST, moderngl.NEAREST
+    bind(program)
     texture.use(15)
-    for name, value in {**uniforms, "inputs": 15}.items():
-        set_uniform(program, name, value)
+    if "inputs" in program:
+        program["inputs"] = 15
     target = gl.framebuffer([gl.texture((_WIDTH, rows), 4, dtype="f4") for _ in range(2)])
     target.use()
     gl.disable(moderngl.DEPTH_TEST | moderngl.BLEND)

@@ -7,6 +7,7 @@ import pytest
 from pixels import run_pixels
 
 from viewer.raster.frame import Frame
+from viewer.raster.programs import set_uniform
 from viewer.scene.camera import Camera
 from viewer.scene.scene import Scene
 from viewer.trace.camera_rays import camera_uniforms
@@ -16,11 +17,18 @@ SCENE = Scene("empty")  # a unit cube about the origin
 PIXELS = np.random.default_rng(3).uniform(0, SIZE, (2000, 2)).astype(np.float32)
 
 
+def uniforms(camera: Camera, size=SIZE):
+    def bind(program) -> None:
+        for name, value in camera_uniforms(SCENE, camera, size).items():
+            set_uniform(program, name, value)
+    return bind
+
+
 def rays(context, camera: Camera, pixels: np.ndarray = PIXELS, size=SIZE) -> tuple[np.ndarray, np.ndarray]:
     inputs = np.concatenate([pixels, np.zeros((len(pixels), 2))], axis=1)
     found = run_pixels(context, "trace/camera.glsl", "vec3 p, d; camera_ray(i.xy, p, d);"
                        "o[0] = vec4(p, camera_distance(p)); o[1] = vec4(d, 0.0);", inputs,
-                       camera_uniforms(SCENE, camera, size))
+                       uniforms(camera, size))
     return found[:, 0, :3], found[:, 1, :3]
 
 
@@ -88,7 +96,7 @@ def test_distance(context, distance):
     points = np.random.default_rng(1).normal(size=(100, 3)).astype(np.float32)
     for chosen in (camera, Camera(camera.pose, height=2.0)):
         found = run_pixels(context, "trace/camera.glsl", "o[0] = vec4(camera_distance(i.xyz)); o[1] = i;",
-                           np.c_[points, np.zeros(100)], camera_uniforms(SCENE, chosen, SIZE))[:, 0, 0]
+                           np.c_[points, np.zeros(100)], uniforms(chosen))[:, 0, 0]
         relative = points * SCENE.radius - camera.eye
         expected = np.linalg.norm(relative, axis=1) if chosen.height is None else relative @ camera.forward
         assert np.abs(found - expected).max() < 1e-6 * max(distance, 3.0)

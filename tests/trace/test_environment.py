@@ -7,6 +7,7 @@ import pytest
 from pixels import run_pixels
 
 from viewer.measure.chi_squared import critical_value, statistic
+from viewer.raster.programs import set_uniform
 from viewer.scene.environment import Environment
 from viewer.scene.equirect import texel_solid_angles
 from viewer.trace import environment as module
@@ -45,15 +46,17 @@ class Sampled:
 
     def __init__(self, context, radiance: np.ndarray, angle: float = 0.0, intensity: float = 1.0) -> None:
         self.context = context
-        table = EnvironmentTable(context.gl, Environment("map", radiance, angle, intensity), radiance)
-        self.uniforms = table.bind(0) | {"u_environment_share": 1.0}
+        self.table = EnvironmentTable(context.gl, Environment("map", radiance, angle, intensity), radiance)
         self.defines = {"HAS_ENVIRONMENT": 1, "ENVIRONMENT_ROTATED": int(angle != 0)}
-        self.table = table
+
+    def bind(self, program) -> None:
+        self.table.bind(program)
+        set_uniform(program, "u_environment_share", 1.0)
 
     def run(self, body: str, inputs: np.ndarray) -> np.ndarray:
         if inputs.shape[1] == 3:
             inputs = np.c_[inputs, np.zeros(len(inputs))]
-        return run_pixels(self.context, INCLUDE, body, inputs, self.uniforms, self.defines)
+        return run_pixels(self.context, INCLUDE, body, inputs, self.bind, self.defines)
 
     def samples(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         found = self.run("float pdf; o[0].xyz = sample_environment(i.xyz, pdf); o[0].w = pdf; o[1] = i;", u)

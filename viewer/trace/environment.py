@@ -8,10 +8,13 @@ import moderngl
 import numpy as np
 
 from ..raster.floats import float_texture
+from ..raster.programs import set_uniform
 from ..scene.environment import Environment
-from ..scene.equirect import sphere_integral, texel_solid_angles
+from ..scene.equirect import texel_solid_angles
 from .alias import alias_table
 
+UNIT_ENVIRONMENT, UNIT_ENVIRONMENT_TABLE = 11, 10
+"""Texture units, next to those of viewer/trace/scene_data.py."""
 MAX_CELLS = 2048, 1024
 """Columns and rows of a table; cells of a larger map are blocks of its texels."""
 FLOOR = 0.1
@@ -35,19 +38,18 @@ def cell_densities(radiance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     is sampled evenly by it.
     """
     height, width = radiance.shape[:2]
-    luminance = (radiance @ _LUMINANCE).astype(np.float64)
+    luminance = radiance @ _LUMINANCE
     luminance = 0.75 * luminance + 0.125 * (np.roll(luminance, 1, axis=1) + np.roll(luminance, -1, axis=1))
     padded = np.pad(luminance, ((1, 1), (0, 0)), mode="edge")
     luminance = 0.75 * luminance + 0.125 * (padded[:-2] + padded[2:])
     solid_angles = texel_solid_angles(height, width)
-    mean = width * (solid_angles @ luminance.mean(axis=1)) / (4 * np.pi)
-    weights = np.maximum(luminance - mean, FLOOR * luminance) * solid_angles[:, None]
-    solid_angles = np.broadcast_to(solid_angles[:, None], weights.shape)
+    mean = width * (solid_angles @ luminance.mean(axis=1, dtype=np.float64)) / (4 * np.pi)
+    weights = np.maximum(luminance - np.float32(mean), FLOOR * luminance)
+    weights *= solid_angles[:, None].astype(np.float32)
     side = cell_texels(height, width)
-    if side > 1:
-        rows, columns = np.arange(0, height, side), np.arange(0, width, side)
-        weights, solid_angles = (np.add.reduceat(np.add.reduceat(a, rows, axis=0), columns, axis=1)
-                                 for a in (weights, solid_angles))
+    rows, columns = np.arange(0, height, side), np.arange(0, width, side)
+    weights = np.add.reduceat(np.add.reduceat(weights, rows, axis=0), columns, axis=1, dtype=np.float64)
+    solid_angles = np.add.reduceat(solid_angles, rows)[:, None] * np.diff(columns, append=width)
     return weights / weights.sum() / solid_angles, solid_angles
 
 
@@ -72,24 +74,18 @@ class EnvironmentTable:
         self._table = gl.texture(densities.shape[::-1], 4, words, dtype="u4")
         self._table.filter = moderngl.NEAREST, moderngl.NEAREST
 
-    def bind(self, first_unit: int) -> dict[str, object]:
-        """Bind both textures to units from `first_unit` on, and give the uniforms."""
-        self._map.use(first_unit)
-        self._table.use(first_unit + 1)
+    def bind(self, program: moderngl.Program) -> None:
+        """Bind the textures and set the uniforms, but for the share of the light samples."""
+        for unit, name, texture in ((UNIT_ENVIRONMENT, "u_environment", self._map),
+                                    (UNIT_ENVIRONMENT_TABLE, "u_environment_table", self._table)):
+            texture.use(unit)
+            set_uniform(program, name, unit)
         angle = self._environment.rotation
-        return {
-            "u_environment": first_unit,
-            "u_environment_table": first_unit + 1,
-            "u_environment_cell": self._cell,
-            "u_environment_intensity": self._environment.intensity,
-            "u_environment_rotation": (math.cos(angle), math.sin(angle)),
-        }
+        set_uniform(program, "u_environment_cell", self._cell)
+        set_uniform(program, "u_environment_intensity", self._environment.intensity)
+        set_uniform(program, "u_environment_rotation", (math.cos(angle), math.sin(angle)))
 
     def release(self) -> None:
         self._map.release()
         self._table.release()
 
-
-def mean_luminance(radiance: np.ndarray) -> float:
-    """Over the sphere, of an (H, W, 3) map."""
-    return float(sphere_integral(radiance) @ _LUMINANCE) / (4 * math.pi)

@@ -1,0 +1,31 @@
+// Emissive triangles, chosen evenly by area; a word each: instance, triangle.
+#include "trace/material.glsl"
+
+uniform int u_emitters;
+
+// A point of emitter k seen from p: the radiance that comes from there, and its density by solid angle, 0 if the point
+// shows its dark side.
+vec3 sample_emitter(int k, vec3 p, vec2 u, out vec3 l, out float distance, out float pdf) {
+    // Half the square folded onto the other: Heitz 2019, "A Low-Distortion Map Between Triangle and Square"
+    vec2 barycentric = u.y > u.x ? vec2(0.5 * u.x, u.y - 0.5 * u.x) : vec2(u.x - 0.5 * u.y, 0.5 * u.y);
+    uvec4 place = word(u_emitters + k);
+    Hit hit = Hit(int(place.x), int(place.y), barycentric);
+    Triangle tri = find_triangle(hit);
+    vec3 p0 = word_float(tri.corners.x).xyz, p1 = word_float(tri.corners.y).xyz, p2 = word_float(tri.corners.z).xyz;
+    mat3 to_tracer = transpose(mat3(tri.row0.xyz, tri.row1.xyz, tri.row2.xyz));
+    vec3 to_light = to_tracer * (tri.weights.x * p0 + tri.weights.y * p1 + tri.weights.z * p2)
+                  + vec3(tri.row0.w, tri.row1.w, tri.row2.w) - p;
+    vec3 normal = cross(to_tracer * (p1 - p0), to_tracer * (p2 - p0)); // twice the area long
+    if ((tri.flags & MIRRORED) != 0u) normal = -normal;
+    distance = length(to_light);
+    l = to_light / max(distance, 1e-30);
+    float facing = -dot(normal, l); // 2 A cos
+    if ((tri.flags & DOUBLE_SIDED) != 0u) facing = abs(facing);
+    pdf = facing > 0.0 ? 2.0 * distance * distance / facing : 0.0; // d^2 / (A cos)
+    if (pdf == 0.0) return vec3(0.0);
+    vec3 radiance = emission_at(hit);
+#if HAS_SEE_THROUGH
+    radiance *= coverage_at(hit);
+#endif
+    return radiance;
+}
