@@ -118,9 +118,13 @@ def test_only_what_the_material_is_made_of():
     ({"normal_scale": 0.0}, set(MAPS) - {"normal"}),
     ({"specular": 0.0}, set(MAPS) - {"specular", "specular_color"}),
     ({"unlit": True}, {"base_color", "emissive"}),
+    ({"thickness": 0.0}, set(MAPS) - {"thickness"}),
+    ({"transmission": 0.0}, set(MAPS) - {"transmission", "thickness"}),
+    ({"ior": 0.0}, set(MAPS) - {"transmission", "thickness"}),
 ])
 def test_maps_that_change_no_pixel_are_not_sampled(change, sampled):
-    material = replace(Material(emissive=(1, 1, 1), **{f"{name}_texture": MAP for name in MAPS}), **change)
+    full = Material(emissive=(1, 1, 1), transmission=1.0, thickness=1.0, **{f"{name}_texture": MAP for name in MAPS})
+    material = replace(full, **change)
     found = plan(scene(material, environment=ENVIRONMENT))
     assert set(found.draws[0].maps) == sampled
     idle = len(MAPS) - len(sampled)
@@ -145,6 +149,19 @@ def test_lights_are_ordered_bounded_and_dark_ones_dropped():
     assert many.shadow_layer_count <= MAX_SHADOW_LAYERS
 
 
+def test_glass_has_a_pass_and_code_of_its_own():
+    opaque = plan(scene(Material(metallic=0.0, thickness=1.0), environment=ENVIRONMENT))
+    assert not opaque.has_transmission and "transmission" not in opaque.to_json()["passes"]
+    assert "u_backdrop" not in code(opaque) and any("glass" in line for line in opaque.left_out)
+    assert not plan(scene(Material(metallic=1.0, transmission=1.0))).has_transmission
+    assert not plan(scene(Material(metallic=0.0, transmission=1.0)), mode="phong").has_transmission
+    wall, body = (plan(scene(Material(metallic=0.0, transmission=1.0, thickness=t))) for t in (0.0, 1.0))
+    for glass in (wall, body):
+        assert glass.has_transmission and "transmission" in glass.to_json()["passes"]
+        assert not any("glass" in line for line in glass.left_out)
+    assert "u_absorption" in code(body) and "u_absorption" not in code(wall) and "u_backdrop" in code(wall)
+
+
 def test_background():
     model = scene(environment=ENVIRONMENT)
     assert plan(model).background
@@ -163,6 +180,8 @@ MATERIALS = {
                  metallic_roughness_texture=replace(MAP, sampler=Sampler("mirror", "mirror"))), {"uvs": 2}),
     "second UV set only": (
         Material(metallic=0.0, occlusion_texture=replace(MAP, uv_set=1), shininess=20.0), {"uvs": 2}),
+    "thin glass": (Material(metallic=0.0, transmission=1.0, double_sided=True), {}),
+    "glass": (Material(metallic=0.5, transmission=0.5, thickness=1.0, attenuation_distance=1.0), {}),
     "unlit": (Material(unlit=True, base_color_texture=MAP, emissive=(1, 0, 0), alpha_mode="mask"), {"colors": True}),
     "points": (Material(alpha_mode="blend"), {"topology": "points", "lit": False, "colors": True}),
     "lit lines": (Material(emissive=(1, 1, 1)), {"topology": "lines"}),

@@ -29,6 +29,8 @@ MAPS = {
     "emissive": True,
     "specular": False,
     "specular_color": True,
+    "transmission": False,
+    "thickness": False,
 }
 
 _NDF = ("ggx", "beckmann", "blinn-phong")
@@ -58,6 +60,7 @@ class Draw:
     maps: tuple[str, ...]
     attributes: tuple[str, ...]
     alpha_mode: str
+    transmits: bool
 
 
 @dataclass(frozen=True)
@@ -82,9 +85,14 @@ class Plan:
     def has_blended(self) -> bool:
         return any(draw.alpha_mode == "blend" for draw in self.draws)
 
+    @property
+    def has_transmission(self) -> bool:
+        return any(draw.transmits for draw in self.draws)
+
     def to_json(self) -> dict[str, object]:
         passes = (["shadows"] if self.shadow_layer_count else []) + (["surfaces"] if self.draws else [])
         passes += ["background"] if self.background else []
+        passes += ["transmission"] if self.has_transmission else []
         passes += ["blend"] if self.has_blended else []
         return {
             "passes": [*passes, "display"],
@@ -215,7 +223,8 @@ def _draw(
     attributes += ["a_normal"] * lit + ["a_tangent"] * normal_mapped + ["a_color"] * (mesh.colors is not None)
     attributes += [f"a_uv{k}" for k in range(2) if uv_sets >> k & 1]
     program = Program(fragment, tuple(sorted(switches.items())))
-    return Draw(index, mesh_index, mesh.material, program, maps, tuple(attributes), material.alpha_mode)
+    transmits = switches.get("TRANSMISSION", 0) > 0
+    return Draw(index, mesh_index, mesh.material, program, maps, tuple(attributes), material.alpha_mode, transmits)
 
 
 def _pbr_switches(material: Material, settings: Settings) -> dict[str, int]:
@@ -230,7 +239,14 @@ def _pbr_switches(material: Material, settings: Settings) -> dict[str, int]:
         "MULTISCATTER": int(settings.multiscatter == "on"),
         "SHOW_MULTISCATTER": int(settings.lobes in ("all", "directional-diffuse")),
         "SPECULAR_AA": int(settings.specular_aa == "on"),
+        "TRANSMISSION": 0 if not _transmits(material) else 1 if material.thickness == 0 else 2,
     }
+
+
+def _transmits(material: Material) -> bool:
+    """Whether light passes. Metals let none through, and what has ior 0 reflects all."""
+    is_metal = material.metallic == 1 and material.metallic_roughness_texture is None
+    return material.transmission > 0 and not is_metal and material.ior >= 1
 
 
 def _phong_switches(material: Material, settings: Settings) -> dict[str, int]:
@@ -257,6 +273,8 @@ def _samples(
         "occlusion": lit and material.occlusion_strength > 0 and common["HAS_ENVIRONMENT"] == 1,
         "specular": bool(dielectric) and material.specular > 0,
         "specular_color": bool(dielectric) and material.specular > 0 and any(material.specular_color),
+        "transmission": bool(dielectric) and _transmits(material),
+        "thickness": bool(dielectric) and _transmits(material) and material.thickness > 0,
     }[name]
 
 
@@ -292,6 +310,8 @@ def _left_out(
         lines.append(f"the environment as background: {reason}")
     if not any(draw.alpha_mode == "blend" for draw in draws):
         lines.append("the sorted pass for blending: nothing is see-through")
+    if not any(draw.transmits for draw in draws):
+        lines.append("the picture behind glass and its blurred levels: nothing transmits light")
     if not any("a_tangent" in draw.attributes for draw in draws):
         lines.append("tangents: there are no normal maps")
     sampled = {(draw.material, name) for draw in draws for name in draw.maps}

@@ -79,6 +79,9 @@ vec3 shade_light(int i, Surface s, vec3 n_geometric) {
 #if HAS_ENVIRONMENT
 #include "raster/shade_environment.glsl"
 #endif
+#if TRANSMISSION
+#include "raster/transmission.glsl"
+#endif
 
 void main() {
     vec4 base = base_color();
@@ -127,7 +130,14 @@ void main() {
 #if SPECULAR_COLOR_MAP
     tint *= specular_color_texel().rgb;
 #endif
-    s.dielectric = make_interface(dielectric_f0(weight, tint), vec3(weight), dfg, dfg_over_hemisphere);
+    vec3 f0 = dielectric_f0(weight, tint);
+#if TRANSMISSION
+    float through = transmission();
+#if TRANSMISSION == 1
+    f0 = mix(f0, wall_f0(f0), through);
+#endif
+#endif
+    s.dielectric = make_interface(f0, vec3(weight), dfg, dfg_over_hemisphere);
 #endif
 #if METALNESS != 0
     s.metal = make_interface(s.base_color, vec3(1.0), dfg, dfg_over_hemisphere);
@@ -136,6 +146,11 @@ void main() {
     vec3 radiance = vec3(0.0);
 #if SHOW_EMISSION
     radiance += emitted();
+#endif
+#if TRANSMISSION
+    float passes = transmitted(s.dielectric, dfg) * through * (METALNESS == 2 ? 1.0 - s.metallic : 1.0);
+    radiance += passes * base.rgb * light_from_behind(s.n, s.v, s.perceptual_roughness) * float(SHOW_SPECULAR);
+    s.base_color *= 1.0 - through; // what is left to scatter
 #endif
 #if HAS_ENVIRONMENT
     float occlusion = 1.0;

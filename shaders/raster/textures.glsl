@@ -80,6 +80,24 @@ vec4 specular_texel() {
 }
 #endif
 
+#if TRANSMISSION_MAP
+uniform sampler2D u_transmission_map;
+uniform mat3x2 u_transmission_transform;
+vec4 transmission_texel() {
+    return texture(u_transmission_map, map_uv(TRANSMISSION_UV, TRANSMISSION_TRANSFORM,
+        u_transmission_transform, TRANSMISSION_MIRROR));
+}
+#endif
+
+#if THICKNESS_MAP
+uniform sampler2D u_thickness_map;
+uniform mat3x2 u_thickness_transform;
+vec4 thickness_texel() {
+    return texture(u_thickness_map, map_uv(THICKNESS_UV, THICKNESS_TRANSFORM,
+        u_thickness_transform, THICKNESS_MIRROR));
+}
+#endif
+
 #if SPECULAR_COLOR_MAP
 uniform sampler2D u_specular_color_map;
 uniform mat3x2 u_specular_color_transform;

@@ -27,6 +27,7 @@ _ROOM = 4
 _CHANNELS = {
     "base_color": "RGBA", "metallic_roughness": "GB", "normal": "RGB", "occlusion": "R",
     "emissive": "RGB", "specular": "A", "specular_color": "RGB",
+    "transmission": "R", "thickness": "G",
 }
 
 

@@ -43,6 +43,10 @@ class Frame:
         """Mesh (world = transform @ local) to eye-relative space, (4, 4) float64."""
         return self._to_eye @ transform
 
+    def scale(self, transform: np.ndarray) -> float:
+        """The mean scale of the mesh in eye-relative space: the cube root of what a volume is multiplied by."""
+        return float(np.cbrt(abs(np.linalg.det(transform[:3, :3] / self.unit))))
+
     def position(self, point) -> np.ndarray:
         """A world position, eye-relative, (3,) float64."""
         return (np.asarray(point, np.float64) - self.camera.eye) / self.unit

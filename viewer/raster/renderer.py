@@ -28,6 +28,7 @@ from .programs import Programs
 from .shadows import ShadowMaps
 from .surfaces import UNIT_DFG, UNIT_RADIANCE, UNIT_SHADOW, Surfaces
 from .target import Target
+from .transmission import Backdrop
 
 _KEPT = 2
 """Plans and shadow maps kept: a window split between two modes draws with two in turn."""
@@ -55,6 +56,7 @@ class Renderer:
         self._use_cache = use_cache
         self._display = DisplayPass(self._gl, self.programs)
         self._target: Target | None = None
+        self._backdrop: Backdrop | None = None
         self._surfaces: Surfaces | None = None
         self._environment: EnvironmentLight | None = None
         self._ahead: Decoder | None = None
@@ -131,6 +133,10 @@ class Renderer:
         if plan.background:
             with self._pass("background"):
                 self._environment.draw_background(self.programs, frame, half)
+        if plan.has_transmission:
+            with self._pass("transmission"):
+                uniforms |= self._take_backdrop(target)
+                self._surfaces.draw_transmissive(frame, plan, uniforms)
         if plan.has_blended:
             with self._pass("blend"):
                 self._surfaces.draw_blended(frame, plan, uniforms)
@@ -145,6 +151,17 @@ class Renderer:
             self._target = None  # should the next one fail
             self._target = Target(self._gl, size, samples, half)
         return self._target
+
+    def _take_backdrop(self, target: Target) -> dict[str, object]:
+        """The picture so far, for what transmits light; the target is drawn into again after it."""
+        self._gl.clear_samplers()
+        target.resolve(self.programs, UNIT_RADIANCE)
+        if self._backdrop is None or not self._backdrop.fits(target):
+            self._release(self._backdrop)
+            self._backdrop = Backdrop(self.context, target)
+        uniforms = self._backdrop.take(self.programs, target.radiance, UNIT_RADIANCE)
+        target.framebuffer.use()
+        return uniforms
 
     def _prepare(self, scene: Scene, settings: Settings, target: Target, orthographic: bool) -> Plan:
         """Everything that does not depend on the camera, from an earlier frame where it still holds."""
@@ -260,6 +277,6 @@ class Renderer:
     def release(self) -> None:
         """Free what the renderer holds; the context stays."""
         self.context.make_current()
-        self._release(self._display, self._target, self._surfaces, self._environment, *self._shadows, *self._blocks,
+        self._release(self._display, self._target, self._backdrop, self._surfaces, self._environment, *self._shadows, *self._blocks,
                       *self._dfg.values())
         self.programs.release()

@@ -51,8 +51,15 @@ class Surfaces:
         self.textures.upload()
 
     def draw_opaque(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
-        """Draw what does not blend; returns how many instances were drawn."""
-        draws = [d for d in plan.draws if d.alpha_mode != "blend" and frame.visible[d.instance]]
+        """Draw what neither blends nor transmits light; returns how many instances were drawn."""
+        return self._draw_solid([d for d in plan.draws if not d.transmits], frame, plan, frame_uniforms)
+
+    def draw_transmissive(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
+        """Draw what transmits light and does not blend: in front of what it shows, which `frame_uniforms` hold."""
+        return self._draw_solid([d for d in plan.draws if d.transmits], frame, plan, frame_uniforms)
+
+    def _draw_solid(self, draws: list[Draw], frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
+        draws = [d for d in draws if d.alpha_mode != "blend" and frame.visible[d.instance]]
         order = {program: k for k, program in enumerate(plan.programs)}
         draws.sort(key=lambda d: (order[d.program], d.material))
         self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
@@ -113,6 +120,8 @@ class Surfaces:
             set_uniform(program, "u_model", uniform(model))
             set_uniform(program, "u_normal_matrix", uniform(normal_matrix(transform)))
             set_uniform(program, "u_handedness", hand)
+            if draw.transmits:
+                set_uniform(program, "u_thickness", material.thickness * frame.scale(transform))
             gl.front_face = "ccw" if hand > 0 else "cw"
             cull = not material.double_sided and scene.meshes[draw.mesh].topology == "triangles"
             (gl.enable if cull else gl.disable)(moderngl.CULL_FACE)
@@ -136,6 +145,9 @@ class Surfaces:
         set_uniform(program, "u_ior", material.ior)
         set_uniform(program, "u_specular", material.specular)
         set_uniform(program, "u_specular_color", material.specular_color)
+        if draw.transmits:
+            set_uniform(program, "u_transmission", material.transmission)
+            set_uniform(program, "u_absorption", tuple(material.absorption * self.scene.radius))
         set_uniform(program, "u_phong_specular", phong_specular(material))
         set_uniform(program, "u_shininess", material.shininess or 0.0)
         for name in draw.maps:

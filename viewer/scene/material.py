@@ -100,3 +100,10 @@ class Material:
     double_sided: bool = False
     unlit: bool = False
     shininess: float | None = None
+
+    @property
+    def absorption(self) -> np.ndarray:
+        """Beer's sigma of the volume, (3,) float64 per world unit: -ln(color) / distance (KHR_materials_volume)."""
+        if not math.isfinite(self.attenuation_distance):
+            return np.zeros(3)
+        return -np.log(np.clip(self.attenuation_color, 1e-6, 1.0)) / self.attenuation_distance

@@ -6,7 +6,6 @@ fields that read the same image in the same way, so that it is sampled once.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -88,17 +87,9 @@ def trace_material(material: Material, mesh: Mesh, unit: float) -> TraceMaterial
         data_maps,
         normal[0].texture if normal else None,
         transmission,
-        np.zeros(3) if is_thin or transmission == 0 else absorption(material, unit),
+        np.zeros(3) if is_thin or transmission == 0 else material.absorption * unit,
         is_thin,
     )
-
-
-def absorption(material: Material, unit: float) -> np.ndarray:
-    """Beer's sigma by tracer units, (3,): -ln(c) / d (KHR_materials_volume), 0 where d is infinite."""
-    color = np.maximum(np.asarray(material.attenuation_color, np.float64), 1e-6)
-    if not math.isfinite(material.attenuation_distance):
-        return np.zeros(3)
-    return np.maximum(-np.log(color), 0) / material.attenuation_distance * unit
 
 
 def material_words(material: TraceMaterial, first_color: int, first_data: int, normal: int) -> np.ndarray:

@@ -1,0 +1,57 @@
+// Light that comes through a surface from behind, by what the screen shows there: the picture of all that is opaque, in
+// levels ever more blurred (viewer/raster/transmission.py). KHR_materials_transmission, KHR_materials_volume.
+// TRANSMISSION: 1 a thin wall, behind which light goes on as before; 2 the front of a body, in which it is refracted.
+#include "raster/material.glsl"
+#if HAS_ENVIRONMENT
+#include "raster/environment.glsl"
+#endif
+
+uniform sampler2D u_backdrop; // associated alpha
+uniform mat4 u_view_projection;
+uniform float u_transmission;
+#if TRANSMISSION == 2
+uniform float u_thickness; // eye-relative units
+uniform vec3 u_absorption; // Beer's sigma
+#endif
+
+const float EDGE = 1.0 / 16.0; // of the picture: so far beyond it its rim is stretched, and fades
+
+float transmission() {
+    float t = u_transmission;
+#if TRANSMISSION_MAP
+    t *= transmission_texel().r;
+#endif
+    return t;
+}
+
+// Both faces of a wall, R' = 2 R / (1 + R)
+vec3 wall_f0(vec3 f0) {
+    return 2.0 * f0 / (1.0 + f0);
+}
+
+// Where nothing was drawn, and beyond the picture, stands the environment.
+vec3 light_from_behind(vec3 n, vec3 v, float perceptual_roughness) {
+    vec3 exit = v_position, d = -v;
+    vec3 kept = vec3(1.0);
+#if TRANSMISSION == 2
+    d = refract(-v, n, 1.0 / u_ior);
+    float thickness = u_thickness;
+#if THICKNESS_MAP
+    thickness *= thickness_texel().g;
+#endif
+    exit += thickness * d;
+    kept = exp(-u_absorption * thickness);
+#endif
+    // The blur of a transmitted lobe goes with the difference of the indices; at 1.5 it is that of the reflected one.
+    float blur = perceptual_roughness * clamp(2.0 * u_ior - 2.0, 0.0, 1.0);
+    vec4 clip = u_view_projection * vec4(exit, 1.0);
+    vec2 uv = 0.5 + 0.5 * clip.xy / clip.w;
+    vec2 outside = max(max(-uv, uv - 1.0), 0.0);
+    float seen = clip.w > 0.0 ? 1.0 - smoothstep(0.0, EDGE, max(outside.x, outside.y)) : 0.0;
+    float lod = log2(float(textureSize(u_backdrop, 0).x)) * blur;
+    vec4 behind = textureLod(u_backdrop, uv, lod) * seen;
+#if HAS_ENVIRONMENT
+    behind.rgb += (1.0 - behind.a) * environment_specular(d, blur);
+#endif
+    return kept * behind.rgb;
+}
