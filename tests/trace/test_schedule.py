@@ -1,0 +1,155 @@
+"""Who gets how many samples, with films whose noise is known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from viewer.settings import Settings
+from viewer.trace.film import relative_error
+from viewer.trace.schedule import PILOT, Schedule, allotment, dilated
+from viewer.trace.wave import TILE, Work
+
+
+class NoisyFilm:
+    """Tiles whose pixels have a known relative variance a sample, as `viewer.trace.film.Film` reports them.
+
+    `scatter` is how uncertain the estimates are (relative, at one sample, falling with their root); `lost` the share of
+    samples that are left out.
+    """
+
+    def __init__(self, variance: np.ndarray, size: tuple[int, int] | None = None, scatter: float = 0.0,
+                 lost: float = 0.0) -> None:
+        self.variance = variance.astype(float)
+        rows, columns = variance.shape
+        self.size = size or (columns * TILE, rows * TILE)
+        self.tiles = columns, rows
+        self.samples = np.zeros((rows, columns))
+        sides = [np.minimum(side - TILE * np.arange(count), TILE) for side, count in zip(self.size, self.tiles)]
+        self.pixels = np.outer(sides[1], sides[0])
+        self._scatter, self._kept = scatter, 1 - lost
+        self._rng = np.random.default_rng(1)
+
+    def add(self, work: list[Work]) -> None:
+        for item in work:
+            assert 0 <= item.tile_x < self.tiles[0] and 0 <= item.tile_y < self.tiles[1]
+            assert item.first >= 0 and item.samples > 0
+            self.samples[item.tile_y, item.tile_x] += item.samples * self._kept
+
+    def tile_errors(self) -> np.ndarray:
+        n = np.maximum(self.samples, 1e-9)
+        factor = np.exp(self._rng.normal(0, self._scatter / np.sqrt(n)))
+        known = np.where(self.samples >= 2, self.pixels, 0)
+        return np.stack([self.variance * factor / n * known, known, self.samples * self.pixels, self.pixels],
+                        -1).astype(np.float32)
+
+    @property
+    def true_error(self) -> float:
+        return float(np.sqrt((self.variance / self.samples * self.pixels).sum() / self.pixels.sum()))
+
+
+def run(film: NoisyFilm, settings: Settings, count: int = 64, most: float = 1e9) -> list[Work]:
+    """Two waves that take turns, as in `viewer.trace.exposure`, until done or `most` samples are in the film."""
+    schedule, given, waves = Schedule(film, settings), [], [[], []]
+    while (film.samples * film.pixels).sum() < most:
+        waves.reverse()
+        film.add(waves[0])
+        waves[0] = [] if schedule.done else schedule.next(count, is_last=not waves[1])
+        assert len(waves[0]) <= count
+        given += waves[0]
+        if schedule.done and not any(waves):
+            break
+    return given
+
+
+def rough(seed: int = 3, shape: tuple[int, int] = (9, 16)) -> np.ndarray:
+    """Variances over five orders of magnitude, neighbours alike."""
+    rng = np.random.default_rng(seed)
+    coarse = rng.uniform(-3, 2, (3, 4))
+    return 10 ** np.kron(coarse, np.ones((3, 4)))[:shape[0], :shape[1]]
+
+
+@pytest.mark.parametrize("size, spp, count", [((16, 16), 64, 256), ((40, 30), 1, 16), ((200, 50), 37, 64), ((9, 1), 3, 2)])
+def test_without_a_target_each_pixel_gets_exactly_its_samples(size, spp, count):
+    tiles = -(-size[1] // TILE), -(-size[0] // TILE)
+    film = NoisyFilm(np.ones(tiles), size, lost=0.01)
+    work = run(film, Settings(mode="path", spp=spp), count)
+    for y in range(tiles[0]):
+        for x in range(tiles[1]):
+            numbers = [n for w in work if (w.tile_x, w.tile_y) == (x, y) for n in range(w.first, w.first + w.samples)]
+            assert sorted(numbers) == list(range(spp))
+
+
+def test_the_first_picture_has_one_sample_and_a_small_one_fills_the_wave():
+    schedule = Schedule(NoisyFilm(np.ones((10, 10))), Settings(mode="path"))
+    assert all(work.samples == 1 and work.first == 0 for work in schedule.next(100, True))
+    small = Schedule(NoisyFilm(np.ones((2, 2))), Settings(mode="path")).next(64, True)
+    assert len(small) == 64 and {work.samples for work in small} == {1}
+    later = Schedule(NoisyFilm(np.ones((10, 10))), Settings(mode="path"))
+    rounds = [{work.samples for work in later.next(100, True)} for _ in range(7)]
+    assert rounds == [{1}, {1}, {2}, {4}, {8}, {8}, {8}]
+
+
+def test_a_target_is_reached_everywhere_and_what_is_done_rests():
+    film = NoisyFilm(rough())
+    run(film, Settings(mode="path", error=0.05))
+    errors = np.sqrt(film.variance / film.samples)
+    assert errors.max() <= 0.05 and relative_error(film.tile_errors()) <= 0.05
+    quiet = dilated(film.variance) <= 0.05**2 * PILOT
+    assert quiet.any() and (film.samples[quiet] == PILOT).all()
+    needed = np.maximum(np.ceil(dilated(film.variance) / 0.05**2), PILOT)
+    assert (film.samples <= 1.01 * needed + 1).all()
+
+
+def test_spp_is_the_most_that_a_target_may_take():
+    film = NoisyFilm(np.full((4, 4), 100.0))
+    run(film, Settings(mode="path", error=1e-3, spp=200))
+    assert (film.samples == 200).all()
+    film = NoisyFilm(np.full((4, 4), 100.0))
+    run(film, Settings(mode="path", error=1e-3, spp=5))
+    assert (film.samples == 5).all()
+
+
+def test_samples_that_are_left_out_do_not_hang_it():
+    film = NoisyFilm(rough(), lost=0.2)
+    run(film, Settings(mode="path", error=0.1))
+    assert np.sqrt(film.variance / film.samples * 0.8).max() <= 0.1
+
+
+@pytest.mark.parametrize("variance", [np.zeros((3, 3)), np.full((1, 1), np.nan), np.diag([0.0, np.inf, 1.0])])
+def test_films_without_noise_and_with_endless_noise_end(variance):
+    film = NoisyFilm(variance)
+    run(film, Settings(mode="path", error=0.1, spp=300))
+    assert film.samples.min() >= PILOT and film.samples.max() <= 300
+
+
+@pytest.mark.parametrize("scatter", [0.0, 1.0])
+@pytest.mark.parametrize("variance", [rough(3), rough(4), np.ones((9, 16)), np.where(np.eye(9, 16) > 0, 50.0, 0.1)])
+def test_at_equal_cost_it_is_never_worse_than_uniform(variance, scatter):
+    """For 64 to 256 samples a pixel, with estimates that are 12 % uncertain at the pilot."""
+    for mean in (70, 128, 256):
+        film = NoisyFilm(variance, scatter=scatter)
+        run(film, Settings(mode="path", time_budget=1.0), most=mean * variance.size * TILE * TILE)
+        spent = film.samples.mean()
+        uniform = np.sqrt(variance.mean() / spent)
+        assert film.true_error <= 1.002 * uniform
+    if np.ptp(variance) > 1:
+        assert film.true_error < 0.8 * uniform
+
+
+def test_an_allotment_is_in_proportion_within_its_bounds():
+    deviation, pixels = np.array([[1.0, 2.0, 4.0, 0.0]]), np.array([[256, 256, 256, 64]])
+    least, most = np.array([[8, 8, 8, 8]]), np.array([[1e4, 1e4, 20, 1e4]])
+    given = allotment(deviation, pixels, least, most, 256 * 100)
+    assert given.tolist() == [[26, 52, 20, 8]]
+    assert allotment(deviation, pixels, least, most, 1.0).tolist() == [[8, 8, 8, 8]]
+    assert allotment(deviation, pixels, least, most, 1e12)[0, :3].tolist() == [10000, 10000, 20]
+
+
+def test_noise_counts_a_quarter_next_door():
+    variance = np.zeros((5, 5))
+    variance[2, 2] = 8
+    expected = np.zeros((5, 5))
+    expected[1:4, 1:4] = 2
+    expected[2, 2] = 8
+    assert np.array_equal(dilated(variance), expected)
