@@ -17,10 +17,11 @@ vec3 bend_normal(vec3 n, vec3 n_geometric, vec3 wo) {
     float flat_length = length(flat_r);
     if (flat_length < 1e-6) return n_geometric;
     vec3 raised = flat_r * (sqrt(1.0 - lift * lift) / flat_length) + lift * n_geometric;
-    vec3 bent = normalize(wo + raised);
-    // Where wo and r' all but cancel, the digits that are left may lean away: no farther than the bound above.
-    float lack = 0.5 * (cos_wo + lift) - dot(bent, wo);
-    return lack > 0.0 ? normalize(bent + lack / cos_wo * n_geometric) : bent;
+    vec3 sum = wo + raised;
+    float sum_length = length(sum);
+    vec3 bent = sum / sum_length;
+    // Where wo and r' all but cancel, what digits are left of n' are put right along wo, for n'.o = |o + r'| / 2.
+    return normalize(bent + (0.5 * sum_length - dot(bent, wo)) * wo);
 }
 
 // Duff et al. 2017, "Building an Orthonormal Basis, Revisited"
