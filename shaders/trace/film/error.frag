@@ -1,0 +1,27 @@
+// How sure a tile of the film is, a pixel for 16 x 16: sum of the relative variances of its pixels' means, how many
+// pixels have one, samples, and how many pixels there are.
+//   variance of the mean = (sum of squares - n mean^2) / (n (n - 1)),   relative: over mean^2 + 0.01, mean of channels
+uniform sampler2D u_sum;
+uniform sampler2D u_squares;
+
+out vec4 o_tile;
+
+const int TILE = 16;
+
+void main() {
+    ivec2 size = textureSize(u_sum, 0);
+    ivec2 low = ivec2(gl_FragCoord.xy) * TILE, high = min(low + TILE, size);
+    vec4 tile = vec4(0.0);
+    for (int y = low.y; y < high.y; ++y) {
+        for (int x = low.x; x < high.x; ++x) {
+            vec4 sum = texelFetch(u_sum, ivec2(x, y), 0);
+            float n = sum.a;
+            tile.zw += vec2(n, 1.0);
+            if (n < 2.0) continue;
+            vec3 mean = sum.rgb / n;
+            vec3 variance = max(texelFetch(u_squares, ivec2(x, y), 0).rgb / n - mean * mean, 0.0) / (n - 1.0);
+            tile.xy += vec2(dot(variance / (mean * mean + 0.01), vec3(1.0 / 3.0)), 1.0);
+        }
+    }
+    o_tile = tile;
+}

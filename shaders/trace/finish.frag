@@ -1,0 +1,35 @@
+// Slots whose path ended: its radiance, added to the wave's sums.
+#include "trace/state.glsl"
+#include "trace/limit.glsl"
+#include "trace/mis.glsl"
+#include "trace/environment.glsl"
+
+layout(location = 0) out vec4 o_sum;     // rgb, 1
+layout(location = 1) out vec4 o_squares; // of rgb; alpha
+
+// By the exponent's bits: a compiler that takes it for granted that nothing is NaN must not drop the test.
+bool is_finite(vec3 v) {
+    return all(notEqual(floatBitsToUint(v) & 0x7f800000u, uvec3(0x7f800000u)));
+}
+
+void main() {
+    ivec2 slot = ivec2(gl_FragCoord.xy);
+    float status = texelFetch(u_origin, slot, 0).w;
+    if (status == IDLE) discard;
+    uvec4 hit = texelFetch(u_hit, slot, 0);
+    if (status == IN_FLIGHT && hit_kind(hit) != NOTHING) discard;
+
+    Path p = read_path(slot, hit);
+    bool is_empty = status == IN_FLIGHT && p.depth == 0; // the camera sees past everything
+    float alpha = is_empty ? float(BACKGROUND) : 1.0;
+#if HAS_ENVIRONMENT
+    if (status == IN_FLIGHT && (BACKGROUND == 1 || !is_empty)) {
+        float weight = p.pdf > 0.0 ? mis_weight(p.pdf, environment_pdf(p.direction)) : 1.0;
+        p.radiance += limited(p.throughput * environment_radiance(p.direction) * weight, p.depth);
+    }
+#endif
+    // One that is not finite is left out of sums and counts: the count that is missing tells of it.
+    bool is_good = is_finite(p.radiance);
+    o_sum = is_good ? vec4(p.radiance, 1.0) : vec4(0.0);
+    o_squares = is_good ? vec4(p.radiance * p.radiance, alpha) : vec4(0.0);
+}

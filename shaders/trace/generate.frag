@@ -1,0 +1,36 @@
+// Slots whose path has ended or that have begun nothing: the next sample's camera ray, or idle when none is left.
+#include "trace/numbers.glsl"
+#include "trace/write_state.glsl"
+#include "trace/camera.glsl"
+
+uniform bool u_begin; // the blocks are new, and what the slots held is done with
+uniform ivec2 u_size; // of the picture
+
+void main() {
+    ivec2 slot = ivec2(gl_FragCoord.xy);
+    int left;
+    if (u_begin) {
+        ivec4 block = texelFetch(u_blocks, slot / TILE, 0);
+        bool is_inside = all(lessThan(block.xy * TILE + slot % TILE, u_size));
+        left = is_inside ? block.w : 0;
+    } else {
+        float status = texelFetch(u_origin, slot, 0).w;
+        if (status == IN_FLIGHT && hit_kind(texelFetch(u_hit, slot, 0)) != NOTHING) discard;
+        left = unpack_left(texelFetch(u_radiance, slot, 0).w);
+    }
+    if (left == 0) {
+        write_idle();
+        return;
+    }
+    Path p;
+    p.left = left - 1;
+    Sample s = slot_sample(slot, p.left);
+    // A box filter over the pixel
+    camera_ray(vec2(s.pixel) + sample_numbers(s, CAMERA_GROUP).xy, p.origin, p.direction);
+    p.pdf = p.travelled = 0.0;
+    p.throughput = vec3(1.0);
+    p.radiance = p.sigma = p.shadow_origin = p.shadow_vector = p.contribution = vec3(0.0);
+    p.depth = p.passed = 0;
+    p.eta2 = 1.0;
+    write_path(p, IN_FLIGHT);
+}

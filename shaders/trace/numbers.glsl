@@ -1,0 +1,31 @@
+// The random numbers of a slot's sample: a set of four for each group of decisions.
+#include "sample/sobol.glsl"
+#include "trace/state.glsl"
+
+uniform uint u_seed;
+
+const int TILE = 16;
+
+struct Sample {
+    ivec2 pixel; // from the picture's lower left corner
+    uint index;
+};
+
+// `left` samples of the slot come after it.
+Sample slot_sample(ivec2 slot, int left) {
+    ivec4 block = texelFetch(u_blocks, slot / TILE, 0);
+    return Sample(block.xy * TILE + slot % TILE, uint(block.z + block.w - 1 - left));
+}
+
+vec4 sample_numbers(Sample s, uint group) {
+    return sobol_owen(s.index, hash(uint(s.pixel.x) | uint(s.pixel.y) << 16u, u_seed, group));
+}
+
+const uint CAMERA_GROUP = 0u;
+
+// Groups of what is decided where a ray meets a surface
+const uint BSDF_GROUP = 0u, LIGHT_GROUP = 1u;
+
+vec4 vertex_numbers(Sample s, Path p, uint group) {
+    return sample_numbers(s, 1u + (uint(p.depth << 6 | p.passed) << 1u | group));
+}

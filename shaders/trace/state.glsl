@@ -1,0 +1,72 @@
+// The state of a wave's paths, a texel a slot, and how it is packed (viewer/trace/wave.py has the textures).
+uniform sampler2D u_origin;        // xyz, status
+uniform sampler2D u_direction;     // unit, pdf of the BSDF's sample by solid angle; 0: light met counts in full
+uniform sampler2D u_shadow_origin; // of the pending shadow ray; contribution.r
+uniform sampler2D u_shadow_vector; // to the light, 0: there is none; contribution.g
+uniform sampler2D u_throughput;    // rgb; contribution.b
+uniform sampler2D u_radiance;      // of the path so far; counters
+uniform sampler2D u_medium;        // absorption by tracer unit; product of eta^2
+uniform usampler2D u_hit;          // free << 31 | kind << 28 | instance, triangle, barycentrics
+uniform isampler2D u_blocks;       // tile x, tile y, first sample, samples; a texel for 16 x 16 slots
+
+const float IDLE = 0.0, IN_FLIGHT = 1.0, ENDED = 2.0; // ended: only its shadow ray is pending
+const uint STANDARD = 0u, GLASS = 1u, NOTHING = 7u;   // kinds of surfaces, as in viewer/trace/geometry.py
+
+struct Path {
+    vec3 origin;
+    vec3 direction;
+    float pdf;
+    float travelled;    // from the path's last vertex to the origin: it may have gone straight through surfaces
+    vec3 throughput;
+    vec3 radiance;
+    int depth;          // how often it was scattered
+    int passed;         // surfaces it went straight through, modulo 64
+    int left;           // samples of the slot after this one
+    vec3 sigma;
+    float eta2;
+    vec3 shadow_origin; // of the shadow ray to be sent, of no length where there is none
+    vec3 shadow_vector;
+    vec3 contribution;  // what that adds if it is free
+};
+
+uint hit_kind(uvec4 hit) {
+    return hit.x >> 28u & 7u;
+}
+
+// depth < 2^8, passed < 2^6, left < 2^10: whole numbers below 2^24 are exact
+float pack_counters(int depth, int passed, int left) {
+    return float((depth << 6 | (passed & 63)) << 10 | left);
+}
+
+int unpack_left(float counters) {
+    return int(counters) & 1023;
+}
+
+// The path in a slot when its rays have come back: what its shadow ray carried is counted.
+Path read_path(ivec2 slot, uvec4 hit) {
+    vec4 origin = texelFetch(u_origin, slot, 0), direction = texelFetch(u_direction, slot, 0);
+    vec4 a = texelFetch(u_shadow_origin, slot, 0), b = texelFetch(u_shadow_vector, slot, 0);
+    vec4 throughput = texelFetch(u_throughput, slot, 0), radiance = texelFetch(u_radiance, slot, 0);
+    Path p;
+    p.origin = origin.xyz;
+    p.direction = direction.xyz;
+    p.pdf = direction.w;
+    p.throughput = throughput.rgb;
+    bool has_shadow_ray = b.xyz != vec3(0.0);
+    p.radiance = radiance.rgb + (has_shadow_ray && hit.x >> 31u != 0u ? vec3(a.w, b.w, throughput.w) : vec3(0.0));
+    p.travelled = has_shadow_ray ? 0.0 : a.x;
+    int counters = int(radiance.w);
+    p.depth = counters >> 16;
+    p.passed = counters >> 10 & 63;
+    p.left = counters & 1023;
+#if HAS_TRANSMISSION
+    vec4 medium = texelFetch(u_medium, slot, 0);
+    p.sigma = medium.xyz;
+    p.eta2 = medium.w;
+#else
+    p.sigma = vec3(0.0);
+    p.eta2 = 1.0;
+#endif
+    p.shadow_origin = p.shadow_vector = p.contribution = vec3(0.0);
+    return p;
+}

@@ -1,0 +1,25 @@
+// What passes leave in a slot.
+#include "trace/state.glsl"
+
+layout(location = 0) out vec4 o_origin;
+layout(location = 1) out vec4 o_direction;
+layout(location = 2) out vec4 o_shadow_origin;
+layout(location = 3) out vec4 o_shadow_vector;
+layout(location = 4) out vec4 o_throughput;
+layout(location = 5) out vec4 o_radiance;
+layout(location = 6) out vec4 o_medium;
+
+void write_path(Path p, float status) {
+    bool has_shadow_ray = p.shadow_vector != vec3(0.0);
+    o_origin = vec4(p.origin, status);
+    o_direction = vec4(p.direction, p.pdf);
+    o_shadow_origin = vec4(has_shadow_ray ? p.shadow_origin : vec3(p.travelled, 0.0, 0.0), p.contribution.r);
+    o_shadow_vector = vec4(p.shadow_vector, p.contribution.g);
+    o_throughput = vec4(p.throughput, p.contribution.b);
+    o_radiance = vec4(p.radiance, pack_counters(p.depth, p.passed, p.left));
+    o_medium = vec4(p.sigma, p.eta2);
+}
+
+void write_idle() {
+    o_origin = o_direction = o_shadow_origin = o_shadow_vector = o_throughput = o_radiance = o_medium = vec4(0.0);
+}

@@ -1,0 +1,119 @@
+"""What of a scene the path tracer needs: the passes, the switches of their programs, and what was left out and why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..plan import Program
+from ..scene.scene import Scene
+from ..settings import Settings
+from .geometry import GLASS, STANDARD, TraceGeometry
+
+_FULLSCREEN = "display/fullscreen.vert"
+
+
+@dataclass(frozen=True)
+class TracePlan:
+    """`programs` by the name of the pass, in the order they are drawn; the kinds of surfaces that are there last."""
+
+    programs: Mapping[str, Program]
+    intersector: str
+    triangles: int
+    instances: int
+    left_out: tuple[str, ...]
+
+    @property
+    def surfaces(self) -> tuple[str, ...]:
+        """The passes that shade surfaces."""
+        return tuple(name for name in self.programs if name in _KINDS.values())
+
+    def to_json(self) -> dict[str, object]:
+        return {
+            "passes": ["intersect", *self.programs, "display"],
+            "programs": [{"fragment": p.fragment, "on": {k: v for k, v in p.switches if v}}
+                         for p in self.programs.values()],
+            "intersector": self.intersector,
+            "triangles": self.triangles,
+            "instances": self.instances,
+            "left_out": list(self.left_out),
+        }
+
+
+_KINDS = {STANDARD: "surface", GLASS: "glass"}
+
+
+def plan_trace(
+    scene: Scene, settings: Settings, geometry: TraceGeometry, switches: Mapping[str, int], *, intersector: str,
+    has_layers: bool,
+) -> TracePlan:
+    """The plan for `scene` under `settings`; `switches` are what the scene's data and its lights say of themselves."""
+    switches = dict(switches) | _shading_switches(settings)
+    shines = settings.lobes == "all"
+    for name in ("HAS_EMISSION", "HAS_EMITTERS"):
+        switches[name] = int(switches[name] and shines)
+    switches["HAS_LIGHTS"] = int(any(switches[name] for name in ("HAS_ENVIRONMENT", "HAS_PUNCTUAL", "HAS_EMITTERS")))
+    switches["BACKGROUND"] = int(settings.background == "env" and switches["HAS_ENVIRONMENT"])
+    switches["CLAMP"] = int(settings.clamp > 0)
+    passes = ["finish"] + ["layers"] * (has_layers and bool(geometry.instances)) + ["generate"]
+    kinds = {instance.kind for instance in geometry.instances}
+    passes += [name for kind, name in _KINDS.items() if kind in kinds]
+    programs = {name: Program(f"trace/{name}.frag", tuple(sorted(switches.items()))) for name in passes}
+    return TracePlan(programs, intersector, geometry.triangle_count, len(geometry.instances),
+                     tuple(_left_out(scene, settings, geometry, switches, programs, has_layers)))
+
+
+def _shading_switches(settings: Settings) -> dict[str, int]:
+    return {
+        "NDF": ("ggx", "beckmann", "blinn-phong").index(settings.ndf),
+        "MASKING": ("smith", "smith-separable", "v-cavity", "none").index(settings.masking),
+        "FRESNEL": int(settings.fresnel == "exact"),
+        "MULTISCATTER": int(settings.multiscatter == "on"),
+        "SHOW_DIFFUSE": int(settings.lobes in ("all", "uniform-diffuse")),
+        "SHOW_SPECULAR": int(settings.lobes in ("all", "specular")),
+        "SHOW_MULTISCATTER": int(settings.lobes in ("all", "directional-diffuse")),
+    }
+
+
+def _left_out(
+    scene: Scene, settings: Settings, geometry: TraceGeometry, switches: Mapping[str, int],
+    programs: Mapping[str, Program], has_layers: bool,
+) -> list[str]:
+    """In words, what the scene or the settings made unnecessary, and what is not shown."""
+    lines = []
+    if geometry.left_out_instances:
+        count = geometry.left_out_instances
+        lines.append(f"{count} mesh{'es' * (count > 1)} of lines or points: paths meet triangles only")
+    if not geometry.instances:
+        return [*lines, "everything but the background: there are no triangles"]
+    if not switches["HAS_LIGHTS"]:
+        lines.append("shadow rays and light samples: there are no lights")
+    else:
+        lines += [f"code for {what}: there is none" for name, what in _LIGHTS.items() if not switches[name]]
+    if switches["BACKGROUND"] == 0:
+        reason = "there is none" if not switches["HAS_ENVIRONMENT"] else "not asked for"
+        lines.append(f"the environment as background: {reason}")
+    lines += [f"{what}: there is none" for name, what in _SURFACES.items() if not switches[name]]
+    if "glass" not in programs:
+        lines.append("the pass for glass: nothing transmits light")
+    if not has_layers:
+        lines.append("the pass for layers (albedo, normal, depth): nobody asked for them")
+    if not switches["CLAMP"]:
+        lines.append("the clamp on indirect light: not asked for")
+    return lines
+
+
+_LIGHTS = {
+    "HAS_ENVIRONMENT": "light from an environment",
+    "HAS_PUNCTUAL": "light from points, spots or afar",
+    "HAS_EMITTERS": "light from emissive triangles",
+}
+_SURFACES = {
+    "HAS_TEXTURES": "texture fetches",
+    "HAS_NORMAL_MAP": "tangents and normal maps",
+    "HAS_COLOR": "vertex colours",
+    "HAS_EMISSION": "emission",
+    "HAS_SEE_THROUGH": "code for what alpha leaves open",
+    "HAS_UNLIT": "code for unlit materials",
+    "HAS_VOLUME": "absorption in volumes",
+}

@@ -1,0 +1,110 @@
+"""The path tracer: a scene, a camera and settings in; a picture that converges to the right answer out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+
+import moderngl
+
+from ..bake.dfg import dfg_table
+from ..gpu.context import Context
+from ..image import Image
+from ..raster.display import DisplayPass
+from ..raster.floats import float_texture
+from ..raster.programs import Programs, set_uniform
+from ..scene.camera import Camera
+from ..scene.scene import Scene
+from ..settings import Settings
+from .camera_rays import camera_uniforms
+from .exposure import MAX_WAVE_ROWS, WAVE_COLUMNS, Exposure
+from .film import Film
+from .passes import Passes
+from .plan import plan_trace
+from .schedule import Schedule
+from .traced_scene import TracedScene
+from .wave import UNIT_BLOCKS
+
+UNIT_DFG = UNIT_BLOCKS + 1
+
+
+class Tracer:
+    """Traces scenes with one OpenGL context.
+
+    It keeps the last scene's data, its intersector and all programs. Scenes are told apart by identity, as by
+    `viewer.raster.renderer.Renderer`: what one shares with the last is not prepared again. `intersector` is auto,
+    embree or bvh.
+    """
+
+    def __init__(self, context: Context, use_cache: bool = True, intersector: str = "auto",
+                 programs: Programs | None = None) -> None:
+        self.context = context
+        self.programs = programs if programs is not None else Programs(context)
+        self._use_cache = use_cache
+        self._intersector = intersector
+        self._display = DisplayPass(context.gl, self.programs)
+        self._scene: TracedScene | None = None
+        self._dfg: dict[tuple[str, str], moderngl.Texture] = {}
+
+    def render(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
+               layers: Collection[str] = ()) -> Image:
+        """The picture with all its samples."""
+        exposure = self.begin(scene, camera, settings, size, layers)
+        while not exposure.is_done:
+            exposure.step(1.0)
+        image = exposure.image()
+        exposure.release()
+        return image
+
+    def begin(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
+              layers: Collection[str] = ()) -> Exposure:
+        """A picture that has no samples yet.
+
+        `layers` are names of `viewer.trace.layers.LAYERS`. Raises UsageError for a size that this OpenGL cannot draw
+        and InputError for a scene that does not fit.
+        """
+        self.context.make_current()
+        traced = self._prepare(scene, settings)
+        film = Film(self.context.gl, self.programs, size, bool(layers) or settings.denoise != "off")
+        plan = plan_trace(scene, settings, traced.geometry, traced.switches, intersector=traced.intersector.name,
+                          has_layers=film.albedo is not None)
+        uniforms = {
+            **camera_uniforms(scene, camera, size),
+            "u_size": size, "u_seed": settings.seed, "u_bounces": settings.bounces, "u_clamp": settings.clamp,
+        }
+        dfg = self._dfg_texture(settings)
+
+        def bind(program: moderngl.Program) -> None:
+            traced.bind(program)
+            dfg.use(UNIT_DFG)
+            set_uniform(program, "u_dfg", UNIT_DFG)
+
+        passes = Passes(self.context, self.programs, plan, bind, uniforms)
+        schedule = Schedule(film, settings)
+        rows = math.ceil(film.tiles[0] * film.tiles[1] * settings.most_spp / WAVE_COLUMNS / 2)
+        return Exposure(passes, traced.intersector, plan, film, schedule, settings, self._display,
+                        min(rows, MAX_WAVE_ROWS))
+
+    def _prepare(self, scene: Scene, settings: Settings) -> TracedScene:
+        if self._scene is None or not self._scene.holds(scene, settings):
+            if self._scene is not None:
+                self._scene.release()
+            self._scene = None  # should the next one fail
+            self._scene = TracedScene(self.context, scene, settings, self._intersector)
+        return self._scene
+
+    def _dfg_texture(self, settings: Settings) -> moderngl.Texture:
+        key = settings.ndf, settings.masking
+        if key not in self._dfg:
+            self._dfg[key] = float_texture(self.context.gl, dfg_table(*key))
+        return self._dfg[key]
+
+    def release(self) -> None:
+        """Free what the tracer holds; the context stays."""
+        self.context.make_current()
+        if self._scene is not None:
+            self._scene.release()
+        for texture in self._dfg.values():
+            texture.release()
+        self._display.release()
+        self.programs.release()
