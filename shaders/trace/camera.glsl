@@ -7,8 +7,8 @@ uniform vec3 u_camera_eye;
 uniform vec3 u_camera_forward; // 0 for a perspective camera
 uniform float u_camera_unit;   // world units in one of tracer space
 
-// `pixel` counts from the picture's lower left corner; a pixel's middle is at a half. The origin is the eye, or where it
-// is far away a point of the ray in front of everything that |p| <= 1 holds, so that float32 has small numbers to carry.
+// `pixel` counts from the picture's lower left corner; a pixel's middle is at a half. The origin is the eye, or where
+// that is far away a point of the ray in front of all that |p| <= 1 holds, so that float32 has small numbers to carry.
 void camera_ray(vec2 pixel, out vec3 o, out vec3 d) {
     vec3 ndc = vec3(pixel * u_camera_pixel - 1.0, 1.0);
     vec3 ray = u_camera_ray * ndc;

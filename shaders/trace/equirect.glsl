@@ -9,7 +9,8 @@ float turns_precisely(float y, float x) {
     bool is_steep = low > 0.41421356 * high;
     float t = is_steep ? (low - high) / (low + high) : low / high; // atan(t) = pi / 4 + atan((t - 1) / (t + 1))
     float t2 = t * t;
-    float a = t + t * t2 * (((8.05374449538e-2 * t2 - 1.38776856032e-1) * t2 + 1.99777106478e-1) * t2 - 3.33329491539e-1);
+    float series = ((8.05374449538e-2 * t2 - 1.38776856032e-1) * t2 + 1.99777106478e-1) * t2 - 3.33329491539e-1;
+    float a = t + t * t2 * series;
     a = a * (0.5 * INV_PI) + (is_steep ? 0.125 : 0.0);
     a = ay > ax ? 0.25 - a : a;
     a = x < 0.0 ? 0.5 - a : a;

@@ -20,8 +20,8 @@ struct LightSample {
 };
 
 #if HAS_PUNCTUAL || HAS_EMITTERS
-// By light, punctual ones first: bits of the threshold, alias, bits of its probability and of its alias's, which include
-// that of no sample of the environment
+// By light, punctual ones first: bits of the threshold, alias, bits of its probability and of its alias's, that of any
+// of them being chosen included
 uniform int u_lights;
 uniform int u_punctual_count;
 uniform ivec2 u_light_grid; // the table's columns and rows

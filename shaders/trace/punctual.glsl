@@ -10,7 +10,7 @@ uniform float u_light_radius; // tracer units
 
 uniform int u_punctual;
 
-// Direction to light i from p, how far it is, and the irradiance that a surface facing it would have; 0 if there is none.
+// Direction to light i from p, how far it is, and the irradiance of a surface that faces it; 0 if there is none.
 vec3 punctual_irradiance(int i, vec3 p, vec2 u, out vec3 l, out float distance) {
     vec4 place = word_float(u_punctual + 3 * i);         // position, 1 / range^2; or where it shines from, -1
     vec4 intensity = word_float(u_punctual + 3 * i + 1); // candela or lux, scale of the cone

@@ -12,6 +12,8 @@ from viewer.gpu.context import Context
 from viewer.gpu.program import compile_sources
 from viewer.gpu.source import assemble
 
+_WIDTH = 4096  # rows of numbers in a row of the textures
+
 
 def evaluate(
     context: Context, folder: Path, include: str, body: str, rows: np.ndarray, outputs: int = 1,
@@ -25,17 +27,18 @@ def evaluate(
     gl = context.gl
     context.make_current()
     count = len(rows)
-    words = np.zeros((16, count), np.uint32)
-    words[: rows.shape[1]] = np.ascontiguousarray(rows).view(np.uint32).T
-    reads = "".join(f"uvec4 i{k} = texelFetch(harness_rows, ivec2(gl_FragCoord.x, {k}), 0); vec4 f{k} = uintBitsToFloat(i{k});"
-                    for k in range(4))
+    width, height = min(count, _WIDTH), -(-count // _WIDTH)
+    words = np.zeros((width * height, 16), np.uint32)
+    words[:count, : rows.shape[1]] = np.ascontiguousarray(rows).view(np.uint32)
+    reads = "".join(f"uvec4 i{k} = texelFetch(harness_rows, ivec2(gl_FragCoord.xy) + ivec2(0, {k * height}), 0);"
+                    f"vec4 f{k} = uintBitsToFloat(i{k});" for k in range(4))
     declared = "".join(f"layout(location = {k}) out vec4 o{k};\n" for k in range(outputs))
     file = folder / "harness.frag"
     file.write_text(f'#include "{include}"\nuniform usampler2D harness_rows;\n{declared}void main() {{ {reads}\n{body} }}\n')
     vertex = assemble("display/fullscreen.vert")
     program = compile_sources(context, {"vertex": vertex, "fragment": assemble(file, switches)})
-    table = gl.texture((count, 4), 4, words.reshape(4, 4, count).transpose(0, 2, 1).tobytes(), dtype="u4")
-    targets = [gl.texture((count, 1), 4, dtype="f4") for _ in range(outputs)]
+    table = gl.texture((width, 4 * height), 4, words.reshape(-1, 4, 4).transpose(1, 0, 2).tobytes(), dtype="u4")
+    targets = [gl.texture((width, height), 4, dtype="f4") for _ in range(outputs)]
     target = gl.framebuffer(targets)
     target.use()
     gl.enable_only(moderngl.NOTHING)
@@ -44,7 +47,7 @@ def evaluate(
     if "harness_rows" in program:
         program["harness_rows"] = 15
     gl.vertex_array(program, []).render(moderngl.TRIANGLES, 3)
-    found = [np.frombuffer(texture.read(), np.float32).reshape(count, 4) for texture in targets]
+    found = [np.frombuffer(texture.read(), np.float32).reshape(-1, 4)[:count] for texture in targets]
     for thing in (target, *targets, table, program):
         thing.release()
     return np.stack(found, axis=1).astype(np.float64)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from pixels import run_pixels
+from harness import evaluate
 
 from viewer.raster.frame import Frame
 from viewer.raster.programs import set_uniform
@@ -24,11 +24,9 @@ def uniforms(camera: Camera, size=SIZE):
     return bind
 
 
-def rays(context, camera: Camera, pixels: np.ndarray = PIXELS, size=SIZE) -> tuple[np.ndarray, np.ndarray]:
-    inputs = np.concatenate([pixels, np.zeros((len(pixels), 2))], axis=1)
-    found = run_pixels(context, "trace/camera.glsl", "vec3 p, d; camera_ray(i.xy, p, d);"
-                       "o[0] = vec4(p, camera_distance(p)); o[1] = vec4(d, 0.0);", inputs,
-                       uniforms(camera, size))
+def rays(context, tmp_path, camera: Camera, pixels: np.ndarray = PIXELS, size=SIZE) -> tuple[np.ndarray, np.ndarray]:
+    found = evaluate(context, tmp_path, "trace/camera.glsl", "vec3 p, d; camera_ray(f0.xy, p, d);"
+                     "o0 = vec4(p, 0.0); o1 = vec4(d, 0.0);", pixels, 2, bind=uniforms(camera, size))
     return found[:, 0, :3], found[:, 1, :3]
 
 
@@ -46,13 +44,13 @@ def pixel_of(camera: Camera, points: np.ndarray, size=SIZE) -> np.ndarray:
 
 @pytest.mark.parametrize("distance", [1e-3, 0.5, 3.0, 10.0, 1e3, 1e6])
 @pytest.mark.parametrize("is_flat", [False, True])
-def test_rays_are_in_their_pixels(context, distance, is_flat):
+def test_rays_are_in_their_pixels(context, tmp_path, distance, is_flat):
     """Points 1/4 to 4 units down each ray (5 to 8 from near eyes) project to within 1e-3 pixel of where it started."""
     fov = 2 * np.arctan(1.2 / max(distance, 2.0))
     camera = Camera.orbit((0.01, 0.02, -0.03), distance, 0.7, 0.4, fov)
     if is_flat:
         camera = Camera(camera.pose, height=2.2)
-    o, d = rays(context, camera)
+    o, d = rays(context, tmp_path, camera)
     assert np.abs(np.linalg.norm(d, axis=1) - 1).max() < 1e-6
     assert (np.linalg.norm(o, axis=1) < 4).all()
     for t in (0.25, 2.0, 4.0):
@@ -66,21 +64,21 @@ def test_rays_are_in_their_pixels(context, distance, is_flat):
         assert ((o - eye) @ camera.forward > -1e-6).all()
 
 
-def test_turned_away(context):
+def test_turned_away(context, tmp_path):
     """An eye far away that looks elsewhere sees nothing of the scene, and what it looks along is exact."""
     camera = Camera.look_at((1e6, 0, 0), (2e6, 1e5, 0))
-    o, d = rays(context, camera)
+    o, d = rays(context, tmp_path, camera)
     assert (np.linalg.norm(o, axis=1) > 1e5).all() and ((o * d).sum(axis=1) > 0).all()
 
 
 @pytest.mark.parametrize("is_flat", [False, True])
-def test_same_framing_as_raster(context, is_flat):
+def test_same_framing_as_raster(context, tmp_path, is_flat):
     """The picture's corners, upright: x to the right, y up."""
     camera = Camera.look_at((0, 0, 5), (0, 0, 0))
     if is_flat:
         camera = Camera(camera.pose, height=4.0)
     corners = np.array([[0, 0], [SIZE[0], 0], [0, SIZE[1]], SIZE], np.float32)
-    o, d = rays(context, camera, corners)
+    o, d = rays(context, tmp_path, camera, corners)
     ndc = corners / SIZE * 2 - 1
     expected = np.c_[ndc, np.ones(4)] @ Frame(SCENE, camera, SIZE).ray.T
     expected /= np.linalg.norm(expected, axis=1, keepdims=True)
@@ -90,13 +88,13 @@ def test_same_framing_as_raster(context, is_flat):
 
 
 @pytest.mark.parametrize("distance", [0.5, 30.0, 1e6])
-def test_distance(context, distance):
+def test_distance(context, tmp_path, distance):
     """camera_distance in world units, to a part in 1e6."""
     camera = Camera.orbit((0, 0, 0), distance, 0.7, 0.4)
     points = np.random.default_rng(1).normal(size=(100, 3)).astype(np.float32)
     for chosen in (camera, Camera(camera.pose, height=2.0)):
-        found = run_pixels(context, "trace/camera.glsl", "o[0] = vec4(camera_distance(i.xyz)); o[1] = i;",
-                           np.c_[points, np.zeros(100)], uniforms(chosen))[:, 0, 0]
+        found = evaluate(context, tmp_path, "trace/camera.glsl", "o0 = vec4(camera_distance(f0.xyz));", points,
+                         bind=uniforms(chosen))[:, 0, 0]
         relative = points * SCENE.radius - camera.eye
         expected = np.linalg.norm(relative, axis=1) if chosen.height is None else relative @ camera.forward
         assert np.abs(found - expected).max() < 1e-6 * max(distance, 3.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from pixels import run_pixels
+from harness import evaluate
 
 from viewer.measure.chi_squared import critical_value, statistic
 from viewer.raster.programs import set_uniform
@@ -13,7 +13,6 @@ from viewer.scene.equirect import texel_solid_angles
 from viewer.trace import environment as module
 from viewer.trace.environment import EnvironmentTable, cell_densities
 
-INCLUDE = "trace/environment.glsl"
 RANDOM = np.random.default_rng(11)
 
 
@@ -44,27 +43,27 @@ CASES = [(name, angle) for name in MAPS for angle in (0.0, 1.1)]
 class Sampled:
     """`environment` on the GPU; `samples` (N, 3) directions and (N,) pdf, `look` (N, 3) radiance and (N,) pdf."""
 
-    def __init__(self, context, radiance: np.ndarray, angle: float = 0.0, intensity: float = 1.0) -> None:
-        self.context = context
+    def __init__(self, context, folder, radiance: np.ndarray, angle: float = 0.0, intensity: float = 1.0) -> None:
+        self.context, self.folder = context, folder
         self.table = EnvironmentTable(context.gl, Environment("map", radiance, angle, intensity), radiance)
-        self.defines = {"HAS_ENVIRONMENT": 1, "ENVIRONMENT_ROTATED": int(angle != 0)}
+        self.switches = {"HAS_ENVIRONMENT": 1, "ENVIRONMENT_ROTATED": int(angle != 0)}
 
     def bind(self, program) -> None:
         self.table.bind(program)
         set_uniform(program, "u_environment_share", 1.0)
 
     def run(self, body: str, inputs: np.ndarray) -> np.ndarray:
-        if inputs.shape[1] == 3:
-            inputs = np.c_[inputs, np.zeros(len(inputs))]
-        return run_pixels(self.context, INCLUDE, body, inputs, self.bind, self.defines)
+        inputs = inputs.astype(np.float32)
+        return evaluate(self.context, self.folder, "trace/environment.glsl", body, inputs, 1, self.switches,
+                        self.bind)[:, 0]
 
     def samples(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        found = self.run("float pdf; o[0].xyz = sample_environment(i.xyz, pdf); o[0].w = pdf; o[1] = i;", u)
-        return found[:, 0, :3], found[:, 0, 3]
+        found = self.run("float pdf; o0.xyz = sample_environment(f0.xyz, pdf); o0.w = pdf;", u)
+        return found[:, :3], found[:, 3]
 
     def look(self, d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        found = self.run("vec3 d = normalize(i.xyz); o[0] = vec4(environment_radiance(d), environment_pdf(d)); o[1] = i;", d)
-        return found[:, 0, :3], found[:, 0, 3]
+        found = self.run("vec3 d = normalize(f0.xyz); o0 = vec4(environment_radiance(d), environment_pdf(d));", d)
+        return found[:, :3], found[:, 3]
 
 
 def numbers(count: int, seed: int = 1) -> np.ndarray:
@@ -102,20 +101,21 @@ def sphere_points(n: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize(("name", "angle"), CASES)
-def test_radiance_is_the_bilinear_map(context, name, angle):
+def test_radiance_is_the_bilinear_map(context, tmp_path, name, angle):
     """Everywhere, at the seam and the poles too: to 1e-5 of the map's brightest texel."""
-    d = np.concatenate([np.random.default_rng(4).normal(size=(3000, 3)), [[0, 1, 0], [0, -1, 0], [-1, 0, 0], [-1, 0, 1e-9]]])
+    edges = [[0, 1, 0], [0, -1, 0], [-1, 0, 0], [-1, 0, 1e-9]]
+    d = np.concatenate([np.random.default_rng(4).normal(size=(3000, 3)), edges])
     d /= np.linalg.norm(d, axis=1, keepdims=True)
-    found, _ = Sampled(context, MAPS[name], angle, 0.5).look(d)
+    found, _ = Sampled(context, tmp_path, MAPS[name], angle, 0.5).look(d)
     expected = 0.5 * bilinear(MAPS[name], turned(d.astype(np.float32).astype(np.float64), angle))
     assert np.abs(found - expected).max() < 1e-5 * MAPS[name].max()
 
 
 @pytest.mark.parametrize("name", MAPS)
-def test_samples_have_their_density(context, name):
-    """Samples land where their density says: environment_pdf of the direction is the sample's own, but for 1 in 1000."""
+def test_samples_have_their_density(context, tmp_path, name):
+    """environment_pdf of a sample's direction is the sample's own, but for 1 in 1000 at the edges of cells."""
     for angle in (0.0, 2.5):
-        sampled = Sampled(context, MAPS[name], angle)
+        sampled = Sampled(context, tmp_path, MAPS[name], angle)
         d, pdf = sampled.samples(numbers(20000))
         assert np.abs(np.linalg.norm(d, axis=1) - 1).max() < 1e-6
         again = sampled.look(d)[1]
@@ -124,9 +124,9 @@ def test_samples_have_their_density(context, name):
 
 
 @pytest.mark.parametrize(("name", "angle"), CASES)
-def test_density(context, name, angle):
+def test_density(context, tmp_path, name, angle):
     """It integrates to 1 over the sphere, and is positive wherever there is light."""
-    sampled = Sampled(context, MAPS[name], angle)
+    sampled = Sampled(context, tmp_path, MAPS[name], angle)
     points, solid_angles = sphere_points(560)  # divided by all the maps' sides
     to_world = turned(points, -angle)
     radiance, pdf = sampled.look(to_world)
@@ -135,26 +135,27 @@ def test_density(context, name, angle):
 
 
 @pytest.mark.parametrize(("name", "angle"), CASES)
-def test_histogram(context, name, angle):
+def test_histogram(context, tmp_path, name, angle):
     """Pearson's test over cells cut in four; exactly their share by solid angle."""
-    sampled = Sampled(context, MAPS[name], angle)
+    sampled = Sampled(context, tmp_path, MAPS[name], angle)
     d = turned(sampled.samples(numbers(200000))[0], angle)
     densities, _ = cell_densities(MAPS[name])
     height, width = densities.shape
     column = ((0.5 + np.arctan2(d[:, 2], d[:, 0]) / (2 * np.pi)) * 2 * width).astype(int) % (2 * width)
     row = np.minimum(np.arccos(np.clip(d[:, 1], -1, 1)) / np.pi * 2 * height, 2 * height - 1).astype(int)
     observed = np.bincount(row * 2 * width + column, minlength=4 * width * height)
-    expected = np.repeat(np.repeat(densities, 2, axis=0), 2, axis=1) * texel_solid_angles(2 * height, 2 * width)[:, None]
+    expected = np.repeat(np.repeat(densities, 2, axis=0), 2, axis=1)
+    expected *= texel_solid_angles(2 * height, 2 * width)[:, None]
     assert expected.sum() == pytest.approx(1, abs=1e-12)
     value, degrees = statistic(observed, expected.ravel() * len(d))
     assert value < critical_value(degrees, len(CASES))
 
 
 @pytest.mark.parametrize("name", MAPS)
-def test_irradiance(context, name):
+def test_irradiance(context, tmp_path, name):
     """Light samples alone estimate the irradiance of planes as quadrature in float64 has it: within 4.5 deviations."""
     angle = 0.8
-    sampled = Sampled(context, MAPS[name], angle)
+    sampled = Sampled(context, tmp_path, MAPS[name], angle)
     d, pdf = sampled.samples(numbers(400000))
     radiance, _ = sampled.look(d)
     points, solid_angles = sphere_points(560)
@@ -187,11 +188,11 @@ def test_compensation():
 
 
 @pytest.mark.parametrize("limit", [(16, 4), (5, 3), (1, 1)])
-def test_large_map_in_blocks(context, monkeypatch, limit):
+def test_large_map_in_blocks(context, tmp_path, monkeypatch, limit):
     """Cells of several texels, cut off at the edges: densities integrate to 1 and samples have them."""
     monkeypatch.setattr(module, "MAX_CELLS", limit)
     radiance = sun_map(14, 20)
-    sampled = Sampled(context, radiance)
+    sampled = Sampled(context, tmp_path, radiance)
     points, solid_angles = sphere_points(560)
     light, pdf = sampled.look(points)
     assert (pdf * solid_angles).sum() == pytest.approx(1, abs=2e-4)

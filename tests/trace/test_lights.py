@@ -6,8 +6,8 @@ import io
 
 import numpy as np
 import pytest
+from harness import evaluate
 from PIL import Image
-from pixels import run_pixels
 
 from viewer.measure.chi_squared import critical_value, statistic
 from viewer.scene.environment import Environment
@@ -50,8 +50,8 @@ FLOOR = (Material("floor"), place(0, -1, 0, (3, 1, 3)))
 class Lit:
     """A scene's lights on the GPU."""
 
-    def __init__(self, context, scene: Scene, **settings) -> None:
-        self.context, self.scene, self.geometry = context, scene, trace_geometry(scene)
+    def __init__(self, context, folder, scene: Scene, **settings) -> None:
+        self.context, self.folder, self.scene, self.geometry = context, folder, scene, trace_geometry(scene)
         self.data = SceneData(context, scene, self.geometry)
         self.lights = SceneLights(context, scene, self.geometry, self.data.words, Settings(**settings))
         self.data.upload()
@@ -60,15 +60,16 @@ class Lit:
         def bind(program) -> None:
             self.data.bind(program)
             self.lights.bind(program)
-        inputs = np.c_[inputs, np.zeros((len(inputs), 4 - inputs.shape[1]))]
-        return run_pixels(self.context, "trace/lights.glsl", body, inputs, bind, self.data.switches | self.lights.switches)
+        switches = self.data.switches | self.lights.switches
+        return evaluate(self.context, self.folder, "trace/lights.glsl", body, inputs.astype(np.float32), 2, switches,
+                        bind)
 
     def samples(self, p, count: int = 100000, seed: int = 1) -> dict[str, np.ndarray]:
         """Of one point (3,) in the world; distances in tracer units."""
         x, y, z = self.to_tracer(np.asarray(p, np.float64))
         u = np.random.default_rng(seed).integers(0, 1 << 24, (count, 3)) / 2**24
-        found = self.run(f"LightSample s = sample_light(vec3({x:.9f}, {y:.9f}, {z:.9f}), i.xyz);"
-                         "o[0] = vec4(s.direction, s.distance); o[1] = vec4(s.radiance, s.is_delta ? -s.pdf : s.pdf);", u)
+        found = self.run(f"LightSample s = sample_light(vec3({x:.9f}, {y:.9f}, {z:.9f}), f0.xyz);"
+                         "o0 = vec4(s.direction, s.distance); o1 = vec4(s.radiance, s.is_delta ? -s.pdf : s.pdf);", u)
         return {"direction": found[:, 0, :3], "distance": found[:, 0, 3], "radiance": found[:, 1, :3],
                 "pdf": np.abs(found[:, 1, 3]), "is_delta": found[:, 1, 3] < 0}
 
@@ -95,11 +96,11 @@ def rectangle_irradiance(corners: np.ndarray, p: np.ndarray, normal: np.ndarray,
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e-6, 1e6])
-def test_point_light(context, scale):
+def test_point_light(context, tmp_path, scale):
     """I / d^2 at any scale, windowed by range."""
     floor = Material("floor"), np.diag([scale, scale, scale, 1.0])
     light = Light("point", (1, 0.5, 0.25), 7 * scale**2, (0.3 * scale, 2 * scale, 0.1 * scale), range=5 * scale)
-    lit = Lit(context, scene_of(floor, lights=(light,)))
+    lit = Lit(context, tmp_path, scene_of(floor, lights=(light,)))
     s = lit.samples((0, 0, 0), 100)
     d = np.array(light.position)
     distance = np.linalg.norm(d)
@@ -108,14 +109,14 @@ def test_point_light(context, scale):
     assert np.allclose(s["distance"] * lit.scene.radius, distance, rtol=1e-6)
     expected = 7 * scale**2 / distance**2 * (1 - (distance / 5 / scale) ** 4)
     assert np.allclose(s["radiance"], np.multiply(expected, (1, 0.5, 0.25)), rtol=1e-5)
-    beyond = Lit(context, scene_of(floor, lights=(light,))).samples((4 * scale, -4 * scale, 0), 10)
+    beyond = Lit(context, tmp_path, scene_of(floor, lights=(light,))).samples((4 * scale, -4 * scale, 0), 10)
     assert (beyond["pdf"] == 0).all()
 
 
-def test_directional_and_spot(context):
+def test_directional_and_spot(context, tmp_path):
     spot = Light("spot", intensity=10, position=(0, 3, 0), direction=(0, -1, 0), inner_cone=0.2, outer_cone=0.5)
     sun = Light("directional", intensity=2, direction=(0.6, -0.8, 0))
-    lit = Lit(context, scene_of(FLOOR, lights=(spot, sun)))
+    lit = Lit(context, tmp_path, scene_of(FLOOR, lights=(spot, sun)))
     s = lit.samples((0.9, 0, 0))
     is_sun = s["distance"] == 4
     assert np.allclose(s["direction"][is_sun], (-0.6, 0.8, 0), atol=1e-6) and np.allclose(s["radiance"][is_sun], 2)
@@ -127,26 +128,26 @@ def test_directional_and_spot(context):
     assert (lit.samples((2.9, 0, 0), 2000)["distance"] == 4)[lit.samples((2.9, 0, 0), 2000)["pdf"] > 0].all()
 
 
-def test_no_lights(context):
+def test_no_lights(context, tmp_path):
     """Nothing at all, or nothing that reaches the scene: no code, and a line that says so."""
-    lit = Lit(context, scene_of(FLOOR))
+    lit = Lit(context, tmp_path, scene_of(FLOOR))
     assert not any(lit.lights.switches.values()) and not lit.lights.left_out
     far = Light("point", position=(100, 0, 0), range=10)
     black = Environment("black", np.zeros((4, 8, 3), np.float32))
-    lit = Lit(context, scene_of(FLOOR, lights=(far, Light("directional", intensity=0)), environment=black))
+    lit = Lit(context, tmp_path, scene_of(FLOOR, lights=(far, Light("directional", intensity=0)), environment=black))
     assert not any(lit.lights.switches.values()) and len(lit.lights.left_out) == 2
     assert (lit.samples((0, 0, 0), 10)["pdf"] == 0).all()
     off = Environment("off", np.ones((4, 8, 3), np.float32), intensity=0.0)
-    assert not Lit(context, scene_of(FLOOR, environment=off)).lights.switches["HAS_ENVIRONMENT"]
+    assert not Lit(context, tmp_path, scene_of(FLOOR, environment=off)).lights.switches["HAS_ENVIRONMENT"]
 
 
-def test_many_lights(context):
+def test_many_lights(context, tmp_path):
     """1e5 of all powers: each as often as its probability says; those add up to 1."""
     random = np.random.default_rng(3)
     candela = random.exponential(size=100000) ** 3 + 1e-9
     positions = np.c_[(np.arange(100000) + 0.5) * 1e-5, np.full(100000, 2.0), np.zeros(100000)]
     lights = tuple(Light("point", intensity=float(i), position=tuple(p)) for i, p in zip(candela, positions.tolist()))
-    lit = Lit(context, scene_of(FLOOR, lights=lights))
+    lit = Lit(context, tmp_path, scene_of(FLOOR, lights=lights))
     s = lit.samples((0, -1, 0), 200000)
     world = s["direction"] * s["distance"][:, None] * lit.scene.radius + (0, -1, 0)
     group = np.clip((world[:, 0] * 100).astype(int), 0, 99)
@@ -167,10 +168,10 @@ def test_light_table():
 
 
 @pytest.mark.parametrize("is_mirrored", [False, True])
-def test_emitter(context, is_mirrored):
+def test_emitter(context, tmp_path, is_mirrored):
     """A lamp above a plane, scaled and turned: the irradiance of Lambert's formula, and emitter_pdf as sampled."""
     lamp = place(0.5, 2, 0.2, (-0.7 if is_mirrored else 0.7, 1, 0.4), np.pi + 0.3)
-    lit = Lit(context, scene_of(FLOOR, (Material("lamp", emissive=(3, 5, 2)), lamp)))
+    lit = Lit(context, tmp_path, scene_of(FLOOR, (Material("lamp", emissive=(3, 5, 2)), lamp)))
     assert lit.lights.switches["HAS_EMITTERS"] and not lit.lights.switches["HAS_PUNCTUAL"]
     corners = QUAD @ lamp[:3, :3].T + lamp[:3, 3]
     expected = rectangle_irradiance(corners, np.zeros(3), np.array([0, 1, 0]), 5)
@@ -186,29 +187,31 @@ def test_emitter(context, is_mirrored):
     cos = np.abs(s["direction"] @ (normal / np.linalg.norm(normal)))
     assert np.allclose(s["pdf"], (p**2).sum(axis=1) / (area * cos), rtol=1e-4)
     assert omega == pytest.approx((area * cos / (p**2).sum(axis=1)).mean(), rel=1e-4)
-    again = lit.run("o[0] = vec4(emitter_pdf(1, i.x, i.y, i.z)); o[1] = i;",
+    again = lit.run("o0 = vec4(emitter_pdf(1, f0.x, f0.y, f0.z)); o1 = f0;",
                     np.c_[np.full(len(cos), area / 2), s["distance"], cos])[:, 0, 0]
     assert np.allclose(again, s["pdf"], rtol=1e-4)
 
 
-def test_emitter_sides(context):
+def test_emitter_sides(context, tmp_path):
     """The back is dark, unless the material is double sided; unlit ones and those of no area are no lights."""
     up = place(0, 2, 0)  # shines upwards, away from the floor
-    assert (Lit(context, scene_of(FLOOR, (Material(emissive=(1, 1, 1)), up))).samples((0, 0, 0), 100)["pdf"] == 0).all()
-    both = Lit(context, scene_of(FLOOR, (Material(emissive=(1, 1, 1), double_sided=True), up))).samples((0, 0, 0), 100)
-    assert (both["pdf"] > 0).all()
-    for nothing in ((Material(emissive=(1, 1, 1), unlit=True), up), (Material(emissive=(1, 1, 1)), place(0, 2, 0, (0, 1, 0)))):
-        assert not Lit(context, scene_of(FLOOR, nothing)).lights.switches["HAS_EMITTERS"]
-    assert not Lit(context, scene_of(FLOOR, (Material(emissive=(1, 1, 1)), up)), lobes="specular").lights.switches["HAS_EMITTERS"]
+    lamp, both = Material(emissive=(1, 1, 1)), Material(emissive=(1, 1, 1), double_sided=True)
+    assert (Lit(context, tmp_path, scene_of(FLOOR, (lamp, up))).samples((0, 0, 0), 100)["pdf"] == 0).all()
+    assert (Lit(context, tmp_path, scene_of(FLOOR, (both, up))).samples((0, 0, 0), 100)["pdf"] > 0).all()
+    unlit, flat = Material(emissive=(1, 1, 1), unlit=True), place(0, 2, 0, (0, 1, 0))
+    for nothing in ((unlit, up), (lamp, flat)):
+        assert not Lit(context, tmp_path, scene_of(FLOOR, nothing)).lights.switches["HAS_EMITTERS"]
+    alone = Lit(context, tmp_path, scene_of(FLOOR, (lamp, up)), lobes="specular")
+    assert not alone.lights.switches["HAS_EMITTERS"]
 
 
-def test_mixture(context):
+def test_mixture(context, tmp_path):
     """Environment, sun, point light and lamp together: the sum of each alone, and every density is that of all."""
     lamp = Material(emissive=(2, 2, 2)), place(0, 2, 0, (0.5, 1, 0.5), np.pi)
     sun = Light("directional", intensity=1.5, direction=(0, -1, 0))
     point = Light("point", intensity=4, position=(-1, 1, 0))
     environment = Environment("sky", np.full((8, 16, 3), 0.3, np.float32))
-    lit = Lit(context, scene_of(FLOOR, lamp, lights=(sun, point), environment=environment))
+    lit = Lit(context, tmp_path, scene_of(FLOOR, lamp, lights=(sun, point), environment=environment))
     corners = QUAD @ lamp[1][:3, :3].T + lamp[1][:3, 3]
     expected = (rectangle_irradiance(corners, np.zeros(3), np.array([0, 1, 0]), 2) + 1.5 + 4 / 2 / np.sqrt(2)
                 + 0.3 * np.pi)
@@ -218,23 +221,23 @@ def test_mixture(context):
     is_environment = ~s["is_delta"] & (s["distance"] == 4)
     share = is_environment.mean()
     assert LEAST_SHARE - 0.01 < share < 1 - LEAST_SHARE + 0.01
-    pdf = lit.run("o[0] = vec4(environment_pdf(i.xyz)); o[1] = i;", s["direction"][is_environment])[:, 0, 0]
+    pdf = lit.run("o0 = vec4(environment_pdf(f0.xyz)); o1 = f0;", s["direction"][is_environment])[:, 0, 0]
     assert np.allclose(pdf, s["pdf"][is_environment], rtol=1e-5)
     assert share == pytest.approx(pdf[0] * 4 * np.pi, abs=0.01)
 
 
-def test_share_of_a_weak_environment(context):
+def test_share_of_a_weak_environment(context, tmp_path):
     sun = Light("directional", intensity=1e6, direction=(0, -1, 0))
     weak = Environment("weak", np.full((4, 8, 3), 1e-6, np.float32))
-    s = Lit(context, scene_of(FLOOR, lights=(sun,), environment=weak)).samples((0, 0, 0))
+    s = Lit(context, tmp_path, scene_of(FLOOR, lights=(sun,), environment=weak)).samples((0, 0, 0))
     assert s["is_delta"].mean() == pytest.approx(1 - LEAST_SHARE, abs=0.01)
 
 
 @pytest.mark.parametrize("radius", [1e-3, 0.5])
-def test_light_radius(context, radius):
+def test_light_radius(context, tmp_path, radius):
     """A sphere: what faces it all has the irradiance of a point light; its samples are on its near side."""
     light = Light("point", intensity=6, position=(0.0, 2.0, 0.0))
-    lit = Lit(context, scene_of(FLOOR, lights=(light,)), light_radius=radius)
+    lit = Lit(context, tmp_path, scene_of(FLOOR, lights=(light,)), light_radius=radius)
     assert lit.lights.switches["LIGHT_RADIUS"]
     found, error = lit.irradiance((0, 0, 0), (0, 1, 0))
     assert found == pytest.approx(6 / 4, abs=4.5 * error + 1e-5)
@@ -253,7 +256,7 @@ def picture(pixels: np.ndarray) -> Texture:
 
 @pytest.mark.parametrize("side", [64, 3000])
 def test_textured_emitters(side):
-    """A triangle counts with the light about it in the texture: none where that is black, the mean of its box elsewhere."""
+    """A triangle counts with the texture about it: not at all where that is black, by the mean of its box elsewhere."""
     pixels = np.zeros((side, side, 3), np.uint8)
     pixels[: side // 2] = 255
     uv = np.array([[[0.1, 0.1], [0.4, 0.1], [0.1, 0.4]], [[0.1, 0.6], [0.4, 0.6], [0.1, 0.9]],

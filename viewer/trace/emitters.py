@@ -54,7 +54,9 @@ def _areas(geometry: TraceGeometry, instance: TraceInstance) -> np.ndarray:
     return 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
 
 
-def _texture_coordinates(scene: Scene, geometry: TraceGeometry, instance: TraceInstance, texture: Texture) -> np.ndarray:
+def _texture_coordinates(
+    scene: Scene, geometry: TraceGeometry, instance: TraceInstance, texture: Texture
+) -> np.ndarray:
     """Of the corners, (M, 3, 2), as the texture is looked up."""
     mesh = geometry.meshes[instance.mesh]
     uv = scene.meshes[mesh.source].uvs[texture.uv_set].astype(np.float64)
@@ -70,7 +72,8 @@ class _MeanLuminance:
     def __init__(self, texture: Texture, color: tuple[float, float, float]) -> None:
         pixels = texture.image.decode("RGB")
         linear = srgb_to_linear(np.arange(np.iinfo(pixels.dtype).max + 1) / np.iinfo(pixels.dtype).max)
-        luminance = sum((linear * weight).astype(np.float32)[pixels[..., k]] for k, weight in enumerate(LUMINANCE * color))
+        luminance = sum((linear * weight).astype(np.float32)[pixels[..., k]]
+                        for k, weight in enumerate(LUMINANCE * color))
         self._height, self._width = luminance.shape
         self._side = max(-(-max(luminance.shape) // _MAX_SIDE), 1)
         blocks = np.add.reduceat(luminance, np.arange(0, self._height, self._side), axis=0, dtype=np.float64)
