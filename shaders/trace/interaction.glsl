@@ -76,7 +76,8 @@ Interaction interact(Hit hit, vec3 wo) {
     vec4 normal_word = interpolate(tri, 1);
 
     Interaction i;
-    i.position = vec3(dot(tri.row0, vec4(p.xyz, 1.0)), dot(tri.row1, vec4(p.xyz, 1.0)), dot(tri.row2, vec4(p.xyz, 1.0)));
+    vec4 at = vec4(p.xyz, 1.0);
+    i.position = vec3(dot(tri.row0, at), dot(tri.row1, at), dot(tri.row2, at));
     i.material = int(tri.material);
     i.flags = tri.flags;
     i.emitter = tri.first_emitter == 0xffffffffu ? -1 : int(tri.first_emitter) + hit.triangle;

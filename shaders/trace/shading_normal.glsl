@@ -2,7 +2,8 @@
 
 // The normal for which light from wo is mirrored to where `n` mirrors it, unless that lies less than `lift` above the
 // surface: then it is raised to there. An even function of n, continuous, and the identity where n is n_geometric.
-//   r = 2 (n.o) n - o,   r' = r where r.g >= lift, else sqrt(1 - lift^2) unit(r - (r.g) g) + lift g,   n' = unit(o + r')
+//   r = 2 (n.o) n - o,   r' = r where r.g >= lift, else sqrt(1 - lift^2) unit(r - (r.g) g) + lift g
+//   n' = unit(o + r')
 // so n'.o >= (g.o + lift) / 2 > 0. Keller et al. 2017, "The Iray Light Transport Simulation and Rendering System",
 // appendix A.3, raise r to the horizon; `lift` keeps r' clear of it. n_geometric, g, and wo, o, are on one side.
 vec3 bend_normal(vec3 n, vec3 n_geometric, vec3 wo) {

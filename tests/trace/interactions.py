@@ -22,7 +22,8 @@ o2 = vec4(i.n, float(i.emitter)); o3 = vec4(i.t, float(i.material)); o4 = vec4(i
 o6 = i.color;"""
 _SECOND = _INTERACTION + """o0 = vec4(m.base_color, m.coverage);
 o1 = vec4(m.metallic, m.perceptual_roughness, m.ior, m.specular); o2 = vec4(m.specular_color, m.transmission);
-o3 = vec4(m.emission, coverage_at(hit)); o4 = vec4(m.sigma, 0.0); o5 = vec4(m.is_thin, m.is_unlit, m.is_double_sided, 0.0);
+o3 = vec4(m.emission, coverage_at(hit)); o4 = vec4(m.sigma, 0.0);
+o5 = vec4(m.is_thin, m.is_unlit, m.is_double_sided, 0.0);
 o6 = vec4(emission_at(hit), 0.0);"""
 
 
@@ -75,7 +76,8 @@ def ask(context: Context, folder: Path, scene: Scene, hits: Hits) -> dict[str, n
 def expect(scene: Scene, geometry: TraceGeometry, hits: Hits) -> dict[str, np.ndarray]:
     """Interaction in float64 from the scene's own numbers, without normal maps; `front` and `shading` are the
     geometric normal of the front and the interpolated one before it is bent."""
-    out: dict[str, list] = {name: [] for name in ("position", "front", "shading", "tangent", "area", "uv0", "uv1", "color")}
+    names = ("position", "front", "shading", "area", "uv0", "uv1", "color")
+    out: dict[str, list] = {name: [] for name in names}
     for k, t, (u, v) in zip(hits.instance, hits.triangle, hits.barycentric.astype(np.float64)):
         instance = scene.instances[geometry.instances[k].source]
         mesh = scene.meshes[instance.mesh]
@@ -95,7 +97,6 @@ def expect(scene: Scene, geometry: TraceGeometry, hits: Hits) -> dict[str, np.nd
         out["front"].append(front)
         out["shading"].append(shading)
         out["area"].append(area / 2)
-        out["tangent"].append(matrix @ (weights @ mesh.tangents[corner, :3]) if mesh.tangents is not None else np.zeros(3))
         for name in ("uv0", "uv1"):
             known = len(mesh.uvs) > int(name[-1])
             out[name].append(weights @ mesh.uvs[int(name[-1])][corner] if known else np.zeros(2))

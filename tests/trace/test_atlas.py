@@ -69,8 +69,8 @@ def test_the_largest_are_halved_until_all_fit():
     layout = layout_atlas([*large, small], 512)
     assert_packed(layout, 512)
     assert [layout.halvings[image] for image in large] == [1] * 5 and layout.halvings[small] == 0
-    assert layout.warnings == ["5 texture images traced at reduced size: all of them have to fit into one texture of "
-                               "this OpenGL"]
+    (warning,) = layout.warnings
+    assert warning == "5 texture images traced at reduced size: all have to fit into one texture of this OpenGL"
     wide = layout_atlas([header(1000, 3)], 300)
     assert wide.pages[next(iter(wide.pages))] == (0, 0, 250, 1)
 
@@ -237,8 +237,9 @@ def test_coordinates_at_and_beyond_all_edges_stay_on_the_page(context, tmp_path)
         set_uniform(program, "u_maps", 0)
 
     tiny = np.float32(1e-45)
-    edges = np.float32([0, -0.0, 1, np.nextafter(np.float32(1), 2, dtype="f4"), np.nextafter(np.float32(1), 0, dtype="f4"),
-                        tiny, -tiny, -1e-9, 2, -1, 1e6, -1e6, 1e30, -1e30, np.inf, -np.inf, np.nan])
+    above, below = np.nextafter(np.float32(1), np.float32([2, 0]))
+    edges = np.float32([0, -0.0, 1, above, below, tiny, -tiny, -1e-9, 2, -1, 1e6, -1e6, 1e30, -1e30, np.inf, -np.inf,
+                        np.nan])
     number, u, v = np.meshgrid(np.arange(len(SAMPLERS)), edges, edges, indexing="ij")
     rows = np.zeros((number.size, 4), np.uint32)
     rows[:, 0], rows[:, 1], rows[:, 2] = number.ravel(), u.ravel().view(np.uint32), v.ravel().view(np.uint32)

@@ -12,7 +12,7 @@ from shapes import moved, plate, scene, sphere
 
 from viewer.scene.material import Material
 from viewer.scene.mesh import Mesh
-from viewer.scene.scene import Instance, Scene
+from viewer.scene.scene import Instance
 from viewer.scene.tangents import any_tangents
 from viewer.trace.geometry import trace_geometry
 
@@ -153,7 +153,8 @@ def test_triangles_without_area_and_squashed_instances_give_numbers(context, tmp
 
 def test_emitters_are_numbered_through(context, tmp_path):
     lamp, dull = Material(emissive=(1, 2, 3)), Material()
-    lit = scene((plate(1), np.eye(4)), (plate(0), moved((3, 0, 0))), (plate(0), moved((6, 0, 0))), materials=(lamp, dull))
+    lit = scene((plate(1), np.eye(4)), (plate(0), moved((3, 0, 0))), (plate(0), moved((6, 0, 0))),
+                materials=(lamp, dull))
     hits = random_hits(trace_geometry(lit), 200)
     found = ask(context, tmp_path, lit, hits)
     expected = np.where(hits.instance == 0, -1, 2 * (hits.instance - 1) + hits.triangle)
@@ -164,7 +165,8 @@ def cones(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Shading normals anywhere, geometric normals, and directions above those, many of them grazing."""
     random = np.random.default_rng(11)
     n, g, o = (v / np.linalg.norm(v, axis=1, keepdims=True) for v in random.normal(size=(3, count, 3)))
-    height = np.where(random.uniform(size=count) < 0.5, 10.0 ** random.uniform(-5.5, 0, count), random.uniform(size=count))
+    grazing = random.uniform(size=count) < 0.5
+    height = np.where(grazing, 10.0 ** random.uniform(-5.5, 0, count), random.uniform(size=count))
     flat = o - np.einsum("ij,ij->i", o, g)[:, None] * g
     flat /= np.linalg.norm(flat, axis=1, keepdims=True)
     o = height[:, None] * g + np.sqrt(1 - height**2)[:, None] * flat
@@ -197,7 +199,8 @@ def test_bent_normals_in_the_shader(context, tmp_path):
                      np.concatenate([n, g, o], axis=1))[:, 0, :3]
     cos = np.einsum("ij,ij->i", found, o.astype(np.float64))
     mirrored = 2 * cos[:, None] * found - o
-    height, cos_g = np.einsum("ij,ij->i", mirrored, g.astype(np.float64)), np.einsum("ij,ij->i", g, o.astype(np.float64))
+    height = np.einsum("ij,ij->i", mirrored, g.astype(np.float64))
+    cos_g = np.einsum("ij,ij->i", g.astype(np.float64), o.astype(np.float64))
     assert cos.min() > 0
     # Directions within 1e-6 of the horizon keep the geometric normal, to which float32 knows them to about 1e-7.
     assert (height > 0)[cos_g > 1e-6].all() and height.min() > -2e-7
@@ -211,16 +214,15 @@ def test_new_origins_are_off_the_surface_and_close_to_it(context, tmp_path):
     n = (n / np.linalg.norm(n, axis=1, keepdims=True)).astype(np.float32)
     p = (RANDOM.uniform(-1, 1, (count, 3)) * 10.0 ** RANDOM.uniform(-12, 0, (count, 1))).astype(np.float32)
     p[:100] = 0
-    found = evaluate(context, tmp_path, "trace/offset_origin.glsl",
-                     "o0 = vec4(offset_origin(f0.xyz, vec3(f0.w, f1.xy)), 0.0);", np.concatenate([p, n], axis=1))[:, 0, :3]
+    body = "o0 = vec4(offset_origin(f0.xyz, vec3(f0.w, f1.xy)), 0.0);"
+    rows = np.concatenate([p, n], axis=1)
+    found = evaluate(context, tmp_path, "trace/offset_origin.glsl", body, rows)[:, 0, :3]
     step = np.einsum("ij,ij->i", found - p.astype(np.float64), n)
     # Positions are off by 2 ulps of 1; 256 ulps of 1/32 are the least along an axis.
     assert step.min() > 2 * ULP and step.max() < 2 * 256 * ULP
 
 
-def test_models_of_all_sorts_give_numbers(context, tmp_path):
-    ring = Scene("none")
-    assert not trace_geometry(ring).instances
+def test_directions_along_the_triangle_give_frames(context, tmp_path):
     grazing = scene((sphere(segments=12), np.eye(4)))
     hits = random_hits(trace_geometry(grazing), 2000)
     mesh = grazing.meshes[0]

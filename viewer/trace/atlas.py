@@ -38,8 +38,10 @@ class AtlasLayout:
     @property
     def warnings(self) -> list[str]:
         shrunk = sum(1 for n in self.halvings.values() if n)
-        return [f"{shrunk} texture image{'s' * (shrunk > 1)} traced at reduced size: all of them have to fit into one "
-                "texture of this OpenGL"] * (shrunk > 0)
+        if not shrunk:
+            return []
+        images = f"{shrunk} texture image{'s' * (shrunk > 1)}"
+        return [f"{images} traced at reduced size: all have to fit into one texture of this OpenGL"]
 
 
 class Atlas:

@@ -1,7 +1,7 @@
 """What a path tracer meets of a scene: its triangles, placed, and their materials.
 
-Tracer space has the world's axes, `scene.center` at the origin and `scene.radius` as the unit, so that all geometry lies
-in the unit ball; everything is worked out in float64 and rounded once. It does not depend on the camera.
+Tracer space has the world's axes, `scene.center` at the origin and `scene.radius` as the unit, so that all geometry
+lies in the unit ball; everything is worked out in float64 and rounded once. It does not depend on the camera.
 """
 
 from __future__ import annotations
@@ -57,7 +57,10 @@ class TraceInstance:
 
 @dataclass(frozen=True, eq=False)
 class TraceGeometry:
-    """Triangles alone; `left_out_instances` counts the scene's lines and points. `emitters` counts emissive triangles."""
+    """Triangles alone.
+
+    `left_out_instances` counts the scene's lines and points, `emitters` the emissive triangles.
+    """
 
     meshes: list[TraceMesh]
     instances: list[TraceInstance]

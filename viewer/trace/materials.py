@@ -58,6 +58,7 @@ def trace_material(material: Material, mesh: Mesh, unit: float) -> TraceMaterial
     is_thin = material.thickness <= 0
     shines = any(material.emissive)
     reflects = dielectric and material.specular > 0
+    has_lobes = lit and (material.metallic > 0 or material.perceptual_roughness > 0)
 
     def maps(*fields: tuple[str, int, bool]) -> tuple[MapUse, ...]:
         uses: dict[Texture, int] = {}
@@ -74,7 +75,7 @@ def trace_material(material: Material, mesh: Mesh, unit: float) -> TraceMaterial
         ("emissive", EMISSION, shines),
     )
     data_maps = maps(
-        ("metallic_roughness", METALLIC_ROUGHNESS, lit and (material.metallic > 0 or material.perceptual_roughness > 0)),
+        ("metallic_roughness", METALLIC_ROUGHNESS, has_lobes),
         ("specular", SPECULAR, reflects),
         ("transmission", TRANSMISSION, transmission > 0),
     )

@@ -29,7 +29,8 @@ class SceneData:
         self.warnings = [line for atlas in (self._color, self._data) if atlas for line in atlas.layout.warnings]
         self.words = WordsBuilder()
         add_geometry(self.words, scene, geometry, self.switches)
-        add_materials(self.words, geometry, *(atlas.layout.pages if atlas else {} for atlas in (self._color, self._data)))
+        pages = (atlas.layout.pages if atlas else {} for atlas in (self._color, self._data))
+        add_materials(self.words, geometry, *pages)
         self._textures: dict[str, tuple[int, moderngl.Texture]] = {}
 
     def upload(self) -> None:

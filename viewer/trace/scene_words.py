@@ -1,4 +1,4 @@
-"""A scene's triangles and materials as words, and what shaders need not have for it (shaders/trace/interaction.glsl)."""
+"""A scene's triangles and materials as words, and the switches for what there is (shaders/trace/interaction.glsl)."""
 
 from __future__ import annotations
 
@@ -50,32 +50,16 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry) -> dict[str, int]:
     return {name: int(value) for name, value in switches.items()} | glass_switches(materials)
 
 
-def geometry_left_out(scene: Scene, geometry: TraceGeometry) -> list[str]:
-    """In words, what of the scene the tracer cannot show and what its shaders need not read."""
-    switches = geometry_switches(scene, geometry)
-    lines = []
-    if geometry.left_out_instances:
-        lines.append(f"{geometry.left_out_instances} of {len(scene.instances)} instances: rays meet triangles, "
-                     "not lines and points")
-    for switch, line in {
-        "HAS_TEXTURES": "texture atlases and all code for maps: no surface has a map that changes it",
-        "HAS_NORMAL_MAP": "tangents: there are no normal maps",
-        "HAS_UV1": "second texture coordinates: no map uses them",
-        "HAS_COLOR": "vertex colours: no mesh has any",
-        "HAS_SEE_THROUGH": "tests for coverage: nothing is see-through",
-        "HAS_TRANSMISSION": "code for glass: nothing transmits light",
-        "HAS_EMISSION": "code for emission: no surface shines",
-    }.items():
-        if not switches[switch]:
-            lines.append(line)
+def unused_maps(scene: Scene, geometry: TraceGeometry) -> list[str]:
+    """In words, what maps of the materials in use are not decoded."""
     used = {id(m.material) for m in geometry.materials}
-    sampled = {(id(m.material), t.image) for m in geometry.materials
-               for t in (*(use.texture for use in m.color_maps), *m.data_textures)}
-    idle = sum(1 for m in scene.materials for name in MAPS if id(m) in used and material_map(m, name) is not None
-               and (id(m), material_map(m, name).image) not in sampled)
-    if idle:
-        lines.append(f"{idle} material map{'s' * (idle > 1)}, not decoded: no ray depends on them")
-    return lines
+    sampled = {(id(m.material), texture.image) for m in geometry.materials
+               for texture in (*(use.texture for use in m.color_maps), *m.data_textures)}
+    named = [(m, material_map(m, name)) for m in scene.materials if id(m) in used for name in MAPS]
+    idle = sum(texture is not None and (id(m), texture.image) not in sampled for m, texture in named)
+    if not idle:
+        return []
+    return [f"{idle} material map{'s' * (idle > 1)}, not decoded: no path depends on {'them' if idle > 1 else 'it'}"]
 
 
 def add_geometry(words: WordsBuilder, scene: Scene, geometry: TraceGeometry, switches: Mapping[str, int]) -> None:
