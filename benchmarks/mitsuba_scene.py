@@ -50,7 +50,7 @@ def convert(scene: Scene, camera: Camera, size: tuple[int, int], depth: int = DE
                              "sensor": _sensor(mi, camera, size)}
     if scene.environment is not None:
         turn = 90 + np.degrees(scene.environment.rotation)
-        parts["environment"] = {"type": "envmap", "bitmap": mi.Bitmap(np.ascontiguousarray(scene.environment.radiance)),
+        parts["environment"] = {"type": "envmap", "bitmap": mi.Bitmap(for_mitsuba(scene.environment.radiance)),
                                 "scale": scene.environment.intensity,
                                 "to_world": mi.ScalarTransform4f().rotate([0, 1, 0], turn)}
     for k, light in enumerate(scene.lights):
@@ -60,6 +60,28 @@ def convert(scene: Scene, camera: Camera, size: tuple[int, int], depth: int = DE
         if mesh.topology == "triangles":
             parts[f"mesh{k}"] = _mesh(mi, mesh, scene.materials[mesh.material], instance.transform)
     return mi.load_dict(parts)
+
+
+def for_mitsuba(radiance: np.ndarray) -> np.ndarray:
+    """A map (H, W, 3) that Mitsuba reads as we read `radiance`, (2 H + 1, W, 3).
+
+    To Mitsuba the first row is the pole itself and the last the other; to us, as to the texture units of a GPU, rows are
+    texels, half a row away from the poles. Every kink of our bilinear filter is a row of this map.
+    """
+    padded = np.concatenate([radiance[:1], radiance, radiance[-1:]])
+    out = np.empty((2 * len(radiance) + 1, *radiance.shape[1:]), np.float32)
+    out[1::2] = radiance
+    out[::2] = (padded[:-1] + padded[1:]) / 2
+    return out
+
+
+def from_mitsuba(radiance: np.ndarray) -> np.ndarray:
+    """The reverse, (2 H - 2, W, 3): what Mitsuba sees in `radiance`, but for the very tips of its tent filter."""
+    above, below = radiance[:-1], radiance[1:]
+    out = np.empty((2 * len(above), *radiance.shape[1:]), np.float32)
+    out[::2] = 0.75 * above + 0.25 * below
+    out[1::2] = 0.25 * above + 0.75 * below
+    return out
 
 
 def render(scene: Any, spp: int, seed: int = 0) -> np.ndarray:

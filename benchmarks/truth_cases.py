@@ -12,9 +12,11 @@ import viewer
 from viewer.image import Image
 from viewer.measure.relmse import reduced
 from viewer.scene.camera import Camera
+from viewer.scene.environment import Environment
 from viewer.scene.scene import Scene
 from viewer.settings import Settings
 
+from .mitsuba_scene import from_mitsuba
 from .shot import REPOSITORY
 
 FOLDER = REPOSITORY.parent / "shared" / "truth"
@@ -56,6 +58,8 @@ def load_case(name: str, folder: Path = FOLDER, environments: Path = ENVIRONMENT
     case = json.loads((folder / name / "case.json").read_text())
     environment = None if case["env"] == "none" else environments / case["env"]
     scene = viewer.load(folder / name / "scene.glb", environment=environment)
+    if scene.environment is not None:  # as the other renderer read it: 2.5 % of irradiance for a sun near the zenith
+        scene = scene.relit(environment=Environment(case["env"], from_mitsuba(scene.environment.radiance)))
     camera = Camera.look_at(case["eye"], case["target"], fov_y=np.radians(case["fov"]))
     reference = Image.open(folder / name / "reference.exr").linear[..., :3].astype(np.float64)
     settings = case["set"] | {"background": case["background"]}

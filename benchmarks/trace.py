@@ -1,0 +1,135 @@
+"""How fast the path tracer is, and beside it Mitsuba's LLVM backend in turn: `python -m benchmarks.trace`.
+
+Rays and samples a second, error against time, and how the cost of a sample grows from a thousand triangles to a
+million. Each renderer's error is relMSE against its own long render, for their materials are not quite the same.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from viewer.gpu.context import open_context
+from viewer.measure.relmse import Halves, relmse
+from viewer.scene.camera import Camera
+from viewer.scene.scene import Scene
+from viewer.settings import Settings
+from viewer.trace.tracer import Tracer
+
+from . import mitsuba_scene, tracing
+from .shot import REPOSITORY
+from .summary import Spread
+from .trace_scenes import HILLS, scenes
+
+COLUMNS = {"scene": "scene", "triangles": "triangles:,", "by": "by", "first picture, s": "first:.2f", "spp": "spp:.0f",
+           "s, median": "median:.3f", "p10": "p10:.3f", "p90": "p90:.3f", "relMSE": "relmse:.2e",
+           "Msample/s": "mega_samples:.2f", "Mray/s": "mega_rays:.2f"}
+
+
+@dataclass(frozen=True)
+class Renderer:
+    """`draw(spp, seed)` gives a picture, the seconds it took and its rays (0: not known)."""
+
+    name: str
+    draw: Callable[[int, int], tuple[np.ndarray, float, int]]
+
+
+def main() -> None:
+    options = _parse()
+    rows: list[dict[str, object]] = []
+    with open_context() as context:
+        tracer = Tracer(context)
+        for name, (scene, camera) in scenes().items():
+            if not options.only or any(part in name for part in options.only.split(",")):
+                rows += _scene(tracer, name, scene, camera, options)
+        facts = tracing.conditions(tracer) | {"size": f"{options.size}x{options.size}"}
+    text = ["# Path tracing: speed, and error against time", "", *tracing.table(rows, COLUMNS), "", *_growth(rows)]
+    tracing.keep("trace", facts, rows, text, options.results)
+
+
+def _scene(tracer: Tracer, name: str, scene: Scene, camera: Camera, options: argparse.Namespace,
+           ) -> list[dict[str, object]]:
+    """Both renderers in turn, a round a seed, for each sample count."""
+    size, rows = (options.size, options.size), []
+    renderers = [ours(tracer, scene, camera, size)]
+    if mitsuba_scene.is_installed() and not options.ours:
+        renderers.append(mitsubas(scene, camera, size))
+    references, first = {}, {}
+    for renderer in renderers:
+        start = time.perf_counter()
+        renderer.draw(1, 0)
+        first[renderer.name] = time.perf_counter() - start
+        references[renderer.name] = Halves(*(renderer.draw(options.reference_spp // 2, 100 + k)[0] for k in (0, 1)))
+    for spp in options.spp:
+        drawn: dict[str, list[tuple[np.ndarray, float, int]]] = {renderer.name: [] for renderer in renderers}
+        for seed in range(options.rounds):
+            for renderer in renderers:
+                drawn[renderer.name].append(renderer.draw(spp, 1 + seed))
+        for renderer in renderers:
+            pictures, seconds, rays = zip(*drawn[renderer.name])
+            reference, spread = references[renderer.name], Spread.of(seconds)
+            rows.append({
+                "scene": name, "triangles": scene.triangle_count, "by": renderer.name, "first": first[renderer.name],
+                "spp": spp, "median": spread.median, "p10": spread.p10, "p90": spread.p90, "n": spread.n,
+                "relmse": statistics.median(relmse(picture, reference.mean) for picture in pictures),
+                "reference_floor": reference.floor(reference.mean),
+                "mega_samples": size[0] * size[1] * spp / spread.median / 1e6,
+                "mega_rays": statistics.median(rays) / spread.median / 1e6 if rays[0] else None})
+    return rows
+
+
+def ours(tracer: Tracer, scene: Scene, camera: Camera, size: tuple[int, int]) -> Renderer:
+    def draw(spp: int, seed: int) -> tuple[np.ndarray, float, int]:
+        start = time.perf_counter()
+        shot = tracing.shoot(tracer, scene, camera, Settings.of(mode="path", spp=spp, seed=seed), size)
+        return shot.pixels, time.perf_counter() - start, shot.rays
+
+    return Renderer("pbr-viewer", draw)
+
+
+def mitsubas(scene: Scene, camera: Camera, size: tuple[int, int]) -> Renderer:
+    theirs = mitsuba_scene.convert(scene, camera, size)
+
+    def draw(spp: int, seed: int) -> tuple[np.ndarray, float, int]:
+        start = time.perf_counter()
+        picture = mitsuba_scene.render(theirs, spp, seed)
+        return picture, time.perf_counter() - start, 0
+
+    return Renderer("Mitsuba", draw)
+
+
+def _growth(rows: list[dict[str, object]]) -> list[str]:
+    """The cost of a sample in the hills, over that in the smallest, beside the logarithms of the triangle counts."""
+    lines = ["| hills | cost of a sample, of the smallest | logarithm of triangles, of the smallest |", "|---|---|---|"]
+    costs: dict[int, float] = {}
+    for row in rows:
+        if row["by"] == "pbr-viewer" and str(row["scene"]).startswith("hills"):
+            costs[int(row["triangles"])] = 1 / float(row["mega_samples"])  # of the largest sample count, the last
+    if len(costs) < len(HILLS):
+        return []
+    base = min(costs)
+    return lines + [f"| {count:,} | {costs[count] / costs[base]:.2f} | {np.log(count) / np.log(base):.2f} |"
+                    for count in sorted(costs)]
+
+
+def _parse() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.trace", description=__doc__)
+    parser.add_argument("--size", type=int, default=256, help="of the square pictures, in pixels (256)")
+    parser.add_argument("--spp", type=lambda text: [int(part) for part in text.split(",")], default=[4, 16, 64],
+                        help="sample counts, with commas (4,16,64)")
+    parser.add_argument("--reference-spp", type=int, default=1024, help="samples a pixel of the references (1024)")
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--only", default="", help="parts of the scenes' names, with commas")
+    parser.add_argument("--ours", action="store_true", help="leave Mitsuba out")
+    parser.add_argument("--results", type=Path, default=REPOSITORY / "benchmarks/results")
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    main()
