@@ -8,6 +8,9 @@ from types import SimpleNamespace
 import moderngl
 import numpy as np
 
+from viewer.gpu.context import Context
+from viewer.trace.intersect import Intersector
+
 
 @dataclass
 class Mesh:
@@ -39,15 +42,16 @@ def mesh(positions: object, triangles: object) -> Mesh:
 
 def sphere(rings: int, segments: int, radius: float = 1.0) -> Mesh:
     """A closed one, whose triangles share their vertices."""
-    theta, phi = np.meshgrid(np.pi * np.arange(1, rings) / rings, 2 * np.pi * np.arange(segments) / segments, indexing="ij")
+    polar, around = np.pi * np.arange(1, rings) / rings, np.arange(segments)
+    theta, phi = np.meshgrid(polar, 2 * np.pi * around / segments, indexing="ij")
     ring = np.stack([np.sin(theta) * np.cos(phi), np.cos(theta), np.sin(theta) * np.sin(phi)], -1).reshape(-1, 3)
     positions = radius * np.concatenate([[(0, 1, 0)], ring, [(0, -1, 0)]])
-    row, column = np.meshgrid(np.arange(rings - 2), np.arange(segments), indexing="ij")
+    row, column = np.meshgrid(np.arange(rings - 2), around, indexing="ij")
     a, b = 1 + row * segments + column, 1 + row * segments + (column + 1) % segments
-    around = np.arange(segments)
     last = len(positions) - 1
+    lowest = last - segments
     top = np.stack([np.zeros_like(around), 1 + (around + 1) % segments, 1 + around], 1)
-    bottom = np.stack([np.full_like(around, last), last - segments + around, last - segments + (around + 1) % segments], 1)
+    bottom = np.stack([np.full_like(around, last), lowest + around, lowest + (around + 1) % segments], 1)
     sides = np.stack([a, b, a + segments, b, b + segments, a + segments], -1).reshape(-1, 3)
     return mesh(positions, np.concatenate([top, sides, bottom]))
 
@@ -61,8 +65,8 @@ def soup(count: int, size: float, seed: int = 0) -> Mesh:
 
 def make_wave(gl: moderngl.Context, size: tuple[int, int]) -> SimpleNamespace:
     """Nothing in flight."""
-    names = ("origin", "direction", "shadow_origin", "shadow_vector")
-    textures = {name: gl.texture(size, 4, np.zeros((size[0] * size[1], 4), "f4").tobytes(), dtype="f4") for name in names}
+    names, zeros = ("origin", "direction", "shadow_origin", "shadow_vector"), bytes(16 * size[0] * size[1])
+    textures = {name: gl.texture(size, 4, zeros, dtype="f4") for name in names}
     wave = SimpleNamespace(**textures, hit=gl.texture(size, 4, dtype="u4"))
     for texture in vars(wave).values():
         texture.filter = moderngl.NEAREST, moderngl.NEAREST
@@ -78,12 +82,19 @@ def fill(wave: SimpleNamespace, **states: np.ndarray) -> None:
         texture.write(texels)
 
 
-def trace(context: object, intersector: object, origin, direction, shadow_origin=None, shadow_vector=None) -> np.ndarray:
+def trace(
+    context: Context,
+    intersector: Intersector,
+    origin: np.ndarray,
+    direction: np.ndarray,
+    shadow_origin: np.ndarray | None = None,
+    shadow_vector: np.ndarray | None = None,
+) -> np.ndarray:
     """(rays, 4) uint32 hit words of rays (rays, 3), through a wave just big enough."""
     width = 256
     wave = make_wave(context.gl, (width, -(-len(origin) // width)))
     fill(wave, origin=np.c_[origin, np.ones(len(origin))], direction=np.asarray(direction))
-    if shadow_vector is not None:
+    if shadow_origin is not None and shadow_vector is not None:
         fill(wave, shadow_origin=np.asarray(shadow_origin), shadow_vector=np.asarray(shadow_vector))
     intersector.store(wave, intersector.trace(intersector.fetch(wave)))
     return np.frombuffer(wave.hit.read(), np.uint32).reshape(-1, 4)[: len(origin)]

@@ -52,7 +52,8 @@ def test_only_slots_that_have_rays_are_traced(context: Context) -> None:
     states = np.array([0.0, 1.0, 2.0, 1.0])
     origin = np.c_[np.repeat([(0.3, 0.1, 1.0)], 4, axis=0), states]
     direction = np.repeat(DOWN, 4, axis=0)
-    fill(wave, origin=origin, direction=direction, shadow_origin=origin, shadow_vector=-direction * [[1], [0], [1], [1]])
+    vector = -direction * [[1], [0], [1], [1]]
+    fill(wave, origin=origin, direction=direction, shadow_origin=origin, shadow_vector=vector)
     answer = embree.trace(embree.fetch(wave))
     assert (answer.alive, answer.rays) == (3, 4)
     embree.store(wave, answer)

@@ -71,7 +71,7 @@ def build_bvh(geometry: TraceGeometry) -> Bvh:
     root = forest.add(vertices, triangles, words[:-1], see_through)
     if placed:
         root = forest.place(geometry, placed, vertices, root)
-    return forest.packed(root, see_through.any())
+    return forest.packed(root, bool(see_through.any()))
 
 
 class _Forest:
@@ -124,14 +124,14 @@ class _Forest:
         lower, upper, records = [], [], []
         for mesh_index, instances in placed.items():
             mesh = geometry.meshes[mesh_index]
-            tree = self.add(mesh.positions, mesh.triangles)
+            root = self.add(mesh.positions, mesh.triangles)
             transforms = np.array([instance.transform for _, instance in instances])
             low, high = _moved_box(transforms, mesh.positions.min(axis=0), mesh.positions.max(axis=0))
             lower.append(low)
             upper.append(high)
             record = np.zeros((len(instances), INSTANCE_TEXELS, 4), np.uint32)
             record[:, :3] = _inverse(transforms).astype(np.float32).view(np.uint32)
-            record[:, 3, 0] = tree
+            record[:, 3, 0] = root
             record[:, 3, 1] = [instance.kind << KIND_SHIFT | index for index, instance in instances]
             record[:, 3, 2] = [instance.see_through for _, instance in instances]
             records.append(record)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import moderngl
 
@@ -12,7 +12,7 @@ from ..gpu.program import compile_program
 from ..raster.display import fullscreen
 from ..raster.programs import set_uniform
 from .bvh import Bvh, build_bvh
-from .intersect import SHADOW_REACH, Answer, WaveTextures
+from .intersect import SHADOW_REACH, Answer, Surfaces, WaveTextures
 
 if TYPE_CHECKING:
     from .geometry import TraceGeometry
@@ -30,12 +30,14 @@ class BvhIntersector:
 
     name = "bvh"
 
-    def __init__(self, context: Context, geometry: TraceGeometry, surfaces: Any = None) -> None:
+    def __init__(self, context: Context, geometry: TraceGeometry, surfaces: Surfaces | None = None) -> None:
         self._gl = context.gl
         bvh = build_bvh(geometry)
+        if bvh.has_see_through and surfaces is None:
+            raise ValueError("see-through triangles need their surfaces")
         self._surfaces = surfaces if bvh.has_see_through else None
         self._bvh = _texture(context, bvh)
-        defines = {} if self._surfaces is None else dict(self._surfaces.switches)
+        defines: dict[str, float] = {} if self._surfaces is None else dict(self._surfaces.switches)
         defines |= {
             "BVH_WIDTH": self._bvh.width,
             "STACK": bvh.stack,
@@ -84,6 +86,12 @@ class BvhIntersector:
     def store(self, wave: WaveTextures, answer: Answer) -> None:
         """The hits are there already."""
 
+    def release(self) -> None:
+        for program in (self._program, self._counter):
+            fullscreen(self._gl, program).release()
+            program.release()
+        self._bvh.release()
+
 
 def _texture(context: Context, bvh: Bvh) -> moderngl.Texture:
     limit = context.gl.info["GL_MAX_TEXTURE_SIZE"]
@@ -96,8 +104,8 @@ def _texture(context: Context, bvh: Bvh) -> moderngl.Texture:
     texture = context.gl.texture((width, rows), 4, dtype="u4")
     texture.filter = moderngl.NEAREST, moderngl.NEAREST
     whole = len(bvh.texels) // width
-    for start, stop, rows in ((0, whole, whole), (whole, rows, 1)):  # the last row is not full
-        part = bvh.texels[start * width : stop * width]
+    for start, height in ((0, whole), (whole, 1)):  # the last row is not full
+        part = bvh.texels[start * width : (start + height) * width]
         if len(part):
-            texture.write(part, viewport=(0, start, len(part) // rows, rows))
+            texture.write(part, viewport=(0, start, len(part) // height, height))
     return texture

@@ -8,7 +8,7 @@ fifth of the speed.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import embreex
 import numpy as np
@@ -18,11 +18,16 @@ from numpy.typing import NDArray
 
 from ..gpu.context import Context
 from .flatten import flatten
-from .intersect import FREE, MISS, SHADOW_REACH, Answer, WaveTextures
+from .intersect import FREE, MISS, SHADOW_REACH, Answer, Surfaces, WaveTextures
 from .see_through import MAX_LAYERS, SeeThrough
 
 if TYPE_CHECKING:
     from .geometry import TraceGeometry, TraceInstance
+
+
+_STEP = 1e-6
+"""From one see-through triangle to the next, in tracer units. To meet the same one again does no harm: it decides the
+same again."""
 
 
 @dataclass
@@ -38,12 +43,16 @@ class Rays:
 class EmbreeIntersector:
     """See `viewer.trace.intersect.Intersector`."""
 
-    def __init__(self, context: Context, geometry: TraceGeometry, surfaces: Any = None) -> None:
+    def __init__(self, context: Context, geometry: TraceGeometry, surfaces: Surfaces | None = None) -> None:
         self.name = "embree " + ".".join(embreex.__version__.split(".")[:2])
         numbered = list(enumerate(geometry.instances))
         self._solid = _Triangles(geometry, [pair for pair in numbered if not pair[1].see_through])
         self._see_through = _Triangles(geometry, [pair for pair in numbered if pair[1].see_through])
-        self._coverage = SeeThrough(context, surfaces) if self._see_through.count else None
+        self._coverage: SeeThrough | None = None
+        if self._see_through.count:
+            if surfaces is None:
+                raise ValueError("see-through triangles need their surfaces")
+            self._coverage = SeeThrough(context, surfaces)
         self._rays: Rays | None = None
 
     def fetch(self, wave: WaveTextures) -> Rays:
@@ -71,6 +80,10 @@ class EmbreeIntersector:
 
     def store(self, wave: WaveTextures, answer: Answer) -> None:
         wave.hit.write(answer.words)
+
+    def release(self) -> None:
+        if self._coverage is not None:
+            self._coverage.release()
 
     def _nearest(self, words: NDArray, slots: NDArray, origins: NDArray, directions: NDArray) -> None:
         """Put the nearest hits into the slots' words."""
@@ -105,10 +118,6 @@ class EmbreeIntersector:
             start, reach = start[hit[passes]] + step[:, None] * vector, reach[hit[passes]] - step
         free[pending] = False
         return free
-
-
-_STEP = 1e-6
-"""From one see-through triangle to the next, tracer units. Meeting the same one again does no harm: it says the same."""
 
 
 class _Triangles:

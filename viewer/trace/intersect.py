@@ -1,12 +1,13 @@
 """Where rays meet triangles: one small interface, with Embree or a BVH in a shader behind it.
 
-A wave's rays are in its state textures and the answers go to its `hit` texture (RGBA32UI, a texel a slot): x = free << 31
-| kind << 28 | instance, y = triangle within its mesh, z and w the float bits of the barycentrics u of vertex 1 and v of
-vertex 2. `free` says that the slot's shadow ray met nothing. A ray that met nothing has `MISS`. Nothing is culled.
+A wave's rays are in its state textures and the answers go to its `hit` texture (RGBA32UI, a texel a slot): x = free <<
+31 | kind << 28 | instance, y = triangle within its mesh, z and w the float bits of the barycentrics u of vertex 1 and v
+of vertex 2. `free` says that the slot's shadow ray met nothing. A ray that met nothing has `MISS`. Nothing is culled.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -49,6 +50,14 @@ class Answer:
     """(slots, 4) uint32 for the hit texture, where it is not on the device already."""
 
 
+class Surfaces(Protocol):
+    """What `coverage_at` of shaders/trace/material.glsl needs: defines, and what to bind before it is used."""
+
+    switches: Mapping[str, int]
+
+    def bind(self, program: moderngl.Program) -> None: ...
+
+
 class Intersector(Protocol):
     """Three steps, so that a driver that draws on this machine's processors can shade one wave while another is traced:
     `rays = fetch(a)`, `store(b, ...)`, shade b, flush, `trace(rays)`. Rays are good until the next fetch."""
@@ -64,14 +73,18 @@ class Intersector(Protocol):
     def store(self, wave: WaveTextures, answer: Answer) -> None:
         """Put the answer into the wave's hit texture."""
 
+    def release(self) -> None:
+        """Free what it holds on the device."""
 
-def make_intersector(context: Context, geometry: TraceGeometry, surfaces: Any = None, kind: str = "auto") -> Intersector:
+
+def make_intersector(
+    context: Context, geometry: TraceGeometry, surfaces: Surfaces | None = None, kind: str = "auto"
+) -> Intersector:
     """An intersector of the scene's triangles.
 
     `kind` is embree, bvh or auto: Embree where OpenGL is software and Embree is installed, the BVH elsewhere.
-    `surfaces` is asked about see-through triangles and needed only where there are some: `surfaces.switches` are the
-    defines and `surfaces.bind(program)` sets what `coverage_at` of shaders/trace/material.glsl needs.
-    Raises UsageError where Embree is asked for and cannot be had.
+    `surfaces` is needed only where something is see-through. Raises UsageError where Embree is asked for and cannot be
+    had, ViewerError for a scene whose BVH no texture holds.
     """
     if kind not in ("auto", "embree", "bvh"):
         raise UsageError(f"no intersector {kind!r}; there are auto, embree, bvh")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +10,7 @@ from ..gpu.context import Context
 from ..gpu.program import compile_program
 from ..raster.display import fullscreen
 from ..raster.programs import set_uniform
+from .intersect import Surfaces
 
 MAX_LAYERS = 64
 """A shadow ray that got through this many see-through triangles is taken to be stopped."""
@@ -23,9 +22,7 @@ _WIDTH = 256
 
 
 class SeeThrough:
-    """`surfaces` is that of `viewer.trace.intersect.make_intersector`."""
-
-    def __init__(self, context: Context, surfaces: Any) -> None:
+    def __init__(self, context: Context, surfaces: Surfaces) -> None:
         self._gl = context.gl
         self._surfaces = surfaces
         self._program = compile_program(
@@ -40,11 +37,16 @@ class SeeThrough:
         self._answers = self._gl.texture((_WIDTH, rows), 1)
         self._target = self._gl.framebuffer([self._answers])
 
+    def release(self) -> None:
+        for thing in (self._hits, self._answers, self._target):
+            thing.release()
+
     def passes(self, words: NDArray[np.uint32], vectors: NDArray[np.float32]) -> NDArray[np.bool_]:
         """(hits,) whether each goes on, for (hits, 4) words of the hit texture and (hits, 3) shadow vectors."""
         count = len(words)
         rows = -(-count // _WIDTH)
         if rows > self._rows:
+            self.release()
             self._sized(rows)
         texels = np.zeros((rows * _WIDTH, 2, 4), np.uint32)
         texels[:count, 0] = words

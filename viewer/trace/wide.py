@@ -66,7 +66,7 @@ def _collapse(tree: BinaryTree, max_leaf: int) -> WideTree:
     order = np.empty(count, np.intp)
     order[first[:count]] = tree.leaves
 
-    def references(nodes: NDArray[np.int32], numbers: NDArray[np.int64]) -> NDArray[np.uint32]:
+    def references(nodes: NDArray[np.int32], numbers: NDArray[np.integer]) -> NDArray[np.uint32]:
         return np.where(is_leaf[nodes], LEAF | (size[nodes] - 1) << 28 | first[nodes], numbers).astype(np.uint32)
 
     root = np.array([2 * count - 2], np.int32)
