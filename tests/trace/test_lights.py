@@ -19,7 +19,8 @@ from viewer.scene.texture_image import open_texture_image
 from viewer.settings import Settings
 from viewer.trace.emitters import find_emitters
 from viewer.trace.geometry import trace_geometry
-from viewer.trace.lights import LEAST_SHARE, SceneLights, light_table, power
+from viewer.trace.lights import LEAST_SHARE, SceneLights, light_table
+from viewer.trace.punctual import light_powers
 from viewer.trace.scene_data import SceneData
 
 QUAD = np.array([[-1, 0, -1], [-1, 0, 1], [1, 0, 1], [1, 0, -1]], np.float32)  # counter-clockwise from +Y
@@ -151,7 +152,7 @@ def test_many_lights(context, tmp_path):
     s = lit.samples((0, -1, 0), 200000)
     world = s["direction"] * s["distance"][:, None] * lit.scene.radius + (0, -1, 0)
     group = np.clip((world[:, 0] * 100).astype(int), 0, 99)
-    expected = np.bincount(np.arange(100000) // 1000, [power(light, lit.scene) for light in lights])
+    expected = np.bincount(np.arange(100000) // 1000, light_powers(lights, lit.scene))
     observed = np.bincount(group, minlength=100)
     value, degrees = statistic(observed.astype(float), expected / expected.sum() * len(group))
     assert value < critical_value(degrees, 1)
@@ -285,3 +286,13 @@ def test_million_emitters():
                   (Material(emissive=(2, 2, 2)),), (Instance(0, np.eye(4)),))
     words, found = find_emitters(scene, trace_geometry(scene))
     assert len(words) == 2 * n * n and found.sum() == pytest.approx(np.pi * 2 * 4 / 2, rel=1e-5)
+
+
+def test_extreme_powers(context, tmp_path):
+    """Lights and scenes of any size give numbers; the brightest takes the samples, and a share is kept."""
+    lights = tuple(Light("point", intensity=i, position=(0, 2e-9, 0)) for i in (1e300, 1e-300, 1.0))
+    floor = Material("floor"), np.diag([1e-9, 1e-9, 1e-9, 1.0])
+    sky = Environment("sky", np.full((2, 4, 3), 1e-30, np.float32))
+    s = Lit(context, tmp_path, scene_of(floor, lights=lights, environment=sky)).samples((0, 0, 0), 10000)
+    assert np.isfinite(s["radiance"]).all() and np.isfinite(s["pdf"]).all()
+    assert s["is_delta"].mean() == pytest.approx(1 - LEAST_SHARE, abs=0.03)

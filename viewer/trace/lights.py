@@ -8,16 +8,15 @@ import moderngl
 import numpy as np
 
 from ..gpu.context import Context
-from ..raster.lights import spot_cone
 from ..raster.programs import set_uniform
 from ..scene.equirect import sphere_integral
-from ..scene.light import Light
 from ..scene.scene import Scene
 from ..settings import Settings
 from .alias import alias_table
 from .emitters import LUMINANCE, find_emitters
 from .environment import EnvironmentTable
 from .geometry import TraceGeometry
+from .punctual import light_powers, punctual_words
 from .words import WordsBuilder
 
 LEAST_SHARE = 0.25
@@ -47,26 +46,26 @@ class SceneLights:
             else:
                 self.left_out.append("the environment: it is black")
 
-        punctual = [(light, power(light, scene)) for light in scene.lights]
-        lit = [(light, watts) for light, watts in punctual if watts > 0]
-        if len(lit) < len(punctual):
-            self.left_out.append(f"{len(punctual) - len(lit)} of {len(punctual)} lights: nothing is lit by them")
+        given = light_powers(scene.lights, scene) if scene.lights else np.zeros(0)
+        lit = [light for light, power in zip(scene.lights, given) if power > 0]
+        if len(lit) < len(given):
+            self.left_out.append(f"{len(given) - len(lit)} of {len(given)} lights: nothing is lit by them")
         emitters, emitted = find_emitters(scene, geometry)
         if settings.lobes != "all" or not emitted.any():
             emitters, emitted = emitters[:0], emitted[:0]
         radius = settings.light_radius / scene.radius
 
-        powers = np.concatenate([[watts for _, watts in lit], emitted])
-        total = environment_power + powers.sum()
-        share = environment_power / total if total > 0 else 0.0
-        if 0 < share < 1:
+        powers = np.concatenate([given[given > 0], emitted])
+        share = float(self._environment is not None)
+        if self._environment is not None and len(powers):
+            share = environment_power / (environment_power + powers.sum())
             share = min(max(share, LEAST_SHARE), 1 - LEAST_SHARE)
         self._uniforms: dict[str, object] = {"u_environment_share": share, "u_light_radius": radius}
         if len(powers):
             self._uniforms |= {"u_punctual_count": len(lit), "u_light_grid": _grid(len(powers))}
             words.add("lights", light_table(powers, 1 - share))
         if lit:
-            words.add("punctual", punctual_words([light for light, _ in lit], scene))
+            words.add("punctual", punctual_words(lit, scene))
         if len(emitters):
             words.add("emitters", emitters)
         self.switches = {
@@ -74,7 +73,7 @@ class SceneLights:
             "ENVIRONMENT_ROTATED": int(self._environment is not None and environment.rotation != 0),
             "HAS_PUNCTUAL": int(bool(lit)),
             "HAS_EMITTERS": int(len(emitters) > 0),
-            "LIGHT_RADIUS": int(radius > 0 and any(light.kind != "directional" for light, _ in lit)),
+            "LIGHT_RADIUS": int(radius > 0 and any(light.kind != "directional" for light in lit)),
         }
 
     def bind(self, program: moderngl.Program) -> None:
@@ -87,42 +86,6 @@ class SceneLights:
     def release(self) -> None:
         if self._environment is not None:
             self._environment.release()
-
-
-def power(light: Light, scene: Scene) -> float:
-    """What reaches the scene's bounding sphere, about, by luminance and in tracer units; 0 only if nothing does."""
-    luminance = float(LUMINANCE @ light.color) * light.intensity
-    if light.kind == "directional":
-        return min(math.pi * luminance, 1e300)
-    distance = float(np.linalg.norm(light.position - scene.center)) / scene.radius
-    if light.range is not None and light.range <= (distance - 1) * scene.radius:
-        return 0.0
-    cone = 4 * math.pi
-    if light.kind == "spot":
-        cone = 2 * math.pi * (1 - math.cos((light.inner_cone + light.outer_cone) / 2))
-    # From a distance d the sphere takes up pi / d^2; to a light within it all around is scene.
-    angle = min(max(cone, 1e-6), 4 * math.pi / max(1.0, 4 * distance**2))
-    return min(luminance / scene.radius / scene.radius * angle, 1e300)
-
-
-def punctual_words(lights: list[Light], scene: Scene) -> np.ndarray:
-    """(3 N, 4) float32: see shaders/trace/punctual.glsl.
-
-    An intensity in candela meets distances in tracer units: I / d^2 stays the same when both are divided by unit^2.
-    """
-    words = np.zeros((len(lights), 3, 4))
-    unit = scene.radius
-    for row, light in zip(words, lights):
-        if light.kind == "directional":
-            row[0] = *np.negative(light.direction), -1.0
-            row[1, :3] = np.multiply(light.color, light.intensity)
-            continue
-        row[0, :3] = (light.position - scene.center) / unit
-        row[0, 3] = (unit / light.range) ** 2 if light.range else 0.0
-        row[1, :3] = np.multiply(light.color, light.intensity / unit / unit)
-        row[2, :3] = light.direction
-        row[1, 3], row[2, 3] = spot_cone(light) if light.kind == "spot" else (0.0, 1.0)
-    return np.clip(words, -3e38, 3e38).astype(np.float32).reshape(-1, 4)
 
 
 def light_table(powers: np.ndarray, share: float) -> np.ndarray:
