@@ -104,6 +104,7 @@ class Settings:
     specular_aa: Literal["on", "off"] = _option("on", "widen highlights that are finer than a pixel")
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8"] = _option(
         "auto", "samples a pixel; auto: four, but one while the camera moves and a processor draws")
+    sampling: Literal["mis", "bsdf", "lights"] = _option("mis", "mode path: how light is found; mis weighs both ways")
     bounces: int = _option(32, "mode path: the most often light is reflected or refracted on its way")
     light_radius: float = _option(0.0, "mode path: radius of point and spot lights, in the scene's unit")
     clamp: float = _option(0.0, "mode path: most luminance of one indirect sample; 0: none; what it takes is lost")
@@ -166,7 +167,7 @@ class Settings:
 
 
 STOPPING = ("spp", "time_budget", "error")
-PATH_ONLY = (*STOPPING, "seed", "denoise", "bounces", "light_radius", "clamp")
+PATH_ONLY = (*STOPPING, "seed", "denoise", "sampling", "bounces", "light_radius", "clamp")
 
 
 def parse_background(value: object) -> Background:

@@ -51,7 +51,7 @@ void meet_emission(inout Path p, Interaction i, SurfaceMaterial m, vec3 wo) {
 #if HAS_EMITTERS
     if (p.pdf > 0.0 && i.emitter >= 0) {
         float way = p.travelled + distance(p.origin, i.position);
-        weight = mis_weight(p.pdf, emitter_pdf(i.emitter, i.area, way, dot(i.n_geometric, wo)));
+        weight = bsdf_weight(p.pdf, emitter_pdf(i.emitter, i.area, way, dot(i.n_geometric, wo)));
     }
 #endif
     p.radiance += limited(p.throughput * m.emission * weight, p.depth);
@@ -63,7 +63,7 @@ void meet_emission(inout Path p, Interaction i, SurfaceMaterial m, vec3 wo) {
 // which the BSDF's own sampling takes this direction.
 void connect(inout Path p, vec3 position, vec3 n, LightSample light, vec3 f_cos, float pdf) {
     if (light.pdf <= 0.0) return;
-    float weight = light.is_delta ? 1.0 : mis_weight(light.pdf, pdf);
+    float weight = light.is_delta ? 1.0 : light_weight(light.pdf, pdf);
     vec3 carried = p.throughput * f_cos * light.radiance * transmittance(p, light.distance);
     p.contribution = limited(carried * (weight / light.pdf), p.depth + 1);
     if (p.contribution == vec3(0.0)) return;

@@ -24,7 +24,7 @@ void main() {
     float alpha = is_empty ? float(BACKGROUND) : 1.0;
 #if HAS_ENVIRONMENT
     if (status == IN_FLIGHT && (BACKGROUND == 1 || !is_empty)) {
-        float weight = p.pdf > 0.0 ? mis_weight(p.pdf, environment_pdf(p.direction)) : 1.0;
+        float weight = p.pdf > 0.0 ? bsdf_weight(p.pdf, environment_pdf(p.direction)) : 1.0;
         p.radiance += limited(p.throughput * environment_radiance(p.direction) * weight, p.depth);
     }
 #endif

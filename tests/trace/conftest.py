@@ -8,6 +8,7 @@ import pytest
 
 from viewer.errors import ContextError
 from viewer.gpu.context import Context, open_context
+from viewer.trace.tracer import Tracer
 
 
 @pytest.fixture(scope="module")
@@ -18,3 +19,10 @@ def context() -> Iterator[Context]:
         pytest.skip(str(error))
     with opened:
         yield opened
+
+
+@pytest.fixture(scope="module")
+def tracer(context: Context) -> Iterator[Tracer]:
+    tracer = Tracer(context)
+    yield tracer
+    tracer.release()

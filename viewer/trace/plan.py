@@ -9,6 +9,7 @@ from ..plan import Program
 from ..scene.scene import Scene
 from ..settings import Settings
 from .geometry import GLASS, STANDARD, TraceGeometry
+from .scene_words import unused_maps
 
 _FULLSCREEN = "display/fullscreen.vert"
 
@@ -68,6 +69,7 @@ def _shading_switches(settings: Settings) -> dict[str, int]:
         "NDF": ("ggx", "beckmann", "blinn-phong").index(settings.ndf),
         "MASKING": ("smith", "smith-separable", "v-cavity", "none").index(settings.masking),
         "FRESNEL": int(settings.fresnel == "exact"),
+        "SAMPLING": ("mis", "bsdf", "lights").index(settings.sampling),
         "MULTISCATTER": int(settings.multiscatter == "on"),
         "SHOW_DIFFUSE": int(settings.lobes in ("all", "uniform-diffuse")),
         "SHOW_SPECULAR": int(settings.lobes in ("all", "specular")),
@@ -94,6 +96,7 @@ def _left_out(
         reason = "there is none" if not switches["HAS_ENVIRONMENT"] else "not asked for"
         lines.append(f"the environment as background: {reason}")
     lines += [f"{what}: there is none" for name, what in _SURFACES.items() if not switches[name]]
+    lines += unused_maps(scene, geometry)
     if "glass" not in programs:
         lines.append("the pass for glass: nothing transmits light")
     if not has_layers:
