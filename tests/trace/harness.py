@@ -21,8 +21,8 @@ def evaluate(
 ) -> np.ndarray:
     """What `body` assigns to the vec4s o0, o1, ... for each row: (N, outputs, 4) float64.
 
-    A row of `rows`, (N, C) float32 or (bits are kept) uint32, C up to 16, is the uvec4s i0, i1, i2, i3 in the body, and the
-    vec4s f0 .. f3. `include` is a file of the shaders folder, `bind` sets its uniforms; texture unit 15 is taken.
+    A row of `rows`, (N, C) float32 or (bits are kept) uint32, C up to 16, is the uvec4s i0, i1, i2, i3 in the body, and
+    the vec4s f0 .. f3. `include` is a file of the shaders folder, `bind` sets its uniforms; texture unit 15 is taken.
     """
     gl = context.gl
     context.make_current()
@@ -34,7 +34,8 @@ def evaluate(
                     f"vec4 f{k} = uintBitsToFloat(i{k});" for k in range(4))
     declared = "".join(f"layout(location = {k}) out vec4 o{k};\n" for k in range(outputs))
     file = folder / "harness.frag"
-    file.write_text(f'#include "{include}"\nuniform usampler2D harness_rows;\n{declared}void main() {{ {reads}\n{body} }}\n')
+    file.write_text(f'#include "{include}"\nuniform usampler2D harness_rows;\n{declared}'
+                    f"void main() {{ {reads}\n{body} }}\n")
     vertex = assemble("display/fullscreen.vert")
     program = compile_sources(context, {"vertex": vertex, "fragment": assemble(file, switches)})
     table = gl.texture((width, 4 * height), 4, words.reshape(-1, 4, 4).transpose(1, 0, 2).tobytes(), dtype="u4")
