@@ -58,6 +58,14 @@ BsdfSample sample_surface(Surface x, vec3 wo, vec3 u) {
 #endif
 }
 
+// The camera is in the body. What it shows is radiance over the index squared, which no surface changes: a picture does
+// not become brighter when the camera dives in.
+void begin_inside(inout Path p, SurfaceMaterial m) {
+    p.sigma = m.sigma;
+    p.eta2 = max(m.ior * m.ior, 1.0);
+    p.throughput /= p.eta2;
+}
+
 void main() {
     ivec2 slot = ivec2(gl_FragCoord.xy);
     uvec4 word = only_hits_on(GLASS, slot);
@@ -74,9 +82,7 @@ void main() {
         write_path(p, IN_FLIGHT);
         return;
     }
-#if HAS_VOLUME
-    if (p.depth == 0 && !i.is_front) p.sigma = m.sigma; // the camera is inside
-#endif
+    if (p.depth == 0 && !i.is_front && !m.is_thin) begin_inside(p, m);
     p.throughput *= transmittance(p, p.travelled + distance(p.origin, i.position));
     meet_emission(p, i, m, wo);
     if (p.depth >= u_bounces) {

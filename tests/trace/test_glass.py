@@ -1,0 +1,136 @@
+"""Glass whose pictures can be worked out on paper: walls and slabs seen along their normals, and mixtures."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pictures import halves
+from shapes import constant, orthographic, plate, scene, sphere
+
+from viewer.scene.camera import Camera
+from viewer.scene.environment import Environment
+from viewer.scene.equirect import texel_directions
+from viewer.scene.light import Light
+from viewer.scene.material import Material
+from viewer.scene.mesh import Mesh
+from viewer.scene.scene import Scene
+
+FRONT = orthographic(0.0, 0.0, height=0.5)
+GLASS = Material(metallic=0.0, perceptual_roughness=0.0, transmission=1.0)
+R = ((1.5 - 1) / (1.5 + 1)) ** 2
+
+
+def box(x: float, y: float, z: float) -> Mesh:
+    """Closed, its faces outwards, from -x to x and so on."""
+    points, normals = [], []
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            n = np.insert(np.zeros(2), axis, side)
+            u = np.roll(n, 1)
+            v = np.cross(n, u)
+            corners = np.array([n - u - v, n + u - v, n + u + v, n - u + v]) * [x, y, z]
+            points.append(corners)
+            normals.append([n] * 4)
+    indices = (4 * np.arange(6)[:, None] + [0, 1, 2, 0, 2, 3]).ravel()
+    return Mesh("box", np.concatenate(points).astype(np.float32), 0, indices=indices.astype(np.uint32),
+                normals=np.concatenate(normals).astype(np.float32))
+
+
+def mean(tracer, model: Scene, camera: Camera = FRONT, spp: int = 64, **settings) -> np.ndarray:
+    return halves(tracer, model, camera, (16, 16), spp=spp, **settings).mean.mean(axis=(0, 1))
+
+
+def test_a_wall(tracer):
+    """2 R / (1 + R) comes back and the rest goes through, tinted once."""
+    wall = replace(GLASS, base_color=(0.9, 0.5, 0.1, 1), double_sided=True)
+    found = mean(tracer, scene(plate(half=4.0), materials=[wall], environment=constant()))
+    back = 2 * R / (1 + R)
+    assert found == pytest.approx(back + (1 - back) * np.array([0.9, 0.5, 0.1]), abs=2e-3)
+
+
+def test_a_slab_absorbs(tracer):
+    """R + T^2 a / (1 - R a) of light from all around: all that goes to and fro, a of it left at each crossing."""
+    slab = replace(GLASS, thickness=1.0, attenuation_distance=0.25, attenuation_color=(0.8, 0.3, 0.01))
+    found = mean(tracer, scene(box(4, 4, 0.25), materials=[slab], environment=constant()))
+    a = np.array([0.8, 0.3, 0.01]) ** 2
+    assert found == pytest.approx(R + (1 - R) ** 2 * a / (1 - R * a), abs=2e-3)
+
+
+def test_a_slab_is_tinted_once_on_the_way_through(tracer):
+    slab = replace(GLASS, thickness=1.0, base_color=(0.64, 0.25, 1, 1))
+    found = mean(tracer, scene(box(4, 4, 0.25), materials=[slab], environment=constant()), bounces=2)
+    assert found == pytest.approx(R + (1 - R) ** 2 * np.array([0.64, 0.25, 1]), abs=2e-3)
+
+
+def test_from_inside_a_ball_light_is_absorbed_on_the_way(tracer):
+    """From its middle every way out is a radius long, and meets the surface along the normal."""
+    ball = replace(GLASS, thickness=1.0, attenuation_distance=1.0, attenuation_color=(0.5, 0.2, 0.9))
+    model = scene(sphere(segments=192), materials=[ball], environment=constant())
+    camera = Camera.look_at((0, 0, 0), (0, 0.3, -1), fov_y=1.0)
+    a = np.array([0.5, 0.2, 0.9])
+    expected = (1 - R) * a / (1 - R * a**2)
+    assert mean(tracer, model, camera) == pytest.approx(expected, abs=4e-3)
+
+
+@pytest.mark.parametrize("thickness", [0.0, 1.0])
+def test_a_mixture_is_the_sum_of_its_parts(tracer, thickness):
+    """transmission 0.4 and metallic 0.3: one bounce is linear in both."""
+    base = Material(base_color=(0.8, 0.4, 0.2, 1), perceptual_roughness=0.5, thickness=thickness, double_sided=True)
+    model = scene(plate(half=4.0), materials=[base], environment=lit())
+
+    def of(**changes) -> np.ndarray:
+        return mean(tracer, replace(model, materials=(replace(base, **changes),)), tilted(), 256, fresnel="exact")
+
+    whole = of(transmission=0.4, metallic=0.3)
+    glass, opaque, metal = of(transmission=1.0, metallic=0.0), of(metallic=0.0), of(metallic=1.0)
+    assert whole == pytest.approx(0.3 * metal + 0.7 * (0.4 * glass + 0.6 * opaque), rel=0.01)
+
+
+def test_lights_and_lobes_agree(tracer):
+    """Rough glass in front of a small bright patch: found by the lobe, and by sampling the environment."""
+    model = scene(plate(half=4.0), materials=[replace(GLASS, perceptual_roughness=0.6, double_sided=True)],
+                  environment=lit(behind=True))
+    both = halves(tracer, model, FRONT, (16, 16), spp=256)
+    # By quadrature over the environment's texels, T' D V cos
+    from viewer.measure.lobes import LOBES
+
+    lobe = next(lobe for lobe in LOBES if lobe.name == "thin_dielectric")
+    environment = model.environment
+    assert environment is not None
+    d = texel_directions(*environment.radiance.shape[:2]).reshape(-1, 3)
+    f = lobe.eval({"eta": 1.5, "alpha": 0.36}, np.array([0.0, 0.0, 1.0]), d, tracer.context)[:, 0]
+    rows = np.pi * np.arange(65) / 64
+    solid_angle = np.repeat(np.cos(rows[:-1]) - np.cos(rows[1:]), 128) * 2 * np.pi / 128
+    expected = (f[:, None] * environment.radiance.reshape(-1, 3) * (np.abs(d[:, 2]) * solid_angle)[:, None]).sum(axis=0)
+    assert both.mean.mean(axis=(0, 1)) == pytest.approx(expected, rel=0.02)
+
+
+def test_without_specular_nothing_reflects(tracer):
+    """And f90 with it: at a slant, too."""
+    wall = replace(GLASS, specular=0.0, double_sided=True, base_color=(0.7, 0.7, 0.7, 1))
+    model = scene(plate(half=40.0), materials=[wall], environment=constant())
+    for camera in (FRONT, tilted()):
+        assert mean(tracer, model, camera) == pytest.approx([0.7] * 3, abs=3e-3)
+
+
+def test_a_point_light_is_not_found_through_smooth_glass_but_through_rough(tracer):
+    def wall(roughness: float) -> Scene:
+        material = replace(GLASS, perceptual_roughness=roughness, double_sided=True)
+        return scene(plate(half=4.0), materials=[material], lights=(Light("point", intensity=1.0, position=(0, 0, -1)),))
+
+    assert (mean(tracer, wall(0.0)) == 0).all()
+    assert mean(tracer, wall(0.5)).min() > 0.05
+
+
+def tilted() -> Camera:
+    return orthographic(0.7, 0.4, height=0.5)
+
+
+def lit(behind: bool = False) -> Environment:
+    """A bright patch on the viewer's side, or beyond."""
+    d = texel_directions(64, 128)
+    axis = np.array([0.3, 0.2, -1.0 if behind else 1.0])
+    patch = np.exp(60 * (d @ (axis / np.linalg.norm(axis)) - 1))
+    return Environment("patch", (0.2 + 8 * patch[..., None] * [1.0, 0.8, 0.6]).astype(np.float32))
