@@ -67,15 +67,16 @@ class EmbreeIntersector:
         return rays
 
     def trace(self, rays: Rays) -> Answer:
-        words = np.empty((len(rays.origin), 4), np.uint32)
-        words[:] = (MISS, 0, 0, 0)
+        words = np.zeros((len(rays.origin), 4), np.uint32)
+        words[:, 0] = MISS
         state = rays.origin[:, 3]
         moving = np.flatnonzero(state == 1)
         self._nearest(words, moving, _rows(rays.origin, moving), _rows(rays.direction, moving))
         vector = rays.shadow_vector
         shadowed = np.flatnonzero((state != 0) & ((vector[:, 0] != 0) | (vector[:, 1] != 0) | (vector[:, 2] != 0)))
-        free = self._free(_rows(rays.shadow_origin, shadowed), _rows(vector, shadowed))
-        words[shadowed[free], 0] |= FREE
+        free = np.zeros(len(words), np.uint32)
+        free[shadowed] = self._free(_rows(rays.shadow_origin, shadowed), _rows(vector, shadowed))
+        words[:, 0] |= free * np.uint32(FREE)
         return Answer(int(np.count_nonzero(state)), len(moving) + len(shadowed), words)
 
     def store(self, wave: WaveTextures, answer: Answer) -> None:
@@ -90,11 +91,11 @@ class EmbreeIntersector:
         if not len(slots):
             return
         found = self._solid.intersect(origins, directions)
-        words[slots] = self._solid.words(found)
+        self._solid.put(found, words, slots)
         if self._see_through.count:
             nearer = self._see_through.intersect(origins, directions, found["tfar"])
             (hit,) = np.nonzero(nearer["primID"] >= 0)
-            words[slots[hit]] = self._see_through.words(nearer)[hit]
+            self._see_through.put({name: of_rays[hit] for name, of_rays in nearer.items()}, words, slots[hit])
 
     def _free(self, origins: NDArray, vectors: NDArray) -> NDArray[np.bool_]:
         """Which shadow rays meet nothing."""
@@ -110,7 +111,8 @@ class EmbreeIntersector:
             (hit,) = np.nonzero(found["primID"] >= 0)
             if not len(hit):
                 return free
-            words = self._see_through.words(found)[hit]
+            words = np.empty((len(hit), 4), np.uint32)
+            self._see_through.put({name: of_rays[hit] for name, of_rays in found.items()}, words, np.arange(len(hit)))
             passes = self._coverage.passes(words, vectors[pending[hit]])
             free[pending[hit[~passes]]] = False
             pending, vector = pending[hit[passes]], vector[hit[passes]]
@@ -124,7 +126,8 @@ class _Triangles:
     """Some of the instances as one Embree scene, and the way back from its triangles to theirs."""
 
     def __init__(self, geometry: TraceGeometry, instances: list[tuple[int, TraceInstance]]) -> None:
-        vertices, triangles, self._words = flatten(geometry, instances)
+        vertices, triangles, words = flatten(geometry, instances)
+        self._pairs = words.view(np.uint64).ravel()  # faster to look up than two by two
         self.count = len(triangles)
         if self.count:
             self._scene = EmbreeScene(robust=True)
@@ -134,8 +137,8 @@ class _Triangles:
     def intersect(self, origins: NDArray, directions: NDArray, reach: NDArray | None = None) -> dict[str, NDArray]:
         """The nearest hits, (rays,) each of `primID` (-1: none), `u`, `v` and `tfar`, which is `reach` written over."""
         if not self.count or not len(origins):
-            nothing = np.full(len(origins), np.inf, np.float32)
-            return {"primID": np.full(len(origins), -1), "u": nothing, "v": nothing, "tfar": nothing}
+            nothing = np.zeros(len(origins), np.float32)
+            return {"primID": np.full(len(origins), -1), "u": nothing, "v": nothing, "tfar": nothing + np.inf}
         return self._scene.run(origins, directions, reach, query="INTERSECT", output=True)
 
     def occluded(self, origins: NDArray, vectors: NDArray) -> NDArray[np.bool_]:
@@ -144,15 +147,13 @@ class _Triangles:
             return np.zeros(len(origins), bool)
         return self._scene.run(origins, vectors, SHADOW_REACH, query="OCCLUDED") >= 0
 
-    def words(self, found: dict[str, NDArray]) -> NDArray[np.uint32]:
-        """Hits as the hit texture has them, (rays, 4)."""
-        words = np.empty((len(found["primID"]), 4), np.uint32)
-        words[:, :2] = self._words[found["primID"]]
-        words[:, 2] = found["u"].view(np.uint32)
-        words[:, 3] = found["v"].view(np.uint32)
-        return words
+    def put(self, found: dict[str, NDArray], words: NDArray[np.uint32], slots: NDArray[np.intp]) -> None:
+        """Write hits as the hit texture has them to some of the slots' `words` (all slots, 4)."""
+        words.view(np.uint64)[slots, 0] = self._pairs.take(found["primID"], mode="wrap")  # -1: the last
+        words[slots, 2] = found["u"].view(np.uint32)
+        words[slots, 3] = found["v"].view(np.uint32)
 
 
 def _rows(texels: NDArray[np.float32], slots: NDArray[np.intp]) -> NDArray[np.float32]:
     """xyz of some slots, (len(slots), 3); of all of them without a copy."""
-    return texels[:, :3] if len(slots) == len(texels) else texels[slots][:, :3]
+    return texels[:, :3] if len(slots) == len(texels) else texels.take(slots, axis=0)[:, :3]
