@@ -4,7 +4,7 @@
 #include "trace/equirect.glsl"
 
 uniform sampler2D u_environment;
-uniform usampler2D u_environment_table; // by cell: bits of the threshold, alias, bits of its density and of its alias's
+uniform usampler2D u_environment_table; // by cell: threshold, column and row of the alias, both densities
 uniform vec2 u_environment_cell;        // size of a cell in texture coordinates; the last may be cut off at 1
 uniform float u_environment_intensity;
 uniform float u_environment_share;      // of all light samples
@@ -44,7 +44,7 @@ vec3 sample_environment(vec3 u, out float pdf) {
     vec2 inside = position - vec2(cell);
     uvec4 entry = texelFetch(u_environment_table, cell, 0);
     bool is_own = u.x < uintBitsToFloat(entry.x);
-    if (!is_own) cell = ivec2(int(entry.y) % cells.x, int(entry.y) / cells.x);
+    if (!is_own) cell = ivec2(entry.y & 0xffffu, entry.y >> 16);
     pdf = u_environment_share * uintBitsToFloat(is_own ? entry.z : entry.w);
 
     vec2 low = vec2(cell) * u_environment_cell;

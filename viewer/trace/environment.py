@@ -16,9 +16,15 @@ from .alias import alias_table
 UNIT_ENVIRONMENT, UNIT_ENVIRONMENT_TABLE = 11, 10
 """Texture units, next to those of viewer/trace/scene_data.py."""
 MAX_CELLS = 2048, 1024
-"""Columns and rows of a table; cells of a larger map are blocks of its texels."""
+"""Columns and rows of a table, 32 MiB; cells of a larger map are blocks of its texels.
+
+On eight photographed maps of 1024 x 512, with the BSDF's samples of a white surface beside them, blocks of 2 x 2 texels
+make the standard deviation 1.01 to 1.6 times as large, those of 4 x 4 up to 3 times."""
 FLOOR = 0.1
-"""Share of its radiance by which a direction is chosen at least."""
+"""Share of its radiance by which a direction is chosen at least.
+
+On those maps it gives up at most 6 % of the standard deviation that 0.02 would have; without compensation, at 1, it is
+1.01 to 1.45 times as large."""
 
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
 
@@ -68,7 +74,7 @@ class EnvironmentTable:
         density = densities.ravel().astype(np.float32)
         words = np.empty((len(alias), 4), np.uint32)
         words[:, 0] = threshold.astype(np.float32).view(np.uint32)
-        words[:, 1] = alias
+        words[:, 1] = alias % densities.shape[1] | alias // densities.shape[1] << 16
         words[:, 2] = density.view(np.uint32)
         words[:, 3] = density[alias].view(np.uint32)
         self._table = gl.texture(densities.shape[::-1], 4, words, dtype="u4")
