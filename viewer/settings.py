@@ -15,6 +15,8 @@ Denoise = Literal["off", "fast", "oidn"]
 Tonemap = Literal["neutral", "agx", "aces", "none"]
 Background = Literal["env", "none"] | tuple[float, float, float]
 
+LAYERS = ("albedo", "normal", "depth", "variance", "samples")
+"""What mode path can tell of a picture beside its colour; see `viewer.trace.layers`."""
 MAX_EXPOSURE = 64.0
 """In stops; 2**64 times any radiance a half float holds is still a float32."""
 DEFAULT_SPP = 64

@@ -1,0 +1,36 @@
+"""What a path tracer knows of each pixel beside its colour."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+
+from .film import Film
+
+FIRST_HIT = frozenset({"albedo", "normal", "depth"})
+"""Of `viewer.settings.LAYERS` those the film gathers only when it is made for them."""
+
+
+def read_layers(film: Film, names: Collection[str]) -> dict[str, np.ndarray]:
+    """The layers of `viewer.settings.LAYERS` that `names` asks for, (H, W, 3) or (H, W) float32, row 0 at the top.
+
+    albedo, normal (world axes, its length at most 1) and depth (along the ray, in the scene's unit) are means over what
+    the pixel's camera rays hit first, 0, 0 and infinity where that is nothing; variance is that of the mean radiance,
+    estimated from the samples, infinite for fewer than two; samples is how many there are.
+    """
+    layers: dict[str, np.ndarray] = {}
+    if FIRST_HIT & set(names):
+        albedo, normal = film.read_layers()
+        hits = albedo[..., 3:]
+        is_hit = hits[..., 0] > 0
+        layers["albedo"], mean = (np.where(hits > 0, total / np.maximum(hits, 1), 0) for total in (albedo, normal))
+        layers["normal"], layers["depth"] = mean[..., :3], np.where(is_hit, mean[..., 3], np.inf)
+    if not FIRST_HIT >= set(names):
+        total, squares = film.read_sums()
+        n = total[..., 3:]
+        mean = total / np.maximum(n, 1)
+        spread = np.maximum(squares / np.maximum(n, 1) - mean * mean, 0) / np.maximum(n - 1, 1)
+        layers["variance"], layers["samples"] = np.where(n > 1, spread, np.inf), n[..., 0]
+    return {name: np.ascontiguousarray(layers[name][..., :3] if layers[name].ndim == 3 else layers[name], np.float32)
+            for name in names}
