@@ -39,6 +39,16 @@ def test_channels_stay_as_stored(mode, kind, expected):
     assert pixels[1, 2].tolist() == expected
 
 
+@pytest.mark.parametrize("mode, options, has_alpha", [
+    ("L", {}, False), ("LA", {}, True), ("RGB", {}, False), ("RGBA", {}, True),
+    ("RGB", {"transparency": (1, 2, 3)}, True),
+    ("P", {}, False), ("P", {"transparency": 0}, True)])
+def test_alpha_is_known_before_decoding(mode, options, has_alpha):
+    image = open_texture_image(encoded(Image.new(mode, (2, 2)), **options), "x")
+    assert image.has_alpha == has_alpha
+    assert (image.decode().shape[2] in (2, 4)) == has_alpha
+
+
 def test_palette_and_cmyk_become_colour():
     palette = Image.new("RGB", (2, 2), (200, 100, 50)).convert("P")
     assert open_texture_image(encoded(palette), "x").decode().shape == (2, 2, 3)

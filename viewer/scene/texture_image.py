@@ -30,7 +30,7 @@ class TextureImage:
     """Encoded bytes whose header was checked by `open_texture_image`; `name` says where they came from.
 
     `bits` is the depth of a channel, 8 or 16; `format` is Pillow's name ("PNG", "JPEG", "WEBP", ...); `grey` is true
-    where there is no colour.
+    where there is no colour, `has_alpha` where any texel may be transparent.
     """
 
     name: str
@@ -40,6 +40,7 @@ class TextureImage:
     format: str
     bits: int = 8
     grey: bool = False
+    has_alpha: bool = True
 
     def decode(self, channels: str | None = None) -> np.ndarray:
         """The pixels, (H, W, C) uint8 or uint16, row 0 the top, as stored: no colour space is applied.
@@ -67,11 +68,12 @@ def open_texture_image(data: Buffer, name: str, formats: tuple[str, ...] = GLTF_
     """
     with _as_input_error(name), Image.open(io.BytesIO(data), formats=formats) as image:
         width, height, kind, mode = *image.size, image.format, image.mode
+        has_alpha = image.has_transparency_data
     if min(width, height) < 1 or max(width, height) > MAX_SIDE or width * height > MAX_PIXELS:
         raise InputError(name, "", f"{width} x {height} texels; at most {MAX_SIDE} a side and {MAX_PIXELS} in all")
     # Byte 24 of a PNG is the bit depth in IHDR, which always comes first.
     bits = 16 if kind == "PNG" and data[24] == 16 else 8
-    return TextureImage(name, data, width, height, kind, bits, mode[0] in "1LIF" and mode != "LAB")
+    return TextureImage(name, data, width, height, kind, bits, mode[0] in "1LIF" and mode != "LAB", has_alpha)
 
 
 def _plain_mode(image: Image.Image) -> Image.Image:

@@ -138,7 +138,7 @@ def _is_see_through(material: Material, mesh: Mesh) -> bool:
     if material.alpha_mode == "opaque":
         return False
     texture = material.base_color_texture
-    varies = texture is not None and texture.uv_set < len(mesh.uvs) and texture.image.format != "JPEG"
+    varies = texture is not None and texture.uv_set < len(mesh.uvs) and texture.image.has_alpha
     varies |= mesh.colors is not None
     enough = 1.0 if material.alpha_mode == "blend" else material.alpha_cutoff
     return varies or material.base_color[3] < enough
