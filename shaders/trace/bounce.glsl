@@ -14,13 +14,6 @@ Hit hit_of(uvec4 word) {
     return Hit(int(word.x & 0x0fffffffu), int(word.y), uintBitsToFloat(word.zw));
 }
 
-// Leaves out, at once, all slots but those whose ray met this kind of surface.
-uvec4 only_hits_on(uint kind, ivec2 slot) {
-    uvec4 word = texelFetch(u_hit, slot, 0);
-    if (hit_kind(word) != kind || texelFetch(u_origin, slot, 0).w != IN_FLIGHT) discard;
-    return word;
-}
-
 // What is left after a way through the medium the path is in       Beer 1852
 vec3 transmittance(Path p, float way) {
 #if HAS_VOLUME

@@ -14,16 +14,12 @@ bool is_finite(vec3 v) {
 
 void main() {
     ivec2 slot = ivec2(gl_FragCoord.xy);
-    float status = texelFetch(u_origin, slot, 0).w;
-    if (status == IDLE) discard;
-    uvec4 hit = texelFetch(u_hit, slot, 0);
-    if (status == IN_FLIGHT && hit_kind(hit) != NOTHING) discard;
-
-    Path p = read_path(slot, hit);
-    bool is_empty = status == IN_FLIGHT && p.depth == 0; // the camera sees past everything
+    bool is_in_flight = texelFetch(u_origin, slot, 0).w == IN_FLIGHT;
+    Path p = read_path(slot, texelFetch(u_hit, slot, 0));
+    bool is_empty = is_in_flight && p.depth == 0; // the camera sees past everything
     float alpha = is_empty ? float(BACKGROUND) : 1.0;
 #if HAS_ENVIRONMENT
-    if (status == IN_FLIGHT && (BACKGROUND == 1 || !is_empty)) {
+    if (is_in_flight && (BACKGROUND == 1 || !is_empty)) {
         float weight = p.pdf > 0.0 ? bsdf_weight(p.pdf, environment_pdf(p.direction)) : 1.0;
         p.radiance += limited(p.throughput * environment_radiance(p.direction) * weight, p.depth);
     }

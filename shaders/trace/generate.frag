@@ -1,23 +1,21 @@
-// Slots whose path has ended or that have begun nothing: the next sample's camera ray, or idle when none is left.
+// The next sample's camera ray, or idle when none is left: in slots whose path has ended, or (BEGINS) with new work.
 #include "trace/numbers.glsl"
 #include "trace/write_state.glsl"
 #include "trace/camera.glsl"
 
-uniform bool u_begin; // the blocks are new, and what the slots held is done with
+#if BEGINS
 uniform ivec2 u_size; // of the picture
+#endif
 
 void main() {
     ivec2 slot = ivec2(gl_FragCoord.xy);
-    int left;
-    if (u_begin) {
-        ivec4 block = texelFetch(u_blocks, slot / TILE, 0);
-        bool is_inside = all(lessThan(block.xy * TILE + slot % TILE, u_size));
-        left = is_inside ? block.w : 0;
-    } else {
-        float status = texelFetch(u_origin, slot, 0).w;
-        if (status == IN_FLIGHT && hit_kind(texelFetch(u_hit, slot, 0)) != NOTHING) discard;
-        left = unpack_left(texelFetch(u_radiance, slot, 0).w);
-    }
+#if BEGINS
+    ivec4 block = texelFetch(u_blocks, slot / TILE, 0);
+    bool is_inside = all(lessThan(block.xy * TILE + slot % TILE, u_size));
+    int left = is_inside ? block.w : 0;
+#else
+    int left = unpack_left(texelFetch(u_radiance, slot, 0).w);
+#endif
     if (left == 0) {
         write_idle();
         return;

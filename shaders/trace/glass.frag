@@ -68,7 +68,7 @@ void begin_inside(inout Path p, SurfaceMaterial m) {
 
 void main() {
     ivec2 slot = ivec2(gl_FragCoord.xy);
-    uvec4 word = only_hits_on(GLASS, slot);
+    uvec4 word = texelFetch(u_hit, slot, 0);
     Path p = read_path(slot, word);
     Sample s = slot_sample(slot, p.left);
     vec3 wo = -p.direction;

@@ -11,9 +11,7 @@ layout(location = 1) out vec4 o_normal; // world axes, towards the camera's side
 void main() {
     ivec2 slot = ivec2(gl_FragCoord.xy);
     uvec4 word = texelFetch(u_hit, slot, 0);
-    if (hit_kind(word) == NOTHING || texelFetch(u_origin, slot, 0).w != IN_FLIGHT) discard;
     Path p = read_path(slot, word);
-    if (p.depth > 0) discard;
     vec3 wo = -p.direction;
     Interaction i = interact(hit_of(word), wo);
     SurfaceMaterial m = material_at(i);

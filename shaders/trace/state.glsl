@@ -38,6 +38,10 @@ float pack_counters(int depth, int passed, int left) {
     return float((depth << 6 | (passed & 63)) << 10 | left);
 }
 
+int unpack_depth(float counters) {
+    return int(counters) >> 16;
+}
+
 int unpack_left(float counters) {
     return int(counters) & 1023;
 }

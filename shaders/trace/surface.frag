@@ -6,7 +6,7 @@ uniform sampler2D u_dfg;
 
 void main() {
     ivec2 slot = ivec2(gl_FragCoord.xy);
-    uvec4 word = only_hits_on(STANDARD, slot);
+    uvec4 word = texelFetch(u_hit, slot, 0);
     Path p = read_path(slot, word);
     Sample s = slot_sample(slot, p.left);
     vec3 wo = -p.direction;

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,11 +15,13 @@ from ..raster.display import DisplayPass
 from ..settings import Settings
 from .film import Film, relative_error
 from .intersect import Answer, Intersector
+from .layers import read_layers
 from .plan import TracePlan
 from .schedule import Schedule
-from .wave import TILE, Wave, Work
+from .wave import TILE, Wave
 
 if TYPE_CHECKING:
+    from .denoise import Denoiser
     from .passes import Passes
 
 WAVE_COLUMNS = 16
@@ -28,25 +30,22 @@ MAX_WAVE_ROWS = 16
 
 @dataclass
 class _Lane:
-    """A wave, what its rays met while it waits to be shaded, and how many of its samples are done."""
+    """A wave, and what its rays met while it waits to be shaded."""
 
     wave: Wave
-    query: moderngl.Query
     answer: Answer | None = None
-    expected: int = 0
-    finished: int = 0
-    is_counting: bool = False
 
     @property
     def is_busy(self) -> bool:
-        return self.expected > 0
+        return bool(self.wave.is_busy.any())
 
 
 class Exposure:
     """See `viewer.trace.tracer.Tracer.begin`, which makes them."""
 
     def __init__(self, passes: Passes, intersector: Intersector, plan: TracePlan, film: Film, schedule: Schedule,
-                 settings: Settings, display: DisplayPass, rows: int) -> None:
+                 settings: Settings, display: DisplayPass, rows: int, layers: Collection[str],
+                 denoiser: Denoiser | None) -> None:
         self.plan = plan
         self.film = film
         self.settings = settings
@@ -57,10 +56,11 @@ class Exposure:
         self._passes, self._intersector, self._schedule, self._display = passes, intersector, schedule, display
         self._expected = 0
         gl = passes.context.gl
-        self._lanes = [_Lane(Wave(gl, WAVE_COLUMNS, rows, "layers" in plan.programs), gl.query(samples=True))
-                       for _ in range(2)]
+        self._lanes = [_Lane(Wave(gl, WAVE_COLUMNS, rows, "layers" in plan.programs)) for _ in range(2)]
         self._flush: Callable[[], None] = passes.context.function("glFlush")
+        self._layers, self._denoiser = layers, denoiser
         self._is_developed = False
+        self._shown: moderngl.Texture | None = None
 
     @property
     def is_done(self) -> bool:
@@ -99,51 +99,44 @@ class Exposure:
         All that is read from the device is read before the shading is handed to it, for a read waits for all of that.
         """
         first, second = self._lanes
-        rays = None
-        if first.is_busy:
-            rays = self._intersector.fetch(first.wave)
-            self._count(first)
-            if first.finished == first.expected:
-                self._take_in(first)
-                rays = None
-        if not first.is_busy and not self._schedule.done:
-            self._begin(first)
-            if first.is_busy:
-                rays = self._intersector.fetch(first.wave)
+        self._refill(first.wave)
+        rays = self._intersector.fetch(first.wave) if first.is_busy else None
         if second.answer is not None:
             self._intersector.store(second.wave, second.answer)
             second.answer = None
-            self._passes.shade(second.wave, second.query)
-            second.is_counting = True
+            self._passes.shade(second.wave)
             self._flush()
         if rays is not None:
             first.answer = self._intersector.trace(rays)
             self.rays += first.answer.rays or 0
         self._lanes = [second, first]
 
-    def _count(self, lane: _Lane) -> None:
-        if lane.is_counting:
-            lane.finished += lane.query.samples
-            lane.is_counting = False
-
-    def _begin(self, lane: _Lane) -> None:
-        wave = lane.wave
-        work = self._schedule.next(wave.columns * wave.rows, is_last=not any(lane.is_busy for lane in self._lanes))
-        lane.expected, lane.finished = sum(self._pixels(item) * item.samples for item in work), 0
+    def _refill(self, wave: Wave) -> None:
+        """Take in what blocks have done, and give them new work, when some have."""
+        if wave.is_busy.any():
+            done = np.flatnonzero(wave.is_busy & ~wave.read_alive())
+            self._take_in(wave, done)
+        if self._schedule.done:
+            return
+        free = np.flatnonzero(~wave.is_busy)
+        if not len(free):
+            return
+        is_last = not any(lane.is_busy for lane in self._lanes)
+        work = self._schedule.next(len(free), is_last)
         if work:
-            wave.begin(work)
-            self._passes.begin(wave)
+            blocks = free[: len(work)]
+            wave.assign(blocks, work)
+            self._passes.begin(wave, blocks)
 
-    def _pixels(self, work: Work) -> int:
-        """Of the picture in a tile."""
-        width, height = (min(TILE, size - TILE * tile) for size, tile in zip(self.film.size, work[:2], strict=False))
-        return width * height
-
-    def _take_in(self, lane: _Lane) -> None:
-        self.film.add(lane.wave)
-        self._expected += lane.expected
-        self._is_developed = False
-        lane.expected = 0
+    def _take_in(self, wave: Wave, blocks: np.ndarray) -> None:
+        if not len(blocks):
+            return
+        self.film.add(wave, blocks)
+        wave.is_busy[blocks] = False
+        tiles, samples = wave.work[blocks, :2].astype(np.int64), wave.work[blocks, 3].astype(np.int64)
+        inside = np.minimum(np.array(self.film.size) - TILE * tiles, TILE)
+        self._expected += int((inside.prod(axis=1) * samples).sum())
+        self._is_developed, self._shown = False, None
 
     @property
     def radiance(self) -> moderngl.Texture:
@@ -154,21 +147,54 @@ class Exposure:
             self._is_developed = True
         return self.film.radiance
 
+    @property
+    def shown(self) -> moderngl.Texture:
+        """`radiance`, denoised where the settings ask for that."""
+        radiance = self.radiance
+        if self._denoiser is None:
+            return radiance
+        if self._shown is None:
+            self._shown = self._denoiser.filter(self.film)
+        return self._shown
+
     def present(self, framebuffer: moderngl.Framebuffer) -> None:
         """Draw what there is into `framebuffer`, as displayed."""
-        self._display.draw(self.radiance, self.settings, framebuffer, 0)
+        self._display.draw(self.shown, self.settings, framebuffer, 0)
 
     def image(self) -> Image:
-        """What there is, as `viewer.raster.renderer.Renderer.render` gives it."""
-        radiance = self.radiance
-        linear = self.film.read_radiance()
+        """What there is, as `viewer.raster.renderer.Renderer.render` gives it, with the layers asked for.
+
+        Its `stats` tell how good it is, its `attributes` what was done to it.
+        """
+        width, height = self.film.size
+        linear = np.frombuffer(self.shown.read(), np.float32).reshape(height, width, 4)[::-1].copy()
         if isinstance(self.settings.background, tuple):
             linear += (1 - linear[..., 3:]) * np.float32([*self.settings.background, 1])
-        target = self._display.target(radiance.size)
+        target = self._display.target((width, height))
         self.present(target)
-        width, height = radiance.size
         shown = np.frombuffer(target.read(components=4), np.uint8).reshape(height, width, 4)[::-1]
-        return Image(linear, np.ascontiguousarray(shown), {"plan": self.plan.to_json()})
+        return Image(linear, np.ascontiguousarray(shown), self.stats(), read_layers(self.film, self._layers),
+                     self._attributes())
+
+    def stats(self) -> dict[str, object]:
+        """How far the picture has come and what it took; JSON-able."""
+        error = self.error
+        return {
+            "plan": self.plan.to_json(), "intersector": self.plan.intersector, "spp": self.samples,
+            "samples": round(self.samples * self.film.size[0] * self.film.size[1]), "bad_samples": self.bad_samples,
+            "estimated_error": error if np.isfinite(error) else None, "rays": self.rays, "trace_s": self.seconds,
+            "rays_per_s": self.rays / self.seconds if self.seconds else None, "denoised": self.settings.denoise,
+        }
+
+    def _attributes(self) -> dict[str, str]:
+        """What a file has to say of the picture: what is not what the samples said."""
+        settings = self.settings
+        attributes = {"samples": f"{self.samples:g} a pixel"}
+        if settings.denoise != "off":
+            attributes["denoised"] = settings.denoise
+        if settings.clamp > 0:
+            attributes["clamped"] = f"indirect light to luminance {settings.clamp:g} (biased)"
+        return attributes
 
     def release(self) -> None:
         self._passes.context.make_current()

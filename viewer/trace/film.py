@@ -38,25 +38,25 @@ class Film:
         self.sum, self.squares = self._sums.textures
         self.albedo, self.normal = self._layers.textures if self._layers else (None, None)
 
-    def add(self, wave: Wave) -> None:
-        """What the wave's blocks have gathered, each at its tile."""
-        self._resolve(wave, wave.sums, self._sums)
+    def add(self, wave: Wave, blocks: np.ndarray) -> None:
+        """What these blocks of the wave have gathered, each at its tile, in this order."""
+        self._resolve(wave, blocks, wave.sums, self._sums)
         if self._layers is not None and wave.layers is not None:
-            self._resolve(wave, wave.layers, self._layers)
+            self._resolve(wave, blocks, wave.layers, self._layers)
 
-    def _resolve(self, wave: Wave, source: Sums, target: Sums) -> None:
+    def _resolve(self, wave: Wave, blocks: np.ndarray, source: Sums, target: Sums) -> None:
         program = self._programs.get("trace/film/resolve.vert", "trace/film/resolve.frag", {})
         target.framebuffer.use()
         self._gl.enable_only(moderngl.BLEND)
         self._gl.blend_func = moderngl.ONE, moderngl.ONE
         for unit, texture in enumerate(source.textures):
             texture.use(unit)
-        wave.blocks.use(UNIT_BLOCKS)
+        wave.bind_blocks()
         set_uniform(program, "u_first", 0)
         set_uniform(program, "u_second", 1)
         set_uniform(program, "u_blocks", UNIT_BLOCKS)
         set_uniform(program, "u_size", self.size)
-        fullscreen(self._gl, program).render(moderngl.TRIANGLE_STRIP, vertices=4, instances=len(wave.work))
+        wave.draw_blocks(program, blocks)
         self._gl.enable_only(moderngl.NOTHING)
 
     def develop(self) -> None:

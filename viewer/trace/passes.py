@@ -5,15 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 import moderngl
+import numpy as np
 
 from ..gpu.context import Context
 from ..raster.display import fullscreen
 from ..raster.programs import Programs, set_uniform
+from .geometry import GLASS, STANDARD
 from .plan import TracePlan
 from .wave import UNITS, Wave
 
-_ADDED = ("finish", "layers")
-"""Passes that add to a wave's sums; the others write its next state, each slot by one of them."""
+# Duties of shaders/trace/duty.glsl
+REST, FINISH, FIRST_HIT, SHADE = 0, 1, 2, 3
+_DUTIES = {"rest": REST, "finish": FINISH, "generate": FINISH, "layers": FIRST_HIT, "surface": SHADE + STANDARD,
+           "glass": SHADE + GLASS}
+_OVER_BLOCKS = ("begin", "zero")
 
 
 class Passes:
@@ -25,39 +30,66 @@ class Passes:
         self._gl = context.gl
         self._bind = bind
         self._uniforms = {**uniforms, **UNITS}
-        self._programs = {name: programs.get("display/fullscreen.vert", program.fragment, dict(program.switches))
-                          for name, program in plan.programs.items()}
+        self._programs = {}
+        for name, program in plan.programs.items():
+            vertex = "trace/blocks.vert" if name in _OVER_BLOCKS else "trace/duty.vert"
+            if name == "alive":
+                vertex = "display/fullscreen.vert"
+            self._programs[name] = programs.get(vertex, program.fragment, dict(program.switches))
 
-    def begin(self, wave: Wave) -> None:
-        """Every slot's first camera ray; what the slots held before is forgotten."""
-        wave.bind()
-        wave.next.use()
+    def begin(self, wave: Wave, blocks: np.ndarray) -> None:
+        """The first camera rays of blocks that have new work; their sums begin at 0."""
         self._gl.enable_only(moderngl.NOTHING)
-        self._draw("generate", begins=True)
-        wave.turn()
+        wave.bind_blocks()
+        for sums in (wave.sums, wave.layers):
+            if sums is not None:
+                sums.framebuffer.use()
+                wave.draw_blocks(self._told("zero", u_grid=wave.grid), blocks)
+        wave.present.use()
+        wave.draw_blocks(self._told("begin", u_grid=wave.grid), blocks)
 
-    def shade(self, wave: Wave, query: moderngl.Query) -> None:
-        """What comes of the wave's hits: the next state. `query` counts the samples that are finished."""
+    def shade(self, wave: Wave) -> None:
+        """What comes of the wave's hits: the next state, and in `wave.alive` where there is one."""
+        gl = self._gl
         wave.bind()
-        self._gl.enable_only(moderngl.BLEND)
-        self._gl.blend_func = moderngl.ONE, moderngl.ONE
-        wave.sums.framebuffer.use()
-        with query:
-            self._draw("finish")
+        gl.blend_func = moderngl.ONE, moderngl.ONE
         if wave.layers is not None:
+            self._sort(wave, "sort first hits")
             wave.layers.framebuffer.use()
+            gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
             self._draw("layers")
+        self._sort(wave, "sort")
+        wave.sums.framebuffer.use()
+        gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
+        self._draw("finish")
         wave.next.use()
-        self._gl.enable_only(moderngl.NOTHING)
-        for name in self._programs:
-            if name not in _ADDED:
+        gl.enable_only(moderngl.DEPTH_TEST)
+        for name in ("generate", "surface", "glass"):
+            if name in self._programs:
                 self._draw(name)
+        wave.next_origin.use()
+        self._draw("rest")
+        gl.depth_func = "<"
         wave.turn()
+        wave.bind()
+        wave.alive.use()
+        gl.enable_only(moderngl.NOTHING)
+        self._draw("alive")
 
-    def _draw(self, name: str, begins: bool = False) -> None:
+    def _sort(self, wave: Wave, name: str) -> None:
+        wave.duty.use()
+        self._gl.enable_only(moderngl.DEPTH_TEST)
+        self._gl.depth_func = "1"  # always
+        self._draw(name)
+        self._gl.depth_func = "=="
+
+    def _draw(self, name: str) -> None:
+        program = self._told(name, u_duty=_DUTIES.get(name, REST))
+        fullscreen(self._gl, program).render(vertices=3)
+
+    def _told(self, name: str, **uniforms: object) -> moderngl.Program:
         program = self._programs[name]
         self._bind(program)
-        for uniform, value in self._uniforms.items():
+        for uniform, value in (self._uniforms | uniforms).items():
             set_uniform(program, uniform, value)
-        set_uniform(program, "u_begin", begins)
-        fullscreen(self._gl, program).render(vertices=3)
+        return program

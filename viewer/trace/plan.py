@@ -11,12 +11,10 @@ from ..settings import Settings
 from .geometry import GLASS, STANDARD, TraceGeometry
 from .scene_words import unused_maps
 
-_FULLSCREEN = "display/fullscreen.vert"
-
 
 @dataclass(frozen=True)
 class TracePlan:
-    """`programs` by the name of the pass, in the order they are drawn; the kinds of surfaces that are there last."""
+    """`programs` by the name of the pass: what is drawn for a wave besides tracing its rays."""
 
     programs: Mapping[str, Program]
     intersector: str
@@ -56,12 +54,28 @@ def plan_trace(
     switches["HAS_LIGHTS"] = int(any(switches[name] for name in ("HAS_ENVIRONMENT", "HAS_PUNCTUAL", "HAS_EMITTERS")))
     switches["BACKGROUND"] = int(settings.background == "env" and switches["HAS_ENVIRONMENT"])
     switches["CLAMP"] = int(settings.clamp > 0)
-    passes = ["finish"] + ["layers"] * (has_layers and bool(geometry.instances)) + ["generate"]
     kinds = {instance.kind for instance in geometry.instances}
-    passes += [name for kind, name in _KINDS.items() if kind in kinds]
-    programs = {name: Program(f"trace/{name}.frag", tuple(sorted(switches.items()))) for name in passes}
+    surfaces = [name for kind, name in _KINDS.items() if kind in kinds]
+    state = {"HAS_TRANSMISSION": switches["HAS_TRANSMISSION"]}
+    sky = {name: switches[name] for name in ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING")}
+    programs = {
+        "zero": _program("zero", {}),
+        "begin": _program("generate", state | {"BEGINS": 1}),
+        "sort": _program("sort", state | {"FIRST_HITS": 0}),
+        "finish": _program("finish", state | sky),
+        "generate": _program("generate", state | {"BEGINS": 0}),
+        **{name: _program(name, switches) for name in surfaces},
+        "rest": _program("rest", {}),
+        "alive": _program("alive", state),
+    }
+    if has_layers:
+        programs |= {"sort first hits": _program("sort", state | {"FIRST_HITS": 1}), "layers": _program("layers", switches)}
     return TracePlan(programs, intersector, geometry.triangle_count, len(geometry.instances),
                      tuple(_left_out(scene, settings, geometry, switches, programs, has_layers)))
+
+
+def _program(name: str, switches: Mapping[str, int]) -> Program:
+    return Program(f"trace/{name}.frag", tuple(sorted(switches.items())))
 
 
 def _shading_switches(settings: Settings) -> dict[str, int]:

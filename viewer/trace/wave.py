@@ -13,12 +13,12 @@ TILE = 16
 STATE = ("origin", "direction", "shadow_origin", "shadow_vector", "throughput", "radiance", "medium")
 """The textures of a state, in the order of their units and attachments; shaders/trace/state.glsl tells what is in them."""
 UNIT_HIT, UNIT_BLOCKS = len(STATE), len(STATE) + 1
-MAX_SAMPLES = 1023
-"""Of one work item: what a slot's counter holds."""
+UNITS = {f"u_{name}": unit for unit, name in enumerate(STATE)} | {"u_hit": UNIT_HIT, "u_blocks": UNIT_BLOCKS}
+"""Uniforms of shaders/trace/state.glsl and the texture units of `Wave.bind`."""
 
 
 class Work(NamedTuple):
-    """So many samples, from number `first` on, of each pixel of a tile."""
+    """So many samples, at most 1023, from number `first` on, of each pixel of a tile."""
 
     tile_x: int
     tile_y: int
@@ -29,13 +29,11 @@ class Work(NamedTuple):
 class Sums:
     """Two textures of floats that are added to."""
 
-    def __init__(self, gl: moderngl.Context, size: tuple[int, int]) -> None:
+    def __init__(self, gl: moderngl.Context, size: tuple[int, int], depth: moderngl.Texture | None = None) -> None:
         self.textures = [float_target(gl, size) for _ in range(2)]
-        self.framebuffer = gl.framebuffer(self.textures)
-        self.clear()
-
-    def clear(self) -> None:
+        self.framebuffer = gl.framebuffer(self.textures, depth)
         self.framebuffer.clear()
+        self.framebuffer.depth_mask = False
 
     def release(self) -> None:
         for thing in (self.framebuffer, *self.textures):
@@ -46,7 +44,9 @@ class Wave:
     """`columns` x `rows` blocks of TILE x TILE slots.
 
     The textures of the present state are attributes by their names in `STATE`; passes read them and write `next`, and
-    `turn` makes that the present one. `hit` is where an intersector puts its answer.
+    `turn` makes that the present one. `hit` is where an intersector puts its answer; `duty`, a depth, tells what is to
+    be done in a slot. `work` has the blocks' work items, (blocks, 4) int32 as in `Work`, and `is_busy` (blocks,) which
+    of them are not known to be done.
     """
 
     origin: moderngl.Texture
@@ -58,18 +58,29 @@ class Wave:
     medium: moderngl.Texture
 
     def __init__(self, gl: moderngl.Context, columns: int, rows: int, has_layers: bool) -> None:
-        self.columns, self.rows = columns, rows
+        self._gl = gl
+        self.grid = columns, rows
         self.size = columns * TILE, rows * TILE
+        self.duty = gl.framebuffer(depth_attachment=gl.depth_texture(self.size))
+        depth = self.duty.depth_attachment
         self._states = [[float_target(gl, self.size) for _ in STATE] for _ in range(2)]
-        self._framebuffers = [gl.framebuffer(textures) for textures in self._states]
+        self._targets = [gl.framebuffer(textures, depth) for textures in self._states]
+        self._origins = [gl.framebuffer(textures[:1], depth) for textures in self._states]
+        for target in (*self._targets, *self._origins):
+            target.depth_mask = False
         self._present = 0
+        self.present.clear()
         self.hit = gl.texture(self.size, 4, dtype="u4")
-        self.blocks = gl.texture((columns, rows), 4, dtype="i4")
-        for texture in (self.hit, self.blocks):
+        self._table = gl.texture(self.grid, 4, dtype="i4")
+        for texture in (self.hit, self._table):
             texture.filter = moderngl.NEAREST, moderngl.NEAREST
-        self.sums = Sums(gl, self.size)
-        self.layers = Sums(gl, self.size) if has_layers else None
-        self.work: Sequence[Work] = ()
+        self._named = gl.buffer(reserve=4 * columns * rows)
+        self._arrays: dict[moderngl.Program, moderngl.VertexArray] = {}
+        self.alive = gl.framebuffer([gl.texture(self.grid, 1)])
+        self.sums = Sums(gl, self.size, depth)
+        self.layers = Sums(gl, self.size, depth) if has_layers else None
+        self.work = np.zeros((columns * rows, 4), np.int32)
+        self.is_busy = np.zeros(columns * rows, bool)
 
     def __getattr__(self, name: str) -> moderngl.Texture:
         if name not in STATE:
@@ -77,36 +88,52 @@ class Wave:
         return self._states[self._present][STATE.index(name)]
 
     @property
+    def present(self) -> moderngl.Framebuffer:
+        return self._targets[self._present]
+
+    @property
     def next(self) -> moderngl.Framebuffer:
-        return self._framebuffers[1 - self._present]
+        return self._targets[1 - self._present]
+
+    @property
+    def next_origin(self) -> moderngl.Framebuffer:
+        """Of the next state only the origins, with the status."""
+        return self._origins[1 - self._present]
 
     def turn(self) -> None:
         self._present = 1 - self._present
 
-    def begin(self, work: Sequence[Work]) -> None:
-        """Hand the blocks their work, at most one item each; those left over will idle."""
-        table = np.zeros((self.columns * self.rows, 4), np.int32)
-        table[: len(work)] = np.asarray(work, np.int32).reshape(-1, 4)
-        self.blocks.write(table)
-        self.work = work
-        self.sums.clear()
-        if self.layers is not None:
-            self.layers.clear()
+    def assign(self, blocks: np.ndarray, work: Sequence[Work]) -> None:
+        """Give the blocks of these numbers a work item each."""
+        self.work[blocks] = np.asarray(work, np.int32).reshape(-1, 4)
+        self.is_busy[blocks] = True
+        self._table.write(self.work)
 
     def bind(self) -> None:
         """The present state, the hits and the blocks, to the units that `UNITS` names."""
-        for unit, texture in enumerate((*self._states[self._present], self.hit, self.blocks)):
+        for unit, texture in enumerate((*self._states[self._present], self.hit, self._table)):
             texture.use(unit)
 
+    def bind_blocks(self) -> None:
+        self._table.use(UNIT_BLOCKS)
+
+    def draw_blocks(self, program: moderngl.Program, blocks: np.ndarray) -> None:
+        """A square for each block, by a program whose vertex shader takes `a_block`."""
+        if program not in self._arrays:
+            self._arrays[program] = self._gl.vertex_array(program, [(self._named, "1i4/i", "a_block")])
+        self._named.write(np.ascontiguousarray(blocks, np.int32))
+        self._arrays[program].render(moderngl.TRIANGLE_STRIP, vertices=4, instances=len(blocks))
+
+    def read_alive(self) -> np.ndarray:
+        """(blocks,) bool, whether something is to be done in a block, as `alive` has it."""
+        return np.frombuffer(self.alive.read(components=1), np.uint8) > 0
+
     def release(self) -> None:
-        for thing in (*self._framebuffers, *self._states[0], *self._states[1], self.hit, self.blocks, self.sums,
-                      self.layers):
+        for thing in (*self._targets, *self._origins, *self._states[0], *self._states[1], self.duty.depth_attachment,
+                      self.duty, self.hit, self._table, *self._arrays.values(), self._named,
+                      *self.alive.color_attachments, self.alive, self.sums, self.layers):
             if thing is not None:
                 thing.release()
-
-
-UNITS = {f"u_{name}": unit for unit, name in enumerate(STATE)} | {"u_hit": UNIT_HIT, "u_blocks": UNIT_BLOCKS}
-"""Uniforms of shaders/trace/state.glsl and the texture units of `Wave.bind`."""
 
 
 def float_target(gl: moderngl.Context, size: tuple[int, int]) -> moderngl.Texture:

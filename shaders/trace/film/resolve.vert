@@ -1,4 +1,6 @@
-// A square of 16 x 16 pixels for each block of a wave, at its tile of the picture.
+// A square of 16 x 16 pixels for each block of a wave that is named, at its tile of the picture.
+in int a_block;
+
 uniform isampler2D u_blocks; // tile x, tile y
 uniform vec2 u_size;         // of the picture
 
@@ -8,7 +10,7 @@ const int TILE = 16;
 
 void main() {
     int columns = textureSize(u_blocks, 0).x;
-    ivec2 block = ivec2(gl_InstanceID % columns, gl_InstanceID / columns);
+    ivec2 block = ivec2(a_block % columns, a_block / columns);
     ivec2 tile = texelFetch(u_blocks, block, 0).xy;
     vec2 pixel = vec2((tile + ivec2(gl_VertexID & 1, gl_VertexID >> 1)) * TILE);
     gl_Position = vec4(2.0 * pixel / u_size - 1.0, 0.0, 1.0);
