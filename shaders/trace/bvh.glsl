@@ -101,7 +101,8 @@ void sort(inout vec4 t, inout uvec4 children, int i, int j) {
 
 // Whether the ray o + t d meets a triangle for t in (0, t_max): the nearest, or, for shadow rays, any that stops it.
 bool walk(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
-    uint waiting[STACK];
+    uint waiting[STACK]; // nodes, leaves and instances to come back to, and how far away they are
+    float away[STACK];
     int count = 0;
     nearest = Found(t_max, MISS, 0u, vec2(0.0), 0u);
     bool is_hit = false;
@@ -120,9 +121,18 @@ bool walk(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
             sort(t, children, 0, 2);
             sort(t, children, 1, 3);
             sort(t, children, 1, 2);
-            if (t.w <= FARTHEST) waiting[count++] = children.w;
-            if (t.z <= FARTHEST) waiting[count++] = children.z;
-            if (t.y <= FARTHEST) waiting[count++] = children.y;
+            if (t.w <= FARTHEST) {
+                away[count] = t.w;
+                waiting[count++] = children.w;
+            }
+            if (t.z <= FARTHEST) {
+                away[count] = t.z;
+                waiting[count++] = children.z;
+            }
+            if (t.y <= FARTHEST) {
+                away[count] = t.y;
+                waiting[count++] = children.y;
+            }
             if (t.x <= FARTHEST) {
                 next = children.x;
                 continue;
@@ -161,9 +171,10 @@ bool walk(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
                 is_hit = true;
             }
         }
+        while (count > 0 && away[count - 1] >= nearest.t) --count;
         if (count == 0) break;
 #if HAS_INSTANCES
-        if (count == outside) {
+        if (count <= outside) {
             outside = -1;
             ray = walker(o, d);
         }
