@@ -68,7 +68,8 @@ class Film:
         many pixels have one (it takes two samples), samples, and pixels.
 
         A pixel's relative variance is that of its mean over mean^2 + 0.01, averaged over the channels (relMSE, with the
-        mean for the reference), from the samples themselves: their low discrepancy makes the true error smaller.
+        mean, or what is around the pixel if that is darker, for the reference). It is from the samples themselves: their
+        low discrepancy makes the true error smaller, light that none has found yet makes it larger.
         """
         self._draw("error", self._estimated)
         return _read(self._estimated)
