@@ -14,7 +14,7 @@ from viewer.raster.programs import set_uniform
 from viewer.scene.color import srgb_to_linear
 from viewer.scene.material import Sampler, Texture, UVTransform
 from viewer.scene.texture_image import TextureImage
-from viewer.trace.atlas import Atlas, layout_atlas
+from viewer.trace.atlas import MAX_TEXELS, Atlas, layout_atlas
 from viewer.trace.materials import map_words
 from viewer.trace.words import WordsBuilder
 
@@ -70,9 +70,14 @@ def test_the_largest_are_halved_until_all_fit():
     assert_packed(layout, 512)
     assert [layout.halvings[image] for image in large] == [1] * 5 and layout.halvings[small] == 0
     (warning,) = layout.warnings
-    assert warning == "5 texture images traced at reduced size: all have to fit into one texture of this OpenGL"
+    assert warning == "5 texture images traced at reduced size: all have to fit into one texture"
     wide = layout_atlas([header(1000, 3)], 300)
     assert wide.pages[next(iter(wide.pages))] == (0, 0, 250, 1)
+
+
+def test_a_texture_of_gigabytes_is_not_asked_for():
+    layout = layout_atlas([header(4096, 4096) for _ in range(40)], 16384)
+    assert set(layout.halvings.values()) == {2} and layout.size[0] * layout.size[1] <= MAX_TEXELS
 
 
 def test_no_images_are_no_trouble():

@@ -12,6 +12,7 @@ import moderngl
 import numpy as np
 
 from ..gpu.context import Context
+from ..heap import give_back
 from ..raster.decoding import Decoder
 from ..raster.mip_levels import mip_levels
 from ..scene.color import srgb_to_linear
@@ -19,6 +20,9 @@ from ..scene.texture_image import TextureImage
 
 Page = tuple[int, int, int, int]
 """x, y, width, height in texels."""
+
+MAX_TEXELS = 1 << 27
+"""Of an atlas: 1 GiB where a texel has eight bytes, which is what drivers give one texture."""
 
 _Format = Literal["srgb", "light", "data", "deep"]
 """Colours in sRGB's 8 bits or as linear halves, data of 8 bits or of 16."""
@@ -41,7 +45,7 @@ class AtlasLayout:
         if not shrunk:
             return []
         images = f"{shrunk} texture image{'s' * (shrunk > 1)}"
-        return [f"{images} traced at reduced size: all have to fit into one texture of this OpenGL"]
+        return [f"{images} traced at reduced size: all have to fit into one texture"]
 
 
 class Atlas:
@@ -66,6 +70,7 @@ class Atlas:
         for key, pixels in self._decoder.results():
             texture.write(pixels, viewport=self.layout.pages[key[0]])
             del pixels
+            give_back()  # OpenGL has its own copy now
         return texture
 
     def cancel(self) -> None:
@@ -105,7 +110,7 @@ def _pack(sizes: list[tuple[int, int]], limit: int) -> tuple[tuple[int, int], li
         corners = _skyline(sizes, width)
         used = max(x + w for (x, _), (w, _) in zip(corners, sizes))
         height = max(y + h for (_, y), (_, h) in zip(corners, sizes))
-        if height <= limit:
+        if height <= limit and used * height <= MAX_TEXELS:
             found.append((used * height, max(used, height), (used, height), corners))
     return min(found, key=lambda f: f[:3])[2:] if found else None
 
