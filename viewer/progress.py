@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import threading
 from typing import TYPE_CHECKING
@@ -16,21 +17,32 @@ DELAY_S = 1.0
 
 
 class Progress:
-    """`step` begins the next of `total` pieces of work, `say` changes the words beside the bar.
+    """`step` begins the next of `total` pieces of work, `say` changes the words beside the bar, `part` tells how much of
+    the piece is done.
 
     What is written to stderr meanwhile appears above the bar, which is gone at the end.
     """
 
     def __init__(self, total: int, enabled: bool = True) -> None:
-        self._total, self._done, self._text = total, -1, ""
+        self._total, self._done, self._text = total, -1.0, ""
         self._bar: Bar | None = None
         self._task: TaskID | None = None
         self._lock = threading.Lock()
         self._timer = threading.Timer(DELAY_S, self._show) if enabled and _is_terminal() else None
 
     def step(self, text: str) -> None:
-        self._done += 1
+        self._done = math.floor(self._done) + 1
         self.say(text)
+
+    def part(self, fraction: float, text: str) -> None:
+        """`fraction` from 0 to 1 of the piece is done."""
+        self._done = math.floor(self._done) + min(fraction, 0.999)
+        self.say(text)
+
+    @property
+    def is_shown(self) -> bool:
+        """Whether there is a bar now; what is costly to tell need not be told otherwise."""
+        return self._bar is not None
 
     def say(self, text: str) -> None:
         with self._lock:

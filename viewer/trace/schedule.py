@@ -22,7 +22,7 @@ PILOT = 64
 """Samples a pixel before tiles differ."""
 GROWTH = 1.5
 """How many times the samples there are after one more round, in which tiles differ."""
-MAX_CHUNK = 8
+MAX_CHUNK = 4
 """Samples of one work item: a wave is taken in when the slowest of its items is done."""
 KNOWN = 0.75
 """How much of what was handed out has to be in the film before the next round is decided on."""

@@ -17,8 +17,10 @@ from ..scene.camera import Camera
 from ..scene.scene import Scene
 from ..settings import Settings
 from .camera_rays import camera_uniforms
+from .denoise import Denoiser, make_denoiser
 from .exposure import MAX_WAVE_ROWS, WAVE_COLUMNS, Exposure
 from .film import Film
+from .layers import FIRST_HIT
 from .passes import Passes
 from .plan import plan_trace
 from .schedule import Schedule
@@ -45,6 +47,7 @@ class Tracer:
         self._display = DisplayPass(context.gl, self.programs)
         self._scene: TracedScene | None = None
         self._dfg: dict[tuple[str, str], moderngl.Texture] = {}
+        self._denoisers: dict[str, Denoiser] = {}
 
     def render(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
                layers: Collection[str] = ()) -> Image:
@@ -60,12 +63,13 @@ class Tracer:
               layers: Collection[str] = ()) -> Exposure:
         """A picture that has no samples yet.
 
-        `layers` are names of `viewer.trace.layers.LAYERS`. Raises UsageError for a size that this OpenGL cannot draw
-        and InputError for a scene that does not fit.
+        `layers` are names of `viewer.settings.LAYERS`. Raises UsageError for a size that this OpenGL cannot draw and a
+        denoiser that is not installed, InputError for a scene that does not fit.
         """
         self.context.make_current()
+        denoiser = self._denoiser(settings.denoise)
         traced = self._prepare(scene, settings)
-        film = Film(self.context.gl, self.programs, size, bool(layers) or settings.denoise != "off")
+        film = Film(self.context.gl, self.programs, size, bool(FIRST_HIT & set(layers)) or denoiser is not None)
         plan = plan_trace(scene, settings, traced.geometry, traced.switches, intersector=traced.intersector.name,
                           has_layers=film.albedo is not None)
         uniforms = {
@@ -83,7 +87,14 @@ class Tracer:
         schedule = Schedule(film, settings)
         rows = math.ceil(film.tiles[0] * film.tiles[1] * settings.most_spp / WAVE_COLUMNS / 2)
         return Exposure(passes, traced.intersector, plan, film, schedule, settings, self._display,
-                        min(rows, MAX_WAVE_ROWS))
+                        min(rows, MAX_WAVE_ROWS), layers, denoiser)
+
+    def _denoiser(self, kind: str) -> Denoiser | None:
+        if kind == "off":
+            return None
+        if kind not in self._denoisers:
+            self._denoisers[kind] = make_denoiser(self.context, self.programs, kind)
+        return self._denoisers[kind]
 
     def _prepare(self, scene: Scene, settings: Settings) -> TracedScene:
         if self._scene is None or not self._scene.holds(scene, settings):
@@ -104,7 +115,7 @@ class Tracer:
         self.context.make_current()
         if self._scene is not None:
             self._scene.release()
-        for texture in self._dfg.values():
-            texture.release()
+        for thing in (*self._dfg.values(), *self._denoisers.values()):
+            thing.release()
         self._display.release()
         self.programs.release()
