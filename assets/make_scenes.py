@@ -170,6 +170,41 @@ def specular_ior() -> Glb:
     return glb
 
 
+def glass() -> Glb:
+    """In front of a chequered wall, from the upper left: clear, rough, coloured by its volume, and a thin shell of a
+    base colour; then transmission by a texture, thickness by one, half of it with some metal, and water, rough."""
+    glb, ball = Glb(), without(sphere(0.45, 32), "TANGENT")
+    rows, columns = np.indices((8, 16))
+    squares = np.where(((rows + columns) % 2)[..., None], [0.85, 0.8, 0.7], np.stack(
+        [columns / 16, 0.2 + 0.05 * rows, 0.8 - columns / 20], -1))
+    nearest = {"magFilter": 9728, "minFilter": 9728}
+    wall = glb.material((1, 1, 1), 0.0, 1.0, baseColorTexture=glb.texture(squares, **nearest),
+                        extensions={"KHR_materials_specular": {"specularFactor": 0.0}})
+    glb.node(glb.mesh(without(plate(5, 2.5), "TANGENT"), wall), translation=[0, 0, -0.9])
+    bands = np.zeros((8, 8, 3), np.uint8)
+    bands[::2, :, 0], bands[:, :4, 1] = 255, 255
+    maps = glb.texture(bands, **nearest)
+    solid = {"thicknessFactor": 0.9}
+    cases = [
+        ({}, solid, {}), ({"roughness": 0.4}, solid, {}),
+        ({}, solid | {"attenuationDistance": 0.4, "attenuationColor": [0.3, 0.8, 0.5]}, {}),
+        ({"color": (1.0, 0.6, 0.3), "doubleSided": True}, None, {}),
+        ({"color": (0.9, 0.3, 0.2)}, solid, {"transmissionTexture": maps}),
+        ({}, solid | {"thicknessTexture": maps, "attenuationDistance": 0.5, "attenuationColor": [0.8, 0.2, 0.2]}, {}),
+        ({"color": (0.3, 0.5, 0.9), "metallic": 0.3, "roughness": 0.2}, solid, {"transmissionFactor": 0.5}),
+        ({"roughness": 0.6, "ior": 1.33}, solid, {}),
+    ]
+    for place, (fields, volume, transmission) in enumerate(cases):
+        extensions = {"KHR_materials_transmission": {"transmissionFactor": 1.0} | transmission,
+                      "KHR_materials_ior": {"ior": fields.pop("ior", 1.5)}}
+        extensions |= {"KHR_materials_volume": volume} if volume else {}
+        material = glb.material(**{"roughness": 0.05} | fields, extensions=extensions)
+        glb.node(glb.mesh(ball, material), translation=[place % 4 * 1.1 - 1.65, 0.55 - place // 4 * 1.1, 0])
+    glb.light("directional", (1, 2, 2), intensity=2.0)
+    glb.camera((0.4, 0.3, 9.3))
+    return glb
+
+
 def two_sided() -> Glb:
     """Open bowls, double-sided and not, upright and mirrored by a negative scale, one with a normal map."""
     glb = Glb()
@@ -243,7 +278,7 @@ def huge() -> Glb:
     return _group(1e6, (3e7, 1e7, -2e7))
 
 
-SCENES = [spheres, normal_map, textures, alpha, lights, vertex_colors, emissive, unlit, specular_ior, two_sided,
+SCENES = [spheres, normal_map, textures, alpha, lights, vertex_colors, emissive, unlit, specular_ior, glass, two_sided,
           lines_points, occlusion, tiny, huge]
 
 if __name__ == "__main__":

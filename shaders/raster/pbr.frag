@@ -103,6 +103,9 @@ void main() {
     s.perceptual_roughness *= mr.g;
     s.metallic *= mr.b;
 #endif
+#if TRANSMISSION
+    float blur = transmitted_roughness(s.perceptual_roughness);
+#endif
     s.perceptual_roughness = clamp(s.perceptual_roughness, MIN_PERCEPTUAL_ROUGHNESS, 1.0);
     s.alpha = s.perceptual_roughness * s.perceptual_roughness;
 #if SPECULAR_AA
@@ -149,7 +152,7 @@ void main() {
 #endif
 #if TRANSMISSION
     float passes = transmitted(s.dielectric, dfg) * through * (METALNESS == 2 ? 1.0 - s.metallic : 1.0);
-    radiance += passes * base.rgb * light_from_behind(s.n, s.v, s.perceptual_roughness) * float(SHOW_SPECULAR);
+    radiance += passes * base.rgb * light_from_behind(s.n, s.v, blur) * float(SHOW_SPECULAR);
     s.base_color *= 1.0 - through; // what is left to scatter
 #endif
 #if HAS_ENVIRONMENT

@@ -29,8 +29,13 @@ vec3 wall_f0(vec3 f0) {
     return 2.0 * f0 / (1.0 + f0);
 }
 
+// Of the lobe that goes through: as the difference of the indices, and at 1.5 like the reflected one
+float transmitted_roughness(float perceptual_roughness) {
+    return perceptual_roughness * clamp(2.0 * u_ior - 2.0, 0.0, 1.0);
+}
+
 // Where nothing was drawn, and beyond the picture, stands the environment.
-vec3 light_from_behind(vec3 n, vec3 v, float perceptual_roughness) {
+vec3 light_from_behind(vec3 n, vec3 v, float blur) {
     vec3 exit = v_position, d = -v;
     vec3 kept = vec3(1.0);
 #if TRANSMISSION == 2
@@ -42,8 +47,6 @@ vec3 light_from_behind(vec3 n, vec3 v, float perceptual_roughness) {
     exit += thickness * d;
     kept = exp(-u_absorption * thickness);
 #endif
-    // The blur of a transmitted lobe goes with the difference of the indices; at 1.5 it is that of the reflected one.
-    float blur = perceptual_roughness * clamp(2.0 * u_ior - 2.0, 0.0, 1.0);
     vec4 clip = u_view_projection * vec4(exit, 1.0);
     vec2 uv = 0.5 + 0.5 * clip.xy / clip.w;
     vec2 outside = max(max(-uv, uv - 1.0), 0.0);

@@ -113,6 +113,14 @@ MUTATIONS = [
     Mutation("Phong's exponent off by a factor of 4", "raster/phong.frag",
              "max(2.0 / (alpha * alpha) - 2.0, 0.0)", "max(0.5 / (alpha * alpha) - 2.0, 0.0)"),
     Mutation("normals not turned with the mesh", "raster/surface.vert", "u_normal_matrix * a_normal", "a_normal"),
+    Mutation("glass does not refract", "raster/transmission.glsl", "exit += thickness * d;", "exit += 0.0 * d;"),
+    Mutation("glass has no colour", "raster/pbr.frag", "passes * base.rgb *", "passes *"),
+    Mutation("glass absorbs nothing", "raster/transmission.glsl", "kept = exp(-u_absorption * thickness);",
+             "kept = vec3(1.0);"),
+    Mutation("rough glass is clear", "raster/transmission.glsl", ".x)) * blur;", ".x)) * 0.0;"),
+    Mutation("black behind glass where nothing is drawn", "raster/transmission.glsl",
+             "behind.rgb += (1.0 - behind.a) *", "behind.rgb += 0.0 *"),
+    Mutation("transmission scatters, too", "raster/pbr.frag", "s.base_color *= 1.0 - through;", "s.base_color *= 1.0;"),
     Mutation("exposure ignored", "display/display.frag", "straight * u_exposure", "straight"),
 ]
 

@@ -22,7 +22,8 @@ SIZE = (112, 112)
 @dataclass(frozen=True)
 class Case:
     """`environment` is "sides" (below), a built-in one or None; `lights` come to the scene's own. Without `view` the
-    scene's own camera, or the default one; `view` is "inside" (among the objects) or "orthographic"."""
+    scene's own camera, or the default one; `view` is "inside" (among the objects), "close" (what is refracted
+    lies beside the picture) or "orthographic"."""
 
     name: str
     scene: str
@@ -43,6 +44,8 @@ class Case:
     def _camera(self, scene: Scene) -> Camera:
         if self.view == "inside":
             return Camera.look_at((0.45, 0.5, 1.5), (-1.2, 0.45, 0.0), fov_y=np.radians(75))
+        if self.view == "close":
+            return Camera.look_at((-0.8, 0.8, 2.0), (-1.3, 0.5, 0.0), fov_y=np.radians(40))
         framed = Camera.framing(scene.center, scene.radius, SIZE[0] / SIZE[1])
         if self.view == "orthographic":
             return replace(framed, height=2.0 * scene.radius)
@@ -65,6 +68,8 @@ CASES = [
     Case("emissive", "emissive", settings={"exposure": -2.5, "tonemap": "aces"}),
     Case("occlusion", "occlusion", settings={"background": "none"}),
     Case("specular-ior", "specular-ior"),
+    Case("glass", "glass"),
+    Case("glass-alone", "glass", view="close", settings={"background": "none"}),
     Case("two-sided", "two-sided", rotation=130.0),
     Case("textures", "textures", settings={"tonemap": "none", "background": (0.1, 0.2, 0.05)}),
     Case("spheres-turned", "spheres", rotation=90.0, settings={"tonemap": "agx", "background": "none"}),

@@ -1,0 +1,101 @@
+"""Light through glass in screen space, where it can be worked out on paper."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from shapes import WHITE, constant, moved, orthographic, plate, scene, sphere
+
+from viewer.scene.camera import Camera
+from viewer.scene.light import Light
+from viewer.scene.material import Material
+from viewer.scene.scene import Scene
+from viewer.settings import Settings
+
+SIZE = (48, 48)
+FRONT = orthographic(height=0.5)
+GLASS = Material(metallic=0.0, perceptual_roughness=0.0, transmission=1.0)
+R = ((1.5 - 1) / (1.5 + 1)) ** 2
+RED = replace(WHITE, base_color=(0, 0, 0, 1), emissive=(4.0, 1.0, 0.5))
+
+
+def middle(renderer, model: Scene, camera: Camera = FRONT, **settings) -> np.ndarray:
+    """RGBA at the picture's centre."""
+    picture = renderer.render(model, camera, Settings.of(**{"antialias": "none"} | settings), SIZE)
+    assert np.isfinite(picture.linear).all()
+    return picture.linear[23:25, 23:25].mean(axis=(0, 1))
+
+
+@pytest.mark.parametrize("background", ["env", "none"])
+@pytest.mark.parametrize("roughness", [0.0, 0.5])
+@pytest.mark.parametrize("thickness", [0.0, 0.5])
+def test_clear_glass_vanishes_in_the_furnace(renderer, background, roughness, thickness):
+    """At every angle; behind it the environment stands where nothing was drawn."""
+    glass = replace(GLASS, thickness=thickness, perceptual_roughness=roughness)
+    model = scene(sphere(), materials=[glass], environment=constant())
+    picture = renderer.render(model, orthographic(height=2.2), Settings.of(background=background), SIZE).linear
+    inside = picture[..., 3] == 1
+    assert inside[24, 24]
+    assert np.abs(picture[inside][:, :3] - 1).max() < 0.01
+
+
+def test_a_wall(renderer):
+    """Two faces: 2 R / (1 + R) of light comes back, and the rest is tinted."""
+    wall = replace(GLASS, base_color=(0.9, 0.5, 0.1, 1))
+    found = middle(renderer, scene(plate(), materials=[wall], environment=constant()))
+    back = 2 * R / (1 + R)
+    assert found[:3] == pytest.approx(back + (1 - back) * np.array([0.9, 0.5, 0.1]), abs=2e-3)
+
+
+@pytest.mark.parametrize("scale", [0.01, 1.0, 30.0])
+def test_a_body_absorbs_by_its_thickness_in_the_world(renderer, scale):
+    """A mesh that is scaled is as much thicker; the distance at which light is attenuated is not."""
+    body = replace(GLASS, thickness=0.5, attenuation_distance=0.25, attenuation_color=(0.8, 0.3, 0.01))
+    camera = replace(FRONT, height=0.5 * scale)
+    model = scene((plate(), moved((0, 0, 0), scale)), materials=[body], environment=constant())
+    kept = np.array([0.8, 0.3, 0.01]) ** (2 * scale)
+    assert middle(renderer, model, camera)[:3] == pytest.approx(R + (1 - R) * kept, abs=2e-3)
+
+
+@pytest.mark.parametrize("samples", ["none", "msaa-4"])
+def test_what_is_opaque_is_seen_through_and_glass_is_not(renderer, samples):
+    model = scene((plate(0), moved((0, 0, -1))), (plate(1), moved((0, 0, 0))), (plate(1), moved((0, 0, -0.5))),
+                  materials=[RED, GLASS])
+    back = 2 * R / (1 + R)
+    found = middle(renderer, model, antialias=samples)
+    assert found == pytest.approx([4 * (1 - back), 1 - back, 0.5 * (1 - back), 1], abs=5e-3)
+
+
+def test_rough_glass_spreads_what_is_behind_it_and_keeps_its_light(renderer):
+    """A strip a quarter as wide as the picture, through a pane: its light is all there, over more pixels."""
+    strip = (plate(0, half=1.0), moved((0, 0, -0.5), (0.0625, 2, 1)))
+
+    def row(roughness: float) -> np.ndarray:
+        pane = (plate(1, half=4.0), np.eye(4))
+        model = scene(strip, pane, materials=[RED, replace(GLASS, perceptual_roughness=roughness)])
+        return renderer.render(model, FRONT, Settings.of(antialias="none"), SIZE).linear[24, :, 0]
+
+    clear, rough = row(0.0), row(0.4)
+    assert (clear > 1.8).sum() == pytest.approx(12, abs=1) and (rough > 0.2).sum() > 18
+    assert rough.sum() == pytest.approx(clear.sum(), rel=0.1)
+
+
+def test_half_of_each(renderer):
+    """transmission 0.5 lies between a surface that scatters and one that transmits."""
+    found = [middle(renderer, scene(plate(), materials=[replace(GLASS, transmission=t, thickness=1.0,
+             base_color=(0.5, 0.5, 0.5, 1))], lights=(Light.from_angles(0.3, 0.4, 3.0),), environment=constant(0.5)))
+             for t in (0.0, 0.5, 1.0)]
+    assert found[1] == pytest.approx((found[0] + found[2]) / 2, rel=2e-3)
+
+
+def test_without_light_glass_is_black_and_whole(renderer):
+    assert middle(renderer, scene(plate(), materials=[GLASS])) == pytest.approx([0, 0, 0, 1])
+
+
+def test_the_size_of_the_picture_may_change(renderer):
+    model = scene(plate(), materials=[GLASS], environment=constant())
+    for size in ((48, 48), (33, 17), (1, 1), (300, 2)):
+        picture = renderer.render(model, FRONT, Settings.of(), size).linear
+        assert picture.shape == (size[1], size[0], 4) and np.abs(picture - 1).max() < 0.01
