@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import moderngl
 
 from ..gpu.context import Context
@@ -23,21 +25,35 @@ class Wavelet:
         self._textures: list[moderngl.Texture] = []
         self._framebuffers: list[moderngl.Framebuffer] = []
 
+    @property
+    def result(self) -> moderngl.Texture:
+        """What was filtered last; the last pass of the next `steps` writes it anew, the others leave it as it is."""
+        return self._textures[-1]
+
     def filter(self, film: NoisyFilm) -> moderngl.Texture:
         """As `Denoiser.filter`."""
+        for _ in self.steps(film):
+            pass
+        return self.result
+
+    def steps(self, film: NoisyFilm) -> Iterator[None]:
+        """`filter` a pass at a time, for a window that has to answer in between."""
         self._context.make_current()
         self._resize(film.radiance.size)
-        prepared, first, second = self._framebuffers
-        light, guide, *results = self._textures
+        prepared, first, second, final = self._framebuffers
+        light, guide, *results, _ = self._textures
         textures = {"u_radiance": film.radiance, "u_sum": film.sum, "u_squares": film.squares,
                     "u_albedo": film.albedo, "u_normal": film.normal, "u_guide": guide}
         self._draw("prepare", prepared, textures)
+        yield
         steps = [(1 << k, 0) if across else (0, 1 << k) for k in range(PASSES) for across in (True, False)]
-        passes = [("variance", None), *(("wavelet", step) for step in steps), ("resolve", None)]
+        passes = [("variance", None), *(("wavelet", step) for step in steps)]
         for number, (name, step) in enumerate(passes):
             self._draw(name, (first, second)[number % 2], textures | {"u_light": light}, step)
             light = results[number % 2]
-        return light
+            yield
+        self._draw("resolve", final, textures | {"u_light": light})
+        yield
 
     def _draw(self, name: str, target: moderngl.Framebuffer, textures: dict[str, moderngl.Texture],
               step: tuple[int, int] | None = None) -> None:
@@ -57,9 +73,9 @@ class Wavelet:
             return
         self.release()
         gl = self._context.gl
-        self._textures = [gl.texture(size, 4, dtype="f4") for _ in range(4)]
-        light, guide, first, second = self._textures
-        self._framebuffers = [gl.framebuffer([light, guide]), gl.framebuffer([first]), gl.framebuffer([second])]
+        self._textures = [gl.texture(size, 4, dtype="f4") for _ in range(5)]
+        light, guide, *results = self._textures
+        self._framebuffers = [gl.framebuffer([light, guide]), *(gl.framebuffer([texture]) for texture in results)]
         self._size = size
 
     def release(self) -> None:
