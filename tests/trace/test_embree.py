@@ -102,4 +102,4 @@ def test_shadow_rays_go_through_what_lets_them(context: Context, monkeypatch: py
     vector = DOWN * [[0.4], [0.9], [1.2], [1.9]]
     words = trace(context, embree, origin, np.repeat(DOWN, 4, axis=0), origin, vector)
     np.testing.assert_array_equal(words[:, 0], np.array([FREE, FREE, 0, 0], np.uint32))  # and the nearest hit is a pane
-    assert panes.asked == 3  # the first ray ends before, the last one meets something solid
+    assert panes.asked == 5  # one pane each of the middle rays' first two, two of the last; the first ray ends before

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 from ..gpu.context import Context
 from .flatten import flatten
-from .intersect import FREE, MISS, SHADOW_REACH, Answer, Surfaces, WaveTextures
+from .intersect import FREE, INSTANCE_MASK, MISS, SHADOW_REACH, Answer, Surfaces, WaveTextures
 from .see_through import MAX_LAYERS, SeeThrough
 
 if TYPE_CHECKING:
-    from .geometry import TraceGeometry, TraceInstance
+    from .geometry import TraceGeometry
 
 
 _STEP = 1e-6
@@ -45,11 +45,10 @@ class EmbreeIntersector:
 
     def __init__(self, context: Context, geometry: TraceGeometry, surfaces: Surfaces | None = None) -> None:
         self.name = "embree " + ".".join(embreex.__version__.split(".")[:2])
-        numbered = list(enumerate(geometry.instances))
-        self._solid = _Triangles(geometry, [pair for pair in numbered if not pair[1].see_through])
-        self._see_through = _Triangles(geometry, [pair for pair in numbered if pair[1].see_through])
+        self._triangles = _Triangles(geometry)
+        self._is_see_through = np.array([instance.see_through for instance in geometry.instances], bool)
         self._coverage: SeeThrough | None = None
-        if self._see_through.count:
+        if self._is_see_through.any():
             if surfaces is None:
                 raise ValueError("see-through triangles need their surfaces")
             self._coverage = SeeThrough(context, surfaces)
@@ -71,7 +70,8 @@ class EmbreeIntersector:
         words[:, 0] = MISS
         state = rays.origin[:, 3]
         moving = np.flatnonzero(state == 1)
-        self._nearest(words, moving, _rows(rays.origin, moving), _rows(rays.direction, moving))
+        found = self._triangles.intersect(_rows(rays.origin, moving), _rows(rays.direction, moving))
+        self._triangles.put(found, words, moving)
         vector = rays.shadow_vector
         shadowed = np.flatnonzero((state != 0) & ((vector[:, 0] != 0) | (vector[:, 1] != 0) | (vector[:, 2] != 0)))
         free = np.zeros(len(words), np.uint32)
@@ -86,64 +86,54 @@ class EmbreeIntersector:
         if self._coverage is not None:
             self._coverage.release()
 
-    def _nearest(self, words: NDArray, slots: NDArray, origins: NDArray, directions: NDArray) -> None:
-        """Put the nearest hits into the slots' words."""
-        if not len(slots):
-            return
-        found = self._solid.intersect(origins, directions)
-        self._solid.put(found, words, slots)
-        if self._see_through.count:
-            nearer = self._see_through.intersect(origins, directions, found["tfar"])
-            (hit,) = np.nonzero(nearer["primID"] >= 0)
-            self._see_through.put({name: of_rays[hit] for name, of_rays in nearer.items()}, words, slots[hit])
-
     def _free(self, origins: NDArray, vectors: NDArray) -> NDArray[np.bool_]:
         """Which shadow rays meet nothing."""
-        free = ~self._solid.occluded(origins, vectors)
         if self._coverage is None:
-            return free
-        # Layer after layer: Embree gives the nearest triangle in the way, the shaders its coverage.
-        pending = np.flatnonzero(free)
-        start, reach = origins[pending], np.full(len(pending), SHADOW_REACH, np.float32)
-        vector = vectors[pending]
+            return ~self._triangles.occluded(origins, vectors)
+        # Layer after layer: Embree gives the nearest triangle in the way, the shaders its coverage. (To look for what
+        # stops a ray for certain beforehand costs more than it saves.)
+        free = np.zeros(len(origins), bool)
+        pending = np.arange(len(origins))
+        start, vector, reach = origins, vectors, np.full(len(origins), SHADOW_REACH, np.float32)
         for _ in range(MAX_LAYERS):
-            found = self._see_through.intersect(start, vector, reach.copy())
-            (hit,) = np.nonzero(found["primID"] >= 0)
-            if not len(hit):
-                return free
-            words = np.empty((len(hit), 4), np.uint32)
-            self._see_through.put({name: of_rays[hit] for name, of_rays in found.items()}, words, np.arange(len(hit)))
-            passes = self._coverage.passes(words, vectors[pending[hit]])
-            free[pending[hit[~passes]]] = False
-            pending, vector = pending[hit[passes]], vector[hit[passes]]
-            step = found["tfar"][hit[passes]] + _STEP / np.linalg.norm(vector, axis=1)
-            start, reach = start[hit[passes]] + step[:, None] * vector, reach[hit[passes]] - step
-        free[pending] = False
+            found = self._triangles.intersect(start, vector, reach.copy())
+            words = np.empty((len(pending), 4), np.uint32)
+            self._triangles.put(found, words, np.arange(len(pending)))
+            hit = found["primID"] >= 0
+            free[pending[~hit]] = True
+            (asked,) = np.nonzero(hit)
+            asked = asked[self._is_see_through[words[asked, 0] & INSTANCE_MASK]]
+            if not len(asked):
+                break
+            on = asked[self._coverage.passes(words[asked], vectors[pending[asked]])]
+            step = found["tfar"][on] + (_STEP / np.linalg.norm(vector[on], axis=1)).astype(np.float32)
+            pending, vector, reach = pending[on], vector[on], reach[on] - step
+            start = start[on] + step[:, None] * vector
         return free
 
 
 class _Triangles:
-    """Some of the instances as one Embree scene, and the way back from its triangles to theirs."""
+    """All instances as one Embree scene, and the way back from its triangles to theirs."""
 
-    def __init__(self, geometry: TraceGeometry, instances: list[tuple[int, TraceInstance]]) -> None:
-        vertices, triangles, words = flatten(geometry, instances)
+    def __init__(self, geometry: TraceGeometry) -> None:
+        vertices, triangles, words = flatten(geometry, list(enumerate(geometry.instances)))
         self._pairs = words.view(np.uint64).ravel()  # faster to look up than two by two
-        self.count = len(triangles)
-        if self.count:
+        self._count = len(triangles)
+        if self._count:
             self._scene = EmbreeScene(robust=True)
             self._mesh = TriangleMesh(self._scene, vertices, triangles)
             self.occluded(vertices[:1], vertices[:1])  # the first rays build it
 
     def intersect(self, origins: NDArray, directions: NDArray, reach: NDArray | None = None) -> dict[str, NDArray]:
         """The nearest hits, (rays,) each of `primID` (-1: none), `u`, `v` and `tfar`, which is `reach` written over."""
-        if not self.count or not len(origins):
+        if not self._count or not len(origins):
             nothing = np.zeros(len(origins), np.float32)
             return {"primID": np.full(len(origins), -1), "u": nothing, "v": nothing, "tfar": nothing + np.inf}
         return self._scene.run(origins, directions, reach, query="INTERSECT", output=True)
 
     def occluded(self, origins: NDArray, vectors: NDArray) -> NDArray[np.bool_]:
         """Whether anything lies on the vectors, their ends left out."""
-        if not self.count or not len(origins):
+        if not self._count or not len(origins):
             return np.zeros(len(origins), bool)
         return self._scene.run(origins, vectors, SHADOW_REACH, query="OCCLUDED") >= 0
 

@@ -1,0 +1,166 @@
+"""Rays a second through both intersectors, and what the BVH costs to build: `python -m benchmarks.intersect`.
+
+A wave of 65,536 slots: camera rays; diffuse bounces from what they hit; shadow rays from there; bounces and shadow rays
+together, as the tracer has them. On bumpy spheres of 10^3 to 10^6 triangles, and on FlightHelmet where a corpus lies
+beside the checkout. Rates are by the wall clock and, in parentheses, by processor time on all threads, which is the one
+to compare on a busy machine.
+"""
+
+from __future__ import annotations
+
+import time
+import tracemalloc
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+import viewer
+from viewer.gpu.context import Context, open_context
+from viewer.trace.bvh import build_bvh
+from viewer.trace.geometry import TraceGeometry, TraceInstance, TraceMesh, trace_geometry
+from viewer.trace.intersect import FREE, INSTANCE_MASK, MISS, Intersector, make_intersector
+from viewer.trace.scene_data import SceneData
+from viewer.trace.wave import Wave
+
+from . import machine, shot
+
+SIZES = (1_000, 10_000, 100_000, 1_000_000)
+SIDE = 256
+ROUNDS = 5
+HELMET = shot.REPOSITORY.parent / "shared/corpus/models/FlightHelmet/FlightHelmet.gltf"
+
+Rays = tuple[NDArray[np.float32], NDArray[np.float32]]
+
+
+def main() -> None:
+    print(", ".join(f"{key} {value}" for key, value in machine.here().items()))
+    with open_context() as context:
+        scenes = {f"sphere {size:,}": partial(bumpy_sphere, size) for size in SIZES}
+        if HELMET.is_file():
+            scenes["FlightHelmet"] = partial(helmet, context)
+        print(f"{context.renderer}; million rays a second by the wall clock (by processor time), best of {ROUNDS}\n")
+        print("| scene | triangles | by | ready in s | camera | bounce | shadow | bounce and shadow |")
+        print("|---|---|---|---|---|---|---|---|")
+        for name, make in scenes.items():
+            geometry, surfaces = make()
+            rays: dict[str, tuple[Rays | None, Rays | None]] | None = None
+            for kind in ("embree", "bvh"):
+                start = time.perf_counter()
+                intersector = make_intersector(context, geometry, surfaces, kind)
+                ready = time.perf_counter() - start
+                rays = rays or make_rays(context, intersector, geometry)
+                cells = [name, f"{geometry.triangle_count:,}", intersector.name, f"{ready:.2f}"]
+                cells += [rate(context, intersector, *pair) for pair in rays.values()]
+                print(f"| {' | '.join(cells)} |", flush=True)
+                intersector.release()
+        print("\n| scene | BVH built in s | most memory meanwhile, MB | texture, MB |\n|---|---|---|---|")
+        for name, make in scenes.items():
+            geometry, _ = make()
+            start = time.perf_counter()
+            build_bvh(geometry)
+            seconds = time.perf_counter() - start
+            tracemalloc.start()
+            texels = build_bvh(geometry).texels
+            peak = tracemalloc.get_traced_memory()[1]
+            tracemalloc.stop()
+            print(f"| {name} | {seconds:.2f} | {peak / 1e6:.0f} | {texels.nbytes / 1e6:.0f} |", flush=True)
+
+
+def bumpy_sphere(triangles: int) -> tuple[TraceGeometry, None]:
+    """About so many triangles, with bumps of several sizes so that rays hit more than once."""
+    rows = max(2, round((triangles / 4) ** 0.5))
+    columns = 2 * rows
+    theta, phi = np.meshgrid(np.pi * np.arange(rows + 1) / rows, 2 * np.pi * np.arange(columns + 1) / columns,
+                             indexing="ij")
+    radius = 0.7 + 0.1 * np.sin(5 * theta) * np.cos(6 * phi) + 0.05 * np.sin(23 * theta) * np.sin(31 * phi)
+    sine = np.sin(theta)
+    points = radius[..., None] * np.stack([sine * np.cos(phi), np.cos(theta), sine * np.sin(phi)], axis=-1)
+    corner = (np.arange(rows)[:, None] * (columns + 1) + np.arange(columns)).ravel()
+    below = corner + columns + 1
+    quads = np.stack([corner, corner + 1, below, corner + 1, below + 1, below], axis=1)
+    mesh = TraceMesh(points.reshape(-1, 3).astype(np.float32), quads.reshape(-1, 3).astype(np.uint32))
+    return TraceGeometry([mesh], [TraceInstance(0, np.eye(3, 4))], []), None
+
+
+def helmet(context: Context) -> tuple[TraceGeometry, SceneData]:
+    """FlightHelmet, whose goggles are see-through."""
+    scene = viewer.load(HELMET)
+    geometry = trace_geometry(scene)
+    surfaces = SceneData(context, scene, geometry)
+    surfaces.upload()
+    return geometry, surfaces
+
+
+def make_rays(
+    context: Context, intersector: Intersector, geometry: TraceGeometry
+) -> dict[str, tuple[Rays | None, Rays | None]]:
+    """For each column the rays and the shadow rays, (SIDE^2, 3) each of origins and of directions or vectors."""
+    rng = np.random.default_rng(0)
+    across = (np.arange(SIDE) + 0.5) / SIDE * 2 - 1
+    x, y = np.meshgrid(across, across)
+    origin = np.tile(np.float32([0, 0, 2.6]), (SIDE * SIDE, 1))
+    direction = _unit(np.stack([0.4 * x.ravel(), 0.4 * y.ravel(), np.full(x.size, -1.0)], axis=1))
+    wave = _wave(context, (origin, direction), None)
+    intersector.store(wave, intersector.trace(intersector.fetch(wave)))
+    words = np.frombuffer(wave.hit.read(), np.uint32).reshape(-1, 4)
+    wave.release()
+    hit = np.flatnonzero(words[:, 0] & ~np.uint32(FREE) != MISS)
+    start, normal = _surface(geometry, words[hit], direction[hit])
+    again = np.arange(SIDE * SIDE) * len(hit) // (SIDE * SIDE)  # in the order of the slots
+    start, normal = start[again], normal[again]
+    bounce, shadow = (_unit(normal + _unit(rng.normal(size=normal.shape))) for _ in range(2))
+    above = (start + 1e-5 * normal).astype(np.float32)
+    return {"camera": ((origin, direction), None), "bounce": ((above, bounce), None),
+            "shadow": (None, (above, 4 * shadow)), "both": ((above, bounce), (above, 4 * shadow))}
+
+
+def rate(context: Context, intersector: Intersector, rays: Rays | None, shadow: Rays | None) -> str:
+    wave = _wave(context, rays, shadow)
+    count = SIDE * SIDE * ((rays is not None) + (shadow is not None))
+    walls, processors = [], []
+    for _ in range(ROUNDS + 1):
+        wall, processor = time.perf_counter(), time.process_time()
+        intersector.store(wave, intersector.trace(intersector.fetch(wave)))
+        context.gl.finish()
+        walls.append(time.perf_counter() - wall)
+        processors.append(time.process_time() - processor)
+    wave.release()
+    return f"{count / min(walls) / 1e6:.2f} ({count / min(processors) / 1e6:.2f})"
+
+
+def _wave(context: Context, rays: Rays | None, shadow: Rays | None) -> Wave:
+    wave = Wave(context.gl, SIDE // 16, SIDE // 16, has_layers=False)
+    nothing = np.zeros((SIDE * SIDE, 3), np.float32)
+    origin, direction = rays or (nothing, nothing)
+    shadow_origin, shadow_vector = shadow or (nothing, nothing)
+    state = 1.0 if rays is not None else 2.0
+    for texture, values in ((wave.origin, origin), (wave.direction, direction), (wave.shadow_origin, shadow_origin),
+                            (wave.shadow_vector, shadow_vector)):
+        texture.write(np.pad(values, ((0, 0), (0, 1)), constant_values=state).astype(np.float32))
+    return wave
+
+
+def _surface(
+    geometry: TraceGeometry, words: NDArray[np.uint32], direction: NDArray[np.float32]
+) -> tuple[NDArray, NDArray]:
+    """Points hit, and unit normals on the side that the rays came from, (hits, 3) float64."""
+    point, normal = np.empty((2, len(words), 3))
+    u, v = words[:, 2:].view(np.float32).astype(np.float64).T
+    for index, instance in enumerate(geometry.instances):
+        here = words[:, 0] & INSTANCE_MASK == index
+        mesh = geometry.meshes[instance.mesh]
+        corners = mesh.positions[mesh.triangles[words[here, 1]]] @ instance.transform[:, :3].T
+        a, b, c = (corners + instance.transform[:, 3]).transpose(1, 0, 2)
+        point[here] = a + u[here, None] * (b - a) + v[here, None] * (c - a)
+        normal[here] = np.cross(b - a, c - a)
+    normal *= -np.sign(np.sum(normal * direction, axis=1, keepdims=True))
+    return point, _unit(normal).astype(np.float64)
+
+
+def _unit(vectors: NDArray) -> NDArray[np.float32]:
+    return (vectors / np.linalg.norm(vectors, axis=1, keepdims=True)).astype(np.float32)
+
+
+if __name__ == "__main__":
+    main()
