@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 import threading
+from collections.abc import Sequence
 from dataclasses import replace
 from operator import index
 from os import PathLike, fspath
@@ -16,11 +17,12 @@ from typing import TYPE_CHECKING, Any
 from .errors import UsageError
 from .scene.camera import Camera
 from .scene.scene import Scene
-from .settings import Settings
+from .settings import LAYERS, Settings
 
 if TYPE_CHECKING:
     from .image import Image
     from .raster.renderer import Renderer
+    from .trace.tracer import Tracer
 
 DEFAULT_SIZE = (1280, 720)
 
@@ -45,12 +47,15 @@ def render(
     camera: Camera | None = None,
     *,
     backend: str = "auto",
+    aov: Sequence[str] = (),
     **settings: Any,
 ) -> Image:
     """A picture of `scene`, `size` = (width, height) pixels.
 
     Without `camera` the one that frames the scene. `settings` are the fields of `viewer.Settings`, for instance
-    ``mode="phong", exposure=1.0, background="#336699"``. `backend` is auto, egl, osmesa or window (a hidden one).
+    ``mode="phong", exposure=1.0, background="#336699"`` or ``mode="path", spp=256``. `backend` is auto, egl, osmesa or
+    window (a hidden one). Mode path can add layers (`Image.layers`): `aov` names albedo, normal, depth, variance,
+    samples.
 
     Raises UsageError for a size that cannot be drawn and a setting that does not exist, InputError for textures and
     environments that cannot be decoded, ContextError where there is no OpenGL.
@@ -59,6 +64,10 @@ def render(
     chosen.check_used()
     if camera is None:
         camera = Camera.framing(scene.center, scene.radius, size[0] / size[1])
+    if chosen.mode == "path":
+        return shared_tracer(backend).render(scene, camera, chosen, size, _checked_layers(aov))
+    if aov:
+        raise UsageError(f"aov does nothing in mode {chosen.mode}, only in mode path")
     return shared_renderer(backend).render(scene, camera, chosen, size)
 
 
@@ -88,6 +97,17 @@ def shared_renderer(backend: str = "auto") -> Renderer:
     return renderers[backend]
 
 
+def shared_tracer(backend: str = "auto") -> Tracer:
+    """Likewise this thread's path tracer, which shares the renderer's context."""
+    from .trace.tracer import Tracer
+
+    renderer = shared_renderer(backend)
+    tracers: dict[str, Tracer] = _local.__dict__.setdefault("tracers", {})
+    if backend not in tracers:
+        tracers[backend] = Tracer(renderer.context)
+    return tracers[backend]
+
+
 class _Renderers(dict[str, "Renderer"]):
     """A thread's renderers, which go with it."""
 
@@ -108,6 +128,13 @@ def _checked(size: object) -> tuple[int, int]:
     if width < 1 or height < 1:
         raise UsageError(f"size={size!r}: it is (width, height), two whole numbers of pixels")
     return width, height
+
+
+def _checked_layers(names: Sequence[str]) -> Sequence[str]:
+    for name in names:
+        if name not in LAYERS:
+            raise UsageError(f"aov={names!r}: no layer {name!r}; there are {', '.join(LAYERS)}")
+    return names
 
 
 def _in_notebook() -> bool:

@@ -18,6 +18,7 @@ from .errors import UsageError, ViewerError
 from .heap import share_one_heap
 from .messages import one_line, say, say_error
 from .options import (
+    AOV_OPTION,
     CAMERA_OPTIONS,
     COMMON_OPTIONS,
     JSON_OPTION,
@@ -79,7 +80,7 @@ def view(model: str, **options: Any) -> None:
 @click.option("--backend", type=click.Choice(["auto", "egl", "osmesa", "window"]), default="auto", show_default=True,
               help="Where OpenGL comes from; `pbr-viewer doctor` tells what works here.")
 @click.option("--stats", metavar="FILE.json", help="Write times, the plan and memory; for several models a list.")
-@with_options([*SCENE_OPTIONS, *PATH_OPTIONS, *CAMERA_OPTIONS, *COMMON_OPTIONS])
+@with_options([*SCENE_OPTIONS, *PATH_OPTIONS, AOV_OPTION, *CAMERA_OPTIONS, *COMMON_OPTIONS])
 def render(models: tuple[str, ...], output: str, backend: str, stats: str | None, **options: Any) -> None:
     """Make a picture of each MODEL, without a screen.
 
@@ -90,14 +91,16 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     pbr-viewer render helmet.glb -o helmet.png
     pbr-viewer render *.glb -o thumbnails/ --size 256 --background none
     pbr-viewer render car.obj -o car.exr --env studio.hdr --orbit -30,15
+    pbr-viewer render room.glb -o room.png --mode path --spp 256 --denoise fast
     """
     check_camera_options(options)
     from .assemble import make_camera, make_environment, make_scene, make_settings
-    from .render_job import RenderJob, check_output, output_paths
+    from .render_job import RenderJob, check_layers, check_output, output_paths
 
     settings = make_settings(options)
     settings.check_used()
     work = list(zip(models, output_paths(models, output), strict=True))
+    check_layers(options["aov"], settings, [path for _, path in work])
     if stats is not None:
         check_output(stats)
     environment = make_environment(options)
@@ -109,7 +112,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
         _warn(model, scene, options)
         return scene
 
-    job = RenderJob(backend, settings, options["size"], use_cache=not options["no_cache"], measure=stats is not None,
+    job = RenderJob(backend, settings, options["size"], options["aov"], use_cache=not options["no_cache"], measure=stats is not None,
                     quiet=options["quiet"], verbose=options["verbose"])
     sys.exit(job.run(work, load, lambda model, scene: make_camera(model, scene, options), stats))
 

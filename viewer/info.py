@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections import Counter
 from importlib.metadata import version
+from typing import TYPE_CHECKING
 
 from .bake.environment import bake_environment
 from .plan import Plan, plan_scene
 from .scene.environment import Environment
 from .scene.scene import Scene
 from .settings import RANGES, Settings, setting_choices, setting_meanings
+
+if TYPE_CHECKING:
+    from .trace.plan import TracePlan
 
 Facts = dict[str, object]
 
@@ -101,8 +105,12 @@ def _one_line(value: object) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _plan(scene: Scene, settings: Settings) -> Plan:
-    """As the renderer makes it for a picture, with a perspective camera and all the samples that are asked for."""
+def _plan(scene: Scene, settings: Settings) -> Plan | TracePlan:
+    """As it is made for a picture, with a perspective camera and all the samples that are asked for."""
+    if settings.mode == "path":
+        from .trace.traced_scene import plan_without_device
+
+        return plan_without_device(scene, settings)
     suns = bake_environment(scene.environment, settings.ndf).suns if scene.environment is not None else ()
     return plan_scene(scene, settings, [*scene.lights, *suns], half_target=True, orthographic=False,
                       samples=settings.samples(is_software=False, is_still=True))

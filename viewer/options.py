@@ -13,7 +13,7 @@ from typing import Any, get_args
 import click
 
 from .errors import UsageError
-from .settings import DEFAULT_SPP, MAX_EXPOSURE, RANGES, Background, Denoise, Mode, parse_background
+from .settings import DEFAULT_SPP, LAYERS, MAX_EXPOSURE, RANGES, Background, Denoise, Mode, parse_background
 
 MAX_NUMBER = 1e18
 """Of metres and lux; models reach no farther, and its square is still a float32."""
@@ -95,6 +95,22 @@ class BackgroundColor(click.ParamType):
         return "env|none|#rrggbb"
 
 
+class Layers(click.ParamType):
+    """Names of layers with commas between, as a tuple in which each is once."""
+
+    name = "layers"
+
+    def convert(self, value, param, ctx) -> tuple[str, ...]:
+        names = value.split(",") if isinstance(value, str) else value
+        unknown = [name for name in names if name not in LAYERS]
+        if unknown:
+            self.fail(f"no layer {unknown[0]!r}; there are {', '.join(LAYERS)}.", param, ctx)
+        return tuple(dict.fromkeys(names))
+
+    def get_metavar(self, param, ctx=None) -> str:
+        return "NAME,..."
+
+
 def _orbit_problem(orbit: tuple[float, ...]) -> str:
     return f"the distance {orbit[2]:g} is not positive." if len(orbit) == 3 and orbit[2] <= 0 else ""
 
@@ -150,6 +166,8 @@ PATH_OPTIONS = [
                  help="Mode path: take the noise away, and some truth with it: fast (a filter of our own), oidn (Intel "
                       "Open Image Denoise, an extra)."),
 ]
+AOV_OPTION = click.option("--aov", type=Layers(), default=(), help=(
+    f"Mode path: put these layers into the .exr, of {', '.join(LAYERS)}, with commas between."))
 QUIET_OPTION = click.option("-q", "--quiet", is_flag=True, help="No warnings and no progress bar.")
 COMMON_OPTIONS = [
     click.option("--size", type=Size(), default="1280x720", show_default=True, help="In pixels; one number: a square."),

@@ -1,4 +1,4 @@
-"""`pbr-viewer render`: pictures of models, one after the other, with one renderer."""
+"""`pbr-viewer render`: pictures of models, one after the other, with one OpenGL context."""
 
 from __future__ import annotations
 
@@ -12,32 +12,35 @@ from typing import TYPE_CHECKING
 
 from .atomic import write_json
 from .errors import ContextError, OutputError, UsageError, ViewerError
-from .image import WRITABLE, Image
+from .image import WRITABLE
 from .messages import say, say_error
 from .progress import Progress
-from .raster.decoding import decode_ahead
 from .scene.camera import Camera
 from .scene.scene import Scene
 from .settings import Settings
+from .signals import Stopped
+from .studio import Order, Studio, make_studio
 
 if TYPE_CHECKING:
-    from .raster.renderer import Renderer
+    from .gpu.context import Context
 
 Record = dict[str, object]
 
 
 @dataclass
 class RenderJob:
-    """`measure` waits for each pass to know its time; `quiet` shows no progress bar; `verbose` tells the times."""
+    """`aov` are the layers of `viewer.settings.LAYERS` to add; `measure` waits for each pass to know its time; `quiet`
+    shows no progress bar; `verbose` tells the times."""
 
     backend: str
     settings: Settings
     size: tuple[int, int]
+    aov: tuple[str, ...] = ()
     use_cache: bool = True
     measure: bool = False
     quiet: bool = False
     verbose: bool = False
-    _renderer: Renderer | None = field(default=None, init=False)
+    _context: Context | None = field(default=None, init=False)
 
     def run(
         self,
@@ -49,47 +52,51 @@ class RenderJob:
         """Render each (model, path); the exit status: 0, or 1 where some model could not be shown.
 
         That one is told on stderr, and the others are rendered all the same. `stats` names a JSON file for times,
-        plan and memory, or the error, of each. Raises ContextError and UsageError, which would hold for all.
+        plan and memory, or the error, of each. While paths are traced, a signal to stop ends all with the picture as it
+        is by then and with the status that shells have for that signal; elsewhere it raises Stopped. Raises
+        ContextError and UsageError, which would hold for all.
         """
         records: list[Record] = []
-        failed = False
+        status = 0
+        studio = make_studio(Order(self._open, self.settings, self.size, self.aov, self.use_cache, self.measure))
         with Progress(len(work), enabled=not self.quiet) as progress, self._opened():
             for model, path in work:
                 try:
-                    record = self._one(model, path, load, camera, progress)
+                    record = self._one(model, path, load, camera, progress, studio)
                 except (ContextError, UsageError):
                     raise
                 except (ViewerError, MemoryError) as error:
                     text = f"{model}: out of memory" if isinstance(error, MemoryError) else str(error)
                     say_error(text)
-                    failed, record = True, {"model": model, "output": str(path), "error": text}
+                    status, record = 1, {"model": model, "output": str(path), "error": text}
                 records.append(record)
+                if studio.stopped is not None:
+                    status = Stopped(studio.stopped).exit_status
+                    break
         if stats is not None:
             write_json(stats, records[0] if len(work) == 1 else records)
-        return int(failed)
+        return status
 
     def _one(self, model: str, path: Path, load: Callable[[str], Scene], camera: Callable[[str, Scene], Camera],
-             progress: Progress) -> Record:
+             progress: Progress, studio: Studio) -> Record:
         progress.step(f"{Path(model).name}: loading")
         start = time.perf_counter()
         scene = load(model)
         view = camera(model, scene)
-        ahead = decode_ahead(scene, self.settings)  # the processor has other things to do in the meantime
         loaded = time.perf_counter()
         progress.say(f"{Path(model).name}: rendering")
-        renderer = self._open()
-        renderer.expect(ahead)
-        renderer.times.clear()
-        renderer.pass_ms.clear()
-        image = self._render(renderer, scene, view, path)
+        image = studio.make(scene, view, path, progress)
         rendered = time.perf_counter()
         image.save(path)
         saved = time.perf_counter()
         seconds = {"load": loaded - start, "render": rendered - loaded, "save": saved - rendered,
                    "total": saved - start}
         if self.verbose:
-            say(f"{path}: {_listed(seconds)}; preparing: {_listed(renderer.times)}")
-        return self._record(renderer, model, path, scene, seconds)
+            times = ", ".join(f"{name} {value:.3f} s" for name, value in seconds.items())
+            say(f"{path}: {times}; {studio.told}")
+        if studio.stopped is not None:
+            say_error(f"{path}: stopped after {studio.told}")
+        return self._record(model, path, scene, seconds, studio)
 
     @contextmanager
     def _opened(self) -> Iterator[None]:
@@ -97,37 +104,28 @@ class RenderJob:
         try:
             yield
         finally:
-            if self._renderer is not None:
-                self._renderer.context.release()
-                self._renderer = None
+            if self._context is not None:
+                self._context.release()
+                self._context = None
 
-    def _open(self) -> Renderer:
-        if self._renderer is None:
+    def _open(self) -> Context:
+        if self._context is None:
             from .gpu.context import open_context
-            from .raster.renderer import Renderer
 
             start = time.perf_counter()
-            context = open_context(self.backend)
-            self._renderer = Renderer(context, use_cache=self.use_cache, measure=self.measure)
+            self._context = context = open_context(self.backend)
             if self.verbose:
                 seconds = time.perf_counter() - start
                 say(f"{context.backend}: {context.renderer}, OpenGL {context.version}: {seconds:.3f} s")
-        return self._renderer
+        return self._context
 
-    def _render(self, renderer: Renderer, scene: Scene, camera: Camera, path: Path) -> Image:
-        if path.suffix.lower() == ".exr":
-            return renderer.render(scene, camera, self.settings, self.size)
-        return renderer.display(scene, camera, self.settings, self.size)
-
-    def _record(self, renderer: Renderer, model: str, path: Path, scene: Scene, seconds: dict[str, float]) -> Record:
-        assert renderer.plan is not None
-        context = renderer.context
+    def _record(self, model: str, path: Path, scene: Scene, seconds: dict[str, float], studio: Studio) -> Record:
+        context = self._open()
         return {
             "model": model, "output": str(path), "size": list(self.size), "triangles": scene.triangle_count,
             "device": context.renderer, "opengl": context.version, "backend": context.backend,
-            "wall_s": seconds, "prepare_s": dict(renderer.times), "pass_ms": dict(renderer.pass_ms),
-            "plan": renderer.plan.to_json(),
-            "memory": {"peak_rss_mb": peak_memory_mb(), "textures_mb": renderer.texture_bytes / 1e6},
+            "wall_s": seconds, **studio.facts,
+            "memory": {"peak_rss_mb": peak_memory_mb(), "textures_mb": studio.texture_bytes / 1e6},
         }
 
 
@@ -158,6 +156,15 @@ def output_paths(models: Sequence[str], output: str) -> list[Path]:
     return paths
 
 
+def check_layers(names: Sequence[str], settings: Settings, paths: Sequence[Path]) -> None:
+    """Raises UsageError for layers that are not made or that no file could hold."""
+    if names and settings.mode != "path":
+        raise UsageError(f"aov does nothing in mode {settings.mode}, only in mode path")
+    other = [path for path in paths if path.suffix.lower() != ".exr"]
+    if names and other:
+        raise UsageError(f"--aov with -o {other[0]}: only an .exr holds layers")
+
+
 def check_output(path: str | Path) -> None:
     """Raises OutputError for a file that could not be written, before the work for it is done."""
     path = Path(path)
@@ -175,7 +182,3 @@ def peak_memory_mb() -> float | None:
         return None
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return peak / (1 << 20 if sys.platform == "darwin" else 1 << 10)
-
-
-def _listed(seconds: dict[str, float]) -> str:
-    return ", ".join(f"{name} {value:.3f} s" for name, value in seconds.items())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from typing import Any
 
 
 class Stopped(BaseException):
@@ -68,7 +69,7 @@ def _asked() -> list[int]:
 @contextmanager
 def _handlers(handlers: Mapping[int, Callable[[int, object], None]]) -> Iterator[None]:
     """Signals are handled so in the block. Only the main thread may set handlers; another's block changes nothing."""
-    before = {number: signal.getsignal(number) for number in handlers}
+    before: dict[int, Any] = {number: signal.getsignal(number) for number in handlers}
     with suppress(ValueError):
         for number, handler in handlers.items():
             signal.signal(number, handler)

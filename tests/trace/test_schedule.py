@@ -87,7 +87,7 @@ def test_the_first_picture_has_one_sample_and_a_small_one_fills_the_wave():
     assert len(small) == 64 and {work.samples for work in small} == {1}
     later = Schedule(NoisyFilm(np.ones((10, 10))), Settings(mode="path"))
     rounds = [{work.samples for work in later.next(100, True)} for _ in range(7)]
-    assert rounds == [{1}, {1}, {2}, {4}, {8}, {8}, {8}]
+    assert rounds == [{1}, {1}, {2}, {4}, {4}, {4}, {4}]
 
 
 def test_a_target_is_reached_everywhere_and_what_is_done_rests():

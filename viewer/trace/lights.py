@@ -29,10 +29,11 @@ class SceneLights:
     """Adds its sections to `words` and makes the environment's textures.
 
     `switches` are the defines of shaders/trace/lights.glsl; `left_out` says in words what is no light although it is
-    in the scene. Raises InputError for an environment or an emissive texture that cannot be decoded.
+    in the scene; without a context that is all it tells. Raises InputError for an environment or an emissive texture
+    that cannot be decoded.
     """
 
-    def __init__(self, context: Context, scene: Scene, geometry: TraceGeometry, words: WordsBuilder,
+    def __init__(self, context: Context | None, scene: Scene, geometry: TraceGeometry, words: WordsBuilder,
                  settings: Settings) -> None:
         self.left_out: list[str] = []
         environment = scene.environment
@@ -41,9 +42,9 @@ class SceneLights:
         if environment is not None:
             radiance = environment.radiance if environment.intensity > 0 else np.zeros((1, 1, 3), np.float32)
             environment_power = environment.intensity * float(sphere_integral(radiance) @ LUMINANCE) / 4
-            if environment_power > 0:
+            if environment_power > 0 and context is not None:
                 self._environment = EnvironmentTable(context.gl, environment, radiance)
-            else:
+            elif not environment_power > 0:
                 self.left_out.append("the environment: it is black")
 
         given = light_powers(scene.lights, scene) if scene.lights else np.zeros(0)
@@ -56,8 +57,9 @@ class SceneLights:
         radius = settings.light_radius / scene.radius
 
         powers = np.concatenate([given[given > 0], emitted])
-        share = float(self._environment is not None)
-        if self._environment is not None and len(powers):
+        has_environment = environment_power > 0
+        share = float(has_environment)
+        if has_environment and len(powers):
             share = environment_power / (environment_power + powers.sum())
             share = min(max(share, LEAST_SHARE), 1 - LEAST_SHARE)
         self._uniforms: dict[str, object] = {"u_environment_share": share, "u_light_radius": radius}
@@ -69,8 +71,8 @@ class SceneLights:
         if len(emitters):
             words.add("emitters", emitters)
         self.switches = {
-            "HAS_ENVIRONMENT": int(self._environment is not None),
-            "ENVIRONMENT_ROTATED": int(self._environment is not None and environment.rotation != 0),
+            "HAS_ENVIRONMENT": int(has_environment),
+            "ENVIRONMENT_ROTATED": int(has_environment and environment.rotation != 0),
             "HAS_PUNCTUAL": int(bool(lit)),
             "HAS_EMITTERS": int(len(emitters) > 0),
             "LIGHT_RADIUS": int(radius > 0 and any(light.kind != "directional" for light in lit)),

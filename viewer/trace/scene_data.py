@@ -49,6 +49,12 @@ class SceneData:
         for name, offset in self.words.uniforms().items():
             set_uniform(program, name, offset)
 
+    @property
+    def texture_bytes(self) -> int:
+        """What they take on the GPU."""
+        textures = [texture for _, texture in self._textures.values()]
+        return sum(t.width * t.height * t.components * int(t.dtype[1]) for t in textures)
+
     def release(self) -> None:
         for atlas in (self._color, self._data):
             if atlas:

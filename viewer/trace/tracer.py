@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Collection
 
 import moderngl
@@ -23,6 +24,7 @@ from .film import Film
 from .layers import FIRST_HIT
 from .passes import Passes
 from .plan import plan_trace
+from .run import run
 from .schedule import Schedule
 from .traced_scene import TracedScene
 from .wave import UNIT_BLOCKS
@@ -51,13 +53,14 @@ class Tracer:
 
     def render(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
                layers: Collection[str] = ()) -> Image:
-        """The picture with all its samples."""
+        """The picture with all its samples, or those the time budget allows."""
+        started = time.perf_counter()
         exposure = self.begin(scene, camera, settings, size, layers)
-        while not exposure.is_done:
-            exposure.step(1.0)
-        image = exposure.image()
-        exposure.release()
-        return image
+        try:
+            run(exposure, started)
+            return exposure.image()
+        finally:
+            exposure.release()
 
     def begin(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
               layers: Collection[str] = ()) -> Exposure:
@@ -89,6 +92,11 @@ class Tracer:
         return Exposure(passes, traced.intersector, plan, film, schedule, settings, self._display,
                         min(rows, MAX_WAVE_ROWS), layers, denoiser)
 
+    @property
+    def texture_bytes(self) -> int:
+        """About what the last scene's textures take on the GPU."""
+        return self._scene.texture_bytes if self._scene is not None else 0
+
     def _denoiser(self, kind: str) -> Denoiser | None:
         if kind == "off":
             return None
@@ -115,7 +123,9 @@ class Tracer:
         self.context.make_current()
         if self._scene is not None:
             self._scene.release()
-        for thing in (*self._dfg.values(), *self._denoisers.values()):
-            thing.release()
+        for texture in self._dfg.values():
+            texture.release()
+        for denoiser in self._denoisers.values():
+            denoiser.release()
         self._display.release()
         self.programs.release()
