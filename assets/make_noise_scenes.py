@@ -16,7 +16,7 @@ WHITE, RED, GREEN, DARK = (0.75, 0.75, 0.75), (0.63, 0.065, 0.05), (0.14, 0.45, 
 def small_lights() -> Glb:
     """Eight lamps of 2 cm over a table: a direction drawn by the surface alone hits one in ten thousand times."""
     glb = Glb()
-    _floor(glb, 8, glb.material(WHITE, roughness=1.0))
+    _floor(glb, 8, _matte(glb, WHITE))
     for place, (roughness, metallic) in zip((-1.2, 0, 1.2), ((1.0, 0.0), (0.3, 0.0), (0.4, 1.0))):
         ball = glb.material((0.8, 0.5, 0.2), metallic, roughness)
         glb.node(glb.mesh(_smooth(sphere(0.5, 48)), ball), translation=[place, 0.5, 0])
@@ -35,7 +35,7 @@ def reflections() -> Glb:
     sampling the lights; neither finds all.
     """
     glb = Glb()
-    matte = glb.material((0.4, 0.4, 0.4), roughness=1.0)
+    matte = _matte(glb, (0.4, 0.4, 0.4))
     _panel(glb, 20, 20, (0, 0, -3.0), (0, 0, 10), matte)
     _floor(glb, 20, matte, y=-1.2)
     lamp, eye = np.array([0, 2.6, 1.0]), np.array([0, 1.4, 11.0])
@@ -53,7 +53,7 @@ def reflections() -> Glb:
 def caustics() -> Glb:
     """A gold ring and a glass ball gather the light of a small, far lamp on the floor."""
     glb = Glb()
-    _floor(glb, 7, glb.material(WHITE, roughness=1.0))
+    _floor(glb, 7, _matte(glb, WHITE))
     ring = glb.material((1.0, 0.78, 0.34), 1.0, 0.1)
     glb.node(glb.mesh(_smooth(_band(0.75, 0.4)), ring), translation=[-0.9, 0.0, 0])
     glb.node(glb.mesh(_smooth(sphere(0.55, 64)), _glass(glb)), translation=[0.95, 0.7, 0])
@@ -103,7 +103,7 @@ def unreachable() -> Glb:
     The bright spot below the ball is missing from every picture of a unidirectional tracer, however long it takes.
     """
     glb = Glb()
-    _floor(glb, 7, glb.material(WHITE, roughness=1.0))
+    _floor(glb, 7, _matte(glb, WHITE))
     glb.node(glb.mesh(_smooth(sphere(0.6, 64)), _glass(glb)), translation=[0, 0.8, 0])
     glb.light("point", (1.5, 4.0, 1.0), intensity=40.0)
     glb.camera((0, 2.6, 5.2), (0, 0.35, 0), 30)
@@ -113,11 +113,16 @@ def unreachable() -> Glb:
 SCENES = [small_lights, reflections, caustics, indirect, many_lights, unreachable]
 
 
+def _matte(glb: Glb, color, extensions: dict | None = None, **fields) -> int:
+    """Lambertian: nothing is reflected at an interface."""
+    dull = {"KHR_materials_specular": {"specularFactor": 0.0}}
+    return glb.material(color, roughness=1.0, extensions=dull | (extensions or {}), **fields)
+
+
 def _glow(glb: Glb, radiance: float, color=(1, 1, 1)) -> int:
-    """A black material that shines with `radiance` times `color`."""
+    """Black, but it shines with `radiance` times `color`."""
     strength = {"KHR_materials_emissive_strength": {"emissiveStrength": radiance}}
-    return glb.material(DARK, roughness=1.0, emissiveFactor=[float(c) for c in color],
-                        extensions=strength | {"KHR_materials_specular": {"specularFactor": 0.0}})
+    return _matte(glb, DARK, strength, emissiveFactor=[float(c) for c in color])
 
 
 def _glass(glb: Glb) -> int:
@@ -128,8 +133,7 @@ def _glass(glb: Glb) -> int:
 
 def _room(glb: Glb) -> int:
     """A box from -1 to 1, red on the left and green on the right, open towards the camera; its white material."""
-    white, red, green = (glb.material(color, roughness=1.0, extensions={
-        "KHR_materials_specular": {"specularFactor": 0.0}}) for color in (WHITE, RED, GREEN))
+    white, red, green = (_matte(glb, color) for color in (WHITE, RED, GREEN))
     for center, material in (((0, -1, 0), white), ((0, 1, 0), white), ((0, 0, -1), white), ((-1, 0, 0), red),
                              ((1, 0, 0), green)):
         _panel(glb, 2, 2, center, (0, 0, 0), material)

@@ -1,0 +1,169 @@
+"""One scene a feature, that the raster and the path tracer both draw, and how far apart they may be.
+
+As a script, writes docs/raster-against-path.md: python tests/trace/features.py
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
+from shapes import WHITE, constant, facing_floor, moved, orthographic, plate, scene, sphere  # noqa: E402
+
+import viewer  # noqa: E402
+from viewer.raster.renderer import Renderer  # noqa: E402
+from viewer.resources import resource_folder  # noqa: E402
+from viewer.scene.camera import Camera  # noqa: E402
+from viewer.scene.environment_presets import make_preset  # noqa: E402
+from viewer.scene.light import Light  # noqa: E402
+from viewer.scene.material import Material  # noqa: E402
+from viewer.scene.scene import Scene  # noqa: E402
+from viewer.settings import Settings  # noqa: E402
+from viewer.trace.tracer import Tracer  # noqa: E402
+
+SIZE, BLOCK = (48, 48), 6
+VIEW = orthographic(0.4, 0.3, height=2.1)
+
+
+@dataclass(frozen=True)
+class Feature:
+    """`mean` bounds |mean path / mean raster - 1|; `blocks` the root mean square, over blocks of 6 x 6 pixels, of
+    their difference, over the mean. `why` says where a difference comes from that is not noise."""
+
+    name: str
+    make: Callable[[], tuple[Scene, Camera]]
+    mean: float
+    blocks: float
+    why: str = ""
+    spp: int = 32
+    settings: dict[str, object] = field(default_factory=dict)
+
+
+def ball(environment=None, lights=(), **material) -> Callable[[], tuple[Scene, Camera]]:
+    def make() -> tuple[Scene, Camera]:
+        around = make_preset(environment) if isinstance(environment, str) else environment
+        return scene(sphere(segments=128), materials=[Material(**material)], environment=around, lights=lights), VIEW
+
+    return make
+
+
+def asset(name: str, environment: str | None) -> Callable[[], tuple[Scene, Camera]]:
+    def make() -> tuple[Scene, Camera]:
+        model = viewer.load(resource_folder("assets") / "scenes" / f"{name}.glb", environment=environment)
+        return model, model.cameras[0]
+
+    return make
+
+
+def pane() -> tuple[Scene, Camera]:
+    """A blended pane before half of a wall far behind it; its shadow falls beside the picture."""
+    tinted = Material(base_color=(0.2, 0.6, 0.9, 0.4), metallic=0.0, specular=0.0, perceptual_roughness=1.0,
+                      alpha_mode="blend", double_sided=True)
+    model = scene((plate(0, half=3.0), moved((0, 0, -3))), (plate(1), moved((0.6, 0, 0))), materials=[WHITE, tinted],
+                  lights=(Light("directional", intensity=4.0, direction=(-0.8, 0, -0.6)),))
+    return model, orthographic(0.0, 0.0, height=2.0)
+
+
+def shadows() -> tuple[Scene, Camera]:
+    """A black ball, which gives no light back, on a floor under a sun from the side."""
+    black = replace(WHITE, base_color=(0, 0, 0, 1))
+    model = scene((plate(0, half=3.0), facing_floor()), (sphere(1, 64), moved((0, 0.5, 0), 0.5)),
+                  materials=[WHITE, black], lights=(Light.from_angles(0.8, 0.9, 3.0),))
+    return model, orthographic(0.2, 0.6, height=3.0)
+
+
+GREY, PLASTIC = {"metallic": 0.0, "specular": 0.0, "base_color": (0.5, 0.5, 0.5, 1)}, {
+    "metallic": 0.0, "perceptual_roughness": 0.4, "base_color": (0.6, 0.1, 0.1, 1)}
+GOLD = {"base_color": (1.0, 0.78, 0.34, 1)}
+SUN = (Light.from_angles(-0.6, 0.7, 3.0),)
+LAMP = (Light("point", intensity=6.0, position=(-1.2, 1.5, 1.5)),)
+SPOT = (Light("spot", intensity=8.0, position=(-1.0, 1.2, 2.0), direction=(0.4, -0.5, -0.77), inner_cone=0.1,
+              outer_cone=0.4),)
+MAPS = "the raster looks a filtered map up"
+STRETCH = "the raster's filtered map has no reflections stretched by grazing angles"
+FEATURES = [
+    Feature("uniform light, diffuse", ball(constant(), **GREY), 0.004, 0.012),
+    Feature("uniform light, plastic", ball(constant(), **PLASTIC), 0.004, 0.015),
+    Feature("uniform light, gold 0.3", ball(constant(), perceptual_roughness=0.3, **GOLD), 0.004, 0.015),
+    Feature("furnace, white diffuse", ball(constant(), **(GREY | {"base_color": (1, 1, 1, 1)})), 0.004, 0.012),
+    Feature("furnace, white metal 0.6", ball(constant(), perceptual_roughness=0.6), 0.004, 0.012),
+    Feature("furnace, white plastic 0.6", ball(constant(), metallic=0.0, perceptual_roughness=0.6), 0.004, 0.012),
+    Feature("studio, diffuse", ball("studio", **GREY), 0.01, 0.03, MAPS),
+    Feature("studio, plastic", ball("studio", **PLASTIC), 0.01, 0.04, MAPS),
+    Feature("studio, gold 0.1", ball("studio", perceptual_roughness=0.1, **GOLD), 0.015, 0.06, MAPS),
+    Feature("studio, gold 0.5", ball("studio", perceptual_roughness=0.5, **GOLD), 0.015, 0.16, STRETCH),
+    Feature("specular anti-aliasing, gold 0.1", ball("studio", perceptual_roughness=0.1, **GOLD), 0.07, 0.2,
+            "the raster widens reflections that are finer than a pixel of so small a ball",
+            settings={"specular_aa": "on"}),
+    Feature("sun, diffuse", ball(lights=SUN, **GREY), 0.004, 0.012),
+    Feature("sun, plastic", ball(lights=SUN, **PLASTIC), 0.004, 0.012),
+    Feature("sun, gold 0.5", ball(lights=SUN, perceptual_roughness=0.5, **GOLD), 0.004, 0.015),
+    Feature("point light, diffuse", ball(lights=LAMP, **GREY), 0.004, 0.012),
+    Feature("spot light, diffuse", ball(lights=SPOT, **GREY), 0.004, 0.015),
+    Feature("emission", ball(metallic=0.0, specular=0.0, base_color=(0, 0, 0, 1), emissive=(2.0, 1.0, 0.5)), 0.004,
+            0.012),
+    Feature("unlit", ball("studio", base_color=(0.9, 0.4, 0.1, 1), unlit=True), 0.004, 0.012),
+    Feature("shadow of a sun", shadows, 0.004, 0.015),
+    Feature("blended pane", pane, 0.015, 0.02, "light that goes to and fro between pane and wall"),
+    Feature("normal map", asset("normal-map", None), 0.06, 0.12, "light that goes to and fro between the bumps"),
+    Feature("textures", asset("textures", "studio"), 0.03, 0.08, "noise, and edges in a picture that is mostly empty"),
+    Feature("vertex colours", asset("vertex-colors", "studio"), 0.03, 0.08, "likewise"),
+]
+
+
+@dataclass(frozen=True)
+class Distance:
+    mean: float
+    blocks: float
+
+
+def distance(feature: Feature, renderer: Renderer, tracer: Tracer) -> Distance:
+    """How far the path-traced picture is from the raster's, over what the model covers."""
+    model, camera = feature.make()
+    settings = {"background": "none", "specular_aa": "off"} | feature.settings
+    raster = renderer.render(model, camera, Settings.of(**settings), SIZE).linear
+    exposure = tracer.begin(model, camera, Settings.of(mode="path", spp=feature.spp, **settings), SIZE)
+    while not exposure.is_done:
+        exposure.step(0.25)
+    traced = exposure.image().linear
+    exposure.release()
+    pair = [_blocks(image[..., :3].astype(np.float64)) for image in (raster, traced)]
+    level = pair[0].mean()
+    return Distance(abs(pair[1].mean() / level - 1), float(np.sqrt(((pair[1] - pair[0]) ** 2).mean()) / level))
+
+
+def _blocks(pixels: np.ndarray) -> np.ndarray:
+    rows, columns = (side // BLOCK for side in pixels.shape[:2])
+    return pixels.reshape(rows, BLOCK, columns, BLOCK, 3).mean(axis=(1, 3))
+
+
+def main() -> None:
+    from viewer.gpu.context import open_context
+
+    lines = [
+        "# The raster against the path tracer, feature by feature", "",
+        "Both draw the same scene from the same BSDF files; what is left is what the raster approximates. A ball of",
+        "radius 1 fills the picture of 48 x 48 pixels where nothing else is said. *mean*: how far the mean radiances",
+        "are apart; *blocks*: root mean square of how far the means of 6 x 6 pixels are, over the mean radiance.",
+        "In brackets what the tests allow. The raster's specular anti-aliasing is off but for one row.",
+        "Made by `python tests/trace/features.py`.", "",
+        "| feature | mean | blocks | why |", "|---|---|---|---|"]
+    with open_context() as context:
+        renderer, tracer = Renderer(context), Tracer(context)
+        for feature in FEATURES:
+            found = distance(feature, renderer, tracer)
+            lines.append(f"| {feature.name} | {found.mean:.2%} ({feature.mean:.1%}) | {found.blocks:.2%} "
+                         f"({feature.blocks:.0%}) | {feature.why} |")
+            print(lines[-1])
+    page = Path(__file__).resolve().parents[2] / "docs" / "raster-against-path.md"
+    page.write_text("\n".join(lines) + "\n")
+
+
+if __name__ == "__main__":
+    main()

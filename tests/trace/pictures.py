@@ -1,0 +1,31 @@
+"""Path-traced pictures for tests: rendered to their end, and nothing in them but finite numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viewer.measure.relmse import Halves
+from viewer.scene.camera import Camera
+from viewer.scene.scene import Scene
+from viewer.settings import Settings
+from viewer.trace.tracer import Tracer
+
+
+def picture(tracer: Tracer, scene: Scene, camera: Camera, size: tuple[int, int] = (32, 32), *, spp: int = 16,
+            **settings: object) -> np.ndarray:
+    """Linear RGBA, (H, W, 4) float64."""
+    exposure = tracer.begin(scene, camera, Settings.of(mode="path", spp=spp, **settings), size)
+    while not exposure.is_done:
+        exposure.step(0.25)
+    assert exposure.bad_samples == 0
+    pixels = exposure.image().linear
+    exposure.release()
+    assert np.isfinite(pixels).all()
+    return pixels.astype(np.float64)
+
+
+def halves(tracer: Tracer, scene: Scene, camera: Camera, size: tuple[int, int] = (32, 32), *, spp: int = 16,
+           **settings: object) -> Halves:
+    """Two pictures of spp / 2 samples each and different seeds; radiance alone."""
+    return Halves(*(picture(tracer, scene, camera, size, spp=spp // 2, seed=seed, **settings)[..., :3]
+                    for seed in (11, 12)))

@@ -1,0 +1,161 @@
+"""Scenes with little, nothing or far too much in them: a picture, every sample finite, and the right one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import pytest
+from pictures import halves, picture
+from shapes import WHITE, constant, facing_floor, lopsided, moved, orthographic, plate, scene, sphere
+
+from viewer.scene.camera import Camera
+from viewer.scene.environment import Environment
+from viewer.scene.light import Light
+from viewer.scene.material import Material
+from viewer.scene.mesh import Mesh
+from viewer.scene.scene import Scene
+
+SIZE = (24, 24)
+GLASS = Material(metallic=0.0, perceptual_roughness=0.0, transmission=1.0, thickness=1.0)
+
+
+def framing(model: Scene) -> Camera:
+    return Camera.framing(model.center, model.radius, 1.0)
+
+
+def cloud(topology: str, points) -> Mesh:
+    return Mesh(topology, np.float32(points), 0, topology=topology)
+
+
+NOTHING_MUCH = {
+    "empty": Scene("empty"),
+    "no triangles": scene(cloud("lines", [[0, 0, 0], [1, 1, 0], [0, 1, 0], [1, 0, 1]])),
+    "a single point": scene(cloud("points", [[3, 2, 1]])),
+    "a triangle of no size": scene(Mesh("dot", np.float32([[1, 1, 1]] * 3), 0, normals=np.float32([[0, 0, 1]] * 3))),
+    "a scale of 0": scene((sphere(segments=12), moved((1, 2, 3), 0.0))),
+    "a flat scale": scene((sphere(segments=12), moved((0, 0, 0), (1, 0, 1)))),
+}
+
+
+@pytest.mark.parametrize("name", NOTHING_MUCH)
+def test_little_or_nothing(tracer, name):
+    lights = (Light.from_angles(0.2, 0.5, 2.0), Light("point", intensity=1.0, position=(1, 1, 1)))
+    for environment in (None, constant(0.5)):
+        model = replace(NOTHING_MUCH[name], environment=environment, lights=lights)
+        pixels = picture(tracer, model, framing(model), SIZE, spp=4)
+        corners = pixels[[0, 0, -1, -1], [0, -1, 0, -1]]
+        assert np.abs(corners - ([0, 0, 0, 0] if environment is None else [0.5, 0.5, 0.5, 1])).max() < 1e-6
+
+
+def test_no_light_at_all(tracer):
+    model = scene((plate(), facing_floor()), sphere())
+    pixels = picture(tracer, model, framing(model), SIZE, spp=4)
+    assert (pixels[..., :3] == 0).all()
+    assert pixels[12, 12, 3] == 1
+
+
+def test_one_triangle(tracer):
+    corner = Mesh("triangle", np.float32([[-1, -1, 0], [1, -1, 0], [0, 1, 0]]), 0,
+                  normals=np.float32([[0, 0, 1]] * 3))
+    model = scene(corner, lights=(Light("directional", intensity=np.pi, direction=(0, 0, -1)),))
+    pixels = picture(tracer, model, orthographic(height=2.0), (64, 64), spp=16)
+    assert pixels[40, 32] == pytest.approx([1, 1, 1, 1], abs=1e-5)
+    assert pixels[..., 3].mean() == pytest.approx(0.5, abs=0.005)
+
+
+def test_a_hundred_thousand_lights(tracer):
+    """In one place they are one light; one among them is as bright as all others together."""
+    floor = (plate(half=2.0), facing_floor())
+    count = 100_000
+    faint = [Light("point", intensity=1.0 / count, position=(0, 1, 0))] * count
+    bright = Light("point", intensity=1.0, position=(0, 1, 0))
+    above = orthographic(0.0, 1.2, height=2.0)
+    many = halves(tracer, scene(floor, lights=(*faint, bright)), above, (16, 16), spp=64)
+    one = halves(tracer, scene(floor, lights=(replace(bright, intensity=2.0),)), above, (16, 16), spp=64)
+    assert many.mean.mean() == pytest.approx(one.mean.mean(), rel=0.01)
+
+
+def test_a_thousand_glowing_triangles(tracer):
+    """A finely cut panel is the panel."""
+    glow = Material(base_color=(0, 0, 0, 1), metallic=0.0, specular=0.0, emissive=(3.0, 3.0, 3.0), double_sided=True)
+    cut = sphere(1, 48)
+    whole = scene((plate(0, half=4.0), facing_floor(y=-2.0)), cut, materials=[WHITE, glow])
+    above = orthographic(0.0, 1.2, height=1.0)
+    above = replace(above, pose=above.pose.copy())
+    above.pose[:3, 3] += (3, -2, 0)
+    both = halves(tracer, whole, above, (16, 16), spp=64)
+    # A ball of radiance L and radius 1 at distance d, seen from a floor: E = pi L cos(theta) / d^2.
+    x = 3.0
+    assert both.mean.mean() == pytest.approx(3.0 * (2 / np.hypot(x, 2)) / (x * x + 4), rel=0.03)
+
+
+@pytest.mark.parametrize("roughness", [0.0, 0.5])
+@pytest.mark.parametrize("ior", [1.0, 1.5])
+def test_a_camera_inside_glass(tracer, ior, roughness):
+    """In the furnace nothing but what rough glass loses between its facets."""
+    model = scene(sphere(segments=96), materials=[replace(GLASS, ior=ior, perceptual_roughness=roughness)],
+                  environment=constant())
+    inside = Camera.look_at((0.2, 0.1, 0.3), (1, 0.3, -0.5), fov_y=np.radians(70))
+    pixels = picture(tracer, model, inside, SIZE, spp=16, fresnel="exact")[..., :3]
+    if roughness == 0:
+        assert pixels.mean() == pytest.approx(1, abs=0.01)
+    assert 0.6 < pixels.mean() < 1.01
+
+
+def test_a_sun_of_a_hundred_thousand(tracer):
+    """One texel holds nearly all light: the floor's radiance is its irradiance over pi, within noise."""
+    texels = np.zeros((64, 128, 3), np.float32)
+    texels[16, 40] = 1e5
+    model = scene((plate(half=4.0), facing_floor()), environment=Environment("sun", texels))
+    both = halves(tracer, model, orthographic(0.0, 1.2, height=1.0), (16, 16), spp=64)
+    # Bilinear: a tent over the texel's neighbours, of the same weight.
+    theta = (np.array([15, 16, 17]) + 0.5) / 64 * np.pi
+    weight = np.array([1 / 8, 3 / 4, 1 / 8])
+    solid_angle = weight * np.sin(theta) * (np.pi / 64) * (2 * np.pi / 128)
+    assert both.mean.mean() == pytest.approx(1e5 * (solid_angle * np.cos(theta)).sum() / np.pi, rel=0.02)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e-3, 1e3, 1e6])
+def test_the_same_picture_at_any_scale(tracer, scale):
+    """Metres or micrometres: the same samples meet the same triangles."""
+    def still_life(scale: float) -> tuple[Scene, Camera]:
+        things = [(plate(0, half=3.0), facing_floor(scale)), (sphere(1, 48), moved((0, 0.8 * scale, 0), 0.6 * scale)),
+                  (sphere(2, 48), moved((1.2 * scale, 0.5 * scale, 0.4 * scale), 0.5 * scale))]
+        materials = [WHITE, Material(base_color=(0.9, 0.7, 0.3, 1), perceptual_roughness=0.2),
+                     replace(GLASS, attenuation_color=(0.5, 0.9, 0.6), attenuation_distance=scale)]
+        lamp = Light("point", intensity=3.0 * scale**2, position=(-scale, 2 * scale, scale))
+        model = scene(*things, materials=materials, environment=lopsided(), lights=(lamp,))
+        return model, Camera.look_at((0, 2 * scale, 5 * scale), (0, 0.5 * scale, 0))
+
+    one, other = (picture(tracer, *still_life(s), (32, 32), spp=8)[..., :3] for s in (1.0, scale))
+    assert np.median(np.abs(other - one)) < 1e-5
+    assert (np.abs(other - one) < 1e-3 * (1 + one)).mean() > 0.98
+    assert other.mean() == pytest.approx(one.mean(), rel=0.01)
+
+
+ROUGHNESS, F0 = (0.0, 1e-4, 0.5, 1.0), ({"ior": 1.0}, {"ior": 1.0001}, {"ior": 0.0}, {"specular": 0.0}, {"ior": 1e4})
+LIGHTS = (Light("directional", intensity=1e12, direction=(-1, -1e-5, 0)), Light.from_angles(0.1, 1e-3, 1e12),
+          Light("point", intensity=1e12, position=(0, 0, 1.0)), Light("point", intensity=1.0, position=(0, 0, 0)),
+          Light("spot", intensity=1e12, position=(0, 0, 1.0000001), direction=(0, 0, -1), outer_cone=1e-5),
+          Light("directional", intensity=1e-30))
+
+
+@pytest.mark.parametrize("fresnel", ["schlick", "exact"])
+@pytest.mark.parametrize("ndf", ["ggx", "beckmann", "blinn-phong"])
+def test_extreme_materials_under_extreme_lights(tracer, ndf, fresnel):
+    cases = list(product(ROUGHNESS, F0, (0.0, 1.0), (0.0, 1.0)))
+    materials = [Material(base_color=(metallic,) * 3 + (1.0,), metallic=metallic, perceptual_roughness=roughness,
+                          transmission=transmission, thickness=0.5, **f0)
+                 for roughness, f0, metallic, transmission in cases]
+    balls = [(sphere(k, 12), moved((2 * (k % 10) - 9, 2 * (k // 10) - 7, 0))) for k in range(len(cases))]
+    model = scene(*balls, materials=materials, lights=LIGHTS, environment=lopsided())
+    pixels = picture(tracer, model, orthographic(0.0, 0.0, 20.0, 40.0), (48, 48), spp=2, ndf=ndf, fresnel=fresnel)
+    assert pixels.min() >= 0
+
+
+def test_a_light_on_a_surface_and_an_eye_on_a_light(tracer):
+    model = scene((plate(half=2.0), facing_floor()), lights=(Light("point", intensity=1.0, position=(0, 0, 0)),
+                                                             Light("point", intensity=1.0, position=(0, 1, 0))))
+    assert picture(tracer, model, Camera.look_at((0, 1, 0), (0.3, 0, 0)), SIZE, spp=4).max() < 1e6

@@ -1,0 +1,26 @@
+"""The raster's picture of each feature is the path tracer's, within what features.py says and why."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from features import FEATURES, distance
+
+from viewer.raster.renderer import Renderer
+
+
+@pytest.fixture(scope="module")
+def renderer(context, tmp_path_factory) -> Iterator[Renderer]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PBR_VIEWER_CACHE", str(tmp_path_factory.mktemp("cache")))
+        renderer = Renderer(context)
+        yield renderer
+        renderer.release()
+
+
+@pytest.mark.parametrize("feature", FEATURES, ids=lambda feature: feature.name)
+def test_the_raster_is_near(renderer, tracer, feature):
+    found = distance(feature, renderer, tracer)
+    assert found.mean < feature.mean
+    assert found.blocks < feature.blocks
