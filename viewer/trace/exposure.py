@@ -174,7 +174,7 @@ class Exposure:
         self.present(target)
         shown = np.frombuffer(target.read(components=4), np.uint8).reshape(height, width, 4)[::-1]
         return Image(linear, np.ascontiguousarray(shown), self.stats(), read_layers(self.film, self._layers),
-                     self._attributes())
+                     self.attributes(self.settings.denoise))
 
     def stats(self) -> dict[str, object]:
         """How far the picture has come and what it took; JSON-able."""
@@ -186,12 +186,12 @@ class Exposure:
             "rays_per_s": self.rays / self.seconds if self.seconds else None, "denoised": self.settings.denoise,
         }
 
-    def _attributes(self) -> dict[str, str]:
-        """What a file has to say of the picture: what is not what the samples said."""
+    def attributes(self, denoised: str) -> dict[str, str]:
+        """What a file has to say of the picture, `denoised` like that: what is not what the samples said."""
         settings = self.settings
         attributes = {"samples": f"{self.samples:g} a pixel"}
-        if settings.denoise != "off":
-            attributes["denoised"] = settings.denoise
+        if denoised != "off":
+            attributes["denoised"] = denoised
         if settings.clamp > 0:
             attributes["clamped"] = f"indirect light to luminance {settings.clamp:g} (biased)"
         return attributes
