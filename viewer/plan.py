@@ -62,6 +62,11 @@ class Draw:
     alpha_mode: str
     transmits: bool
 
+    @property
+    def sees_visibility(self) -> bool:
+        """Whether it is shaded by what of the environment is not hidden."""
+        return dict(self.program.switches).get("VISIBILITY", 0) == 1
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -74,6 +79,8 @@ class Plan:
     environment: bool
     ambient: bool
     dfg: bool
+    environment_shadows: int
+    """Lights drawn from the environment for its shadows; 0: none."""
     background: bool
     left_out: tuple[str, ...]
 
@@ -86,11 +93,17 @@ class Plan:
         return any(draw.alpha_mode == "blend" for draw in self.draws)
 
     @property
+    def has_visibility(self) -> bool:
+        """Whether it is found, before surfaces are shaded, how much of the environment each pixel sees."""
+        return any(draw.sees_visibility for draw in self.draws)
+
+    @property
     def has_transmission(self) -> bool:
         return any(draw.transmits for draw in self.draws)
 
     def to_json(self) -> dict[str, object]:
-        passes = (["shadows"] if self.shadow_layer_count else []) + (["surfaces"] if self.draws else [])
+        passes = ["shadows"] * bool(self.shadow_layer_count) + ["visibility"] * self.has_visibility
+        passes += ["surfaces"] * bool(self.draws)
         passes += ["background"] if self.background else []
         passes += ["transmission"] if self.has_transmission else []
         passes += ["blend"] if self.has_blended else []
@@ -135,7 +148,9 @@ def plan_scene(
     shown_lights = _ordered_lights(lights) if any(lit) else ()
     layers, layer_count = _shadow_layers(shown_lights, settings)
     environment = scene.environment is not None and any(lit)
+    environment_shadows = _environment_shadows(settings) if environment else 0
     common = {
+        "VISIBILITY": int(environment_shadows > 0),
         "HALF_TARGET": int(half_target),
         "SAMPLES": samples,
         "IS_ORTHOGRAPHIC": int(orthographic),
@@ -161,6 +176,7 @@ def plan_scene(
         environment=environment and settings.mode == "pbr",
         ambient=environment and settings.mode == "phong",
         dfg=any(lit) and settings.mode == "pbr",
+        environment_shadows=environment_shadows,
         background=settings.background == "env" and scene.environment is not None,
         left_out=tuple(_left_out(scene, settings, draws, any(lit), shown_lights, layer_count)),
     )
@@ -188,11 +204,18 @@ def _shadow_layers(lights: Sequence[Light], settings: Settings) -> tuple[tuple[i
     return tuple(first), used
 
 
+def _environment_shadows(settings: Settings) -> int:
+    off = settings.environment_shadows == "off" or settings.mode != "pbr"
+    return 0 if off else int(settings.environment_shadows)
+
+
 def _draw(
     index: int, mesh_index: int, mesh: Mesh, materials: Sequence[Material], settings: Settings, common: dict[str, int]
 ) -> Draw:
     material = materials[mesh.material]
     lit = is_lit(mesh, material)
+    if material.alpha_mode == "blend" or _transmits(material):
+        common = common | {"VISIBILITY": 0}  # what is behind them has its place in the buffers
     maps = tuple(name for name in MAPS if _samples(name, mesh, material, settings, lit, common))
     textures = {name: material_map(material, name) for name in maps}
     uv_sets = sum(1 << uv_set for uv_set in {texture.uv_set for texture in textures.values()})
@@ -270,7 +293,8 @@ def _samples(
         "emissive": any(material.emissive) and (common["SHOW_EMISSION"] == 1 or not lit),
         "metallic_roughness": lit and (material.metallic > 0 or material.perceptual_roughness > 0),
         "normal": lit and mesh.tangents is not None and material.normal_scale != 0,
-        "occlusion": lit and material.occlusion_strength > 0 and common["HAS_ENVIRONMENT"] == 1,
+        "occlusion": lit and material.occlusion_strength > 0 and common["HAS_ENVIRONMENT"] == 1
+        and common["VISIBILITY"] == 0,  # else it is known what is hidden
         "specular": bool(dielectric) and material.specular > 0,
         "specular_color": bool(dielectric) and material.specular > 0 and any(material.specular_color),
         "transmission": bool(dielectric) and _transmits(material),
@@ -305,6 +329,11 @@ def _left_out(
     for kind in ("directional", "point", "spot"):
         if lights and not any(light.kind == kind for light in lights):
             lines.append(f"code for {kind} lights: there are none")
+    if not any(draw.sees_visibility for draw in draws) and any_lit and settings.mode == "pbr":
+        reason = "there is none" if scene.environment is None else "not asked for"
+        if scene.environment is not None and settings.environment_shadows != "off":
+            reason = "all surfaces are see-through"
+        lines.append(f"the environment's shadows: {reason}")
     if settings.background != "env" or scene.environment is None:
         reason = "there is none" if scene.environment is None else "not asked for"
         lines.append(f"the environment as background: {reason}")

@@ -20,7 +20,7 @@ vec3 reflected_light(vec3 n, vec3 r, vec3 n_geometric, float t, float perceptual
     return environment_specular(normalize(d), perceptual_roughness);
 }
 
-vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, SplitSum split_sum) {
+vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, vec4 visible, SplitSum split_sum) {
     vec3 r = reflect(-s.v, s.n);
     mat2x3 specular;
     specular[0] = reflected_light(s.n, r, n_geometric, split_sum.t.x, split_sum.roughness.x);
@@ -33,6 +33,10 @@ vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, SplitSum sp
 #if OCCLUSION_MAP
     mean_light *= occlusion;
     specular *= specular_occlusion(s.NoV, occlusion, s.alpha);
+#endif
+#if VISIBILITY
+    mean_light *= visible.rgb;
+    specular *= visible.a;
 #endif
     vec3 radiance = vec3(0.0);
 #if METALNESS != 1

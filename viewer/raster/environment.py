@@ -10,6 +10,7 @@ import numpy as np
 
 from ..bake.dominant import ambient_and_key
 from ..bake.environment import background_map, bake_environment
+from ..bake.many_lights import ManyLights, many_lights
 from ..gpu.context import Context
 from ..gpu.mipmaps import mipmapped_texture
 from ..plan import Plan
@@ -37,6 +38,7 @@ class EnvironmentLight:
         self._baked = bake_environment(environment, ndf=settings.ndf, cache=use_cache)
         self._prefiltered: moderngl.Texture | None = None
         self._irradiance: moderngl.Texture | None = None
+        self._use_cache = use_cache
         self._background: _Background | None = None
 
     def holds(self, environment: Environment, settings: Settings) -> bool:
@@ -54,6 +56,14 @@ class EnvironmentLight:
             replace(light, direction=tuple(turn @ light.direction), intensity=light.intensity * scale)
             for light in lights
         ]
+
+    def many_lights(self, count: int) -> ManyLights:
+        """What is left without its suns, as `count` lights in world directions; of what intensity does not matter."""
+        baked = self._baked
+        if not baked.levels:  # uploaded long ago
+            baked = bake_environment(self.environment, ndf=self._ndf, cache=self._use_cache)
+        lights = many_lights(baked.levels[1], count)
+        return replace(lights, directions=lights.directions @ rotation_about_y(self.environment.rotation))
 
     def uniforms(self, plan: Plan) -> dict[str, object]:
         """What surfaces need; binds the textures."""
