@@ -105,8 +105,8 @@ def test_each_way_to_find_light_finds_as_much(tracer, model, settings):
     found = halves(tracer, model, VIEW, (24, 24), spp=256, **settings)
     both = found.against(expected.mean, expected.floor(expected.mean))
     assert both.mean_sigma < 0.006
-    assert both.mean_ratio == pytest.approx(1, abs=0.015)
-    assert both.excess < 1.2
+    assert both.mean_ratio == pytest.approx(1, abs=0.02)
+    assert both.excess < 1.6
 
 
 def test_the_background_is_the_rasters(tracer):
