@@ -17,22 +17,37 @@ from .words import WordsBuilder
 
 
 class TracedScene:
+    """Ready for the lights of `scene` under `settings`; `relight` for others on the same triangles."""
+
     def __init__(self, context: Context, scene: Scene, settings: Settings, intersector: str) -> None:
+        self._context = context
         self.geometry = trace_geometry(scene)
-        self._scene, self._light_radius = scene, settings.light_radius
         self._data = SceneData(context, scene, self.geometry)
-        self._lights = SceneLights(context, scene, self.geometry, self._data.words, settings)
-        self._data.upload()
-        self.switches = self._data.switches | self._lights.switches
+        self._lights: SceneLights | None = None
+        self.relight(scene, settings)
         self.intersector = make_intersector(context, self.geometry, self._data, intersector)
+
+    def holds(self, scene: Scene) -> bool:
+        """Whether these are that scene's triangles and materials; its lights may be others."""
+        return all(getattr(scene, name) is getattr(self._scene, name) for name in ("instances", "meshes", "materials"))
+
+    def relight(self, scene: Scene, settings: Settings) -> None:
+        """Take the lights of a scene that is held."""
+        key = scene.environment, scene.lights, settings.light_radius, settings.lobes == "all"
+        if self._lights is None or key != self._lit_by:
+            words = self._data.words.copy()
+            self._lights = SceneLights(self._context, scene, self.geometry, words, settings, self._lights)
+            self._data.upload(words)
+        self._scene, self._lit_by = scene, key
+
+    @property
+    def switches(self) -> dict[str, int]:
+        return self._data.switches | self._lights.switches
 
     @property
     def texture_bytes(self) -> int:
         """About what the scene's textures take on the GPU."""
         return self._data.texture_bytes
-
-    def holds(self, scene: Scene, settings: Settings) -> bool:
-        return scene is self._scene and settings.light_radius == self._light_radius
 
     def bind(self, program: moderngl.Program) -> None:
         """Bind the textures and set the uniforms that do not depend on the picture."""

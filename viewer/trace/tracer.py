@@ -105,7 +105,9 @@ class Tracer:
         return self._denoisers[kind]
 
     def _prepare(self, scene: Scene, settings: Settings) -> TracedScene:
-        if self._scene is None or not self._scene.holds(scene, settings):
+        if self._scene is not None and self._scene.holds(scene):
+            self._scene.relight(scene, settings)
+        else:
             if self._scene is not None:
                 self._scene.release()
             self._scene = None  # should the next one fail
