@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ..plan import Program
@@ -44,9 +44,12 @@ _KINDS = {STANDARD: "surface", GLASS: "glass"}
 
 def plan_trace(
     scene: Scene, settings: Settings, geometry: TraceGeometry, switches: Mapping[str, int], *, intersector: str,
-    has_layers: bool,
+    has_layers: bool, idle: Sequence[str] = (),
 ) -> TracePlan:
-    """The plan for `scene` under `settings`; `switches` are what the scene's data and its lights say of themselves."""
+    """The plan for `scene` under `settings`.
+
+    `switches` and the lines of what is `idle` are what the scene's data and its lights say of themselves.
+    """
     switches = dict(switches) | _shading_switches(settings)
     shines = settings.lobes == "all"
     for name in ("HAS_EMISSION", "HAS_EMITTERS"):
@@ -71,7 +74,7 @@ def plan_trace(
     if has_layers:
         programs |= {"sort first hits": _program("sort", state | {"FIRST_HITS": 1}), "layers": _program("layers", switches)}
     return TracePlan(programs, intersector, geometry.triangle_count, len(geometry.instances),
-                     tuple(_left_out(scene, settings, geometry, switches, programs, has_layers)))
+                     (*_left_out(scene, settings, geometry, switches, programs, has_layers), *idle))
 
 
 def _program(name: str, switches: Mapping[str, int]) -> Program:

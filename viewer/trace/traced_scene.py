@@ -45,6 +45,11 @@ class TracedScene:
         return self._data.switches | self._lights.switches
 
     @property
+    def idle(self) -> list[str]:
+        """In words, what of lights and maps is not taken as it is."""
+        return [*self._lights.left_out, *self._data.warnings]
+
+    @property
     def texture_bytes(self) -> int:
         """About what the scene's textures take on the GPU."""
         return self._data.texture_bytes
@@ -63,6 +68,7 @@ def plan_without_device(scene: Scene, settings: Settings) -> TracePlan:
     """The plan of a picture without layers, before there is a context. Raises InputError as `SceneLights` does."""
     geometry = trace_geometry(scene)
     switches = geometry_switches(scene, geometry)
-    switches |= SceneLights(None, scene, geometry, WordsBuilder(), settings).switches
-    return plan_trace(scene, settings, geometry, switches, has_layers=settings.denoise != "off",
+    lights = SceneLights(None, scene, geometry, WordsBuilder(), settings)
+    return plan_trace(scene, settings, geometry, switches | lights.switches, has_layers=settings.denoise != "off",
+                      idle=lights.left_out,
                       intersector="Embree where OpenGL is software, a BVH in a shader elsewhere")

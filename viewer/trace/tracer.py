@@ -67,14 +67,15 @@ class Tracer:
         """A picture that has no samples yet.
 
         `layers` are names of `viewer.settings.LAYERS`. Raises UsageError for a size that this OpenGL cannot draw and a
-        denoiser that is not installed, InputError for a scene that does not fit.
+        denoiser that is not installed, InputError for a scene that does not fit. The picture can go on until another
+        scene is begun.
         """
         self.context.make_current()
         denoiser = self._denoiser(settings.denoise)
         traced = self._prepare(scene, settings)
         film = Film(self.context.gl, self.programs, size, bool(FIRST_HIT & set(layers)) or denoiser is not None)
         plan = plan_trace(scene, settings, traced.geometry, traced.switches, intersector=traced.intersector.name,
-                          has_layers=film.albedo is not None)
+                          has_layers=film.albedo is not None, idle=traced.idle)
         uniforms = {
             **camera_uniforms(scene, camera, size),
             "u_size": size, "u_seed": settings.seed, "u_bounces": settings.bounces, "u_clamp": settings.clamp,
