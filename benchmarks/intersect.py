@@ -64,7 +64,8 @@ def main() -> None:
             texels = build_bvh(geometry).texels
             peak = tracemalloc.get_traced_memory()[1]
             tracemalloc.stop()
-            print(f"| {name} | {seconds:.2f} ({processor:.2f}) | {peak / 1e6:.0f} | {texels.nbytes / 1e6:.0f} |", flush=True)
+            built = f"{seconds:.2f} ({processor:.2f})"
+            print(f"| {name} | {built} | {peak / 1e6:.0f} | {texels.nbytes / 1e6:.0f} |", flush=True)
 
 
 def bumpy_sphere(triangles: int) -> tuple[TraceGeometry, None]:
