@@ -1,8 +1,8 @@
 """Rays through Embree, for where OpenGL is software anyway.
 
 embreex has no instances: every instance's triangles are put into tracer space in float64, rounded to float32 and kept
-by Embree once more (`viewer.trace.intersect.EMBREE_TRIANGLES` is the limit). Its robust mode is used, which costs a fifth
-of the speed: without it one ray in twenty that is aimed exactly at an edge slips through.
+by Embree once more (`viewer.trace.intersect.EMBREE_TRIANGLES` is the limit). Its robust mode is used, which costs a
+fifth of the speed: without it one ray in twenty that is aimed exactly at an edge slips through.
 """
 
 from __future__ import annotations
