@@ -52,7 +52,7 @@ def cli() -> None:
     """
 
 
-@cli.command(short_help="Open a model in a window.")
+@cli.command(short_help="Open a model in a window.", context_settings={"default_map": {"denoise": "fast"}})
 @click.argument("model")
 @with_options([*SCENE_OPTIONS, *PATH_OPTIONS, *CAMERA_OPTIONS, *COMMON_OPTIONS])
 def view(model: str, **options: Any) -> None:
