@@ -114,7 +114,7 @@ class Exposure:
     def _refill(self, wave: Wave) -> None:
         """Take in what blocks have done, and give them new work, when some have."""
         if wave.is_busy.any():
-            done = np.flatnonzero(wave.is_busy & ~wave.read_alive())
+            done = np.flatnonzero(wave.is_busy & ~self._passes.find_alive(wave))
             self._take_in(wave, done)
         if self._schedule.done:
             return
