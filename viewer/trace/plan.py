@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..plan import Program
 from ..scene.scene import Scene
 from ..settings import Settings
-from .geometry import GLASS, STANDARD, TraceGeometry
+from .geometry import GLASS, STANDARD, TraceGeometry, TraceInstance
 from .scene_words import unused_maps
 
 
@@ -116,11 +116,17 @@ def _left_out(
     lines += unused_maps(scene, geometry)
     if "glass" not in programs:
         lines.append("the pass for glass: nothing transmits light")
+    elif switches["HAS_PUNCTUAL"] and any(_is_smooth_glass(geometry, instance) for instance in geometry.instances):
+        lines.append("light from points, spots or afar through smooth glass: no path from the camera can meet it")
     if not has_layers:
         lines.append("the pass for layers (albedo, normal, depth): nobody asked for them")
     if not switches["CLAMP"]:
         lines.append("the clamp on indirect light: not asked for")
     return lines
+
+
+def _is_smooth_glass(geometry: TraceGeometry, instance: TraceInstance) -> bool:
+    return instance.kind == GLASS and geometry.materials[instance.material].material.perceptual_roughness == 0.0
 
 
 _LIGHTS = {
