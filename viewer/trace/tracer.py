@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Collection
 
@@ -19,7 +18,7 @@ from ..scene.scene import Scene
 from ..settings import Settings
 from .camera_rays import camera_uniforms
 from .denoise import Denoiser, make_denoiser
-from .exposure import MAX_WAVE_ROWS, WAVE_COLUMNS, Exposure
+from .exposure import Exposure
 from .film import Film
 from .layers import FIRST_HIT
 from .passes import Passes
@@ -89,9 +88,7 @@ class Tracer:
 
         passes = Passes(self.context, self.programs, plan, bind, uniforms)
         schedule = Schedule(film, settings)
-        rows = math.ceil(film.tiles[0] * film.tiles[1] * settings.most_spp / WAVE_COLUMNS / 2)
-        return Exposure(passes, traced.intersector, plan, film, schedule, settings, self._display,
-                        min(rows, MAX_WAVE_ROWS), layers, denoiser)
+        return Exposure(passes, traced.intersector, plan, film, schedule, settings, self._display, layers, denoiser)
 
     @property
     def texture_bytes(self) -> int:
