@@ -23,8 +23,7 @@ class TracedScene:
         self._context = context
         self.geometry = trace_geometry(scene)
         self._data = SceneData(context, scene, self.geometry)
-        self._lights: SceneLights | None = None
-        self.relight(scene, settings)
+        self._lit(scene, settings, None)
         self.intersector = make_intersector(context, self.geometry, self._data, intersector)
 
     def holds(self, scene: Scene) -> bool:
@@ -33,12 +32,15 @@ class TracedScene:
 
     def relight(self, scene: Scene, settings: Settings) -> None:
         """Take the lights of a scene that is held."""
-        key = scene.environment, scene.lights, settings.light_radius, settings.lobes == "all"
-        if self._lights is None or key != self._lit_by:
-            words = self._data.words.copy()
-            self._lights = SceneLights(self._context, scene, self.geometry, words, settings, self._lights)
-            self._data.upload(words)
-        self._scene, self._lit_by = scene, key
+        if _light_key(scene, settings) != self._lit_by:
+            self._lit(scene, settings, self._lights)
+        self._scene = scene
+
+    def _lit(self, scene: Scene, settings: Settings, previous: SceneLights | None) -> None:
+        words = self._data.words.copy()
+        self._lights = SceneLights(self._context, scene, self.geometry, words, settings, previous)
+        self._data.upload(words)
+        self._scene, self._lit_by = scene, _light_key(scene, settings)
 
     @property
     def switches(self) -> dict[str, int]:
@@ -62,6 +64,11 @@ class TracedScene:
     def release(self) -> None:
         self._data.release()
         self._lights.release()
+
+
+def _light_key(scene: Scene, settings: Settings) -> tuple[object, ...]:
+    """What the lights depend on; environments are told apart by identity."""
+    return scene.environment, scene.lights, settings.light_radius, settings.lobes == "all"
 
 
 def plan_without_device(scene: Scene, settings: Settings) -> TracePlan:
