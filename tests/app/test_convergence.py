@@ -212,8 +212,9 @@ def test_a_time_budget_ends_it(hand):
 
 def test_progress_in_words():
     assert str(Progress(3.25, 7.4, 9_000_000, 0.0312)) == (
-        "3.25 samples a pixel, 7 s, error 3.1 %, 1.22 million rays/s")
-    assert str(Progress(1234.5, 100.0, 0, float("inf"))) == "1234 samples a pixel, 100 s"
+        "3.2 samples a pixel, 7 s, error 3.1 %, 1.2 million rays/s")
+    assert str(Progress(1234.0, 100.0, 0, float("inf"))) == "1234 samples a pixel, 100 s"
+    assert str(Progress(2.0, 1.0, 0, 1.5)) == "2 samples a pixel, 1 s, error 150 %"
 
 
 def test_the_window_needs_no_tracer_to_open():

@@ -49,13 +49,12 @@ class Progress:
     error: float
 
     def __str__(self) -> str:
-        parts = [f"{self.samples:.3g}" if self.samples < 100 else f"{self.samples:.0f}", " samples a pixel, ",
-                 f"{self.seconds:.0f} s"]
+        parts = [f"{_short(self.samples)} samples a pixel", f"{self.seconds:.0f} s"]
         if math.isfinite(self.error):
-            parts.append(f", error {100 * self.error:.2g} %")
+            parts.append(f"error {_short(100 * self.error)} %")
         if self.rays:
-            parts.append(f", {self.rays / self.seconds / 1e6:.3g} million rays/s")
-        return "".join(parts)
+            parts.append(f"{_short(self.rays / self.seconds / 1e6)} million rays/s")
+        return ", ".join(parts)
 
 
 class Convergence:
@@ -119,7 +118,7 @@ class Convergence:
         if self._view is None:
             return ""
         if self._exposure is None and not self._state.paused:
-            return "" if self.patience or self._prepared is self._state.scene else "Preparing to trace paths …"
+            return "" if self.patience or self._prepared is self._state.scene.meshes else "Preparing to trace paths …"
         parts = [str(self.progress)] if self.progress else ["First samples …"] if self._exposure else []
         if self.picture is not None and self.is_denoised:
             parts.append("denoised")
@@ -158,11 +157,11 @@ class Convergence:
         if self.patience > 0:
             return False
         if self._exposure is None:
-            scene, is_told = self._state.scene, self._announced is self._state.scene
-            self._announced = scene
+            meshes = self._state.scene.meshes
+            is_told, self._announced = self._announced is meshes, meshes
             if is_told:  # on screen, for it may take its time
                 self._begin()
-                self._prepared = scene
+                self._prepared = meshes
             return True
         if self._filter is not None:
             return self._go_on_filtering()
@@ -257,3 +256,8 @@ class Convergence:
         for thing in (self._wavelet, self._tracer, self._display):
             if thing is not None:
                 thing.release()
+
+
+def _short(number: float) -> str:
+    """Two digits, and all of those before the point."""
+    return f"{number:.2g}" if number < 10 else f"{number:.0f}"
