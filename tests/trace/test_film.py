@@ -96,6 +96,16 @@ def test_a_lucky_pixel_does_not_vouch_for_itself(context, programs):
     film.release()
 
 
+def test_a_lamp_in_the_dark_does_not_look_uncertain(context, programs):
+    """A pixel that a quarter of 400 samples see at 1e4, and black around it: relative deviation sqrt(3 / 400) = 0.087
+    of its mean, 0.095 of its mean less the deviation."""
+    samples = np.zeros((400, 16, 16, 3))
+    samples[::4, 8, 8] = 1e4
+    film = exposed(context, programs, samples)
+    assert relative_error(film.tile_errors()) == pytest.approx(0.0949 / 16, rel=0.01)
+    film.release()
+
+
 def test_one_sample_is_not_enough_for_an_error(context, programs):
     samples = np.ones((2, 5, 5, 3))
     samples[1, 2, 2] = np.nan
