@@ -72,6 +72,7 @@ class Plan:
     shadow_layers: tuple[int, ...]
     shadow_layer_count: int
     environment: bool
+    reflections: bool
     ambient: bool
     dfg: bool
     background: bool
@@ -121,6 +122,21 @@ def is_dark(scene: Scene) -> bool:
     return not any(any(material.emissive) or not is_lit(mesh, material) for mesh, material in shown)
 
 
+def environment_use(scene: Scene, settings: Settings) -> tuple[bool, bool]:
+    """Whether the environment lights any surface, and whether any reflects it, which takes its filtered levels."""
+    if scene.environment is None:
+        return False, False
+    meshes = (scene.meshes[instance.mesh] for instance in scene.instances)
+    lit = [material for mesh in meshes if is_lit(mesh, material := scene.materials[mesh.material])]
+    shows = settings.mode == "pbr" and settings.lobes in ("all", "specular")
+    return bool(lit), shows and any(map(reflects, lit))
+
+
+def reflects(material: Material) -> bool:
+    """Whether the surface has an interface that reflects or refracts; else it is Lambertian."""
+    return material.specular > 0 or material.metallic > 0 or _transmits(material)
+
+
 def plan_scene(
     scene: Scene, settings: Settings, lights: Sequence[Light], *, samples: int, half_target: bool, orthographic: bool
 ) -> Plan:
@@ -134,7 +150,7 @@ def plan_scene(
     lit = [is_lit(scene.meshes[i.mesh], scene.materials[scene.meshes[i.mesh].material]) for i in scene.instances]
     shown_lights = _ordered_lights(lights) if any(lit) else ()
     layers, layer_count = _shadow_layers(shown_lights, settings)
-    environment = scene.environment is not None and any(lit)
+    environment, reflections = environment_use(scene, settings)
     common = {
         "HALF_TARGET": int(half_target),
         "SAMPLES": samples,
@@ -159,8 +175,9 @@ def plan_scene(
         shadow_layers=layers,
         shadow_layer_count=layer_count,
         environment=environment and settings.mode == "pbr",
+        reflections=reflections,
         ambient=environment and settings.mode == "phong",
-        dfg=any(lit) and settings.mode == "pbr",
+        dfg=any(draw.program.fragment == "raster/pbr.frag" and draw.program["REFLECTS"] for draw in draws),
         background=settings.background == "env" and scene.environment is not None,
         left_out=tuple(_left_out(scene, settings, draws, any(lit), shown_lights, layer_count)),
     )
@@ -231,6 +248,7 @@ def _pbr_switches(material: Material, settings: Settings) -> dict[str, int]:
     varies = material.metallic_roughness_texture is not None or 0 < material.metallic < 1
     tinted = material.specular_color_texture is not None or material.specular_color != (1.0, 1.0, 1.0)
     return {
+        "REFLECTS": int(reflects(material)),
         "SPECULAR_TINTED": int(tinted),
         "METALNESS": 0 if material.metallic == 0 else 2 if varies else 1,
         "NDF": _NDF.index(settings.ndf),
@@ -268,7 +286,7 @@ def _samples(
     return {
         "base_color": True,
         "emissive": any(material.emissive) and (common["SHOW_EMISSION"] == 1 or not lit),
-        "metallic_roughness": lit and (material.metallic > 0 or material.perceptual_roughness > 0),
+        "metallic_roughness": lit and (material.metallic > 0 or material.perceptual_roughness > 0 and reflects(material)),
         "normal": lit and mesh.tangents is not None and material.normal_scale != 0,
         "occlusion": lit and material.occlusion_strength > 0 and common["HAS_ENVIRONMENT"] == 1,
         "specular": bool(dielectric) and material.specular > 0,

@@ -13,7 +13,7 @@ import numpy as np
 from ..bake.dfg import dfg_table
 from ..gpu.context import Context
 from ..image import Image
-from ..plan import Plan, plan_scene
+from ..plan import Plan, environment_use, plan_scene
 from ..scene.camera import Camera
 from ..scene.light import Light
 from ..scene.scene import Scene
@@ -186,6 +186,10 @@ class Renderer:
 
     def _make_plan(self, key: tuple[object, ...]) -> Plan:
         scene, settings, samples, half, orthographic = key
+        is_lit, is_reflected = environment_use(scene, settings)
+        if is_lit:
+            with self._timed("environment"):
+                self._environment.bake(is_reflected)
         plan = plan_scene(scene, settings, self._lights(scene, settings), samples=samples, half_target=half,
                           orthographic=orthographic)
         self._surfaces.textures.prefetch(plan)

@@ -102,6 +102,11 @@ class Material:
     shininess: float | None = None
 
     @property
+    def bends_normals(self) -> bool:
+        """Whether there is a normal map that changes anything, for which a mesh needs tangents."""
+        return self.normal_texture is not None and not self.unlit and self.normal_scale != 0
+
+    @property
     def absorption(self) -> np.ndarray:
         """Beer's sigma of the volume, (3,) float64 per world unit: -ln(color) / distance (KHR_materials_volume)."""
         if not math.isfinite(self.attenuation_distance):
