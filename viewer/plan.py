@@ -329,7 +329,9 @@ def _left_out(
     if not any(draw.alpha_mode == "blend" for draw in draws):
         lines.append("the sorted pass for blending: nothing is see-through")
     if not any(draw.transmits for draw in draws):
-        lines.append("the picture behind glass and its blurred levels: nothing transmits light")
+        is_glass = settings.mode == "phong" and any(map(_transmits, scene.materials))
+        reason = "to Phong glass is opaque" if is_glass else "nothing transmits light"
+        lines.append(f"the picture behind glass and its blurred levels: {reason}")
     if not any("a_tangent" in draw.attributes for draw in draws):
         lines.append("tangents: there are no normal maps")
     sampled = {(draw.material, name) for draw in draws for name in draw.maps}
