@@ -21,7 +21,7 @@ from ...trace.run import run
 from ...trace.tracer import Tracer
 from .ladder import Method
 from .store import Record
-from .timing import FRAMES, PICTURES, Timing, measure
+from .timing import Timing, measure, of_frames, of_pictures
 
 COVERAGE_SPP = 16
 Report = Callable[[float], None]
@@ -35,7 +35,9 @@ class Bench:
     """
 
     def __init__(self, context: Context, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
-                 use_cache: bool = True) -> None:
+                 use_cache: bool = True, limit: float = 150.0) -> None:
+        self.limit = limit
+        """Seconds that measuring may take in all; what is timed is run the more often the more there are."""
         self.context, self.scene, self.camera, self.settings, self.size = context, scene, camera, settings, size
         self._gl = context.gl
         self._renderer = Renderer(context, use_cache)
@@ -47,7 +49,7 @@ class Bench:
         self._background: np.ndarray | None = None
 
     def measure(self, method: Method) -> Record:
-        """The method's picture, and in `facts` its `time_ms` as of `Timing`, `prepare_s` and what else there is to tell.
+        """The method's picture, and in `facts` its `time_ms` as of `Timing`, `prepare_s` and what else it tells.
 
         A frame of the raster is drawn, displayed and finished. A path-traced picture is timed from its beginning, all
         samples, denoising and display, with the scene prepared. `prepare_s` is what preparing took before that, as far
@@ -70,7 +72,7 @@ class Bench:
         frame()
         first = time.perf_counter() - started
         frame()
-        timing = measure(frame, FRAMES)
+        timing = measure(frame, of_frames(self.limit))
         picture = renderer.render(scene, self.camera, settings, self.size).linear
         if method.lights is not None and settings.background == "env" and self.scene.environment is not None:
             picture = picture + (1 - picture[..., 3:]) * self._empty_picture()
@@ -103,7 +105,7 @@ class Bench:
                 exposure.release()
             del last[:-1]
 
-        timing = measure(picture, PICTURES, tidy)
+        timing = measure(picture, of_pictures(self.limit), tidy)
         image = last[-1].image()
         last[-1].release()
         facts = {name: image.stats[name] for name in ("spp", "rays", "estimated_error", "bad_samples", "intersector")}
@@ -132,6 +134,16 @@ class Bench:
         settings = replace(self.settings, mode="path", spp=COVERAGE_SPP)
         depth = self._tracer.render(self.scene, self.camera, settings, self.size, ["depth"]).layers["depth"]
         return np.isfinite(depth)
+
+    def release(self) -> None:
+        """Free what it holds; the context stays."""
+        self.context.make_current()
+        self._renderer.release()
+        self._tracer.release()
+        self._display.release()
+        self._programs.release()
+        self._shown.color_attachments[0].release()
+        self._shown.release()
 
     def displayed(self, linear: np.ndarray) -> Image:
         """Linear radiance (H, W, 4) as a picture of these settings."""

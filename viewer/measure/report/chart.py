@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import html
-import io
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 from .pareto import BUDGETS_MS
@@ -79,8 +77,8 @@ def error_chart(document: Mapping[str, Any], measure: str) -> Chart:
     floor = document["reference"]["floor"][measure]
     values = [max(point["error"][measure], floor * 0.3, 1e-12) for point in points]
     x, y = _Axis(times, _LEFT, WIDTH - _RIGHT), _Axis([*values, *[floor] * (floor > 0)], PLOT_BOTTOM, _TOP)
-    shapes: list[Shape] = [Words(_LEFT, 18, f"{_NAMES[measure]} against time, {document['size'][0]} x "
-                                            f"{document['size'][1]}", "start", 14)]
+    title = "{} against time, {} x {}".format(_NAMES[measure], *document["size"])
+    shapes: list[Shape] = [Words(_LEFT, 18, title, "start", 14)]
     shapes += _frame(x, y, _NAMES[measure])
     if y.low < floor:
         shapes += [Path(((_LEFT, y(floor)), (WIDTH - _RIGHT, y(floor))), _INK, 1, 3, "floor"),
@@ -90,9 +88,9 @@ def error_chart(document: Mapping[str, Any], measure: str) -> Chart:
     styles = _styles(points)
     for k in sorted(range(len(points)), key=on_front.__contains__):
         color, shape = styles[points[k]["title"]]
-        shapes.append(Mark(x(times[k]), y(values[k]), color, shape, k in on_front, k,
-                           f"{points[k]['label']}: {spell_time(times[k])}, {_NAMES[measure]} "
-                           f"{points[k]['error'][measure]:.3g}"))
+        error = points[k]["error"][measure]
+        title = f"{points[k]['label']}: {spell_time(times[k])}, {_NAMES[measure]} {error:.3g}"
+        shapes.append(Mark(x(times[k]), y(values[k]), color, shape, k in on_front, k, title))
     rows = _legend(styles, shapes)
     return Chart(WIDTH, PLOT_BOTTOM + 52 + rows * _LEGEND_ROW, tuple(shapes))
 
@@ -137,7 +135,8 @@ def _frame(x: _Axis, y: _Axis, measure: str) -> list[Shape]:
             shapes += [Path(((x(budget), _TOP), (x(budget), PLOT_BOTTOM)), _INK, 1, 2, "budget"),
                        Words(x(budget) - 4, _TOP + 4, name, "end", 11, "soft", True)]
     corner = ((_LEFT, _TOP), (_LEFT, PLOT_BOTTOM), (WIDTH - _RIGHT, PLOT_BOTTOM))
-    return [*shapes, Path(corner, _INK, 1, 0, "axis"), Words((_LEFT + WIDTH) / 2, PLOT_BOTTOM + 34, "time of a picture"),
+    return [*shapes, Path(corner, _INK, 1, 0, "axis"),
+            Words((_LEFT + WIDTH) / 2, PLOT_BOTTOM + 34, "time of a picture"),
             Words(14, (_TOP + PLOT_BOTTOM) / 2, measure, "middle", 12, "ink", True)]
 
 
@@ -168,8 +167,9 @@ def _legend(styles: Mapping[str, tuple[str, str]], shapes: list[Shape]) -> int:
 
 def to_svg(chart: Chart) -> str:
     """A picture that stands alone; the marks of points have `data-point`, and classes tell what a line is."""
-    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {chart.width:g} {chart.height:g}" '
-             f'font-family="system-ui, sans-serif"><rect class="paper" width="100%" height="100%" fill="{_PAPER}"/>']
+    box = f"0 0 {chart.width:g} {chart.height:g}"
+    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" font-family="system-ui, sans-serif">',
+             f'<rect class="paper" width="100%" height="100%" fill="{_PAPER}"/>']
     parts += [_SVG[type(shape)](shape) for shape in chart.shapes]
     return "".join([*parts, "</svg>"])
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from pathlib import Path as File
 
 from PIL import Image, ImageDraw, ImageFont
@@ -40,7 +41,7 @@ def _draw_path(draw: ImageDraw.ImageDraw, path: Path) -> None:
         draw.line(points, path.color, width, joint="curve")
         return
     step = path.dash * _FINE
-    for (x0, y0), (x1, y1) in zip(points, points[1:]):
+    for (x0, y0), (x1, y1) in pairwise(points):
         length = math.hypot(x1 - x0, y1 - y0)
         for k in range(0, int(length / step), 2):
             a, b = k * step / length, min((k + 1) * step / length, 1.0)
@@ -55,7 +56,7 @@ def _draw_words(picture: Image.Image, draw: ImageDraw.ImageDraw, words: Words) -
     if not words.is_upright:
         draw.text((x, y), words.text, color, font, _ANCHORS[words.anchor] + "s")
         return
-    left, top, right, bottom = font.getbbox(words.text, anchor="ls")
+    _, top, right, bottom = font.getbbox(words.text, anchor="ls")
     label = Image.new("L", (math.ceil(right), math.ceil(bottom - top)), 0)
     ImageDraw.Draw(label).text((0, -top), words.text, 255, font, "ls")
     label = label.transpose(Image.Transpose.ROTATE_90)

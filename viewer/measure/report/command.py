@@ -6,6 +6,7 @@ import shlex
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from ...settings import PATH_ONLY
 from .ladder import Method, light_option
 
 _OPTIONS = ("mode", "spp", "denoise", "error")
@@ -44,7 +45,8 @@ def _given(options: Mapping[str, Any], method: Method) -> Iterator[str]:
         if options[name] is not None:
             yield from (f"--{name}", _plain(options[name]))
     for assignment in options["assignments"]:
-        if assignment.partition("=")[0].strip().replace("-", "_") not in method.changes:
+        name = assignment.partition("=")[0].strip().replace("-", "_")
+        if name not in method.changes and (method.is_traced or name not in PATH_ONLY):
             yield from ("--set", assignment)
 
 

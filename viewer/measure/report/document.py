@@ -98,7 +98,7 @@ def _floors(survey: Survey, truth: Image) -> dict[str, float]:
 
 
 def _recommend(times: Sequence[float], by_measure: dict[str, list[float]]) -> list[Document]:
-    """For each budget the point of the least relMSE, and in `by` that of each measure; null where nothing is so fast."""
+    """For each budget the point of the least relMSE, and in `by` that of each measure; null where none is so fast."""
     rows = []
     for budget in BUDGETS_MS:
         by = {name: best_within(budget, times, values) for name, values in by_measure.items()}
@@ -108,7 +108,8 @@ def _recommend(times: Sequence[float], by_measure: dict[str, list[float]]) -> li
 
 def _knobs(rungs: Sequence[Rung], survey: Survey, relmse: Sequence[float], floor: float) -> list[Document]:
     """Settings that save time and cost no error, in relMSE."""
-    settings = [asdict(rung.method.settings(survey.bench.settings)) | {"lights": rung.method.lights is None} for rung in rungs]
+    base = survey.bench.settings
+    settings = [asdict(rung.method.settings(base)) | {"lights": rung.method.lights is None} for rung in rungs]
     times = [rung.record.facts["time_ms"] for rung in rungs]
     return [{"setting": knob.setting, "cheap": knob.cheap, "dear": knob.dear, "values": list(knob.values),
              "saved": knob.saved} for knob in free_knobs(settings, times, relmse, floor)]
@@ -116,8 +117,7 @@ def _knobs(rungs: Sequence[Rung], survey: Survey, relmse: Sequence[float], floor
 
 def _raster(rungs: Sequence[Rung]) -> Document | None:
     """How far the real-time picture gets: plain image-based light, and the best of the raster in ten times its time."""
-    plain = [k for k, rung in enumerate(rungs) if rung.method.title == PLAIN and "msaa-4" in rung.method.changes.values()
-             and len(rung.method.changes) == 1]
+    plain = [k for k, rung in enumerate(rungs) if rung.method == PLAIN]
     if not plain:
         return None
     most = 10 * rungs[plain[0]].record.facts["time_ms"]["median"]

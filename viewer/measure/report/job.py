@@ -67,19 +67,23 @@ class ReportJob:
         name = Path(model).name
         progress.step(f"{name}: loading")
         scene = load(model)
-        bench = Bench(context, scene, camera(model, scene), self.settings, self.options["size"], not self.options["no_cache"])
+        use_cache = not self.options["no_cache"]
+        bench = Bench(context, scene, camera(model, scene), self.settings, self.options["size"], use_cache,
+                      self.limit)
         Store(folder)
-        surveyor = Surveyor(bench, Store(folder / "measured"), self.limit, name, progress, not self.options["no_cache"])
+        surveyor = Surveyor(bench, Store(folder / "measured"), name, progress, use_cache)
+        survey = surveyor.survey
         try:
             surveyor.run()
+            progress.say(f"{name}: writing")
+            return self._write(survey, model, folder)
         except Stopped:
-            survey = surveyor.survey
             say(f"{folder}: {len(survey.rungs)} points are measured and kept; the same command goes on from there")
             if survey.reference is not None and survey.rungs:
-                self._write(surveyor.survey, model, folder)
+                self._write(survey, model, folder)
             raise
-        progress.say(f"{name}: writing")
-        return self._write(surveyor.survey, model, folder)
+        finally:
+            bench.release()
 
     def _write(self, survey: Survey, model: str, folder: Path) -> Document:
         scene = survey.bench.scene
@@ -91,7 +95,7 @@ class ReportJob:
 
 
 def report_folders(models: Sequence[str], folder: Path) -> list[Path]:
-    """`folder` itself for one model; for several, one in it for each, named after the model and numbered where need be."""
+    """`folder` itself for one model; for several, one in it for each, with the model's name and a number if need be."""
     if len(models) == 1:
         return [folder]
     stems = [Path(model).stem or "model" for model in models]

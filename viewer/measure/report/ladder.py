@@ -23,9 +23,6 @@ SPP = tuple(1 << k for k in range(13))
 """Samples a pixel of the path-traced points; time decides how many of them are taken."""
 TARGETS = (0.1, 0.05, 0.03, 0.02, 0.01)
 """Estimated relative errors at which the adaptive points end."""
-PLAIN = "image-based light"
-"""The title of what others are held against."""
-_WORDS = {"spp": "{} samples a pixel", "error": "to an error of {}", "antialias": "antialias {}"}
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 
@@ -50,8 +47,7 @@ class Method:
     @property
     def label(self) -> str:
         """The title and what sets it apart from others of that title."""
-        words = [_WORDS.get(name, f"{name.replace('_', '-')} {{}}").format(value)
-                 for name, value in self.changes.items() if name not in ("mode", "denoise")]
+        words = [_words(name, value) for name, value in self.changes.items() if name not in ("mode", "denoise")]
         return ", ".join([self.title, *words])
 
     @property
@@ -63,6 +59,10 @@ class Method:
 
     def scene(self, scene: Scene) -> Scene:
         return scene if self.lights is None else scene.relit(environment=None, lights=(*scene.lights, *self.lights))
+
+
+PLAIN = Method("ibl", "image-based light", {"antialias": "msaa-4"})
+"""What others are held against."""
 
 
 @dataclass(frozen=True)
@@ -95,11 +95,11 @@ def ladder(scene: Scene, settings: Settings, use_cache: bool = True) -> Ladder:
     if baked is not None:
         raster += _image_based((*scene.lights, *baked.suns), left_out)
     else:
-        left_out.append(LeftOut(PLAIN, "the scene has no environment"))
+        left_out.append(LeftOut(PLAIN.title, "the scene has no environment"))
     traced = []
     for spp in SPP:
         traced += _traced(spp, left_out if spp == 1 else [])
-    traced += [Method("path-adaptive", "path traced, adaptive", {"mode": "path", "error": target}) for target in TARGETS]
+    traced += [Method("path-adaptive", "path traced, adaptive", {"mode": "path", "error": error}) for error in TARGETS]
     return Ladder(tuple(raster), tuple(traced), tuple(left_out))
 
 
@@ -126,6 +126,12 @@ def settings_of(method: Method, base: Settings) -> dict[str, Any]:
             if getattr(settings, f.name) != getattr(default, f.name) or f.name == "mode" or f.name in method.changes}
 
 
+def _words(name: str, value: object) -> str:
+    if name == "spp":
+        return f"{value} sample{'s' * (value != 1)} a pixel"
+    return f"to an error of {value}" if name == "error" else f"{name.replace('_', '-')} {value}"
+
+
 def _plain(value: object) -> object:
     return list(value) if isinstance(value, tuple) else value
 
@@ -142,14 +148,14 @@ def _as_option(light: Light, rotation: float, intensity: float) -> Light:
 
 def _image_based(lights: Sequence[Light], left_out: list[LeftOut]) -> Iterator[Method]:
     for antialias in ("none", "msaa-2", "msaa-4", "msaa-8"):
-        yield Method("ibl", PLAIN, {"antialias": antialias})
+        yield replace(PLAIN, changes={"antialias": antialias})
     knobs = {"multiscatter": "off", "specular_aa": "off", "fresnel": "exact"}
     if any(light.casts_shadow for light in lights):
         knobs["shadows"] = "off"
     else:
-        left_out.append(LeftOut(f"{PLAIN}, shadows off", "no light casts a shadow"))
+        left_out.append(LeftOut(f"{PLAIN.title}, shadows off", "no light casts a shadow"))
     for name, value in knobs.items():
-        yield Method("ibl", PLAIN, {"antialias": "msaa-4", name: value})
+        yield replace(PLAIN, changes={**PLAIN.changes, name: value})
 
 
 def _traced(spp: int, left_out: list[LeftOut]) -> Iterator[Method]:
@@ -158,4 +164,4 @@ def _traced(spp: int, left_out: list[LeftOut]) -> Iterator[Method]:
     if find_spec("pyoidn") is not None:
         yield Method("path+oidn", "path traced, OIDN", {"mode": "path", "spp": spp, "denoise": "oidn"})
     else:
-        left_out.append(LeftOut("path traced, OIDN", "Open Image Denoise is not installed (pip install 'pbr-viewer[oidn]')"))
+        left_out.append(LeftOut("path traced, OIDN", "it is not installed (pip install 'pbr-viewer[oidn]')"))

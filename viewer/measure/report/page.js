@@ -6,9 +6,9 @@ const MEASURES = {relmse: "relMSE", rmse: "RMSE", flip: "FLIP"};
 const points = report.points;
 let chosen = 0, measure = "relmse";
 
-const digits = value => value === 0 ? "0" : Number(value.toPrecision(3)).toString();
+const digits = value => value >= 100 ? Math.round(value).toString() : Number(value.toPrecision(3)).toString();
 const time = ms => ms < 999.5 ? `${digits(ms)} ms` : `${digits(ms / 1000)} s`;
-const percent = relmse => `${(100 * Math.sqrt(relmse)).toPrecision(2)} %`;
+const percent = relmse => `${digits(Number((100 * Math.sqrt(relmse)).toPrecision(2)))} %`;
 
 function element(tag, text, parent) {
   const made = document.createElement(tag);
@@ -65,10 +65,11 @@ function fillTable() {
 }
 
 function fillNotes() {
-  for (const knob of report.knobs.slice(0, 12))
-    element("li", `${points[knob.dear].label}: ${knob.setting.replace("_", "-")} ${knob.values[0]} instead of ${knob.values[1]} ` +
-        `saves ${Math.round(100 * knob.saved)} % of the time; relMSE ${digits(points[knob.dear].error.relmse)} becomes ` +
-        `${digits(points[knob.cheap].error.relmse)}`, $("knobs"));
+  for (const [change, knobs] of grouped(report.knobs)) {
+    const saved = knobs.map(knob => Math.round(100 * knob.saved));
+    const range = Math.min(...saved) === Math.max(...saved) ? saved[0] : `${Math.min(...saved)} to ${Math.max(...saved)}`;
+    element("li", `${change} saves ${range} % of the time: ${knobs.map(effect).join("; ")}`, $("knobs"));
+  }
   if (!report.knobs.length) element("li", "Nothing was found: every setting that costs time lowers the error.", $("knobs"));
   const reference = report.reference;
   const how = [
@@ -88,6 +89,20 @@ function fillNotes() {
   for (const line of how) element("li", line, $("how"));
   for (const out of report.left_out) element("li", `${out.method}: ${out.reason}`, $("left-out"));
   if (!report.left_out.length) element("li", "nothing", $("left-out"));
+}
+
+function grouped(knobs) {
+  const groups = new Map();
+  for (const knob of knobs) {
+    const change = `${knob.setting.replace("_", "-")} ${knob.values[0]} instead of ${knob.values[1]}`;
+    groups.set(change, [...(groups.get(change) || []), knob]);
+  }
+  return groups;
+}
+
+function effect(knob) {
+  const [dear, cheap] = [points[knob.dear], points[knob.cheap]];
+  return `${dear.label} (relMSE ${digits(dear.error.relmse)}, then ${digits(cheap.error.relmse)})`;
 }
 
 function prepared(isTraced) {

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from ...trace.schedule import PILOT
 from .ladder import Method
 from .store import Record
-from .timing import PICTURES
+from .timing import Effort
 
 Rung = tuple[Method, Record]
 
 
-def reason_against(method: Method, rungs: Sequence[Rung], seconds_left: float) -> str:
-    """Why not to measure `method` after `rungs`, those of its own settings but for the samples among them; "": do."""
+def reason_against(method: Method, rungs: Sequence[Rung], seconds_left: float, effort: Effort) -> str:
+    """Why not to measure `method` after `rungs`, by what those like it but for the samples took; "": do."""
     target = method.changes.get("error")
     if target is None:
         before = [record for other, record in rungs if other.name == method.name]
@@ -25,8 +25,10 @@ def reason_against(method: Method, rungs: Sequence[Rung], seconds_left: float) -
         reached = before[-1].facts["estimated_error"]
         factor = max((reached / target) ** 2, PILOT / before[-1].facts["spp"])
     once = factor * (before[-1].facts["time_ms"]["median"] / 1e3 if before else 0.0)
-    wait = once if once > PICTURES.once_s else PICTURES.least * once
-    return f"it would take {_rounded(wait)}, more than is left" if wait > seconds_left else ""
+    wait = once if once > effort.once_s else effort.least * once
+    if wait <= seconds_left:
+        return ""
+    return f"it would take {_rounded(wait)}, more than is left" if before else "no time is left for it"
 
 
 def is_met_by_pilot(method: Method, rungs: Sequence[Rung]) -> bool:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...settings import Settings
 from ..relmse import Halves
 from .bench import Bench
 from .errors import relmse_floor
@@ -16,6 +17,8 @@ from .store import Record, Store
 FIRST_SPP = 64
 """Of the first part of each half; every later one is as large as all before it."""
 LEAST_SPP = 8
+_UNBIASED = {name: getattr(Settings(), name) for name in ("clamp", "bounces", "sampling")}
+"""Whatever the user has the points do."""
 _SEED = 0x9E3779B1  # times a number: far from the small ones that users take
 
 
@@ -57,7 +60,7 @@ class ReferenceMaker:
         return self._spp[1] or FIRST_SPP
 
     def add(self, spp: int, report: Callable[[float], None] | None = None) -> None:
-        """A part of so many samples a pixel for each half; one that is there from an interrupted run is not made again."""
+        """A part of so many samples a pixel for each half; what is there from an interrupted run is not made again."""
         for half in range(2):
             kept = self._store.load(self._name(half), self._key)
             if kept is not None:
@@ -71,7 +74,7 @@ class ReferenceMaker:
     def _make(self, half: int, spp: int, report: Callable[[float], None] | None) -> Record:
         started = time.perf_counter()
         seed = _SEED * (2 * self._parts + half + 1) & 0xFFFFFFFF
-        settings = replace(self._bench.settings, mode="path", spp=spp, seed=seed)
+        settings = replace(self._bench.settings, mode="path", spp=spp, seed=seed, **_UNBIASED)
         linear = self._bench.trace(settings, report and (lambda done: report((done + half) / 2)))
         return Record(linear, {"spp": spp}, time.perf_counter() - started)
 

@@ -15,6 +15,7 @@ from .ladder import Ladder, LeftOut, Method, ladder
 from .patience import is_met_by_pilot, reason_against
 from .reference import LEAST_SPP, Reference, ReferenceMaker
 from .store import Record, Store
+from .timing import of_pictures
 
 POINTS_SHARE = 0.45
 """Of the time that path-traced points may take; the reference gets what is left."""
@@ -41,11 +42,11 @@ class Survey:
 
 
 class Surveyor:
-    """`limit` is the time, in seconds, that all measuring may take, what earlier runs took included."""
+    """Measuring may take `bench.limit` in all, what earlier runs took included."""
 
-    def __init__(self, bench: Bench, store: Store, limit: float, name: str, progress: Progress,
-                 use_cache: bool = True) -> None:
-        self._bench, self._store, self._limit, self._name, self._progress = bench, store, limit, name, progress
+    def __init__(self, bench: Bench, store: Store, name: str, progress: Progress, use_cache: bool = True) -> None:
+        self._bench, self._store, self._name, self._progress = bench, store, name, progress
+        self._limit = bench.limit
         self._key = digest(bench.scene, bench.camera, bench.size, bench.settings, bench.context.renderer, code_digest())
         self._use_cache = use_cache
         self.survey = Survey(bench)
@@ -92,7 +93,7 @@ class Surveyor:
             if self._store.load(method.slug, self._key) is None:
                 if method.name in given_up or is_met_by_pilot(method, survey.rungs):
                     continue
-                reason = reason_against(method, survey.rungs, left)
+                reason = reason_against(method, survey.rungs, left, of_pictures(self._limit))
                 if reason:
                     survey.left_out.append(LeftOut(f"{method.label} and more", reason))
                     given_up.add(method.name)

@@ -40,8 +40,14 @@ class Effort:
     once_s: float = float("inf")
 
 
-FRAMES = Effort(least=7, most=60, seconds=1.0)
-PICTURES = Effort(least=3, most=9, seconds=1.0, once_s=3.0)
+def of_frames(limit: float) -> Effort:
+    """How often a real-time frame is drawn where all measuring may take `limit` seconds."""
+    return Effort(least=7, most=60, seconds=limit / 200)
+
+
+def of_pictures(limit: float) -> Effort:
+    """Likewise a path-traced picture."""
+    return Effort(least=3, most=9, seconds=limit / 200, once_s=limit / 50)
 
 
 def measure(run: Callable[[], None], effort: Effort, tidy: Callable[[], None] = lambda: None) -> Timing:
