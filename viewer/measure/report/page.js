@@ -178,7 +178,8 @@ function listen() {
     cut(100 * Math.min(Math.max((event.clientX - box.left) / box.width, 0), 1));
   };
   $("wipe").addEventListener("pointerdown", event => { $("wipe").setPointerCapture(event.pointerId); drag(event); });
-  $("wipe").addEventListener("pointermove", event => { if (event.buttons) drag(event); });
+  for (const kind of ["pointermove", "pointerup"])
+    $("wipe").addEventListener(kind, event => { if ($("wipe").hasPointerCapture(event.pointerId)) drag(event); });
 }
 
 fillHeader();
