@@ -219,7 +219,7 @@ def report(models: tuple[str, ...], output: str, limit: float, backend: str, **o
     of several models each gets a folder in DIR, and DIR/index.html leads to them. When it is interrupted, the same
     command goes on from there.
 
-    
+    \b
     pbr-viewer report helmet.glb -o report/
     pbr-viewer report *.glb -o reports/ --env studio.hdr --within 60
     """
