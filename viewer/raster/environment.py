@@ -48,6 +48,9 @@ class EnvironmentLight:
         has_levels = self._prefiltered is not None or bool(self._baked and self._baked.levels)
         if self._baked is None or with_levels and not has_levels:
             self._baked = bake_environment(self.environment, self._ndf, self._use_cache, with_levels)
+            if self._irradiance is not None:  # it is in units of the scale that was
+                self._irradiance.release()
+                self._irradiance = None
 
     def lights(self, settings: Settings) -> list[Light]:
         """The environment's suns; in Phong mode, which reflects no environment, also its dominant direction.
