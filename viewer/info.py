@@ -112,7 +112,8 @@ def _plan(scene: Scene, settings: Settings) -> Plan | TracePlan:
 
         return plan_without_device(scene, settings)
     is_lit, is_reflected = environment_use(scene, settings)
-    suns = bake_environment(scene.environment, settings.ndf, levels=is_reflected).suns if is_lit else ()
+    suns = bake_environment(scene.environment, settings.ndf, levels=is_reflected).suns \
+        if is_lit and scene.environment is not None else ()
     return plan_scene(scene, settings, [*scene.lights, *suns], half_target=True, orthographic=False,
                       samples=settings.samples(is_software=False, is_still=True))
 
