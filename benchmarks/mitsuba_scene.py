@@ -75,13 +75,12 @@ def for_mitsuba(radiance: np.ndarray) -> np.ndarray:
     return out
 
 
-def from_mitsuba(radiance: np.ndarray) -> np.ndarray:
-    """The reverse, (2 H - 2, W, 3): what Mitsuba sees in `radiance`, but for the very tips of its tent filter."""
-    above, below = radiance[:-1], radiance[1:]
-    out = np.empty((2 * len(above), *radiance.shape[1:]), np.float32)
-    out[::2] = 0.75 * above + 0.25 * below
-    out[1::2] = 0.25 * above + 0.75 * below
-    return out
+def from_mitsuba(radiance: np.ndarray, rows: int = 4) -> np.ndarray:
+    """The reverse: what Mitsuba sees in `radiance`, (rows (H - 1), W, 3), but for the tips of its tent filter, which are
+    cut by an eighth of a row each way."""
+    parts = (np.arange(rows, dtype=np.float32) + 0.5)[:, None, None] / rows
+    between = (1 - parts) * radiance[:-1, None] + parts * radiance[1:, None]  # (H - 1, rows, W, 3)
+    return between.reshape(-1, *radiance.shape[1:]).astype(np.float32)
 
 
 def render(scene: Any, spp: int, seed: int = 0) -> np.ndarray:

@@ -60,6 +60,7 @@ def _scene(tracer: Tracer, name: str, scene: Scene, camera: Camera, options: arg
         f"{seconds:g}": both.floor(both.mean) for seconds in options.seconds}]
     for method, settings in METHODS.items():
         row: dict[str, object] = {"scene": name, "why": REASONS[name], "method": method}
+        tracing.shoot(tracer, scene, camera, Settings.of(mode="path", spp=1, **(settings | {"error": None})), size)
         for seconds in options.seconds:
             shots = [tracing.shoot(tracer, scene, camera, Settings.of(
                 mode="path", spp=MAX_SPP, seed=k, **settings), size, seconds) for k in range(options.rounds)]

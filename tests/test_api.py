@@ -45,7 +45,7 @@ def test_settings_and_camera_count(scene):
 
 @pytest.mark.parametrize("arguments", [
     {"size": (0, 5)}, {"size": (5, -1)}, {"size": 5}, {"size": (1.5, 2)}, {"size": "12"}, {"size": (1, 2, 3)},
-    {"size": (40000, 40000)}, {"mode": "path"}, {"colour": "red"}, {"background": "red"}, {"exposure": float("inf")},
+    {"size": (40000, 40000)}, {"mode": "paths"}, {"colour": "red"}, {"background": "red"}, {"exposure": float("inf")},
     {"backend": "vulkan"},
 ])
 def test_wrong_arguments_are_usage_errors(scene, arguments):
@@ -122,7 +122,7 @@ def test_elsewhere_show_opens_a_window(scene, monkeypatch, shell):
     monkeypatch.setattr("viewer.app.open_window", lambda *arguments: opened.append(arguments))
     opened: list[tuple] = []
     assert viewer.show(scene, SIZE, mode="phong") is None
-    assert opened == [(scene, viewer.Settings(mode="phong"), None, SIZE)]
+    assert opened == [(scene, viewer.Settings(mode="phong", denoise="fast"), None, SIZE)]
 
 
 def test_a_window_without_its_library_is_one_clear_error(scene, monkeypatch):

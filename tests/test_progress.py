@@ -48,6 +48,18 @@ def test_what_takes_long_shows_a_bar_that_goes_again():
     assert shown.endswith(b"\x1b[2K")  # the line is erased
 
 
+def test_a_part_of_a_piece_moves_the_bar_and_not_the_count():
+    shown = on_terminal("""p.DELAY_S = 0.05
+with p.Progress(1) as bar:
+    bar.step("one")
+    time.sleep(0.3)
+    assert bar.is_shown
+    bar.part(1.0, "nearly")
+    time.sleep(0.3)
+""")
+    assert b"nearly" in shown and b"0/1" in shown and b"1/1" not in shown
+
+
 def test_what_is_short_or_quiet_shows_nothing():
     assert on_terminal('with p.Progress(2) as bar: bar.step("one")') == b""
     assert on_terminal(LONG.replace("Progress(2)", "Progress(2, enabled=False)")) == b"a warning\r\n"

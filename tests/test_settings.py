@@ -40,6 +40,8 @@ def test_what_mode_path_alone_uses_is_refused_elsewhere():
         Settings.of(spp=3, clamp=9).check_used()
     with pytest.raises(UsageError, match="^denoise does nothing in mode phong"):
         Settings.of(mode="phong", denoise="fast").check_used()
+    with pytest.raises(UsageError, match="^shadows does nothing in mode path$"):
+        Settings.of(mode="path", shadows="off").check_used()
 
 
 def test_the_most_samples_follow_the_rules_given():

@@ -8,7 +8,7 @@ import threading
 
 import pytest
 
-from viewer.signals import Stopped, stoppable
+from viewer.signals import Stopped, postponed, stoppable
 
 
 @pytest.mark.parametrize("name, status, text", [("SIGINT", 130, "interrupted"), ("SIGTERM", 143, "terminated"),
@@ -23,6 +23,26 @@ def test_a_signal_ends_the_block_and_its_handler_comes_back(name, status, text):
         threading.Event().wait(5)
     assert (stopped.value.exit_status, str(stopped.value)) == (status, text)
     assert signal.getsignal(number) is before
+
+
+def test_the_first_signal_is_a_wish_and_the_second_an_order():
+    with stoppable():
+        handler = signal.getsignal(signal.SIGINT)
+        with postponed() as wish:
+            assert wish.number is None
+            os.kill(os.getpid(), signal.SIGINT)
+            assert wish.number == signal.SIGINT
+            with pytest.raises(Stopped):
+                os.kill(os.getpid(), signal.SIGTERM)
+                threading.Event().wait(5)
+        assert signal.getsignal(signal.SIGINT) is handler
+
+
+def test_outside_of_our_own_program_signals_do_what_they_did():
+    with postponed() as wish, pytest.raises(KeyboardInterrupt):
+        os.kill(os.getpid(), signal.SIGINT)
+        threading.Event().wait(5)
+    assert wish.number is None
 
 
 def test_what_is_ignored_stays_ignored():

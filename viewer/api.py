@@ -76,13 +76,15 @@ def show(
 ) -> Image | None:
     """Open a window on `scene` and wait until it is closed; in a notebook return a picture, which shows itself.
 
-    The arguments are those of `render`. Raises ContextError where no window can be opened.
+    The arguments are those of `render`, but the window filters noise if not told otherwise (`denoise="off"`), and
+    traces paths until they converge or `spp`, `time_budget` or `error` is met. Raises ContextError where no window can
+    be opened.
     """
     if _in_notebook():
         return render(scene, size, camera, **settings)
     from .app import open_window
 
-    open_window(scene, Settings.of(**settings), camera, _checked(size))
+    open_window(scene, Settings.of(**{"denoise": "fast", **settings}), camera, _checked(size))
     return None
 
 

@@ -1,4 +1,4 @@
-"""The command line: pbr-viewer view, render, info, check, diff, doctor, cache.
+"""The command line: pbr-viewer view, render, info, check, report, diff, doctor, cache.
 
 Exit status: 0 done; 1 the input is bad or the output cannot be written; 2 wrong usage; 3 no OpenGL context;
 130 interrupted. What goes wrong is told in one line on stderr.
@@ -19,13 +19,18 @@ from .heap import share_one_heap
 from .messages import one_line, say, say_error
 from .options import (
     AOV_OPTION,
+    BACKEND_OPTION,
     CAMERA_OPTIONS,
     COMMON_OPTIONS,
     JSON_OPTION,
+    LOOK_OPTIONS,
+    NO_CACHE_OPTION,
     PATH_OPTIONS,
     QUIET_OPTION,
     SCENE_OPTIONS,
+    Number,
     check_camera_options,
+    size_option,
     with_options,
 )
 from .signals import Stopped, stoppable
@@ -52,7 +57,7 @@ def cli() -> None:
     """
 
 
-@cli.command(short_help="Open a model in a window.")
+@cli.command(short_help="Open a model in a window.", context_settings={"default_map": {"denoise": "fast"}})
 @click.argument("model")
 @with_options([*SCENE_OPTIONS, *PATH_OPTIONS, *CAMERA_OPTIONS, *COMMON_OPTIONS])
 def view(model: str, **options: Any) -> None:
@@ -77,8 +82,7 @@ def view(model: str, **options: Any) -> None:
 @click.option("-o", "--output", required=True, metavar="OUT",
               help="The picture: .png .jpg .webp (as displayed), .exr (linear light). For several models a folder, or "
                    "a pattern such as out/{name}.png.")
-@click.option("--backend", type=click.Choice(["auto", "egl", "osmesa", "window"]), default="auto", show_default=True,
-              help="Where OpenGL comes from; `pbr-viewer doctor` tells what works here.")
+@BACKEND_OPTION
 @click.option("--stats", metavar="FILE.json", help="Write times, the plan and memory; for several models a list.")
 @with_options([*SCENE_OPTIONS, *PATH_OPTIONS, AOV_OPTION, *CAMERA_OPTIONS, *COMMON_OPTIONS])
 def render(models: tuple[str, ...], output: str, backend: str, stats: str | None, **options: Any) -> None:
@@ -199,6 +203,42 @@ def check(what: str, model: str | None, shader: str | None, lobe: str | None, js
     if json_file != "-":
         print_table(checks)
     sys.exit(exit_status(checks))
+
+
+@cli.command(short_help="Measure error against time, by every method there is.")
+@click.argument("models", metavar="MODEL...", nargs=-1, required=True)
+@click.option("-o", "--output", required=True, metavar="DIR",
+              help="Where index.html, report.json, the charts and all that was measured go; made where it is missing.")
+@click.option("--within", "limit", type=Number(0.1, 1e6), default=150.0, show_default=True, metavar="SECONDS",
+              help="How long to measure each model; more time, more points and a better reference.")
+@with_options([size_option("256x256"), *LOOK_OPTIONS, *CAMERA_OPTIONS, BACKEND_OPTION, NO_CACHE_OPTION, QUIET_OPTION])
+def report(models: tuple[str, ...], output: str, limit: float, backend: str, **options: Any) -> None:
+    """Show each MODEL by every method, from the cheapest to path tracing, and tell each one's time and error.
+
+    The errors are against a path-traced reference whose own noise is told. DIR/index.html is a page that stands alone;
+    of several models each gets a folder in DIR, and DIR/index.html leads to them. When it is interrupted, the same
+    command goes on from there.
+
+    \b
+    pbr-viewer report helmet.glb -o report/
+    pbr-viewer report *.glb -o reports/ --env studio.hdr --within 60
+    """
+    check_camera_options(options)
+    from pathlib import Path
+
+    from .assemble import make_camera, make_environment, make_scene, make_settings
+    from .measure.report.job import ReportJob
+
+    settings = make_settings(options)
+    environment = make_environment(options)
+
+    def load(model: str) -> Any:
+        scene = make_scene(model, environment, options)
+        _warn(model, scene, options)
+        return scene
+
+    job = ReportJob(Path(output), options, settings, limit, backend, options["quiet"])
+    sys.exit(job.run(models, load, lambda model, scene: make_camera(model, scene, options)))
 
 
 @cli.command(short_help="Compare two pictures.")

@@ -7,7 +7,7 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 from .bake.environment import bake_environment
-from .plan import Plan, plan_scene
+from .plan import Plan, environment_use, plan_scene
 from .scene.environment import Environment
 from .scene.scene import Scene
 from .settings import RANGES, Settings, setting_choices, setting_meanings
@@ -111,7 +111,9 @@ def _plan(scene: Scene, settings: Settings) -> Plan | TracePlan:
         from .trace.traced_scene import plan_without_device
 
         return plan_without_device(scene, settings)
-    suns = bake_environment(scene.environment, settings.ndf).suns if scene.environment is not None else ()
+    is_lit, is_reflected = environment_use(scene, settings)
+    suns = bake_environment(scene.environment, settings.ndf, levels=is_reflected).suns \
+        if is_lit and scene.environment is not None else ()
     return plan_scene(scene, settings, [*scene.lights, *suns], half_target=True, orthographic=False,
                       samples=settings.samples(is_software=False, is_still=True))
 

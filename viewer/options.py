@@ -123,9 +123,10 @@ def _ends(name: str) -> tuple[Any, Any]:
     return RANGES[name].low, RANGES[name].high
 
 
-SCENE_OPTIONS = [
-    click.option("--mode", type=click.Choice(get_args(Mode)), default="pbr", show_default=True,
-                 help="Physically based shading, Phong's, or light followed along its paths: the right answer, slowly."),
+MODE_OPTION = click.option(
+    "--mode", type=click.Choice(get_args(Mode)), default="pbr", show_default=True,
+    help="Physically based shading, Phong's, or light followed along its paths: the right answer, slowly.")
+LOOK_OPTIONS = [
     click.option("--env", default="studio", metavar="FILE|NAME|none", show_default=True,
                  help="Light from all around: a panorama (.hdr, .exr), or studio, sky, furnace, none."),
     click.option("--env-rotation", type=Number(), default=0.0, metavar="DEG",
@@ -143,6 +144,7 @@ SCENE_OPTIONS = [
     click.option("--set", "assignments", multiple=True, metavar="NAME=VALUE",
                  help="Any other setting; `pbr-viewer info --settings` lists them; repeatable."),
 ]
+SCENE_OPTIONS = [MODE_OPTION, *LOOK_OPTIONS]
 CAMERA_OPTIONS = [
     click.option("--orbit", type=Numbers("AZ,EL[,DIST]", 2, 3, check=_orbit_problem),
                  help="Look from azimuth and elevation (degrees; 0,0 is the front) and a distance; without one, or "
@@ -169,9 +171,21 @@ PATH_OPTIONS = [
 AOV_OPTION = click.option("--aov", type=Layers(), default=(), help=(
     f"Mode path: put these layers into the .exr, of {', '.join(LAYERS)}, with commas between."))
 QUIET_OPTION = click.option("-q", "--quiet", is_flag=True, help="No warnings and no progress bar.")
+NO_CACHE_OPTION = click.option("--no-cache", is_flag=True,
+                               help="Neither read nor write the cache of prepared environments.")
+BACKEND_OPTION = click.option("--backend", type=click.Choice(["auto", "egl", "osmesa", "window"]), default="auto",
+                              show_default=True, help="Where OpenGL comes from; `pbr-viewer doctor` tells what works "
+                                                      "here.")
+
+
+def size_option(default: str) -> Callable[[Any], Any]:
+    return click.option("--size", type=Size(), default=default, show_default=True,
+                        help="In pixels; one number: a square.")
+
+
 COMMON_OPTIONS = [
-    click.option("--size", type=Size(), default="1280x720", show_default=True, help="In pixels; one number: a square."),
-    click.option("--no-cache", is_flag=True, help="Neither read nor write the cache of prepared environments."),
+    size_option("1280x720"),
+    NO_CACHE_OPTION,
     QUIET_OPTION,
     click.option("-v", "--verbose", is_flag=True, help="Tell what is done and how long it takes."),
 ]

@@ -6,32 +6,23 @@ plus a set of switches; nothing is in it that the mesh, its material, the lights
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
+from .constant_maps import without_constant_maps
 from .errors import UsageError
+from .maps import MAPS, material_map
+from .plan_words import explain
 from .scene.light import Light
 from .scene.material import Material, Texture
 from .scene.mesh import Mesh
 from .scene.scene import Scene
 from .settings import Settings
+from .wide_programs import attributes_of, leave_nothing_out, share_programs
 
 MAX_LIGHTS = 128
 """What a uniform block of 16 KiB, the least OpenGL 3.3 grants, holds with room to spare."""
 MAX_SHADOW_LAYERS = 24
-
-# Maps in the order of their texture units: the material's field, and whether its colours are sRGB.
-MAPS = {
-    "base_color": True,
-    "metallic_roughness": False,
-    "normal": False,
-    "occlusion": False,
-    "emissive": True,
-    "specular": False,
-    "specular_color": True,
-    "transmission": False,
-    "thickness": False,
-}
 
 _NDF = ("ggx", "beckmann", "blinn-phong")
 _MASKING = ("smith", "smith-separable", "v-cavity", "none")
@@ -51,16 +42,22 @@ class Program:
 
 @dataclass(frozen=True)
 class Draw:
-    """One instance and what it is drawn with; `maps` are the material's maps that its program samples."""
+    """One instance and what it is drawn with.
+
+    `surface` is its material, number `material` in the scene, with maps of one colour taken into its factors; `maps` are
+    those that its program samples, `blank_maps` those for which it samples white instead.
+    """
 
     instance: int
     mesh: int
     material: int
+    surface: Material
     program: Program
     maps: tuple[str, ...]
     attributes: tuple[str, ...]
     alpha_mode: str
-    transmits: bool
+    transmits: int
+    blank_maps: tuple[str, ...] = ()
 
     @property
     def sees_visibility(self) -> bool:
@@ -77,12 +74,16 @@ class Plan:
     shadow_layers: tuple[int, ...]
     shadow_layer_count: int
     environment: bool
+    reflections: bool
     ambient: bool
     dfg: bool
     environment_shadows: int
     """Lights drawn from the environment for its shadows; 0: none."""
     background: bool
-    left_out: tuple[str, ...]
+    used: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
+    saved: Mapping[str, float] = field(default_factory=dict)
+    is_everything: bool = False
 
     @property
     def programs(self) -> tuple[Program, ...]:
@@ -90,7 +91,7 @@ class Plan:
 
     @property
     def has_blended(self) -> bool:
-        return any(draw.alpha_mode == "blend" for draw in self.draws)
+        return self.is_everything or any(draw.alpha_mode == "blend" for draw in self.draws)
 
     @property
     def has_visibility(self) -> bool:
@@ -98,14 +99,21 @@ class Plan:
         return any(draw.sees_visibility for draw in self.draws)
 
     @property
-    def has_transmission(self) -> bool:
-        return any(draw.transmits for draw in self.draws)
+    def has_bodies(self) -> bool:
+        """Whether there is glass that light is refracted into."""
+        return any(draw.transmits == 2 for draw in self.draws)
+
+    @property
+    def has_walls(self) -> bool:
+        """Whether there is glass without thickness."""
+        return self.is_everything or any(draw.transmits == 1 for draw in self.draws)
 
     def to_json(self) -> dict[str, object]:
         passes = ["shadows"] * bool(self.shadow_layer_count) + ["visibility"] * self.has_visibility
         passes += ["surfaces"] * bool(self.draws)
+        passes += ["bodies of glass"] if self.has_bodies else []
         passes += ["background"] if self.background else []
-        passes += ["transmission"] if self.has_transmission else []
+        passes += ["walls of glass"] if self.has_walls else []
         passes += ["blend"] if self.has_blended else []
         return {
             "passes": [*passes, "display"],
@@ -114,7 +122,9 @@ class Plan:
             "maps": sorted({f"{draw.material}:{name}" for draw in self.draws for name in draw.maps}),
             "lights": len(self.lights),
             "shadow_layers": self.shadow_layer_count,
+            "used": list(self.used),
             "left_out": list(self.left_out),
+            "saved": dict(self.saved),
         }
 
 
@@ -134,6 +144,18 @@ def is_dark(scene: Scene) -> bool:
     return not any(any(material.emissive) or not is_lit(mesh, material) for mesh, material in shown)
 
 
+def environment_use(scene: Scene, settings: Settings) -> tuple[bool, bool]:
+    """Whether the environment lights any surface, and whether any reflects it, which takes its filtered levels."""
+    if settings.plan == "everything":
+        return True, True
+    if scene.environment is None:
+        return False, False
+    meshes = (scene.meshes[instance.mesh] for instance in scene.instances)
+    lit = [material for mesh in meshes if is_lit(mesh, material := scene.materials[mesh.material])]
+    shows = settings.mode == "pbr" and settings.lobes in ("all", "specular")
+    return bool(lit), shows and any(material.has_interface for material in lit)
+
+
 def plan_scene(
     scene: Scene, settings: Settings, lights: Sequence[Light], *, samples: int, half_target: bool, orthographic: bool
 ) -> Plan:
@@ -147,8 +169,8 @@ def plan_scene(
     lit = [is_lit(scene.meshes[i.mesh], scene.materials[scene.meshes[i.mesh].material]) for i in scene.instances]
     shown_lights = _ordered_lights(lights) if any(lit) else ()
     layers, layer_count = _shadow_layers(shown_lights, settings)
-    environment = scene.environment is not None and any(lit)
-    environment_shadows = _environment_shadows(settings) if environment else 0
+    environment, reflections = environment_use(scene, settings)
+    environment_shadows = _environment_shadows(settings) if environment and scene.environment is not None else 0
     common = {
         "VISIBILITY": int(environment_shadows > 0),
         "HALF_TARGET": int(half_target),
@@ -159,7 +181,7 @@ def plan_scene(
         "POINT_COUNT": sum(light.kind == "point" for light in shown_lights),
         "SHADOW_LAYERS": layer_count,
         "HAS_ENVIRONMENT": int(environment),
-        "ENVIRONMENT_ROTATED": int(environment and scene.environment.rotation != 0),
+        "ENVIRONMENT_ROTATED": int(scene.environment is not None and scene.environment.rotation != 0),
         "SHOW_EMISSION": int(settings.lobes == "all"),
         "SHOW_DIFFUSE": int(settings.lobes in ("all", "uniform-diffuse")),
         "SHOW_SPECULAR": int(settings.lobes in ("all", "specular")),
@@ -168,18 +190,21 @@ def plan_scene(
         _draw(index, instance.mesh, scene.meshes[instance.mesh], scene.materials, settings, common)
         for index, instance in enumerate(scene.instances)
     )
-    return Plan(
-        draws=draws,
+    plan = Plan(
+        draws=share_programs(draws) if settings.plan == "needed" else draws,
         lights=shown_lights,
         shadow_layers=layers,
         shadow_layer_count=layer_count,
         environment=environment and settings.mode == "pbr",
+        reflections=reflections,
         ambient=environment and settings.mode == "phong",
-        dfg=any(lit) and settings.mode == "pbr",
+        dfg=any(draw.program.fragment == "raster/pbr.frag" and draw.program["REFLECTS"] for draw in draws),
         environment_shadows=environment_shadows,
         background=settings.background == "env" and scene.environment is not None,
-        left_out=tuple(_left_out(scene, settings, draws, any(lit), shown_lights, layer_count)),
     )
+    if settings.plan == "everything":
+        plan = leave_nothing_out(plan, scene)
+    return replace(plan, **explain(plan, scene, settings, lights))
 
 
 def _ordered_lights(lights: Sequence[Light]) -> tuple[Light, ...]:
@@ -213,8 +238,10 @@ def _draw(
     index: int, mesh_index: int, mesh: Mesh, materials: Sequence[Material], settings: Settings, common: dict[str, int]
 ) -> Draw:
     material = materials[mesh.material]
+    if settings.plan == "needed":
+        material = without_constant_maps(material)
     lit = is_lit(mesh, material)
-    if material.alpha_mode == "blend" or _transmits(material):
+    if material.alpha_mode == "blend" or material.transmits:
         common = common | {"VISIBILITY": 0}  # what is behind them has its place in the buffers
     maps = tuple(name for name in MAPS if _samples(name, mesh, material, settings, lit, common))
     textures = {name: material_map(material, name) for name in maps}
@@ -242,18 +269,17 @@ def _draw(
         fragment = f"raster/{settings.mode}.frag"
         switches |= common | {"DOUBLE_SIDED": int(material.double_sided)}
         switches |= _pbr_switches(material, settings) if settings.mode == "pbr" else _phong_switches(material, settings)
-    attributes = ["a_position"]
-    attributes += ["a_normal"] * lit + ["a_tangent"] * normal_mapped + ["a_color"] * (mesh.colors is not None)
-    attributes += [f"a_uv{k}" for k in range(2) if uv_sets >> k & 1]
     program = Program(fragment, tuple(sorted(switches.items())))
-    transmits = switches.get("TRANSMISSION", 0) > 0
-    return Draw(index, mesh_index, mesh.material, program, maps, tuple(attributes), material.alpha_mode, transmits)
+    transmits = switches.get("TRANSMISSION", 0)
+    return Draw(index, mesh_index, mesh.material, material, program, maps, attributes_of(switches), material.alpha_mode,
+                transmits)
 
 
 def _pbr_switches(material: Material, settings: Settings) -> dict[str, int]:
     varies = material.metallic_roughness_texture is not None or 0 < material.metallic < 1
     tinted = material.specular_color_texture is not None or material.specular_color != (1.0, 1.0, 1.0)
     return {
+        "REFLECTS": int(material.has_interface),
         "SPECULAR_TINTED": int(tinted),
         "METALNESS": 0 if material.metallic == 0 else 2 if varies else 1,
         "NDF": _NDF.index(settings.ndf),
@@ -262,22 +288,12 @@ def _pbr_switches(material: Material, settings: Settings) -> dict[str, int]:
         "MULTISCATTER": int(settings.multiscatter == "on"),
         "SHOW_MULTISCATTER": int(settings.lobes in ("all", "directional-diffuse")),
         "SPECULAR_AA": int(settings.specular_aa == "on"),
-        "TRANSMISSION": 0 if not _transmits(material) else 1 if material.thickness == 0 else 2,
+        "TRANSMISSION": 0 if not material.transmits else 1 if material.thickness == 0 else 2,
     }
-
-
-def _transmits(material: Material) -> bool:
-    """Whether light passes. Metals let none through, and what has ior 0 reflects all."""
-    is_metal = material.metallic == 1 and material.metallic_roughness_texture is None
-    return material.transmission > 0 and not is_metal and material.ior >= 1
 
 
 def _phong_switches(material: Material, settings: Settings) -> dict[str, int]:
     return {"BLINN": int(settings.phong == "blinn-phong"), "HAS_SHININESS": int(material.shininess is not None)}
-
-
-def material_map(material: Material, name: str) -> Texture | None:
-    return getattr(material, f"{name}_texture")
 
 
 def _samples(
@@ -287,18 +303,20 @@ def _samples(
     texture = material_map(material, name)
     if texture is None or texture.uv_set >= len(mesh.uvs):
         return False
+    if settings.plan == "everything" and name != "normal":
+        return True
     dielectric = settings.mode == "pbr" and lit and (material.metallic < 1 or material.metallic_roughness_texture)
     return {
         "base_color": True,
         "emissive": any(material.emissive) and (common["SHOW_EMISSION"] == 1 or not lit),
-        "metallic_roughness": lit and (material.metallic > 0 or material.perceptual_roughness > 0),
+        "metallic_roughness": lit and (material.metallic > 0 or material.perceptual_roughness > 0 and material.has_interface),
         "normal": lit and mesh.tangents is not None and material.normal_scale != 0,
         "occlusion": lit and material.occlusion_strength > 0 and common["HAS_ENVIRONMENT"] == 1
         and common["VISIBILITY"] == 0,  # else it is known what is hidden
         "specular": bool(dielectric) and material.specular > 0,
         "specular_color": bool(dielectric) and material.specular > 0 and any(material.specular_color),
-        "transmission": bool(dielectric) and _transmits(material),
-        "thickness": bool(dielectric) and _transmits(material) and material.thickness > 0,
+        "transmission": bool(dielectric) and material.transmits,
+        "thickness": bool(dielectric) and material.transmits and material.thickness > 0,
     }[name]
 
 
@@ -307,44 +325,3 @@ def _mirror(texture: Texture | None) -> int:
     if texture is None:
         return 0
     return (texture.sampler.wrap_s == "mirror") | (texture.sampler.wrap_t == "mirror") << 1
-
-
-def _left_out(
-    scene: Scene, settings: Settings, draws: Sequence[Draw], any_lit: bool, lights: Sequence[Light], layers: int
-) -> list[str]:
-    """In words, what the scene or the settings made unnecessary."""
-    lines = []
-    if not scene.instances:
-        return ["everything but the background: nothing is in the scene"]
-    if not any_lit:
-        lines.append("all lighting: every surface is unlit")
-    elif scene.environment is None:
-        lines.append("image-based light, its bake and textures: there is no environment")
-    elif settings.mode == "phong":
-        lines.append("prefiltered environment and DFG table: Phong has no use for them")
-    if any_lit and not lights:
-        lines.append("code for point, spot and directional lights: there are none")
-    if lights and not layers:
-        lines.append("shadow maps: " + ("switched off" if settings.shadows == "off" else "no light casts any"))
-    for kind in ("directional", "point", "spot"):
-        if lights and not any(light.kind == kind for light in lights):
-            lines.append(f"code for {kind} lights: there are none")
-    if not any(draw.sees_visibility for draw in draws) and any_lit and settings.mode == "pbr":
-        reason = "there is none" if scene.environment is None else "not asked for"
-        if scene.environment is not None and settings.environment_shadows != "off":
-            reason = "all surfaces are see-through"
-        lines.append(f"the environment's shadows: {reason}")
-    if settings.background != "env" or scene.environment is None:
-        reason = "there is none" if scene.environment is None else "not asked for"
-        lines.append(f"the environment as background: {reason}")
-    if not any(draw.alpha_mode == "blend" for draw in draws):
-        lines.append("the sorted pass for blending: nothing is see-through")
-    if not any(draw.transmits for draw in draws):
-        lines.append("the picture behind glass and its blurred levels: nothing transmits light")
-    if not any("a_tangent" in draw.attributes for draw in draws):
-        lines.append("tangents: there are no normal maps")
-    sampled = {(draw.material, name) for draw in draws for name in draw.maps}
-    idle = sum(1 for k, m in enumerate(scene.materials) for n in MAPS if material_map(m, n) and (k, n) not in sampled)
-    if idle:
-        lines.append(f"{idle} material map{'s' * (idle > 1)}, not decoded: no pixel depends on them")
-    return lines

@@ -108,6 +108,8 @@ class Settings:
     specular_aa: Literal["on", "off"] = _option("on", "widen highlights that are finer than a pixel")
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8"] = _option(
         "auto", "samples a pixel; auto: four, but one while the camera moves and a processor draws")
+    plan: Literal["needed", "everything"] = _option(
+        "needed", "everything: leave nothing out, for the same picture; shows what is saved")
     sampling: Literal["mis", "bsdf", "lights"] = _option("mis", "mode path: how light is found; mis weighs both ways")
     bounces: int = _option(32, "mode path: the most often light is reflected or refracted on its way")
     light_radius: float = _option(0.0, "mode path: radius of point and spot lights, in the scene's unit")
@@ -136,10 +138,12 @@ class Settings:
 
     def check_used(self) -> None:
         """Raises UsageError for what was set and is of no use in this mode."""
-        unused = [f.name for f in fields(self) if f.name in PATH_ONLY and getattr(self, f.name) != f.default]
-        if self.mode != "path" and unused:
+        idle = RASTER_ONLY if self.mode == "path" else PATH_ONLY
+        unused = [f.name for f in fields(self) if f.name in idle and getattr(self, f.name) != f.default]
+        if unused:
             verb = "does" if len(unused) == 1 else "do"
-            raise UsageError(f"{' and '.join(unused)} {verb} nothing in mode {self.mode}, only in mode path")
+            where = "" if self.mode == "path" else ", only in mode path"
+            raise UsageError(f"{' and '.join(unused)} {verb} nothing in mode {self.mode}{where}")
 
     @property
     def most_spp(self) -> int:
@@ -171,6 +175,7 @@ class Settings:
 
 
 STOPPING = ("spp", "time_budget", "error")
+RASTER_ONLY = ("phong", "shadows", "specular_aa", "antialias")
 PATH_ONLY = (*STOPPING, "seed", "denoise", "sampling", "bounces", "light_radius", "clamp")
 
 

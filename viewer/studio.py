@@ -115,7 +115,8 @@ class PathStudio:
 
         def report(fraction: float, seconds_left: float) -> None:
             if progress.is_shown:
-                progress.part(fraction, f"{path.name}: {how_far(exposure)}, {seconds_left:.0f} s left")
+                words = f"{exposure.samples:.3g} spp, error {exposure.error:.2g}, {seconds_left:.0f} s left"
+                progress.part(fraction, f"{path.name}: {words}")
 
         try:
             with postponed() as wish:

@@ -1,13 +1,16 @@
 // The environment as a surface sees it: turned about +Y and scaled, its sun already taken out as a light.
 #include "light/irradiance.glsl"
-#include "light/prefiltered.glsl"
 
 uniform float u_environment_intensity;
 #if ENVIRONMENT_ROTATED
 uniform vec2 u_environment_rotation; // cosine, sine
 #endif
 uniform sampler2D u_irradiance;
+#if REFLECTS
+#include "light/prefiltered.glsl"
+
 uniform sampler2D u_prefiltered;
+#endif
 
 vec3 to_environment(vec3 d) {
 #if ENVIRONMENT_ROTATED
@@ -22,6 +25,8 @@ vec3 environment_irradiance_over_pi(vec3 n) {
     return u_environment_intensity * irradiance_over_pi(u_irradiance, to_environment(n));
 }
 
+#if REFLECTS
 vec3 environment_specular(vec3 d, float perceptual_roughness) {
     return u_environment_intensity * prefiltered_radiance(u_prefiltered, to_environment(d), perceptual_roughness);
 }
+#endif

@@ -23,7 +23,7 @@
 uniform vec3 u_view_direction; // towards the eye
 #endif
 
-// METALNESS: 0 all dielectric, 1 all metal, 2 a mixture
+// METALNESS: 0 all dielectric, 1 all metal, 2 a mixture. REFLECTS: 0 for a Lambertian surface, without any interface.
 uniform float u_metallic;
 uniform float u_perceptual_roughness;
 uniform float u_occlusion_strength;
@@ -64,7 +64,11 @@ vec3 shade_light(int i, Surface s, vec3 n_geometric) {
     float VoH = clamp(dot(s.v, h), 0.0, 1.0);
     vec3 nxh = cross(s.n, h);
     float dv = d_microfacet(NoH, dot(nxh, nxh), s.alpha) * v_microfacet(s.NoV, NoL, NoH, VoH, s.alpha);
+#if REFLECTS
     vec2 dfg = dfg_albedo(u_dfg, NoL, s.perceptual_roughness);
+#else
+    const vec2 dfg = vec2(0.0);
+#endif
     vec3 f = vec3(0.0);
 #if METALNESS != 1
     f += (METALNESS == 2 ? 1.0 - s.metallic : 1.0)
@@ -116,15 +120,24 @@ void main() {
     s.perceptual_roughness = sqrt(s.alpha);
 #endif
 
-#if HAS_ENVIRONMENT
+#if HAS_ENVIRONMENT && REFLECTS
     SplitSum split_sum = dfg_lookup(u_dfg, s.NoV, s.perceptual_roughness);
     vec2 dfg = split_sum.albedo;
-#else
+#elif REFLECTS
     vec2 dfg = dfg_albedo(u_dfg, s.NoV, s.perceptual_roughness);
+#else
+    const SplitSum split_sum = SplitSum(vec2(0.0), vec2(0.0), vec2(0.0));
+    const vec2 dfg = vec2(0.0), dfg_over_hemisphere = vec2(0.0);
 #endif
+#if REFLECTS
     vec2 dfg_over_hemisphere = dfg_mean(u_dfg, s.perceptual_roughness);
+#endif
 #if METALNESS != 1
+#if REFLECTS
     float weight = u_specular;
+#else
+    float weight = 0.0;
+#endif
 #if SPECULAR_MAP
     weight *= specular_texel().a;
 #endif

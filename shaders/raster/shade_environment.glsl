@@ -13,21 +13,25 @@ float specular_occlusion(float NoV, float occlusion, float alpha) {
     return clamp(pow(NoV + occlusion, exp2(-16.0 * alpha - 1.0)) - 1.0 + occlusion, 0.0, 1.0);
 }
 
+#if REFLECTS
 vec3 reflected_light(vec3 n, vec3 r, vec3 n_geometric, float t, float perceptual_roughness) {
     vec3 d = mix(n, r, t);
     // A mapped normal may send the reflection under the surface, where it would meet the surface itself.
     d -= 2.0 * min(dot(d, n_geometric), 0.0) * n_geometric;
     return environment_specular(normalize(d), perceptual_roughness);
 }
+#endif
 
 vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, vec4 visible, SplitSum split_sum) {
+    mat2x3 specular = mat2x3(0.0);
+#if REFLECTS
     vec3 r = reflect(-s.v, s.n);
-    mat2x3 specular;
     specular[0] = reflected_light(s.n, r, n_geometric, split_sum.t.x, split_sum.roughness.x);
 #if METALNESS == 1
     specular[1] = specular[0]; // of a metal b is a small part
 #else
     specular[1] = reflected_light(s.n, r, n_geometric, split_sum.t.y, split_sum.roughness.y);
+#endif
 #endif
     vec3 mean_light = environment_irradiance_over_pi(s.n);
 #if OCCLUSION_MAP

@@ -21,7 +21,7 @@ void main() {
         write_path(p, IN_FLIGHT);
         return;
     }
-    p.throughput *= transmittance(p, distance(p.origin, i.position));
+    p.throughput *= transmittance(p, p.travelled + distance(p.origin, i.position));
 #if HAS_UNLIT
     if (m.is_unlit && !is_back) {
         p.radiance += limited(p.throughput * m.base_color, p.depth);

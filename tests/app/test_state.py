@@ -51,6 +51,38 @@ def test_a_mode_ends_the_split_and_the_split_stays_where_it_was(state):
     assert (state.settings.mode, state.settings.lobes) == ("phong", "all")
 
 
+def test_paths_stand_beside_or_over_a_whole_picture_of_the_raster(state):
+    state.show_mode("path")
+    traced = replace(state.settings, spp=5, bounces=3, denoise="fast")
+    assert state.shots(traced, (100, 50)) == [(Settings(), None)] and state.parts((100, 50)) == [("path", None)]
+    state.show_split("phong", "path")
+    state.split = 0.3
+    assert state.shots(traced, (100, 50)) == [(Settings(mode="phong"), None)]
+    assert state.parts((100, 50)) == [("phong", (0, 0, 30, 50)), ("path", (30, 0, 70, 50))]
+    state.split = 1.0
+    assert state.parts((100, 50)) == [("phong", (0, 0, 100, 50))] and state.shows("path")
+
+
+def test_a_single_contribution_is_shown_by_the_raster_but_for_path_traced_pictures(state):
+    for mode, expected in (("path", "path"), ("phong", "pbr"), ("pbr", "pbr")):
+        state.show_mode(mode)
+        state.show_lobes("specular")
+        assert (state.modes, state.settings.lobes) == ((expected,), "specular")
+
+
+def test_only_paths_are_paused_and_only_until_another_mode(state):
+    state.toggle_pause()
+    assert not state.paused and state.message
+    state.show_mode("path")
+    state.toggle_pause()
+    assert state.paused
+    state.toggle_pause()
+    assert not state.paused
+    state.toggle_pause()
+    state.show_split("pbr", "path")
+    assert not state.paused
+
+
 def test_another_environment_keeps_rotation_and_intensity(state):
     state.relight(Environment("other", GREY))
     environment = state.scene.environment

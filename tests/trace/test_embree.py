@@ -9,7 +9,7 @@ import pytest
 from stand_ins import Geometry, Instance, fill, make_wave, mesh, sphere, trace
 
 from viewer.gpu.context import Context
-from viewer.trace.intersect import FREE, MISS, make_intersector
+from viewer.trace.intersect import FREE, INSTANCE_MASK, MISS, make_intersector
 
 pytest.importorskip("embreex")
 
@@ -61,13 +61,6 @@ def test_only_slots_that_have_rays_are_traced(context: Context) -> None:
     np.testing.assert_array_equal(words, np.array([MISS, 0, MISS | FREE, FREE, MISS], np.uint32))
 
 
-def test_a_scene_without_triangles_is_all_miss(context: Context) -> None:
-    embree = make_intersector(context, Geometry([]), kind="embree")
-    origin = np.zeros((3, 3))
-    words = trace(context, embree, origin, np.repeat(DOWN, 3, axis=0), origin, np.repeat(DOWN, 3, axis=0))
-    np.testing.assert_array_equal(words[:, 0], np.uint32(MISS | FREE))
-
-
 def test_many_instances_keep_their_numbers(context: Context) -> None:
     rng = np.random.default_rng(5)
     places = rng.uniform(-0.9, 0.9, (3000, 3))
@@ -81,16 +74,14 @@ def test_many_instances_keep_their_numbers(context: Context) -> None:
 
 
 class Panes:
-    """Of a stand-in for the material: instance 0 lets all through, 1 nothing, 2 a part."""
-
-    switches: dict[str, int] = {}
+    """In place of the shaders' answer: instance 0 lets all rays through, others none."""
 
     def __init__(self) -> None:
         self.asked = 0
 
     def passes(self, words: np.ndarray, vectors: np.ndarray) -> np.ndarray:
         self.asked += len(words)
-        return words[:, 0] & 0xF == 0
+        return words[:, 0] & INSTANCE_MASK == 0
 
 
 def test_shadow_rays_go_through_what_lets_them(context: Context, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -98,8 +89,21 @@ def test_shadow_rays_go_through_what_lets_them(context: Context, monkeypatch: py
     monkeypatch.setattr("viewer.trace.embree.SeeThrough", lambda context, surfaces: panes)
     instances = [Instance(0, at(0.5), see_through=True), Instance(0, at(0.0), see_through=True), Instance(0, at(-0.5))]
     embree = make_intersector(context, Geometry([SQUARE], instances), SimpleNamespace(), kind="embree")
-    origin = np.repeat([(0.3, 0.1, 1.0)], 4, axis=0)
-    vector = DOWN * [[0.4], [0.9], [1.2], [1.9]]
+    origin = np.array([(0.3, 0.1, 1.0), (0.3, 0.1, 1.0), (0.3, 0.1, 1.0), (0.3, 0.1, -0.3)])
+    vector = DOWN * [[0.4], [0.9], [1.2], [0.4]]
     words = trace(context, embree, origin, np.repeat(DOWN, 4, axis=0), origin, vector)
-    np.testing.assert_array_equal(words[:, 0], np.array([FREE, FREE, 0, 0], np.uint32))  # and the nearest hit is a pane
-    assert panes.asked == 5  # one pane each of the middle rays' first two, two of the last; the first ray ends before
+    # None in the way; the first pane; both panes; what is solid. The nearest hit is the first pane all the same.
+    np.testing.assert_array_equal(words[:, 0], np.array([FREE, FREE, 0, 2], np.uint32))
+    assert panes.asked == 3
+
+
+def test_shadow_rays_stop_after_so_many_layers(context: Context, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("viewer.trace.embree.SeeThrough", lambda context, surfaces: Panes())
+    monkeypatch.setattr("viewer.trace.embree.MAX_LAYERS", 3)
+    squares = [mesh([(-1, -1, z), (1, -1, z), (0, 1, z)], [(0, 1, 2)]) for z in (0.0, 0.1, 0.2, 0.3)]
+    for count, free in ((2, FREE), (3, 0)):
+        stack = mesh(np.concatenate([square.positions for square in squares[:count]]), np.arange(3 * count))
+        geometry = Geometry([stack], [Instance(0, np.eye(3, 4), see_through=True)])
+        embree = make_intersector(context, geometry, SimpleNamespace(), kind="embree")
+        words = trace(context, embree, np.array([(0, 0, 1.0)]), DOWN, np.array([(0, 0, 1.0)]), 2 * DOWN)
+        assert words[0, 0] & FREE == free

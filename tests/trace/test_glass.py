@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from pictures import halves
-from shapes import constant, orthographic, plate, scene, sphere
+from shapes import constant, moved, orthographic, plate, scene, sphere
 
 from viewer.scene.camera import Camera
 from viewer.scene.environment import Environment
@@ -62,6 +62,17 @@ def test_a_slab_is_tinted_once_on_the_way_through(tracer):
     slab = replace(GLASS, thickness=1.0, base_color=(0.64, 0.25, 1, 1))
     found = mean(tracer, scene(box(4, 4, 0.25), materials=[slab], environment=constant()), bounces=2)
     assert found == pytest.approx(R + (1 - R) ** 2 * np.array([0.64, 0.25, 1]), abs=2e-3)
+
+
+def test_what_is_inside_is_seen_through_all_of_the_way(tracer):
+    """A lamp in a slab, behind a pane that alpha leaves open: absorbed from the front on, and spread by the index."""
+    slab = replace(GLASS, thickness=1.0, attenuation_distance=0.25, attenuation_color=(0.8, 0.3, 0.01))
+    pane = Material(base_color=(1, 1, 1, 0), metallic=0.0, alpha_mode="blend")
+    lamp = Material(base_color=(0, 0, 0, 1), metallic=0.0, specular=0.0, emissive=(4.0, 4.0, 4.0))
+    model = scene(box(4, 4, 0.5), (plate(1, half=3.0), moved((0, 0, 0.25))), plate(2, half=3.0),
+                  materials=[slab, pane, lamp])
+    seen = 4 * (1 - R) / 1.5**2 * np.array([0.8, 0.3, 0.01]) ** 2
+    assert mean(tracer, model) == pytest.approx(seen, rel=5e-3)
 
 
 def test_from_inside_a_ball_light_is_absorbed_on_the_way(tracer):

@@ -7,11 +7,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from shapes import moved, plate, scene
+from shapes import sphere as smooth_sphere
 from stand_ins import Geometry, Instance, fill, make_wave, mesh, soup, sphere, trace
 
 from viewer.errors import UsageError
 from viewer.gpu.context import Context
 from viewer.scene.material import Material
+from viewer.scene.scene import Instance as SceneInstance
+from viewer.scene.scene import Scene
 from viewer.trace import intersect
 from viewer.trace.geometry import trace_geometry
 from viewer.trace.intersect import FREE, INSTANCE_MASK, MISS, Intersector, make_intersector
@@ -204,30 +207,42 @@ def test_zero_rays_and_strange_ones(context: Context, kind: str) -> None:
     assert (words[42:, 0] == 0).all()
 
 
-def see_through_scene(context: Context, alphas: list[float]) -> tuple[object, SceneData]:
-    """Plates that blend, one behind the other, each of its own mesh and material; the last placed twice."""
+def panes(alphas: list[float]) -> Scene:
+    """Plates that blend, one behind the other."""
     materials = tuple(Material(base_color=(1, 1, 1, alpha), alpha_mode="blend") for alpha in alphas)
-    plates = [(plate(k), moved((0, 0, 0.1 * k))) for k in range(len(alphas))]
-    made = scene(*plates, materials=materials)
+    return scene(*[(plate(k), moved((0, 0, 0.1 * k))) for k in range(len(alphas))], materials=materials)
+
+
+def shells(alpha: float, count: int) -> Scene:
+    """A sphere that blends, placed several times inside of itself."""
+    material = Material(base_color=(1, 1, 1, alpha), alpha_mode="blend")
+    placed = tuple(SceneInstance(0, moved((0, 0, 0), 1 + 0.1 * k)) for k in range(count))
+    return Scene("shells", (smooth_sphere(segments=24),), (material,), placed)
+
+
+@pytest.mark.parametrize(("made", "free"), [(panes([0.5, 0.25, 0.6]), 0.15), (shells(0.4, 4), 0.6**4)],
+                         ids=["panes", "shells"])
+def test_shadow_rays_go_through_by_chance_and_both_by_the_same(context: Context, made: Scene, free: float) -> None:
     geometry = trace_geometry(made)
     data = SceneData(context, made, geometry)
     data.upload()
-    return geometry, data
-
-
-def test_shadow_rays_go_through_by_chance_and_both_by_the_same(context: Context) -> None:
-    alphas = [0.5, 0.25, 0.6]
-    geometry, data = see_through_scene(context, alphas)
-    assert geometry.instances[0].see_through
     rng = np.random.default_rng(9)
-    center = np.mean([instance.transform[:, 3] for instance in geometry.instances], axis=0)
-    origin = center + np.c_[rng.uniform(-0.3, 0.3, (RAYS, 2)), np.full(RAYS, 0.5)]
-    vector = np.c_[rng.uniform(-0.1, 0.1, (RAYS, 2)), -np.ones(RAYS)]
-    free = [trace(context, make_intersector(context, geometry, data, kind), origin, vector, origin, vector)[:, 0] & FREE
-            for kind in KINDS]
-    assert (free[0] != free[1]).mean() < 1e-3  # the barycentrics differ in the last places, the random numbers do not
-    share = np.prod(1 - np.array(alphas))
-    assert abs((free[0] != 0).mean() - share) < 4 * np.sqrt(share * (1 - share) / RAYS)
+    origin = geometry.instances[-1].transform[:, 3] + np.c_[rng.uniform(-0.2, 0.2, (RAYS, 2)), np.full(RAYS, 0.01)]
+    vector = np.c_[rng.uniform(-0.1, 0.1, (RAYS, 2)), np.full(RAYS, -2.0)]
+    intersectors = [make_intersector(context, geometry, data, kind) for kind in KINDS]
+    found = [trace(context, each, origin, vector, origin, vector)[:, 0] & FREE for each in intersectors]
+    assert (found[0] != found[1]).mean() < 1e-3  # barycentrics differ in the last places, the random numbers do not
+    assert abs((found[0] != 0).mean() - free) < 4 * np.sqrt(free * (1 - free) / RAYS)
+    data.release()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_scene_without_triangles_is_all_miss(context: Context, kind: str) -> None:
+    intersector = make_intersector(context, Geometry([]), kind=kind)
+    origin, vector = np.zeros((3, 3)), np.repeat([(0.0, 0.0, -1.0)], 3, axis=0)
+    words = trace(context, intersector, origin, vector, origin, vector)
+    np.testing.assert_array_equal(words[:, 0], np.uint32(MISS | FREE))
+    intersector.release()
 
 
 def test_auto_is_embree_where_opengl_is_software(context: Context, monkeypatch: pytest.MonkeyPatch) -> None:

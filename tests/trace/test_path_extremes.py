@@ -16,9 +16,18 @@ from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Scene
+from viewer.settings import Settings
+from viewer.trace.plan import TracePlan
+from viewer.trace.tracer import Tracer
 
 SIZE = (24, 24)
 GLASS = Material(metallic=0.0, perceptual_roughness=0.0, transmission=1.0, thickness=1.0)
+
+
+def plan_of(tracer: Tracer, model: Scene) -> TracePlan:
+    exposure = tracer.begin(model, framing(model), Settings.of(mode="path", spp=1), (8, 8))
+    exposure.release()
+    return exposure.plan
 
 
 def framing(model: Scene) -> Camera:
@@ -159,3 +168,17 @@ def test_a_light_on_a_surface_and_an_eye_on_a_light(tracer):
     model = scene((plate(half=2.0), facing_floor()), lights=(Light("point", intensity=1.0, position=(0, 0, 0)),
                                                              Light("point", intensity=1.0, position=(0, 1, 0))))
     assert picture(tracer, model, Camera.look_at((0, 1, 0), (0.3, 0, 0)), SIZE, spp=4).max() < 1e6
+
+
+def test_what_no_path_can_find_is_said(tracer):
+    """Below smooth glass a point light leaves its shadow alone, and the plan says so; rough glass lets its light by."""
+    lamp = Light("point", intensity=10.0, position=(0, 4, 0))
+    for roughness, is_lost in ((0.0, True), (0.4, False)):
+        glass = replace(GLASS, perceptual_roughness=roughness)
+        model = scene((plate(0, half=3.0), facing_floor()), (sphere(1, 48), moved((0, 1.5, 0), 0.6)),
+                      materials=[WHITE, glass], lights=(lamp,))
+        below = Camera.look_at((0, 0.4, 1.6), (0, 0, 0), fov_y=np.radians(5))
+        pixels = picture(tracer, model, below, (16, 16), spp=64, bounces=4)[..., :3]
+        said = [line for line in plan_of(tracer, model).left_out if "through smooth glass" in line]
+        assert bool(said) == is_lost
+        assert (pixels.mean() < 0.05) == is_lost

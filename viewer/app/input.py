@@ -29,7 +29,7 @@ SCROLL_HEIGHTS = 0.03
 """Window heights that one notch pans or orbits by."""
 _NAMES = {
     getattr(glfw, f"KEY_{name}"): name
-    for name in ("ESCAPE", "TAB", "HOME", *(f"F{k}" for k in range(1, 13)), *(f"KP_{k}" for k in range(10)),
+    for name in ("ESCAPE", "TAB", "HOME", "SPACE", *(f"F{k}" for k in range(1, 13)), *(f"KP_{k}" for k in range(10)),
                  *"0123456789", *"ABCDEFGHIJKLMNOPQRSTUVWXYZ")
 }
 

@@ -23,6 +23,10 @@ KEYS = (
     Binding("Shading", ("5",), "specular", "Specular light alone"),
     Binding("Shading", ("6",), "directional_diffuse", "Directional diffuse light alone (multiple scattering)"),
     Binding("Shading", ("7",), "furnace", "White furnace: what keeps all light vanishes"),
+    Binding("Shading", ("8",), "path", "Path-traced: the right answer, as it converges"),
+    Binding("Shading", ("9",), "path_split", "PBR | path-traced"),
+    Binding("Shading", ("SPACE",), "pause", "Path tracing: pause, go on"),
+    Binding("Shading", ("N",), "denoise", "Path tracing: filter the noise, or show it"),
     Binding("Camera", ("F", "HOME"), "frame_all", "Frame all"),
     Binding("Camera", ("V",), "view_default", "Three-quarter view"),
     Binding("Camera", ("Z", "KP_1"), "view_front", "Front view"),
@@ -51,7 +55,7 @@ MOUSE = (
     ("Drop a file", "Open a model; light it by an HDR or EXR picture"),
 )
 
-_LABELS = {"ESCAPE": "Esc", "TAB": "Tab", "HOME": "Home"}
+_LABELS = {"ESCAPE": "Esc", "TAB": "Tab", "HOME": "Home", "SPACE": "Space"}
 
 
 def action_of(key: str, shift: bool = False, control: bool = False) -> str | None:

@@ -1,19 +1,22 @@
-"""What is drawn over the picture beside the panel: the split's line, one line of message, the help."""
+"""What is drawn over the picture beside the panel: the split's line, how far path tracing is, a message, the help."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 from imgui_bundle import imgui
 
 from .keys import help_groups
 from .state import ViewState
 
+MODE_NAMES = {"pbr": "PBR", "phong": "Phong", "path": "Path-traced"}
 _WHITE, _SHADOW = 0xE6FFFFFF, 0xB4000000  # ABGR
 _INFO, _ERROR = 0xE61E1E1E, 0xF0202890
 _HINT = imgui.ImVec4(0.62, 0.74, 0.90, 1.0)
 
 
-def draw_split(position: float, scale: float) -> None:
-    """The line at `position` (a fraction of the width), its handle, and which side is which."""
+def draw_split(position: float, sides: Sequence[str], scale: float) -> None:
+    """The line at `position` (a fraction of the width), its handle, and which mode is on which side."""
     width, height = imgui.get_io().display_size
     draw, x = imgui.get_background_draw_list(), round(position * width) + 0.5
     draw.add_line((x, 0), (x, height), _SHADOW, 3 * scale)
@@ -21,8 +24,14 @@ def draw_split(position: float, scale: float) -> None:
     draw.add_circle_filled((x, height / 2), 7 * scale, _WHITE)
     draw.add_circle((x, height / 2), 7 * scale, _SHADOW, 0, scale)
     gap, y = 12 * scale, 10 * scale
-    _label(draw, x - gap - imgui.calc_text_size("Phong").x, y, "Phong", _SHADOW, scale)
-    _label(draw, x + gap, y, "PBR", _SHADOW, scale)
+    left, right = (MODE_NAMES[mode] for mode in sides)
+    _label(draw, x - gap - imgui.calc_text_size(left).x, y, left, _SHADOW, scale)
+    _label(draw, x + gap, y, right, _SHADOW, scale)
+
+
+def draw_status(text: str, scale: float) -> None:
+    """One line at the top left, below the names of a split's sides."""
+    _label(imgui.get_background_draw_list(), 14 * scale, 38 * scale, text, _SHADOW, scale)
 
 
 def draw_message(state: ViewState, scale: float, width: float) -> None:

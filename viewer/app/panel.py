@@ -16,6 +16,7 @@ from ..scene.environment_files import load_environment
 from ..scene.environment_presets import PRESETS
 from ..scene.light import Light
 from ..settings import setting_choices
+from .overlay import MODE_NAMES
 from .state import ViewState, scene_facts
 
 WIDTH = 310.0
@@ -27,7 +28,10 @@ _LABELS = {
     "exact": "Exact", "phong": "Phong", "all": "All", "uniform-diffuse": "Uniform diffuse", "specular": "Specular",
     "directional-diffuse": "Directional diffuse", "neutral": "Khronos PBR Neutral", "agx": "AgX", "aces": "ACES (Hill)",
     "auto": "Automatic", "msaa-2": "2 samples", "msaa-4": "4 samples", "msaa-8": "8 samples",
+    "off": "As it is", "fast": "Filtered, for the eye", "mis": "Both ways (MIS)", "bsdf": "By surfaces alone",
+    "lights": "By lights alone",
 }
+_MODES = ((("pbr",), ("phong",), ("path",)), (("phong", "pbr"), ("pbr", "path")))
 _TONEMAPS = ("neutral", "agx", "aces", "none")
 _FIRST_COLOR = (0.18, 0.18, 0.18)
 _WARNING = imgui.ImVec4(0.95, 0.75, 0.35, 1.0)
@@ -62,11 +66,13 @@ class Panel:
                     | flags.no_saved_settings)
         for name, is_open, section in (
             ("Warnings", True, self._warnings), ("Shading", True, self._shading),
-            ("Environment", True, self._environment), ("Lights", False, self._lights),
+            ("Path tracing", True, self._path_tracing), ("Environment", True, self._environment),
+            ("Lights", False, self._lights),
             ("Picture", True, self._picture), ("Model", False, self._model),
             ("Left out", False, self._left_out), ("Frame time", True, self._frame_time),
         ):
-            if name == "Warnings" and not self._state.scene.warnings:
+            if (name == "Warnings" and not self._state.scene.warnings) or (
+                    name == "Path tracing" and not self._state.shows("path")):
                 continue
             imgui.push_id(name)
             if imgui.collapsing_header(name, imgui.TreeNodeFlags_.default_open if is_open else 0):
@@ -82,23 +88,36 @@ class Panel:
 
     def _shading(self) -> None:
         state = self._state
-        current = "split" if state.split is not None else state.settings.mode
-        for mode, label in (("pbr", "PBR"), ("phong", "Phong"), ("split", "Phong | PBR")):
-            if imgui.radio_button(label, current == mode) and current != mode:
-                state.show_split() if mode == "split" else state.show_mode(mode, state.settings.lobes)
-            imgui.same_line(spacing=14 * self._scale)
-        imgui.new_line()
+        for row in _MODES:
+            for modes in row:
+                if imgui.radio_button(" | ".join(MODE_NAMES[m] for m in modes), state.modes == modes) and (
+                        state.modes != modes):
+                    state.show_split(*modes) if len(modes) > 1 else state.show_mode(*modes, state.settings.lobes)
+                imgui.same_line(spacing=14 * self._scale)
+            imgui.new_line()
         self._choice("Shows", "lobes")
         if imgui.checkbox("White furnace", state.unheated is not None)[0]:
             state.toggle_furnace()
-        if current != "phong":
+        if state.modes != ("phong",):
             self._choice("Distribution D", "ndf")
             self._choice("Masking G", "masking")
             self._choice("Fresnel F", "fresnel")
             self._switch("Multiple scattering", "multiscatter")
             self._switch("Specular antialiasing", "specular_aa")
-        if current != "pbr":
+        if state.shows("phong"):
             self._choice("Phong highlight", "phong")
+
+    def _path_tracing(self) -> None:
+        state = self._state
+        self._combo("Noise", "denoise", ("off", "fast"))
+        self._choice("Light is found", "sampling")
+        self._row("Bounces")
+        changed, bounces = imgui.slider_int("##bounces", state.settings.bounces, 1, 64, "%d",
+                                            imgui.SliderFlags_.logarithmic | imgui.SliderFlags_.always_clamp)
+        if changed:
+            state.settings = replace(state.settings, bounces=bounces)
+        if imgui.checkbox("Paused", state.paused)[0]:
+            state.toggle_pause()
 
     def _environment(self) -> None:
         state = self._state

@@ -10,7 +10,7 @@ from ..scene.environment import Environment
 from ..scene.furnace import in_furnace
 from ..scene.light import Light
 from ..scene.scene import Scene
-from ..settings import Settings
+from ..settings import PATH_ONLY, Mode, Settings
 
 Part = tuple[int, int, int, int]
 
@@ -25,14 +25,17 @@ FURNACE = {"exposure": -1.0, "tonemap": "none", "background": "env"}
 
 @dataclass
 class ViewState:
-    """`split` is where the line between Phong (left) and PBR stands, as a fraction of the width, or None.
+    """`split` is where the line between the modes `sides` stands, as a fraction of the width, or None.
 
-    `unheated` is the scene, and its settings in FURNACE's terms, to come back to from the furnace view; None outside it.
+    `unheated` is the scene, with its settings in FURNACE's terms, to come back to from the furnace view; else None.
     """
 
     scene: Scene
     settings: Settings
     split: float | None = None
+    sides: tuple[Mode, Mode] = ("phong", "pbr")
+    paused: bool = False
+    """Whether the path-traced picture shall stay as it is."""
     panel: bool = True
     help: bool = False
     inertia: bool = False
@@ -41,13 +44,36 @@ class ViewState:
     expires: float = 0.0
     unheated: tuple[Scene, dict[str, object]] | None = None
 
-    def show_mode(self, mode: str, lobes: str = "all") -> None:
-        self.split = None
+    @property
+    def modes(self) -> tuple[Mode, ...]:
+        """What is shown, from left to right."""
+        return self.sides if self.split is not None else (self.settings.mode,)
+
+    def shows(self, mode: Mode) -> bool:
+        return mode in self.modes
+
+    def show_mode(self, mode: Mode, lobes: str = "all") -> None:
+        self.split, self.paused = None, False
         self.settings = replace(self.settings, mode=mode, lobes=lobes)
 
-    def show_split(self) -> None:
-        self.split = 0.5 if self.split is None else self.split
+    def show_lobes(self, lobes: str) -> None:
+        """One contribution alone, in a mode that has them."""
+        self.show_mode("path" if self.modes == ("path",) else "pbr", lobes)
+
+    def show_split(self, left: Mode = "phong", right: Mode = "pbr") -> None:
+        self.split, self.paused = 0.5 if self.split is None else self.split, False
+        self.sides = left, right
         self.settings = replace(self.settings, lobes="all")
+
+    def toggle_pause(self) -> None:
+        if self.shows("path"):
+            self.paused = not self.paused
+        else:
+            self.say("Nothing to pause: this picture is not path-traced")
+
+    def toggle_denoise(self) -> None:
+        self.settings = replace(self.settings, denoise="fast" if self.settings.denoise == "off" else "off")
+        self.say(f"Path tracing: noise {'is filtered away' if self.settings.denoise == 'fast' else 'is left as it is'}")
 
     def toggle_furnace(self) -> None:
         """The model white and in a white furnace, where what keeps all light vanishes; or back."""
@@ -61,7 +87,7 @@ class ViewState:
 
     def shown(self) -> dict[str, object]:
         """The fields that decide what the picture shows, as they are now."""
-        return {"scene": self.scene, "settings": self.settings, "split": self.split,
+        return {"scene": self.scene, "settings": self.settings, "split": self.split, "sides": self.sides,
                 "unheated": self.unheated}
 
     def say(self, text: str, is_error: bool = False) -> None:
@@ -100,13 +126,25 @@ class ViewState:
         return replace(self.settings, background=CLEAR_GREY)
 
     def shots(self, settings: Settings, size: tuple[int, int]) -> list[tuple[Settings, Part | None]]:
-        """What to draw for a picture of `size` pixels: settings, and the part of the picture or None for all of it."""
+        """What the raster draws for a picture of `size` pixels: settings, and the part of the picture or None for all.
+
+        Where paths are traced it draws all of what stands beside them or, until they have a picture, in their place.
+        """
+        plain = Settings()
+        settings = replace(settings, **{name: getattr(plain, name) for name in PATH_ONLY})
+        if self.shows("path"):
+            beside = next((mode for mode in self.modes if mode != "path"), "pbr")
+            return [(replace(settings, mode=beside), None)]
+        return [(replace(settings, mode=mode), part) for mode, part in self.parts(size)]
+
+    def parts(self, size: tuple[int, int]) -> list[tuple[Mode, Part | None]]:
+        """The modes that are seen, and where: None is all of the picture."""
         if self.split is None:
-            return [(settings, None)]
+            return [(self.settings.mode, None)]
         width, height = size
         line = min(max(round(self.split * width), 0), width)
-        parts = (("phong", (0, 0, line, height)), ("pbr", (line, 0, width - line, height)))
-        return [(replace(settings, mode=mode), part) for mode, part in parts if part[2] > 0]
+        parts = zip(self.sides, ((0, 0, line, height), (line, 0, width - line, height)), strict=True)
+        return [(mode, part) for mode, part in parts if part[2] > 0]
 
 
 def free_path(folder: Path, name: str, suffix: str = ".png") -> Path:

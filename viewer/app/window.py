@@ -21,10 +21,10 @@ from ..settings import Settings
 from .gui import Gui
 from .input import Input
 from .orbit import QUARTER, OrbitController
-from .overlay import draw_help, draw_message, draw_split
+from .overlay import draw_help, draw_message, draw_split, draw_status
 from .panel import Panel, Readings
 from .pick import pick
-from .picture import REST_SECONDS, Picture
+from .picture import Picture
 from .state import ViewState
 from .watch import INTERVAL, ShaderWatch
 
@@ -86,13 +86,14 @@ class ViewerWindow:
 
     @property
     def is_idle(self) -> bool:
-        """Whether nothing is left to draw at once; a picture at rest may yet be refined."""
+        """Whether nothing is left to draw at once; a picture at rest may yet be refined, and paths traced."""
         return not (self._frames_left or self._to_open or self.orbit.velocity.any())
 
     def step(self, timeout: float = INTERVAL) -> None:
-        """Wait for an event, `timeout` seconds at most, and draw if there is anything new."""
-        if self.is_idle:
-            glfw.wait_events_timeout(timeout if self.picture.is_refined else min(timeout, REST_SECONDS))
+        """Wait for an event, `timeout` seconds at most, and draw if there is anything new, or trace paths."""
+        patience = min(timeout, self.picture.patience) if self.is_idle else 0.0
+        if patience > 0:
+            glfw.wait_events_timeout(patience)
         else:
             glfw.poll_events()
         if self._to_open:
@@ -110,18 +111,16 @@ class ViewerWindow:
         if self._frames_left:
             self._frames_left -= 1
             self._draw()
+        if self.picture.converge():
+            self._frames_left = max(self._frames_left, 1)
 
     def do(self, action: str) -> None:
         """What a key stands for; `viewer.app.keys.KEYS` lists the actions."""
         state, orbit = self.state, self.orbit
-        if action in ("pbr", "phong"):
+        if action in ("pbr", "phong", "path"):
             state.show_mode(action)
-        elif action == "split":
-            state.show_split()
-        elif action == "furnace":
-            state.toggle_furnace()
         elif action in ("uniform_diffuse", "specular", "directional_diffuse"):
-            state.show_mode("pbr", action.replace("_", "-"))
+            state.show_lobes(action.replace("_", "-"))
         elif action in _VIEWS:
             orbit.look_from(*_VIEWS[action])
         elif action in ("panel", "help", "inertia"):
@@ -129,7 +128,9 @@ class ViewerWindow:
             if action == "inertia":
                 state.say(f"Inertia {'on' if state.inertia else 'off'}")
         else:
-            {"frame_all": self._frame_all, "orthographic": self._toggle_orthographic,
+            {"split": state.show_split, "path_split": lambda: state.show_split("pbr", "path"),
+             "furnace": state.toggle_furnace, "pause": state.toggle_pause, "denoise": state.toggle_denoise,
+             "frame_all": self._frame_all, "orthographic": self._toggle_orthographic,
              "next_camera": self._show_next_camera, "screenshot": self._save, "reload": self._reload,
              "close": self._close}[action]()
 
@@ -145,10 +146,13 @@ class ViewerWindow:
         start = time.perf_counter()
         self.context.make_current()
         is_new = self.picture.update(self._pixels)
+        self.readings.left_out = self.picture.left_out
         self._gui.begin()
         scale = self._gui.scale
         if self.state.split is not None:
-            draw_split(self.state.split, scale)
+            draw_split(self.state.split, self.state.sides, scale)
+        if status := self.picture.paths.status():
+            draw_status(status, scale)
         free_width = glfw.get_window_size(self.window)[0]
         if self.state.panel and not self.state.help:
             free_width -= self._panel.draw(scale)
@@ -162,7 +166,6 @@ class ViewerWindow:
         self.context.gl.finish()
         if is_new:
             glfw.set_window_title(self.window, _title(self.state.scene))
-            self.readings.left_out = self.renderer.plan.left_out
             self.readings.frame_ms.append((time.perf_counter() - start) * 1e3)
         glfw.swap_buffers(self.window)
 
@@ -253,6 +256,7 @@ class ViewerWindow:
         return self
 
     def __exit__(self, *exc: object) -> None:
+        self.picture.paths.release()
         self.renderer.release()
         self._gui.release()
         self.context.release()

@@ -54,6 +54,12 @@ def prefilter(radiance: np.ndarray, ndf: str = "ggx") -> tuple[list[np.ndarray],
     return [_with_energy(level, energy) for level in levels], _with_energy(irradiance, energy)
 
 
+def irradiance_map(radiance: np.ndarray) -> np.ndarray:
+    """What `prefilter` gives beside the levels, without their cost."""
+    [irradiance] = convolve(resample(radiance, HEIGHT, WIDTH), [irradiance_filter(row_angles(irradiance_rows))])
+    return _with_energy(irradiance, sphere_integral(radiance))
+
+
 def row_angles(height: int) -> np.ndarray:
     """theta at the centres of a level's rows, (height,) float64, from beyond one pole to beyond the other."""
     return np.pi * ((np.arange(height) + 0.5) / height - MARGIN) / (1 - 2 * MARGIN)

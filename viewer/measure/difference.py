@@ -50,12 +50,17 @@ class Difference:
 
     def map_image(self) -> Image:
         """The FLIP map in magma: black where the pictures agree, bright where they differ."""
-        colours = np.polynomial.polynomial.polyval(self.map, _MAGMA).transpose(1, 2, 0)
-        return Image.from_srgb((np.clip(colours, 0, 1) * 255 + 0.5).astype(np.uint8))
+        return Image.from_srgb(magma(self.map))
 
     def save_map(self, path: str | PathLike[str]) -> None:
         """Writes `map_image`; OutputError as `Image.save`."""
         self.map_image().save(path)
+
+
+def magma(values: np.ndarray) -> np.ndarray:
+    """(H, W) in [0, 1] as colours, (H, W, 3) uint8: black, purple, orange, pale yellow."""
+    colors = np.polynomial.polynomial.polyval(values, _MAGMA).transpose(1, 2, 0)
+    return (np.clip(colors, 0, 1) * 255 + 0.5).astype(np.uint8)
 
 
 def compare(a: Image, b: Image, kind: Kind = "ldr", names: tuple[str, str] = ("a", "b")) -> Difference:

@@ -36,6 +36,10 @@ _MATERIALS = {
     "IOR 100": Material(metallic=0.0, perceptual_roughness=0.3, ior=100.0),
     "f0 0": Material(metallic=1.0, perceptual_roughness=0.3, base_color=(0, 0, 0, 1)),
     "f0 1": Material(metallic=1.0, perceptual_roughness=0.3),
+    "glass of IOR 1, black and clear": Material(
+        metallic=0.0, perceptual_roughness=0.0, ior=1.0, transmission=1.0, thickness=1e6, attenuation_distance=1e-6,
+        attenuation_color=(0.0, 1.0, 0.5)),
+    "a wall of glass of IOR 100": Material(metallic=0.0, perceptual_roughness=1.0, ior=100.0, transmission=1.0),
 }
 _FRONT, _BACK = (replace(LAMBERTIAN, base_color=(*color, 1.0)) for color in ((0.0, 1.0, 0.0), (1.0, 0.0, 0.0)))
 

@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ..plan import MAPS, Plan, material_map, plan_scene
+from ..maps import CHANNELS, MAPS, material_map
+from ..plan import Plan, plan_scene
 from ..scene.color import srgb_to_linear
 from ..scene.scene import Scene
 from ..scene.texture_image import TextureImage
@@ -23,12 +24,6 @@ Key = tuple[TextureImage, str, bool]
 _THREADS = 2
 _ROOM = 4
 """Images in work or waiting to be fetched, 17 MB each where they have 2048 texels a side."""
-
-_CHANNELS = {
-    "base_color": "RGBA", "metallic_roughness": "GB", "normal": "RGB", "occlusion": "R",
-    "emissive": "RGB", "specular": "A", "specular_color": "RGB",
-    "transmission": "R", "thickness": "G",
-}
 
 
 class Decoder:
@@ -95,7 +90,7 @@ def channels_read(
         for name in draw.maps:
             opaque = name == "base_color" and material.alpha_mode == "opaque"
             image = material_map(material, name).image
-            reads.setdefault((image, MAPS[name]), set()).update("RGB" if opaque else _CHANNELS[name])
+            reads.setdefault((image, MAPS[name]), set()).update("RGB" if opaque else CHANNELS[name])
     return {image: "R" if letters == {"R"} else "RGBA" if "A" in letters else "RGB"
             for image, letters in reads.items()}
 

@@ -9,7 +9,7 @@ import moderngl
 import numpy as np
 
 from ..bake.dominant import ambient_and_key
-from ..bake.environment import background_map, bake_environment
+from ..bake.environment import BakedEnvironment, background_map, bake_environment
 from ..bake.many_lights import ManyLights, many_lights
 from ..gpu.context import Context
 from ..gpu.mipmaps import mipmapped_texture
@@ -34,19 +34,32 @@ class EnvironmentLight:
 
     def __init__(self, context: Context, environment: Environment, settings: Settings, use_cache: bool) -> None:
         self._context, self._gl, self.environment = context, context.gl, environment
-        self._ndf = settings.ndf
-        self._baked = bake_environment(environment, ndf=settings.ndf, cache=use_cache)
+        self._ndf, self._use_cache = settings.ndf, use_cache
+        self._baked: BakedEnvironment | None = None
         self._prefiltered: moderngl.Texture | None = None
         self._irradiance: moderngl.Texture | None = None
-        self._use_cache = use_cache
         self._background: _Background | None = None
 
     def holds(self, environment: Environment, settings: Settings) -> bool:
         """Whether this is that environment, turned and scaled at most."""
         return self.environment.source is environment.source and self._ndf == settings.ndf
 
+    def bake(self, with_levels: bool) -> None:
+        """Have what lights surfaces, and `with_levels` what they reflect, where that is not there yet."""
+        has_levels = self._prefiltered is not None or bool(self._baked and self._baked.levels)
+        if self._baked is None or with_levels and not has_levels:
+            self._baked = bake_environment(self.environment, self._ndf, self._use_cache, with_levels)
+            if self._irradiance is not None:  # it is in units of the scale that was
+                self._irradiance.release()
+                self._irradiance = None
+
     def lights(self, settings: Settings) -> list[Light]:
-        """The environment's suns; in Phong mode, which reflects no environment, also its dominant direction."""
+        """The environment's suns; in Phong mode, which reflects no environment, also its dominant direction.
+
+        None of an environment that is not baked, for then it lights nothing.
+        """
+        if self._baked is None:
+            return []
         turn, scale = rotation_about_y(self.environment.rotation).T, self.environment.intensity
         lights = list(self._baked.suns)
         if settings.mode == "phong":
@@ -80,6 +93,7 @@ class EnvironmentLight:
                 self._irradiance.repeat_x = True
             self._irradiance.use(UNIT_IRRADIANCE)
             values["u_irradiance"] = UNIT_IRRADIANCE
+        if plan.reflections:
             if self._prefiltered is None:
                 self._prefiltered = mipmapped_texture(self._context, self._baked.levels)
                 self._prefiltered.repeat_y = False
@@ -103,8 +117,10 @@ class EnvironmentLight:
 
     def _background_seen_at(self, pixel_angle: float) -> _Background:
         """The map itself, with mip levels from when it is first drawn smaller than it is."""
-        if self._background is None:
+        if self._background is None and self._baked is not None and self._baked.background is not None:
             pixels, self._baked = self._baked.background, replace(self._baked, background=None)
+        elif self._background is None:
+            pixels = background_map(self.environment.radiance)
         elif self._background.lod(pixel_angle) > 0 and not self._background.has_levels:
             self._background.texture.release()
             pixels = background_map(self.environment.radiance)

@@ -8,6 +8,8 @@ import numpy as np
 from ..scene.mesh import Mesh
 
 _FORMATS = {"a_position": "3f", "a_normal": "3f", "a_tangent": "4f", "a_color": "4f", "a_uv0": "2f", "a_uv1": "2f"}
+# For programs that can do more than a mesh needs: what changes nothing, or is not looked at.
+_BLANK = {"a_tangent": (0.577, 0.577, 0.577, 1.0), "a_color": (1.0, 1.0, 1.0, 1.0), "a_uv0": (0.0, 0.0), "a_uv1": (0.0, 0.0)}
 _PRIMITIVES = {"triangles": moderngl.TRIANGLES, "lines": moderngl.LINES, "points": moderngl.POINTS}
 
 
@@ -76,7 +78,10 @@ class MeshBuffers:
         if name == "a_position":
             return (mesh.positions - self.to_mesh[:3, 3]).astype(np.float32)
         data = {"a_normal": mesh.normals, "a_tangent": mesh.tangents, "a_color": mesh.colors, "indices": mesh.indices}
-        array = mesh.uvs[int(name[-1])] if name.startswith("a_uv") else data[name]
+        data |= {f"a_uv{k}": uv for k, uv in enumerate(mesh.uvs)}
+        array = data.get(name)
+        if array is None:
+            array = np.full((len(mesh.positions), len(_BLANK[name])), _BLANK[name], np.float32)
         return np.ascontiguousarray(array)
 
     def drop_arrays(self) -> None:

@@ -13,8 +13,9 @@ import numpy as np
 from ..bake.dfg import dfg_table
 from ..gpu.context import Context
 from ..image import Image
-from ..plan import Plan, plan_scene
+from ..plan import Plan, environment_use, plan_scene
 from ..scene.camera import Camera
+from ..scene.environment import Environment
 from ..scene.light import Light
 from ..scene.scene import Scene
 from ..settings import Settings
@@ -34,6 +35,7 @@ from .visibility import Visibility
 
 _KEPT = 2
 """Plans and shadow maps kept: a window split between two modes draws with two in turn."""
+_BLACK = Environment("black", np.zeros((512, 1024, 3), np.float32))
 
 
 class Renderer:
@@ -137,13 +139,17 @@ class Renderer:
         target.framebuffer.clear(depth=1.0)  # alpha 0: a colour is laid behind when the picture is displayed
         with self._pass("surfaces"):
             self._surfaces.draw_opaque(frame, plan, uniforms)
+        if plan.has_bodies:  # what they show of the environment is refracted: it is not in the picture yet
+            with self._pass("bodies of glass"):
+                uniforms |= self._take_backdrop(target)
+                self._surfaces.draw_transmissive(2, frame, plan, uniforms)
         if plan.background:
             with self._pass("background"):
                 self._environment.draw_background(self.programs, frame, half)
-        if plan.has_transmission:
-            with self._pass("transmission"):
+        if plan.has_walls:
+            with self._pass("walls of glass"):
                 uniforms |= self._take_backdrop(target)
-                self._surfaces.draw_transmissive(frame, plan, uniforms)
+                self._surfaces.draw_transmissive(1, frame, plan, uniforms)
         if plan.has_blended:
             with self._pass("blend"):
                 self._surfaces.draw_blended(frame, plan, uniforms)
@@ -219,6 +225,10 @@ class Renderer:
 
     def _make_plan(self, key: tuple[object, ...]) -> Plan:
         scene, settings, samples, half, orthographic = key
+        is_lit, is_reflected = environment_use(scene, settings)
+        if is_lit:
+            with self._timed("environment"):
+                self._environment.bake(is_reflected)
         plan = plan_scene(scene, settings, self._lights(scene, settings), samples=samples, half_target=half,
                           orthographic=orthographic)
         self._surfaces.textures.prefetch(plan)
@@ -230,15 +240,16 @@ class Renderer:
         return plan
 
     def _prepare_environment(self, scene: Scene, settings: Settings) -> None:
-        if scene.environment is None:
+        environment = scene.environment or (_BLACK if settings.plan == "everything" else None)
+        if environment is None:
             self._release(self._environment)
             self._environment = None
-        elif self._environment is None or not self._environment.holds(scene.environment, settings):
+        elif self._environment is None or not self._environment.holds(environment, settings):
             self._release(self._environment)
             self._environment = None  # should the next one fail
-            self._environment = EnvironmentLight(self.context, scene.environment, settings, self._use_cache)
+            self._environment = EnvironmentLight(self.context, environment, settings, self._use_cache)
         if self._environment is not None:
-            self._environment.environment = scene.environment
+            self._environment.environment = environment
 
     def _lights(self, scene: Scene, settings: Settings) -> list[Light]:
         from_environment = self._environment.lights(settings) if self._environment is not None else []
@@ -265,6 +276,9 @@ class Renderer:
         if plan.dfg:
             self._dfg_texture(settings).use(UNIT_DFG)
             values["u_dfg"] = UNIT_DFG
+        if plan.is_everything:  # code for glass in programs of what is opaque
+            self._surfaces.textures.bind_blank("base_color", UNIT_RADIANCE)
+            values["u_backdrop"] = UNIT_RADIANCE
         blocks = [pack_lights(plan, frame)] if plan.lights else []
         shadows = self._shadows_of(plan)
         if shadows is not None:

@@ -8,8 +8,9 @@ import moderngl
 import numpy as np
 
 from ..gpu.context import Context
-from ..plan import MAPS, Draw, Plan, Program, material_map
-from ..scene.material import Material
+from ..maps import MAPS, material_map
+from ..plan import Draw, Plan, Program
+from ..scene.material import Material, UVTransform
 from ..scene.scene import Scene
 from .decoding import Decoder
 from .frame import Frame, handedness, normal_matrix, uniform
@@ -57,18 +58,18 @@ class Surfaces:
     def draw_gbuffer(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> None:
         """Draw where those surfaces are that take part in visibility, and how they lie: shaders/raster/gbuffer.frag."""
         draws = [replace(d, program=_gbuffer_program(d.program)) for d in plan.draws if d.sees_visibility]
-        self._draw_solid(draws, frame, frame_uniforms)
+        self._draw_solid(draws, frame, plan, frame_uniforms)
 
     def draw_opaque(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
         """Draw what neither blends nor transmits light; returns how many instances were drawn."""
-        return self._draw_solid([d for d in plan.draws if not d.transmits], frame, frame_uniforms)
+        return self._draw_solid([d for d in plan.draws if not d.transmits], frame, plan, frame_uniforms)
 
-    def draw_transmissive(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
-        """Draw what transmits light and does not blend: in front of what it shows, which `frame_uniforms` hold."""
-        return self._draw_solid([d for d in plan.draws if d.transmits], frame, frame_uniforms)
+    def draw_transmissive(self, kind: int, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
+        """Draw what transmits light and does not blend, walls (1) or bodies (2), before the picture in the uniforms."""
+        return self._draw_solid([d for d in plan.draws if d.transmits == kind], frame, plan, frame_uniforms)
 
-    def _draw_solid(self, draws: list[Draw], frame: Frame, frame_uniforms: dict[str, object]) -> int:
-        draws = [d for d in draws if d.alpha_mode != "blend" and frame.visible[d.instance]]
+    def _draw_solid(self, draws: list[Draw], frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
+        draws = [d for d in draws if d.alpha_mode != "blend" and (plan.is_everything or frame.visible[d.instance])]
         order = {program: k for k, program in enumerate(dict.fromkeys(d.program for d in draws))}
         draws.sort(key=lambda d: (order[d.program], d.material))
         self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
@@ -77,7 +78,7 @@ class Surfaces:
 
     def draw_blended(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
         """Draw what blends, farthest first; instances at one depth in an order that only depends on what they are."""
-        draws = [d for d in plan.draws if d.alpha_mode == "blend" and frame.visible[d.instance]]
+        draws = [d for d in plan.draws if d.alpha_mode == "blend" and (plan.is_everything or frame.visible[d.instance])]
         if not draws:
             return 0
         forward, centers = frame.camera.forward, self.scene.corners.mean(axis=1)
@@ -91,7 +92,6 @@ class Surfaces:
 
     def draw_depth(self, draw: Draw, matrix: np.ndarray) -> None:
         """Draw a mesh into a depth map; `matrix` takes its instance's local space to clip space."""
-        material = self.scene.materials[draw.material]
         mask = draw.alpha_mode == "mask"
         names = ["ALPHA_MODE", "HAS_COLOR", *(f"BASE_COLOR_{word}" for word in ("MAP", "UV", "TRANSFORM", "MIRROR"))]
         switches = {name: draw.program[name] if mask else 0 for name in names}
@@ -101,10 +101,10 @@ class Surfaces:
         mesh = self._mesh(draw.mesh)
         set_uniform(program, "u_model_to_light", uniform(matrix @ mesh.to_mesh))
         if mask:
-            set_uniform(program, "u_base_color", material.base_color)
-            set_uniform(program, "u_alpha_cutoff", material.alpha_cutoff)
+            set_uniform(program, "u_base_color", draw.surface.base_color)
+            set_uniform(program, "u_alpha_cutoff", draw.surface.alpha_cutoff)
             if switches["BASE_COLOR_MAP"]:
-                self._bind_map(program, material, "base_color")
+                self._bind_map(program, draw, "base_color")
         mesh.draw(program)
 
     def _draw(
@@ -113,14 +113,14 @@ class Surfaces:
         bound: tuple[object, object] = (None, None)
         scene, gl = self.scene, self._gl
         for draw in draws:
-            material = scene.materials[draw.material]
+            material = draw.surface
             program = self._program(draw.program.fragment, dict(draw.program.switches))
             if bound[0] is not draw.program:
                 for name, value in frame_uniforms.items():
                     set_uniform(program, name, value)
                 _bind_blocks(program)
             if bound != (draw.program, draw.material):
-                self._set_material(program, draw, material)
+                self._set_material(program, draw)
             bound = (draw.program, draw.material)
             mesh = self._mesh(draw.mesh)
             transform = scene.instances[draw.instance].transform
@@ -143,7 +143,8 @@ class Surfaces:
                 gl.disable_direct(_SAMPLE_ALPHA_TO_ONE)
         gl.front_face = "ccw"
 
-    def _set_material(self, program: moderngl.Program, draw: Draw, material: Material) -> None:
+    def _set_material(self, program: moderngl.Program, draw: Draw) -> None:
+        material = draw.surface
         set_uniform(program, "u_base_color", material.base_color)
         set_uniform(program, "u_emissive", material.emissive)
         set_uniform(program, "u_alpha_cutoff", material.alpha_cutoff)
@@ -154,21 +155,25 @@ class Surfaces:
         set_uniform(program, "u_ior", material.ior)
         set_uniform(program, "u_specular", material.specular)
         set_uniform(program, "u_specular_color", material.specular_color)
+        set_uniform(program, "u_transmission", material.transmission if draw.transmits else 0.0)
         if draw.transmits:
-            set_uniform(program, "u_transmission", material.transmission)
             set_uniform(program, "u_absorption", tuple(material.absorption * self.scene.radius))
         set_uniform(program, "u_phong_specular", phong_specular(material))
         set_uniform(program, "u_shininess", material.shininess or 0.0)
-        for name in draw.maps:
-            self._bind_map(program, material, name)
+        for name in (*draw.maps, *draw.blank_maps):
+            self._bind_map(program, draw, name)
 
-    def _bind_map(self, program: moderngl.Program, material: Material, name: str) -> None:
+    def _bind_map(self, program: moderngl.Program, draw: Draw, name: str) -> None:
         unit = list(MAPS).index(name)
-        texture = material_map(material, name)
-        self.textures.bind(texture, name, unit)
+        texture = material_map(draw.surface, name) if name in draw.maps else None
+        if texture is None:
+            self.textures.bind_blank(name, unit)
+        else:
+            self.textures.bind(texture, name, unit)
         set_uniform(program, f"u_{name}_map", unit)
-        if texture.transform is not None:
-            set_uniform(program, f"u_{name}_transform", texture.transform.matrix().T.astype(np.float32).tobytes())
+        if draw.program[f"{name.upper()}_TRANSFORM"]:
+            transform = (texture and texture.transform) or UVTransform()
+            set_uniform(program, f"u_{name}_transform", transform.matrix().T.astype(np.float32).tobytes())
 
     def _program(self, fragment: str, switches: dict[str, int]) -> moderngl.Program:
         return self._programs.get(_VERTEX, fragment, switches)

@@ -8,11 +8,13 @@ import numpy as np
 from ..gpu.context import Context
 from ..gpu.mipmaps import mipmapped_texture
 from ..heap import give_back
-from ..plan import MAPS, Plan
+from ..maps import MAPS
+from ..plan import Plan
 from ..scene.material import Sampler, Texture
 from ..scene.scene import Scene
 from ..scene.texture_image import TextureImage
 from .decoding import Decoder, Key, channels_read, sampled_images
+from .floats import float_texture
 
 _FILTERS = {
     ("nearest", None): moderngl.NEAREST,
@@ -32,6 +34,7 @@ class Textures:
     def __init__(self, context: Context, scene: Scene, ahead: Decoder | None = None) -> None:
         self._context, self._scene = context, scene
         self._textures: dict[Key, moderngl.Texture] = {}
+        self._blanks: dict[tuple[float, ...], moderngl.Texture] = {}
         self._samplers: dict[Sampler, moderngl.Sampler] = {}
         self._decoders = [ahead] if ahead is not None else []
         self._channels: dict[tuple[TextureImage, bool], str] = {}
@@ -59,6 +62,14 @@ class Textures:
         self._textures[texture.image, self._channels[texture.image, srgb], srgb].use(unit)
         self._sampler(texture.sampler).use(unit)
 
+    def bind_blank(self, name: str, unit: int) -> None:
+        """Bind, for a map that a material lacks, what changes nothing: white, or a normal that leans nowhere."""
+        color = (0.5, 0.5, 1.0, 1.0) if name == "normal" else (1.0, 1.0, 1.0, 1.0)
+        if color not in self._blanks:
+            self._blanks[color] = float_texture(self._context.gl, np.full((1, 1, 4), color, np.float32))
+        self._blanks[color].use(unit)
+        self._sampler(Sampler()).use(unit)
+
     def _sampler(self, sampler: Sampler) -> moderngl.Sampler:
         if sampler not in self._samplers:
             # Mirrored repetition is folded in the shader (map_uv), where [0, 1] is all that is left.
@@ -72,7 +83,7 @@ class Textures:
     def release(self) -> None:
         for decoder in self._decoders:
             decoder.cancel()
-        for thing in (*self._textures.values(), *self._samplers.values()):
+        for thing in (*self._textures.values(), *self._blanks.values(), *self._samplers.values()):
             thing.release()
 
 

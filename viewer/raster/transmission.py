@@ -43,17 +43,21 @@ class Backdrop:
         """
         self._gl.enable_only(moderngl.NOTHING)
         self._framebuffer.use()
+        # Drawing into level k and reading k - 1 is no loop where nothing but the base level can be read.
+        self._texture.filter = moderngl.LINEAR, moderngl.LINEAR
         radiance.use(unit)
         for level, size in enumerate(self._sizes):
             program = programs.get("display/fullscreen.vert", "raster/backdrop.frag", {"LEVEL": min(level, 1)})
             set_uniform(program, "u_source", unit)
-            if level > 0:  # of one and the same texture only the level before is there to be read
+            if level > 0:
                 self._texture.use(unit)
-                self._show_levels(level - 1, level - 1)
+                self._show_levels(level - 1, level)
             self._attach(_FRAMEBUFFER, _COLOR_ATTACHMENT, _TEXTURE_2D, self._texture.glo, level)
             self._gl.viewport = 0, 0, *size
             fullscreen(self._gl, program).render(vertices=3)
+        self._texture.use(unit)
         self._show_levels(0, len(self._sizes) - 1)
+        self._texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
         return {"u_backdrop": unit}
 
     def _show_levels(self, first: int, last: int) -> None:

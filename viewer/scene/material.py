@@ -102,6 +102,22 @@ class Material:
     shininess: float | None = None
 
     @property
+    def transmits(self) -> bool:
+        """Whether light passes. Metals let none through, and what has ior 0 reflects all."""
+        is_metal = self.metallic == 1 and self.metallic_roughness_texture is None
+        return self.transmission > 0 and not is_metal and self.ior >= 1
+
+    @property
+    def has_interface(self) -> bool:
+        """Whether anything is reflected or refracted at the surface; else it is Lambertian."""
+        return self.specular > 0 or self.metallic > 0 or self.transmits
+
+    @property
+    def bends_normals(self) -> bool:
+        """Whether there is a normal map that changes anything, for which a mesh needs tangents."""
+        return self.normal_texture is not None and not self.unlit and self.normal_scale != 0
+
+    @property
     def absorption(self) -> np.ndarray:
         """Beer's sigma of the volume, (3,) float64 per world unit: -ln(color) / distance (KHR_materials_volume)."""
         if not math.isfinite(self.attenuation_distance):

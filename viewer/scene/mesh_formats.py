@@ -138,8 +138,8 @@ class _Reader:
         given = geometry.vertex_normals if "vertex_normals" in geometry._cache else None
         mesh = self._with_normals(mesh, None if mesh.indices is None else given)
         mesh = replace(mesh, material=self._material(visual, mesh))
-        normal_map = self.materials[mesh.material].normal_texture
-        return mesh if normal_map is None else with_tangents(mesh, normal_map)
+        material = self.materials[mesh.material]
+        return with_tangents(mesh, material.normal_texture) if material.bends_normals else mesh
 
     def _with_normals(self, mesh: Mesh, given: np.ndarray | None) -> Mesh:
         if given is not None and len(given) == len(mesh.positions):

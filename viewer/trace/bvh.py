@@ -55,13 +55,14 @@ class Bvh:
 
 def build_bvh(geometry: TraceGeometry) -> Bvh:
     """The trees over all instances."""
-    numbered = list(enumerate(geometry.instances))
     uses = Counter(instance.mesh for instance in geometry.instances)
+    matrices = np.array([instance.transform[:, :3] for instance in geometry.instances]).reshape(-1, 3, 3)
+    is_stretched = np.linalg.cond(matrices) > _MAX_STRETCH
     placed: dict[int, list[tuple[int, TraceInstance]]] = {}
     copied = []
-    for index, instance in numbered:
+    for index, instance in enumerate(geometry.instances):
         small = len(geometry.meshes[instance.mesh].triangles) <= _SMALL_MESH
-        if small or uses[instance.mesh] == 1 or np.linalg.cond(instance.transform[:, :3]) > _MAX_STRETCH:
+        if small or uses[instance.mesh] == 1 or is_stretched[index]:
             copied.append((index, instance))
         else:
             placed.setdefault(instance.mesh, []).append((index, instance))

@@ -60,10 +60,13 @@ def cell_densities(radiance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 class EnvironmentTable:
-    """Textures and uniforms of shaders/trace/environment.glsl, for an environment and its `radiance` decoded."""
+    """Textures and uniforms of shaders/trace/environment.glsl, for an environment and its `radiance` decoded.
+
+    `environment` may be replaced by one that differs in rotation and intensity only.
+    """
 
     def __init__(self, gl: moderngl.Context, environment: Environment, radiance: np.ndarray) -> None:
-        self._environment = environment
+        self.environment = environment
         height, width = radiance.shape[:2]
         side = cell_texels(height, width)
         self._cell = side / width, side / height
@@ -80,15 +83,19 @@ class EnvironmentTable:
         self._table = gl.texture(densities.shape[::-1], 4, words, dtype="u4")
         self._table.filter = moderngl.NEAREST, moderngl.NEAREST
 
+    def holds(self, environment: Environment) -> bool:
+        """Whether this is that environment, turned and scaled at most."""
+        return environment.source is self.environment.source
+
     def bind(self, program: moderngl.Program) -> None:
         """Bind the textures and set the uniforms, but for the share of the light samples."""
         for unit, name, texture in ((UNIT_ENVIRONMENT, "u_environment", self._map),
                                     (UNIT_ENVIRONMENT_TABLE, "u_environment_table", self._table)):
             texture.use(unit)
             set_uniform(program, name, unit)
-        angle = self._environment.rotation
+        angle = self.environment.rotation
         set_uniform(program, "u_environment_cell", self._cell)
-        set_uniform(program, "u_environment_intensity", self._environment.intensity)
+        set_uniform(program, "u_environment_intensity", self.environment.intensity)
         set_uniform(program, "u_environment_rotation", (math.cos(angle), math.sin(angle)))
 
     def release(self) -> None:

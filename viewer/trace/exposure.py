@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
@@ -24,8 +25,10 @@ if TYPE_CHECKING:
     from .denoise import Denoiser
     from .passes import Passes
 
-WAVE_COLUMNS = 16
-MAX_WAVE_ROWS = 16
+SOFTWARE_SIDE, DEVICE_SIDE = 16, 32
+"""Most blocks of a wave along each side, where a processor draws and elsewhere."""
+DEVICE_LOOKS = 4
+"""How often a wave of a graphics card is shaded between two looks at which of its blocks are done, which it waits for."""
 
 
 @dataclass
@@ -34,6 +37,7 @@ class _Lane:
 
     wave: Wave
     answer: Answer | None = None
+    shaded: int = 0
 
     @property
     def is_busy(self) -> bool:
@@ -44,7 +48,7 @@ class Exposure:
     """See `viewer.trace.tracer.Tracer.begin`, which makes them."""
 
     def __init__(self, passes: Passes, intersector: Intersector, plan: TracePlan, film: Film, schedule: Schedule,
-                 settings: Settings, display: DisplayPass, rows: int, layers: Collection[str],
+                 settings: Settings, display: DisplayPass, layers: Collection[str],
                  denoiser: Denoiser | None) -> None:
         self.plan = plan
         self.film = film
@@ -55,9 +59,12 @@ class Exposure:
         """Of work in `step`."""
         self._passes, self._intersector, self._schedule, self._display = passes, intersector, schedule, display
         self._expected = 0
-        gl = passes.context.gl
-        self._lanes = [_Lane(Wave(gl, WAVE_COLUMNS, rows, "layers" in plan.programs)) for _ in range(2)]
-        self._flush: Callable[[], None] = passes.context.function("glFlush")
+        context = passes.context
+        columns = SOFTWARE_SIDE if context.is_software else DEVICE_SIDE
+        self._looks = 1 if context.is_software else DEVICE_LOOKS
+        rows = min(math.ceil(math.prod(film.tiles) * settings.most_spp / columns / 2), columns)
+        self._lanes = [_Lane(Wave(context.gl, columns, rows, "layers" in plan.programs)) for _ in range(2)]
+        self._flush: Callable[[], None] = context.function("glFlush")
         self._layers, self._denoiser = layers, denoiser
         self._is_developed = False
         self._shown: moderngl.Texture | None = None
@@ -99,12 +106,14 @@ class Exposure:
         All that is read from the device is read before the shading is handed to it, for a read waits for all of that.
         """
         first, second = self._lanes
-        self._refill(first.wave)
+        if first.shaded % self._looks == 0:
+            self._refill(first.wave)
         rays = self._intersector.fetch(first.wave) if first.is_busy else None
         if second.answer is not None:
             self._intersector.store(second.wave, second.answer)
             second.answer = None
             self._passes.shade(second.wave)
+            second.shaded += 1
             self._flush()
         if rays is not None:
             first.answer = self._intersector.trace(rays)
@@ -114,7 +123,7 @@ class Exposure:
     def _refill(self, wave: Wave) -> None:
         """Take in what blocks have done, and give them new work, when some have."""
         if wave.is_busy.any():
-            done = np.flatnonzero(wave.is_busy & ~wave.read_alive())
+            done = np.flatnonzero(wave.is_busy & ~self._passes.find_alive(wave))
             self._take_in(wave, done)
         if self._schedule.done:
             return

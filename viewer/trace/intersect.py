@@ -27,7 +27,7 @@ SHADOW_REACH = 1 - 1e-5
 """How far along its vector a shadow ray looks: not as far as the light, whose own triangle must not hide it."""
 
 EMBREE_TRIANGLES = 20_000_000
-"""Embree has every instance's triangles once more, at some 150 bytes each; above this many the BVH is taken."""
+"""Embree has every instance's triangles once more, at some 120 bytes each; above this many the BVH is taken."""
 
 
 class WaveTextures(Protocol):

@@ -34,18 +34,26 @@ class SceneLights:
     """
 
     def __init__(self, context: Context | None, scene: Scene, geometry: TraceGeometry, words: WordsBuilder,
-                 settings: Settings) -> None:
+                 settings: Settings, previous: SceneLights | None = None) -> None:
+        """`previous` is let go of: its environment is taken over if it is the same map, turned and scaled at most."""
         self.left_out: list[str] = []
         environment = scene.environment
         self._environment: EnvironmentTable | None = None
-        environment_power = 0.0
-        if environment is not None:
-            radiance = environment.radiance if environment.intensity > 0 else np.zeros((1, 1, 3), np.float32)
-            environment_power = environment.intensity * float(sphere_integral(radiance) @ LUMINANCE) / 4
-            if environment_power > 0 and context is not None:
-                self._environment = EnvironmentTable(context.gl, environment, radiance)
-            elif not environment_power > 0:
-                self.left_out.append("the environment: it is black")
+        self._unit_power = 0.0  # of the environment, were its intensity 1
+        if environment is not None and environment.intensity > 0:
+            if previous is not None and previous._environment is not None and previous._environment.holds(environment):
+                self._environment, previous._environment = previous._environment, None
+                self._environment.environment, self._unit_power = environment, previous._unit_power
+            else:
+                radiance = environment.radiance
+                self._unit_power = float(sphere_integral(radiance) @ LUMINANCE) / 4
+                if self._unit_power > 0 and context is not None:
+                    self._environment = EnvironmentTable(context.gl, environment, radiance)
+        if previous is not None:
+            previous.release()
+        environment_power = self._unit_power * environment.intensity if environment is not None else 0.0
+        if environment is not None and not environment_power > 0:
+            self.left_out.append("the environment: it is black")
 
         given = light_powers(scene.lights, scene) if scene.lights else np.zeros(0)
         lit = [light for light, power in zip(scene.lights, given) if power > 0]

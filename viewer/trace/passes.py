@@ -49,7 +49,10 @@ class Passes:
         wave.draw_blocks(self._told("begin", u_grid=wave.grid), blocks)
 
     def shade(self, wave: Wave) -> None:
-        """What comes of the wave's hits: the next state, and in `wave.alive` where there is one."""
+        """What comes of the wave's hits: the next state.
+
+        No pass reads what another has drawn, so that a driver need not wait between them.
+        """
         gl = self._gl
         wave.bind()
         gl.blend_func = moderngl.ONE, moderngl.ONE
@@ -71,10 +74,14 @@ class Passes:
         self._draw("rest")
         gl.depth_func = "<"
         wave.turn()
+
+    def find_alive(self, wave: Wave) -> np.ndarray:
+        """(blocks,) bool, whether something is to be done in a block. Waits for the device."""
         wave.bind()
         wave.alive.use()
-        gl.enable_only(moderngl.NOTHING)
+        self._gl.enable_only(moderngl.NOTHING)
         self._draw("alive")
+        return np.frombuffer(wave.alive.read(components=1), np.uint8) > 0
 
     def _sort(self, wave: Wave, name: str) -> None:
         wave.duty.use()

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ..plan import Program
 from ..scene.scene import Scene
 from ..settings import Settings
-from .geometry import GLASS, STANDARD, TraceGeometry
+from .geometry import GLASS, STANDARD, TraceGeometry, TraceInstance
 from .scene_words import unused_maps
 
 
@@ -44,9 +44,12 @@ _KINDS = {STANDARD: "surface", GLASS: "glass"}
 
 def plan_trace(
     scene: Scene, settings: Settings, geometry: TraceGeometry, switches: Mapping[str, int], *, intersector: str,
-    has_layers: bool,
+    has_layers: bool, idle: Sequence[str] = (),
 ) -> TracePlan:
-    """The plan for `scene` under `settings`; `switches` are what the scene's data and its lights say of themselves."""
+    """The plan for `scene` under `settings`.
+
+    `switches` and the lines of what is `idle` are what the scene's data and its lights say of themselves.
+    """
     switches = dict(switches) | _shading_switches(settings)
     shines = settings.lobes == "all"
     for name in ("HAS_EMISSION", "HAS_EMITTERS"):
@@ -71,7 +74,7 @@ def plan_trace(
     if has_layers:
         programs |= {"sort first hits": _program("sort", state | {"FIRST_HITS": 1}), "layers": _program("layers", switches)}
     return TracePlan(programs, intersector, geometry.triangle_count, len(geometry.instances),
-                     tuple(_left_out(scene, settings, geometry, switches, programs, has_layers)))
+                     (*_left_out(scene, settings, geometry, switches, programs, has_layers), *idle))
 
 
 def _program(name: str, switches: Mapping[str, int]) -> Program:
@@ -113,11 +116,17 @@ def _left_out(
     lines += unused_maps(scene, geometry)
     if "glass" not in programs:
         lines.append("the pass for glass: nothing transmits light")
+    elif switches["HAS_PUNCTUAL"] and any(_is_smooth_glass(geometry, instance) for instance in geometry.instances):
+        lines.append("light from points, spots or afar through smooth glass: no path from the camera can meet it")
     if not has_layers:
         lines.append("the pass for layers (albedo, normal, depth): nobody asked for them")
     if not switches["CLAMP"]:
         lines.append("the clamp on indirect light: not asked for")
     return lines
+
+
+def _is_smooth_glass(geometry: TraceGeometry, instance: TraceInstance) -> bool:
+    return instance.kind == GLASS and geometry.materials[instance.material].material.perceptual_roughness == 0.0
 
 
 _LIGHTS = {

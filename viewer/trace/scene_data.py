@@ -17,7 +17,7 @@ UNIT_WORDS, UNIT_COLOR_ATLAS, UNIT_DATA_ATLAS = 14, 13, 12
 
 
 class SceneData:
-    """Begins to decode the textures; others may add sections to `words` until `upload`."""
+    """Begins to decode the textures. Others may add sections to `words` until `upload`, or to a copy of them."""
 
     def __init__(self, context: Context, scene: Scene, geometry: TraceGeometry) -> None:
         self._context, self._name = context, scene.name
@@ -31,22 +31,29 @@ class SceneData:
         add_geometry(self.words, scene, geometry, self.switches)
         pages = (atlas.layout.pages if atlas else {} for atlas in (self._color, self._data))
         add_materials(self.words, geometry, *pages)
+        self._uploaded = self.words
         self._textures: dict[str, tuple[int, moderngl.Texture]] = {}
 
-    def upload(self) -> None:
-        """Make the textures. Raises InputError for an image that is broken."""
-        self._textures["u_words"] = UNIT_WORDS, self.words.texture(self._context.gl, self._name)
-        if self._color:
-            self._textures["u_color_atlas"] = UNIT_COLOR_ATLAS, self._color.upload()
-        if self._data:
-            self._textures["u_data_atlas"] = UNIT_DATA_ATLAS, self._data.upload()
+    def upload(self, words: WordsBuilder | None = None) -> None:
+        """Make the textures, with `words` in place of `self.words` if given; once more for others, maps stay.
+
+        Raises InputError for an image that is broken.
+        """
+        self._uploaded = words or self.words
+        if "u_words" in self._textures:
+            self._textures.pop("u_words")[1].release()
+        self._textures["u_words"] = UNIT_WORDS, self._uploaded.texture(self._context.gl, self._name)
+        for name, unit, atlas in (("u_color_atlas", UNIT_COLOR_ATLAS, self._color),
+                                  ("u_data_atlas", UNIT_DATA_ATLAS, self._data)):
+            if atlas and name not in self._textures:
+                self._textures[name] = unit, atlas.upload()
 
     def bind(self, program: moderngl.Program) -> None:
         """Bind the textures and set the uniforms that shaders/trace/{words,atlas,interaction,material}.glsl read."""
         for name, (unit, texture) in self._textures.items():
             texture.use(unit)
             set_uniform(program, name, unit)
-        for name, offset in self.words.uniforms().items():
+        for name, offset in self._uploaded.uniforms().items():
             set_uniform(program, name, offset)
 
     @property

@@ -38,7 +38,12 @@ class SeeThrough:
         self._target = self._gl.framebuffer([self._answers])
 
     def release(self) -> None:
-        for thing in (self._hits, self._answers, self._target):
+        self._release_list()
+        fullscreen(self._gl, self._program).release()
+        self._program.release()
+
+    def _release_list(self) -> None:
+        for thing in (self._target, self._hits, self._answers):
             thing.release()
 
     def passes(self, words: NDArray[np.uint32], vectors: NDArray[np.float32]) -> NDArray[np.bool_]:
@@ -46,7 +51,7 @@ class SeeThrough:
         count = len(words)
         rows = -(-count // _WIDTH)
         if rows > self._rows:
-            self.release()
+            self._release_list()
             self._sized(rows)
         texels = np.zeros((rows * _WIDTH, 2, 4), np.uint32)
         texels[:count, 0] = words

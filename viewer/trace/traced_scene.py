@@ -17,22 +17,44 @@ from .words import WordsBuilder
 
 
 class TracedScene:
+    """Ready for the lights of `scene` under `settings`; `relight` for others on the same triangles."""
+
     def __init__(self, context: Context, scene: Scene, settings: Settings, intersector: str) -> None:
+        self._context = context
         self.geometry = trace_geometry(scene)
-        self._scene, self._light_radius = scene, settings.light_radius
         self._data = SceneData(context, scene, self.geometry)
-        self._lights = SceneLights(context, scene, self.geometry, self._data.words, settings)
-        self._data.upload()
-        self.switches = self._data.switches | self._lights.switches
+        self._lit(scene, settings, None)
         self.intersector = make_intersector(context, self.geometry, self._data, intersector)
+
+    def holds(self, scene: Scene) -> bool:
+        """Whether these are that scene's triangles and materials; its lights may be others."""
+        return all(getattr(scene, name) is getattr(self._scene, name) for name in ("instances", "meshes", "materials"))
+
+    def relight(self, scene: Scene, settings: Settings) -> None:
+        """Take the lights of a scene that is held."""
+        if _light_key(scene, settings) != self._lit_by:
+            self._lit(scene, settings, self._lights)
+        self._scene = scene
+
+    def _lit(self, scene: Scene, settings: Settings, previous: SceneLights | None) -> None:
+        words = self._data.words.copy()
+        self._lights = SceneLights(self._context, scene, self.geometry, words, settings, previous)
+        self._data.upload(words)
+        self._scene, self._lit_by = scene, _light_key(scene, settings)
+
+    @property
+    def switches(self) -> dict[str, int]:
+        return self._data.switches | self._lights.switches
+
+    @property
+    def idle(self) -> list[str]:
+        """In words, what of lights and maps is not taken as it is."""
+        return [*self._lights.left_out, *self._data.warnings]
 
     @property
     def texture_bytes(self) -> int:
         """About what the scene's textures take on the GPU."""
         return self._data.texture_bytes
-
-    def holds(self, scene: Scene, settings: Settings) -> bool:
-        return scene is self._scene and settings.light_radius == self._light_radius
 
     def bind(self, program: moderngl.Program) -> None:
         """Bind the textures and set the uniforms that do not depend on the picture."""
@@ -44,10 +66,16 @@ class TracedScene:
         self._lights.release()
 
 
+def _light_key(scene: Scene, settings: Settings) -> tuple[object, ...]:
+    """What the lights depend on; environments are told apart by identity."""
+    return scene.environment, scene.lights, settings.light_radius, settings.lobes == "all"
+
+
 def plan_without_device(scene: Scene, settings: Settings) -> TracePlan:
     """The plan of a picture without layers, before there is a context. Raises InputError as `SceneLights` does."""
     geometry = trace_geometry(scene)
     switches = geometry_switches(scene, geometry)
-    switches |= SceneLights(None, scene, geometry, WordsBuilder(), settings).switches
-    return plan_trace(scene, settings, geometry, switches, has_layers=settings.denoise != "off",
+    lights = SceneLights(None, scene, geometry, WordsBuilder(), settings)
+    return plan_trace(scene, settings, geometry, switches | lights.switches, has_layers=settings.denoise != "off",
+                      idle=lights.left_out,
                       intersector="Embree where OpenGL is software, a BVH in a shader elsewhere")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Collection
 
@@ -19,7 +18,7 @@ from ..scene.scene import Scene
 from ..settings import Settings
 from .camera_rays import camera_uniforms
 from .denoise import Denoiser, make_denoiser
-from .exposure import MAX_WAVE_ROWS, WAVE_COLUMNS, Exposure
+from .exposure import Exposure
 from .film import Film
 from .layers import FIRST_HIT
 from .passes import Passes
@@ -67,14 +66,15 @@ class Tracer:
         """A picture that has no samples yet.
 
         `layers` are names of `viewer.settings.LAYERS`. Raises UsageError for a size that this OpenGL cannot draw and a
-        denoiser that is not installed, InputError for a scene that does not fit.
+        denoiser that is not installed, InputError for a scene that does not fit. The picture can go on until another
+        scene is begun.
         """
         self.context.make_current()
         denoiser = self._denoiser(settings.denoise)
         traced = self._prepare(scene, settings)
         film = Film(self.context.gl, self.programs, size, bool(FIRST_HIT & set(layers)) or denoiser is not None)
         plan = plan_trace(scene, settings, traced.geometry, traced.switches, intersector=traced.intersector.name,
-                          has_layers=film.albedo is not None)
+                          has_layers=film.albedo is not None, idle=traced.idle)
         uniforms = {
             **camera_uniforms(scene, camera, size),
             "u_size": size, "u_seed": settings.seed, "u_bounces": settings.bounces, "u_clamp": settings.clamp,
@@ -88,9 +88,7 @@ class Tracer:
 
         passes = Passes(self.context, self.programs, plan, bind, uniforms)
         schedule = Schedule(film, settings)
-        rows = math.ceil(film.tiles[0] * film.tiles[1] * settings.most_spp / WAVE_COLUMNS / 2)
-        return Exposure(passes, traced.intersector, plan, film, schedule, settings, self._display,
-                        min(rows, MAX_WAVE_ROWS), layers, denoiser)
+        return Exposure(passes, traced.intersector, plan, film, schedule, settings, self._display, layers, denoiser)
 
     @property
     def texture_bytes(self) -> int:
@@ -105,7 +103,9 @@ class Tracer:
         return self._denoisers[kind]
 
     def _prepare(self, scene: Scene, settings: Settings) -> TracedScene:
-        if self._scene is None or not self._scene.holds(scene, settings):
+        if self._scene is not None and self._scene.holds(scene):
+            self._scene.relight(scene, settings)
+        else:
             if self._scene is not None:
                 self._scene.release()
             self._scene = None  # should the next one fail

@@ -45,7 +45,7 @@ class Wave:
 
     The textures of the present state are attributes by their names in `STATE`; passes read them and write `next`, and
     `turn` makes that the present one. `hit` is where an intersector puts its answer; `duty`, a depth, tells what is to
-    be done in a slot. `work` has the blocks' work items, (blocks, 4) int32 as in `Work`, and `is_busy` (blocks,) which
+    be done in a slot, `alive`, a texel a block, whether anything is. `work` has the blocks' work items, (blocks, 4) int32 as in `Work`, and `is_busy` (blocks,) which
     of them are not known to be done.
     """
 
@@ -123,10 +123,6 @@ class Wave:
             self._arrays[program] = self._gl.vertex_array(program, [(self._named, "1i4/i", "a_block")])
         self._named.write(np.ascontiguousarray(blocks, np.int32))
         self._arrays[program].render(moderngl.TRIANGLE_STRIP, vertices=4, instances=len(blocks))
-
-    def read_alive(self) -> np.ndarray:
-        """(blocks,) bool, whether something is to be done in a block, as `alive` has it."""
-        return np.frombuffer(self.alive.read(components=1), np.uint8) > 0
 
     def release(self) -> None:
         for thing in (*self._targets, *self._origins, *self._states[0], *self._states[1], self.duty.depth_attachment,

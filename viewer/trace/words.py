@@ -32,6 +32,12 @@ class WordsBuilder:
         self.count += len(words)
         return self.offsets[name]
 
+    def copy(self) -> WordsBuilder:
+        """Another with the same sections, to which more can be added."""
+        copy = WordsBuilder()
+        copy.offsets, copy.count, copy._sections = dict(self.offsets), self.count, list(self._sections)
+        return copy
+
     def uniforms(self) -> dict[str, int]:
         return {f"u_{name}": offset for name, offset in self.offsets.items()}
 

@@ -1,8 +1,8 @@
 // How sure a tile of the film is, a pixel for 16 x 16: sum of the relative variances of its pixels' means, how many
 // pixels have one, samples, and how many pixels there are.
 //   variance of the mean = (sum of squares - n mean^2) / (n (n - 1)),   relative: over level^2 + 0.01, mean of channels
-// where level is the mean, but not more than that of the eight pixels around: a pixel that is bright by one lucky sample
-// would else vouch for itself, its deviation being no more than its mean.
+// where level is the mean less its deviation, but at least the mean of the eight pixels around where that is lower than
+// its own: a pixel that is bright by one lucky sample would else vouch for itself, its deviation being its mean.
 uniform sampler2D u_sum;     // rgb, samples
 uniform sampler2D u_squares;
 
@@ -30,8 +30,8 @@ void main() {
             tile.zw += vec2(n, 1.0);
             if (n < 2.0) continue;
             vec3 mean = sum.rgb / n;
-            vec3 level = min(mean, mean_around(ivec2(x, y), sum, size - 1));
             vec3 variance = max(texelFetch(u_squares, ivec2(x, y), 0).rgb / n - mean * mean, 0.0) / (n - 1.0);
+            vec3 level = max(min(mean, mean_around(ivec2(x, y), sum, size - 1)), mean - sqrt(variance));
             tile.xy += vec2(dot(variance / (level * level + 0.01), vec3(1.0 / 3.0)), 1.0);
         }
     }

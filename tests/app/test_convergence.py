@@ -1,0 +1,222 @@
+"""The path-traced picture of the window, without one."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from viewer.app import convergence
+from viewer.app.convergence import Convergence, Progress
+from viewer.app.state import ViewState
+from viewer.errors import ContextError
+from viewer.gpu.context import Context, open_context
+from viewer.raster.programs import Programs
+from viewer.scene.camera import Camera
+from viewer.settings import Settings
+from viewer.trace.tracer import Tracer
+
+SIZE = (72, 56)
+PLAIN = Settings(mode="path", spp=3, background="none")
+
+
+@pytest.fixture(scope="module")
+def context() -> Iterator[Context]:
+    try:
+        opened = open_context()
+    except ContextError as error:
+        pytest.skip(str(error))
+    with opened:
+        yield opened
+
+
+class Hand:
+    """A view that rests, and time that passes."""
+
+    def __init__(self, context: Context, scene) -> None:
+        self.state = ViewState(scene, PLAIN)
+        self.paths = Convergence(context, Programs(context), self.state)
+        self.camera, self.size = Camera.framing(scene.center, scene.radius, SIZE[0] / SIZE[1]), SIZE
+        self._gl = context.gl
+
+    def follow(self) -> None:
+        self.paths.follow(self.camera, self.size)
+
+    def until(self, condition: Callable[[], object]) -> None:
+        deadline = time.monotonic() + 20
+        while not condition():
+            assert time.monotonic() < deadline, "it does not happen"
+            self.follow()
+            self.paths.step()
+
+    def rest(self) -> None:
+        """Until there is nothing left to do."""
+        self.follow()
+        self.until(lambda: self.paths.patience == np.inf)
+
+    def shown(self) -> np.ndarray:
+        """The picture as displayed, (H, W, 4) uint8, row 0 at the top."""
+        target = self._gl.framebuffer([self._gl.renderbuffer(self.size, 4)])
+        self.paths.present(self.state.settings, target)
+        return np.frombuffer(target.read(components=4), np.uint8).reshape(*self.size[::-1], 4)[::-1].astype(int)
+
+
+@pytest.fixture(scope="module")
+def _hand(context, scene) -> Iterator[Hand]:
+    hand = Hand(context, scene)
+    yield hand
+    hand.paths.release()
+
+
+@pytest.fixture
+def hand(_hand, scene, monkeypatch) -> Hand:
+    """Of a window just opened, but for what the tracer has prepared."""
+    monkeypatch.setattr(convergence, "REST_SECONDS", 0.0)
+    _hand.paths.leave()
+    vars(_hand.state).update(vars(ViewState(scene, PLAIN)))
+    _hand.camera, _hand.size = Camera.framing(scene.center, scene.radius, SIZE[0] / SIZE[1]), SIZE
+    return _hand
+
+
+@pytest.mark.parametrize("denoise", ["off", "fast"])
+def test_converges_to_what_render_makes(hand, context, scene, denoise):
+    hand.state.settings = replace(PLAIN, denoise=denoise)
+    hand.rest()
+    tracer = Tracer(context)
+    expected = tracer.render(scene, hand.camera, hand.state.settings, SIZE)
+    tracer.release()
+    assert np.abs(hand.shown() - expected.srgb).max() <= 1  # sums in another order
+    assert hand.paths.is_done and hand.paths.progress.samples == 3
+    assert hand.paths.status().endswith("denoised, done" if denoise == "fast" else "rays/s, done")
+    assert hand.paths.attributes == expected.attributes
+
+
+def test_nothing_is_shown_before_every_pixel_has_a_sample(hand, monkeypatch):
+    monkeypatch.setattr(convergence, "SLICE_SECONDS", 0.0)
+    monkeypatch.setattr(convergence, "LOOK_SECONDS", (0.0, 0.0))
+    seen = []
+
+    def condition() -> bool:
+        if hand.paths._exposure is not None:
+            seen.append((hand.paths.picture is not None, hand.paths._exposure.film.read_sums()[0][..., 3].min()))
+        return hand.paths.is_done
+
+    hand.until(condition)
+    assert any(least == 0 for _, least in seen) and all(least > 0 for is_shown, least in seen if is_shown)
+
+
+def test_it_waits_until_the_view_rests(hand, monkeypatch):
+    monkeypatch.setattr(convergence, "REST_SECONDS", 1e3)
+    hand.follow()
+    assert not hand.paths.step() and 0 < hand.paths.patience <= 1e3 and hand.paths.status() == ""
+
+
+@pytest.mark.parametrize("mode", ["pbr", "phong"])
+def test_other_modes_trace_nothing(hand, mode):
+    hand.state.show_mode(mode)
+    hand.follow()
+    assert hand.paths.patience == np.inf and not hand.paths.step() and hand.paths.status() == ""
+
+
+def test_what_the_display_makes_of_the_samples_leaves_them(hand):
+    hand.rest()
+    progress, before = hand.paths.progress, hand.shown()
+    for change in ({"exposure": 1.0}, {"tonemap": "none"}, {"background": (0.1, 0.2, 0.3)}, {"phong": "blinn-phong"}):
+        hand.state.settings = replace(hand.state.settings, **change)
+        hand.follow()
+        assert hand.paths.picture is not None and hand.paths.progress is progress
+    hand.state.show_split("pbr", "path")
+    hand.state.split = 0.2
+    hand.follow()
+    assert hand.paths.progress is progress
+    assert hand.shown().mean() > before.mean() + 10
+
+
+@pytest.mark.parametrize("change", ["camera", "size", "scene", "bounces", "background", "programs"])
+def test_what_changes_the_samples_begins_anew(hand, change):
+    hand.rest()
+    assert hand.paths.picture is not None
+    if change == "camera":
+        hand.camera = replace(hand.camera, fov_y=0.5)
+    elif change == "size":
+        hand.size = (40, 60)
+    elif change == "scene":
+        hand.state.set_lights(())
+    elif change == "programs":
+        assert hand.paths._programs.reload() is None
+    elif change == "bounces":
+        hand.state.settings = replace(PLAIN, bounces=1)
+    else:
+        hand.state.settings = replace(PLAIN, background="env")
+    hand.follow()
+    assert hand.paths.picture is None and hand.paths.progress is None
+    hand.rest()
+    assert hand.shown().shape == (*hand.size[::-1], 4)
+
+
+def test_a_pause_keeps_the_picture_as_it_is(hand):
+    hand.state.settings = replace(PLAIN, spp=1000)
+    hand.until(lambda: hand.paths.picture is not None)
+    hand.state.paused = True
+    hand.rest()
+    rays, picture = hand.paths._exposure.rays, hand.shown()
+    assert not hand.paths.step() and hand.paths.status().endswith(", paused")
+    assert hand.paths._exposure.rays == rays and np.array_equal(hand.shown(), picture)
+    hand.camera = replace(hand.camera, fov_y=0.5)
+    hand.follow()
+    assert hand.paths.patience == np.inf and hand.paths.status() == "Paused"
+    hand.state.paused = False
+    hand.until(lambda: hand.paths.picture is not None)
+
+
+def test_the_filter_is_switched_off_without_beginning_anew(hand):
+    hand.state.settings = replace(PLAIN, denoise="fast")
+    hand.rest()
+    progress, filtered = hand.paths.progress, hand.shown()
+    hand.state.settings = PLAIN
+    hand.rest()
+    raw = hand.shown()
+    assert not hand.paths.is_denoised and hand.paths.progress.samples == progress.samples
+    assert np.abs(raw - filtered).max() > 10
+    hand.state.settings = replace(PLAIN, denoise="fast")
+    hand.rest()
+    assert hand.paths.is_denoised and np.array_equal(hand.shown(), filtered)
+
+
+def test_the_filter_begins_anew_where_it_has_no_albedo_to_go_by(hand):
+    hand.rest()
+    hand.state.settings = replace(PLAIN, denoise="fast")
+    hand.follow()
+    assert hand.paths.picture is None
+    hand.rest()
+    assert hand.paths.is_denoised
+
+
+def test_a_converged_picture_is_not_filtered(hand, monkeypatch):
+    monkeypatch.setattr(convergence, "CONVERGED", 1e3)
+    hand.state.settings = replace(PLAIN, denoise="fast")
+    hand.rest()
+    assert not hand.paths.is_denoised and hand.paths.picture is not None
+
+
+def test_a_time_budget_ends_it(hand):
+    hand.state.settings = replace(PLAIN, spp=None, time_budget=0.2)
+    hand.rest()
+    assert hand.paths.is_done and 0.2 <= hand.paths._exposure.seconds < 10 and hand.paths.picture is not None
+
+
+def test_progress_in_words():
+    assert str(Progress(3.25, 7.4, 9_000_000, 0.0312)) == (
+        "3.2 samples a pixel, 7 s, error 3.1 %, 1.2 million rays/s")
+    assert str(Progress(1234.0, 100.0, 0, float("inf"))) == "1234 samples a pixel, 100 s"
+    assert str(Progress(2.0, 1.0, 0, 1.5)) == "2 samples a pixel, 1 s, error 150 %"
+
+
+def test_the_window_needs_no_tracer_to_open():
+    code = "import sys, viewer.app.window; sys.exit(any(name.startswith('viewer.trace') for name in sys.modules))"
+    assert subprocess.run([sys.executable, "-c", code], timeout=30).returncode == 0

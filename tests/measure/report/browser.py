@@ -1,0 +1,155 @@
+"""A headless Chromium that is told what to do through a pipe (the Chrome DevTools Protocol), as a person would do it."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import select
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
+WAIT_S = 20.0
+# A browser reads its orders from descriptor 3 and answers on 4.
+_START = """
+import fcntl, os, sys
+reading, writing = (fcntl.fcntl(int(number), fcntl.F_DUPFD, 10) for number in sys.argv[1:3])
+os.dup2(reading, 3)
+os.dup2(writing, 4)
+os.execv(sys.argv[3], sys.argv[3:])
+"""
+
+
+def find_browser() -> str | None:
+    return next((path for name in NAMES if (path := shutil.which(name))), None)
+
+
+class Browser:
+    """One page of a browser of its own, `width` x `height`. `problems` are the errors its scripts have made so far."""
+
+    def __init__(self, program: str, width: int = 1100, height: int = 900, dark: bool = False) -> None:
+        self.problems: list[str] = []
+        self._profile = tempfile.TemporaryDirectory(prefix="pbr-viewer-browser-", ignore_cleanup_errors=True)
+        reading, to_browser = os.pipe()
+        from_browser, writing = os.pipe()
+        options = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--remote-debugging-pipe",
+                   "--disable-dev-shm-usage", f"--user-data-dir={self._profile.name}", "about:blank"]
+        start = [sys.executable, "-c", _START, str(reading), str(writing), program, *options]
+        self._process = subprocess.Popen(start, pass_fds=(reading, writing), stdout=subprocess.DEVNULL,
+                                         stderr=subprocess.DEVNULL)
+        os.close(reading)
+        os.close(writing)
+        self._out, self._in = to_browser, from_browser
+        self._buffer, self._number, self._session = b"", 0, None
+        target = self._ask("Target.createTarget", url="about:blank")["targetId"]
+        self._session = self._ask("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime", "Log"):
+            self._ask(f"{domain}.enable")
+        self._ask("Browser.grantPermissions", permissions=["clipboardReadWrite", "clipboardSanitizedWrite"])
+        self._ask("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+        self._ask("Emulation.setEmulatedMedia",
+                  features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
+        self._ask("Emulation.setFocusEmulationEnabled", enabled=True)
+
+    def open(self, page: Path) -> None:
+        self._ask("Page.navigate", url=page.as_uri())
+        self.wait("document.readyState === 'complete' && location.protocol === 'file:'")
+
+    def value(self, expression: str) -> Any:
+        """What a JavaScript expression, or its promise, comes to."""
+        answer = self._ask("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
+        if "exceptionDetails" in answer:
+            raise AssertionError(answer["exceptionDetails"]["exception"].get("description", expression))
+        return answer["result"].get("value")
+
+    def wait(self, expression: str) -> None:
+        """Until it is true."""
+        end = time.monotonic() + WAIT_S
+        while not self.value(expression):
+            assert time.monotonic() < end, f"never: {expression}"
+            time.sleep(0.02)
+
+    def place(self, selector: str) -> tuple[float, float, float, float]:
+        """Left, top, width and height of an element, once it is scrolled into view."""
+        script = ("(e => { e.scrollIntoView({block: 'center'}); const b = e.getBoundingClientRect(); "
+                  f"return [b.left, b.top, b.width, b.height] }})(document.querySelector({selector!r}))")
+        return tuple(self.value(script))
+
+    def click(self, selector: str) -> None:
+        left, top, width, height = self.place(selector)
+        self.drag((left + width / 2, top + height / 2))
+
+    def drag(self, *places: tuple[float, float]) -> None:
+        """Press the mouse's button at the first place, move through the others, and let it go."""
+        self._mouse("mouseMoved", places[0], 0)
+        self._mouse("mousePressed", places[0], 1)
+        for place in places[1:]:
+            self._mouse("mouseMoved", place, 1)
+        self._mouse("mouseReleased", places[-1], 0)
+
+    def hover(self, selector: str) -> None:
+        left, top, width, height = self.place(selector)
+        self._mouse("mouseMoved", (left + width / 2, top + height / 2), 0)
+
+    def _mouse(self, kind: str, place: tuple[float, float], buttons: int) -> None:
+        button = "none" if kind == "mouseMoved" and not buttons else "left"
+        self._ask("Input.dispatchMouseEvent", type=kind, x=place[0], y=place[1], button=button, buttons=buttons,
+                  clickCount=int(kind != "mouseMoved"))
+
+    def press(self, key: str) -> None:
+        codes = {"ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "End": 35, "Home": 36}
+        for kind in ("keyDown", "keyUp"):
+            self._ask("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=codes[key])
+
+    def shot(self, file: Path) -> None:
+        """A picture of the whole page."""
+        data = self._ask("Page.captureScreenshot", captureBeyondViewport=True)["data"]
+        file.write_bytes(base64.b64decode(data))
+
+    def _ask(self, method: str, **parameters: Any) -> dict[str, Any]:
+        self._number += 1
+        message = {"id": self._number, "method": method, "params": parameters}
+        if self._session is not None and not method.startswith(("Target", "Browser")):
+            message["sessionId"] = self._session
+        os.write(self._out, json.dumps(message).encode() + b"\0")
+        while True:
+            answer = self._next_message()
+            if answer.get("id") == self._number:
+                assert "error" not in answer, answer["error"]
+                return answer["result"]
+            self._note(answer)
+
+    def _note(self, event: dict[str, Any]) -> None:
+        parameters = event.get("params", {})
+        if event.get("method") == "Runtime.exceptionThrown":
+            details = parameters["exceptionDetails"]
+            self.problems.append(details.get("exception", {}).get("description") or details["text"])
+        if event.get("method") == "Log.entryAdded" and parameters["entry"]["level"] == "error":
+            self.problems.append(parameters["entry"]["text"])
+
+    def _next_message(self) -> dict[str, Any]:
+        while b"\0" not in self._buffer:
+            ready, _, _ = select.select([self._in], [], [], WAIT_S)
+            more = os.read(self._in, 1 << 16) if ready else b""
+            assert more, "the browser has gone or says nothing"
+            self._buffer += more
+        message, _, self._buffer = self._buffer.partition(b"\0")
+        return json.loads(message)
+
+    def __enter__(self) -> Browser:  # noqa: PYI034  typing.Self is of Python 3.11
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None,
+                 trace: TracebackType | None) -> None:
+        self._process.terminate()
+        self._process.wait()
+        os.close(self._out)
+        os.close(self._in)
+        self._profile.cleanup()

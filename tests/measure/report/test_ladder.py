@@ -1,0 +1,110 @@
+from __future__ import annotations
+
+import shlex
+
+import numpy as np
+import pytest
+import shapes
+
+from viewer.assemble import make_environment, make_light, make_settings
+from viewer.cli import cli
+from viewer.measure.report import ladder as module
+from viewer.measure.report.command import command_line
+from viewer.measure.report.ladder import PLAIN, Method, ladder, settings_of
+from viewer.scene.environment import Environment
+from viewer.scene.light import Light
+from viewer.settings import Settings
+
+DEFAULT = Settings()
+BALL = shapes.sphere(segments=8)
+
+
+def sunny() -> Environment:
+    radiance = np.full((256, 512, 3), 0.1, np.float32)
+    radiance[80, 160] = 1e5
+    return Environment("sunny", radiance)
+
+
+def rungs(scene, settings=DEFAULT) -> tuple[list[Method], dict[str, str]]:
+    steps = ladder(scene, settings, use_cache=False)
+    return [*steps.raster, *steps.traced], {out.method: out.reason for out in steps.left_out}
+
+
+def test_every_method_has_a_name_of_its_own_and_differs_in_fact():
+    methods, _ = rungs(shapes.scene(BALL, environment=sunny()))
+    assert len({method.slug for method in methods}) == len({method.label for method in methods}) == len(methods)
+    assert all("/" not in method.slug and " " not in method.slug for method in methods)
+    assert len({(method.settings(Settings()), method.lights) for method in methods}) == len(methods)
+    assert PLAIN in methods
+
+
+def test_without_an_environment_there_is_no_image_based_light():
+    lamp = Light("point", position=(2, 2, 2), intensity=30.0)
+    methods, left_out = rungs(shapes.scene(BALL, lights=(lamp,)))
+    assert {method.name for method in methods} >= {"phong", "lights", "path"} and "ibl" not in {m.name for m in methods}
+    assert left_out["image-based light"] == "the scene has no environment"
+    methods, left_out = rungs(shapes.scene(BALL))
+    assert "lights" not in {method.name for method in methods}
+    assert left_out["lights only"] == "the scene has no lights and no environment"
+
+
+def test_shadows_are_a_knob_where_something_casts_them():
+    methods, left_out = rungs(shapes.scene(BALL, environment=shapes.constant()))
+    assert not any(method.changes.get("shadows") for method in methods)
+    assert left_out["image-based light, shadows off"] == "no light casts a shadow"
+    assert any(method.changes.get("shadows") == "off" for method in rungs(shapes.scene(BALL, environment=sunny()))[0])
+
+
+def test_a_denoiser_that_is_not_installed_is_left_out(monkeypatch):
+    monkeypatch.setattr(module, "find_spec", lambda name: None)
+    methods, left_out = rungs(shapes.scene(BALL))
+    assert "path+oidn" not in {method.name for method in methods} and "pip install" in left_out["path traced, OIDN"]
+
+
+def test_lights_only_stand_for_the_environments_suns():
+    methods, _ = rungs(shapes.scene(BALL, environment=sunny()))
+    lit = next(method for method in methods if method.name == "lights")
+    [sun] = lit.lights
+    towards = -np.array(sun.direction)
+    expected = shapes.texel_directions(256, 512)[80, 160]
+    assert np.degrees(np.arccos(towards @ expected)) < 1.5 and sun.intensity > 1
+    assert lit.scene(shapes.scene(BALL, environment=sunny())).environment is None
+
+
+ARGUMENTS = ["--size", "64x32", "--env", "furnace", "--env-rotation", "30", "--env-intensity", "2", "--exposure", "-1",
+             "--tonemap", "agx", "--background", "none", "--light", "10,-20,3", "--set", "ndf=beckmann", "--set",
+             "antialias=none", "--set", "bounces=3", "--orbit", "-30,5", "--fov", "20"]
+
+
+@pytest.mark.parametrize("arguments", [[], ARGUMENTS])
+def test_the_command_line_of_a_method_asks_for_just_that(arguments):
+    options = cli.commands["report"].make_context("report", ["m x.glb", "-o", "out", *arguments]).params
+    base = make_settings(options)
+    environment = make_environment(options)
+    scene = shapes.scene(BALL, lights=tuple(map(make_light, options["lights"])), environment=environment)
+    for method in rungs(scene, base)[0]:
+        words = shlex.split(command_line("m x.glb", options, method))
+        assert words[:3] == ["pbr-viewer", "render", "m x.glb"]
+        asked = cli.commands["render"].make_context("render", words[2:]).params
+        settings = make_settings(asked)
+        settings.check_used()
+        wanted = method.settings(base)
+        if not method.is_traced:
+            wanted = module.replace(wanted, bounces=Settings().bounces)
+        assert settings == wanted
+        assert {name: asked[name] for name in ("size", "orbit", "fov", "eye", "camera")} == \
+               {name: options[name] for name in ("size", "orbit", "fov", "eye", "camera")}
+        lights = tuple(map(make_light, asked["lights"]))
+        assert method.scene(scene).lights == lights
+        shown = make_environment(asked)
+        if method.lights is None:
+            assert (shown.rotation, shown.intensity) == (environment.rotation, environment.intensity)
+        else:
+            assert shown is None
+
+
+def test_settings_are_told_as_far_as_they_are_not_the_defaults():
+    base = Settings(exposure=1.0)
+    assert settings_of(PLAIN, base) == {"mode": "pbr", "exposure": 1.0, "antialias": "msaa-4"}
+    method = Method("path", "path traced", {"mode": "path", "spp": 4})
+    assert settings_of(method, Settings(background=(0, 0, 1))) == {"mode": "path", "background": [0, 0, 1], "spp": 4}

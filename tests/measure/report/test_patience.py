@@ -1,0 +1,36 @@
+from __future__ import annotations
+
+import numpy as np
+
+from viewer.measure.report.ladder import Method
+from viewer.measure.report.patience import is_met_by_pilot, reason_against
+from viewer.measure.report.store import Record
+from viewer.measure.report.timing import Effort
+
+EFFORT = Effort(least=3, most=9, seconds=1.0, once_s=3.0)
+
+
+def rung(name: str, spp: int, seconds: float, error: float = 0.1) -> tuple[Method, Record]:
+    facts = {"spp": spp, "time_ms": {"median": 1e3 * seconds}, "estimated_error": error}
+    return Method(name, "", {"mode": "path", "spp": spp}), Record(np.zeros((1, 1, 4), np.float32), facts)
+
+
+def why(method: Method, rungs, left: float) -> str:
+    return reason_against(method, rungs, left, EFFORT)
+
+
+def test_the_next_number_of_samples_takes_as_many_times_as_long_three_times_over():
+    method = Method("path", "", {"mode": "path", "spp": 8})
+    rungs = [rung("path", 4, 0.5), rung("path+fast", 4, 50.0)]
+    assert why(method, rungs, 3.1) == "" and why(method, rungs, 2.9) == "it would take 3 s, more than is left"
+    assert why(method, [rung("path", 4, 5.0)], 10.1) == ""  # long ones are run once
+    assert why(method, [], 1.0) == "" and why(method, [], -1.0) == "no time is left for it"
+
+
+def test_an_adaptive_picture_is_foretold_from_what_64_samples_reach():
+    method = Method("path-adaptive", "", {"mode": "path", "error": 0.05})
+    rungs = [rung("path", 32, 2.0, 0.14), rung("path", 64, 4.0, 0.1)]
+    assert why(method, rungs, 16.1) == "" and "16 s" in why(method, rungs, 15.9)
+    assert "take too long here" in why(method, rungs[:1], 1e9)
+    assert not is_met_by_pilot(method, rungs) and is_met_by_pilot(method, [rung("path", 64, 4.0, 0.04)])
+    assert not is_met_by_pilot(rungs[0][0], rungs)

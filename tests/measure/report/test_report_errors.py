@@ -1,0 +1,51 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from viewer.image import Image
+from viewer.measure.relmse import Halves
+from viewer.measure.report.errors import errors, masked_relmse, relmse_floor
+
+
+def gray(value: float, shape: tuple[int, int] = (16, 16)) -> np.ndarray:
+    return np.concatenate([np.full((*shape, 3), value, np.float32), np.ones((*shape, 1), np.float32)], axis=-1)
+
+
+def left() -> np.ndarray:
+    mask = np.zeros((16, 16), bool)
+    mask[:, :8] = True
+    return mask
+
+
+def test_the_errors_of_known_pictures_within_the_mask():
+    truth, ours = gray(0.5), gray(0.6)
+    ours[:, 8:] = 0.7
+    found = errors(Image.from_linear(ours), Image.from_linear(truth), left())
+    assert found.rmse == pytest.approx(0.1, rel=1e-5)
+    assert found.relmse == pytest.approx(0.01 / 0.26, rel=1e-5) and found.bad_pixels == 0
+    assert masked_relmse(ours, truth, left()) == pytest.approx(found.relmse, rel=1e-5)
+    assert found.flip == pytest.approx(found.map[left()].mean())
+    assert 0 < found.flip < found.map[:, 12:].mean() < 1
+
+
+def test_the_same_picture_has_no_error():
+    found = errors(Image.from_linear(gray(0.5)), Image.from_linear(gray(0.5)), left())
+    assert (found.rmse, found.relmse, found.flip) == (0, 0, 0)
+
+
+def test_what_is_not_finite_counts_as_black_and_is_told():
+    ours = gray(0.5)
+    ours[0, 0, 1], ours[0, 1, 0], ours[0, 9, 0] = np.nan, np.inf, np.nan
+    found = errors(Image.from_linear(ours), Image.from_linear(gray(0.5)), left())
+    assert found.bad_pixels == 2 and found.relmse == pytest.approx(2 / 128 * 0.25 / 0.26, rel=1e-5)
+
+
+def test_the_floor_is_what_the_references_noise_adds():
+    rng = np.random.default_rng(0)
+    truth = np.full((128, 128, 3), 0.5)
+    halves = Halves(*(truth + rng.normal(0, 0.05, truth.shape) for _ in range(2)))
+    mask = np.ones(truth.shape[:2], bool)
+    measured = masked_relmse(truth.astype(np.float32), halves.mean, mask)
+    assert relmse_floor(halves, mask) == pytest.approx(measured, rel=0.05)
+    assert measured == pytest.approx(0.05**2 / 2 / 0.26, rel=0.05)

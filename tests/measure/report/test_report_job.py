@@ -1,0 +1,116 @@
+"""`pbr-viewer report` from the command line to the files."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from xml.etree import ElementTree
+
+import pytest
+from command_line import SCENES, names
+from PIL import Image as Pillow
+from quick_report import MODEL, QUICK
+
+from viewer.measure.report.bench import Bench
+from viewer.signals import Stopped
+
+NUMBER = (int, float)
+
+
+def test_what_lies_in_the_folder(report_folder):
+    assert names(report_folder) == ["error-time.png", "error-time.svg", "index.html", "measured", "report.json"]
+    svg = ElementTree.fromstring((report_folder / "error-time.svg").read_text())
+    document = json.loads((report_folder / "report.json").read_text())
+    assert len(svg.findall(".//*[@data-point]")) == len(document["points"])
+    assert Pillow.open(report_folder / "error-time.png").size[0] == 1440
+    page = (report_folder / "index.html").read_text()
+    assert "http://" not in page.replace("http://www.w3.org/2000/svg", "") and "https://" not in page
+
+
+def test_the_json_is_as_promised(report_folder):
+    report = json.loads((report_folder / "report.json").read_text())
+    assert report["scene"] == "spheres.glb" and isinstance(report["device"], str) and report["size"] == [24, 24]
+    reference = report["reference"]
+    assert isinstance(reference["method"], str) and reference["spp"] >= 16 and 0 < reference["relmse_floor"] < 1
+    for point in report["points"]:
+        assert isinstance(point["method"], str) and point["settings"]["mode"] in ("pbr", "phong", "path")
+        times, error = point["time_ms"], point["error"]
+        assert 0 < times["p10"] <= times["median"] <= times["p90"] and times["n"] >= 1
+        assert all(isinstance(error[name], NUMBER) and error[name] >= 0 for name in ("rmse", "relmse", "flip"))
+        assert isinstance(point["pareto"], bool) and point["command"].startswith("pbr-viewer render ")
+    assert {point["method"] for point in report["points"]} >= {"phong", "lights", "ibl", "path"}
+    assert any(point["pareto"] for point in report["points"]) and report["is_whole"] is True
+    assert [row["budget_ms"] for row in report["recommend"]] == [pytest.approx(33.3, abs=0.1), 100, 1000, 10000]
+    assert all(row["point"] is None or report["points"][row["point"]]["pareto"] for row in report["recommend"])
+    assert report["points"][report["raster"]["best"]]["settings"]["mode"] != "path"
+    assert all(set(out) == {"method", "reason"} for out in report["left_out"])
+
+
+def test_path_tracing_is_nearer_to_the_reference_than_phong(report_folder):
+    report = json.loads((report_folder / "report.json").read_text())
+    error = {name: min(point["error"]["relmse"] for point in report["points"] if point["method"] == name)
+             for name in ("phong", "lights", "ibl", "path")}
+    assert error["ibl"] < error["lights"] and error["ibl"] < error["phong"]
+
+
+def counted(monkeypatch, stop_before: int = 10**9) -> list[str]:
+    """The slugs of what is measured; somebody asks to stop before one."""
+    measured, measure = [], Bench.measure
+
+    def counting(self, method):
+        if len(measured) == stop_before:
+            raise Stopped(2)
+        measured.append(method.slug)
+        return measure(self, method)
+
+    monkeypatch.setattr(Bench, "measure", counting)
+    return measured
+
+
+def test_nothing_is_measured_again_that_has_not_changed(run, report_folder, tmp_path, monkeypatch):
+    folder = tmp_path / "copy"
+    shutil.copytree(report_folder, folder)
+    measured = counted(monkeypatch)
+    assert run("report", MODEL, "-o", folder, *QUICK).status == 0 and measured == []
+    assert json.loads((folder / "report.json").read_text())["points"] == \
+        json.loads((report_folder / "report.json").read_text())["points"]
+    (folder / "measured" / "phong-antialias-none.json").unlink()
+    assert run("report", MODEL, "-o", folder, *QUICK).status == 0 and measured == ["phong-antialias-none"]
+    assert run("report", MODEL, "-o", folder, *QUICK, "--exposure", "1").status == 0 and len(measured) > 8
+
+
+def test_an_interrupted_report_says_how_to_go_on_and_does(run, folder, monkeypatch):
+    first = counted(monkeypatch, stop_before=4)
+    outcome = run("report", MODEL, "-o", "out", *QUICK)
+    assert outcome.status == 130 and len(first) == 4
+    assert outcome.err.splitlines() == ["out: 4 points are measured and kept; the same command goes on from there",
+                                        "pbr-viewer: interrupted"]
+    assert names(folder / "out") == ["measured"]
+    monkeypatch.undo()
+    monkeypatch.chdir(folder)
+    second = counted(monkeypatch)
+    assert run("report", MODEL, "-o", "out", *QUICK).status == 0
+    assert not set(first) & set(second) and json.loads((folder / "out/report.json").read_text())["is_whole"]
+
+
+def test_several_models_have_a_folder_each_and_a_page_that_leads_there(run, folder, report_folder):
+    for name in ("spheres", "spheres-3"):  # measured already
+        shutil.copytree(report_folder, folder / "out" / name)
+    outcome = run("report", MODEL, "missing.glb", MODEL, "-o", "out", *QUICK)
+    assert outcome.status == 1 and "missing.glb" in outcome.error
+    page = (folder / "out" / "index.html").read_text()
+    assert page.count("<tr><td>") == 2 and 'href="spheres/index.html"' in page and "spheres-3/index.html" in page
+
+
+@pytest.mark.parametrize("arguments, status, words", [
+    (["-o", "missing/out"], 1, "missing/out: there is no folder missing"),
+    (["-o", "file"], 1, "file: cannot be made"),
+    (["-o", "out", "--within", "0"], 2, "0 is not from 0.1"),
+    (["-o", "out", "--mode", "path"], 2, "No such option"),
+    (["-o", "out", "--orbit", "0,0,1e6"], 1, "spheres.glb: nothing of it is in the picture"),
+])
+def test_what_goes_wrong_is_told_in_one_line(run, folder, arguments, status, words):
+    (folder / "file").write_text("")
+    dim = ("--size", "8", "--env", "none", "--light", "0,45,3", "-q")
+    outcome = run("report", SCENES / "spheres.glb", *arguments, *dim)
+    assert outcome.status == status and words in outcome.error

@@ -1,0 +1,134 @@
+"""The page in a real browser: a person's mouse and keys, and no error of its scripts."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from browser import Browser, find_browser
+from PIL import Image as Pillow
+
+PROGRAM = find_browser()
+pytestmark = pytest.mark.skipif(PROGRAM is None, reason="there is no Chromium")
+
+
+@pytest.fixture(scope="module")
+def page(report_folder: Path):
+    with Browser(PROGRAM) as browser:
+        browser.open(report_folder / "index.html")
+        yield browser
+        assert browser.problems == []
+
+
+@pytest.fixture(scope="module")
+def report(report_folder: Path) -> dict:
+    return json.loads((report_folder / "report.json").read_text())
+
+
+def label(page: Browser) -> str:
+    return page.value("document.querySelector('#label').textContent")
+
+
+def rows(page: Browser, table: str) -> list[str]:
+    return page.value(f"[...document.querySelectorAll('{table} tbody tr')].map(row => row.innerText)")
+
+
+def test_it_shows_every_point_once_in_chart_and_table(page, report):
+    count = len(report["points"])
+    assert len(rows(page, "#points")) == count
+    assert page.value("document.querySelectorAll('.chart.shown g.point').length") == count
+    assert page.value("document.querySelectorAll('.chart.shown').length") == 1
+    assert page.value("document.querySelector('h1').textContent") == "spheres.glb"
+    assert report["device"] in page.value("document.querySelector('#how').textContent")
+
+
+def test_it_names_a_setting_for_each_time(page, report):
+    lines = rows(page, "#recommend")
+    assert [line.split("\t")[0] for line in lines] == ["30 frames a second", "0.1 s", "1 s", "10 s"]
+    for line, row in zip(lines, report["recommend"], strict=True):
+        chosen = None if row["point"] is None else report["points"][row["point"]]
+        assert ("nothing is so fast" in line) if chosen is None else (chosen["label"] in line and "relMSE" in line)
+
+
+def test_pictures_are_there_and_of_the_reports_size(page):
+    page.wait("[...document.images].every(image => image.complete)")
+    assert page.value("[...document.images].map(i => [i.naturalWidth, i.naturalHeight])") == [[24, 24]] * 3
+
+
+def test_a_point_is_chosen_by_hovering_clicking_and_keys(page, report):
+    points = report["points"]
+    mark = ".chart.shown g.point[data-point='2'] polygon"
+    left, top, width, height = page.place(mark)
+    page.hover(mark)
+    on_top = f"document.elementFromPoint({left + width / 2}, {top + height / 2}).closest('g').dataset.point"
+    page.wait(f"document.querySelector('#label').textContent === report.points[{on_top}].label")
+    page.click("#points tr[data-point='1'] td")
+    assert label(page) == points[1]["label"]
+    assert page.value("document.querySelector('#command').textContent") == points[1]["command"]
+    page.value("document.querySelector('#charts').focus()")
+    page.press("ArrowRight")
+    assert label(page) == points[2]["label"]
+    page.press("End")
+    page.press("ArrowRight")
+    assert label(page) == points[-1]["label"]
+    page.press("Home")
+    page.press("ArrowLeft")
+    assert label(page) == points[0]["label"]
+    assert page.value("document.querySelectorAll('.chart.shown g.point.chosen').length") == 1
+
+
+CUT = "parseFloat(getComputedStyle(document.querySelector('#reference')).clipPath.split(' ').pop())"
+"""Where the wipe is, in per cent, by what is drawn."""
+
+
+def test_the_wipe_follows_mouse_and_keys(page):
+    left, top, width, height = page.place("#wipe")
+    page.drag((left + 0.3 * width, top + height / 2))
+    page.wait(f"Math.abs({CUT} - 30) <= 1")
+    page.drag((left + 0.3 * width, top + height / 2), (left + 0.6 * width, top + 5), (left + 0.8 * width, top + 9))
+    page.wait(f"Math.abs({CUT} - 80) <= 1")
+    page.value("document.querySelector('#slider').value = 80; document.querySelector('#slider').focus()")
+    page.press("ArrowLeft")
+    page.wait(f"{CUT} === 79 && document.querySelector('#slider').value === '79'")
+
+
+def test_the_wipe_shows_the_picture_on_its_left_and_the_reference_on_its_right(page, tmp_path):
+    def shown(where: str) -> np.ndarray:
+        page.press(where)
+        left, top, width, height = (round(number) for number in page.place("#wipe"))
+        page.shot(tmp_path / "page.png")
+        scroll = round(page.value("scrollY"))
+        picture = np.asarray(Pillow.open(tmp_path / "page.png").convert("RGB"), float)
+        return picture[top + scroll + 9:top + scroll + height - 9, left + 9:left + width - 9]
+
+    page.click("#points tr[data-point='0'] td")  # the fastest: far from the reference
+    page.value("document.querySelector('#slider').focus()")
+    reference, picture = shown("Home"), shown("End")
+    assert np.abs(reference - picture).mean() > 2
+
+
+def test_another_error_changes_chart_recommendations_and_front(page, report):
+    page.value("(s => { s.value = 'flip'; s.dispatchEvent(new Event('change')) })(document.querySelector('#measure'))")
+    assert page.value("document.querySelector('.chart.shown').dataset.measure") == "flip"
+    assert "FLIP" in rows(page, "#recommend")[-1] and "relMSE" not in rows(page, "#recommend")[-1]
+    front = page.value("[...document.querySelectorAll('#points tr.front')].map(row => Number(row.dataset.point))")
+    assert front == [k for k, point in enumerate(report["points"]) if point["pareto_by"]["flip"]]
+
+
+def test_the_command_is_copied(page, report):
+    page.click("#points tr[data-point='3'] td")
+    page.click("#copy")
+    page.wait("document.querySelector('#copy').textContent === 'Copied'")
+    assert page.value("navigator.clipboard.readText()") == report["points"][3]["command"]
+
+
+@pytest.mark.parametrize("width, dark", [(1100, True), (360, False)])
+def test_dark_and_narrow(report_folder, tmp_path, width, dark):
+    with Browser(PROGRAM, width, 800, dark) as page:
+        page.open(report_folder / "index.html")
+        assert page.value("document.documentElement.scrollWidth") <= width
+        brightness = page.value("getComputedStyle(document.body).backgroundColor.match(/[0-9]+/g)[0]")
+        assert (int(brightness) < 60) == dark
+        assert page.problems == []

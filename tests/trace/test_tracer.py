@@ -1,0 +1,162 @@
+"""The tracer as a whole: the same input gives the same pixels, all samples are taken, and nothing idle is compiled."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pictures import halves, picture
+from shapes import WHITE, constant, facing_floor, orthographic, plate, scene, sphere
+
+from viewer.scene.light import Light
+from viewer.scene.material import Material
+from viewer.settings import Settings
+from viewer.trace.tracer import Tracer
+
+VIEW = orthographic(0.5, 0.4, height=3.0)
+METAL = Material(perceptual_roughness=0.4, base_color=(0.9, 0.6, 0.3, 1))
+GLOW = Material(emissive=(2.0, 3.0, 4.0), double_sided=True)
+
+
+def still_life():
+    """A metal ball on a white floor under a glowing plate, in grey light."""
+    lifted = facing_floor(0.5, y=1.4)
+    return scene(sphere(segments=32), (plate(1, 3.0), facing_floor(y=-1.0)), (plate(2), lifted),
+                 materials=[METAL, WHITE, GLOW], environment=constant(0.5))
+
+
+@pytest.fixture(scope="module")
+def model():
+    return still_life()
+
+
+def expose(tracer, model, size, seconds=0.25, **settings):
+    exposure = tracer.begin(model, VIEW, Settings.of(mode="path", **settings), size)
+    while not exposure.is_done:
+        exposure.step(seconds)
+    assert exposure.bad_samples == 0
+    return exposure
+
+
+def test_the_same_input_gives_the_same_pixels(tracer, model):
+    """Whatever the slices, and in another tracer."""
+    first, second = (expose(tracer, model, (50, 40), seconds, spp=8).image().linear for seconds in (0.0, 1.0))
+    np.testing.assert_array_equal(first, second)
+    fresh = Tracer(tracer.context)
+    np.testing.assert_array_equal(fresh.render(model, VIEW, Settings.of(mode="path", spp=8), (50, 40)).linear, first)
+    fresh.release()
+
+
+def test_another_seed_is_other_noise(tracer, model):
+    both = halves(tracer, model, VIEW, (32, 32), spp=64)
+    assert not np.array_equal(both.first, both.second)
+    assert both.first.mean() == pytest.approx(both.second.mean(), rel=0.02)
+
+
+@pytest.mark.parametrize("size", [(1, 1), (17, 33), (300, 20), (3, 200)])
+@pytest.mark.parametrize("spp", [1, 13])
+def test_every_pixel_gets_its_samples(tracer, model, size, spp):
+    exposure = expose(tracer, model, size, spp=spp)
+    total, squares = exposure.film.read_sums()
+    assert (total[..., 3] == spp).all()
+    assert (squares[..., 3] == spp).all()
+    assert exposure.samples == spp
+    assert exposure.image().linear.shape == (size[1], size[0], 4)
+
+
+def test_a_picture_can_be_taken_at_any_time(tracer, model):
+    exposure = tracer.begin(model, VIEW, Settings.of(mode="path", spp=64), (40, 30))
+    assert exposure.image().linear[..., :3].max() == 0
+    seen = [0.0]
+    while not exposure.is_done:
+        exposure.step(0.0)
+        if exposure.samples > seen[-1]:
+            seen.append(exposure.samples)
+            assert exposure.rays >= seen[-1] * 40 * 30
+    assert seen[-1] == 64 and len(seen) > 4
+    assert np.isfinite(exposure.image().linear).all()
+
+
+def test_the_estimated_error_is_that_of_the_picture(tracer, model):
+    """Against the spread of ten pictures. Samples that keep their distance make the pictures better than it says."""
+    pictures = [expose(tracer, model, (32, 32), spp=16, seed=seed) for seed in range(10)]
+    light = np.stack([exposure.image().linear[..., :3].astype(np.float64) for exposure in pictures])
+    spread = np.sqrt((light.var(axis=0, ddof=1) / (light.mean(axis=0)**2 + 0.01)).mean())
+    estimate = np.mean([exposure.error for exposure in pictures])
+    assert 0.8 * spread < estimate < 3 * spread
+
+
+def test_the_bvh_gives_the_same_picture(tracer, model):
+    """But for rays along an edge, which one of the two triangles may catch."""
+    settings = Settings.of(mode="path", spp=4)
+    other = Tracer(tracer.context, intersector="bvh")
+    found, expected = (each.render(model, VIEW, settings, (48, 32)).linear for each in (other, tracer))
+    other.release()
+    assert np.isclose(found, expected, rtol=1e-3).all(axis=-1).mean() > 0.97
+    assert found[..., :3].mean() == pytest.approx(expected[..., :3].mean(), rel=0.01)
+
+
+@pytest.mark.parametrize("settings", [{"sampling": "bsdf"}, {"sampling": "lights"}])
+def test_each_way_to_find_light_finds_as_much(tracer, model, settings):
+    """Roughness 0.4 and a wide lamp: each way alone is good enough to be compared."""
+    expected = halves(tracer, model, VIEW, (24, 24), spp=128)
+    found = halves(tracer, model, VIEW, (24, 24), spp=256, **settings)
+    both = found.against(expected.mean, expected.floor(expected.mean))
+    assert both.mean_sigma < 0.006
+    assert both.mean_ratio == pytest.approx(1, abs=0.02)
+    assert both.excess < 1.6
+
+
+def test_the_background_is_the_rasters(tracer):
+    model = scene(sphere(segments=32), environment=constant(0.7))
+    shown = picture(tracer, model, VIEW, spp=4)
+    np.testing.assert_allclose(shown[0, 0], (0.7, 0.7, 0.7, 1), rtol=1e-6)
+    none = picture(tracer, model, VIEW, spp=4, background="none")
+    np.testing.assert_array_equal(none[0, 0], 0)
+    np.testing.assert_allclose(none[16, 16], shown[16, 16], rtol=1e-6)
+    color = picture(tracer, model, VIEW, spp=4, background=(0.1, 0.2, 0.3))
+    np.testing.assert_allclose(color[0, 0], (0.1, 0.2, 0.3, 1), rtol=1e-6)
+    np.testing.assert_allclose(color[16, 16], shown[16, 16], rtol=1e-6)
+
+
+def test_unlit_surfaces_look_as_they_are(tracer):
+    model = scene(plate(), materials=[Material(unlit=True, base_color=(0.2, 0.5, 0.8, 1))], environment=constant())
+    shown = picture(tracer, model, orthographic(0, 0, height=1.0), (8, 8), spp=2)
+    np.testing.assert_allclose(shown[..., :3], np.broadcast_to((0.2, 0.5, 0.8), (8, 8, 3)), rtol=1e-6)
+
+
+def test_a_clamp_takes_indirect_light_alone(tracer):
+    """A wall beside the floor sends the sun's light on."""
+    wall = np.eye(4)
+    wall[:3, 3] = 0, 0, -1
+    lamp = Light("directional", intensity=3.0, direction=(0, -1, -0.3))
+    model = scene((plate(), facing_floor(y=-1.0)), (plate(), wall), lights=(lamp,))
+    whole, direct = (picture(tracer, model, VIEW, spp=64, bounces=bounces).mean() for bounces in (8, 1))
+    clamped, tight = (picture(tracer, model, VIEW, spp=64, bounces=8, clamp=clamp).mean() for clamp in (1e3, 1e-9))
+    assert clamped == pytest.approx(whole, rel=1e-6)
+    assert tight == pytest.approx(direct, rel=1e-6)
+    assert direct < 0.95 * whole
+
+
+def test_the_plan_tells_what_is_left_out(tracer, model):
+    plan = tracer.begin(model, VIEW, Settings.of(mode="path", spp=1), (8, 8)).plan
+    assert json.loads(json.dumps(plan.to_json())) == plan.to_json()
+    text = "\n".join(plan.left_out)
+    for line in ("texture fetches", "the pass for glass", "tangents and normal maps", "absorption in volumes",
+                 "points, spots"):
+        assert line in text
+    for line in ("emission", "from an environment", "emissive triangles"):
+        assert line not in text
+    assert "glass" not in plan.programs and "layers" not in plan.programs
+    dark = replace(model, environment=None, instances=model.instances[:2])
+    plan = tracer.begin(dark, VIEW, Settings.of(mode="path", spp=1), (8, 8)).plan
+    assert any(line.startswith("shadow rays") for line in plan.left_out)
+    assert dict(plan.programs["surface"].switches)["HAS_LIGHTS"] == 0
+
+
+def test_an_empty_scene_is_its_background(tracer):
+    empty = scene(environment=constant(0.3))
+    shown = picture(tracer, empty, VIEW, (20, 10), spp=2)
+    np.testing.assert_allclose(shown, np.broadcast_to((0.3, 0.3, 0.3, 1), (10, 20, 4)), rtol=1e-6)

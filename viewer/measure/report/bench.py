@@ -1,0 +1,156 @@
+"""Makes a scene's picture by any method of the ladder, and measures it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from ...gpu.context import Context
+from ...image import Image
+from ...raster.display import DisplayPass
+from ...raster.programs import Programs
+from ...raster.renderer import Renderer
+from ...scene.camera import Camera
+from ...scene.scene import Scene
+from ...settings import Settings
+from ...trace.exposure import Exposure
+from ...trace.run import run
+from ...trace.tracer import Tracer
+from .ladder import Method
+from .store import Record
+from .timing import Timing, measure, of_frames, of_pictures
+
+COVERAGE_SPP = 16
+Report = Callable[[float], None]
+"""Told which part of a picture is done."""
+
+
+class Bench:
+    """One scene, camera and size; `settings` are what the methods change, with no colour for a background.
+
+    That would be in the radiance, shown by a curve that is not the model's.
+    """
+
+    def __init__(self, context: Context, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
+                 use_cache: bool = True, limit: float = 150.0) -> None:
+        self.limit = limit
+        """Seconds that measuring may take in all; what is timed is run the more often the more there are."""
+        self.context, self.scene, self.camera, self.settings, self.size = context, scene, camera, settings, size
+        self._gl = context.gl
+        self._renderer = Renderer(context, use_cache)
+        self._tracer = Tracer(context, use_cache)
+        self._programs = Programs(context)
+        self._display = DisplayPass(self._gl, self._programs)
+        self._shown = self._gl.framebuffer([self._gl.renderbuffer(size, 4)])
+        self._warm: set[str] = set()
+        self._background: np.ndarray | None = None
+
+    def measure(self, method: Method) -> Record:
+        """The method's picture, and in `facts` its `time_ms` as of `Timing`, `prepare_s` and what else it tells.
+
+        A frame of the raster is drawn, displayed and finished. A path-traced picture is timed from its beginning, all
+        samples, denoising and display, with the scene prepared. `prepare_s` is what preparing took before that, as far
+        as no earlier method had done it: decoding, baking, compiling, uploading, building the BVH.
+        """
+        started = time.perf_counter()
+        picture, timing, facts = (self._trace if method.is_traced else self._draw)(method)
+        seconds = time.perf_counter() - started
+        return Record(picture, {"time_ms": timing.to_json(), **facts}, seconds)
+
+    def _draw(self, method: Method) -> tuple[np.ndarray, Timing, dict[str, object]]:
+        scene, settings, renderer = method.scene(self.scene), method.settings(self.settings), self._renderer
+
+        def frame() -> None:
+            renderer.draw(scene, self.camera, settings, self.size, still=True)
+            renderer.present(settings, self._shown)
+            self._gl.finish()
+
+        started = time.perf_counter()
+        frame()
+        first = time.perf_counter() - started
+        frame()
+        timing = measure(frame, of_frames(self.limit))
+        picture = renderer.render(scene, self.camera, settings, self.size).linear
+        if method.lights is not None and settings.background == "env" and self.scene.environment is not None:
+            picture = picture + (1 - picture[..., 3:]) * self._empty_picture()
+        return picture, timing, {"prepare_s": max(first - timing.median / 1e3, 0.0)}
+
+    def _empty_picture(self) -> np.ndarray:
+        """What stands behind the model: pixels it covers in part hold some of that, whatever lights it."""
+        if self._background is None:
+            empty = replace(self.scene, instances=())
+            renderer = Renderer(self.context)
+            self._background = renderer.render(empty, self.camera, self.settings, self.size).linear
+            renderer.release()
+        return self._background
+
+    def _trace(self, method: Method) -> tuple[np.ndarray, Timing, dict[str, object]]:
+        settings = method.settings(self.settings)
+        prepare = self._warm_up(settings)
+        last: list[Exposure] = []
+
+        def picture() -> None:
+            started = time.perf_counter()
+            exposure = self._tracer.begin(self.scene, self.camera, settings, self.size)
+            last.append(exposure)
+            run(exposure, started)
+            exposure.present(self._shown)
+            self._gl.finish()
+
+        def tidy() -> None:
+            for exposure in last[:-1]:
+                exposure.release()
+            del last[:-1]
+
+        timing = measure(picture, of_pictures(self.limit), tidy)
+        image = last[-1].image()
+        last[-1].release()
+        facts = {name: image.stats[name] for name in ("spp", "rays", "estimated_error", "bad_samples", "intersector")}
+        return image.linear, timing, {"prepare_s": prepare, **facts}
+
+    def _warm_up(self, settings: Settings) -> float:
+        """Prepare the scene and compile the programs; the seconds it took, 0 where that was done before."""
+        if settings.denoise in self._warm:
+            return 0.0
+        started = time.perf_counter()
+        self.trace(replace(settings, spp=1, error=None))
+        self._warm.add(settings.denoise)
+        return time.perf_counter() - started
+
+    def trace(self, settings: Settings, report: Report | None = None) -> np.ndarray:
+        """A path-traced picture's linear radiance, (H, W, 4)."""
+        exposure = self._tracer.begin(self.scene, self.camera, settings, self.size)
+        try:
+            run(exposure, time.perf_counter(), None if report is None else lambda fraction, _: report(fraction))
+            return exposure.image().linear
+        finally:
+            exposure.release()
+
+    def coverage(self) -> np.ndarray:
+        """The pixels, (H, W) bool, in which some camera ray hits the model."""
+        settings = replace(self.settings, mode="path", spp=COVERAGE_SPP)
+        depth = self._tracer.render(self.scene, self.camera, settings, self.size, ["depth"]).layers["depth"]
+        return np.isfinite(depth)
+
+    def release(self) -> None:
+        """Free what it holds; the context stays."""
+        self.context.make_current()
+        self._renderer.release()
+        self._tracer.release()
+        self._display.release()
+        self._programs.release()
+        self._shown.color_attachments[0].release()
+        self._shown.release()
+
+    def displayed(self, linear: np.ndarray) -> Image:
+        """Linear radiance (H, W, 4) as a picture of these settings."""
+        self.context.make_current()
+        flipped = np.ascontiguousarray(linear[::-1], np.float32)
+        texture = self._gl.texture(self.size, 4, flipped, dtype="f4")
+        self._display.draw(texture, self.settings, self._shown, 0)
+        shown = np.frombuffer(self._shown.read(components=4), np.uint8).reshape(linear.shape)[::-1]
+        texture.release()
+        return Image(np.asarray(linear, np.float32), np.ascontiguousarray(shown))

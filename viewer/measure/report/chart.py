@@ -1,0 +1,203 @@
+"""Error against time as a chart: laid out once, written as SVG and as PNG."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from .pareto import BUDGETS_MS
+
+WIDTH, PLOT_BOTTOM = 720, 400
+_LEFT, _RIGHT, _TOP = 70, 16, 34
+_LEGEND_COLUMNS, _LEGEND_ROW = 3, 20
+_INK, _FAINT, _PAPER = "#222222", "#d8d8d8", "#ffffff"
+# Okabe & Ito 2008, colours that most eyes tell apart; the shape tells them apart as well.
+_COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f5fc0", "#777777")
+_SHAPES = ("circle", "square", "diamond", "triangle")
+_NAMES = {"relmse": "relMSE", "rmse": "RMSE", "flip": "FLIP"}
+
+
+@dataclass(frozen=True)
+class Path:
+    points: tuple[tuple[float, float], ...]
+    color: str
+    width: float = 1.0
+    dash: float = 0.0
+    kind: str = ""
+
+
+@dataclass(frozen=True)
+class Mark:
+    x: float
+    y: float
+    color: str
+    shape: str
+    is_on_front: bool = True
+    point: int | None = None
+    """The number of the report's point, None in the legend."""
+    title: str = ""
+
+    def outline(self) -> list[tuple[float, float]]:
+        """The corners of its shape."""
+        r = 5.5 if self.is_on_front else 4.0
+        steps, turn = {"circle": (24, 0.0), "square": (4, 0.25), "diamond": (4, 0.0), "triangle": (3, 0.0)}[self.shape]
+        return [(self.x + r * math.sin(2 * math.pi * (k + turn * 2) / steps),
+                 self.y - r * math.cos(2 * math.pi * (k + turn * 2) / steps)) for k in range(steps)]
+
+
+@dataclass(frozen=True)
+class Words:
+    x: float
+    y: float
+    text: str
+    anchor: str = "middle"
+    size: float = 12
+    kind: str = "ink"
+    is_upright: bool = False
+    """Written from bottom to top."""
+
+
+Shape = Path | Mark | Words
+
+
+@dataclass(frozen=True)
+class Chart:
+    width: float
+    height: float
+    shapes: tuple[Shape, ...]
+
+
+def error_chart(document: Mapping[str, Any], measure: str) -> Chart:
+    """The points of report.json by their time and one of their errors, both on logarithmic axes."""
+    points = document["points"]
+    times = [point["time_ms"]["median"] for point in points]
+    floor = document["reference"]["floor"][measure]
+    values = [max(point["error"][measure], floor * 0.3, 1e-12) for point in points]
+    x, y = _Axis(times, _LEFT, WIDTH - _RIGHT), _Axis([*values, *[floor] * (floor > 0)], PLOT_BOTTOM, _TOP)
+    title = "{} against time, {} x {}".format(_NAMES[measure], *document["size"])
+    shapes: list[Shape] = [Words(_LEFT, 18, title, "start", 14)]
+    shapes += _frame(x, y, _NAMES[measure])
+    if y.low < floor:
+        shapes += [Path(((_LEFT, y(floor)), (WIDTH - _RIGHT, y(floor))), _INK, 1, 3, "floor"),
+                   Words(_LEFT + 6, y(floor) - 4, "noise of the reference", "start", 11, "soft")]
+    on_front = [k for k, point in enumerate(points) if point["pareto_by"][measure]]
+    shapes.append(_stairs([(x(times[k]), y(values[k])) for k in on_front]))
+    styles = _styles(points)
+    for k in sorted(range(len(points)), key=on_front.__contains__):
+        color, shape = styles[points[k]["title"]]
+        error = points[k]["error"][measure]
+        title = f"{points[k]['label']}: {spell_time(times[k])}, {_NAMES[measure]} {error:.3g}"
+        shapes.append(Mark(x(times[k]), y(values[k]), color, shape, k in on_front, k, title))
+    rows = _legend(styles, shapes)
+    return Chart(WIDTH, PLOT_BOTTOM + 52 + rows * _LEGEND_ROW, tuple(shapes))
+
+
+def spell_time(milliseconds: float) -> str:
+    """Three digits in the unit that suits."""
+    return f"{milliseconds:.3g} ms" if milliseconds < 999.5 else f"{milliseconds / 1e3:.3g} s"
+
+
+class _Axis:
+    """A logarithmic axis from pixel `start` to `end` on which all `values` have room."""
+
+    def __init__(self, values: Sequence[float], start: float, end: float) -> None:
+        self.low, self.high = min(values) / 1.4, max(values) * 1.4
+        self._start, self._end = start, end
+
+    def __call__(self, value: float) -> float:
+        share = math.log(value / self.low) / math.log(self.high / self.low)
+        return self._start + share * (self._end - self._start)
+
+    def ticks(self) -> list[float]:
+        """Powers of ten; with 2 and 5 between where that makes fewer than three."""
+        decades = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
+        for steps in ((1,), (1, 3), (1, 2, 5)):
+            found = [step * 10.0**d for d in decades for step in steps if self.low <= step * 10.0**d <= self.high]
+            if len(found) >= 4:
+                break
+        return found
+
+
+def _frame(x: _Axis, y: _Axis, measure: str) -> list[Shape]:
+    shapes: list[Shape] = []
+    for tick in x.ticks():
+        shapes += [Path(((x(tick), _TOP), (x(tick), PLOT_BOTTOM)), _FAINT, 1, 0, "grid"),
+                   Words(x(tick), PLOT_BOTTOM + 16, spell_time(tick))]
+    for tick in y.ticks():
+        shapes += [Path(((_LEFT, y(tick)), (WIDTH - _RIGHT, y(tick))), _FAINT, 1, 0, "grid"),
+                   Words(_LEFT - 6, y(tick) + 4, f"{tick:g}", "end")]
+    for budget in BUDGETS_MS:
+        if x.low < budget < x.high:
+            name = "30 a second" if budget < 100 else spell_time(budget)
+            shapes += [Path(((x(budget), _TOP), (x(budget), PLOT_BOTTOM)), _INK, 1, 2, "budget"),
+                       Words(x(budget) - 4, _TOP + 4, name, "end", 11, "soft", True)]
+    corner = ((_LEFT, _TOP), (_LEFT, PLOT_BOTTOM), (WIDTH - _RIGHT, PLOT_BOTTOM))
+    return [*shapes, Path(corner, _INK, 1, 0, "axis"),
+            Words((_LEFT + WIDTH) / 2, PLOT_BOTTOM + 34, "time of a picture"),
+            Words(14, (_TOP + PLOT_BOTTOM) / 2, measure, "middle", 12, "ink", True)]
+
+
+def _stairs(corners: Sequence[tuple[float, float]]) -> Path:
+    """What can be had: down where a point of the front stands, level until the next."""
+    steps: list[tuple[float, float]] = []
+    for k, (x, y) in enumerate(corners):
+        steps += [(x, corners[k - 1][1] if k else y), (x, y)]
+    steps.append((WIDTH - _RIGHT, corners[-1][1]))
+    return Path(tuple(steps), _INK, 1.5, 0, "front")
+
+
+def _styles(points: Sequence[Mapping[str, Any]]) -> dict[str, tuple[str, str]]:
+    """Colour and shape of each title, in the order of first sight."""
+    titles = dict.fromkeys(point["title"] for point in points)
+    return {title: (_COLORS[k % len(_COLORS)], _SHAPES[k % len(_SHAPES)]) for k, title in enumerate(titles)}
+
+
+def _legend(styles: Mapping[str, tuple[str, str]], shapes: list[Shape]) -> int:
+    """Adds the legend to `shapes`; how many rows it has."""
+    for k, (title, (color, shape)) in enumerate(styles.items()):
+        column, row = k % _LEGEND_COLUMNS, k // _LEGEND_COLUMNS
+        left = _LEFT + column * (WIDTH - _LEFT - _RIGHT) / _LEGEND_COLUMNS
+        top = PLOT_BOTTOM + 54 + row * _LEGEND_ROW
+        shapes += [Mark(left + 6, top, color, shape), Words(left + 18, top + 4, title, "start")]
+    return -(-len(styles) // _LEGEND_COLUMNS)
+
+
+def to_svg(chart: Chart) -> str:
+    """A picture that stands alone; the marks of points have `data-point`, and classes tell what a line is."""
+    box = f"0 0 {chart.width:g} {chart.height:g}"
+    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" font-family="system-ui, sans-serif">',
+             f'<rect class="paper" width="100%" height="100%" fill="{_PAPER}"/>']
+    parts += [_SVG[type(shape)](shape) for shape in chart.shapes]
+    return "".join([*parts, "</svg>"])
+
+
+def _path_svg(path: Path) -> str:
+    dash = f' stroke-dasharray="{path.dash:g}"' if path.dash else ""
+    return (f'<polyline class="{path.kind}" points="{_listed(path.points)}" fill="none" stroke="{path.color}" '
+            f'stroke-width="{path.width:g}"{dash}/>')
+
+
+def _mark_svg(mark: Mark) -> str:
+    shape = (f'<polygon points="{_listed(mark.outline())}" fill="{mark.color if mark.is_on_front else _PAPER}" '
+             f'stroke="{mark.color}" stroke-width="1.5" class="{"full" if mark.is_on_front else "hollow"}"/>')
+    if mark.point is None:
+        return shape
+    return (f'<g class="point" data-point="{mark.point}"><title>{html.escape(mark.title)}</title>'
+            f'<circle cx="{mark.x:.1f}" cy="{mark.y:.1f}" r="11" fill="none" pointer-events="all"/>{shape}</g>')
+
+
+def _words_svg(words: Words) -> str:
+    turn = f' transform="rotate(-90 {words.x:.1f} {words.y:.1f})"' if words.is_upright else ""
+    fill = _INK if words.kind == "ink" else "#666666"
+    return (f'<text class="{words.kind}" x="{words.x:.1f}" y="{words.y:.1f}" text-anchor="{words.anchor}" '
+            f'font-size="{words.size:g}" fill="{fill}"{turn}>{html.escape(words.text)}</text>')
+
+
+_SVG = {Path: _path_svg, Mark: _mark_svg, Words: _words_svg}
+
+
+def _listed(points: Sequence[tuple[float, float]]) -> str:
+    return " ".join(f"{x:.1f},{y:.1f}" for x, y in points)

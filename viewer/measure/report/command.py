@@ -1,0 +1,56 @@
+"""The command line that makes a picture of the report."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ...settings import PATH_ONLY
+from .ladder import Method, light_option
+
+_OPTIONS = ("mode", "spp", "denoise", "error")
+"""Settings with an option of their own; the others are said by --set."""
+
+
+def command_line(model: str, options: Mapping[str, Any], method: Method) -> str:
+    """`pbr-viewer render` of `model` by `method`, with the `options` of the command line that asked for the report."""
+    words = ["pbr-viewer", "render", model, "-o", "picture.png", *_given(options, method)]
+    for name, value in method.changes.items():
+        words += [f"--{name}", str(value)] if name in _OPTIONS else ["--set", f"{name}={value}"]
+    return shlex.join(words)
+
+
+def _given(options: Mapping[str, Any], method: Method) -> Iterator[str]:
+    """The options that are not the defaults of `render`, and the size always."""
+    width, height = options["size"]
+    yield from ("--size", f"{width}x{height}")
+    if method.lights is not None:
+        yield from ("--env", "none")
+    elif options["env"] != "studio":
+        yield from ("--env", options["env"])
+    for name, default in (("env_rotation", 0.0), ("env_intensity", 1.0), ("exposure", 0.0), ("tonemap", "neutral")):
+        if options[name] != default:
+            yield from (f"--{name.replace('_', '-')}", _plain(options[name]))
+    if options["background"] != "env":
+        yield from ("--background", "none")
+    for light in options["lights"]:
+        yield f"--light={_plain(light)}"
+    for light in method.lights or ():
+        yield f"--light={light_option(light)}"
+    for name in ("orbit", "eye", "target"):
+        if options[name] is not None:
+            yield f"--{name}={_plain(options[name])}"
+    for name in ("fov", "camera"):
+        if options[name] is not None:
+            yield from (f"--{name}", _plain(options[name]))
+    for assignment in options["assignments"]:
+        name = assignment.partition("=")[0].strip().replace("-", "_")
+        if name not in method.changes and (method.is_traced or name not in PATH_ONLY):
+            yield from ("--set", assignment)
+
+
+def _plain(value: object) -> str:
+    if isinstance(value, tuple):
+        return ",".join(map(_plain, value))
+    return f"{value:.10g}" if isinstance(value, float) else str(value)

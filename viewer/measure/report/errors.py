@@ -1,0 +1,58 @@
+"""How wrong a picture is, over the pixels in which there is something of the model.
+
+The background is left out: it is a look-up in the environment, which every method makes alike. relMSE and RMSE are of
+linear radiance, before exposure and tone map; FLIP is of the displayed pictures, over white where they are transparent.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...image import Image
+from ..difference import compare
+from ..relmse import EPSILON, Halves
+
+MEASURES = ("relmse", "rmse", "flip")
+
+
+@dataclass(frozen=True, eq=False)
+class Errors:
+    relmse: float
+    """Mean of (x - r)^2 / (r^2 + 0.01) (Rousselle et al. 2011); its root is about the relative error."""
+    rmse: float
+    flip: float
+    """Mean FLIP (Andersson et al. 2020)."""
+    bad_pixels: int
+    """Not finite; they count as black."""
+    map: np.ndarray = field(repr=False)
+    """FLIP of each pixel, (H, W) float32 in [0, 1]."""
+
+    def to_json(self) -> dict[str, float]:
+        return {"rmse": self.rmse, "relmse": self.relmse, "flip": self.flip}
+
+
+def errors(picture: Image, reference: Image, mask: np.ndarray) -> Errors:
+    """Of `picture` against `reference` where `mask` (H, W) bool is set, which is somewhere."""
+    ours, truth = (image.linear[..., :3].astype(np.float64) for image in (picture, reference))
+    bad = ~np.isfinite(ours).all(axis=-1)
+    ours = np.where(bad[..., None], 0.0, ours)[mask]
+    truth = truth[mask]
+    squared = (ours - truth) ** 2
+    difference = compare(reference, picture)
+    return Errors(float((squared / (truth**2 + EPSILON)).mean()), math.sqrt(squared.mean()),
+                  float(difference.map[mask].mean(dtype=np.float64)), int((bad & mask).sum()), difference.map)
+
+
+def relmse_floor(halves: Halves, mask: np.ndarray) -> float:
+    """The relMSE that the noise of a reference made of two halves, (H, W, 3) each, adds to that of any picture."""
+    return Halves(halves.first[mask], halves.second[mask]).floor(halves.mean[mask])
+
+
+def masked_relmse(picture: np.ndarray, reference: np.ndarray, mask: np.ndarray) -> float:
+    """relMSE of linear radiance (H, W, 3 or more) alone."""
+    truth = reference[mask][:, :3].astype(np.float64)
+    ours = np.nan_to_num(picture[mask][:, :3], nan=0.0, posinf=0.0, neginf=0.0)
+    return float(((ours - truth) ** 2 / (truth**2 + EPSILON)).mean())

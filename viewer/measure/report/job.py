@@ -1,0 +1,102 @@
+"""`pbr-viewer report`: models measured one after the other, with one OpenGL context."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ...errors import ContextError, OutputError, UsageError, ViewerError
+from ...gpu.context import Context, open_context
+from ...messages import say, say_error
+from ...progress import Progress
+from ...scene.camera import Camera
+from ...scene.scene import Scene
+from ...settings import Settings
+from ...signals import Stopped
+from .bench import Bench
+from .command import command_line
+from .document import Document, find
+from .page import write_report
+from .store import Store
+from .summary import write_summary
+from .survey import Survey, Surveyor
+
+
+@dataclass
+class ReportJob:
+    """`options` are those of the command line; `limit` is the time for each model."""
+
+    folder: Path
+    options: dict[str, Any]
+    settings: Settings
+    limit: float
+    backend: str = "auto"
+    quiet: bool = False
+
+    def run(self, models: Sequence[str], load: Callable[[str], Scene], camera: Callable[[str, Scene], Camera]) -> int:
+        """Measure each model and write its report: into `folder`, or each into one of its own below it where there are
+        several. The exit status: 0, or 1 where some model could not be shown, which is told on stderr.
+
+        Raises ContextError, OutputError and UsageError, which would hold for all, and Stopped when somebody asks to
+        stop: what was measured by then is kept and goes into the report.
+        """
+        if isinstance(self.settings.background, tuple):
+            self.settings = replace(self.settings, background="none")
+        Store(self.folder)
+        folders = report_folders(models, self.folder)
+        status = 0
+        reports: dict[Path, Document] = {}
+        with open_context(self.backend) as context, Progress(len(models), enabled=not self.quiet) as progress:
+            for model, folder in zip(models, folders):
+                try:
+                    reports[folder] = self._one(context, model, folder, load, camera, progress)
+                except (ContextError, OutputError, UsageError):
+                    raise
+                except (ViewerError, MemoryError) as error:
+                    say_error(f"{model}: out of memory" if isinstance(error, MemoryError) else error)
+                    status = 1
+        if len(folders) > 1:
+            write_summary(self.folder, reports)
+        return status
+
+    def _one(self, context: Context, model: str, folder: Path, load: Callable[[str], Scene],
+             camera: Callable[[str, Scene], Camera], progress: Progress) -> Document:
+        """Measure a model and write its report, which is returned."""
+        name = Path(model).name
+        progress.step(f"{name}: loading")
+        scene = load(model)
+        use_cache = not self.options["no_cache"]
+        bench = Bench(context, scene, camera(model, scene), self.settings, self.options["size"], use_cache,
+                      self.limit)
+        Store(folder)
+        surveyor = Surveyor(bench, Store(folder / "measured"), name, progress, use_cache)
+        survey = surveyor.survey
+        try:
+            surveyor.run()
+            progress.say(f"{name}: writing")
+            return self._write(survey, model, folder)
+        except Stopped:
+            say(f"{folder}: {len(survey.rungs)} points are measured and kept; the same command goes on from there")
+            if survey.reference is not None and survey.rungs:
+                self._write(survey, model, folder)
+            raise
+        finally:
+            bench.release()
+
+    def _write(self, survey: Survey, model: str, folder: Path) -> Document:
+        scene = survey.bench.scene
+        facts = {"triangles": scene.triangle_count, "lights": len(scene.lights),
+                 "environment": scene.environment.name if scene.environment is not None else None}
+        findings = find(survey, Path(model).name, lambda method: command_line(model, self.options, method), facts)
+        write_report(folder, findings)
+        return findings.document
+
+
+def report_folders(models: Sequence[str], folder: Path) -> list[Path]:
+    """`folder` itself for one model; for several, one in it for each, with the model's name and a number if need be."""
+    if len(models) == 1:
+        return [folder]
+    stems = [Path(model).stem or "model" for model in models]
+    return [folder / (stem if stems.index(stem) == k else f"{stem}-{k + 1}") for k, stem in enumerate(stems)]

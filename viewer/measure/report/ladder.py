@@ -1,0 +1,167 @@
+"""The methods there are of showing a scene, from the cheapest to the one that has no error but noise.
+
+A method is data: changes of the settings, and in one case other lights. Which apply to a scene, and why others do not,
+is told by `ladder`; nothing is drawn here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, fields, replace
+from importlib.util import find_spec
+from typing import Any
+
+from ...bake.dominant import ambient_and_key
+from ...bake.environment import BakedEnvironment, bake_environment
+from ...scene.environment import Environment
+from ...scene.light import Light
+from ...scene.scene import Scene
+from ...settings import Settings
+
+SPP = tuple(1 << k for k in range(13))
+"""Samples a pixel of the path-traced points; time decides how many of them are taken."""
+TARGETS = (0.1, 0.05, 0.03, 0.02, 0.01)
+"""Estimated relative errors at which the adaptive points end."""
+LUMINANCE = (0.2126, 0.7152, 0.0722)
+
+
+@dataclass(frozen=True)
+class Method:
+    """One way to make the picture.
+
+    `name` is the family, for scripts; `title` for people. `changes` are settings that differ from the user's, by name.
+    `lights`, where it is not None, stand in for the environment, beside the scene's own.
+    """
+
+    name: str
+    title: str
+    changes: dict[str, Any] = field(default_factory=dict)
+    lights: tuple[Light, ...] | None = None
+
+    @property
+    def slug(self) -> str:
+        """Distinct for each method of a ladder, fit for a file's name."""
+        return "-".join([self.name, *(f"{key}-{value}" for key, value in self.changes.items() if key != "mode")])
+
+    @property
+    def label(self) -> str:
+        """The title and what sets it apart from others of that title."""
+        words = [_words(name, value) for name, value in self.changes.items() if name not in ("mode", "denoise")]
+        return ", ".join([self.title, *words])
+
+    @property
+    def is_traced(self) -> bool:
+        return self.changes.get("mode") == "path"
+
+    def settings(self, base: Settings) -> Settings:
+        return replace(base, **self.changes)
+
+    def scene(self, scene: Scene) -> Scene:
+        return scene if self.lights is None else scene.relit(environment=None, lights=(*scene.lights, *self.lights))
+
+
+PLAIN = Method("ibl", "image-based light", {"antialias": "msaa-4"})
+"""What others are held against."""
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    method: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """`raster` and `traced` in the order in which they are measured, cheapest first."""
+
+    raster: tuple[Method, ...]
+    traced: tuple[Method, ...]
+    left_out: tuple[LeftOut, ...]
+
+
+def ladder(scene: Scene, settings: Settings, use_cache: bool = True) -> Ladder:
+    """What applies to `scene`; `settings` are the user's, of which mode and what is only for mode path do not count."""
+    left_out: list[LeftOut] = []
+    baked = bake_environment(scene.environment, settings.ndf, use_cache) if scene.environment is not None else None
+    from_environment = environment_lights(scene.environment, baked) if baked is not None else ()
+    raster = [Method("phong", "Phong", {"mode": "phong", "antialias": "none"}),
+              Method("phong", "Phong", {"mode": "phong", "antialias": "msaa-4"})]
+    if scene.lights or from_environment:
+        raster += [Method("lights", "lights only", {"antialias": antialias}, from_environment if baked else None)
+                   for antialias in ("none", "msaa-4")]
+    else:
+        left_out.append(LeftOut("lights only", "the scene has no lights and no environment"))
+    if baked is not None:
+        raster += _image_based((*scene.lights, *baked.suns), left_out)
+    else:
+        left_out.append(LeftOut(PLAIN.title, "the scene has no environment"))
+    traced = []
+    for spp in SPP:
+        traced += _traced(spp, left_out if spp == 1 else [])
+    traced += [Method("path-adaptive", "path traced, adaptive", {"mode": "path", "error": error}) for error in TARGETS]
+    return Ladder(tuple(raster), tuple(traced), tuple(left_out))
+
+
+def environment_lights(environment: Environment, baked: BakedEnvironment) -> tuple[Light, ...]:
+    """Its suns, or the one light that is nearest to all of it, as `--light` can say them: white."""
+    lights = baked.suns
+    if not lights:
+        key = ambient_and_key(baked.irradiance)[1]
+        lights = (replace(key, intensity=key.intensity * baked.scale),)
+    return tuple(_as_option(light, environment.rotation, environment.intensity) for light in lights)
+
+
+def light_option(light: Light) -> str:
+    """AZ,EL,LUX of a light that `_as_option` made."""
+    x, y, z = (-part for part in light.direction)
+    return f"{math.degrees(math.atan2(x, z)):.1f},{math.degrees(math.asin(max(-1.0, min(1.0, y)))):.1f}," \
+           f"{light.intensity:.4g}"
+
+
+def settings_of(method: Method, base: Settings) -> dict[str, Any]:
+    """All settings of a method that are not the defaults, as JSON has them."""
+    settings, default = method.settings(base), Settings()
+    return {f.name: _plain(getattr(settings, f.name)) for f in fields(Settings)
+            if getattr(settings, f.name) != getattr(default, f.name) or f.name == "mode" or f.name in method.changes}
+
+
+def _words(name: str, value: object) -> str:
+    if name == "spp":
+        return f"{value} sample{'s' * (value != 1)} a pixel"
+    return f"to an error of {value}" if name == "error" else f"{name.replace('_', '-')} {value}"
+
+
+def _plain(value: object) -> object:
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _as_option(light: Light, rotation: float, intensity: float) -> Light:
+    """The light, turned and scaled with its environment, white, and with the digits that `light_option` has."""
+    x, y, z = light.direction
+    c, s = math.cos(rotation), math.sin(rotation)
+    lux = light.intensity * intensity * sum(a * b for a, b in zip(light.color, LUMINANCE))
+    turned = replace(light, direction=(c * x + s * z, y, c * z - s * x), intensity=lux)
+    azimuth, elevation, lux = map(float, light_option(turned).split(","))
+    return Light.from_angles(math.radians(azimuth), math.radians(elevation), lux)
+
+
+def _image_based(lights: Sequence[Light], left_out: list[LeftOut]) -> Iterator[Method]:
+    for antialias in ("none", "msaa-2", "msaa-4", "msaa-8"):
+        yield replace(PLAIN, changes={"antialias": antialias})
+    knobs = {"multiscatter": "off", "specular_aa": "off", "fresnel": "exact"}
+    if any(light.casts_shadow for light in lights):
+        knobs["shadows"] = "off"
+    else:
+        left_out.append(LeftOut(f"{PLAIN.title}, shadows off", "no light casts a shadow"))
+    for name, value in knobs.items():
+        yield replace(PLAIN, changes={**PLAIN.changes, name: value})
+
+
+def _traced(spp: int, left_out: list[LeftOut]) -> Iterator[Method]:
+    yield Method("path", "path traced", {"mode": "path", "spp": spp})
+    yield Method("path+fast", "path traced, denoised", {"mode": "path", "spp": spp, "denoise": "fast"})
+    if find_spec("pyoidn") is not None:
+        yield Method("path+oidn", "path traced, OIDN", {"mode": "path", "spp": spp, "denoise": "oidn"})
+    else:
+        left_out.append(LeftOut("path traced, OIDN", "it is not installed (pip install 'pbr-viewer[oidn]')"))

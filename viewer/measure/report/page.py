@@ -1,0 +1,73 @@
+"""index.html: the report as one page that stands alone, and the files beside it."""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...atomic import atomic_write, write_json
+from ..difference import magma
+from .chart import error_chart, to_svg
+from .chart_png import save_png
+from .document import Findings
+from .errors import MEASURES
+
+_HERE = Path(__file__).resolve().parent
+_PICTURE = {"format": "WEBP", "quality": 92, "method": 4}
+_MAP = {"format": "WEBP", "quality": 80, "method": 4}
+
+
+def write_report(folder: Path, findings: Findings) -> None:
+    """report.json, error-time.svg and .png, and index.html in `folder`, which is there. Raises OutputError."""
+    write_json(folder / "report.json", findings.document)
+    charts = {measure: error_chart(findings.document, measure) for measure in MEASURES}
+    with atomic_write(folder / "error-time.svg") as file:
+        file.write_text(to_svg(charts["relmse"]), encoding="utf-8")
+    save_png(charts["relmse"], folder / "error-time.png")
+    drawings = {measure: to_svg(chart) for measure, chart in charts.items()}
+    with atomic_write(folder / "index.html") as file:
+        file.write_text(_page(findings, drawings), encoding="utf-8")
+
+
+def _page(findings: Findings, drawings: dict[str, str]) -> str:
+    pictures = {
+        "reference": _encoded(findings.reference.srgb, _PICTURE),
+        "points": [_encoded(rung.image.srgb, _PICTURE) for rung in findings.rungs],
+        "maps": [_encoded(magma(rung.errors.map), _MAP) for rung in findings.rungs],
+    }
+    charts = "".join(f'<div class="chart" data-measure="{name}">{svg}</div>' for name, svg in drawings.items())
+    return fill("page.html", {"STYLE": resource("page.css"), "SCRIPT": resource("page.js"), "CHARTS": charts,
+                              "REPORT": embedded(findings.document), "PICTURES": embedded(pictures)})
+
+
+def fill(template: str, parts: dict[str, str]) -> str:
+    """A template of this folder with each `{{NAME}}` replaced, in one go: what is put in is not looked at again."""
+    pieces = resource(template).split("{{")
+    text = [pieces[0]]
+    for piece in pieces[1:]:
+        name, _, rest = piece.partition("}}")
+        text += [parts[name], rest]
+    return "".join(text)
+
+
+def resource(name: str) -> str:
+    return (_HERE / name).read_text(encoding="utf-8")
+
+
+def embedded(content: Any) -> str:
+    """JSON for a script element, which nothing in it can end."""
+    return json.dumps(content, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def _encoded(pixels: np.ndarray, options: dict[str, Any]) -> str:
+    """(H, W, 3 or 4) uint8 as a data URL."""
+    from PIL import Image as Pillow
+
+    file = io.BytesIO()
+    Pillow.fromarray(pixels).save(file, **options)
+    return f"data:image/webp;base64,{base64.b64encode(file.getvalue()).decode()}"

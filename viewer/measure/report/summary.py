@@ -1,0 +1,39 @@
+"""The reports of several models on one page."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from ...atomic import atomic_write
+from .chart import spell_time
+from .page import fill, resource
+
+
+def write_summary(folder: Path, reports: Mapping[Path, Mapping[str, Any]]) -> None:
+    """index.html in `folder`: a row for each report.json, by the folder in it that holds it. Raises OutputError."""
+    rows = "\n".join(_row(quote(path.name), report) for path, report in reports.items())
+    sizes = sorted({f"{report['size'][0]} x {report['size'][1]} on {report['device']}" for report in reports.values()})
+    page = fill("summary.html", {"STYLE": resource("page.css"), "ROWS": rows, "WHERE": html.escape("; ".join(sizes))})
+    with atomic_write(folder / "index.html") as file:
+        file.write_text(page, encoding="utf-8")
+
+
+def _row(link: str, report: Mapping[str, Any]) -> str:
+    cells = [f'<a href="{link}/index.html">{html.escape(report["scene"])}</a>', str(report["triangles"]),
+             f"{report['reference']['relmse_floor']:.2g}"]
+    for row in report["recommend"]:
+        cells.append("nothing" if row["point"] is None else _choice(report["points"][row["point"]]))
+    raster = report["raster"]
+    cells.append("" if raster is None else f"{raster['relmse_ratio']:.2f}<br><small>"
+                                           f"{html.escape(report['points'][raster['best']]['label'])}</small>")
+    return f"<tr>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
+
+
+def _choice(point: Mapping[str, Any]) -> str:
+    error = point["error"]["relmse"]
+    return (f"{html.escape(point['label'])}<br><small>{spell_time(point['time_ms']['median'])}, about "
+            f"{100 * error**0.5:.2g} % off (relMSE {error:.2g})</small>")

@@ -1,0 +1,147 @@
+"""One model measured: every method of the ladder that there is time for, and the reference."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...errors import InputError
+from ...progress import Progress
+from .bench import Bench
+from .digest import code_digest, digest
+from .errors import masked_relmse
+from .ladder import Ladder, LeftOut, Method, ladder
+from .patience import is_met_by_pilot, reason_against
+from .reference import LEAST_SPP, Reference, ReferenceMaker
+from .store import Record, Store
+from .timing import of_pictures
+
+POINTS_SHARE = 0.45
+"""Of the time that path-traced points may take; the reference gets what is left."""
+FLOOR_SHARE = 0.1
+"""A reference is good enough when its floor is this share of the best picture's error."""
+
+
+@dataclass(eq=False)
+class Survey:
+    """What was measured of a scene; `mask` (H, W) bool tells where the model is."""
+
+    bench: Bench
+    rungs: list[tuple[Method, Record]] = field(default_factory=list)
+    left_out: list[LeftOut] = field(default_factory=list)
+    mask: np.ndarray | None = None
+    reference: Reference | None = None
+    is_whole: bool = False
+    """Whether all was measured that there was to be."""
+
+    @property
+    def seconds(self) -> float:
+        """What all of it has taken, in this run or earlier ones."""
+        return sum(record.seconds for _, record in self.rungs) + (self.reference.seconds if self.reference else 0.0)
+
+
+class Surveyor:
+    """Measuring may take `bench.limit` in all, what earlier runs took included."""
+
+    def __init__(self, bench: Bench, store: Store, name: str, progress: Progress, use_cache: bool = True) -> None:
+        self._bench, self._store, self._name, self._progress = bench, store, name, progress
+        self._limit = bench.limit
+        self._key = digest(bench.scene, bench.camera, bench.size, bench.settings, bench.context.renderer, code_digest())
+        self._use_cache = use_cache
+        self.survey = Survey(bench)
+
+    def run(self) -> None:
+        """Fills `survey`, which holds what there is also when this is interrupted.
+
+        Raises InputError where nothing of the model is in the picture.
+        """
+        survey, bench = self.survey, self._bench
+        self._tell("preparing")
+        survey.mask = self._coverage()
+        steps = ladder(bench.scene, bench.settings, self._use_cache)
+        survey.left_out += steps.left_out
+        maker = ReferenceMaker(bench, self._store, self._key)
+        survey.reference = maker.reference() if maker.spp else None
+        self._climb(steps)
+        self._converge(maker)
+        survey.is_whole = True
+
+    def _tell(self, text: str, more_seconds: float = 0.0) -> None:
+        done = (self.survey.seconds + more_seconds) / self._limit
+        self._progress.part(min(done, 1.0), f"{self._name}: {text}")
+
+    def _coverage(self) -> np.ndarray:
+        kept = self._store.load("coverage", self._key)
+        if kept is None:
+            mask = self._bench.coverage()
+            kept = Record(np.repeat(mask[..., None], 4, axis=2).astype(np.float32))
+            self._store.save("coverage", self._key, kept)
+        mask = kept.picture[..., 0] > 0
+        if not mask.any():
+            raise InputError(self._name, "", "nothing of it is in the picture: there is nothing to compare "
+                                             "(lines and points are not path traced)")
+        return mask
+
+    def _climb(self, steps: Ladder) -> None:
+        survey = self.survey
+        for method in steps.raster:
+            survey.rungs.append((method, self._measured(method)))
+        left = max(POINTS_SHARE * (self._limit - survey.seconds), 0.0)
+        given_up: set[str] = set()
+        for method in steps.traced:
+            if self._store.load(method.slug, self._key) is None:
+                if method.name in given_up or is_met_by_pilot(method, survey.rungs):
+                    continue
+                reason = reason_against(method, survey.rungs, left, of_pictures(self._limit))
+                if reason:
+                    survey.left_out.append(LeftOut(f"{method.label} and more", reason))
+                    given_up.add(method.name)
+                    continue
+            record = self._measured(method)
+            left -= record.seconds
+            survey.rungs.append((method, record))
+
+    def _measured(self, method: Method) -> Record:
+        self._tell(method.label)
+        record = self._store.load(method.slug, self._key)
+        if record is None:
+            record = self._bench.measure(method)
+            self._store.save(method.slug, self._key, record)
+        return record
+
+    def _converge(self, maker: ReferenceMaker) -> None:
+        survey = self.survey
+        while True:
+            left = self._limit - survey.seconds
+            if maker.spp and (left <= 0 or self._is_good_enough()):
+                return
+            spp = maker.next_spp()
+            rate = self._seconds_per_sample(maker)
+            if rate:
+                spp = min(spp, int(left / (2 * rate)))
+            if maker.spp and spp < LEAST_SPP:
+                return
+            total, seconds = maker.spp, 2 * rate * spp
+
+            def report(done: float, spp: int = spp, total: int = total, seconds: float = seconds) -> None:
+                self._tell(f"reference, {total + 2 * done * spp:.0f} samples a pixel", done * seconds)
+
+            maker.add(max(spp, LEAST_SPP), report)
+            survey.reference = maker.reference()
+
+    def _is_good_enough(self) -> bool:
+        survey = self.survey
+        assert survey.reference is not None and survey.mask is not None
+        reference, mask = survey.reference, survey.mask
+        floor = reference.floor(mask)
+        best = min(masked_relmse(record.picture, reference.linear, mask) for _, record in survey.rungs)
+        return floor <= FLOOR_SHARE * best
+
+    def _seconds_per_sample(self, maker: ReferenceMaker) -> float:
+        """Of one sample of every pixel, by the reference so far or the longest path-traced picture; 0: not known."""
+        if maker.spp:
+            return maker.seconds / maker.spp
+        rates = [record.facts["time_ms"]["median"] / 1e3 / record.facts["spp"]
+                 for method, record in self.survey.rungs if method.name == "path"]
+        return rates[-1] if rates else 0.0

@@ -1,0 +1,66 @@
+"""How long a picture takes: many runs after warm-up, the device finished before the clock stops."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Milliseconds by the wall clock over `n` runs; with one run all three are that."""
+
+    median: float
+    p10: float
+    p90: float
+    n: int
+
+    @classmethod
+    def of(cls, seconds: list[float]) -> Timing:
+        p10, median, p90 = np.percentile(np.array(seconds) * 1e3, (10, 50, 90))
+        return cls(float(median), float(p10), float(p90), len(seconds))
+
+    def to_json(self) -> dict[str, float]:
+        return {"median": self.median, "p10": self.p10, "p90": self.p90, "n": self.n}
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How often something is run: until there are `most` runs, or `least` and `seconds` have gone by.
+
+    What takes longer than `once_s` is run once.
+    """
+
+    least: int
+    most: int
+    seconds: float
+    once_s: float = float("inf")
+
+
+def of_frames(limit: float) -> Effort:
+    """How often a real-time frame is drawn where all measuring may take `limit` seconds."""
+    return Effort(least=7, most=60, seconds=limit / 200)
+
+
+def of_pictures(limit: float) -> Effort:
+    """Likewise a path-traced picture."""
+    return Effort(least=3, most=9, seconds=limit / 200, once_s=limit / 50)
+
+
+def measure(run: Callable[[], None], effort: Effort, tidy: Callable[[], None] = lambda: None) -> Timing:
+    """`run` is to return when its work is done, the device's included; it is warm already. `tidy` follows each run, off
+    the clock."""
+    seconds: list[float] = []
+    started = time.perf_counter()
+    while True:
+        begun = time.perf_counter()
+        run()
+        now = time.perf_counter()
+        seconds.append(now - begun)
+        tidy()
+        is_enough = len(seconds) >= effort.least and now - started >= effort.seconds
+        if is_enough or len(seconds) >= effort.most or seconds[0] > effort.once_s:
+            return Timing.of(seconds)
