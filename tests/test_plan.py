@@ -151,14 +151,15 @@ def test_lights_are_ordered_bounded_and_dark_ones_dropped():
 
 def test_glass_has_a_pass_and_code_of_its_own():
     opaque = plan(scene(Material(metallic=0.0, thickness=1.0), environment=ENVIRONMENT))
-    assert not opaque.has_transmission and "transmission" not in opaque.to_json()["passes"]
+    assert not (opaque.has_bodies or opaque.has_walls) and "glass" not in str(opaque.to_json()["passes"])
     assert "u_backdrop" not in code(opaque) and any("glass" in line for line in opaque.left_out)
-    assert not plan(scene(Material(metallic=1.0, transmission=1.0))).has_transmission
+    assert not plan(scene(Material(metallic=1.0, transmission=1.0))).has_walls
     phong = plan(scene(Material(metallic=0.0, transmission=1.0)), mode="phong")
-    assert not phong.has_transmission and any("glass is opaque" in line for line in phong.left_out)
+    assert not phong.has_walls and any("glass is opaque" in line for line in phong.left_out)
     wall, body = (plan(scene(Material(metallic=0.0, transmission=1.0, thickness=t))) for t in (0.0, 1.0))
-    for glass in (wall, body):
-        assert glass.has_transmission and "transmission" in glass.to_json()["passes"]
+    for glass, name in ((wall, "walls"), (body, "bodies")):
+        assert (glass.has_walls, glass.has_bodies) == (glass is wall, glass is body)
+        assert f"{name} of glass" in glass.to_json()["passes"]
         assert not any("glass" in line for line in glass.left_out)
     assert "u_absorption" in code(body) and "u_absorption" not in code(wall) and "u_backdrop" in code(wall)
 

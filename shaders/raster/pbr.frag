@@ -168,7 +168,7 @@ void main() {
 #endif
 #if TRANSMISSION
     float passes = transmitted(s.dielectric, dfg) * through * (METALNESS == 2 ? 1.0 - s.metallic : 1.0);
-    radiance += passes * base.rgb * light_from_behind(s.n, s.v, blur) * float(SHOW_SPECULAR);
+    radiance += passes * base.rgb * light_from_behind(s.n, n_geometric, s.v, blur) * float(SHOW_SPECULAR);
     s.base_color *= 1.0 - through; // what is left to scatter
 #endif
 #if HAS_ENVIRONMENT

@@ -34,8 +34,25 @@ float transmitted_roughness(float perceptual_roughness) {
     return perceptual_roughness * clamp(2.0 * u_ior - 2.0, 0.0, 1.0);
 }
 
+#if TRANSMISSION == 2
+// Mean curvature of the surface, by the differences of normals n and places p of neighbouring pixels: 1 / r on a ball
+float curvature(vec3 n, vec3 p) {
+    vec3 nx = dFdx(n), ny = dFdy(n), px = dFdx(p), py = dFdy(p);
+    return (dot(nx, px) + dot(ny, py)) / max(dot(px, px) + dot(py, py), 1e-18);
+}
+
+// Where light that goes along d inside comes out after `way`. The far side is taken to have the same middle of curvature
+// as the front: the other half of a ball, the inner face of a vase, or, where the front is flat, a plane parallel to it.
+vec3 leaving_direction(vec3 n, vec3 d, float way) {
+    vec3 out_n = normalize(n + curvature(n, v_position) * way * d);
+    out_n *= dot(out_n, d) > 0.0 ? -1.0 : 1.0;
+    vec3 beyond = refract(d, out_n, u_ior);
+    return beyond == vec3(0.0) ? reflect(d, out_n) : beyond;
+}
+#endif
+
 // Where nothing was drawn, and beyond the picture, stands the environment.
-vec3 light_from_behind(vec3 n, vec3 v, float blur) {
+vec3 light_from_behind(vec3 n, vec3 n_geometric, vec3 v, float blur) {
     vec3 exit = v_position, d = -v;
     vec3 kept = vec3(1.0);
 #if TRANSMISSION == 2
@@ -46,6 +63,7 @@ vec3 light_from_behind(vec3 n, vec3 v, float blur) {
 #endif
     exit += thickness * d;
     kept = exp(-u_absorption * thickness);
+    d = leaving_direction(n_geometric, d, thickness);
 #endif
     vec4 clip = u_view_projection * vec4(exit, 1.0);
     vec2 uv = 0.5 + 0.5 * clip.xy / clip.w;

@@ -9,6 +9,8 @@ import pytest
 from shapes import WHITE, constant, moved, orthographic, plate, scene, sphere
 
 from viewer.scene.camera import Camera
+from viewer.scene.environment import Environment
+from viewer.scene.equirect import texel_directions
 from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.scene.scene import Scene
@@ -80,6 +82,37 @@ def test_rough_glass_spreads_what_is_behind_it_and_keeps_its_light(renderer):
     clear, rough = row(0.0), row(0.4)
     assert (clear > 1.8).sum() == pytest.approx(12, abs=1) and (rough > 0.2).sum() > 18
     assert rough.sum() == pytest.approx(clear.sum(), rel=0.1)
+
+
+def sky() -> Environment:
+    """1 above the horizon, 0 below."""
+    up = texel_directions(64, 128)[..., 1:2] > 0
+    return Environment("sky", np.repeat(up, 3, axis=2).astype(np.float32))
+
+
+@pytest.mark.parametrize(("thickness", "seen_above"), [(2.0, 0.0), (0.02, 1.0)])
+def test_a_ball_turns_the_world_over_and_a_bubble_does_not(renderer, thickness, seen_above):
+    """Half a radius above the middle of a solid ball, and of a shell; seen from a little below the horizon."""
+    black = replace(GLASS, thickness=thickness, specular=0.0)
+    model = scene(sphere(), materials=[black], environment=sky())
+    picture = renderer.render(model, orthographic(elevation=-0.1, height=2.0), Settings.of(), SIZE).linear[..., 0]
+    assert picture[12, 24] == pytest.approx(seen_above, abs=0.05)
+    assert picture[36, 24] == pytest.approx(1.0, abs=0.05)
+
+
+@pytest.mark.parametrize("elevation", [-0.4, 0.4])
+def test_what_a_flat_body_lets_through_goes_on_as_before(renderer, elevation):
+    slab = replace(GLASS, thickness=0.5, specular=0.0)
+    model = scene(plate(half=9.0), materials=[slab], environment=sky())
+    camera = orthographic(elevation=elevation, height=0.5)
+    assert middle(renderer, model, camera)[0] == pytest.approx(float(elevation < 0), abs=0.02)
+
+
+def test_a_wall_shows_a_body_behind_it(renderer):
+    body = replace(GLASS, thickness=1.0, emissive=(4.0, 1.0, 0.5))
+    model = scene((plate(0), moved((0, 0, -1))), plate(1), materials=[body, GLASS])
+    back = 2 * R / (1 + R)
+    assert middle(renderer, model)[:3] == pytest.approx(np.array([4, 1, 0.5]) * (1 - back), abs=5e-3)
 
 
 def test_half_of_each(renderer):

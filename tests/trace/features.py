@@ -71,6 +71,19 @@ def pane() -> tuple[Scene, Camera]:
     return model, orthographic(0.0, 0.0, height=2.0)
 
 
+def window(roughness: float = 0.0) -> Callable[[], tuple[Scene, Camera]]:
+    """A coloured wall of glass without thickness, at a slant before half of a wall that shines."""
+    def make() -> tuple[Scene, Camera]:
+        glass = Material(base_color=(0.9, 0.6, 0.3, 1), metallic=0.0, perceptual_roughness=roughness, transmission=1.0,
+                         double_sided=True)
+        shining = Material(base_color=(0, 0, 0, 1), metallic=0.0, specular=0.0, emissive=(1.0, 0.8, 0.5))
+        model = scene((plate(0, half=3.0), moved((0, 0, -1))), (plate(1, half=2.0), moved((2.0, 0, 0))),
+                      materials=[shining, glass], environment=constant(0.5))
+        return model, orthographic(0.3, 0.2, height=2.0)
+
+    return make
+
+
 def shadows() -> tuple[Scene, Camera]:
     """A black ball, which gives no light back, on a floor under a sun from the side."""
     black = replace(WHITE, base_color=(0, 0, 0, 1))
@@ -81,6 +94,7 @@ def shadows() -> tuple[Scene, Camera]:
 
 GREY, PLASTIC = {"metallic": 0.0, "specular": 0.0, "base_color": (0.5, 0.5, 0.5, 1)}, {
     "metallic": 0.0, "perceptual_roughness": 0.4, "base_color": (0.6, 0.1, 0.1, 1)}
+GLASS = {"metallic": 0.0, "perceptual_roughness": 0.0, "transmission": 1.0, "thickness": 2.0}
 GOLD = {"base_color": (1.0, 0.78, 0.34, 1)}
 SUN = (Light.from_angles(-0.6, 0.7, 3.0),)
 LAMP = (Light("point", intensity=6.0, position=(-1.2, 1.5, 1.5)),)
@@ -112,6 +126,12 @@ FEATURES = [
     Feature("unlit", ball("studio", base_color=(0.9, 0.4, 0.1, 1), unlit=True), 0.004, 0.012),
     Feature("shadow of a sun", shadows, 0.004, 0.015),
     Feature("blended pane", pane, 0.015, 0.02, "light that goes to and fro between pane and wall"),
+    Feature("furnace, glass ball", ball(constant(), **GLASS), 0.004, 0.012),
+    Feature("furnace, rough thin glass", ball(constant(), **(GLASS | {"thickness": 0.0, "perceptual_roughness": 0.5})),
+            0.25, 0.28, "on four passages paths lose what facets scatter more than once"),
+    Feature("studio, glass ball", ball("studio", **GLASS), 0.5, 1.2, "the raster knows no reflections inside"),
+    Feature("window of coloured glass", window(), 0.004, 0.012),
+    Feature("window of rough glass", window(0.4), 0.03, 0.04, "the raster blurs the picture, paths the light"),
     Feature("normal map", asset("normal-map", None), 0.01, 0.03,
             "the raster shades the mean of a pixel's normals, paths average the shading", spp=16, size=144),
     Feature("textures", asset("textures", "studio"), 0.015, 0.04, "edges in a picture that is mostly empty", spp=16,

@@ -88,10 +88,8 @@ def test_the_command_line_of_a_method_asks_for_just_that(arguments):
         asked = cli.commands["render"].make_context("render", words[2:]).params
         settings = make_settings(asked)
         settings.check_used()
-        wanted = method.settings(base)
-        if not method.is_traced:
-            wanted = module.replace(wanted, bounces=Settings().bounces)
-        assert settings == wanted
+        assert settings == method.settings(base)
+        assert (settings.bounces == 3) == bool(arguments and method.is_traced) and settings.ndf == base.ndf
         assert {name: asked[name] for name in ("size", "orbit", "fov", "eye", "camera")} == \
                {name: options[name] for name in ("size", "orbit", "fov", "eye", "camera")}
         lights = tuple(map(make_light, asked["lights"]))

@@ -66,6 +66,9 @@ def test_a_point_is_chosen_by_hovering_clicking_and_keys(page, report):
     page.wait(f"document.querySelector('#label').textContent === report.points[{on_top}].label")
     page.click("#points tr[data-point='1'] td")
     assert label(page) == points[1]["label"]
+    page.hover(mark)
+    page.hover("h1")
+    assert label(page) == points[1]["label"]  # kept
     assert page.value("document.querySelector('#command').textContent") == points[1]["command"]
     page.value("document.querySelector('#charts').focus()")
     page.press("ArrowRight")

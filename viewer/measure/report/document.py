@@ -66,7 +66,8 @@ def find(survey: Survey, scene: str, command: Callable[[Method], str], facts: Do
                 "settings": settings_of(rung.method, bench.settings),
                 "time_ms": rung.record.facts["time_ms"], "error": rung.errors.to_json(),
                 "pareto": fronts["relmse"][k], "pareto_by": {name: fronts[name][k] for name in MEASURES},
-                "command": command(rung.method), "bad_pixels": rung.errors.bad_pixels,
+                "command": command(rung.method), "too_bright": rung.errors.too_bright,
+                "bad_pixels": rung.errors.bad_pixels,
                 **{name: value for name, value in rung.record.facts.items() if name != "time_ms"},
             } for k, rung in enumerate(rungs)
         ],

@@ -25,6 +25,8 @@ class Errors:
     rmse: float
     flip: float
     """Mean FLIP (Andersson et al. 2020)."""
+    too_bright: float
+    """Share of relMSE from where the picture is brighter than the reference."""
     bad_pixels: int
     """Not finite; they count as black."""
     map: np.ndarray = field(repr=False)
@@ -41,9 +43,12 @@ def errors(picture: Image, reference: Image, mask: np.ndarray) -> Errors:
     ours = np.where(bad[..., None], 0.0, ours)[mask]
     truth = truth[mask]
     squared = (ours - truth) ** 2
+    relative = squared / (truth**2 + EPSILON)
+    bright = float(relative[ours > truth].sum() / max(relative.sum(), 1e-300))
     difference = compare(reference, picture)
-    return Errors(float((squared / (truth**2 + EPSILON)).mean()), math.sqrt(squared.mean()),
-                  float(difference.map[mask].mean(dtype=np.float64)), int((bad & mask).sum()), difference.map)
+    flip = float(difference.map[mask].mean(dtype=np.float64))
+    return Errors(float(relative.mean()), math.sqrt(squared.mean()), flip, bright, int((bad & mask).sum()),
+                  difference.map)
 
 
 def relmse_floor(halves: Halves, mask: np.ndarray) -> float:

@@ -17,7 +17,7 @@ from ...bake.environment import BakedEnvironment, bake_environment
 from ...scene.environment import Environment
 from ...scene.light import Light
 from ...scene.scene import Scene
-from ...settings import Settings
+from ...settings import PATH_ONLY, RASTER_ONLY, Settings
 
 SPP = tuple(1 << k for k in range(13))
 """Samples a pixel of the path-traced points; time decides how many of them are taken."""
@@ -55,7 +55,9 @@ class Method:
         return self.changes.get("mode") == "path"
 
     def settings(self, base: Settings) -> Settings:
-        return replace(base, **self.changes)
+        """`base` with the changes, and without what is of no use to the method."""
+        idle = RASTER_ONLY if self.is_traced else PATH_ONLY
+        return replace(base, **{name: getattr(Settings(), name) for name in idle} | self.changes)
 
     def scene(self, scene: Scene) -> Scene:
         return scene if self.lights is None else scene.relit(environment=None, lights=(*scene.lights, *self.lights))

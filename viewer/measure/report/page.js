@@ -5,6 +5,7 @@ const $ = id => document.getElementById(id);
 const MEASURES = {relmse: "relMSE", rmse: "RMSE", flip: "FLIP"};
 const points = report.points;
 let chosen = 0, measure = "relmse";
+let isKept = false; // whether passing over other points leaves the one that is chosen
 
 const digits = value => value >= 100 ? Math.round(value).toString() : Number(value.toPrecision(3)).toString();
 const time = ms => ms < 999.5 ? `${digits(ms)} ms` : `${digits(ms / 1000)} s`;
@@ -46,7 +47,7 @@ function fillRecommendations() {
     element("td", time(point.time_ms.median), line);
     element("td", wrong(point), line);
     const button = element("button", "Show", element("td", "", line));
-    button.addEventListener("click", () => { choose(index); $("chosen").scrollIntoView({block: "nearest"}); });
+    button.addEventListener("click", () => { keep(index); $("chosen").scrollIntoView({block: "nearest"}); });
   }
 }
 
@@ -60,7 +61,7 @@ function fillTable() {
     element("td", t.n > 1 ? `${time(t.p10)} to ${time(t.p90)}` : "", row);
     element("td", t.n, row);
     for (const name in MEASURES) element("td", digits(point.error[name]), row);
-    row.addEventListener("click", () => choose(index));
+    row.addEventListener("click", () => keep(index));
   });
 }
 
@@ -122,6 +123,7 @@ function choose(index) {
     "Time": `${time(t.median)}` + (t.n > 1 ? `, 80 % between ${time(t.p10)} and ${time(t.p90)}, ${t.n} runs` : ", one run"),
     "Error": `about ${percent(point.error.relmse)}: relMSE ${digits(point.error.relmse)}, RMSE ${digits(point.error.rmse)}, ` +
         `FLIP ${digits(point.error.flip)}`,
+    "Where": `${Math.round(100 * point.too_bright)} % of relMSE from where it is brighter than the reference`,
     "Settings": Object.entries(point.settings).map(([name, value]) => `${name} ${value}`).join(", "),
   };
   if (point.spp) facts["Samples"] = `${digits(point.spp)} a pixel, ${point.rays} rays`;
@@ -130,6 +132,11 @@ function choose(index) {
   for (const name in facts) { element("dt", name, $("facts")); element("dd", facts[name], $("facts")); }
   $("command").textContent = point.command;
   $("copy").textContent = "Copy";
+}
+
+function keep(index) {
+  isKept = !(isKept && chosen === index);
+  choose(index);
 }
 
 function show(name) {
@@ -171,8 +178,11 @@ function listen() {
   $("slider").addEventListener("input", event => cut(event.target.value));
   $("copy").addEventListener("click", copy);
   $("charts").addEventListener("keydown", step);
-  for (const node of document.querySelectorAll("g.point"))
-    for (const kind of ["pointerenter", "click"]) node.addEventListener(kind, () => choose(Number(node.dataset.point)));
+  for (const node of document.querySelectorAll("g.point")) {
+    const index = Number(node.dataset.point);
+    node.addEventListener("pointerenter", () => { if (!isKept) choose(index); });
+    node.addEventListener("click", () => keep(index));
+  }
   const drag = event => {
     const box = $("wipe").getBoundingClientRect();
     cut(100 * Math.min(Math.max((event.clientX - box.left) / box.width, 0), 1));
