@@ -59,6 +59,11 @@ class Draw:
     transmits: int
     blank_maps: tuple[str, ...] = ()
 
+    @property
+    def sees_visibility(self) -> bool:
+        """Whether it is shaded by what of the environment is not hidden."""
+        return dict(self.program.switches).get("VISIBILITY", 0) == 1
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -72,6 +77,8 @@ class Plan:
     reflections: bool
     ambient: bool
     dfg: bool
+    environment_shadows: int
+    """Lights drawn from the environment for its shadows; 0: none."""
     background: bool
     used: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
@@ -87,6 +94,11 @@ class Plan:
         return self.is_everything or any(draw.alpha_mode == "blend" for draw in self.draws)
 
     @property
+    def has_visibility(self) -> bool:
+        """Whether it is found, before surfaces are shaded, how much of the environment each pixel sees."""
+        return any(draw.sees_visibility for draw in self.draws)
+
+    @property
     def has_bodies(self) -> bool:
         """Whether there is glass that light is refracted into."""
         return any(draw.transmits == 2 for draw in self.draws)
@@ -97,7 +109,8 @@ class Plan:
         return self.is_everything or any(draw.transmits == 1 for draw in self.draws)
 
     def to_json(self) -> dict[str, object]:
-        passes = (["shadows"] if self.shadow_layer_count else []) + (["surfaces"] if self.draws else [])
+        passes = ["shadows"] * bool(self.shadow_layer_count) + ["visibility"] * self.has_visibility
+        passes += ["surfaces"] * bool(self.draws)
         passes += ["bodies of glass"] if self.has_bodies else []
         passes += ["background"] if self.background else []
         passes += ["walls of glass"] if self.has_walls else []
@@ -157,7 +170,9 @@ def plan_scene(
     shown_lights = _ordered_lights(lights) if any(lit) else ()
     layers, layer_count = _shadow_layers(shown_lights, settings)
     environment, reflections = environment_use(scene, settings)
+    environment_shadows = _environment_shadows(settings) if environment and scene.environment is not None else 0
     common = {
+        "VISIBILITY": int(environment_shadows > 0),
         "HALF_TARGET": int(half_target),
         "SAMPLES": samples,
         "IS_ORTHOGRAPHIC": int(orthographic),
@@ -184,6 +199,7 @@ def plan_scene(
         reflections=reflections,
         ambient=environment and settings.mode == "phong",
         dfg=any(draw.program.fragment == "raster/pbr.frag" and draw.program["REFLECTS"] for draw in draws),
+        environment_shadows=environment_shadows,
         background=settings.background == "env" and scene.environment is not None,
     )
     if settings.plan == "everything":
@@ -213,6 +229,11 @@ def _shadow_layers(lights: Sequence[Light], settings: Settings) -> tuple[tuple[i
     return tuple(first), used
 
 
+def _environment_shadows(settings: Settings) -> int:
+    off = settings.environment_shadows == "off" or settings.mode != "pbr"
+    return 0 if off else int(settings.environment_shadows)
+
+
 def _draw(
     index: int, mesh_index: int, mesh: Mesh, materials: Sequence[Material], settings: Settings, common: dict[str, int]
 ) -> Draw:
@@ -220,6 +241,8 @@ def _draw(
     if settings.plan == "needed":
         material = without_constant_maps(material)
     lit = is_lit(mesh, material)
+    if material.alpha_mode == "blend" or material.transmits:
+        common = common | {"VISIBILITY": 0}  # what is behind them has its place in the buffers
     maps = tuple(name for name in MAPS if _samples(name, mesh, material, settings, lit, common))
     textures = {name: material_map(material, name) for name in maps}
     uv_sets = sum(1 << uv_set for uv_set in {texture.uv_set for texture in textures.values()})
@@ -288,7 +311,8 @@ def _samples(
         "emissive": any(material.emissive) and (common["SHOW_EMISSION"] == 1 or not lit),
         "metallic_roughness": lit and (material.metallic > 0 or material.perceptual_roughness > 0 and material.has_interface),
         "normal": lit and mesh.tangents is not None and material.normal_scale != 0,
-        "occlusion": lit and material.occlusion_strength > 0 and common["HAS_ENVIRONMENT"] == 1,
+        "occlusion": lit and material.occlusion_strength > 0 and common["HAS_ENVIRONMENT"] == 1
+        and common["VISIBILITY"] == 0,  # else it is known what is hidden
         "specular": bool(dielectric) and material.specular > 0,
         "specular_color": bool(dielectric) and material.specular > 0 and any(material.specular_color),
         "transmission": bool(dielectric) and material.transmits,

@@ -59,6 +59,8 @@ def _used(plan: Plan) -> tuple[str, ...]:
     if plan.environment or plan.ambient:
         parts = ["its filtered levels"] * plan.reflections + ["its irradiance"] * plan.environment
         lines.append("light from the environment: " + ", ".join(parts or ["an ambient colour"]))
+    if plan.has_visibility:
+        lines.append(f"shadows of the environment by {_many(plan.environment_shadows, 'light')} drawn from it")
     textures = {(draw.material, name): material_map(draw.surface, name) for draw in plan.draws for name in draw.maps}
     if textures:
         images = {texture.image for texture in textures.values()}
@@ -88,6 +90,9 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
     for kind in _KINDS:
         if plan.lights and not any(light.kind == kind for light in plan.lights):
             lines.append(f"code for {kind} lights: there are none")
+    if plan.environment and scene.environment is not None and not plan.has_visibility:
+        reason = "not asked for" if settings.environment_shadows == "off" else "all surfaces are see-through"
+        lines.append(f"shadows of the environment: {reason}")
     if settings.background != "env" or scene.environment is None:
         reason = "there is none" if scene.environment is None else "not asked for"
         lines.append(f"the environment as background: {reason}")

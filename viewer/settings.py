@@ -103,6 +103,8 @@ class Settings:
         "all", "show one contribution alone")
     phong: Literal["phong", "blinn-phong"] = _option("phong", "the highlight of --mode phong")
     shadows: Literal["on", "off"] = _option("on", "shadows of the lights")
+    environment_shadows: Literal["off", "16", "64", "256", "1024"] = _option(
+        "off", "lights drawn from the environment to find what of it is hidden")
     specular_aa: Literal["on", "off"] = _option("on", "widen highlights that are finer than a pixel")
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8"] = _option(
         "auto", "samples a pixel; auto: four, but one while the camera moves and a processor draws")

@@ -14,7 +14,7 @@ uniform vec3 u_emissive;
 uniform float u_alpha_cutoff;
 #endif
 
-out vec4 o_color; // radiance with associated alpha
+layout(location = 0) out vec4 o_color; // radiance with associated alpha
 
 vec4 base_color() {
     vec4 c = u_base_color;

@@ -10,6 +10,9 @@
 #if HAS_ENVIRONMENT
 #include "raster/environment.glsl"
 #endif
+#if VISIBILITY
+#include "raster/visibility.glsl"
+#endif
 #if LIGHT_COUNT > 0
 #include "light/punctual.glsl"
 #endif
@@ -173,7 +176,12 @@ void main() {
 #if OCCLUSION_MAP
     occlusion = 1.0 + u_occlusion_strength * (occlusion_texel().r - 1.0);
 #endif
-    radiance += shade_environment(s, n_geometric, occlusion, split_sum);
+#if VISIBILITY
+    vec4 visible = visibility(v_position, n_geometric);
+#else
+    const vec4 visible = vec4(1.0);
+#endif
+    radiance += shade_environment(s, n_geometric, occlusion, visible, split_sum);
 #endif
 #if LIGHT_COUNT > 0
     for (int i = 0; i < LIGHT_COUNT; ++i) radiance += shade_light(i, s, n_geometric);

@@ -22,7 +22,7 @@ vec3 reflected_light(vec3 n, vec3 r, vec3 n_geometric, float t, float perceptual
 }
 #endif
 
-vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, SplitSum split_sum) {
+vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, vec4 visible, SplitSum split_sum) {
     mat2x3 specular = mat2x3(0.0);
 #if REFLECTS
     vec3 r = reflect(-s.v, s.n);
@@ -37,6 +37,10 @@ vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, SplitSum sp
 #if OCCLUSION_MAP
     mean_light *= occlusion;
     specular *= specular_occlusion(s.NoV, occlusion, s.alpha);
+#endif
+#if VISIBILITY
+    mean_light *= visible.rgb;
+    specular *= visible.a;
 #endif
     vec3 radiance = vec3(0.0);
 #if METALNESS != 1

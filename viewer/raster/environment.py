@@ -10,6 +10,7 @@ import numpy as np
 
 from ..bake.dominant import ambient_and_key
 from ..bake.environment import BakedEnvironment, background_map, bake_environment
+from ..bake.many_lights import ManyLights, many_lights
 from ..gpu.context import Context
 from ..gpu.mipmaps import mipmapped_texture
 from ..plan import Plan
@@ -68,6 +69,14 @@ class EnvironmentLight:
             replace(light, direction=tuple(turn @ light.direction), intensity=light.intensity * scale)
             for light in lights
         ]
+
+    def many_lights(self, count: int) -> ManyLights:
+        """What is left without its suns, as `count` lights in world directions; of what intensity does not matter."""
+        baked = self._baked
+        if not baked.levels:  # uploaded long ago
+            baked = bake_environment(self.environment, ndf=self._ndf, cache=self._use_cache)
+        lights = many_lights(baked.levels[1], count)
+        return replace(lights, directions=lights.directions @ rotation_about_y(self.environment.rotation))
 
     def uniforms(self, plan: Plan) -> dict[str, object]:
         """What surfaces need; binds the textures."""

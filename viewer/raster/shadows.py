@@ -6,7 +6,7 @@ A directional or a spot light has one tile, a point light the six faces of a cub
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import moderngl
@@ -20,6 +20,8 @@ from .frame import Frame
 ATLAS_SIDE = 4096
 MAX_TILE = 2048
 
+DrawDepth = Callable[[Draw, np.ndarray], None]
+
 _FACES = ((0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0), (2, 1.0), (2, -1.0))  # axis and sign, as cube_face() counts them
 
 
@@ -32,38 +34,56 @@ class Tile:
     texel_per_distance: float
 
 
-class ShadowMaps:
-    """The atlas for one plan. `draw_depth(draw, matrix)` draws a mesh's depth; it belongs to the surfaces."""
+class Atlas:
+    """A square texture of equal depth tiles, as large as ATLAS_SIDE and `max_tile` (texels) allow."""
 
-    def __init__(self, gl: moderngl.Context, scene: Scene, plan: Plan, draw_depth: Callable[[Draw, np.ndarray], None]):
-        count = plan.shadow_layer_count
-        self._key = _key(plan)
+    def __init__(self, gl: moderngl.Context, count: int, max_tile: int) -> None:
+        self._gl = gl
         self._columns = math.ceil(math.sqrt(count))
-        self.tile_size = min(MAX_TILE, ATLAS_SIDE // self._columns)
+        self.tile_size = min(max_tile, ATLAS_SIDE // self._columns)
         rows = math.ceil(count / self._columns)
         self.texture = gl.depth_texture((self._columns * self.tile_size, rows * self.tile_size))
         self.texture.compare_func = "<="
         self.texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
         self.texture.repeat_x = self.texture.repeat_y = False
-        self._tiles = [tile for light, layer in zip(plan.lights, plan.shadow_layers, strict=True) if layer >= 0
-                       for tile in light_tiles(light, scene, self.tile_size)]
-        self._draw(gl, scene, plan, draw_depth)
+        self._framebuffer = gl.framebuffer(depth_attachment=self.texture)
 
-    def _draw(self, gl: moderngl.Context, scene: Scene, plan: Plan, draw_depth: Callable[[Draw, np.ndarray], None]):
-        framebuffer = gl.framebuffer(depth_attachment=self.texture)
+    def draw(self, scene: Scene, tiles: Sequence[Tile], casters: Sequence[Draw], draw_depth: DrawDepth) -> None:
+        """Draw the triangles of `casters` into every tile."""
+        gl, framebuffer = self._gl, self._framebuffer
         framebuffer.use()
         framebuffer.clear(depth=1.0)
         gl.enable_only(moderngl.DEPTH_TEST)
         gl.polygon_offset = 1.0, 2.0  # half a step of depth and of slope: what rounding the tile's depth costs
         to_center = np.eye(4) / scene.radius
         to_center[:3, 3], to_center[3, 3] = -scene.center / scene.radius, 1.0
-        casters = [d for d in plan.draws if d.alpha_mode != "blend" and scene.meshes[d.mesh].topology == "triangles"]
-        for k, tile in enumerate(self._tiles):
-            framebuffer.viewport = (*self._corner(k), self.tile_size, self.tile_size)
+        casters = [draw for draw in casters if scene.meshes[draw.mesh].topology == "triangles"]
+        for k, tile in enumerate(tiles):
+            framebuffer.viewport = (*self.corner(k), self.tile_size, self.tile_size)
             for draw in casters:
                 draw_depth(draw, tile.matrix @ to_center @ scene.instances[draw.instance].transform)
         gl.polygon_offset = 0.0, 0.0
-        framebuffer.release()
+
+    def corner(self, k: int) -> tuple[int, int]:
+        """Of tile k, in texels."""
+        return k % self._columns * self.tile_size, k // self._columns * self.tile_size
+
+    def release(self) -> None:
+        self._framebuffer.release()
+        self.texture.release()
+
+
+class ShadowMaps:
+    """The atlas for one plan. `draw_depth(draw, matrix)` draws a mesh's depth; it belongs to the surfaces."""
+
+    def __init__(self, gl: moderngl.Context, scene: Scene, plan: Plan, draw_depth: DrawDepth):
+        self._key = _key(plan)
+        self._atlas = Atlas(gl, plan.shadow_layer_count, MAX_TILE)
+        self.texture, self.tile_size = self._atlas.texture, self._atlas.tile_size
+        self._tiles = [tile for light, layer in zip(plan.lights, plan.shadow_layers, strict=True) if layer >= 0
+                       for tile in light_tiles(light, scene, self.tile_size)]
+        casters = [d for d in plan.draws if d.alpha_mode != "blend"]
+        self._atlas.draw(scene, self._tiles, casters, draw_depth)
 
     def pack(self, frame: Frame) -> np.ndarray:
         """The uniform block of shaders/light/shadow.glsl, (tiles, 20) float32."""
@@ -74,18 +94,15 @@ class ShadowMaps:
         for k, tile in enumerate(self._tiles):
             rows[k, :16] = (to_unit @ tile.matrix @ from_eye).T.ravel()
             rows[k, 16:18] = tile.texel, tile.texel_per_distance
-            rows[k, 18:] = self._corner(k)
+            rows[k, 18:] = self._atlas.corner(k)
         return rows
-
-    def _corner(self, k: int) -> tuple[int, int]:
-        return k % self._columns * self.tile_size, k // self._columns * self.tile_size
 
     def holds(self, plan: Plan) -> bool:
         """Whether these maps are the ones `plan` wants of the same meshes."""
         return _key(plan) == self._key
 
     def release(self) -> None:
-        self.texture.release()
+        self._atlas.release()
 
 
 def _key(plan: Plan) -> tuple[object, ...]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import moderngl
 import numpy as np
 
 from ..gpu.context import Context
 from ..maps import MAPS, material_map
-from ..plan import Draw, Plan
+from ..plan import Draw, Plan, Program
 from ..scene.material import Material, UVTransform
 from ..scene.scene import Scene
 from .decoding import Decoder
@@ -17,12 +19,14 @@ from .programs import Programs, set_uniform
 from .textures import Textures
 
 # Texture units: the material's maps come first, in the order of MAPS.
-UNIT_DFG, UNIT_PREFILTERED, UNIT_IRRADIANCE, UNIT_SHADOW, UNIT_BACKGROUND, UNIT_RADIANCE = (
-    len(MAPS) + k for k in range(6)
+UNIT_DFG, UNIT_PREFILTERED, UNIT_IRRADIANCE, UNIT_SHADOW, UNIT_BACKGROUND, UNIT_RADIANCE, UNIT_VISIBILITY = (
+    len(MAPS) + k for k in range(7)
 )
 
 _SAMPLE_ALPHA_TO_COVERAGE, _SAMPLE_ALPHA_TO_ONE = 0x809E, 0x809F
 _VERTEX = "raster/surface.vert"
+_GBUFFER_SWITCHES = ("ALPHA_MODE", "DOUBLE_SIDED", "HALF_TARGET", "HAS_COLOR", "HAS_NORMAL", "HAS_TANGENT", "IS_POINTS",
+                     "SAMPLES", "UV_SETS")
 
 
 class Surfaces:
@@ -51,6 +55,11 @@ class Surfaces:
             self._mesh(draw.mesh)
         self.textures.upload()
 
+    def draw_gbuffer(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> None:
+        """Draw where those surfaces are that take part in visibility, and how they lie: shaders/raster/gbuffer.frag."""
+        draws = [replace(d, program=_gbuffer_program(d.program)) for d in plan.draws if d.sees_visibility]
+        self._draw_solid(draws, frame, plan, frame_uniforms)
+
     def draw_opaque(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
         """Draw what neither blends nor transmits light; returns how many instances were drawn."""
         return self._draw_solid([d for d in plan.draws if not d.transmits], frame, plan, frame_uniforms)
@@ -61,7 +70,7 @@ class Surfaces:
 
     def _draw_solid(self, draws: list[Draw], frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
         draws = [d for d in draws if d.alpha_mode != "blend" and (plan.is_everything or frame.visible[d.instance])]
-        order = {program: k for k, program in enumerate(plan.programs)}
+        order = {program: k for k, program in enumerate(dict.fromkeys(d.program for d in draws))}
         draws.sort(key=lambda d: (order[d.program], d.material))
         self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
         self._draw(draws, frame, frame_uniforms)
@@ -178,6 +187,16 @@ class Surfaces:
         for mesh in self._meshes.values():
             mesh.release()
         self.textures.release()
+
+
+def _gbuffer_program(program: Program) -> Program:
+    """Of the switches only those that say where a surface is and how it lies, so that many materials share one."""
+    switches = dict(program.switches)
+    maps = {"normal", "metallic_roughness"} | ({"base_color"} if switches["ALPHA_MODE"] else set())
+    switches = {name: switches[name] for name in _GBUFFER_SWITCHES} | {"HAS_EMISSIVE": 0} | {
+        f"{name.upper()}_{word}": switches[f"{name.upper()}_{word}"] * (name in maps)
+        for name in MAPS for word in ("MAP", "UV", "TRANSFORM", "MIRROR")}
+    return Program("raster/gbuffer.frag", tuple(sorted(switches.items())))
 
 
 def phong_specular(material: Material) -> tuple[float, float, float]:

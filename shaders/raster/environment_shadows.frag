@@ -1,0 +1,58 @@
+// Sums over some of the lights drawn from the environment: what of them arrives, and what would if nothing hid them.
+// Reflected light is weighed by a lobe that holds a few lights at least: what it sees is looked up elsewhere, here it is
+// only asked how much of that is hidden.
+#include "bsdf/ggx.glsl"
+#include "raster/octahedron.glsl"
+#include "sample/luminance.glsl"
+
+struct FarLight {
+    vec4 u, v, depth; // rows of the matrix from eye-relative position to the atlas
+    vec4 direction;   // to the light, in the world; w: a texel's size in scene units
+    vec4 irradiance;  // of a surface facing it
+};
+layout(std140) uniform FarLights {
+    FarLight u_far_lights[LIGHTS];
+};
+uniform sampler2D u_positions;
+uniform sampler2D u_normals;
+uniform sampler2DShadow u_atlas;
+uniform float u_least_alpha;
+uniform vec3 u_view_direction; // towards the eye
+
+layout(location = 0) out vec4 o_arriving; // rgb: diffuse, a: the reflected lobe's, luminance
+layout(location = 1) out vec4 o_sent;
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec4 surface = texelFetch(u_positions, pixel, 0);
+    if (surface.w == 0.0) discard;
+    vec4 normals = texelFetch(u_normals, pixel, 0);
+    vec3 n = from_octahedron(normals.xy), n_geometric = from_octahedron(normals.zw);
+#if IS_ORTHOGRAPHIC
+    vec3 v = u_view_direction;
+#else
+    vec3 v = -normalize(surface.xyz);
+#endif
+    float NoV = clamp(dot(n, v), 1e-3, 1.0);
+    float alpha = max(surface.w * surface.w, u_least_alpha);
+
+    o_arriving = o_sent = vec4(0.0);
+    for (int i = 0; i < LIGHTS; ++i) {
+        FarLight light = u_far_lights[i];
+        vec3 l = light.direction.xyz;
+        float NoL = dot(n, l);
+        if (NoL <= 0.0) continue;
+        vec3 h = normalize(v + l);
+        vec3 nxh = cross(n, h);
+        float lobe = d_ggx(dot(n, h), dot(nxh, nxh), alpha) * v_smith_ggx(NoV, NoL, alpha);
+        vec4 sent = vec4(light.irradiance.rgb, lobe * luminance(light.irradiance.rgb)) * NoL;
+
+        float facing = dot(n_geometric, l);
+        // Off the surface by the filter's footprint, more at grazing angles
+        float away = light.direction.w * (1.5 * sqrt(max(1.0 - facing * facing, 0.0)) + 0.5);
+        vec4 p = vec4(surface.xyz + away * n_geometric, 1.0);
+        float visible = texture(u_atlas, vec3(dot(light.u, p), dot(light.v, p), dot(light.depth, p)));
+        o_sent += sent;
+        o_arriving += facing > 0.0 ? visible * sent : vec4(0.0);
+    }
+}

@@ -1,0 +1,103 @@
+"""What of the environment is hidden, found by many lights: against form factors worked out on paper."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from shapes import WHITE, constant, facing_floor, lopsided, moved, orthographic, plate, scene, seen_plane, sphere
+
+from viewer.bake.many_lights import many_lights
+from viewer.bake.prefilter import prefilter
+from viewer.scene.scene import Instance
+
+SIZE = (48, 48)
+BLACK = replace(WHITE, base_color=(0, 0, 0, 1), double_sided=True)
+VIEW = orthographic(0.0, np.pi / 2, height=3.0)
+
+
+def corner(scale: float = 1.0, environment=None):
+    """A white floor on both sides of a black wall of height 1 along X that is as good as endless."""
+    return scene((plate(0, half=2.0), moved((0, 0, 0), scale) @ facing_floor()),
+                 (plate(1), moved((0, 0.5 * scale, 0), scale) @ moved((0, 0, 0), (8.0, 0.5, 1.0))),
+                 materials=[WHITE, BLACK], environment=environment or constant())
+
+
+def expected_and_place():
+    """The share of uniform light that the floor sees, (1 + cos gamma) / 2 beside a wall that rises by gamma, and |z|."""
+    z = np.abs(seen_plane(VIEW, SIZE, (0, 1, 0))[..., 2])
+    return (1 + np.cos(np.arctan2(1.0, z))) / 2, z
+
+
+def error(radiance, lights: str) -> float:
+    expected, z = expected_and_place()
+    found = radiance(corner(), VIEW, SIZE, environment_shadows=lights)[..., 0]
+    return float(np.sqrt(np.mean((found - expected)[z > 0.15] ** 2)))
+
+
+def test_a_wall_hides_what_its_form_factor_says(radiance):
+    assert error(radiance, "256") < 0.018
+
+
+def test_more_lights_are_nearer(radiance):
+    errors = [error(radiance, lights) for lights in ("16", "64", "256")]
+    assert errors[1] < 0.6 * errors[0] and errors[2] < 0.6 * errors[1]
+
+
+def test_what_nothing_hides_is_as_without(radiance):
+    ball = scene(sphere(segments=64), environment=lopsided())
+    view = orthographic(0.3, 0.2, height=1.4)  # within the silhouette
+    pictures = [radiance(ball, view, SIZE, environment_shadows=lights)[..., :3] for lights in ("off", "64")]
+    assert np.abs(pictures[1] / pictures[0] - 1).max() < 0.05
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e6])
+def test_the_scale_does_not_matter(radiance, scale):
+    view = orthographic(0.4, 0.6, height=3.0 * scale, distance=5.0 * scale)
+    unit = radiance(corner(), orthographic(0.4, 0.6, height=3.0), SIZE, environment_shadows="16")
+    assert np.abs(radiance(corner(scale), view, SIZE, environment_shadows="16") - unit).max() < 2e-3
+
+
+def test_turning_all_about_the_axis_changes_nothing(radiance):
+    """The lights turn with the environment: one that is turned with its model gives the same picture."""
+    angle = 1.1
+    model = corner(environment=lopsided())
+    turn = np.array([[np.cos(angle), 0, np.sin(angle), 0], [0, 1, 0, 0], [-np.sin(angle), 0, np.cos(angle), 0],
+                     [0, 0, 0, 1.0]])
+    turned = replace(model, environment=replace(model.environment, rotation=angle),
+                     instances=tuple(Instance(i.mesh, turn @ i.transform) for i in model.instances))
+    pictures = [radiance(m, orthographic(0.2 + a, 0.9), SIZE, environment_shadows="64")[..., :3]
+                for m, a in ((model, 0.0), (turned, angle))]
+    assert np.abs(pictures[0] - pictures[1]).mean() < 0.01 * pictures[0].mean()
+    other = radiance(turned, orthographic(0.2, 0.9), SIZE, environment_shadows="64")[..., :3]
+    assert np.abs(pictures[0] - other).mean() > 0.03 * pictures[0].mean()
+
+
+def test_edges_do_not_take_what_lies_behind_them(radiance):
+    """A lit plate over a floor that is dark beneath it: no pixel at its rim is darker than either."""
+    model = scene((plate(0, half=2.0), facing_floor()), (plate(0, half=0.7), moved((0, 0.1, 0)) @ facing_floor()),
+                  materials=[replace(WHITE, double_sided=True)], environment=constant())
+    picture = radiance(model, orthographic(0.0, np.pi / 2, height=1.6), SIZE, environment_shadows="64",
+                       antialias="msaa-4")[..., 0]
+    assert picture.min() > 0.5 and picture[20:28, 20:28].min() > 0.99
+
+
+def test_lights_add_up_to_the_environment():
+    level = prefilter(lopsided().radiance)[0][1]
+    for count in (64, 1024):
+        lights = many_lights(level, count)
+        assert np.abs(np.linalg.norm(lights.directions, axis=1) - 1).max() < 1e-12
+        for n in np.eye(3):
+            cosine = np.maximum(lights.directions @ n, 0)
+            found = cosine @ lights.irradiance
+            rows, columns = np.mgrid[0:256, 0:512]
+            theta, phi = np.pi * (rows + 0.5) / 256, 2 * np.pi * ((columns + 0.5) / 512 - 0.5)
+            d = np.stack([np.sin(theta) * np.cos(phi), np.cos(theta), np.sin(theta) * np.sin(phi)], axis=-1)
+            big = lopsided(256).radiance
+            exact = np.einsum("ij,ijc->c", np.sin(theta) * np.maximum(d @ n, 0), big) * (np.pi / 256) ** 2
+            assert np.abs(found / exact - 1).max() < 2.0 / count**0.5
+
+
+def test_a_black_environment_gives_no_nan(radiance):
+    assert radiance(corner(environment=constant(0.0)), VIEW, SIZE, environment_shadows="16")[..., :3].max() == 0

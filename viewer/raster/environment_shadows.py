@@ -1,0 +1,85 @@
+"""What of an environment surfaces see, by the shadows of many lights drawn from it.
+
+The environment's own light is looked up as ever; these lights tell which part of it arrives (Heitz, Hill & McGuire 2018,
+"Combining Analytic Direct Illumination and Stochastic Shadows"). So what nothing hides has no noise, and the picture
+goes to that of direct light as the lights grow in number.
+"""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+
+from ..bake.many_lights import ManyLights
+from ..plan import Plan
+from ..scene.environment import Environment
+from ..scene.light import Light
+from ..scene.scene import Scene
+from .display import fullscreen
+from .frame import Frame
+from .programs import Programs, set_uniform
+from .shadows import Atlas, DrawDepth, light_tiles
+
+BATCH = 64
+MAX_TILE = 256
+UNIT_POSITIONS, UNIT_NORMALS, UNIT_ATLAS = range(3)
+
+
+class EnvironmentShadows:
+    """The shadow maps of many lights, in batches; they hold for a scene's meshes whatever the camera."""
+
+    def __init__(self, gl: moderngl.Context, scene: Scene, plan: Plan, lights: ManyLights, draw_depth: DrawDepth):
+        self._gl, self._count = gl, len(lights.directions)
+        self._environment = scene.environment
+        casters = [d for d in plan.draws if d.alpha_mode != "blend" and not d.transmits]
+        self._batches: list[tuple[Atlas, np.ndarray, np.ndarray]] = []
+        for first in range(0, len(lights.directions), BATCH):
+            part = slice(first, first + BATCH)
+            atlas = Atlas(gl, len(lights.directions[part]), MAX_TILE)
+            tiles = [light_tiles(Light("directional", direction=tuple(-direction)), scene, atlas.tile_size)[0]
+                     for direction in lights.directions[part]]
+            atlas.draw(scene, tiles, casters, draw_depth)
+            matrices = np.stack([_to_atlas(atlas, k) @ tile.matrix for k, tile in enumerate(tiles)])
+            rows = np.zeros((len(tiles), 5, 4))
+            rows[:, 3, :3], rows[:, 3, 3] = lights.directions[part], [tile.texel for tile in tiles]
+            rows[:, 4, :3] = lights.irradiance[part] / max(lights.irradiance.max(), 1e-300)
+            self._batches.append((atlas, matrices, rows))
+
+    def holds(self, environment: Environment, plan: Plan) -> bool:
+        """Whether these are the lights `plan` wants of `environment`, for the same meshes."""
+        ours = self._environment
+        return (ours.source is environment.source and ours.rotation == environment.rotation
+                and self._count == plan.environment_shadows)
+
+    def add(self, programs: Programs, frame: Frame, uniforms: dict[str, object]) -> None:
+        """Add up what arrives and what is sent into the two targets of the framebuffer in use, which blends."""
+        from_eye = np.eye(4)
+        from_eye[:3, 3] = (frame.camera.eye - frame.scene.center) / frame.unit
+        for atlas, matrices, rows in self._batches:
+            rows[:, :3] = (matrices @ from_eye)[:, :3]
+            program = programs.get("display/fullscreen.vert", "raster/environment_shadows.frag", {
+                "LIGHTS": len(rows), "IS_ORTHOGRAPHIC": int(frame.camera.height is not None)})
+            for name, value in uniforms.items():
+                set_uniform(program, name, value)
+            atlas.texture.use(UNIT_ATLAS)
+            set_uniform(program, "u_atlas", UNIT_ATLAS)
+            set_uniform(program, "u_least_alpha", min(2.0 / self._count**0.5, 1.0))
+            block = self._gl.buffer(rows.astype(np.float32))
+            block.bind_to_uniform_block(0)
+            program["FarLights"].binding = 0
+            fullscreen(self._gl, program).render(vertices=3)
+            block.release()
+
+    def release(self) -> None:
+        for atlas, _, _ in self._batches:
+            atlas.release()
+
+
+def _to_atlas(atlas: Atlas, k: int) -> np.ndarray:
+    """Clip space of tile k to texture coordinates and depth in the atlas."""
+    matrix = np.diag([0.5, 0.5, 0.5, 1.0])
+    matrix[:3, 3] = 0.5
+    width, height = atlas.texture.size
+    scale = np.diag([atlas.tile_size / width, atlas.tile_size / height, 1.0, 1.0])
+    scale[:2, 3] = np.divide(atlas.corner(k), (width, height))
+    return scale @ matrix

@@ -1,0 +1,66 @@
+"""The pass before surfaces are shaded that finds how much of the environment each pixel sees."""
+
+from __future__ import annotations
+
+import moderngl
+
+from .display import fullscreen
+from .environment_shadows import UNIT_NORMALS, UNIT_POSITIONS, EnvironmentShadows
+from .frame import Frame
+from .programs import Programs, set_uniform
+from .surfaces import UNIT_BACKGROUND, UNIT_VISIBILITY
+
+
+class Visibility:
+    """The targets of one picture size."""
+
+    def __init__(self, gl: moderngl.Context, size: tuple[int, int]) -> None:
+        self._gl, self.size = gl, size
+        self._layout = [_texture(gl, size, "f4") for _ in range(2)]
+        self._sums = [_texture(gl, size, "f4") for _ in range(2)]
+        self._visible = _texture(gl, size, "f2")
+        self._depth = gl.depth_renderbuffer(size)
+        self.gbuffer = gl.framebuffer(self._layout, self._depth)
+        """What `Surfaces.draw_gbuffer` draws into."""
+        self._summing = gl.framebuffer(self._sums)
+        self._result = gl.framebuffer([self._visible])
+
+    def begin(self) -> None:
+        self.gbuffer.use()
+        self.gbuffer.clear(depth=1.0)
+
+    def find(self, programs: Programs, frame: Frame, shadows: EnvironmentShadows) -> dict[str, object]:
+        """From what was drawn into the buffers. Returns the uniforms of shaders/raster/visibility.glsl.
+
+        Leaves a framebuffer of its own in use.
+        """
+        gl = self._gl
+        self._summing.use()
+        self._summing.clear()
+        self._layout[0].use(UNIT_POSITIONS)
+        self._layout[1].use(UNIT_NORMALS)
+        gl.enable_only(moderngl.BLEND)
+        gl.blend_func = moderngl.ONE, moderngl.ONE
+        shadows.add(programs, frame, {
+            "u_positions": UNIT_POSITIONS, "u_normals": UNIT_NORMALS, "u_view_direction": tuple(-frame.camera.forward)})
+        gl.enable_only(moderngl.NOTHING)
+        self._result.use()
+        program = programs.get("display/fullscreen.vert", "raster/visibility.frag", {})
+        for unit, (name, texture) in enumerate(zip(("u_arriving", "u_sent"), self._sums, strict=True)):
+            texture.use(unit)
+            set_uniform(program, name, unit)
+        fullscreen(gl, program).render(vertices=3)
+        self._visible.use(UNIT_VISIBILITY)
+        self._layout[0].use(UNIT_BACKGROUND)
+        return {"u_visibility": UNIT_VISIBILITY, "u_positions": UNIT_BACKGROUND}
+
+    def release(self) -> None:
+        for thing in (self.gbuffer, self._summing, self._result, *self._layout, *self._sums, self._visible,
+                      self._depth):
+            thing.release()
+
+
+def _texture(gl: moderngl.Context, size: tuple[int, int], dtype: str) -> moderngl.Texture:
+    texture = gl.texture(size, 4, dtype=dtype)
+    texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+    return texture
