@@ -1,4 +1,4 @@
-"""A headless Chromium that is told what to do through a pipe (the Chrome DevTools Protocol), as a person would do it."""
+"""A headless Chromium, told what to do through a pipe (the Chrome DevTools Protocol), as a person would do it."""
 
 from __future__ import annotations
 

@@ -75,7 +75,7 @@ def error_chart(document: Mapping[str, Any], measure: str) -> Chart:
     points = document["points"]
     times = [point["time_ms"]["median"] for point in points]
     floor = document["reference"]["floor"][measure]
-    values = [max(point["error"][measure], floor * 0.3, 1e-12) for point in points]
+    values = _off_zero([point["error"][measure] for point in points])
     x, y = _Axis(times, _LEFT, WIDTH - _RIGHT), _Axis([*values, *[floor] * (floor > 0)], PLOT_BOTTOM, _TOP)
     title = "{} against time, {} x {}".format(_NAMES[measure], *document["size"])
     shapes: list[Shape] = [Words(_LEFT, 18, title, "start", 14)]
@@ -95,6 +95,12 @@ def error_chart(document: Mapping[str, Any], measure: str) -> Chart:
     return Chart(WIDTH, PLOT_BOTTOM + 52 + rows * _LEGEND_ROW, tuple(shapes))
 
 
+def _off_zero(errors: Sequence[float]) -> list[float]:
+    """No error at all has no place on a logarithmic axis: it is drawn at a tenth of the least there is."""
+    least = min((error for error in errors if error > 0), default=1.0) / 10
+    return [max(error, least) for error in errors]
+
+
 def spell_time(milliseconds: float) -> str:
     """Three digits in the unit that suits."""
     return f"{milliseconds:.3g} ms" if milliseconds < 999.5 else f"{milliseconds / 1e3:.3g} s"
@@ -112,10 +118,11 @@ class _Axis:
         return self._start + share * (self._end - self._start)
 
     def ticks(self) -> list[float]:
-        """Powers of ten; with 2 and 5 between where that makes fewer than three."""
-        decades = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
-        for steps in ((1,), (1, 3), (1, 2, 5)):
-            found = [step * 10.0**d for d in decades for step in steps if self.low <= step * 10.0**d <= self.high]
+        """Powers of ten, some of them where there are many, with other numbers between where there are few."""
+        first, last = math.floor(math.log10(self.low)), math.ceil(math.log10(self.high))
+        for every, steps in ((5, (1,)), (2, (1,)), (1, (1,)), (1, (1, 3)), (1, (1, 2, 5)), (1, range(1, 10))):
+            powers = [10.0**power for power in range(first, last + 1) if power % every == 0]
+            found = [step * power for power in powers for step in steps if self.low <= step * power <= self.high]
             if len(found) >= 4:
                 break
         return found
