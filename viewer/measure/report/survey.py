@@ -18,7 +18,7 @@ from .store import Record, Store
 from .timing import of_pictures
 
 POINTS_SHARE = 0.45
-"""Of the time that path-traced points may take; the reference gets what is left."""
+"""Of the time that points may take, raster and path traced; the reference gets what is left."""
 FLOOR_SHARE = 0.1
 """A reference is good enough when its floor is this share of the best picture's error."""
 
@@ -85,22 +85,18 @@ class Surveyor:
 
     def _climb(self, steps: Ladder) -> None:
         survey = self.survey
-        for method in steps.raster:
-            survey.rungs.append((method, self._measured(method)))
-        left = max(POINTS_SHARE * (self._limit - survey.seconds), 0.0)
         given_up: set[str] = set()
-        for method in steps.traced:
+        for method in (*steps.raster, *steps.traced):
             if self._store.load(method.slug, self._key) is None:
                 if method.name in given_up or is_met_by_pilot(method, survey.rungs):
                     continue
+                left = POINTS_SHARE * self._limit - sum(record.seconds for _, record in survey.rungs)
                 reason = reason_against(method, survey.rungs, left, of_pictures(self._limit))
                 if reason:
                     survey.left_out.append(LeftOut(f"{method.label} and more", reason))
                     given_up.add(method.name)
                     continue
-            record = self._measured(method)
-            left -= record.seconds
-            survey.rungs.append((method, record))
+            survey.rungs.append((method, self._measured(method)))
 
     def _measured(self, method: Method) -> Record:
         self._tell(method.label)
