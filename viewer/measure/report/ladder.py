@@ -154,7 +154,7 @@ def _as_option(light: Light, rotation: float, intensity: float) -> Light:
 
 
 def _image_based(lights: Sequence[Light], left_out: list[LeftOut]) -> Iterator[Method]:
-    for antialias in ("none", "msaa-2", "msaa-4", "msaa-8"):
+    for antialias in ("msaa-4", "none", "msaa-2", "msaa-8"):
         yield replace(PLAIN, changes={**PLAIN.changes, "antialias": antialias})
     knobs = {"multiscatter": "off", "specular_aa": "off", "fresnel": "exact"}
     if any(light.casts_shadow for light in lights):

@@ -19,8 +19,7 @@ def reason_against(method: Method, rungs: Sequence[Rung], seconds_left: float, e
     """
     alike = [(other, record) for other, record in rungs if other.name == method.name]
     if not method.is_traced:
-        wait = _of_lights(method, alike)
-        return _unless_in_time(wait, seconds_left) if wait else ""
+        return _unless_in_time(_growth(method, alike[-1][0]) * alike[-1][1].seconds, seconds_left) if alike else ""
     target = method.changes.get("error")
     if target is not None:
         pilots = [record for other, record in rungs if other.name == "path" and record.facts["spp"] >= PILOT]
@@ -37,13 +36,10 @@ def reason_against(method: Method, rungs: Sequence[Rung], seconds_left: float, e
     return _unless_in_time(once if once > effort.once_s else effort.least * once, seconds_left)
 
 
-def _of_lights(method: Method, alike: Sequence[Rung]) -> float:
-    """Seconds that shadows of so many lights of the environment will take, preparing them included; 0: hardly any."""
-    lights = "environment_shadows"
-    if not alike or not method.changes.get(lights, "off").isdigit():
-        return 0.0
-    before, record = alike[-1]
-    return int(method.changes[lights]) / int(before.changes[lights]) * record.seconds
+def _growth(method: Method, before: Method) -> float:
+    """How many times as many lights of the environment cast shadows."""
+    lights, fewer = (other.changes.get("environment_shadows", "off") for other in (method, before))
+    return int(lights) / int(fewer) if lights.isdigit() and fewer.isdigit() else 1.0
 
 
 def _seconds(record: Record) -> float:

@@ -17,8 +17,8 @@ from .reference import LEAST_SPP, Reference, ReferenceMaker
 from .store import Record, Store
 from .timing import of_pictures
 
-POINTS_SHARE = 0.45
-"""Of the time that points may take, raster and path traced; the reference gets what is left."""
+RASTER_SHARE, POINTS_SHARE = 0.25, 0.5
+"""Of the time, what points of the raster may take, and all points; the reference gets what is left."""
 FLOOR_SHARE = 0.1
 """A reference is good enough when its floor is this share of the best picture's error."""
 
@@ -90,7 +90,8 @@ class Surveyor:
             if self._store.load(method.slug, self._key) is None:
                 if method.name in given_up or is_met_by_pilot(method, survey.rungs):
                     continue
-                left = POINTS_SHARE * self._limit - sum(record.seconds for _, record in survey.rungs)
+                share = POINTS_SHARE if method.is_traced else RASTER_SHARE
+                left = share * self._limit - sum(record.seconds for _, record in survey.rungs)
                 reason = reason_against(method, survey.rungs, left, of_pictures(self._limit))
                 if reason:
                     survey.left_out.append(LeftOut(f"{method.label} and more", reason))
