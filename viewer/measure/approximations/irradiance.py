@@ -14,10 +14,10 @@ from .piece import Case, Kernel, Piece, Variant
 
 _WINDOW = 0.005
 """Weighs degree l by 1 / (1 + w l^2 (l + 1)^2) (Sloan 2008, "Stupid Spherical Harmonics Tricks", windowing)."""
-_BLOCK = 8
+_ROWS, _BLOCK = 256, 4
 
 
-def irradiance_piece() -> Piece:
+def irradiance_piece(sizes: tuple[int, ...] = (16, 32, HEIGHT, 128)) -> Piece:
     """p is a normal."""
     normals = sphere_points(1024).reshape(32, 32, 3)
     parameters = np.concatenate([normals, np.zeros((32, 32, 1))], axis=2).astype(np.float32)
@@ -25,7 +25,7 @@ def irradiance_piece() -> Piece:
     for name in NAMES:
         truth = _irradiance_over_pi(name, normals)
         cases.append(Case(parameters, lambda found, truth=truth: (found[..., :3] - truth) / truth.mean()))
-    variants = [_map(rows, dtype) for rows in (16, 32, HEIGHT, 128) for dtype in (np.float16, np.float32)]
+    variants = [_map(rows, dtype) for rows in sizes for dtype in (np.float16, np.float32)]
     variants += [_harmonics(degree, window) for degree in (1, 2, 4) for window in (0.0, _WINDOW)]
     return Piece("irradiance", "Irradiance of the environment", f"all normals, in {' and '.join(NAMES)} without the sun",
                  "shares of the mean", "the sum over all texels in float64", tuple(cases), tuple(variants),
@@ -34,11 +34,11 @@ def irradiance_piece() -> Piece:
 
 def _irradiance_over_pi(name: str, normals: np.ndarray) -> np.ndarray:
     """The sum over blocks of texels, each by its first moment: exact for all that no horizon crosses."""
-    directions, light, solid_angles = texels(name, 512)
-    flux = (directions[:, :, None] * light[:, None, :] * solid_angles[:, None, None]).reshape(
-        512 // _BLOCK, _BLOCK, 1024 // _BLOCK, _BLOCK, 3, 3).sum(axis=(1, 3)).reshape(-1, 3, 3)
-    sides = np.einsum("hwd,bdc->hwbc", normals, flux)
-    return np.maximum(sides, 0).sum(axis=2) / np.pi
+    directions, light, solid_angles = texels(name, _ROWS)
+    moments = directions[:, :, None] * (light * solid_angles[:, None])[:, None, :]
+    blocks = moments.reshape(_ROWS // _BLOCK, _BLOCK, 2 * _ROWS // _BLOCK, _BLOCK, 3, 3).sum(axis=(1, 3))
+    blocks = blocks.reshape(-1, 3, 3)
+    return np.stack([np.maximum(np.tensordot(row, blocks, (1, 1)), 0).sum(axis=1) for row in normals]) / np.pi
 
 
 def _map(rows: int, dtype: type) -> Variant:
@@ -57,7 +57,7 @@ def _map(rows: int, dtype: type) -> Variant:
 def _harmonics(degree: int, window: float) -> Variant:
     kernels = []
     for name in NAMES:
-        directions, light, solid_angles = texels(name, 256)
+        directions, light, solid_angles = texels(name, _ROWS)
         basis, degrees = _basis(degree)
         weights = solid_angles @ basis**2
         spectrum = cosine_spectrum(degree)[degrees] / (1 + window * (degrees * (degrees + 1)) ** 2)
@@ -72,7 +72,7 @@ def _harmonics(degree: int, window: float) -> Variant:
 @lru_cache(maxsize=3)
 def _basis(degree: int) -> tuple[np.ndarray, np.ndarray]:
     """The functions of irradiance.glsl at all texels, (N, terms), and their degrees."""
-    x, y, z = texels(NAMES[0], 256)[0].T
+    x, y, z = texels(NAMES[0], _ROWS)[0].T
     functions = [1 + 0 * x, x, y, z]
     if degree >= 2:
         functions += [x * y, y * z, z * x, 3 * z**2 - 1, x**2 - y**2]

@@ -26,7 +26,7 @@ _PAGE = """<!doctype html>
 .chart {{ display: block; background: var(--card); border: 1px solid var(--line); border-radius: 8px; padding: .5rem;
   margin: .8rem 0; overflow-x: auto }} .chart svg {{ min-width: 34rem }}
 td:nth-child(n+4), th:nth-child(n+4) {{ text-align: right; white-space: nowrap }}
-tr.front td:nth-child(2) {{ font-weight: 600 }} tr.default {{ background: var(--mark) }}
+a {{ color: var(--accent) }} tr.front td:nth-child(2) {{ font-weight: 600 }} tr.default {{ background: var(--mark) }}
 </style>
 <header><h1>What the renderer approximates, and what else it could</h1>
 <p id="summary">{device}, {backend}; {clock}, the median; pbr-viewer {version}</p></header>

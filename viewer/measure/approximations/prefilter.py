@@ -18,10 +18,10 @@ _TRUTH = "the sum over all texels in float64"
 _SAMPLED = "sampled_reflection(u_map, p.xyz, p.w, {count})"
 
 
-def lookup_piece() -> Piece:
+def lookup_piece(heights: tuple[int, ...] = (128, 256, HEIGHT, 1024)) -> Piece:
     """A frame's look-up; p is a direction and a roughness."""
-    variants = [_map(height, dtype) for height, dtype in
-                ((128, np.float16), (256, np.float16), (HEIGHT, np.float16), (HEIGHT, np.float32), (1024, np.float16))]
+    variants = [_map(height, np.float16) for height in heights]
+    variants.append(_map(HEIGHT, np.float32))
     variants += [Variant(f"{count} samples in the shader", _sampling(count), "Krivanek & Colbert 2008",
                          sum(level.nbytes for level in _plain_levels(NAMES[0]))) for count in (4, 16, 64)]
     return Piece("prefilter", "The environment filtered for a rough surface", _OVER, "shares of the radiance", _TRUTH,
@@ -68,26 +68,27 @@ def _filtered(name: str, roughness: tuple[float, ...]) -> np.ndarray:
     return result
 
 
-def levels(name: str, height: int, dtype: type) -> tuple[list[np.ndarray], float]:
-    """The renderer's levels of a built-in environment, and the seconds they take."""
+@lru_cache(maxsize=8)
+def _levels(name: str, height: int) -> tuple[list[np.ndarray], float]:
+    """The renderer's levels of a built-in environment, and the processor's seconds they take."""
     started = time.process_time()
     found, _ = prefilter(radiance(name), height=height)
-    return [level.astype(dtype) for level in found], time.process_time() - started
+    return found, time.process_time() - started
 
 
-@lru_cache(maxsize=1)
-def default_levels() -> tuple[list[np.ndarray], ...]:
-    return tuple(levels(name, HEIGHT, np.float16)[0] for name in NAMES)
+def levels(name: str, height: int = HEIGHT, dtype: type = np.float16) -> list[np.ndarray]:
+    """The levels of a built-in environment, by default as the renderer stores them."""
+    return [level.astype(dtype) for level in _levels(name, height)[0]]
 
 
 def _map(height: int, dtype: type) -> Variant:
     baked = [levels(name, height, dtype) for name in NAMES]
+    seconds = float(np.mean([_levels(name, height)[1] for name in NAMES]))
     kernels = tuple(Kernel("light/prefiltered.glsl", "vec4(prefiltered_radiance(u_map, p.xyz, p.w), 0.0)",
-                           {"u_map": levels_texture(found)}) for found, _ in baked)
+                           {"u_map": levels_texture(found)}) for found in baked)
     kind = "half" if dtype is np.float16 else "float"
     return Variant(f"levels from {2 * height} x {height}, {kind}", kernels, "exact convolution",
-                   sum(level.nbytes for level in baked[0][0]), float(np.mean([seconds for _, seconds in baked])),
-                   height == HEIGHT and dtype is np.float16)
+                   sum(level.nbytes for level in baked[0]), seconds, height == HEIGHT and dtype is np.float16)
 
 
 def _sampling(count: int) -> tuple[Kernel, ...]:

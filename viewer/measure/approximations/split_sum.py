@@ -8,7 +8,7 @@ from ...bake.dfg import dfg_table
 from ..reference import smith_lambda
 from .light import NAMES, levels_texture, map_texture, seen, sphere_points
 from .piece import Case, Kernel, Piece, Variant
-from .prefilter import default_levels
+from .prefilter import levels
 
 _NOV = np.array([0.1, 0.25, 0.45, 0.7, 0.95])
 _ROUGHNESS = np.array([0.25, 0.4, 0.55, 0.7, 0.85, 1.0])
@@ -40,13 +40,14 @@ def _piece(name: str, title: str, f0: float, default: str, reason: str) -> Piece
     for environment in NAMES:
         truth = np.log(_integrals(environment, n, v, roughness, f0).reshape(len(n), -1, 3))
         cases.append(Case(parameters, lambda found, truth=truth: np.log(np.maximum(found[..., :3], 1e-9)) - truth))
+    baked = [levels(environment) for environment in NAMES]
+    size = sum(level.nbytes for level in baked[0]) + dfg_table().nbytes
     variants = []
     for words, function, source in _WAYS:
         call = f"vec4({function}(u_map, u_dfg, p.xyz, q.xyz, p.w, q.w), 0.0)"
         kernels = tuple(Kernel("measure/reflection.glsl", call,
                                {"u_map": levels_texture(found), "u_dfg": map_texture(dfg_table())})
-                        for found in default_levels())
-        size = sum(level.nbytes for level in default_levels()[0]) + dfg_table().nbytes
+                        for found in baked)
         variants.append(Variant(words, kernels, source, size, is_default=function == default))
     over = f"NoV 0.1 to 0.95, roughness 0.25 to 1, f0 {f0:g}, in {' and '.join(NAMES)} without the sun"
     return Piece(name, title, over, "the radiance's logarithm", f"integral by {_SAMPLES} visible normals in float64",

@@ -29,7 +29,7 @@ def heading(piece: Mapping[str, Any]) -> str:
 def conclusion(piece: Mapping[str, Any]) -> str:
     """What was found of the renderer's way, and why it is that."""
     if piece["better"]:
-        return f"As right and cheaper than the renderer's way: {', '.join(piece['better'])}. {piece['reason']}"
+        return f"Better than the renderer's way by these figures: {', '.join(piece['better'])}. {piece['reason']}"
     return piece["reason"]
 
 
