@@ -10,7 +10,7 @@ from ...errors import InputError
 from ...progress import Progress
 from .bench import Bench
 from .digest import code_digest, digest
-from .errors import masked_relmse
+from .errors import trimmed_floor, trimmed_relmse
 from .ladder import Ladder, LeftOut, Method, ladder
 from .patience import is_met_by_pilot, reason_against
 from .reference import LEAST_SPP, Reference, ReferenceMaker
@@ -131,8 +131,8 @@ class Surveyor:
         survey = self.survey
         assert survey.reference is not None and survey.mask is not None
         reference, mask = survey.reference, survey.mask
-        floor = reference.floor(mask)
-        best = min(masked_relmse(record.picture, reference.linear, mask) for _, record in survey.rungs)
+        floor = trimmed_floor(reference.halves, mask)
+        best = min(trimmed_relmse(record.picture, reference.linear, mask) for _, record in survey.rungs)
         return floor <= FLOOR_SHARE * best
 
     def _seconds_per_sample(self, maker: ReferenceMaker) -> float:
