@@ -63,8 +63,8 @@ def leave_nothing_out(plan: Plan, scene: Scene) -> Plan:
                    environment=True, reflections=True, ambient=True, dfg=True, is_everything=True)
 
 
-def share_programs(draws: Sequence[Draw]) -> tuple[Draw, ...]:
-    """The same draws; those of a fragment file in as few programs as can do the same, where that saves time.
+def share_programs(draws: Sequence[Draw], always: bool = False) -> tuple[Draw, ...]:
+    """The same draws; those of a fragment file in as few programs as can do the same, where that saves time or `always`.
 
     On llvmpipe a program of a draw's own takes 0.2 s of a processor until it has drawn, a shared one 0.45 s; frames then
     take up to 10 % longer.
@@ -72,9 +72,9 @@ def share_programs(draws: Sequence[Draw]) -> tuple[Draw, ...]:
     wide: dict[Program, dict[str, int]] = {}
     for fragment in dict.fromkeys(draw.program.fragment for draw in draws):
         programs = list(dict.fromkeys(draw.program for draw in draws if draw.program.fragment == fragment))
-        if len(programs) > OWN_PROGRAMS:
+        if always or len(programs) > OWN_PROGRAMS:
             groups = _grouped(programs, fragment)
-            if len(programs) > 2 * len(groups):
+            if always or len(programs) > 2 * len(groups):
                 wide |= {program: switches for switches, members in groups for program in members}
     return tuple(_widened(draw, wide[draw.program]) if draw.program in wide else draw for draw in draws)
 
