@@ -9,6 +9,7 @@ import numpy as np
 
 from ..gpu.context import Context
 from ..raster.programs import set_uniform
+from ..scene.environment import Environment
 from ..scene.equirect import sphere_integral
 from ..scene.scene import Scene
 from ..settings import Settings
@@ -51,6 +52,9 @@ class SceneLights:
                     self._environment = EnvironmentTable(context.gl, environment, radiance)
         if previous is not None:
             previous.release()
+        if self._environment is None and context is not None and settings.plan == "everything":
+            grey = np.ones((2, 4, 3), np.float32)
+            self._environment = EnvironmentTable(context.gl, Environment("none", grey, intensity=0.0), grey)
         environment_power = self._unit_power * environment.intensity if environment is not None else 0.0
         if environment is not None and not environment_power > 0:
             self.left_out.append("the environment: it is black")
@@ -70,6 +74,8 @@ class SceneLights:
         if has_environment and len(powers):
             share = environment_power / (environment_power + powers.sum())
             share = min(max(share, LEAST_SHARE), 1 - LEAST_SHARE)
+        if settings.plan == "everything" and not len(powers):
+            share = 1.0  # of the black environment
         self._uniforms: dict[str, object] = {"u_environment_share": share, "u_light_radius": radius}
         if len(powers):
             self._uniforms |= {"u_punctual_count": len(lit), "u_light_grid": _grid(len(powers))}

@@ -58,6 +58,10 @@ def plan_trace(
     switches["BACKGROUND"] = int(settings.background == "env" and switches["HAS_ENVIRONMENT"])
     switches["CLAMP"] = int(settings.clamp > 0)
     kinds = {instance.kind for instance in geometry.instances}
+    if settings.plan == "everything":
+        kinds = set(_KINDS)
+        switches |= dict.fromkeys(("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "HAS_PUNCTUAL", "LIGHT_RADIUS", "HAS_LIGHTS",
+                                   "CLAMP", *("HAS_EMITTERS",) * (shines and not geometry.emitters)), 1)
     surfaces = [name for kind, name in _KINDS.items() if kind in kinds]
     state = {"HAS_TRANSMISSION": switches["HAS_TRANSMISSION"]}
     sky = {name: switches[name] for name in ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING")}
@@ -73,8 +77,9 @@ def plan_trace(
     }
     if has_layers:
         programs |= {"sort first hits": _program("sort", state | {"FIRST_HITS": 1}), "layers": _program("layers", switches)}
+    left_out = [*_left_out(scene, settings, geometry, switches, programs, has_layers), *idle]
     return TracePlan(programs, intersector, geometry.triangle_count, len(geometry.instances),
-                     (*_left_out(scene, settings, geometry, switches, programs, has_layers), *idle))
+                     ("nothing, as was asked for",) if settings.plan == "everything" else tuple(left_out))
 
 
 def _program(name: str, switches: Mapping[str, int]) -> Program:

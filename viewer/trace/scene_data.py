@@ -19,9 +19,9 @@ UNIT_WORDS, UNIT_COLOR_ATLAS, UNIT_DATA_ATLAS = 14, 13, 12
 class SceneData:
     """Begins to decode the textures. Others may add sections to `words` until `upload`, or to a copy of them."""
 
-    def __init__(self, context: Context, scene: Scene, geometry: TraceGeometry) -> None:
+    def __init__(self, context: Context, scene: Scene, geometry: TraceGeometry, everything: bool = False) -> None:
         self._context, self._name = context, scene.name
-        self.switches = geometry_switches(scene, geometry)
+        self.switches = geometry_switches(scene, geometry, everything)
         color = [use.texture.image for m in geometry.materials for use in m.color_maps]
         data = [texture.image for m in geometry.materials for texture in m.data_textures]
         self._color = Atlas(context, color, True) if color else None
@@ -50,6 +50,9 @@ class SceneData:
 
     def bind(self, program: moderngl.Program) -> None:
         """Bind the textures and set the uniforms that shaders/trace/{words,atlas,interaction,material}.glsl read."""
+        # Also of an atlas that is not there: samplers of two types must not share a unit.
+        for name, unit in (("u_color_atlas", UNIT_COLOR_ATLAS), ("u_data_atlas", UNIT_DATA_ATLAS)):
+            set_uniform(program, name, unit)
         for name, (unit, texture) in self._textures.items():
             texture.use(unit)
             set_uniform(program, name, unit)

@@ -23,8 +23,8 @@ NO_EMITTER = 0xFFFFFFFF
 _SEE_THROUGH, _MIRRORED, _DOUBLE_SIDED, _UNLIT, _THIN = 1, 2, 4, 8, 16
 
 
-def geometry_switches(scene: Scene, geometry: TraceGeometry) -> dict[str, int]:
-    """The defines of shaders/trace/{words,atlas,interaction,material}.glsl."""
+def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = False) -> dict[str, int]:
+    """The defines of shaders/trace/{words,atlas,interaction,material}.glsl; with `everything` as if all were there."""
     materials = geometry.materials
     color = [use for m in materials for use in m.color_maps]
     data = [texture for m in materials for texture in m.data_textures]
@@ -47,7 +47,7 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry) -> dict[str, int]:
         "HAS_TRANSMISSION": any(m.transmission > 0 for m in materials),
         "HAS_VOLUME": any(m.sigma.any() for m in materials),
     }
-    return {name: int(value) for name, value in switches.items()} | glass_switches(materials)
+    return {name: int(value or everything) for name, value in switches.items()} | glass_switches(materials)
 
 
 def unused_maps(scene: Scene, geometry: TraceGeometry) -> list[str]:

@@ -22,7 +22,8 @@ class TracedScene:
     def __init__(self, context: Context, scene: Scene, settings: Settings, intersector: str) -> None:
         self._context = context
         self.geometry = trace_geometry(scene)
-        self._data = SceneData(context, scene, self.geometry)
+        self.is_everything = settings.plan == "everything"
+        self._data = SceneData(context, scene, self.geometry, self.is_everything)
         self._lit(scene, settings, None)
         self.intersector = make_intersector(context, self.geometry, self._data, intersector)
 
@@ -74,7 +75,7 @@ def _light_key(scene: Scene, settings: Settings) -> tuple[object, ...]:
 def plan_without_device(scene: Scene, settings: Settings) -> TracePlan:
     """The plan of a picture without layers, before there is a context. Raises InputError as `SceneLights` does."""
     geometry = trace_geometry(scene)
-    switches = geometry_switches(scene, geometry)
+    switches = geometry_switches(scene, geometry, settings.plan == "everything")
     lights = SceneLights(None, scene, geometry, WordsBuilder(), settings)
     return plan_trace(scene, settings, geometry, switches | lights.switches, has_layers=settings.denoise != "off",
                       idle=lights.left_out,

@@ -72,12 +72,13 @@ class Tracer:
         self.context.make_current()
         denoiser = self._denoiser(settings.denoise)
         traced = self._prepare(scene, settings)
-        film = Film(self.context.gl, self.programs, size, bool(FIRST_HIT & set(layers)) or denoiser is not None)
+        has_layers = bool(FIRST_HIT & set(layers)) or denoiser is not None or traced.is_everything
+        film = Film(self.context.gl, self.programs, size, has_layers)
         plan = plan_trace(scene, settings, traced.geometry, traced.switches, intersector=traced.intersector.name,
                           has_layers=film.albedo is not None, idle=traced.idle)
         uniforms = {
             **camera_uniforms(scene, camera, size),
-            "u_size": size, "u_seed": settings.seed, "u_bounces": settings.bounces, "u_clamp": settings.clamp,
+            "u_size": size, "u_seed": settings.seed, "u_bounces": settings.bounces, "u_clamp": settings.clamp or 3e38,
         }
         dfg = self._dfg_texture(settings)
 
@@ -89,6 +90,10 @@ class Tracer:
         passes = Passes(self.context, self.programs, plan, bind, uniforms)
         schedule = Schedule(film, settings)
         return Exposure(passes, traced.intersector, plan, film, schedule, settings, self._display, layers, denoiser)
+
+    def holds(self, scene: Scene) -> bool:
+        """Whether the last picture was of this scene, but for its lights."""
+        return self._scene is not None and self._scene.holds(scene)
 
     @property
     def texture_bytes(self) -> int:
@@ -103,7 +108,8 @@ class Tracer:
         return self._denoisers[kind]
 
     def _prepare(self, scene: Scene, settings: Settings) -> TracedScene:
-        if self._scene is not None and self._scene.holds(scene):
+        is_everything = settings.plan == "everything"
+        if self._scene is not None and self._scene.holds(scene) and self._scene.is_everything == is_everything:
             self._scene.relight(scene, settings)
         else:
             if self._scene is not None:

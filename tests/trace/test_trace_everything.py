@@ -1,0 +1,33 @@
+"""The path tracer with all its code compiled in gives what it gives with what a scene needs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from shapes import lopsided
+
+import viewer
+from viewer.resources import resource_folder
+from viewer.scene.camera import Camera
+from viewer.scene.light import Light
+from viewer.settings import Settings
+
+SIZE = (16, 16)
+LIGHTS = {"environment": (lopsided, ()), "sun": (lambda: None, (Light.from_angles(0.5, 0.7, 2.0),)), "dark": (lambda: None, ())}
+NAMES = ["unlit", "specular-ior", "two-sided", "emissive", "glass", "alpha", "textures"]
+
+
+@pytest.mark.parametrize(("name", "light"), [(name, light) for k, name in enumerate(NAMES)
+                                             for light in list(LIGHTS)[k % 3:k % 3 + 2]])
+def test_same_samples(tracer, name, light):
+    """The same random numbers, so the same picture but for rounding, which may send a path elsewhere in a few pixels."""
+    environment, lights = LIGHTS[light]
+    scene = viewer.load(resource_folder("assets") / "scenes" / f"{name}.glb", environment=None)
+    scene = scene.relit(environment=environment(), lights=(*scene.lights, *lights))
+    camera = Camera.framing(scene.center, scene.radius, 1.0)
+    needed, all_on = (tracer.render(scene, camera, Settings(mode="path", plan=plan, spp=4, bounces=4), SIZE)
+                      for plan in ("needed", "everything"))
+    assert all_on.stats["plan"]["left_out"] == ["nothing, as was asked for"]
+    difference = np.abs(needed.linear - all_on.linear) / (np.abs(needed.linear) + 1e-2)
+    assert np.isfinite(all_on.linear).all() and (difference.max(axis=2) > 1e-3).mean() <= 0.02
+    assert abs(needed.linear.mean() - all_on.linear.mean()) <= 0.01 * needed.linear.mean()
