@@ -17,8 +17,7 @@ INK, FAINT, _PAPER = "#222222", "#d8d8d8", "#ffffff"
 # Okabe & Ito 2008, colours that most eyes tell apart; the shape tells them apart as well.
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f5fc0", "#777777")
 SHAPES = ("circle", "square", "diamond", "triangle")
-_NAMES = {"relmse_trimmed": "relMSE without the worst 0.1 % of pixels", "relmse": "relMSE", "rmse": "RMSE",
-          "flip": "FLIP"}
+_NAMES = {"relmse_trimmed": "trimmed relMSE", "relmse": "relMSE", "rmse": "RMSE", "flip": "FLIP"}
 
 
 @dataclass(frozen=True)

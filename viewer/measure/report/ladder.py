@@ -23,6 +23,10 @@ SPP = tuple(1 << k for k in range(13))
 """Samples a pixel of the path-traced points; time decides how many of them are taken."""
 TARGETS = (0.1, 0.05, 0.03, 0.02, 0.01)
 """Estimated relative errors at which the adaptive points end."""
+KNOBS = ("multiscatter", "specular_aa", "fresnel")
+"""Settings of image-based light of which the other choices are measured, one at a time."""
+SHADOWED = ("none", "msaa-4", "ssaa-4")
+"""Antialiasing with which the environment's shadows are measured."""
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 
@@ -95,7 +99,7 @@ def ladder(scene: Scene, settings: Settings, use_cache: bool = True) -> Ladder:
     else:
         left_out.append(LeftOut("lights only", "the scene has no lights and no environment"))
     if baked is not None:
-        raster += _image_based((*scene.lights, *baked.suns), left_out)
+        raster += _image_based((*scene.lights, *baked.suns), settings, left_out)
     else:
         left_out.append(LeftOut(PLAIN.title, "the scene has no environment"))
     traced = []
@@ -153,20 +157,24 @@ def _as_option(light: Light, rotation: float, intensity: float) -> Light:
     return Light.from_angles(math.radians(azimuth), math.radians(elevation), lux)
 
 
-def _image_based(lights: Sequence[Light], left_out: list[LeftOut]) -> Iterator[Method]:
-    for antialias in ("msaa-4", "none", "msaa-2", "msaa-8"):
+def _image_based(lights: Sequence[Light], settings: Settings, left_out: list[LeftOut]) -> Iterator[Method]:
+    choices = setting_choices()
+    for antialias in sorted(choices["antialias"][1:], key=lambda name: name != PLAIN.changes["antialias"]):
         yield replace(PLAIN, changes={**PLAIN.changes, "antialias": antialias})
-    knobs = {"multiscatter": "off", "specular_aa": "off", "fresnel": "exact"}
+    knobs = [*KNOBS]
     if any(light.casts_shadow for light in lights):
-        knobs["shadows"] = "off"
+        knobs.append("shadows")
     else:
         left_out.append(LeftOut(f"{PLAIN.title}, shadows off", "no light casts a shadow"))
-    for name, value in knobs.items():
-        yield replace(PLAIN, changes={**PLAIN.changes, name: value})
-    for count in setting_choices()["environment_shadows"]:
-        for antialias in ("none", "msaa-4") if count != "off" else ():
-            yield Method("environment-shadows", "image-based light with the environment's shadows",
-                         {"environment_shadows": count, "antialias": antialias})
+    for name in knobs:
+        for value in choices[name]:
+            if value != getattr(settings, name):
+                yield replace(PLAIN, changes={**PLAIN.changes, name: value})
+    for count in choices["environment_shadows"]:
+        for antialias in choices["antialias"] if count != "off" else ():
+            if antialias in SHADOWED:
+                yield Method("environment-shadows", "environment's shadows",
+                             {"environment_shadows": count, "antialias": antialias})
 
 
 def _traced(spp: int, left_out: list[LeftOut]) -> Iterator[Method]:

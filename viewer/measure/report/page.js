@@ -130,6 +130,7 @@ function choose(index) {
     "Error": `about ${percent(error.relmse_trimmed)}: relMSE ${digits(error.relmse)}, without the worst 0.1 % of pixels ` +
         `${digits(error.relmse_trimmed)}; RMSE ${digits(error.rmse)}, FLIP ${digits(error.flip)}`,
     "Where": `${Math.round(100 * point.too_bright)} % of relMSE from where it is brighter than the reference`,
+    "Preparing": point.prepare_s > 0.001 ? `${time(1000 * point.prepare_s)}, once, beyond what was ready` : "nothing more",
     "Settings": Object.entries(point.settings).map(([name, value]) => `${name} ${value}`).join(", "),
   };
   if (point.spp) facts["Samples"] = `${digits(point.spp)} a pixel, ${point.rays} rays`;
