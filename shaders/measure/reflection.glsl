@@ -41,11 +41,19 @@ vec3 reflected_by_parts(sampler2D map, sampler2D dfg, vec3 n, vec3 v, float perc
     return f0 * s.albedo.x * a + s.albedo.y * b;
 }
 
-// Both along the first's, as the renderer does for metals:
+// Both along the first's:
 vec3 reflected_by_first_part(sampler2D map, sampler2D dfg, vec3 n, vec3 v, float perceptual_roughness, float f0) {
     SplitSum s = dfg_lookup(dfg, dot(n, v), perceptual_roughness);
     vec3 d = normalize(mix(n, reflect(-v, n), s.t.x));
     return (f0 * s.albedo.x + s.albedo.y) * prefiltered_radiance(map, d, s.roughness.x);
+}
+
+// Both along the mean of the two directions, by what each part weighs, as the renderer does for metals:
+vec3 reflected_by_whole(sampler2D map, sampler2D dfg, vec3 n, vec3 v, float perceptual_roughness, float f0) {
+    SplitSum s = dfg_lookup(dfg, dot(n, v), perceptual_roughness);
+    float whole = f0 * s.albedo.x + s.albedo.y, second = s.albedo.y / whole;
+    vec3 d = normalize(mix(n, reflect(-v, n), mix(s.t.x, s.t.y, second)));
+    return whole * prefiltered_radiance(map, d, mix(s.roughness.x, s.roughness.y, second));
 }
 
 // Along the mirror direction                   Karis 2013, "Real Shading in Unreal Engine 4"

@@ -26,10 +26,13 @@ vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, vec4 visibl
     mat2x3 specular = mat2x3(0.0);
 #if REFLECTS
     vec3 r = reflect(-s.v, s.n);
-    specular[0] = reflected_light(s.n, r, n_geometric, split_sum.t.x, split_sum.roughness.x);
 #if METALNESS == 1
-    specular[1] = specular[0]; // of a metal b is a small part
+    // Of a metal b is a small part: one look-up, along the mean of both directions by what each weighs.
+    float second = split_sum.albedo.y / max(max3(s.metal.E_ss), 1e-4);
+    specular[0] = specular[1] = reflected_light(s.n, r, n_geometric, mix(split_sum.t.x, split_sum.t.y, second),
+                                                mix(split_sum.roughness.x, split_sum.roughness.y, second));
 #else
+    specular[0] = reflected_light(s.n, r, n_geometric, split_sum.t.x, split_sum.roughness.x);
     specular[1] = reflected_light(s.n, r, n_geometric, split_sum.t.y, split_sum.roughness.y);
 #endif
 #endif

@@ -75,8 +75,10 @@ def test_the_filtered_environment(rms):
 def test_the_split_sum(rms):
     dielectric, metal = rms(split_sum.dielectric_piece()), rms(split_sum.metal_piece())
     assert 3 * dielectric["each part's mean direction"] < dielectric["mirror direction"] < 0.4
-    assert metal["each part's mean direction"] < metal["the first part's mean direction"] < 0.2
-    assert 1.7 * metal["the first part's mean direction"] < metal["mirror direction"]
+    common = metal["the parts' common mean direction"]
+    assert metal["each part's mean direction"] < common < 1.06 * metal["each part's mean direction"] < 0.15
+    assert 1.1 * common < metal["the first part's mean direction"] < metal["Frostbite's fit of the peak"]
+    assert 2 * common < metal["mirror direction"]
 
 
 def test_its_reference_is_the_albedo_where_light_is_1(monkeypatch):
