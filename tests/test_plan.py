@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-import re
 from dataclasses import replace
 from io import BytesIO
 from itertools import combinations
@@ -12,9 +11,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from benchmarks.shader_code import lines_left
 from viewer.errors import ContextError, UsageError
 from viewer.gpu.context import open_context
-from viewer.gpu.source import assemble
 from viewer.maps import MAPS
 from viewer.plan import MAX_LIGHTS, MAX_SHADOW_LAYERS, environment_use, plan_scene
 from viewer.raster.programs import Programs
@@ -50,32 +49,7 @@ def plan(model: Scene, *, samples: int = 4, half: bool = True, orthographic: boo
 def code(found) -> str:
     """The fragment shader as the compiler sees it: what the switches leave of it."""
     program = found.programs[0]
-    values: dict[str, str] = {}
-    branches: list[tuple[bool, bool]] = []  # of every open #if: whether this branch is on, and whether one was
-    lines = []
-
-    def holds(condition: str) -> bool:
-        condition = re.sub(r"\b[A-Za-z_]\w*", lambda word: values[word[0]], condition)
-        return bool(eval(condition.replace("&&", " and ").replace("||", " or ")))
-
-    for line in assemble(program.fragment, dict(program.switches)).text.splitlines():
-        directive, _, rest = line.strip().partition(" ")
-        seen = all(on for on, _ in branches)
-        if directive in ("#if", "#ifndef"):
-            on = seen and (holds(rest) if directive == "#if" else rest not in values)
-            branches.append((on, on))
-        elif directive in ("#elif", "#else"):
-            _, done = branches.pop()
-            on = not done and all(on for on, _ in branches) and (directive == "#else" or holds(rest))
-            branches.append((on, done or on))
-        elif directive == "#endif":
-            branches.pop()
-        elif seen and directive == "#define":
-            name, _, value = rest.partition(" ")
-            values[name] = value
-        elif seen:
-            lines.append(line)
-    return "\n".join(lines)
+    return "\n".join(lines_left(program.fragment, dict(program.switches)))
 
 
 def test_an_unlit_scene_has_no_light_of_any_kind():
