@@ -71,12 +71,14 @@ class Chart:
 
 
 def error_chart(document: Mapping[str, Any], measure: str) -> Chart:
-    """The points of report.json by their time and one of their errors, both on logarithmic axes."""
+    """The points of report.json by their time, with its spread, and one of their errors, on logarithmic axes."""
     points = document["points"]
     times = [point["time_ms"]["median"] for point in points]
     floor = document["reference"]["floor"][measure]
     values = off_zero([point["error"][measure] for point in points])
-    x, y = LogAxis(times, LEFT, WIDTH - RIGHT), LogAxis([*values, *[floor] * (floor > 0)], PLOT_BOTTOM, TOP)
+    spreads = [(point["time_ms"]["p10"], point["time_ms"]["p90"]) for point in points]
+    x = LogAxis([time for spread in spreads for time in spread], LEFT, WIDTH - RIGHT)
+    y = LogAxis([*values, *[floor] * (floor > 0)], PLOT_BOTTOM, TOP)
     title = "{} against time, {} x {}".format(_NAMES[measure], *document["size"])
     shapes: list[Shape] = [Words(LEFT, 18, title, "start", 14)]
     shapes += _frame(x, y, _NAMES[measure])
@@ -90,6 +92,7 @@ def error_chart(document: Mapping[str, Any], measure: str) -> Chart:
         color, shape = styles[points[k]["title"]]
         error = points[k]["error"][measure]
         title = f"{points[k]['label']}: {spell_time(times[k])}, {_NAMES[measure]} {error:.3g}"
+        shapes.append(Path(tuple((x(time), y(values[k])) for time in spreads[k]), color, 1, 0, "spread"))
         shapes.append(Mark(x(times[k]), y(values[k]), color, shape, k in on_front, k, title))
     rows = _legend(styles, shapes)
     return Chart(WIDTH, PLOT_BOTTOM + 52 + rows * LEGEND_ROW, tuple(shapes))

@@ -75,7 +75,7 @@ class ReportJob:
         survey = surveyor.survey
         try:
             surveyor.run()
-            progress.say(f"{name}: writing")
+            progress.say(f"{name}: comparing and writing")
             return self._write(survey, model, folder)
         except Stopped:
             say(f"{folder}: {len(survey.rungs)} points are measured and kept; the same command goes on from there")
