@@ -88,11 +88,12 @@ def test_the_command(run, folder, monkeypatch, document):
     monkeypatch.setattr(job, "measure_pieces", lambda context, progress: document)
     outcome = run("report", "--approximations", "-o", "pieces")
     assert outcome.status == 0 and outcome.err == ""
-    assert re.search(r"^ +\* +height-correlated ", outcome.out, re.M) and "Hammon" in outcome.out
+    assert re.search(r"^ +\* +height-correlated ", outcome.out, re.MULTILINE) and "Hammon" in outcome.out
     out = folder / "pieces"
     assert json.loads((out / "approximations.json").read_text()) == document
     page = (out / "approximations.html").read_text()
-    assert all(found["name"].replace("'", "&#x27;") in page for piece in document["pieces"] for found in piece["variants"])
+    names = [found["name"] for piece in document["pieces"] for found in piece["variants"]]
+    assert all(name.replace("'", "&#x27;") in page for name in names)
     assert page.count("<svg") == 2 and not re.search(r'(src|href)="(?!#)', page) and "@import" not in page
     assert {path.name for path in (out / "approximations").iterdir()} == {
         "srgb.svg", "srgb.png", "ggx-masking.svg", "ggx-masking.png"}

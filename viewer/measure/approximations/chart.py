@@ -57,10 +57,10 @@ def cost_chart(piece: Mapping[str, Any]) -> Chart:
         left = LEFT + k % _LEGEND_COLUMNS * (WIDTH - LEFT - RIGHT) / _LEGEND_COLUMNS
         top = PLOT_BOTTOM + 54 + k // _LEGEND_COLUMNS * LEGEND_ROW
         title = f"{row['name']}: {row['cost_ns']['median']:.3g} ns, RMS {row['error']['rms']:.3g}"
-        for place, point in (((x(costs[k]), y(errors[k])), k), ((left + 8, top), None)):
+        for across, down, point in ((x(costs[k]), y(errors[k]), k), (left + 8, top, None)):
             if row["is_default"]:
-                shapes.append(_ring(*place))
-            shapes.append(Mark(*place, color, shape, row["pareto"], point, title))
+                shapes.append(_ring(across, down))
+            shapes.append(Mark(across, down, color, shape, row["pareto"], point, title))
         words = f"{row['name']} (the renderer's)" if row["is_default"] else row["name"]
         shapes.append(Words(left + 22, top + 4, words, "start"))
     legend_rows = -(-len(rows) // _LEGEND_COLUMNS)

@@ -54,7 +54,8 @@ def distribution_piece() -> Piece:
     for axis, values in enumerate((np.cos(theta), np.sin(theta) ** 2, alpha)):
         parameters[..., axis] = values
     truth = reference.d_ggx(theta, np.float32(alpha).astype(np.float64))[..., None]
-    return Piece("ggx-distribution", "GGX's D in single floats", f"alpha from {MIN_ALPHA:g} to 1, the lobe down to 1/1000",
+    over = f"alpha from {MIN_ALPHA:g} to 1, the lobe down to 1/1000"
+    return Piece("ggx-distribution", "GGX's D in single floats", over,
                  "shares of D", "Walter 2007, eq. 33 in float64", (Case(parameters, relative(truth)),), _variants(
         ("by the cross product", "vec4(d_ggx(p.x, p.y, p.z))", "Lagrange's identity"),
         ("textbook", "vec4(d_ggx_textbook(p.x, p.z))", "1 + NoH^2 (alpha^2 - 1)"),
@@ -74,7 +75,8 @@ def masking_piece() -> Piece:
     parameters[..., 0], parameters[..., 1], parameters[..., 2] = NoV, NoL, alpha
     exact = parameters.astype(np.float64)
     truth = reference.v_smith_ggx(exact[..., 0], exact[..., 1], exact[..., 2])[..., None]
-    return Piece("ggx-masking", "Smith's masking of GGX, V", "NoV and NoL from 0.05 to 1, alpha from 0.002 to 1", "shares of V",
+    over = "NoV and NoL from 0.05 to 1, alpha from 0.002 to 1"
+    return Piece("ggx-masking", "Smith's masking of GGX, V", over, "shares of V",
                  "Heitz 2014, eq. 99 in float64", (Case(parameters, relative(truth)),), _variants(
         ("height-correlated", "vec4(v_smith_ggx(p.x, p.y, p.z))", "Heitz 2014"),
         ("Hammon's fit", "vec4(v_hammon_ggx(p.x, p.y, p.z))", "Hammon 2017"),

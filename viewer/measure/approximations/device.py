@@ -73,8 +73,11 @@ class Device:
         target = self._gl.framebuffer([self._gl.texture((width, height), 4, dtype="f4")])
         program.draw(target, textures, 1)
         values = np.frombuffer(target.read(components=4, dtype="f4"), np.float32).reshape(height, width, 4)
-        for thing in (program, *textures, target.color_attachments[0], target):
-            thing.release()
+        target.color_attachments[0].release()
+        target.release()
+        for texture in textures:
+            texture.release()
+        program.release()
         return values
 
     def costs(self, kernels: Sequence[Kernel], parameters: np.ndarray, effort: Effort) -> list[Timing]:
@@ -92,8 +95,10 @@ class Device:
             for program, n, found in zip(programs, times, extra):
                 seconds = self._seconds(program, textures, n) - self._seconds(self._empty, textures, n)
                 found.append(seconds / (SIDE * SIDE * n))
-        for thing in (*programs, *textures):
-            thing.release()
+        for program in programs:
+            program.release()
+        for texture in textures:
+            texture.release()
         return [Timing.of([1e6 * seconds for seconds in found]) for found in extra]  # its thousandths are nanoseconds
 
     def _enough(self, program: _Program, textures: Sequence[moderngl.Texture]) -> int:
@@ -117,8 +122,9 @@ class Device:
         return [float_texture(self._gl, half) for half in (whole[..., :4], whole[..., 4:])]
 
     def release(self) -> None:
-        for thing in (self._empty, self._target.color_attachments[0], self._target):
-            thing.release()
+        self._target.color_attachments[0].release()
+        self._target.release()
+        self._empty.release()
 
 
 class _Program:
@@ -132,7 +138,9 @@ class _Program:
         self._triangle = context.gl.vertex_array(self._program, [])
         self._textures = {name: make(context) for name, make in kernel.textures.items()}
         for name, value in kernel.uniforms.items():
-            self._program[name].write(np.ascontiguousarray(value, np.float32).tobytes())
+            uniform = self._program[name]
+            assert isinstance(uniform, moderngl.Uniform)
+            uniform.write(np.ascontiguousarray(value, np.float32).tobytes())
 
     def draw(self, target: moderngl.Framebuffer, parameters: Sequence[moderngl.Texture], times: int) -> None:
         target.use()
@@ -147,5 +155,7 @@ class _Program:
         self._triangle.render(vertices=3)
 
     def release(self) -> None:
-        for thing in (self._triangle, self._program, *self._textures.values()):
-            thing.release()
+        self._triangle.release()
+        self._program.release()
+        for texture in self._textures.values():
+            texture.release()

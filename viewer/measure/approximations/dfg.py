@@ -31,8 +31,8 @@ def dfg_piece(sizes: tuple[int, ...] = (8, 16, 32, SIZE, 128)) -> Piece:
     case = Case(grid(NoV, roughness), lambda found: _albedo(found[..., :2]) - _albedo(truth))
     return Piece("dfg", "Directional albedo of GGX", "NoV and perceptual roughness from 0.05 to 1, f0 0.04 and 1",
                  "albedo", "quadrature in float64", (case,), tuple(variants),
-                 "A look-up costs the same whatever the size; 64 x 64 is the first whose largest error no 8-bit picture "
-                 "shows. Floats, for multiple scattering divides by what is missing to 1.")
+                 "A look-up costs the same whatever the size; 64 x 64 is the first whose largest error no 8-bit "
+                 "picture shows. Floats, for multiple scattering divides by what is missing to 1.")
 
 
 def _albedo(ab: np.ndarray) -> np.ndarray:

@@ -61,7 +61,7 @@ def measure_piece(device: Device, piece: Piece, effort: Effort = THOROUGH) -> Do
     for variant in piece.variants:
         errors = np.concatenate([np.ravel(case.error(device.values(kernel, case.parameters)))
                                  for kernel, case in zip(variant.kernels, piece.cases, strict=True)])
-        cost = Timing(*[variant.cost_ns] * 3, 1) if variant.cost_ns is not None else next(costs)
+        cost = next(costs) if variant.cost_ns is None else Timing(variant.cost_ns, variant.cost_ns, variant.cost_ns, 1)
         rows.append(_row(variant, errors, cost))
     for row in rows:
         row["pareto"] = not any(dominates(other, row) for other in rows)

@@ -34,8 +34,8 @@ def storage_piece() -> Piece:
                                 is_default=internal_format == 0x881B))
     return Piece("storage", "Texels of the environment", f"directions all around, in {' and '.join(NAMES)}",
                  "shares of the radiance", "the map in float64", cases, tuple(variants),
-                 "Half floats hold all that a texture unit's own interpolation leaves exact. A shared exponent would save "
-                 "a third of the memory, and be packed at every start.")
+                 "Half floats hold all that a texture unit's own interpolation leaves exact. A shared exponent would "
+                 "save a third of the memory, and be packed at every start.")
 
 
 def _texture(name: str, internal_format: int, context: Context) -> moderngl.Texture:

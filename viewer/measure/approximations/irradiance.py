@@ -10,7 +10,7 @@ import numpy as np
 from ...bake.irradiance import HEIGHT, cosine_spectrum
 from ...bake.prefilter import irradiance_map
 from .light import NAMES, map_texture, radiance, sphere_points, texels
-from .piece import Case, Kernel, Piece, Variant
+from .piece import Case, Kernel, Piece, Variant, absolute
 
 _WINDOW = 0.005
 """Weighs degree l by 1 / (1 + w l^2 (l + 1)^2) (Sloan 2008, "Stupid Spherical Harmonics Tricks", windowing)."""
@@ -24,10 +24,11 @@ def irradiance_piece(sizes: tuple[int, ...] = (16, 32, HEIGHT, 128)) -> Piece:
     cases = []
     for name in NAMES:
         truth = _irradiance_over_pi(name, normals)
-        cases.append(Case(parameters, lambda found, truth=truth: (found[..., :3] - truth) / truth.mean()))
+        cases.append(Case(parameters, absolute(truth, truth.mean())))
     variants = [_map(rows, dtype) for rows in sizes for dtype in (np.float16, np.float32)]
     variants += [_harmonics(degree, window) for degree in (1, 2, 4) for window in (0.0, _WINDOW)]
-    return Piece("irradiance", "Irradiance of the environment", f"all normals, in {' and '.join(NAMES)} without the sun",
+    over = f"all normals, in {' and '.join(NAMES)} without the sun"
+    return Piece("irradiance", "Irradiance of the environment", over,
                  "shares of the mean", "the sum over all texels in float64", tuple(cases), tuple(variants),
                  "A look-up costs the same whatever the size; harmonics err ten times as much at four times the cost.")
 
@@ -42,22 +43,20 @@ def _irradiance_over_pi(name: str, normals: np.ndarray) -> np.ndarray:
 
 
 def _map(rows: int, dtype: type) -> Variant:
-    kernels = []
     started = time.process_time()
-    maps = [irradiance_map(radiance(name), rows).astype(dtype) for name in NAMES]
+    maps: list[np.ndarray] = [irradiance_map(radiance(name), rows).astype(dtype) for name in NAMES]
     bake = (time.process_time() - started) / len(NAMES)
-    for pixels in maps:
-        kernels.append(Kernel("light/irradiance.glsl", "vec4(irradiance_over_pi(u_map, p.xyz), 0.0)",
-                              {"u_map": map_texture(pixels)}))
+    kernels = tuple(Kernel("light/irradiance.glsl", "vec4(irradiance_over_pi(u_map, p.xyz), 0.0)",
+                           {"u_map": map_texture(pixels)}) for pixels in maps)
     kind = "half" if dtype is np.float16 else "float"
-    return Variant(f"map {2 * rows} x {rows}, {kind}", tuple(kernels), "exact convolution", maps[0].nbytes, bake,
+    return Variant(f"map {2 * rows} x {rows}, {kind}", kernels, "exact convolution", maps[0].nbytes, bake,
                    rows == HEIGHT and dtype is np.float16)
 
 
 def _harmonics(degree: int, window: float) -> Variant:
     kernels = []
     for name in NAMES:
-        directions, light, solid_angles = texels(name, _ROWS)
+        _, light, solid_angles = texels(name, _ROWS)
         basis, degrees = _basis(degree)
         weights = solid_angles @ basis**2
         spectrum = cosine_spectrum(degree)[degrees] / (1 + window * (degrees * (degrees + 1)) ** 2)

@@ -31,10 +31,9 @@ a {{ color: var(--accent) }} tr.front td:nth-child(2) {{ font-weight: 600 }} tr.
 <header><h1>What the renderer approximates, and what else it could</h1>
 <p id="summary">{device}, {backend}; {clock}, the median; pbr-viewer {version}</p></header>
 <main>
-<p>Each piece of the renderer beside its alternatives: the error over the range of its parameters, against the time of one
-evaluation beyond that of a loop that does nothing. Marked rows are the renderer's way; bold ones are on the Pareto front:
-nothing
-is as cheap, as right and as small. "Bake" is the processor's time beforehand.</p>
+<p>Each piece of the renderer beside its alternatives: the error over the range of its parameters, against the time of
+one evaluation beyond that of a loop that does nothing. Marked rows are the renderer's way; bold ones are on the Pareto
+front: nothing is as cheap, as right and as small. "Bake" is the processor's time beforehand.</p>
 <ul>{contents}</ul>
 {sections}
 </main>
@@ -64,17 +63,18 @@ def write_approximations(folder: Path, document: Mapping[str, Any]) -> None:
     contents = "".join(f'<li><a href="#{piece["name"]}">{html.escape(piece["title"])}</a></li>'
                        for piece in document["pieces"])
     facts = {name: html.escape(str(document[name])) for name in ("device", "backend", "clock", "version")}
+    page = _PAGE.format(style=resource("page.css"), contents=contents, sections="\n".join(sections), **facts)
     with atomic_write(folder / "approximations.html") as file:
-        file.write_text(_PAGE.format(style=resource("page.css"), contents=contents, sections="\n".join(sections), **facts),
-                        encoding="utf-8")
+        file.write_text(page, encoding="utf-8")
 
 
 def _section(piece: Mapping[str, Any], drawing: str) -> str:
     heads = "".join(f"<th>{html.escape(name)}</th>" for name in (*HEADINGS[:2], "after", *HEADINGS[2:]))
     rows = "\n".join(_row(row) for row in piece["variants"])
     where = f"{piece['over']}; errors in {piece['unit']}, against {piece['truth']}; times of one {piece['per']}"
-    return (f'<section id="{piece["name"]}"><h2>{html.escape(piece["title"])}</h2>\n<p class="soft">{html.escape(where)}.'
-            f'</p>\n<div class="chart">{drawing}</div>\n<div class="wide"><table><thead><tr>{heads}</tr></thead><tbody>\n'
+    return (f'<section id="{piece["name"]}"><h2>{html.escape(piece["title"])}</h2>\n'
+            f'<p class="soft">{html.escape(where)}.</p>\n<div class="chart">{drawing}</div>\n'
+            f'<div class="wide"><table><thead><tr>{heads}</tr></thead><tbody>\n'
             f"{rows}\n</tbody></table></div>\n<p>{html.escape(conclusion(piece))}</p></section>")
 
 

@@ -66,14 +66,20 @@ class Piece:
     """What a cost is that of."""
 
 
-def absolute(reference: np.ndarray) -> Error:
+def absolute(reference: np.ndarray, unit: float = 1.0) -> Error:
     """Differences from `reference`, (H, W, C), in the first C components."""
-    return lambda found: found[..., : reference.shape[-1]] - reference
+    return lambda found: (found[..., : reference.shape[-1]] - reference) / unit
 
 
 def relative(reference: np.ndarray) -> Error:
     """The same as shares of `reference`, which is nowhere 0."""
     return lambda found: found[..., : reference.shape[-1]] / reference - 1
+
+
+def logarithmic(reference: np.ndarray) -> Error:
+    """Differences of the natural logarithm from that of `reference`."""
+    truth = np.log(reference)
+    return lambda found: np.log(np.maximum(found[..., : reference.shape[-1]], 1e-9)) - truth
 
 
 def grid(*axes: np.ndarray) -> np.ndarray:

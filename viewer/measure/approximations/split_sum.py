@@ -7,7 +7,7 @@ import numpy as np
 from ...bake.dfg import dfg_table
 from ..reference import smith_lambda
 from .light import NAMES, levels_texture, map_texture, seen, sphere_points
-from .piece import Case, Kernel, Piece, Variant
+from .piece import Case, Kernel, Piece, Variant, logarithmic
 from .prefilter import levels
 
 _NOV = np.array([0.1, 0.25, 0.45, 0.7, 0.95])
@@ -29,7 +29,8 @@ def dielectric_piece() -> Piece:
 
 def metal_piece() -> Piece:
     return _piece("split-sum-metal", "Reflection of the environment, metals", 0.9, "reflected_by_whole",
-                  "A metal's second part is small: a look-up of its own would double the time for a twentieth of the error.")
+                  "A metal's second part is small: a look-up of its own would double the time for a twentieth of the "
+                  "error.")
 
 
 def _piece(name: str, title: str, f0: float, default: str, reason: str) -> Piece:
@@ -39,8 +40,8 @@ def _piece(name: str, title: str, f0: float, default: str, reason: str) -> Piece
     parameters = parameters.reshape(len(n), -1, 8).astype(np.float32)
     cases = []
     for environment in NAMES:
-        truth = np.log(_integrals(environment, n, v, roughness, f0).reshape(len(n), -1, 3))
-        cases.append(Case(parameters, lambda found, truth=truth: np.log(np.maximum(found[..., :3], 1e-9)) - truth))
+        truth = _integrals(environment, n, v, roughness, f0).reshape(len(n), -1, 3)
+        cases.append(Case(parameters, logarithmic(truth)))
     baked = [levels(environment) for environment in NAMES]
     size = sum(level.nbytes for level in baked[0]) + dfg_table().nbytes
     variants = []
