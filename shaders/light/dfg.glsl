@@ -28,3 +28,9 @@ SplitSum dfg_lookup(sampler2D table, float NoV, float perceptual_roughness) {
     vec4 upper = textureLod(table, uv, 0.0);
     return SplitSum(upper.rg, upper.ba, textureLod(table, uv + vec2(0.0, 0.5), 0.0).rg);
 }
+
+// Where to look up both parts at once, by what each weighs: t and the roughness.
+vec2 common_look_up(SplitSum s, float f0) {
+    float second = s.albedo.y / max(f0 * s.albedo.x + s.albedo.y, 1e-4);
+    return mix(vec2(s.t.x, s.roughness.x), vec2(s.t.y, s.roughness.y), second);
+}

@@ -51,9 +51,9 @@ vec3 reflected_by_first_part(sampler2D map, sampler2D dfg, vec3 n, vec3 v, float
 // Both along the mean of the two directions, by what each part weighs, as the renderer does for metals:
 vec3 reflected_by_whole(sampler2D map, sampler2D dfg, vec3 n, vec3 v, float perceptual_roughness, float f0) {
     SplitSum s = dfg_lookup(dfg, dot(n, v), perceptual_roughness);
-    float whole = f0 * s.albedo.x + s.albedo.y, second = s.albedo.y / whole;
-    vec3 d = normalize(mix(n, reflect(-v, n), mix(s.t.x, s.t.y, second)));
-    return whole * prefiltered_radiance(map, d, mix(s.roughness.x, s.roughness.y, second));
+    vec2 both = common_look_up(s, f0);
+    vec3 d = normalize(mix(n, reflect(-v, n), both.x));
+    return (f0 * s.albedo.x + s.albedo.y) * prefiltered_radiance(map, d, both.y);
 }
 
 // Along the mirror direction                   Karis 2013, "Real Shading in Unreal Engine 4"

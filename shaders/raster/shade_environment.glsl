@@ -27,10 +27,8 @@ vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, vec4 visibl
 #if REFLECTS
     vec3 r = reflect(-s.v, s.n);
 #if METALNESS == 1
-    // Of a metal b is a small part: one look-up, along the mean of both directions by what each weighs.
-    float second = split_sum.albedo.y / max(max3(s.metal.E_ss), 1e-4);
-    specular[0] = specular[1] = reflected_light(s.n, r, n_geometric, mix(split_sum.t.x, split_sum.t.y, second),
-                                                mix(split_sum.roughness.x, split_sum.roughness.y, second));
+    vec2 both = common_look_up(split_sum, max3(s.metal.f0)); // of a metal b is a small part
+    specular[0] = specular[1] = reflected_light(s.n, r, n_geometric, both.x, both.y);
 #else
     specular[0] = reflected_light(s.n, r, n_geometric, split_sum.t.x, split_sum.roughness.x);
     specular[1] = reflected_light(s.n, r, n_geometric, split_sum.t.y, split_sum.roughness.y);

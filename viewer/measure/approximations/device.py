@@ -21,7 +21,7 @@ SIDE = 256
 _LEAST_DRAW_S = 8e-3
 _MOST_TIMES = 1 << 12
 
-# q is p on, where a case has eight parameters. u_zero keeps the loop's turns apart: no compiler knows that they agree.
+# q goes on where p ends. u_zero keeps the loop's turns apart: no compiler knows that they agree.
 _MAIN = """
 uniform sampler2D u_p;
 uniform sampler2D u_q;
