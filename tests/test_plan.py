@@ -15,7 +15,7 @@ from benchmarks.shader_code import lines_left
 from viewer.errors import ContextError, UsageError
 from viewer.gpu.context import open_context
 from viewer.maps import MAPS
-from viewer.plan import MAX_LIGHTS, MAX_SHADOW_LAYERS, environment_use, plan_scene
+from viewer.plan import MAX_LIGHTS, MAX_SHADOW_LAYERS, environment_use, foreseen, plan_scene
 from viewer.raster.programs import Programs
 from viewer.scene.environment import Environment
 from viewer.scene.light import Light
@@ -295,6 +295,11 @@ def test_many_programs_are_shared():
 def test_lights_that_do_not_fit_are_told():
     many = plan(scene(lights=(Light("point"),) * (MAX_LIGHTS + 7)))
     assert f"7 of {MAX_LIGHTS + 7} lights, the faintest: no more fit a program" in many.left_out
+    crowd = scene(lights=(Light("point"),) * (MAX_LIGHTS + 7))
+    [warning] = foreseen(crowd, "pbr")
+    assert f"of its {MAX_LIGHTS + 7} lights the {MAX_LIGHTS} brightest are shown" in warning
+    assert not foreseen(crowd, "path") and not foreseen(scene(lights=(SUN,)), "pbr")
+    assert "will be black" in foreseen(scene(), "pbr")[0]
 
 
 def test_what_is_saved_is_counted():

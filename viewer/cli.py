@@ -344,12 +344,9 @@ def _run(arguments: Sequence[str] | None) -> int:
 def _warn(model: str, scene: Any, options: dict[str, Any]) -> None:
     if options["quiet"]:
         return
-    from .plan import is_dark
+    from .plan import foreseen
 
-    warnings = list(scene.warnings)
-    if is_dark(scene):
-        warnings.append("nothing lights it and it does not shine: the picture will be black; try --env or --light")
-    for warning in warnings:
+    for warning in [*scene.warnings, *foreseen(scene, options.get("mode", "pbr"))]:
         say(f"{model}: warning: {warning}")
 
 

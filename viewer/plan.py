@@ -144,6 +144,17 @@ def is_dark(scene: Scene) -> bool:
     return not any(any(material.emissive) or not is_lit(mesh, material) for mesh, material in shown)
 
 
+def foreseen(scene: Scene, mode: str) -> list[str]:
+    """What will be amiss with the picture, in words for the user."""
+    lines = []
+    if is_dark(scene):
+        lines.append("nothing lights it and it does not shine: the picture will be black; try --env or --light")
+    lights = sum(light.intensity * max(light.color) > 0 for light in scene.lights)
+    if lights > MAX_LIGHTS and mode != "path":
+        lines.append(f"of its {lights} lights the {MAX_LIGHTS} brightest are shown; mode path takes them all")
+    return lines
+
+
 def environment_use(scene: Scene, settings: Settings) -> tuple[bool, bool]:
     """Whether the environment lights any surface, and whether any reflects it, which takes its filtered levels."""
     if settings.plan == "everything":

@@ -20,6 +20,7 @@ class TracePlan:
     intersector: str
     triangles: int
     instances: int
+    used: tuple[str, ...]
     left_out: tuple[str, ...]
 
     @property
@@ -35,6 +36,7 @@ class TracePlan:
             "intersector": self.intersector,
             "triangles": self.triangles,
             "instances": self.instances,
+            "used": list(self.used),
             "left_out": list(self.left_out),
         }
 
@@ -78,8 +80,20 @@ def plan_trace(
     if has_layers:
         programs |= {"sort first hits": _program("sort", state | {"FIRST_HITS": 1}), "layers": _program("layers", switches)}
     left_out = [*_left_out(scene, settings, geometry, switches, programs, has_layers), *idle]
-    return TracePlan(programs, intersector, geometry.triangle_count, len(geometry.instances),
+    return TracePlan(programs, intersector, geometry.triangle_count, len(geometry.instances), _used(geometry, switches),
                      ("nothing, as was asked for",) if settings.plan == "everything" else tuple(left_out))
+
+
+def _used(geometry: TraceGeometry, switches: Mapping[str, int]) -> tuple[str, ...]:
+    count, materials = geometry.triangle_count, len(geometry.materials)
+    lines = [f"{count} triangle{'s' * (count != 1)} of {materials} material{'s' * (materials != 1)}"] * bool(count)
+    lines += [what for name, what in (*_LIGHTS.items(), *_SURFACES.items()) if switches[name]]
+    images = {texture.image for m in geometry.materials
+              for texture in (*(use.texture for use in m.color_maps), *m.data_textures)}
+    if images:
+        lines.append(f"maps from {len(images)} image{'s' * (len(images) != 1)}, about "
+                     f"{sum(4 * image.width * image.height for image in images) / 1e6:.3g} MB as pages of one texture")
+    return tuple(lines)
 
 
 def _program(name: str, switches: Mapping[str, int]) -> Program:
