@@ -59,12 +59,12 @@ def main() -> None:
 def _run(path: str, plan: str, options: argparse.Namespace) -> None:
     """One scene by one plan; prints a line of JSON."""
     from viewer.gpu.context import open_context
-    from viewer.render_job import peak_memory_mb
     from viewer.scene.environment_files import load_environment
     from viewer.scene.load import load_scene
     from viewer.settings import Settings
 
     from .drawing import Viewer, compile_anew
+    from .process import high_water_mark
 
     compile_anew()
     size = options.size, options.size
@@ -77,7 +77,7 @@ def _run(path: str, plan: str, options: argparse.Namespace) -> None:
         viewer = Viewer(context, scene, Settings(plan=plan), size)
         for number in range(1, options.frames + 1):
             viewer.draw(number)
-        print(json.dumps({"load": load, "rss_mb": peak_memory_mb()} | viewer.frames.to_json()))
+        print(json.dumps({"load": load, "rss_mb": (high_water_mark(os.getpid()) or 0) / 1024} | viewer.frames.to_json()))
 
 
 def hills(triangles: int) -> Glb:

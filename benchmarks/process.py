@@ -53,7 +53,7 @@ def _wait(process: subprocess.Popen, deadline: float) -> tuple[int, int | None]:
     """(exit status, peak resident set in KiB); the peak is None where the process had to be killed."""
     peak = 0
     while True:
-        peak = _high_water_mark(process.pid) or peak
+        peak = high_water_mark(process.pid) or peak
         pid, status, usage = os.wait4(process.pid, os.WNOHANG)
         if pid:
             process.returncode = os.waitstatus_to_exitcode(status)
@@ -65,7 +65,7 @@ def _wait(process: subprocess.Popen, deadline: float) -> tuple[int, int | None]:
         time.sleep(_POLL)
 
 
-def _high_water_mark(pid: int) -> int | None:
+def high_water_mark(pid: int) -> int | None:
     """The most memory the process has held so far, in KiB, where Linux tells.
 
     It never falls, so the last look before the end will do; what wait4 tells counts this process too, of which the
