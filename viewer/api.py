@@ -20,6 +20,7 @@ from .scene.scene import Scene
 from .settings import LAYERS, Settings
 
 if TYPE_CHECKING:
+    from .budget.chooser import Chooser
     from .image import Image
     from .raster.renderer import Renderer
     from .trace.tracer import Tracer
@@ -55,15 +56,22 @@ def render(
     Without `camera` the one that frames the scene. `settings` are the fields of `viewer.Settings`, for instance
     ``mode="phong", exposure=1.0, background="#336699"`` or ``mode="path", spp=256``. `backend` is auto, egl, osmesa or
     window (a hidden one). Mode path can add layers (`Image.layers`): `aov` names albedo, normal, depth, variance,
-    samples.
+    samples. With a `time_budget` or `error` and no `mode`, the method is chosen (docs/budget.md), and `Image.stats`
+    tells which.
 
     Raises UsageError for a size that cannot be drawn and a setting that does not exist, InputError for textures and
     environments that cannot be decoded, ContextError where there is no OpenGL.
     """
     chosen, size = Settings.of(**settings), _checked(size)
-    chosen.check_used()
+    is_open = "mode" not in settings and not (chosen.time_budget is None and chosen.error is None)
+    if not is_open:
+        chosen.check_used()
     if camera is None:
         camera = Camera.framing(scene.center, scene.radius, size[0] / size[1])
+    if is_open:
+        chosen.check_open()
+        image, choice = shared_chooser(backend).make(scene, camera, chosen, size, _checked_layers(aov))
+        return replace(image, stats={**image.stats, "choice": choice.to_json()})
     if chosen.mode == "path":
         return shared_tracer(backend).render(scene, camera, chosen, size, _checked_layers(aov))
     if aov:
@@ -108,6 +116,18 @@ def shared_tracer(backend: str = "auto") -> Tracer:
     if backend not in tracers:
         tracers[backend] = Tracer(renderer.context)
     return tracers[backend]
+
+
+def shared_chooser(backend: str = "auto") -> Chooser:
+    """Likewise what chooses between the two; it measures the device when it is first used, for some seconds, and keeps
+    that on disk."""
+    from .budget.chooser import Chooser
+
+    tracer = shared_tracer(backend)
+    choosers: dict[str, Chooser] = _local.__dict__.setdefault("choosers", {})
+    if backend not in choosers:
+        choosers[backend] = Chooser(tracer.context, shared_renderer(backend), tracer)
+    return choosers[backend]
 
 
 class _Renderers(dict[str, "Renderer"]):

@@ -102,9 +102,11 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     from .render_job import RenderJob, check_layers, check_output, output_paths
 
     settings = make_settings(options)
-    settings.check_used()
+    chooses = _leaves_mode_open(settings)
+    if not chooses:
+        settings.check_used()
     work = list(zip(models, output_paths(models, output), strict=True))
-    check_layers(options["aov"], settings, [path for _, path in work])
+    check_layers(options["aov"], settings, [path for _, path in work], chooses)
     if stats is not None:
         check_output(stats)
     environment = make_environment(options)
@@ -117,7 +119,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
         return scene
 
     job = RenderJob(backend, settings, options["size"], options["aov"], use_cache=not options["no_cache"], measure=stats is not None,
-                    quiet=options["quiet"], verbose=options["verbose"])
+                    quiet=options["quiet"], verbose=options["verbose"], chooses=chooses)
     sys.exit(job.run(work, load, lambda model, scene: make_camera(model, scene, options), stats))
 
 
@@ -339,6 +341,15 @@ def _run(arguments: Sequence[str] | None) -> int:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     return 2
+
+
+def _leaves_mode_open(settings: Any) -> bool:
+    """Whether the method is to be chosen. Raises UsageError where what is set leaves nothing to choose from."""
+    source = click.get_current_context().get_parameter_source("mode")
+    if source is not click.core.ParameterSource.DEFAULT or (settings.time_budget is None and settings.error is None):
+        return False
+    settings.check_open()
+    return True
 
 
 def _warn(model: str, scene: Any, options: dict[str, Any]) -> None:

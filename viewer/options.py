@@ -159,9 +159,10 @@ PATH_OPTIONS = [
                  help=f"Mode path: samples a pixel; with one of the next two options the most it gets. Default: "
                       f"{DEFAULT_SPP}, or no end with one of them."),
     click.option("--time-budget", type=Number(*_ends("time_budget")), metavar="SECONDS",
-                 help="Mode path: stop after so long, with samples where they help most."),
+                 help="Make the best picture there is time for, by the method that suits; with --mode path by that."),
     click.option("--error", type=Number(*_ends("error")), metavar="TARGET",
-                 help="Mode path: stop at this relative error, 0.02 for 2 %, as estimated from the samples."),
+                 help="Make a picture of at most this relative error, 0.02 for 2 %, in the least time; with "
+                      "--mode path by that, as estimated from the samples."),
     click.option("--seed", type=click.IntRange(*_ends("seed")), default=0, metavar="N",
                  help="Mode path: another N, another noise; the same N, the same picture."),
     click.option("--denoise", type=click.Choice(get_args(Denoise)), default="off", show_default=True,

@@ -30,7 +30,7 @@ Record = dict[str, object]
 @dataclass
 class RenderJob:
     """`aov` are the layers of `viewer.settings.LAYERS` to add; `measure` waits for each pass to know its time; `quiet`
-    shows no progress bar; `verbose` tells the times."""
+    shows no progress bar; `verbose` tells the times. `chooses`: the method is chosen for each picture."""
 
     backend: str
     settings: Settings
@@ -40,6 +40,7 @@ class RenderJob:
     measure: bool = False
     quiet: bool = False
     verbose: bool = False
+    chooses: bool = False
     _context: Context | None = field(default=None, init=False)
 
     def run(
@@ -58,7 +59,8 @@ class RenderJob:
         """
         records: list[Record] = []
         status = 0
-        studio = make_studio(Order(self._open, self.settings, self.size, self.aov, self.use_cache, self.measure))
+        studio = make_studio(Order(self._open, self.settings, self.size, self.aov, self.use_cache, self.measure,
+                                   self.quiet, self.chooses))
         with Progress(len(work), enabled=not self.quiet) as progress, self._opened():
             for model, path in work:
                 try:
@@ -156,9 +158,10 @@ def output_paths(models: Sequence[str], output: str) -> list[Path]:
     return paths
 
 
-def check_layers(names: Sequence[str], settings: Settings, paths: Sequence[Path]) -> None:
-    """Raises UsageError for layers that are not made or that no file could hold."""
-    if names and settings.mode != "path":
+def check_layers(names: Sequence[str], settings: Settings, paths: Sequence[Path], chooses: bool = False) -> None:
+    """Raises UsageError for layers that are not made or that no file could hold; where the method is chosen, it is one
+    that makes them."""
+    if names and settings.mode != "path" and not chooses:
         raise UsageError(f"aov does nothing in mode {settings.mode}, only in mode path")
     other = [path for path in paths if path.suffix.lower() != ".exr"]
     if names and other:

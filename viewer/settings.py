@@ -146,6 +146,24 @@ class Settings:
             raise UsageError(f"{' and '.join(unused)} {verb} nothing in mode {self.mode}{where}")
 
     @property
+    def is_used(self) -> bool:
+        """Whether `check_used` has nothing to say."""
+        try:
+            self.check_used()
+        except UsageError:
+            return False
+        return True
+
+    def check_open(self) -> tuple[Settings | None, Settings | None]:
+        """Where the mode is left open: these settings for the raster and for mode path, each None where something is set
+        that it has no use for. Raises UsageError where neither has use for all."""
+        ways = replace(self, mode="pbr", time_budget=None, error=None), replace(self, mode="path")
+        found = [settings if settings.is_used else None for settings in ways]
+        if found == [None, None]:
+            raise UsageError("some of what is set is of use in mode path alone, some in the others alone: give a mode")
+        return found[0], found[1]
+
+    @property
     def most_spp(self) -> int:
         """The most samples a pixel can get in mode path."""
         if self.spp is not None:

@@ -1,4 +1,4 @@
-"""The two ways a `RenderJob` makes its pictures, each with what it keeps from one model to the next."""
+"""The ways a `RenderJob` makes its pictures, each with what it keeps from one model to the next."""
 
 from __future__ import annotations
 
@@ -50,6 +50,9 @@ class Order:
     layers: Sequence[str]
     use_cache: bool
     measure: bool
+    quiet: bool = True
+    chooses: bool = False
+    """The method is chosen for each picture, by its time budget or error; `settings.mode` does not count."""
 
 
 class Opener(Protocol):
@@ -57,6 +60,10 @@ class Opener(Protocol):
 
 
 def make_studio(order: Order) -> Studio:
+    if order.chooses:
+        from .budget.studio import ChoosingStudio
+
+        return ChoosingStudio(order)
     return PathStudio(order) if order.settings.mode == "path" else RasterStudio(order)
 
 

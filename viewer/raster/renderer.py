@@ -78,6 +78,10 @@ class Renderer:
             self._ahead.cancel()
         self._ahead = ahead
 
+    def holds(self, scene: Scene) -> bool:
+        """Whether the last frame was of this scene, but for its lights."""
+        return self._surfaces is not None and self._surfaces.holds(scene)
+
     def render(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> Image:
         """The picture in full precision: linear radiance in single floats, and as displayed."""
         self.draw(scene, camera, settings, size, half=False, still=True)

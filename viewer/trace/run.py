@@ -20,20 +20,22 @@ Report = Callable[[float, float], None]
 
 
 def run(exposure: Exposure, started: float, report: Report | None = None,
-        wants_to_stop: Callable[[], bool] = lambda: False) -> None:
+        wants_to_stop: Callable[[], bool] = lambda: False, reserve: float = 0.0) -> None:
     """Let the picture converge until its settings are met or somebody `wants_to_stop`.
 
-    The time budget began at `started`, by time.perf_counter. It may be exceeded: until every pixel has a sample, and by
-    the slice of work that is under way.
+    The time budget began at `started`, by time.perf_counter, and `reserve` seconds of it are kept for what comes after.
+    It may be exceeded: until every pixel has a sample, and by half a slice of work.
     """
     budget = exposure.settings.time_budget
-    end = float("inf") if budget is None else started + budget
-    reported = started
+    end = float("inf") if budget is None else started + budget - reserve
+    reported, slice_s = started, 0.0
     while not exposure.is_done and not wants_to_stop():
         now = time.perf_counter()
-        if now >= end and exposure.film.tile_errors()[..., 2].min() > 0:
+        if now + slice_s / 2 >= end and exposure.film.tile_errors()[..., 2].min() > 0:
             return
-        exposure.step(min(SLICE_S, max(end - now, 0.0)))
+        is_near = end - now < 2 * SLICE_S
+        exposure.step(0.0 if is_near else SLICE_S)
+        slice_s = time.perf_counter() - now if is_near else 0.0
         if report is not None and time.perf_counter() - reported > REPORT_S:
             reported = time.perf_counter()
             fraction = _fraction(exposure, reported - started)

@@ -1,0 +1,1 @@
+"""Choosing how to make a picture, by the time there is for it or the error it may have."""

@@ -1,0 +1,75 @@
+"""Makes pictures by the method that suits the time there is, or the error they may have."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Collection
+from dataclasses import replace
+
+from ..gpu.context import Context
+from ..image import Image
+from ..raster.renderer import Renderer
+from ..scene.camera import Camera
+from ..scene.scene import Scene
+from ..settings import Settings
+from ..trace.run import Report
+from ..trace.tracer import Tracer
+from .calibration import Calibration, load_calibration, store_calibration
+from .choice import Choice, Ready, candidates, choose, stand_in, worth_trying
+from .making import Making, View
+
+
+class Chooser:
+    """Draws and traces with one context, by what is known of it: measured when it is first needed."""
+
+    def __init__(self, context: Context, renderer: Renderer, tracer: Tracer, use_cache: bool = True) -> None:
+        self._context, self._renderer, self._tracer, self._use_cache = context, renderer, tracer, use_cache
+        self._calibration: Calibration | None = None
+        self._ready = Ready()
+
+    def calibrate(self, say: Callable[[str], None] = lambda _: None) -> Calibration:
+        """What is known of the device; told by `say` when it has to be measured, which takes some seconds."""
+        if self._calibration is None and self._use_cache:
+            self._calibration = load_calibration(self._context.renderer)
+        if self._calibration is None:
+            from .calibrate import calibrate
+            from .start import measure_start
+
+            say(f"measuring how fast {self._context.renderer} is{', once' if self._use_cache else ''}")
+            self._calibration = calibrate(self._context, measure_start(self._context.backend))
+            self._ready = replace(self._ready, has_raster=True, has_path=True)
+            if self._use_cache:
+                store_calibration(self._context.renderer, self._calibration)
+        return self._calibration
+
+    def make(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
+             layers: Collection[str] = (), report: Report | None = None,
+             wants_to_stop: Callable[[], bool] = lambda: False) -> tuple[Image, Choice]:
+        """The picture, and how it came about. `settings.mode` does not count; its time budget begins with this call,
+        unless the device has to be measured first.
+
+        Raises UsageError where nothing can be chosen from, and what the ways of making pictures raise.
+        """
+        calibration = self.calibrate()
+        started = time.perf_counter()
+        ready = self._ready
+        if not self._renderer.holds(scene):
+            ready = replace(ready, drawn=frozenset())
+        if not self._tracer.holds(scene):
+            ready = replace(ready, traced=frozenset())
+        found = candidates(calibration, scene, size, settings, ready, needs_layers=bool(layers))
+        choice = Choice(found, choose(found, settings.time_budget, settings.error), settings.time_budget, settings.error)
+        making = Making(self._renderer, self._tracer, calibration, View(scene, camera, size, layers), started, choice)
+        path = next((one for one in found if one.is_traced), None)
+        if settings.error is not None and path is not None and path.fits(settings.time_budget):
+            image = making.until_right(path, worth_trying(found, path, settings.error), report, wants_to_stop)
+        elif choice.taken.is_traced:
+            rival = stand_in(found, settings.time_budget, choice.taken)
+            image = making.within(choice.taken, rival, report, wants_to_stop)
+        else:
+            image = making.drawn(choice.taken)
+        choice.seconds = time.perf_counter() - started
+        drawn, traced = making.titles
+        self._ready = Ready(ready.has_raster or bool(drawn), ready.has_path or bool(traced),
+                            ready.drawn | drawn, ready.traced | traced)
+        return image, choice

@@ -1,0 +1,140 @@
+"""Carries a choice out, and mends it where the picture itself shows that another is better."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..image import Image
+from ..measure.relmse import EPSILON
+from ..raster.decoding import decode_ahead
+from ..raster.renderer import Renderer
+from ..scene.camera import Camera
+from ..scene.scene import Scene
+from ..trace.exposure import Exposure
+from ..trace.run import Report, run
+from ..trace.tracer import Tracer
+from .calibration import Calibration
+from .choice import LEAST_SAMPLES, Candidate, Choice
+
+PILOT = 4
+"""Samples a pixel before pictures of the raster are held against them."""
+
+
+@dataclass(frozen=True)
+class View:
+    scene: Scene
+    camera: Camera
+    size: tuple[int, int]
+    layers: Collection[str] = ()
+
+
+class Making:
+    """One picture, begun at `started` by time.perf_counter. Fills in what came of `choice`; `titles` are the methods it
+    made pictures by, of the raster and of the path tracer."""
+
+    def __init__(self, renderer: Renderer, tracer: Tracer, calibration: Calibration, view: View, started: float,
+                 choice: Choice) -> None:
+        self._renderer, self._tracer, self._calibration = renderer, tracer, calibration
+        self._view, self._started, self._choice = view, started, choice
+        self.titles: tuple[set[str], set[str]] = set(), set()
+
+    def drawn(self, candidate: Candidate) -> Image:
+        """By the raster."""
+        view = self._view
+        if not self._renderer.holds(view.scene):
+            self._renderer.expect(decode_ahead(view.scene, candidate.settings))
+        self.titles[0].add(candidate.title)
+        return self._renderer.render(view.scene, view.camera, candidate.settings, view.size)
+
+    def within(self, path: Candidate, rival: Candidate | None, report: Report | None,
+               wants_to_stop: Callable[[], bool]) -> Image:
+        """By paths in the time budget. With a `rival` that is drawn first, and taken where it is nearer to what the
+        paths say than they are sure, or where they come to nothing in that time."""
+        other = self.drawn(rival) if rival is not None else None
+        exposure = self._begin(path)
+        end = self._started + path.settings.time_budget - path.reserve
+        try:
+            run(exposure, self._started, report, reserve=path.reserve, wants_to_stop=lambda: wants_to_stop() or (
+                other is not None and time.perf_counter() >= end))
+            if rival is not None and other is not None:
+                if not math.isfinite(exposure.error):
+                    return self._taken(rival, other, None)
+                self._choice.held.append((rival, against(other, exposure)))
+                if self._choice.held[-1][1] < self._error(exposure):
+                    return self._taken(rival, other, self._choice.held[-1][1])
+            return self._developed(path, exposure)
+        finally:
+            exposure.release()
+
+    def until_right(self, path: Candidate, rivals: Sequence[Candidate], report: Report | None,
+                    wants_to_stop: Callable[[], bool]) -> Image:
+        """By paths until the picture as a whole has the error asked for; but when a few samples show that a rival meets it, by that."""
+        target = path.settings.error
+        exposure = self._begin(path)
+
+        def is_right(samples: int) -> bool:
+            return exposure.samples >= samples and exposure.error <= target
+
+        try:
+            while rivals and not exposure.is_done and not wants_to_stop() and not (
+                    exposure.samples >= PILOT and math.isfinite(exposure.error)):
+                exposure.step(0)
+            for rival in rivals if not exposure.is_done and math.isfinite(exposure.error) else ():
+                if is_right(PILOT):
+                    break
+                image = self.drawn(rival)
+                error = against(image, exposure)
+                self._choice.held.append((rival, error))
+                if error <= target:
+                    return self._taken(rival, image, error)
+            run(exposure, self._started, report, lambda: wants_to_stop() or is_right(LEAST_SAMPLES), path.reserve)
+            return self._developed(path, exposure)
+        finally:
+            exposure.release()
+
+    def _begin(self, path: Candidate) -> Exposure:
+        view = self._view
+        self.titles[1].add(path.title)
+        return self._tracer.begin(view.scene, view.camera, path.settings, view.size, view.layers)
+
+    def _taken(self, candidate: Candidate, image: Image, error: float | None) -> Image:
+        self._choice.taken, self._choice.error = candidate, error
+        return image
+
+    def _developed(self, path: Candidate, exposure: Exposure) -> Image:
+        self._choice.samples, error = exposure.samples, self._error(exposure)
+        if exposure.settings.denoise != "off" and math.isfinite(error):
+            return self._taken(replace(path, error=error), exposure.image(), None)
+        return self._taken(path, exposure.image(), error if math.isfinite(error) else None)
+
+    def _error(self, exposure: Exposure) -> float:
+        """As its samples tell it; where it is filtered, with what that usually does to it."""
+        is_filtered = exposure.settings.denoise != "off"
+        return exposure.error * (self._calibration.traced.factor(exposure.error) if is_filtered else 1.0)
+
+
+def against(image: Image, exposure: Exposure) -> float:
+    """The relative error of `image`, by the unfinished picture of `exposure`: each pixel's variance is taken off its
+    squared difference, and what both are relative to is the mean of the pixels around it, which is less noisy."""
+    total, squares = (array.astype(np.float64) for array in exposure.film.read_sums())
+    n = np.maximum(total[..., 3:], 1)
+    truth = total[..., :3] / n
+    variance = np.maximum(squares[..., :3] / n - truth**2, 0) / np.maximum(n - 1, 1)
+    if isinstance(exposure.settings.background, tuple):
+        truth += (1 - squares[..., 3:] / n) * np.array(exposure.settings.background)
+    squared = (np.nan_to_num(image.linear[..., :3], posinf=0.0, neginf=0.0) - truth) ** 2 - variance
+    return math.sqrt(max(float((squared / (around(truth) ** 2 + EPSILON)).mean()), 0.0))
+
+
+def around(picture: np.ndarray, reach: int = 2) -> np.ndarray:
+    """The mean over the square of pixels as far as `reach` from each; (H, W, C)."""
+    height, width = picture.shape[:2]
+    side = 2 * reach + 1
+    sums = np.pad(np.pad(picture, ((reach,) * 2, (reach,) * 2, (0, 0)), mode="edge").cumsum(0).cumsum(1),
+                  ((1, 0), (1, 0), (0, 0)))
+    return (sums[side:, side:] - sums[:height, side:] - sums[side:, :width] + sums[:height, :width]) / side**2

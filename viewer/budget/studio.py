@@ -1,0 +1,53 @@
+"""How a `RenderJob` makes its pictures when the method is chosen for each."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..image import Image
+from ..messages import say
+from ..progress import Progress
+from ..raster.renderer import Renderer
+from ..scene.camera import Camera
+from ..scene.scene import Scene
+from ..signals import Stopped, postponed
+from ..studio import Order
+from ..trace.tracer import Tracer
+from .chooser import Chooser
+
+
+class ChoosingStudio:
+    """A `viewer.studio.Studio`."""
+
+    def __init__(self, order: Order) -> None:
+        self._order = order
+        self._chooser: Chooser | None = None
+        self.facts: dict[str, object] = {}
+        self.told = ""
+        self.texture_bytes = 0
+        self.stopped: int | None = None
+
+    def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
+        """As `Studio.make`; the time budget begins when the device is open and known. The choice is told."""
+        order, tell = self._order, (lambda _: None) if self._order.quiet else say
+        if self._chooser is None:
+            context = order.open()
+            self._renderer = Renderer(context, order.use_cache, order.measure)
+            self._tracer = Tracer(context, order.use_cache)
+            self._chooser = Chooser(context, self._renderer, self._tracer, order.use_cache)
+        self._chooser.calibrate(tell)
+
+        def report(fraction: float, seconds_left: float) -> None:
+            progress.part(fraction, f"{path.name}: path traced, {seconds_left:.0f} s left")
+
+        with postponed() as wish:
+            image, choice = self._chooser.make(scene, camera, order.settings, order.size, order.layers, report,
+                                               lambda: wish.number is not None)
+        self.stopped = wish.number
+        if self.stopped is not None and choice.samples == 0:
+            raise Stopped(self.stopped)
+        tell(f"{path}: {choice}")
+        self.told = str(choice)
+        self.facts = {"choice": choice.to_json(), **image.stats, "stopped": self.stopped is not None}
+        self.texture_bytes = max(self._renderer.texture_bytes, self._tracer.texture_bytes)
+        return image
