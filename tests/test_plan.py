@@ -5,23 +5,27 @@ from __future__ import annotations
 import random
 import re
 from dataclasses import replace
+from io import BytesIO
 from itertools import combinations
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from viewer.errors import ContextError, UsageError
 from viewer.gpu.context import open_context
 from viewer.gpu.source import assemble
-from viewer.plan import MAPS, MAX_LIGHTS, MAX_SHADOW_LAYERS, plan_scene
+from viewer.maps import MAPS
+from viewer.plan import MAX_LIGHTS, MAX_SHADOW_LAYERS, environment_use, plan_scene
 from viewer.raster.programs import Programs
 from viewer.scene.environment import Environment
 from viewer.scene.light import Light
 from viewer.scene.material import Material, Sampler, Texture, UVTransform
 from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Instance, Scene
-from viewer.scene.texture_image import TextureImage
+from viewer.scene.texture_image import TextureImage, open_texture_image
 from viewer.settings import Settings, setting_choices
+from viewer.wide_programs import OWN_PROGRAMS
 
 ENVIRONMENT = Environment("grey", np.ones((16, 32, 3), np.float32))
 SUN = Light.from_angles(0.0, 0.5, 1.0)
@@ -266,3 +270,63 @@ def test_equal_materials_share_a_program():
 def test_mode_path_is_not_the_rasters():
     with pytest.raises(UsageError, match="mode path"):
         plan(scene(Material()), mode="path")
+
+
+def test_a_lambertian_surface_asks_for_no_reflections():
+    matt = scene(Material(metallic=0.0, specular=0.0), environment=ENVIRONMENT, lights=(SUN,))
+    found = plan(matt)
+    assert found.environment and not found.reflections and not found.dfg
+    assert "u_prefiltered" not in code(found) and "u_dfg, " not in code(found)
+    assert any("no surface reflects; saves 4.32 MB and about" in line for line in found.left_out)
+    assert environment_use(matt, Settings()) == (True, False)
+    for material in (Material(metallic=0.0), Material(specular=0.0), Material(metallic=0.0, specular=0.0, transmission=1.0)):
+        assert plan(scene(material, environment=ENVIRONMENT)).reflections
+    assert not plan(scene(environment=ENVIRONMENT), lobes="uniform-diffuse").reflections
+    assert environment_use(scene(Material(unlit=True), environment=ENVIRONMENT), Settings()) == (False, False)
+
+
+def test_maps_of_one_colour_are_factors():
+    def texture(*texels: tuple[int, int, int, int]) -> Texture:
+        data = BytesIO()
+        Image.fromarray(np.uint8([texels])).save(data, "PNG")
+        return Texture(open_texture_image(data.getvalue(), "texture"))
+
+    flat, varied = texture(*[(188, 128, 255, 51)] * 4), texture((0, 0, 0, 255), (9, 9, 9, 255))
+    full = Material(metallic=0.5, emissive=(2, 2, 2), **{f"{name}_texture": flat for name in MAPS})
+    [draw] = plan(scene(full, environment=ENVIRONMENT)).draws
+    assert draw.maps == ("normal", "occlusion")
+    assert draw.surface.base_color == pytest.approx((0.5029, 0.2159, 1.0, 0.2), abs=1e-4)
+    assert (draw.surface.perceptual_roughness, draw.surface.metallic) == pytest.approx((128 / 255, 0.5))
+    assert draw.surface.emissive == pytest.approx((1.0058, 0.4317, 2.0), abs=1e-4)
+    assert draw.surface.specular == pytest.approx(0.2)
+    found = plan(scene(Material(base_color_texture=varied, emissive_texture=flat)))
+    assert found.draws[0].maps == ("base_color",) and any("1 material map of one colour" in x for x in found.left_out)
+    assert plan(scene(full), plan="everything").draws[0].surface is full
+
+
+def test_many_programs_are_shared():
+    plain = scene().meshes[0]
+    kinds = [Material(metallic=metallic, emissive=emissive, double_sided=sides, base_color_texture=color)
+             for metallic in (0.0, 0.5) for emissive in ((0, 0, 0), (1, 1, 1)) for sides in (False, True)
+             for color in (None, MAP)]
+    meshes = tuple(replace(plain, material=k) for k in range(len(kinds)))
+    many = Scene("many", meshes, tuple(kinds), tuple(Instance(k, np.eye(4)) for k in range(len(kinds))))
+    found = plan(many)
+    assert len(kinds) == 16 and len(found.programs) == 1 and "shared" in found.used[0]
+    assert {draw.blank_maps for draw in found.draws} == {(), ("base_color",)}
+    few = replace(many, instances=many.instances[:OWN_PROGRAMS])
+    assert len(plan(few).programs) == OWN_PROGRAMS
+
+
+def test_lights_that_do_not_fit_are_told():
+    many = plan(scene(lights=(Light("point"),) * (MAX_LIGHTS + 7)))
+    assert f"7 of {MAX_LIGHTS + 7} lights, the faintest: no more fit a program" in many.left_out
+
+
+def test_what_is_saved_is_counted():
+    image = TextureImage("none", b"", 512, 512, "PNG", has_alpha=False)
+    material = Material(emissive_texture=Texture(image), base_color_texture=MAP)
+    found = plan(scene(material, tangents=False))
+    assert found.saved["texture_mb"] == pytest.approx(512 * 512 * 3 * 4 / 3 / 1e6 + 4.193, abs=0.01)
+    assert found.saved["buffer_mb"] == pytest.approx(3 * (16 + 16 + 8) / 1e6, abs=1e-3)
+    assert plan(scene(material), plan="everything").saved == {}

@@ -206,13 +206,16 @@ def check(what: str, model: str | None, shader: str | None, lobe: str | None, js
 
 
 @cli.command(short_help="Measure error against time, by every method there is.")
-@click.argument("models", metavar="MODEL...", nargs=-1, required=True)
+@click.argument("models", metavar="MODEL...", nargs=-1)
 @click.option("-o", "--output", required=True, metavar="DIR",
               help="Where index.html, report.json, the charts and all that was measured go; made where it is missing.")
 @click.option("--within", "limit", type=Number(0.1, 1e6), default=150.0, show_default=True, metavar="SECONDS",
               help="How long to measure each model; more time, more points and a better reference.")
+@click.option("--approximations", is_flag=True,
+              help="Measure no model, but the pieces of the renderer beside their alternatives.")
 @with_options([size_option("256x256"), *LOOK_OPTIONS, *CAMERA_OPTIONS, BACKEND_OPTION, NO_CACHE_OPTION, QUIET_OPTION])
-def report(models: tuple[str, ...], output: str, limit: float, backend: str, **options: Any) -> None:
+def report(models: tuple[str, ...], output: str, limit: float, approximations: bool, backend: str,
+           **options: Any) -> None:
     """Show each MODEL by every method, from the cheapest to path tracing, and tell each one's time and error.
 
     The errors are against a path-traced reference whose own noise is told. DIR/index.html is a page that stands alone;
@@ -222,10 +225,19 @@ def report(models: tuple[str, ...], output: str, limit: float, backend: str, **o
     \b
     pbr-viewer report helmet.glb -o report/
     pbr-viewer report *.glb -o reports/ --env studio.hdr --within 60
+    pbr-viewer report --approximations -o pieces/
     """
-    check_camera_options(options)
     from pathlib import Path
 
+    if approximations == bool(models):
+        raise UsageError("report either a MODEL or --approximations")
+    if approximations:
+        from .measure.approximations.job import report_approximations
+        from .measure.approximations.table import print_table
+
+        print_table(report_approximations(Path(output), backend, options["quiet"]))
+        return
+    check_camera_options(options)
     from .assemble import make_camera, make_environment, make_scene, make_settings
     from .measure.report.job import ReportJob
 

@@ -101,7 +101,7 @@ class Plan:
     @property
     def has_bodies(self) -> bool:
         """Whether there is glass that light is refracted into."""
-        return any(draw.transmits == 2 for draw in self.draws)
+        return self.is_everything or any(draw.transmits == 2 for draw in self.draws)
 
     @property
     def has_walls(self) -> bool:
@@ -303,8 +303,8 @@ def _samples(
     texture = material_map(material, name)
     if texture is None or texture.uv_set >= len(mesh.uvs):
         return False
-    if settings.plan == "everything" and name != "normal":
-        return True
+    if settings.plan == "everything" and name not in ("normal", "occlusion"):
+        return True  # normals and occlusion have no factor of 0 to be harmless by
     dielectric = settings.mode == "pbr" and lit and (material.metallic < 1 or material.metallic_roughness_texture)
     return {
         "base_color": True,

@@ -41,8 +41,8 @@ float curvature(vec3 n, vec3 p) {
     return (dot(nx, px) + dot(ny, py)) / max(dot(px, px) + dot(py, py), 1e-18);
 }
 
-// Where light that goes along d inside comes out after `way`. The far side is taken to have the same middle of curvature
-// as the front: the other half of a ball, the inner face of a vase, or, where the front is flat, a plane parallel to it.
+// Where light that goes along d inside comes out after `way`. The far side is taken to be concentric with the front:
+// the other half of a ball, the inner face of a vase, or, where the front is flat, a plane parallel to it.
 vec3 leaving_direction(vec3 n, vec3 d, float way) {
     vec3 out_n = normalize(n + curvature(n, v_position) * way * d);
     out_n *= dot(out_n, d) > 0.0 ? -1.0 : 1.0;

@@ -1,5 +1,5 @@
 // Slots whose ray met a surface that transmits light: as surface.frag, with both sides of it.
-// The material is its transmission's share glass, and the rest what is opaque. Both lie under one interface, so that the
+// The material is its transmission's share glass, and for the rest opaque. Both lie under one interface, so that the
 // mixture is exact.
 #include "trace/bounce.glsl"
 #include "trace/glass.glsl"

@@ -1,4 +1,4 @@
-// What glass does with light at an interaction: a solid, into which and out of which light is refracted, or a thin wall.
+// What glass does with light at an interaction: a solid, into and out of which light is refracted, or a thin wall.
 // KHR_materials_transmission, KHR_materials_volume, KHR_materials_specular.
 #include "trace/material.glsl"
 #include "bsdf/bsdf.glsl"
@@ -18,7 +18,7 @@ struct Glass {
     vec3 f0, f90; // of the front
 };
 
-// The base colour tints what passes through a body once, half of it on the way in and half on the way out, so that it is
+// The base colour tints what passes through a body once, half of it on the way in and half on the way out, so it is
 // the same both ways; a wall has it all.
 Glass glass_of(Interaction i, SurfaceMaterial m) {
     float alpha = m.perceptual_roughness * m.perceptual_roughness;

@@ -129,7 +129,8 @@ def test_without_specular_nothing_reflects(tracer):
 def test_a_point_light_is_not_found_through_smooth_glass_but_through_rough(tracer):
     def wall(roughness: float) -> Scene:
         material = replace(GLASS, perceptual_roughness=roughness, double_sided=True)
-        return scene(plate(half=4.0), materials=[material], lights=(Light("point", intensity=1.0, position=(0, 0, -1)),))
+        lamp = Light("point", intensity=1.0, position=(0, 0, -1))
+        return scene(plate(half=4.0), materials=[material], lights=(lamp,))
 
     assert (mean(tracer, wall(0.0)) == 0).all()
     assert mean(tracer, wall(0.5)).min() > 0.05

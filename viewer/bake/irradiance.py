@@ -28,5 +28,5 @@ def cosine_spectrum(degree: int) -> np.ndarray:
 
 
 def irradiance_filter(theta: np.ndarray) -> Filter:
-    """The filter whose map, at rows `theta` (the upper half), is irradiance / pi."""
-    return Filter(theta[: HEIGHT // 2], cosine_spectrum(HEIGHT - 1))
+    """The filter whose map, at rows `theta` (both halves), is irradiance / pi."""
+    return Filter(theta[: len(theta) // 2], cosine_spectrum(len(theta) - 1))

@@ -38,25 +38,29 @@ def _blend_variable(perceptual_roughness: np.ndarray) -> np.ndarray:
     return alpha / (alpha + 0.4)
 
 
-def prefilter(radiance: np.ndarray, ndf: str = "ggx") -> tuple[list[np.ndarray], np.ndarray]:
+def prefilter(
+    radiance: np.ndarray, ndf: str = "ggx", height: int = HEIGHT
+) -> tuple[list[np.ndarray], np.ndarray]:
     """The levels, (512, 1024, 3) to (16, 32, 3) float32, and irradiance / pi, (64, 128, 3), with the same margin.
+
+    Of another `height`, the first level's rows, all levels are as much larger or smaller.
 
     `radiance` is (H, W, 3), finite, not negative. Level 0 is the map itself. Every level holds the map's energy: the
     integral over the sphere of what a bilinear lookup sees is the map's, per channel.
     """
     energy = sphere_integral(radiance)
-    source = resample(radiance, HEIGHT, WIDTH)
-    filters = [Filter(row_angles(HEIGHT >> k)[:HEIGHT >> (k + 1)],
-                      lobe_spectrum(ndf, r * r, (WIDTH >> (k + 1)) - 1)[:256])
+    source = resample(radiance, height, 2 * height)
+    filters = [Filter(row_angles(height >> k)[:height >> (k + 1)],
+                      lobe_spectrum(ndf, r * r, (height >> k) - 1)[:256])
                for k, r in enumerate(LEVEL_ROUGHNESS) if k]
     *filtered, irradiance = convolve(source, [*filters, irradiance_filter(row_angles(irradiance_rows))])
     levels = [_with_margin(source)] + filtered
     return [_with_energy(level, energy) for level in levels], _with_energy(irradiance, energy)
 
 
-def irradiance_map(radiance: np.ndarray) -> np.ndarray:
-    """What `prefilter` gives beside the levels, without their cost."""
-    [irradiance] = convolve(resample(radiance, HEIGHT, WIDTH), [irradiance_filter(row_angles(irradiance_rows))])
+def irradiance_map(radiance: np.ndarray, rows: int = irradiance_rows) -> np.ndarray:
+    """What `prefilter` gives beside the levels, without their cost, or a map of other `rows`."""
+    [irradiance] = convolve(resample(radiance, HEIGHT, WIDTH), [irradiance_filter(row_angles(rows))])
     return _with_energy(irradiance, sphere_integral(radiance))
 
 

@@ -81,7 +81,7 @@ class Renderer:
     def render(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> Image:
         """The picture in full precision: linear radiance in single floats, and as displayed."""
         self.draw(scene, camera, settings, size, half=False, still=True)
-        linear = np.frombuffer(self._target.read(), np.float32).reshape(size[1], size[0], 4)[::-1].copy()
+        linear = self.read_radiance()
         if isinstance(settings.background, tuple):
             linear += (1 - linear[..., 3:]) * np.float32([*settings.background, 1])
         return Image(linear, self.read_display(settings), {"plan": self.plan.to_json()})
@@ -95,6 +95,12 @@ class Renderer:
     def texture_bytes(self) -> int:
         """About what the scene's textures take on the GPU."""
         return self._surfaces.textures.bytes if self._surfaces is not None else 0
+
+    def read_radiance(self) -> np.ndarray:
+        """The frame drawn last, (H, W, 4) float32 of the target's precision, with nothing laid behind it."""
+        width, height = self._target.size
+        pixels = np.frombuffer(self._target.read(), np.float16 if self._target.half else np.float32)
+        return pixels.reshape(height, width, 4)[::-1].astype(np.float32)
 
     def read_display(self, settings: Settings) -> np.ndarray:
         """The frame drawn last, as displayed, (H, W, 4) uint8."""

@@ -8,7 +8,7 @@ import numpy as np
 from ..gpu.context import Context
 from ..gpu.mipmaps import mipmapped_texture
 from ..heap import give_back
-from ..maps import MAPS
+from ..maps import MAPS, material_map
 from ..plan import Plan
 from ..scene.material import Sampler, Texture
 from ..scene.scene import Scene
@@ -34,7 +34,8 @@ class Textures:
     def __init__(self, context: Context, scene: Scene, ahead: Decoder | None = None) -> None:
         self._context, self._scene = context, scene
         self._textures: dict[Key, moderngl.Texture] = {}
-        self._blanks: dict[tuple[float, ...], moderngl.Texture] = {}
+        self._blanks: dict[str, moderngl.Texture] = {}
+        self._examples: dict[str, Key] = {}
         self._samplers: dict[Sampler, moderngl.Sampler] = {}
         self._decoders = [ahead] if ahead is not None else []
         self._channels: dict[tuple[TextureImage, bool], str] = {}
@@ -44,6 +45,10 @@ class Textures:
     def prefetch(self, plan: Plan) -> None:
         """Begin to decode what `plan` samples, on other threads, while shaders compile on this one."""
         self._channels = channels_read(self._scene, plan, self._channels)
+        for draw in plan.draws:
+            for name in draw.maps:
+                image, srgb = material_map(draw.surface, name).image, MAPS[name]
+                self._examples.setdefault(name, (image, self._channels[image, srgb], srgb))
         begun = set(self._textures).union(*(decoder.keys for decoder in self._decoders))
         self._decoders.append(Decoder(sampled_images(self._scene, plan, self._channels) - begun))
 
@@ -64,11 +69,20 @@ class Textures:
 
     def bind_blank(self, name: str, unit: int) -> None:
         """Bind, for a map that a material lacks, what changes nothing: white, or a normal that leans nowhere."""
-        color = (0.5, 0.5, 1.0, 1.0) if name == "normal" else (1.0, 1.0, 1.0, 1.0)
-        if color not in self._blanks:
-            self._blanks[color] = float_texture(self._context.gl, np.full((1, 1, 4), color, np.float32))
-        self._blanks[color].use(unit)
+        if name not in self._blanks:
+            self._blanks[name] = self._blank(name)
+        self._blanks[name].use(unit)
         self._sampler(Sampler()).use(unit)
+
+    def _blank(self, name: str) -> moderngl.Texture:
+        if name == "normal":  # which 8 bits cannot hold
+            return float_texture(self._context.gl, np.float32([[[0.5, 0.5, 1.0, 1.0]]]))
+        # Like the scene's own maps: Mesa's software rasteriser compiles a program for every format it samples.
+        srgb = MAPS[name]
+        key = self._examples.get(name)
+        components = self._textures[key].components if key in self._textures else 3
+        white = [np.full((side, side, components), 255, np.uint8) for side in (2, 1)]
+        return _upload(self._context, white, srgb)
 
     def _sampler(self, sampler: Sampler) -> moderngl.Sampler:
         if sampler not in self._samplers:

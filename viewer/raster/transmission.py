@@ -18,7 +18,7 @@ _FRAMEBUFFER, _COLOR_ATTACHMENT = 0x8D40, 0x8CE0
 
 
 class Backdrop:
-    """A copy of a target's radiance with mip levels for rough surfaces, each filtered by a binomial, near a Gaussian."""
+    """A copy of a target's radiance with mip levels for rough surfaces, each filtered by a binomial, as a Gaussian."""
 
     def __init__(self, context: Context, target: Target) -> None:
         self._gl, self._size, self._half = context.gl, target.size, target.half

@@ -8,8 +8,7 @@ from PIL import Image as Pillow
 
 from viewer.measure.report.chart import Mark, error_chart, spell_time, to_svg
 from viewer.measure.report.chart_png import SCALE, save_png
-
-MEASURES = ("relmse", "rmse", "flip")
+from viewer.measure.report.errors import MEASURES
 
 
 def document(points: list[tuple[str, float, float]], floor: float = 0.0) -> dict:

@@ -55,6 +55,12 @@ def test_shadows_are_a_knob_where_something_casts_them():
     assert any(method.changes.get("shadows") == "off" for method in rungs(shapes.scene(BALL, environment=sunny()))[0])
 
 
+def test_the_environments_shadows_are_cast_by_more_and_more_lights():
+    counts = [int(method.changes["environment_shadows"]) for method in rungs(shapes.scene(BALL, environment=sunny()))[0]
+              if method.name == "environment-shadows"]
+    assert counts == sorted(counts) and len(set(counts)) >= 3
+
+
 def test_a_denoiser_that_is_not_installed_is_left_out(monkeypatch):
     monkeypatch.setattr(module, "find_spec", lambda name: None)
     methods, left_out = rungs(shapes.scene(BALL))
@@ -103,6 +109,6 @@ def test_the_command_line_of_a_method_asks_for_just_that(arguments):
 
 def test_settings_are_told_as_far_as_they_are_not_the_defaults():
     base = Settings(exposure=1.0)
-    assert settings_of(PLAIN, base) == {"mode": "pbr", "exposure": 1.0, "antialias": "msaa-4"}
+    assert settings_of(PLAIN, base) == {"mode": "pbr", "exposure": 1.0, **PLAIN.changes}
     method = Method("path", "path traced", {"mode": "path", "spp": 4})
     assert settings_of(method, Settings(background=(0, 0, 1))) == {"mode": "path", "background": [0, 0, 1], "spp": 4}

@@ -24,7 +24,22 @@ def test_the_next_number_of_samples_takes_as_many_times_as_long_three_times_over
     rungs = [rung("path", 4, 0.5), rung("path+fast", 4, 50.0)]
     assert why(method, rungs, 3.1) == "" and why(method, rungs, 2.9) == "it would take 3 s, more than is left"
     assert why(method, [rung("path", 4, 5.0)], 10.1) == ""  # long ones are run once
-    assert why(method, [], 1.0) == "" and why(method, [], -1.0) == "no time is left for it"
+    assert why(method, [], -1.0) == ""
+    denoised = Method("path+fast", "", {"mode": "path", "spp": 8, "denoise": "fast"})
+    assert why(denoised, [], 1.0) == "" and why(denoised, [], -1.0) == "no time is left for it"
+
+
+def test_more_lights_take_as_many_times_as_long_preparing_included():
+    def lights(count: str, seconds: float = 0.0) -> tuple[Method, Record]:
+        method = Method("environment-shadows", "", {"environment_shadows": count})
+        return method, Record(np.zeros((1, 1, 4), np.float32), {"time_ms": {"median": 5.0}}, seconds)
+
+    rungs = [lights("16", 2.0)]
+    assert why(lights("64")[0], rungs, 8.1) == "" and "8 s" in why(lights("64")[0], rungs, 7.9)
+    assert why(lights("16")[0], [], -1.0) == ""  # the first of a family is always measured
+    plain = Method("ibl", "", {"environment_shadows": "off"})
+    rungs = [(plain, Record(np.zeros((1, 1, 4), np.float32), {}, 2.0))]
+    assert why(plain, rungs, 2.1) == "" and why(plain, rungs, 1.9) != ""
 
 
 def test_an_adaptive_picture_is_foretold_from_what_64_samples_reach():

@@ -42,7 +42,9 @@ def test_the_json_is_as_promised(report_folder):
     assert any(point["pareto"] for point in report["points"]) and report["is_whole"] is True
     assert [row["budget_ms"] for row in report["recommend"]] == [pytest.approx(33.3, abs=0.1), 100, 1000, 10000]
     assert all(row["point"] is None or report["points"][row["point"]]["pareto"] for row in report["recommend"])
-    assert report["points"][report["raster"]["best"]]["settings"]["mode"] != "path"
+    assert all(error["relmse_trimmed"] <= 1.0001 * error["relmse"] for error in (p["error"] for p in report["points"]))
+    best = report["raster"]["relmse"]
+    assert report["points"][best["best"]]["settings"]["mode"] != "path" and 0 < best["ratio"] <= 1
     assert all(set(out) == {"method", "reason"} for out in report["left_out"])
 
 
@@ -76,7 +78,7 @@ def test_nothing_is_measured_again_that_has_not_changed(run, report_folder, tmp_
         json.loads((report_folder / "report.json").read_text())["points"]
     (folder / "measured" / "phong-antialias-none.json").unlink()
     assert run("report", MODEL, "-o", folder, *QUICK).status == 0 and measured == ["phong-antialias-none"]
-    assert run("report", MODEL, "-o", folder, *QUICK, "--exposure", "1").status == 0 and len(measured) > 8
+    assert run("report", MODEL, "-o", folder, *QUICK, "--exposure", "1").status == 0 and len(measured) >= 6
 
 
 def test_an_interrupted_report_says_how_to_go_on_and_does(run, folder, monkeypatch):

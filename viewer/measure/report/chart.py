@@ -11,13 +11,14 @@ from typing import Any
 from .pareto import BUDGETS_MS
 
 WIDTH, PLOT_BOTTOM = 720, 400
-_LEFT, _RIGHT, _TOP = 70, 16, 34
-_LEGEND_COLUMNS, _LEGEND_ROW = 3, 20
-_INK, _FAINT, _PAPER = "#222222", "#d8d8d8", "#ffffff"
+LEFT, RIGHT, TOP = 70, 16, 34
+LEGEND_COLUMNS, LEGEND_ROW = 3, 20
+INK, FAINT, _PAPER = "#222222", "#d8d8d8", "#ffffff"
 # Okabe & Ito 2008, colours that most eyes tell apart; the shape tells them apart as well.
-_COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f5fc0", "#777777")
-_SHAPES = ("circle", "square", "diamond", "triangle")
-_NAMES = {"relmse": "relMSE", "rmse": "RMSE", "flip": "FLIP"}
+COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f5fc0", "#777777")
+SHAPES = ("circle", "square", "diamond", "triangle")
+_NAMES = {"relmse_trimmed": "relMSE without the worst 0.1 % of pixels", "relmse": "relMSE", "rmse": "RMSE",
+          "flip": "FLIP"}
 
 
 @dataclass(frozen=True)
@@ -75,16 +76,16 @@ def error_chart(document: Mapping[str, Any], measure: str) -> Chart:
     points = document["points"]
     times = [point["time_ms"]["median"] for point in points]
     floor = document["reference"]["floor"][measure]
-    values = _off_zero([point["error"][measure] for point in points])
-    x, y = _Axis(times, _LEFT, WIDTH - _RIGHT), _Axis([*values, *[floor] * (floor > 0)], PLOT_BOTTOM, _TOP)
+    values = off_zero([point["error"][measure] for point in points])
+    x, y = LogAxis(times, LEFT, WIDTH - RIGHT), LogAxis([*values, *[floor] * (floor > 0)], PLOT_BOTTOM, TOP)
     title = "{} against time, {} x {}".format(_NAMES[measure], *document["size"])
-    shapes: list[Shape] = [Words(_LEFT, 18, title, "start", 14)]
+    shapes: list[Shape] = [Words(LEFT, 18, title, "start", 14)]
     shapes += _frame(x, y, _NAMES[measure])
     if y.low < floor:
-        shapes += [Path(((_LEFT, y(floor)), (WIDTH - _RIGHT, y(floor))), _INK, 1, 3, "floor"),
-                   Words(_LEFT + 6, y(floor) - 4, "noise of the reference", "start", 11, "soft")]
+        shapes += [Path(((LEFT, y(floor)), (WIDTH - RIGHT, y(floor))), INK, 1, 3, "floor"),
+                   Words(LEFT + 6, y(floor) - 4, "noise of the reference", "start", 11, "soft")]
     on_front = [k for k, point in enumerate(points) if point["pareto_by"][measure]]
-    shapes.append(_stairs([(x(times[k]), y(values[k])) for k in on_front]))
+    shapes.append(stairs([(x(times[k]), y(values[k])) for k in on_front]))
     styles = _styles(points)
     for k in sorted(range(len(points)), key=on_front.__contains__):
         color, shape = styles[points[k]["title"]]
@@ -92,10 +93,10 @@ def error_chart(document: Mapping[str, Any], measure: str) -> Chart:
         title = f"{points[k]['label']}: {spell_time(times[k])}, {_NAMES[measure]} {error:.3g}"
         shapes.append(Mark(x(times[k]), y(values[k]), color, shape, k in on_front, k, title))
     rows = _legend(styles, shapes)
-    return Chart(WIDTH, PLOT_BOTTOM + 52 + rows * _LEGEND_ROW, tuple(shapes))
+    return Chart(WIDTH, PLOT_BOTTOM + 52 + rows * LEGEND_ROW, tuple(shapes))
 
 
-def _off_zero(errors: Sequence[float]) -> list[float]:
+def off_zero(errors: Sequence[float]) -> list[float]:
     """No error at all has no place on a logarithmic axis: it is drawn at a tenth of the least there is."""
     least = min((error for error in errors if error > 0), default=1.0) / 10
     return [max(error, least) for error in errors]
@@ -106,7 +107,7 @@ def spell_time(milliseconds: float) -> str:
     return f"{milliseconds:.3g} ms" if milliseconds < 999.5 else f"{milliseconds / 1e3:.3g} s"
 
 
-class _Axis:
+class LogAxis:
     """A logarithmic axis from pixel `start` to `end` on which all `values` have room."""
 
     def __init__(self, values: Sequence[float], start: float, end: float) -> None:
@@ -128,48 +129,48 @@ class _Axis:
         return found
 
 
-def _frame(x: _Axis, y: _Axis, measure: str) -> list[Shape]:
+def _frame(x: LogAxis, y: LogAxis, measure: str) -> list[Shape]:
     shapes: list[Shape] = []
     for tick in x.ticks():
-        shapes += [Path(((x(tick), _TOP), (x(tick), PLOT_BOTTOM)), _FAINT, 1, 0, "grid"),
+        shapes += [Path(((x(tick), TOP), (x(tick), PLOT_BOTTOM)), FAINT, 1, 0, "grid"),
                    Words(x(tick), PLOT_BOTTOM + 16, spell_time(tick))]
     for tick in y.ticks():
-        shapes += [Path(((_LEFT, y(tick)), (WIDTH - _RIGHT, y(tick))), _FAINT, 1, 0, "grid"),
-                   Words(_LEFT - 6, y(tick) + 4, f"{tick:g}", "end")]
+        shapes += [Path(((LEFT, y(tick)), (WIDTH - RIGHT, y(tick))), FAINT, 1, 0, "grid"),
+                   Words(LEFT - 6, y(tick) + 4, f"{tick:g}", "end")]
     for budget in BUDGETS_MS:
         if x.low < budget < x.high:
             name = "30 a second" if budget < 100 else spell_time(budget)
-            shapes += [Path(((x(budget), _TOP), (x(budget), PLOT_BOTTOM)), _INK, 1, 2, "budget"),
-                       Words(x(budget) - 4, _TOP + 4, name, "end", 11, "soft", True)]
-    corner = ((_LEFT, _TOP), (_LEFT, PLOT_BOTTOM), (WIDTH - _RIGHT, PLOT_BOTTOM))
-    return [*shapes, Path(corner, _INK, 1, 0, "axis"),
-            Words((_LEFT + WIDTH) / 2, PLOT_BOTTOM + 34, "time of a picture"),
-            Words(14, (_TOP + PLOT_BOTTOM) / 2, measure, "middle", 12, "ink", True)]
+            shapes += [Path(((x(budget), TOP), (x(budget), PLOT_BOTTOM)), INK, 1, 2, "budget"),
+                       Words(x(budget) - 4, TOP + 4, name, "end", 11, "soft", True)]
+    corner = ((LEFT, TOP), (LEFT, PLOT_BOTTOM), (WIDTH - RIGHT, PLOT_BOTTOM))
+    return [*shapes, Path(corner, INK, 1, 0, "axis"),
+            Words((LEFT + WIDTH) / 2, PLOT_BOTTOM + 34, "time of a picture"),
+            Words(14, (TOP + PLOT_BOTTOM) / 2, measure, "middle", 12, "ink", True)]
 
 
-def _stairs(corners: Sequence[tuple[float, float]]) -> Path:
+def stairs(corners: Sequence[tuple[float, float]]) -> Path:
     """What can be had: down where a point of the front stands, level until the next."""
     steps: list[tuple[float, float]] = []
     for k, (x, y) in enumerate(corners):
         steps += [(x, corners[k - 1][1] if k else y), (x, y)]
-    steps.append((WIDTH - _RIGHT, corners[-1][1]))
-    return Path(tuple(steps), _INK, 1.5, 0, "front")
+    steps.append((WIDTH - RIGHT, corners[-1][1]))
+    return Path(tuple(steps), INK, 1.5, 0, "front")
 
 
 def _styles(points: Sequence[Mapping[str, Any]]) -> dict[str, tuple[str, str]]:
     """Colour and shape of each title, in the order of first sight."""
     titles = dict.fromkeys(point["title"] for point in points)
-    return {title: (_COLORS[k % len(_COLORS)], _SHAPES[k % len(_SHAPES)]) for k, title in enumerate(titles)}
+    return {title: (COLORS[k % len(COLORS)], SHAPES[k % len(SHAPES)]) for k, title in enumerate(titles)}
 
 
 def _legend(styles: Mapping[str, tuple[str, str]], shapes: list[Shape]) -> int:
     """Adds the legend to `shapes`; how many rows it has."""
     for k, (title, (color, shape)) in enumerate(styles.items()):
-        column, row = k % _LEGEND_COLUMNS, k // _LEGEND_COLUMNS
-        left = _LEFT + column * (WIDTH - _LEFT - _RIGHT) / _LEGEND_COLUMNS
-        top = PLOT_BOTTOM + 54 + row * _LEGEND_ROW
+        column, row = k % LEGEND_COLUMNS, k // LEGEND_COLUMNS
+        left = LEFT + column * (WIDTH - LEFT - RIGHT) / LEGEND_COLUMNS
+        top = PLOT_BOTTOM + 54 + row * LEGEND_ROW
         shapes += [Mark(left + 6, top, color, shape), Words(left + 18, top + 4, title, "start")]
-    return -(-len(styles) // _LEGEND_COLUMNS)
+    return -(-len(styles) // LEGEND_COLUMNS)
 
 
 def to_svg(chart: Chart) -> str:
@@ -198,7 +199,7 @@ def _mark_svg(mark: Mark) -> str:
 
 def _words_svg(words: Words) -> str:
     turn = f' transform="rotate(-90 {words.x:.1f} {words.y:.1f})"' if words.is_upright else ""
-    fill = _INK if words.kind == "ink" else "#666666"
+    fill = INK if words.kind == "ink" else "#666666"
     return (f'<text class="{words.kind}" x="{words.x:.1f}" y="{words.y:.1f}" text-anchor="{words.anchor}" '
             f'font-size="{words.size:g}" fill="{fill}"{turn}>{html.escape(words.text)}</text>')
 

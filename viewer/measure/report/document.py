@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
@@ -11,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...image import Image
-from .errors import MEASURES, Errors, errors
+from .errors import MEASURES, Errors, errors, trimmed_floor
 from .ladder import PLAIN, Method, settings_of
 from .pareto import BUDGETS_MS, best_within, free_knobs, front
 from .store import Record
@@ -65,14 +64,14 @@ def find(survey: Survey, scene: str, command: Callable[[Method], str], facts: Do
                 "method": rung.method.name, "title": rung.method.title, "label": rung.method.label,
                 "settings": settings_of(rung.method, bench.settings),
                 "time_ms": rung.record.facts["time_ms"], "error": rung.errors.to_json(),
-                "pareto": fronts["relmse"][k], "pareto_by": {name: fronts[name][k] for name in MEASURES},
+                "pareto": fronts[MEASURES[0]][k], "pareto_by": {name: fronts[name][k] for name in MEASURES},
                 "command": command(rung.method), "too_bright": rung.errors.too_bright,
                 "bad_pixels": rung.errors.bad_pixels,
                 **{name: value for name, value in rung.record.facts.items() if name != "time_ms"},
             } for k, rung in enumerate(rungs)
         ],
         "recommend": _recommend(times, by_measure),
-        "knobs": _knobs(rungs, survey, by_measure["relmse"], reference.floor(mask)),
+        "knobs": _knobs(rungs, survey),
         "raster": _raster(rungs),
         "left_out": [asdict(out) for out in survey.left_out],
         "is_whole": survey.is_whole,
@@ -95,25 +94,28 @@ def _floors(survey: Survey, truth: Image) -> dict[str, float]:
     first, second = (bench.displayed(np.concatenate([half.astype(np.float32), alpha], axis=-1))
                      for half in (reference.halves.first, reference.halves.second))
     apart = errors(first, second, mask)
-    return {"relmse": reference.floor(mask), "rmse": apart.rmse / 2, "flip": apart.flip / 2}
+    return {"relmse": reference.floor(mask), "relmse_trimmed": trimmed_floor(reference.halves, mask),
+            "rmse": apart.rmse / 2, "flip": apart.flip / 2}
 
 
 def _recommend(times: Sequence[float], by_measure: dict[str, list[float]]) -> list[Document]:
-    """For each budget the point of the least relMSE, and in `by` that of each measure; null where none is so fast."""
+    """For each budget the point of the least error, and in `by` that of each measure; null where none is so fast."""
     rows = []
     for budget in BUDGETS_MS:
         by = {name: best_within(budget, times, values) for name, values in by_measure.items()}
-        rows.append({"budget_ms": budget, "point": by["relmse"], "by": by})
+        rows.append({"budget_ms": budget, "point": by[MEASURES[0]], "by": by})
     return rows
 
 
-def _knobs(rungs: Sequence[Rung], survey: Survey, relmse: Sequence[float], floor: float) -> list[Document]:
-    """Settings that save time and cost no error, in relMSE."""
-    base = survey.bench.settings
+def _knobs(rungs: Sequence[Rung], survey: Survey) -> list[Document]:
+    """Settings that save time and cost no error."""
+    base, reference, mask = survey.bench.settings, survey.reference, survey.mask
+    assert reference is not None and mask is not None
+    found = [rung.errors.relmse_trimmed for rung in rungs]
     settings = [asdict(rung.method.settings(base)) | {"lights": rung.method.lights is None} for rung in rungs]
     times = [rung.record.facts["time_ms"] for rung in rungs]
     return [{"setting": knob.setting, "cheap": knob.cheap, "dear": knob.dear, "values": list(knob.values),
-             "saved": knob.saved} for knob in free_knobs(settings, times, relmse, floor)]
+             "saved": knob.saved} for knob in free_knobs(settings, times, found, trimmed_floor(reference.halves, mask))]
 
 
 def _raster(rungs: Sequence[Rung]) -> Document | None:
@@ -124,6 +126,9 @@ def _raster(rungs: Sequence[Rung]) -> Document | None:
     most = 10 * rungs[plain[0]].record.facts["time_ms"]["median"]
     drawn = [k for k, rung in enumerate(rungs)
              if not rung.method.is_traced and rung.record.facts["time_ms"]["median"] <= most]
-    best = min(drawn, key=lambda k: rungs[k].errors.relmse)
-    ratio = rungs[best].errors.relmse / max(rungs[plain[0]].errors.relmse, 1e-30)
-    return {"plain": plain[0], "best": best, "relmse_ratio": ratio if math.isfinite(ratio) else None}
+    result: Document = {"plain": plain[0], "most_ms": most}
+    for name in MEASURES[:2]:
+        best = min(drawn, key=lambda k: getattr(rungs[k].errors, name))
+        ratio = getattr(rungs[best].errors, name) / max(getattr(rungs[plain[0]].errors, name), 1e-30)
+        result[name] = {"best": best, "ratio": ratio}
+    return result

@@ -15,13 +15,20 @@ from ...image import Image
 from ..difference import compare
 from ..relmse import EPSILON, Halves
 
-MEASURES = ("relmse", "rmse", "flip")
+MEASURES = ("relmse_trimmed", "relmse", "rmse", "flip")
+"""What is recommended, and the Pareto front, are by the first."""
+TRIMMED = 0.001
+"""Share of the pixels, those with the largest errors, that `relmse_trimmed` leaves out.
+
+One pixel in which a rare path found a lamp, or a highlight is a pixel aside, can be most of the relMSE of a picture."""
 
 
 @dataclass(frozen=True, eq=False)
 class Errors:
     relmse: float
     """Mean of (x - r)^2 / (r^2 + 0.01) (Rousselle et al. 2011); its root is about the relative error."""
+    relmse_trimmed: float
+    """The same without the worst pixels, TRIMMED of all."""
     rmse: float
     flip: float
     """Mean FLIP (Andersson et al. 2020)."""
@@ -33,7 +40,7 @@ class Errors:
     """FLIP of each pixel, (H, W) float32 in [0, 1]."""
 
     def to_json(self) -> dict[str, float]:
-        return {"rmse": self.rmse, "relmse": self.relmse, "flip": self.flip}
+        return {name: getattr(self, name) for name in MEASURES}
 
 
 def errors(picture: Image, reference: Image, mask: np.ndarray) -> Errors:
@@ -47,8 +54,8 @@ def errors(picture: Image, reference: Image, mask: np.ndarray) -> Errors:
     bright = float(relative[ours > truth].sum() / max(relative.sum(), 1e-300))
     difference = compare(reference, picture)
     flip = float(difference.map[mask].mean(dtype=np.float64))
-    return Errors(float(relative.mean()), math.sqrt(squared.mean()), flip, bright, int((bad & mask).sum()),
-                  difference.map)
+    return Errors(float(relative.mean()), _trimmed_mean(relative), math.sqrt(squared.mean()), flip, bright,
+                  int((bad & mask).sum()), difference.map)
 
 
 def relmse_floor(halves: Halves, mask: np.ndarray) -> float:
@@ -56,8 +63,20 @@ def relmse_floor(halves: Halves, mask: np.ndarray) -> float:
     return Halves(halves.first[mask], halves.second[mask]).floor(halves.mean[mask])
 
 
-def masked_relmse(picture: np.ndarray, reference: np.ndarray, mask: np.ndarray) -> float:
-    """relMSE of linear radiance (H, W, 3 or more) alone."""
+def trimmed_floor(halves: Halves, mask: np.ndarray) -> float:
+    """`relmse_floor` without the worst pixels."""
+    truth = halves.mean[mask]
+    return _trimmed_mean(halves.variance[mask] / (truth**2 + EPSILON))
+
+
+def trimmed_relmse(picture: np.ndarray, reference: np.ndarray, mask: np.ndarray) -> float:
+    """`Errors.relmse_trimmed` of linear radiance, (H, W, 3 or more), alone."""
     truth = reference[mask][:, :3].astype(np.float64)
     ours = np.nan_to_num(picture[mask][:, :3], nan=0.0, posinf=0.0, neginf=0.0)
-    return float(((ours - truth) ** 2 / (truth**2 + EPSILON)).mean())
+    return _trimmed_mean((ours - truth) ** 2 / (truth**2 + EPSILON))
+
+
+def _trimmed_mean(values: np.ndarray) -> float:
+    """Of (pixels, 3), without the pixels whose mean is largest."""
+    means = np.sort(values.mean(axis=1))
+    return float(means[:len(means) - int(TRIMMED * len(means))].mean())

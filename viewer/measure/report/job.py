@@ -57,7 +57,7 @@ class ReportJob:
                 except (ViewerError, MemoryError) as error:
                     say_error(f"{model}: out of memory" if isinstance(error, MemoryError) else error)
                     status = 1
-        if len(folders) > 1:
+        if len(folders) > 1 and reports:
             write_summary(self.folder, reports)
         return status
 

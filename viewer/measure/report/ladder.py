@@ -17,7 +17,7 @@ from ...bake.environment import BakedEnvironment, bake_environment
 from ...scene.environment import Environment
 from ...scene.light import Light
 from ...scene.scene import Scene
-from ...settings import PATH_ONLY, RASTER_ONLY, Settings
+from ...settings import PATH_ONLY, RASTER_ONLY, Settings, setting_choices
 
 SPP = tuple(1 << k for k in range(13))
 """Samples a pixel of the path-traced points; time decides how many of them are taken."""
@@ -42,13 +42,13 @@ class Method:
     @property
     def slug(self) -> str:
         """Distinct for each method of a ladder, fit for a file's name."""
-        return "-".join([self.name, *(f"{key}-{value}" for key, value in self.changes.items() if key != "mode")])
+        parts = [f"{key}-{value}" for key, value in self.changes.items() if key != "mode"]
+        return "-".join([self.name, *parts]).replace("_", "-")
 
     @property
     def label(self) -> str:
         """The title and what sets it apart from others of that title."""
-        words = [_words(name, value) for name, value in self.changes.items() if name not in ("mode", "denoise")]
-        return ", ".join([self.title, *words])
+        return ", ".join([self.title, *filter(None, map(_words, self.changes, self.changes.values()))])
 
     @property
     def is_traced(self) -> bool:
@@ -63,7 +63,7 @@ class Method:
         return scene if self.lights is None else scene.relit(environment=None, lights=(*scene.lights, *self.lights))
 
 
-PLAIN = Method("ibl", "image-based light", {"antialias": "msaa-4"})
+PLAIN = Method("ibl", "image-based light", {"environment_shadows": "off", "antialias": "msaa-4"})
 """What others are held against."""
 
 
@@ -129,8 +129,13 @@ def settings_of(method: Method, base: Settings) -> dict[str, Any]:
 
 
 def _words(name: str, value: object) -> str:
+    """What a change is called beside a title that implies some."""
+    if name in ("mode", "denoise") or (name == "environment_shadows" and value == "off"):
+        return ""
     if name == "spp":
         return f"{value} sample{'s' * (value != 1)} a pixel"
+    if name == "environment_shadows":
+        return f"{value} lights"
     return f"to an error of {value}" if name == "error" else f"{name.replace('_', '-')} {value}"
 
 
@@ -149,8 +154,8 @@ def _as_option(light: Light, rotation: float, intensity: float) -> Light:
 
 
 def _image_based(lights: Sequence[Light], left_out: list[LeftOut]) -> Iterator[Method]:
-    for antialias in ("none", "msaa-2", "msaa-4", "msaa-8"):
-        yield replace(PLAIN, changes={"antialias": antialias})
+    for antialias in ("msaa-4", "none", "msaa-2", "msaa-8"):
+        yield replace(PLAIN, changes={**PLAIN.changes, "antialias": antialias})
     knobs = {"multiscatter": "off", "specular_aa": "off", "fresnel": "exact"}
     if any(light.casts_shadow for light in lights):
         knobs["shadows"] = "off"
@@ -158,6 +163,10 @@ def _image_based(lights: Sequence[Light], left_out: list[LeftOut]) -> Iterator[M
         left_out.append(LeftOut(f"{PLAIN.title}, shadows off", "no light casts a shadow"))
     for name, value in knobs.items():
         yield replace(PLAIN, changes={**PLAIN.changes, name: value})
+    for count in setting_choices()["environment_shadows"]:
+        for antialias in ("none", "msaa-4") if count != "off" else ():
+            yield Method("environment-shadows", "image-based light with the environment's shadows",
+                         {"environment_shadows": count, "antialias": antialias})
 
 
 def _traced(spp: int, left_out: list[LeftOut]) -> Iterator[Method]:

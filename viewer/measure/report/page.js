@@ -2,9 +2,9 @@
 const report = JSON.parse(document.getElementById("report-data").textContent);
 const pictures = JSON.parse(document.getElementById("picture-data").textContent);
 const $ = id => document.getElementById(id);
-const MEASURES = {relmse: "relMSE", rmse: "RMSE", flip: "FLIP"};
+const MEASURES = {relmse: "relMSE", relmse_trimmed: "trimmed relMSE", rmse: "RMSE", flip: "FLIP"};
 const points = report.points;
-let chosen = 0, measure = "relmse";
+let chosen = 0, measure = "relmse_trimmed";
 let isKept = false; // whether passing over other points leaves the one that is chosen
 
 const digits = value => value >= 100 ? Math.round(value).toString() : Number(value.toPrecision(3)).toString();
@@ -19,15 +19,15 @@ function element(tag, text, parent) {
 }
 
 function wrong(point) {
-  return measure === "relmse" ? `about ${percent(point.error.relmse)} (relMSE ${digits(point.error.relmse)}, ` +
-      `FLIP ${digits(point.error.flip)})` : `${MEASURES[measure]} ${digits(point.error[measure])}`;
+  const value = point.error[measure], words = `${MEASURES[measure]} ${digits(value)}`;
+  return measure.startsWith("relmse") ? `about ${percent(value)} (${words}, FLIP ${digits(point.error.flip)})` : words;
 }
 
 function fillHeader() {
   $("title").textContent = report.scene;
   const [width, height] = report.size;
   $("summary").textContent = `${points.length} ways to show it at ${width} x ${height} on ${report.device}, ` +
-      `against ${report.reference.spp} path-traced samples a pixel` + (report.is_whole ? "" : " (interrupted: not all of it)");
+      `against ${report.reference.spp} path-traced samples a pixel` + (report.is_whole ? "" : " (interrupted)");
   document.title = `${report.scene}: error against time`;
 }
 
@@ -68,22 +68,27 @@ function fillTable() {
 function fillNotes() {
   for (const [change, knobs] of grouped(report.knobs)) {
     const saved = knobs.map(knob => Math.round(100 * knob.saved));
-    const range = Math.min(...saved) === Math.max(...saved) ? saved[0] : `${Math.min(...saved)} to ${Math.max(...saved)}`;
+    const [least, most] = [Math.min(...saved), Math.max(...saved)];
+    const range = least === most ? least : `${least} to ${most}`;
     element("li", `${change} saves ${range} % of the time: ${knobs.map(effect).join("; ")}`, $("knobs"));
   }
-  if (!report.knobs.length) element("li", "Nothing was found: every setting that costs time lowers the error.", $("knobs"));
+  if (!report.knobs.length)
+    element("li", "Nothing was found: every setting that costs time lowers the error.", $("knobs"));
   const reference = report.reference;
   const how = [
     `Device: ${report.device}, OpenGL ${report.opengl} (${report.backend}); pbr-viewer ${report.version}.`,
     `Scene: ${report.triangles} triangles, environment ${report.environment || "none"}. Errors are over the ` +
         `${report.model_pixels} pixels in which the model is; the background, the same in all, does not count.`,
-    `Reference: path traced with ${reference.spp} samples a pixel in two independent halves, ${digits(reference.seconds)} s. ` +
+    `Reference: path traced with ${reference.spp} samples a pixel in two independent halves, ` +
+        `${digits(reference.seconds)} s. ` +
         `By how far they are apart, its own noise adds a relMSE of ${digits(reference.relmse_floor)} to every point ` +
-        `(RMSE ${digits(reference.floor.rmse)}, FLIP ${digits(reference.floor.flip)}). It is not subtracted.`,
-    "relMSE is the mean of (x - r)² / (r² + 0.01) over linear radiance, before exposure and tone map; its root is about " +
-        "the relative error. FLIP is of the pictures as displayed.",
-    "A time is the median of the runs after warm-up, by the wall clock, with the device finished; of a raster frame with " +
-        "everything prepared, of a path-traced picture from its beginning with the scene prepared.",
+        `(without the worst pixels ${digits(reference.floor.relmse_trimmed)}, RMSE ${digits(reference.floor.rmse)}, ` +
+        `FLIP ${digits(reference.floor.flip)}). It is not subtracted.`,
+    "relMSE is the mean of (x - r)² / (r² + 0.01) over linear radiance, before exposure and tone map; its root is " +
+        "about the relative error. A few pixels can be most of it: trimmed, it leaves out the worst 0.1 % of them. " +
+        "FLIP is of the pictures as displayed.",
+    "A time is the median of the runs after warm-up, by the wall clock, with the device finished; of a raster frame " +
+        "with everything prepared, of a path-traced picture from its beginning with the scene prepared.",
     `Preparing, once for a scene: raster ${time(1000 * prepared(false))}, path tracer ${time(1000 * prepared(true))}.`,
     "Pictures in this page are compressed (WebP); figures are from the full ones, beside it in measured/.",
   ];
@@ -103,7 +108,8 @@ function grouped(knobs) {
 
 function effect(knob) {
   const [dear, cheap] = [points[knob.dear], points[knob.cheap]];
-  return `${dear.label} (relMSE ${digits(dear.error.relmse)}, then ${digits(cheap.error.relmse)})`;
+  const [before, after] = [dear, cheap].map(point => digits(point.error.relmse_trimmed));
+  return `${dear.label} (trimmed relMSE ${before}, then ${after})`;
 }
 
 function prepared(isTraced) {
@@ -112,7 +118,7 @@ function prepared(isTraced) {
 
 function choose(index) {
   chosen = index;
-  const point = points[index], t = point.time_ms;
+  const point = points[index], t = point.time_ms, error = point.error;
   for (const node of document.querySelectorAll("[data-point]"))
     node.classList.toggle("chosen", Number(node.dataset.point) === index);
   $("label").textContent = point.label;
@@ -120,9 +126,9 @@ function choose(index) {
   $("picture").alt = point.label;
   $("map").src = pictures.maps[index];
   const facts = {
-    "Time": `${time(t.median)}` + (t.n > 1 ? `, 80 % between ${time(t.p10)} and ${time(t.p90)}, ${t.n} runs` : ", one run"),
-    "Error": `about ${percent(point.error.relmse)}: relMSE ${digits(point.error.relmse)}, RMSE ${digits(point.error.rmse)}, ` +
-        `FLIP ${digits(point.error.flip)}`,
+    "Time": time(t.median) + (t.n > 1 ? `, 80 % between ${time(t.p10)} and ${time(t.p90)}, ${t.n} runs` : ", one run"),
+    "Error": `about ${percent(error.relmse_trimmed)}: relMSE ${digits(error.relmse)}, without the worst 0.1 % of pixels ` +
+        `${digits(error.relmse_trimmed)}; RMSE ${digits(error.rmse)}, FLIP ${digits(error.flip)}`,
     "Where": `${Math.round(100 * point.too_bright)} % of relMSE from where it is brighter than the reference`,
     "Settings": Object.entries(point.settings).map(([name, value]) => `${name} ${value}`).join(", "),
   };
@@ -141,8 +147,10 @@ function keep(index) {
 
 function show(name) {
   measure = name;
-  for (const chart of document.querySelectorAll(".chart")) chart.classList.toggle("shown", chart.dataset.measure === name);
-  document.querySelectorAll("#points tbody tr").forEach((row, k) => row.classList.toggle("front", points[k].pareto_by[name]));
+  for (const chart of document.querySelectorAll(".chart"))
+    chart.classList.toggle("shown", chart.dataset.measure === name);
+  for (const row of document.querySelectorAll("#points tbody tr"))
+    row.classList.toggle("front", points[row.dataset.point].pareto_by[name]);
   fillRecommendations();
 }
 

@@ -27,8 +27,8 @@ def write_report(folder: Path, findings: Findings) -> None:
     write_json(folder / "report.json", findings.document)
     charts = {measure: error_chart(findings.document, measure) for measure in MEASURES}
     with atomic_write(folder / "error-time.svg") as file:
-        file.write_text(to_svg(charts["relmse"]), encoding="utf-8")
-    save_png(charts["relmse"], folder / "error-time.png")
+        file.write_text(to_svg(charts[MEASURES[0]]), encoding="utf-8")
+    save_png(charts[MEASURES[0]], folder / "error-time.png")
     drawings = {measure: to_svg(chart) for measure, chart in charts.items()}
     with atomic_write(folder / "index.html") as file:
         file.write_text(_page(findings, drawings), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Which path-traced points are worth their time, by what the ones before them took."""
+"""Which points there is time for, by what the ones before them took."""
 
 from __future__ import annotations
 
@@ -13,22 +13,43 @@ Rung = tuple[Method, Record]
 
 
 def reason_against(method: Method, rungs: Sequence[Rung], seconds_left: float, effort: Effort) -> str:
-    """Why not to measure `method` after `rungs`, by what those like it but for the samples took; "": do."""
+    """Why not to measure `method` after `rungs`, by what those like it but for the samples took; "": do.
+
+    The first of a family is measured in any case, but for the denoised ones.
+    """
+    alike = [(other, record) for other, record in rungs if other.name == method.name]
+    if not method.is_traced:
+        return _unless_in_time(_growth(method, alike[-1][0]) * alike[-1][1].seconds, seconds_left) if alike else ""
     target = method.changes.get("error")
-    if target is None:
-        before = [record for other, record in rungs if other.name == method.name]
-        factor = method.changes["spp"] / before[-1].facts["spp"] if before else 1.0
-    else:
-        before = [record for other, record in rungs if other.name == "path" and record.facts["spp"] >= PILOT]
-        if not before:
+    if target is not None:
+        pilots = [record for other, record in rungs if other.name == "path" and record.facts["spp"] >= PILOT]
+        if not pilots:
             return f"{PILOT} samples a pixel, after which it begins to adapt, take too long here"
-        reached = before[-1].facts["estimated_error"]
-        factor = max((reached / target) ** 2, PILOT / before[-1].facts["spp"])
-    once = factor * (before[-1].facts["time_ms"]["median"] / 1e3 if before else 0.0)
-    wait = once if once > effort.once_s else effort.least * once
+        factor = max((pilots[-1].facts["estimated_error"] / target) ** 2, PILOT / pilots[-1].facts["spp"])
+        once = factor * _seconds(pilots[-1])
+    elif alike:
+        once = method.changes["spp"] / alike[-1][1].facts["spp"] * _seconds(alike[-1][1])
+    elif method.name == "path":
+        return ""
+    else:
+        once = 0.0
+    return _unless_in_time(once if once > effort.once_s else effort.least * once, seconds_left)
+
+
+def _growth(method: Method, before: Method) -> float:
+    """How many times as many lights of the environment cast shadows."""
+    lights, fewer = (other.changes.get("environment_shadows", "off") for other in (method, before))
+    return int(lights) / int(fewer) if lights.isdigit() and fewer.isdigit() else 1.0
+
+
+def _seconds(record: Record) -> float:
+    return record.facts["time_ms"]["median"] / 1e3
+
+
+def _unless_in_time(wait: float, seconds_left: float) -> str:
     if wait <= seconds_left:
         return ""
-    return f"it would take {_rounded(wait)}, more than is left" if before else "no time is left for it"
+    return f"it would take {_rounded(wait)}, more than is left" if wait else "no time is left for it"
 
 
 def is_met_by_pilot(method: Method, rungs: Sequence[Rung]) -> bool:

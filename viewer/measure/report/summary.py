@@ -10,6 +10,7 @@ from urllib.parse import quote
 
 from ...atomic import atomic_write
 from .chart import spell_time
+from .errors import MEASURES
 from .page import fill, resource
 
 
@@ -24,16 +25,19 @@ def write_summary(folder: Path, reports: Mapping[Path, Mapping[str, Any]]) -> No
 
 def _row(link: str, report: Mapping[str, Any]) -> str:
     cells = [f'<a href="{link}/index.html">{html.escape(report["scene"])}</a>', str(report["triangles"]),
-             f"{report['reference']['relmse_floor']:.2g}"]
+             f"{report['reference']['floor'][MEASURES[0]]:.2g}"]
     for row in report["recommend"]:
         cells.append("nothing" if row["point"] is None else _choice(report["points"][row["point"]]))
     raster = report["raster"]
-    cells.append("" if raster is None else f"{raster['relmse_ratio']:.2f}<br><small>"
-                                           f"{html.escape(report['points'][raster['best']]['label'])}</small>")
+    if raster is None:
+        cells.append("")
+    else:
+        best = raster[MEASURES[0]]
+        cells.append(f"{best['ratio']:.2f}<br><small>{html.escape(report['points'][best['best']]['label'])}</small>")
     return f"<tr>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
 
 
 def _choice(point: Mapping[str, Any]) -> str:
-    error = point["error"]["relmse"]
+    error = point["error"][MEASURES[0]]
     return (f"{html.escape(point['label'])}<br><small>{spell_time(point['time_ms']['median'])}, about "
             f"{100 * error**0.5:.2g} % off (relMSE {error:.2g})</small>")

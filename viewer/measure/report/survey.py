@@ -10,15 +10,15 @@ from ...errors import InputError
 from ...progress import Progress
 from .bench import Bench
 from .digest import code_digest, digest
-from .errors import masked_relmse
+from .errors import trimmed_floor, trimmed_relmse
 from .ladder import Ladder, LeftOut, Method, ladder
 from .patience import is_met_by_pilot, reason_against
 from .reference import LEAST_SPP, Reference, ReferenceMaker
 from .store import Record, Store
 from .timing import of_pictures
 
-POINTS_SHARE = 0.45
-"""Of the time that path-traced points may take; the reference gets what is left."""
+RASTER_SHARE, POINTS_SHARE = 0.25, 0.5
+"""Of the time, what points of the raster may take, and all points; the reference gets what is left."""
 FLOOR_SHARE = 0.1
 """A reference is good enough when its floor is this share of the best picture's error."""
 
@@ -85,22 +85,19 @@ class Surveyor:
 
     def _climb(self, steps: Ladder) -> None:
         survey = self.survey
-        for method in steps.raster:
-            survey.rungs.append((method, self._measured(method)))
-        left = max(POINTS_SHARE * (self._limit - survey.seconds), 0.0)
         given_up: set[str] = set()
-        for method in steps.traced:
+        for method in (*steps.raster, *steps.traced):
             if self._store.load(method.slug, self._key) is None:
                 if method.name in given_up or is_met_by_pilot(method, survey.rungs):
                     continue
+                share = POINTS_SHARE if method.is_traced else RASTER_SHARE
+                left = share * self._limit - sum(record.seconds for _, record in survey.rungs)
                 reason = reason_against(method, survey.rungs, left, of_pictures(self._limit))
                 if reason:
                     survey.left_out.append(LeftOut(f"{method.label} and more", reason))
                     given_up.add(method.name)
                     continue
-            record = self._measured(method)
-            left -= record.seconds
-            survey.rungs.append((method, record))
+            survey.rungs.append((method, self._measured(method)))
 
     def _measured(self, method: Method) -> Record:
         self._tell(method.label)
@@ -134,8 +131,8 @@ class Surveyor:
         survey = self.survey
         assert survey.reference is not None and survey.mask is not None
         reference, mask = survey.reference, survey.mask
-        floor = reference.floor(mask)
-        best = min(masked_relmse(record.picture, reference.linear, mask) for _, record in survey.rungs)
+        floor = trimmed_floor(reference.halves, mask)
+        best = min(trimmed_relmse(record.picture, reference.linear, mask) for _, record in survey.rungs)
         return floor <= FLOOR_SHARE * best
 
     def _seconds_per_sample(self, maker: ReferenceMaker) -> float:

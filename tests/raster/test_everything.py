@@ -1,0 +1,93 @@
+"""The plan that leaves nothing out, and the one that shares programs, draw what the plan of what is needed draws."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+from shapes import lopsided
+
+import viewer
+from viewer import plan as planning
+from viewer.errors import InputError
+from viewer.raster.renderer import Renderer
+from viewer.resources import resource_folder
+from viewer.scene.camera import Camera
+from viewer.scene.light import Light
+from viewer.scene.scene import Scene
+from viewer.settings import Settings
+from viewer.wide_programs import share_programs
+
+SIZE = (24, 24)
+SUN = Light.from_angles(0.5, 0.7, 2.0)
+SCENES = sorted((resource_folder("assets") / "scenes").glob("*.glb"))
+MODELS = Path(__file__).parents[2].parent / "shared" / "corpus" / "models"
+CORPUS = sorted(path for path in MODELS.glob("*/*") if path.suffix in (".gltf", ".glb") and path.is_file())
+MOST = 1e-3
+"""Relative: x 1 + 0 is exact, but a power of 1, and normals made unit length once more, are not quite. Here it is at most
+2e-5, and 1e-3 of Phong's highlights of high exponents."""
+
+
+def lit(scene: Scene, number: int) -> Scene:
+    """In turn: all lights, none but the sun, none but the environment, none but the scene's own."""
+    environment = lopsided() if number % 2 == 0 else None
+    return scene.relit(environment=environment, lights=(*scene.lights, SUN) if number % 4 < 2 else scene.lights)
+
+
+def assert_same(renderer: Renderer, scene: Scene, **settings: object) -> None:
+    camera = Camera.framing(scene.center, scene.radius, 1.0)
+    needed, all_on = (renderer.render(scene, camera, Settings.of(plan=plan, antialias="msaa-4", **settings), SIZE)
+                      for plan in ("needed", "everything"))
+    assert renderer.plan.is_everything
+    assert np.abs(needed.srgb.astype(int) - all_on.srgb).max() <= 1
+    difference = np.abs(needed.linear - all_on.linear) / (np.abs(needed.linear) + 1e-2)
+    assert difference.max() < MOST, scene.name
+
+
+@pytest.mark.parametrize("number", range(len(SCENES)), ids=[path.stem for path in SCENES])
+def test_scenes(renderer, number):
+    scene = viewer.load(SCENES[number], environment=None)
+    assert_same(renderer, lit(scene, number))
+    if number % 3 == 0:
+        assert_same(renderer, lit(scene, number), mode="phong")
+
+
+@pytest.mark.parametrize("settings", [{"lobes": "uniform-diffuse"}, {"environment_shadows": "64"}, {"shadows": "off"}],
+                         ids=lambda settings: next(iter(settings)))
+def test_settings(renderer, settings):
+    assert_same(renderer, lit(viewer.load(SCENES[0], environment=None), 0), **settings)
+
+
+@pytest.mark.skipif(not CORPUS, reason="the corpus is not here")
+@pytest.mark.parametrize("path", [path for path in CORPUS if sum(f.stat().st_size for f in path.parent.iterdir()
+                                                                 if f.is_file()) < 100_000], ids=lambda p: p.stem)
+def test_corpus(renderer, path):
+    try:
+        scene = viewer.load(path, environment=None)
+    except InputError as error:
+        pytest.skip(str(error))
+    assert_same(renderer, lit(scene, 0))
+
+
+def test_it_makes_what_nothing_uses(renderer):
+    scene = viewer.load(resource_folder("assets") / "scenes" / "unlit.glb", environment=None)
+    assert_same(renderer, scene)
+    facts = renderer.plan.to_json()
+    assert {"shadows", "bodies of glass", "walls of glass", "blend"} <= set(facts["passes"])
+    assert renderer.plan.environment and renderer.plan.dfg and renderer.plan.reflections and facts["lights"] == 3
+
+
+@pytest.mark.parametrize("name", ["textures", "specular-ior", "two-sided", "vertex-colors", "emissive"])
+def test_shared_programs(renderer, monkeypatch, name):
+    scene = lit(viewer.load(resource_folder("assets") / "scenes" / f"{name}.glb", environment=None), 0)
+    camera, settings = Camera.framing(scene.center, scene.radius, 1.0), Settings(antialias="msaa-4")
+    own = renderer.render(scene, camera, settings, SIZE).linear
+    count = len(renderer.plan.programs)
+    monkeypatch.setattr(planning, "share_programs", partial(share_programs, always=True))
+    shared = Renderer(renderer.context)
+    picture = shared.render(scene, camera, settings, SIZE).linear
+    assert len(shared.plan.programs) < count or name == "vertex-colors"
+    shared.release()
+    assert (np.abs(picture - own) / (np.abs(own) + 1e-2)).max() < 1e-5

@@ -1,0 +1,1 @@
+"""What the renderer approximates, piece by piece: the error and the cost of each way to do it."""

@@ -1,0 +1,85 @@
+"""approximations.html: the pieces' tables and charts on a page that stands alone, and the files beside it."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ...atomic import atomic_write, write_json
+from ...errors import OutputError
+from ..report.chart import to_svg
+from ..report.chart_png import save_png
+from ..report.page import resource
+from .chart import cost_chart
+from .table import HEADINGS, cells, conclusion
+
+_PAGE = """<!doctype html>
+<html lang="en">
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<title>Approximations</title>
+<style>
+{style}
+.chart {{ display: block; background: var(--card); border: 1px solid var(--line); border-radius: 8px; padding: .5rem;
+  margin: .8rem 0; overflow-x: auto }} .chart svg {{ min-width: 34rem }}
+td:nth-child(n+4), th:nth-child(n+4) {{ text-align: right; white-space: nowrap }}
+a {{ color: var(--accent) }} tr.front td:nth-child(2) {{ font-weight: 600 }} tr.default {{ background: var(--mark) }}
+</style>
+<header><h1>What the renderer approximates, and what else it could</h1>
+<p id="summary">{device}, {backend}; {clock}, the median; pbr-viewer {version}</p></header>
+<main>
+<p>Each piece of the renderer beside its alternatives: the error over the range of its parameters, against the time of one
+evaluation beyond that of a loop that does nothing. Marked rows are the renderer's way; bold ones are on the Pareto front:
+nothing
+is as cheap, as right and as small. "Bake" is the processor's time beforehand.</p>
+<ul>{contents}</ul>
+{sections}
+</main>
+</html>
+"""
+
+
+def write_approximations(folder: Path, document: Mapping[str, Any]) -> None:
+    """approximations.json and .html in `folder`, which is made where it is missing, and each chart as SVG and PNG.
+
+    Raises OutputError.
+    """
+    charts_folder = folder / "approximations"
+    try:
+        charts_folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{charts_folder}: cannot be made: {error.strerror}") from error
+    write_json(folder / "approximations.json", document)
+    sections = []
+    for piece in document["pieces"]:
+        chart = cost_chart(piece)
+        drawing = to_svg(chart)
+        with atomic_write(charts_folder / f"{piece['name']}.svg") as file:
+            file.write_text(drawing, encoding="utf-8")
+        save_png(chart, charts_folder / f"{piece['name']}.png")
+        sections.append(_section(piece, drawing))
+    contents = "".join(f'<li><a href="#{piece["name"]}">{html.escape(piece["title"])}</a></li>'
+                       for piece in document["pieces"])
+    facts = {name: html.escape(str(document[name])) for name in ("device", "backend", "clock", "version")}
+    with atomic_write(folder / "approximations.html") as file:
+        file.write_text(_PAGE.format(style=resource("page.css"), contents=contents, sections="\n".join(sections), **facts),
+                        encoding="utf-8")
+
+
+def _section(piece: Mapping[str, Any], drawing: str) -> str:
+    heads = "".join(f"<th>{html.escape(name)}</th>" for name in (*HEADINGS[:2], "after", *HEADINGS[2:]))
+    rows = "\n".join(_row(row) for row in piece["variants"])
+    where = f"{piece['over']}; errors in {piece['unit']}, against {piece['truth']}; times of one {piece['per']}"
+    return (f'<section id="{piece["name"]}"><h2>{html.escape(piece["title"])}</h2>\n<p class="soft">{html.escape(where)}.'
+            f'</p>\n<div class="chart">{drawing}</div>\n<div class="wide"><table><thead><tr>{heads}</tr></thead><tbody>\n'
+            f"{rows}\n</tbody></table></div>\n<p>{html.escape(conclusion(piece))}</p></section>")
+
+
+def _row(row: Mapping[str, Any]) -> str:
+    mark, name, *numbers = cells(row)
+    kinds = " ".join(kind for kind, is_it in (("default", row["is_default"]), ("front", row["pareto"])) if is_it)
+    columns = (mark, name, row["source"], *numbers)
+    return f'<tr class="{kinds}">' + "".join(f"<td>{html.escape(column)}</td>" for column in columns) + "</tr>"
