@@ -156,7 +156,7 @@ def _as_option(light: Light, rotation: float, intensity: float) -> Light:
 def _image_based(lights: Sequence[Light], left_out: list[LeftOut]) -> Iterator[Method]:
     for antialias in ("msaa-4", "none", "msaa-2", "msaa-8"):
         yield replace(PLAIN, changes={**PLAIN.changes, "antialias": antialias})
-    knobs = {"multiscatter": "off", "specular_aa": "off", "fresnel": "exact"}
+    knobs = {"multiscatter": "off", "specular_aa": "on", "fresnel": "exact"}
     if any(light.casts_shadow for light in lights):
         knobs["shadows"] = "off"
     else:
@@ -164,7 +164,7 @@ def _image_based(lights: Sequence[Light], left_out: list[LeftOut]) -> Iterator[M
     for name, value in knobs.items():
         yield replace(PLAIN, changes={**PLAIN.changes, name: value})
     for count in setting_choices()["environment_shadows"]:
-        for antialias in ("none", "msaa-4") if count != "off" else ():
+        for antialias in ("none", "msaa-4", "ssaa-4") if count != "off" else ():
             yield Method("environment-shadows", "image-based light with the environment's shadows",
                          {"environment_shadows": count, "antialias": antialias})
 
