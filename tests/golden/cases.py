@@ -75,6 +75,7 @@ CASES = [
     Case("spheres-turned", "spheres", rotation=90.0, settings={"tonemap": "agx", "background": "none"}),
     Case("tiny", "tiny", view="orthographic"),
     Case("spheres-beckmann", "spheres", settings={"ndf": "beckmann", "phong": "blinn-phong", "exposure": 1.0}),
+    Case("environment-shadows", "lights", settings={"environment_shadows": "64", "shadows": "off"}),
     Case("alpha", "alpha", "sky"),
     Case("huge", "huge", "sky"),
     Case("lights-sun", "lights", "sky", rotation=60.0, settings={"tonemap": "agx", "exposure": -1.0}),

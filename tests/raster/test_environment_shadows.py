@@ -10,6 +10,7 @@ from shapes import WHITE, constant, facing_floor, lopsided, moved, orthographic,
 
 from viewer.bake.many_lights import many_lights
 from viewer.bake.prefilter import prefilter
+from viewer.scene.light import Light
 from viewer.scene.scene import Instance
 
 SIZE = (48, 48)
@@ -72,6 +73,15 @@ def test_turning_all_about_the_axis_changes_nothing(radiance):
     assert np.abs(pictures[0] - pictures[1]).mean() < 0.01 * pictures[0].mean()
     other = radiance(turned, orthographic(0.2, 0.9), SIZE, environment_shadows="64")[..., :3]
     assert np.abs(pictures[0] - other).mean() > 0.03 * pictures[0].mean()
+
+
+def test_lights_and_their_shadows_stay(radiance):
+    """A sun beside a black environment, which is all that is drawn from."""
+    model = replace(corner(environment=constant(0.0)), lights=(Light.from_angles(0.6, 0.7, 3.0),))
+    pictures = [radiance(model, orthographic(0.4, 0.6, height=3.0), SIZE, environment_shadows=lights)
+                for lights in ("off", "16")]
+    assert pictures[0][..., 0].max() > 0.5
+    assert np.array_equal(*pictures)
 
 
 def test_edges_do_not_take_what_lies_behind_them(radiance):

@@ -23,6 +23,8 @@ from .shadows import Atlas, DrawDepth, light_tiles
 BATCH = 64
 MAX_TILE = 256
 UNIT_POSITIONS, UNIT_NORMALS, UNIT_ATLAS = range(3)
+BINDING = 2
+"""Of the uniform block, after those of lights and shadows."""
 
 
 class EnvironmentShadows:
@@ -65,8 +67,8 @@ class EnvironmentShadows:
             set_uniform(program, "u_atlas", UNIT_ATLAS)
             set_uniform(program, "u_least_alpha", min(2.0 / self._count**0.5, 1.0))
             block = self._gl.buffer(rows.astype(np.float32))
-            block.bind_to_uniform_block(0)
-            program["FarLights"].binding = 0
+            block.bind_to_uniform_block(BINDING)
+            program["FarLights"].binding = BINDING
             fullscreen(self._gl, program).render(vertices=3)
             block.release()
 

@@ -136,15 +136,16 @@ class Renderer:
         of the target stays as it was.
         """
         self.context.make_current()
-        target = self._sized_target(size, settings.samples(self.context.is_software, still), half)
+        samples = settings.samples(self.context.is_software, still)
+        target = self._sized_target(size, samples, half, settings.supersampling)
         plan = self._prepare(scene, settings, target, camera.height is not None)
-        frame = Frame(scene, camera, size)
+        frame = Frame(scene, camera, target.drawn_size)
         uniforms = self._frame_uniforms(plan, frame, settings)
 
         if plan.has_visibility:
             with self._pass("visibility"):
                 uniforms |= self._find_visibility(frame, plan, uniforms)
-        target.scissor = part
+        target.set_part(part)
         target.framebuffer.use()
         target.framebuffer.clear(depth=1.0)  # alpha 0: a colour is laid behind when the picture is displayed
         with self._pass("surfaces"):
@@ -167,12 +168,12 @@ class Renderer:
         with self._pass("resolve"):
             target.resolve(self.programs, UNIT_RADIANCE)
 
-    def _sized_target(self, size: tuple[int, int], samples: int, half: bool) -> Target:
+    def _sized_target(self, size: tuple[int, int], samples: int, half: bool, supersampling: int) -> Target:
         samples = min(samples, max(self._gl.max_samples, 1))
-        if self._target is None or not self._target.fits(size, samples, half):
+        if self._target is None or not self._target.fits(size, samples, half, supersampling):
             self._release(self._target)
             self._target = None  # should the next one fail
-            self._target = Target(self._gl, size, samples, half)
+            self._target = Target(self._gl, size, samples, half, supersampling)
         return self._target
 
     def _find_visibility(self, frame: Frame, plan: Plan, uniforms: dict[str, object]) -> dict[str, object]:

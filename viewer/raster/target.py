@@ -12,13 +12,20 @@ MAX_SIDE_FALLBACK = 16384
 
 
 class Target:
-    """Colour (RGBA half or single floats, associated alpha) with depth, at `size` and `samples`."""
+    """Colour (RGBA half or single floats, associated alpha) with depth, at `size` and `samples`.
 
-    def __init__(self, gl: moderngl.Context, size: tuple[int, int], samples: int, half: bool) -> None:
+    What is drawn has `drawn_size`, in both directions `supersampling` times as many pixels, each of `samples`.
+    """
+
+    def __init__(
+        self, gl: moderngl.Context, size: tuple[int, int], samples: int, half: bool, supersampling: int = 1
+    ) -> None:
         limit = gl.info.get("GL_MAX_TEXTURE_SIZE", MAX_SIDE_FALLBACK)
-        if max(size) > limit or min(size) < 1:
+        self.size, self.samples, self.half, self.supersampling = size, samples, half, supersampling
+        self.drawn_size = size[0] * supersampling, size[1] * supersampling
+        if max(self.drawn_size) > limit or min(size) < 1:
+            limit //= supersampling
             raise UsageError(f"a picture of {size[0]}x{size[1]}: this OpenGL draws from 1x1 to {limit}x{limit}")
-        self.size, self.samples, self.half = size, samples, half
         self._gl = gl
         try:
             self._make()
@@ -27,40 +34,37 @@ class Target:
                              f"OpenGL can hold ({error})") from error
 
     def _make(self) -> None:
-        gl, size, samples = self._gl, self.size, self.samples
+        gl, size, drawn, samples = self._gl, self.size, self.drawn_size, self.samples
         dtype = "f2" if self.half else "f4"
         self.radiance = gl.texture(size, 4, dtype=dtype)
         self.radiance.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._resolved = gl.framebuffer([self.radiance])
-        if samples > 1:
-            self._color = gl.texture(size, 4, samples=samples, dtype=dtype)
-            self._depth = gl.depth_renderbuffer(size, samples=samples)
+        if samples > 1 or drawn != size:
+            self._color = gl.texture(drawn, 4, samples=samples if samples > 1 else 0, dtype=dtype)
+            self._depth = gl.depth_renderbuffer(drawn, samples=samples if samples > 1 else 0)
             self.framebuffer = gl.framebuffer([self._color], self._depth)
         else:
             self._color = None
             self._depth = gl.depth_renderbuffer(size)
             self.framebuffer = gl.framebuffer([self.radiance], self._depth)
 
-    def fits(self, size: tuple[int, int], samples: int, half: bool) -> bool:
-        return (self.size, self.samples, self.half) == (size, samples, half)
+    def fits(self, size: tuple[int, int], samples: int, half: bool, supersampling: int = 1) -> bool:
+        return (self.size, self.samples, self.half, self.supersampling) == (size, samples, half, supersampling)
 
-    @property
-    def scissor(self) -> tuple[int, int, int, int] | None:
+    def set_part(self, part: tuple[int, int, int, int] | None) -> None:
         """The part (x, y, width, height) that is cleared, drawn and resolved; None is all."""
-        return self.framebuffer.scissor
-
-    @scissor.setter
-    def scissor(self, part: tuple[int, int, int, int] | None) -> None:
-        self.framebuffer.scissor = self._resolved.scissor = part
+        self._resolved.scissor = part
+        self.framebuffer.scissor = part and tuple(number * self.supersampling for number in part)
 
     def resolve(self, programs: Programs, unit: int) -> None:
         """Average the samples into `radiance`; reads them through texture `unit`.
 
         By a program of our own: that of glBlitFramebuffer Mesa's software rasteriser compiles in every process anew.
         """
-        if self.samples == 1:
+        if self._color is None:
             return
-        program = programs.get("display/fullscreen.vert", "raster/resolve.frag", {"SAMPLES": self.samples})
+        program = programs.get("display/fullscreen.vert", "raster/resolve.frag", {
+            "SAMPLES": self.samples, "SUPERSAMPLING": self.supersampling})
         self._resolved.use()
         self._gl.enable_only(moderngl.NOTHING)
         self._color.use(unit)

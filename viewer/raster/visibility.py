@@ -22,7 +22,8 @@ class Visibility:
         self._depth = gl.depth_renderbuffer(size)
         self.gbuffer = gl.framebuffer(self._layout, self._depth)
         """What `Surfaces.draw_gbuffer` draws into."""
-        self._summing = gl.framebuffer(self._sums)
+        self._summing = gl.framebuffer(self._sums, self._depth)
+        self._summing.depth_mask = False  # nor cleared
         self._result = gl.framebuffer([self._visible])
 
     def begin(self) -> None:
@@ -39,10 +40,13 @@ class Visibility:
         self._summing.clear()
         self._layout[0].use(UNIT_POSITIONS)
         self._layout[1].use(UNIT_NORMALS)
-        gl.enable_only(moderngl.BLEND)
+        # What the triangle on the far plane is behind is a surface: elsewhere no program runs.
+        gl.enable_only(moderngl.BLEND | moderngl.DEPTH_TEST)
+        gl.depth_func = ">"
         gl.blend_func = moderngl.ONE, moderngl.ONE
         shadows.add(programs, frame, {
             "u_positions": UNIT_POSITIONS, "u_normals": UNIT_NORMALS, "u_view_direction": tuple(-frame.camera.forward)})
+        gl.depth_func = "<"
         gl.enable_only(moderngl.NOTHING)
         self._result.use()
         program = programs.get("display/fullscreen.vert", "raster/visibility.frag", {})
