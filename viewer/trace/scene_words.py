@@ -63,7 +63,8 @@ def unused_maps(scene: Scene, geometry: TraceGeometry) -> list[str]:
     lines = [f"{constant} material map{'s' * (constant > 1)} of one colour: a factor does"] * bool(constant)
     if not idle:
         return lines
-    return [*lines, f"{idle} material map{'s' * (idle > 1)}, not decoded: no path depends on {'them' if idle > 1 else 'it'}"]
+    them = "them" if idle > 1 else "it"
+    return [*lines, f"{idle} material map{'s' * (idle > 1)}, not decoded: no path depends on {them}"]
 
 
 def add_geometry(words: WordsBuilder, scene: Scene, geometry: TraceGeometry, switches: Mapping[str, int]) -> None:
