@@ -15,6 +15,9 @@ from viewer import api, doctor
 from viewer.budget import calibrate, chooser, start
 from viewer.budget.cost import Cost
 from viewer.errors import UsageError
+from viewer.measure.scenes import scene, sphere
+from viewer.scene.environment_files import load_environment
+from viewer.scene.material import Material
 
 MODEL = SCENES / "spheres.glb"
 NO_TIME = Cost()
@@ -71,7 +74,8 @@ def test_what_cannot_be_is_told_before_anything_is_loaded(run, options, problem,
 
 def test_a_raster_that_meets_the_error_by_a_few_samples_is_taken(known):
     known(replace(QUICK, raster=tuple(replace(one, errors={"environment": 0.06}) for one in QUICK.raster[1:])))
-    choice = viewer.render(viewer.load(MODEL, "furnace"), (32, 32), error=0.06).stats["choice"]
+    ball = scene([sphere()], [Material(metallic=0.0)], environment=load_environment("studio"))
+    choice = viewer.render(ball, (160, 160), error=0.06).stats["choice"]
     assert choice["error_is"] == "measured" and choice["error"] <= 0.06 and choice["spp"] is None
     assert choice["compared"][-1] == {"method": choice["method"], "error": choice["error"]}
 
@@ -84,11 +88,11 @@ def test_an_error_no_raster_is_known_to_have_is_traced_to(known):
 
 def test_what_only_one_kind_of_method_can_is_chosen_from_that_kind(known):
     known(QUICK)
-    scene = viewer.load(MODEL)
-    assert viewer.render(scene, (8, 8), error=0.9, aov=["depth"]).layers["depth"].shape == (8, 8)
-    assert viewer.render(scene, (8, 8), time_budget=5, antialias="none").stats["choice"]["method"] == "image"
+    balls = viewer.load(MODEL)
+    assert viewer.render(balls, (8, 8), error=0.9, aov=["depth"]).layers["depth"].shape == (8, 8)
+    assert viewer.render(balls, (8, 8), time_budget=5, antialias="none").stats["choice"]["method"] == "image"
     with pytest.raises(UsageError, match="time_budget does nothing in mode pbr"):
-        viewer.render(scene, (8, 8), mode="pbr", time_budget=1)
+        viewer.render(balls, (8, 8), mode="pbr", time_budget=1)
 
 
 def test_a_device_is_measured_once_and_kept(known, monkeypatch):
@@ -98,10 +102,10 @@ def test_a_device_is_measured_once_and_kept(known, monkeypatch):
     monkeypatch.setattr(chooser, "store_calibration", kept.__setitem__)
     monkeypatch.setattr(start, "measure_start", lambda backend: {"raster": 0.0, "path": 0.0})
     monkeypatch.setattr(calibrate, "calibrate", lambda context, start: measured.append(1) or QUICK)
-    scene = viewer.load(MODEL)
-    viewer.render(scene, (8, 8), time_budget=5)
+    balls = viewer.load(MODEL)
+    viewer.render(balls, (8, 8), time_budget=5)
     monkeypatch.setattr(api, "_local", api.threading.local())
-    viewer.render(scene, (8, 8), time_budget=5)
+    viewer.render(balls, (8, 8), time_budget=5)
     assert measured == [1] and list(kept.values()) == [QUICK]
 
 
