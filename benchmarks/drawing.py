@@ -28,7 +28,7 @@ def compile_anew() -> None:
 
 @dataclass
 class Frames:
-    """First: wall and processor seconds; later ones: milliseconds each; MB of textures and buffers; the plan in JSON."""
+    """First: wall and processor seconds; later ones: milliseconds each; MB of textures and buffers; the plan as JSON"""
 
     first_s: float
     first_cpu_s: float

@@ -18,6 +18,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+
 from assets.glb import Glb, Shape
 
 from . import machine, shot, tracing
@@ -44,7 +45,7 @@ def main() -> None:
                 for plan in ("needed", "everything"):
                     command = [sys.executable, "-m", "benchmarks.growth", "--run", str(path), plan, "--size",
                                str(options.size), "--frames", str(options.frames)]
-                    done = subprocess.run(command, cwd=shot.REPOSITORY, capture_output=True, text=True)
+                    done = subprocess.run(command, cwd=shot.REPOSITORY, capture_output=True, text=True, check=False)
                     found = json.loads(done.stdout.splitlines()[-1]) if done.returncode == 0 else {}
                     rows.append({"kind": kind, "count": count, "plan": plan} | found)
                     print(rows[-1] if found else done.stderr[-500:], flush=True)
@@ -77,7 +78,8 @@ def _run(path: str, plan: str, options: argparse.Namespace) -> None:
         viewer = Viewer(context, scene, Settings(plan=plan), size)
         for number in range(1, options.frames + 1):
             viewer.draw(number)
-        print(json.dumps({"load": load, "rss_mb": (high_water_mark(os.getpid()) or 0) / 1024} | viewer.frames.to_json()))
+        memory = (high_water_mark(os.getpid()) or 0) / 1024
+        print(json.dumps({"load": load, "rss_mb": memory} | viewer.frames.to_json()))
 
 
 def hills(triangles: int) -> Glb:

@@ -1,4 +1,4 @@
-"""What leaving out saves: each model drawn by the plan of what it needs and by the one that leaves nothing out, in turn.
+"""What leaving out saves: each model by the plan of what it needs and by the one that leaves nothing out, in turn.
 
     python -m benchmarks.plans [MODEL ...] [--results DIR]
 
@@ -78,7 +78,8 @@ def _lines(scene: Scene, plan: str) -> int:
 def _summary(rows: list[dict[str, object]]) -> list[str]:
     """Ratios of the whole to what is needed, the median model and the one that gains least."""
     lines = []
-    for key, name in (("lines", "shader lines"), ("mb", "MB"), ("first_cpu", "first frame"), ("later_cpu", "later frame")):
+    names = {"lines": "shader lines", "mb": "MB", "first_cpu": "first frame", "later_cpu": "later frame"}
+    for key, name in names.items():
         ratios = sorted(row[f"all_{key}"] / row[key] for row in rows if row[key])
         if ratios:
             lines.append(f"- {name}: everything takes {np.median(ratios):.2f} times what is needed (median of "

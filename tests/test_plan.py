@@ -253,7 +253,8 @@ def test_a_lambertian_surface_asks_for_no_reflections():
     assert "u_prefiltered" not in code(found) and "u_dfg, " not in code(found)
     assert any("no surface reflects; saves 4.32 MB and about" in line for line in found.left_out)
     assert environment_use(matt, Settings()) == (True, False)
-    for material in (Material(metallic=0.0), Material(specular=0.0), Material(metallic=0.0, specular=0.0, transmission=1.0)):
+    glass = Material(metallic=0.0, specular=0.0, transmission=1.0)
+    for material in (Material(metallic=0.0), Material(specular=0.0), glass):
         assert plan(scene(material, environment=ENVIRONMENT)).reflections
     assert not plan(scene(environment=ENVIRONMENT), lobes="uniform-diffuse").reflections
     assert environment_use(scene(Material(unlit=True), environment=ENVIRONMENT), Settings()) == (False, False)

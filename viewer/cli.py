@@ -277,20 +277,20 @@ def diff(a: str, b: str, json_file: str | None, output: str | None) -> None:
 @JSON_OPTION
 def doctor(json_file: str | None) -> None:
     """Tell which OpenGL contexts work here, and what to do about those that don't. Exit status 3: none works."""
-    from .doctor import diagnose, exit_status, format_findings
+    from .doctor import calibration_line, diagnose, exit_status, format_findings
 
     findings = diagnose()
     if json_file:
         _write_json(json_file, [finding.to_json() for finding in findings])
     else:
-        _print(format_findings(findings))
+        _print("\n".join(filter(None, [format_findings(findings), calibration_line(findings)])))
     sys.exit(exit_status(findings))
 
 
 @cli.command(short_help="Tell where prepared environments are kept.")
 @click.option("--clear", is_flag=True, help="Empty it.")
 def cache(clear: bool) -> None:
-    """Tell where prepared environments are kept and how much room they take.
+    """Tell where prepared environments, and how fast this device is, are kept and how much room they take.
 
     The variable PBR_VIEWER_CACHE names another folder, or is `off`.
     """

@@ -1,13 +1,14 @@
 """Maps of one colour: multiplied into the material's factors, they need neither texture nor sampler.
 
-Which images they are is told by decoding them, so only small ones are looked at: a larger one costs more to decode before
-the plan is made than it could save.
+Which images they are is told by decoding them, so only small ones are looked at: a larger one costs more to decode
+before the plan is made than it could save.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -26,7 +27,7 @@ def without_constant_maps(material: Material) -> Material:
     has no factor.
     """
     found = {name: _color(material, name) for name in _FACTORS}
-    changes: dict[str, object] = {}
+    changes: dict[str, Any] = {}
     for name, color in found.items():
         if color is not None:
             changes |= {f"{name}_texture": None} | _FACTORS[name](material, color)

@@ -49,6 +49,18 @@ def diagnose() -> list[Finding]:
     return findings
 
 
+def calibration_line(findings: Sequence[Finding]) -> str:
+    """Whether what chooses a picture's method knows the device that `--backend auto` takes; "" where there is none."""
+    working = next((finding for finding in findings if finding.works), None)
+    if working is None:
+        return ""
+    from .budget.calibration import load_calibration
+
+    is_known = load_calibration(working.renderer) is not None
+    return f"--time-budget, --error: {working.backend} " + (
+        "is measured, in the cache" if is_known else "will be measured when one is first used without --mode")
+
+
 def exit_status(findings: Sequence[Finding]) -> int:
     """0 if pictures can be made without a screen, or with the desktop where there is one; else 3."""
     return 0 if any(finding.works for finding in findings) else 3

@@ -44,8 +44,8 @@ class Program:
 class Draw:
     """One instance and what it is drawn with.
 
-    `surface` is its material, number `material` in the scene, with maps of one colour taken into its factors; `maps` are
-    those that its program samples, `blank_maps` those for which it samples white instead.
+    `surface` is its material, number `material` in the scene, with maps of one colour taken into its factors; `maps`
+    are those that its program samples, `blank_maps` those for which it samples white instead.
     """
 
     instance: int
@@ -255,7 +255,7 @@ def _draw(
     if material.alpha_mode == "blend" or material.transmits:
         common = common | {"VISIBILITY": 0}  # what is behind them has its place in the buffers
     maps = tuple(name for name in MAPS if _samples(name, mesh, material, settings, lit, common))
-    textures = {name: material_map(material, name) for name in maps}
+    textures = {name: texture for name in maps if (texture := material_map(material, name))}
     uv_sets = sum(1 << uv_set for uv_set in {texture.uv_set for texture in textures.values()})
     normal_mapped = "normal" in maps
     switches = {
@@ -320,7 +320,8 @@ def _samples(
     return {
         "base_color": True,
         "emissive": any(material.emissive) and (common["SHOW_EMISSION"] == 1 or not lit),
-        "metallic_roughness": lit and (material.metallic > 0 or material.perceptual_roughness > 0 and material.has_interface),
+        "metallic_roughness": lit and (material.metallic > 0
+                                       or material.perceptual_roughness > 0 and material.has_interface),
         "normal": lit and mesh.tangents is not None and material.normal_scale != 0,
         "occlusion": lit and material.occlusion_strength > 0 and common["HAS_ENVIRONMENT"] == 1
         and common["VISIBILITY"] == 0,  # else it is known what is hidden

@@ -61,7 +61,8 @@ def _used(plan: Plan) -> tuple[str, ...]:
         lines.append("light from the environment: " + ", ".join(parts or ["an ambient colour"]))
     if plan.has_visibility:
         lines.append(f"shadows of the environment by {_many(plan.environment_shadows, 'light')} drawn from it")
-    textures = {(draw.material, name): material_map(draw.surface, name) for draw in plan.draws for name in draw.maps}
+    textures = {(draw.material, name): texture for draw in plan.draws for name in draw.maps
+                if (texture := material_map(draw.surface, name))}
     if textures:
         images = {texture.image for texture in textures.values()}
         lines.append(f"{_many(len(textures), 'map')} from {_many(len(images), 'image')}, about "
@@ -136,12 +137,12 @@ def _missing_bakes(plan: Plan, settings: Settings) -> list[tuple[str, float, flo
 def _idle_images(plan: Plan, scene: Scene) -> tuple[set, list[str]]:
     """The images that no texture is made of, and in words the maps that are not sampled."""
     sampled = {(draw.material, name) for draw in plan.draws for name in draw.maps}
-    there = {(k, name) for k, m in enumerate(scene.materials) for name in MAPS if material_map(m, name)}
-    plain = {k: without_constant_maps(scene.materials[k]) for k, _ in there - sampled}
-    constant = {(k, name) for k, name in there - sampled if material_map(plain[k], name) is None}
-    idle = there - sampled - constant
-    used = {material_map(scene.materials[k], name).image for k, name in sampled}
-    images = {material_map(scene.materials[k], name).image for k, name in idle | constant} - used
+    there = {(k, name): texture.image for k, m in enumerate(scene.materials) for name in MAPS
+             if (texture := material_map(m, name))}
+    plain = {k: without_constant_maps(scene.materials[k]) for k, _ in there.keys() - sampled}
+    constant = {(k, name) for k, name in there.keys() - sampled if material_map(plain[k], name) is None}
+    idle = there.keys() - sampled - constant
+    images = {there[key] for key in idle | constant} - {there[key] for key in sampled}
     lines = []
     if idle:
         saved = sum(map(texture_bytes, images)) / 1e6

@@ -1,11 +1,12 @@
 """Programs that can do more than a draw needs, and are fed with what changes no pixel: white maps, black lights.
 
-Two have a use for them: the plan that leaves nothing out, which shows what leaving out saves, and a scene whose materials
-would need more programs than are worth compiling.
+Two have a use for them: the plan that leaves nothing out, which shows what leaving out saves, and a scene whose
+materials would need more programs than are worth compiling.
 
 Some switches are no feature to be had and not used, and stay: what the user chose (the microfacet model, the samples),
-how a surface is composed (ALPHA_MODE), which UV set a map reads and whether it is mirrored, METALNESS 1 (a pure metal looks
-the environment up once, a mixture twice), TRANSMISSION 2 (refracts), and the fragment file: unlit code knows no light.
+how a surface is composed (ALPHA_MODE), which UV set a map reads and whether it is mirrored, METALNESS 1 (a pure metal
+looks the environment up once, a mixture twice), TRANSMISSION 2 (refracts), and the fragment file: unlit code knows no
+light.
 """
 
 from __future__ import annotations
@@ -47,7 +48,8 @@ def leave_nothing_out(plan: Plan, scene: Scene) -> Plan:
     lights, layers = list(plan.lights), list(plan.shadow_layers)
     for kind in ("directional", "point", "spot"):
         if not any(light.kind == kind for light in lights):
-            at = next((k for k, light in enumerate(lights) if _ORDER.index(light.kind) > _ORDER.index(kind)), len(lights))
+            behind = (k for k, light in enumerate(lights) if _ORDER.index(light.kind) > _ORDER.index(kind))
+            at = next(behind, len(lights))
             # Outside the scene: at a point of it the light would be 0 times infinity.
             place = tuple((scene.center + 2 * scene.radius).tolist())
             lights.insert(at, Light(kind, intensity=0.0, position=place, name="black"))
@@ -64,10 +66,10 @@ def leave_nothing_out(plan: Plan, scene: Scene) -> Plan:
 
 
 def share_programs(draws: Sequence[Draw], always: bool = False) -> tuple[Draw, ...]:
-    """The same draws; those of a fragment file in as few programs as can do the same, where that saves time or `always`.
+    """The same draws; those of a fragment file in as few programs as can do the same, `always` or if that saves time.
 
-    On llvmpipe a program of a draw's own takes 0.2 s of a processor until it has drawn, a shared one 0.45 s; frames then
-    take up to 10 % longer.
+    On llvmpipe a program of a draw's own takes 0.2 s of a processor until it has drawn, a shared one 0.45 s; frames
+    then take up to 10 % longer.
     """
     wide: dict[Program, dict[str, int]] = {}
     for fragment in dict.fromkeys(draw.program.fragment for draw in draws):

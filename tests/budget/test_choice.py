@@ -27,7 +27,7 @@ CALIBRATION = Calibration(
     TracedMethod(Cost(fixed=0.4), Cost(pixel=1e-5), Cost(pixel=1e-6), Cost(pixel=5e-6), {"environment": 0.8},
                  ((0.8, 0.5), (0.05, 0.9))),
     {"raster": 0.1, "path": 0.3})
-"""At SIZE: a raster takes 0.3 s to begin, paths 0.7 s, 0.1 s a sample and 0.01 s or 0.06 s to end."""
+"""At SIZE: a raster takes 0.4 s to begin, paths 0.9 s, 0.1 s a sample and 0.01 s or 0.06 s to end."""
 ALL_READY = Ready(True, True, frozenset({"Phong", "image", "shadows"}),
                   frozenset({"path traced", "path traced, denoised (fast)"}))
 
@@ -43,14 +43,14 @@ def chosen(ball, ready=Ready(), **settings) -> Candidate:
 
 
 @pytest.mark.parametrize("budget, method", [
-    (0.01, "Phong"), (0.305, "Phong"), (0.33, "image"), (0.85, "shadows"), (6.0, "path traced, denoised (fast)")])
+    (0.01, "Phong"), (0.405, "Phong"), (0.43, "image"), (0.95, "shadows"), (6.0, "path traced, denoised (fast)")])
 def test_a_budget_gets_the_least_error_there_is_time_for(ball, budget, method):
     assert chosen(ball, time_budget=budget).title == method
 
 
 def test_more_time_is_never_worse(ball):
-    found = [chosen(ball, time_budget=0.31 * 1.1**k) for k in range(60)]
-    assert all(one.seconds <= 0.31 * 1.1**k * 1.000001 for k, one in enumerate(found))
+    found = [chosen(ball, time_budget=0.41 * 1.1**k) for k in range(60)]
+    assert all(one.seconds <= 0.41 * 1.1**k * 1.000001 for k, one in enumerate(found))
     assert all(later.error <= earlier.error for earlier, later in zip(found, found[1:]))
 
 
@@ -60,6 +60,12 @@ def test_what_is_prepared_already_takes_no_time_again(ball):
     path = candidates(CALIBRATION, ball, SIZE, Settings(time_budget=1.01), ALL_READY)[-2]
     assert (path.title, path.samples) == ("path traced", pytest.approx(10))
     assert path.error == pytest.approx(0.8 / 10**0.5)
+
+
+def test_where_pictures_take_longer_than_expected_more_time_is_allowed_for_them(ball):
+    assert chosen(ball, replace(ALL_READY, pace=3.0), time_budget=0.02).title == "Phong"
+    path = candidates(CALIBRATION, ball, SIZE, Settings(time_budget=1.02), replace(ALL_READY, pace=2.0))[-2]
+    assert path.samples == pytest.approx(5)
 
 
 def test_filtering_is_left_out_where_samples_are_the_better_use_of_its_time(ball):
@@ -77,7 +83,7 @@ def test_an_error_gets_the_fastest_method_that_usually_has_it(ball):
 
 
 def test_with_both_the_error_counts_only_as_far_as_the_time_allows(ball):
-    assert chosen(ball, error=0.001, time_budget=0.34).title == "image"
+    assert chosen(ball, error=0.001, time_budget=0.44).title == "image"
     assert chosen(ball, error=0.25, time_budget=5).title == "image"
 
 
@@ -98,7 +104,7 @@ def test_a_picture_to_compare_with_is_made_where_it_is_quick_and_may_be_the_bett
     found = candidates(CALIBRATION, ball, SIZE, Settings(time_budget=2.0))
     path = found[-1]
     assert stand_in(found, 2.0, path).title == "image"
-    assert stand_in(found, 1.0, path) is None
+    assert stand_in(found, 1.2, path) is None
     assert stand_in(found, 2.0, replace(path, error=0.01)) is None
 
 

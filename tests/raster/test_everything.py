@@ -25,9 +25,9 @@ SUN = Light.from_angles(0.5, 0.7, 2.0)
 SCENES = sorted((resource_folder("assets") / "scenes").glob("*.glb"))
 MODELS = Path(__file__).parents[2].parent / "shared" / "corpus" / "models"
 CORPUS = sorted(path for path in MODELS.glob("*/*") if path.suffix in (".gltf", ".glb") and path.is_file())
-MOST = 1e-3
-"""Relative: x 1 + 0 is exact, but a power of 1, and normals made unit length once more, are not quite. Here it is at most
-2e-5, and 1e-3 of Phong's highlights of high exponents."""
+MOST = 2e-3
+"""Relative: x 1 + 0 is exact, but a power of 1, and normals made unit length once more, are not quite. On the corpus
+it is at most 2e-5, and almost 1e-3 of Phong's highlights of high exponents."""
 
 
 def lit(scene: Scene, number: int) -> Scene:

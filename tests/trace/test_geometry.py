@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from images import image_of, noise
+from PIL import Image
 from shapes import moved, plate, scene, sphere
 
 from viewer.scene.material import Material, Texture
 from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Instance, Scene
+from viewer.scene.texture_image import open_texture_image
 from viewer.trace.geometry import GLASS, STANDARD, trace_geometry
+from viewer.trace.scene_words import unused_maps
 
 
 def placed(geometry, instance) -> np.ndarray:
@@ -117,3 +121,16 @@ def test_what_a_mesh_lacks_makes_a_material_of_its_own():
     geometry = trace_geometry(one)
     assert [i.material for i in geometry.instances] == [0, 1, 0]
     assert [len(m.color_maps) for m in geometry.materials] == [1, 0]
+
+
+def test_maps_of_one_colour_are_factors():
+    black, white = (io.BytesIO(), io.BytesIO())
+    Image.new("RGB", (2, 2)).save(black, "PNG")
+    Image.new("RGB", (2, 2), (255, 255, 255)).save(white, "PNG")
+    dark, bright = (Texture(open_texture_image(data.getvalue(), "texture")) for data in (black, white))
+    material = Material(base_color=(0.5, 0.5, 0.5, 1.0), base_color_texture=bright, emissive=(1, 1, 1), emissive_texture=dark)
+    one = scene(plate(), materials=(material,))
+    geometry = trace_geometry(one)
+    assert geometry.emitters == 0 and geometry.materials[0].color_maps == ()
+    assert geometry.materials[0].material.base_color == (0.5, 0.5, 0.5, 1.0)
+    assert unused_maps(one, geometry) == ["2 material maps of one colour: a factor does"]

@@ -13,14 +13,15 @@ from viewer.scene.light import Light
 from viewer.settings import Settings
 
 SIZE = (16, 16)
-LIGHTS = {"environment": (lopsided, ()), "sun": (lambda: None, (Light.from_angles(0.5, 0.7, 2.0),)), "dark": (lambda: None, ())}
+SUN = Light.from_angles(0.5, 0.7, 2.0)
+LIGHTS = {"environment": (lopsided, ()), "sun": (lambda: None, (SUN,)), "dark": (lambda: None, ())}
 NAMES = ["unlit", "specular-ior", "two-sided", "emissive", "glass", "alpha", "textures"]
 
 
 @pytest.mark.parametrize(("name", "light"), [(name, light) for k, name in enumerate(NAMES)
                                              for light in list(LIGHTS)[k % 3:k % 3 + 2]])
 def test_same_samples(tracer, name, light):
-    """The same random numbers, so the same picture but for rounding, which may send a path elsewhere in a few pixels."""
+    """The same random numbers, so the same picture but for rounding, which may send paths elsewhere in a few pixels."""
     environment, lights = LIGHTS[light]
     scene = viewer.load(resource_folder("assets") / "scenes" / f"{name}.glb", environment=None)
     scene = scene.relit(environment=environment(), lights=(*scene.lights, *lights))

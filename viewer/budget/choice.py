@@ -17,6 +17,8 @@ MIN_SAMPLES = 1.5
 """A pixel, as expected: with fewer, what is expected being no promise, some might get none."""
 SURELY = 3.0
 """How many times better the path tracer has to be, as expected, to be taken unseen."""
+MARGIN = 1.5
+"""On what preparing a scene is expected to take: that depends on how many programs it needs."""
 LEAST_SAMPLES = 8
 """A pixel, before what they say of their own error is believed."""
 NEAR = 1.5
@@ -61,6 +63,8 @@ class Ready:
     has_path: bool = False
     drawn: frozenset[str] = frozenset()
     traced: frozenset[str] = frozenset()
+    pace: float = 1.0
+    """How many times as long as expected pictures have taken of late."""
 
 
 @dataclass
@@ -78,17 +82,21 @@ class Choice:
     """Relative, of this very picture as its samples tell; None: it is `taken.error`, what is usual."""
     held: list[tuple[Candidate, float]] = field(default_factory=list)
     """Pictures of the raster that were made too, and their errors against the path-traced one."""
+    unfinished: Candidate | None = None
+    """What was begun, and came to nothing in that time."""
 
     @property
     def unmet(self) -> str:
-        """What was asked for and could not be had; "": it could."""
+        """What was asked for, or expected, and could not be had; "": all could."""
         if self.budget is not None and self.seconds > TOLERANCE * self.budget:
             if not self.taken.fits(self.budget):
                 return f"nothing is ready within {self.budget:g} s here, preparing the scene included"
-            return "the device was slower than expected"
+            return "slower than expected"
         if self.target is not None and (self.error is None or self.error > self.target):
             return "the error asked for was not reached" if self.error is not None else \
                 "whether that error is met is not known: there was no time to trace paths"
+        if self.unfinished is not None:
+            return f"{self.unfinished.title}: slower than expected, not every pixel had a sample"
         return ""
 
     def to_json(self) -> dict[str, Any]:
@@ -97,6 +105,7 @@ class Choice:
                 "error_is": "expected" if self.error is None else "measured",
                 "time_budget": self.budget, "error_target": self.target, "unmet": self.unmet or None,
                 "candidates": [one.to_json() for one in self.found],
+                "unfinished": self.unfinished and self.unfinished.title,
                 "compared": [{"method": one.title, "error": error} for one, error in self.held]}
 
     def __str__(self) -> str:
@@ -115,7 +124,8 @@ class Choice:
         if self.taken.is_traced and self.held:
             best, error = min(self.held, key=itemgetter(1))
             return best.title, error
-        other = [one for one in self.found if one.is_traced != self.taken.is_traced and one.fits(self.budget)]
+        other = [one for one in self.found if one.is_traced != self.taken.is_traced and one.fits(self.budget)
+                 and self.unfinished is None]
         best_other = min(other, key=attrgetter("error"), default=None)
         return None if best_other is None else (best_other.title, best_other.error)
 
@@ -147,7 +157,8 @@ def _raster(calibration: Calibration, load: Load, lighting: str, settings: Setti
         changed = replace(settings, **method.changes)
         if lighting in method.errors and is_free and changed.is_used:
             seconds = method.picture.seconds(load)
-            seconds += 0.0 if method.title in ready.drawn else method.prepare.seconds(load)
+            seconds += 0.0 if method.title in ready.drawn else MARGIN * method.prepare.seconds(load)
+            seconds *= ready.pace
             yield Candidate(method.title, changed, start + seconds, method.errors[lighting])
 
 
@@ -159,12 +170,13 @@ def _traced(calibration: Calibration, load: Load, lighting: str, settings: Setti
     can_choose = settings.denoise == "off" and settings.error is None
     for denoise in ("off", "fast") if can_choose else (settings.denoise,):
         title = "path traced" if denoise == "off" else f"path traced, denoised ({denoise})"
-        reserve = method.finish.seconds(load) + (method.denoise.seconds(load) if denoise != "off" else 0.0)
-        fixed = start + reserve + (0.0 if title in ready.traced else method.prepare.seconds(load))
+        reserve = ready.pace * (method.finish.seconds(load) + (method.denoise.seconds(load) if denoise != "off" else 0.0))
+        fixed = start + reserve
+        fixed += 0.0 if title in ready.traced else ready.pace * MARGIN * method.prepare.seconds(load)
         samples = float(settings.most_spp)
         if settings.error is not None:
             samples = min(samples, max((method.error(lighting, 1.0, False) / settings.error) ** 2, LEAST_SAMPLES))
-        each = max(method.sample.seconds(load), 1e-9)
+        each = max(ready.pace * method.sample.seconds(load), 1e-9)
         if settings.time_budget is not None:
             samples = min(samples, max((settings.time_budget - fixed) / each, MIN_SAMPLES))
         yield Candidate(title, replace(settings, denoise=denoise), fixed + each * samples,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Collection
 from dataclasses import replace
@@ -18,6 +19,9 @@ from .calibration import Calibration, load_calibration, store_calibration
 from .choice import Choice, Ready, candidates, choose, stand_in, worth_trying
 from .making import Making, View
 
+MOST_PACE = 8.0
+"""Other work on the device may slow it down so many times."""
+
 
 class Chooser:
     """Draws and traces with one context, by what is known of it: measured when it is first needed."""
@@ -25,7 +29,7 @@ class Chooser:
     def __init__(self, context: Context, renderer: Renderer, tracer: Tracer, use_cache: bool = True) -> None:
         self._context, self._renderer, self._tracer, self._use_cache = context, renderer, tracer, use_cache
         self._calibration: Calibration | None = None
-        self._ready = Ready()
+        self.ready = Ready()
 
     def calibrate(self, say: Callable[[str], None] = lambda _: None) -> Calibration:
         """What is known of the device; told by `say` when it has to be measured, which takes some seconds."""
@@ -37,7 +41,7 @@ class Chooser:
 
             say(f"measuring how fast {self._context.renderer} is{', once' if self._use_cache else ''}")
             self._calibration = calibrate(self._context, measure_start(self._context.backend))
-            self._ready = replace(self._ready, has_raster=True, has_path=True)
+            self.ready = replace(self.ready, has_raster=True, has_path=True)
             if self._use_cache:
                 store_calibration(self._context.renderer, self._calibration)
         return self._calibration
@@ -52,7 +56,7 @@ class Chooser:
         """
         calibration = self.calibrate()
         started = time.perf_counter()
-        ready = self._ready
+        ready = self.ready
         if not self._renderer.holds(scene):
             ready = replace(ready, drawn=frozenset())
         if not self._tracer.holds(scene):
@@ -70,6 +74,13 @@ class Chooser:
             image = making.drawn(choice.taken)
         choice.seconds = time.perf_counter() - started
         drawn, traced = making.titles
-        self._ready = Ready(ready.has_raster or bool(drawn), ready.has_path or bool(traced),
-                            ready.drawn | drawn, ready.traced | traced)
+        pace = _pace(ready.pace, choice) if not traced else ready.pace
+        self.ready = Ready(ready.has_raster or bool(drawn), ready.has_path or bool(traced),
+                            ready.drawn | drawn, ready.traced | traced, pace)
         return image, choice
+
+
+def _pace(before: float, choice: Choice) -> float:
+    """Half way to what the last picture of the raster says, which took its own time."""
+    seen = before * choice.seconds / max(choice.taken.seconds, 1e-6)
+    return math.sqrt(before * min(max(seen, 1 / MOST_PACE), MOST_PACE))

@@ -23,6 +23,8 @@ from .choice import LEAST_SAMPLES, Candidate, Choice
 
 PILOT = 4
 """Samples a pixel before pictures of the raster are held against them."""
+REHEARSAL = 10.0
+"""How many times as long as it takes to finish there has to be left for trying that first."""
 
 
 @dataclass(frozen=True)
@@ -57,12 +59,14 @@ class Making:
         paths say than they are sure, or where they come to nothing in that time."""
         other = self.drawn(rival) if rival is not None else None
         exposure = self._begin(path)
-        end = self._started + path.settings.time_budget - path.reserve
+        end = self._started + path.settings.time_budget
         try:
-            run(exposure, self._started, report, reserve=path.reserve, wants_to_stop=lambda: wants_to_stop() or (
-                other is not None and time.perf_counter() >= end))
+            reserve = self._rehearsed(path, exposure, end)
+            run(exposure, self._started, report, reserve=reserve, wants_to_stop=lambda: wants_to_stop() or (
+                other is not None and time.perf_counter() >= end - reserve))
             if rival is not None and other is not None:
                 if not math.isfinite(exposure.error):
+                    self._choice.unfinished = path
                     return self._taken(rival, other, None)
                 self._choice.held.append((rival, against(other, exposure)))
                 if self._choice.held[-1][1] < self._error(exposure):
@@ -96,6 +100,22 @@ class Making:
             return self._developed(path, exposure)
         finally:
             exposure.release()
+
+    def _rehearsed(self, path: Candidate, exposure: Exposure, end: float) -> float:
+        """How long what comes after the last sample takes, seen on a first picture where there is time for that: then
+        all it needs is compiled, and however busy the device is, it is known."""
+        while not exposure.is_done and time.perf_counter() < end - path.reserve and (
+                exposure.film.tile_errors()[..., 2].min() < 1):
+            exposure.step(0)
+        seconds = path.reserve
+        for _ in range(2):  # the first compiles
+            if exposure.is_done or end - time.perf_counter() < REHEARSAL * seconds:
+                break
+            exposure.step(0)
+            started = time.perf_counter()
+            exposure.image()
+            seconds = time.perf_counter() - started
+        return seconds
 
     def _begin(self, path: Candidate) -> Exposure:
         view = self._view

@@ -52,7 +52,7 @@ def _measured(backend: str) -> dict[str, float]:
         from ..trace.tracer import Tracer
 
         tracer = Tracer(context)
-        tracer.render(scene, camera, replace(Settings(), mode="path", spp=1), (16, 16))
+        tracer.render(scene, camera, replace(Settings(), mode="path", spp=1, denoise="fast"), (16, 16))
         tracer.release()
 
     return {"raster": _on_top(raster), "path": _on_top(path)}

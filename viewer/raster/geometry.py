@@ -9,7 +9,8 @@ from ..scene.mesh import Mesh
 
 _FORMATS = {"a_position": "3f", "a_normal": "3f", "a_tangent": "4f", "a_color": "4f", "a_uv0": "2f", "a_uv1": "2f"}
 # For programs that can do more than a mesh needs: what changes nothing, or is not looked at.
-_BLANK = {"a_tangent": (0.577, 0.577, 0.577, 1.0), "a_color": (1.0, 1.0, 1.0, 1.0), "a_uv0": (0.0, 0.0), "a_uv1": (0.0, 0.0)}
+_BLANK = {"a_tangent": (0.577, 0.577, 0.577, 1.0), "a_color": (1.0, 1.0, 1.0, 1.0), "a_uv0": (0.0, 0.0),
+          "a_uv1": (0.0, 0.0)}
 _PRIMITIVES = {"triangles": moderngl.TRIANGLES, "lines": moderngl.LINES, "points": moderngl.POINTS}
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..constant_maps import without_constant_maps
 from ..raster.frame import handedness
 from ..scene.material import Material
 from ..scene.mesh import Mesh
@@ -74,12 +75,13 @@ class TraceGeometry:
 
 
 def trace_geometry(scene: Scene) -> TraceGeometry:
-    """The triangles of `scene`, each mesh once however often it is placed."""
+    """The triangles of `scene`, each mesh once however often it is placed; maps of one colour are factors."""
     meshes: dict[int, tuple[TraceMesh, int, np.ndarray]] = {}
     materials: dict[tuple[int, int, bool], int] = {}
     placed: list[TraceInstance] = []
     kept_materials: list[TraceMaterial] = []
     emitters = 0
+    surfaces = [without_constant_maps(material) for material in scene.materials]
     for number, instance in enumerate(scene.instances):
         mesh = scene.meshes[instance.mesh]
         if not mesh.triangle_count:
@@ -91,8 +93,8 @@ def trace_geometry(scene: Scene) -> TraceGeometry:
         key = mesh.material, len(mesh.uvs), mesh.tangents is not None
         if key not in materials:
             materials[key] = len(kept_materials)
-            kept_materials.append(trace_material(scene.materials[mesh.material], mesh, scene.radius))
-        material = scene.materials[mesh.material]
+            kept_materials.append(trace_material(surfaces[mesh.material], mesh, scene.radius))
+        material = surfaces[mesh.material]
         is_emitter = any(material.emissive) and not material.unlit
         placed.append(TraceInstance(
             mesh=index,

@@ -41,6 +41,8 @@ class TracePlan:
         }
 
 
+_NEUTRAL = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "HAS_PUNCTUAL", "LIGHT_RADIUS", "HAS_LIGHTS", "CLAMP")
+"""Switches of lights that can be on where there is nothing behind them."""
 _KINDS = {STANDARD: "surface", GLASS: "glass"}
 
 
@@ -62,11 +64,12 @@ def plan_trace(
     kinds = {instance.kind for instance in geometry.instances}
     if settings.plan == "everything":
         kinds = set(_KINDS)
-        switches |= dict.fromkeys(("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "HAS_PUNCTUAL", "LIGHT_RADIUS", "HAS_LIGHTS",
-                                   "CLAMP", *("HAS_EMITTERS",) * (shines and not geometry.emitters)), 1)
+        emitters = ["HAS_EMITTERS"] * (shines and not geometry.emitters)
+        switches |= dict.fromkeys((*_NEUTRAL, *emitters), 1)
     surfaces = [name for kind, name in _KINDS.items() if kind in kinds]
     state = {"HAS_TRANSMISSION": switches["HAS_TRANSMISSION"]}
-    sky = {name: switches[name] for name in ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING")}
+    sky_names = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING")
+    sky = {name: switches[name] for name in sky_names}
     programs = {
         "zero": _program("zero", {}),
         "begin": _program("generate", state | {"BEGINS": 1}),
@@ -78,7 +81,8 @@ def plan_trace(
         "alive": _program("alive", state),
     }
     if has_layers:
-        programs |= {"sort first hits": _program("sort", state | {"FIRST_HITS": 1}), "layers": _program("layers", switches)}
+        programs |= {"sort first hits": _program("sort", state | {"FIRST_HITS": 1}),
+                     "layers": _program("layers", switches)}
     left_out = [*_left_out(scene, settings, geometry, switches, programs, has_layers), *idle]
     return TracePlan(programs, intersector, geometry.triangle_count, len(geometry.instances), _used(geometry, switches),
                      ("nothing, as was asked for",) if settings.plan == "everything" else tuple(left_out))

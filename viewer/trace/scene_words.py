@@ -6,7 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..plan import MAPS, material_map
+from ..constant_maps import without_constant_maps
+from ..maps import MAPS, material_map
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.texture_image import TextureImage
@@ -52,14 +53,18 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
 
 def unused_maps(scene: Scene, geometry: TraceGeometry) -> list[str]:
     """In words, what maps of the materials in use are not decoded."""
-    used = {id(m.material) for m in geometry.materials}
-    sampled = {(id(m.material), texture.image) for m in geometry.materials
+    used = {m.material for m in geometry.materials}
+    sampled = {(m.material, texture.image) for m in geometry.materials
                for texture in (*(use.texture for use in m.color_maps), *m.data_textures)}
-    named = [(m, material_map(m, name)) for m in scene.materials if id(m) in used for name in MAPS]
-    idle = sum(texture is not None and (id(m), texture.image) not in sampled for m, texture in named)
+    surfaces = [(m, plain) for m in scene.materials if (plain := without_constant_maps(m)) in used]
+    named = [(plain, material_map(plain, name)) for _, plain in surfaces for name in MAPS]
+    idle = sum(texture is not None and (m, texture.image) not in sampled for m, texture in named)
+    constant = sum(material_map(m, name) != material_map(plain, name) for m, plain in surfaces for name in MAPS)
+    lines = [f"{constant} material map{'s' * (constant > 1)} of one colour: a factor does"] * bool(constant)
     if not idle:
-        return []
-    return [f"{idle} material map{'s' * (idle > 1)}, not decoded: no path depends on {'them' if idle > 1 else 'it'}"]
+        return lines
+    them = "them" if idle > 1 else "it"
+    return [*lines, f"{idle} material map{'s' * (idle > 1)}, not decoded: no path depends on {them}"]
 
 
 def add_geometry(words: WordsBuilder, scene: Scene, geometry: TraceGeometry, switches: Mapping[str, int]) -> None:

@@ -37,6 +37,9 @@ def test_more_lights_take_as_many_times_as_long_preparing_included():
     rungs = [lights("16", 2.0)]
     assert why(lights("64")[0], rungs, 8.1) == "" and "8 s" in why(lights("64")[0], rungs, 7.9)
     assert why(lights("16")[0], [], -1.0) == ""  # the first of a family is always measured
+    finer = Method("environment-shadows", "", {"environment_shadows": "64", "antialias": "ssaa-4"})
+    rungs = [lights("256", 9.0), (finer, Record(np.zeros((1, 1, 4), np.float32), {}, 2.0))]
+    assert why(finer, rungs, 2.1) == "" and why(finer, rungs[:1], 2.1) != ""  # by its own kind, or else by the next
     plain = Method("ibl", "", {"environment_shadows": "off"})
     rungs = [(plain, Record(np.zeros((1, 1, 4), np.float32), {}, 2.0))]
     assert why(plain, rungs, 2.1) == "" and why(plain, rungs, 1.9) != ""

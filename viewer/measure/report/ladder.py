@@ -55,6 +55,11 @@ class Method:
         return ", ".join([self.title, *filter(None, map(_words, self.changes, self.changes.values()))])
 
     @property
+    def family(self) -> tuple[str, str]:
+        """Methods of one family differ in one setting that makes them dearer and dearer, or hardly at all."""
+        return self.name, self.changes.get("antialias", "")
+
+    @property
     def is_traced(self) -> bool:
         return self.changes.get("mode") == "path"
 

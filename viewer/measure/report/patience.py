@@ -17,7 +17,8 @@ def reason_against(method: Method, rungs: Sequence[Rung], seconds_left: float, e
 
     The first of a family is measured in any case, but for the denoised ones.
     """
-    alike = [(other, record) for other, record in rungs if other.name == method.name]
+    alike = [(other, record) for other, record in rungs if other.family == method.family]
+    alike = alike or [(other, record) for other, record in rungs if other.name == method.name]
     if not method.is_traced:
         return _unless_in_time(_growth(method, alike[-1][0]) * alike[-1][1].seconds, seconds_left) if alike else ""
     target = method.changes.get("error")

@@ -85,17 +85,17 @@ class Surveyor:
 
     def _climb(self, steps: Ladder) -> None:
         survey = self.survey
-        given_up: set[str] = set()
+        given_up: set[tuple[str, str]] = set()
         for method in (*steps.raster, *steps.traced):
             if self._store.load(method.slug, self._key) is None:
-                if method.name in given_up or is_met_by_pilot(method, survey.rungs):
+                if method.family in given_up or is_met_by_pilot(method, survey.rungs):
                     continue
                 share = POINTS_SHARE if method.is_traced else RASTER_SHARE
                 left = share * self._limit - sum(record.seconds for _, record in survey.rungs)
                 reason = reason_against(method, survey.rungs, left, of_pictures(self._limit))
                 if reason:
                     survey.left_out.append(LeftOut(f"{method.label} and more", reason))
-                    given_up.add(method.name)
+                    given_up.add(method.family)
                     continue
             survey.rungs.append((method, self._measured(method)))
 
