@@ -1,4 +1,4 @@
-// What the camera sees first: albedo, shading normal and distance, added to the wave's sums.
+// What the camera sees first: albedo, shading normal and distance, and what shines, added to the wave's sums.
 #include "trace/bounce.glsl"
 #include "trace/standard_surface.glsl"
 #include "trace/camera.glsl"
@@ -7,6 +7,7 @@ uniform sampler2D u_dfg;
 
 layout(location = 0) out vec4 o_albedo; // rgb, 1
 layout(location = 1) out vec4 o_normal; // world axes, towards the camera's side; distance along the ray in world units
+layout(location = 2) out vec4 o_emission;
 
 void main() {
     ivec2 slot = ivec2(gl_FragCoord.xy);
@@ -25,4 +26,6 @@ void main() {
     if (is_glass) albedo = vec3(1.0);
     o_albedo = vec4(min(albedo + m.emission, 1.0), 1.0);
     o_normal = vec4(i.n, camera_distance(i.position));
+    vec3 carried = p.throughput * transmittance(p, p.travelled + distance(p.origin, i.position));
+    o_emission = vec4(carried * (m.is_unlit ? m.base_color : m.emission), 0.0);
 }

@@ -36,7 +36,7 @@ def test_a_waves_blocks_come_to_their_tiles(context, programs):
     blocks = np.array([1, 6, 3, 0])
     wave.assign(blocks, work)
     rng = np.random.default_rng(5)
-    gathered = [rng.integers(0, 100, (32, 64, 4)).astype(np.float32) for _ in range(4)]
+    gathered = [rng.integers(0, 100, (32, 64, 4)).astype(np.float32) for _ in range(5)]
     for texture, values in zip((*wave.sums.textures, *wave.layers.textures), gathered, strict=True):
         texture.write(values.tobytes())
     film.add(wave, blocks[:3])

@@ -23,6 +23,8 @@ class NoisyFilm(Protocol):
     """The first hits' reflectance, and how many there were."""
     normal: moderngl.Texture
     """The first hits' shading normals, and their depth."""
+    emission: moderngl.Texture
+    """What the first hits shine by themselves: known without noise but for the edges, so it is left out and put back."""
 
 
 class Denoiser(Protocol):

@@ -9,14 +9,14 @@ from ..errors import UsageError
 from ..raster.display import fullscreen
 from ..raster.programs import Programs, set_uniform
 from ..raster.target import MAX_SIDE_FALLBACK
-from .wave import TILE, UNIT_BLOCKS, Sums, Wave, float_target
+from .wave import LAYERS, SUMS, TILE, UNIT_BLOCKS, Sums, Wave, float_target
 
 
 class Film:
     """Sums over the samples of each pixel of a picture of `size` (width, height), row 0 at the bottom.
 
-    `sum` (rgb, samples), `squares` (of rgb; alpha); with `has_layers` of the first hits `albedo` (rgb, hits) and
-    `normal` (xyz, distance along the ray in world units). `radiance` is the mean, with associated alpha, as of the last
+    `sum` (rgb, samples), `squares` (of rgb; alpha); with `has_layers` of the first hits `albedo` (rgb, hits),
+    `normal` (xyz, distance along the ray in world units) and `emission` (rgb). `radiance` is the mean, with associated alpha, as of the last
     `develop`. Raises UsageError for a size that this OpenGL has no textures for.
     """
 
@@ -27,8 +27,8 @@ class Film:
         self._gl, self._programs, self.size = gl, programs, size
         self.tiles = -(-size[0] // TILE), -(-size[1] // TILE)
         try:
-            self._sums = Sums(gl, size)
-            self._layers = Sums(gl, size) if has_layers else None
+            self._sums = Sums(gl, size, SUMS)
+            self._layers = Sums(gl, size, LAYERS) if has_layers else None
             self.radiance = float_target(gl, size)
             self._tile_errors = float_target(gl, self.tiles)
         except moderngl.Error as error:
@@ -36,7 +36,7 @@ class Film:
         self._developed = gl.framebuffer([self.radiance])
         self._estimated = gl.framebuffer([self._tile_errors])
         self.sum, self.squares = self._sums.textures
-        self.albedo, self.normal = self._layers.textures if self._layers else (None, None)
+        self.albedo, self.normal, self.emission = self._layers.textures if self._layers else [None] * LAYERS
 
     def add(self, wave: Wave, blocks: np.ndarray) -> None:
         """What these blocks of the wave have gathered, each at its tile, in this order."""
@@ -45,15 +45,15 @@ class Film:
             self._resolve(wave, blocks, wave.layers, self._layers)
 
     def _resolve(self, wave: Wave, blocks: np.ndarray, source: Sums, target: Sums) -> None:
-        program = self._programs.get("trace/film/resolve.vert", "trace/film/resolve.frag", {})
+        program = self._programs.get("trace/film/resolve.vert", "trace/film/resolve.frag",
+                                     {"COUNT": len(source.textures)})
         target.framebuffer.use()
         self._gl.enable_only(moderngl.BLEND)
         self._gl.blend_func = moderngl.ONE, moderngl.ONE
-        for unit, texture in enumerate(source.textures):
+        for unit, (name, texture) in enumerate(zip(("u_first", "u_second", "u_third"), source.textures, strict=False)):
             texture.use(unit)
+            set_uniform(program, name, unit)
         wave.bind_blocks()
-        set_uniform(program, "u_first", 0)
-        set_uniform(program, "u_second", 1)
         set_uniform(program, "u_blocks", UNIT_BLOCKS)
         set_uniform(program, "u_size", self.size)
         wave.draw_blocks(program, blocks)
@@ -93,11 +93,10 @@ class Film:
         first, second = (_read(self._sums.framebuffer, attachment)[::-1] for attachment in range(2))
         return first, second
 
-    def read_layers(self) -> tuple[np.ndarray, np.ndarray]:
-        """`albedo` and `normal`, likewise; for a film that has them."""
+    def read_layers(self) -> tuple[np.ndarray, ...]:
+        """`albedo`, `normal` and `emission`, likewise; for a film that has them."""
         assert self._layers is not None
-        first, second = (_read(self._layers.framebuffer, attachment)[::-1] for attachment in range(2))
-        return first, second
+        return tuple(_read(self._layers.framebuffer, attachment)[::-1] for attachment in range(LAYERS))
 
     def release(self) -> None:
         for thing in (self._sums, self._layers, self._developed, self._estimated, self.radiance, self._tile_errors):

@@ -21,7 +21,7 @@ def read_layers(film: Film, names: Collection[str]) -> dict[str, np.ndarray]:
     """
     layers: dict[str, np.ndarray] = {}
     if FIRST_HIT & set(names):
-        albedo, normal = film.read_layers()
+        albedo, normal, _ = film.read_layers()
         hits = albedo[..., 3:]
         is_hit = hits[..., 0] > 0
         layers["albedo"], mean = (np.where(hits > 0, total / np.maximum(hits, 1), 0) for total in (albedo, normal))

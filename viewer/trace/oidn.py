@@ -29,23 +29,28 @@ class OpenImageDenoise:
     def filter(self, film: NoisyFilm) -> moderngl.Texture:
         """As `Denoiser.filter`."""
         self._context.make_current()
+        seen = _read(film.emission)[..., :3] / np.maximum(_read(film.sum)[..., 3:], 1)
         radiance, albedo, normal = (_read(texture) for texture in (film.radiance, film.albedo, film.normal))
-        denoised = self.filter_arrays(radiance, albedo, normal)
+        denoised = self.filter_arrays(radiance, albedo, normal, seen)
         if self._texture is None or self._texture.size != film.radiance.size:
             self.release()
             self._texture = self._context.gl.texture(film.radiance.size, 4, dtype="f4")
         self._texture.write(denoised)
         return self._texture
 
-    def filter_arrays(self, radiance: np.ndarray, albedo: np.ndarray, normal: np.ndarray) -> np.ndarray:
-        """Likewise for float32 arrays (H, W, 4); albedo and normal are sums over the hits, whose number is albedo.w."""
+    def filter_arrays(self, radiance: np.ndarray, albedo: np.ndarray, normal: np.ndarray, seen: np.ndarray) -> np.ndarray:
+        """Likewise for float32 arrays (H, W, 4); albedo and normal are sums over the hits, whose number is albedo.w.
+
+        `seen`, (H, W, 3), is the emission in `radiance`: the network would spread it.
+        """
         hits = albedo[..., 3:]
         features = [np.divide(total[..., :3], hits, out=np.zeros_like(total[..., :3]), where=hits > 0)
                     for total in (albedo, normal)]
         features[0] = np.clip(features[0], 0, 1)
         color = np.ascontiguousarray(radiance[..., :3])
         keeps = (hits == 0) | ~np.isfinite(color)
-        denoised = self._denoise(np.where(np.isfinite(color), color, 0), *features, hdr=True)
+        rest = np.where(np.isfinite(color), np.maximum(color - seen, 0), 0)
+        denoised = self._denoise(rest, *features, hdr=True) + seen
         return np.concatenate([np.where(keeps, color, denoised), radiance[..., 3:]], axis=-1)
 
     def release(self) -> None:

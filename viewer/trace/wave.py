@@ -12,6 +12,8 @@ TILE = 16
 """Slots of a block, and pixels of a tile, along each side."""
 STATE = ("origin", "direction", "shadow_origin", "shadow_vector", "throughput", "radiance", "medium")
 """The textures of a state, in the order of their units and attachments; shaders/trace/state.glsl tells what is in them."""
+SUMS, LAYERS = 2, 3
+"""How many textures the passes finish and layers add to."""
 UNIT_HIT, UNIT_BLOCKS = len(STATE), len(STATE) + 1
 UNITS = {f"u_{name}": unit for unit, name in enumerate(STATE)} | {"u_hit": UNIT_HIT, "u_blocks": UNIT_BLOCKS}
 """Uniforms of shaders/trace/state.glsl and the texture units of `Wave.bind`."""
@@ -27,10 +29,11 @@ class Work(NamedTuple):
 
 
 class Sums:
-    """Two textures of floats that are added to."""
+    """Textures of floats that are added to."""
 
-    def __init__(self, gl: moderngl.Context, size: tuple[int, int], depth: moderngl.Texture | None = None) -> None:
-        self.textures = [float_target(gl, size) for _ in range(2)]
+    def __init__(self, gl: moderngl.Context, size: tuple[int, int], count: int,
+                 depth: moderngl.Texture | None = None) -> None:
+        self.textures = [float_target(gl, size) for _ in range(count)]
         self.framebuffer = gl.framebuffer(self.textures, depth)
         self.framebuffer.clear()
         self.framebuffer.depth_mask = False
@@ -77,8 +80,8 @@ class Wave:
         self._named = gl.buffer(reserve=4 * columns * rows)
         self._arrays: dict[moderngl.Program, moderngl.VertexArray] = {}
         self.alive = gl.framebuffer([gl.texture(self.grid, 1)])
-        self.sums = Sums(gl, self.size, depth)
-        self.layers = Sums(gl, self.size, depth) if has_layers else None
+        self.sums = Sums(gl, self.size, SUMS, depth)
+        self.layers = Sums(gl, self.size, LAYERS, depth) if has_layers else None
         self.work = np.zeros((columns * rows, 4), np.int32)
         self.is_busy = np.zeros(columns * rows, bool)
 

@@ -43,7 +43,8 @@ class Wavelet:
         prepared, first, second, final = self._framebuffers
         light, guide, *results, _ = self._textures
         textures = {"u_radiance": film.radiance, "u_sum": film.sum, "u_squares": film.squares,
-                    "u_albedo": film.albedo, "u_normal": film.normal, "u_guide": guide}
+                    "u_albedo": film.albedo, "u_normal": film.normal, "u_emission": film.emission,
+                    "u_guide": guide}
         self._draw("prepare", prepared, textures)
         yield
         steps = [(1 << k, 0) if across else (0, 1 << k) for k in range(PASSES) for across in (True, False)]

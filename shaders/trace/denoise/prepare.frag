@@ -9,6 +9,7 @@ uniform sampler2D u_sum;       // rgb, number of samples
 uniform sampler2D u_squares;
 uniform sampler2D u_albedo;    // sum over the samples that hit something, w: how many
 uniform sampler2D u_normal;    // likewise, w: sum of the depth
+uniform sampler2D u_emission;  // sum of what they shine
 layout(location = 0) out vec4 o_light;
 layout(location = 1) out vec4 o_guide;
 
@@ -40,12 +41,15 @@ void main() {
 
     vec4 sum = texelFetch(u_sum, p, 0);
     float n = sum.w;
+    vec3 seen = texelFetch(u_emission, p, 0).rgb / n;
     vec3 mean = sum.rgb / n;
     vec3 variance = max(texelFetch(u_squares, p, 0).rgb / n - mean * mean, 0.0) / max(n - 1.0, 1.0);
     vec3 color = demodulation(albedo);
     // Channels vary together: their deviations add.
     float deviation = min(luminance(sqrt(variance) / color), 1e15);
-    o_light = vec4(radiance / color, deviation * deviation);
+    // Beside a lamp's own light that of the rest is lost in rounding: its variance is its neighbours'.
+    if (seen != vec3(0.0)) deviation = 0.0;
+    o_light = vec4(max(radiance - seen, 0.0) / color, deviation * deviation);
 
     float depth = normal.w / albedo.w;
     vec2 gradient = vec2(slope(depth_at(p - ivec2(1, 0), depth), depth, depth_at(p + ivec2(1, 0), depth)),
