@@ -204,7 +204,7 @@ class Settings:
 
 
 STOPPING = ("spp", "time_budget", "error")
-RASTER_ONLY = ("phong", "shadows", "specular_aa", "antialias")
+RASTER_ONLY = ("phong", "shadows", "environment_shadows", "ambient_occlusion", "specular_aa", "antialias")
 PATH_ONLY = (*STOPPING, "seed", "denoise", "sampling", "bounces", "light_radius", "clamp")
 
 
