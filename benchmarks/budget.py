@@ -2,10 +2,10 @@
 
     python -m benchmarks.budget [MODEL ...] [--sizes 256,512] [--budgets 0.05,0.1,0.3,1,3] [--json FILE]
 
-Every budget is tried twice on each model: by a command in a process of its own (`cold`: the scene has to be made ready),
-and by the Python API on a scene that was drawn before (`ready`). The errors are against a path-traced reference at the
-smaller size, relative, of all pixels, for what was chosen and for each candidate that was expected to be in time; `lost`
-is how many times the error of the best of them was taken.
+Every budget is tried twice on each model: by a command in a process of its own (`cold`: the scene has to be made
+ready), and by the Python API on a scene that was drawn before (`ready`). The errors are against a path-traced reference
+at the smaller size, relative, of all pixels, for what was chosen and for each candidate that was expected to be in
+time; `lost` is how many times the error of the best of them was taken. None is known better than the reference's own noise.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class _Truth:
 
     def error(self, image: viewer.Image) -> float:
         squared = (image.linear[..., :3] - self._linear) ** 2 / (self._linear**2 + EPSILON)
-        return math.sqrt(max(float(np.nan_to_num(squared).mean()) - self._variance, 0.0))
+        return math.sqrt(max(float(np.nan_to_num(squared).mean()) - self._variance, self._variance))
 
     def error_of(self, settings: Settings) -> float:
         if settings not in self._known:
@@ -107,7 +107,7 @@ def _ready(scene: Scene, size: int, budget: float, truth: _Truth) -> dict[str, A
             spp = None if one.samples is None else max(round(one.samples), 1)
             errors[one.title] = truth.error_of(_plain(one.settings, spp))
     row |= {"error": truth.error(image), "told": choice["error"], "errors": errors}
-    return row | ({"lost": row["error"] / max(min(errors.values()), 1e-6)} if errors else {})
+    return row | ({"lost": row["error"] / min(errors.values())} if errors else {})
 
 
 def _plain(settings: Settings, spp: int | None) -> Settings:
@@ -115,7 +115,7 @@ def _plain(settings: Settings, spp: int | None) -> Settings:
 
 
 def _line(row: dict[str, Any]) -> str:
-    words = [f"{row['model']} {row['size']} {row['kind']} {row['budget']:g} s: {row['ratio']:.2f} of it, {row['method']}"]
+    words = [f"{row['model']} {row['size']} {row['kind']} {row['budget']:g} s: {row['ratio']:.2f} of it", row["method"]]
     words += [] if row["spp"] is None else [f"{row['spp']:.3g} spp"]
     if "error" in row:
         words.append(f"error {row['error']:.3g} (told {row['told']:.3g})")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 
@@ -28,6 +29,7 @@ CALIBRATION = Calibration(
                  ((0.8, 0.5), (0.05, 0.9))),
     {"raster": 0.1, "path": 0.3})
 """At SIZE: a raster takes 0.4 s to begin, paths 0.9 s, 0.1 s a sample and 0.01 s or 0.06 s to end."""
+FRESH = Ready()
 ALL_READY = Ready(True, True, frozenset({"Phong", "image", "shadows"}),
                   frozenset({"path traced", "path traced, denoised (fast)"}))
 
@@ -37,7 +39,7 @@ def ball():
     return scene([sphere(segments=8)], [Material()], environment=constant())
 
 
-def chosen(ball, ready=Ready(), **settings) -> Candidate:
+def chosen(ball, ready=FRESH, **settings) -> Candidate:
     wish = Settings(**settings)
     return choose(candidates(CALIBRATION, ball, SIZE, wish, ready), wish.time_budget, wish.error)
 
@@ -51,7 +53,7 @@ def test_a_budget_gets_the_least_error_there_is_time_for(ball, budget, method):
 def test_more_time_is_never_worse(ball):
     found = [chosen(ball, time_budget=0.41 * 1.1**k) for k in range(60)]
     assert all(one.seconds <= 0.41 * 1.1**k * 1.000001 for k, one in enumerate(found))
-    assert all(later.error <= earlier.error for earlier, later in zip(found, found[1:]))
+    assert all(later.error <= earlier.error for earlier, later in pairwise(found))
 
 
 def test_what_is_prepared_already_takes_no_time_again(ball):
@@ -123,8 +125,8 @@ def test_the_choice_is_told_in_a_line(ball):
     assert str(choice) == "time budget 2 s: path traced, 12 samples a pixel, in 2 s; error 0.23; image: 0.31"
     assert choice.to_json()["compared"] == [{"method": "image", "error": 0.31}]
     late = Choice(found, replace(found[1], seconds=0.3), 0.05, None, seconds=0.3)
-    assert str(late) == ("time budget 0.05 s: image, in 0.3 s; expected error 0.2 (nothing is ready within 0.05 s here, "
-                         "preparing the scene included)")
+    assert str(late) == ("time budget 0.05 s: image, in 0.3 s; expected error 0.2 "
+                         "(nothing is ready within 0.05 s here, preparing the scene included)")
     assert Choice(found, found[0], 2.0, 0.1, seconds=1.0, error=0.2).unmet == "the error asked for was not reached"
     assert Choice(found, found[0], 2.0, None, seconds=2.39).unmet == ""
 

@@ -80,7 +80,8 @@ class Calibration:
         raster = tuple(RasterMethod(**{**one, **_costs(one)}) for one in content["raster"])
         traced = {**content["traced"], **_costs(content["traced"])}
         traced["denoised"] = tuple((float(error), float(factor)) for error, factor in traced["denoised"])
-        found = cls(raster, TracedMethod(**traced), {name: float(content["start"][name]) for name in ("raster", "path")})
+        start = {name: float(content["start"][name]) for name in ("raster", "path")}
+        found = cls(raster, TracedMethod(**traced), start)
         if not raster or not found.traced.denoised or not all(
                 math.isfinite(error) and error > 0 for errors in (*(one.errors for one in raster), found.traced.errors)
                 for error in errors.values()):

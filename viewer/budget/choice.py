@@ -170,7 +170,8 @@ def _traced(calibration: Calibration, load: Load, lighting: str, settings: Setti
     can_choose = settings.denoise == "off" and settings.error is None
     for denoise in ("off", "fast") if can_choose else (settings.denoise,):
         title = "path traced" if denoise == "off" else f"path traced, denoised ({denoise})"
-        reserve = ready.pace * (method.finish.seconds(load) + (method.denoise.seconds(load) if denoise != "off" else 0.0))
+        filtering = method.denoise.seconds(load) if denoise != "off" else 0.0
+        reserve = ready.pace * (method.finish.seconds(load) + filtering)
         fixed = start + reserve
         fixed += 0.0 if title in ready.traced else ready.pace * MARGIN * method.prepare.seconds(load)
         samples = float(settings.most_spp)
@@ -204,9 +205,9 @@ def stand_in(found: Sequence[Candidate], budget: float, chosen: Candidate) -> Ca
 
 
 def worth_trying(found: Sequence[Candidate], path: Candidate, target: float) -> list[Candidate]:
-    """The methods of the raster that may have such an error and are faster than tracing to it, two at most: the fastest,
-    and the one that usually is best."""
+    """The methods of the raster that may have such an error and are faster than tracing to it, two at most: the
+    fastest, and the one that usually is best."""
     near = sorted((one for one in found if not one.is_traced and one.error <= NEAR * target
                    and one.seconds < path.seconds / 2), key=attrgetter("seconds"))
-    best = min(near, key=attrgetter("error"), default=None)
-    return near[:1] + [best] * (best is not None and best is not near[0])
+    best = min(near[1:], key=attrgetter("error"), default=None)
+    return near if best is None else [near[0], best]

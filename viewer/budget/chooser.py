@@ -62,14 +62,15 @@ class Chooser:
         if not self._tracer.holds(scene):
             ready = replace(ready, traced=frozenset())
         found = candidates(calibration, scene, size, settings, ready, needs_layers=bool(layers))
-        choice = Choice(found, choose(found, settings.time_budget, settings.error), settings.time_budget, settings.error)
+        budget, target = settings.time_budget, settings.error
+        choice = Choice(found, choose(found, budget, target), budget, target)
         making = Making(self._renderer, self._tracer, calibration, View(scene, camera, size, layers), started, choice)
         path = next((one for one in found if one.is_traced), None)
-        if settings.error is not None and path is not None and path.fits(settings.time_budget):
-            image = making.until_right(path, worth_trying(found, path, settings.error), report, wants_to_stop)
-        elif choice.taken.is_traced:
-            rival = stand_in(found, settings.time_budget, choice.taken)
-            image = making.within(choice.taken, rival, report, wants_to_stop)
+        if target is not None and path is not None and path.fits(budget):
+            image = making.until_right(path, target, worth_trying(found, path, target), report, wants_to_stop)
+        elif budget is not None and choice.taken.is_traced:
+            rival = stand_in(found, budget, choice.taken)
+            image = making.within(budget, choice.taken, rival, report, wants_to_stop)
         else:
             image = making.drawn(choice.taken)
         choice.seconds = time.perf_counter() - started

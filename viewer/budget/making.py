@@ -23,6 +23,8 @@ from .choice import LEAST_SAMPLES, Candidate, Choice
 
 PILOT = 4
 """Samples a pixel before pictures of the raster are held against them."""
+SURE = 2.0
+"""Standard deviations of a mean that are added to it."""
 REHEARSAL = 10.0
 """How many times as long as it takes to finish there has to be left for trying that first."""
 
@@ -53,13 +55,13 @@ class Making:
         self.titles[0].add(candidate.title)
         return self._renderer.render(view.scene, view.camera, candidate.settings, view.size)
 
-    def within(self, path: Candidate, rival: Candidate | None, report: Report | None,
+    def within(self, budget: float, path: Candidate, rival: Candidate | None, report: Report | None,
                wants_to_stop: Callable[[], bool]) -> Image:
         """By paths in the time budget. With a `rival` that is drawn first, and taken where it is nearer to what the
         paths say than they are sure, or where they come to nothing in that time."""
         other = self.drawn(rival) if rival is not None else None
         exposure = self._begin(path)
-        end = self._started + path.settings.time_budget
+        end = self._started + budget
         try:
             reserve = self._rehearsed(path, exposure, end)
             run(exposure, self._started, report, reserve=reserve, wants_to_stop=lambda: wants_to_stop() or (
@@ -75,10 +77,10 @@ class Making:
         finally:
             exposure.release()
 
-    def until_right(self, path: Candidate, rivals: Sequence[Candidate], report: Report | None,
-                    wants_to_stop: Callable[[], bool]) -> Image:
-        """By paths until the picture as a whole has the error asked for; but when a few samples show that a rival meets it, by that."""
-        target = path.settings.error
+    def until_right(self, path: Candidate, target: float, rivals: Sequence[Candidate],
+                    report: Report | None, wants_to_stop: Callable[[], bool]) -> Image:
+        """By paths until the picture as a whole has the error asked for; but when a few samples show that a rival has
+        it, by that."""
         exposure = self._begin(path)
 
         def is_right(samples: int) -> bool:
@@ -140,7 +142,8 @@ class Making:
 
 def against(image: Image, exposure: Exposure) -> float:
     """The relative error of `image`, by the unfinished picture of `exposure`: each pixel's variance is taken off its
-    squared difference, and what both are relative to is the mean of the pixels around it, which is less noisy."""
+    squared difference, and what both are relative to is the mean of the pixels around it, which is less noisy. What
+    is left of the noise counts as error: few samples show no small one."""
     total, squares = (array.astype(np.float64) for array in exposure.film.read_sums())
     n = np.maximum(total[..., 3:], 1)
     truth = total[..., :3] / n
@@ -148,7 +151,9 @@ def against(image: Image, exposure: Exposure) -> float:
     if isinstance(exposure.settings.background, tuple):
         truth += (1 - squares[..., 3:] / n) * np.array(exposure.settings.background)
     squared = (np.nan_to_num(image.linear[..., :3], posinf=0.0, neginf=0.0) - truth) ** 2 - variance
-    return math.sqrt(max(float((squared / (around(truth) ** 2 + EPSILON)).mean()), 0.0))
+    relative = (squared / (around(truth) ** 2 + EPSILON)).mean(axis=-1)
+    doubt = SURE * float(relative.std()) / math.sqrt(relative.size)
+    return math.sqrt(max(float(relative.mean()), 0.0) + doubt)
 
 
 def around(picture: np.ndarray, reach: int = 2) -> np.ndarray:

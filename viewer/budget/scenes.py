@@ -28,7 +28,7 @@ def lit_scenes() -> dict[str, list[Scene]]:
 
 def crowd(scene: Scene) -> Scene:
     """The same, of many more triangles."""
-    meshes = [replace(sphere(mesh.material, _CROWD_SEGMENTS)) if mesh.name == "sphere" else mesh for mesh in scene.meshes]
+    meshes = (sphere(mesh.material, _CROWD_SEGMENTS) if mesh.name == "sphere" else mesh for mesh in scene.meshes)
     return replace(scene, meshes=tuple(meshes))
 
 

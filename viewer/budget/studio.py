@@ -40,6 +40,8 @@ class ChoosingStudio:
         def report(fraction: float, seconds_left: float) -> None:
             progress.part(fraction, f"{path.name}: path traced, {seconds_left:.0f} s left")
 
+        self._renderer.times.clear()
+        self._renderer.pass_ms.clear()
         with postponed() as wish:
             image, choice = self._chooser.make(scene, camera, order.settings, order.size, order.layers, report,
                                                lambda: wish.number is not None)
@@ -48,6 +50,7 @@ class ChoosingStudio:
             raise Stopped(self.stopped)
         tell(f"{path}: {choice}")
         self.told = str(choice)
-        self.facts = {"choice": choice.to_json(), **image.stats, "stopped": self.stopped is not None}
+        self.facts = {"choice": choice.to_json(), "prepare_s": dict(self._renderer.times),
+                      "pass_ms": dict(self._renderer.pass_ms), **image.stats, "stopped": self.stopped is not None}
         self.texture_bytes = max(self._renderer.texture_bytes, self._tracer.texture_bytes)
         return image
