@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from statistics import median
 
 from ..gpu.context import Context
 from ..measure.report.ladder import Method, ladder
@@ -20,7 +21,7 @@ FEW, MAP_SIDE = 64, 2048
 """Texels along the sides of a map."""
 PATIENCE_S = 2.0
 """For a first small picture; what takes longer is not looked at, nor its dearer kinds: paths use such time better."""
-_RUNS = 2
+_RUNS = 5
 
 
 def calibrate(context: Context, start: dict[str, float]) -> Calibration:
@@ -91,5 +92,5 @@ def _times(renderer: Renderer, settings: Settings, scene: Scene, size: tuple[int
         renderer.render(scene, framing(scene), settings, size)
 
     first = seconds_of(picture)
-    steady = min(seconds_of(picture) for _ in range(_RUNS))  # whatever else runs only adds to it
+    steady = median(seconds_of(picture) for _ in range(_RUNS))
     return Load.of(scene, size), max(first - steady, 0.0), steady
