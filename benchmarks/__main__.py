@@ -35,8 +35,8 @@ def main() -> None:
         bench = Bench(programs, options.model, options.env, options.frames, Path(folder))
         bench.measure(PHASES[options.phase], options.rounds)
     image_based = {program.name for program in programs if program.image_based}
-    about = {**facts(bench.named, bench.phases), "model": Path(options.model).name, "environment": Path(options.env).name,
-             "rounds": options.rounds, "frames a round": options.frames}
+    about = {**facts(bench.named, bench.phases), "model": Path(options.model).name,
+             "environment": Path(options.env).name, "rounds": options.rounds, "frames a round": options.frames}
     report = "\n\n".join(filter(None, [
         conditions(about), *(phase_table(phase, rounds, image_based) for phase, rounds in bench.phases.items()),
         target_table(bench.phases, image_based)]))

@@ -3,9 +3,10 @@
     python -m benchmarks.budget [MODEL ...] [--sizes 256,512] [--budgets 0.05,0.1,0.3,1,3] [--json FILE]
 
 Every budget is tried twice on each model: by a command in a process of its own (`cold`: the scene has to be made
-ready), and by the Python API on a scene that was drawn before (`ready`). The errors are against a path-traced reference
-at the smaller size, relative, of all pixels, for what was chosen and for each candidate that was expected to be in
-time; `lost` is how many times the error of the best of them was taken. None is known better than the reference's own noise.
+ready), and by the Python API on a scene that was drawn before (`ready`). The errors are against a path-traced
+reference at the smaller size, relative, of all pixels, for what was chosen and for each candidate that was expected to
+be in time; `lost` is how many times the error of the best of them was taken. None is known better than the reference's
+own noise.
 """
 
 from __future__ import annotations

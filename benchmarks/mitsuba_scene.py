@@ -65,8 +65,8 @@ def convert(scene: Scene, camera: Camera, size: tuple[int, int], depth: int = DE
 def for_mitsuba(radiance: np.ndarray) -> np.ndarray:
     """A map (H, W, 3) that Mitsuba reads as we read `radiance`, (2 H + 1, W, 3).
 
-    To Mitsuba the first row is the pole itself and the last the other; to us, as to the texture units of a GPU, rows are
-    texels, half a row away from the poles. Every kink of our bilinear filter is a row of this map.
+    To Mitsuba the first row is the pole itself and the last the other; to us, as to the texture units of a GPU, rows
+    are texels, half a row away from the poles. Every kink of our bilinear filter is a row of this map.
     """
     padded = np.concatenate([radiance[:1], radiance, radiance[-1:]])
     out = np.empty((2 * len(radiance) + 1, *radiance.shape[1:]), np.float32)
@@ -76,8 +76,8 @@ def for_mitsuba(radiance: np.ndarray) -> np.ndarray:
 
 
 def from_mitsuba(radiance: np.ndarray, rows: int = 4) -> np.ndarray:
-    """The reverse: what Mitsuba sees in `radiance`, (rows (H - 1), W, 3), but for the tips of its tent filter, which are
-    cut by an eighth of a row each way."""
+    """The reverse: what Mitsuba sees in `radiance`, (rows (H - 1), W, 3), but for the tips of its tent filter, which
+    are cut by an eighth of a row each way."""
     parts = (np.arange(rows, dtype=np.float32) + 0.5)[:, None, None] / rows
     between = (1 - parts) * radiance[:-1, None] + parts * radiance[1:, None]  # (H - 1, rows, W, 3)
     return between.reshape(-1, *radiance.shape[1:]).astype(np.float32)

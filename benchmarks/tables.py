@@ -41,7 +41,8 @@ def target_table(phases: dict[str, Rounds], image_based: set[str]) -> str:
     if not rows:
         return ""
     head = ["### Ours against the best of the others", "",
-            "| what | rival | ratio within a round: median (p10 to p90, n) | at most | reached |", "|---|---|---|---|---|"]
+            "| what | rival | ratio within a round: median (p10 to p90, n) | at most | reached |",
+            "|---|---|---|---|---|"]
     return "\n".join([*head, *rows])
 
 

@@ -13,6 +13,9 @@ from pathlib import Path
 import pytest
 from command_line import Run, runner
 
+from viewer.errors import ContextError
+from viewer.gpu.context import Context, open_context
+
 collect_ignore = [] if find_spec("imgui_bundle") else ["app"]
 
 
@@ -42,6 +45,17 @@ def display() -> Iterator[str]:
     os.environ.update(desktop)
     server.terminate()
     server.wait()
+
+
+@pytest.fixture(scope="module")
+def context() -> Iterator[Context]:
+    """One for all tests of a file."""
+    try:
+        opened = open_context()
+    except ContextError as error:
+        pytest.skip(str(error))
+    with opened:
+        yield opened
 
 
 @pytest.fixture

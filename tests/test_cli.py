@@ -93,7 +93,8 @@ def test_options_change_what_they_are_named_for(run, folder):
     (["render", "a.glb", "-o", "a.png", "--mode", "path", "--error", "0"], "0 is not from 1e-05 to 1"),
     (["render", "a.glb", "-o", "a.exr", "--aov", "depth"], "aov does nothing in mode pbr, only in mode path"),
     (["render", "a.glb", "-o", "a.png", "--mode", "path", "--aov", "depth"], "--aov with -o a.png: only an .exr holds"),
-    (["render", "a.glb", "-o", "a.exr", "--mode", "path", "--aov", "depth,z"], "no layer 'z'; there are albedo, normal"),
+    (["render", "a.glb", "-o", "a.exr", "--mode", "path", "--aov", "depth,z"],
+     "no layer 'z'; there are albedo, normal"),
     (["info", "a.glb", "--set", "colour=red"], "no setting 'colour'; there are ndf, masking"),
     (["render", str(MODEL), "-o", "a.png", "--size", "20000x20000"], "a picture of 20000x20000: this OpenGL draws"),
 ])

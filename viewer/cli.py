@@ -118,8 +118,8 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
         _warn(model, scene, options)
         return scene
 
-    job = RenderJob(backend, settings, options["size"], options["aov"], use_cache=not options["no_cache"], measure=stats is not None,
-                    quiet=options["quiet"], verbose=options["verbose"], chooses=chooses)
+    job = RenderJob(backend, settings, options["size"], options["aov"], use_cache=not options["no_cache"],
+                    measure=stats is not None, quiet=options["quiet"], verbose=options["verbose"], chooses=chooses)
     sys.exit(job.run(work, load, lambda model, scene: make_camera(model, scene, options), stats))
 
 

@@ -107,8 +107,8 @@ class Image:
     def save(self, path: str | PathLike[str]) -> None:
         """Writes .png, .jpg, .jpeg, .webp (displayed) or .exr (linear float32, with the layers), whole or not at all.
 
-        EXR and PNG hold the `attributes` too. JPEG has no alpha: the picture is laid over white, as a page would show it. WebP is lossless.
-        Raises OutputError, in one line, where that fails.
+        EXR and PNG hold the `attributes` too. JPEG has no alpha: the picture is laid over white, as a page would show
+        it. WebP is lossless. Raises OutputError, in one line, where that fails.
         """
         suffix = Path(path).suffix.lower()
         if suffix not in WRITABLE:

@@ -17,8 +17,8 @@ DELAY_S = 1.0
 
 
 class Progress:
-    """`step` begins the next of `total` pieces of work, `say` changes the words beside the bar, `part` tells how much of
-    the piece is done.
+    """`step` begins the next of `total` pieces of work, `say` changes the words beside the bar, `part` tells how much
+    of the piece is done.
 
     What is written to stderr meanwhile appears above the bar, which is gone at the end.
     """

@@ -110,8 +110,8 @@ class Settings:
     specular_aa: Literal["on", "off"] = _option(
         "off", "widen highlights that are finer than a pixel: calmer in motion, but farther from the truth")
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8", "ssaa-4", "ssaa-9", "ssaa-16"] = _option(
-        "auto", "samples a pixel; auto: four, but one while the camera moves and a processor draws; ssaa-4: four points "
-        "are shaded, each of four samples")
+        "auto", "samples a pixel; auto: four, but one while the camera moves and a processor draws; ssaa-4: four "
+        "points are shaded, each of four samples")
     plan: Literal["needed", "everything"] = _option(
         "needed", "everything: leave nothing out, for the same picture; shows what is saved")
     sampling: Literal["mis", "bsdf", "lights"] = _option("mis", "mode path: how light is found; mis weighs both ways")
@@ -159,8 +159,8 @@ class Settings:
         return True
 
     def check_open(self) -> tuple[Settings | None, Settings | None]:
-        """Where the mode is left open: these settings for the raster and for mode path, each None where something is set
-        that it has no use for. Raises UsageError where neither has use for all."""
+        """Where the mode is left open: these settings for the raster and for mode path, each None where something is
+        set that it has no use for. Raises UsageError where neither has use for all."""
         ways = replace(self, mode="pbr", time_budget=None, error=None), replace(self, mode="path")
         found = [settings if settings.is_used else None for settings in ways]
         if found == [None, None]:

@@ -14,8 +14,7 @@ import pytest
 from viewer.app import convergence
 from viewer.app.convergence import Convergence, Progress
 from viewer.app.state import ViewState
-from viewer.errors import ContextError
-from viewer.gpu.context import Context, open_context
+from viewer.gpu.context import Context
 from viewer.raster.programs import Programs
 from viewer.scene.camera import Camera
 from viewer.settings import Settings
@@ -23,16 +22,6 @@ from viewer.trace.tracer import Tracer
 
 SIZE = (72, 56)
 PLAIN = Settings(mode="path", spp=3, background="none")
-
-
-@pytest.fixture(scope="module")
-def context() -> Iterator[Context]:
-    try:
-        opened = open_context()
-    except ContextError as error:
-        pytest.skip(str(error))
-    with opened:
-        yield opened
 
 
 class Hand:

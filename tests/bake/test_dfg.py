@@ -8,7 +8,8 @@ from viewer.bake.lobes import LOBES
 
 
 def by_light_direction(ndf: str, masking: str, NoV: float, alpha: float, nodes: int = 1200) -> np.ndarray:
-    """a, b and their first moments as the plain integral of D V Fc NoL over light directions, midpoints in (mu, phi): an independent way."""
+    """a, b and their first moments as the plain integral of D V Fc NoL over light directions, midpoints in (mu, phi):
+    an independent way."""
     mu = (np.arange(nodes) + 0.5) / nodes
     phi = (np.arange(nodes) + 0.5) / nodes * np.pi
     NoL, sin_l = mu[:, None], np.sqrt(1 - mu**2)[:, None]

@@ -26,7 +26,7 @@ def looked_up(radiance: np.ndarray) -> np.ndarray:
 def test_the_cosine_s_spectrum_is_what_quadrature_gives():
     x, weights = np.polynomial.legendre.leggauss(400)
     x, weights = (x + 1) / 2, weights / 2  # the cosine is clamped: 0 to 1 only
-    found = [2 * weights @ (x * np.polynomial.legendre.legval(x, np.eye(32)[l])) for l in range(32)]
+    found = [2 * weights @ (x * np.polynomial.legendre.legval(x, np.eye(32)[n])) for n in range(32)]
     assert cosine_spectrum(31) == pytest.approx(np.array(found), abs=1e-12)
 
 

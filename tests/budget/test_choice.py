@@ -59,6 +59,10 @@ def test_more_time_is_never_worse(ball):
 def test_what_is_prepared_already_takes_no_time_again(ball):
     assert chosen(ball, ALL_READY, time_budget=0.02).title == "image"
     assert chosen(ball, ALL_READY, time_budget=0.02).seconds == pytest.approx(0.01)
+    textured = replace(CALIBRATION.raster[1], prepare=Cost(fixed=0.2, triangle=1.0))
+    held = candidates(replace(CALIBRATION, raster=(textured,)), ball, SIZE, Settings(time_budget=1.0),
+                      Ready(has_raster=True, holds_raster=True))
+    assert held[0].seconds == pytest.approx(0.01 + 1.5 * 0.2)
     path = candidates(CALIBRATION, ball, SIZE, Settings(time_budget=1.01), ALL_READY)[-2]
     assert (path.title, path.samples) == ("path traced", pytest.approx(10))
     assert path.error == pytest.approx(0.8 / 10**0.5)

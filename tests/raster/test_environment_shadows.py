@@ -26,7 +26,7 @@ def corner(scale: float = 1.0, environment=None):
 
 
 def expected_and_place():
-    """The share of uniform light that the floor sees, (1 + cos gamma) / 2 beside a wall that rises by gamma, and |z|."""
+    """The share of uniform light the floor sees, (1 + cos gamma) / 2 beside a wall that rises by gamma, and |z|."""
     z = np.abs(seen_plane(VIEW, SIZE, (0, 1, 0))[..., 2])
     return (1 + np.cos(np.arctan2(1.0, z))) / 2, z
 

@@ -16,7 +16,8 @@ POWER = 5
 def expected_shares(density: Callable[[np.ndarray], np.ndarray], wo: np.ndarray, eta: np.ndarray | None) -> np.ndarray:
     """Integrals (K, bins) of `density` over the directions reflected or, with eta (K,), refracted.
 
-    `density` takes wi (K, Q, 3) and gives (K, Q). Midpoints in theta_h, Gauss-Legendre in phi up to where the horizon cuts the bin.
+    `density` takes wi (K, Q, 3) and gives (K, Q). Midpoints in theta_h, Gauss-Legendre in phi up to where the horizon
+    cuts the bin.
     """
     x = (np.arange(BINS[0] * NODES[0]) + 0.5) / (BINS[0] * NODES[0])
     theta = np.pi / 2 * x**POWER

@@ -167,7 +167,8 @@ def test_hemispheres():
 
 
 def test_visible_normals_face_the_viewer():
-    """And bounding the cap keeps what is reflected above the surface: all at normal view, alpha 1 (Eto & Tokuyoshi 2023)."""
+    """And bounding the cap (Eto & Tokuyoshi 2023) keeps what is reflected above the surface: all at normal view,
+    alpha 1."""
     rng = np.random.default_rng(2)
     u = rng.random((20_000, 2), np.float32)
     file = "bsdf/visible_normal.glsl"

@@ -1,4 +1,4 @@
-"""One context for all tests of a file."""
+"""One tracer for all tests of a file."""
 
 from __future__ import annotations
 
@@ -6,19 +6,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from viewer.errors import ContextError
-from viewer.gpu.context import Context, open_context
+from viewer.gpu.context import Context
 from viewer.trace.tracer import Tracer
-
-
-@pytest.fixture(scope="module")
-def context() -> Iterator[Context]:
-    try:
-        opened = open_context()
-    except ContextError as error:
-        pytest.skip(str(error))
-    with opened:
-        yield opened
 
 
 @pytest.fixture(scope="module")

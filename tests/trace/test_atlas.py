@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 
+import moderngl
 import numpy as np
 import pytest
 from harness import evaluate
@@ -184,6 +186,16 @@ SAMPLERS = [Sampler(s, t, mag) for s, t, mag in
             itertools.product(("repeat", "clamp", "mirror"), ("repeat", "clamp", "mirror"), ("linear", "nearest"))]
 
 
+def binder(table: moderngl.Texture, atlas: moderngl.Texture) -> Callable[[moderngl.Program], None]:
+    """What binds a table of words that begins with its maps, and the atlas with their images."""
+    def bind(program: moderngl.Program) -> None:
+        for unit, (name, bound) in enumerate({"u_words": table, "u_data_atlas": atlas}.items()):
+            bound.use(unit)
+            set_uniform(program, name, unit)
+        set_uniform(program, "u_maps", 0)
+    return bind
+
+
 @pytest.mark.parametrize("size", [(1, 1), (1, 3), (4, 2), (7, 5)])
 def test_filters_and_wraps_are_opengls(context, tmp_path, size):
     pixels = noise(*size)
@@ -196,14 +208,7 @@ def test_filters_and_wraps_are_opengls(context, tmp_path, size):
                for sampler in SAMPLERS for uv_set, moved in ((0, None), (1, transform))]
     words = WordsBuilder()
     words.add("maps", np.concatenate([map_words(record, 1, atlas.layout.pages[image]) for record in records]))
-    table = words.texture(context.gl)
-
-    def bind(program):
-        for unit, (name, bound) in enumerate({"u_words": table, "u_data_atlas": texture}.items()):
-            bound.use(unit)
-            set_uniform(program, name, unit)
-        set_uniform(program, "u_maps", 0)
-
+    bind = binder(words.texture(context.gl), texture)
     random = np.random.default_rng(4)
     # Multiples of 1/64 are exact however they are worked out; nearest is then asked off the texels' edges only.
     uv = (random.integers(-200, 200, (len(records), 60, 4)) + 0.37) / 64
@@ -233,14 +238,7 @@ def test_coordinates_at_and_beyond_all_edges_stay_on_the_page(context, tmp_path)
     texture = atlas.upload()
     words = WordsBuilder()
     words.add("maps", np.concatenate([map_words(Texture(white, s), 0, atlas.layout.pages[white]) for s in SAMPLERS]))
-    table = words.texture(context.gl)
-
-    def bind(program):
-        for unit, (name, bound) in enumerate({"u_words": table, "u_data_atlas": texture}.items()):
-            bound.use(unit)
-            set_uniform(program, name, unit)
-        set_uniform(program, "u_maps", 0)
-
+    bind = binder(words.texture(context.gl), texture)
     tiny = np.float32(1e-45)
     above, below = np.nextafter(np.float32(1), np.float32([2, 0]))
     edges = np.float32([0, -0.0, 1, above, below, tiny, -tiny, -1e-9, 2, -1, 1e6, -1e6, 1e30, -1e30, np.inf, -np.inf,

@@ -128,7 +128,8 @@ def test_maps_of_one_colour_are_factors():
     Image.new("RGB", (2, 2)).save(black, "PNG")
     Image.new("RGB", (2, 2), (255, 255, 255)).save(white, "PNG")
     dark, bright = (Texture(open_texture_image(data.getvalue(), "texture")) for data in (black, white))
-    material = Material(base_color=(0.5, 0.5, 0.5, 1.0), base_color_texture=bright, emissive=(1, 1, 1), emissive_texture=dark)
+    material = Material(base_color=(0.5, 0.5, 0.5, 1.0), base_color_texture=bright, emissive=(1, 1, 1),
+                        emissive_texture=dark)
     one = scene(plate(), materials=(material,))
     geometry = trace_geometry(one)
     assert geometry.emitters == 0 and geometry.materials[0].color_maps == ()

@@ -7,6 +7,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+from little_scenes import NOTHING_MUCH, framing
 from pictures import halves, picture
 from shapes import WHITE, constant, facing_floor, lopsided, moved, orthographic, plate, scene, sphere
 
@@ -28,24 +29,6 @@ def plan_of(tracer: Tracer, model: Scene) -> TracePlan:
     exposure = tracer.begin(model, framing(model), Settings.of(mode="path", spp=1), (8, 8))
     exposure.release()
     return exposure.plan
-
-
-def framing(model: Scene) -> Camera:
-    return Camera.framing(model.center, model.radius, 1.0)
-
-
-def cloud(topology: str, points) -> Mesh:
-    return Mesh(topology, np.float32(points), 0, topology=topology)
-
-
-NOTHING_MUCH = {
-    "empty": Scene("empty"),
-    "no triangles": scene(cloud("lines", [[0, 0, 0], [1, 1, 0], [0, 1, 0], [1, 0, 1]])),
-    "a single point": scene(cloud("points", [[3, 2, 1]])),
-    "a triangle of no size": scene(Mesh("dot", np.float32([[1, 1, 1]] * 3), 0, normals=np.float32([[0, 0, 1]] * 3))),
-    "a scale of 0": scene((sphere(segments=12), moved((1, 2, 3), 0.0))),
-    "a flat scale": scene((sphere(segments=12), moved((0, 0, 0), (1, 0, 1)))),
-}
 
 
 @pytest.mark.parametrize("name", NOTHING_MUCH)

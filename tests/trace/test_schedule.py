@@ -69,7 +69,8 @@ def rough(seed: int = 3, shape: tuple[int, int] = (9, 16)) -> np.ndarray:
     return 10 ** np.kron(coarse, np.ones((3, 4)))[:shape[0], :shape[1]]
 
 
-@pytest.mark.parametrize("size, spp, count", [((16, 16), 64, 256), ((40, 30), 1, 16), ((200, 50), 37, 64), ((9, 1), 3, 2)])
+@pytest.mark.parametrize("size, spp, count", [
+    ((16, 16), 64, 256), ((40, 30), 1, 16), ((200, 50), 37, 64), ((9, 1), 3, 2)])
 def test_without_a_target_each_pixel_gets_exactly_its_samples(size, spp, count):
     tiles = -(-size[1] // TILE), -(-size[0] // TILE)
     film = NoisyFilm(np.ones(tiles), size, lost=0.01)

@@ -24,10 +24,10 @@ class BakedEnvironment:
     """An environment prepared for image-based light, before its rotation and intensity.
 
     `levels`: the mip chain of `prefiltered.glsl`'s texture, six arrays (512, 1024, 3) to (16, 32, 3) float16, top row
-    first, wrap repeat in u and clamp in v; none where nobody asked for them. `irradiance`: over pi, (64, 128, 3) float16, laid out alike. Both are in
-    units of `scale` (a power of two): multiply what the shader looks up by it, along with the intensity. `suns` are
-    directional lights in true units that were taken out of the levels and the irradiance. `background` is the map as
-    it is, suns and all: see `background_map`.
+    first, wrap repeat in u and clamp in v; none where nobody asked for them. `irradiance`: over pi, (64, 128, 3)
+    float16, laid out alike. Both are in units of `scale` (a power of two): multiply what the shader looks up by it,
+    along with the intensity. `suns` are directional lights in true units that were taken out of the levels and the
+    irradiance. `background` is the map as it is, suns and all: see `background_map`.
     """
 
     levels: tuple[np.ndarray, ...]

@@ -48,7 +48,7 @@ def lobe_spectrum(ndf: str, alpha: float, degree: int) -> np.ndarray:
     cosine, spectrum = np.cos(theta), np.empty(degree + 1)
     last, older = np.ones_like(theta), np.zeros_like(theta)
     spectrum[0] = 1.0
-    for l in range(1, degree + 1):
-        last, older = ((2 * l - 1) * cosine * last - (l - 1) * older) / l, last
-        spectrum[l] = mass @ last
+    for n in range(1, degree + 1):
+        last, older = ((2 * n - 1) * cosine * last - (n - 1) * older) / n, last
+        spectrum[n] = mass @ last
     return spectrum

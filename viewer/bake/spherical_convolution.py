@@ -91,7 +91,7 @@ def legendre_tables(degree: int, theta: np.ndarray) -> Iterator[tuple[int, np.nd
         table = whole[:len(orders)]
         table[:, first:first + len(orders)] = 0  # where l < m
         last, older, scratch = (np.zeros((len(orders), len(theta))) for _ in range(3))
-        for l in range(first, degree + 1):
+        for l in range(first, degree + 1):  # noqa: E741  its name wherever harmonics are written about
             begun = min(l - first, len(orders))  # orders m < l go by the recurrence; m = l starts
             if begun:
                 m2 = (orders[:begun, None] ** 2).astype(np.float64)

@@ -11,7 +11,7 @@ from ..errors import UsageError
 from ..scene.scene import Scene
 from ..settings import Settings
 from .calibration import Calibration
-from .cost import Load
+from .cost import Cost, Load
 
 MIN_SAMPLES = 1.5
 """A pixel, as expected: with fewer, what is expected being no promise, some might get none."""
@@ -63,6 +63,9 @@ class Ready:
     has_path: bool = False
     drawn: frozenset[str] = frozenset()
     traced: frozenset[str] = frozenset()
+    holds_raster: bool = False
+    holds_path: bool = False
+    """Whether its triangles and maps are on the device, for whatever method."""
     pace: float = 1.0
     """How many times as long as expected pictures have taken of late."""
 
@@ -157,9 +160,15 @@ def _raster(calibration: Calibration, load: Load, lighting: str, settings: Setti
         changed = replace(settings, **method.changes)
         if lighting in method.errors and is_free and changed.is_used:
             seconds = method.picture.seconds(load)
-            seconds += 0.0 if method.title in ready.drawn else MARGIN * method.prepare.seconds(load)
+            seconds += _preparing(method.prepare, load, method.title in ready.drawn, ready.holds_raster)
             seconds *= ready.pace
             yield Candidate(method.title, changed, start + seconds, method.errors[lighting])
+
+
+def _preparing(cost: Cost, load: Load, is_done: bool, is_held: bool) -> float:
+    if is_done:
+        return 0.0
+    return MARGIN * (cost.fixed if is_held else cost.seconds(load))
 
 
 def _traced(calibration: Calibration, load: Load, lighting: str, settings: Settings,
@@ -173,7 +182,7 @@ def _traced(calibration: Calibration, load: Load, lighting: str, settings: Setti
         filtering = method.denoise.seconds(load) if denoise != "off" else 0.0
         reserve = ready.pace * (method.finish.seconds(load) + filtering)
         fixed = start + reserve
-        fixed += 0.0 if title in ready.traced else ready.pace * MARGIN * method.prepare.seconds(load)
+        fixed += ready.pace * _preparing(method.prepare, load, title in ready.traced, ready.holds_path)
         samples = float(settings.most_spp)
         if settings.error is not None:
             samples = min(samples, max((method.error(lighting, 1.0, False) / settings.error) ** 2, LEAST_SAMPLES))

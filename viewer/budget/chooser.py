@@ -19,7 +19,7 @@ from .calibration import Calibration, load_calibration, store_calibration
 from .choice import Choice, Ready, candidates, choose, stand_in, worth_trying
 from .making import Making, View
 
-MOST_PACE = 8.0
+MOST_PACE = 3.0
 """Other work on the device may slow it down so many times."""
 
 
@@ -58,9 +58,9 @@ class Chooser:
         started = time.perf_counter()
         ready = self.ready
         if not self._renderer.holds(scene):
-            ready = replace(ready, drawn=frozenset())
+            ready = replace(ready, drawn=frozenset(), holds_raster=False)
         if not self._tracer.holds(scene):
-            ready = replace(ready, traced=frozenset())
+            ready = replace(ready, traced=frozenset(), holds_path=False)
         found = candidates(calibration, scene, size, settings, ready, needs_layers=bool(layers))
         budget, target = settings.time_budget, settings.error
         choice = Choice(found, choose(found, budget, target), budget, target)
@@ -77,7 +77,8 @@ class Chooser:
         drawn, traced = making.titles
         pace = _pace(ready.pace, choice) if not traced else ready.pace
         self.ready = Ready(ready.has_raster or bool(drawn), ready.has_path or bool(traced),
-                            ready.drawn | drawn, ready.traced | traced, pace)
+                            ready.drawn | drawn, ready.traced | traced,
+                            self._renderer.holds(scene), self._tracer.holds(scene), pace)
         return image, choice
 
 

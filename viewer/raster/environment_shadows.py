@@ -1,8 +1,8 @@
 """What of an environment surfaces see, by the shadows of many lights drawn from it.
 
-The environment's own light is looked up as ever; these lights tell which part of it arrives (Heitz, Hill & McGuire 2018,
-"Combining Analytic Direct Illumination and Stochastic Shadows"). So what nothing hides has no noise, and the picture
-goes to that of direct light as the lights grow in number.
+The environment's own light is looked up as ever; these lights tell which part of it arrives (Heitz, Hill & McGuire
+2018, "Combining Analytic Direct Illumination and Stochastic Shadows"). So what nothing hides has no noise, and the
+picture goes to that of direct light as the lights grow in number.
 """
 
 from __future__ import annotations

@@ -74,7 +74,7 @@ class Frame:
         if self.camera.height is not None:
             return low, high
         high = max(high, 1e-3)
-        # At 1e5:1 24 bits of depth tell surfaces apart at the far end that are 0.6 % of their distance from one another.
+        # At 1e5:1 24 bits of depth tell surfaces apart at the far end that are 0.6 % of their distance from each other.
         low = max(low, high * 1e-5)
         # z / w at the far end differs from 1 by parts of low / high, and float32 must not round it beyond.
         return low, high * (1 + 2.0**-21 * high / low)

@@ -59,16 +59,16 @@ class Texture:
 
 @dataclass(frozen=True)
 class Material:
-    """A metallic-roughness surface (glTF 2.0, with KHR_materials_{unlit,emissive_strength,specular,ior,
-    transmission,volume}).
+    """A metallic-roughness surface (glTF 2.0, with KHR_materials_{unlit,emissive_strength,specular,ior,transmission,
+    volume}).
 
     Channels: base colour and emissive are sRGB RGB(A); metallic in B and perceptual roughness in G of one texture;
-    occlusion in R; specular in A; specular colour sRGB RGB; transmission in R; thickness in G; normals +Y up. `emissive` already
-    holds its strength.
+    occlusion in R; specular in A; specular colour sRGB RGB; transmission in R; thickness in G; normals +Y up.
+    `emissive` already holds its strength.
     `ior` is at least 1, or 0: KHR_materials_ior's word for f0 = 1 before the specular parameters are applied.
     `transmission` is the share of what passes the interface that is refracted on instead of scattered. `thickness`, in
-    the mesh's own units, is 0 for a thin wall; else the surface bounds a volume in which light keeps `attenuation_color`
-    over `attenuation_distance` world units.
+    the mesh's own units, is 0 for a thin wall; else the surface bounds a volume in which light keeps
+    `attenuation_color` over `attenuation_distance` world units.
     `shininess` is the exponent of a Phong material's file (MTL `Ns`), None where the file gave roughness instead.
     """
 

@@ -24,7 +24,7 @@ class NoisyFilm(Protocol):
     normal: moderngl.Texture
     """The first hits' shading normals, and their depth."""
     emission: moderngl.Texture
-    """What the first hits shine by themselves: known without noise but for the edges, so it is left out and put back."""
+    """What the first hits shine by themselves: without noise but for the edges, so it is left out and put back."""
 
 
 class Denoiser(Protocol):

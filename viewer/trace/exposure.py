@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 SOFTWARE_SIDE, DEVICE_SIDE = 16, 32
 """Most blocks of a wave along each side, where a processor draws and elsewhere."""
 DEVICE_LOOKS = 4
-"""How often a wave of a graphics card is shaded between two looks at which of its blocks are done, which it waits for."""
+"""How often a graphics card shades a wave between two looks at which of its blocks are done: to look is to wait."""
 
 
 @dataclass

@@ -16,8 +16,8 @@ class Film:
     """Sums over the samples of each pixel of a picture of `size` (width, height), row 0 at the bottom.
 
     `sum` (rgb, samples), `squares` (of rgb; alpha); with `has_layers` of the first hits `albedo` (rgb, hits),
-    `normal` (xyz, distance along the ray in world units) and `emission` (rgb). `radiance` is the mean, with associated alpha, as of the last
-    `develop`. Raises UsageError for a size that this OpenGL has no textures for.
+    `normal` (xyz, distance along the ray in world units) and `emission` (rgb). `radiance` is the mean, with associated
+    alpha, as of the last `develop`. Raises UsageError for a size that this OpenGL has no textures for.
     """
 
     def __init__(self, gl: moderngl.Context, programs: Programs, size: tuple[int, int], has_layers: bool) -> None:
@@ -64,12 +64,12 @@ class Film:
         self._draw("mean", self._developed)
 
     def tile_errors(self) -> np.ndarray:
-        """For each tile, (rows, columns, 4) float32, row 0 at the bottom: the sum of its pixels' relative variances, how
-        many pixels have one (it takes two samples), samples, and pixels.
+        """For each tile, (rows, columns, 4) float32, row 0 at the bottom: the sum of its pixels' relative variances,
+        how many pixels have one (it takes two samples), samples, and pixels.
 
         A pixel's relative variance is that of its mean over mean^2 + 0.01, averaged over the channels (relMSE, with the
-        mean, or what is around the pixel if that is darker, for the reference). It is from the samples themselves: their
-        low discrepancy makes the true error smaller, light that none has found yet makes it larger.
+        mean, or what is around the pixel if that is darker, for the reference). It is from the samples themselves:
+        their low discrepancy makes the true error smaller, light that none has found yet makes it larger.
         """
         self._draw("error", self._estimated)
         return _read(self._estimated)
@@ -105,9 +105,9 @@ class Film:
 
 
 def relative_error(tiles: np.ndarray) -> float:
-    """The estimated relative error of a picture, from `Film.tile_errors`: the root of the pixels' mean relative variance.
+    """The estimated relative error of a picture, from `Film.tile_errors`.
 
-    Infinite as long as some pixel has fewer than two samples.
+    It is the root of the pixels' mean relative variance; infinite as long as some pixel has fewer than two samples.
     """
     variance, known, _, pixels = tiles.reshape(-1, 4).astype(np.float64).sum(axis=0)
     return float(np.sqrt(variance / known)) if known == pixels else float("inf")

@@ -38,7 +38,8 @@ class OpenImageDenoise:
         self._texture.write(denoised)
         return self._texture
 
-    def filter_arrays(self, radiance: np.ndarray, albedo: np.ndarray, normal: np.ndarray, seen: np.ndarray) -> np.ndarray:
+    def filter_arrays(self, radiance: np.ndarray, albedo: np.ndarray, normal: np.ndarray,
+                      seen: np.ndarray) -> np.ndarray:
         """Likewise for float32 arrays (H, W, 4); albedo and normal are sums over the hits, whose number is albedo.w.
 
         `seen`, (H, W, 3), is the emission in `radiance`: the network would spread it.

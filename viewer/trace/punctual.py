@@ -14,7 +14,7 @@ _BRIGHTEST = 1e300  # so that sums of them stay finite
 
 
 def light_powers(lights: Sequence[Light], scene: Scene) -> np.ndarray:
-    """What reaches the scene's bounding sphere, about, by luminance and in tracer units, (N,); 0 only if nothing does."""
+    """About what reaches the scene's bounding sphere, luminance in tracer units, (N,); 0 only where nothing does."""
     is_far, position, intensity, cosines, reach = _columns(lights, scene)
     distance = np.linalg.norm(position, axis=1)
     # From a distance d the sphere takes up pi / d^2; to a light within it all around is scene. A spot lights a cone.

@@ -11,7 +11,7 @@ import numpy as np
 TILE = 16
 """Slots of a block, and pixels of a tile, along each side."""
 STATE = ("origin", "direction", "shadow_origin", "shadow_vector", "throughput", "radiance", "medium")
-"""The textures of a state, in the order of their units and attachments; shaders/trace/state.glsl tells what is in them."""
+"""The textures of a state, in the order of their units and attachments; shaders/trace/state.glsl has what they hold."""
 SUMS, LAYERS = 2, 3
 """How many textures the passes finish and layers add to."""
 UNIT_HIT, UNIT_BLOCKS = len(STATE), len(STATE) + 1
@@ -48,8 +48,8 @@ class Wave:
 
     The textures of the present state are attributes by their names in `STATE`; passes read them and write `next`, and
     `turn` makes that the present one. `hit` is where an intersector puts its answer; `duty`, a depth, tells what is to
-    be done in a slot, `alive`, a texel a block, whether anything is. `work` has the blocks' work items, (blocks, 4) int32 as in `Work`, and `is_busy` (blocks,) which
-    of them are not known to be done.
+    be done in a slot, `alive`, a texel a block, whether anything is. `work` has the blocks' work items, (blocks, 4)
+    int32 as in `Work`, and `is_busy` (blocks,) which of them are not known to be done.
     """
 
     origin: moderngl.Texture

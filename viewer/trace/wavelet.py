@@ -17,7 +17,8 @@ PASSES = 5
 
 class Wavelet:
     """An a-trous transform whose weights keep to surfaces (Dammertz et al. 2010) and to the noise that is there (Schied
-    et al. 2017), so that it fades out as the picture converges. It keeps the sum of the light; see trace/denoise/wavelet.frag."""
+    et al. 2017), so that it fades out as the picture converges. It keeps the sum of the light; see
+    trace/denoise/wavelet.frag."""
 
     def __init__(self, context: Context, programs: Programs) -> None:
         self._context, self._programs = context, programs

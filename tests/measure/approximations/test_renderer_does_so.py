@@ -31,7 +31,8 @@ def test_reflection(context, device, metallic, f0, make):
     inside = x**2 + y**2 < 0.97
     n = np.stack([x, y, np.sqrt(np.maximum(1 - x**2 - y**2, 0))], axis=-1) @ camera.pose[:3, :3].T
     parameters = np.empty((SIZE, SIZE, 8), np.float32)
-    parameters[..., :3], parameters[..., 3], parameters[..., 4:7], parameters[..., 7] = n, ROUGHNESS, -camera.forward, f0
+    parameters[..., :3], parameters[..., 3] = n, ROUGHNESS
+    parameters[..., 4:7], parameters[..., 7] = -camera.forward, f0
     off = {}
     for variant in make().variants:
         found = device.values(variant.kernels[0], parameters)[..., :3]

@@ -83,11 +83,11 @@ def _integrals(environment: str, n: np.ndarray, v: np.ndarray, roughness: np.nda
         k = np.arange(first, first + 256) + 0.5
         # The R2 sequence (Roberts 2018)
         u1, u2 = (k * 0.7548776662466927) % 1, (k * 0.5698402909980532) % 1
-        l, VoH = _reflected(local_v[..., None, :], alpha[..., None, :], u1, u2)
+        wi, VoH = _reflected(local_v[..., None, :], alpha[..., None, :], u1, u2)
         F = f0 + (1 - f0) * (1 - VoH) ** 5
-        of_v, of_l = smith_lambda(local_v, alpha)[..., None], smith_lambda(l, alpha[..., None, :])
-        weight = np.where(l[..., 2] > 0, F * (1 + of_v) / (1 + of_v + of_l), 0.0)
-        world = sum(l[..., axis, None] * vector[..., None, :] for axis, vector in enumerate((tangent, across, n)))
+        of_v, of_l = smith_lambda(local_v, alpha)[..., None], smith_lambda(wi, alpha[..., None, :])
+        weight = np.where(wi[..., 2] > 0, F * (1 + of_v) / (1 + of_v + of_l), 0.0)
+        world = sum(wi[..., axis, None] * vector[..., None, :] for axis, vector in enumerate((tangent, across, n)))
         total += (seen(environment, world) * weight[..., None]).sum(axis=-2)
     return total / _SAMPLES
 
