@@ -79,6 +79,7 @@ class Plan:
     dfg: bool
     environment_shadows: int
     """Lights drawn from the environment for its shadows; 0: none."""
+    ambient_occlusion: bool
     background: bool
     used: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
@@ -182,8 +183,10 @@ def plan_scene(
     layers, layer_count = _shadow_layers(shown_lights, settings)
     environment, reflections = environment_use(scene, settings)
     environment_shadows = _environment_shadows(settings) if environment and scene.environment is not None else 0
+    ambient_occlusion = (settings.ambient_occlusion != "off" and settings.mode == "pbr" and environment
+                         and scene.environment is not None and not environment_shadows)
     common = {
-        "VISIBILITY": int(environment_shadows > 0),
+        "VISIBILITY": int(environment_shadows > 0 or ambient_occlusion),
         "HALF_TARGET": int(half_target),
         "SAMPLES": samples,
         "IS_ORTHOGRAPHIC": int(orthographic),
@@ -211,6 +214,7 @@ def plan_scene(
         ambient=environment and settings.mode == "phong",
         dfg=any(draw.program.fragment == "raster/pbr.frag" and draw.program["REFLECTS"] for draw in draws),
         environment_shadows=environment_shadows,
+        ambient_occlusion=ambient_occlusion,
         background=settings.background == "env" and scene.environment is not None,
     )
     if settings.plan == "everything":

@@ -59,7 +59,9 @@ def _used(plan: Plan) -> tuple[str, ...]:
     if plan.environment or plan.ambient:
         parts = ["its filtered levels"] * plan.reflections + ["its irradiance"] * plan.environment
         lines.append("light from the environment: " + ", ".join(parts or ["an ambient colour"]))
-    if plan.has_visibility:
+    if plan.has_visibility and plan.ambient_occlusion:
+        lines.append("ambient occlusion by what is in the picture")
+    elif plan.has_visibility:
         lines.append(f"shadows of the environment by {_many(plan.environment_shadows, 'light')} drawn from it")
     textures = {(draw.material, name): texture for draw in plan.draws for name in draw.maps
                 if (texture := material_map(draw.surface, name))}

@@ -1,16 +1,13 @@
 // A surface of pbr.frag under the environment: the split sum, each of its parts looked up on its own.
 
+#include "raster/specular_occlusion.glsl"
+
 // Light reflected at the interface, `specular` the radiance its parts a and b see, and what passes through to the base.
 vec3 environment_response(Interface face, SplitSum split_sum, mat2x3 specular, vec3 diffuse_albedo, vec3 mean_light) {
     vec3 single = face.f0 * (split_sum.albedo.x * specular[0]) + face.f90 * (split_sum.albedo.y * specular[1]);
     vec3 diffuse = diffuse_albedo * max(1.0 - max3(face.E_ss + face.E_ms), 0.0); // < 0 without masking
     vec3 spread = face.E_ms * float(SHOW_MULTISCATTER) + diffuse * float(SHOW_DIFFUSE);
     return single * float(SHOW_SPECULAR) + mean_light * spread;
-}
-
-// Occlusion of the reflected lobe by what occludes the hemisphere      Lagarde & de Rousiers 2014, "Frostbite", p. 76
-float specular_occlusion(float NoV, float occlusion, float alpha) {
-    return clamp(pow(NoV + occlusion, exp2(-16.0 * alpha - 1.0)) - 1.0 + occlusion, 0.0, 1.0);
 }
 
 #if REFLECTS

@@ -103,6 +103,8 @@ class Panel:
             self._choice("Masking G", "masking")
             self._choice("Fresnel F", "fresnel")
             self._switch("Multiple scattering", "multiscatter")
+            self._choice("Environment's shadows", "environment_shadows")
+            self._choice("Ambient occlusion", "ambient_occlusion")
             self._switch("Specular antialiasing", "specular_aa")
         if state.shows("phong"):
             self._choice("Phong highlight", "phong")

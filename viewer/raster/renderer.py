@@ -184,6 +184,8 @@ class Renderer:
         self._visibility.begin()
         self._surfaces.draw_gbuffer(frame, plan, uniforms)
         self._gl.clear_samplers()
+        if plan.ambient_occlusion:
+            return self._visibility.find_by_picture(self.programs, frame)
         return self._visibility.find(self.programs, frame, self._environment_shadows)
 
     def _prepare_environment_shadows(self, scene: Scene, plan: Plan) -> None:
@@ -217,7 +219,7 @@ class Renderer:
         shading = replace(settings, exposure=0.0, tonemap="none", background=background)
         key = (scene, shading, target.samples, target.half, orthographic)
         self.plan = next((plan for k, plan in self._plans if k == key), None) or self._make_plan(key)
-        if self.plan.has_visibility:
+        if self.plan.environment_shadows and self.plan.has_visibility:
             with self._timed("environment shadows"):
                 self._prepare_environment_shadows(scene, self.plan)
         return self.plan

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import moderngl
 
 from .display import fullscreen
@@ -24,29 +28,24 @@ class Visibility:
         """What `Surfaces.draw_gbuffer` draws into."""
         self._summing = gl.framebuffer(self._sums, self._depth)
         self._summing.depth_mask = False  # nor cleared
-        self._result = gl.framebuffer([self._visible])
+        self._result = gl.framebuffer([self._visible], self._depth)
+        self._result.depth_mask = False
 
     def begin(self) -> None:
         self.gbuffer.use()
         self.gbuffer.clear(depth=1.0)
 
     def find(self, programs: Programs, frame: Frame, shadows: EnvironmentShadows) -> dict[str, object]:
-        """From what was drawn into the buffers. Returns the uniforms of shaders/raster/visibility.glsl.
+        """By the shadows of many lights. Returns the uniforms of shaders/raster/visibility.glsl.
 
-        Leaves a framebuffer of its own in use.
+        From what was drawn into the buffers. Leaves a framebuffer of its own in use.
         """
         gl = self._gl
         self._summing.use()
         self._summing.clear()
-        self._layout[0].use(UNIT_POSITIONS)
-        self._layout[1].use(UNIT_NORMALS)
-        # What the triangle on the far plane is behind is a surface: elsewhere no program runs.
-        gl.enable_only(moderngl.BLEND | moderngl.DEPTH_TEST)
-        gl.depth_func = ">"
         gl.blend_func = moderngl.ONE, moderngl.ONE
-        shadows.add(programs, frame, {
-            "u_positions": UNIT_POSITIONS, "u_normals": UNIT_NORMALS, "u_view_direction": tuple(-frame.camera.forward)})
-        gl.depth_func = "<"
+        with self._on_surfaces(moderngl.BLEND):
+            shadows.add(programs, frame, self._buffers(frame))
         gl.enable_only(moderngl.NOTHING)
         self._result.use()
         program = programs.get("display/fullscreen.vert", "raster/visibility.frag", {})
@@ -54,6 +53,37 @@ class Visibility:
             texture.use(unit)
             set_uniform(program, name, unit)
         fullscreen(gl, program).render(vertices=3)
+        return self._found()
+
+    def find_by_picture(self, programs: Programs, frame: Frame) -> dict[str, object]:
+        """As `find`, by what else is in the picture: ambient occlusion."""
+        self._result.use()
+        program = programs.get("display/fullscreen.vert", "raster/ambient_occlusion.frag", {
+            "IS_ORTHOGRAPHIC": int(frame.camera.height is not None)})
+        pose, height = frame.camera.pose, frame.camera.height
+        extent = 2 * math.tan(frame.camera.fov_y / 2) if height is None else height / frame.unit
+        for name, value in (self._buffers(frame) | {
+                "u_right": tuple(pose[:3, 0]), "u_up": tuple(pose[:3, 1]), "u_pixels": frame.size[1] / extent}).items():
+            set_uniform(program, name, value)
+        with self._on_surfaces(moderngl.NOTHING):
+            fullscreen(self._gl, program).render(vertices=3)
+        return self._found()
+
+    def _buffers(self, frame: Frame) -> dict[str, object]:
+        self._layout[0].use(UNIT_POSITIONS)
+        self._layout[1].use(UNIT_NORMALS)
+        return {"u_positions": UNIT_POSITIONS, "u_normals": UNIT_NORMALS,
+                "u_view_direction": tuple(-frame.camera.forward)}
+
+    @contextmanager
+    def _on_surfaces(self, also: int) -> Iterator[None]:
+        """Where the triangle on the far plane lies behind a surface: elsewhere no program runs."""
+        self._gl.enable_only(moderngl.DEPTH_TEST | also)
+        self._gl.depth_func = ">"
+        yield
+        self._gl.depth_func = "<"
+
+    def _found(self) -> dict[str, object]:
         self._visible.use(UNIT_VISIBILITY)
         self._layout[0].use(UNIT_BACKGROUND)
         return {"u_visibility": UNIT_VISIBILITY, "u_positions": UNIT_BACKGROUND}

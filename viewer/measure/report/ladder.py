@@ -26,7 +26,7 @@ TARGETS = (0.1, 0.05, 0.03, 0.02, 0.01)
 KNOBS = ("multiscatter", "specular_aa", "fresnel")
 """Settings of image-based light of which the other choices are measured, one at a time."""
 SHADOWED = ("none", "msaa-4", "ssaa-4")
-"""Antialiasing with which the environment's shadows are measured."""
+"""Antialiasing with which ambient occlusion and the environment's shadows are measured."""
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 
@@ -143,6 +143,8 @@ def _words(name: str, value: object) -> str:
         return ""
     if name == "spp":
         return f"{value} sample{'s' * (value != 1)} a pixel"
+    if name == "ambient_occlusion":
+        return ""
     if name == "environment_shadows":
         return f"{value} lights"
     return f"to an error of {value}" if name == "error" else f"{name.replace('_', '-')} {value}"
@@ -175,6 +177,8 @@ def _image_based(lights: Sequence[Light], settings: Settings, left_out: list[Lef
         for value in choices[name]:
             if value != getattr(settings, name):
                 yield replace(PLAIN, changes={**PLAIN.changes, name: value})
+    for antialias in SHADOWED:
+        yield Method("ambient-occlusion", "ambient occlusion", {"ambient_occlusion": "gtao", "antialias": antialias})
     for count in choices["environment_shadows"]:
         for antialias in choices["antialias"] if count != "off" else ():
             if antialias in SHADOWED:

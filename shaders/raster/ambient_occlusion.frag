@@ -1,0 +1,65 @@
+// Which part of its hemisphere a pixel's surface sees past what else is in the picture.
+// Jimenez et al. 2016, "Practical Realtime Strategies for Accurate Indirect Occlusion" (GTAO): in SLICES half planes
+// through the line of sight the highest horizon on either side, and between the two the cosine integrated exactly.
+#include "bsdf/constants.glsl"
+#include "raster/octahedron.glsl"
+#include "raster/specular_occlusion.glsl"
+const int SLICES = 6, STEPS = 16;
+const float HALF_PI = 0.5 * PI;
+
+uniform sampler2D u_positions;
+uniform sampler2D u_normals;
+uniform vec3 u_right, u_up;    // of the picture, in the world
+uniform vec3 u_view_direction; // towards the eye
+uniform float u_pixels;        // that a scene unit is long, at distance 1 (orthographic: at any)
+out vec4 o_visible;
+
+// Cosine between v and the highest of the samples along `step`, seen from p. What is as far as the scene's radius does
+// not count: the picture shows only its front, and a surface far before p is rarely as deep as that.
+float horizon(vec3 p, vec3 v, vec2 along, float reach, float lowest) {
+    float highest = lowest;
+    for (int k = 1; k <= STEPS; ++k) {
+        float share = float(k) / float(STEPS);
+        ivec2 tap = ivec2(floor(gl_FragCoord.xy + along * max(share * share * reach, float(k))));
+        ivec2 inside = clamp(tap, ivec2(0), textureSize(u_positions, 0) - 1);
+        vec4 there = texelFetch(u_positions, inside, 0);
+        vec3 d = there.xyz - p;
+        float distance = length(d);
+        float counts = there.w == 0.0 || tap != inside ? 0.0 : clamp(2.0 - 2.0 * distance, 0.0, 1.0);
+        highest = max(highest, mix(lowest, dot(d, v) / max(distance, 1e-6), counts));
+    }
+    return highest;
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec4 surface = texelFetch(u_positions, pixel, 0);
+    vec3 p = surface.xyz, n = from_octahedron(texelFetch(u_normals, pixel, 0).xy);
+#if IS_ORTHOGRAPHIC
+    vec3 v = u_view_direction;
+    float reach = u_pixels;
+#else
+    vec3 v = -normalize(p);
+    float reach = u_pixels / max(dot(-p, u_view_direction), 1e-6);
+#endif
+    float sum = 0.0;
+    for (int k = 0; k < SLICES; ++k) {
+        float phi = PI * (float(k) + 0.5) / float(SLICES);
+        vec2 along = vec2(cos(phi), sin(phi));
+        vec3 t = along.x * u_right + along.y * u_up;
+        t = normalize(t - dot(t, v) * v);
+        vec3 axis = cross(t, v);
+        vec3 projected = n - dot(n, axis) * axis;
+        float weight = max(length(projected), 1e-6);
+        float gamma = acos(clamp(dot(projected, v) / weight, -1.0, 1.0)) * (dot(projected, t) < 0.0 ? -1.0 : 1.0);
+        float left = -acos(horizon(p, v, -along, reach, cos(gamma - HALF_PI)));
+        float right = acos(horizon(p, v, along, reach, cos(gamma + HALF_PI)));
+        left = max(left, gamma - HALF_PI);
+        right = min(right, gamma + HALF_PI);
+        sum += weight * 0.25 * (2.0 * cos(gamma) - cos(2.0 * left - gamma) - cos(2.0 * right - gamma)
+                                + 2.0 * (left + right) * sin(gamma));
+    }
+    float open = clamp(sum / float(SLICES), 0.0, 1.0);
+    float NoV = clamp(dot(n, v), 0.0, 1.0);
+    o_visible = vec4(vec3(open), specular_occlusion(NoV, open, surface.w * surface.w));
+}

@@ -1,0 +1,4 @@
+// Occlusion of the reflected lobe by what occludes the hemisphere      Lagarde & de Rousiers 2014, "Frostbite", p. 76
+float specular_occlusion(float NoV, float occlusion, float alpha) {
+    return clamp(pow(NoV + occlusion, exp2(-16.0 * alpha - 1.0)) - 1.0 + occlusion, 0.0, 1.0);
+}
