@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,25 +20,6 @@ if TYPE_CHECKING:
     from .gpu.context import Context
     from .raster.renderer import Renderer
     from .trace.tracer import Tracer
-
-
-class Studio(Protocol):
-    """Makes pictures with one OpenGL context, opened with the first."""
-
-    def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
-        """The picture that goes to `path`. `progress` has been told of the model.
-
-        Raises ContextError, InputError, UsageError.
-        """
-
-    facts: dict[str, object]
-    """Of the last picture: what `--stats` tells of it."""
-    told: str
-    """Of the last picture: what `-v` tells of it, in a line."""
-    texture_bytes: int
-    """About what the scene's textures take on the GPU."""
-    stopped: int | None
-    """The number of the signal by which somebody stopped the last picture, which is what there was by then."""
 
 
 @dataclass
@@ -59,6 +41,28 @@ class Opener(Protocol):
     def __call__(self) -> Context: ...
 
 
+class Studio(ABC):
+    """Makes pictures with one OpenGL context, opened with the first."""
+
+    def __init__(self, order: Order) -> None:
+        self._order = order
+        self.facts: dict[str, object] = {}
+        """Of the last picture: what `--stats` tells of it."""
+        self.told = ""
+        """Of the last picture: what `-v` tells of it, in a line."""
+        self.texture_bytes = 0
+        """About what the scene's textures take on the GPU."""
+        self.stopped: int | None = None
+        """The number of the signal by which somebody stopped the last picture, which is what there was by then."""
+
+    @abstractmethod
+    def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
+        """The picture that goes to `path`. `progress` has been told of the model.
+
+        Raises ContextError, InputError, UsageError.
+        """
+
+
 def make_studio(order: Order) -> Studio:
     if order.chooses:
         from .budget.studio import ChoosingStudio
@@ -67,14 +71,10 @@ def make_studio(order: Order) -> Studio:
     return PathStudio(order) if order.settings.mode == "path" else RasterStudio(order)
 
 
-class RasterStudio:
+class RasterStudio(Studio):
     def __init__(self, order: Order) -> None:
-        self._order = order
+        super().__init__(order)
         self._renderer: Renderer | None = None
-        self.facts: dict[str, object] = {}
-        self.told = ""
-        self.texture_bytes = 0
-        self.stopped: int | None = None
 
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
         """As `Studio.make`."""
@@ -99,14 +99,10 @@ class RasterStudio:
         return image
 
 
-class PathStudio:
+class PathStudio(Studio):
     def __init__(self, order: Order) -> None:
-        self._order = order
+        super().__init__(order)
         self._tracer: Tracer | None = None
-        self.facts: dict[str, object] = {}
-        self.told = ""
-        self.texture_bytes = 0
-        self.stopped: int | None = None
 
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
         """As `Studio.make`. A first signal to stop ends it with the picture as it is by then."""

@@ -1,7 +1,7 @@
 // The state of a wave's paths, a texel a slot, and how it is packed (viewer/trace/wave.py has the textures).
 uniform sampler2D u_origin;        // xyz, status
 uniform sampler2D u_direction;     // unit, pdf of the BSDF's sample by solid angle; 0: light met counts in full
-uniform sampler2D u_shadow_origin; // of the pending shadow ray; contribution.r
+uniform sampler2D u_shadow_origin; // of the pending shadow ray, or else x: travelled; contribution.r
 uniform sampler2D u_shadow_vector; // to the light, 0: there is none; contribution.g
 uniform sampler2D u_throughput;    // rgb; contribution.b
 uniform sampler2D u_radiance;      // of the path so far; counters

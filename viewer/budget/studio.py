@@ -11,21 +11,15 @@ from ..raster.renderer import Renderer
 from ..scene.camera import Camera
 from ..scene.scene import Scene
 from ..signals import Stopped, postponed
-from ..studio import Order
+from ..studio import Order, Studio
 from ..trace.tracer import Tracer
 from .chooser import Chooser
 
 
-class ChoosingStudio:
-    """A `viewer.studio.Studio`."""
-
+class ChoosingStudio(Studio):
     def __init__(self, order: Order) -> None:
-        self._order = order
+        super().__init__(order)
         self._chooser: Chooser | None = None
-        self.facts: dict[str, object] = {}
-        self.told = ""
-        self.texture_bytes = 0
-        self.stopped: int | None = None
 
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
         """As `Studio.make`; the time budget begins when the device is open and known. The choice is told."""

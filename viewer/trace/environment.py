@@ -101,4 +101,3 @@ class EnvironmentTable:
     def release(self) -> None:
         self._map.release()
         self._table.release()
-

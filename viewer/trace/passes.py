@@ -10,14 +10,13 @@ import numpy as np
 from ..gpu.context import Context
 from ..raster.display import fullscreen
 from ..raster.programs import Programs, set_uniform
-from .geometry import GLASS, STANDARD
-from .plan import TracePlan
+from .plan import KINDS, TracePlan
 from .wave import UNITS, Wave
 
 # Duties of shaders/trace/duty.glsl
 REST, FINISH, FIRST_HIT, SHADE = 0, 1, 2, 3
-_DUTIES = {"rest": REST, "finish": FINISH, "generate": FINISH, "layers": FIRST_HIT, "surface": SHADE + STANDARD,
-           "glass": SHADE + GLASS}
+_DUTIES = {"rest": REST, "finish": FINISH, "generate": FINISH, "layers": FIRST_HIT,
+           **{name: SHADE + kind for kind, name in KINDS.items()}}
 _OVER_BLOCKS = ("begin", "zero")
 
 
@@ -30,6 +29,7 @@ class Passes:
         self._gl = context.gl
         self._bind = bind
         self._uniforms = {**uniforms, **UNITS}
+        self._surfaces = plan.surfaces
         self._programs = {}
         for name, program in plan.programs.items():
             vertex = "trace/blocks.vert" if name in _OVER_BLOCKS else "trace/duty.vert"
@@ -67,9 +67,8 @@ class Passes:
         self._draw("finish")
         wave.next.use()
         gl.enable_only(moderngl.DEPTH_TEST)
-        for name in ("generate", "surface", "glass"):
-            if name in self._programs:
-                self._draw(name)
+        for name in ("generate", *self._surfaces):
+            self._draw(name)
         wave.next_origin.use()
         self._draw("rest")
         gl.depth_func = "<"

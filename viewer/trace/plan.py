@@ -26,7 +26,7 @@ class TracePlan:
     @property
     def surfaces(self) -> tuple[str, ...]:
         """The passes that shade surfaces."""
-        return tuple(name for name in self.programs if name in _KINDS.values())
+        return tuple(name for name in self.programs if name in KINDS.values())
 
     def to_json(self) -> dict[str, object]:
         return {
@@ -43,7 +43,8 @@ class TracePlan:
 
 _NEUTRAL = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "HAS_PUNCTUAL", "LIGHT_RADIUS", "HAS_LIGHTS", "CLAMP")
 """Switches of lights that can be on where there is nothing behind them."""
-_KINDS = {STANDARD: "surface", GLASS: "glass"}
+KINDS = {STANDARD: "surface", GLASS: "glass"}
+"""The pass that shades each kind of surface."""
 
 
 def plan_trace(
@@ -63,10 +64,10 @@ def plan_trace(
     switches["CLAMP"] = int(settings.clamp > 0)
     kinds = {instance.kind for instance in geometry.instances}
     if settings.plan == "everything":
-        kinds = set(_KINDS)
+        kinds = set(KINDS)
         emitters = ["HAS_EMITTERS"] * (shines and not geometry.emitters)
         switches |= dict.fromkeys((*_NEUTRAL, *emitters), 1)
-    surfaces = [name for kind, name in _KINDS.items() if kind in kinds]
+    surfaces = [name for kind, name in KINDS.items() if kind in kinds]
     state = {"HAS_TRANSMISSION": switches["HAS_TRANSMISSION"]}
     sky_names = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING")
     sky = {name: switches[name] for name in sky_names}

@@ -35,9 +35,10 @@ _MAX_STACK = 96
 
 @dataclass
 class WideTree:
-    """`lower` and `upper` are (nodes, 3, 4) float32 the boxes of the children; `children`
-    (nodes, 4) uint32 their references; `order` (N,) says which primitive is the first, the second, ... for the leaves.
-    `root` is the reference to start with, `stack` how many references at most wait while walking through the tree.
+    """Boxes and references of each node's children, (nodes, 3, 4) float32 `lower` and `upper`, (nodes, 4) uint32.
+
+    `order` (N,) says which primitive is the first, the second, ... for the leaves. `root` is the reference to start
+    with, `stack` how many references at most wait while walking through the tree.
     """
 
     lower: NDArray[np.float32]

@@ -17,7 +17,8 @@ from ...scene.environment import Environment
 from ...scene.scene import Scene
 
 _SIZE = 12
-_PARTS = ("scene", "bake", "gpu", "raster", "trace", "plan.py", "settings.py")
+_PARTS = ("scene", "bake", "gpu", "raster", "trace", "plan.py", "wide_programs.py", "constant_maps.py", "maps.py",
+          "settings.py")
 """Of the package, beside its shaders: what makes pictures."""
 
 
