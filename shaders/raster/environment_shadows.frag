@@ -1,6 +1,6 @@
 // Sums over some of the lights drawn from the environment: what of them arrives, and what would if nothing hid them.
-// Reflected light is weighed by a lobe that holds a few lights at least: what it sees is looked up elsewhere, here it is
-// only asked how much of that is hidden.
+// Reflected light is weighed by a lobe that holds a few lights at least: what it sees is looked up elsewhere, here it
+// is only asked how much of that is hidden.
 #include "bsdf/ggx.glsl"
 #include "raster/octahedron.glsl"
 #include "sample/luminance.glsl"

@@ -1,5 +1,5 @@
-// How much of the environment's light a surface sees, found beforehand for one sample a pixel. Where that lay on another
-// surface, the mean of those about it that lie on this one.
+// How much of the environment's light a surface sees, found beforehand for one sample a pixel. Where that lay on
+// another surface, the mean of those about it that lie on this one.
 uniform sampler2D u_visibility; // rgb: of what the hemisphere sends, a: of what it reflects
 uniform sampler2D u_positions;
 

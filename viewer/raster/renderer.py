@@ -22,7 +22,6 @@ from ..settings import Settings
 from .decoding import Decoder
 from .display import DisplayPass
 from .environment import EnvironmentLight
-from .environment_shadows import EnvironmentShadows
 from .floats import float_texture
 from .frame import Frame, uniform
 from .lights import pack_lights
@@ -31,7 +30,7 @@ from .shadows import ShadowMaps
 from .surfaces import UNIT_DFG, UNIT_RADIANCE, UNIT_SHADOW, Surfaces
 from .target import Target
 from .transmission import Backdrop
-from .visibility import Visibility
+from .visibility import VisibilityPass
 
 _KEPT = 2
 """Plans and shadow maps kept: a window split between two modes draws with two in turn."""
@@ -61,8 +60,7 @@ class Renderer:
         self._display = DisplayPass(self._gl, self.programs)
         self._target: Target | None = None
         self._backdrop: Backdrop | None = None
-        self._visibility: Visibility | None = None
-        self._environment_shadows: EnvironmentShadows | None = None
+        self._visibility = VisibilityPass(self._gl, self.programs)
         self._surfaces: Surfaces | None = None
         self._environment: EnvironmentLight | None = None
         self._ahead: Decoder | None = None
@@ -144,7 +142,8 @@ class Renderer:
 
         if plan.has_visibility:
             with self._pass("visibility"):
-                uniforms |= self._find_visibility(frame, plan, uniforms)
+                uniforms |= self._visibility.find(
+                    frame, plan, lambda: self._surfaces.draw_gbuffer(frame, plan, uniforms))
         target.set_part(part)
         target.framebuffer.use()
         target.framebuffer.clear(depth=1.0)  # alpha 0: a colour is laid behind when the picture is displayed
@@ -176,29 +175,6 @@ class Renderer:
             self._target = Target(self._gl, size, samples, half, supersampling)
         return self._target
 
-    def _find_visibility(self, frame: Frame, plan: Plan, uniforms: dict[str, object]) -> dict[str, object]:
-        if self._visibility is None or self._visibility.size != frame.size:
-            self._release(self._visibility)
-            self._visibility = None  # should the next one fail
-            self._visibility = Visibility(self._gl, frame.size)
-        self._visibility.begin()
-        self._surfaces.draw_gbuffer(frame, plan, uniforms)
-        self._gl.clear_samplers()
-        if plan.ambient_occlusion:
-            return self._visibility.find_by_picture(self.programs, frame)
-        return self._visibility.find(self.programs, frame, self._environment_shadows)
-
-    def _prepare_environment_shadows(self, scene: Scene, plan: Plan) -> None:
-        environment = scene.environment
-        if self._environment_shadows is None or not self._environment_shadows.holds(environment, plan):
-            self._drop_environment_shadows()
-            lights = self._environment.many_lights(plan.environment_shadows)
-            self._environment_shadows = EnvironmentShadows(self._gl, scene, plan, lights, self._surfaces.draw_depth)
-
-    def _drop_environment_shadows(self) -> None:
-        self._release(self._environment_shadows)
-        self._environment_shadows = None
-
     def _take_backdrop(self, target: Target) -> dict[str, object]:
         """The picture so far, for what transmits light; the target is drawn into again after it."""
         self._gl.clear_samplers()
@@ -221,18 +197,18 @@ class Renderer:
         self.plan = next((plan for k, plan in self._plans if k == key), None) or self._make_plan(key)
         if self.plan.environment_shadows and self.plan.has_visibility:
             with self._timed("environment shadows"):
-                self._prepare_environment_shadows(scene, self.plan)
+                self._visibility.prepare(scene, self.plan, self._environment, self._surfaces.draw_depth)
         return self.plan
 
     def _prepare_surfaces(self, scene: Scene) -> None:
         if self._surfaces is None or not self._surfaces.holds(scene):
             self._release(self._surfaces, *self._shadows)
-            self._drop_environment_shadows()
+            self._visibility.drop_shadows()
             self._surfaces = Surfaces(self.context, scene, self.programs, self._ahead)
             self._ahead, self._shadows, self._plans = None, [], []
         if self._generation != self.programs.generation:
             self._release(*self._shadows)
-            self._drop_environment_shadows()
+            self._visibility.drop_shadows()
             self._generation, self._shadows, self._plans = self.programs.generation, [], []
         self._surfaces.scene = scene
 
@@ -338,5 +314,5 @@ class Renderer:
         """Free what the renderer holds; the context stays."""
         self.context.make_current()
         self._release(self._display, self._target, self._backdrop, self._visibility, self._surfaces, self._environment,
-                      self._environment_shadows, *self._shadows, *self._blocks, *self._dfg.values())
+                      *self._shadows, *self._blocks, *self._dfg.values())
         self.programs.release()

@@ -3,20 +3,70 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import moderngl
 
+from ..plan import Plan
+from ..scene.scene import Scene
 from .display import fullscreen
+from .environment import EnvironmentLight
 from .environment_shadows import UNIT_NORMALS, UNIT_POSITIONS, EnvironmentShadows
 from .frame import Frame
 from .programs import Programs, set_uniform
+from .shadows import DrawDepth
 from .surfaces import UNIT_BACKGROUND, UNIT_VISIBILITY
 
 
-class Visibility:
-    """The targets of one picture size."""
+class VisibilityPass:
+    """Keeps the targets of one picture size and the shadow maps of one scene's environment."""
+
+    def __init__(self, gl: moderngl.Context, programs: Programs) -> None:
+        self._gl, self._programs = gl, programs
+        self._targets: _Targets | None = None
+        self._shadows: EnvironmentShadows | None = None
+
+    def prepare(self, scene: Scene, plan: Plan, environment: EnvironmentLight, draw_depth: DrawDepth) -> None:
+        """Draw what shadow maps `plan` asks for and that are not there yet."""
+        if self._shadows is None or not self._shadows.holds(scene.environment, plan):
+            self.drop_shadows()
+            lights = environment.many_lights(plan.environment_shadows)
+            self._shadows = EnvironmentShadows(self._gl, scene, plan, lights, draw_depth)
+
+    def drop_shadows(self) -> None:
+        """For when the meshes or the programs are others."""
+        if self._shadows is not None:
+            self._shadows.release()
+            self._shadows = None
+
+    def find(self, frame: Frame, plan: Plan, draw_gbuffer: Callable[[], None]) -> dict[str, object]:
+        """Draw the pass; returns the uniforms of shaders/raster/visibility.glsl. Leaves a framebuffer of its own in use.
+
+        `draw_gbuffer()` draws shaders/raster/gbuffer.frag.
+        """
+        if self._targets is None or self._targets.size != frame.size:
+            self._release_targets()
+            self._targets = _Targets(self._gl, frame.size)
+        self._targets.begin()
+        draw_gbuffer()
+        self._gl.clear_samplers()
+        if plan.ambient_occlusion:
+            return self._targets.find_by_picture(self._programs, frame)
+        return self._targets.find_by_shadows(self._programs, frame, self._shadows)
+
+    def _release_targets(self) -> None:
+        if self._targets is not None:
+            self._targets.release()
+            self._targets = None  # should the next one fail
+
+    def release(self) -> None:
+        self.drop_shadows()
+        self._release_targets()
+
+
+class _Targets:
+    """The buffers of one picture size, and the passes over them."""
 
     def __init__(self, gl: moderngl.Context, size: tuple[int, int]) -> None:
         self._gl, self.size = gl, size
@@ -25,7 +75,6 @@ class Visibility:
         self._visible = _texture(gl, size, "f2")
         self._depth = gl.depth_renderbuffer(size)
         self.gbuffer = gl.framebuffer(self._layout, self._depth)
-        """What `Surfaces.draw_gbuffer` draws into."""
         self._summing = gl.framebuffer(self._sums, self._depth)
         self._summing.depth_mask = False  # nor cleared
         self._result = gl.framebuffer([self._visible], self._depth)
@@ -35,11 +84,7 @@ class Visibility:
         self.gbuffer.use()
         self.gbuffer.clear(depth=1.0)
 
-    def find(self, programs: Programs, frame: Frame, shadows: EnvironmentShadows) -> dict[str, object]:
-        """By the shadows of many lights. Returns the uniforms of shaders/raster/visibility.glsl.
-
-        From what was drawn into the buffers. Leaves a framebuffer of its own in use.
-        """
+    def find_by_shadows(self, programs: Programs, frame: Frame, shadows: EnvironmentShadows) -> dict[str, object]:
         gl = self._gl
         self._summing.use()
         self._summing.clear()
@@ -56,7 +101,7 @@ class Visibility:
         return self._found()
 
     def find_by_picture(self, programs: Programs, frame: Frame) -> dict[str, object]:
-        """As `find`, by what else is in the picture: ambient occlusion."""
+        """By what else is in the picture: ambient occlusion."""
         self._result.use()
         program = programs.get("display/fullscreen.vert", "raster/ambient_occlusion.frag", {
             "IS_ORTHOGRAPHIC": int(frame.camera.height is not None)})
