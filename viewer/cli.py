@@ -287,10 +287,10 @@ def doctor(json_file: str | None) -> None:
     sys.exit(exit_status(findings))
 
 
-@cli.command(short_help="Tell where prepared environments are kept.")
+@cli.command(short_help="Tell what is kept on disk to be faster.")
 @click.option("--clear", is_flag=True, help="Empty it.")
 def cache(clear: bool) -> None:
-    """Tell where prepared environments, and how fast this device is, are kept and how much room they take.
+    """Tell where prepared environments, and what is known of this device, are kept, and how much room they take.
 
     The variable PBR_VIEWER_CACHE names another folder, or is `off`.
     """

@@ -173,7 +173,7 @@ AOV_OPTION = click.option("--aov", type=Layers(), default=(), help=(
     f"Mode path: put these layers into the .exr, of {', '.join(LAYERS)}, with commas between."))
 QUIET_OPTION = click.option("-q", "--quiet", is_flag=True, help="No warnings and no progress bar.")
 NO_CACHE_OPTION = click.option("--no-cache", is_flag=True,
-                               help="Neither read nor write the cache of prepared environments.")
+                               help="Neither read nor write what `pbr-viewer cache` tells of.")
 BACKEND_OPTION = click.option("--backend", type=click.Choice(["auto", "egl", "osmesa", "window"]), default="auto",
                               show_default=True, help="Where OpenGL comes from; `pbr-viewer doctor` tells what works "
                                                       "here.")
