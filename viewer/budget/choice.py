@@ -13,8 +13,8 @@ from ..settings import Settings
 from .calibration import Calibration
 from .cost import Cost, Load
 
-MIN_SAMPLES = 1.5
-"""A pixel, as expected: with fewer, what is expected being no promise, some might get none."""
+MIN_SAMPLES = 4.0
+"""A pixel, as expected: the last pixel has its first sample when the others have had about so many."""
 SURELY = 3.0
 """How many times better the path tracer has to be, as expected, to be taken unseen."""
 MARGIN = 1.5
