@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
-import moderngl
 import numpy as np
 import pytest
 
@@ -16,16 +16,6 @@ from viewer.trace.denoise import make_denoiser
 SIZE = 96
 HITS = np.s_[30:, :]
 """Above is background."""
-
-
-@dataclass
-class Film:
-    radiance: moderngl.Texture
-    sum: moderngl.Texture
-    squares: moderngl.Texture
-    albedo: moderngl.Texture
-    normal: moderngl.Texture
-    emission: moderngl.Texture
 
 
 @dataclass
@@ -88,7 +78,7 @@ def denoise(request, context, programs):
         height, width = arrays["radiance"].shape[:2]
         textures = {name: context.gl.texture((width, height), 4, np.ascontiguousarray(array), dtype="f4")
                     for name, array in arrays.items()}
-        result = denoiser.filter(Film(**textures))
+        result = denoiser.filter(SimpleNamespace(**textures))
         return np.frombuffer(result.read(), np.float32).reshape(height, width, 4)
 
     run.kind = request.param
@@ -208,7 +198,7 @@ def test_one_pixel_and_another_size(context, programs, truth):
     for cut in (np.s_[40:41, 40:41], np.s_[:, 3:50], np.s_[40:41, 40:41]):
         part = {name: np.ascontiguousarray(array[cut]) for name, array in arrays.items()}
         size = part["sum"].shape[1::-1]
-        film = Film(**{name: context.gl.texture(size, 4, array, dtype="f4") for name, array in part.items()})
+        film = SimpleNamespace(**{name: context.gl.texture(size, 4, array, dtype="f4") for name, array in part.items()})
         result = np.frombuffer(wavelet.filter(film).read(), np.float32)
         assert result.size == part["sum"].size and np.isfinite(result).all()
         if size == (1, 1):
