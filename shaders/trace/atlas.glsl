@@ -8,7 +8,7 @@ const uint MAP_NEAREST = 16u, MAP_SECOND_UV = 32u, MAP_TRANSFORMED = 64u;
 
 uniform int u_maps;
 #if HAS_COLOR_MAPS
-uniform sampler2D u_color_atlas; // sRGB, decoded by the fetch
+uniform sampler2D u_color_atlas; // light: sRGB that the fetch decodes, or linear halves
 #endif
 #if HAS_DATA_MAPS
 uniform sampler2D u_data_atlas;

@@ -3,14 +3,10 @@
 #include "trace/limit.glsl"
 #include "trace/mis.glsl"
 #include "trace/environment.glsl"
+#include "trace/is_finite.glsl"
 
 layout(location = 0) out vec4 o_sum;     // rgb, 1
 layout(location = 1) out vec4 o_squares; // of rgb; alpha
-
-// By the exponent's bits: a compiler that takes it for granted that nothing is NaN must not drop the test.
-bool is_finite(vec3 v) {
-    return all(notEqual(floatBitsToUint(v) & 0x7f800000u, uvec3(0x7f800000u)));
-}
 
 void main() {
     ivec2 slot = ivec2(gl_FragCoord.xy);

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..scene.color import LUMINANCE
 from ..scene.light import Light
 from .prefilter import row_angles
-
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 def ambient_and_key(irradiance: np.ndarray) -> tuple[np.ndarray, Light]:
@@ -29,7 +28,7 @@ def ambient_and_key(irradiance: np.ndarray) -> tuple[np.ndarray, Light]:
     y = (weights * cosine) @ rows.mean(axis=1)
     z = (weights * sine) @ (rows * np.sin(phi)[:, None]).mean(axis=1)
     linear = 3 * np.stack([x, y, z])
-    towards = linear @ _LUMINANCE
+    towards = linear @ LUMINANCE
     length = float(np.linalg.norm(towards))
     towards = towards / length if length > 0 else np.array([0.0, 1.0, 0.0])
     key = np.clip(2 * towards @ linear, 0, 4 * np.maximum(mean, 0))

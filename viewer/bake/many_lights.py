@@ -9,11 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..scene.color import LUMINANCE
 from .prefilter import MARGIN
 
 EVEN = 0.3
 """Share of the lights spread evenly over the sphere: surfaces that see only the map's dark side need some, too."""
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 _GOLDEN = (np.sqrt(5) - 1) / 2
 
 
@@ -35,7 +35,7 @@ def many_lights(level: np.ndarray, count: int) -> ManyLights:
     radiance = level.astype(np.float64)
     edges = np.pi * np.clip((np.arange(height + 1) / height - MARGIN) / (1 - 2 * MARGIN), 0, 1)
     heights = np.cos(edges[:-1]) - np.cos(edges[1:])  # none beyond the poles
-    luminance = radiance @ _LUMINANCE
+    luminance = radiance @ LUMINANCE
     mean = heights @ luminance.mean(axis=1) / heights.sum()
     density = (1 - EVEN) * luminance + EVEN * mean if mean > 0 else np.ones_like(luminance)
     rows = heights * density.mean(axis=1)

@@ -10,11 +10,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..scene.color import LUMINANCE
 from ..scene.environment import Environment
 from ..scene.equirect import texel_directions, texel_solid_angles
 from ..scene.light import Light
 
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 SHARE = 0.15  # of the whole map's energy: the suns of real skies hold 0.5 and more, single lamps 0.1 and less
 CORE, DISK, RING = np.radians([1.5, 2.5, 5.0])  # half angles; a sun with its glare in a camera's lens is 1 degree wide
 MOST = 3

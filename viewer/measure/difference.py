@@ -12,9 +12,9 @@ import numpy as np
 
 from ..errors import InputError
 from ..image import LINEAR_FORMATS, Image
+from ..scene.color import LUMINANCE
 
 Kind = Literal["ldr", "hdr"]
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
 # The largest radiance FLIP's tone map (ACES, Narkowicz' fit) takes to 0.85; sets the exposures of HDR-FLIP.
 _WHITE = 2.11887
 
@@ -123,7 +123,7 @@ def _exposures(reference: np.ndarray) -> dict[str, float]:
     It takes them from the largest and the median luminance (Andersson et al. 2021, section 3.2), and at a median of
     0 loops over infinities or ends the process; here the median of what is not black stands in.
     """
-    luminance = reference @ _LUMINANCE
+    luminance = reference @ LUMINANCE.astype(np.float32)
     if np.median(luminance) > 0:
         return {}
     lit = luminance[luminance > 0]

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .color import LUMINANCE
 from .environment import Environment
 from .equirect import sphere_integral, texel_directions, texel_solid_angles
 
@@ -93,7 +94,7 @@ def sky() -> np.ndarray:
     on_ground = (radiance[upper] * down).sum(axis=(0, 1)) + illuminance * sun[1]
     radiance[HEIGHT // 2:] = GROUND_ALBEDO * on_ground / np.pi
     radiance += disk[:, :, None] * illuminance.astype(np.float32)
-    return radiance * np.float32(np.pi / (on_ground @ [0.2126, 0.7152, 0.0722]))
+    return radiance * np.float32(np.pi / (on_ground @ LUMINANCE))
 
 
 def _sun_direction() -> np.ndarray:

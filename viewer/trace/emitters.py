@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..scene.color import srgb_to_linear
+from ..scene.color import LUMINANCE, srgb_to_linear
 from ..scene.material import Texture
 from ..scene.scene import Scene
 from .geometry import TraceGeometry, TraceInstance
 from .materials import EMISSION, TraceMaterial
 
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 _MAX_SIDE = 1024
 """Texels of a summed-area table; those of a larger image are added up by blocks."""
 

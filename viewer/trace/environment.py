@@ -9,6 +9,7 @@ import numpy as np
 
 from ..raster.floats import float_texture
 from ..raster.programs import set_uniform
+from ..scene.color import LUMINANCE
 from ..scene.environment import Environment
 from ..scene.equirect import texel_solid_angles
 from .alias import alias_table
@@ -26,8 +27,6 @@ FLOOR = 0.1
 On those maps it gives up at most 6 % of the standard deviation that 0.02 would have; without compensation, at 1, it is
 1.01 to 1.4 times as large."""
 
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
-
 
 def cell_texels(height: int, width: int) -> int:
     """Texels of a map along each side of a cell."""
@@ -44,7 +43,7 @@ def cell_densities(radiance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     is sampled evenly by it.
     """
     height, width = radiance.shape[:2]
-    luminance = radiance @ _LUMINANCE
+    luminance = radiance @ LUMINANCE.astype(np.float32)
     luminance = 0.75 * luminance + 0.125 * (np.roll(luminance, 1, axis=1) + np.roll(luminance, -1, axis=1))
     padded = np.pad(luminance, ((1, 1), (0, 0)), mode="edge")
     luminance = 0.75 * luminance + 0.125 * (padded[:-2] + padded[2:])

@@ -9,12 +9,13 @@ import numpy as np
 
 from ..gpu.context import Context
 from ..raster.programs import set_uniform
+from ..scene.color import LUMINANCE
 from ..scene.environment import Environment
 from ..scene.equirect import sphere_integral
 from ..scene.scene import Scene
 from ..settings import Settings
 from .alias import alias_table
-from .emitters import LUMINANCE, find_emitters
+from .emitters import find_emitters
 from .environment import EnvironmentTable
 from .geometry import TraceGeometry
 from .punctual import light_powers, punctual_words

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..scene.color import LUMINANCE
 from ..scene.light import Light
 from ..scene.scene import Scene
-from .emitters import LUMINANCE
 
 _BRIGHTEST = 1e300  # so that sums of them stay finite
 

@@ -3,6 +3,7 @@
 #include "sample/luminance.glsl"
 #include "trace/denoise/color.glsl"
 #include "trace/denoise/guide.glsl"
+#include "trace/is_finite.glsl"
 
 uniform sampler2D u_radiance;  // mean, associated alpha
 uniform sampler2D u_sum;       // rgb, number of samples
@@ -12,11 +13,6 @@ uniform sampler2D u_normal;    // likewise, w: sum of the depth
 uniform sampler2D u_emission;  // sum of what they shine
 layout(location = 0) out vec4 o_light;
 layout(location = 1) out vec4 o_guide;
-
-bool is_finite(vec3 c) {
-    uvec3 exponent = floatBitsToUint(c) & 0x7f800000u;
-    return all(notEqual(exponent, uvec3(0x7f800000u)));
-}
 
 // Mean depth at p, or that at `otherwise` where nothing is hit there.
 float depth_at(ivec2 p, float otherwise) {

@@ -14,6 +14,7 @@ from typing import Any
 
 from ...bake.dominant import ambient_and_key
 from ...bake.environment import BakedEnvironment, bake_environment
+from ...scene.color import LUMINANCE
 from ...scene.environment import Environment
 from ...scene.light import Light
 from ...scene.scene import Scene
@@ -27,7 +28,6 @@ KNOBS = ("multiscatter", "specular_aa", "fresnel")
 """Settings of image-based light of which the other choices are measured, one at a time."""
 SHADOWED = ("none", "msaa-4", "ssaa-4")
 """Antialiasing with which ambient occlusion and the environment's shadows are measured."""
-LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 
 @dataclass(frozen=True)
@@ -158,7 +158,7 @@ def _as_option(light: Light, rotation: float, intensity: float) -> Light:
     """The light, turned and scaled with its environment, white, and with the digits that `light_option` has."""
     x, y, z = light.direction
     c, s = math.cos(rotation), math.sin(rotation)
-    lux = light.intensity * intensity * sum(a * b for a, b in zip(light.color, LUMINANCE))
+    lux = light.intensity * intensity * float(light.color @ LUMINANCE)
     turned = replace(light, direction=(c * x + s * z, y, c * z - s * x), intensity=lux)
     azimuth, elevation, lux = map(float, light_option(turned).split(","))
     return Light.from_angles(math.radians(azimuth), math.radians(elevation), lux)
