@@ -18,9 +18,9 @@ from ..report.chart import (
     TOP,
     WIDTH,
     Chart,
+    Line,
     LogAxis,
     Mark,
-    Path,
     Shape,
     Words,
     off_zero,
@@ -42,12 +42,12 @@ def cost_chart(piece: Mapping[str, Any]) -> Chart:
     x, y = LogAxis(costs, LEFT, WIDTH - RIGHT), LogAxis(errors, PLOT_BOTTOM, TOP)
     shapes: list[Shape] = [Words(LEFT, 18, piece["title"], "start", 14)]
     for tick in x.ticks():
-        shapes += [Path(((x(tick), TOP), (x(tick), PLOT_BOTTOM)), FAINT, 1, 0, "grid"),
+        shapes += [Line(((x(tick), TOP), (x(tick), PLOT_BOTTOM)), FAINT, 1, 0, "grid"),
                    Words(x(tick), PLOT_BOTTOM + 16, f"{tick:g} ns")]
     for tick in y.ticks():
-        shapes += [Path(((LEFT, y(tick)), (WIDTH - RIGHT, y(tick))), FAINT, 1, 0, "grid"),
+        shapes += [Line(((LEFT, y(tick)), (WIDTH - RIGHT, y(tick))), FAINT, 1, 0, "grid"),
                    Words(LEFT - 6, y(tick) + 4, f"{tick:g}", "end")]
-    shapes += [Path(((LEFT, TOP), (LEFT, PLOT_BOTTOM), (WIDTH - RIGHT, PLOT_BOTTOM)), INK, 1, 0, "axis"),
+    shapes += [Line(((LEFT, TOP), (LEFT, PLOT_BOTTOM), (WIDTH - RIGHT, PLOT_BOTTOM)), INK, 1, 0, "axis"),
                Words((LEFT + WIDTH) / 2, PLOT_BOTTOM + 34, f"time of one {piece['per']}"),
                Words(14, (TOP + PLOT_BOTTOM) / 2, f"RMS error ({piece['unit']})", "middle", 12, "ink", True)]
     best = sorted(point for point, is_on in zip(zip(costs, errors), pareto.front(costs, errors)) if is_on)
@@ -72,6 +72,6 @@ def _style(k: int) -> tuple[str, str]:
     return COLORS[k % len(COLORS)], SHAPES[(k + k // len(COLORS)) % len(SHAPES)]
 
 
-def _ring(x: float, y: float) -> Path:
+def _ring(x: float, y: float) -> Line:
     circle = Mark(0, 0, INK, "circle").outline()
-    return Path(tuple((x + 1.8 * a, y + 1.8 * b) for a, b in [*circle, circle[0]]), INK, 1.5, 0, "front")
+    return Line(tuple((x + 1.8 * a, y + 1.8 * b) for a, b in [*circle, circle[0]]), INK, 1.5, 0, "front")

@@ -21,7 +21,9 @@ _NAMES = {"relmse_trimmed": "trimmed relMSE", "relmse": "relMSE", "rmse": "RMSE"
 
 
 @dataclass(frozen=True)
-class Path:
+class Line:
+    """Through `points`, in pixels from the upper left; `kind` is its class in the SVG, `dash` 0 for a whole one."""
+
     points: tuple[tuple[float, float], ...]
     color: str
     width: float = 1.0
@@ -31,6 +33,8 @@ class Path:
 
 @dataclass(frozen=True)
 class Mark:
+    """Of a point, filled where it is on the Pareto front."""
+
     x: float
     y: float
     color: str
@@ -60,11 +64,13 @@ class Words:
     """Written from bottom to top."""
 
 
-Shape = Path | Mark | Words
+Shape = Line | Mark | Words
 
 
 @dataclass(frozen=True)
 class Chart:
+    """What is drawn, the last in front."""
+
     width: float
     height: float
     shapes: tuple[Shape, ...]
@@ -83,7 +89,7 @@ def error_chart(document: Mapping[str, Any], measure: str) -> Chart:
     shapes: list[Shape] = [Words(LEFT, 18, title, "start", 14)]
     shapes += _frame(x, y, _NAMES[measure])
     if y.low < floor:
-        shapes += [Path(((LEFT, y(floor)), (WIDTH - RIGHT, y(floor))), INK, 1, 3, "floor"),
+        shapes += [Line(((LEFT, y(floor)), (WIDTH - RIGHT, y(floor))), INK, 1, 3, "floor"),
                    Words(LEFT + 6, y(floor) - 4, "noise of the reference", "start", 11, "soft")]
     on_front = [k for k, point in enumerate(points) if point["pareto_by"][measure]]
     shapes.append(stairs([(x(times[k]), y(values[k])) for k in on_front]))
@@ -92,7 +98,7 @@ def error_chart(document: Mapping[str, Any], measure: str) -> Chart:
         color, shape = styles[points[k]["title"]]
         error = points[k]["error"][measure]
         title = f"{points[k]['label']}: {spell_time(times[k])}, {_NAMES[measure]} {error:.3g}"
-        shapes.append(Path(tuple((x(time), y(values[k])) for time in spreads[k]), color, 1, 0, "spread"))
+        shapes.append(Line(tuple((x(time), y(values[k])) for time in spreads[k]), color, 1, 0, "spread"))
         shapes.append(Mark(x(times[k]), y(values[k]), color, shape, k in on_front, k, title))
     rows = _legend(styles, shapes)
     return Chart(WIDTH, PLOT_BOTTOM + 52 + rows * LEGEND_ROW, tuple(shapes))
@@ -134,29 +140,29 @@ class LogAxis:
 def _frame(x: LogAxis, y: LogAxis, measure: str) -> list[Shape]:
     shapes: list[Shape] = []
     for tick in x.ticks():
-        shapes += [Path(((x(tick), TOP), (x(tick), PLOT_BOTTOM)), FAINT, 1, 0, "grid"),
+        shapes += [Line(((x(tick), TOP), (x(tick), PLOT_BOTTOM)), FAINT, 1, 0, "grid"),
                    Words(x(tick), PLOT_BOTTOM + 16, spell_time(tick))]
     for tick in y.ticks():
-        shapes += [Path(((LEFT, y(tick)), (WIDTH - RIGHT, y(tick))), FAINT, 1, 0, "grid"),
+        shapes += [Line(((LEFT, y(tick)), (WIDTH - RIGHT, y(tick))), FAINT, 1, 0, "grid"),
                    Words(LEFT - 6, y(tick) + 4, f"{tick:g}", "end")]
     for budget in BUDGETS_MS:
         if x.low < budget < x.high:
             name = "30 a second" if budget < 100 else spell_time(budget)
-            shapes += [Path(((x(budget), TOP), (x(budget), PLOT_BOTTOM)), INK, 1, 2, "budget"),
+            shapes += [Line(((x(budget), TOP), (x(budget), PLOT_BOTTOM)), INK, 1, 2, "budget"),
                        Words(x(budget) - 4, TOP + 4, name, "end", 11, "soft", True)]
     corner = ((LEFT, TOP), (LEFT, PLOT_BOTTOM), (WIDTH - RIGHT, PLOT_BOTTOM))
-    return [*shapes, Path(corner, INK, 1, 0, "axis"),
+    return [*shapes, Line(corner, INK, 1, 0, "axis"),
             Words((LEFT + WIDTH) / 2, PLOT_BOTTOM + 34, "time of a picture"),
             Words(14, (TOP + PLOT_BOTTOM) / 2, measure, "middle", 12, "ink", True)]
 
 
-def stairs(corners: Sequence[tuple[float, float]]) -> Path:
+def stairs(corners: Sequence[tuple[float, float]]) -> Line:
     """What can be had: down where a point of the front stands, level until the next."""
     steps: list[tuple[float, float]] = []
     for k, (x, y) in enumerate(corners):
         steps += [(x, corners[k - 1][1] if k else y), (x, y)]
     steps.append((WIDTH - RIGHT, corners[-1][1]))
-    return Path(tuple(steps), INK, 1.5, 0, "front")
+    return Line(tuple(steps), INK, 1.5, 0, "front")
 
 
 def _styles(points: Sequence[Mapping[str, Any]]) -> dict[str, tuple[str, str]]:
@@ -184,10 +190,10 @@ def to_svg(chart: Chart) -> str:
     return "".join([*parts, "</svg>"])
 
 
-def _path_svg(path: Path) -> str:
-    dash = f' stroke-dasharray="{path.dash:g}"' if path.dash else ""
-    return (f'<polyline class="{path.kind}" points="{_listed(path.points)}" fill="none" stroke="{path.color}" '
-            f'stroke-width="{path.width:g}"{dash}/>')
+def _line_svg(line: Line) -> str:
+    dash = f' stroke-dasharray="{line.dash:g}"' if line.dash else ""
+    return (f'<polyline class="{line.kind}" points="{_listed(line.points)}" fill="none" stroke="{line.color}" '
+            f'stroke-width="{line.width:g}"{dash}/>')
 
 
 def _mark_svg(mark: Mark) -> str:
@@ -206,7 +212,7 @@ def _words_svg(words: Words) -> str:
             f'font-size="{words.size:g}" fill="{fill}"{turn}>{html.escape(words.text)}</text>')
 
 
-_SVG = {Path: _path_svg, Mark: _mark_svg, Words: _words_svg}
+_SVG = {Line: _line_svg, Mark: _mark_svg, Words: _words_svg}
 
 
 def _listed(points: Sequence[tuple[float, float]]) -> str:

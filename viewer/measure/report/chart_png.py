@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
-from pathlib import Path as File
+from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
 
 from ...atomic import atomic_write
-from .chart import Chart, Mark, Path, Words
+from .chart import Chart, Line, Mark, Words
 
 SCALE = 2
 """Pixels of the file to one of the layout."""
@@ -17,14 +17,14 @@ _FINE = 2 * SCALE  # drawn twice as large and shrunk: Pillow's lines have no sof
 _ANCHORS = {"start": "l", "middle": "m", "end": "r"}
 
 
-def save_png(chart: Chart, file: File) -> None:
+def save_png(chart: Chart, file: Path) -> None:
     """Raises OutputError."""
     size = round(chart.width * _FINE), round(chart.height * _FINE)
     picture = Image.new("RGB", size, "white")
     draw = ImageDraw.Draw(picture)
     for shape in chart.shapes:
-        if isinstance(shape, Path):
-            _draw_path(draw, shape)
+        if isinstance(shape, Line):
+            _draw_line(draw, shape)
         elif isinstance(shape, Mark):
             corners = [(x * _FINE, y * _FINE) for x, y in shape.outline()]
             draw.polygon(corners, shape.color if shape.is_on_front else "white", shape.color, round(1.5 * _FINE))
@@ -34,19 +34,19 @@ def save_png(chart: Chart, file: File) -> None:
         picture.reduce(_FINE // SCALE).save(temporary, "PNG", optimize=True)
 
 
-def _draw_path(draw: ImageDraw.ImageDraw, path: Path) -> None:
-    width = max(round(path.width * _FINE), 1)
-    points = [(x * _FINE, y * _FINE) for x, y in path.points]
-    if not path.dash:
-        draw.line(points, path.color, width, joint="curve")
+def _draw_line(draw: ImageDraw.ImageDraw, line: Line) -> None:
+    width = max(round(line.width * _FINE), 1)
+    points = [(x * _FINE, y * _FINE) for x, y in line.points]
+    if not line.dash:
+        draw.line(points, line.color, width, joint="curve")
         return
-    step = path.dash * _FINE
+    step = line.dash * _FINE
     for (x0, y0), (x1, y1) in pairwise(points):
         length = math.hypot(x1 - x0, y1 - y0)
         for k in range(0, int(length / step), 2):
             a, b = k * step / length, min((k + 1) * step / length, 1.0)
             draw.line([(x0 + a * (x1 - x0), y0 + a * (y1 - y0)), (x0 + b * (x1 - x0), y0 + b * (y1 - y0))],
-                      path.color, width)
+                      line.color, width)
 
 
 def _draw_words(picture: Image.Image, draw: ImageDraw.ImageDraw, words: Words) -> None:
