@@ -41,6 +41,7 @@ class AtlasLayout:
 
     @property
     def warnings(self) -> list[str]:
+        """In words, what is not at its full size."""
         shrunk = sum(1 for n in self.halvings.values() if n)
         if not shrunk:
             return []

@@ -28,6 +28,8 @@ class NoisyFilm(Protocol):
 
 
 class Denoiser(Protocol):
+    """Filters films, one after the other, of any size."""
+
     def filter(self, film: NoisyFilm) -> moderngl.Texture:
         """The picture without noise, RGBA32F, in a texture of the denoiser's own, valid until the next call.
 

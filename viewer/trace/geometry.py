@@ -53,6 +53,7 @@ class TraceInstance:
 
     @property
     def is_mirrored(self) -> bool:
+        """Whether the transform turns counter-clockwise triangles into clockwise ones."""
         return handedness(self.transform) < 0
 
 
@@ -71,6 +72,7 @@ class TraceGeometry:
 
     @property
     def triangle_count(self) -> int:
+        """Of all instances together."""
         return sum(len(self.meshes[instance.mesh].triangles) for instance in self.instances)
 
 

@@ -22,6 +22,8 @@ _WIDTH = 256
 
 
 class SeeThrough:
+    """The program and the list of hits it is asked about."""
+
     def __init__(self, context: Context, surfaces: Surfaces) -> None:
         self._gl = context.gl
         self._surfaces = surfaces

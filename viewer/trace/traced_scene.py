@@ -45,6 +45,7 @@ class TracedScene:
 
     @property
     def switches(self) -> dict[str, int]:
+        """The defines that say what of surfaces and lights there is."""
         return self._data.switches | self._lights.switches
 
     @property

@@ -92,10 +92,12 @@ class Wave:
 
     @property
     def present(self) -> moderngl.Framebuffer:
+        """Draws into the present state."""
         return self._targets[self._present]
 
     @property
     def next(self) -> moderngl.Framebuffer:
+        """Draws into the state that is present after `turn`."""
         return self._targets[1 - self._present]
 
     @property
@@ -104,6 +106,7 @@ class Wave:
         return self._origins[1 - self._present]
 
     def turn(self) -> None:
+        """Make the next state the present one."""
         self._present = 1 - self._present
 
     def assign(self, blocks: np.ndarray, work: Sequence[Work]) -> None:
@@ -118,6 +121,7 @@ class Wave:
             texture.use(unit)
 
     def bind_blocks(self) -> None:
+        """The blocks alone."""
         self._table.use(UNIT_BLOCKS)
 
     def draw_blocks(self, program: moderngl.Program, blocks: np.ndarray) -> None:

@@ -39,6 +39,7 @@ class WordsBuilder:
         return copy
 
     def uniforms(self) -> dict[str, int]:
+        """Where each section begins, by the name that shaders have for it."""
         return {f"u_{name}": offset for name, offset in self.offsets.items()}
 
     def texture(self, gl: moderngl.Context, scene_name: str = "") -> moderngl.Texture:

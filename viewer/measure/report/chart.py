@@ -54,6 +54,8 @@ class Mark:
 
 @dataclass(frozen=True)
 class Words:
+    """Text whose baseline begins, has its middle or ends at (x, y), as `anchor` says."""
+
     x: float
     y: float
     text: str

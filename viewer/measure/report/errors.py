@@ -25,6 +25,8 @@ One pixel in which a rare path found a lamp, or a highlight is a pixel aside, ca
 
 @dataclass(frozen=True, eq=False)
 class Errors:
+    """Of one picture."""
+
     relmse: float
     """Mean of (x - r)^2 / (r^2 + 0.01) (Rousselle et al. 2011); its root is about the relative error."""
     relmse_trimmed: float

@@ -69,6 +69,7 @@ class Method:
         return replace(base, **{name: getattr(Settings(), name) for name in idle} | self.changes)
 
     def scene(self, scene: Scene) -> Scene:
+        """The scene under the method's own lights, if it has some."""
         return scene if self.lights is None else scene.relit(environment=None, lights=(*scene.lights, *self.lights))
 
 
@@ -78,6 +79,8 @@ PLAIN = Method("ibl", "image-based light", {"environment_shadows": "off", "antia
 
 @dataclass(frozen=True)
 class LeftOut:
+    """A method that is not measured, and why, in words."""
+
     method: str
     reason: str
 

@@ -56,6 +56,7 @@ def fill(template: str, parts: dict[str, str]) -> str:
 
 
 def resource(name: str) -> str:
+    """The text of a file beside this one."""
     return (_HERE / name).read_text(encoding="utf-8")
 
 

@@ -20,6 +20,7 @@ class Timing:
 
     @classmethod
     def of(cls, seconds: list[float]) -> Timing:
+        """Of the seconds that each run took."""
         p10, median, p90 = np.percentile(np.array(seconds) * 1e3, (10, 50, 90))
         return cls(float(median), float(p10), float(p90), len(seconds))
 
