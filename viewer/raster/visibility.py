@@ -41,9 +41,9 @@ class VisibilityPass:
             self._shadows = None
 
     def find(self, frame: Frame, plan: Plan, draw_gbuffer: Callable[[], None]) -> dict[str, object]:
-        """Draw the pass; returns the uniforms of shaders/raster/visibility.glsl. Leaves a framebuffer of its own in use.
+        """Draw the pass; returns the uniforms of shaders/raster/visibility.glsl.
 
-        `draw_gbuffer()` draws shaders/raster/gbuffer.frag.
+        Leaves a framebuffer of its own in use. `draw_gbuffer()` draws shaders/raster/gbuffer.frag.
         """
         if self._targets is None or self._targets.size != frame.size:
             self._release_targets()
