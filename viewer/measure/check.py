@@ -19,7 +19,6 @@ from .lobe_stability import check_lobe_extremes, check_lobe_stability
 from .stability import check_stability
 from .user_lobe import user_case
 
-WHAT = ("energy", "stability", "all")
 Part = tuple[str, Callable[[], Iterator[Check]]]
 
 
