@@ -77,7 +77,10 @@ def test_nothing_is_measured_again_that_has_not_changed(run, report_folder, tmp_
     assert json.loads((folder / "report.json").read_text())["points"] == \
         json.loads((report_folder / "report.json").read_text())["points"]
     (folder / "measured" / "phong-antialias-none.json").unlink()
-    assert run("report", MODEL, "-o", folder, *QUICK).status == 0 and measured == ["phong-antialias-none"]
+    kept = {path.stem for path in (folder / "measured").glob("*.json")}
+    assert run("report", MODEL, "-o", folder, *QUICK).status == 0
+    # The time that it took is free again, maybe for a point that there was none for.
+    assert "phong-antialias-none" in measured and not kept & set(measured)
     assert run("report", MODEL, "-o", folder, *QUICK, "--exposure", "1").status == 0 and len(measured) >= 6
 
 
