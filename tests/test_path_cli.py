@@ -72,14 +72,6 @@ def test_a_target_ends_it(run, folder):
     assert stats["estimated_error"] <= 1 and stats["spp"] == 64
 
 
-@pytest.fixture
-def interruptible():
-    """Ctrl-C is heard even where a shell started the tests in the background and has it ignored."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
-
-
 def interrupting(monkeypatch, before: int, times: int = 1):
     """Exposure.step as if somebody pressed Ctrl-C so many times, once `before` steps were made."""
     step, steps = Exposure.step, []
@@ -97,7 +89,7 @@ def interrupting(monkeypatch, before: int, times: int = 1):
     monkeypatch.setattr(Exposure, "step", interrupted)
 
 
-def test_ctrl_c_writes_the_picture_so_far_and_says_how_far_it_came(run, folder, monkeypatch, interruptible):
+def test_ctrl_c_writes_the_picture_so_far_and_says_how_far_it_came(run, folder, monkeypatch):
     handlers = signal.getsignal(signal.SIGINT)
     interrupting(monkeypatch, before=1)
     outcome = run("render", MODEL, SCENES / "unlit.glb", "-o", folder, *PATH, "--spp", "500", "--stats", "s.json")
@@ -110,8 +102,7 @@ def test_ctrl_c_writes_the_picture_so_far_and_says_how_far_it_came(run, folder, 
 
 
 @pytest.mark.parametrize("before, times", [(0, 1), (1, 2)])
-def test_ctrl_c_before_there_is_a_picture_or_twice_leaves_nothing(
-        run, folder, monkeypatch, interruptible, before, times):
+def test_ctrl_c_before_there_is_a_picture_or_twice_leaves_nothing(run, folder, monkeypatch, before, times):
     interrupting(monkeypatch, before, times)
     outcome = run("render", MODEL, "-o", "a.png", *PATH, "--spp", "500")
     assert (outcome.status, outcome.error) == (130, "interrupted") and names(folder) == []
