@@ -128,6 +128,10 @@ def test_the_choice_is_told_in_a_line(ball):
     choice = Choice(found, found[-2], 2.0, None, seconds=1.96, samples=12.0, error=0.23, held=[(found[1], 0.31)])
     assert str(choice) == "time budget 2 s: path traced, 12 samples a pixel, in 2 s; error 0.23; image: 0.31"
     assert choice.to_json()["compared"] == [{"method": "image", "error": 0.31}]
+    beaten = replace(found[-2], error=0.4)  # by its samples, whatever was expected of it
+    kept = Choice(found, found[1], 2.0, None, seconds=1.9, error=0.31, held=[(found[1], 0.31)], beaten=beaten)
+    assert str(kept) == "time budget 2 s: image, in 1.9 s; error 0.31; path traced: 0.4"
+    assert kept.to_json()["compared"][1] == {"method": "path traced", "error": 0.4}
     late = Choice(found, replace(found[1], seconds=0.3), 0.05, None, seconds=0.3)
     assert str(late) == ("time budget 0.05 s: image, in 0.3 s; expected error 0.2 "
                          "(nothing is ready within 0.05 s here, preparing the scene included)")

@@ -85,6 +85,8 @@ class Choice:
     """Relative, of this very picture as its samples tell; None: it is `taken.error`, what is usual."""
     held: list[tuple[Candidate, float]] = field(default_factory=list)
     """Pictures of the raster that were made too, and their errors against the path-traced one."""
+    beaten: Candidate | None = None
+    """The path-traced picture that one of them was nearer to the truth than, with the error its samples tell."""
     unfinished: Candidate | None = None
     """What was begun, and came to nothing in that time."""
 
@@ -109,7 +111,8 @@ class Choice:
                 "time_budget": self.budget, "error_target": self.target, "unmet": self.unmet or None,
                 "candidates": [one.to_json() for one in self.found],
                 "unfinished": self.unfinished and self.unfinished.title,
-                "compared": [{"method": one.title, "error": error} for one, error in self.held]}
+                "compared": [{"method": one.title, "error": error} for one, error in self.held]
+                            + ([{"method": self.beaten.title, "error": self.beaten.error}] if self.beaten else [])}
 
     def __str__(self) -> str:
         """In a line."""
@@ -127,6 +130,8 @@ class Choice:
         if self.taken.is_traced and self.held:
             best, error = min(self.held, key=itemgetter(1))
             return best.title, error
+        if self.beaten is not None:
+            return self.beaten.title, self.beaten.error
         other = [one for one in self.found if one.is_traced != self.taken.is_traced and one.fits(self.budget)
                  and self.unfinished is None]
         best_other = min(other, key=attrgetter("error"), default=None)

@@ -72,6 +72,7 @@ class Making:
                     return self._taken(rival, other, None)
                 self._choice.held.append((rival, against(other, exposure)))
                 if self._choice.held[-1][1] < self._error(exposure):
+                    self._choice.beaten = replace(path, error=self._error(exposure))
                     return self._taken(rival, other, self._choice.held[-1][1])
             return self._developed(path, exposure)
         finally:
