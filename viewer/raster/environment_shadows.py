@@ -19,6 +19,7 @@ from ..scene.light import Light
 from ..scene.scene import Scene
 from .display import fullscreen
 from .frame import Frame
+from .gbuffer import UNIT_NORMALS
 from .programs import Programs, set_uniform
 from .shadows import Atlas, DrawDepth, light_tiles
 
@@ -27,7 +28,7 @@ ROOM = 1 << 26
 """Texels of depth for all lights together, 256 MB."""
 MAX_TILE = 1024
 """With 16 lights on tiles of 1024 texels a side most models come nearer to the truth than with 256 on tiles of 256."""
-UNIT_POSITIONS, UNIT_NORMALS, UNIT_ATLAS = range(3)
+UNIT_ATLAS = UNIT_NORMALS + 1
 BINDING = 2
 """Of the uniform block, after those of lights and shadows."""
 

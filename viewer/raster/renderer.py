@@ -24,6 +24,7 @@ from .display import DisplayPass
 from .environment import EnvironmentLight
 from .floats import float_texture
 from .frame import Frame, uniform
+from .gbuffer import GBuffer
 from .lights import pack_lights
 from .programs import Programs
 from .shadows import ShadowMaps
@@ -60,6 +61,7 @@ class Renderer:
         self._display = DisplayPass(self._gl, self.programs)
         self._target: Target | None = None
         self._backdrop: Backdrop | None = None
+        self._gbuffer: GBuffer | None = None
         self._visibility = VisibilityPass(self._gl, self.programs)
         self._surfaces: Surfaces | None = None
         self._environment: EnvironmentLight | None = None
@@ -142,8 +144,7 @@ class Renderer:
 
         if plan.has_visibility:
             with self._pass("visibility"):
-                uniforms |= self._visibility.find(
-                    frame, plan, lambda: self._surfaces.draw_gbuffer(frame, plan, uniforms))
+                uniforms |= self._visibility.find(frame, plan, self._drawn_gbuffer(frame, plan, uniforms))
         target.set_part(part)
         target.framebuffer.use()
         target.framebuffer.clear(depth=1.0)  # alpha 0: a colour is laid behind when the picture is displayed
@@ -174,6 +175,14 @@ class Renderer:
             self._target = None  # should the next one fail
             self._target = Target(self._gl, size, samples, half, supersampling)
         return self._target
+
+    def _drawn_gbuffer(self, frame: Frame, plan: Plan, uniforms: dict[str, object]) -> GBuffer:
+        if self._gbuffer is None or self._gbuffer.size != frame.size:
+            self._release(self._gbuffer)
+            self._gbuffer = None  # should the next one fail
+            self._gbuffer = GBuffer(self._gl, frame.size)
+        self._gbuffer.draw(lambda: self._surfaces.draw_gbuffer(frame, plan, uniforms))
+        return self._gbuffer
 
     def _take_backdrop(self, target: Target) -> dict[str, object]:
         """The picture so far, for what transmits light; the target is drawn into again after it."""
@@ -313,6 +322,6 @@ class Renderer:
     def release(self) -> None:
         """Free what the renderer holds; the context stays."""
         self.context.make_current()
-        self._release(self._display, self._target, self._backdrop, self._visibility, self._surfaces, self._environment,
-                      *self._shadows, *self._blocks, *self._dfg.values())
+        self._release(self._display, self._target, self._backdrop, self._visibility, self._gbuffer, self._surfaces,
+                      self._environment, *self._shadows, *self._blocks, *self._dfg.values())
         self.programs.release()

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 
 import moderngl
 
@@ -12,8 +10,9 @@ from ..plan import Plan
 from ..scene.scene import Scene
 from .display import fullscreen
 from .environment import EnvironmentLight
-from .environment_shadows import UNIT_NORMALS, UNIT_POSITIONS, EnvironmentShadows
+from .environment_shadows import EnvironmentShadows
 from .frame import Frame
+from .gbuffer import GBuffer, nearest_texture
 from .programs import Programs, set_uniform
 from .shadows import DrawDepth
 from .surfaces import UNIT_BACKGROUND, UNIT_VISIBILITY
@@ -40,17 +39,14 @@ class VisibilityPass:
             self._shadows.release()
             self._shadows = None
 
-    def find(self, frame: Frame, plan: Plan, draw_gbuffer: Callable[[], None]) -> dict[str, object]:
-        """Draw the pass; returns the uniforms of shaders/raster/visibility.glsl.
+    def find(self, frame: Frame, plan: Plan, gbuffer: GBuffer) -> dict[str, object]:
+        """Draw the pass over the frame's G-buffer; returns the uniforms of shaders/raster/visibility.glsl.
 
-        Leaves a framebuffer of its own in use. `draw_gbuffer()` draws shaders/raster/gbuffer.frag.
+        Leaves a framebuffer of its own in use.
         """
-        if self._targets is None or self._targets.size != frame.size:
+        if self._targets is None or self._targets.gbuffer is not gbuffer:
             self._release_targets()
-            self._targets = _Targets(self._gl, frame.size)
-        self._targets.begin()
-        draw_gbuffer()
-        self._gl.clear_samplers()
+            self._targets = _Targets(self._gl, gbuffer)
         if plan.ambient_occlusion:
             return self._targets.find_by_picture(self._programs, frame)
         return self._targets.find_by_shadows(self._programs, frame, self._shadows)
@@ -68,29 +64,20 @@ class VisibilityPass:
 class _Targets:
     """The buffers of one picture size, and the passes over them."""
 
-    def __init__(self, gl: moderngl.Context, size: tuple[int, int]) -> None:
-        self._gl, self.size = gl, size
-        self._layout = [_texture(gl, size, "f4") for _ in range(2)]
-        self._sums = [_texture(gl, size, "f4") for _ in range(2)]
-        self._visible = _texture(gl, size, "f2")
-        self._depth = gl.depth_renderbuffer(size)
-        self.gbuffer = gl.framebuffer(self._layout, self._depth)
-        self._summing = gl.framebuffer(self._sums, self._depth)
-        self._summing.depth_mask = False  # nor cleared
-        self._result = gl.framebuffer([self._visible], self._depth)
-        self._result.depth_mask = False
-
-    def begin(self) -> None:
-        self.gbuffer.use()
-        self.gbuffer.clear(depth=1.0)
+    def __init__(self, gl: moderngl.Context, gbuffer: GBuffer) -> None:
+        self._gl, self.gbuffer = gl, gbuffer
+        self._sums = [nearest_texture(gl, gbuffer.size, "f4") for _ in range(2)]
+        self._visible = nearest_texture(gl, gbuffer.size, "f2")
+        self._summing = gbuffer.target(*self._sums)
+        self._result = gbuffer.target(self._visible)
 
     def find_by_shadows(self, programs: Programs, frame: Frame, shadows: EnvironmentShadows) -> dict[str, object]:
         gl = self._gl
         self._summing.use()
         self._summing.clear()
         gl.blend_func = moderngl.ONE, moderngl.ONE
-        with self._on_surfaces(moderngl.BLEND):
-            shadows.add(programs, frame, self._buffers(frame))
+        with self.gbuffer.on_surfaces(moderngl.BLEND):
+            shadows.add(programs, frame, self.gbuffer.bind(frame))
         gl.enable_only(moderngl.NOTHING)
         self._result.use()
         program = programs.get("display/fullscreen.vert", "raster/visibility.frag", {})
@@ -107,39 +94,18 @@ class _Targets:
             "IS_ORTHOGRAPHIC": int(frame.camera.height is not None)})
         pose, height = frame.camera.pose, frame.camera.height
         extent = 2 * math.tan(frame.camera.fov_y / 2) if height is None else height / frame.unit
-        for name, value in (self._buffers(frame) | {
+        for name, value in (self.gbuffer.bind(frame) | {
                 "u_right": tuple(pose[:3, 0]), "u_up": tuple(pose[:3, 1]), "u_pixels": frame.size[1] / extent}).items():
             set_uniform(program, name, value)
-        with self._on_surfaces(moderngl.NOTHING):
+        with self.gbuffer.on_surfaces():
             fullscreen(self._gl, program).render(vertices=3)
         return self._found()
 
-    def _buffers(self, frame: Frame) -> dict[str, object]:
-        self._layout[0].use(UNIT_POSITIONS)
-        self._layout[1].use(UNIT_NORMALS)
-        return {"u_positions": UNIT_POSITIONS, "u_normals": UNIT_NORMALS,
-                "u_view_direction": tuple(-frame.camera.forward)}
-
-    @contextmanager
-    def _on_surfaces(self, also: int) -> Iterator[None]:
-        """Where the triangle on the far plane lies behind a surface: elsewhere no program runs."""
-        self._gl.enable_only(moderngl.DEPTH_TEST | also)
-        self._gl.depth_func = ">"
-        yield
-        self._gl.depth_func = "<"
-
     def _found(self) -> dict[str, object]:
         self._visible.use(UNIT_VISIBILITY)
-        self._layout[0].use(UNIT_BACKGROUND)
+        self.gbuffer.positions.use(UNIT_BACKGROUND)
         return {"u_visibility": UNIT_VISIBILITY, "u_positions": UNIT_BACKGROUND}
 
     def release(self) -> None:
-        for thing in (self.gbuffer, self._summing, self._result, *self._layout, *self._sums, self._visible,
-                      self._depth):
+        for thing in (self._summing, self._result, *self._sums, self._visible):
             thing.release()
-
-
-def _texture(gl: moderngl.Context, size: tuple[int, int], dtype: str) -> moderngl.Texture:
-    texture = gl.texture(size, 4, dtype=dtype)
-    texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-    return texture

@@ -1,0 +1,65 @@
+"""Where the surfaces are that the camera sees, and how they lie, one sample a pixel: for passes that look from there.
+
+What it holds shaders/raster/gbuffer.frag writes: eye-relative position and perceptual roughness (0: nothing is there),
+shading and face normal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import moderngl
+
+from .frame import Frame
+
+UNIT_POSITIONS, UNIT_NORMALS = range(2)
+
+
+class GBuffer:
+    """The targets of one size, and the surfaces of the last frame in them."""
+
+    def __init__(self, gl: moderngl.Context, size: tuple[int, int]) -> None:
+        self._gl, self.size = gl, size
+        self.positions, self._normals = (nearest_texture(gl, size, "f4") for _ in range(2))
+        self.depth = gl.depth_renderbuffer(size)
+        self._framebuffer = gl.framebuffer([self.positions, self._normals], self.depth)
+
+    def draw(self, draw_surfaces: Callable[[], object]) -> None:
+        """Take the surfaces that `draw_surfaces()` draws; leaves a framebuffer of its own in use."""
+        self._framebuffer.use()
+        self._framebuffer.clear(depth=1.0)
+        draw_surfaces()
+        self._gl.clear_samplers()
+
+    def target(self, *textures: moderngl.Texture) -> moderngl.Framebuffer:
+        """A framebuffer of textures of this size and of the surfaces' depth, which nobody writes any more."""
+        framebuffer = self._gl.framebuffer(textures, self.depth)
+        framebuffer.depth_mask = False  # nor cleared
+        return framebuffer
+
+    def bind(self, frame: Frame) -> dict[str, object]:
+        """The uniforms of a pass that reads it, the textures at the units named above."""
+        self.positions.use(UNIT_POSITIONS)
+        self._normals.use(UNIT_NORMALS)
+        return {"u_positions": UNIT_POSITIONS, "u_normals": UNIT_NORMALS,
+                "u_view_direction": tuple(-frame.camera.forward)}
+
+    @contextmanager
+    def on_surfaces(self, also: int = moderngl.NOTHING) -> Iterator[None]:
+        """Where the triangle on the far plane lies behind a surface: elsewhere no program runs."""
+        self._gl.enable_only(moderngl.DEPTH_TEST | also)
+        self._gl.depth_func = ">"
+        yield
+        self._gl.depth_func = "<"
+
+    def release(self) -> None:
+        for thing in (self._framebuffer, self.positions, self._normals, self.depth):
+            thing.release()
+
+
+def nearest_texture(gl: moderngl.Context, size: tuple[int, int], dtype: str) -> moderngl.Texture:
+    """Four channels, read texel by texel."""
+    texture = gl.texture(size, 4, dtype=dtype)
+    texture.filter = moderngl.NEAREST, moderngl.NEAREST
+    return texture
