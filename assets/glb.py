@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import struct
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -106,6 +107,15 @@ class Glb:
         if width == 3:
             accessor |= {"min": values.min(0).tolist(), "max": values.max(0).tolist()}
         return self.add("accessors", accessor)
+
+
+def save_scenes(scenes: Sequence[Callable[[], Glb]], folder: Path) -> None:
+    """Writes what each function makes to a file with its name in `folder`, and tells how large it is."""
+    folder.mkdir(exist_ok=True)
+    for scene in scenes:
+        path = folder / f"{scene.__name__.replace('_', '-')}.glb"
+        scene().save(path)
+        print(f"{path.name:20} {path.stat().st_size:6} bytes")
 
 
 def lathe(*pieces, segments: int = 48) -> Shape:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from glb import Glb, Shape, lathe, plate, pose, sphere, torus, without
+from glb import Glb, Shape, lathe, plate, pose, save_scenes, sphere, torus, without
 
 WHITE, RED, GREEN, DARK = (0.75, 0.75, 0.75), (0.63, 0.065, 0.05), (0.14, 0.45, 0.091), (0.0, 0.0, 0.0)
 
@@ -167,9 +167,4 @@ def _unit(vector: np.ndarray) -> np.ndarray:
 
 
 if __name__ == "__main__":
-    folder = Path(__file__).parent / "noise"
-    folder.mkdir(exist_ok=True)
-    for scene in SCENES:
-        path = folder / f"{scene.__name__.replace('_', '-')}.glb"
-        scene().save(path)
-        print(f"{path.name:20} {path.stat().st_size:6} bytes")
+    save_scenes(SCENES, Path(__file__).parent / "noise")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from glb import Glb, Shape, arc, lathe, moved, plate, sphere, torus, without
+from glb import Glb, Shape, arc, lathe, moved, plate, save_scenes, sphere, torus, without
 from PIL import Image, ImageDraw, ImageFont
 
 RED, GREEN, BLUE = (0.8, 0.05, 0.05), (0.05, 0.6, 0.1), (0.05, 0.15, 0.8)
@@ -282,9 +282,4 @@ SCENES = [spheres, normal_map, textures, alpha, lights, vertex_colors, emissive,
           lines_points, occlusion, tiny, huge]
 
 if __name__ == "__main__":
-    folder = Path(__file__).parent / "scenes"
-    folder.mkdir(exist_ok=True)
-    for scene in SCENES:
-        path = folder / f"{scene.__name__.replace('_', '-')}.glb"
-        scene().save(path)
-        print(f"{path.name:20} {path.stat().st_size:6} bytes")
+    save_scenes(SCENES, Path(__file__).parent / "scenes")

@@ -1,31 +1,20 @@
-"""One context for all of these, and what a piece's ways give in it."""
+"""What a piece's ways give on the device."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 
-from viewer.errors import ContextError
-from viewer.gpu.context import Context, open_context
+from viewer.gpu.context import Context
 from viewer.measure.approximations.device import Device
 from viewer.measure.approximations.piece import Piece
 
 Errors = dict[str, np.ndarray]
 
 
-@pytest.fixture(scope="session")
-def context() -> Iterator[Context]:
-    try:
-        context = open_context()
-    except ContextError as error:
-        pytest.skip(str(error))
-    with context:
-        yield context
-
-
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def device(context: Context) -> Device:
     return Device(context)
 
