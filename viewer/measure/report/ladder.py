@@ -148,6 +148,8 @@ def _words(name: str, value: object) -> str:
         return f"{value} sample{'s' * (value != 1)} a pixel"
     if name == "ambient_occlusion":
         return ""
+    if name == "antialias":
+        return "no antialiasing" if value == "none" else str(value).upper().replace("-", " ")
     if name == "environment_shadows":
         return f"{value} lights"
     return f"to an error of {value}" if name == "error" else f"{name.replace('_', '-')} {value}"
