@@ -12,7 +12,7 @@ void main() {
     ivec2 slot = ivec2(gl_FragCoord.xy);
     bool is_in_flight = texelFetch(u_origin, slot, 0).w == IN_FLIGHT;
     Path p = read_path(slot, texelFetch(u_hit, slot, 0));
-    bool is_empty = is_in_flight && p.depth == 0; // the camera sees past everything
+    bool is_empty = is_in_flight && p.depth == int(RAYS == 1); // the first ray meets nothing
     float alpha = is_empty ? float(BACKGROUND) : 1.0;
 #if HAS_ENVIRONMENT
     if (is_in_flight && (BACKGROUND == 1 || !is_empty)) {

@@ -1,7 +1,11 @@
-// The next sample's camera ray, or idle when none is left: in slots whose path has ended, or (BEGINS) with new work.
+// The next sample's first ray, or idle when none is left: in slots whose path has ended, or (BEGINS) with new work.
 #include "trace/numbers.glsl"
 #include "trace/write_state.glsl"
+#if RAYS
+#include "trace/surface_ray.glsl"
+#else
 #include "trace/camera.glsl"
+#endif
 
 #if BEGINS
 uniform ivec2 u_size; // of the picture
@@ -23,12 +27,20 @@ void main() {
     Path p;
     p.left = left - 1;
     Sample s = slot_sample(slot, p.left);
-    // A box filter over the pixel
-    camera_ray(vec2(s.pixel) + sample_numbers(s, CAMERA_GROUP).xy, p.origin, p.direction);
+    vec2 u = sample_numbers(s, CAMERA_GROUP).xy;
+#if RAYS
+    if (!surface_ray(s.pixel, u, p.origin, p.direction)) {
+        write_idle();
+        return;
+    }
+#else
+    camera_ray(vec2(s.pixel) + u, p.origin, p.direction); // a box filter over the pixel
+#endif
     p.pdf = p.travelled = 0.0;
     p.throughput = vec3(1.0);
     p.radiance = p.sigma = p.shadow_origin = p.shadow_vector = p.contribution = vec3(0.0);
-    p.depth = p.passed = 0;
+    p.depth = int(RAYS == 1); // light on its way to that surface is scattered there
+    p.passed = 0;
     p.eta2 = 1.0;
     write_path(p, IN_FLIGHT);
 }

@@ -49,9 +49,9 @@ KINDS = {STANDARD: "surface", GLASS: "glass"}
 
 def plan_trace(
     scene: Scene, settings: Settings, geometry: TraceGeometry, switches: Mapping[str, int], *, intersector: str,
-    has_layers: bool, idle: Sequence[str] = (),
+    has_layers: bool, idle: Sequence[str] = (), rays: int = 0,
 ) -> TracePlan:
-    """The plan for `scene` under `settings`.
+    """The plan for `scene` under `settings`; `rays` as in shaders/trace/surface_ray.glsl, 0: a camera's.
 
     `switches` and the lines of what is `idle` are what the scene's data and its lights say of themselves.
     """
@@ -69,14 +69,15 @@ def plan_trace(
         switches |= dict.fromkeys((*_NEUTRAL, *emitters), 1)
     surfaces = [name for kind, name in KINDS.items() if kind in kinds]
     state = {"HAS_TRANSMISSION": switches["HAS_TRANSMISSION"]}
+    first = state | {"RAYS": rays}
     sky_names = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING")
     sky = {name: switches[name] for name in sky_names}
     programs = {
         "zero": _program("zero", {}),
-        "begin": _program("generate", state | {"BEGINS": 1}),
+        "begin": _program("generate", first | {"BEGINS": 1}),
         "sort": _program("sort", state | {"FIRST_HITS": 0}),
-        "finish": _program("finish", state | sky),
-        "generate": _program("generate", state | {"BEGINS": 0}),
+        "finish": _program("finish", first | sky),
+        "generate": _program("generate", first | {"BEGINS": 0}),
         **{name: _program(name, switches) for name in surfaces},
         "rest": _program("rest", {}),
         "alive": _program("alive", state),

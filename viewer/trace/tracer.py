@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from dataclasses import replace
 
 import moderngl
 
@@ -25,6 +26,7 @@ from .passes import Passes
 from .plan import plan_trace
 from .run import run
 from .schedule import Schedule
+from .surface_rays import SurfaceRays
 from .traced_scene import TracedScene
 from .wave import UNIT_BLOCKS
 
@@ -69,15 +71,24 @@ class Tracer:
         denoiser that is not installed, InputError for a scene that does not fit. The picture can go on until another
         scene is begun.
         """
+        return self._begin(scene, camera_uniforms(scene, camera, size), settings, size, layers)
+
+    def begin_at(self, scene: Scene, rays: SurfaceRays, settings: Settings) -> Exposure:
+        """Likewise, a pixel for each of the rays, which begin on surfaces. Alpha is the part that met something."""
+        return self._begin(scene, {}, replace(settings, background="none"), rays.size, (), rays)
+
+    def _begin(self, scene: Scene, first: Mapping[str, object], settings: Settings, size: tuple[int, int],
+               layers: Collection[str], rays: SurfaceRays | None = None) -> Exposure:
+        """`first` are uniforms for a camera's rays, where there are no others."""
         self.context.make_current()
         denoiser = self._denoiser(settings.denoise)
         traced = self._prepare(scene, settings)
         has_layers = bool(FIRST_HIT & set(layers)) or denoiser is not None or traced.is_everything
         film = Film(self.context.gl, self.programs, size, has_layers)
         plan = plan_trace(scene, settings, traced.geometry, traced.switches, intersector=traced.intersector.name,
-                          has_layers=film.albedo is not None, idle=traced.idle)
+                          has_layers=film.albedo is not None, idle=traced.idle, rays=rays.kind if rays else 0)
         uniforms = {
-            **camera_uniforms(scene, camera, size),
+            **first,
             "u_size": size, "u_seed": settings.seed, "u_bounces": settings.bounces, "u_clamp": settings.clamp or 3e38,
         }
         dfg = self._dfg_texture(settings)
@@ -86,6 +97,8 @@ class Tracer:
             traced.bind(program)
             dfg.use(UNIT_DFG)
             set_uniform(program, "u_dfg", UNIT_DFG)
+            if rays is not None:
+                rays.bind(program)
 
         passes = Passes(self.context, self.programs, plan, bind, uniforms)
         schedule = Schedule(film, settings)
