@@ -20,6 +20,8 @@ from .geometry import triangles_of
 
 _ALIKE = 0.9
 """Cosine between normals of vertices at one place that have one value."""
+_PLACE = 2.0**-20
+"""In tracer units: vertices this near to one another are at one place."""
 _DAMPING = 0.25
 """Weight of the mean about a vertex beside the fit: of what alternates from vertex to vertex less than half is left."""
 _STEPS = 12
@@ -109,7 +111,7 @@ def at(surfaces: Surfaces, points: Points, values: NDArray[np.float64]) -> NDArr
 def merged(surfaces: Surfaces) -> NDArray[np.int64]:
     """For each vertex the number of its group, (V,): those at one place, of an instance, whose normals are alike."""
     owner = np.repeat(np.arange(len(surfaces.firsts) - 1), np.diff(surfaces.firsts)).astype(np.uint64)
-    bits = np.ascontiguousarray(surfaces.places + 0.0, np.float32).view(np.uint32).astype(np.uint64)
+    bits = np.rint(surfaces.places / _PLACE).astype(np.int64).view(np.uint64)
     factors = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
     key = owner * np.uint64(0xD6E8FEB86659FD93)
     for k in range(3):

@@ -1,0 +1,129 @@
+"""Light found at vertices: against form factors worked out on paper, and where there is none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from little_scenes import NOTHING_MUCH
+from shapes import WHITE, facing_floor, moved, plate, scene, sphere
+
+from viewer.gpu.context import Context
+from viewer.scene.furnace import in_furnace
+from viewer.scene.material import Material
+from viewer.scene.mesh import Mesh
+from viewer.scene.scene import Scene
+from viewer.settings import Settings
+from viewer.trace.vertex_light import VertexLight, bake_incoming, bake_outgoing
+
+SETTINGS = Settings()
+
+
+def grid(side: int) -> Mesh:
+    """A unit square of side x side quads about the origin, facing +Z."""
+    at = np.linspace(-0.5, 0.5, side + 1)
+    x, y = np.meshgrid(at, at)
+    positions = np.float32(np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3))
+    corner = (np.arange(side)[:, None] * (side + 1) + np.arange(side)).ravel()
+    quads = np.stack([corner, corner + 1, corner + side + 2, corner, corner + side + 2, corner + side + 1], axis=1)
+    return Mesh("grid", positions, 0, indices=quads.astype(np.uint32).ravel(),
+                normals=np.float32([[0, 0, 1]] * len(positions)))
+
+
+def rectangle_above(a: np.ndarray, b: np.ndarray, height: float) -> np.ndarray:
+    """Form factor of a parallel rectangle with a corner above a point (Howell, "Radiation Configuration Factors", B-4);
+    signed, so that others are sums of it."""
+    a, b = a / height, b / height
+    p, q = np.sqrt(1 + a * a), np.sqrt(1 + b * b)
+    return (a / p * np.arctan(b / p) + b / q * np.arctan(a / q)) / (2 * np.pi)
+
+
+def plates(gap: float, far_emits: float) -> Scene:
+    """A fine unit square that faces a shining one."""
+    lower = Mesh(**{**vars_of(grid(8)), "material": 0})
+    upper = Mesh(**{**vars_of(grid(1)), "material": 1})
+    shining = Material(base_color=(0.0, 0.0, 0.0, 1.0), specular=0.0, emissive=(far_emits,) * 3)
+    turned = np.diag([1.0, -1.0, -1.0, 1.0])
+    turned[2, 3] = gap
+    return scene(lower, (upper, turned), materials=(WHITE, shining))
+
+
+def vars_of(mesh: Mesh) -> dict[str, object]:
+    return {name: getattr(mesh, name) for name in ("name", "positions", "material", "indices", "normals")}
+
+
+@pytest.mark.parametrize("gap", [0.25, 1.0])
+def test_a_shining_plate_lights_the_one_below_by_its_form_factor(context: Context, gap: float) -> None:
+    model = plates(gap, 3.0)
+    found = bake_incoming(context, model, SETTINGS, samples=1 << 17).per_instance[0].astype(np.float64)
+    x, y = model.meshes[0].positions[:, :2].astype(np.float64).T
+    expected = sum(rectangle_above(0.5 + sx * x, 0.5 + sy * y, gap) for sx in (-1, 1) for sy in (-1, 1))
+    assert np.abs(found[:, 3] - expected).max() < 0.06
+    assert np.sqrt(((found[:, 3] - expected) ** 2).mean()) < 0.025, "means about the vertices alone are off by 0.045"
+    np.testing.assert_allclose(found[:, :3], 3.0 * found[:, 3:].repeat(3, axis=1), rtol=1e-4)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_a_scene_of_any_size_and_place_gives_the_same(context: Context, scale: float) -> None:
+    model = plates(0.5, 1.0)
+    place = moved((scale * 1e3, 0, 0), scale)
+    same = scene(*((m, place @ i.transform) for m, i in zip(model.meshes, model.instances)), materials=model.materials)
+    ours, theirs = (bake_incoming(context, s, SETTINGS, 1 << 12).per_instance[0] for s in (model, same))
+    assert np.abs(ours - theirs).max() < 0.03
+
+
+def test_in_a_corner_walls_cover_half_and_leak_nothing(context: Context) -> None:
+    """The seam between two walls at right angles has its vertices in both; outside there is a light that must not come
+    through."""
+    floor, wall = (grid(4), facing_floor()), (grid(4), moved((0, 0.5, -0.5)))
+    model = scene(floor, wall)
+    below, beside = bake_incoming(context, model, SETTINGS, samples=1 << 17).per_instance
+    z = (grid(4).positions @ facing_floor()[:3, :3].T)[:, 2]
+    x = grid(4).positions[:, 0]
+    middle = np.abs(x) < 0.3
+    in_corner, open_end = below[(z < -0.49) & middle, 3], below[(z > 0.49) & middle, 3]
+    # Between parallel edges, from a strip of height h at distance d: (1 - d / sqrt(d^2 + h^2)) / 2 if it were endless
+    assert np.all(in_corner > 0.38) and np.all(in_corner < 0.51)
+    assert np.all(open_end < 0.15)
+    assert not below[:, :3].any() and not beside[:, :3].any(), "there is no light"
+
+
+def test_in_a_furnace_what_is_covered_is_as_bright_as_the_rest(context: Context) -> None:
+    model = in_furnace(scene((grid(4), facing_floor()), (grid(4), moved((0, 0.5, -0.5)))))
+    for values in bake_incoming(context, model, SETTINGS, samples=1 << 16).per_instance:
+        values = values.astype(np.float64)
+        assert np.abs(values[:, :3] - values[:, 3:]).max() < 0.04
+        assert abs(values[:, :3].mean() / values[:, 3].mean() - 1) < 0.01
+    for values in bake_outgoing(context, model, SETTINGS, samples=1 << 14).per_instance:
+        assert np.abs(values - 1.0).max() < 0.08
+
+
+def test_a_ball_covers_nothing_of_itself(context: Context) -> None:
+    (values,) = bake_incoming(context, in_furnace(scene(sphere(segments=24))), SETTINGS, samples=1 << 14).per_instance
+    assert not values.any()
+
+
+def test_vertices_at_one_place_have_one_value(context: Context) -> None:
+    ball = sphere(segments=16)
+    model = scene(ball, (grid(2), facing_floor(4.0, -1.2)))
+    values = bake_incoming(context, model, SETTINGS, samples=1 << 14).per_instance[0].reshape(9, 17, 4)
+    np.testing.assert_array_equal(values[:, 0], values[:, -1])
+    assert values[6, :, 3].min() > 0.3
+
+
+def test_the_same_every_time_and_each_instance_its_own(context: Context) -> None:
+    ball, floor = sphere(segments=16), grid(2)
+    model = scene((ball, moved((0, 0, 0))), (ball, moved((0, 3, 0))), (floor, facing_floor(8.0, -1.2)))
+    first, second = (bake_incoming(context, model, SETTINGS, samples=1 << 12) for _ in range(2))
+    for a, b in zip(first.per_instance, second.per_instance, strict=True):
+        np.testing.assert_array_equal(a, b)
+    assert first.per_instance[0][:, 3].mean() > 1.5 * first.per_instance[1][:, 3].mean()
+
+
+@pytest.mark.parametrize("name", NOTHING_MUCH)
+@pytest.mark.parametrize("bake", [bake_incoming, bake_outgoing])
+def test_what_has_no_surface_has_no_light(context: Context, name: str, bake) -> None:
+    model = NOTHING_MUCH[name]
+    light: VertexLight = bake(context, model, SETTINGS, samples=1 << 8)
+    assert [len(values) for values in light.per_instance] == [len(model.meshes[i.mesh].positions)
+                                                              for i in model.instances]
+    assert all(np.isfinite(values).all() for values in light.per_instance)
