@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from little_scenes import NOTHING_MUCH
-from shapes import WHITE, facing_floor, moved, plate, scene, sphere
+from shapes import WHITE, facing_floor, moved, scene, sphere
 
 from viewer.gpu.context import Context
 from viewer.scene.furnace import in_furnace
@@ -59,7 +59,7 @@ def test_a_shining_plate_lights_the_one_below_by_its_form_factor(context: Contex
     expected = sum(rectangle_above(0.5 + sx * x, 0.5 + sy * y, gap) for sx in (-1, 1) for sy in (-1, 1))
     assert np.abs(found[:, 3] - expected).max() < 0.06
     assert np.sqrt(((found[:, 3] - expected) ** 2).mean()) < 0.025, "means about the vertices alone are off by 0.045"
-    np.testing.assert_allclose(found[:, :3], 3.0 * found[:, 3:].repeat(3, axis=1), rtol=1e-4)
+    np.testing.assert_allclose(found[:, :3], 3.0 * found[:, 3:].repeat(3, axis=1), rtol=1e-3)
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
