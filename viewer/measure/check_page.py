@@ -19,30 +19,24 @@ from .check_table import verdict
 from .checks import Check, summary
 from .furnace import ROUGHNESS, furnace_picture
 from .half_vector import reflected_grid
+from .html_page import html_page
 from .lobes import LOBES, Lobe
 from .plot import heat_map, lines, polar
 from .stability import Sweep, measure, sweeps
 
-_PAGE = """<!doctype html>
-<html lang="en"><meta charset="utf-8"><title>pbr-viewer check</title>
-<style>
-body {{ font: 15px/1.5 system-ui, sans-serif; margin: 2rem; background: #fafafa; color: #222 }}
-table {{ border-collapse: collapse; font-size: 13px }}
-td, th {{ padding: .15rem .7rem .15rem 0; text-align: left; vertical-align: top }}
-.pass {{ color: #177a3c }} .known {{ color: #9a6a00 }} .FAIL, .GONE {{ color: #c00; font-weight: bold }}
-.plots {{ display: flex; flex-wrap: wrap; gap: 1rem }}
-figure {{ margin: 0 }} figcaption {{ color: #555; font-size: 13px }} img {{ image-rendering: pixelated; width: 8rem }}
-</style>
-<h1>pbr-viewer check</h1>
+_BODY = """<h1>pbr-viewer check</h1>
 <p>{summary}.</p>
 {sections}
 <h2>All checks</h2>
 <p>A value passes at or under its bound. <b>known</b>: the model fails, as it is known to; <b>GONE</b>: it should
 and does not.</p>
-<table><tr><th></th><th>check</th><th>case</th><th>value</th><th>bound</th><th>note</th></tr>
+<div class="wide"><table><tr><th></th><th>check</th><th>case</th><th>value</th><th>bound</th><th>note</th></tr>
 {rows}
-</table>
-</html>
+</table></div>"""
+_STYLE = """
+.pass { color: #2a8f52 } .known { color: #a8760a } .FAIL, .GONE { color: #d22; font-weight: bold }
+.plots { display: flex; flex-wrap: wrap; gap: 1rem } .plots svg { background: #fff; max-width: 100% }
+img { image-rendering: pixelated; width: 8rem }
 """
 _SHOWN = ("ggx", "metal", "turquin", "eon", "burley", "phong")
 
@@ -59,9 +53,9 @@ def write_page(folder: str | Path, checks: Sequence[Check], with_plots: bool) ->
         raise OutputError(f"{folder}: cannot be made: {error.strerror}") from error
     sections = "\n".join(_sections()) if with_plots else ""
     rows = "\n".join(_row(check) for check in checks)
-    page = _PAGE.format(summary=summary(checks), sections=sections, rows=rows)
+    body = _BODY.format(summary=summary(checks), sections=sections, rows=rows)
     with atomic_write(folder / "index.html") as file:
-        file.write_text(page, encoding="utf-8")
+        file.write_text(html_page("pbr-viewer check", body, _STYLE), encoding="utf-8")
     write_json(folder / "check.json", [check.to_json() for check in checks])
 
 

@@ -9,23 +9,14 @@ import shutil
 from pathlib import Path
 
 from ..atomic import atomic_write
+from .html_page import html_page
 
-_PAGE = """<!doctype html>
-<html lang="en"><meta charset="utf-8"><title>{title}</title>
-<style>
-body {{ font: 15px/1.5 system-ui, sans-serif; margin: 2rem; background: #fafafa; color: #222 }}
-section {{ border-top: 1px solid #ccc; padding: 1rem 0 }}
-h2 {{ font-size: 1rem; margin: 0; overflow-wrap: anywhere }}
-p {{ margin: .2rem 0 .8rem; color: #a00 }}
-div {{ display: flex; flex-wrap: wrap; gap: 1rem }}
-figure {{ margin: 0 }}
-figcaption {{ color: #555 }}
-img {{ image-rendering: pixelated; min-width: 12rem; max-width: 30vw;
-  background: repeating-conic-gradient(#ddd 0 25%, #fff 0 50%) 0 0 / 16px 16px }}
-</style>
-<h1>{title}</h1>
-{sections}
-</html>
+_STYLE = """
+section { border-top: 1px solid var(--line); padding: 1rem 0 }
+h2 { font-size: 1rem; margin: 0; overflow-wrap: anywhere } p { color: #d22 }
+div { display: flex; flex-wrap: wrap; gap: 1rem }
+img { image-rendering: pixelated; min-width: 12rem; max-width: 30vw;
+  background: repeating-conic-gradient(#ddd 0 25%, #fff 0 50%) 0 0 / 16px 16px }
 """
 _CAPTIONS = {"expected": "expected", "actual": "actual", "difference": "FLIP (black: equal)"}
 
@@ -44,7 +35,8 @@ def write_report(folder: Path) -> Path | None:
         return None
     title = f"{len(failures)} golden image{'s' * (len(failures) > 1)} failed"
     with atomic_write(folder / "index.html") as file:
-        file.write_text(_PAGE.format(title=title, sections="\n".join(map(_section, failures))), encoding="utf-8")
+        body = "\n".join([f"<h1>{title}</h1>", *map(_section, failures)])
+        file.write_text(html_page(title, body, _STYLE), encoding="utf-8")
     return folder / "index.html"
 
 

@@ -9,26 +9,13 @@ from typing import Any
 
 from ...atomic import atomic_write, write_json
 from ...errors import OutputError
+from ..html_page import html_page
 from ..report.chart import to_svg
 from ..report.chart_png import save_png
-from ..report.page import resource
 from .chart import cost_chart
 from .table import HEADINGS, cells, conclusion
 
-_PAGE = """<!doctype html>
-<html lang="en">
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="color-scheme" content="light dark">
-<title>Approximations</title>
-<style>
-{style}
-.chart {{ display: block; background: var(--card); border: 1px solid var(--line); border-radius: 8px; padding: .5rem;
-  margin: .8rem 0; overflow-x: auto }} .chart svg {{ min-width: 34rem }}
-td:nth-child(n+4), th:nth-child(n+4) {{ text-align: right; white-space: nowrap }}
-a {{ color: var(--accent) }} tr.front td:nth-child(2) {{ font-weight: 600 }} tr.default {{ background: var(--mark) }}
-</style>
-<header><h1>What the renderer approximates, and what else it could</h1>
+_BODY = """<header><h1>What the renderer approximates, and what else it could</h1>
 <p id="summary">{device}, {backend}; {clock}, the median; pbr-viewer {version}</p></header>
 <main>
 <p>Each piece of the renderer beside its alternatives: the error over the range of its parameters, against the time of
@@ -36,8 +23,12 @@ one evaluation beyond that of a loop that does nothing. Marked rows are the rend
 front: nothing is as cheap, as right and as small. "Bake" is the processor's time beforehand.</p>
 <ul>{contents}</ul>
 {sections}
-</main>
-</html>
+</main>"""
+_STYLE = """
+.chart { background: var(--card); border: 1px solid var(--line); border-radius: 8px; padding: .5rem; margin: .8rem 0;
+  overflow-x: auto; max-width: 61rem } .chart svg { display: block; width: 100%; min-width: 34rem }
+td:nth-child(n+4), th:nth-child(n+4) { text-align: right; white-space: nowrap }
+tr.front td:nth-child(2) { font-weight: 600 } tr.default { background: var(--mark) }
 """
 
 
@@ -63,9 +54,9 @@ def write_approximations(folder: Path, document: Mapping[str, Any]) -> None:
     contents = "".join(f'<li><a href="#{piece["name"]}">{html.escape(piece["title"])}</a></li>'
                        for piece in document["pieces"])
     facts = {name: html.escape(str(document[name])) for name in ("device", "backend", "clock", "version")}
-    page = _PAGE.format(style=resource("page.css"), contents=contents, sections="\n".join(sections), **facts)
+    body = _BODY.format(contents=contents, sections="\n".join(sections), **facts)
     with atomic_write(folder / "approximations.html") as file:
-        file.write_text(page, encoding="utf-8")
+        file.write_text(html_page("Approximations", body, _STYLE), encoding="utf-8")
 
 
 def _section(piece: Mapping[str, Any], drawing: str) -> str:

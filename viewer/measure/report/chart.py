@@ -18,6 +18,7 @@ INK, FAINT, _PAPER = "#222222", "#d8d8d8", "#ffffff"
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f5fc0", "#777777")
 SHAPES = ("circle", "square", "diamond", "triangle")
 _NAMES = {"relmse_trimmed": "trimmed relMSE", "relmse": "relMSE", "rmse": "RMSE", "flip": "FLIP"}
+_AXES = _NAMES | {"relmse_trimmed": "trimmed relMSE (its root: off by)", "relmse": "relMSE (its root: off by)"}
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,7 @@ def error_chart(document: Mapping[str, Any], measure: str) -> Chart:
     y = LogAxis([*values, *[floor] * (floor > 0)], PLOT_BOTTOM, TOP)
     title = "{} against time, {} x {}".format(_NAMES[measure], *document["size"])
     shapes: list[Shape] = [Words(LEFT, 18, title, "start", 14)]
-    shapes += _frame(x, y, _NAMES[measure])
+    shapes += _frame(x, y, measure)
     if y.low < floor:
         shapes += [Line(((LEFT, y(floor)), (WIDTH - RIGHT, y(floor))), INK, 1, 3, "floor"),
                    Words(LEFT + 6, y(floor) - 4, "noise of the reference", "start", 11, "soft")]
@@ -147,6 +148,8 @@ def _frame(x: LogAxis, y: LogAxis, measure: str) -> list[Shape]:
     for tick in y.ticks():
         shapes += [Line(((LEFT, y(tick)), (WIDTH - RIGHT, y(tick))), FAINT, 1, 0, "grid"),
                    Words(LEFT - 6, y(tick) + 4, f"{tick:g}", "end")]
+        if measure.startswith("relmse"):
+            shapes.append(Words(LEFT - 6, y(tick) + 16, f"{float(f'{100 * tick**0.5:.2g}'):g} %", "end", 10, "soft"))
     for budget in BUDGETS_MS:
         if x.low < budget < x.high:
             name = "30 a second" if budget < 100 else spell_time(budget)
@@ -155,7 +158,7 @@ def _frame(x: LogAxis, y: LogAxis, measure: str) -> list[Shape]:
     corner = ((LEFT, TOP), (LEFT, PLOT_BOTTOM), (WIDTH - RIGHT, PLOT_BOTTOM))
     return [*shapes, Line(corner, INK, 1, 0, "axis"),
             Words((LEFT + WIDTH) / 2, PLOT_BOTTOM + 34, "time of a picture"),
-            Words(14, (TOP + PLOT_BOTTOM) / 2, measure, "middle", 12, "ink", True)]
+            Words(14, (TOP + PLOT_BOTTOM) / 2, _AXES[measure], "middle", 12, "ink", True)]
 
 
 def stairs(corners: Sequence[tuple[float, float]]) -> Line:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...image import Image
+from ...settings import STOPPING
 from .errors import MEASURES, Errors, errors, trimmed_floor
 from .ladder import PLAIN, Method, settings_of
 from .pareto import BUDGETS_MS, best_within, free_knobs, front
@@ -54,6 +55,7 @@ def find(survey: Survey, scene: str, command: Callable[[Method], str], facts: Do
     document = {
         "scene": scene,
         "device": bench.context.renderer,
+        "is_software": bench.context.is_software,
         "size": list(bench.size),
         "reference": {
             "method": "path traced", "spp": reference.spp, "relmse_floor": reference.floor(mask),
@@ -108,14 +110,17 @@ def _recommend(times: Sequence[float], by_measure: dict[str, list[float]]) -> li
 
 
 def _knobs(rungs: Sequence[Rung], survey: Survey) -> list[Document]:
-    """Settings that save time and cost no error."""
+    """Settings that save time and cost no error.
+
+    How long to go on is none of them: of two numbers of samples the fewer come out better by chance alone."""
     base, reference, mask = survey.bench.settings, survey.reference, survey.mask
     assert reference is not None and mask is not None
     found = [rung.errors.relmse_trimmed for rung in rungs]
     settings = [asdict(rung.method.settings(base)) | {"lights": rung.method.lights is None} for rung in rungs]
     times = [rung.record.facts["time_ms"] for rung in rungs]
     return [{"setting": knob.setting, "cheap": knob.cheap, "dear": knob.dear, "values": list(knob.values),
-             "saved": knob.saved} for knob in free_knobs(settings, times, found, trimmed_floor(reference.halves, mask))]
+             "saved": knob.saved} for knob in free_knobs(settings, times, found, trimmed_floor(reference.halves, mask))
+            if knob.setting not in STOPPING]
 
 
 def _raster(rungs: Sequence[Rung]) -> Document | None:

@@ -2,14 +2,19 @@
 const report = JSON.parse(document.getElementById("report-data").textContent);
 const pictures = JSON.parse(document.getElementById("picture-data").textContent);
 const $ = id => document.getElementById(id);
-const MEASURES = {relmse: "relMSE", relmse_trimmed: "trimmed relMSE", rmse: "RMSE", flip: "FLIP"};
+const MEASURES = {relmse_trimmed: "trimmed relMSE", relmse: "relMSE", rmse: "RMSE", flip: "FLIP"};
+const OWN_OPTION = ["mode", "denoise"]; // settings that --set does not reach
+const HD = [1280, 720];
 const points = report.points;
 let chosen = 0, measure = "relmse_trimmed";
 let isKept = false; // whether passing over other points leaves the one that is chosen
 
-const digits = value => value >= 100 ? Math.round(value).toString() : Number(value.toPrecision(3)).toString();
-const time = ms => ms < 999.5 ? `${digits(ms)} ms` : `${digits(ms / 1000)} s`;
-const percent = relmse => `${digits(Number((100 * Math.sqrt(relmse)).toPrecision(2)))} %`;
+const digits = (value, count = 2) =>
+  value >= 10 ** count ? Math.round(value).toString() : Number(value.toPrecision(count)).toString();
+const time = ms => ms < 999.5 ? `${digits(ms, 3)}\u00a0ms` : `${digits(ms / 1000, 3)}\u00a0s`;
+const percent = relmse => `${Number((100 * Math.sqrt(relmse)).toPrecision(2))}\u00a0%`;
+const size = ([width, height]) => `${width} x ${height}`;
+const rate = ms => ms < 200 ? ` (${digits(1000 / ms)} frames a second)` : "";
 
 function element(tag, text, parent) {
   const made = document.createElement(tag);
@@ -18,36 +23,81 @@ function element(tag, text, parent) {
   return made;
 }
 
+function button(text, parent, act) {
+  const made = element("button", text, parent);
+  made.type = "button";
+  made.addEventListener("click", act);
+  return made;
+}
+
+function commandLine(text, parent) {
+  const line = element("div", "", parent), code = element("code", "", line);
+  line.className = "command";
+  text.split(" ").forEach((word, k) => { if (k) code.append(" "); element("span", word, code); });
+  button("Copy", line, event => copy(text, code, event.target));
+  return line;
+}
+
+async function copy(text, code, said) {
+  try {
+    await navigator.clipboard.writeText(text);
+  } catch (refused) { // a browser that gives pages from files no clipboard
+    getSelection().selectAllChildren(code);
+    document.execCommand("copy");
+  }
+  said.textContent = "Copied";
+  setTimeout(() => { said.textContent = "Copy"; }, 2000);
+}
+
+function tendency(point) {
+  if (["path", "path-adaptive"].includes(point.method)) return "as noise";
+  if (point.too_bright > 2 / 3) return "mostly too bright";
+  return point.too_bright < 1 / 3 ? "mostly too dark" : "too bright here and too dark there";
+}
+
 function wrong(point) {
-  const value = point.error[measure], words = `${MEASURES[measure]} ${digits(value)}`;
-  return measure.startsWith("relmse") ? `about ${percent(value)} (${words}, FLIP ${digits(point.error.flip)})` : words;
+  const {relmse_trimmed: error, flip} = point.error, floor = report.reference.floor.relmse_trimmed;
+  const doubt = error < 4 * floor ? ", much of which is the reference's own noise" : "";
+  return `off by about ${percent(error)} a pixel, ${tendency(point)}${doubt}; FLIP\u00a0${digits(flip)}`;
 }
 
 function fillHeader() {
   $("title").textContent = report.scene;
-  const [width, height] = report.size;
-  $("summary").textContent = `${points.length} ways to show it at ${width} x ${height} on ${report.device}, ` +
+  $("summary").textContent = `${points.length} ways to show it at ${size(report.size)} on ${report.device}, ` +
       `against ${report.reference.spp} path-traced samples a pixel` + (report.is_whole ? "" : " (interrupted)");
   document.title = `${report.scene}: error against time`;
+  const more = HD[0] * HD[1] / (report.size[0] * report.size[1]);
+  const larger = more < 1.5 ? "" : ` Larger pictures take longer: at ${size(HD)}, ${digits(more)} times the pixels, up ` +
+      `to ${digits(more)} times as long.`;
+  $("scope").textContent = `All times are at ${size(report.size)} on ${report.device}` +
+      `${report.is_software ? ", that is, on the processor" : ""}.${larger} For other sizes and times, ` +
+      `pbr-viewer render MODEL --size WIDTHxHEIGHT --time-budget SECONDS chooses by itself.`;
 }
 
 function fillRecommendations() {
-  const names = {33: "30 frames a second", 100: "0.1 s", 1000: "1 s", 10000: "10 s"};
-  const body = $("recommend").tBodies[0];
-  body.replaceChildren();
+  const names = {33: "30 frames a second", 100: "a picture in 0.1 s", 1000: "a picture in 1 s",
+    10000: "a picture in 10 s"};
+  $("recommend").replaceChildren();
+  let before = null;
   for (const row of report.recommend) {
-    const index = row.by[measure], line = element("tr", "", body);
-    element("td", `${names[Math.round(row.budget_ms)] || time(row.budget_ms)}`, line);
+    const index = row.by[measure], line = element("div", "", $("recommend"));
+    const name = element("dt", names[Math.round(row.budget_ms)], line).textContent;
+    const text = element("dd", "", line), sentence = element("p", "", text);
     if (index === null) {
-      element("td", "nothing is so fast here", line).colSpan = 4;
-      continue;
+      const fastest = points[0], took = fastest.time_ms.median;
+      sentence.textContent = `Nothing is so fast here: the fastest, ${fastest.label}, takes ${time(took)}${rate(took)}.`;
+    } else if (before && before.index === index) {
+      sentence.textContent = `Nothing better was measured than ${points[index].label}, as for ${before.name}.`;
+    } else {
+      const point = points[index], took = point.time_ms.median;
+      element("b", point.label, sentence);
+      const by = measure === "relmse_trimmed" || measure === "flip" ? "" :
+          `, ${MEASURES[measure]} ${digits(point.error[measure])}`;
+      sentence.append(` takes ${time(took)}${rate(took)} and is ${wrong(point)}${by}.`);
+      const command = commandLine(point.command, text);
+      button("Show", command, () => { hold(index); $("charts").scrollIntoView({block: "nearest"}); });
+      before = {index, name};
     }
-    const point = points[index];
-    element("td", point.label, line);
-    element("td", time(point.time_ms.median), line);
-    element("td", wrong(point), line);
-    const button = element("button", "Show", element("td", "", line));
-    button.addEventListener("click", () => { keep(index); $("chosen").scrollIntoView({block: "nearest"}); });
   }
 }
 
@@ -56,12 +106,13 @@ function fillTable() {
   points.forEach((point, index) => {
     const row = element("tr", "", body), t = point.time_ms;
     row.dataset.point = index;
-    element("td", point.label, row);
+    button(point.label, element("td", "", row), () => {});
     element("td", time(t.median), row);
     element("td", t.n > 1 ? `${time(t.p10)} to ${time(t.p90)}` : "", row);
     element("td", t.n, row);
+    element("td", percent(point.error.relmse_trimmed), row);
     for (const name in MEASURES) element("td", digits(point.error[name]), row);
-    row.addEventListener("click", () => keep(index));
+    row.addEventListener("click", () => { hold(index); $("charts").scrollIntoView({block: "nearest"}); });
   });
 }
 
@@ -74,19 +125,19 @@ function fillNotes() {
   }
   if (!report.knobs.length)
     element("li", "Nothing was found: every setting that costs time lowers the error.", $("knobs"));
-  const reference = report.reference;
+  const reference = report.reference, floor = reference.floor;
   const how = [
     `Device: ${report.device}, OpenGL ${report.opengl} (${report.backend}); pbr-viewer ${report.version}.`,
     `Scene: ${report.triangles} triangles, environment ${report.environment || "none"}. Errors are over the ` +
         `${report.model_pixels} pixels in which the model is; the background, the same in all, does not count.`,
     `Reference: path traced with ${reference.spp} samples a pixel in two independent halves, ` +
-        `${digits(reference.seconds)} s. ` +
-        `By how far they are apart, its own noise adds a relMSE of ${digits(reference.relmse_floor)} to every point ` +
-        `(without the worst pixels ${digits(reference.floor.relmse_trimmed)}, RMSE ${digits(reference.floor.rmse)}, ` +
-        `FLIP ${digits(reference.floor.flip)}). It is not subtracted.`,
-    "relMSE is the mean of (x - r)² / (r² + 0.01) over linear radiance, before exposure and tone map; its root is " +
-        "about the relative error. A few pixels can be most of it: trimmed, it leaves out the worst 0.1 % of them. " +
-        "FLIP is of the pictures as displayed.",
+        `${digits(reference.seconds)} s. By how far they are apart, it is itself off by about ` +
+        `${percent(floor.relmse_trimmed)} a pixel: that adds to every point a relMSE of ` +
+        `${digits(reference.relmse_floor)}, trimmed ${digits(floor.relmse_trimmed)}, an RMSE of ${digits(floor.rmse)} ` +
+        `and a FLIP of ${digits(floor.flip)}, and is not subtracted.`,
+    "relMSE is the mean of (x - r)² / (r² + 0.01) over linear radiance, before exposure and tone map. A few pixels " +
+        "can be most of it: trimmed, it leaves out the worst 0.1 % of them. RMSE is in units of radiance. FLIP is of " +
+        "the pictures as displayed.",
     "A time is the median of the runs after warm-up, by the wall clock, with the device finished; of a raster frame " +
         "with everything prepared, of a path-traced picture from its beginning with the scene prepared.",
     `Preparing, once for a scene: raster ${time(1000 * prepared(false))}, path tracer ${time(1000 * prepared(true))}.`,
@@ -100,16 +151,17 @@ function fillNotes() {
 function grouped(knobs) {
   const groups = new Map();
   for (const knob of knobs) {
-    const change = `${knob.setting.replace("_", "-")} ${knob.values[0]} instead of ${knob.values[1]}`;
+    const name = knob.setting.replace("_", "-"), [cheap, dear] = knob.values;
+    const change = knob.setting === "lights" ? "Lights alone instead of all the environment" :
+        `${OWN_OPTION.includes(name) ? `--${name} ` : `--set ${name}=`}${cheap} instead of ${dear}`;
     groups.set(change, [...(groups.get(change) || []), knob]);
   }
   return groups;
 }
 
 function effect(knob) {
-  const [dear, cheap] = [points[knob.dear], points[knob.cheap]];
-  const [before, after] = [dear, cheap].map(point => digits(point.error.relmse_trimmed));
-  return `${dear.label} (trimmed relMSE ${before}, then ${after})`;
+  const [before, after] = [knob.dear, knob.cheap].map(index => percent(points[index].error.relmse_trimmed));
+  return `${points[knob.dear].label} (off by ${before}, then ${after})`;
 }
 
 function prepared(isTraced) {
@@ -127,23 +179,25 @@ function choose(index) {
   $("map").src = pictures.maps[index];
   const facts = {
     "Time": time(t.median) + (t.n > 1 ? `, 80 % between ${time(t.p10)} and ${time(t.p90)}, ${t.n} runs` : ", one run"),
-    "Error": `about ${percent(error.relmse_trimmed)}: relMSE ${digits(error.relmse)}, without the worst 0.1 % of pixels ` +
-        `${digits(error.relmse_trimmed)}; RMSE ${digits(error.rmse)}, FLIP ${digits(error.flip)}`,
-    "Where": `${Math.round(100 * point.too_bright)} % of relMSE from where it is brighter than the reference`,
+    "Error": wrong(point),
+    "Measured": Object.entries(MEASURES).map(([name, title]) => `${title} ${digits(error[name])}`).join(", "),
+    "Too bright": `${Math.round(100 * point.too_bright)} % of relMSE is where it is brighter than the reference`,
     "Preparing": point.prepare_s > 0.001 ? `${time(1000 * point.prepare_s)}, once, beyond what was ready` : "nothing more",
     "Settings": Object.entries(point.settings).map(([name, value]) => `${name} ${value}`).join(", "),
   };
-  if (point.spp) facts["Samples"] = `${digits(point.spp)} a pixel, ${point.rays} rays`;
+  if (point.spp) facts["Samples"] = `${digits(point.spp, 3)} a pixel, ${point.rays} rays`;
   if (point.bad_pixels) facts["Not finite"] = `${point.bad_pixels} pixels, counted as black`;
   $("facts").replaceChildren();
   for (const name in facts) { element("dt", name, $("facts")); element("dd", facts[name], $("facts")); }
-  $("command").textContent = point.command;
-  $("copy").textContent = "Copy";
+  $("command-line").replaceChildren();
+  commandLine(point.command, $("command-line"));
 }
 
-function keep(index) {
-  isKept = !(isKept && chosen === index);
-  choose(index);
+function hold(index) {
+  isKept = index !== null;
+  if (isKept) choose(index);
+  $("hint").textContent = isKept ? "This point is kept; click on it again to let others be shown in passing." :
+    "Point at one to see its picture, click to keep it. Or by keys: arrows, Home and End go from one to the next.";
 }
 
 function show(name) {
@@ -168,29 +222,14 @@ function step(event) {
   choose(to);
 }
 
-async function copy() {
-  const text = $("command").textContent;
-  try {
-    await navigator.clipboard.writeText(text);
-  } catch (refused) { // a browser that gives pages from files no clipboard
-    const range = document.createRange();
-    range.selectNodeContents($("command"));
-    getSelection().removeAllRanges();
-    getSelection().addRange(range);
-    document.execCommand("copy");
-  }
-  $("copy").textContent = "Copied";
-}
-
 function listen() {
   $("measure").addEventListener("change", event => show(event.target.value));
   $("slider").addEventListener("input", event => cut(event.target.value));
-  $("copy").addEventListener("click", copy);
   $("charts").addEventListener("keydown", step);
   for (const node of document.querySelectorAll("g.point")) {
     const index = Number(node.dataset.point);
     node.addEventListener("pointerenter", () => { if (!isKept) choose(index); });
-    node.addEventListener("click", () => keep(index));
+    node.addEventListener("click", () => hold(isKept && chosen === index ? null : index));
   }
   const drag = event => {
     const box = $("wipe").getBoundingClientRect();
@@ -207,6 +246,7 @@ fillNotes();
 listen();
 $("reference").src = pictures.reference;
 show(measure);
+hold(null);
 const best = report.recommend.map(row => row.point).filter(index => index !== null);
 choose(best.length ? best[0] : 0);
 cut(50);

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...atomic import atomic_write, write_json
 from ..difference import magma
+from ..html_page import html_page
 from .chart import error_chart, to_svg
 from .chart_png import save_png
 from .document import Findings
@@ -41,8 +42,9 @@ def _page(findings: Findings, drawings: dict[str, str]) -> str:
         "maps": [_encoded(magma(rung.errors.map), _MAP) for rung in findings.rungs],
     }
     charts = "".join(f'<div class="chart" data-measure="{name}">{svg}</div>' for name, svg in drawings.items())
-    return fill("page.html", {"STYLE": resource("page.css"), "SCRIPT": resource("page.js"), "CHARTS": charts,
-                              "REPORT": embedded(findings.document), "PICTURES": embedded(pictures)})
+    body = fill("page.html", {"SCRIPT": resource("page.js"), "CHARTS": charts, "REPORT": embedded(findings.document),
+                              "PICTURES": embedded(pictures)})
+    return html_page("Error against time", body, resource("page.css"))
 
 
 def fill(template: str, parts: dict[str, str]) -> str:

@@ -9,25 +9,28 @@ from typing import Any
 from urllib.parse import quote
 
 from ...atomic import atomic_write
+from ..html_page import html_page
 from .chart import spell_time
 from .errors import MEASURES
-from .page import fill, resource
+from .page import fill
+
+_STYLE = "body { max-width: 90rem } td { min-width: 5rem }"
 
 
 def write_summary(folder: Path, reports: Mapping[Path, Mapping[str, Any]]) -> None:
     """index.html in `folder`: a row for each report.json, by the folder in it that holds it. Raises OutputError."""
     rows = "\n".join(_row(quote(path.name), report) for path, report in reports.items())
     sizes = sorted({f"{report['size'][0]} x {report['size'][1]} on {report['device']}" for report in reports.values()})
-    page = fill("summary.html", {"STYLE": resource("page.css"), "ROWS": rows, "WHERE": html.escape("; ".join(sizes))})
+    body = fill("summary.html", {"ROWS": rows, "WHERE": html.escape("; ".join(sizes))})
     with atomic_write(folder / "index.html") as file:
-        file.write_text(page, encoding="utf-8")
+        file.write_text(html_page("Error against time", body, _STYLE), encoding="utf-8")
 
 
 def _row(link: str, report: Mapping[str, Any]) -> str:
     cells = [f'<a href="{link}/index.html">{html.escape(report["scene"])}</a>', str(report["triangles"]),
-             f"{report['reference']['floor'][MEASURES[0]]:.2g}"]
+             _percent(report["reference"]["floor"][MEASURES[0]])]
     for row in report["recommend"]:
-        cells.append("nothing" if row["point"] is None else _choice(report["points"][row["point"]]))
+        cells.append("nothing is so fast" if row["point"] is None else _choice(report["points"][row["point"]]))
     raster = report["raster"]
     if raster is None:
         cells.append("")
@@ -38,6 +41,10 @@ def _row(link: str, report: Mapping[str, Any]) -> str:
 
 
 def _choice(point: Mapping[str, Any]) -> str:
-    error = point["error"][MEASURES[0]]
-    return (f"{html.escape(point['label'])}<br><small>{spell_time(point['time_ms']['median'])}, about "
-            f"{100 * error**0.5:.2g} % off (relMSE {error:.2g})</small>")
+    return (f"{html.escape(point['label'])}<br><small>{spell_time(point['time_ms']['median'])}, off by "
+            f"{_percent(point['error'][MEASURES[0]])}</small>")
+
+
+def _percent(relmse: float) -> str:
+    """The relative error of a pixel, about: the root of relMSE."""
+    return f"{float(f'{100 * relmse**0.5:.2g}'):g} %"
