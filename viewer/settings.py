@@ -110,8 +110,8 @@ class Settings:
     specular_aa: Literal["on", "off"] = _option(
         "off", "widen highlights that are finer than a pixel: calmer in motion, but farther from the truth")
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8", "ssaa-4", "ssaa-9", "ssaa-16"] = _option(
-        "auto", "samples a pixel; auto: four, but one while the camera moves and a processor draws; ssaa-4: four "
-        "points are shaded, each of four samples")
+        "auto", "samples a pixel, shaded once (msaa) or each (ssaa); auto: four, shaded once, but one while the camera "
+        "moves and a processor draws")
     plan: Literal["needed", "everything"] = _option(
         "needed", "everything: leave nothing out, for the same picture; shows what is saved")
     sampling: Literal["mis", "bsdf", "lights"] = _option("mis", "mode path: how light is found; mis weighs both ways")
@@ -178,13 +178,11 @@ class Settings:
         """Samples a pixel on such a device, for a picture that is kept or one of a moving camera."""
         if self.antialias == "auto":
             return 1 if is_software and not is_still else 4
-        if self.antialias.startswith("ssaa"):
-            return 4
         return int(self.antialias[5:]) if self.antialias.startswith("msaa") else 1
 
     @property
     def supersampling(self) -> int:
-        """Points along each side of a pixel that are shaded, each with `samples` for what covers it."""
+        """Points along each side of a pixel that are shaded."""
         return math.isqrt(int(self.antialias[5:])) if self.antialias.startswith("ssaa") else 1
 
     def with_option(self, assignment: str) -> Settings:
