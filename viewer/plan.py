@@ -23,6 +23,8 @@ from .wide_programs import attributes_of, leave_nothing_out, share_programs
 MAX_LIGHTS = 128
 """What a uniform block of 16 KiB, the least OpenGL 3.3 grants, holds with room to spare."""
 MAX_SHADOW_LAYERS = 24
+TRACED_ROUGHNESS = 0.45
+"""Perceptual; surfaces as rough as this mirror nothing that one ray could speak for."""
 
 _NDF = ("ggx", "beckmann", "blinn-phong")
 _MASKING = ("smith", "smith-separable", "v-cavity", "none")
@@ -64,6 +66,16 @@ class Draw:
         """Whether it is shaded by what of the environment is not hidden."""
         return dict(self.program.switches).get("VISIBILITY", 0) == 1
 
+    @property
+    def is_traced(self) -> bool:
+        """Whether it is shaded by what rays from it meet of the model."""
+        return dict(self.program.switches).get("TRACED", 0) == 1
+
+    @property
+    def is_in_gbuffer(self) -> bool:
+        """Whether passes before the surfaces are shaded look from it."""
+        return self.sees_visibility or self.is_traced
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -100,6 +112,11 @@ class Plan:
         return any(draw.sees_visibility for draw in self.draws)
 
     @property
+    def has_traced(self) -> bool:
+        """Whether rays find what surfaces mirror of the model."""
+        return any(draw.is_traced for draw in self.draws)
+
+    @property
     def has_bodies(self) -> bool:
         """Whether there is glass that light is refracted into."""
         return self.is_everything or any(draw.transmits == 2 for draw in self.draws)
@@ -111,6 +128,7 @@ class Plan:
 
     def to_json(self) -> dict[str, object]:
         passes = ["shadows"] * bool(self.shadow_layer_count) + ["visibility"] * self.has_visibility
+        passes += ["reflections"] * self.has_traced
         passes += ["surfaces"] * bool(self.draws)
         passes += ["bodies of glass"] if self.has_bodies else []
         passes += ["background"] if self.background else []
@@ -187,6 +205,7 @@ def plan_scene(
                          and scene.environment is not None and not environment_shadows)
     common = {
         "VISIBILITY": int(environment_shadows > 0 or ambient_occlusion),
+        "TRACED": int(settings.reflections == "traced" and reflections and scene.environment is not None),
         "HALF_TARGET": int(half_target),
         "SAMPLES": samples,
         "IS_ORTHOGRAPHIC": int(orthographic),
@@ -257,7 +276,9 @@ def _draw(
         material = without_constant_maps(material)
     lit = is_lit(mesh, material)
     if material.alpha_mode == "blend" or material.transmits:
-        common = common | {"VISIBILITY": 0}  # what is behind them has its place in the buffers
+        common = common | {"VISIBILITY": 0, "TRACED": 0}  # what is behind them has its place in the buffers
+    if not _mirrors(material):
+        common = common | {"TRACED": 0}
     maps = tuple(name for name in MAPS if _samples(name, mesh, material, settings, lit, common))
     textures = {name: texture for name in maps if (texture := material_map(material, name))}
     uv_sets = sum(1 << uv_set for uv_set in {texture.uv_set for texture in textures.values()})
@@ -288,6 +309,12 @@ def _draw(
     transmits = switches.get("TRANSMISSION", 0)
     return Draw(index, mesh_index, mesh.material, material, program, maps, attributes_of(switches), material.alpha_mode,
                 transmits)
+
+
+def _mirrors(material: Material) -> bool:
+    """Whether any of it may be smooth enough to mirror."""
+    is_rough = material.metallic_roughness_texture is None and material.perceptual_roughness >= TRACED_ROUGHNESS
+    return material.has_interface and not is_rough
 
 
 def _pbr_switches(material: Material, settings: Settings) -> dict[str, int]:

@@ -13,6 +13,9 @@
 #if VISIBILITY
 #include "raster/visibility.glsl"
 #endif
+#if TRACED
+#include "raster/traced_reflection.glsl"
+#endif
 #if LIGHT_COUNT > 0
 #include "light/punctual.glsl"
 #endif

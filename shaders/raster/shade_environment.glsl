@@ -31,6 +31,9 @@ vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, vec4 visibl
     specular[1] = reflected_light(s.n, r, n_geometric, split_sum.t.y, split_sum.roughness.y);
 #endif
 #endif
+#if TRACED
+    mat2x3 open = specular; // what nothing hides
+#endif
     vec3 mean_light = environment_irradiance_over_pi(s.n);
 #if OCCLUSION_MAP
     mean_light *= occlusion;
@@ -39,6 +42,11 @@ vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, vec4 visibl
 #if VISIBILITY
     mean_light *= visible.rgb;
     specular *= visible.a;
+#endif
+#if TRACED
+    vec4 met = traced_reflection(v_position, n_geometric);
+    float share = mirror_share(s.perceptual_roughness);
+    for (int k = 0; k < 2; ++k) specular[k] = mix(specular[k], mix(open[k], met.rgb, met.a), share);
 #endif
     vec3 radiance = vec3(0.0);
 #if METALNESS != 1

@@ -30,6 +30,7 @@ from .programs import Programs
 from .shadows import ShadowMaps
 from .surfaces import UNIT_DFG, UNIT_RADIANCE, UNIT_SHADOW, Surfaces
 from .target import Target
+from .traced_reflections import TracedReflections
 from .transmission import Backdrop
 from .visibility import VisibilityPass
 
@@ -63,6 +64,7 @@ class Renderer:
         self._backdrop: Backdrop | None = None
         self._gbuffer: GBuffer | None = None
         self._visibility = VisibilityPass(self._gl, self.programs)
+        self._reflections = TracedReflections(context, self.programs)
         self._surfaces: Surfaces | None = None
         self._environment: EnvironmentLight | None = None
         self._ahead: Decoder | None = None
@@ -142,9 +144,15 @@ class Renderer:
         frame = Frame(scene, camera, target.drawn_size)
         uniforms = self._frame_uniforms(plan, frame, settings)
 
+        if plan.has_visibility or plan.has_traced:
+            with self._pass("G-buffer"):
+                gbuffer = self._drawn_gbuffer(frame, plan, uniforms)
         if plan.has_visibility:
             with self._pass("visibility"):
-                uniforms |= self._visibility.find(frame, plan, self._drawn_gbuffer(frame, plan, uniforms))
+                uniforms |= self._visibility.find(frame, plan, gbuffer)
+        if plan.has_traced:
+            with self._pass("reflections"):
+                uniforms |= self._reflections.find(frame, gbuffer)
         target.set_part(part)
         target.framebuffer.use()
         target.framebuffer.clear(depth=1.0)  # alpha 0: a colour is laid behind when the picture is displayed
@@ -207,6 +215,9 @@ class Renderer:
         if self.plan.environment_shadows and self.plan.has_visibility:
             with self._timed("environment shadows"):
                 self._visibility.prepare(scene, self.plan, self._environment, self._surfaces.draw_depth)
+        if self.plan.has_traced:
+            with self._timed("reflections"):
+                self._reflections.prepare(scene, settings)
         return self.plan
 
     def _prepare_surfaces(self, scene: Scene) -> None:
@@ -322,6 +333,6 @@ class Renderer:
     def release(self) -> None:
         """Free what the renderer holds; the context stays."""
         self.context.make_current()
-        self._release(self._display, self._target, self._backdrop, self._visibility, self._gbuffer, self._surfaces,
-                      self._environment, *self._shadows, *self._blocks, *self._dfg.values())
+        self._release(self._display, self._target, self._backdrop, self._visibility, self._reflections, self._gbuffer,
+                      self._surfaces, self._environment, *self._shadows, *self._blocks, *self._dfg.values())
         self.programs.release()

@@ -22,6 +22,7 @@ from .textures import Textures
 UNIT_DFG, UNIT_PREFILTERED, UNIT_IRRADIANCE, UNIT_SHADOW, UNIT_BACKGROUND, UNIT_RADIANCE, UNIT_VISIBILITY = (
     len(MAPS) + k for k in range(7)
 )
+UNIT_REFLECTED, UNIT_RAY_POSITIONS = UNIT_VISIBILITY + 1, UNIT_VISIBILITY + 2
 
 _SAMPLE_ALPHA_TO_COVERAGE, _SAMPLE_ALPHA_TO_ONE = 0x809E, 0x809F
 _VERTEX = "raster/surface.vert"
@@ -56,8 +57,8 @@ class Surfaces:
         self.textures.upload()
 
     def draw_gbuffer(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> None:
-        """Draw where those surfaces are that take part in visibility, and how they lie: shaders/raster/gbuffer.frag."""
-        draws = [replace(d, program=_gbuffer_program(d.program)) for d in plan.draws if d.sees_visibility]
+        """Draw where those surfaces are that passes look from, and how they lie: shaders/raster/gbuffer.frag."""
+        draws = [replace(d, program=_gbuffer_program(d.program)) for d in plan.draws if d.is_in_gbuffer]
         self._draw_solid(draws, frame, plan, frame_uniforms)
 
     def draw_opaque(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:

@@ -1,0 +1,117 @@
+"""The pass that finds what smooth surfaces mirror of the model itself: one ray a pixel, through the path tracer's
+intersector, shaded by light that was baked at the vertices."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import moderngl
+
+from ..gpu.context import Context
+from ..scene.scene import Scene
+from ..settings import Settings
+from .display import fullscreen
+from .frame import Frame
+from .gbuffer import GBuffer, nearest_texture
+from .programs import Programs, set_uniform
+from .surfaces import UNIT_RAY_POSITIONS, UNIT_REFLECTED
+
+if TYPE_CHECKING:
+    from .reflected_surfaces import ReflectedSurfaces
+
+
+class TracedReflections:
+    """Keeps the rays of one picture size and what they can meet of one scene.
+
+    `kind` of intersector as `viewer.trace.intersect.make_intersector` takes it.
+    """
+
+    def __init__(self, context: Context, programs: Programs, kind: str = "auto") -> None:
+        self._context, self._programs, self._kind = context, programs, kind
+        self._met: ReflectedSurfaces | None = None
+        self._rays: _Rays | None = None
+
+    def prepare(self, scene: Scene, settings: Settings) -> None:
+        """Make ready what rays can meet of `scene`, if it is not."""
+        if self._met is None or not self._met.holds(scene):
+            from .reflected_surfaces import ReflectedSurfaces
+
+            self.drop_scene()
+            self._met = ReflectedSurfaces(self._context, scene, settings, self._kind)
+
+    def find(self, frame: Frame, gbuffer: GBuffer) -> dict[str, object]:
+        """Trace the G-buffer's rays; returns the uniforms of shaders/raster/traced_reflection.glsl.
+
+        Leaves a framebuffer of its own in use.
+        """
+        if self._rays is None or self._rays.gbuffer is not gbuffer:
+            self._release_rays()
+            self._rays = _Rays(self._context.gl, gbuffer)
+        rays = self._rays
+        rays.start(self._programs, frame)
+        intersector = self._met.intersector
+        intersector.store(rays, intersector.trace(intersector.fetch(rays)))
+        rays.shade(self._programs, self._met)
+        rays.reflected.use(UNIT_REFLECTED)
+        gbuffer.positions.use(UNIT_RAY_POSITIONS)
+        return {"u_reflected": UNIT_REFLECTED, "u_ray_positions": UNIT_RAY_POSITIONS}
+
+    def drop_scene(self) -> None:
+        """For when the scene is another."""
+        if self._met is not None:
+            self._met.release()
+            self._met = None
+
+    def _release_rays(self) -> None:
+        if self._rays is not None:
+            self._rays.release()
+            self._rays = None  # should the next one fail
+
+    def release(self) -> None:
+        self.drop_scene()
+        self._release_rays()
+
+
+class _Rays:
+    """The textures that `viewer.trace.intersect.WaveTextures` describes, a slot for each pixel of the G-buffer."""
+
+    def __init__(self, gl: moderngl.Context, gbuffer: GBuffer) -> None:
+        self._gl, self.gbuffer = gl, gbuffer
+        self.origin, self.direction, self.shadow_vector = (nearest_texture(gl, gbuffer.size, "f4") for _ in range(3))
+        self.shadow_origin = self.shadow_vector
+        self.hit, self.reflected = nearest_texture(gl, gbuffer.size, "u4"), nearest_texture(gl, gbuffer.size, "f2")
+        self._no_shadow = gl.framebuffer([self.shadow_vector])
+        self._no_shadow.clear()
+        self._start = gbuffer.target(self.origin, self.direction)
+        self._result = gbuffer.target(self.reflected)
+
+    def start(self, programs: Programs, frame: Frame) -> None:
+        """Write the rays of the frame's surfaces."""
+        program = programs.get("display/fullscreen.vert", "raster/reflection_rays.frag", {
+            "IS_ORTHOGRAPHIC": int(frame.camera.height is not None)})
+        eye = (frame.camera.eye - frame.scene.center) / frame.unit
+        for name, value in (self.gbuffer.bind(frame) | {"u_eye": tuple(eye)}).items():
+            set_uniform(program, name, value)
+        self._start.use()
+        self._start.clear()
+        with self.gbuffer.on_surfaces():
+            fullscreen(self._gl, program).render(vertices=3)
+        self._gl.clear_samplers()
+
+    def shade(self, programs: Programs, met: ReflectedSurfaces) -> None:
+        """Write `reflected`: the light that leaves what the rays met."""
+        program = programs.get("display/fullscreen.vert", "raster/reflected_light.frag", {})
+        self.hit.use(0)
+        self.direction.use(1)
+        for name, value in ({"u_hit": 0, "u_direction": 1} | met.bind(first_unit=2)).items():
+            set_uniform(program, name, value)
+        self._result.use()
+        self._result.clear()
+        with self.gbuffer.on_surfaces():
+            fullscreen(self._gl, program).render(vertices=3)
+        self._gl.clear_samplers()
+
+    def release(self) -> None:
+        for thing in (self._no_shadow, self._start, self._result, self.origin, self.direction, self.shadow_vector,
+                      self.hit, self.reflected):
+            thing.release()
