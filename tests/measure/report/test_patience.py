@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 
 from viewer.measure.report.ladder import Method
-from viewer.measure.report.patience import is_met_by_pilot, reason_against
+from viewer.measure.report.patience import is_met_by_pilot, longest, reason_against
 from viewer.measure.report.store import Record
 from viewer.measure.report.timing import Effort
 
@@ -52,3 +52,13 @@ def test_an_adaptive_picture_is_foretold_from_what_64_samples_reach():
     assert "take too long here" in why(method, rungs[:1], 1e9)
     assert not is_met_by_pilot(method, rungs) and is_met_by_pilot(method, [rung("path", 64, 4.0, 0.04)])
     assert not is_met_by_pilot(rungs[0][0], rungs)
+
+
+def test_ten_seconds_are_filled_past_the_steps_there_is_no_time_for():
+    steps = [Method("path", "", {"mode": "path", "spp": 1 << k}) for k in range(9)]
+    rungs = [rung("path", 4, 0.5), rung("path+fast", 8, 50.0)]
+    assert longest(steps, rungs, 8.1).changes["spp"] == 64  # 8 s; twice as many would take 16
+    assert longest(steps, rungs, 7.9) is None
+    assert longest(steps, [rung("path", 64, 8.0)], 1e9) is None  # it is there
+    assert longest(steps, [rung("path", 4, 0.001)], 1e9).changes["spp"] == 256  # there are no more
+    assert longest(steps, [], 1e9) is None

@@ -6,10 +6,13 @@ from collections.abc import Sequence
 
 from ...trace.schedule import PILOT
 from .ladder import Method
+from .pareto import BUDGETS_MS
 from .store import Record
 from .timing import Effort
 
 Rung = tuple[Method, Record]
+LONGEST_S = 0.95 * BUDGETS_MS[-1] / 1e3
+"""What a picture may take that is to be recommended for the longest time, with some to spare."""
 
 
 def reason_against(method: Method, rungs: Sequence[Rung], seconds_left: float, effort: Effort) -> str:
@@ -35,6 +38,17 @@ def reason_against(method: Method, rungs: Sequence[Rung], seconds_left: float, e
     else:
         once = 0.0
     return _unless_in_time(once if once > effort.once_s else effort.least * once, seconds_left)
+
+
+def longest(steps: Sequence[Method], rungs: Sequence[Rung], seconds_left: float) -> Method | None:
+    """The path-traced one of `steps`, which differ in samples, that fills LONGEST_S best, by what the last of them
+    among `rungs` took; None where that one does, or where it takes more than is left."""
+    climbed = [record for method, record in rungs if method in steps]
+    if not climbed:
+        return None
+    spp, rate = climbed[-1].facts["spp"], _seconds(climbed[-1]) / climbed[-1].facts["spp"]
+    fitting = [method for method in steps if spp < method.changes["spp"] <= LONGEST_S / rate]
+    return fitting[-1] if fitting and fitting[-1].changes["spp"] * rate <= seconds_left else None
 
 
 def _growth(method: Method, before: Method) -> float:

@@ -12,13 +12,16 @@ from .bench import Bench
 from .digest import code_digest, digest
 from .errors import trimmed_floor, trimmed_relmse
 from .ladder import Ladder, LeftOut, Method, ladder
-from .patience import is_met_by_pilot, reason_against
+from .patience import is_met_by_pilot, longest, reason_against
 from .reference import LEAST_SPP, Reference, ReferenceMaker
 from .store import Record, Store
 from .timing import of_pictures
 
-RASTER_SHARE, POINTS_SHARE = 0.25, 0.5
-"""Of the time, what points of the raster may take, and all points; the reference gets what is left."""
+RASTER_SHARE, POINTS_SHARE, LONG_SHARE = 0.25, 0.5, 0.75
+"""Of the time, what points of the raster may take, all points that are climbed to one by one, and all points; the
+reference gets what is left."""
+LONG = ("path", "path+oidn", "path+fast")
+"""The methods of which a picture is wanted that takes about as long as is ever recommended."""
 FLOOR_SHARE = 0.1
 """A reference is good enough when its floor is this share of the best picture's error."""
 
@@ -64,6 +67,7 @@ class Surveyor:
         maker = ReferenceMaker(bench, self._store, self._key)
         survey.reference = maker.reference() if maker.spp else None
         self._climb(steps)
+        self._leap(steps)
         self._converge(maker)
         survey.is_whole = True
 
@@ -94,10 +98,21 @@ class Surveyor:
                 left = share * self._limit - sum(record.seconds for _, record in survey.rungs)
                 reason = reason_against(method, survey.rungs, left, of_pictures(self._limit))
                 if reason:
-                    survey.left_out.append(LeftOut(f"{method.label} and more", reason))
+                    steps_on = ", and the next steps" if "spp" in method.changes else ""
+                    survey.left_out.append(LeftOut(method.label + steps_on, reason))
                     given_up.add(method.family)
                     continue
             survey.rungs.append((method, self._measured(method)))
+
+    def _leap(self, steps: Ladder) -> None:
+        """Somebody who has ten seconds is to be told of a picture that takes them: past steps that there is no time
+        for, to the most samples that this budget has room for."""
+        survey = self.survey
+        for name in LONG:
+            left = LONG_SHARE * self._limit - sum(record.seconds for _, record in survey.rungs)
+            method = longest([method for method in steps.traced if method.name == name], survey.rungs, left)
+            if method is not None:
+                survey.rungs.append((method, self._measured(method)))
 
     def _measured(self, method: Method) -> Record:
         self._tell(method.label)
