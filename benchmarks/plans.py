@@ -1,104 +1,138 @@
 """What leaving out saves: each model by the plan of what it needs and by the one that leaves nothing out, in turn.
 
-    python -m benchmarks.plans [MODEL ...] [--results DIR]
+    python -m benchmarks.plans [MODEL ...] [--rounds N] [--results DIR]
 
-First frames have programs, bakes, textures and buffers to make, with no cache on disk; shader lines are those that the
-switches leave, of all fragment programs. Processor seconds are told beside the wall's: other work on the machine counts
-less in them.
+Each picture is a process of its own with empty folders, so that its memory is its own, and that its first frame has
+programs, bakes, textures and buffers to make. Models with lights of their own are shown by these alone, others under
+`--env`. The last model is made for this: 200 materials, of 196 kinds. Shader lines are those that the switches leave.
 """
 
 from __future__ import annotations
 
 import argparse
-import os
+import statistics
+import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
 
 from viewer.errors import InputError
-from viewer.gpu.context import Context, open_context
-from viewer.plan import Plan, plan_scene
-from viewer.scene.environment_files import load_environment
 from viewer.scene.load import load_scene
-from viewer.scene.scene import Scene
-from viewer.settings import Settings
 
-from . import machine, shot, tracing
-from .drawing import Viewer, compile_anew
-from .shader_code import lines_left
+from . import corpus, machine, shot, tracing
+from .growth_scenes import write
+from .process import Run, run
+from .programs import OURS, OURS_EVERYTHING, Program, ours
+from .summary import values
 
-PLANS = ("needed", "everything")
-COLUMNS = {"model": "model", "programs": "programs", "of all": "all_programs", "shader lines": "lines:,",
-           "of all ": "all_lines:,", "MB": "mb:.1f", "of all  ": "all_mb:.1f", "first frame, CPU s": "first_cpu:.2f",
-           "of all   ": "all_first_cpu:.2f", "later frame, CPU ms": "later_cpu:.1f", "of all    ": "all_later_cpu:.1f",
-           "levels apart": "apart"}
+MODELS = ("Box", "BoxTextured", "Duck", "UnlitTest", "Fox", "CesiumMilkTruck", "LightsPunctualLamp", "DamagedHelmet",
+          "FlightHelmet", "MetalRoughSpheresNoTextures", "SheenCloth", "GlassVaseFlowers", "Mountains")
+MATERIALS = 200
+FIGURES = {"first_frame_s": "first frame, s", "frame_median_ms": "steady frame, ms", "gpu_mb": "textures and buffers, MB",
+           "rss_mb": "peak memory, MB", "programs": "programs", "shader_lines": "shader lines",
+           "shader_kb": "shader kB"}
+_FORMS = {"first_frame_s": ".2f", "gpu_mb": ".1f", "rss_mb": ".0f", "frame_median_ms": ".1f", "shader_kb": ".1f",
+          "programs": ".0f", "shader_lines": ",.0f"}
 
 
 def main() -> None:
     options = _parse()
-    compile_anew()
-    environment = load_environment(options.env)
     rows: list[dict[str, object]] = []
-    with open_context(options.backend) as context:
-        _compare(context, load_scene(shot.REPOSITORY / "assets/demo.glb").relit(environment=environment), options)
-        for path in options.models:
+    with tempfile.TemporaryDirectory(prefix="plans-") as name:
+        folder = Path(name)
+        models = [corpus.model(model) for model in options.models]
+        for path in [*models, write("materials", MATERIALS, folder)]:
             try:
-                scene = load_scene(path).relit(environment=environment)
+                environment = "none" if load_scene(path).lights else options.env
             except InputError as error:
                 print(f"{error}: left out")
                 continue
-            rows.append({"model": Path(path).stem} | _compare(context, scene, options))
+            row = compare(path.resolve(), environment, folder, options)
+            rows.append({"model": path.stem} | row)
             print(rows[-1], flush=True)
-        facts = machine.here() | {"renderer": context.renderer, "load average": os.getloadavg()[0],
-                                  "size": f"{options.size}x{options.size}", "environment": Path(options.env).name}
-    text = ["# Needed against everything", "", *tracing.table(rows, COLUMNS), "", *_summary(rows)]
+    loads = [row["load"] for row in rows if "load" in row]
+    facts = machine.here() | {"size": f"{options.size}x{options.size}", "environment": Path(options.env).name,
+                              "rounds": options.rounds, "frames a round": options.frames,
+                              "load average": f"{min(loads)} to {max(loads)}" if loads else "unknown"}
+    done = [row for row in rows if "error" not in row]
+    text = ["# Needed / everything", "", *table([*done, total(done)] if done else rows), "", *summary(done)]
     tracing.keep("plans", facts, rows, text, options.results)
 
 
-def _compare(context: Context, scene: Scene, options: argparse.Namespace) -> dict[str, object]:
-    size = options.size, options.size
-    viewers = {plan: Viewer(context, scene, Settings(plan=plan), size) for plan in PLANS}
-    for number in range(1, options.frames + 1):
-        for viewer in viewers.values():
-            viewer.draw(number)
-    row: dict[str, object] = {}
-    for plan, prefix in zip(PLANS, ("", "all_")):
-        found = viewers[plan].frames.to_json() | {"lines": _lines(scene, plan)}
-        row |= {prefix + name: value for name, value in found.items()}
-        viewers[plan].release()
-    needed, everything = (viewers[plan].picture.astype(int) for plan in PLANS)
+def compare(path: Path, environment: str, folder: Path, options: argparse.Namespace) -> dict[str, object]:
+    """Of each figure the median over the rounds, by the plan of what is needed and, as all_..., by the other."""
+    programs = [program for program in ours() if program.name in (OURS, OURS_EVERYTHING)]
+    runs: dict[str, list[Run]] = {program.name: [] for program in programs}
+    for number in range(options.rounds):
+        for program in programs[::-1] if number % 2 else programs:
+            runs[program.name].append(_run(program, path, environment, folder, options))
+    errors = [str(one["error"]) for several in runs.values() for one in several if "error" in one]
+    if errors:
+        return {"error": errors[0]}
+    row: dict[str, object] = {"load": max(one["load"] for several in runs.values() for one in several)}
+    for program, prefix in zip(programs, ("", "all_")):
+        row |= {prefix + key: statistics.median(values(runs[program.name], key)) for key in FIGURES}
+    needed, everything = (np.asarray(Image.open(_picture(folder, program)), int) for program in programs)
     return row | {"apart": int(np.abs(needed - everything).max())}
 
 
-def _lines(scene: Scene, plan: str) -> int:
-    found: Plan = plan_scene(scene, Settings(plan=plan), scene.lights, samples=4, half_target=True, orthographic=False)
-    return sum(len(lines_left(program.fragment, dict(program.switches))) for program in found.programs)
+def _run(program: Program, path: Path, environment: str, folder: Path, options: argparse.Namespace) -> Run:
+    size = options.size, options.size
+    picture = _picture(folder, program)
+    command = program.frames(str(path), environment, size, picture, options.frames)
+    with tempfile.TemporaryDirectory(dir=folder) as home:
+        return run(command, picture, size, Path(home), shot.REPOSITORY)
 
 
-def _summary(rows: list[dict[str, object]]) -> list[str]:
-    """Ratios of the whole to what is needed, the median model and the one that gains least."""
+def _picture(folder: Path, program: Program) -> Path:
+    return folder / f"{program.name}.png"
+
+
+def total(rows: Sequence[dict[str, object]]) -> dict[str, object]:
+    """The sum of each figure."""
+    keys = [prefix + key for prefix in ("", "all_") for key in FIGURES]
+    return {"model": "all together"} | {key: sum(row[key] for row in rows) for key in keys} | {
+        "apart": max(row["apart"] for row in rows)}
+
+
+def table(rows: Sequence[dict[str, object]]) -> list[str]:
+    """Needed / everything in each cell."""
+    lines = ["| model | " + " | ".join(FIGURES.values()) + " | levels apart |", "|---" * (len(FIGURES) + 2) + "|"]
+    for row in rows:
+        if "error" in row:
+            lines.append(f"| {row['model']} | {row['error']}" + " |" * (len(FIGURES) + 1))
+            continue
+        cells = [f"{row[key]:{_FORMS[key]}} / {row[f'all_{key}']:{_FORMS[key]}}" for key in FIGURES]
+        lines.append(f"| {row['model']} | " + " | ".join(cells) + f" | {row['apart']} |")
+    return lines
+
+
+def summary(rows: Sequence[dict[str, object]]) -> list[str]:
+    """Ratios of the whole to what is needed: the median model and both ends."""
     lines = []
-    names = {"lines": "shader lines", "mb": "MB", "first_cpu": "first frame", "later_cpu": "later frame"}
-    for key, name in names.items():
+    for key, name in FIGURES.items():
         ratios = sorted(row[f"all_{key}"] / row[key] for row in rows if row[key])
         if ratios:
-            lines.append(f"- {name}: everything takes {np.median(ratios):.2f} times what is needed (median of "
-                         f"{len(ratios)} models; {ratios[0]:.2f} to {ratios[-1]:.2f})")
+            lines.append(f"- {name.split(',')[0]}: everything takes {statistics.median(ratios):.2f} times what is "
+                         f"needed (median of {len(ratios)} models; {ratios[0]:.2f} to {ratios[-1]:.2f})")
     return lines
 
 
 def _parse() -> argparse.Namespace:
-    corpus = shot.REPOSITORY.parent / "shared" / "corpus" / "models"
-    models = sorted(str(path) for path in corpus.glob("*/*.gl*") if path.is_file())
     parser = argparse.ArgumentParser(prog="python -m benchmarks.plans", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("models", nargs="*", default=models or [str(shot.REPOSITORY / "assets/demo.glb")])
+    parser.add_argument("models", nargs="*", metavar="MODEL", help="files, or names of the corpus")
     parser.add_argument("--env", default=shot.default_environment())
     parser.add_argument("--size", type=int, default=256)
-    parser.add_argument("--frames", type=int, default=5)
-    parser.add_argument("--backend", default="auto")
+    parser.add_argument("--frames", type=int, default=7)
+    parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--results", type=Path, default=shot.REPOSITORY / "benchmarks/results")
-    return parser.parse_args()
+    options = parser.parse_args()
+    options.models = options.models or corpus.present(MODELS) or [str(shot.REPOSITORY / "assets/demo.glb")]
+    options.env = shot.inputs(shot.default_model(), corpus.environment(options.env))[1]
+    return options
 
 
 if __name__ == "__main__":

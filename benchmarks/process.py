@@ -7,7 +7,7 @@ import os
 import subprocess
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 Run = dict[str, object]
@@ -18,16 +18,18 @@ _POLL = 0.002
 
 
 def run(command: Sequence[str], picture: Path, size: tuple[int, int], home: Path, folder: Path,
-        timeout: float = 300.0) -> Run:
+        timeout: float = 300.0, more: Mapping[str, str] | None = None) -> Run:
     """Runs `command` in `folder`, with `home` for HOME and the XDG folders and no other settings of this user.
 
-    Returns wall_s, rss_mb (the largest resident set of the process), load (of the machine, one minute),
-    and what the program printed as its last line of JSON; or `error`, also where the picture is missing or blank.
+    `more` are further variables of its environment. Returns wall_s, rss_mb (the largest resident set of the process),
+    load (of the machine, one minute), and what the program printed as its last line of JSON; or `error`, also where the
+    picture is missing or blank.
     """
     picture.unlink(missing_ok=True)
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         start = time.perf_counter()
-        process = subprocess.Popen(command, stdout=out, stderr=err, env=_environment(home), cwd=folder)
+        process = subprocess.Popen(command, stdout=out, stderr=err, env=_environment(home) | dict(more or {}),
+                                   cwd=folder)
         status, peak_kb = _wait(process, start + timeout)
         wall = time.perf_counter() - start
         if peak_kb is None:

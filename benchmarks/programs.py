@@ -11,6 +11,8 @@ from . import shot
 OURS = "pbr-viewer"
 OURS_MULTISAMPLED = "pbr-viewer-msaa-4"
 """Frames of ours with four samples a pixel, as some of the others have; kept pictures have them anyway."""
+OURS_EVERYTHING = "pbr-viewer-everything"
+"""Ours by the plan that leaves nothing out."""
 
 
 @dataclass(frozen=True)
@@ -23,6 +25,12 @@ class Program:
     image_based: bool = True
     folder: Path | None = None
     """Where it has to be started; None for its home."""
+    render_options: tuple[str, ...] | None = None
+    """Of our command line, which takes the screenshots; None for other programs, whose script does."""
+
+    @property
+    def is_ours(self) -> bool:
+        return self.render_options is not None
 
     def frames(self, model: str, environment: str, size: tuple[int, int], picture: Path, count: int) -> list[str]:
         """The command that draws one picture, then `count` timed frames in the same process."""
@@ -31,16 +39,18 @@ class Program:
 
     def screenshot(self, model: str, environment: str, size: tuple[int, int], picture: Path) -> list[str]:
         """The command from start to PNG: for ours the command line that users have."""
-        if self.name not in (OURS, OURS_MULTISAMPLED):
+        if self.render_options is None:
             return self.frames(model, environment, size, picture, 0)
-        return _render_command(model, environment, size, picture)
+        return [*_render_command(model, environment, size, picture), *self.render_options]
 
 
 def ours() -> list[Program]:
     script = (sys.executable, "-m", "benchmarks.ours")
     return [
-        Program(OURS, script, folder=shot.REPOSITORY),
-        Program(OURS_MULTISAMPLED, script, ("--antialias", "msaa-4"), folder=shot.REPOSITORY),
+        Program(OURS, script, folder=shot.REPOSITORY, render_options=()),
+        Program(OURS_MULTISAMPLED, script, ("--antialias", "msaa-4"), folder=shot.REPOSITORY, render_options=()),
+        Program(OURS_EVERYTHING, script, ("--plan", "everything"), folder=shot.REPOSITORY,
+                render_options=("--set", "plan=everything")),
     ]
 
 

@@ -1,0 +1,172 @@
+"""How near the raster comes to the truth in ten times the time of plain image-based light, model by model.
+
+    python -m benchmarks.reach [MODEL ...] [--env NAME ...] [--references DIR] [--results DIR]
+
+Every raster method of the report's ladder draws the model; its error is relMSE over the pixels that the model covers
+wholly, against a path-traced reference, whose noise floor is taken off. Of those whose steady frame takes at most
+`--times` as long as plain's the nearest to the truth is told, timed again in turn with plain.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+
+from viewer.errors import InputError
+from viewer.gpu.context import Context, open_context
+from viewer.measure.report.ladder import PLAIN, Method, ladder
+from viewer.measure.report.patience import reason_against
+from viewer.measure.report.store import Record
+from viewer.measure.report.timing import of_frames
+from viewer.scene.camera import Camera
+from viewer.scene.environment_files import load_environment
+from viewer.scene.load import load_scene
+from viewer.scene.scene import Scene
+from viewer.settings import Settings
+
+from . import corpus, machine, shot, tracing
+from .reach_frames import Frames
+from .reach_truth import Truth
+
+MODELS = ("FlightHelmet", "DamagedHelmet", "SheenCloth", "Fox", "CesiumMilkTruck", "Duck", "Suzanne", "ToyCar",
+          "MetalRoughSpheresNoTextures", "BoxTextured", "Box", "GlassVaseFlowers", "AlienCake-tile", "Mountains",
+          "GlamVelvetSofa", "ClearcoatWicker", "IridescenceSuzanne", "RiggedFigure", "SimpleInstancing", "set_and_get",
+          "sphere-lights", "blender-transmission", "LightsPunctualLamp", "alien-scolitex")
+ENVIRONMENTS = ("studio_small_05_1k", "noon_grass_1k")
+GAIN = 3.0
+"""At most a third of plain's error is asked for."""
+COLUMNS = {"model": "model", "environment": "environment", "plain": "plain:.4f", "ms": "plain_ms:.1f",
+           "nearest in time": "best", "relMSE": "error:.4f", "of plain's time": "times:.1f", "gain": "gain:.1f",
+           "trimmed gain": "trimmed_gain:.1f", "noise floor": "floor:.4f", "at most a third": "verdict"}
+
+
+def main() -> None:
+    options = _parse()
+    rows: list[dict[str, object]] = []
+    with open_context(options.backend) as context:
+        facts = machine.here() | {"renderer": context.renderer, "size": f"{options.size}x{options.size}",
+                                  "samples a pixel of the references": options.spp, "times of plain": options.times}
+        for environment in options.env:
+            for model in options.models:
+                try:
+                    scene = load_scene(corpus.model(model))
+                    scene = scene.relit(environment=load_environment(corpus.environment(environment)))
+                    row = measure(context, scene, options)
+                except (InputError, FileNotFoundError) as error:
+                    print(f"{error}: left out")
+                    continue
+                rows.append({"model": Path(model).stem, "environment": environment,
+                             "load": round(os.getloadavg()[0], 1)} | row)
+                print(_line(rows[-1]), flush=True)
+    loads = [row["load"] for row in rows]
+    facts |= {"load average": f"{min(loads)} to {max(loads)}"} if rows else {}
+    text = ["# The best of the raster, and plain image-based light", "", *tracing.table(rows, COLUMNS), "",
+            *_summary(rows)]
+    tracing.keep("reach", facts, rows, text, options.results)
+
+
+def measure(context: Context, scene: Scene, options: argparse.Namespace) -> dict[str, object]:
+    """What one scene's row tells; raises InputError where nothing of it fills a pixel."""
+    size = options.size, options.size
+    camera, base = Camera.framing(scene.center, scene.radius, 1.0), Settings(background="none")
+    truth = Truth.of(context, scene, camera, size, options.spp, options.references)
+    frames = Frames(context, scene, camera, base, size, most=1.5 * options.times)
+    try:
+        rungs, left_out = _climb(frames, ladder(scene, base).raster, options.seconds)
+        errors = {method.slug: truth.error(record.picture) for method, record in rungs}
+        best, (plain_ms, best_ms) = _nearest(frames, rungs, {slug: pair[0] for slug, pair in errors.items()}, options)
+    finally:
+        frames.release()
+    plain, found = errors[PLAIN.slug], errors[best.slug]
+    methods = [{"label": method.label, "relmse": errors[method.slug][0], "trimmed": errors[method.slug][1],
+                **record.facts} for method, record in rungs]
+    return {"plain": plain[0], "plain_ms": plain_ms, "best": best.label, "error": found[0], "ms": best_ms,
+            "times": best_ms / plain_ms, "floor": truth.floor, "gain": _gain(plain[0], found[0], truth.floor),
+            "trimmed_gain": _gain(plain[1], found[1], truth.trimmed_floor), "direct": truth.direct,
+            "verdict": verdict(plain[0], found[0], truth.floor), "methods": methods, "left_out": left_out}
+
+
+def verdict(plain: float, best: float, floor: float) -> str:
+    """Whether `best` is at most a third of `plain`, as far as the reference's noise lets one tell."""
+    if plain <= floor:
+        return "at the noise"
+    return "yes" if GAIN * best <= plain else "no"
+
+
+def _gain(plain: float, best: float, floor: float) -> float:
+    """How many times the error of `best` plain's is; none is known better than a tenth of the floor taken off it."""
+    return plain / max(best, floor / 10, 1e-9)
+
+
+def _climb(frames: Frames, methods: tuple[Method, ...],
+           seconds: float) -> tuple[list[tuple[Method, Record]], list[str]]:
+    """Each method drawn and timed, as far as so many seconds are likely to do; and those that were left out."""
+    rungs: list[tuple[Method, Record]] = []
+    left_out: list[str] = []
+    for method in sorted(methods, key=_promise):
+        spent = sum(record.seconds for _, record in rungs)
+        if reason_against(method, rungs, seconds - spent, of_frames(seconds)):
+            left_out.append(method.label)
+        else:
+            rungs.append((method, frames.measure(method)))
+    return rungs, left_out
+
+
+def _promise(method: Method) -> int:
+    """Plain comes first, by which others are too slow or not; then what does more about the environment than plain."""
+    return 0 if method == PLAIN else 1 if method.name not in ("phong", "lights", PLAIN.name) else 2
+
+
+def _nearest(frames: Frames, rungs: list[tuple[Method, Record]], errors: dict[str, float],
+             options: argparse.Namespace) -> tuple[Method, tuple[float, float]]:
+    """The method of least error that is in time, and milliseconds of plain and of it, drawn in turn."""
+    for method, _ in sorted(rungs, key=lambda rung: errors[rung[0].slug]):
+        if method.slug in frames.too_slow:
+            continue
+        plain_ms, ms = frames.in_turn(method, options.rounds)
+        if ms <= options.times * plain_ms:
+            break
+    return method, (plain_ms, ms)  # plain itself is in time
+
+
+def _summary(rows: list[dict[str, object]]) -> list[str]:
+    """How many reach it, and the rows of the table in docs/choices.md."""
+    told = [row for row in rows if row["verdict"] != "at the noise"]
+    reached = sum(row["verdict"] == "yes" for row in told)
+    lines = [f"{reached} of {len(told)} reach a third of plain's error; {len(rows) - len(told)} are at the noise.", "",
+             "| model | direct | plain | nearest in ten times the time | relMSE (times plain's) |",
+             "|---|---|---|---|---|"]
+    for row in rows:
+        place = str(row["environment"]).split("_")[0]
+        lines.append(f"| {row['model']}, {place} | {max(row['direct'], 0):.3f} | {row['plain']:.4f} | {row['best']} | "
+                     f"{max(row['error'], 0):.4f} ({row['times']:.1f}) |")
+    return lines
+
+
+def _line(row: dict[str, object]) -> str:
+    return (f"{row['model']:27} {row['environment']:18} plain {row['plain']:.4f} in {row['plain_ms']:.1f} ms, "
+            f"{row['error']:.4f} in x{row['times']:.1f} by {row['best']}: gain {row['gain']:.1f} (trimmed "
+            f"{row['trimmed_gain']:.1f}), {row['verdict']}; floor {row['floor']:.4f}, load {row['load']}")
+
+
+def _parse() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.reach", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("models", nargs="*", metavar="MODEL", help="files, or names of the corpus")
+    parser.add_argument("--env", nargs="+", default=list(ENVIRONMENTS), help="files, names of the corpus or of ours")
+    parser.add_argument("--size", type=int, default=256)
+    parser.add_argument("--spp", type=int, default=128, help="samples a pixel of a reference, both halves (128)")
+    parser.add_argument("--times", type=float, default=10.0, help="of plain's time that a method may take (10)")
+    parser.add_argument("--seconds", type=float, default=10.0, help="for all methods of one scene (10)")
+    parser.add_argument("--rounds", type=int, default=2, help="how often plain and the nearest are drawn in turn (2)")
+    parser.add_argument("--references", type=Path, metavar="DIR", help="keep references there, and take those that are")
+    parser.add_argument("--backend", default="auto")
+    parser.add_argument("--results", type=Path, default=shot.REPOSITORY / "benchmarks/results")
+    options = parser.parse_args()
+    options.models = options.models or corpus.present(MODELS) or [str(shot.REPOSITORY / "assets/demo.glb")]
+    return options
+
+
+if __name__ == "__main__":
+    main()
