@@ -106,15 +106,22 @@ class Frame:
 
 def normal_matrix(transform: np.ndarray) -> np.ndarray:
     """The inverse transpose of the upper 3x3, up to a positive factor, as its cofactors: a scale of 0 is no trouble."""
-    m = transform[:3, :3]
-    m = m / (np.abs(m).max() or 1.0)
-    cofactor = np.stack([np.cross(m[1], m[2]), np.cross(m[2], m[0]), np.cross(m[0], m[1])])
-    return cofactor * handedness(transform)
+    return np.array(_cofactors(transform)) * handedness(transform)
 
 
 def handedness(transform: np.ndarray) -> float:
     """-1 where the transform mirrors, else 1."""
-    return -1.0 if np.linalg.det(transform[:3, :3] / (np.abs(transform[:3, :3]).max() or 1.0)) < 0 else 1.0
+    row = transform[0, :3].tolist()
+    return -1.0 if sum(value * cofactor for value, cofactor in zip(row, _cofactors(transform)[0])) < 0 else 1.0
+
+
+def _cofactors(transform: np.ndarray) -> list[list[float]]:
+    """Of the upper 3x3 over its largest entry: in plain floats, for numpy's calls would cost a draw more than GL's."""
+    m = transform[:3, :3]
+    (a, b, c), (d, e, f), (g, h, i) = (m / (np.abs(m).max() or 1.0)).tolist()
+    return [[e * i - f * h, f * g - d * i, d * h - e * g],
+            [h * c - i * b, i * a - g * c, g * b - h * a],
+            [b * f - c * e, c * d - a * f, a * e - b * d]]
 
 
 def uniform(matrix: np.ndarray) -> bytes:
