@@ -25,8 +25,8 @@ from .programs import OURS, OURS_MULTISAMPLED, Program, ours, peers
 COUNTS = {"triangles": (1_000, 10_000, 100_000, 1_000_000, 5_000_000), "materials": (1, 10, 50, 200, 1_000),
           "lights": (1, 10, 100, 1_000), "textures": (0, 1, 4, 16, 64)}
 COLUMNS = {"count": "count:,", "program": "program", "load, s": "load_s:.2f", "to the first frame, s": "ready_s:.2f",
-           "steady frame, ms": "frame_median_ms:.1f", "peak memory, MB": "rss_mb:.0f", "textures and buffers, MB": "gpu_mb:.0f",
-           "programs": "programs", "": "error"}
+           "steady frame, ms": "frame_median_ms:.1f", "peak memory, MB": "rss_mb:.0f",
+           "textures and buffers, MB": "gpu_mb:.0f", "programs": "programs", "": "error"}
 GROWING = {"load_s": "load", "ready_s": "first frame", "frame_median_ms": "steady frame", "rss_mb": "memory"}
 ANEW = {"MESA_SHADER_CACHE_DISABLE": "true", "MESA_GLSL_CACHE_DISABLE": "true"}
 _BEFORE_FIRST = ("load_s", "env_s", "first_frame_s")

@@ -30,9 +30,9 @@ from .summary import values
 MODELS = ("Box", "BoxTextured", "Duck", "UnlitTest", "Fox", "CesiumMilkTruck", "LightsPunctualLamp", "DamagedHelmet",
           "FlightHelmet", "MetalRoughSpheresNoTextures", "SheenCloth", "GlassVaseFlowers", "Mountains")
 MATERIALS = 200
-FIGURES = {"first_frame_s": "first frame, s", "frame_median_ms": "steady frame, ms", "gpu_mb": "textures and buffers, MB",
-           "rss_mb": "peak memory, MB", "programs": "programs", "shader_lines": "shader lines",
-           "shader_kb": "shader kB"}
+FIGURES = {"first_frame_s": "first frame, s", "frame_median_ms": "steady frame, ms",
+           "gpu_mb": "textures and buffers, MB", "rss_mb": "peak memory, MB", "programs": "programs",
+           "shader_lines": "shader lines", "shader_kb": "shader kB"}
 _FORMS = {"first_frame_s": ".2f", "gpu_mb": ".1f", "rss_mb": ".0f", "frame_median_ms": ".1f", "shader_kb": ".1f",
           "programs": ".0f", "shader_lines": ",.0f"}
 

@@ -104,12 +104,15 @@ def _climb(frames: Frames, methods: tuple[Method, ...],
     """Each method drawn and timed, as far as so many seconds are likely to do; and those that were left out."""
     rungs: list[tuple[Method, Record]] = []
     left_out: list[str] = []
+    given_up: set[tuple[str, str]] = set()
     for method in sorted(methods, key=_promise):
         spent = sum(record.seconds for _, record in rungs)
-        if reason_against(method, rungs, seconds - spent, of_frames(seconds)):
+        if method.family in given_up or reason_against(method, rungs, seconds - spent, of_frames(seconds)):
             left_out.append(method.label)
-        else:
-            rungs.append((method, frames.measure(method)))
+            continue
+        rungs.append((method, frames.measure(method)))
+        if method.slug in frames.too_slow:  # others of the family are dearer
+            given_up.add(method.family)
     return rungs, left_out
 
 
