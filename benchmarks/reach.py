@@ -31,7 +31,7 @@ from .reach_truth import Truth
 
 MODELS = ("FlightHelmet", "DamagedHelmet", "SheenCloth", "Fox", "CesiumMilkTruck", "Duck", "Suzanne", "ToyCar",
           "MetalRoughSpheresNoTextures", "BoxTextured", "Box", "GlassVaseFlowers", "AlienCake-tile", "Mountains",
-          "GlamVelvetSofa", "ClearcoatWicker", "IridescenceSuzanne", "RiggedFigure", "SimpleInstancing", "set_and_get",
+          "GlamVelvetSofa", "ClearcoatWicker", "carbon-sphere", "RiggedFigure", "SimpleInstancing", "set_and_get",
           "sphere-lights", "blender-transmission", "LightsPunctualLamp", "alien-scolitex")
 ENVIRONMENTS = ("studio_small_05_1k", "noon_grass_1k")
 GAIN = 3.0
@@ -58,7 +58,9 @@ def main() -> None:
                     continue
                 rows.append({"model": Path(model).stem, "environment": environment,
                              "load": round(os.getloadavg()[0], 1)} | row)
-                print(_line(rows[-1]), flush=True)
+                print(rows[-1] if options.prepare else _line(rows[-1]), flush=True)
+    if options.prepare:
+        return
     loads = [row["load"] for row in rows]
     facts |= {"load average": f"{min(loads)} to {max(loads)}"} if rows else {}
     text = ["# The best of the raster, and plain image-based light", "", *tracing.table(rows, COLUMNS), "",
@@ -71,6 +73,8 @@ def measure(context: Context, scene: Scene, options: argparse.Namespace) -> dict
     size = options.size, options.size
     camera, base = Camera.framing(scene.center, scene.radius, 1.0), Settings(background="none")
     truth = Truth.of(context, scene, camera, size, options.spp, options.references)
+    if options.prepare:
+        return {"floor": truth.floor, "direct": truth.direct}
     frames = Frames(context, scene, camera, base, size, most=1.5 * options.times)
     try:
         rungs, left_out = _climb(frames, ladder(scene, base).raster, options.seconds)
@@ -164,6 +168,7 @@ def _parse() -> argparse.Namespace:
     parser.add_argument("--seconds", type=float, default=10.0, help="for all methods of one scene (10)")
     parser.add_argument("--rounds", type=int, default=2, help="how often plain and the nearest are drawn in turn (2)")
     parser.add_argument("--references", type=Path, metavar="DIR", help="keep references there, and take those that are")
+    parser.add_argument("--prepare", action="store_true", help="make the references and no more")
     parser.add_argument("--backend", default="auto")
     parser.add_argument("--results", type=Path, default=shot.REPOSITORY / "benchmarks/results")
     options = parser.parse_args()
