@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 
 from . import shot
-from .machine import facts
+from .machine import facts, until_stopped
 from .process import Run, run
 from .programs import Program, ours, peers
 from .summary import Rounds
@@ -33,7 +33,8 @@ def main() -> None:
         programs = [program for program in programs if program.name in options.only.split(",")]
     with tempfile.TemporaryDirectory(prefix="benchmarks-") as folder:
         bench = Bench(programs, options.model, options.env, options.frames, Path(folder))
-        bench.measure(PHASES[options.phase], options.rounds)
+        with until_stopped():
+            bench.measure(PHASES[options.phase], options.rounds)
     image_based = {program.name for program in programs if program.image_based}
     about = {**facts(bench.named, bench.phases), "model": Path(options.model).name,
              "environment": Path(options.env).name, "rounds": options.rounds, "frames a round": options.frames}

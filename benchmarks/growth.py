@@ -40,7 +40,7 @@ def main() -> None:
     if options.only:
         programs = [program for program in programs if program.name in options.only.split(",")]
     rows: list[dict[str, object]] = []
-    with tempfile.TemporaryDirectory(prefix="growth-") as folder:
+    with tempfile.TemporaryDirectory(prefix="growth-") as folder, machine.until_stopped():
         growth = Growth(programs, Path(folder), options)
         growth.prepare()
         for kind in options.kinds:

@@ -5,13 +5,28 @@ from __future__ import annotations
 import os
 import platform
 import subprocess
+import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+
+from viewer.signals import Stopped, stoppable
 
 from . import shot
 from .process import Run
 from .programs import OURS
 from .summary import Rounds
+
+
+@contextmanager
+def until_stopped() -> Iterator[None]:
+    """Ctrl-C, or `timeout`, ends the block and no more: what was measured by then can be told."""
+    try:
+        with stoppable():
+            yield
+    except Stopped as stop:
+        print(f"{stop}: what was measured by then is kept", file=sys.stderr)
 
 
 def facts(named: dict[str, Run], phases: dict[str, Rounds]) -> dict[str, object]:

@@ -40,7 +40,7 @@ _FORMS = {"first_frame_s": ".2f", "gpu_mb": ".1f", "rss_mb": ".0f", "frame_media
 def main() -> None:
     options = _parse()
     rows: list[dict[str, object]] = []
-    with tempfile.TemporaryDirectory(prefix="plans-") as name:
+    with tempfile.TemporaryDirectory(prefix="plans-") as name, machine.until_stopped():
         folder = Path(name)
         models = [corpus.model(model) for model in options.models]
         for path in [*models, write("materials", MATERIALS, folder)]:

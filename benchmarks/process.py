@@ -30,7 +30,12 @@ def run(command: Sequence[str], picture: Path, size: tuple[int, int], home: Path
         start = time.perf_counter()
         process = subprocess.Popen(command, stdout=out, stderr=err, env=_environment(home) | dict(more or {}),
                                    cwd=folder)
-        status, peak_kb = _wait(process, start + timeout)
+        try:
+            status, peak_kb = _wait(process, start + timeout)
+        finally:
+            if process.returncode is None:  # this one is being stopped
+                process.kill()
+                process.wait()
         wall = time.perf_counter() - start
         if peak_kb is None:
             return {"error": f"over {timeout:g} s"}

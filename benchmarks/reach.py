@@ -47,18 +47,13 @@ def main() -> None:
     with open_context(options.backend) as context:
         facts = machine.here() | {"renderer": context.renderer, "size": f"{options.size}x{options.size}",
                                   "samples a pixel of the references": options.spp, "times of plain": options.times}
-        for environment in options.env:
-            for model in options.models:
-                try:
-                    scene = load_scene(corpus.model(model))
-                    scene = scene.relit(environment=load_environment(corpus.environment(environment)))
-                    row = measure(context, scene, options)
-                except (InputError, FileNotFoundError) as error:
-                    print(f"{error}: left out")
-                    continue
-                rows.append({"model": Path(model).stem, "environment": environment,
-                             "load": round(os.getloadavg()[0], 1)} | row)
-                print(rows[-1] if options.prepare else _line(rows[-1]), flush=True)
+        with machine.until_stopped():
+            for environment in options.env:
+                for model in options.models:
+                    row = _row(context, model, environment, options)
+                    if row:
+                        rows.append(row)
+                        print(row if options.prepare else _line(row), flush=True)
     if options.prepare:
         return
     loads = [row["load"] for row in rows]
@@ -66,6 +61,17 @@ def main() -> None:
     text = ["# The best of the raster, and plain image-based light", "", *tracing.table(rows, COLUMNS), "",
             *_summary(rows)]
     tracing.keep("reach", facts, rows, text, options.results)
+
+
+def _row(context: Context, model: str, environment: str, options: argparse.Namespace) -> dict[str, object]:
+    """Empty where the model cannot be shown, which is told."""
+    try:
+        scene = load_scene(corpus.model(model))
+        row = measure(context, scene.relit(environment=load_environment(corpus.environment(environment))), options)
+    except (InputError, FileNotFoundError) as error:
+        print(f"{error}: left out")
+        return {}
+    return {"model": Path(model).stem, "environment": environment, "load": round(os.getloadavg()[0], 1)} | row
 
 
 def measure(context: Context, scene: Scene, options: argparse.Namespace) -> dict[str, object]:

@@ -18,7 +18,7 @@ def phase_table(phase: str, rounds: Rounds, image_based: set[str]) -> str:
     for name, runs in rounds.items():
         times, memory = values(runs, key), values(runs, "rss_mb")
         if not times:
-            lines.append(f"| {name} | failed: {_errors(runs)} | | | |")
+            lines.append(f"| {name} | {f'failed: {_errors(runs)}' if runs else 'not run'} | | | |")
             continue
         spread = Spread.of(times)
         factor = f"x{spread.median / Spread.of(base).median:.2f}" if base else ""
