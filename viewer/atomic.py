@@ -53,3 +53,15 @@ def write_json(path: str | PathLike[str], content: object) -> None:
     text = json.dumps(content, indent=1, allow_nan=False) + "\n"
     with atomic_write(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
+
+
+def make_folder(folder: Path) -> None:
+    """Makes it where it is missing, but not the one above that. Raises OutputError."""
+    try:
+        folder.mkdir(exist_ok=True)
+    except FileNotFoundError as error:
+        raise OutputError(f"{folder}: there is no folder {folder.parent}") from error
+    except FileExistsError as error:
+        raise OutputError(f"{folder}: is a file, not a folder") from error
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be made: {error.strerror}") from error

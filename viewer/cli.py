@@ -184,6 +184,12 @@ def check(what: str, model: str | None, shader: str | None, lobe: str | None, js
     from .measure.check_table import print_table
     from .measure.checks import exit_status
 
+    if output:
+        from pathlib import Path
+
+        from .atomic import make_folder
+
+        make_folder(Path(output))  # what cannot be written is told before the wait
     if shader and lobe:
         checks = run_shader_checks(shader, lobe, quiet)
     elif model:
@@ -234,6 +240,7 @@ def report(models: tuple[str, ...], output: str, limit: float, approximations: b
     if approximations == bool(models):
         raise UsageError("report either a MODEL or --approximations")
     if approximations:
+        _check_alone("approximations", "output", "backend", "quiet")
         from .measure.approximations.job import report_approximations
         from .measure.approximations.table import print_table
 
@@ -341,6 +348,15 @@ def _run(arguments: Sequence[str] | None) -> int:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     return 2
+
+
+def _check_alone(option: str, *others: str) -> None:
+    """Raises UsageError where options are given that have no effect beside this one."""
+    context = click.get_current_context()
+    for parameter in context.command.params:
+        source = context.get_parameter_source(parameter.name or "")
+        if source is click.core.ParameterSource.COMMANDLINE and parameter.name not in (option, *others):
+            raise UsageError(f"{parameter.opts[0]} does nothing with --{option}")
 
 
 def _leaves_mode_open(settings: Any) -> bool:

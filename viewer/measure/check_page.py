@@ -9,8 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..atomic import atomic_write, write_json
-from ..errors import OutputError
+from ..atomic import atomic_write, make_folder, write_json
 from ..gpu.context import open_context
 from ..image import Image
 from ..raster.renderer import Renderer
@@ -47,10 +46,7 @@ def write_page(folder: str | Path, checks: Sequence[Check], with_plots: bool) ->
     Plots are of the package's own shaders, and left out where something else was checked.
     """
     folder = Path(folder)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot be made: {error.strerror}") from error
+    make_folder(folder)
     sections = "\n".join(_sections()) if with_plots else ""
     rows = "\n".join(_row(check) for check in checks)
     body = _BODY.format(summary=summary(checks), sections=sections, rows=rows)

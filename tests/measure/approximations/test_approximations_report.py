@@ -103,3 +103,11 @@ def test_it_is_a_model_or_the_approximations(run, folder):
     for words in (["a.glb", "--approximations"], []):
         outcome = run("report", *words, "-o", "out")
         assert outcome.status == 2 and outcome.error == "report either a MODEL or --approximations"
+
+
+def test_what_it_cannot_do_is_told_before_it_is_measured(run, folder):
+    (folder / "file").write_text("")
+    outcome = run("report", "--approximations", "-o", "file")
+    assert outcome.status == 1 and outcome.error == "file: is a file, not a folder"
+    outcome = run("report", "--approximations", "-o", "out", "--size", "3x3")
+    assert outcome.status == 2 and outcome.error == "--size does nothing with --approximations"

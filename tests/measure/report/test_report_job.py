@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -12,6 +13,7 @@ from PIL import Image as Pillow
 from quick_report import MODEL, QUICK
 
 from viewer.measure.report.bench import Bench
+from viewer.measure.report.job import report_folders
 from viewer.signals import Stopped
 
 NUMBER = (int, float)
@@ -109,13 +111,24 @@ def test_several_models_have_a_folder_each_and_a_page_that_leads_there(run, fold
 
 @pytest.mark.parametrize("arguments, status, words", [
     (["-o", "missing/out"], 1, "missing/out: there is no folder missing"),
-    (["-o", "file"], 1, "file: cannot be made"),
+    (["-o", "file"], 1, "file: is a file, not a folder"),
     (["-o", "out", "--within", "0"], 2, "0 is not from 0.1"),
     (["-o", "out", "--mode", "path"], 2, "No such option"),
+    (["-o", "out", "--size", "100000x8"], 2, "a picture of 100000x8"),
     (["-o", "out", "--orbit", "0,0,1e6"], 1, "spheres.glb: nothing of it is in the picture"),
 ])
 def test_what_goes_wrong_is_told_in_one_line(run, folder, arguments, status, words):
     (folder / "file").write_text("")
     dim = ("--size", "8", "--env", "none", "--light", "0,45,3", "-q")
-    outcome = run("report", SCENES / "spheres.glb", *arguments, *dim)
+    outcome = run("report", SCENES / "spheres.glb", *dim, *arguments)
     assert outcome.status == status and words in outcome.error
+
+
+def test_a_model_that_cannot_be_shown_leaves_nothing_behind(run, folder):
+    assert run("report", "missing.glb", "-o", "out", *QUICK).status == 1
+    assert names(folder) == []
+
+
+def test_models_of_one_name_have_folders_of_their_own():
+    models = ["x/a.glb", "y/a.glb", "a-2.glb", "a.obj"]
+    assert [path.name for path in report_folders(models, Path("out"))] == ["a", "a-2", "a-2-3", "a-4"]

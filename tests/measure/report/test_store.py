@@ -21,7 +21,8 @@ def test_what_was_kept_comes_back_to_the_bit(tmp_path):
     assert (kept.facts, kept.seconds) == ({"n": 3}, 1.5)
 
 
-@pytest.mark.parametrize("harm", ["other key", "no picture", "half a picture", "half a figure", "nothing"])
+@pytest.mark.parametrize("harm", ["other key", "no picture", "half a picture", "half a figure", "other figures",
+                                  "other kinds", "nothing"])
 def test_what_cannot_be_trusted_is_not_there(tmp_path, harm):
     store = Store(tmp_path)
     if harm != "nothing":
@@ -33,6 +34,10 @@ def test_what_cannot_be_trusted_is_not_there(tmp_path, harm):
         file.write_bytes(file.read_bytes()[:40])
     elif harm == "half a figure":
         figures.write_text(figures.read_text()[:10])
+    elif harm == "other figures":
+        figures.write_text(figures.read_text().replace("0.0", "1.0"))
+    elif harm == "other kinds":
+        figures.write_text("[]")
     assert store.load("a", "key2" if harm == "other key" else "key") is None
 
 
@@ -40,5 +45,5 @@ def test_a_folder_that_cannot_be_made_is_told_in_one_line(tmp_path):
     with pytest.raises(OutputError, match="there is no folder .*missing$"):
         Store(tmp_path / "missing" / "new")
     (tmp_path / "file").write_text("")
-    with pytest.raises(OutputError, match="cannot be made"):
+    with pytest.raises(OutputError, match="file: is a file, not a folder"):
         Store(tmp_path / "file")

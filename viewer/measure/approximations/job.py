@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ...atomic import make_folder
 from ...gpu.context import open_context
 from ...progress import Progress
 from .document import PIECES, Document, measure_pieces
@@ -15,6 +16,7 @@ def report_approximations(folder: Path, backend: str = "auto", quiet: bool = Fal
 
     Raises ContextError and OutputError.
     """
+    make_folder(folder)
     with open_context(backend) as context, Progress(len(PIECES), enabled=not quiet) as progress:
         document = measure_pieces(context, progress=progress)
     write_approximations(folder, document)

@@ -7,8 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ...atomic import atomic_write, write_json
-from ...errors import OutputError
+from ...atomic import atomic_write, make_folder, write_json
 from ..html_page import html_page
 from ..report.chart import to_svg
 from ..report.chart_png import save_png
@@ -38,10 +37,8 @@ def write_approximations(folder: Path, document: Mapping[str, Any]) -> None:
     Raises OutputError.
     """
     charts_folder = folder / "approximations"
-    try:
-        charts_folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"{charts_folder}: cannot be made: {error.strerror}") from error
+    make_folder(folder)
+    make_folder(charts_folder)
     write_json(folder / "approximations.json", document)
     sections = []
     for piece in document["pieces"]:

@@ -6,8 +6,10 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
+import moderngl
 import numpy as np
 
+from ...errors import UsageError
 from ...gpu.context import Context
 from ...image import Image
 from ...raster.display import DisplayPass
@@ -31,7 +33,8 @@ Report = Callable[[float], None]
 class Bench:
     """One scene, camera and size; `settings` are what the methods change, with no colour for a background.
 
-    That would be in the radiance, shown by a curve that is not the model's.
+    That would be in the radiance, shown by a curve that is not the model's. Raises UsageError for a size that this
+    OpenGL has no buffers for.
     """
 
     def __init__(self, context: Context, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
@@ -44,7 +47,10 @@ class Bench:
         self._tracer = Tracer(context, use_cache)
         self._programs = Programs(context)
         self._display = DisplayPass(self._gl, self._programs)
-        self._shown = self._gl.framebuffer([self._gl.renderbuffer(size, 4)])
+        try:
+            self._shown = self._gl.framebuffer([self._gl.renderbuffer(size, 4)])
+        except moderngl.Error as error:
+            raise UsageError(f"a picture of {size[0]}x{size[1]} is more than this OpenGL can hold ({error})") from error
         self._warm: set[str] = set()
         self._background: np.ndarray | None = None
 

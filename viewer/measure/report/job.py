@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from ...atomic import make_folder
 from ...errors import ContextError, OutputError, UsageError, ViewerError
 from ...gpu.context import Context, open_context
 from ...messages import say, say_error
@@ -44,11 +46,11 @@ class ReportJob:
         """
         if isinstance(self.settings.background, tuple):
             self.settings = replace(self.settings, background="none")
-        Store(self.folder)
         folders = report_folders(models, self.folder)
         status = 0
         reports: dict[Path, Document] = {}
-        with open_context(self.backend) as context, Progress(len(models), enabled=not self.quiet) as progress:
+        with (_made(self.folder), open_context(self.backend) as context,
+              Progress(len(models), enabled=not self.quiet) as progress):
             for model, folder in zip(models, folders):
                 try:
                     reports[folder] = self._one(context, model, folder, load, camera, progress)
@@ -57,8 +59,8 @@ class ReportJob:
                 except (ViewerError, MemoryError) as error:
                     say_error(f"{model}: out of memory" if isinstance(error, MemoryError) else error)
                     status = 1
-        if len(folders) > 1 and reports:
-            write_summary(self.folder, reports)
+            if len(folders) > 1 and reports:
+                write_summary(self.folder, reports)
         return status
 
     def _one(self, context: Context, model: str, folder: Path, load: Callable[[str], Scene],
@@ -70,7 +72,7 @@ class ReportJob:
         use_cache = not self.options["no_cache"]
         bench = Bench(context, scene, camera(model, scene), self.settings, self.options["size"], use_cache,
                       self.limit)
-        Store(folder)
+        make_folder(folder)
         surveyor = Surveyor(bench, Store(folder / "measured"), name, progress, use_cache)
         survey = surveyor.survey
         try:
@@ -94,9 +96,27 @@ class ReportJob:
         return findings.document
 
 
+@contextmanager
+def _made(folder: Path) -> Iterator[None]:
+    """The folder is made for the block, and goes again if nothing has come into it. Raises OutputError."""
+    is_new = not folder.exists()
+    make_folder(folder)
+    try:
+        yield
+    finally:
+        if is_new:
+            with suppress(OSError):
+                folder.rmdir()
+
+
 def report_folders(models: Sequence[str], folder: Path) -> list[Path]:
     """`folder` itself for one model; for several, one in it for each, with the model's name and a number if need be."""
     if len(models) == 1:
         return [folder]
-    stems = [Path(model).stem or "model" for model in models]
-    return [folder / (stem if stems.index(stem) == k else f"{stem}-{k + 1}") for k, stem in enumerate(stems)]
+    names: list[str] = []
+    for number, model in enumerate(models, 1):
+        name = Path(model).stem or "model"
+        while name in names:
+            name = f"{name}-{number}"
+        names.append(name)
+    return [folder / name for name in names]

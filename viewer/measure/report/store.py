@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...atomic import write_json
-from ...errors import InputError, OutputError
+from ...atomic import make_folder, write_json
+from ...errors import InputError
 from ...image import Image
 
 
@@ -31,21 +33,16 @@ class Store:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        try:
-            folder.mkdir(exist_ok=True)
-        except FileNotFoundError as error:
-            raise OutputError(f"{folder}: there is no folder {folder.parent}") from error
-        except OSError as error:
-            raise OutputError(f"{folder}: cannot be made: {error.strerror}") from error
+        make_folder(folder)
 
     def picture_path(self, name: str) -> Path:
         return self.folder / f"{name}.exr"
 
     def load(self, name: str, key: str) -> Record | None:
-        """What was kept under this name for this very key; None where that is nothing, or cannot be read."""
+        """What was kept under this name for this very key; None where that is nothing, or is not as it was written."""
         try:
             kept = json.loads((self.folder / f"{name}.json").read_text(encoding="utf-8"))
-            if kept["key"] != key:
+            if kept["key"] != key or kept.pop("seal") != self._seal(name, kept):
                 return None
             return Record(Image.open(self.picture_path(name)).linear, kept["facts"], kept["seconds"])
         except (OSError, ValueError, KeyError, TypeError, InputError):
@@ -55,4 +52,11 @@ class Store:
         """Raises OutputError. The figures are written last: they vouch for the picture."""
         (self.folder / f"{name}.json").unlink(missing_ok=True)
         Image.from_linear(record.picture).save(self.picture_path(name))
-        write_json(self.folder / f"{name}.json", {"key": key, "seconds": record.seconds, "facts": record.facts})
+        kept = {"key": key, "seconds": record.seconds, "facts": record.facts}
+        write_json(self.folder / f"{name}.json", {**kept, "seal": self._seal(name, kept)})
+
+    def _seal(self, name: str, kept: Mapping[str, Any]) -> str:
+        """Of the picture and its figures: what was cut short or changed since is not taken for what was measured."""
+        state = hashlib.blake2b(self.picture_path(name).read_bytes(), digest_size=12)
+        state.update(json.dumps(kept, sort_keys=True).encode())
+        return state.hexdigest()

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...errors import InputError
+from ...errors import InputError, UsageError
 from ...progress import Progress
 from .bench import Bench
 from .digest import code_digest, digest
@@ -102,7 +102,10 @@ class Surveyor:
                     survey.left_out.append(LeftOut(method.label + steps_on, reason))
                     given_up.add(method.family)
                     continue
-            survey.rungs.append((method, self._measured(method)))
+            try:
+                survey.rungs.append((method, self._measured(method)))
+            except UsageError as error:  # more samples a pixel than this OpenGL has for so large a picture
+                survey.left_out.append(LeftOut(method.label, str(error)))
 
     def _leap(self, steps: Ladder) -> None:
         """Somebody who has ten seconds is to be told of a picture that takes them: past steps that there is no time
