@@ -20,6 +20,7 @@ from .errors import MEASURES
 
 _HERE = Path(__file__).resolve().parent
 _PICTURE = {"format": "WEBP", "quality": 92, "method": 4}
+_MOST_WEBP = 16383  # pixels along a side
 _MAP = {"format": "WEBP", "quality": 80, "method": 4}
 
 
@@ -71,6 +72,8 @@ def _encoded(pixels: np.ndarray, options: dict[str, Any]) -> str:
     """(H, W, 3 or 4) uint8 as a data URL."""
     from PIL import Image as Pillow
 
+    if max(pixels.shape) > _MOST_WEBP:
+        options = {"format": "PNG"}
     file = io.BytesIO()
     Pillow.fromarray(pixels).save(file, **options)
-    return f"data:image/webp;base64,{base64.b64encode(file.getvalue()).decode()}"
+    return f"data:image/{options['format'].lower()};base64,{base64.b64encode(file.getvalue()).decode()}"
