@@ -12,7 +12,7 @@ from test_choice import CALIBRATION
 
 import viewer
 from viewer import api, doctor
-from viewer.budget import calibrate, chooser, start
+from viewer.budget import chooser, start
 from viewer.budget.cost import Cost
 from viewer.errors import UsageError
 from viewer.measure.scenes import scene, sphere
@@ -23,8 +23,9 @@ MODEL = SCENES / "spheres.glb"
 NO_TIME = Cost()
 QUICK = replace(
     CALIBRATION, start={"raster": 0.0, "path": 0.0},
-    raster=tuple(replace(one, prepare=NO_TIME, picture=NO_TIME) for one in CALIBRATION.raster),
-    traced=replace(CALIBRATION.traced, prepare=NO_TIME, sample=Cost(fixed=1e3), finish=NO_TIME, denoise=NO_TIME))
+    raster=tuple(replace(one, compile_new=NO_TIME, prepare=NO_TIME, picture=NO_TIME) for one in CALIBRATION.raster),
+    traced=replace(CALIBRATION.traced, compile_new=NO_TIME, prepare=NO_TIME, sample=Cost(fixed=1e3), finish=NO_TIME,
+                   denoise=NO_TIME))
 """Where all of the raster is for nothing and paths are out of reach."""
 
 
@@ -100,8 +101,7 @@ def test_a_device_is_measured_once_and_kept(known, monkeypatch):
     monkeypatch.setattr(api, "_local", api.threading.local())
     monkeypatch.setattr(chooser, "load_calibration", kept.get)
     monkeypatch.setattr(chooser, "store_calibration", kept.__setitem__)
-    monkeypatch.setattr(start, "measure_start", lambda backend: {"raster": 0.0, "path": 0.0})
-    monkeypatch.setattr(calibrate, "calibrate", lambda context, start: measured.append(1) or QUICK)
+    monkeypatch.setattr(start, "measure", lambda context: measured.append(1) or QUICK)
     balls = viewer.load(MODEL)
     viewer.render(balls, (8, 8), time_budget=5)
     monkeypatch.setattr(api, "_local", api.threading.local())

@@ -60,6 +60,12 @@ def load(name: str) -> dict[str, np.ndarray] | None:
         return None
 
 
+def has(name: str) -> bool:
+    """Whether there is an entry `name`, whole or not."""
+    path = _path(name)
+    return path is not None and path.is_file()
+
+
 def store(name: str, arrays: dict[str, np.ndarray]) -> None:
     """Keep arrays under `name`. Failing to is no error."""
     path = _path(name)

@@ -62,6 +62,11 @@ def bake_environment(
     return _from_arrays(arrays)
 
 
+def is_baked(environment: Environment, ndf: str = "ggx") -> bool:
+    """Whether the cache has all of it. Pixels are not touched for that: where only they tell, it has not."""
+    return bool(environment.digest) and disk.has(disk.key("environment", environment.digest, ndf))
+
+
 def background_map(radiance: np.ndarray) -> np.ndarray:
     """The map in half floats where they reach; one with a sun above their range keeps its single ones."""
     return radiance.astype(np.float16) if radiance.max() < 65504 else radiance
@@ -79,7 +84,8 @@ def _bake(environment: Environment, ndf: str, with_levels: bool) -> dict[str, np
     arrays |= {f"level{k}": (level * np.float32(1 / scale)).astype(np.float16) for k, level in enumerate(levels)}
     arrays["irradiance"] = (irradiance * np.float32(1 / scale)).astype(np.float16)
     arrays["scale"] = np.array([scale])
-    arrays["suns"] = np.array([[*sun.direction, *sun.color, sun.intensity] for sun in suns], np.float64).reshape(-1, 7)
+    arrays["suns"] = np.array(
+        [[*sun.direction, *sun.color, sun.intensity, sun.angular_radius] for sun in suns], np.float64).reshape(-1, 8)
     return arrays
 
 
@@ -89,7 +95,8 @@ def _from_arrays(arrays: dict[str, np.ndarray]) -> BakedEnvironment:
         levels=tuple(arrays[f"level{k}"] for k in range(len(LEVEL_ROUGHNESS)) if f"level{k}" in arrays),
         irradiance=arrays["irradiance"].copy(),  # a view of it would keep all that was read with it
         scale=float(arrays["scale"][0]),
-        suns=tuple(Light("directional", tuple(r[3:6]), r[6], direction=tuple(r[:3]), name="sun") for r in suns),
+        suns=tuple(Light("directional", tuple(r[3:6]), r[6], direction=tuple(r[:3]), angular_radius=r[7], name="sun")
+                   for r in suns),
         background=arrays["background"],
     )
 

@@ -17,6 +17,9 @@ from .cost import Cost
 
 LIGHTINGS = ("environment", "lights")
 """What lights a scene decides how wrong the raster is: an environment, or lights alone."""
+DISTINCT = 2.0
+"""Times as long as a program from disk a new one takes, where the driver keeps any."""
+_COSTS = ("compile_new", "compile", "filter_new", "filter", "prepare", "picture", "sample", "finish", "denoise")
 _PACKAGE = Path(__file__).resolve().parents[1]
 
 
@@ -25,11 +28,14 @@ class RasterMethod:
     """A method of `viewer.measure.report.ladder` that draws triangles.
 
     `prepare` is for a scene that is new, `picture` for one once that is done, from the first command to the pixels in
-    memory. `errors` are relative, by lighting, of the scenes the calibration is made on.
+    memory; `compile` is for programs that the process has not compiled but the driver keeps on disk, `compile_new` for
+    those it has never seen. `errors` are relative, by lighting, of the scenes the calibration is made on.
     """
 
     title: str
     changes: dict[str, Any]
+    compile_new: Cost
+    compile: Cost
     prepare: Cost
     picture: Cost
     errors: dict[str, float]
@@ -37,12 +43,17 @@ class RasterMethod:
 
 @dataclass(frozen=True)
 class TracedMethod:
-    """The path tracer. `sample` is one of every pixel, `finish` all after the last one, `denoise` what filtering adds.
+    """The path tracer. `sample` is one of every pixel, `finish` all after the last one, `denoise` what filtering adds;
+    `compile` and `compile_new` are as those of the raster, `filter` and `filter_new` the filter's.
 
     `errors` are of one sample a pixel, by lighting; `denoised` are pairs of the error of samples and by how much
     filtering multiplies it, in descending order of error.
     """
 
+    compile_new: Cost
+    compile: Cost
+    filter_new: Cost
+    filter: Cost
     prepare: Cost
     sample: Cost
     finish: Cost
@@ -64,12 +75,22 @@ class TracedMethod:
 
 @dataclass(frozen=True)
 class Calibration:
-    """`start` is what the first picture of a process costs on top, by raster or path tracer: code is loaded, drivers
-    begin."""
+    """All seconds are as if nothing else were at work.
+
+    `start` is what the first picture of a process costs on top, by raster or path tracer: code is loaded, drivers
+    begin. `first_program` is how long the first program of a process takes, where the driver keeps none on disk and
+    where it does: which of the two it is nearer to tells whether what was compiled once still lies there.
+    """
 
     raster: tuple[RasterMethod, ...]
     traced: TracedMethod
     start: dict[str, float]
+    first_program: tuple[float, float] = (0.0, 0.0)
+
+    def is_forgotten(self, seconds: float) -> bool:
+        """Whether a first program that took so long was not on disk."""
+        new, kept = self.first_program
+        return new > DISTINCT * kept and seconds > math.sqrt(new * kept)
 
     def to_json(self) -> dict[str, Any]:
         return asdict(self)
@@ -81,7 +102,8 @@ class Calibration:
         traced = {**content["traced"], **_costs(content["traced"])}
         traced["denoised"] = tuple((float(error), float(factor)) for error, factor in traced["denoised"])
         start = {name: float(content["start"][name]) for name in ("raster", "path")}
-        found = cls(raster, TracedMethod(**traced), start)
+        new, kept = (float(seconds) for seconds in content["first_program"])
+        found = cls(raster, TracedMethod(**traced), start, (new, kept))
         if not raster or not found.traced.denoised or not all(
                 math.isfinite(error) and error > 0 for errors in (*(one.errors for one in raster), found.traced.errors)
                 for error in errors.values()):
@@ -113,5 +135,4 @@ def _key(renderer: str) -> str:
 
 
 def _costs(content: dict[str, Any]) -> dict[str, Cost]:
-    return {name: Cost(**content[name]) for name in ("prepare", "picture", "sample", "finish", "denoise")
-            if name in content}
+    return {name: Cost(**value) for name, value in content.items() if name in _COSTS}

@@ -16,32 +16,42 @@ from ..settings import Settings
 from ..trace.run import Report
 from ..trace.tracer import Tracer
 from .calibration import Calibration, load_calibration, store_calibration
-from .choice import Choice, Ready, candidates, choose, stand_in, worth_trying
+from .candidates import Ready, TracedCandidate, candidates
+from .choice import Choice
+from .contention import Stopwatch
+from .cost import Load, plain_plan
+from .course import best_course, choose, worth_trying
+from .known import load_known, store_known, surfaces
 from .making import Making, View
 
-MOST_PACE = 3.0
+MOST_PACE = 4.0
 """Other work on the device may slow it down so many times."""
 
 
 class Chooser:
-    """Draws and traces with one context, by what is known of it: measured when it is first needed."""
+    """Draws and traces with one context, by what is known of it: measured when it is first needed. `watch` has seen
+    this process at work: how busy the machine is."""
 
-    def __init__(self, context: Context, renderer: Renderer, tracer: Tracer, use_cache: bool = True) -> None:
+    def __init__(self, context: Context, renderer: Renderer, tracer: Tracer, use_cache: bool = True,
+                 watch: Stopwatch | None = None) -> None:
         self._context, self._renderer, self._tracer, self._use_cache = context, renderer, tracer, use_cache
+        self._watch = watch or Stopwatch()
         self._calibration: Calibration | None = None
-        self.ready = Ready()
+        self._known: frozenset[str] | None = None
+        self._compiled: frozenset[str] = frozenset()
+        self._scene: tuple[Scene, str, Load] | None = None
+        self._ready = Ready()
 
     def calibrate(self, say: Callable[[str], None] = lambda _: None) -> Calibration:
-        """What is known of the device; told by `say` when it has to be measured, which takes some seconds."""
+        """What is known of the device; told by `say` when it has to be measured, which takes some ten seconds."""
         if self._calibration is None and self._use_cache:
             self._calibration = load_calibration(self._context.renderer)
         if self._calibration is None:
-            from .calibrate import calibrate
-            from .start import measure_start
+            from .start import measure
 
             say(f"measuring how fast {self._context.renderer} is{', once' if self._use_cache else ''}")
-            self._calibration = calibrate(self._context, measure_start(self._context.backend))
-            self.ready = replace(self.ready, has_raster=True, has_path=True)
+            self._calibration = measure(self._context)
+            self._context.make_current()
             if self._use_cache:
                 store_calibration(self._context.renderer, self._calibration)
         return self._calibration
@@ -56,33 +66,70 @@ class Chooser:
         """
         calibration = self.calibrate()
         started = time.perf_counter()
-        ready = self.ready
-        if not self._renderer.holds(scene):
-            ready = replace(ready, drawn=frozenset(), holds_raster=False)
-        if not self._tracer.holds(scene):
-            ready = replace(ready, traced=frozenset(), holds_path=False)
-        found = candidates(calibration, scene, size, settings, ready, needs_layers=bool(layers))
+        ready, load = self.ready(scene), self._load(scene, size)
+        found = candidates(calibration, load, scene, settings, ready, needs_layers=bool(layers))
         budget, target = settings.time_budget, settings.error
-        choice = Choice(found, choose(found, budget, target), budget, target)
+        left = None if budget is None else max(budget - (time.perf_counter() - started), 0.0)
+        choice = Choice(found, choose(found, left, target), budget, target)
         making = Making(self._renderer, self._tracer, calibration, View(scene, camera, size, layers), started, choice)
-        path = next((one for one in found if one.is_traced), None)
-        if target is not None and path is not None and path.fits(budget):
+        path = next((one for one in found if isinstance(one, TracedCandidate)), None)
+        course = best_course(found, left) if left is not None else None
+        if target is not None and path is not None and path.fits(left):
             image = making.until_right(path, target, worth_trying(found, path, target), report, wants_to_stop)
-        elif budget is not None and choice.taken.is_traced:
-            rival = stand_in(found, budget, choice.taken)
-            image = making.within(budget, choice.taken, rival, report, wants_to_stop)
+        elif course is not None and target is None:
+            image = making.along(course, report, wants_to_stop)
+        elif isinstance(choice.taken, TracedCandidate):
+            image = making.until_right(choice.taken, 0.0, (), report, wants_to_stop)
         else:
             image = making.drawn(choice.taken)
         choice.seconds = time.perf_counter() - started
-        drawn, traced = making.titles
-        pace = _pace(ready.pace, choice) if not traced else ready.pace
-        self.ready = Ready(ready.has_raster or bool(drawn), ready.has_path or bool(traced),
-                            ready.drawn | drawn, ready.traced | traced,
-                            self._renderer.holds(scene), self._tracer.holds(scene), pace)
+        self._learn(scene, making, ready)
         return image, choice
 
+    def ready(self, scene: Scene) -> Ready:
+        """What need not be prepared for a picture of `scene`. The first time, it takes a program to find out."""
+        calibration = self.calibrate()
+        if self._known is None:
+            from .start import first_program
 
-def _pace(before: float, choice: Choice) -> float:
-    """Half way to what the last picture of the raster says, which took its own time."""
-    seen = before * choice.seconds / max(choice.taken.seconds, 1e-6)
-    return math.sqrt(before * min(max(seen, 1 / MOST_PACE), MOST_PACE))
+            forgotten = calibration.is_forgotten(first_program(self._context))
+            self._known = frozenset() if forgotten or not self._use_cache else load_known(self._context.renderer)
+            pace = min(max(self._watch.slowdown, 1.0), MOST_PACE)
+            self._ready = replace(self._ready, pace=pace)
+        ready, name = self._ready, self._names(scene)
+        if not self._renderer.holds(scene):
+            ready = replace(ready, holds_raster=False, drawn=frozenset())
+        if not self._tracer.holds(scene):
+            ready = replace(ready, holds_path=False)
+        return replace(ready, compiled=_titles(self._compiled, name), kept=_titles(self._known, name))
+
+    def _names(self, scene: Scene) -> str:
+        if self._scene is None or self._scene[0] is not scene:
+            plan = plain_plan(scene)
+            self._scene = scene, surfaces(plan), Load.of(scene, (0, 0), plan, self._use_cache)
+        return self._scene[1]
+
+    def _load(self, scene: Scene, size: tuple[int, int]) -> Load:
+        self._names(scene)
+        assert self._scene is not None
+        return replace(self._scene[2], pixels=size[0] * size[1])
+
+    def _learn(self, scene: Scene, making: Making, before: Ready) -> None:
+        drawn, traced = making.titles
+        pace = before.pace
+        if making.drawn_seconds is not None:
+            expected, seen = making.drawn_seconds
+            pace = math.sqrt(pace * min(max(pace * seen / max(expected, 1e-6), 1 / MOST_PACE), MOST_PACE))
+        self._ready = Ready(before.has_raster or bool(drawn), before.has_path or bool(traced), before.drawn | drawn,
+                            self._renderer.holds(scene), self._tracer.holds(scene), pace=pace)
+        names = frozenset(f"{self._names(scene)} {title}" for title in drawn | traced)
+        self._compiled |= names
+        if self._known is not None and not names <= self._known:
+            self._known |= names
+            if self._use_cache:
+                store_known(self._context.renderer, self._known)
+
+
+def _titles(names: frozenset[str], surfaces: str) -> frozenset[str]:
+    """Of the methods that go with `surfaces`."""
+    return frozenset(title for first, _, title in (name.partition(" ") for name in names) if first == surfaces)

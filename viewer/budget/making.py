@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
 import numpy as np
 
@@ -19,12 +20,16 @@ from ..trace.exposure import Exposure
 from ..trace.run import Report, run
 from ..trace.tracer import Tracer
 from .calibration import Calibration
-from .choice import LEAST_SAMPLES, Candidate, Choice
+from .candidates import LEAST_SAMPLES, MIN_SAMPLES, Candidate, TracedCandidate
+from .choice import Choice
+from .course import Course
 
 PILOT = 4
 """Samples a pixel before pictures of the raster are held against them."""
 SURE = 2.0
 """Standard deviations of a mean that are added to it."""
+SHARE = 0.25
+"""Of the budget that a picture of the raster may take which stands in where paths come to nothing in time."""
 REHEARSAL = 10.0
 """How many times as long as it takes to finish there has to be left for trying that first."""
 
@@ -39,50 +44,89 @@ class View:
 
 class Making:
     """One picture, begun at `started` by time.perf_counter. Fills in what came of `choice`; `titles` are the methods it
-    made pictures by, of the raster and of the path tracer."""
+    made pictures by, of the raster and of the path tracer, `drawn_seconds` what the last of the raster was expected to
+    take and took."""
 
     def __init__(self, renderer: Renderer, tracer: Tracer, calibration: Calibration, view: View, started: float,
                  choice: Choice) -> None:
         self._renderer, self._tracer, self._calibration = renderer, tracer, calibration
         self._view, self._started, self._choice = view, started, choice
         self.titles: tuple[set[str], set[str]] = set(), set()
+        self.drawn_seconds: tuple[float, float] | None = None
 
     def drawn(self, candidate: Candidate) -> Image:
         """By the raster."""
-        view = self._view
+        view, started = self._view, time.perf_counter()
         if not self._renderer.holds(view.scene):
             self._renderer.expect(decode_ahead(view.scene, candidate.settings))
         self.titles[0].add(candidate.title)
-        return self._renderer.render(view.scene, view.camera, candidate.settings, view.size)
+        image = self._renderer.render(view.scene, view.camera, candidate.settings, view.size)
+        self.drawn_seconds = candidate.seconds, time.perf_counter() - started
+        return image
 
-    def within(self, budget: float, path: Candidate, rival: Candidate | None, report: Report | None,
-               wants_to_stop: Callable[[], bool]) -> Image:
-        """By paths in the time budget. With a `rival` that is drawn first, and taken where it is nearer to what the
+    def along(self, course: Course, report: Report | None, wants_to_stop: Callable[[], bool]) -> Image:
+        """In the time budget, for which there is a course. What is drawn first is kept where it is nearer to what the
         paths say than they are sure, or where they come to nothing in that time."""
-        other = self.drawn(rival) if rival is not None else None
+        first, path = course.first, course.path
+        assert self._choice.budget is not None
+        end = self._started + self._choice.budget
+        other = self.drawn(first) if first is not None else None
+        if path is None:
+            assert first is not None and other is not None
+            return self._taken(first, other, None)
+        if first is not None and other is not None and not self._is_time_for(path, end):
+            return self._taken(first, other, None)
+        spare = self._spare() if first is None else None
         exposure = self._begin(path)
-        end = self._started + budget
         try:
+            stand_in = first if first is not None else spare
+            latest = math.inf if stand_in is None else end - (path.reserve if spare is None else spare.seconds)
+            is_covered = self._covered(exposure, lambda: wants_to_stop() or time.perf_counter() >= latest)
+            if not is_covered and stand_in is not None and not wants_to_stop():
+                self._choice.unfinished = path
+                return self._taken(stand_in, other if other is not None else self.drawn(stand_in), None)
             reserve = self._rehearsed(path, exposure, end)
-            run(exposure, self._started, report, reserve=reserve, wants_to_stop=lambda: wants_to_stop() or (
-                other is not None and time.perf_counter() >= end - reserve))
-            if rival is not None and other is not None:
+            run(exposure, self._started, report, wants_to_stop, reserve)
+            if first is not None and other is not None:
                 if not math.isfinite(exposure.error):
                     self._choice.unfinished = path
-                    return self._taken(rival, other, None)
-                self._choice.held.append((rival, against(other, exposure)))
+                    return self._taken(first, other, None)
+                self._choice.held.append((first, against(other, exposure)))
                 if self._choice.held[-1][1] < self._error(exposure):
                     self._choice.beaten = replace(path, error=self._error(exposure))
-                    return self._taken(rival, other, self._choice.held[-1][1])
+                    return self._taken(first, other, self._choice.held[-1][1])
             return self._developed(path, exposure)
         finally:
             exposure.release()
 
-    def until_right(self, path: Candidate, target: float, rivals: Sequence[Candidate],
+    def _is_time_for(self, path: TracedCandidate, end: float) -> bool:
+        """Whether paths come to something in what is left, at the pace of the picture that was drawn."""
+        assert self.drawn_seconds is not None
+        expected, seen = self.drawn_seconds
+        late = max(seen / max(expected, 1e-6), 1.0)
+        return time.perf_counter() + late * path.of(MIN_SAMPLES).seconds <= end
+
+    def _spare(self) -> Candidate | None:
+        """What is drawn where paths come to nothing."""
+        budget = self._choice.budget or 0.0
+        quick = [one for one in self._choice.found if not one.is_traced and one.seconds <= SHARE * budget]
+        return min(quick, key=attrgetter("error", "seconds"), default=None)
+
+    @staticmethod
+    def _covered(exposure: Exposure, is_over: Callable[[], bool]) -> bool:
+        """Go on until every pixel has a sample; False where it `is_over` before."""
+        while not exposure.is_done and exposure.film.tile_errors()[..., 2].min() < 1:
+            if is_over():
+                return False
+            exposure.step(0)
+        return True
+
+    def until_right(self, path: TracedCandidate, target: float, rivals: Sequence[Candidate],
                     report: Report | None, wants_to_stop: Callable[[], bool]) -> Image:
         """By paths until the picture as a whole has the error asked for; but when a few samples show that a rival has
         it, by that."""
         exposure = self._begin(path)
+        end = math.inf if self._choice.budget is None else self._started + self._choice.budget
 
         def is_right(samples: int) -> bool:
             return exposure.samples >= samples and exposure.error <= target
@@ -92,7 +136,7 @@ class Making:
                     exposure.samples >= PILOT and math.isfinite(exposure.error)):
                 exposure.step(0)
             for rival in rivals if not exposure.is_done and math.isfinite(exposure.error) else ():
-                if is_right(PILOT):
+                if is_right(PILOT) or time.perf_counter() + rival.seconds + path.reserve > end:
                     break
                 image = self.drawn(rival)
                 error = against(image, exposure)
@@ -104,12 +148,9 @@ class Making:
         finally:
             exposure.release()
 
-    def _rehearsed(self, path: Candidate, exposure: Exposure, end: float) -> float:
+    def _rehearsed(self, path: TracedCandidate, exposure: Exposure, end: float) -> float:
         """How long what comes after the last sample takes, seen on a first picture where there is time for that: then
         all it needs is compiled, and however busy the device is, it is known."""
-        while not exposure.is_done and time.perf_counter() < end - path.reserve and (
-                exposure.film.tile_errors()[..., 2].min() < 1):
-            exposure.step(0)
         seconds = path.reserve
         for _ in range(2):  # the first compiles
             if exposure.is_done or end - time.perf_counter() < REHEARSAL * seconds:

@@ -14,7 +14,7 @@ from ..scene.material import Material, Texture
 from ..scene.scene import Instance, Scene
 from ..scene.texture_image import open_texture_image
 
-_CROWD_SEGMENTS = 160
+_CROWD_SEGMENTS = 128
 
 
 def lit_scenes() -> dict[str, list[Scene]]:
@@ -26,10 +26,23 @@ def lit_scenes() -> dict[str, list[Scene]]:
             "lights": [group.relit(lights=lights)]}
 
 
+def again(scene: Scene) -> Scene:
+    """The same, which nobody can tell to be that: it has to be prepared anew."""
+    return replace(scene, meshes=tuple(replace(mesh) for mesh in scene.meshes))
+
+
 def crowd(scene: Scene) -> Scene:
     """The same, of many more triangles."""
     meshes = (sphere(mesh.material, _CROWD_SEGMENTS) if mesh.name == "sphere" else mesh for mesh in scene.meshes)
-    return replace(scene, meshes=tuple(meshes))
+    return again(replace(scene, meshes=tuple(meshes)))
+
+
+def herd(scene: Scene) -> Scene:
+    """The same with many more instances, of two small triangles each."""
+    stone, count = len(scene.meshes), 16
+    steps = np.linspace(-3, 3, count)
+    stones = tuple(Instance(stone, placed((x, -0.999, z), 0.05)) for x in steps for z in steps)
+    return again(replace(scene, meshes=(*scene.meshes, plate(0)), instances=(*scene.instances, *stones)))
 
 
 def mapped(scene: Scene, side: int) -> Scene:
@@ -42,7 +55,7 @@ def mapped(scene: Scene, side: int) -> Scene:
     Image.fromarray(texels).save(file, "JPEG", quality=90)
     texture = Texture(open_texture_image(file.getvalue(), "calibration"))
     first, *others = scene.materials
-    return replace(scene, materials=(replace(first, base_color_texture=texture), *others))
+    return again(replace(scene, materials=(replace(first, base_color_texture=texture), *others)))
 
 
 def _group() -> Scene:

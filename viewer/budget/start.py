@@ -1,43 +1,89 @@
-"""What the first picture of a process costs on top of what it costs later: measured in a process of its own.
+"""What a device takes, measured in processes of their own: there nothing is compiled or loaded yet.
 
-    python -m viewer.budget.start BACKEND
+    python -m viewer.budget.start BACKEND methods
+    python -m viewer.budget.start BACKEND start
 
-prints a line of JSON, seconds by `raster` and `path`.
+print a line of JSON: a calibration that lacks what the other tells; and that, seconds by `raster` and `path`, and how
+long the first program takes.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
-import time
+import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
+from typing import Any
 
-TIMEOUT_S = 120.0
+from ..gpu.context import Context, open_context
+from .calibration import Calibration
+from .contention import quiet_seconds
+
+TIMEOUT_S = 600.0
+_SHADER_CACHES = ("MESA_SHADER_CACHE_DIR", "__GL_SHADER_DISK_CACHE_PATH")
+"""Where drivers keep what they have compiled: Mesa, NVIDIA."""
 
 
-def measure_start(backend: str) -> dict[str, float]:
-    """By the second of two processes: what the driver keeps on disk the first has put there."""
-    found = {"raster": 0.0, "path": 0.0}
-    for _ in range(2):
-        command = [sys.executable, "-m", "viewer.budget.start", backend]
+def measure(context: Context) -> Calibration:
+    """Of the device of `context`. Begins with a shader cache that is empty, where the driver lets others name it."""
+    with tempfile.TemporaryDirectory(prefix="pbr-viewer-", ignore_cleanup_errors=True) as folder:
+        environment = os.environ | dict.fromkeys(_SHADER_CACHES, folder)
         try:
-            done = subprocess.run(command, capture_output=True, timeout=TIMEOUT_S, check=True, text=True)
-            found = json.loads(done.stdout)
-        except (OSError, subprocess.SubprocessError, ValueError):
-            return found
-    return found
+            calibration = Calibration.from_json(_run(context.backend, "methods", environment))
+            start = _run(context.backend, "start", environment)
+        except (OSError, subprocess.SubprocessError, ValueError, KeyError, TypeError):
+            from .calibrate import calibrate
+
+            return calibrate(context)  # a program without an interpreter to start
+    return replace(calibration, start=start["start"],
+                   first_program=(calibration.first_program[0], start["first_program"]))
 
 
-def _measured(backend: str) -> dict[str, float]:
-    from ..gpu.context import open_context
+def first_program(context: Context) -> float:
+    """Seconds of the display pass on one pixel, which every picture needs: of its kind a process's first."""
+    from ..raster.display import DisplayPass
+    from ..raster.programs import Programs
+    from ..settings import Settings
+
+    context.make_current()
+    programs = Programs(context)
+    display, texture = DisplayPass(context.gl, programs), context.gl.texture((1, 1), 4, dtype="f4")
+
+    def draw() -> None:
+        target = display.target((1, 1))
+        display.draw(texture, Settings(), target, 0)
+        target.read(components=4)
+
+    seconds = quiet_seconds(draw)
+    for thing in (display, texture, programs):
+        thing.release()
+    return seconds
+
+
+def _run(backend: str, part: str, environment: dict[str, str]) -> dict[str, Any]:
+    command = [sys.executable, "-m", "viewer.budget.start", backend, part]
+    done = subprocess.run(command, capture_output=True, timeout=TIMEOUT_S, check=True, text=True, env=environment)
+    return json.loads(done.stdout)  # type: ignore[no-any-return]
+
+
+def _methods(context: Context) -> dict[str, Any]:
+    new = first_program(context)
+    from .calibrate import calibrate
+
+    return replace(calibrate(context), first_program=(new, new)).to_json()
+
+
+def _start(context: Context) -> dict[str, Any]:
     from ..scene.camera import Camera
     from .scenes import lit_scenes
 
     scene = lit_scenes()["environment"][0]
     camera = Camera.framing(scene.center, scene.radius, 1.0)
-    context = open_context(backend)
+    first = first_program(context)
 
     def raster() -> None:
         from ..raster.renderer import Renderer
@@ -55,17 +101,14 @@ def _measured(backend: str) -> dict[str, float]:
         tracer.render(scene, camera, replace(Settings(), mode="path", spp=1, denoise="fast"), (16, 16))
         tracer.release()
 
-    return {"raster": _on_top(raster), "path": _on_top(path)}
+    return {"start": {"raster": _on_top(raster), "path": _on_top(path)}, "first_program": first}
 
 
 def _on_top(run: Callable[[], None]) -> float:
-    seconds = []
-    for _ in range(2):
-        started = time.perf_counter()
-        run()
-        seconds.append(time.perf_counter() - started)
-    return max(seconds[0] - seconds[1], 0.0)
+    first, second = (quiet_seconds(run) for _ in range(2))
+    return max(first - second, 0.0)
 
 
 if __name__ == "__main__":
-    print(json.dumps(_measured(sys.argv[1])))
+    with suppress(KeyboardInterrupt):  # whoever waits for this hears of it, too
+        print(json.dumps({"methods": _methods, "start": _start}[sys.argv[2]](open_context(sys.argv[1]))))

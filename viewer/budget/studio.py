@@ -14,12 +14,14 @@ from ..signals import Stopped, postponed
 from ..studio import Order, Studio
 from ..trace.tracer import Tracer
 from .chooser import Chooser
+from .contention import Stopwatch
 
 
 class ChoosingStudio(Studio):
     def __init__(self, order: Order) -> None:
         super().__init__(order)
         self._chooser: Chooser | None = None
+        self._watch = Stopwatch()
 
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
         """As `Studio.make`; the time budget begins when the device is open and known. The choice is told."""
@@ -28,7 +30,7 @@ class ChoosingStudio(Studio):
             context = order.open()
             self._renderer = Renderer(context, order.use_cache, order.measure)
             self._tracer = Tracer(context, order.use_cache)
-            self._chooser = Chooser(context, self._renderer, self._tracer, order.use_cache)
+            self._chooser = Chooser(context, self._renderer, self._tracer, order.use_cache, self._watch)
         self._chooser.calibrate(tell)
 
         def report(fraction: float, seconds_left: float) -> None:

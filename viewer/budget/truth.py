@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -33,7 +32,7 @@ class Truth:
 
     @classmethod
     def of(cls, tracer: Tracer, scene: Scene) -> Truth:
-        with exposed(tracer, scene, Settings(mode="path", spp=REFERENCE_SPP, seed=_SEED), SMALL) as (exposure, _, _):
+        with exposed(tracer, scene, Settings(mode="path", spp=REFERENCE_SPP, seed=_SEED), SMALL) as exposure:
             return cls(scene, exposure.image().linear[..., :3].astype(np.float64), exposure.error**2)
 
     def error(self, linear: np.ndarray) -> float:
@@ -47,25 +46,19 @@ def framing(scene: Scene) -> Camera:
 
 
 @contextmanager
-def exposed(tracer: Tracer, scene: Scene, settings: Settings,
-            size: tuple[int, int]) -> Iterator[tuple[Exposure, float, float]]:
-    """A picture with all its samples, and the seconds that beginning and tracing it took."""
-    started = time.perf_counter()
+def exposed(tracer: Tracer, scene: Scene, settings: Settings, size: tuple[int, int]) -> Iterator[Exposure]:
+    """A picture with all its samples."""
     exposure = tracer.begin(scene, framing(scene), settings, size)
-    begun = time.perf_counter()
-    while not exposure.is_done:
-        exposure.step(1.0)
     try:
-        yield exposure, begun - started, time.perf_counter() - begun
+        trace_all(exposure)
+        yield exposure
     finally:
         exposure.release()
 
 
-def seconds_of(run: Callable[[], object]) -> float:
-    """`run` reads its picture back, so the device is done with it."""
-    started = time.perf_counter()
-    run()
-    return time.perf_counter() - started
+def trace_all(exposure: Exposure) -> None:
+    while not exposure.is_done:
+        exposure.step(1.0)
 
 
 def mean_error(errors: list[float]) -> float:
