@@ -14,9 +14,9 @@ from viewer.scene.scene import Scene
 from viewer.settings import Settings
 
 FEW, MANY = 3, 7
-"""Frames timed to tell whether a method may be in time, and in each of its turns."""
-TURN_S = 0.6
-"""Once so many seconds have gone by a turn ends, if FEW frames are drawn."""
+"""At most so many frames are timed to tell whether a method may be in time, and in each of its turns."""
+LEAST, TURN_S = 2, 0.5
+"""No fewer in a turn; after so many seconds it ends."""
 
 
 class Frames:
@@ -37,10 +37,10 @@ class Frames:
         started = time.perf_counter()
         first = self._frame(method)
         times = [self._frame(method)]
-        if times[0] <= self._most * self._plain:
-            times = [self._frame(method) for _ in range(FEW)]
-        else:
+        if times[0] > self._most * self._plain:
             self.too_slow.add(method.slug)
+        else:
+            times += self._several(method, 0, FEW)
         best = min(times)
         if method == PLAIN:
             self._plain = best
@@ -57,8 +57,11 @@ class Frames:
 
     def _turn(self, method: Method) -> list[float]:
         self._frame(method)
+        return self._several(method, LEAST, MANY)
+
+    def _several(self, method: Method, least: int, most: int) -> list[float]:
         times: list[float] = []
-        while len(times) < FEW or (len(times) < MANY and sum(times) < TURN_S):
+        while len(times) < least or (len(times) < most and sum(times) < TURN_S):
             times.append(self._frame(method))
         return times
 
