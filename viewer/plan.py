@@ -212,6 +212,7 @@ def plan_scene(
         "LIGHT_COUNT": len(shown_lights),
         "DIRECTIONAL_COUNT": sum(light.kind == "directional" for light in shown_lights),
         "POINT_COUNT": sum(light.kind == "point" for light in shown_lights),
+        "SUNS": int(any(light.angular_radius > 0 for light in shown_lights)),
         "SHADOW_LAYERS": layer_count,
         "HAS_ENVIRONMENT": int(environment),
         "ENVIRONMENT_ROTATED": int(scene.environment is not None and scene.environment.rotation != 0),

@@ -59,7 +59,7 @@ def leave_nothing_out(plan: Plan, scene: Scene) -> Plan:
         layers[-1], layer_count = 0, 1
     counts = {kind: sum(light.kind == kind for light in lights) for kind in _ORDER}
     common = {"LIGHT_COUNT": len(lights), "DIRECTIONAL_COUNT": counts["directional"], "POINT_COUNT": counts["point"],
-              "SHADOW_LAYERS": layer_count, "HAS_ENVIRONMENT": 1, "ENVIRONMENT_ROTATED": 1}
+              "SUNS": 1, "SHADOW_LAYERS": layer_count, "HAS_ENVIRONMENT": 1, "ENVIRONMENT_ROTATED": 1}
     draws = tuple(_widened(draw, _full(draw.program, common)) for draw in plan.draws)
     return replace(plan, draws=draws, lights=tuple(lights), shadow_layers=tuple(layers), shadow_layer_count=layer_count,
                    environment=True, reflections=True, ambient=True, dfg=True, is_everything=True)

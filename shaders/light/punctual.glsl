@@ -5,7 +5,7 @@
 struct PunctualLight {
     vec4 position;  // xyz; w = 1 / range^2, 0 where unlimited
     vec4 direction; // xyz: where the light travels to; w = first shadow layer, -1 without shadow
-    vec4 intensity; // rgb: lux (directional) or candela; w unused
+    vec4 intensity; // rgb: lux (directional) or candela; w: square of a sun's radius in radians, else 0
     vec4 cone;      // x scale, y offset of the spot's angular attenuation
 };
 

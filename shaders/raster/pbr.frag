@@ -19,6 +19,9 @@
 #if LIGHT_COUNT > 0
 #include "light/punctual.glsl"
 #endif
+#if SUNS
+#include "light/sun.glsl"
+#endif
 #if SHADOW_LAYERS > 0
 #include "light/shadow.glsl"
 #endif
@@ -54,6 +57,10 @@ vec3 shade_light(int i, Surface s, vec3 n_geometric) {
     vec3 l;
     vec3 irradiance = punctual_irradiance(i, v_position, l);
     float NoL = dot(s.n, l);
+    vec3 h = normalize(s.v + l);
+#if SUNS
+    vec3 slopes_x = dFdx(h - s.n), slopes_y = dFdy(h - s.n); // before any of four fragments returns
+#endif
     if (NoL <= 0.0) return vec3(0.0);
 #if SHADOW_LAYERS > 0
     float layer = u_lights[i].direction.w;
@@ -62,11 +69,15 @@ vec3 shade_light(int i, Surface s, vec3 n_geometric) {
         irradiance *= shadow_visibility(int(layer), is_point, v_position, n_geometric, l, u_lights[i].position.xyz);
     }
 #endif
-    vec3 h = normalize(s.v + l);
     float NoH = clamp(dot(s.n, h), 0.0, 1.0);
     float VoH = clamp(dot(s.v, h), 0.0, 1.0);
     vec3 nxh = cross(s.n, h);
-    float dv = d_microfacet(NoH, dot(nxh, nxh), s.alpha) * v_microfacet(s.NoV, NoL, NoH, VoH, s.alpha);
+    float d = d_microfacet(NoH, dot(nxh, nxh), s.alpha);
+#if SUNS
+    float radius2 = u_lights[i].intensity.w;
+    if (radius2 > 0.0) d = min(d, most_of_sun(s.alpha, radius2, VoH, slopes_x, slopes_y));
+#endif
+    float dv = d * v_microfacet(s.NoV, NoL, NoH, VoH, s.alpha);
 #if REFLECTS
     vec2 dfg = dfg_albedo(u_dfg, NoL, s.perceptual_roughness);
 #else

@@ -31,6 +31,7 @@ def test_a_sun_becomes_a_light_from_where_it_stands(direction):
     towards = -np.array(light.direction)
     assert np.degrees(np.arccos(towards @ direction / np.linalg.norm(direction))) < 0.2
     assert light.kind == "directional"
+    assert np.degrees(light.angular_radius) == pytest.approx(0.7, rel=0.08)  # of texels of 0.35
     assert rest.radiance.max() == 0.5
     assert sphere_integral(rest.radiance) + flux([light]) == pytest.approx(sphere_integral(environment.radiance), 1e-6)
     assert environment.radiance.max() == 2e4  # the original is left as it was: the background shows the sun

@@ -130,3 +130,13 @@ def test_lights_add_up(radiance):
     turned = replace(together, lights=tuple(reversed(lights)))
     for each in (together, turned):
         assert np.abs(radiance(each, orthographic(), SIZE)[..., :3] - alone).max() < 1e-5 * alone.max()
+
+
+@pytest.mark.parametrize("elevation", [0.0, 0.8, 1.3])
+def test_a_mirror_shows_a_sun_no_brighter_than_it_is(radiance, elevation):
+    radius = 0.05
+    sun = Light.from_angles(0.0, elevation, np.pi * radius**2)  # of radiance 1
+    mirror = Material(metallic=1.0, perceptual_roughness=0.0)
+    for size, least, most in ((radius, 0.99, 1.001), (0.0, 100.0, 1e9)):
+        seen = radiance(lit(replace(sun, angular_radius=size), mirror), orthographic(0.0, -elevation), shadows="off")
+        assert least < seen[..., 1].min() <= seen[..., 1].max() < most

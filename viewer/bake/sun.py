@@ -26,7 +26,8 @@ def extract_sun(environment: Environment) -> tuple[Environment, list[Light]]:
     A sun is a spot of DISK's size that outshines the ring around it by SHARE of all energy on the map, nine tenths of
     that within CORE; soft boxes, windows and strings of lamps are none. It is lowered to the ring's median radiance;
     the light's `intensity` is the integral of what was removed over solid angle (lux: irradiance facing it), its
-    direction that integral's centroid. Without a sun the same environment comes back.
+    direction that integral's centroid, its `angular_radius` that of a disk of the sun's mean radiance, each part of it
+    weighed by the light it sends. Without a sun the same environment comes back.
     """
     radiance = environment.radiance
     height, width = radiance.shape[:2]
@@ -70,12 +71,16 @@ class _Spot:
         self.directions = directions[rows, self.columns]
         before = radiance[self.rows, self.columns]
         self.lowered = np.minimum(before, surround)
-        self.removed = (before.astype(np.float64) - self.lowered) * solid_angles[self.rows, None]
+        self._solid_angles = solid_angles[self.rows, None]
+        self.removed = (before.astype(np.float64) - self.lowered) * self._solid_angles
 
     def light(self) -> Light:
         energy = self.removed.sum(axis=0)
-        centroid = (self.removed @ LUMINANCE) @ self.directions
+        luminance = self.removed @ LUMINANCE
+        centroid = luminance @ self.directions
         direction = -centroid / np.linalg.norm(centroid)
         lux = float(energy.max())
         color = tuple((energy / lux).tolist())
-        return Light("directional", color, lux, direction=tuple(direction.tolist()), name="sun")
+        solid_angle = luminance.sum() ** 2 / (luminance**2 / self._solid_angles[:, 0]).sum()
+        radius = float(np.arccos(1 - solid_angle / (2 * np.pi)))
+        return Light("directional", color, lux, direction=tuple(direction.tolist()), angular_radius=radius, name="sun")

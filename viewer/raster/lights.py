@@ -23,6 +23,7 @@ def pack_lights(plan: Plan, frame: Frame) -> np.ndarray:
         row[1, :3], row[1, 3] = light.direction, layer
         scale = light.intensity if light.kind == "directional" else light.intensity / frame.unit / frame.unit
         row[2, :3] = np.multiply(light.color, scale)
+        row[2, 3] = light.angular_radius**2
         row[3, :2] = spot_cone(light)
     return np.clip(rows, -3e38, 3e38).astype(np.float32)
 

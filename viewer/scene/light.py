@@ -16,7 +16,9 @@ class Light:
     `intensity` is illuminance in lux for a directional light and luminous intensity in candela for point and spot.
     As in glTF viewers, one unit of luminous flux is one unit of radiance here: a white Lambertian surface facing a
     directional light of pi lux has radiance 1. `direction` is where the light travels to. `range` None is unlimited.
-    Cone angles are measured from the axis, in radians. `casts_shadow` is off for one that stands in for a wide source.
+    Cone angles are measured from the axis, in radians. `angular_radius`, of a directional light, is that of the sun it
+    stands in for, in radians: no highlight of it is brighter than that sun was; 0: any may be. `casts_shadow` is off
+    for one that stands in for a wide source.
     """
 
     kind: Literal["directional", "point", "spot"]
@@ -27,6 +29,7 @@ class Light:
     range: float | None = None
     inner_cone: float = 0.0
     outer_cone: float = math.pi / 4
+    angular_radius: float = 0.0
     casts_shadow: bool = True
     name: str = ""
 
