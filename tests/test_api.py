@@ -46,11 +46,25 @@ def test_settings_and_camera_count(scene):
 @pytest.mark.parametrize("arguments", [
     {"size": (0, 5)}, {"size": (5, -1)}, {"size": 5}, {"size": (1.5, 2)}, {"size": "12"}, {"size": (1, 2, 3)},
     {"size": (40000, 40000)}, {"mode": "paths"}, {"colour": "red"}, {"background": "red"}, {"exposure": float("inf")},
-    {"backend": "vulkan"},
+    {"backend": "vulkan"}, {"camera": "front"}, {"mode": "path", "aov": "depth"}, {"background": np.zeros(3)},
 ])
 def test_wrong_arguments_are_usage_errors(scene, arguments):
     with pytest.raises(viewer.UsageError):
         viewer.render(scene, **({"size": SIZE} | arguments))
+
+
+@pytest.mark.parametrize("call, words", [
+    (lambda: viewer.load(None), "path is of type NoneType, not a path"),
+    (lambda: viewer.load(MODEL, np.zeros((2, 4, 3))), "environment is of type ndarray, not a path"),
+    (lambda: viewer.render(MODEL, SIZE), "scene is of type .*, not a Scene"),
+    (lambda: viewer.show(MODEL, SIZE), "scene is of type .*, not a Scene"),
+    (lambda: viewer.Image.open(None), "path is of type NoneType, not a path"),
+    (lambda: viewer.call_glsl("bsdf/ggx.glsl", None), "function is of type NoneType, not the name of one"),
+    (lambda: viewer.call_glsl("bsdf/ggx.glsl", "d_ggx", NoH=[1, [2]], s2=1, alpha=1), "^NoH: "),
+])
+def test_arguments_of_the_wrong_type_are_named(call, words):
+    with pytest.raises(viewer.UsageError, match=words):
+        call()
 
 
 def test_bad_files_are_input_errors(tmp_path):

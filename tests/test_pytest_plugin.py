@@ -129,6 +129,28 @@ def test_another_size_fails_in_words(pytester):
     result.stdout.fnmatch_lines(["*the picture: is 24x8, the golden image is 24x16*"])
 
 
+WRONG = {
+    "golden('name', picture())": "the picture comes first",
+    "golden(None)": "the picture is of type NoneType, not an Image or an array",
+    "golden(picture()[0])": "the picture is an array (24, 3), not (H, W, 3 or 4)",
+    "golden(picture().astype(int))": "not uint8 (as displayed) or floating (linear)",
+    "golden(picture(), 5)": "name is of type int",
+    "golden(picture(), '../x')": "'../x' is no name of a golden image beside the test",
+    "golden(picture(), flop=1)": "there is no limit 'flop', but flip, maximum, rounding",
+    "golden(picture(), flip='1')": "flip='1': it is a number from 0 on",
+}
+
+
+def test_wrong_arguments_fail_in_words_at_the_test_itself(pytester):
+    tests = [f"def test_{k}(golden): {call}" for k, call in enumerate(WRONG)]
+    write_test(pytester, "\n".join(tests))
+    result = pytester.runpytest("--tb=short")
+    result.assert_outcomes(failed=len(WRONG))
+    told = [line for line in result.outlines if line.startswith("E  ")]
+    assert len(told) == len(WRONG) and all(words in line for words, line in zip(WRONG.values(), told, strict=True))
+    assert not any("pytest_plugin.py" in line for line in result.outlines)
+
+
 def test_a_gl_error_left_pending_fails_the_test(pytester):
     pytester.makepyfile("""
         def test_bad(gl):

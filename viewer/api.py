@@ -15,6 +15,7 @@ from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any
 
 from .errors import UsageError
+from .expect import expect, expect_path
 from .scene.camera import Camera
 from .scene.scene import Scene
 from .settings import LAYERS, Settings
@@ -33,11 +34,15 @@ def load(path: str | PathLike[str], environment: str | PathLike[str] | None = "s
 
     `environment` is an HDR or EXR file, the name of a built-in one (studio, sky, furnace) or None. What of the file
     is not supported is named in the scene's `warnings`. Raises InputError for a file that cannot be used; an
-    environment's pixels are decoded when they are first needed, so that its InputError may come from `render`.
+    environment's pixels are decoded when they are first needed, so that its InputError may come from `render`. Raises
+    UsageError for what is no path.
     """
     from .scene.environment_files import load_environment
     from .scene.load import load_scene
 
+    expect_path(path, "path")
+    if environment is not None:
+        expect_path(environment, "environment")
     spec = environment if environment is None else fspath(environment)
     return replace(load_scene(path), environment=load_environment(spec))
 
@@ -59,9 +64,10 @@ def render(
     samples. With a `time_budget` or `error` and no `mode`, the method is chosen (docs/budget.md), and `Image.stats`
     tells which.
 
-    Raises UsageError for a size that cannot be drawn and a setting that does not exist, InputError for textures and
-    environments that cannot be decoded, ContextError where there is no OpenGL.
+    Raises UsageError for arguments of the wrong type, a size that cannot be drawn and a setting that does not exist,
+    InputError for textures and environments that cannot be decoded, ContextError where there is no OpenGL.
     """
+    _expect_scene(scene, camera)
     chosen, size = Settings.of(**settings), _checked(size)
     is_open = "mode" not in settings and not (chosen.time_budget is None and chosen.error is None)
     if not is_open:
@@ -88,6 +94,7 @@ def show(
     traces paths until they converge or `spp`, `time_budget` or `error` is met. Raises ContextError where no window can
     be opened.
     """
+    _expect_scene(scene, camera)
     if _in_notebook():
         return render(scene, size, camera, **settings)
     from .app import open_window
@@ -142,6 +149,11 @@ class _Renderers(dict[str, "Renderer"]):
 _local = threading.local()
 
 
+def _expect_scene(scene: object, camera: object) -> None:
+    expect(scene, Scene, "scene", "a Scene (viewer.load makes one)")
+    expect(camera, (Camera, type(None)), "camera", "a Camera")
+
+
 def _checked(size: object) -> tuple[int, int]:
     try:
         width, height = map(index, size)  # type: ignore[call-overload]
@@ -153,6 +165,7 @@ def _checked(size: object) -> tuple[int, int]:
 
 
 def _checked_layers(names: Sequence[str]) -> Sequence[str]:
+    expect(names, (list, tuple), "aov", "a list of layers' names")
     for name in names:
         if name not in LAYERS:
             raise UsageError(f"aov={names!r}: no layer {name!r}; there are {', '.join(LAYERS)}")

@@ -12,6 +12,7 @@ import numpy as np
 
 from .atomic import atomic_write
 from .errors import InputError, OutputError
+from .expect import expect_path
 from .exr import write_exr
 from .scene.color import linear_to_srgb, srgb_to_linear
 from .utf8_name import utf8_name
@@ -91,6 +92,7 @@ class Image:
 
         Raises InputError for a file that is missing, broken, of another kind, or over 2**27 pixels.
         """
+        expect_path(path, "path")
         file = Path(path)
         if not file.is_file():
             raise InputError(file, "", "is a folder, not a picture" if file.is_dir() else "no such file")
@@ -110,6 +112,7 @@ class Image:
         EXR and PNG hold the `attributes` too. JPEG has no alpha: the picture is laid over white, as a page would show
         it. WebP is lossless. Raises OutputError, in one line, where that fails.
         """
+        expect_path(path, "path")
         suffix = Path(path).suffix.lower()
         if suffix not in WRITABLE:
             raise OutputError(f"{fspath(path)}: cannot write {suffix or 'a file without extension'}; "

@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from .errors import UsageError
+from .expect import expect
+
 if TYPE_CHECKING:
     import moderngl
     import numpy as np
@@ -45,19 +48,24 @@ class Golden:
 
         `picture` is an `Image`, or an array (H, W, 3 or 4): uint8 displayed values, or floating linear ones. `name`
         is the test's own by default; one that ends in .exr compares radiance, any other is a PNG of the displayed
-        picture. `limits` are the fields of `viewer.measure.golden.Limits`: flip, maximum, rounding.
+        picture. `limits` are the fields of `viewer.measure.golden.Limits`: flip, maximum, rounding. Raises UsageError
+        for arguments that are none of this.
         """
+        __tracebackhide__ = True
         from .measure.difference import not_finite
         from .measure.golden import Failure, Limits, as_image, judge
 
         self._calls += 1
-        path = self.path(name)
+        if isinstance(picture, str):
+            raise UsageError("golden(picture, name): the picture comes first, and its name after it")
         image = as_image(picture)
+        path = self.path(name)
+        within = Limits.of(**limits)
         if self._update and not not_finite(image.linear):
             path.parent.mkdir(parents=True, exist_ok=True)
             image.save(path)
             return
-        failure: Failure | None = judge(image, path, Limits(**limits), self._node)
+        failure: Failure | None = judge(image, path, within, self._node)
         if failure is None:
             return
         folder = self._report / _slug(f"{self._node}-{self._calls}")
@@ -66,10 +74,14 @@ class Golden:
                     f"    pytest '{self._node}' --golden-update", pytrace=False)
 
     def path(self, name: str | None = None) -> Path:
-        """Where the golden image of that name lies."""
+        """Where the golden image of that name lies. Raises UsageError for a name that is none, or leads elsewhere."""
+        __tracebackhide__ = True
         if name is None:
             name = f"{self._file.stem}-{_slug(self._node.partition('::')[2])}"
             name += f"-{self._calls}" if self._calls > 1 else ""
+        expect(name, str, "name", "the name of a golden image")
+        if not name or Path(name).is_absolute() or ".." in Path(name).parts:
+            raise UsageError(f"{name!r} is no name of a golden image beside the test")
         return self._file.parent / "golden" / (name if name.endswith((".png", ".exr")) else f"{name}.png")
 
 
@@ -95,6 +107,7 @@ class GL:
         from .measure.difference import not_finite
         from .measure.golden import as_image
 
+        __tracebackhide__ = True
         problem = not_finite(as_image(picture).linear)
         if problem:
             pytest.fail(problem, pytrace=False)

@@ -211,7 +211,7 @@ PATH_ONLY = (*STOPPING, "seed", "denoise", "sampling", "bounces", "light_radius"
 
 def parse_background(value: object) -> Background:
     """What `Settings.background` holds, from "env", "none", "#rrggbb" (sRGB) or linear (r, g, b); else UsageError."""
-    if value == "env" or value == "none":
+    if isinstance(value, str) and value in ("env", "none"):
         return value  # type: ignore[return-value]
     if isinstance(value, str) and re.fullmatch("#?[0-9a-fA-F]{6}", value):
         import numpy as np

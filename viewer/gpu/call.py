@@ -15,6 +15,7 @@ import moderngl
 import numpy as np
 
 from ..errors import UsageError
+from ..expect import expect, expect_path
 from ..resources import resource_folder
 from .context import Context, current_context, open_context
 from .glsl_types import Function, Parameter, Sampler, find_functions
@@ -56,6 +57,9 @@ def call_glsl(
     Raises ShaderError for a file that does not compile, with file and line, and UsageError for a function or an
     argument that does not fit.
     """
+    expect_path(file, "file")
+    expect(function, str, "function", "the name of one")
+    expect(defines, (Mapping, type(None)), "defines", "a dict")
     packaged = (resource_folder("shaders") / file).is_file()
     source = _without_main(assemble(file if packaged else Path(file).absolute(), defines))
     chosen = _choose(find_functions(source.text), function, arrays, display_name(source.files[0]))

@@ -25,7 +25,7 @@ def to_words(type_: Type, value: Any, place: str) -> list[np.ndarray]:
         if set(value) != set(names):
             raise UsageError(f"{place}: {type_.name} has the members {', '.join(names)}; given are {', '.join(value)}")
         return [words for name, member in type_.members for words in to_words(member, value[name], f"{place}.{name}")]
-    array, leaves = np.asarray(value), type_.leaves()
+    array, leaves = _array(value, place), type_.leaves()
     width = sum(leaf.size for leaf in leaves)
     if array.shape[-1:] != (width,):
         raise UsageError(f"{place}: {type_.name} takes a dict, or an array whose last axis has its {width} components, "
@@ -35,8 +35,15 @@ def to_words(type_: Type, value: Any, place: str) -> list[np.ndarray]:
     return [_leaf_words(leaf, part.reshape(part.shape[:-1] + leaf.shape), place) for leaf, part in zip(leaves, parts)]
 
 
+def _array(value: Any, place: str) -> np.ndarray:
+    try:
+        return np.asarray(value)
+    except ValueError as error:  # lists of different lengths
+        raise UsageError(f"{place}: {error}") from None
+
+
 def _leaf_words(leaf: Basic, value: Any, place: str) -> np.ndarray:
-    array = np.asarray(value)
+    array = _array(value, place)
     if array.dtype.kind not in "biuf":
         raise UsageError(f"{place}: {leaf.name} takes numbers, not {array.dtype}")
     if leaf.kind == "float":

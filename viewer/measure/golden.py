@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
 
 from ..atomic import atomic_write
-from ..errors import InputError
+from ..errors import InputError, UsageError
 from ..image import Image
 from .difference import Difference, compare, not_finite
 
@@ -29,6 +29,17 @@ class Limits:
     flip: float = 0.005
     maximum: float | None = 0.5
     rounding: float = 2
+
+    @classmethod
+    def of(cls, **values: float | None) -> Limits:
+        """With some given. Raises UsageError for one that does not exist, or is no number from 0 on."""
+        names = [field.name for field in fields(cls)]
+        for name, value in values.items():
+            if name not in names:
+                raise UsageError(f"there is no limit {name!r}, but {', '.join(names)}")
+            if not (isinstance(value, (int, float)) and value >= 0 or (name == "maximum" and value is None)):
+                raise UsageError(f"{name}={value!r}: it is a number from 0 on")
+        return cls(**values)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,14 +66,19 @@ class Failure:
 
 
 def as_image(picture: Image | np.ndarray) -> Image:
-    """An Image, or (H, W, 3 or 4) uint8 displayed values or floating linear ones as one."""
+    """An Image, or (H, W, 3 or 4) uint8 displayed values or floating linear ones as one. Raises UsageError."""
+    __tracebackhide__ = True
     if isinstance(picture, Image):
         return picture
+    if not hasattr(picture, "__array__"):
+        raise UsageError(f"the picture is of type {type(picture).__name__}, not an Image or an array")
     pixels = np.asarray(picture)
+    if pixels.ndim != 3 or pixels.shape[2] not in (3, 4) or not pixels.size:
+        raise UsageError(f"the picture is an array {pixels.shape}, not (H, W, 3 or 4)")
     if pixels.dtype == np.uint8:
         return Image.from_srgb(pixels)
     if pixels.dtype.kind != "f":
-        raise TypeError(f"a picture is an Image, uint8 (displayed) or floating (linear), not {pixels.dtype}")
+        raise UsageError(f"the picture is of {pixels.dtype}, not uint8 (as displayed) or floating (linear)")
     return Image.from_linear(pixels)
 
 

@@ -67,8 +67,8 @@ def relmse_floor(halves: Halves, mask: np.ndarray) -> float:
 
 def trimmed_floor(halves: Halves, mask: np.ndarray) -> float:
     """`relmse_floor` without the worst pixels."""
-    truth = halves.mean[mask]
-    return _trimmed_mean(halves.variance[mask] / (truth**2 + EPSILON))
+    inside = Halves(halves.first[mask], halves.second[mask])
+    return _trimmed_mean(inside.variance / (inside.mean**2 + EPSILON))
 
 
 def trimmed_relmse(picture: np.ndarray, reference: np.ndarray, mask: np.ndarray) -> float:

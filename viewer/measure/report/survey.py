@@ -65,7 +65,8 @@ class Surveyor:
         steps = ladder(bench.scene, bench.settings, self._use_cache)
         survey.left_out += steps.left_out
         maker = ReferenceMaker(bench, self._store, self._key)
-        survey.reference = maker.reference() if maker.spp else None
+        if maker.spp:
+            self._take(maker.reference())
         self._climb(steps)
         self._leap(steps)
         self._converge(maker)
@@ -143,7 +144,15 @@ class Surveyor:
                 self._tell(f"reference, {total + 2 * done * spp:.0f} samples a pixel", done * seconds)
 
             maker.add(max(spp, LEAST_SPP), report)
-            survey.reference = maker.reference()
+            self._take(maker.reference())
+
+    def _take(self, reference: Reference) -> None:
+        """For the truth, where it is finite: light can be more than numbers hold."""
+        survey = self.survey
+        survey.reference = reference
+        survey.mask &= np.isfinite(reference.halves.first + reference.halves.second).all(axis=-1)
+        if not survey.mask.any():
+            raise InputError(self._name, "", "its light is more than numbers hold: there is nothing to compare with")
 
     def _is_good_enough(self) -> bool:
         survey = self.survey
