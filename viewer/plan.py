@@ -72,6 +72,11 @@ class Draw:
         return dict(self.program.switches).get("TRACED", 0) == 1
 
     @property
+    def is_traced_body(self) -> bool:
+        """Whether paths find what light comes through it."""
+        return dict(self.program.switches).get("TRACED_BODIES", 0) == 1
+
+    @property
     def is_in_gbuffer(self) -> bool:
         """Whether passes before the surfaces are shaded look from it."""
         return self.sees_visibility or self.is_traced
@@ -117,6 +122,11 @@ class Plan:
         return any(draw.is_traced for draw in self.draws)
 
     @property
+    def has_traced_bodies(self) -> bool:
+        """Whether paths find what light comes through bodies of glass."""
+        return any(draw.is_traced_body for draw in self.draws)
+
+    @property
     def has_bodies(self) -> bool:
         """Whether there is glass that light is refracted into."""
         return self.is_everything or any(draw.transmits == 2 for draw in self.draws)
@@ -130,6 +140,7 @@ class Plan:
         passes = ["shadows"] * bool(self.shadow_layer_count) + ["visibility"] * self.has_visibility
         passes += ["reflections"] * self.has_traced
         passes += ["surfaces"] * bool(self.draws)
+        passes += ["refraction"] * self.has_traced_bodies
         passes += ["bodies of glass"] if self.has_bodies else []
         passes += ["background"] if self.background else []
         passes += ["walls of glass"] if self.has_walls else []
@@ -331,6 +342,8 @@ def _pbr_switches(material: Material, settings: Settings) -> dict[str, int]:
         "MULTISCATTER": int(settings.multiscatter == "on"),
         "SHOW_MULTISCATTER": int(settings.lobes in ("all", "directional-diffuse")),
         "SPECULAR_AA": int(settings.specular_aa == "on"),
+        "TRACED_BODIES": int(settings.refraction == "traced" and settings.lobes in ("all", "specular")
+                             and material.transmits and material.thickness > 0),
         "TRANSMISSION": 0 if not material.transmits else 1 if material.thickness == 0 else 2,
     }
 

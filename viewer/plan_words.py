@@ -63,6 +63,8 @@ def _used(plan: Plan) -> tuple[str, ...]:
         lines.append("ambient occlusion by what is in the picture")
     elif plan.has_visibility:
         lines.append(f"shadows of the environment by {_many(plan.environment_shadows, 'light')} drawn from it")
+    if plan.has_traced_bodies:
+        lines.append("light in glass by two paths a pixel, from surface to surface")
     textures = {(draw.material, name): texture for draw in plan.draws for name in draw.maps
                 if (texture := material_map(draw.surface, name))}
     if textures:

@@ -109,6 +109,8 @@ class Settings:
         "off", "darken what the picture itself shows to be hidden; nothing beside environment-shadows")
     reflections: Literal["environment", "traced"] = _option(
         "environment", "what smooth surfaces mirror; traced: also of the model itself, by one ray a pixel")
+    refraction: Literal["screen", "traced"] = _option(
+        "screen", "how light goes through bodies of glass; traced: from surface to surface, by two paths a pixel")
     specular_aa: Literal["on", "off"] = _option(
         "off", "widen highlights that are finer than a pixel: calmer in motion, but farther from the truth")
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8", "ssaa-4", "ssaa-9", "ssaa-16"] = _option(
@@ -204,8 +206,8 @@ class Settings:
 
 
 STOPPING = ("spp", "time_budget", "error")
-RASTER_ONLY = ("phong", "shadows", "environment_shadows", "ambient_occlusion", "reflections", "specular_aa",
-               "antialias")
+RASTER_ONLY = ("phong", "shadows", "environment_shadows", "ambient_occlusion", "reflections", "refraction",
+               "specular_aa", "antialias")
 PATH_ONLY = (*STOPPING, "seed", "denoise", "sampling", "bounces", "light_radius", "clamp")
 
 

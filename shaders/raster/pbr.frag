@@ -16,6 +16,9 @@
 #if TRACED
 #include "raster/traced_reflection.glsl"
 #endif
+#if TRACED_BODIES
+#include "raster/traced_body.glsl"
+#endif
 #if LIGHT_COUNT > 0
 #include "light/punctual.glsl"
 #endif
@@ -182,7 +185,8 @@ void main() {
 #endif
 #if TRANSMISSION
     float passes = transmitted(s.dielectric, dfg) * through * (METALNESS == 2 ? 1.0 - s.metallic : 1.0);
-    radiance += passes * base.rgb * light_from_behind(s.n, n_geometric, s.v, blur) * float(SHOW_SPECULAR);
+    vec3 arriving = light_from_behind(s.n, n_geometric, s.v, blur);
+    radiance += passes * entering_tint(base.rgb) * arriving * float(SHOW_SPECULAR);
     s.base_color *= 1.0 - through; // what is left to scatter
 #endif
 #if HAS_ENVIRONMENT

@@ -48,6 +48,11 @@ vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, vec4 visibl
     float share = mirror_share(s.perceptual_roughness);
     for (int k = 0; k < 2; ++k) specular[k] = mix(specular[k], mix(open[k], met.rgb, met.a), share);
 #endif
+#if TRACED_BODIES
+    vec4 mirrored = traced_body(u_mirrored, n_geometric);
+    float share = mirrored.a >= 0.0 ? 1.0 - smoothstep(0.2, 0.5, s.perceptual_roughness) : 0.0; // of a lobe one ray is
+    for (int k = 0; k < 2; ++k) specular[k] = mix(specular[k], mirrored.rgb, share);
+#endif
     vec3 radiance = vec3(0.0);
 #if METALNESS != 1
     radiance += (METALNESS == 2 ? 1.0 - s.metallic : 1.0)

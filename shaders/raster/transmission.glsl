@@ -2,19 +2,21 @@
 // levels ever more blurred (viewer/raster/transmission.py). KHR_materials_transmission, KHR_materials_volume.
 // TRANSMISSION: 1 a thin wall, behind which light goes on as before; 2 the front of a body, in which it is refracted.
 #include "raster/material.glsl"
+#include "raster/backdrop.glsl"
+#if TRACED_BODIES
+#include "raster/traced_body.glsl"
+#endif
 #if HAS_ENVIRONMENT
 #include "raster/environment.glsl"
 #endif
 
-uniform sampler2D u_backdrop; // associated alpha
-uniform mat4 u_view_projection;
 uniform float u_transmission;
 #if TRANSMISSION == 2
 uniform float u_thickness; // eye-relative units
 uniform vec3 u_absorption; // Beer's sigma
 #endif
-
-const float EDGE = 1.0 / 16.0; // of the picture: so far beyond it its rim is stretched, and fades
+#if TRACED_BODIES
+#endif
 
 float transmission() {
     float t = u_transmission;
@@ -51,8 +53,21 @@ vec3 leaving_direction(vec3 n, vec3 d, float way) {
 }
 #endif
 
+// The base colour tints what passes once: traced paths have half of it where they come out.
+vec3 entering_tint(vec3 base_color) {
+#if TRACED_BODIES
+    return sqrt(max(base_color, vec3(0.0)));
+#else
+    return base_color;
+#endif
+}
+
 // Where nothing was drawn, and beyond the picture, stands the environment.
 vec3 light_from_behind(vec3 n, vec3 n_geometric, vec3 v, float blur) {
+#if TRACED_BODIES
+    vec4 found = traced_body(u_refracted, n_geometric);
+    if (found.a >= 0.0) return found.rgb;
+#endif
     vec3 exit = v_position, d = -v;
     vec3 kept = vec3(1.0);
 #if TRANSMISSION == 2
@@ -65,12 +80,7 @@ vec3 light_from_behind(vec3 n, vec3 n_geometric, vec3 v, float blur) {
     kept = exp(-u_absorption * thickness);
     d = leaving_direction(n_geometric, d, thickness);
 #endif
-    vec4 clip = u_view_projection * vec4(exit, 1.0);
-    vec2 uv = 0.5 + 0.5 * clip.xy / clip.w;
-    vec2 outside = max(max(-uv, uv - 1.0), 0.0);
-    float seen = clip.w > 0.0 ? 1.0 - smoothstep(0.0, EDGE, max(outside.x, outside.y)) : 0.0;
-    float lod = log2(float(textureSize(u_backdrop, 0).x)) * blur;
-    vec4 behind = textureLod(u_backdrop, uv, lod) * seen;
+    vec4 behind = backdrop_at(exit, blur);
 #if HAS_ENVIRONMENT
     behind.rgb += (1.0 - behind.a) * environment_specular(d, blur);
 #endif

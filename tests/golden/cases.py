@@ -70,6 +70,7 @@ CASES = [
     Case("specular-ior", "specular-ior"),
     Case("glass", "glass"),
     Case("glass-alone", "glass", view="close", settings={"background": "none"}),
+    Case("glass-traced", "glass", settings={"refraction": "traced"}),
     Case("two-sided", "two-sided", rotation=130.0),
     Case("textures", "textures", settings={"tonemap": "none", "background": (0.1, 0.2, 0.05)}),
     Case("spheres-turned", "spheres", rotation=90.0, settings={"tonemap": "agx", "background": "none"}),

@@ -106,6 +106,7 @@ class Panel:
             self._choice("Environment's shadows", "environment_shadows")
             self._choice("Ambient occlusion", "ambient_occlusion")
             self._choice("Reflections", "reflections")
+            self._choice("Refraction", "refraction")
             self._switch("Specular antialiasing", "specular_aa")
         if state.shows("phong"):
             self._choice("Phong highlight", "phong")

@@ -31,6 +31,7 @@ from .shadows import ShadowMaps
 from .surfaces import UNIT_DFG, UNIT_RADIANCE, UNIT_SHADOW, Surfaces
 from .target import Target
 from .traced_reflections import TracedReflections
+from .traced_refraction import TracedRefraction
 from .transmission import Backdrop
 from .visibility import VisibilityPass
 
@@ -65,6 +66,7 @@ class Renderer:
         self._gbuffer: GBuffer | None = None
         self._visibility = VisibilityPass(self._gl, self.programs)
         self._reflections = TracedReflections(context, self.programs)
+        self._refraction = TracedRefraction(context, self.programs)
         self._surfaces: Surfaces | None = None
         self._environment: EnvironmentLight | None = None
         self._ahead: Decoder | None = None
@@ -161,6 +163,10 @@ class Renderer:
         if plan.has_bodies:  # what they show of the environment is refracted: it is not in the picture yet
             with self._pass("bodies of glass"):
                 uniforms |= self._take_backdrop(target)
+                if plan.has_traced_bodies:
+                    uniforms |= self._refraction.find(
+                        frame, plan, lambda u: self._surfaces.draw_refraction_rays(frame, plan, u), uniforms)
+                    target.framebuffer.use()
                 self._surfaces.draw_transmissive(2, frame, plan, uniforms)
         if plan.background:
             with self._pass("background"):
@@ -218,6 +224,9 @@ class Renderer:
         if self.plan.has_traced:
             with self._timed("reflections"):
                 self._reflections.prepare(scene, settings)
+        if self.plan.has_traced_bodies:
+            with self._timed("refraction"):
+                self._refraction.prepare(scene)
         return self.plan
 
     def _prepare_surfaces(self, scene: Scene) -> None:
@@ -333,6 +342,7 @@ class Renderer:
     def release(self) -> None:
         """Free what the renderer holds; the context stays."""
         self.context.make_current()
-        self._release(self._display, self._target, self._backdrop, self._visibility, self._reflections, self._gbuffer,
-                      self._surfaces, self._environment, *self._shadows, *self._blocks, *self._dfg.values())
+        self._release(self._display, self._target, self._backdrop, self._visibility, self._reflections,
+                      self._refraction, self._gbuffer, self._surfaces, self._environment, *self._shadows,
+                      *self._blocks, *self._dfg.values())
         self.programs.release()

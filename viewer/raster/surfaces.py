@@ -22,7 +22,8 @@ from .textures import Textures
 UNIT_DFG, UNIT_PREFILTERED, UNIT_IRRADIANCE, UNIT_SHADOW, UNIT_BACKGROUND, UNIT_RADIANCE, UNIT_VISIBILITY = (
     len(MAPS) + k for k in range(7)
 )
-UNIT_REFLECTED, UNIT_RAY_POSITIONS = UNIT_VISIBILITY + 1, UNIT_VISIBILITY + 2
+UNIT_REFLECTED, UNIT_RAY_POSITIONS, UNIT_REFRACTED, UNIT_MIRRORED, UNIT_PATH_POSITIONS = (
+    UNIT_VISIBILITY + k for k in range(1, 6))
 
 _SAMPLE_ALPHA_TO_COVERAGE, _SAMPLE_ALPHA_TO_ONE = 0x809E, 0x809F
 _VERTEX = "raster/surface.vert"
@@ -60,6 +61,12 @@ class Surfaces:
         """Draw where those surfaces are that passes look from, and how they lie: shaders/raster/gbuffer.frag."""
         draws = [replace(d, program=_gbuffer_program(d.program)) for d in plan.draws if d.is_in_gbuffer]
         self._draw_solid(draws, frame, plan, frame_uniforms)
+
+    def draw_refraction_rays(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> None:
+        """Draw the rays that go on in the fronts of bodies: shaders/raster/refraction_rays.frag."""
+        bodies = [draw for draw in plan.draws if draw.is_traced_body]
+        self._draw_solid([replace(draw, program=_path_program(draw.program)) for draw in bodies], frame, plan,
+                         frame_uniforms)
 
     def draw_opaque(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
         """Draw what neither blends nor transmits light; returns how many instances were drawn."""
@@ -191,13 +198,22 @@ class Surfaces:
 
 
 def _gbuffer_program(program: Program) -> Program:
+    return Program("raster/gbuffer.frag", _lie(program))
+
+
+def _path_program(program: Program) -> Program:
+    switches = {**dict(_lie(program)), "IS_ORTHOGRAPHIC": program["IS_ORTHOGRAPHIC"]}
+    return Program("raster/refraction_rays.frag", tuple(sorted(switches.items())))
+
+
+def _lie(program: Program) -> tuple[tuple[str, int], ...]:
     """Of the switches only those that say where a surface is and how it lies, so that many materials share one."""
     switches = dict(program.switches)
     maps = {"normal", "metallic_roughness"} | ({"base_color"} if switches["ALPHA_MODE"] else set())
     switches = {name: switches[name] for name in _GBUFFER_SWITCHES} | {"HAS_EMISSIVE": 0} | {
         f"{name.upper()}_{word}": switches[f"{name.upper()}_{word}"] * (name in maps)
         for name in MAPS for word in ("MAP", "UV", "TRANSFORM", "MIRROR")}
-    return Program("raster/gbuffer.frag", tuple(sorted(switches.items())))
+    return tuple(sorted(switches.items()))
 
 
 def phong_specular(material: Material) -> tuple[float, float, float]:

@@ -1,0 +1,15 @@
+// The picture of what stands behind what transmits light, in levels ever more blurred (viewer/raster/transmission.py).
+uniform sampler2D u_backdrop; // associated alpha
+uniform mat4 u_view_projection;
+
+const float EDGE = 1.0 / 16.0; // of the picture: so far beyond it its rim is stretched, and fades
+
+// Where `position`, relative to the eye, stands in it; nothing where that is beyond its rim.
+vec4 backdrop_at(vec3 position, float blur) {
+    vec4 clip = u_view_projection * vec4(position, 1.0);
+    vec2 uv = 0.5 + 0.5 * clip.xy / clip.w;
+    vec2 outside = max(max(-uv, uv - 1.0), 0.0);
+    float seen = clip.w > 0.0 ? 1.0 - smoothstep(0.0, EDGE, max(outside.x, outside.y)) : 0.0;
+    float lod = log2(float(textureSize(u_backdrop, 0).x)) * blur;
+    return textureLod(u_backdrop, uv, lod) * seen;
+}

@@ -1,0 +1,48 @@
+// The ray that goes on in a body of glass from each pixel's point of its front, in tracer space, the scene's centre at
+// the origin and its radius the unit (viewer/trace/geometry.py), and the cone about it that the pixel sees: its width,
+// and its spread, how much wider it becomes along the way (Akenine-Moeller et al. 2021, "Improved Shader and Texture
+// Level of Detail Using Ray Cones").
+#include "raster/material.glsl"
+#include "raster/normal.glsl"
+
+uniform vec3 u_eye;            // in tracer space
+uniform vec3 u_view_direction; // towards the eye
+uniform bool u_is_mirrored;
+uniform float u_ior;
+uniform float u_perceptual_roughness;
+
+// o_color: where the ray begins, relative to the eye, and 1
+layout(location = 1) out vec4 o_origin;    // w: 1 for a ray
+layout(location = 2) out vec4 o_direction; // w: the spread
+layout(location = 3) out vec4 o_kept;      // what arrives of light along it, w: the width
+layout(location = 4) out vec4 o_light;     // found so far: none, w: alpha of what is rough
+
+// A position has the rounding of a float as far as the eye is away, and of the rasteriser's interpolation.
+const float OFFSET = 2e-5;
+
+void main() {
+    coverage(base_color().a);
+    float perceptual_roughness = u_perceptual_roughness;
+#if METALLIC_ROUGHNESS_MAP
+    perceptual_roughness *= metallic_roughness_texel().g;
+#endif
+    if (!u_is_mirrored) perceptual_roughness *= clamp(2.0 * u_ior - 2.0, 0.0, 1.0); // raster/transmission.glsl
+    vec3 face = geometric_normal(), n = shading_normal(face);
+#if IS_ORTHOGRAPHIC
+    vec3 v = u_view_direction;
+#else
+    vec3 v = -normalize(v_position);
+#endif
+    vec3 mirrored = reflect(-v, n);
+    mirrored -= 2.0 * min(dot(mirrored, face), 0.0) * face; // a shading normal may send it under the surface
+    vec3 d = u_is_mirrored ? mirrored : refract(-v, n, 1.0 / max(u_ior, 1.0));
+    vec3 off = (u_is_mirrored ? OFFSET : -OFFSET) * max(1.0, length(v_position)) * face;
+    vec3 px = dFdx(v_position), py = dFdy(v_position), dx = dFdx(d), dy = dFdy(d);
+    float squared = dot(px, px) + dot(py, py);
+    float width = sqrt(0.5 * squared);
+    o_color = vec4(v_position, 1.0);
+    o_origin = vec4(u_eye + v_position + off, 1.0);
+    o_direction = vec4(normalize(d), (dot(px, dx) + dot(py, dy)) / max(squared, 1e-30) * width);
+    o_kept = vec4(vec3(1.0), width);
+    o_light = vec4(vec3(0.0), perceptual_roughness * perceptual_roughness);
+}
