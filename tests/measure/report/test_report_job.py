@@ -126,6 +126,7 @@ def test_what_goes_wrong_is_told_in_one_line(run, folder, arguments, status, wor
 
 def test_a_model_that_cannot_be_shown_leaves_nothing_behind(run, folder):
     assert run("report", "missing.glb", "-o", "out", *QUICK).status == 1
+    assert run("report", MODEL, "-o", "out", *QUICK, "--orbit", "0,0,1e6").status == 1
     assert names(folder) == []
 
 

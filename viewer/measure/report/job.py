@@ -72,20 +72,20 @@ class ReportJob:
         use_cache = not self.options["no_cache"]
         bench = Bench(context, scene, camera(model, scene), self.settings, self.options["size"], use_cache,
                       self.limit)
-        make_folder(folder)
-        surveyor = Surveyor(bench, Store(folder / "measured"), name, progress, use_cache)
-        survey = surveyor.survey
-        try:
-            surveyor.run()
-            progress.say(f"{name}: comparing and writing")
-            return self._write(survey, model, folder)
-        except Stopped:
-            say(f"{folder}: {len(survey.rungs)} points are measured and kept; the same command goes on from there")
-            if survey.reference is not None and survey.rungs:
-                self._write(survey, model, folder)
-            raise
-        finally:
-            bench.release()
+        with _made(folder), _made(folder / "measured"):
+            surveyor = Surveyor(bench, Store(folder / "measured"), name, progress, use_cache)
+            survey = surveyor.survey
+            try:
+                surveyor.run()
+                progress.say(f"{name}: comparing and writing")
+                return self._write(survey, model, folder)
+            except Stopped:
+                say(f"{folder}: {len(survey.rungs)} points are measured and kept; the same command goes on from there")
+                if survey.reference is not None and survey.rungs:
+                    self._write(survey, model, folder)
+                raise
+            finally:
+                bench.release()
 
     def _write(self, survey: Survey, model: str, folder: Path) -> Document:
         scene = survey.bench.scene

@@ -80,13 +80,12 @@ class Surveyor:
         kept = self._store.load("coverage", self._key)
         if kept is None:
             mask = self._bench.coverage()
+            if not mask.any():
+                raise InputError(self._name, "", "nothing of it is in the picture: there is nothing to compare "
+                                                 "(lines and points are not path traced)")
             kept = Record(np.repeat(mask[..., None], 4, axis=2).astype(np.float32))
             self._store.save("coverage", self._key, kept)
-        mask = kept.picture[..., 0] > 0
-        if not mask.any():
-            raise InputError(self._name, "", "nothing of it is in the picture: there is nothing to compare "
-                                             "(lines and points are not path traced)")
-        return mask
+        return kept.picture[..., 0] > 0
 
     def _climb(self, steps: Ladder) -> None:
         survey = self.survey
