@@ -31,7 +31,7 @@ CALIBRATION = Calibration(
     TracedMethod(Cost(fixed=1.0), Cost(fixed=0.2), Cost(), Cost(), Cost(fixed=0.2), Cost(pixel=1e-5), Cost(pixel=1e-6),
                  Cost(pixel=5e-6), {"environment": 0.8}, ((0.8, 0.5), (0.05, 0.9))),
     {"raster": 0.1, "path": 0.3})
-"""At SIZE: a raster takes 0.36 s to begin, paths 0.92 s, 0.1 s a sample and 0.01 s or 0.06 s to end."""
+"""At SIZE: a raster takes 0.4 s to begin, paths 1 s, 0.1 s a sample and 0.01 s or 0.06 s to end."""
 RASTER, PATH = frozenset({"Phong", "image", "shadows"}), frozenset({"path traced", "path traced, denoised (fast)"})
 NEW = Ready()
 KEPT = Ready(kept=RASTER | PATH)
@@ -53,7 +53,7 @@ def chosen(ball, ready=KEPT, **settings) -> Candidate:
 
 
 @pytest.mark.parametrize("budget, method", [
-    (0.01, "Phong"), (0.365, "Phong"), (0.39, "image"), (0.95, "shadows"), (6.0, "path traced, denoised (fast)")])
+    (0.01, "Phong"), (0.405, "Phong"), (0.42, "image"), (1.2, "shadows"), (6.0, "path traced, denoised (fast)")])
 def test_a_budget_gets_the_least_error_there_is_time_for(ball, budget, method):
     assert chosen(ball, time_budget=budget).title == method
 
@@ -62,7 +62,7 @@ def test_a_budget_gets_the_least_error_there_is_time_for(ball, budget, method):
 @pytest.mark.parametrize("pace", [1.0, 2.5])
 def test_more_time_is_never_expected_to_be_worse(ball, ready, pace):
     before = 1.0
-    for k in range(110):
+    for k in range(130):
         budget = 0.05 * 1.05**k
         course = best_course(found(ball, replace(ready, pace=pace), time_budget=budget), budget)
         if course is not None:
@@ -72,7 +72,7 @@ def test_more_time_is_never_expected_to_be_worse(ball, ready, pace):
 
 
 def test_what_little_time_allows_is_not_given_up_for_a_few_samples(ball):
-    course = best_course(found(ball, time_budget=1.5), 1.5)
+    course = best_course(found(ball, time_budget=1.7), 1.7)
     assert course.first.title == "shadows" and course.path is None
     course = best_course(found(ball, time_budget=5.0), 5.0)
     assert course.first is not None and course.path is not None
@@ -92,15 +92,15 @@ def test_what_is_prepared_already_takes_no_time_again(ball):
     textured = replace(CALIBRATION.raster[1], prepare=Cost(fixed=0.2, shadowed=1.0))
     held = found(ball, Ready(has_raster=True, holds_raster=True, compiled=RASTER),
                  replace(CALIBRATION, raster=(textured,)))
-    assert held[0].seconds == pytest.approx(0.01 + 1.3 * 0.2)
+    assert held[0].seconds == pytest.approx(1.5 * (0.01 + 0.2))
     path = found(ball, ALL_READY, time_budget=1.01)[-2]
     assert (path.title, path.samples) == ("path traced", pytest.approx(10))
     assert path.error == pytest.approx(0.8 / 10**0.5)
 
 
 def test_what_the_driver_has_not_compiled_takes_longer(ball):
-    assert found(ball, NEW)[0].seconds - found(ball, KEPT)[0].seconds == pytest.approx(1.3 * 0.4)
-    assert found(ball, NEW)[-1].begin - found(ball, KEPT)[-1].begin == pytest.approx(1.3 * 0.8)
+    assert found(ball, NEW)[0].seconds - found(ball, KEPT)[0].seconds == pytest.approx(1.5 * 0.4)
+    assert found(ball, NEW)[-1].begin - found(ball, KEPT)[-1].begin == pytest.approx(1.5 * 0.8)
 
 
 def test_where_pictures_take_longer_than_expected_more_time_is_allowed_for_them(ball):
@@ -124,7 +124,7 @@ def test_an_error_gets_the_fastest_method_that_usually_has_it(ball):
 
 
 def test_with_both_the_error_counts_only_as_far_as_the_time_allows(ball):
-    assert chosen(ball, error=0.001, time_budget=0.4).title == "image"
+    assert chosen(ball, error=0.001, time_budget=0.42).title == "image"
     assert chosen(ball, error=0.25, time_budget=5).title == "image"
 
 

@@ -15,7 +15,7 @@ from ..trace.tracer import Tracer
 from .calibration import TracedMethod
 from .contention import Stopwatch
 from .cost import Cost, Load
-from .scenes import again, crowd, herd, mapped
+from .scenes import HOST, again, crowd, herd, mapped
 from .truth import LARGE, SMALL, Truth, exposed, framing, mean_error, trace_all
 
 FILTERED_SPP = (1, 4, 16, 48)
@@ -124,7 +124,7 @@ def _prepare(tracer: Tracer, base: Scene, steady: float) -> Cost:
     """Of a scene whose programs are compiled."""
     few = _new(tracer, again(base), steady)
     load, slopes = Load.of(base, SMALL), {}
-    for part, more in (("triangle", crowd(base)), ("draw", herd(base)), ("texel", mapped(base, MAP_SIDE))):
+    for part, more in (("triangle", crowd(base, HOST)), ("draw", herd(base)), ("texel", mapped(base, MAP_SIDE))):
         count = getattr(Load.of(more, SMALL), part + "s") - getattr(load, part + "s")
         slopes[part] = max(_new(tracer, more, steady) - few, 0.0) / count
     fixed = few - slopes["triangle"] * load.triangles - slopes["draw"] * load.draws

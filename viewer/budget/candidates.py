@@ -15,8 +15,8 @@ from .cost import Cost, Load
 
 MIN_SAMPLES = 4.0
 """A pixel, as expected: the last pixel has its first sample when the others have had about so many."""
-MARGIN = 1.3
-"""On what preparing a scene is expected to take: its maps and programs are not those of the calibration."""
+MARGIN = 1.5
+"""On what the first picture of a scene is expected to take: its maps and programs are not those of the calibration."""
 LEAST_SAMPLES = 8
 """A pixel, before what they say of their own error is believed."""
 SLACK = 1e-6
@@ -84,7 +84,9 @@ class Ready:
     kept: frozenset[str] = frozenset()
     """Likewise those that the driver has on disk."""
     pace: float = 1.0
-    """How many times as long as on an idle machine pictures take now."""
+    """How many times as long as on an idle machine work takes now."""
+    weight: float = 1.0
+    """How many times as long as expected pictures of this scene take."""
 
 
 def candidates(calibration: Calibration, load: Load, scene: Scene, settings: Settings, ready: Ready = Ready(),
@@ -112,12 +114,13 @@ def _raster(calibration: Calibration, load: Load, lighting: str, settings: Setti
                       for name, value in method.changes.items())
         changed = replace(settings, **method.changes)
         if lighting in method.errors and is_free and changed.is_used:
-            seconds = start + method.picture.seconds(load)
+            seconds = ready.weight * method.picture.seconds(load)
             if method.title not in ready.drawn:
                 # Of a scene that is held, what the method alone needs is still to be made.
                 own = replace(method.prepare, texel=0.0, shadowed=0.0, bake=0.0)
-                seconds += MARGIN * (own if ready.holds_raster else method.prepare).seconds(load)
-                seconds += MARGIN * _compiling(method.compile_new, method.compile, load, method.title, ready)
+                seconds += (own if ready.holds_raster else method.prepare).seconds(load)
+                seconds += _compiling(method.compile_new, method.compile, load, method.title, ready)
+                seconds = start + MARGIN * seconds
             yield Candidate(method.title, changed, ready.pace * seconds, method.errors[lighting])
 
 

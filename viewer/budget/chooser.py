@@ -16,7 +16,7 @@ from ..settings import Settings
 from ..trace.run import Report
 from ..trace.tracer import Tracer
 from .calibration import Calibration, load_calibration, store_calibration
-from .candidates import Ready, TracedCandidate, candidates
+from .candidates import Candidate, Ready, TracedCandidate, candidates
 from .choice import Choice
 from .contention import Stopwatch
 from .cost import Load, plain_plan
@@ -24,8 +24,10 @@ from .course import best_course, choose, worth_trying
 from .known import load_known, store_known, surfaces
 from .making import Making, View
 
-MOST_PACE = 4.0
+MOST_PACE = 10.0
 """Other work on the device may slow it down so many times."""
+MOST_WEIGHT = 4.0
+"""One picture may show its scene to be so many times as slow, or fast, as was thought."""
 
 
 class Chooser:
@@ -66,8 +68,8 @@ class Chooser:
         """
         calibration = self.calibrate()
         started = time.perf_counter()
-        ready, load = self.ready(scene), self._load(scene, size)
-        found = candidates(calibration, load, scene, settings, ready, needs_layers=bool(layers))
+        ready = self._ready_for(scene)
+        found = self.weigh(scene, settings, size, layers)
         budget, target = settings.time_budget, settings.error
         left = None if budget is None else max(budget - (time.perf_counter() - started), 0.0)
         choice = Choice(found, choose(found, left, target), budget, target)
@@ -86,7 +88,15 @@ class Chooser:
         self._learn(scene, making, ready)
         return image, choice
 
-    def ready(self, scene: Scene) -> Ready:
+    def weigh(self, scene: Scene, settings: Settings, size: tuple[int, int],
+              layers: Collection[str] = ()) -> list[Candidate]:
+        """What there is to choose from for such a picture, now."""
+        self._names(scene)
+        assert self._scene is not None
+        load = replace(self._scene[2], pixels=size[0] * size[1])
+        return candidates(self.calibrate(), load, scene, settings, self._ready_for(scene), needs_layers=bool(layers))
+
+    def _ready_for(self, scene: Scene) -> Ready:
         """What need not be prepared for a picture of `scene`. The first time, it takes a program to find out."""
         calibration = self.calibrate()
         if self._known is None:
@@ -98,7 +108,7 @@ class Chooser:
             self._ready = replace(self._ready, pace=pace)
         ready, name = self._ready, self._names(scene)
         if not self._renderer.holds(scene):
-            ready = replace(ready, holds_raster=False, drawn=frozenset())
+            ready = replace(ready, holds_raster=False, drawn=frozenset(), weight=1.0)
         if not self._tracer.holds(scene):
             ready = replace(ready, holds_path=False)
         return replace(ready, compiled=_titles(self._compiled, name), kept=_titles(self._known, name))
@@ -109,19 +119,16 @@ class Chooser:
             self._scene = scene, surfaces(plan), Load.of(scene, (0, 0), plan, self._use_cache)
         return self._scene[1]
 
-    def _load(self, scene: Scene, size: tuple[int, int]) -> Load:
-        self._names(scene)
-        assert self._scene is not None
-        return replace(self._scene[2], pixels=size[0] * size[1])
-
     def _learn(self, scene: Scene, making: Making, before: Ready) -> None:
         drawn, traced = making.titles
-        pace = before.pace
+        pace, weight = before.pace, before.weight
         if making.drawn_seconds is not None:
             expected, seen = making.drawn_seconds
-            pace = math.sqrt(pace * min(max(pace * seen / max(expected, 1e-6), 1 / MOST_PACE), MOST_PACE))
+            if drawn <= before.drawn:  # a picture and no preparing
+                weight *= min(max(seen / making.slowdown / max(expected / pace, 1e-6), 1 / MOST_WEIGHT), MOST_WEIGHT)
+            pace = math.sqrt(pace * min(max(making.slowdown, 1.0), MOST_PACE))
         self._ready = Ready(before.has_raster or bool(drawn), before.has_path or bool(traced), before.drawn | drawn,
-                            self._renderer.holds(scene), self._tracer.holds(scene), pace=pace)
+                            self._renderer.holds(scene), self._tracer.holds(scene), pace=pace, weight=weight)
         names = frozenset(f"{self._names(scene)} {title}" for title in drawn | traced)
         self._compiled |= names
         if self._known is not None and not names <= self._known:

@@ -22,6 +22,7 @@ from ..trace.tracer import Tracer
 from .calibration import Calibration
 from .candidates import LEAST_SAMPLES, MIN_SAMPLES, Candidate, TracedCandidate
 from .choice import Choice
+from .contention import Stopwatch
 from .course import Course
 
 PILOT = 4
@@ -44,8 +45,8 @@ class View:
 
 class Making:
     """One picture, begun at `started` by time.perf_counter. Fills in what came of `choice`; `titles` are the methods it
-    made pictures by, of the raster and of the path tracer, `drawn_seconds` what the last of the raster was expected to
-    take and took."""
+    made pictures by, of the raster and of the path tracer, `drawn_seconds` what the last of the raster was
+    expected to take and took, `slowdown` by what it took longer than on an idle machine."""
 
     def __init__(self, renderer: Renderer, tracer: Tracer, calibration: Calibration, view: View, started: float,
                  choice: Choice) -> None:
@@ -53,15 +54,16 @@ class Making:
         self._view, self._started, self._choice = view, started, choice
         self.titles: tuple[set[str], set[str]] = set(), set()
         self.drawn_seconds: tuple[float, float] | None = None
+        self.slowdown = 1.0
 
     def drawn(self, candidate: Candidate) -> Image:
         """By the raster."""
-        view, started = self._view, time.perf_counter()
+        view, watch = self._view, Stopwatch()
         if not self._renderer.holds(view.scene):
             self._renderer.expect(decode_ahead(view.scene, candidate.settings))
         self.titles[0].add(candidate.title)
         image = self._renderer.render(view.scene, view.camera, candidate.settings, view.size)
-        self.drawn_seconds = candidate.seconds, time.perf_counter() - started
+        self.drawn_seconds, self.slowdown = (candidate.seconds, watch.seconds), watch.slowdown
         return image
 
     def along(self, course: Course, report: Report | None, wants_to_stop: Callable[[], bool]) -> Image:

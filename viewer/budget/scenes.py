@@ -14,7 +14,8 @@ from ..scene.material import Material, Texture
 from ..scene.scene import Instance, Scene
 from ..scene.texture_image import open_texture_image
 
-_CROWD_SEGMENTS = 128
+CROWD, HOST = 128, 288
+"""Segments around the balls of scenes of many triangles, and of very many."""
 
 
 def lit_scenes() -> dict[str, list[Scene]]:
@@ -31,9 +32,9 @@ def again(scene: Scene) -> Scene:
     return replace(scene, meshes=tuple(replace(mesh) for mesh in scene.meshes))
 
 
-def crowd(scene: Scene) -> Scene:
+def crowd(scene: Scene, segments: int = CROWD) -> Scene:
     """The same, of many more triangles."""
-    meshes = (sphere(mesh.material, _CROWD_SEGMENTS) if mesh.name == "sphere" else mesh for mesh in scene.meshes)
+    meshes = (sphere(mesh.material, segments) if mesh.name == "sphere" else mesh for mesh in scene.meshes)
     return again(replace(scene, meshes=tuple(meshes)))
 
 
