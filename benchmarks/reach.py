@@ -48,14 +48,15 @@ def main() -> None:
         facts = machine.here() | {"renderer": context.renderer, "size": f"{options.size}x{options.size}",
                                   "samples a pixel of the references": options.spp, "times of plain": options.times}
         with machine.until_stopped():
-            for environment in options.env:
-                for model in options.models:
+            for model in options.models:
+                for environment in options.env:
                     row = _row(context, model, environment, options)
                     if row:
                         rows.append(row)
                         print(row if options.prepare else _line(row), flush=True)
     if options.prepare:
         return
+    rows.sort(key=lambda row: options.env.index(row["environment"]))
     loads = [row["load"] for row in rows]
     facts |= {"load average": f"{min(loads)} to {max(loads)}"} if rows else {}
     text = ["# The best of the raster, and plain image-based light", "", *tracing.table(rows, COLUMNS), "",
@@ -127,8 +128,13 @@ def _climb(frames: Frames, methods: tuple[Method, ...],
 
 
 def _promise(method: Method) -> int:
-    """Plain comes first, by which others are too slow or not; then what does more about the environment than plain."""
-    return 0 if method == PLAIN else 1 if method.name not in ("phong", "lights", PLAIN.name) else 2
+    """Plain comes first, by which others are too slow or not; then what does more about the environment than plain,
+    and last what takes many shadow maps to be drawn."""
+    if method == PLAIN:
+        return 0
+    if method.changes.get("environment_shadows", "off") in ("256", "1024"):
+        return 3
+    return 2 if method.name in ("phong", "lights", PLAIN.name) else 1
 
 
 def _nearest(frames: Frames, rungs: list[tuple[Method, Record]], errors: dict[str, float],
@@ -171,7 +177,7 @@ def _parse() -> argparse.Namespace:
     parser.add_argument("--size", type=int, default=256)
     parser.add_argument("--spp", type=int, default=128, help="samples a pixel of a reference, both halves (128)")
     parser.add_argument("--times", type=float, default=10.0, help="of plain's time that a method may take (10)")
-    parser.add_argument("--seconds", type=float, default=10.0, help="for all methods of one scene (10)")
+    parser.add_argument("--seconds", type=float, default=15.0, help="for all methods of one scene (15)")
     parser.add_argument("--rounds", type=int, default=2, help="how often plain and the nearest are drawn in turn (2)")
     parser.add_argument("--references", type=Path, metavar="DIR", help="keep references there, and take those that are")
     parser.add_argument("--prepare", action="store_true", help="make the references and no more")

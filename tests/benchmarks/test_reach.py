@@ -46,8 +46,9 @@ def test_a_third_is_reached(plain: float, best: float, expected: str) -> None:
 
 
 def test_plain_is_drawn_first_and_what_knows_less_last() -> None:
-    methods = [Method("phong", "Phong"), Method("ibl", "other", {"antialias": "none"}), PLAIN, Method("new", "new")]
-    assert [method.name for method in sorted(methods, key=reach._promise)] == ["ibl", "new", "phong", "ibl"]
+    methods = [Method("many", "many", {"environment_shadows": "1024"}), Method("phong", "Phong"),
+               Method("ibl", "other", {"antialias": "none"}), Method("new", "new", {"environment_shadows": "16"}), PLAIN]
+    assert [method.name for method in sorted(methods, key=reach._promise)] == ["ibl", "new", "phong", "ibl", "many"]
 
 
 def test_a_model_that_is_nowhere() -> None:
