@@ -27,6 +27,7 @@ from viewer.settings import Settings
 
 from . import corpus, machine, shot, tracing
 from .reach_frames import Frames
+from .reach_table import by_family, summary
 from .reach_truth import Truth
 
 MODELS = ("FlightHelmet", "DamagedHelmet", "SheenCloth", "Fox", "CesiumMilkTruck", "Duck", "Suzanne", "ToyCar",
@@ -60,7 +61,7 @@ def main() -> None:
     loads = [row["load"] for row in rows]
     facts |= {"load average": f"{min(loads)} to {max(loads)}"} if rows else {}
     text = ["# The best of the raster, and plain image-based light", "", *tracing.table(rows, COLUMNS), "",
-            *_summary(rows)]
+            *summary(rows), "", *by_family(rows, options.times)]
     tracing.keep("reach", facts, rows, text, options.results)
 
 
@@ -90,8 +91,8 @@ def measure(context: Context, scene: Scene, options: argparse.Namespace) -> dict
     finally:
         frames.release()
     plain, found = errors[PLAIN.slug], errors[best.slug]
-    methods = [{"label": method.label, "relmse": errors[method.slug][0], "trimmed": errors[method.slug][1],
-                **record.facts} for method, record in rungs]
+    methods = [{"family": method.title, "label": method.label, "relmse": errors[method.slug][0],
+                "trimmed": errors[method.slug][1], **record.facts} for method, record in rungs]
     return {"plain": plain[0], "plain_ms": plain_ms, "best": best.label, "error": found[0], "ms": best_ms,
             "times": best_ms / plain_ms, "floor": truth.floor, "gain": _gain(plain[0], found[0], truth.floor),
             "trimmed_gain": _gain(plain[1], found[1], truth.trimmed_floor), "direct": truth.direct,
@@ -147,20 +148,6 @@ def _nearest(frames: Frames, rungs: list[tuple[Method, Record]], errors: dict[st
         if ms <= options.times * plain_ms:
             break
     return method, (plain_ms, ms)  # plain itself is in time
-
-
-def _summary(rows: list[dict[str, object]]) -> list[str]:
-    """How many reach it, and the rows of the table in docs/choices.md."""
-    told = [row for row in rows if row["verdict"] != "at the noise"]
-    reached = sum(row["verdict"] == "yes" for row in told)
-    lines = [f"{reached} of {len(told)} reach a third of plain's error; {len(rows) - len(told)} are at the noise.", "",
-             "| model | direct | plain | nearest in ten times the time | relMSE (times plain's) |",
-             "|---|---|---|---|---|"]
-    for row in rows:
-        place = str(row["environment"]).split("_")[0]
-        lines.append(f"| {row['model']}, {place} | {max(row['direct'], 0):.3f} | {row['plain']:.4f} | {row['best']} | "
-                     f"{max(row['error'], 0):.4f} ({row['times']:.1f}) |")
-    return lines
 
 
 def _line(row: dict[str, object]) -> str:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks import corpus, reach
+from benchmarks.reach_table import by_family, summary
 from benchmarks.reach_truth import Truth
 from viewer.measure.relmse import Halves
 from viewer.measure.report.ladder import PLAIN, Method
@@ -47,8 +48,18 @@ def test_a_third_is_reached(plain: float, best: float, expected: str) -> None:
 
 def test_plain_is_drawn_first_and_what_knows_less_last() -> None:
     methods = [Method("many", "many", {"environment_shadows": "1024"}), Method("phong", "Phong"),
-               Method("ibl", "other", {"antialias": "none"}), Method("new", "new", {"environment_shadows": "16"}), PLAIN]
+               Method("ibl", "", {"antialias": "none"}), Method("new", "new", {"environment_shadows": "16"}), PLAIN]
     assert [method.name for method in sorted(methods, key=reach._promise)] == ["ibl", "new", "phong", "ibl", "many"]
+
+
+def test_of_each_family_the_best_that_is_in_time_is_told() -> None:
+    methods = [("image-based light", PLAIN.label, 0.3, 2.0), ("new", "new, dear", 0.01, 21.0),
+               ("new", "new", 0.09, 20.0), ("new", "new, worse", 0.2, 3.0), ("Phong", "Phong", 9.0, 1.0)]
+    row = {"model": "a", "environment": "noon_grass_1k", "plain": 0.3, "direct": -0.001, "verdict": "yes", "gain": 3.3,
+           "methods": [dict(zip(("family", "label", "relmse", "ms"), values)) for values in methods]}
+    assert by_family([row], 10)[::2] == ["| model | direct | plain | image-based light | new |",
+                                         "| a, noon | 0.000 | 0.3000 | 0.3000 (1.0) | 0.0900 (10.0) |"]
+    assert summary([row, row | {"verdict": "no", "gain": 1.5}])[1] == "Not reached, with the gain: a (noon, 1.5)."
 
 
 def test_a_model_that_is_nowhere() -> None:
