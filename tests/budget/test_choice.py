@@ -134,6 +134,8 @@ def test_what_the_user_has_set_stays(ball):
 
     assert titles() == {"Phong", "image", "shadows", "path traced", "path traced, denoised (fast)"}
     assert titles(antialias="none") == {"Phong", "image"}
+    with pytest.raises(UsageError, match="give a --mode"):
+        titles(ambient_occlusion="gtao")
     assert titles(shadows="off") == {"Phong", "image", "shadows"}
     assert titles(seed=3) == {"path traced", "path traced, denoised (fast)"}
     assert titles(denoise="oidn") == {"path traced, denoised (oidn)"}

@@ -47,9 +47,11 @@ def calibrate(context: Context) -> Calibration:
 
 
 def _methods(scene: Scene) -> dict[str, Method]:
-    """Those that show a scene as it is lit, without what turns one more knob of another."""
+    """Those that show a scene as it is lit, without what turns one more knob of another, and without what bakes light
+    by tracing paths: in that time paths make the picture itself."""
     found = [method for method in ladder(scene, Settings()).raster
-             if method.lights is None and method.changes.get("antialias") in SHADOWED]
+             if method.lights is None and method.changes.get("antialias") in SHADOWED
+             and "indirect" not in method.changes]
     return {method.slug: method for method in found
             if not any(other.name == method.name and other.changes.items() < method.changes.items() for other in found)}
 

@@ -20,6 +20,8 @@ MARGIN = 1.5
 LEAST_SAMPLES = 8
 """A pixel, before what they say of their own error is believed."""
 SLACK = 1e-6
+DEAR = ("environment_shadows", "ambient_occlusion", "reflections", "refraction", "indirect")
+"""Settings that take time of their own: where a user has set one, only methods that are measured with it are known."""
 
 
 @dataclass(frozen=True)
@@ -112,8 +114,10 @@ def _raster(calibration: Calibration, load: Load, lighting: str, settings: Setti
     for method in calibration.raster:
         is_free = all(getattr(settings, name) in (getattr(default, name), value)
                       for name, value in method.changes.items())
+        is_known = all(name in method.changes for name in DEAR
+                       if getattr(settings, name, None) != getattr(default, name, None))
         changed = replace(settings, **method.changes)
-        if lighting in method.errors and is_free and changed.is_used:
+        if lighting in method.errors and is_free and is_known and changed.is_used:
             seconds = ready.weight * method.picture.seconds(load)
             if method.title not in ready.drawn:
                 # Of a scene that is held, what the method alone needs is still to be made.
