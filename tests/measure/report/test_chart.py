@@ -59,6 +59,11 @@ def test_faster_is_left_and_better_is_down_and_titles_have_one_look():
     assert first.is_on_front and not second.is_on_front
 
 
+def test_no_two_titles_look_alike():
+    marks = [shape for shape in error_chart(CASES["many titles"], "flip").shapes if isinstance(shape, Mark)]
+    assert len({(mark.color, mark.shape) for mark in marks}) == 14
+
+
 def test_times_are_spelt_in_the_unit_that_suits():
     spelt = [spell_time(milliseconds) for milliseconds in (0.5, 33.333, 999.4, 999.6, 61e3)]
     assert spelt == ["0.5 ms", "33.3 ms", "999 ms", "1 s", "61 s"]

@@ -13,6 +13,7 @@ from viewer.measure.report.command import command_line
 from viewer.measure.report.ladder import PLAIN, Method, ladder, settings_of
 from viewer.scene.environment import Environment
 from viewer.scene.light import Light
+from viewer.scene.material import Material
 from viewer.settings import Settings
 
 DEFAULT = Settings()
@@ -59,6 +60,17 @@ def test_the_environments_shadows_are_cast_by_more_and_more_lights():
     counts = [int(method.changes["environment_shadows"]) for method in rungs(shapes.scene(BALL, environment=sunny()))[0]
               if method.name == "environment-shadows"]
     assert counts == sorted(counts) and len(set(counts)) >= 3
+
+
+def test_light_is_followed_where_the_model_calls_for_it():
+    def followed(material: Material) -> set[str]:
+        scene = shapes.scene(BALL, materials=(material,), environment=shapes.constant())
+        return {name for name, _ in module._followed(scene, (), DEFAULT, [])}
+
+    assert followed(Material(perceptual_roughness=0.1)) == {"reflections"}
+    glass = Material(metallic=0.0, perceptual_roughness=0.1, transmission=1.0, thickness=1.0)
+    assert "refraction" in followed(glass)
+    assert followed(Material(unlit=True)) == set()
 
 
 def test_a_denoiser_that_is_not_installed_is_left_out(monkeypatch):

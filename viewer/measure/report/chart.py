@@ -173,7 +173,8 @@ def stairs(corners: Sequence[tuple[float, float]]) -> Line:
 def _styles(points: Sequence[Mapping[str, Any]]) -> dict[str, tuple[str, str]]:
     """Colour and shape of each title, in the order of first sight."""
     titles = dict.fromkeys(point["title"] for point in points)
-    return {title: (COLORS[k % len(COLORS)], SHAPES[k % len(SHAPES)]) for k, title in enumerate(titles)}
+    return {title: (COLORS[k % len(COLORS)], SHAPES[(k + k // len(COLORS)) % len(SHAPES)])
+            for k, title in enumerate(titles)}
 
 
 def _legend(styles: Mapping[str, tuple[str, str]], shapes: list[Shape]) -> int:

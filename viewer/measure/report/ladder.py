@@ -14,6 +14,7 @@ from typing import Any
 
 from ...bake.dominant import ambient_and_key
 from ...bake.environment import BakedEnvironment, bake_environment
+from ...plan import plan_scene
 from ...scene.color import LUMINANCE
 from ...scene.environment import Environment
 from ...scene.light import Light
@@ -28,6 +29,10 @@ KNOBS = ("multiscatter", "specular_aa", "fresnel")
 """Settings of image-based light of which the other choices are measured, one at a time."""
 SHADOWED = ("none", "msaa-4", "ssaa-4")
 """Antialiasing with which ambient occlusion and the environment's shadows are measured."""
+FOLLOWED = {"reflections": ("traced", "traced reflections"), "refraction": ("traced", "traced refraction")}
+"""Settings by which the raster follows light further, each with its dear choice and what to call that."""
+TOGETHER = ("64", "256")
+"""Lights of the environment that cast shadows where all of that is done at once."""
 
 
 @dataclass(frozen=True)
@@ -107,7 +112,7 @@ def ladder(scene: Scene, settings: Settings, use_cache: bool = True) -> Ladder:
     else:
         left_out.append(LeftOut("lights only", "the scene has no lights and no environment"))
     if baked is not None:
-        raster += _image_based((*scene.lights, *baked.suns), settings, left_out)
+        raster += _image_based(scene, (*scene.lights, *baked.suns), settings, left_out)
     else:
         left_out.append(LeftOut(PLAIN.title, "the scene has no environment"))
     traced = []
@@ -146,7 +151,7 @@ def _words(name: str, value: object) -> str:
         return ""
     if name == "spp":
         return f"{value} sample{'s' * (value != 1)} a pixel"
-    if name == "ambient_occlusion":
+    if name == "ambient_occlusion" or name in FOLLOWED:
         return ""
     if name == "antialias":
         return "no antialiasing" if value == "none" else str(value).upper().replace("-", " ")
@@ -169,7 +174,8 @@ def _as_option(light: Light, rotation: float, intensity: float) -> Light:
     return Light.from_angles(math.radians(azimuth), math.radians(elevation), lux)
 
 
-def _image_based(lights: Sequence[Light], settings: Settings, left_out: list[LeftOut]) -> Iterator[Method]:
+def _image_based(scene: Scene, lights: Sequence[Light], settings: Settings,
+                 left_out: list[LeftOut]) -> Iterator[Method]:
     choices = setting_choices()
     for antialias in sorted(choices["antialias"][1:], key=lambda name: name != PLAIN.changes["antialias"]):
         yield replace(PLAIN, changes={**PLAIN.changes, "antialias": antialias})
@@ -184,11 +190,33 @@ def _image_based(lights: Sequence[Light], settings: Settings, left_out: list[Lef
                 yield replace(PLAIN, changes={**PLAIN.changes, name: value})
     for antialias in SHADOWED:
         yield Method("ambient-occlusion", "ambient occlusion", {"ambient_occlusion": "gtao", "antialias": antialias})
+    followed = dict(_followed(scene, lights, settings, left_out))
+    for name, value in followed.items():
+        yield Method(name, FOLLOWED[name][1], {"environment_shadows": "off", name: value, "antialias": "msaa-4"})
+    for count in TOGETHER if followed else ():
+        for antialias in SHADOWED:
+            yield Method("together", "raster with everything", {"environment_shadows": count, **followed,
+                                                           "antialias": antialias})
     for count in choices["environment_shadows"]:
         for antialias in choices["antialias"] if count != "off" else ():
             if antialias in SHADOWED:
                 yield Method("environment-shadows", "environment's shadows",
                              {"environment_shadows": count, "antialias": antialias})
+
+
+def _followed(scene: Scene, lights: Sequence[Light], settings: Settings,
+              left_out: list[LeftOut]) -> Iterator[tuple[str, str]]:
+    """Of FOLLOWED the settings that change what is drawn, with their dear choices."""
+    def draws(**changes: str) -> object:
+        changed = replace(settings, mode="pbr", **changes)
+        return plan_scene(scene, changed, lights, samples=1, half_target=True, orthographic=False).draws
+
+    plain = draws(**{name: getattr(Settings(), name) for name in FOLLOWED})
+    for name, (value, title) in FOLLOWED.items():
+        if draws(**{other: getattr(Settings(), other) for other in FOLLOWED} | {name: value}) != plain:
+            yield name, value
+        else:
+            left_out.append(LeftOut(title, "nothing of the model calls for it"))
 
 
 def _traced(spp: int, left_out: list[LeftOut]) -> Iterator[Method]:
