@@ -23,7 +23,8 @@ MODEL = SCENES / "spheres.glb"
 NO_TIME = Cost()
 QUICK = replace(
     CALIBRATION, start={"raster": 0.0, "path": 0.0},
-    raster=tuple(replace(one, compile_new=NO_TIME, prepare=NO_TIME, picture=NO_TIME) for one in CALIBRATION.raster),
+    raster=tuple(replace(one, compile_new=NO_TIME, compile=NO_TIME, prepare=NO_TIME, picture=NO_TIME)
+                 for one in CALIBRATION.raster),
     traced=replace(CALIBRATION.traced, compile_new=NO_TIME, prepare=NO_TIME, sample=Cost(fixed=1e3), finish=NO_TIME,
                    denoise=NO_TIME))
 """Where all of the raster is for nothing and paths are out of reach."""
@@ -94,6 +95,16 @@ def test_what_only_one_kind_of_method_can_is_chosen_from_that_kind(known):
     assert viewer.render(balls, (8, 8), time_budget=5, antialias="none").stats["choice"]["method"] == "image"
     with pytest.raises(UsageError, match="time_budget does nothing in mode pbr"):
         viewer.render(balls, (8, 8), mode="pbr", time_budget=1)
+
+
+def test_where_paths_come_to_nothing_in_time_a_picture_of_the_raster_is_kept(known, monkeypatch):
+    """They are believed to be there at once; compiling them alone takes longer than there is time."""
+    known(replace(QUICK, traced=replace(QUICK.traced, compile=NO_TIME, filter_new=NO_TIME, filter=NO_TIME,
+                                        sample=Cost(pixel=1e-12))))
+    monkeypatch.setattr(start, "first_program", lambda context: 0.0)
+    choice = viewer.render(viewer.load(MODEL), (512, 512), time_budget=0.05).stats["choice"]
+    assert choice["method"] in ("Phong", "image", "shadows") and choice["spp"] is None
+    assert choice["error_is"] == "expected" and choice["unfinished"].startswith("path traced")
 
 
 def test_a_device_is_measured_once_and_kept(known, monkeypatch):

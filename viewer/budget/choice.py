@@ -30,7 +30,7 @@ class Choice:
     beaten: Candidate | None = None
     """The path-traced picture that one of them was nearer to the truth than, with the error its samples tell."""
     unfinished: Candidate | None = None
-    """What was begun, and came to nothing in that time."""
+    """What was meant to be made, and came to nothing in that time."""
 
     @property
     def unmet(self) -> str:
@@ -43,7 +43,7 @@ class Choice:
             return "the error asked for was not reached" if self.error is not None else \
                 "whether that error is met is not known: there was no time to trace paths"
         if self.unfinished is not None:
-            return f"{self.unfinished.title}: slower than expected, not every pixel had a sample"
+            return f"{self.unfinished.title}: slower than expected, it came to nothing"
         return ""
 
     def to_json(self) -> dict[str, Any]:

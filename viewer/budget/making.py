@@ -77,12 +77,15 @@ class Making:
             assert first is not None and other is not None
             return self._taken(first, other, None)
         if first is not None and other is not None and not self._is_time_for(path, end):
+            self._choice.unfinished = path
             return self._taken(first, other, None)
         spare = self._spare() if first is None else None
         exposure = self._begin(path)
         try:
             stand_in = first if first is not None else spare
-            latest = math.inf if stand_in is None else end - (path.reserve if spare is None else spare.seconds)
+            latest = math.inf if stand_in is None else end - path.reserve
+            if spare is not None and spare.fits(self._choice.budget):
+                latest = end - spare.seconds
             is_covered = self._covered(exposure, lambda: wants_to_stop() or time.perf_counter() >= latest)
             if not is_covered and stand_in is not None and not wants_to_stop():
                 self._choice.unfinished = path
@@ -109,10 +112,11 @@ class Making:
         return time.perf_counter() + late * path.of(MIN_SAMPLES).seconds <= end
 
     def _spare(self) -> Candidate | None:
-        """What is drawn where paths come to nothing."""
-        budget = self._choice.budget or 0.0
-        quick = [one for one in self._choice.found if not one.is_traced and one.seconds <= SHARE * budget]
-        return min(quick, key=attrgetter("error", "seconds"), default=None)
+        """What is drawn where paths come to nothing: the best of what is quick, or the quickest."""
+        raster = [one for one in self._choice.found if not one.is_traced]
+        quick = [one for one in raster if one.seconds <= SHARE * (self._choice.budget or 0.0)]
+        quickest = min(raster, key=attrgetter("seconds", "error"), default=None)
+        return min(quick, key=attrgetter("error", "seconds"), default=quickest)
 
     @staticmethod
     def _covered(exposure: Exposure, is_over: Callable[[], bool]) -> bool:
