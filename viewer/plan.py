@@ -23,8 +23,8 @@ from .wide_programs import attributes_of, leave_nothing_out, share_programs
 MAX_LIGHTS = 128
 """What a uniform block of 16 KiB, the least OpenGL 3.3 grants, holds with room to spare."""
 MAX_SHADOW_LAYERS = 24
-TRACED_ROUGHNESS = 0.45
-"""Perceptual; surfaces as rough as this mirror nothing that one ray could speak for."""
+TRACED_ROUGHNESS = 1.0
+"""Perceptual; of surfaces as rough as this, rays say nothing: shaders/raster/lobe_shares.glsl."""
 
 _NDF = ("ggx", "beckmann", "blinn-phong")
 _MASKING = ("smith", "smith-separable", "v-cavity", "none")
@@ -140,7 +140,6 @@ class Plan:
         passes = ["shadows"] * bool(self.shadow_layer_count) + ["visibility"] * self.has_visibility
         passes += ["reflections"] * self.has_traced
         passes += ["surfaces"] * bool(self.draws)
-        passes += ["refraction"] * self.has_traced_bodies
         passes += ["bodies of glass"] if self.has_bodies else []
         passes += ["background"] if self.background else []
         passes += ["walls of glass"] if self.has_walls else []
@@ -324,7 +323,7 @@ def _draw(
 
 
 def _mirrors(material: Material) -> bool:
-    """Whether any of it may be smooth enough to mirror."""
+    """Whether any of it may be smooth enough for its lobe to be traced."""
     is_rough = material.metallic_roughness_texture is None and material.perceptual_roughness >= TRACED_ROUGHNESS
     return material.has_interface and not is_rough
 

@@ -63,6 +63,8 @@ def _used(plan: Plan) -> tuple[str, ...]:
         lines.append("ambient occlusion by what is in the picture")
     elif plan.has_visibility:
         lines.append(f"shadows of the environment by {_many(plan.environment_shadows, 'light')} drawn from it")
+    if plan.has_traced:
+        lines.append("reflections of the model by a ray a pixel, lit by what is baked at the vertices")
     if plan.has_traced_bodies:
         lines.append("light in glass by two paths a pixel, from surface to surface")
     textures = {(draw.material, name): texture for draw in plan.draws for name in draw.maps
@@ -98,6 +100,9 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
     if plan.environment and scene.environment is not None and not plan.has_visibility:
         reason = "not asked for" if settings.environment_shadows == "off" else "all surfaces are see-through"
         lines.append(f"shadows of the environment: {reason}")
+    if plan.environment and scene.environment is not None and not plan.has_traced:
+        reason = "not asked for" if settings.reflections == "environment" else "no opaque surface is smooth enough"
+        lines.append(f"reflections of the model: {reason}")
     if settings.background != "env" or scene.environment is None:
         reason = "there is none" if scene.environment is None else "not asked for"
         lines.append(f"the environment as background: {reason}")

@@ -107,7 +107,8 @@ def _full(program: Program, common: Mapping[str, int]) -> dict[str, int]:
     if fragment != "raster/unlit.frag":
         switches |= common
     if fragment == "raster/pbr.frag" and switches["METALNESS"] != 1:
-        switches |= {"METALNESS": 2, "TRANSMISSION": max(switches["TRANSMISSION"], 1)}
+        # Glass and traced reflections together have more textures than every OpenGL binds; no surface has both.
+        switches |= {"METALNESS": 2, "TRANSMISSION": max(switches["TRANSMISSION"], 1 - switches["TRACED"])}
     return switches
 
 

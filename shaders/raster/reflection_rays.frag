@@ -1,7 +1,9 @@
-// A ray from each pixel's surface along its mirror direction, where that is smooth enough: in tracer space, the scene's
-// centre at the origin and its radius the unit (viewer/trace/geometry.py).
+// A ray from each pixel's surface along one direction of its lobe, in tracer space: the scene's centre at the origin and
+// its radius the unit (viewer/trace/geometry.py). Sixteen pixels together spread theirs evenly over the lobe.
+#include "bsdf/visible_normal.glsl"
 #include "raster/octahedron.glsl"
-#include "raster/mirror.glsl"
+#include "sample/lattice.glsl"
+#include "trace/shading_normal.glsl"
 
 uniform sampler2D u_positions;
 uniform sampler2D u_normals;
@@ -14,21 +16,34 @@ layout(location = 1) out vec4 o_direction;
 // A position has the rounding of a float as far as the eye is away, and of the rasteriser's interpolation.
 const float OFFSET = 2e-5;
 
+// Bayer 1973, "An Optimum Method for Two-Level Rendition of Continuous-Tone Pictures": neighbours are far apart
+uint bayer(ivec2 pixel) {
+    uvec2 p = uvec2(pixel) & 3u;
+    uint both = p.x ^ p.y;
+    return (both & 1u) << 3 | (p.y & 1u) << 2 | (both & 2u) | p.y >> 1;
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 surface = texelFetch(u_positions, pixel, 0);
     o_origin = o_direction = vec4(0.0);
-    if (surface.w == 0.0 || mirror_share(surface.w) == 0.0) return;
+    if (surface.w >= 1.0) return; // share_of_light is 0
     vec4 normals = texelFetch(u_normals, pixel, 0);
-    vec3 n = from_octahedron(normals.xy), face = from_octahedron(normals.zw);
+    vec3 face = from_octahedron(normals.zw);
 #if IS_ORTHOGRAPHIC
     vec3 v = u_view_direction;
 #else
     vec3 v = -normalize(surface.xyz);
 #endif
-    vec3 d = reflect(-v, n);
-    d -= 2.0 * min(dot(d, face), 0.0) * face; // a shading normal may send it under the triangle it starts from
-    vec3 away = OFFSET * max(1.0, length(surface.xyz)) * face;
-    o_origin = vec4(u_eye + surface.xyz + away, 1.0);
+    vec3 n = bend_normal(from_octahedron(normals.xy), face, v);
+    vec3 t = any_tangent(n);
+    mat3 frame = mat3(t, cross(n, t), n);
+    vec3 wo = v * frame;
+    wo.z = max(wo.z, 1e-4);
+    vec2 alpha = vec2(max(surface.w * surface.w, 1e-6));
+    vec3 h = sample_visible_normal(wo, alpha, cap_bound(wo, alpha), hammersley(bayer(pixel), 16u));
+    vec3 d = frame * reflect(-wo, h);
+    d -= 2.0 * min(dot(d, face), 0.0) * face; // a wide lobe may reach under the triangle
+    o_origin = vec4(u_eye + surface.xyz + OFFSET * max(1.0, length(surface.xyz)) * face, 1.0);
     o_direction = vec4(normalize(d), 1.0);
 }

@@ -1,9 +1,9 @@
-// What of the model itself a smooth surface mirrors, found beforehand by one ray a pixel. Where that began on another
-// surface, the mean of those about it that began on this one.
-#include "raster/mirror.glsl"
+// What a surface's lobe meets of the model, found beforehand by a ray a pixel: the light that comes from there, and the
+// part of the lobe that it fills.
 #include "raster/likeness.glsl"
+#include "raster/lobe_shares.glsl"
 
-uniform sampler2D u_reflected;     // radiance, and 1 where the ray met anything
+uniform sampler2D u_reflected;
 uniform sampler2D u_ray_positions;
 
 vec4 traced_reflection(vec3 position, vec3 n) {

@@ -154,7 +154,7 @@ class Renderer:
                 uniforms |= self._visibility.find(frame, plan, gbuffer)
         if plan.has_traced:
             with self._pass("reflections"):
-                uniforms |= self._reflections.find(frame, gbuffer)
+                uniforms |= self._reflections.find(frame, gbuffer, uniforms)
         target.set_part(part)
         target.framebuffer.use()
         target.framebuffer.clear(depth=1.0)  # alpha 0: a colour is laid behind when the picture is displayed

@@ -1,5 +1,5 @@
-"""The pass that finds what smooth surfaces mirror of the model itself: one ray a pixel, through the path tracer's
-intersector, shaded by light that was baked at the vertices."""
+"""The pass that finds what surfaces mirror of the model itself: one ray a pixel, through the path tracer's intersector,
+shaded by light that was baked at the vertices."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..scene.scene import Scene
 from ..settings import Settings
 from .display import fullscreen
 from .frame import Frame
-from .gbuffer import GBuffer, nearest_texture
+from .gbuffer import UNIT_NORMALS, GBuffer, nearest_texture
 from .programs import Programs, set_uniform
 from .surfaces import UNIT_RAY_POSITIONS, UNIT_REFLECTED
 
@@ -28,19 +28,20 @@ class TracedReflections:
 
     def __init__(self, context: Context, programs: Programs, kind: str = "auto") -> None:
         self._context, self._programs, self._kind = context, programs, kind
-        self._met: ReflectedSurfaces | None = None
+        self._surfaces: ReflectedSurfaces | None = None
         self._rays: _Rays | None = None
 
     def prepare(self, scene: Scene, settings: Settings) -> None:
         """Make ready what rays can meet of `scene`, if it is not."""
-        if self._met is None or not self._met.holds(scene):
+        if self._surfaces is None or not self._surfaces.holds(scene):
             from .reflected_surfaces import ReflectedSurfaces
 
             self.drop_scene()
-            self._met = ReflectedSurfaces(self._context, scene, settings, self._kind)
+            self._surfaces = ReflectedSurfaces(self._context, scene, settings, self._kind)
 
-    def find(self, frame: Frame, gbuffer: GBuffer) -> dict[str, object]:
-        """Trace the G-buffer's rays; returns the uniforms of shaders/raster/traced_reflection.glsl.
+    def find(self, frame: Frame, gbuffer: GBuffer, uniforms: dict[str, object]) -> dict[str, object]:
+        """Trace the G-buffer's rays under the environment of `uniforms`; returns the uniforms of
+        shaders/raster/traced_reflection.glsl.
 
         Leaves a framebuffer of its own in use.
         """
@@ -48,19 +49,20 @@ class TracedReflections:
             self._release_rays()
             self._rays = _Rays(self._context.gl, gbuffer)
         rays = self._rays
-        rays.start(self._programs, frame)
-        intersector = self._met.intersector
+        rays.begin(self._programs, frame)
+        intersector = self._surfaces.intersector
         intersector.store(rays, intersector.trace(intersector.fetch(rays)))
-        rays.shade(self._programs, self._met)
+        rays.shade(self._programs, uniforms, self._surfaces)
+        rays.average(self._programs, frame)
         rays.reflected.use(UNIT_REFLECTED)
         gbuffer.positions.use(UNIT_RAY_POSITIONS)
         return {"u_reflected": UNIT_REFLECTED, "u_ray_positions": UNIT_RAY_POSITIONS}
 
     def drop_scene(self) -> None:
         """For when the scene is another."""
-        if self._met is not None:
-            self._met.release()
-            self._met = None
+        if self._surfaces is not None:
+            self._surfaces.release()
+            self._surfaces = None
 
     def _release_rays(self) -> None:
         if self._rays is not None:
@@ -73,45 +75,54 @@ class TracedReflections:
 
 
 class _Rays:
-    """The textures that `viewer.trace.intersect.WaveTextures` describes, a slot for each pixel of the G-buffer."""
+    """The textures that `viewer.trace.intersect.WaveTextures` describes, a slot for each pixel of the G-buffer.
+
+    And what the rays met: each by itself, `met`, and together with its neighbours, `reflected`.
+    """
 
     def __init__(self, gl: moderngl.Context, gbuffer: GBuffer) -> None:
         self._gl, self.gbuffer = gl, gbuffer
         self.origin, self.direction, self.shadow_vector = (nearest_texture(gl, gbuffer.size, "f4") for _ in range(3))
         self.shadow_origin = self.shadow_vector
-        self.hit, self.reflected = nearest_texture(gl, gbuffer.size, "u4"), nearest_texture(gl, gbuffer.size, "f2")
-        self._no_shadow = gl.framebuffer([self.shadow_vector])
-        self._no_shadow.clear()
-        self._start = gbuffer.target(self.origin, self.direction)
-        self._result = gbuffer.target(self.reflected)
+        self.hit = nearest_texture(gl, gbuffer.size, "u4")
+        self.met, self.reflected = (nearest_texture(gl, gbuffer.size, "f2") for _ in range(2))
+        no_shadow = gl.framebuffer([self.shadow_vector])
+        no_shadow.clear()
+        no_shadow.release()
+        targets = (self.origin, self.direction), (self.met,), (self.reflected,)
+        self._targets = [gbuffer.target(*textures) for textures in targets]
 
-    def start(self, programs: Programs, frame: Frame) -> None:
+    def begin(self, programs: Programs, frame: Frame) -> None:
         """Write the rays of the frame's surfaces."""
         program = programs.get("display/fullscreen.vert", "raster/reflection_rays.frag", {
             "IS_ORTHOGRAPHIC": int(frame.camera.height is not None)})
         eye = (frame.camera.eye - frame.scene.center) / frame.unit
-        for name, value in (self.gbuffer.bind(frame) | {"u_eye": tuple(eye)}).items():
-            set_uniform(program, name, value)
-        self._start.use()
-        self._start.clear()
-        with self.gbuffer.on_surfaces():
-            fullscreen(self._gl, program).render(vertices=3)
-        self._gl.clear_samplers()
+        self._draw(program, 0, self.gbuffer.bind(frame) | {"u_eye": tuple(eye)})
 
-    def shade(self, programs: Programs, met: ReflectedSurfaces) -> None:
-        """Write `reflected`: the light that leaves what the rays met."""
-        program = programs.get("display/fullscreen.vert", "raster/reflected_light.frag", {})
+    def shade(self, programs: Programs, uniforms: dict[str, object], surfaces: ReflectedSurfaces) -> None:
+        """Write what light each ray met."""
+        program = programs.get("display/fullscreen.vert", "raster/reflected_light.frag", {
+            "REFLECTS": 1, "ENVIRONMENT_ROTATED": 1})
         self.hit.use(0)
         self.direction.use(1)
-        for name, value in ({"u_hit": 0, "u_direction": 1} | met.bind(first_unit=2)).items():
+        self._draw(program, 1, uniforms | {"u_hit": 0, "u_direction": 1} | surfaces.bind(first_unit=2))
+
+    def average(self, programs: Programs, frame: Frame) -> None:
+        """Write the mean over neighbours that lie alike."""
+        program = programs.get("display/fullscreen.vert", "raster/reflected_mean.frag", {})
+        self.met.use(UNIT_NORMALS + 1)
+        self._draw(program, 2, self.gbuffer.bind(frame) | {"u_met": UNIT_NORMALS + 1})
+
+    def _draw(self, program: moderngl.Program, target: int, uniforms: dict[str, object]) -> None:
+        for name, value in uniforms.items():
             set_uniform(program, name, value)
-        self._result.use()
-        self._result.clear()
+        self._targets[target].use()
+        self._targets[target].clear()
         with self.gbuffer.on_surfaces():
             fullscreen(self._gl, program).render(vertices=3)
         self._gl.clear_samplers()
 
     def release(self) -> None:
-        for thing in (self._no_shadow, self._start, self._result, self.origin, self.direction, self.shadow_vector,
-                      self.hit, self.reflected):
+        for thing in (*self._targets, self.origin, self.direction, self.shadow_vector, self.hit, self.met,
+                      self.reflected):
             thing.release()
