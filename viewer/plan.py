@@ -13,6 +13,7 @@ from .constant_maps import without_constant_maps
 from .errors import UsageError
 from .maps import MAPS, material_map
 from .plan_words import explain
+from .scene.convex import is_convex
 from .scene.light import Light
 from .scene.material import Material, Texture
 from .scene.mesh import Mesh
@@ -127,6 +128,11 @@ class Plan:
         return any(draw.is_traced_body for draw in self.draws)
 
     @property
+    def has_indirect(self) -> bool:
+        """Whether surfaces are shaded by the light of others, found at their vertices."""
+        return any(dict(draw.program.switches).get("INDIRECT", 0) for draw in self.draws)
+
+    @property
     def has_bodies(self) -> bool:
         """Whether there is glass that light is refracted into."""
         return self.is_everything or any(draw.transmits == 2 for draw in self.draws)
@@ -216,6 +222,7 @@ def plan_scene(
     common = {
         "VISIBILITY": int(environment_shadows > 0 or ambient_occlusion),
         "TRACED": int(settings.reflections == "traced" and reflections and scene.environment is not None),
+        "INDIRECT": int(_has_indirect(scene, settings)),
         "HALF_TARGET": int(half_target),
         "SAMPLES": samples,
         "IS_ORTHOGRAPHIC": int(orthographic),
@@ -274,6 +281,12 @@ def _shadow_layers(lights: Sequence[Light], settings: Settings) -> tuple[tuple[i
     return tuple(first), used
 
 
+def _has_indirect(scene: Scene, settings: Settings) -> bool:
+    """Whether surfaces may throw light on one another, and that is asked for."""
+    is_asked = settings.indirect == "baked" and settings.mode == "pbr"
+    return is_asked and (settings.plan == "everything" or not is_convex(scene))
+
+
 def _environment_shadows(settings: Settings) -> int:
     off = settings.environment_shadows == "off" or settings.mode != "pbr"
     return 0 if off else int(settings.environment_shadows)
@@ -302,6 +315,7 @@ def _draw(
         "UV_SETS": uv_sets,
         "HAS_NORMAL": int(lit),
         "HAS_TANGENT": int(normal_mapped),
+        "INDIRECT": common["INDIRECT"] * lit,
         **{name: common[name] for name in ("HALF_TARGET", "SAMPLES")},
     }
     for name in MAPS:
@@ -368,7 +382,7 @@ def _samples(
                                        or material.perceptual_roughness > 0 and material.has_interface),
         "normal": lit and mesh.tangents is not None and material.normal_scale != 0,
         "occlusion": lit and material.occlusion_strength > 0 and common["HAS_ENVIRONMENT"] == 1
-        and common["VISIBILITY"] == 0,  # else it is known what is hidden
+        and common["VISIBILITY"] == common["INDIRECT"] == 0,  # else it is known what is hidden
         "specular": bool(dielectric) and material.specular > 0,
         "specular_color": bool(dielectric) and material.specular > 0 and any(material.specular_color),
         "transmission": bool(dielectric) and material.transmits,

@@ -67,6 +67,8 @@ def _used(plan: Plan) -> tuple[str, ...]:
         lines.append("reflections of the model by a ray a pixel, lit by what is baked at the vertices")
     if plan.has_traced_bodies:
         lines.append("light in glass by two paths a pixel, from surface to surface")
+    if plan.has_indirect:
+        lines.append("light between surfaces, path traced at the vertices once")
     textures = {(draw.material, name): texture for draw in plan.draws for name in draw.maps
                 if (texture := material_map(draw.surface, name))}
     if textures:
@@ -103,6 +105,9 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
     if plan.environment and scene.environment is not None and not plan.has_traced:
         reason = "not asked for" if settings.reflections == "environment" else "no opaque surface is smooth enough"
         lines.append(f"reflections of the model: {reason}")
+    if any_lit and not plan.has_indirect and settings.mode == "pbr":
+        reason = "not asked for" if settings.indirect == "off" else "the scene is convex: no surface sees another"
+        lines.append(f"light between surfaces: {reason}")
     if settings.background != "env" or scene.environment is None:
         reason = "there is none" if scene.environment is None else "not asked for"
         lines.append(f"the environment as background: {reason}")

@@ -107,6 +107,8 @@ class Settings:
         "off", "lights drawn from the environment to find what of it is hidden")
     ambient_occlusion: Literal["off", "gtao"] = _option(
         "off", "darken what the picture itself shows to be hidden; nothing beside environment-shadows")
+    indirect: Literal["off", "baked"] = _option(
+        "off", "light that surfaces throw on one another; baked: path traced at the vertices, once")
     reflections: Literal["environment", "traced"] = _option(
         "environment", "what smooth surfaces mirror; traced: also of the model itself, by one ray a pixel")
     refraction: Literal["screen", "traced"] = _option(
@@ -206,8 +208,8 @@ class Settings:
 
 
 STOPPING = ("spp", "time_budget", "error")
-RASTER_ONLY = ("phong", "shadows", "environment_shadows", "ambient_occlusion", "reflections", "refraction",
-               "specular_aa", "antialias")
+RASTER_ONLY = ("phong", "shadows", "environment_shadows", "ambient_occlusion", "indirect", "reflections",
+               "refraction", "specular_aa", "antialias")
 PATH_ONLY = (*STOPPING, "seed", "denoise", "sampling", "bounces", "light_radius", "clamp")
 
 

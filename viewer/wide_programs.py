@@ -39,7 +39,7 @@ _PBR_ONLY = ("SPECULAR_TINTED", "REFLECTS")
 def attributes_of(switches: Mapping[str, int]) -> tuple[str, ...]:
     """What a program with these switches reads of each vertex."""
     names = {"a_normal": switches["HAS_NORMAL"], "a_tangent": switches["HAS_TANGENT"], "a_color": switches["HAS_COLOR"],
-             "a_uv0": switches["UV_SETS"] & 1, "a_uv1": switches["UV_SETS"] & 2}
+             "a_indirect": switches["INDIRECT"], "a_uv0": switches["UV_SETS"] & 1, "a_uv1": switches["UV_SETS"] & 2}
     return ("a_position", *(name for name, is_read in names.items() if is_read))
 
 

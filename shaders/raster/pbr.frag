@@ -100,7 +100,7 @@ vec3 shade_light(int i, Surface s, vec3 n_geometric) {
 }
 #endif
 
-#if HAS_ENVIRONMENT
+#if HAS_ENVIRONMENT || INDIRECT
 #include "raster/shade_environment.glsl"
 #endif
 #if TRANSMISSION
@@ -137,7 +137,7 @@ void main() {
     s.perceptual_roughness = sqrt(s.alpha);
 #endif
 
-#if HAS_ENVIRONMENT && REFLECTS
+#if (HAS_ENVIRONMENT || INDIRECT) && REFLECTS
     SplitSum split_sum = dfg_lookup(u_dfg, s.NoV, s.perceptual_roughness);
     vec2 dfg = split_sum.albedo;
 #elif REFLECTS
@@ -189,7 +189,7 @@ void main() {
     radiance += passes * entering_tint(base.rgb) * arriving * float(SHOW_SPECULAR);
     s.base_color *= 1.0 - through; // what is left to scatter
 #endif
-#if HAS_ENVIRONMENT
+#if HAS_ENVIRONMENT || INDIRECT
     float occlusion = 1.0;
 #if OCCLUSION_MAP
     occlusion = 1.0 + u_occlusion_strength * (occlusion_texel().r - 1.0);

@@ -1,6 +1,10 @@
-// A surface of pbr.frag under the environment: the split sum, each of its parts looked up on its own.
+// A surface of pbr.frag under what shines from all around, the environment and other surfaces: the split sum, each of
+// its parts looked up on its own.
 
 #include "raster/specular_occlusion.glsl"
+#if INDIRECT
+#include "raster/indirect.glsl"
+#endif
 
 // Light reflected at the interface, `specular` the radiance its parts a and b see, and what passes through to the base.
 vec3 environment_response(Interface face, SplitSum split_sum, mat2x3 specular, vec3 diffuse_albedo, vec3 mean_light) {
@@ -10,7 +14,7 @@ vec3 environment_response(Interface face, SplitSum split_sum, mat2x3 specular, v
     return single * float(SHOW_SPECULAR) + mean_light * spread;
 }
 
-#if REFLECTS
+#if HAS_ENVIRONMENT && REFLECTS
 vec3 reflected_light(vec3 n, vec3 r, vec3 n_geometric, float t, float perceptual_roughness) {
     vec3 d = mix(n, r, t);
     // A mapped normal may send the reflection under the surface, where it would meet the surface itself.
@@ -21,6 +25,8 @@ vec3 reflected_light(vec3 n, vec3 r, vec3 n_geometric, float t, float perceptual
 
 vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, vec4 visible, SplitSum split_sum) {
     mat2x3 specular = mat2x3(0.0);
+    vec3 mean_light = vec3(0.0);
+#if HAS_ENVIRONMENT
 #if REFLECTS
     vec3 r = reflect(-s.v, s.n);
 #if METALNESS == 1
@@ -31,10 +37,11 @@ vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, vec4 visibl
     specular[1] = reflected_light(s.n, r, n_geometric, split_sum.t.y, split_sum.roughness.y);
 #endif
 #endif
+    mean_light = environment_irradiance_over_pi(s.n);
+#endif
 #if TRACED
     mat2x3 open = specular; // what nothing hides
 #endif
-    vec3 mean_light = environment_irradiance_over_pi(s.n);
 #if OCCLUSION_MAP
     mean_light *= occlusion;
     specular *= specular_occlusion(s.NoV, occlusion, s.alpha);
@@ -42,6 +49,9 @@ vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, vec4 visibl
 #if VISIBILITY
     mean_light *= visible.rgb;
     specular *= visible.a;
+#endif
+#if INDIRECT
+    add_indirect(s.NoV, s.alpha, specular, mean_light);
 #endif
 #if TRACED
     vec4 met = traced_reflection(v_position, n_geometric);

@@ -26,6 +26,10 @@ out vec2 v_uv1;
 in vec4 a_color;
 out vec4 v_color;
 #endif
+#if INDIRECT
+in vec4 a_indirect;
+out vec4 v_indirect;
+#endif
 #if IS_POINTS
 uniform float u_point_size;
 #endif
@@ -48,6 +52,9 @@ void main() {
 #endif
 #if HAS_COLOR
     v_color = a_color;
+#endif
+#if INDIRECT
+    v_indirect = a_indirect;
 #endif
 #if IS_POINTS
     gl_PointSize = u_point_size;

@@ -54,7 +54,8 @@ def test_scenes(renderer, number):
         assert_same(renderer, lit(scene, number), mode="phong")
 
 
-@pytest.mark.parametrize("settings", [{"lobes": "uniform-diffuse"}, {"environment_shadows": "64"}, {"shadows": "off"}],
+@pytest.mark.parametrize("settings", [{"lobes": "uniform-diffuse"}, {"environment_shadows": "64"}, {"shadows": "off"},
+                                      {"indirect": "baked"}],
                          ids=lambda settings: next(iter(settings)))
 def test_settings(renderer, settings):
     assert_same(renderer, lit(viewer.load(SCENES[0], environment=None), 0), **settings)

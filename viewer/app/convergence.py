@@ -36,7 +36,7 @@ UNTIL = {"spp": MAX_SPP, "error": 0.002}
 """When a picture is done, where the settings do not say."""
 _UNIT = 0
 _NOT_TRACED = ("exposure", "tonemap", "denoise", "phong", "shadows", "environment_shadows", "ambient_occlusion",
-               "reflections", "refraction", "specular_aa", "antialias")
+               "indirect", "reflections", "refraction", "specular_aa", "antialias")
 """Settings of the display or the raster, which leave the samples as they are."""
 
 

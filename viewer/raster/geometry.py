@@ -8,6 +8,7 @@ import numpy as np
 from ..scene.mesh import Mesh
 
 _FORMATS = {"a_position": "3f", "a_normal": "3f", "a_tangent": "4f", "a_color": "4f", "a_uv0": "2f", "a_uv1": "2f"}
+_INDIRECT = "a_indirect"
 # For programs that can do more than a mesh needs: what changes nothing, or is not looked at.
 _BLANK = {"a_tangent": (0.577, 0.577, 0.577, 1.0), "a_color": (1.0, 1.0, 1.0, 1.0), "a_uv0": (0.0, 0.0),
           "a_uv1": (0.0, 0.0)}
@@ -24,21 +25,23 @@ class MeshBuffers:
     def __init__(self, gl: moderngl.Context, mesh: Mesh) -> None:
         self._gl, self._mesh = gl, mesh
         self._buffers: dict[str, moderngl.Buffer] = {}
-        self._arrays: dict[tuple[int, bool], moderngl.VertexArray] = {}
+        self._arrays: dict[tuple[int, bool, int], moderngl.VertexArray] = {}
         self._sorted: moderngl.Buffer | None = None
         center = mesh.bounds.mean(axis=0)
         self.to_mesh = np.eye(4)
         self.to_mesh[:3, 3] = center
 
-    def draw(self, program: moderngl.Program, order: np.ndarray | None = None) -> None:
-        """Draw with `program`; `order`, from `back_to_front`, replaces the mesh's own indices."""
+    def draw(self, program: moderngl.Program, order: np.ndarray | None = None,
+             indirect: moderngl.Buffer | None = None) -> None:
+        """Draw with `program`; `order`, from `back_to_front`, replaces the mesh's own indices, `indirect` has the
+        light that the vertices of one instance get from others."""
         if order is not None:
             data = np.ascontiguousarray(order, np.uint32)
             if self._sorted is None:
                 self._sorted = self._gl.buffer(data, dynamic=True)
             else:
                 self._sorted.write(data)
-        self._array(program, order is not None).render()
+        self._array(program, order is not None, indirect).render()
 
     def back_to_front(self, model: np.ndarray, forward: np.ndarray) -> np.ndarray | None:
         """Triangle indices, (3 M,), farthest first, for a mesh seen through `model` (eye-relative) along `forward`."""
@@ -55,11 +58,14 @@ class MeshBuffers:
             indices = np.arange(len(self._mesh.positions), dtype=np.uint32)
         return indices[: len(indices) // 3 * 3].reshape(-1, 3)
 
-    def _array(self, program: moderngl.Program, is_sorted: bool) -> moderngl.VertexArray:
-        key = (program.glo, is_sorted)
+    def _array(self, program: moderngl.Program, is_sorted: bool,
+               indirect: moderngl.Buffer | None) -> moderngl.VertexArray:
+        key = (program.glo, is_sorted, indirect.glo if indirect is not None else 0)
         if key not in self._arrays:
             names = [name for name in _FORMATS if name in program]
             content = [(self._buffer(name), _FORMATS[name], name) for name in names]
+            if indirect is not None and _INDIRECT in program:
+                content.append((indirect, "4f", _INDIRECT))
             if is_sorted:
                 index = self._sorted
             else:

@@ -68,6 +68,7 @@ class Renderer:
         self._reflections = TracedReflections(context, self.programs)
         self._refraction = TracedRefraction(context, self.programs)
         self._surfaces: Surfaces | None = None
+        self._indirect_key: tuple[object, ...] | None = None
         self._environment: EnvironmentLight | None = None
         self._ahead: Decoder | None = None
         self._generation = self.programs.generation
@@ -227,13 +228,26 @@ class Renderer:
         if self.plan.has_traced_bodies:
             with self._timed("refraction"):
                 self._refraction.prepare(scene)
+        if self.plan.has_indirect:
+            with self._timed("light between surfaces"):
+                self._prepare_indirect(scene, settings)
         return self.plan
+
+    def _prepare_indirect(self, scene: Scene, settings: Settings) -> None:
+        """Light at the vertices; it is baked anew under other lights."""
+        key = (scene.lights, scene.environment, settings.ndf, settings.masking, settings.fresnel, settings.multiscatter)
+        if self._indirect_key != key:
+            from ..trace.vertex_light import bake_incoming
+
+            self._surfaces.light_vertices(bake_incoming(self.context, scene, settings))
+            self._indirect_key = key
 
     def _prepare_surfaces(self, scene: Scene) -> None:
         if self._surfaces is None or not self._surfaces.holds(scene):
             self._release(self._surfaces, *self._shadows)
             self._visibility.drop_shadows()
             self._surfaces = Surfaces(self.context, scene, self.programs, self._ahead)
+            self._indirect_key = None
             self._ahead, self._shadows, self._plans = None, [], []
         if self._generation != self.programs.generation:
             self._release(*self._shadows)

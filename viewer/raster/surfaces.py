@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import moderngl
 import numpy as np
@@ -17,6 +18,9 @@ from .frame import Frame, handedness, normal_matrix, uniform
 from .geometry import MeshBuffers
 from .programs import Programs, set_uniform
 from .textures import Textures
+
+if TYPE_CHECKING:
+    from ..trace.vertex_light import VertexLight
 
 # Texture units: the material's maps come first, in the order of MAPS.
 UNIT_DFG, UNIT_PREFILTERED, UNIT_IRRADIANCE, UNIT_SHADOW, UNIT_BACKGROUND, UNIT_RADIANCE, UNIT_VISIBILITY = (
@@ -37,6 +41,7 @@ class Surfaces:
     def __init__(self, context: Context, scene: Scene, programs: Programs, ahead: Decoder | None = None) -> None:
         self._gl, self.scene, self._programs = context.gl, scene, programs
         self._meshes: dict[int, MeshBuffers] = {}
+        self._indirect: list[moderngl.Buffer] = []
         self._generation = programs.generation
         self.textures = Textures(context, scene, ahead)
 
@@ -56,6 +61,13 @@ class Surfaces:
         for draw in plan.draws:
             self._mesh(draw.mesh)
         self.textures.upload()
+
+    def light_vertices(self, light: VertexLight) -> None:
+        """Take the light that vertices get from other surfaces."""
+        if not self._indirect:
+            self._indirect = [self._gl.buffer(reserve=max(values.nbytes, 16)) for values in light.per_instance]
+        for buffer, values in zip(self._indirect, light.per_instance, strict=True):
+            buffer.write(np.ascontiguousarray(values))
 
     def draw_gbuffer(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> None:
         """Draw where those surfaces are that passes look from, and how they lie: shaders/raster/gbuffer.frag."""
@@ -145,7 +157,8 @@ class Surfaces:
             if draw.alpha_mode == "mask":
                 gl.enable_direct(_SAMPLE_ALPHA_TO_COVERAGE)
                 gl.enable_direct(_SAMPLE_ALPHA_TO_ONE)
-            mesh.draw(program, mesh.back_to_front(frame.model(transform), frame.camera.forward) if is_sorted else None)
+            order = mesh.back_to_front(frame.model(transform), frame.camera.forward) if is_sorted else None
+            mesh.draw(program, order, self._indirect[draw.instance] if draw.program["INDIRECT"] else None)
             if draw.alpha_mode == "mask":
                 gl.disable_direct(_SAMPLE_ALPHA_TO_COVERAGE)
                 gl.disable_direct(_SAMPLE_ALPHA_TO_ONE)
@@ -192,8 +205,8 @@ class Surfaces:
         return self._meshes[index]
 
     def release(self) -> None:
-        for mesh in self._meshes.values():
-            mesh.release()
+        for thing in (*self._meshes.values(), *self._indirect):
+            thing.release()
         self.textures.release()
 
 
@@ -210,7 +223,7 @@ def _lie(program: Program) -> tuple[tuple[str, int], ...]:
     """Of the switches only those that say where a surface is and how it lies, so that many materials share one."""
     switches = dict(program.switches)
     maps = {"normal", "metallic_roughness"} | ({"base_color"} if switches["ALPHA_MODE"] else set())
-    switches = {name: switches[name] for name in _GBUFFER_SWITCHES} | {"HAS_EMISSIVE": 0} | {
+    switches = {name: switches[name] for name in _GBUFFER_SWITCHES} | {"HAS_EMISSIVE": 0, "INDIRECT": 0} | {
         f"{name.upper()}_{word}": switches[f"{name.upper()}_{word}"] * (name in maps)
         for name in MAPS for word in ("MAP", "UV", "TRANSFORM", "MIRROR")}
     return tuple(sorted(switches.items()))

@@ -207,6 +207,7 @@ class Exposure:
 
     def release(self) -> None:
         self._passes.context.make_current()
+        self._passes.context.gl.screen.use()  # moderngl goes back to the framebuffer last used, be it gone
         for lane in self._lanes:
             lane.wave.release()
         self.film.release()

@@ -25,6 +25,8 @@ _PLACE = 2.0**-20
 _DAMPING = 0.25
 """Weight of the mean about a vertex beside the fit: of what alternates from vertex to vertex less than half is left."""
 _STEPS = 12
+_LIMIT = 4.0
+"""How many times brighter a point may be than those about it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,6 +144,9 @@ def fit(surfaces: Surfaces, points: Points, found: NDArray[np.float64]) -> NDArr
 
     share = points.barycentric * (points.weight / max(points.weight.max(initial=0.0), 1e-300))[:, None]
     mass = gathered(at_points, share[..., None])
+    for _ in range(2):  # the second time those are gone that hid others
+        total = gathered(at_points, share[..., None] * found[:, None])
+        found = _bearable(found, share, mass[at_points, 0], total[at_points])
     mean = gathered(at_points, share[..., None] * found[:, None]) / np.where(mass > 0, mass, 1.0)
     products = np.einsum("ni,nj->nij", share, points.barycentric).reshape(-1, 9)
     matrices = np.stack([np.bincount(points.triangle, products[:, k], len(corners)) for k in range(9)], axis=1)
@@ -164,3 +169,14 @@ def fit(surfaces: Surfaces, points: Points, found: NDArray[np.float64]) -> NDArr
         before, energy = energy, (residual * preconditioned).sum(axis=0)
         direction = preconditioned + energy / np.maximum(before, 1e-300) * direction
     return np.maximum(x, 0.0)[group]
+
+
+def _bearable(found: NDArray[np.float64], share: NDArray[np.float64], mass: NDArray[np.float64],
+              total: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What was `found`, but rgb at most `_LIMIT` times as bright as at all other points of the triangle's vertices:
+    what is brighter is rare light that one path has met. `mass` (N, 3) and `total` (N, 3, C) are of those vertices."""
+    others = (total - share[..., None] * found[:, None])[..., :3].sum(axis=1).max(axis=1)
+    most = _LIMIT * others / np.maximum((mass - share).sum(axis=1), 1e-300)
+    brightest = found[:, :3].max(axis=1)
+    factor = np.where(brightest > most, most / np.maximum(brightest, 1e-300), 1.0)
+    return np.concatenate([found[:, :3] * np.maximum(factor, 0.0)[:, None], found[:, 3:]], axis=1)

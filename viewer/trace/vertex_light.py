@@ -16,7 +16,9 @@ from .surface_rays import GATHERS, LOOKS, SurfaceRays
 from .tracer import Tracer
 
 SAMPLES = 1 << 20
-"""About how many paths there are in all."""
+"""About how many paths there are at most."""
+_VERTEX_SAMPLES = 1 << 11
+"""For each vertex, in scenes of few."""
 _POINT_SAMPLES = 16
 _LEAST_COSINE = 0.05
 """Between a shading normal and the geometric one; those farther apart are taken for the geometric one."""
@@ -62,6 +64,7 @@ def _bake(context: Context, scene: Scene, traced: Scene, receivers: list[int], s
           samples: int) -> VertexLight:
     surfaces = surfaces_of(scene, receivers)
     values = np.zeros((len(surfaces.places), 4))
+    samples = min(samples, _VERTEX_SAMPLES * len(values))
     points = spread(surfaces, samples // _POINT_SAMPLES)
     if len(points.triangle) and traced.instances:
         each = max(samples // len(points.triangle), 1)
