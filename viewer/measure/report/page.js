@@ -144,6 +144,8 @@ function fillNotes() {
     "Pictures in this page are compressed (WebP); figures are from the full ones, beside it in measured/.",
   ];
   for (const line of how) element("li", line, $("how"));
+  $("more-time").textContent = `All of this took ${digits(report.measured_s)} s to measure; with more time (--within ` +
+      `SECONDS) there are more points and a better reference.`;
   for (const out of report.left_out) element("li", `${out.method}: ${out.reason}`, $("left-out"));
   if (!report.left_out.length) element("li", "nothing", $("left-out"));
 }
