@@ -25,6 +25,8 @@ PATIENCE_S = 2.0
 """For a first small picture; what takes longer is not looked at, nor its dearer kinds: paths use such time better."""
 GAIN = 0.97
 """Of the error of the kind before it: what has more, and its dearer kinds, are not looked at."""
+BAKED = {"indirect", "reflections"}
+"""Settings of the raster whose preparing is tracing paths."""
 _RUNS = 3
 _APART = Settings(antialias="msaa-2")
 """Of whose programs none is a method's: those have to be new to the driver when their turn comes."""
@@ -51,7 +53,7 @@ def _methods(scene: Scene) -> dict[str, Method]:
     by tracing paths: in that time paths make the picture itself."""
     found = [method for method in ladder(scene, Settings()).raster
              if method.lights is None and method.changes.get("antialias") in SHADOWED
-             and "indirect" not in method.changes]
+             and not BAKED & method.changes.keys()]
     return {method.slug: method for method in found
             if not any(other.name == method.name and other.changes.items() < method.changes.items() for other in found)}
 
