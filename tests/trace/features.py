@@ -84,6 +84,15 @@ def window(roughness: float = 0.0) -> Callable[[], tuple[Scene, Camera]]:
     return make
 
 
+def hollow_ball() -> tuple[Scene, Camera]:
+    """A shell of glass, three tenths of its radius thick."""
+    outer = sphere(segments=128)
+    hole = replace(outer, indices=np.ascontiguousarray(outer.indices.reshape(-1, 3)[:, ::-1]).ravel(),
+                   normals=-outer.normals)
+    return scene(outer, (hole, moved((0, 0, 0), 0.7)), materials=[Material(**GLASS)],
+                 environment=make_preset("studio")), VIEW
+
+
 def shadows() -> tuple[Scene, Camera]:
     """A black ball, which gives no light back, on a floor under a sun from the side."""
     black = replace(WHITE, base_color=(0, 0, 0, 1))
@@ -102,6 +111,7 @@ SPOT = (Light("spot", intensity=8.0, position=(-1.0, 1.2, 2.0), direction=(0.4, 
               outer_cone=0.4),)
 MAPS = "the raster looks a filtered map up"
 STRETCH = "the raster's filtered map has no reflections stretched by grazing angles"
+CAUGHT = "of light at a surface inside the raster follows what is more than half"
 FEATURES = [
     Feature("uniform light, diffuse", ball(constant(), **GREY), 0.004, 0.012),
     Feature("uniform light, plastic", ball(constant(), **PLASTIC), 0.004, 0.015),
@@ -129,7 +139,11 @@ FEATURES = [
     Feature("furnace, glass ball", ball(constant(), **GLASS), 0.004, 0.012),
     Feature("furnace, rough thin glass", ball(constant(), **(GLASS | {"thickness": 0.0, "perceptual_roughness": 0.5})),
             0.25, 0.28, "on four passages paths lose what facets scatter more than once"),
-    Feature("studio, glass ball", ball("studio", **GLASS), 0.5, 1.2, "the raster knows no reflections inside"),
+    Feature("studio, glass ball", ball("studio", **GLASS), 0.5, 1.2,
+            "the raster knows no reflections inside; the far side is a guess"),
+    Feature("studio, glass ball, traced", ball("studio", **GLASS), 0.02, 0.25, CAUGHT,
+            settings={"refraction": "traced"}),
+    Feature("studio, hollow glass ball, traced", hollow_ball, 0.09, 0.25, CAUGHT, settings={"refraction": "traced"}),
     Feature("window of coloured glass", window(), 0.004, 0.012),
     Feature("window of rough glass", window(0.4), 0.03, 0.04, "the raster blurs the picture, paths the light"),
     Feature("normal map", asset("normal-map", None), 0.01, 0.03,
