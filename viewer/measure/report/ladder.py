@@ -207,7 +207,7 @@ def _image_based(scene: Scene, lights: Sequence[Light], settings: Settings,
 def _followed(scene: Scene, lights: Sequence[Light], settings: Settings,
               left_out: list[LeftOut]) -> Iterator[tuple[str, str]]:
     """Of FOLLOWED the settings that change what is drawn, with their dear choices."""
-    def draws(**changes: str) -> object:
+    def draws(**changes: Any) -> object:
         changed = replace(settings, mode="pbr", **changes)
         return plan_scene(scene, changed, lights, samples=1, half_target=True, orthographic=False).draws
 
