@@ -73,6 +73,14 @@ def test_light_is_followed_where_the_model_calls_for_it():
     assert followed(Material(unlit=True)) == set()
 
 
+def test_light_between_surfaces_is_measured_where_there_can_be_some():
+    two = (BALL, (BALL, shapes.moved((3, 0, 0))))
+    changes = [method.changes for method in rungs(shapes.scene(*two, environment=shapes.constant()))[0]
+               if method.name == "indirect"]
+    assert [change["environment_shadows"] for change in changes] == ["off", "16", "64"]
+    assert "indirect" not in {method.name for method in rungs(shapes.scene(BALL, environment=shapes.constant()))[0]}
+
+
 def test_a_denoiser_that_is_not_installed_is_left_out(monkeypatch):
     monkeypatch.setattr(module, "find_spec", lambda name: None)
     methods, left_out = rungs(shapes.scene(BALL))

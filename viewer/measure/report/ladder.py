@@ -29,8 +29,11 @@ KNOBS = ("multiscatter", "specular_aa", "fresnel")
 """Settings of image-based light of which the other choices are measured, one at a time."""
 SHADOWED = ("none", "msaa-4", "ssaa-4")
 """Antialiasing with which ambient occlusion and the environment's shadows are measured."""
-FOLLOWED = {"reflections": ("traced", "traced reflections"), "refraction": ("traced", "traced refraction")}
+FOLLOWED = {"indirect": ("baked", "light between surfaces"), "reflections": ("traced", "traced reflections"),
+            "refraction": ("traced", "traced refraction")}
 """Settings by which the raster follows light further, each with its dear choice and what to call that."""
+INDIRECT = ("16", "64")
+"""Lights of the environment that cast shadows beside light between surfaces, where nothing else is dear."""
 TOGETHER = ("64", "256")
 """Lights of the environment that cast shadows where all of that is done at once."""
 
@@ -193,6 +196,9 @@ def _image_based(scene: Scene, lights: Sequence[Light], settings: Settings,
     followed = dict(_followed(scene, lights, settings, left_out))
     for name, value in followed.items():
         yield Method(name, FOLLOWED[name][1], {"environment_shadows": "off", name: value, "antialias": "msaa-4"})
+    for count in INDIRECT if "indirect" in followed else ():
+        yield Method("indirect", FOLLOWED["indirect"][1], {"environment_shadows": count,
+                                                           "indirect": followed["indirect"], "antialias": "ssaa-4"})
     for count in TOGETHER if followed else ():
         for antialias in SHADOWED:
             yield Method("together", "raster with everything", {"environment_shadows": count, **followed,
