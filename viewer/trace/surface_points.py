@@ -18,6 +18,8 @@ from ..raster.frame import handedness, normal_matrix
 from ..scene.scene import Scene
 from .geometry import triangles_of
 
+MOST_POINTS = 1 << 21
+"""Some 300 bytes each while values are fitted to them."""
 _ALIKE = 0.9
 """Cosine between normals of vertices at one place that have one value."""
 _PLACE = 2.0**-20
@@ -84,8 +86,9 @@ def unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     return vectors / np.where(length > 0, length, 1.0)
 
 
-def spread(surfaces: Surfaces, count: int) -> Points:
-    """About `count` points, but one on every triangle that has an area; the same ones every time.
+def spread(surfaces: Surfaces, count: int, most: int = MOST_POINTS) -> Points:
+    """About `count` points, but one on every triangle that has an area as long as those are no more than `most`; the
+    same ones every time.
 
     A triangle gets them by the root of its area: large ones need more for their vertices to be as good as others', not
     as much more as they are larger.
@@ -93,7 +96,8 @@ def spread(surfaces: Surfaces, count: int) -> Points:
     size = np.sqrt(surfaces.areas)
     wanted = size * (count / max(size.sum(), 1e-300))
     fraction = (np.arange(len(size)) * 0.6180339887498949) % 1.0
-    each = np.where(surfaces.areas > 0, np.maximum(np.floor(wanted + fraction), 1), 0).astype(np.int64)
+    least = min(most / max(len(size), 1), 1.0)
+    each = np.where(size > 0, np.floor(np.maximum(wanted, least) + fraction), 0).astype(np.int64)
     triangle = np.repeat(np.arange(len(each)), each)
     k = np.arange(len(triangle)) - np.repeat(np.cumsum(each) - each, each)
     # Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences": R2, from another place in every triangle
