@@ -25,7 +25,7 @@ MAX_LIGHTS = 128
 """What a uniform block of 16 KiB, the least OpenGL 3.3 grants, holds with room to spare."""
 MAX_SHADOW_LAYERS = 24
 TRACED_ROUGHNESS = 1.0
-"""Perceptual; of surfaces as rough as this, rays say nothing: shaders/raster/lobe_shares.glsl."""
+"""Perceptual; of surfaces as rough as this, rays say nothing: shaders/raster/traced_reflection.glsl."""
 
 _NDF = ("ggx", "beckmann", "blinn-phong")
 _MASKING = ("smith", "smith-separable", "v-cavity", "none")

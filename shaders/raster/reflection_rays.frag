@@ -27,7 +27,7 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 surface = texelFetch(u_positions, pixel, 0);
     o_origin = o_direction = vec4(0.0);
-    if (surface.w >= 1.0) return; // share_of_light is 0
+    if (surface.w >= 1.0) return; // traced_share is 0
     vec4 normals = texelFetch(u_normals, pixel, 0);
     vec3 face = from_octahedron(normals.zw);
 #if IS_ORTHOGRAPHIC

@@ -55,9 +55,8 @@ vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, vec4 visibl
 #endif
 #if TRACED
     vec4 met = traced_reflection(v_position, n_geometric);
-    float shadow = share_of_shadow(s.perceptual_roughness);
-    vec3 light = share_of_light(s.perceptual_roughness) * met.rgb;
-    for (int k = 0; k < 2; ++k) specular[k] = mix(specular[k], (1.0 - met.a) * open[k], shadow) + light;
+    float traced = traced_share(s.perceptual_roughness);
+    for (int k = 0; k < 2; ++k) specular[k] = mix(specular[k], (1.0 - met.a) * open[k] + met.rgb, traced);
 #endif
 #if TRACED_BODIES
     vec4 mirrored = traced_body(u_mirrored, n_geometric);

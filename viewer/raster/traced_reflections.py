@@ -52,7 +52,7 @@ class TracedReflections:
         rays.begin(self._programs, frame)
         intersector = self._surfaces.intersector
         intersector.store(rays, intersector.trace(intersector.fetch(rays)))
-        rays.shade(self._programs, uniforms, self._surfaces)
+        rays.shade(self._programs, frame, uniforms, self._surfaces)
         rays.average(self._programs, frame)
         rays.reflected.use(UNIT_REFLECTED)
         gbuffer.positions.use(UNIT_RAY_POSITIONS)
@@ -85,11 +85,11 @@ class _Rays:
         self.origin, self.direction, self.shadow_vector = (nearest_texture(gl, gbuffer.size, "f4") for _ in range(3))
         self.shadow_origin = self.shadow_vector
         self.hit = nearest_texture(gl, gbuffer.size, "u4")
-        self.met, self.reflected = (nearest_texture(gl, gbuffer.size, "f2") for _ in range(2))
+        self.met, self.sent, self.reflected = (nearest_texture(gl, gbuffer.size, "f2") for _ in range(3))
         no_shadow = gl.framebuffer([self.shadow_vector])
         no_shadow.clear()
         no_shadow.release()
-        targets = (self.origin, self.direction), (self.met,), (self.reflected,)
+        targets = (self.origin, self.direction), (self.met, self.sent), (self.reflected,)
         self._targets = [gbuffer.target(*textures) for textures in targets]
 
     def begin(self, programs: Programs, frame: Frame) -> None:
@@ -99,19 +99,23 @@ class _Rays:
         eye = (frame.camera.eye - frame.scene.center) / frame.unit
         self._draw(program, 0, self.gbuffer.bind(frame) | {"u_eye": tuple(eye)})
 
-    def shade(self, programs: Programs, uniforms: dict[str, object], surfaces: ReflectedSurfaces) -> None:
-        """Write what light each ray met."""
+    def shade(
+        self, programs: Programs, frame: Frame, uniforms: dict[str, object], surfaces: ReflectedSurfaces
+    ) -> None:
+        """Write what light each ray met, and what it hides of the environment's."""
         program = programs.get("display/fullscreen.vert", "raster/reflected_light.frag", {
             "REFLECTS": 1, "ENVIRONMENT_ROTATED": 1})
-        self.hit.use(0)
-        self.direction.use(1)
-        self._draw(program, 1, uniforms | {"u_hit": 0, "u_direction": 1} | surfaces.bind(first_unit=2))
+        self.hit.use(UNIT_NORMALS + 1)
+        self.direction.use(UNIT_NORMALS + 2)
+        rays = {"u_hit": UNIT_NORMALS + 1, "u_direction": UNIT_NORMALS + 2}
+        self._draw(program, 1, uniforms | self.gbuffer.bind(frame) | rays | surfaces.bind(UNIT_NORMALS + 3))
 
     def average(self, programs: Programs, frame: Frame) -> None:
         """Write the mean over neighbours that lie alike."""
         program = programs.get("display/fullscreen.vert", "raster/reflected_mean.frag", {})
         self.met.use(UNIT_NORMALS + 1)
-        self._draw(program, 2, self.gbuffer.bind(frame) | {"u_met": UNIT_NORMALS + 1})
+        self.sent.use(UNIT_NORMALS + 2)
+        self._draw(program, 2, self.gbuffer.bind(frame) | {"u_met": UNIT_NORMALS + 1, "u_sent": UNIT_NORMALS + 2})
 
     def _draw(self, program: moderngl.Program, target: int, uniforms: dict[str, object]) -> None:
         for name, value in uniforms.items():
@@ -124,5 +128,5 @@ class _Rays:
 
     def release(self) -> None:
         for thing in (*self._targets, self.origin, self.direction, self.shadow_vector, self.hit, self.met,
-                      self.reflected):
+                      self.sent, self.reflected):
             thing.release()
