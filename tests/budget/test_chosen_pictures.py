@@ -12,7 +12,7 @@ from test_choice import CALIBRATION
 
 import viewer
 from viewer import api, doctor
-from viewer.budget import chooser, start
+from viewer.budget import chooser, contention, start
 from viewer.budget.cost import Cost
 from viewer.errors import UsageError
 from viewer.measure.scenes import scene, sphere
@@ -105,6 +105,16 @@ def test_where_paths_come_to_nothing_in_time_a_picture_of_the_raster_is_kept(kno
     choice = viewer.render(viewer.load(MODEL), (512, 512), time_budget=0.05).stats["choice"]
     assert choice["method"] in ("Phong", "image", "shadows") and choice["spp"] is None
     assert choice["error_is"] == "expected" and choice["unfinished"].startswith("path traced")
+
+
+def test_what_is_left_of_the_time_goes_into_a_better_picture(known, monkeypatch):
+    """The driver has compiled all of it before, which nobody knew: that shows in the first picture."""
+    monkeypatch.setattr(contention.Stopwatch, "slowdown", 1.0)
+    phong, image, _ = QUICK.raster
+    known(replace(QUICK, raster=(replace(phong, compile_new=Cost(fixed=10)),
+                                 replace(image, compile_new=Cost(fixed=2000)))))
+    choice = viewer.render(viewer.load(MODEL), (16, 16), time_budget=900).stats["choice"]
+    assert choice["method"] == "image" and choice["seconds"] < 60
 
 
 def test_a_device_is_measured_once_and_kept(known, monkeypatch):

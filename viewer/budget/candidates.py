@@ -87,6 +87,8 @@ class Ready:
     """Likewise those that the driver has on disk."""
     pace: float = 1.0
     """How many times as long as on an idle machine work takes now."""
+    novelty: float = 1.0
+    """How much of the time of programs that may be new to the driver those of this scene have shown to take."""
     weight: float = 1.0
     """How many times as long as expected pictures of this scene take."""
 
@@ -131,7 +133,8 @@ def _raster(calibration: Calibration, load: Load, lighting: str, settings: Setti
 def _compiling(new: Cost, kept: Cost, load: Load, title: str, ready: Ready) -> float:
     if title in ready.compiled:
         return 0.0
-    return (kept if title in ready.kept else new).seconds(load)
+    least, most = kept.seconds(load), new.seconds(load)
+    return least if title in ready.kept else least + ready.novelty * max(most - least, 0.0)
 
 
 def _traced(calibration: Calibration, load: Load, lighting: str, settings: Settings,

@@ -33,6 +33,11 @@ class Choice:
     """What was meant to be made, and came to nothing in that time."""
 
     @property
+    def is_drawn(self) -> bool:
+        """Whether it is of the raster, and no paths have been tried."""
+        return self.samples is None and self.beaten is None and self.unfinished is None
+
+    @property
     def unmet(self) -> str:
         """What was asked for, or expected, and could not be had; "": all could."""
         if self.budget is not None and self.seconds > TOLERANCE * self.budget:

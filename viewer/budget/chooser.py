@@ -26,6 +26,9 @@ from .making import Making, View
 
 MOST_PACE = 10.0
 """Other work on the device may slow it down so many times."""
+LEAST_NOVELTY = 0.1
+WORTH = 0.9
+"""Of the error expected of a picture that is there: what is not expected to be so much better is not begun."""
 MOST_WEIGHT = 4.0
 """One picture may show its scene to be so many times as slow, or fast, as was thought."""
 
@@ -80,21 +83,30 @@ class Chooser:
             image = making.until_right(path, target, worth_trying(found, path, target), report, wants_to_stop)
         elif course is not None and target is None:
             image = making.along(course, report, wants_to_stop)
+            while budget is not None and choice.is_drawn and not wants_to_stop():  # what took less than was thought
+                self._learn(scene, settings, size, making, ready)
+                ready = self._ready_for(scene)
+                choice.found, left = self.weigh(scene, settings, size), budget - (time.perf_counter() - started)
+                course = best_course(choice.found, left, choice.taken)
+                if course is None or course.error > WORTH * choice.taken.error:
+                    break
+                image = making.along(course, report, wants_to_stop, image)
         elif isinstance(choice.taken, TracedCandidate):
             image = making.until_right(choice.taken, 0.0, (), report, wants_to_stop)
         else:
             image = making.drawn(choice.taken)
         choice.seconds = time.perf_counter() - started
-        self._learn(scene, making, ready)
+        self._learn(scene, settings, size, making, ready)
+        self._remember()
         return image, choice
 
     def weigh(self, scene: Scene, settings: Settings, size: tuple[int, int],
-              layers: Collection[str] = ()) -> list[Candidate]:
-        """What there is to choose from for such a picture, now."""
+              layers: Collection[str] = (), ready: Ready | None = None) -> list[Candidate]:
+        """What there is to choose from for such a picture, now, or when so much is `ready`."""
         self._names(scene)
         assert self._scene is not None
         load = replace(self._scene[2], pixels=size[0] * size[1])
-        return candidates(self.calibrate(), load, scene, settings, self._ready_for(scene), needs_layers=bool(layers))
+        return candidates(self.calibrate(), load, scene, settings, ready or self._ready_for(scene), bool(layers))
 
     def _ready_for(self, scene: Scene) -> Ready:
         """What need not be prepared for a picture of `scene`. The first time, it takes a program to find out."""
@@ -108,7 +120,7 @@ class Chooser:
             self._ready = replace(self._ready, pace=pace)
         ready, name = self._ready, self._names(scene)
         if not self._renderer.holds(scene):
-            ready = replace(ready, holds_raster=False, drawn=frozenset(), weight=1.0)
+            ready = replace(ready, holds_raster=False, drawn=frozenset(), weight=1.0, novelty=1.0)
         if not self._tracer.holds(scene):
             ready = replace(ready, holds_path=False)
         return replace(ready, compiled=_titles(self._compiled, name), kept=_titles(self._known, name))
@@ -119,20 +131,35 @@ class Chooser:
             self._scene = scene, surfaces(plan), Load.of(scene, (0, 0), plan, self._use_cache)
         return self._scene[1]
 
-    def _learn(self, scene: Scene, making: Making, before: Ready) -> None:
+    def _learn(self, scene: Scene, settings: Settings, size: tuple[int, int], making: Making, before: Ready) -> None:
+        """From what was made when so much was ready as `before` says."""
         drawn, traced = making.titles
-        pace, weight = before.pace, before.weight
-        if making.drawn_seconds is not None:
-            expected, seen = making.drawn_seconds
-            if drawn <= before.drawn:  # a picture and no preparing
-                weight *= min(max(seen / making.slowdown / max(expected / pace, 1e-6), 1 / MOST_WEIGHT), MOST_WEIGHT)
-            pace = math.sqrt(pace * min(max(making.slowdown, 1.0), MOST_PACE))
-        self._ready = Ready(before.has_raster or bool(drawn), before.has_path or bool(traced), before.drawn | drawn,
-                            self._renderer.holds(scene), self._tracer.holds(scene), pace=pace, weight=weight)
-        names = frozenset(f"{self._names(scene)} {title}" for title in drawn | traced)
-        self._compiled |= names
-        if self._known is not None and not names <= self._known:
-            self._known |= names
+        now = replace(before, has_raster=before.has_raster or bool(drawn), has_path=before.has_path or bool(traced),
+                      drawn=before.drawn | drawn, holds_raster=self._renderer.holds(scene),
+                      holds_path=self._tracer.holds(scene))
+        if making.drawing is not None:
+            title, slowdown = making.drawing.candidate.title, max(making.drawing.slowdown, 1.0)
+            seen = making.drawing.seconds / slowdown
+
+            def expected(kept: frozenset[str]) -> float:
+                ready = replace(before, pace=1.0, novelty=1.0, kept=kept)
+                return next(one.seconds for one in self.weigh(scene, settings, size, ready=ready) if one.title == title)
+
+            least, most = expected(before.kept | {title}), expected(before.kept - {title})
+            if title in before.drawn:  # a picture and no preparing
+                weight = before.weight * min(max(seen / max(least, 1e-6), 1 / MOST_WEIGHT), MOST_WEIGHT)
+                now = replace(now, weight=weight)
+            elif title not in before.compiled | before.kept and most > least:
+                now = replace(now, novelty=min(max((seen - least) / (most - least), LEAST_NOVELTY), 1.0))
+            now = replace(now, pace=math.sqrt(before.pace * min(slowdown, MOST_PACE)))
+            making.drawing = None
+        self._ready = now
+        self._compiled |= frozenset(f"{self._names(scene)} {title}" for title in drawn | traced)
+
+    def _remember(self) -> None:
+        """What the driver keeps from now on."""
+        if self._known is not None and not self._compiled <= self._known:
+            self._known |= self._compiled
             if self._use_cache:
                 store_known(self._context.renderer, self._known)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from operator import attrgetter
 
 from .candidates import MIN_SAMPLES, SLACK, Candidate, TracedCandidate
@@ -32,19 +32,21 @@ class Course:
         return sum(one.seconds for one in (self.first, self.path) if one is not None)
 
 
-def best_course(found: Sequence[Candidate], budget: float) -> Course | None:
+def best_course(found: Sequence[Candidate], budget: float, had: Candidate | None = None) -> Course | None:
     """The one of the least error, by what is expected; None where nothing fits. The more time, the more courses there
-    are and the better each is, so that more time never has a larger error expected."""
-    return min(_courses(found, budget), key=attrgetter("error", "seconds"), default=None)
+    are and the better each is, so that more time never has a larger error expected. A picture that is `had` already
+    can come first for nothing."""
+    return min(_courses(found, budget, had), key=attrgetter("error", "seconds"), default=None)
 
 
-def _courses(found: Sequence[Candidate], budget: float) -> Iterator[Course]:
+def _courses(found: Sequence[Candidate], budget: float, had: Candidate | None) -> Iterator[Course]:
     raster = [one for one in found if not one.is_traced and one.fits(budget)]
+    had = replace(had, seconds=0.0) if had is not None else None
     for one in raster:
         yield Course(one, None, one.error)
     for path in found:
         if isinstance(path, TracedCandidate):
-            for first in (None, *raster):
+            for first in ((None, *raster) if had is None else (had, *raster)):
                 after = path.within(budget - (first.seconds if first is not None else 0.0))
                 if after.seconds + (first.seconds if first is not None else 0.0) <= budget * (1 + SLACK):
                     yield Course(first, after, _expected(first, after))

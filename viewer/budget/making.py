@@ -43,18 +43,26 @@ class View:
     layers: Collection[str] = ()
 
 
+@dataclass(frozen=True)
+class Drawing:
+    """What a picture was expected to take and the `seconds` that it took; `slowdown` by how many times that was longer
+    than on an idle machine."""
+
+    candidate: Candidate
+    seconds: float
+    slowdown: float
+
+
 class Making:
     """One picture, begun at `started` by time.perf_counter. Fills in what came of `choice`; `titles` are the methods it
-    made pictures by, of the raster and of the path tracer, `drawn_seconds` what the last of the raster was
-    expected to take and took, `slowdown` by what it took longer than on an idle machine."""
+    made pictures by, of the raster and of the path tracer, `drawing` the last of the raster."""
 
     def __init__(self, renderer: Renderer, tracer: Tracer, calibration: Calibration, view: View, started: float,
                  choice: Choice) -> None:
         self._renderer, self._tracer, self._calibration = renderer, tracer, calibration
         self._view, self._started, self._choice = view, started, choice
         self.titles: tuple[set[str], set[str]] = set(), set()
-        self.drawn_seconds: tuple[float, float] | None = None
-        self.slowdown = 1.0
+        self.drawing: Drawing | None = None
 
     def drawn(self, candidate: Candidate) -> Image:
         """By the raster."""
@@ -63,16 +71,20 @@ class Making:
             self._renderer.expect(decode_ahead(view.scene, candidate.settings))
         self.titles[0].add(candidate.title)
         image = self._renderer.render(view.scene, view.camera, candidate.settings, view.size)
-        self.drawn_seconds, self.slowdown = (candidate.seconds, watch.seconds), watch.slowdown
+        self.drawing = Drawing(candidate, watch.seconds, watch.slowdown)
         return image
 
-    def along(self, course: Course, report: Report | None, wants_to_stop: Callable[[], bool]) -> Image:
+    def along(self, course: Course, report: Report | None, wants_to_stop: Callable[[], bool],
+              had: Image | None = None) -> Image:
         """In the time budget, for which there is a course. What is drawn first is kept where it is nearer to what the
-        paths say than they are sure, or where they come to nothing in that time."""
+        paths say than they are sure, or where they come to nothing in that time. `had` is a picture by the method that
+        was taken so far."""
         first, path = course.first, course.path
         assert self._choice.budget is not None
         end = self._started + self._choice.budget
-        other = self.drawn(first) if first is not None else None
+        other = had if first is None or first.title == self._choice.taken.title else None
+        if first is not None and other is None:
+            other = self.drawn(first)
         if path is None:
             assert first is not None and other is not None
             return self._taken(first, other, None)
@@ -106,9 +118,8 @@ class Making:
 
     def _is_time_for(self, path: TracedCandidate, end: float) -> bool:
         """Whether paths come to something in what is left, at the pace of the picture that was drawn."""
-        assert self.drawn_seconds is not None
-        expected, seen = self.drawn_seconds
-        late = max(seen / max(expected, 1e-6), 1.0)
+        drawing = self.drawing
+        late = 1.0 if drawing is None else max(drawing.seconds / max(drawing.candidate.seconds, 1e-6), 1.0)
         return time.perf_counter() + late * path.of(MIN_SAMPLES).seconds <= end
 
     def _spare(self) -> Candidate | None:
