@@ -145,17 +145,18 @@ class Renderer:
         target = self._sized_target(size, samples, half, settings.supersampling)
         plan = self._prepare(scene, settings, target, camera.height is not None)
         frame = Frame(scene, camera, target.drawn_size)
+        pixels = Frame(scene, camera, size)  # for what is found for one sample of each, however many points are shaded
         uniforms = self._frame_uniforms(plan, frame, settings)
 
         if plan.has_visibility or plan.has_traced:
             with self._pass("G-buffer"):
-                gbuffer = self._drawn_gbuffer(frame, plan, uniforms)
+                gbuffer = self._drawn_gbuffer(pixels, plan, uniforms)
         if plan.has_visibility:
             with self._pass("visibility"):
-                uniforms |= self._visibility.find(frame, plan, gbuffer)
+                uniforms |= self._visibility.find(pixels, plan, gbuffer)
         if plan.has_traced:
             with self._pass("reflections"):
-                uniforms |= self._reflections.find(frame, gbuffer, uniforms)
+                uniforms |= self._reflections.find(pixels, gbuffer, uniforms)
         target.set_part(part)
         target.framebuffer.use()
         target.framebuffer.clear(depth=1.0)  # alpha 0: a colour is laid behind when the picture is displayed
@@ -301,6 +302,7 @@ class Renderer:
         values: dict[str, object] = {
             "u_view_projection": uniform(frame.view_projection),
             "u_view_direction": tuple(-frame.camera.forward),
+            "u_drawn_size": frame.size,
             "u_point_size": max(1.0, frame.size[1] / 200),
         }
         if self._environment is not None:
