@@ -122,11 +122,16 @@ def test_a_mirror_shows_no_back_of_a_single_side(radiance):
     assert np.abs(sides[1] - RED.base_color[:3]).max() < 0.05
 
 
-@pytest.mark.parametrize("wall", [replace(RED, transmission=1.0), replace(RED, alpha_mode="blend")])
-def test_opaque_walls_alone_are_shown(radiance, wall):
-    wall = replace(wall, base_color=(0.6, 0.2, 0.1, 0.5))
+def test_what_blends_is_not_shown(radiance):
+    wall = replace(RED, alpha_mode="blend", base_color=(0.6, 0.2, 0.1, 0.5))
     picture = radiance(hall(wall), VIEW, SIZE, reflections="traced")
     assert np.abs(picture[in_mirror()[0], :3] - 1).max() < 0.01
+
+
+def test_glass_is_shown_as_one_looks_at_it(radiance):
+    wall = replace(RED, transmission=1.0, perceptual_roughness=0.0, base_color=(0.5, 0.5, 0.5, 1.0))  # reflects nothing: specular is 0
+    picture = radiance(hall(wall), VIEW, SIZE, reflections="traced")
+    assert np.abs(picture[in_mirror()[0], :3] - 0.5).max() < 0.03
 
 
 @pytest.mark.parametrize("roughness", [0.0, 0.2, 0.6])

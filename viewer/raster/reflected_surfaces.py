@@ -1,4 +1,4 @@
-"""What reflections can meet of a scene: its opaque triangles to be traced, and how they look."""
+"""What reflections can meet of a scene: its triangles to be traced, and how they look."""
 
 from __future__ import annotations
 
@@ -24,13 +24,14 @@ _MAX_RADIANCE = 65504.0  # of a half float
 class ReflectedSurfaces:
     """The intersector of one scene's triangles, and textures of how they look at their corners.
 
-    Glass and what alpha opens are left out: what lies behind is reflected. Raises ViewerError for more triangles than
+    Where alpha opens a surface all of it is left out: what lies behind is reflected. Glass shows what it does along its
+    normals. Raises ViewerError for more triangles than
     textures hold, and as `make_intersector` does.
     """
 
     def __init__(self, context: Context, scene: Scene, settings: Settings, kind: str) -> None:
         geometry = trace_geometry(scene)
-        shown = [i for i in geometry.instances if not i.see_through and i.kind != GLASS]
+        shown = [instance for instance in geometry.instances if not instance.see_through]
         geometry = replace(geometry, instances=shown)
         self._scene = scene
         self.intersector = make_intersector(context, geometry, kind=kind)
@@ -73,7 +74,7 @@ def _corners(
     looks = np.zeros((len(vertices), 4), np.float16)
     looks[:, :3] = np.minimum(light.per_instance[instance.source][vertices, :3], _MAX_RADIANCE)
     faces = _unit(_face_normals(placed.positions[placed.triangles], instance.transform))
-    if not material.double_sided:
+    if not material.double_sided and instance.kind != GLASS:
         looks[:, 3] = faces.ravel()
     normals = np.repeat(faces, 3, axis=0)
     if mesh.normals is not None:
