@@ -37,6 +37,7 @@ MODELS = ("FlightHelmet", "DamagedHelmet", "SheenCloth", "Fox", "CesiumMilkTruck
 ENVIRONMENTS = ("studio_small_05_1k", "noon_grass_1k")
 GAIN = 3.0
 """At most a third of plain's error is asked for."""
+_EDGES = ("none", "msaa-4", "ssaa-4")
 COLUMNS = {"model": "model", "environment": "environment", "plain": "plain:.4f", "ms": "plain_ms:.1f",
            "nearest in time": "best", "relMSE": "error:.4f", "of plain's time": "times:.1f", "gain": "gain:.1f",
            "trimmed gain": "trimmed_gain:.1f", "noise floor": "floor:.4f", "at most a third": "verdict"}
@@ -128,14 +129,16 @@ def _climb(frames: Frames, methods: tuple[Method, ...],
     return rungs, left_out
 
 
-def _promise(method: Method) -> int:
-    """Plain comes first, by which others are too slow or not; then what does more about the environment than plain,
-    and last what takes many shadow maps to be drawn."""
+def _promise(method: Method) -> tuple[int, int]:
+    """Sorts methods: plain comes first, by which others are too slow or not; then what does more about the environment
+    than plain, with the smoothest edges first; and last what takes many shadow maps to be drawn."""
+    antialias = str(method.changes.get("antialias", "none"))
+    smooth = -_EDGES.index(antialias) if antialias in _EDGES else 0
     if method == PLAIN:
-        return 0
+        return 0, 0
     if method.changes.get("environment_shadows", "off") in ("256", "1024"):
-        return 3
-    return 2 if method.name in ("phong", "lights", PLAIN.name) else 1
+        return 3, smooth
+    return (2 if method.name in ("phong", "lights", PLAIN.name) else 1), smooth
 
 
 def _nearest(frames: Frames, rungs: list[tuple[Method, Record]], errors: dict[str, float],
