@@ -145,7 +145,7 @@ class Renderer:
         target = self._sized_target(size, samples, half, settings.supersampling)
         plan = self._prepare(scene, settings, target, camera.height is not None)
         frame = Frame(scene, camera, target.drawn_size)
-        pixels = Frame(scene, camera, size)  # for what is found for one sample of each, however many points are shaded
+        pixels = Frame(scene, camera, size)  # of which passes look at one point, however many are shaded
         uniforms = self._frame_uniforms(plan, frame, settings)
 
         if plan.has_visibility or plan.has_traced:
@@ -167,7 +167,7 @@ class Renderer:
                 uniforms |= self._take_backdrop(target)
                 if plan.has_traced_bodies:
                     uniforms |= self._refraction.find(
-                        frame, plan, lambda u: self._surfaces.draw_refraction_rays(frame, plan, u), uniforms)
+                        pixels, plan, lambda u: self._surfaces.draw_refraction_rays(pixels, plan, u), uniforms)
                     target.framebuffer.use()
                 self._surfaces.draw_transmissive(2, frame, plan, uniforms)
         if plan.background:
