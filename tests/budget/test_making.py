@@ -7,7 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from viewer.budget.making import against, around
+from viewer.budget.candidates import Candidate
+from viewer.budget.making import Making, against, around
 from viewer.settings import Settings
 
 
@@ -37,3 +38,15 @@ def test_the_mean_around_a_pixel():
     picture = np.random.default_rng(1).random((9, 12, 3))
     assert around(picture)[4, 5] == pytest.approx(picture[2:7, 3:8].mean((0, 1)))
     assert around(np.ones((3, 4, 3))) == pytest.approx(1)
+
+
+def candidate(title: str, seconds: float, error: float) -> Candidate:
+    return Candidate(title, Settings(), seconds, error)
+
+
+def test_where_paths_come_to_nothing_the_best_that_time_allows_is_made():
+    quick, good, best = candidate("quick", 0.1, 0.4), candidate("good", 1.0, 0.2), candidate("best", 3.0, 0.1)
+    making = Making(None, None, None, None, 0.0, SimpleNamespace(found=[quick, good, best]))
+    assert making._spare(None, 5.0) is best and making._spare(quick, 2.0) is good
+    assert making._spare(good, 2.0) is None and making._spare(good, 0.01) is None
+    assert making._spare(None, 0.01) is quick

@@ -29,8 +29,6 @@ PILOT = 4
 """Samples a pixel before pictures of the raster are held against them."""
 SURE = 2.0
 """Standard deviations of a mean that are added to it."""
-SHARE = 0.25
-"""Of the budget that a picture of the raster may take which stands in where paths come to nothing in time."""
 REHEARSAL = 10.0
 """How many times as long as it takes to finish there has to be left for trying that first."""
 
@@ -89,19 +87,16 @@ class Making:
             assert first is not None and other is not None
             return self._taken(first, other, None)
         if first is not None and other is not None and not self._is_time_for(path, end):
-            self._choice.unfinished = path
-            return self._taken(first, other, None)
-        spare = self._spare() if first is None else None
+            return self._instead(path, first, other, end)
+        spare = self._spare(first, self._choice.budget)
         exposure = self._begin(path)
         try:
-            stand_in = first if first is not None else spare
-            latest = math.inf if stand_in is None else end - path.reserve
+            latest = math.inf if spare is None and first is None else end - path.reserve
             if spare is not None and spare.fits(self._choice.budget):
                 latest = end - spare.seconds
             is_covered = self._covered(exposure, lambda: wants_to_stop() or time.perf_counter() >= latest)
-            if not is_covered and stand_in is not None and not wants_to_stop():
-                self._choice.unfinished = path
-                return self._taken(stand_in, other if other is not None else self.drawn(stand_in), None)
+            if not is_covered and not math.isinf(latest) and not wants_to_stop():
+                return self._instead(path, first, other, end)
             reserve = self._rehearsed(path, exposure, end)
             run(exposure, self._started, report, wants_to_stop, reserve)
             if first is not None and other is not None:
@@ -116,18 +111,29 @@ class Making:
         finally:
             exposure.release()
 
+    def _instead(self, path: Candidate, first: Candidate | None, other: Image | None, end: float) -> Image:
+        """Where the paths come to nothing: the best there is time for, or what is there."""
+        self._choice.unfinished = path
+        spare = self._spare(first, end - time.perf_counter())
+        if spare is not None:
+            return self._taken(spare, self.drawn(spare), None)
+        assert first is not None and other is not None
+        return self._taken(first, other, None)
+
     def _is_time_for(self, path: TracedCandidate, end: float) -> bool:
         """Whether paths come to something in what is left, at the pace of the picture that was drawn."""
         drawing = self.drawing
         late = 1.0 if drawing is None else max(drawing.seconds / max(drawing.candidate.seconds, 1e-6), 1.0)
         return time.perf_counter() + late * path.of(MIN_SAMPLES).seconds <= end
 
-    def _spare(self) -> Candidate | None:
-        """What is drawn where paths come to nothing: the best of what is quick, or the quickest."""
+    def _spare(self, first: Candidate | None, seconds: float) -> Candidate | None:
+        """What is drawn where paths come to nothing: the best of what takes no more than `seconds`, where it is better
+        than what is there; the quickest where nothing is."""
         raster = [one for one in self._choice.found if not one.is_traced]
-        quick = [one for one in raster if one.seconds <= SHARE * (self._choice.budget or 0.0)]
-        quickest = min(raster, key=attrgetter("seconds", "error"), default=None)
-        return min(quick, key=attrgetter("error", "seconds"), default=quickest)
+        quickest = min(raster, key=attrgetter("seconds", "error"), default=None) if first is None else None
+        found = min((one for one in raster if one.seconds <= seconds), key=attrgetter("error", "seconds"),
+                    default=quickest)
+        return None if found is not None and first is not None and found.error >= first.error else found
 
     @staticmethod
     def _covered(exposure: Exposure, is_over: Callable[[], bool]) -> bool:
