@@ -101,7 +101,7 @@ class Making:
             run(exposure, self._started, report, wants_to_stop, reserve)
             if first is not None and other is not None:
                 if not math.isfinite(exposure.error):
-                    self._choice.unfinished = path
+                    self._choice.unfinished = None if wants_to_stop() else path
                     return self._taken(first, other, None)
                 self._choice.held.append((first, against(other, exposure)))
                 if self._choice.held[-1][1] < self._error(exposure):

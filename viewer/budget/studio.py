@@ -44,7 +44,8 @@ class ChoosingStudio(Studio):
         self.stopped = wish.number
         if self.stopped is not None and choice.samples == 0:
             raise Stopped(self.stopped)
-        tell(f"{path}: {choice}")
+        if self.stopped is None:  # else it is told with that
+            tell(f"{path}: {choice}")
         self.told = str(choice)
         self.facts = {"choice": choice.to_json(), "prepare_s": dict(self._renderer.times),
                       "pass_ms": dict(self._renderer.pass_ms), **image.stats, "stopped": self.stopped is not None}
