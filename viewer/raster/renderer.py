@@ -63,7 +63,7 @@ class Renderer:
         self._display = DisplayPass(self._gl, self.programs)
         self._target: Target | None = None
         self._backdrop: Backdrop | None = None
-        self._gbuffer: GBuffer | None = None
+        self._gbuffers: dict[tuple[int, int], GBuffer] = {}
         self._visibility = VisibilityPass(self._gl, self.programs)
         self._reflections = TracedReflections(context, self.programs)
         self._refraction = TracedRefraction(context, self.programs)
@@ -148,15 +148,16 @@ class Renderer:
         pixels = Frame(scene, camera, size)  # of which passes look at one point, however many are shaded
         uniforms = self._frame_uniforms(plan, frame, settings)
 
-        if plan.has_visibility or plan.has_traced:
+        views = [pixels] * plan.has_visibility + [frame] * plan.has_traced  # mirrors differ from point to point
+        if views:
             with self._pass("G-buffer"):
-                gbuffer = self._drawn_gbuffer(pixels, plan, uniforms)
+                gbuffers = self._drawn_gbuffers({view.size: view for view in views}, plan, uniforms)
         if plan.has_visibility:
             with self._pass("visibility"):
-                uniforms |= self._visibility.find(pixels, plan, gbuffer)
+                uniforms |= self._visibility.find(pixels, plan, gbuffers[pixels.size])
         if plan.has_traced:
             with self._pass("reflections"):
-                uniforms |= self._reflections.find(pixels, gbuffer, uniforms)
+                uniforms |= self._reflections.find(frame, gbuffers[frame.size], uniforms)
         target.set_part(part)
         target.framebuffer.use()
         target.framebuffer.clear(depth=1.0)  # alpha 0: a colour is laid behind when the picture is displayed
@@ -192,13 +193,16 @@ class Renderer:
             self._target = Target(self._gl, size, samples, half, supersampling)
         return self._target
 
-    def _drawn_gbuffer(self, frame: Frame, plan: Plan, uniforms: dict[str, object]) -> GBuffer:
-        if self._gbuffer is None or self._gbuffer.size != frame.size:
-            self._release(self._gbuffer)
-            self._gbuffer = None  # should the next one fail
-            self._gbuffer = GBuffer(self._gl, frame.size)
-        self._gbuffer.draw(lambda: self._surfaces.draw_gbuffer(frame, plan, uniforms))
-        return self._gbuffer
+    def _drawn_gbuffers(
+        self, views: dict[tuple[int, int], Frame], plan: Plan, uniforms: dict[str, object]
+    ) -> dict[tuple[int, int], GBuffer]:
+        """One of each of these sizes; others are dropped."""
+        self._release(*(self._gbuffers.pop(size) for size in self._gbuffers.keys() - views.keys()))
+        for size, view in views.items():
+            if size not in self._gbuffers:
+                self._gbuffers[size] = GBuffer(self._gl, size)
+            self._gbuffers[size].draw(lambda view=view: self._surfaces.draw_gbuffer(view, plan, uniforms))
+        return self._gbuffers
 
     def _take_backdrop(self, target: Target) -> dict[str, object]:
         """The picture so far, for what transmits light; the target is drawn into again after it."""
@@ -359,6 +363,6 @@ class Renderer:
         """Free what the renderer holds; the context stays."""
         self.context.make_current()
         self._release(self._display, self._target, self._backdrop, self._visibility, self._reflections,
-                      self._refraction, self._gbuffer, self._surfaces, self._environment, *self._shadows,
+                      self._refraction, *self._gbuffers.values(), self._surfaces, self._environment, *self._shadows,
                       *self._blocks, *self._dfg.values())
         self.programs.release()
