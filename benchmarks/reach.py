@@ -32,7 +32,7 @@ from .reach_truth import Truth
 
 MODELS = ("FlightHelmet", "DamagedHelmet", "SheenCloth", "Fox", "CesiumMilkTruck", "Duck", "Suzanne", "ToyCar",
           "MetalRoughSpheresNoTextures", "BoxTextured", "Box", "GlassVaseFlowers", "AlienCake-tile", "Mountains",
-          "GlamVelvetSofa", "ClearcoatWicker", "carbon-sphere", "RiggedFigure", "SimpleInstancing", "set_and_get",
+          "GlamVelvetSofa", "ClearcoatWicker", "NormalTangentTest", "RiggedFigure", "SimpleInstancing", "set_and_get",
           "sphere-lights", "blender-transmission", "LightsPunctualLamp", "alien-scolitex")
 ENVIRONMENTS = ("studio_small_05_1k", "noon_grass_1k")
 GAIN = 3.0
