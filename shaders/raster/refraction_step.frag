@@ -48,6 +48,7 @@ Met met_at(uvec4 hit, vec3 o, vec3 d) {
     Met met = Met(vec3(a.w, b.w, c.w), a.xyz + weights.x * (b.xyz - a.xyz) + weights.y * (c.xyz - a.xyz), 0.0, plane.y,
                   absorption.rgb, glass.rgb, glass.w);
     float towards = dot(met.face, d);
+    met.n = dot(met.n, met.n) > 1e-12 ? normalize(met.n) : met.face;
     met.along = max((plane.x - dot(met.face, o)) / (abs(towards) < 1e-9 ? 1e-9 : towards), 0.0);
     return met;
 }
@@ -64,7 +65,7 @@ vec3 environment_at(vec3 d, float alpha, float spread) {
 vec3 as_lit(Met met, vec3 d, vec3 to_eye) {
 #if HAS_ENVIRONMENT
     if (dot(faceforward(met.face, d, met.face), to_eye) < 0.0) {
-        vec3 here = environment_irradiance_over_pi(normalize(faceforward(met.n, d, met.face)));
+        vec3 here = environment_irradiance_over_pi(faceforward(met.n, d, met.face));
         return min(here / max(environment_irradiance_over_pi(normalize(to_eye)), 1e-6), 1.0);
     }
 #endif
@@ -98,7 +99,7 @@ void main() {
         bool enters = dot(met.face, d) < 0.0;
         if (!enters) kept *= exp(-met.absorption * met.along);
         float side = enters ? 1.0 : -1.0;
-        vec3 n = bend_normal(side * normalize(met.n), side * met.face, -d);
+        vec3 n = bend_normal(side * met.n, side * met.face, -d);
         float eta = enters ? met.ior : 1.0 / met.ior;
         float mu = clamp(dot(-d, n), 1e-4, 1.0);
         float R = f_dielectric(mu, eta);

@@ -132,6 +132,48 @@ def test_the_tree_in_a_shader_finds_what_embree_finds(renderer):
     assert differ.mean() < 0.01
 
 
+EXTREME = {
+    "no index": {"ior": 1.0}, "a large index": {"ior": 100.0}, "index 0": {"ior": 0.0},
+    "black": {"ior": 1.0, "thickness": 1e6, "attenuation_distance": 1e-9, "attenuation_color": (0.0, 1.0, 0.5)},
+    "dark and rough": {"base_color": (0.0, 0.0, 0.0, 1.0), "perceptual_roughness": 1.0, "thickness": 1e-6},
+}
+
+
+@pytest.mark.parametrize("name", EXTREME)
+def test_every_pixel_is_finite(renderer, name):
+    """Of a ball, one inside out, a sheet that is open, a coarse ball and one that is flat."""
+    ball = sphere(segments=24)
+    model = scene(ball, (turned_inside_out(ball), moved((2, 0, 0))), (plate(), moved((-2, 0, 0))),
+                  (sphere(segments=6), moved((0, 2, 0))), (ball, moved((0, -2, 0), (1, 0, 1))),
+                  materials=[replace(GLASS, **EXTREME[name])], environment=lopsided())
+    for samples in ("none", "msaa-4", "ssaa-4"):
+        settings = Settings.of(**TRACED | {"antialias": samples})
+        picture = renderer.render(model, orthographic(0.3, 0.2, height=6.0), settings, SIZE).linear
+        assert np.isfinite(picture).all() and picture.min() >= 0
+
+
+def test_parts_sizes_and_scenes_in_turn(renderer):
+    """Nothing is kept that does not hold."""
+    camera, settings = orthographic(0.4, 0.3, height=2.2), Settings.of(**TRACED)
+    ball = scene(sphere(), materials=[GLASS], environment=lopsided())
+    first = renderer.render(hollow_ball(), camera, settings, SIZE).linear
+    other = renderer.render(ball, camera, settings, (31, 17)).linear
+    assert other.shape == (17, 31, 4) and other[8, 15, 3] == 1
+    assert np.abs(renderer.render(ball, camera, settings, SIZE).linear - first).max() > 0.1
+    assert np.array_equal(renderer.render(hollow_ball(), camera, settings, SIZE).linear, first)
+    renderer.draw(hollow_ball(), camera, settings, SIZE, half=False, part=(0, 0, 20, 48))
+    renderer.draw(hollow_ball(), camera, settings, SIZE, half=False, part=(20, 0, 28, 48))
+    assert np.array_equal(renderer.read_radiance(), first)
+
+
+def test_a_plan_that_leaves_nothing_out_draws_the_same(renderer):
+    camera, settings = orthographic(0.4, 0.3, height=2.2), Settings.of(**TRACED)
+    needed = renderer.render(hollow_ball(), camera, settings, SIZE).linear
+    everything = renderer.render(hollow_ball(), camera, replace(settings, plan="everything"), SIZE).linear
+    assert renderer.plan.is_everything and renderer.plan.has_traced_bodies
+    assert np.abs(everything - needed).max() < 2e-3
+
+
 def test_only_bodies_are_traced():
     def planned(material: Material, **settings: object):
         return plan_scene(scene(sphere(), materials=[material], environment=constant()), Settings.of(**settings), [],
