@@ -20,6 +20,8 @@ from .timing import of_pictures
 RASTER_SHARE, POINTS_SHARE, LONG_SHARE = 0.25, 0.5, 0.75
 """Of the time, what points of the raster may take, all points that are climbed to one by one, and all points; the
 reference gets what is left."""
+LEAST_SHARE = 0.1
+"""What path-traced points get of each kind, however long the raster took to prepare."""
 LONG = ("path", "path+oidn", "path+fast")
 """The methods of which a picture is wanted that takes about as long as is ever recommended."""
 FLOOR_SHARE = 0.1
@@ -94,8 +96,9 @@ class Surveyor:
             if self._store.load(method.slug, self._key) is None:
                 if method.family in given_up or is_met_by_pilot(method, survey.rungs):
                     continue
-                share = POINTS_SHARE if method.is_traced else RASTER_SHARE
-                left = share * self._limit - sum(record.seconds for _, record in survey.rungs)
+                left = self._left(POINTS_SHARE if method.is_traced else RASTER_SHARE)
+                if method.is_traced:
+                    left = max(left, LEAST_SHARE * self._limit - self._traced_seconds())
                 reason = reason_against(method, survey.rungs, left, of_pictures(self._limit))
                 if reason:
                     steps_on = ", and the next steps" if "spp" in method.changes else ""
@@ -111,11 +114,19 @@ class Surveyor:
         """Somebody who has ten seconds is to be told of a picture that takes them: past steps that there is no time
         for, to the most samples that this budget has room for."""
         survey = self.survey
+        climbed = self._traced_seconds()
         for name in LONG:
-            left = LONG_SHARE * self._limit - sum(record.seconds for _, record in survey.rungs)
+            leapt = self._traced_seconds() - climbed
+            left = max(self._left(LONG_SHARE), LEAST_SHARE * self._limit - leapt)
             method = longest([method for method in steps.traced if method.name == name], survey.rungs, left)
             if method is not None:
                 survey.rungs.append((method, self._measured(method)))
+
+    def _left(self, share: float) -> float:
+        return share * self._limit - sum(record.seconds for _, record in self.survey.rungs)
+
+    def _traced_seconds(self) -> float:
+        return sum(record.seconds for method, record in self.survey.rungs if method.is_traced)
 
     def _measured(self, method: Method) -> Record:
         self._tell(method.label)
