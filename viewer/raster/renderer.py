@@ -168,7 +168,7 @@ class Renderer:
                 uniforms |= self._take_backdrop(target)
                 if plan.has_traced_bodies:
                     uniforms |= self._refraction.find(
-                        pixels, plan, lambda u: self._surfaces.draw_refraction_rays(pixels, plan, u), uniforms)
+                        frame, plan, lambda u: self._surfaces.draw_refraction_rays(frame, plan, u), uniforms)
                     target.framebuffer.use()
                 self._surfaces.draw_transmissive(2, frame, plan, uniforms)
         if plan.background:
