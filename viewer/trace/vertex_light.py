@@ -89,6 +89,7 @@ def _trace(context: Context, scene: Scene, traced: Scene, surfaces: Surfaces, po
                        lobes="all", plan="needed", exposure=0.0, bounces=default.bounces, clamp=0.0)
     rays = SurfaceRays(context.gl, kind, places, normals, outsides)
     tracer = Tracer(context)
+    context.gl.clear_samplers()  # those of a shadow map's masks would hide a wave's textures
     try:
         exposure = tracer.begin_at(traced, rays, settings)
         try:
