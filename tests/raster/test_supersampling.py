@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from shapes import lopsided, orthographic, scene, sphere
+import pytest
+from shapes import WHITE, facing_floor, lopsided, moved, orthographic, plate, scene, sphere
 
 from viewer.measure.relmse import reduced
 from viewer.scene.material import Material
@@ -19,6 +20,19 @@ def test_it_is_the_larger_picture_averaged(renderer):
         large = renderer.render(SCENE, VIEW, Settings.of(antialias="none"), (24 * k, 16 * k)).linear
         assert small.shape == (16, 24, 4)
         assert np.abs(small - reduced(large, k)).max() < 1e-4 * large.max()
+
+
+@pytest.mark.parametrize("setting", [{"environment_shadows": "16"}, {"ambient_occlusion": "gtao"},
+                                     {"reflections": "traced"}])
+def test_what_is_found_for_each_pixel_is_found_between_them(renderer, setting):
+    stand = scene((sphere(), moved((0, 0.5, 0), 0.4)), (plate(1), facing_floor()), environment=lopsided(),
+                  materials=[WHITE, Material(perceptual_roughness=0.3)])
+    view = orthographic(0.3, 0.6, height=2.4)
+    large, small = (renderer.render(stand, view, Settings.of(antialias=antialias, **setting), size).linear
+                    for antialias, size in (("none", (144, 96)), ("ssaa-9", (48, 32))))
+    bare = renderer.render(stand, view, Settings.of(antialias="ssaa-9"), (48, 32)).linear
+    error = np.abs(small - reduced(large, 3))[..., :3].mean()
+    assert error < 0.1 * np.abs(small - bare)[..., :3].mean()
 
 
 def test_a_part_is_that_of_the_whole(renderer):
