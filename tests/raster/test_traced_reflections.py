@@ -129,7 +129,8 @@ def test_what_blends_is_not_shown(radiance):
 
 
 def test_glass_is_shown_as_one_looks_at_it(radiance):
-    wall = replace(RED, transmission=1.0, perceptual_roughness=0.0, base_color=(0.5, 0.5, 0.5, 1.0))  # reflects nothing: specular is 0
+    # Its specular is 0: it reflects nothing.
+    wall = replace(RED, transmission=1.0, perceptual_roughness=0.0, base_color=(0.5, 0.5, 0.5, 1.0))
     picture = radiance(hall(wall), VIEW, SIZE, reflections="traced")
     assert np.abs(picture[in_mirror()[0], :3] - 0.5).max() < 0.03
 
