@@ -299,8 +299,8 @@ def test_the_panel_grows_with_the_desktops_scale(open_window, scene, monkeypatch
 def test_keys_typed_into_a_field_do_nothing_else(open_window, scene):
     hands = open_window(scene, size=(640, 560))
     hands.key("Tab")
-    hands.click(540, 300)
-    for y in range(390, 552, 6):
+    hands.click(540, 385)
+    for y in range(460, 552, 6):
         hands.click(540, y)
         if hands.window._gui.wants_keyboard:
             break

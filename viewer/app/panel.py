@@ -29,7 +29,8 @@ _LABELS = {
     "directional-diffuse": "Directional diffuse", "neutral": "Khronos PBR Neutral", "agx": "AgX", "aces": "ACES (Hill)",
     "auto": "Automatic", "msaa-2": "2 samples", "msaa-4": "4 samples", "msaa-8": "8 samples",
     "off": "As it is", "fast": "Filtered, for the eye", "mis": "Both ways (MIS)", "bsdf": "By surfaces alone",
-    "lights": "By lights alone",
+    "lights": "By lights alone", "environment": "Of the environment", "screen": "Of the picture", "traced": "Traced",
+    "baked": "Baked",
 }
 _MODES = ((("pbr",), ("phong",), ("path",)), (("phong", "pbr"), ("pbr", "path")))
 _TONEMAPS = ("neutral", "agx", "aces", "none")
