@@ -7,7 +7,7 @@ from statistics import median
 
 from ..bake.environment import bake_environment
 from ..gpu.context import Context
-from ..measure.report.ladder import SHADOWED, Method, ladder
+from ..measure.report.ladder import Method, ladder
 from ..raster.renderer import Renderer
 from ..scene.scene import Scene
 from ..settings import Settings
@@ -25,6 +25,8 @@ PATIENCE_S = 2.0
 """For a first small picture; what takes longer is not looked at, nor its dearer kinds: paths use such time better."""
 GAIN = 0.97
 """Of the error of the kind before it: what has more, and its dearer kinds, are not looked at."""
+EDGES = {"none", "msaa-4", "ssaa-4", "ssaa-9"}
+"""Antialiasing that is looked at."""
 BAKED = {"indirect", "reflections"}
 """Settings of the raster whose preparing is tracing paths."""
 _RUNS = 3
@@ -52,7 +54,7 @@ def _methods(scene: Scene) -> dict[str, Method]:
     """Those that show a scene as it is lit, without what turns one more knob of another, and without what bakes light
     by tracing paths: in that time paths make the picture itself."""
     found = [method for method in ladder(scene, Settings()).raster
-             if method.lights is None and method.changes.get("antialias") in SHADOWED
+             if method.lights is None and method.changes.get("antialias") in EDGES
              and not BAKED & method.changes.keys()]
     return {method.slug: method for method in found
             if not any(other.name == method.name and other.changes.items() < method.changes.items() for other in found)}

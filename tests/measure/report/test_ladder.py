@@ -77,7 +77,7 @@ def test_light_between_surfaces_is_measured_where_there_can_be_some():
     two = (BALL, (BALL, shapes.moved((3, 0, 0))))
     changes = [method.changes for method in rungs(shapes.scene(*two, environment=shapes.constant()))[0]
                if method.name == "indirect"]
-    assert [change["environment_shadows"] for change in changes] == ["off", "16", "64"]
+    assert [change["environment_shadows"] for change in changes] == ["off", "16", "16", "64"]
     assert "indirect" not in {method.name for method in rungs(shapes.scene(BALL, environment=shapes.constant()))[0]}
 
 

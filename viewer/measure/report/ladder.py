@@ -7,7 +7,7 @@ is told by `ladder`; nothing is drawn here.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from importlib.util import find_spec
 from typing import Any
@@ -27,15 +27,18 @@ TARGETS = (0.1, 0.05, 0.03, 0.02, 0.01)
 """Estimated relative errors at which the adaptive points end."""
 KNOBS = ("multiscatter", "specular_aa", "fresnel")
 """Settings of image-based light of which the other choices are measured, one at a time."""
-SHADOWED = ("none", "msaa-4", "ssaa-4")
-"""Antialiasing with which ambient occlusion and the environment's shadows are measured."""
+OCCLUDED = ("none", "msaa-4", "ssaa-4")
+"""Antialiasing with which ambient occlusion is measured."""
+SHADOWED = {"16": ("none", "msaa-4", "ssaa-4", "ssaa-9"), "64": ("msaa-4", "ssaa-4", "ssaa-9", "ssaa-16"),
+            "256": ("ssaa-4", "ssaa-16"), "1024": ("ssaa-16",)}
+"""Lights of the environment that cast shadows, and antialiasing that is worth its time beside them."""
 FOLLOWED = {"indirect": ("baked", "light between surfaces"), "reflections": ("traced", "traced reflections"),
             "refraction": ("traced", "traced refraction")}
 """Settings by which the raster follows light further, each with its dear choice and what to call that."""
-INDIRECT = ("16", "64")
-"""Lights of the environment that cast shadows beside light between surfaces, where nothing else is dear."""
-TOGETHER = ("64", "256")
-"""Lights of the environment that cast shadows where all of that is done at once."""
+INDIRECT = {"16": ("ssaa-4", "ssaa-9"), "64": ("ssaa-9",)}
+"""The same where light between surfaces is all that is done beside them."""
+TOGETHER = {"64": ("ssaa-4", "ssaa-9", "ssaa-16"), "256": ("ssaa-16",)}
+"""The same where all of that is done at once."""
 
 
 @dataclass(frozen=True)
@@ -191,23 +194,22 @@ def _image_based(scene: Scene, lights: Sequence[Light], settings: Settings,
         for value in choices[name]:
             if value != getattr(settings, name):
                 yield replace(PLAIN, changes={**PLAIN.changes, name: value})
-    for antialias in SHADOWED:
+    for antialias in OCCLUDED:
         yield Method("ambient-occlusion", "ambient occlusion", {"ambient_occlusion": "gtao", "antialias": antialias})
     followed = dict(_followed(scene, lights, settings, left_out))
     for name, value in followed.items():
         yield Method(name, FOLLOWED[name][1], {"environment_shadows": "off", name: value, "antialias": "msaa-4"})
-    for count in INDIRECT if "indirect" in followed else ():
-        yield Method("indirect", FOLLOWED["indirect"][1], {"environment_shadows": count,
-                                                           "indirect": followed["indirect"], "antialias": "ssaa-4"})
-    for count in TOGETHER if followed else ():
-        for antialias in SHADOWED:
-            yield Method("together", "raster with everything", {"environment_shadows": count, **followed,
-                                                           "antialias": antialias})
-    for count in choices["environment_shadows"]:
-        for antialias in choices["antialias"] if count != "off" else ():
-            if antialias in SHADOWED:
-                yield Method("environment-shadows", "environment's shadows",
-                             {"environment_shadows": count, "antialias": antialias})
+    if "indirect" in followed:
+        yield from _shadowed("indirect", FOLLOWED["indirect"][1], INDIRECT, indirect=followed["indirect"])
+    if followed:
+        yield from _shadowed("together", "raster with everything", TOGETHER, **followed)
+    yield from _shadowed("environment-shadows", "environment's shadows", SHADOWED)
+
+
+def _shadowed(name: str, title: str, rungs: Mapping[str, Sequence[str]], **changes: Any) -> Iterator[Method]:
+    for count, edges in rungs.items():
+        for antialias in edges:
+            yield Method(name, title, {"environment_shadows": count, **changes, "antialias": antialias})
 
 
 def _followed(scene: Scene, lights: Sequence[Light], settings: Settings,
