@@ -37,7 +37,7 @@ MODELS = ("FlightHelmet", "DamagedHelmet", "SheenCloth", "Fox", "CesiumMilkTruck
 ENVIRONMENTS = ("studio_small_05_1k", "noon_grass_1k")
 GAIN = 3.0
 """At most a third of plain's error is asked for."""
-_EDGES = ("none", "msaa-4", "ssaa-4")
+_EDGES = ("none", "msaa-4", "ssaa-4", "ssaa-9", "ssaa-16")
 COLUMNS = {"model": "model", "environment": "environment", "plain": "plain:.4f", "ms": "plain_ms:.1f",
            "nearest in time": "best", "relMSE": "error:.4f", "of plain's time": "times:.1f", "gain": "gain:.1f",
            "trimmed gain": "trimmed_gain:.1f", "noise floor": "floor:.4f", "at most a third": "verdict"}
