@@ -117,3 +117,12 @@ def test_what_scenes_share_is_not_uploaded_again(renderer):
     picture = renderer.display(lit, camera, SETTINGS, SIZE).srgb
     assert not np.array_equal(picture, picture_of(renderer, (model, camera)))
     assert renderer._surfaces is surfaces
+
+
+def test_a_renderer_that_is_gone_leaves_no_error_to_the_next(context):
+    model = scene(sphere())
+    for _ in range(2):  # the second begins where the first was released
+        own = Renderer(context)
+        own.render(model, orthographic(), SETTINGS, (8, 8))
+        own.release()
+        assert context.gl.error == "GL_NO_ERROR"

@@ -362,6 +362,7 @@ class Renderer:
     def release(self) -> None:
         """Free what the renderer holds; the context stays."""
         self.context.make_current()
+        self._gl.screen.use()  # moderngl goes back to the framebuffer last used, be it gone
         self._release(self._display, self._target, self._backdrop, self._visibility, self._reflections,
                       self._refraction, *self._gbuffers.values(), self._surfaces, self._environment, *self._shadows,
                       *self._blocks, *self._dfg.values())
