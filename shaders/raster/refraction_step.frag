@@ -14,6 +14,7 @@
 uniform sampler2D u_origin, u_direction, u_kept, u_light; // as refraction_rays.frag writes them
 uniform usampler2D u_hit;                                 // viewer/trace/intersect.py
 uniform sampler2D u_surfaces;                             // viewer/raster/refracting_surfaces.py
+uniform int u_triangles;                                  // where they begin in it
 uniform vec3 u_eye;                                       // in tracer space
 
 layout(location = 0) out vec4 o_origin;
@@ -42,7 +43,7 @@ vec4 texel(int i) {
 Met met_at(uvec4 hit, vec3 o, vec3 d) {
     int instance = int(hit.x & INSTANCE_MASK);
     vec4 absorption = texel(2 * instance), glass = texel(2 * instance + 1);
-    int first = int(absorption.w) + 4 * int(hit.y);
+    int first = u_triangles + 4 * (int(absorption.w) + int(hit.y));
     vec4 a = texel(first), b = texel(first + 1), c = texel(first + 2), plane = texel(first + 3);
     vec2 weights = uintBitsToFloat(hit.zw);
     Met met = Met(vec3(a.w, b.w, c.w), a.xyz + weights.x * (b.xyz - a.xyz) + weights.y * (c.xyz - a.xyz), 0.0, plane.y,

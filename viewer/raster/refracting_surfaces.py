@@ -1,7 +1,8 @@
 """What light that is refracted can meet of a scene: bodies of glass and what is opaque, and how their surfaces lie.
 
 Texels of shaders/raster/refraction_step.frag, in tracer space (viewer/trace/geometry.py):
-    instance  2: absorption and the first texel of its triangles; the root of its base colour, its index (0: opaque)
+    instance  2: absorption and the number of its first triangle, which a float holds; the root of its base colour, its
+                 index (0: opaque). Triangles follow all instances.
     triangle  4: the normal at each corner, and in w a component of the face's; then how far its plane is from the
                  origin along that, and the mean curvature of what it is a part of, 1 / r on a ball
 """
@@ -39,15 +40,20 @@ class RefractingSurfaces:
         shown = [replace(i, see_through=False) for i in geometry.instances if _is_met(scene, geometry, i)]
         self._geometry = replace(geometry, instances=shown)
         self.intersector = make_intersector(context, self._geometry, kind=kind)
-        self.texture = _texture(context.gl, _texels(scene, self._geometry))
+        self._texture = _texture(context.gl, _texels(scene, self._geometry))
 
     def holds(self, scene: Scene) -> bool:
         """Whether these are that scene's triangles and materials."""
         return all(getattr(scene, name) is getattr(self._scene, name) for name in ("instances", "meshes", "materials"))
 
+    def bind(self, unit: int) -> dict[str, int]:
+        """The uniforms of shaders/raster/refraction_step.frag."""
+        self._texture.use(unit)
+        return {"u_surfaces": unit, "u_triangles": _INSTANCE * len(self._geometry.instances)}
+
     def release(self) -> None:
         self.intersector.release()
-        self.texture.release()
+        self._texture.release()
 
 
 def _is_met(scene: Scene, geometry: TraceGeometry, instance: TraceInstance) -> bool:
@@ -59,14 +65,14 @@ def _is_met(scene: Scene, geometry: TraceGeometry, instance: TraceInstance) -> b
 def _texels(scene: Scene, geometry: TraceGeometry) -> NDArray[np.float32]:
     """(N, 4)."""
     heads = np.zeros((len(geometry.instances), _INSTANCE, 4), np.float32)
-    parts, first = [], heads.size // 4
+    parts, first = [], 0
     for head, instance in zip(heads, geometry.instances):
         traced = geometry.materials[instance.material]
         head[0] = *traced.sigma, first
         if traced.transmission > 0:
             head[1] = *np.sqrt(np.maximum(traced.material.base_color[:3], 0)), max(traced.material.ior, 1.0)
         parts.append(_triangles(scene, geometry, instance))
-        first += len(parts[-1])
+        first += len(parts[-1]) // _TRIANGLE
     return np.concatenate([heads.reshape(-1, 4), *parts])
 
 

@@ -76,7 +76,8 @@ class TracedRefraction:
             if answer.alive == 0:
                 break
             intersector.store(paths, answer)
-            self._met.texture.use(_UNIT_SURFACES)
+            for name, value in self._met.bind(_UNIT_SURFACES).items():
+                set_uniform(program, name, value)
             paths.go_on(program)
 
     def drop_scene(self) -> None:
@@ -143,7 +144,6 @@ class _Paths:
         """From the surfaces that were met to what is beyond them, where there are rays."""
         self.hit.use(_UNIT_HIT)
         set_uniform(program, "u_hit", _UNIT_HIT)
-        set_uniform(program, "u_surfaces", _UNIT_SURFACES)
         for unit, (name, texture) in enumerate(zip(_STATE, self._state), _UNIT_STATE):
             texture.use(unit)
             set_uniform(program, f"u_{name}", unit)
