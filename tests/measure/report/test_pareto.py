@@ -25,16 +25,22 @@ def time_ms(median: float, spread: float = 0.01) -> dict[str, float]:
 
 def test_a_knob_is_free_where_only_the_time_changes():
     settings = [{"a": 1, "b": 1}, {"a": 2, "b": 1}, {"a": 2, "b": 2}, {"a": 1}]
-    errors = [1.01, 1.0, 0.5, 1.0]
+    errors = [[1.01], [1.0], [0.5], [1.0]]
     times = [time_ms(10), time_ms(20), time_ms(40), time_ms(1)]
-    [knob] = free_knobs(settings, times, errors, noise=0.0)
+    [knob] = free_knobs(settings, times, errors, noise=[0.0])
     assert (knob.setting, knob.cheap, knob.dear, knob.values) == ("a", 0, 1, (1, 2)) and knob.saved == 0.5
 
 
 def test_noise_makes_errors_the_same_and_times_uncertain():
     settings, times = [{"a": 1}, {"a": 2}], [time_ms(10), time_ms(20)]
-    assert not free_knobs(settings, times, [1.5, 1.0], noise=0.1)
-    assert free_knobs(settings, times, [1.5, 1.0], noise=0.6)
-    assert free_knobs(settings, times, [0.5, 1.0], noise=0.0)  # cheaper and better
-    assert not free_knobs(settings, [time_ms(10, 1.5), time_ms(20)], [1.0, 1.0], noise=0.0)
-    assert not free_knobs(settings, [time_ms(10), time_ms(20, 0.6)], [1.0, 1.0], noise=0.0)
+    assert not free_knobs(settings, times, [[1.5], [1.0]], noise=[0.1])
+    assert free_knobs(settings, times, [[1.5], [1.0]], noise=[0.6])
+    assert free_knobs(settings, times, [[0.5], [1.0]], noise=[0.0])  # cheaper and better
+    assert not free_knobs(settings, [time_ms(10, 1.5), time_ms(20)], [[1.0], [1.0]], noise=[0.0])
+    assert not free_knobs(settings, [time_ms(10), time_ms(20, 0.6)], [[1.0], [1.0]], noise=[0.0])
+
+
+def test_what_looks_worse_is_not_free():
+    settings, times = [{"a": 1}, {"a": 2}], [time_ms(10), time_ms(20)]
+    assert free_knobs(settings, times, [[0.5, 0.1], [1.0, 0.1]], noise=[0.0, 0.0])
+    assert not free_knobs(settings, times, [[0.5, 0.2], [1.0, 0.1]], noise=[0.0, 0.05])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from typing import Any
@@ -11,7 +11,7 @@ import numpy as np
 
 from ...image import Image
 from ...settings import STOPPING
-from .errors import MEASURES, Errors, errors, trimmed_floor
+from .errors import FREE_BY, MEASURES, Errors, errors, trimmed_floor
 from .ladder import PLAIN, Method, settings_of
 from .pareto import BUDGETS_MS, best_within, free_knobs, front
 from .store import Record
@@ -52,6 +52,7 @@ def find(survey: Survey, scene: str, command: Callable[[Method], str], facts: Do
     times = [rung.record.facts["time_ms"]["median"] for rung in rungs]
     by_measure = {name: [getattr(rung.errors, name) for rung in rungs] for name in MEASURES}
     fronts = {name: front(times, values) for name, values in by_measure.items()}
+    floors = _floors(survey, truth)
     document = {
         "scene": scene,
         "device": bench.context.renderer,
@@ -59,7 +60,7 @@ def find(survey: Survey, scene: str, command: Callable[[Method], str], facts: Do
         "size": list(bench.size),
         "reference": {
             "method": "path traced", "spp": reference.spp, "relmse_floor": reference.floor(mask),
-            "floor": _floors(survey, truth), "seconds": reference.seconds,
+            "floor": floors, "seconds": reference.seconds,
         },
         "points": [
             {
@@ -73,7 +74,7 @@ def find(survey: Survey, scene: str, command: Callable[[Method], str], facts: Do
             } for k, rung in enumerate(rungs)
         ],
         "recommend": _recommend(times, by_measure),
-        "knobs": _knobs(rungs, survey),
+        "knobs": _knobs(rungs, survey, floors),
         "raster": _raster(rungs),
         "left_out": [asdict(out) for out in survey.left_out],
         "is_whole": survey.is_whole,
@@ -109,17 +110,16 @@ def _recommend(times: Sequence[float], by_measure: dict[str, list[float]]) -> li
     return rows
 
 
-def _knobs(rungs: Sequence[Rung], survey: Survey) -> list[Document]:
-    """Settings that save time and cost no error.
+def _knobs(rungs: Sequence[Rung], survey: Survey, floors: Mapping[str, float]) -> list[Document]:
+    """Settings that save time and cost no error, neither by figures nor to the eye.
 
     How long to go on is none of them: of two numbers of samples the fewer come out better by chance alone."""
-    base, reference, mask = survey.bench.settings, survey.reference, survey.mask
-    assert reference is not None and mask is not None
-    found = [rung.errors.relmse_trimmed for rung in rungs]
-    settings = [asdict(rung.method.settings(base)) | {"lights": rung.method.lights is None} for rung in rungs]
+    settings = [asdict(rung.method.settings(survey.bench.settings)) | {"lights": rung.method.lights is None}
+                for rung in rungs]
     times = [rung.record.facts["time_ms"] for rung in rungs]
+    found = [[getattr(rung.errors, name) for name in FREE_BY] for rung in rungs]
     return [{"setting": knob.setting, "cheap": knob.cheap, "dear": knob.dear, "values": list(knob.values),
-             "saved": knob.saved} for knob in free_knobs(settings, times, found, trimmed_floor(reference.halves, mask))
+             "saved": knob.saved} for knob in free_knobs(settings, times, found, [floors[name] for name in FREE_BY])
             if knob.setting not in STOPPING]
 
 

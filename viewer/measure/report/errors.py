@@ -17,6 +17,8 @@ from ..relmse import EPSILON, Halves
 
 MEASURES = ("relmse_trimmed", "relmse", "rmse", "flip")
 """What is recommended, and the Pareto front, are by the first."""
+FREE_BY = ("relmse_trimmed", "flip")
+"""What costs nothing in error is so by both."""
 TRIMMED = 0.001
 """Share of the pixels, those with the largest errors, that `relmse_trimmed` leaves out.
 

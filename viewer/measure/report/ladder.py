@@ -27,18 +27,21 @@ TARGETS = (0.1, 0.05, 0.03, 0.02, 0.01)
 """Estimated relative errors at which the adaptive points end."""
 KNOBS = ("multiscatter", "specular_aa", "fresnel")
 """Settings of image-based light of which the other choices are measured, one at a time."""
+SHADOWS = "environment-shadows", "environment's shadows"
+"""Name and title."""
 OCCLUDED = ("none", "msaa-4", "ssaa-4")
 """Antialiasing with which ambient occlusion is measured."""
-SHADOWED = {"16": ("none", "msaa-4", "ssaa-4", "ssaa-9"), "64": ("msaa-4", "ssaa-4", "ssaa-9", "ssaa-16"),
-            "256": ("ssaa-4", "ssaa-16"), "1024": ("ssaa-16",)}
+SHADOWED = {"16": ("none", "msaa-4", "ssaa-4", "ssaa-9"), "64": ("msaa-4", "ssaa-4", "ssaa-9", "ssaa-16")}
 """Lights of the environment that cast shadows, and antialiasing that is worth its time beside them."""
+MANY = {"256": ("ssaa-4", "ssaa-16"), "1024": ("ssaa-16",)}
+"""Likewise, but so dear to prepare that they come last."""
 FOLLOWED = {"indirect": ("baked", "light between surfaces"), "reflections": ("traced", "traced reflections"),
             "refraction": ("traced", "traced refraction")}
 """Settings by which the raster follows light further, each with its dear choice and what to call that."""
 INDIRECT = {"16": ("ssaa-4", "ssaa-9"), "64": ("ssaa-9",)}
-"""The same where light between surfaces is all that is done beside them."""
+"""Lights and antialiasing, likewise, where light between surfaces is all that is done beside the shadows."""
 TOGETHER = {"64": ("ssaa-4", "ssaa-9", "ssaa-16"), "256": ("ssaa-16",)}
-"""The same where all of that is done at once."""
+"""Lights and antialiasing where all of FOLLOWED is done at once."""
 
 
 @dataclass(frozen=True)
@@ -196,6 +199,7 @@ def _image_based(scene: Scene, lights: Sequence[Light], settings: Settings,
                 yield replace(PLAIN, changes={**PLAIN.changes, name: value})
     for antialias in OCCLUDED:
         yield Method("ambient-occlusion", "ambient occlusion", {"ambient_occlusion": "gtao", "antialias": antialias})
+    yield from _shadowed(*SHADOWS, SHADOWED)
     followed = dict(_followed(scene, lights, settings, left_out))
     for name, value in followed.items():
         yield Method(name, FOLLOWED[name][1], {"environment_shadows": "off", name: value, "antialias": "msaa-4"})
@@ -203,7 +207,7 @@ def _image_based(scene: Scene, lights: Sequence[Light], settings: Settings,
         yield from _shadowed("indirect", FOLLOWED["indirect"][1], INDIRECT, indirect=followed["indirect"])
     if followed:
         yield from _shadowed("together", "raster with everything", TOGETHER, **followed)
-    yield from _shadowed("environment-shadows", "environment's shadows", SHADOWED)
+    yield from _shadowed(*SHADOWS, MANY)
 
 
 def _shadowed(name: str, title: str, rungs: Mapping[str, Sequence[str]], **changes: Any) -> Iterator[Method]:

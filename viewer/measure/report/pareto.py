@@ -42,19 +42,20 @@ class Knob:
     """Share of the time of `dear`."""
 
 
-def free_knobs(settings: Sequence[Mapping[str, Any]], times: Sequence[Mapping[str, float]], errors: Sequence[float],
-               noise: float) -> list[Knob]:
+def free_knobs(settings: Sequence[Mapping[str, Any]], times: Sequence[Mapping[str, float]],
+               errors: Sequence[Sequence[float]], noise: Sequence[float]) -> list[Knob]:
     """Knobs that cost nothing in error when turned to the cheaper side, those that save most first.
 
-    `settings` hold the same names where they can be compared. Two errors are the same where they differ by less than
-    `noise`, the reference's floor, or by SAME of themselves; a point is faster where the middle 80 % of its times, p10
+    `settings` hold the same names where they can be compared. `errors` have each point's by several measures, and by
+    none of them may it be larger than the other's by more than `noise`, the reference's floor, or SAME of itself: what
+    is off by no more may still look wrong. A point is faster where the middle 80 % of its times, p10
     to p90, lie below the other's median, and its median below the other's p10.
     """
     knobs = []
     for cheap, few in enumerate(settings):
         for dear, many in enumerate(settings):
             changed = [name for name in few if few[name] != many.get(name)] if few.keys() == many.keys() else []
-            is_same = errors[cheap] - errors[dear] <= max(noise, SAME * errors[dear])
+            is_same = all(a - b <= max(floor, SAME * b) for a, b, floor in zip(errors[cheap], errors[dear], noise))
             a, b = times[cheap], times[dear]
             if len(changed) == 1 and is_same and a["p90"] < b["median"] and a["median"] < b["p10"]:
                 name = changed[0]

@@ -17,7 +17,7 @@ from .reference import LEAST_SPP, Reference, ReferenceMaker
 from .store import Record, Store
 from .timing import of_pictures
 
-RASTER_SHARE, POINTS_SHARE, LONG_SHARE = 0.25, 0.5, 0.75
+RASTER_SHARE, POINTS_SHARE, LONG_SHARE = 0.3, 0.55, 0.75
 """Of the time, what points of the raster may take, all points that are climbed to one by one, and all points; the
 reference gets what is left."""
 LEAST_SHARE = 0.1
