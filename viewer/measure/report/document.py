@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...image import Image
-from ...settings import STOPPING
+from ...settings import STOPPING, Settings
 from .errors import FREE_BY, MEASURES, Errors, errors, trimmed_floor
 from .ladder import PLAIN, Method, settings_of
 from .pareto import BUDGETS_MS, best_within, free_knobs, front
@@ -18,6 +18,8 @@ from .store import Record
 from .survey import Survey
 
 Document = dict[str, Any]
+PREPARED = ("mode", "environment_shadows", "ambient_occlusion", "indirect", "reflections", "refraction", "denoise")
+"""Settings whose choices take preparing of their own: baking, shadow maps, programs."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +30,8 @@ class Rung:
     record: Record
     image: Image
     errors: Errors
+    ready_s: float
+    """Of preparing, for this method alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,10 +48,12 @@ def find(survey: Survey, scene: str, command: Callable[[Method], str], facts: Do
     bench, reference, mask = survey.bench, survey.reference, survey.mask
     assert reference is not None and mask is not None
     truth = bench.displayed(reference.linear)
+    ready = ready_seconds([(method.settings(bench.settings), record.facts.get("prepare_s", 0.0))
+                           for method, record in survey.rungs])
     rungs = []
-    for method, record in survey.rungs:
+    for (method, record), seconds in zip(survey.rungs, ready, strict=True):
         image = bench.displayed(record.picture)
-        rungs.append(Rung(method, record, image, errors(image, truth, mask)))
+        rungs.append(Rung(method, record, image, errors(image, truth, mask), seconds))
     rungs.sort(key=lambda rung: rung.record.facts["time_ms"]["median"])
     times = [rung.record.facts["time_ms"]["median"] for rung in rungs]
     by_measure = {name: [getattr(rung.errors, name) for rung in rungs] for name in MEASURES}
@@ -69,7 +75,7 @@ def find(survey: Survey, scene: str, command: Callable[[Method], str], facts: Do
                 "time_ms": rung.record.facts["time_ms"], "error": rung.errors.to_json(),
                 "pareto": fronts[MEASURES[0]][k], "pareto_by": {name: fronts[name][k] for name in MEASURES},
                 "command": command(rung.method), "too_bright": rung.errors.too_bright,
-                "bad_pixels": rung.errors.bad_pixels,
+                "bad_pixels": rung.errors.bad_pixels, "ready_s": rung.ready_s,
                 **{name: value for name, value in rung.record.facts.items() if name != "time_ms"},
             } for k, rung in enumerate(rungs)
         ],
@@ -108,6 +114,19 @@ def _recommend(times: Sequence[float], by_measure: dict[str, list[float]]) -> li
         by = {name: best_within(budget, times, values) for name, values in by_measure.items()}
         rows.append({"budget_ms": budget, "point": by[MEASURES[0]], "by": by})
     return rows
+
+
+def ready_seconds(rungs: Sequence[tuple[Settings, float]]) -> list[float]:
+    """Of settings in the order they were measured in, and what preparing took beyond what was ready: about how long
+    each would take to prepare by itself. What the first with the same choice of any of PREPARED took is part of it."""
+    first: dict[tuple[object, ...], int] = {}
+    result = []
+    for k, (settings, _) in enumerate(rungs):
+        is_traced = settings.mode == "path"  # the path tracer has its own scene
+        needs = [(is_traced,), *((is_traced, name, getattr(settings, name)) for name in PREPARED)]
+        payers = {first.setdefault(need, k) for need in needs}
+        result.append(sum(rungs[payer][1] for payer in payers | {k}))
+    return result
 
 
 def _knobs(rungs: Sequence[Rung], survey: Survey, floors: Mapping[str, float]) -> list[Document]:

@@ -93,7 +93,8 @@ function fillRecommendations() {
       element("b", point.label, sentence);
       const by = measure === "relmse_trimmed" || measure === "flip" ? "" :
           `, ${MEASURES[measure]} ${digits(point.error[measure])}`;
-      sentence.append(` takes ${time(took)}${rate(took)} and is ${wrong(point)}${by}.`);
+      const first = point.ready_s > took / 1e3 ? `, the first ${time(1000 * point.ready_s)} more to get ready,` : "";
+      sentence.append(` takes ${time(took)} a picture${rate(took)}${first} and is ${wrong(point)}${by}.`);
       const command = commandLine(point.command, text);
       button("Show", command, () => { hold(index); $("charts").scrollIntoView({block: "nearest"}); });
       before = {index, name};
@@ -140,7 +141,8 @@ function fillNotes() {
         "the pictures as displayed.",
     "A time is the median of the runs after warm-up, by the wall clock, with the device finished; of a raster frame " +
         "with everything prepared, of a path-traced picture from its beginning with the scene prepared.",
-    `Preparing, once for a scene: raster ${time(1000 * prepared(false))}, path tracer ${time(1000 * prepared(true))}.`,
+    `Preparing, once for a scene: raster up to ${time(1000 * prepared(false))}, path tracer up to ` +
+        `${time(1000 * prepared(true))}.`,
     "Pictures in this page are compressed (WebP); figures are from the full ones, beside it in measured/.",
   ];
   for (const line of how) element("li", line, $("how"));
@@ -167,7 +169,7 @@ function effect(knob) {
 }
 
 function prepared(isTraced) {
-  return Math.max(0, ...points.filter(p => (p.settings.mode === "path") === isTraced).map(p => p.prepare_s || 0));
+  return Math.max(0, ...points.filter(p => (p.settings.mode === "path") === isTraced).map(p => p.ready_s));
 }
 
 function choose(index) {
@@ -184,7 +186,7 @@ function choose(index) {
     "Error": wrong(point),
     "Measured": Object.entries(MEASURES).map(([name, title]) => `${title} ${digits(error[name])}`).join(", "),
     "Too bright": `${Math.round(100 * point.too_bright)} % of relMSE is where it is brighter than the reference`,
-    "Preparing": point.prepare_s > 0.001 ? `${time(1000 * point.prepare_s)}, once, beyond what was ready` : "nothing more",
+    "Preparing": `about ${time(1000 * point.ready_s)}, once for a scene`,
     "Settings": Object.entries(point.settings).map(([name, value]) => `${name} ${value}`).join(", "),
   };
   if (point.spp) facts["Samples"] = `${digits(point.spp, 3)} a pixel, ${point.rays} rays`;
