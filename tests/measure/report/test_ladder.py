@@ -81,6 +81,15 @@ def test_light_between_surfaces_is_measured_where_there_can_be_some():
     assert "indirect" not in {method.name for method in rungs(shapes.scene(BALL, environment=shapes.constant()))[0]}
 
 
+def test_no_method_is_there_under_two_names():
+    two = shapes.scene(BALL, (BALL, shapes.moved((3, 0, 0))), environment=shapes.constant(),
+                       materials=(Material(perceptual_roughness=1.0),))  # nothing to mirror: what is left is baked
+    methods, _ = rungs(two)
+    assert {"indirect", "together"} <= {method.name for method in methods}
+    changes = [(method.changes.get("mode"), frozenset(method.changes.items()), method.lights) for method in methods]
+    assert len(set(changes)) == len(changes)
+
+
 def test_a_denoiser_that_is_not_installed_is_left_out(monkeypatch):
     monkeypatch.setattr(module, "find_spec", lambda name: None)
     methods, left_out = rungs(shapes.scene(BALL))

@@ -7,7 +7,7 @@ is told by `ladder`; nothing is drawn here.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from importlib.util import find_spec
 from typing import Any
@@ -121,7 +121,7 @@ def ladder(scene: Scene, settings: Settings, use_cache: bool = True) -> Ladder:
     else:
         left_out.append(LeftOut("lights only", "the scene has no lights and no environment"))
     if baked is not None:
-        raster += _image_based(scene, (*scene.lights, *baked.suns), settings, left_out)
+        raster += _distinct(_image_based(scene, (*scene.lights, *baked.suns), settings, left_out))
     else:
         left_out.append(LeftOut(PLAIN.title, "the scene has no environment"))
     traced = []
@@ -208,6 +208,14 @@ def _image_based(scene: Scene, lights: Sequence[Light], settings: Settings,
     if followed:
         yield from _shadowed("together", "raster with everything", TOGETHER, **followed)
     yield from _shadowed(*SHADOWS, MANY)
+
+
+def _distinct(methods: Iterable[Method]) -> list[Method]:
+    """The first of those that set the same: where light between surfaces is all there is, that is everything."""
+    first: dict[frozenset[tuple[str, Any]], Method] = {}
+    for method in methods:
+        first.setdefault(frozenset(method.changes.items()), method)
+    return list(first.values())
 
 
 def _shadowed(name: str, title: str, rungs: Mapping[str, Sequence[str]], **changes: Any) -> Iterator[Method]:
