@@ -64,9 +64,9 @@ def _used(plan: Plan) -> tuple[str, ...]:
     elif plan.has_visibility:
         lines.append(f"shadows of the environment by {_many(plan.environment_shadows, 'light')} drawn from it")
     if plan.has_traced:
-        lines.append("reflections of the model by a ray a pixel, lit by what is baked at the vertices")
+        lines.append("reflections of the model by a ray from each point shaded, lit by what is baked at the vertices")
     if plan.has_traced_bodies:
-        lines.append("light in glass by two paths a pixel, from surface to surface")
+        lines.append("light in glass by two paths from each point shaded, from surface to surface")
     if plan.has_indirect:
         lines.append("light between surfaces, path traced at the vertices once")
     textures = {(draw.material, name): texture for draw in plan.draws for name in draw.maps

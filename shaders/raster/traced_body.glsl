@@ -1,4 +1,4 @@
-// What arrives at the front of a body of glass, inside of it and mirrored, found by two paths a pixel beforehand
+// What arrives at the front of a body of glass, inside of it and mirrored, found by two paths a point beforehand
 // (raster/refraction_step.frag). Where they began on another surface, the mean of those about it that began here.
 #include "raster/material.glsl"
 #include "raster/likeness.glsl"

@@ -1,4 +1,4 @@
-// What a surface's lobe meets of the model, found beforehand by a ray a pixel: the light that comes from there, and which
+// What a surface's lobe meets of the model, found beforehand by a ray a point: the light that comes from there, and which
 // part of the environment's it hides.
 #include "raster/likeness.glsl"
 

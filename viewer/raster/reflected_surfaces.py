@@ -25,8 +25,7 @@ class ReflectedSurfaces:
     """The intersector of one scene's triangles, and textures of how they look at their corners.
 
     Where alpha opens a surface all of it is left out: what lies behind is reflected. Glass shows what it does along its
-    normals. Raises ViewerError for more triangles than
-    textures hold, and as `make_intersector` does.
+    normals. Raises ViewerError for more triangles than textures hold, and as `make_intersector` does.
     """
 
     def __init__(self, context: Context, scene: Scene, settings: Settings, kind: str) -> None:

@@ -1,5 +1,5 @@
-"""The pass that finds what surfaces mirror of the model itself: one ray a pixel, through the path tracer's intersector,
-shaded by light that was baked at the vertices."""
+"""The pass that finds what surfaces mirror of the model itself: a ray from each point that is shaded, through the path
+tracer's intersector, lit by what was baked at the vertices."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""The pass that finds what light arrives at the front of bodies of glass: two paths a pixel, one in the body and one
-mirrored, followed from surface to surface through the path tracer's intersector."""
+"""The pass that finds what light arrives at the front of bodies of glass: two paths from each point that
+is shaded, one in the body and one mirrored, followed from surface to surface through the path tracer's intersector."""
 
 from __future__ import annotations
 
