@@ -110,10 +110,10 @@ class Settings:
     indirect: Literal["off", "baked"] = _option(
         "off", "light that surfaces throw on one another; baked: path traced at the vertices, once")
     reflections: Literal["environment", "traced"] = _option(
-        "environment", "what surfaces mirror; traced: also of the model itself, by a ray from each point that is shaded")
+        "environment", "what surfaces mirror; traced: also of the model itself, by a ray from each point shaded")
     refraction: Literal["screen", "traced"] = _option(
         "screen", "how light goes through bodies of glass; traced: from surface to surface, by two paths from each "
-        "point that is shaded")
+        "point shaded")
     specular_aa: Literal["on", "off"] = _option(
         "off", "widen highlights that are finer than a pixel: calmer in motion, but farther from the truth")
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8", "ssaa-4", "ssaa-9", "ssaa-16"] = _option(
