@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 from command_line import Run, runner
+from contexts import open_or_skip
 
-from viewer.errors import ContextError
-from viewer.gpu.context import Context, open_context
+from viewer.gpu.context import Context
 
 collect_ignore = [] if find_spec("imgui_bundle") else ["app"]
 
@@ -55,11 +55,7 @@ def display() -> Iterator[str]:
 @pytest.fixture(scope="module")
 def context() -> Iterator[Context]:
     """One for all tests of a file."""
-    try:
-        opened = open_context()
-    except ContextError as error:
-        pytest.skip(str(error))
-    with opened:
+    with open_or_skip() as opened:
         yield opened
 
 

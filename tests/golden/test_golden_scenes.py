@@ -10,20 +10,15 @@ from collections.abc import Iterator
 import pytest
 from break_shaders import MUTATIONS, Mutation
 from cases import CASES, SIZE, Case
+from contexts import open_or_skip
 
-from viewer.errors import ContextError
-from viewer.gpu.context import create_context
 from viewer.raster.renderer import Renderer
 from viewer.resources import resource_folder
 
 
 @pytest.fixture(scope="module", params=["egl", "osmesa"])
 def renderer(request) -> Iterator[Renderer]:
-    try:
-        context = create_context(request.param)
-    except ContextError as error:
-        pytest.skip(str(error))
-    with context:
+    with open_or_skip(request.param) as context:
         renderer = Renderer(context, use_cache=False)
         yield renderer
         renderer.release()

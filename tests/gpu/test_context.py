@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from contexts import open_or_skip
 
 import viewer.gpu.egl
 from viewer.errors import ContextError, UsageError
@@ -23,13 +24,6 @@ out vec4 color;
 void main() { color = vec4(0.2, 0.4, 1.0, 1.0); }
 """
 INSIDE, OUTSIDE = (51, 102, 255, 255), (255, 0, 0, 0)
-
-
-def open_or_skip(backend: str) -> Context:
-    try:
-        return create_context(backend)
-    except ContextError as error:
-        pytest.skip(str(error))
 
 
 def draw(context: Context) -> np.ndarray:
