@@ -59,7 +59,7 @@ make_venv() {
 }
 
 opengl_works() {
-    $VENV/bin/python -c 'import sys; from viewer.doctor import diagnose, exit_status; sys.exit(exit_status(diagnose()))'
+    $VENV/bin/python -c 'import sys; from viewer.jobs.doctor import diagnose, exit_status; sys.exit(exit_status(diagnose()))'
 }
 
 # The command that installs Mesa's software OpenGL on this system, or nothing where it is unknown.

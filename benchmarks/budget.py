@@ -29,7 +29,7 @@ import numpy as np
 
 import viewer
 from viewer.api import shared_chooser, shared_renderer
-from viewer.measure.relmse import EPSILON
+from viewer.measure.compare.relmse import EPSILON
 from viewer.scene.scene import Scene
 from viewer.settings import Settings
 

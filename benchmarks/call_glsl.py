@@ -9,7 +9,7 @@ import numpy as np
 
 from viewer.gpu.call import call_glsl
 from viewer.gpu.context import open_context
-from viewer.measure.lobes import LOBES
+from viewer.measure.check.lobes import LOBES
 
 COUNT = 1_000_000
 ROUNDS = 9

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 import viewer
 from viewer.gpu.context import Context, open_context
-from viewer.trace.bvh import build_bvh
-from viewer.trace.geometry import TraceGeometry, TraceInstance, TraceMesh, trace_geometry
-from viewer.trace.intersect import FREE, INSTANCE_MASK, MISS, Intersector, make_intersector
-from viewer.trace.scene_data import SceneData
-from viewer.trace.wave import Wave
+from viewer.trace.paths.wavefront import Wave
+from viewer.trace.rays.bvh import build_bvh
+from viewer.trace.rays.intersect import FREE, INSTANCE_MASK, MISS, Intersector, make_intersector
+from viewer.trace.scene.geometry import TraceGeometry, TraceInstance, TraceMesh, trace_geometry
+from viewer.trace.scene.scene_data import SceneData
 
 from . import machine, shot
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from viewer.signals import Stopped, stoppable
+from viewer.base.signals import Stopped, stoppable
 
 from . import shot
 from .process import Run

@@ -12,9 +12,9 @@ import statistics
 from pathlib import Path
 
 import viewer
+from viewer.base.resources import resource_folder
 from viewer.gpu.context import open_context
-from viewer.measure.relmse import relmse
-from viewer.resources import resource_folder
+from viewer.measure.compare.relmse import relmse
 from viewer.scene.camera import Camera
 from viewer.scene.scene import Scene
 from viewer.settings import MAX_SPP, Settings

@@ -21,7 +21,7 @@ from . import shot
 if TYPE_CHECKING:
     import numpy as np
 
-    from viewer.plan import Plan
+    from viewer.plan.planner import Plan
 
 WARM_UP = 2
 
@@ -32,7 +32,7 @@ def main() -> None:
     started = time.perf_counter()
     from viewer.api import load
     from viewer.gpu.context import open_context
-    from viewer.image import Image
+    from viewer.image.image import Image
     from viewer.raster.renderer import Renderer
     from viewer.scene.camera import Camera
     from viewer.settings import Settings

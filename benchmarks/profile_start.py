@@ -55,7 +55,7 @@ def profile(model: str, environment: str, picture: Path, started: float) -> dict
     with spans.span("import"):
         from viewer.api import load
         from viewer.gpu.context import open_context
-        from viewer.image import Image
+        from viewer.image.image import Image
         from viewer.raster.decoding import decode_ahead
         from viewer.raster.renderer import Renderer
         from viewer.scene.camera import Camera

@@ -9,7 +9,7 @@ import numpy as np
 
 from viewer.errors import InputError
 from viewer.gpu.context import Context
-from viewer.measure.relmse import Halves, relmse
+from viewer.measure.compare.relmse import Halves, relmse
 from viewer.measure.report.digest import digest
 from viewer.measure.report.errors import relmse_floor, trimmed_floor, trimmed_relmse
 from viewer.scene.camera import Camera

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from viewer.gpu.context import open_context
-from viewer.measure.relmse import Halves, relmse
+from viewer.measure.compare.relmse import Halves, relmse
 from viewer.scene.camera import Camera
 from viewer.scene.scene import Scene
 from viewer.settings import Settings

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from viewer.image import Image
-from viewer.measure.relmse import Halves
+from viewer.image.image import Image
+from viewer.measure.compare.relmse import Halves
 from viewer.scene.camera import Camera
 from viewer.scene.scene import Scene
 from viewer.settings import Settings

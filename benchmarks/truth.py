@@ -11,7 +11,7 @@ import argparse
 from pathlib import Path
 
 from viewer.gpu.context import open_context
-from viewer.measure.relmse import Halves
+from viewer.measure.compare.relmse import Halves
 from viewer.trace.tracer import Tracer
 
 from . import mitsuba_scene, tracing, truth_cases

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 import viewer
-from viewer.image import Image
-from viewer.measure.relmse import reduced
+from viewer.image.image import Image
+from viewer.measure.compare.relmse import reduced
 from viewer.scene.camera import Camera
 from viewer.scene.environment import Environment
 from viewer.scene.scene import Scene

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from viewer import cli
-from viewer.resources import resource_folder
+from viewer.base.resources import resource_folder
 
 SCENES = resource_folder("assets") / "scenes"
 

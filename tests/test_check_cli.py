@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from command_line import SCENES, names
 
-from viewer.measure import check as check_module
-from viewer.measure.checks import Check
+from viewer.measure.check import run as check_module
+from viewer.measure.check.checks import Check
 
 LOBE = """
 struct Chalk { vec3 albedo; };
@@ -104,7 +104,7 @@ def test_the_page_stands_alone(run, folder):
 
 
 def test_the_page_has_plots(folder):
-    from viewer.measure.check_page import write_page
+    from viewer.measure.check.page import write_page
 
     write_page(folder / "report", [Check("a", "<b>", 0.5, 1.0)], with_plots=True)
     page = (folder / "report" / "index.html").read_text()

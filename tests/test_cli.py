@@ -17,7 +17,7 @@ from command_line import SCENES, names
 
 from viewer import cli
 from viewer.errors import ContextError
-from viewer.image import Image
+from viewer.image.image import Image
 from viewer.scene import load as load_module
 
 CORPUS = Path(__file__).resolve().parents[2] / "shared" / "corpus"
@@ -168,7 +168,7 @@ def test_info_diff_doctor_and_cache_answer(run, folder, monkeypatch):
     result = json.loads((folder / "d.json").read_text())
     assert outcome.status == 0 and result["flip"] > 0.01 and result["max"] <= 1 and Image.open("d.png").size == (24, 24)
     assert "flip: 0\n" in run("diff", "a.png", "a.png").out
-    monkeypatch.setattr("viewer.doctor.probe", lambda *_: {"problem": "no display"})
+    monkeypatch.setattr("viewer.jobs.doctor.probe", lambda *_: {"problem": "no display"})
     outcome = run("doctor", "--json", "-")
     assert outcome.status == 3 and not any(finding["works"] for finding in json.loads(outcome.out))
     monkeypatch.setenv("PBR_VIEWER_CACHE", str(folder / "cache"))
@@ -210,7 +210,7 @@ def test_being_stopped_leaves_nothing_and_the_old_handlers(run, folder, monkeypa
         os.kill(os.getpid(), number)
         time.sleep(5)
 
-    monkeypatch.setattr("viewer.image.write_exr", lambda *_: stopped(None, folder / "x"))
+    monkeypatch.setattr("viewer.image.image.write_exr", lambda *_: stopped(None, folder / "x"))
     outcome = run("render", MODEL, "-o", "a.exr", *SMALL)
     words = "interrupted" if number == signal.SIGINT else "terminated"
     assert (outcome.status, outcome.error) == (128 + number, words)

@@ -6,10 +6,10 @@ import sys
 
 import pytest
 
-from viewer import doctor
 from viewer.errors import ContextError
 from viewer.gpu import probe
 from viewer.gpu.context import open_context
+from viewer.jobs import doctor
 
 
 def test_agrees_with_open_context() -> None:

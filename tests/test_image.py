@@ -1,4 +1,4 @@
-"""viewer/image.py and viewer/atomic.py: formats, exactness, and that a file is whole or not there."""
+"""viewer/image/image.py and viewer/base/atomic.py: formats, exactness, and that a file is whole or not there."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from PIL import Image as Pillow
 
-from viewer.atomic import atomic_write, write_json
+from viewer.base.atomic import atomic_write, write_json
 from viewer.errors import InputError, OutputError
-from viewer.image import Image
+from viewer.image.image import Image
 
 
 @pytest.fixture
@@ -150,7 +150,8 @@ def test_a_failing_encoder_leaves_the_old_file_and_nothing_else(image, tmp_path,
     def fail(*args, **options):
         raise failure
 
-    monkeypatch.setattr("viewer.image.write_exr" if suffix == ".exr" else "viewer.image.Image._encode", fail)
+    replaced = "write_exr" if suffix == ".exr" else "Image._encode"
+    monkeypatch.setattr(f"viewer.image.image.{replaced}", fail)
     with pytest.raises(OutputError if isinstance(failure, OSError) else failure):
         image.save(target)
     assert target.read_bytes() == b"old" and leftovers(tmp_path) == [target.name]

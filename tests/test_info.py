@@ -7,8 +7,8 @@ import json
 import pytest
 from command_line import SCENES
 
-from viewer.assemble import make_light
-from viewer.info import describe_package, describe_scene, format_facts, format_settings, settings_table
+from viewer.jobs.assemble import make_light
+from viewer.jobs.info import describe_package, describe_scene, format_facts, format_settings, settings_table
 from viewer.scene.environment_files import load_environment
 from viewer.scene.load import load_scene
 from viewer.settings import Settings, setting_choices, setting_meanings

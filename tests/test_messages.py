@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from viewer.base.messages import one_line, say_error
 from viewer.errors import ContextError, InputError
-from viewer.messages import one_line, say_error
 
 
 @pytest.mark.parametrize("text, line", [

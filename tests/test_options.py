@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from command_line import SCENES
 
-from viewer.assemble import make_camera, make_light
 from viewer.errors import InputError, UsageError
-from viewer.options import BackgroundColor, Number, Numbers, Size, check_camera_options
+from viewer.jobs.assemble import make_camera, make_light
+from viewer.jobs.options import BackgroundColor, Number, Numbers, Size, check_camera_options
 from viewer.scene.load import load_scene
 
 NO_CAMERA = dict.fromkeys(("orbit", "eye", "target", "fov", "camera")) | {"size": (200, 100)}

@@ -17,8 +17,8 @@ from PIL import Image as Pillow
 
 import viewer
 from viewer.errors import UsageError
-from viewer.image import Image
-from viewer.trace.exposure import Exposure
+from viewer.image.image import Image
+from viewer.trace.paths.path_render import Exposure
 
 MODEL = SCENES / "spheres.glb"
 PATH = ("--mode", "path", "--size", "24", "--env", "furnace")

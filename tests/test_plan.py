@@ -14,9 +14,10 @@ from PIL import Image
 from benchmarks.shader_code import lines_left
 from viewer.errors import ContextError, UsageError
 from viewer.gpu.context import open_context
-from viewer.maps import MAPS
-from viewer.plan import MAX_LIGHTS, MAX_SHADOW_LAYERS, environment_use, foreseen, plan_scene
-from viewer.raster.programs import Programs
+from viewer.gpu.programs import Programs
+from viewer.material.maps import MAPS
+from viewer.plan.planner import MAX_LIGHTS, MAX_SHADOW_LAYERS, environment_use, foreseen, plan_scene
+from viewer.plan.sharing import OWN_PROGRAMS
 from viewer.scene.environment import Environment
 from viewer.scene.light import Light
 from viewer.scene.material import Material, Sampler, Texture, UVTransform
@@ -24,7 +25,6 @@ from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Instance, Scene
 from viewer.scene.texture_image import TextureImage, open_texture_image
 from viewer.settings import Settings, setting_choices
-from viewer.wide_programs import OWN_PROGRAMS
 
 ENVIRONMENT = Environment("grey", np.ones((16, 32, 3), np.float32))
 SUN = Light.from_angles(0.0, 0.5, 1.0)

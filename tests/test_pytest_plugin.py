@@ -14,8 +14,8 @@ import OpenImageIO  # noqa: F401
 import pytest
 
 import viewer.gpu.context  # noqa: F401
-from viewer.image import Image
-from viewer.measure.golden import Limits, judge
+from viewer.image.image import Image
+from viewer.measure.compare.golden import Limits, judge
 
 pytest_plugins = ["pytester"]
 

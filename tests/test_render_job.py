@@ -9,8 +9,8 @@ import pytest
 from command_line import SCENES, names
 
 from viewer.errors import OutputError, UsageError
-from viewer.image import Image
-from viewer.render_job import output_paths
+from viewer.image.image import Image
+from viewer.jobs.render_job import output_paths
 
 MODEL = SCENES / "unlit.glb"
 SMALL = ("--size", "24")

@@ -8,7 +8,7 @@ import threading
 
 import pytest
 
-from viewer.signals import Stopped, postponed, stoppable
+from viewer.base.signals import Stopped, postponed, stoppable
 
 
 @pytest.mark.parametrize("name, status, text", [("SIGINT", 130, "interrupted"), ("SIGTERM", 143, "terminated"),

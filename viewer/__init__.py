@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .api import load, render, show
     from .errors import ContextError, InputError, OutputError, ShaderError, UsageError, ViewerError
     from .gpu.call import call_glsl
-    from .image import Image
+    from .image.image import Image
     from .scene.camera import Camera
     from .scene.environment import Environment
     from .scene.light import Light
@@ -47,9 +47,11 @@ __all__ = [
     "show",
 ]
 
-_MODULES = {"Camera": "scene.camera", "Environment": "scene.environment", "Image": "image", "Instance": "scene.scene",
-            "Light": "scene.light", "Material": "scene.material", "Mesh": "scene.mesh", "Scene": "scene.scene",
-            "Settings": "settings", "call_glsl": "gpu.call", "load": "api", "render": "api", "show": "api"}
+_MODULES = {
+    "Camera": "scene.camera", "Environment": "scene.environment", "Image": "image.image", "Instance": "scene.scene",
+    "Light": "scene.light", "Material": "scene.material", "Mesh": "scene.mesh", "Scene": "scene.scene",
+    "Settings": "settings", "call_glsl": "gpu.call", "load": "api", "render": "api", "show": "api",
+}
 
 
 def __getattr__(name: str) -> object:

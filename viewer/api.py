@@ -14,15 +14,15 @@ from operator import index
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any
 
+from .base.expect import expect, expect_path
 from .errors import UsageError
-from .expect import expect, expect_path
 from .scene.camera import Camera
 from .scene.scene import Scene
 from .settings import LAYERS, Settings
 
 if TYPE_CHECKING:
     from .budget.chooser import Chooser
-    from .image import Image
+    from .image.image import Image
     from .raster.renderer import Renderer
     from .trace.tracer import Tracer
 

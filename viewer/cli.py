@@ -14,10 +14,11 @@ from typing import Any
 
 import click
 
+from .base.heap import share_one_heap
+from .base.messages import one_line, say, say_error
+from .base.signals import Stopped, stoppable
 from .errors import UsageError, ViewerError
-from .heap import share_one_heap
-from .messages import one_line, say, say_error
-from .options import (
+from .jobs.options import (
     AOV_OPTION,
     BACKEND_OPTION,
     CAMERA_OPTIONS,
@@ -33,7 +34,6 @@ from .options import (
     size_option,
     with_options,
 )
-from .signals import Stopped, stoppable
 
 
 def _print_version(context: click.Context, _: click.Parameter, wanted: bool) -> None:
@@ -67,7 +67,7 @@ def view(model: str, **options: Any) -> None:
     """
     check_camera_options(options)
     from .app import open_window
-    from .assemble import make_camera, make_environment, make_scene, make_settings
+    from .jobs.assemble import make_camera, make_environment, make_scene, make_settings
 
     settings = make_settings(options)
     scene = make_scene(model, make_environment(options), options)
@@ -98,8 +98,8 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     pbr-viewer render room.glb -o room.png --mode path --spp 256 --denoise fast
     """
     check_camera_options(options)
-    from .assemble import make_camera, make_environment, make_scene, make_settings
-    from .render_job import RenderJob, check_layers, check_output, output_paths
+    from .jobs.assemble import make_camera, make_environment, make_scene, make_settings
+    from .jobs.render_job import RenderJob, check_layers, check_output, output_paths
 
     settings = make_settings(options)
     chooses = _leaves_mode_open(settings)
@@ -133,7 +133,7 @@ def info(model: str | None, json_file: str | None, list_settings: bool, **option
 
     Without MODEL: what this program knows and where it keeps its cache. No OpenGL is needed.
     """
-    from .info import describe_package, describe_scene, format_settings, settings_table
+    from .jobs.info import describe_package, describe_scene, format_settings, settings_table
 
     if list_settings:
         if json_file:
@@ -144,7 +144,7 @@ def info(model: str | None, json_file: str | None, list_settings: bool, **option
     if model is None:
         facts = describe_package()
     else:
-        from .assemble import make_environment, make_scene, make_settings
+        from .jobs.assemble import make_environment, make_scene, make_settings
 
         settings = make_settings(options)
         scene = make_scene(model, make_environment(options), options)
@@ -180,14 +180,14 @@ def check(what: str, model: str | None, shader: str | None, lobe: str | None, js
         raise UsageError("check either a MODEL or a --shader")
     if what != "energy" and (model or shader):
         raise UsageError("of a MODEL or a --shader there is `check energy`")
-    from .measure.check import run_checks, run_model_checks, run_shader_checks
-    from .measure.check_table import print_table
-    from .measure.checks import exit_status
+    from .measure.check.checks import exit_status
+    from .measure.check.run import run_checks, run_model_checks, run_shader_checks
+    from .measure.check.table import print_table
 
     if output:
         from pathlib import Path
 
-        from .atomic import make_folder
+        from .base.atomic import make_folder
 
         make_folder(Path(output))  # what cannot be written is told before the wait
     if shader and lobe:
@@ -203,7 +203,7 @@ def check(what: str, model: str | None, shader: str | None, lobe: str | None, js
     else:
         checks = run_checks(what, quiet)
     if output:
-        from .measure.check_page import write_page
+        from .measure.check.page import write_page
 
         write_page(output, checks, with_plots=not (model or shader))
     if json_file:
@@ -247,7 +247,7 @@ def report(models: tuple[str, ...], output: str, limit: float, approximations: b
         print_table(report_approximations(Path(output), backend, options["quiet"]))
         return
     check_camera_options(options)
-    from .assemble import make_camera, make_environment, make_scene, make_settings
+    from .jobs.assemble import make_camera, make_environment, make_scene, make_settings
     from .measure.report.job import ReportJob
 
     settings = make_settings(options)
@@ -272,7 +272,7 @@ def diff(a: str, b: str, json_file: str | None, output: str | None) -> None:
 
     Two .exr or .hdr files are compared as light, others as displayed. The exit status does not depend on the result.
     """
-    from .measure.difference import compare_files
+    from .measure.compare.difference import compare_files
 
     result = compare_files(a, b)
     if output:
@@ -284,7 +284,7 @@ def diff(a: str, b: str, json_file: str | None, output: str | None) -> None:
 @JSON_OPTION
 def doctor(json_file: str | None) -> None:
     """Tell which OpenGL contexts work here, and what to do about those that don't. Exit status 3: none works."""
-    from .doctor import calibration_line, diagnose, exit_status, format_findings
+    from .jobs.doctor import calibration_line, diagnose, exit_status, format_findings
 
     findings = diagnose()
     if json_file:
@@ -371,7 +371,7 @@ def _leaves_mode_open(settings: Any) -> bool:
 def _warn(model: str, scene: Any, options: dict[str, Any]) -> None:
     if options["quiet"]:
         return
-    from .plan import foreseen
+    from .plan.planner import foreseen
 
     for warning in [*scene.warnings, *foreseen(scene, options.get("mode", "pbr"))]:
         say(f"{model}: warning: {warning}")
@@ -381,13 +381,13 @@ def _tell(facts: dict[str, object], json_file: str | None) -> None:
     if json_file:
         _write_json(json_file, facts)
         return
-    from .info import format_facts
+    from .jobs.info import format_facts
 
     _print(format_facts(facts))
 
 
 def _write_json(path: str, content: object) -> None:
-    from .atomic import write_json
+    from .base.atomic import write_json
 
     if path == "-":
         import json

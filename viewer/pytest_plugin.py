@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from .base.expect import expect
 from .errors import UsageError
-from .expect import expect
 
 if TYPE_CHECKING:
     import moderngl
     import numpy as np
 
     from .gpu.context import Context
-    from .image import Image
+    from .image.image import Image
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -52,8 +52,8 @@ class Golden:
         for arguments that are none of this.
         """
         __tracebackhide__ = True
-        from .measure.difference import not_finite
-        from .measure.golden import Failure, Limits, as_image, judge
+        from .measure.compare.difference import not_finite
+        from .measure.compare.golden import Failure, Limits, as_image, judge
 
         self._calls += 1
         if isinstance(picture, str):
@@ -104,8 +104,8 @@ class GL:
 
     def check(self, picture: Image | np.ndarray) -> None:
         """Fails the test on a NaN or infinite pixel, and on an OpenGL error that is pending."""
-        from .measure.difference import not_finite
-        from .measure.golden import as_image
+        from .measure.compare.difference import not_finite
+        from .measure.compare.golden import as_image
 
         __tracebackhide__ = True
         problem = not_finite(as_image(picture).linear)
@@ -154,7 +154,7 @@ def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
 def pytest_sessionstart(session: pytest.Session) -> None:
     folder = _report_folder(session.config)
     if folder.is_dir() and _in_charge(session.config):
-        from .measure.golden_report import clear_report
+        from .measure.compare.golden_report import clear_report
 
         clear_report(folder)
 
@@ -162,7 +162,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
     folder = _report_folder(config)
     if folder.is_dir() and _in_charge(config):
-        from .measure.golden_report import write_report
+        from .measure.compare.golden_report import write_report
 
         page = write_report(folder)
         if page is not None:

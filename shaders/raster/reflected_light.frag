@@ -6,7 +6,7 @@
 #include "raster/octahedron.glsl"
 #include "sample/luminance.glsl"
 
-uniform usampler2D u_hit;      // viewer/trace/intersect.py
+uniform usampler2D u_hit;      // viewer/trace/rays/intersect.py
 uniform sampler2D u_positions;
 uniform sampler2D u_direction; // w: 1 where there is a ray
 uniform isampler2D u_first;    // of each instance, the number of its first triangle's first corner

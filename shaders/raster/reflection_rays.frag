@@ -1,5 +1,5 @@
 // A ray from each pixel's surface along one direction of its lobe, in tracer space: the scene's centre at the origin and
-// its radius the unit (viewer/trace/geometry.py). Sixteen pixels together spread theirs evenly over the lobe.
+// its radius the unit (viewer/trace/scene/geometry.py). Sixteen pixels together spread theirs evenly over the lobe.
 #include "bsdf/visible_normal.glsl"
 #include "raster/octahedron.glsl"
 #include "sample/lattice.glsl"

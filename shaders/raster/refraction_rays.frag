@@ -1,5 +1,5 @@
 // The ray that goes on in a body of glass from each pixel's point of its front, in tracer space, the scene's centre at
-// the origin and its radius the unit (viewer/trace/geometry.py), and the cone about it that the pixel sees: its width,
+// the origin and its radius the unit (viewer/trace/scene/geometry.py), and the cone about it that the pixel sees: its width,
 // and its spread, how much wider it becomes along the way (Akenine-Moeller et al. 2021, "Improved Shader and Texture
 // Level of Detail Using Ray Cones").
 #include "raster/material.glsl"

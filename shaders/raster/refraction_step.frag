@@ -12,8 +12,8 @@
 #endif
 
 uniform sampler2D u_origin, u_direction, u_kept, u_light; // as refraction_rays.frag writes them
-uniform usampler2D u_hit;                                 // viewer/trace/intersect.py
-uniform sampler2D u_surfaces;                             // viewer/raster/refracting_surfaces.py
+uniform usampler2D u_hit;                                 // viewer/trace/rays/intersect.py
+uniform sampler2D u_surfaces;                             // viewer/raster/traced/refracting_surfaces.py
 uniform int u_triangles;                                  // where they begin in it
 uniform vec3 u_eye;                                       // in tracer space
 

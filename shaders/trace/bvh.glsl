@@ -1,4 +1,4 @@
-// Nearest hits, and whether there is any, by a walk through the trees of viewer/trace/bvh.py. To be included first.
+// Nearest hits, and whether there is any, by a walk through the trees of viewer/trace/rays/bvh.py. To be included first.
 //
 // No ray slips through an edge or a corner that triangles share: S. Woop, C. Benthin, I. Wald: Watertight Ray/Triangle
 // Intersection, JCGT 2(1), 2013; T. Ize: Robust BVH Ray Traversal, JCGT 2(2), 2013.

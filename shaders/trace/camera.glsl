@@ -1,4 +1,4 @@
-// Camera rays in tracer space, from numbers of viewer/trace/camera_rays.py.
+// Camera rays in tracer space, from numbers of viewer/trace/paths/camera_rays.py.
 uniform vec2 u_camera_pixel; // size of a pixel in normalised device coordinates
 uniform mat3 u_camera_ray;   // (x, y, 1) in those to a direction whose part along the view is 1
 uniform mat3 u_camera_plane; // likewise to the point where the ray meets a plane across the view, near the scene

@@ -1,4 +1,4 @@
-// The environment in full, and directions chosen by its radiance, from the tables of viewer/trace/environment.py.
+// The environment in full, and directions chosen by its radiance, from the tables of viewer/trace/scene/environment.py.
 // HAS_ENVIRONMENT, ENVIRONMENT_ROTATED
 #if HAS_ENVIRONMENT
 #include "trace/equirect.glsl"

@@ -1,4 +1,4 @@
-// Where a ray met a triangle: position, normals and attributes, from the words that viewer/trace/scene_words.py packs.
+// Where a ray met a triangle: position, normals and attributes, from the words that viewer/trace/scene/encode.py packs.
 #include "trace/words.glsl"
 #if HAS_NORMAL_MAP
 #include "trace/atlas.glsl"

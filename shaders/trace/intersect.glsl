@@ -1,4 +1,4 @@
-// What a wave's rays meet, by our own BVH: the hit texture, see viewer/trace/intersect.py.
+// What a wave's rays meet, by our own BVH: the hit texture, see viewer/trace/rays/intersect.py.
 #include "trace/bvh.glsl"
 
 uniform sampler2D u_origin, u_direction, u_shadow_origin, u_shadow_vector;

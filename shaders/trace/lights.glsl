@@ -1,4 +1,4 @@
-// Next-event estimation: one of all lights, chosen by the tables of viewer/trace/lights.py. The density of what a BSDF
+// Next-event estimation: one of all lights, chosen by the tables of viewer/trace/scene/lights.py. The density of what a BSDF
 // sample could also have found, environment_pdf and emitter_pdf, is that of sample_light.
 // HAS_ENVIRONMENT, HAS_PUNCTUAL, HAS_EMITTERS
 const float FAR = 4.0; // all geometry lies within |p| <= 1

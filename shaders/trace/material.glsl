@@ -4,7 +4,7 @@
 #include "trace/atlas.glsl"
 #endif
 
-// What a map's record is read for (viewer/trace/materials.py)
+// What a map's record is read for (viewer/trace/scene/materials.py)
 const uint BASE_COLOR_MAP = 1u, SPECULAR_COLOR_MAP = 2u, EMISSION_MAP = 4u;
 const uint METALLIC_ROUGHNESS_MAP = 1u, SPECULAR_MAP = 2u, TRANSMISSION_MAP = 4u;
 

@@ -1,4 +1,4 @@
-// Lights without size, or spheres of one radius (LIGHT_RADIUS), as viewer/trace/punctual.py packs them, three words each.
+// Lights without size, or spheres of one radius (LIGHT_RADIUS), as viewer/trace/scene/punctual.py packs them, three words each.
 #include "light/attenuation.glsl"
 #include "trace/words.glsl"
 #if LIGHT_RADIUS

@@ -1,4 +1,4 @@
-// The state of a wave's paths, a texel a slot, and how it is packed (viewer/trace/wave.py has the textures).
+// The state of a wave's paths, a texel a slot, and how it is packed (viewer/trace/paths/wavefront.py has the textures).
 uniform sampler2D u_origin;        // xyz, status
 uniform sampler2D u_direction;     // unit, pdf of the BSDF's sample by solid angle; 0: light met counts in full
 uniform sampler2D u_shadow_origin; // of the pending shadow ray, or else x: travelled; contribution.r
@@ -10,7 +10,7 @@ uniform usampler2D u_hit;          // free << 31 | kind << 28 | instance, triang
 uniform isampler2D u_blocks;       // tile x, tile y, first sample, samples; a texel for 16 x 16 slots
 
 const float IDLE = 0.0, IN_FLIGHT = 1.0, ENDED = 2.0; // ended: only its shadow ray is pending
-const uint STANDARD = 0u, GLASS = 1u, NOTHING = 7u;   // kinds of surfaces, as in viewer/trace/geometry.py
+const uint STANDARD = 0u, GLASS = 1u, NOTHING = 7u;   // kinds of surfaces, as in viewer/trace/scene/geometry.py
 
 struct Path {
     vec3 origin;

@@ -1,4 +1,4 @@
-// Rays of a list instead of a camera's, a texel each (viewer/trace/surface_rays.py).
+// Rays of a list instead of a camera's, a texel each (viewer/trace/paths/surface_rays.py).
 // RAYS: 1 from a surface into the hemisphere, in proportion to the cosine; 2 at it, from just off it along its normal
 #include "sample/hemisphere.glsl"
 #include "trace/offset_origin.glsl"

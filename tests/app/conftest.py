@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
-from viewer.resources import resource_folder
+from viewer.base.resources import resource_folder
 from viewer.settings import Settings
 
 SIZE = (320, 240)

@@ -11,11 +11,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from viewer.app import convergence
-from viewer.app.convergence import Convergence, Progress
-from viewer.app.state import ViewState
 from viewer.gpu.context import Context
-from viewer.raster.programs import Programs
+from viewer.gpu.programs import Programs
+from viewer.interact import convergence
+from viewer.interact.convergence import Convergence, Progress
+from viewer.interact.state import ViewState
 from viewer.scene.camera import Camera
 from viewer.settings import Settings
 from viewer.trace.tracer import Tracer

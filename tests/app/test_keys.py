@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from viewer.app.keys import KEYS, action_of, help_groups, label, markdown
+from viewer.interact.keys import KEYS, action_of, help_groups, label, markdown
 
 DOCS = Path(__file__).parents[2] / "docs" / "window.md"
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from viewer.app.orbit import FARTHEST, NEAREST, QUARTER, OrbitController
+from viewer.interact.orbit import FARTHEST, NEAREST, QUARTER, OrbitController
 from viewer.scene.camera import Camera
 
 ASPECT = 4 / 3

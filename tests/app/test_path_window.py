@@ -9,7 +9,7 @@ import numpy as np
 
 import viewer
 from viewer.errors import UsageError
-from viewer.image import Image
+from viewer.image.image import Image
 from viewer.scene.camera import Camera
 from viewer.settings import Settings
 

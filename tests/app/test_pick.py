@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from viewer.app.pick import box_intervals, pick, plane_point
+from viewer.interact.pick import box_intervals, pick, plane_point
 from viewer.scene.camera import Camera
 from viewer.scene.material import Material
 from viewer.scene.mesh import Mesh

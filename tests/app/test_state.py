@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from viewer.app.state import ViewState, free_path, scene_facts
+from viewer.interact.state import ViewState, free_path, scene_facts
 from viewer.scene.environment import Environment
 from viewer.scene.light import Light
 from viewer.scene.material import Material
@@ -115,7 +115,7 @@ def test_no_background_is_dark_on_screen_only(state):
 
 def test_messages_are_one_line_and_go_but_errors_stay(state, monkeypatch):
     now = [100.0]
-    monkeypatch.setattr("viewer.app.state.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("viewer.interact.state.time.monotonic", lambda: now[0])
     state.say("saved\n  it")
     assert state.message == "saved it" and not state.forget_message()
     now[0] += 5

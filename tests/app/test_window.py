@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 import viewer
-from viewer.app.keys import KEYS
-from viewer.image import Image
-from viewer.measure.difference import compare
-from viewer.resources import resource_folder
+from viewer.base.resources import resource_folder
+from viewer.image.image import Image
+from viewer.interact.keys import KEYS
+from viewer.measure.compare.difference import compare
 from viewer.scene.camera import Camera
 from viewer.scene.color import srgb_to_linear
 from viewer.settings import Settings
@@ -103,7 +103,7 @@ def test_other_buttons_pan_what_is_under_the_cursor(open_window, scene, button):
 
 
 def test_wheel_comes_closer_to_what_is_under_the_cursor(open_window, scene):
-    from viewer.app.pick import pick
+    from viewer.interact.pick import pick
 
     hands = open_window(scene)
     orbit = hands.window.orbit
@@ -119,7 +119,7 @@ def test_wheel_comes_closer_to_what_is_under_the_cursor(open_window, scene):
 
 @pytest.mark.parametrize("how", ["double click", "shift click"])
 def test_a_click_centres_on_what_is_under_the_cursor(open_window, scene, how):
-    from viewer.app.pick import pick
+    from viewer.interact.pick import pick
 
     hands = open_window(scene)
     orbit = hands.window.orbit

@@ -8,7 +8,7 @@ import pytest
 from benchmarks import corpus, reach
 from benchmarks.reach_table import by_family, summary
 from benchmarks.reach_truth import Truth
-from viewer.measure.relmse import Halves
+from viewer.measure.compare.relmse import Halves
 from viewer.measure.report.ladder import PLAIN, Method
 
 SIZE = 64

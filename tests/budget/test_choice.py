@@ -13,7 +13,7 @@ from viewer.budget.choice import Choice
 from viewer.budget.cost import Cost, Load
 from viewer.budget.course import best_course, choose, least_of_two, worth_trying
 from viewer.errors import UsageError
-from viewer.measure.scenes import constant, scene, sphere
+from viewer.measure.check.scenes import constant, scene, sphere
 from viewer.scene.material import Material
 from viewer.settings import Settings
 

@@ -11,11 +11,12 @@ from command_line import SCENES, runner
 from test_choice import CALIBRATION
 
 import viewer
-from viewer import api, doctor
+from viewer import api
 from viewer.budget import chooser, contention, start
 from viewer.budget.cost import Cost
 from viewer.errors import UsageError
-from viewer.measure.scenes import scene, sphere
+from viewer.jobs import doctor
+from viewer.measure.check.scenes import scene, sphere
 from viewer.scene.environment_files import load_environment
 from viewer.scene.material import Material
 

@@ -11,7 +11,7 @@ from viewer.bake import cache
 from viewer.budget import known
 from viewer.budget.cost import Load, plain_plan
 from viewer.budget.known import load_known, store_known, surfaces
-from viewer.measure.scenes import scene, sphere
+from viewer.measure.check.scenes import scene, sphere
 from viewer.scene.light import Light
 from viewer.scene.material import Material
 

@@ -19,11 +19,11 @@ from pathlib import Path
 from cases import CASES, SIZE
 
 import viewer.gpu.source
+from viewer.base.resources import resource_folder
 from viewer.errors import ShaderError
 from viewer.gpu.context import open_context
-from viewer.measure.golden import Limits, judge
+from viewer.measure.compare.golden import Limits, judge
 from viewer.raster.renderer import Renderer
-from viewer.resources import resource_folder
 
 
 @dataclass(frozen=True)

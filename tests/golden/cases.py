@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 
 import viewer
-from viewer.resources import resource_folder
+from viewer.base.resources import resource_folder
 from viewer.scene.camera import Camera
 from viewer.scene.environment import Environment
 from viewer.scene.equirect import texel_directions

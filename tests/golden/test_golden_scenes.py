@@ -12,8 +12,8 @@ from break_shaders import MUTATIONS, Mutation
 from cases import CASES, SIZE, Case
 from contexts import open_or_skip
 
+from viewer.base.resources import resource_folder
 from viewer.raster.renderer import Renderer
-from viewer.resources import resource_folder
 
 
 @pytest.fixture(scope="module", params=["egl", "osmesa"])

@@ -12,7 +12,7 @@ from collections import Counter
 
 from mutations import MUTATIONS, planted
 
-from viewer.measure.check import run_checks
+from viewer.measure.check.run import run_checks
 
 
 def main(names: list[str]) -> int:

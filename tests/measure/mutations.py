@@ -10,15 +10,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import viewer.gpu.source
+from viewer.base.resources import resource_folder
 from viewer.gpu.context import open_context
-from viewer.measure.checks import Check
-from viewer.measure.energy import check_lobe
-from viewer.measure.furnace import FURNACE_BOUND, lit_furnace
-from viewer.measure.lobe_cases import lobe_cases
-from viewer.measure.lobe_stability import check_lobe_stability
-from viewer.measure.stability import check_sweep, sweeps
+from viewer.measure.check.checks import Check
+from viewer.measure.check.energy import check_lobe
+from viewer.measure.check.furnace import FURNACE_BOUND, lit_furnace
+from viewer.measure.check.lobe_cases import lobe_cases
+from viewer.measure.check.lobe_stability import check_lobe_stability
+from viewer.measure.check.stability import check_sweep, sweeps
 from viewer.raster.renderer import Renderer
-from viewer.resources import resource_folder
 from viewer.scene.material import Material
 
 Checks = Callable[[], Iterable[Check]]

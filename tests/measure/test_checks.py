@@ -8,9 +8,9 @@ import math
 import numpy as np
 import pytest
 
-from viewer.measure.check_table import print_table, verdict
-from viewer.measure.checks import Check, exit_status, summary
-from viewer.measure.chi_squared import critical_value, statistic
+from viewer.measure.check.checks import Check, exit_status, summary
+from viewer.measure.check.chi_squared import critical_value, statistic
+from viewer.measure.check.table import print_table, verdict
 from viewer.measure.plot import heat_map, lines, polar
 
 PASSES, FAILS = Check("a", "b", 1.0, 1.0), Check("a", "b", 1.01, 1.0)

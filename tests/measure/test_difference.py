@@ -1,4 +1,4 @@
-"""viewer/measure/difference.py: exact numbers on pictures small enough to work out by hand."""
+"""viewer/measure/compare/difference.py: exact numbers on pictures small enough to work out by hand."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from viewer.errors import InputError
-from viewer.image import Image
-from viewer.measure.difference import compare, compare_files, not_finite
+from viewer.image.image import Image
+from viewer.measure.compare.difference import compare, compare_files, not_finite
 
 
 @pytest.fixture

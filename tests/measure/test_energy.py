@@ -7,11 +7,11 @@ import pytest
 from mutations import MUTATIONS, furnace_of_lights, planted
 
 from viewer.bake.dfg import directional_albedo
-from viewer.measure.checks import Check
-from viewer.measure.energy import check_lobe, directions
-from viewer.measure.furnace import check_balance, furnace_picture, hemisphere_balance
-from viewer.measure.half_vector import bin_coordinates, binned_grid, reflected_grid, refracted_grid
-from viewer.measure.lobe_cases import lobe_cases
+from viewer.measure.check.checks import Check
+from viewer.measure.check.energy import check_lobe, directions
+from viewer.measure.check.furnace import check_balance, furnace_picture, hemisphere_balance
+from viewer.measure.check.half_vector import bin_coordinates, binned_grid, reflected_grid, refracted_grid
+from viewer.measure.check.lobe_cases import lobe_cases
 from viewer.raster.renderer import Renderer
 from viewer.scene.material import Material
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from viewer.measure.relmse import EPSILON, Halves, reduced, relmse
+from viewer.measure.compare.relmse import EPSILON, Halves, reduced, relmse
 
 SHAPE = (96, 96, 3)
 

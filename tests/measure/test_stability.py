@@ -8,10 +8,10 @@ from decimal import Context, Decimal, localcontext
 import numpy as np
 import pytest
 
-from viewer.measure import reference
-from viewer.measure.extremes import check_extremes, not_finite
-from viewer.measure.lobe_stability import check_lobe_stability
-from viewer.measure.stability import Sweep, check_sweep, measure, relative_error, sweeps
+from viewer.measure.check import reference
+from viewer.measure.check.extremes import check_extremes, not_finite
+from viewer.measure.check.lobe_stability import check_lobe_stability
+from viewer.measure.check.stability import Sweep, check_sweep, measure, relative_error, sweeps
 
 
 def test_relative_error_of_zero_and_of_what_is_not_finite():
@@ -118,7 +118,7 @@ def test_extremes():
 
 
 def test_what_is_not_finite_is_counted():
-    from viewer.image import Image
+    from viewer.image.image import Image
 
     pixels = np.zeros((2, 2, 4), np.float32)
     pixels[0, 1, 2], pixels[1, 0, 0] = np.nan, np.inf

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+from viewer.base.resources import resource_folder
 from viewer.gpu.context import open_context
 from viewer.raster.renderer import Renderer
-from viewer.resources import resource_folder
 from viewer.scene.camera import Camera
 from viewer.scene.load import load_scene
 from viewer.scene.scene import Scene

@@ -9,7 +9,7 @@ import pytest
 from shapes import moved, orthographic, plate, scene, sphere
 
 import viewer
-from viewer.resources import resource_folder
+from viewer.base.resources import resource_folder
 from viewer.scene.material import Material
 
 RED, BLUE = (0.8, 0.1, 0.1), (0.1, 0.2, 0.9)

@@ -12,10 +12,10 @@ import pytest
 from PIL import Image
 
 import viewer
+from viewer.base.resources import resource_folder
 from viewer.errors import InputError
-from viewer.plan import plan_scene
+from viewer.plan.planner import plan_scene
 from viewer.raster.decoding import Decoder, channels_read, decode_ahead, decode_levels, sampled_images
-from viewer.resources import resource_folder
 from viewer.scene.texture_image import open_texture_image
 from viewer.settings import Settings
 

@@ -10,15 +10,15 @@ import pytest
 from shapes import lopsided
 
 import viewer
-from viewer import plan as planning
+from viewer.base.resources import resource_folder
 from viewer.errors import InputError
+from viewer.plan import planner as planning
+from viewer.plan.sharing import share_programs
 from viewer.raster.renderer import Renderer
-from viewer.resources import resource_folder
 from viewer.scene.camera import Camera
 from viewer.scene.light import Light
 from viewer.scene.scene import Scene
 from viewer.settings import Settings
-from viewer.wide_programs import share_programs
 
 SIZE = (24, 24)
 SUN = Light.from_angles(0.5, 0.7, 2.0)

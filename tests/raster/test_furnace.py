@@ -7,7 +7,7 @@ import pytest
 from shapes import constant, facing_floor, orthographic, pixel_points, plate, scene, sphere
 
 from viewer.bake.dfg import directional_albedo
-from viewer.resources import resource_folder
+from viewer.base.resources import resource_folder
 from viewer.scene.furnace import in_furnace
 from viewer.scene.light import Light
 from viewer.scene.load import load_scene

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from viewer.raster.mip_levels import mip_levels
 from viewer.scene.color import linear_to_srgb, srgb_to_linear
+from viewer.scene.mip_levels import mip_levels
 
 SIZES = [(64, 64), (256, 32), (200, 136), (33, 47), (1, 5), (130, 1), (1, 1), (75, 128)]
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import viewer
+from viewer.base.resources import resource_folder
 from viewer.gpu.context import open_context
 from viewer.raster.renderer import Renderer
-from viewer.resources import resource_folder
 from viewer.scene.camera import Camera
 from viewer.settings import Settings
 

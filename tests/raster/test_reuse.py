@@ -10,10 +10,10 @@ import pytest
 from shapes import lopsided, orthographic, plate, scene, sphere
 
 import viewer
+from viewer.base.resources import resource_folder
 from viewer.errors import ContextError
 from viewer.gpu.context import Context, create_context
 from viewer.raster.renderer import Renderer
-from viewer.resources import resource_folder
 from viewer.scene.camera import Camera
 from viewer.scene.light import Light
 from viewer.scene.material import Material

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from shapes import WHITE, facing_floor, lopsided, moved, orthographic, plate, scene, sphere
 
-from viewer.image import Image
-from viewer.measure.difference import compare
+from viewer.image.image import Image
+from viewer.measure.compare.difference import compare
 from viewer.scene.camera import Camera
 from viewer.scene.light import Light
 from viewer.scene.material import Material

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from shapes import WHITE, facing_floor, lopsided, moved, orthographic, plate, scene, sphere
 
-from viewer.measure.relmse import reduced
+from viewer.measure.compare.relmse import reduced
 from viewer.scene.material import Material
 from viewer.settings import Settings
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from shapes import WHITE, constant, facing_floor, lopsided, moved, orthographic, plate, scene, seen_plane, sphere
 
-import viewer.raster.reflected_surfaces as reflected_surfaces
-from viewer.plan import plan_scene
-from viewer.raster.traced_reflections import TracedReflections
+import viewer.raster.traced.reflected_surfaces as reflected_surfaces
+from viewer.plan.planner import plan_scene
+from viewer.raster.traced.reflections import TracedReflections
 from viewer.scene.camera import Camera
 from viewer.scene.environment import Environment
 from viewer.scene.material import Material

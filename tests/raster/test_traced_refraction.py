@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from shapes import WHITE, constant, lopsided, moved, orthographic, plate, scene, sphere
 
-from viewer.plan import plan_scene
+from viewer.plan.planner import plan_scene
 from viewer.raster.renderer import Renderer
-from viewer.raster.traced_refraction import TracedRefraction
+from viewer.raster.traced.refraction import TracedRefraction
 from viewer.scene.material import Material
 from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Scene

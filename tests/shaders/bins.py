@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from viewer.measure.half_vector import reflect, refract
+from viewer.measure.check.half_vector import reflect, refract
 
 BINS = (16, 10)  # of (theta_h / (pi / 2))^(1/5) and of the azimuth from wo's
 NODES = (56, 10)  # in each bin; 56 * 16 has a cell end at 45 degrees, where what a steep view reflects stops at once

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import twins
 
-from viewer.measure.chi_squared import critical_value, statistic
-from viewer.measure.lobes import COSINES, DELTA, LOBES, TRANSMISSION, Lobe
+from viewer.measure.check.chi_squared import critical_value, statistic
+from viewer.measure.check.lobes import COSINES, DELTA, LOBES, TRANSMISSION, Lobe
 
 COUNT = 20_000
 every_lobe = pytest.mark.parametrize("lobe", LOBES, ids=lambda lobe: lobe.name.replace(" ", "-"))

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from viewer.measure.lobes import LOBES
+from viewer.measure.check.lobes import LOBES
 
 STANDARD = next(lobe for lobe in LOBES if lobe.name == "standard")
 MU = np.array([1.0, 0.7, 0.3, 0.1, 0.01])

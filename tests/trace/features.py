@@ -17,8 +17,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from shapes import WHITE, constant, facing_floor, moved, orthographic, plate, scene, sphere
 
 import viewer
+from viewer.base.resources import resource_folder
 from viewer.raster.renderer import Renderer
-from viewer.resources import resource_folder
 from viewer.scene.camera import Camera
 from viewer.scene.environment_presets import make_preset
 from viewer.scene.light import Light

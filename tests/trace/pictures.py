@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from viewer.measure.relmse import Halves
+from viewer.measure.compare.relmse import Halves
 from viewer.scene.camera import Camera
 from viewer.scene.scene import Scene
 from viewer.settings import Settings

@@ -9,7 +9,7 @@ import moderngl
 import numpy as np
 
 from viewer.gpu.context import Context
-from viewer.trace.intersect import Intersector
+from viewer.trace.rays.intersect import Intersector
 
 
 @dataclass

@@ -1,11 +1,11 @@
-"""viewer/trace/alias.py: the probabilities a table gives are the weights, whatever they are."""
+"""viewer/trace/scene/alias.py: the probabilities a table gives are the weights, whatever they are."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from viewer.trace.alias import alias_table
+from viewer.trace.scene.alias import alias_table
 
 RANDOM = np.random.default_rng(5)
 CASES = {

@@ -9,7 +9,7 @@ import pytest
 from pictures import halves, picture
 from shapes import WHITE, constant, facing_floor, moved, orthographic, plate, scene, sphere
 
-from viewer.measure.relmse import reduced
+from viewer.measure.compare.relmse import reduced
 from viewer.scene.camera import Camera
 from viewer.scene.light import Light
 from viewer.scene.material import Material

@@ -1,4 +1,4 @@
-"""viewer/trace/atlas.py and shaders/trace/atlas.glsl: every texel at its place, and filtered as its sampler says."""
+"""The atlas of images (viewer/trace/scene/atlas.py, shaders/trace/atlas.glsl): texels at their places, filtered."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from harness import evaluate
 from images import image_of, noise
 
 from viewer.errors import InputError
-from viewer.raster.programs import set_uniform
+from viewer.gpu.programs import set_uniform
 from viewer.scene.color import srgb_to_linear
 from viewer.scene.material import Sampler, Texture, UVTransform
 from viewer.scene.texture_image import TextureImage
-from viewer.trace.atlas import MAX_TEXELS, Atlas, layout_atlas
-from viewer.trace.materials import map_words
-from viewer.trace.words import WordsBuilder
+from viewer.trace.scene.atlas import MAX_TEXELS, Atlas, layout_atlas
+from viewer.trace.scene.materials import map_words
+from viewer.trace.scene.scene_buffer import WordsBuilder
 
 LIMIT = 4096
 HALF = 2.0**-11

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from stand_ins import Geometry, Instance, Mesh, mesh, soup, sphere
 
-from viewer.trace import wide
-from viewer.trace.bvh import INSTANCE, NODE_TEXELS, build_bvh
-from viewer.trace.ploc import BinaryTree, cluster, half_area
-from viewer.trace.wide import LEAF, NOTHING, WideTree
+from viewer.trace.rays import bvh4 as wide
+from viewer.trace.rays.bvh import INSTANCE, NODE_TEXELS, build_bvh
+from viewer.trace.rays.bvh4 import LEAF, NOTHING, WideTree
+from viewer.trace.rays.ploc import BinaryTree, cluster, half_area
 
 MAX_STACK = 96
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from harness import evaluate
 
+from viewer.gpu.programs import set_uniform
 from viewer.raster.frame import Frame
-from viewer.raster.programs import set_uniform
 from viewer.scene.camera import Camera
 from viewer.scene.scene import Scene
-from viewer.trace.camera_rays import camera_uniforms
+from viewer.trace.paths.camera_rays import camera_uniforms
 
 SIZE = (640, 480)
 SCENE = Scene("empty")  # a unit cube about the origin

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from viewer.errors import UsageError
-from viewer.raster.programs import Programs
-from viewer.trace.denoise import make_denoiser
+from viewer.gpu.programs import Programs
+from viewer.trace.denoise.denoiser import make_denoiser
 
 SIZE = 96
 HITS = np.s_[30:, :]

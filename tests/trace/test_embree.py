@@ -9,7 +9,7 @@ import pytest
 from stand_ins import Geometry, Instance, fill, make_wave, mesh, sphere, trace
 
 from viewer.gpu.context import Context
-from viewer.trace.intersect import FREE, INSTANCE_MASK, MISS, make_intersector
+from viewer.trace.rays.intersect import FREE, INSTANCE_MASK, MISS, make_intersector
 
 pytest.importorskip("embreex")
 
@@ -86,7 +86,7 @@ class Panes:
 
 def test_shadow_rays_go_through_what_lets_them(context: Context, monkeypatch: pytest.MonkeyPatch) -> None:
     panes = Panes()
-    monkeypatch.setattr("viewer.trace.embree.SeeThrough", lambda context, surfaces: panes)
+    monkeypatch.setattr("viewer.trace.rays.embree.SeeThrough", lambda context, surfaces: panes)
     instances = [Instance(0, at(0.5), see_through=True), Instance(0, at(0.0), see_through=True), Instance(0, at(-0.5))]
     embree = make_intersector(context, Geometry([SQUARE], instances), SimpleNamespace(), kind="embree")
     origin = np.array([(0.3, 0.1, 1.0), (0.3, 0.1, 1.0), (0.3, 0.1, 1.0), (0.3, 0.1, -0.3)])
@@ -98,8 +98,8 @@ def test_shadow_rays_go_through_what_lets_them(context: Context, monkeypatch: py
 
 
 def test_shadow_rays_stop_after_so_many_layers(context: Context, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("viewer.trace.embree.SeeThrough", lambda context, surfaces: Panes())
-    monkeypatch.setattr("viewer.trace.embree.MAX_LAYERS", 3)
+    monkeypatch.setattr("viewer.trace.rays.embree.SeeThrough", lambda context, surfaces: Panes())
+    monkeypatch.setattr("viewer.trace.rays.embree.MAX_LAYERS", 3)
     squares = [mesh([(-1, -1, z), (1, -1, z), (0, 1, z)], [(0, 1, 2)]) for z in (0.0, 0.1, 0.2, 0.3)]
     for count, free in ((2, FREE), (3, 0)):
         stack = mesh(np.concatenate([square.positions for square in squares[:count]]), np.arange(3 * count))

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from harness import evaluate
 
-from viewer.measure.chi_squared import critical_value, statistic
-from viewer.raster.programs import set_uniform
+from viewer.gpu.programs import set_uniform
+from viewer.measure.check.chi_squared import critical_value, statistic
 from viewer.scene.environment import Environment
 from viewer.scene.equirect import texel_solid_angles
-from viewer.trace import environment as module
-from viewer.trace.environment import EnvironmentTable, cell_densities
+from viewer.trace.scene import environment as module
+from viewer.trace.scene.environment import EnvironmentTable, cell_densities
 
 RANDOM = np.random.default_rng(11)
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from viewer.errors import UsageError
-from viewer.raster.programs import Programs
-from viewer.trace.film import Film, relative_error
-from viewer.trace.wave import TILE, Wave, Work
+from viewer.gpu.programs import Programs
+from viewer.trace.paths.film import Film, relative_error
+from viewer.trace.paths.wavefront import TILE, Wave, Work
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""viewer/trace/geometry.py: which triangles there are, where, and what they are made of."""
+"""viewer/trace/scene/geometry.py: which triangles there are, where, and what they are made of."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from viewer.scene.material import Material, Texture
 from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Instance, Scene
 from viewer.scene.texture_image import open_texture_image
-from viewer.trace.geometry import GLASS, STANDARD, trace_geometry
-from viewer.trace.scene_words import unused_maps
+from viewer.trace.scene.encode import unused_maps
+from viewer.trace.scene.geometry import GLASS, STANDARD, trace_geometry
 
 
 def placed(geometry, instance) -> np.ndarray:

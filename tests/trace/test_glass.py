@@ -105,7 +105,7 @@ def test_lights_and_lobes_agree(tracer):
                   environment=lit(behind=True))
     both = halves(tracer, model, FRONT, (16, 16), spp=256)
     # By quadrature over the environment's texels, T' D V cos
-    from viewer.measure.lobes import LOBES
+    from viewer.measure.check.lobes import LOBES
 
     lobe = next(lobe for lobe in LOBES if lobe.name == "thin_dielectric")
     environment = model.environment

@@ -14,7 +14,7 @@ from viewer.scene.material import Material
 from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Instance
 from viewer.scene.tangents import any_tangents
-from viewer.trace.geometry import trace_geometry
+from viewer.trace.scene.geometry import trace_geometry
 
 ULP = 2.0**-23
 """Of 1, tracer space's largest coordinate."""

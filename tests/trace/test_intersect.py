@@ -15,10 +15,10 @@ from viewer.gpu.context import Context
 from viewer.scene.material import Material
 from viewer.scene.scene import Instance as SceneInstance
 from viewer.scene.scene import Scene
-from viewer.trace import intersect
-from viewer.trace.geometry import trace_geometry
-from viewer.trace.intersect import FREE, INSTANCE_MASK, MISS, Intersector, make_intersector
-from viewer.trace.scene_data import SceneData
+from viewer.trace.rays import intersect
+from viewer.trace.rays.intersect import FREE, INSTANCE_MASK, MISS, Intersector, make_intersector
+from viewer.trace.scene.geometry import trace_geometry
+from viewer.trace.scene.scene_data import SceneData
 
 pytest.importorskip("embreex")
 
@@ -254,7 +254,7 @@ def test_auto_is_embree_where_opengl_is_software(context: Context, monkeypatch: 
 
 
 def test_without_embree_there_is_the_bvh(context: Context, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "viewer.trace.embree", None)
+    monkeypatch.setitem(__import__("sys").modules, "viewer.trace.rays.embree", None)
     assert make_intersector(context, Geometry([sphere(4, 4)])).name == "bvh"
     with pytest.raises(UsageError, match="embreex"):
         make_intersector(context, Geometry([]), kind="embree")

@@ -9,7 +9,7 @@ import pytest
 from harness import evaluate
 from PIL import Image
 
-from viewer.measure.chi_squared import critical_value, statistic
+from viewer.measure.check.chi_squared import critical_value, statistic
 from viewer.scene.environment import Environment
 from viewer.scene.light import Light
 from viewer.scene.material import Material, Texture
@@ -17,11 +17,11 @@ from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Instance, Scene
 from viewer.scene.texture_image import open_texture_image
 from viewer.settings import Settings
-from viewer.trace.emitters import find_emitters
-from viewer.trace.geometry import trace_geometry
-from viewer.trace.lights import LEAST_SHARE, SceneLights, light_table
-from viewer.trace.punctual import light_powers
-from viewer.trace.scene_data import SceneData
+from viewer.trace.scene.emitters import find_emitters
+from viewer.trace.scene.geometry import trace_geometry
+from viewer.trace.scene.lights import LEAST_SHARE, SceneLights, light_table
+from viewer.trace.scene.punctual import light_powers
+from viewer.trace.scene.scene_data import SceneData
 
 QUAD = np.array([[-1, 0, -1], [-1, 0, 1], [1, 0, 1], [1, 0, -1]], np.float32)  # counter-clockwise from +Y
 QUAD_INDICES = np.array([0, 1, 2, 0, 2, 3], np.uint32)

@@ -6,8 +6,8 @@ import pytest
 from pictures import halves, picture
 
 import viewer
-from viewer.measure.relmse import relmse
-from viewer.resources import resource_folder
+from viewer.base.resources import resource_folder
+from viewer.measure.compare.relmse import relmse
 from viewer.scene.scene import Scene
 
 FILES = sorted((resource_folder("assets") / "noise").glob("*.glb"))

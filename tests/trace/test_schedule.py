@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from viewer.settings import Settings
-from viewer.trace.film import relative_error
-from viewer.trace.schedule import PILOT, Schedule, allotment, dilated
-from viewer.trace.wave import TILE, Work
+from viewer.trace.paths.film import relative_error
+from viewer.trace.paths.schedule import PILOT, Schedule, allotment, dilated
+from viewer.trace.paths.wavefront import TILE, Work
 
 
 class NoisyFilm:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from viewer.gpu.call import call_glsl
-from viewer.measure.chi_squared import critical_value, statistic
+from viewer.measure.check.chi_squared import critical_value, statistic
 
 FILE = "sample/sobol.glsl"
 BITS = 24

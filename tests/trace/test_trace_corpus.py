@@ -9,7 +9,7 @@ import pytest
 from interactions import ask, random_hits
 
 from viewer.scene.load import load_scene
-from viewer.trace.geometry import trace_geometry
+from viewer.trace.scene.geometry import trace_geometry
 
 MODELS = Path(__file__).parents[2].parent / "shared" / "corpus" / "models"
 NAMES = ("AlphaBlendModeTest/AlphaBlendModeTest.glb", "FlightHelmet/FlightHelmet.gltf", "MultiUVTest/MultiUVTest.glb",

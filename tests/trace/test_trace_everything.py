@@ -7,7 +7,7 @@ import pytest
 from shapes import lopsided
 
 import viewer
-from viewer.resources import resource_folder
+from viewer.base.resources import resource_folder
 from viewer.scene.camera import Camera
 from viewer.scene.light import Light
 from viewer.settings import Settings

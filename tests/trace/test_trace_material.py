@@ -1,4 +1,4 @@
-"""shaders/trace/material.glsl, viewer/trace/materials.py: factors, maps and vertex colours as glTF 2.0 multiplies."""
+"""shaders/trace/material.glsl, viewer/trace/scene/materials.py: factors, maps and vertex colours are multiplied."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from shapes import moved, plate, scene, sphere
 
 from viewer.scene.color import srgb_to_linear
 from viewer.scene.material import Material, Sampler, Texture, UVTransform
-from viewer.trace.geometry import trace_geometry
-from viewer.trace.materials import trace_material
-from viewer.trace.scene_words import geometry_switches, unused_maps
+from viewer.trace.scene.encode import geometry_switches, unused_maps
+from viewer.trace.scene.geometry import trace_geometry
+from viewer.trace.scene.materials import trace_material
 
 COUNT = 500
 FRONT = (0.36, 0.48, 0.8)

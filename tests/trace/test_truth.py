@@ -13,7 +13,7 @@ from pictures import halves
 from shapes import WHITE, facing_floor, lopsided, moved, plate, scene, sphere
 
 from benchmarks import mitsuba_scene, truth_cases
-from viewer.measure.relmse import Halves
+from viewer.measure.compare.relmse import Halves
 from viewer.scene.camera import Camera
 from viewer.scene.light import Light
 from viewer.scene.material import Material

@@ -1,4 +1,4 @@
-"""viewer/trace/words.py: what is put in is what a shader finds at the offset, bit by bit."""
+"""viewer/trace/scene/scene_buffer.py: what is put in is what a shader finds at the offset, bit by bit."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import pytest
 from harness import evaluate
 
 from viewer.errors import InputError
-from viewer.raster.programs import set_uniform
-from viewer.trace.words import WIDTH, WordsBuilder
+from viewer.gpu.programs import set_uniform
+from viewer.trace.scene.scene_buffer import WIDTH, WordsBuilder
 
 RANDOM = np.random.default_rng(3)
 

@@ -10,12 +10,12 @@ from collections.abc import Callable
 import glfw
 import numpy as np
 
+from ..interact.keys import action_of
+from ..interact.orbit import OrbitController
+from ..interact.pick import cursor_ray, pick, plane_point
+from ..interact.state import ViewState
 from ..scene.camera import Camera
 from .gui import Gui
-from .keys import action_of
-from .orbit import OrbitController
-from .pick import cursor_ray, pick, plane_point
-from .state import ViewState
 
 CLICK_DISTANCE = 4.0
 """In window coordinates: a press that moves no farther than this is a click, not a drag."""

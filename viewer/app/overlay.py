@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from imgui_bundle import imgui
 
-from .keys import help_groups
-from .state import ViewState
+from ..interact.keys import help_groups
+from ..interact.state import ViewState
 
 MODE_NAMES = {"pbr": "PBR", "phong": "Phong", "path": "Path-traced"}
 _WHITE, _SHADOW = 0xE6FFFFFF, 0xB4000000  # ABGR

@@ -11,13 +11,13 @@ from functools import cache
 import numpy as np
 from imgui_bundle import imgui
 
+from ..interact.state import ViewState, scene_facts
 from ..scene.color import linear_to_srgb, srgb_to_linear
 from ..scene.environment_files import load_environment
 from ..scene.environment_presets import PRESETS
 from ..scene.light import Light
 from ..settings import setting_choices
 from .overlay import MODE_NAMES
-from .state import ViewState, scene_facts
 
 WIDTH = 310.0
 """In window coordinates, before the desktop's scale."""

@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 from ..errors import ShaderError
-from ..raster.programs import Programs
+from ..gpu.programs import Programs
 
 INTERVAL = 0.5
 """Seconds between two looks at the files."""

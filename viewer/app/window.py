@@ -12,6 +12,10 @@ import moderngl
 
 from ..errors import ViewerError
 from ..gpu.window import WindowContext
+from ..interact.orbit import QUARTER, OrbitController
+from ..interact.pick import pick
+from ..interact.picture import Picture
+from ..interact.state import ViewState
 from ..raster.renderer import Renderer
 from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, Camera
 from ..scene.environment_files import FORMATS, load_environment
@@ -20,12 +24,8 @@ from ..scene.scene import Scene
 from ..settings import Settings
 from .gui import Gui
 from .input import Input
-from .orbit import QUARTER, OrbitController
 from .overlay import draw_help, draw_message, draw_split, draw_status
 from .panel import Panel, Readings
-from .pick import pick
-from .picture import Picture
-from .state import ViewState
 from .watch import INTERVAL, ShaderWatch
 
 SETTLING_FRAMES = 3

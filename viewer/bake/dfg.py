@@ -26,7 +26,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..resources import resource_folder
+from ..base.resources import resource_folder
 from .cache import key, load, store
 from .lobes import lobe_spectrum
 

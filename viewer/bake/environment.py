@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..heap import give_back
+from ..base.heap import give_back
 from ..scene.environment import Environment
 from ..scene.equirect import shrink
 from ..scene.light import Light

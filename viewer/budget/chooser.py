@@ -8,12 +8,12 @@ from collections.abc import Callable, Collection
 from dataclasses import replace
 
 from ..gpu.context import Context
-from ..image import Image
+from ..image.image import Image
 from ..raster.renderer import Renderer
 from ..scene.camera import Camera
 from ..scene.scene import Scene
 from ..settings import Settings
-from ..trace.run import Report
+from ..trace.paths.run import Report
 from ..trace.tracer import Tracer
 from .calibration import Calibration, load_calibration, store_calibration
 from .candidates import Candidate, Ready, TracedCandidate, candidates

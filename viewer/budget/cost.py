@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 
 from ..bake.environment import is_baked
-from ..plan import Plan, plan_scene
+from ..plan.planner import Plan, plan_scene
 from ..scene.scene import Scene
 from ..settings import Settings
 

@@ -9,7 +9,7 @@ from importlib.metadata import version
 import numpy as np
 
 from ..bake import cache
-from ..plan import Plan
+from ..plan.planner import Plan
 
 MOST = 4096
 """Names that are kept."""

@@ -10,14 +10,14 @@ from operator import attrgetter
 
 import numpy as np
 
-from ..image import Image
-from ..measure.relmse import EPSILON
+from ..image.image import Image
+from ..measure.compare.relmse import EPSILON
 from ..raster.decoding import decode_ahead
 from ..raster.renderer import Renderer
 from ..scene.camera import Camera
 from ..scene.scene import Scene
-from ..trace.exposure import Exposure
-from ..trace.run import Report, run
+from ..trace.paths.path_render import Exposure
+from ..trace.paths.run import Report, run
 from ..trace.tracer import Tracer
 from .calibration import Calibration
 from .candidates import LEAST_SAMPLES, MIN_SAMPLES, Candidate, TracedCandidate

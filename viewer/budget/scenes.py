@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..measure.scenes import placed, plate, sphere
+from ..measure.check.scenes import placed, plate, sphere
 from ..scene.environment_files import load_environment
 from ..scene.light import Light
 from ..scene.material import Material, Texture

@@ -47,8 +47,8 @@ def measure(context: Context) -> Calibration:
 
 def first_program(context: Context) -> float:
     """Seconds of the display pass on one pixel, which every picture needs: of its kind a process's first."""
-    from ..raster.display import DisplayPass
-    from ..raster.programs import Programs
+    from ..gpu.programs import Programs
+    from ..image.display import DisplayPass
     from ..settings import Settings
 
     context.make_current()

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..image import Image
-from ..messages import say
-from ..progress import Progress
+from ..base.messages import say
+from ..base.progress import Progress
+from ..base.signals import Stopped, postponed
+from ..image.image import Image
+from ..jobs.makers import Order, Studio
 from ..raster.renderer import Renderer
 from ..scene.camera import Camera
 from ..scene.scene import Scene
-from ..signals import Stopped, postponed
-from ..studio import Order, Studio
 from ..trace.tracer import Tracer
 from .chooser import Chooser
 from .contention import Stopwatch

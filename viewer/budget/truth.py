@@ -9,11 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..measure.relmse import EPSILON
+from ..measure.compare.relmse import EPSILON
 from ..scene.camera import Camera
 from ..scene.scene import Scene
 from ..settings import Settings
-from ..trace.exposure import Exposure
+from ..trace.paths.path_render import Exposure
 from ..trace.tracer import Tracer
 
 SMALL, LARGE = (64, 64), (192, 192)

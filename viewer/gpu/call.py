@@ -14,14 +14,14 @@ from weakref import WeakKeyDictionary
 import moderngl
 import numpy as np
 
+from ..base.expect import expect, expect_path
+from ..base.resources import resource_folder
 from ..errors import UsageError
-from ..expect import expect, expect_path
-from ..resources import resource_folder
 from .context import Context, current_context, open_context
 from .glsl_types import Function, Parameter, Sampler, find_functions
+from .marshal import broadcast_shape, from_words, to_words
 from .program import compile_sources
 from .source import ProgramSource, assemble, display_name
-from .words import broadcast_shape, from_words, to_words
 
 _CHUNK = 1 << 18  # evaluations between two transfers: buffers of 64 MiB at most, whatever the arrays' length
 _MAX_WORDS = 64  # 16 attributes and 64 captured components are what OpenGL 3.3 grants

@@ -14,8 +14,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ..base.resources import resource_folder
 from ..errors import ShaderError
-from ..resources import resource_folder
 
 _MAX_DEPTH = 32
 

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from ..maps import CHANNELS, MAPS, material_map
-from ..plan import Plan, plan_scene
+from ..material.maps import CHANNELS, MAPS, material_map
+from ..plan.planner import Plan, plan_scene
 from ..scene.color import srgb_to_linear
+from ..scene.mip_levels import mip_levels
 from ..scene.scene import Scene
 from ..scene.texture_image import TextureImage
 from ..settings import Settings
-from .mip_levels import mip_levels
 
 Key = tuple[TextureImage, str, bool]
 """An image, the channels of it that are read (R, RGB or RGBA), and whether its colours are sRGB."""

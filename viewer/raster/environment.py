@@ -12,16 +12,16 @@ from ..bake.dominant import ambient_and_key
 from ..bake.environment import BakedEnvironment, background_map, bake_environment
 from ..bake.many_lights import ManyLights, many_lights
 from ..gpu.context import Context
+from ..gpu.float_texture import float_texture
 from ..gpu.mipmaps import mipmapped_texture
-from ..plan import Plan
+from ..gpu.programs import Programs, set_uniform
+from ..image.display import fullscreen
+from ..plan.planner import Plan
 from ..scene.environment import Environment
 from ..scene.light import Light
+from ..scene.mip_levels import mip_levels
 from ..settings import Settings
-from .display import fullscreen
-from .floats import float_texture
 from .frame import Frame, uniform
-from .mip_levels import mip_levels
-from .programs import Programs, set_uniform
 from .surfaces import UNIT_BACKGROUND, UNIT_IRRADIANCE, UNIT_PREFILTERED
 
 

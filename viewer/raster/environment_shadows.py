@@ -13,14 +13,14 @@ import moderngl
 import numpy as np
 
 from ..bake.many_lights import ManyLights
-from ..plan import Plan
+from ..gpu.programs import Programs, set_uniform
+from ..image.display import fullscreen
+from ..plan.planner import Plan
 from ..scene.environment import Environment
 from ..scene.light import Light
 from ..scene.scene import Scene
-from .display import fullscreen
 from .frame import Frame
 from .gbuffer import UNIT_NORMALS
-from .programs import Programs, set_uniform
 from .shadows import Atlas, DrawDepth, light_tiles
 
 BATCH = 64

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ..plan import Plan
+from ..plan.planner import Plan
 from ..scene.light import Light
 from .frame import Frame
 

@@ -12,26 +12,26 @@ import numpy as np
 
 from ..bake.dfg import dfg_table
 from ..gpu.context import Context
-from ..image import Image
-from ..plan import Plan, environment_use, plan_scene
+from ..gpu.float_texture import float_texture
+from ..gpu.programs import Programs
+from ..image.display import DisplayPass
+from ..image.image import Image
+from ..plan.planner import Plan, environment_use, plan_scene
 from ..scene.camera import Camera
 from ..scene.environment import Environment
 from ..scene.light import Light
 from ..scene.scene import Scene
 from ..settings import Settings
 from .decoding import Decoder
-from .display import DisplayPass
 from .environment import EnvironmentLight
-from .floats import float_texture
 from .frame import Frame, uniform
 from .gbuffer import GBuffer
 from .lights import pack_lights
-from .programs import Programs
 from .shadows import ShadowMaps
 from .surfaces import UNIT_DFG, UNIT_RADIANCE, UNIT_SHADOW, Surfaces
 from .target import Target
-from .traced_reflections import TracedReflections
-from .traced_refraction import TracedRefraction
+from .traced.reflections import TracedReflections
+from .traced.refraction import TracedRefraction
 from .transmission import Backdrop
 from .visibility import VisibilityPass
 

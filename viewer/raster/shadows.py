@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from ..plan import Draw, Plan
+from ..plan.planner import Draw, Plan
 from ..scene.light import Light
 from ..scene.scene import Scene
 from .frame import Frame

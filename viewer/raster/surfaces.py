@@ -9,14 +9,14 @@ import moderngl
 import numpy as np
 
 from ..gpu.context import Context
-from ..maps import MAPS, material_map
-from ..plan import Draw, Plan, Program
+from ..gpu.programs import Programs, set_uniform
+from ..material.maps import MAPS, material_map
+from ..plan.planner import Draw, Plan, Program
 from ..scene.material import Material, UVTransform
 from ..scene.scene import Scene
 from .decoding import Decoder
 from .frame import Frame, handedness, normal_matrix, uniform
 from .geometry import MeshBuffers
-from .programs import Programs, set_uniform
 from .textures import Textures
 
 if TYPE_CHECKING:

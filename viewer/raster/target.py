@@ -5,8 +5,8 @@ from __future__ import annotations
 import moderngl
 
 from ..errors import UsageError
-from .display import fullscreen
-from .programs import Programs, set_uniform
+from ..gpu.programs import Programs, set_uniform
+from ..image.display import fullscreen
 
 MAX_SIDE_FALLBACK = 16384
 

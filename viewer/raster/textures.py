@@ -5,16 +5,16 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 
+from ..base.heap import give_back
 from ..gpu.context import Context
+from ..gpu.float_texture import float_texture
 from ..gpu.mipmaps import mipmapped_texture
-from ..heap import give_back
-from ..maps import MAPS, material_map
-from ..plan import Plan
+from ..material.maps import MAPS, material_map
+from ..plan.planner import Plan
 from ..scene.material import Sampler, Texture
 from ..scene.scene import Scene
 from ..scene.texture_image import TextureImage
 from .decoding import Decoder, Key, channels_read, sampled_images
-from .floats import float_texture
 
 _FILTERS = {
     ("nearest", None): moderngl.NEAREST,

@@ -6,14 +6,14 @@ import math
 
 import moderngl
 
-from ..plan import Plan
+from ..gpu.programs import Programs, set_uniform
+from ..image.display import fullscreen
+from ..plan.planner import Plan
 from ..scene.scene import Scene
-from .display import fullscreen
 from .environment import EnvironmentLight
 from .environment_shadows import EnvironmentShadows
 from .frame import Frame
 from .gbuffer import GBuffer, nearest_texture
-from .programs import Programs, set_uniform
 from .shadows import DrawDepth
 from .surfaces import UNIT_BACKGROUND, UNIT_VISIBILITY
 

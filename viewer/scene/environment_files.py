@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ..base.utf8_name import utf8_name
 from ..errors import InputError
-from ..utf8_name import utf8_name
 from .environment import Environment
 from .environment_presets import PRESETS, make_preset
 from .equirect import texel_solid_angles

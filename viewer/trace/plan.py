@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from ..plan import Program
+from ..plan.planner import Program
 from ..scene.scene import Scene
 from ..settings import Settings
-from .geometry import GLASS, STANDARD, TraceGeometry, TraceInstance
-from .scene_words import unused_maps
+from .scene.encode import unused_maps
+from .scene.geometry import GLASS, STANDARD, TraceGeometry, TraceInstance
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..raster.frame import handedness, normal_matrix
 from ..scene.scene import Scene
-from .geometry import triangles_of
+from .scene.geometry import triangles_of
 
 MOST_POINTS = 1 << 21
 """Some 300 bytes each while values are fitted to them."""

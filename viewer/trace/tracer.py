@@ -10,25 +10,25 @@ import moderngl
 
 from ..bake.dfg import dfg_table
 from ..gpu.context import Context
-from ..image import Image
-from ..raster.display import DisplayPass
-from ..raster.floats import float_texture
-from ..raster.programs import Programs, set_uniform
+from ..gpu.float_texture import float_texture
+from ..gpu.programs import Programs, set_uniform
+from ..image.display import DisplayPass
+from ..image.image import Image
 from ..scene.camera import Camera
 from ..scene.scene import Scene
 from ..settings import Settings
-from .camera_rays import camera_uniforms
-from .denoise import Denoiser, make_denoiser
-from .exposure import Exposure
-from .film import Film
-from .layers import FIRST_HIT
-from .passes import Passes
+from .denoise.denoiser import Denoiser, make_denoiser
+from .paths.camera_rays import camera_uniforms
+from .paths.film import Film
+from .paths.layers import FIRST_HIT
+from .paths.passes import Passes
+from .paths.path_render import Exposure
+from .paths.run import run
+from .paths.schedule import Schedule
+from .paths.surface_rays import SurfaceRays
+from .paths.wavefront import UNIT_BLOCKS
 from .plan import plan_trace
-from .run import run
-from .schedule import Schedule
-from .surface_rays import SurfaceRays
-from .traced_scene import TracedScene
-from .wave import UNIT_BLOCKS
+from .scene.traced_scene import TracedScene
 
 UNIT_DFG = UNIT_BLOCKS + 1
 

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from ..gpu.context import Context
 from ..scene.scene import Scene
 from ..settings import Settings
-from .run import run
+from .paths.run import run
+from .paths.surface_rays import GATHERS, LOOKS, SurfaceRays
 from .surface_points import Points, Surfaces, at, fit, spread, surfaces_of, unit
-from .surface_rays import GATHERS, LOOKS, SurfaceRays
 from .tracer import Tracer
 
 SAMPLES = 1 << 20

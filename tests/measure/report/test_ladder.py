@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import shapes
 
-from viewer.assemble import make_environment, make_light, make_settings
 from viewer.cli import cli
+from viewer.jobs.assemble import make_environment, make_light, make_settings
 from viewer.measure.report import ladder as module
 from viewer.measure.report.command import command_line
 from viewer.measure.report.ladder import PLAIN, Method, ladder, settings_of

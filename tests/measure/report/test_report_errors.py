@@ -3,8 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from viewer.image import Image
-from viewer.measure.relmse import Halves, relmse
+from viewer.image.image import Image
+from viewer.measure.compare.relmse import Halves, relmse
 from viewer.measure.report.errors import errors, relmse_floor, trimmed_floor, trimmed_relmse
 
 

@@ -12,9 +12,9 @@ from command_line import SCENES, names
 from PIL import Image as Pillow
 from quick_report import MODEL, QUICK
 
+from viewer.base.signals import Stopped
 from viewer.measure.report.bench import Bench
 from viewer.measure.report.job import report_folders
-from viewer.signals import Stopped
 
 NUMBER = (int, float)
 

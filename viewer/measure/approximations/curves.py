@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .. import reference
+from ..check import reference
 from .piece import Case, Kernel, Piece, Variant, grid, relative
 
 _FILE = "measure/curves.glsl"

@@ -10,9 +10,9 @@ import moderngl
 import numpy as np
 
 from ...gpu.context import Context
+from ...gpu.float_texture import float_texture
 from ...gpu.program import compile_sources
 from ...gpu.source import assemble
-from ...raster.floats import float_texture
 from ..report.timing import Timing
 from .piece import Kernel
 

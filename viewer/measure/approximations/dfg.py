@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from ...bake.dfg import SIZE, compute_dfg_table, dfg_table, directional_albedo
-from ...raster.floats import float_texture
+from ...gpu.float_texture import float_texture
 from .piece import Case, Kernel, Piece, Variant, grid
 
 F0 = np.array([0.04, 1.0])

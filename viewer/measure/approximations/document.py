@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from ...base.progress import Progress
 from ...gpu.context import Context
-from ...progress import Progress
 from ..report.pareto import SAME
 from ..report.timing import Timing
 from . import curves, dfg, floats, fresnel, irradiance, prefilter, split_sum

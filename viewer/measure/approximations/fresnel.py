@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .. import reference
+from ..check import reference
 from .piece import Case, Kernel, Piece, Variant, absolute, grid
 
 _FILE = "measure/fresnel.glsl"

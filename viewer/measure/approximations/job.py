@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...atomic import make_folder
+from ...base.atomic import make_folder
+from ...base.progress import Progress
 from ...gpu.context import open_context
-from ...progress import Progress
 from .document import PIECES, Document, measure_pieces
 from .page import write_approximations
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from ...bake.sun import extract_sun
 from ...gpu.context import Context
+from ...gpu.float_texture import float_texture
 from ...gpu.mipmaps import mipmapped_texture
-from ...raster.floats import float_texture
 from ...scene.environment_presets import make_preset
 from ...scene.equirect import shrink, texel_directions, texel_solid_angles
 from .piece import MakeTexture

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ...atomic import atomic_write, make_folder, write_json
+from ...base.atomic import atomic_write, make_folder, write_json
 from ..html_page import html_page
 from ..report.chart import to_svg
 from ..report.chart_png import save_png

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from ...bake.prefilter import HEIGHT, LEVEL_ROUGHNESS, prefilter
-from ...raster.mip_levels import mip_levels
+from ...scene.mip_levels import mip_levels
 from .light import NAMES, levels_texture, radiance, sphere_points, texels
 from .piece import Case, Kernel, Piece, Variant, relative
 

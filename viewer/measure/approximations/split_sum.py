@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...bake.dfg import dfg_table
-from ..reference import smith_lambda
+from ..check.reference import smith_lambda
 from .light import NAMES, levels_texture, map_texture, seen, sphere_points
 from .piece import Case, Kernel, Piece, Variant, logarithmic
 from .prefilter import levels

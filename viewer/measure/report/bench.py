@@ -11,15 +11,15 @@ import numpy as np
 
 from ...errors import UsageError
 from ...gpu.context import Context
-from ...image import Image
-from ...raster.display import DisplayPass
-from ...raster.programs import Programs
+from ...gpu.programs import Programs
+from ...image.display import DisplayPass
+from ...image.image import Image
 from ...raster.renderer import Renderer
 from ...scene.camera import Camera
 from ...scene.scene import Scene
 from ...settings import Settings
-from ...trace.exposure import Exposure
-from ...trace.run import run
+from ...trace.paths.path_render import Exposure
+from ...trace.paths.run import run
 from ...trace.tracer import Tracer
 from .ladder import Method
 from .store import Record

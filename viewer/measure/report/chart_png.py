@@ -8,7 +8,7 @@ from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
 
-from ...atomic import atomic_write
+from ...base.atomic import atomic_write
 from .chart import Chart, Line, Mark, Words
 
 SCALE = 2

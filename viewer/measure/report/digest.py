@@ -12,13 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from ...resources import resource_folder
+from ...base.resources import resource_folder
 from ...scene.environment import Environment
 from ...scene.scene import Scene
 
 _SIZE = 12
-_PARTS = ("scene", "bake", "gpu", "raster", "trace", "plan.py", "wide_programs.py", "constant_maps.py", "maps.py",
-          "settings.py")
+_PARTS = ("scene", "bake", "gpu", "image", "material", "plan", "raster", "trace", "settings.py")
 """Of the package, beside its shaders: what makes pictures."""
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...image import Image
+from ...image.image import Image
 from ...settings import STOPPING, Settings
 from .errors import FREE_BY, MEASURES, Errors, errors, trimmed_floor
 from .ladder import PLAIN, Method, settings_of

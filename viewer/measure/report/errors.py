@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...image import Image
-from ..difference import compare
-from ..relmse import EPSILON, Halves
+from ...image.image import Image
+from ..compare.difference import compare
+from ..compare.relmse import EPSILON, Halves
 
 MEASURES = ("relmse_trimmed", "relmse", "rmse", "flip")
 """What is recommended, and the Pareto front, are by the first."""

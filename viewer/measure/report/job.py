@@ -8,15 +8,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ...atomic import make_folder
+from ...base.atomic import make_folder
+from ...base.messages import say, say_error
+from ...base.progress import Progress
+from ...base.signals import Stopped
 from ...errors import ContextError, OutputError, UsageError, ViewerError
 from ...gpu.context import Context, open_context
-from ...messages import say, say_error
-from ...progress import Progress
 from ...scene.camera import Camera
 from ...scene.scene import Scene
 from ...settings import Settings
-from ...signals import Stopped
 from .bench import Bench
 from .command import command_line
 from .document import Document, find

@@ -14,7 +14,7 @@ from typing import Any
 
 from ...bake.dominant import ambient_and_key
 from ...bake.environment import BakedEnvironment, bake_environment
-from ...plan import plan_scene
+from ...plan.planner import plan_scene
 from ...scene.color import LUMINANCE
 from ...scene.environment import Environment
 from ...scene.light import Light

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ...atomic import atomic_write, write_json
-from ..difference import magma
+from ...base.atomic import atomic_write, write_json
+from ..compare.difference import magma
 from ..html_page import html_page
 from .chart import error_chart, to_svg
 from .chart_png import save_png

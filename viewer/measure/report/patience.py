@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...trace.schedule import PILOT
+from ...trace.paths.schedule import PILOT
 from .ladder import Method
 from .pareto import BUDGETS_MS
 from .store import Record

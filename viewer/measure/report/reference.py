@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...settings import Settings
-from ..relmse import Halves
+from ..compare.relmse import Halves
 from .bench import Bench
 from .errors import relmse_floor
 from .store import Record, Store

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from ...atomic import make_folder, write_json
+from ...base.atomic import make_folder, write_json
 from ...errors import InputError
-from ...image import Image
+from ...image.image import Image
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from ...atomic import atomic_write
+from ...base.atomic import atomic_write
 from ..html_page import html_page
 from .chart import spell_time
 from .errors import MEASURES

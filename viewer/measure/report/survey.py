@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ...base.progress import Progress
 from ...errors import InputError, UsageError
-from ...progress import Progress
 from .bench import Bench
 from .digest import code_digest, digest
 from .errors import trimmed_floor, trimmed_relmse

@@ -1,0 +1,67 @@
+"""Files that appear whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from os import PathLike
+from pathlib import Path
+
+from ..errors import OutputError
+
+
+@contextmanager
+def atomic_write(path: str | PathLike[str]) -> Iterator[Path]:
+    """Yields a temporary path, of the same extension, to write to; when the block ends well it takes `path`'s place.
+
+    The temporary file lies in the same folder, so that the last step is one rename. Whatever ends the block early,
+    KeyboardInterrupt included, removes it and leaves an older file at `path` as it was. A link keeps pointing where
+    it did; a pipe or device (`/dev/stdout`) gets the whole content at the end.
+
+    Raises OutputError where the file cannot be written, and for every OSError inside the block.
+    """
+    target = Path(os.path.realpath(path))
+    replaceable = target.is_file() or not target.exists()
+    folder = target.parent if replaceable else Path(tempfile.gettempdir())
+    if target.is_dir():
+        raise OutputError(f"{path}: is a folder; a file name is needed")
+    if not folder.is_dir():
+        raise OutputError(f"{path}: the folder {target.parent} does not exist")
+    temporary = folder / f".pbr-viewer-{os.getpid()}-{os.urandom(4).hex()}{Path(path).suffix}"
+    try:
+        # Not mkstemp, whose files only their owner may read: open() leaves the mode to the user's umask.
+        temporary.open("xb").close()
+        yield temporary
+        if replaceable:
+            os.replace(temporary, target)
+        else:
+            with temporary.open("rb") as source, open(path, "wb") as sink:
+                shutil.copyfileobj(source, sink)
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
+    finally:
+        with suppress(OSError):
+            temporary.unlink()
+
+
+def write_json(path: str | PathLike[str], content: object) -> None:
+    """`content` as a JSON file, whole or not at all. Raises OutputError."""
+    text = json.dumps(content, indent=1, allow_nan=False) + "\n"
+    with atomic_write(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
+def make_folder(folder: Path) -> None:
+    """Makes it where it is missing, but not the one above that. Raises OutputError."""
+    try:
+        folder.mkdir(exist_ok=True)
+    except FileNotFoundError as error:
+        raise OutputError(f"{folder}: there is no folder {folder.parent}") from error
+    except FileExistsError as error:
+        raise OutputError(f"{folder}: is a file, not a folder") from error
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be made: {error.strerror}") from error

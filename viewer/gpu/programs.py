@@ -1,0 +1,75 @@
+"""The shader programs of a renderer, each compiled once, and reloaded when its files change."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import moderngl
+
+from ..errors import ShaderError
+from .context import Context
+from .program import compile_program
+from .source import source_files
+
+Key = tuple[str, str, tuple[tuple[str, int], ...]]
+
+
+class Programs:
+    """Programs by vertex file, fragment file and switches."""
+
+    def __init__(self, context: Context) -> None:
+        self._context = context
+        self._programs: dict[Key, moderngl.Program] = {}
+        self.generation = 0
+        """Grows with every reload: what was built on a program is stale then."""
+
+    def get(self, vertex: str, fragment: str, switches: Mapping[str, int]) -> moderngl.Program:
+        key = (vertex, fragment, tuple(sorted(switches.items())))
+        if key not in self._programs:
+            self._programs[key] = self._compile(key)
+        return self._programs[key]
+
+    def __len__(self) -> int:
+        return len(self._programs)
+
+    def files(self) -> set[Path]:
+        """Every shader file in use: what to watch."""
+        return {file for key in self._programs for file in source_files(key[0], key[1])}
+
+    def reload(self) -> str | None:
+        """Compile everything again. On an error nothing changes and its text is returned; else None."""
+        fresh: dict[Key, moderngl.Program] = {}
+        try:
+            for key in self._programs:
+                fresh[key] = self._compile(key)
+        except ShaderError as error:
+            for program in fresh.values():
+                program.release()
+            return str(error)
+        self.release()
+        self._programs = fresh
+        self.generation += 1
+        return None
+
+    def release(self) -> None:
+        for program in self._programs.values():
+            if program.extra is not None:  # the vertex array of a fullscreen pass
+                program.extra.release()
+            program.release()
+        self._programs = {}
+
+    def _compile(self, key: Key) -> moderngl.Program:
+        vertex, fragment, switches = key
+        return compile_program(self._context, vertex=vertex, fragment=fragment, defines=dict(switches))
+
+
+def set_uniform(program: moderngl.Program, name: str, value: object) -> None:
+    """Set a uniform the driver kept; one that no pixel depends on is optimised away and skipped."""
+    member = program.get(name, None)
+    if member is None:
+        return
+    if isinstance(value, bytes):
+        member.write(value)
+    else:
+        member.value = value

@@ -1,0 +1,1 @@
+"""From radiance to a file or a screen."""

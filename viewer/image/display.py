@@ -1,0 +1,54 @@
+"""The display pass: radiance to what a screen shows."""
+
+from __future__ import annotations
+
+import moderngl
+
+from ..gpu.programs import Programs, set_uniform
+from ..settings import Settings
+
+_TONEMAPS = ("none", "neutral", "agx", "aces")
+
+
+class DisplayPass:
+    def __init__(self, gl: moderngl.Context, programs: Programs) -> None:
+        self._gl, self._programs = gl, programs
+        self._target: moderngl.Framebuffer | None = None
+
+    def draw(self, radiance: moderngl.Texture, settings: Settings, target: moderngl.Framebuffer, unit: int) -> None:
+        """Draw `radiance` (associated alpha) into `target` as sRGB with straight alpha, through texture `unit`.
+
+        A background colour is what the user wants to see, so it is laid behind after exposure and tone map.
+        """
+        program = self._programs.get(
+            "display/fullscreen.vert", "display/display.frag", {"TONEMAP": _TONEMAPS.index(settings.tonemap)}
+        )
+        target.use()
+        self._gl.enable_only(moderngl.NOTHING)
+        radiance.use(unit)
+        set_uniform(program, "u_radiance", unit)
+        set_uniform(program, "u_exposure", 2.0**settings.exposure)
+        is_color = isinstance(settings.background, tuple)
+        set_uniform(program, "u_backdrop", (*settings.background, 1.0) if is_color else (0.0, 0.0, 0.0, 0.0))
+        fullscreen(self._gl, program).render(vertices=3)
+
+    def target(self, size: tuple[int, int]) -> moderngl.Framebuffer:
+        """An 8-bit target of our own, for reading back."""
+        if self._target is None or self._target.size != size:
+            if self._target is not None:
+                self.release()
+            self._target = self._gl.framebuffer([self._gl.renderbuffer(size, 4)])
+        return self._target
+
+    def release(self) -> None:
+        if self._target is not None:
+            self._target.color_attachments[0].release()
+            self._target.release()
+            self._target = None
+
+
+def fullscreen(gl: moderngl.Context, program: moderngl.Program) -> moderngl.VertexArray:
+    """The vertex array, without attributes, that display/fullscreen.vert wants."""
+    if program.extra is None:
+        program.extra = gl.vertex_array(program, [])
+    return program.extra

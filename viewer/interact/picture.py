@@ -1,0 +1,153 @@
+"""The picture in the window: drawn when something in it changes, refined at rest, saved when asked."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import moderngl
+import numpy as np
+
+from ..errors import ViewerError
+from ..image.image import Image
+from ..raster.renderer import Renderer
+from ..settings import Settings
+from .convergence import Convergence
+from .orbit import OrbitController
+from .state import ViewState, free_path
+
+REST_SECONDS = 0.3
+"""A picture that has not changed for so long is drawn again with the samples of one that is kept, if those are more."""
+
+
+class Picture:
+    """What `renderer` last drew of `state` seen from `orbit`, and what `paths` traces of it."""
+
+    def __init__(self, renderer: Renderer, state: ViewState, orbit: OrbitController) -> None:
+        self._renderer, self._state, self._orbit = renderer, state, orbit
+        self.paths = Convergence(renderer.context, renderer.programs, state)
+        self._drawn: tuple[object, ...] | None = None
+        self._drawn_at = 0.0
+        self._samples = 0
+        self._good: dict[str, dict[str, object]] | None = None
+
+    @property
+    def is_refined(self) -> bool:
+        """Whether the picture has the samples of one that is kept; one that is soon replaced by paths needs no more."""
+        return self._samples == self._wanted_samples(still=True) or self._state.modes == ("path",)
+
+    @property
+    def wants_refinement(self) -> bool:
+        """Whether it has rested long enough to be refined, and is not."""
+        return not self.is_refined and time.monotonic() - self._drawn_at > REST_SECONDS
+
+    @property
+    def patience(self) -> float:
+        """Seconds until it has something to do without being asked; endless while there is nothing."""
+        return min(self.paths.patience, math.inf if self.is_refined else REST_SECONDS)
+
+    @property
+    def left_out(self) -> Sequence[str]:
+        """What the plan of what is shown has left out."""
+        return self.paths.left_out or (self._renderer.plan.left_out if self._renderer.plan else ())
+
+    def update(self, size: tuple[int, int]) -> bool:
+        """Draw what changed, at `size` pixels; whether anything had.
+
+        What cannot be drawn gives way to what was there before, with a message; where nothing was, its error is raised.
+        """
+        state, camera = self._state, self._orbit.camera
+        settings = state.on_screen()
+        background = "env" if settings.background == "env" else "none"  # a colour is laid behind by the display pass
+        shading = replace(settings, exposure=0.0, tonemap="none", background=background)
+        wanted = (state.scene, state.shots(shading, size), camera.pose.tobytes(), camera.fov_y, camera.height, size,
+                  self._renderer.programs.generation)
+        self.paths.follow(camera, size)
+        still = wanted == self._drawn and self.wants_refinement
+        if wanted == self._drawn and not still:
+            return False
+        try:
+            self._draw(settings, size, still)
+        except (ViewerError, moderngl.Error, MemoryError) as error:
+            self._go_back(error)
+            return self.update(size)
+        self._drawn, self._drawn_at, self._samples = wanted, time.monotonic(), self._wanted_samples(still)
+        self._good = {"state": state.shown(), "orbit": dict(vars(self._orbit))}
+        return True
+
+    def converge(self) -> bool:
+        """Go on tracing paths, for a moment; whether there is something new to show.
+
+        A scene that cannot be traced is shown as the raster draws it, with a message.
+        """
+        try:
+            return self.paths.step()
+        except (ViewerError, moderngl.Error, MemoryError) as error:
+            self._state.say(str(error) or "out of memory", is_error=True)
+            self._state.show_mode("pbr")
+            self.paths.leave()
+            return True
+
+    def present(self, framebuffer: moderngl.Framebuffer) -> None:
+        self._present(self._state.on_screen(), framebuffer)
+
+    def save(self, size: tuple[int, int]) -> None:
+        """Save it as PNG in the current folder, under a name that is free, and say so."""
+        settings = self._state.settings
+        try:
+            path = free_path(Path.cwd(), Path(self._state.scene.name).stem)
+            self.paths.follow(self._orbit.camera, size)
+            if not self._is_all_paths(size):
+                self._draw(settings, size, still=True)
+            image = Image.from_srgb(self._read(settings, size))
+            image.attributes.update(self.paths.attributes)
+            image.save(path)
+        except (ViewerError, OSError) as error:
+            self._state.say(str(error), is_error=True)
+        else:
+            self._state.say(f"Saved {path.name}")
+        self._drawn = None
+
+    def _draw(self, settings: Settings, size: tuple[int, int], still: bool) -> None:
+        for shot, part in self._state.shots(settings, size):
+            self._renderer.draw(self._state.scene, self._orbit.camera, shot, size, still=still, part=part)
+
+    def _present(self, settings: Settings, framebuffer: moderngl.Framebuffer) -> None:
+        size = framebuffer.viewport[2:]
+        if not self._is_all_paths(size):
+            self._renderer.present(settings, framebuffer)
+        if self.paths.picture is not None:
+            for mode, part in self._state.parts(size):
+                if mode == "path":
+                    framebuffer.scissor = part
+                    self.paths.present(settings, framebuffer)
+                    framebuffer.scissor = None
+
+    def _is_all_paths(self, size: tuple[int, int]) -> bool:
+        """Whether nothing of the raster is seen."""
+        return self.paths.picture is not None and all(mode == "path" for mode, _ in self._state.parts(size))
+
+    def _read(self, settings: Settings, size: tuple[int, int]) -> np.ndarray:
+        """The picture as displayed, (H, W, 4) uint8."""
+        color = self._renderer.context.gl.renderbuffer(size, 4)
+        framebuffer = self._renderer.context.gl.framebuffer([color])
+        self._present(settings, framebuffer)
+        pixels = np.frombuffer(framebuffer.read(components=4), np.uint8).reshape(size[1], size[0], 4)
+        framebuffer.release()
+        color.release()
+        return np.ascontiguousarray(pixels[::-1])
+
+    def _wanted_samples(self, still: bool) -> int:
+        return self._state.settings.samples(self._renderer.context.is_software, still)
+
+    def _go_back(self, error: Exception) -> None:
+        """To what could be drawn last, saying why; where that is what now fails, there is nothing left to show."""
+        if self._good is None:
+            raise error
+        self._state.say(str(error) or "out of memory", is_error=True)
+        vars(self._state).update(self._good["state"])
+        vars(self._orbit).update(self._good["orbit"])
+        self._drawn = self._good = None

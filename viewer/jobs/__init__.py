@@ -1,0 +1,1 @@
+"""What the command line does, as plain calls: options, render requests, picture makers, info, doctor."""

@@ -1,0 +1,80 @@
+"""What the command line's options stand for: settings, the scene under its light, the camera."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError, UsageError
+from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, DEFAULT_FOV, Camera
+from ..scene.environment import Environment
+from ..scene.environment_files import load_environment
+from ..scene.light import Light
+from ..scene.load import load_scene
+from ..scene.scene import Scene
+from ..settings import Settings
+
+_SETTINGS = ("mode", "background", "exposure", "tonemap", "spp", "time_budget", "error", "seed", "denoise")
+
+
+def make_settings(options: dict[str, Any]) -> Settings:
+    """Raises UsageError for a --set that does not exist."""
+    given = {name: options[name] for name in _SETTINGS if name in options}
+    settings = Settings(**given)
+    for assignment in options["assignments"]:
+        settings = settings.with_option(assignment)
+    return settings
+
+
+def make_environment(options: dict[str, Any]) -> Environment | None:
+    """Raises InputError for a file that cannot be used."""
+    environment = load_environment(options["env"])
+    if environment is None:
+        return None
+    return replace(environment, rotation=math.radians(options["env_rotation"]), intensity=options["env_intensity"])
+
+
+def make_scene(model: str, environment: Environment | None, options: dict[str, Any]) -> Scene:
+    """`model` under `environment` and the lights the options add. Raises InputError."""
+    scene = load_scene(model)
+    return scene.relit(environment=environment, lights=(*scene.lights, *map(make_light, options["lights"])))
+
+
+def make_light(numbers: tuple[float, float, float]) -> Light:
+    """A directional light from azimuth and elevation in degrees, and lux."""
+    azimuth, elevation, lux = numbers
+    return Light.from_angles(math.radians(azimuth), math.radians(elevation), lux)
+
+
+def make_camera(model: str, scene: Scene, options: dict[str, Any]) -> Camera:
+    """The camera the options ask for; without any the one that frames the scene.
+
+    Raises InputError where `model` lacks the camera asked for, UsageError where the eye is where it looks at.
+    """
+    number, fov, orbit = options["camera"], options["fov"], options["orbit"]
+    if number is not None:
+        return _own_camera(model, scene, number, fov)
+    fov_y = DEFAULT_FOV if fov is None else math.radians(fov)
+    center = scene.center if options["target"] is None else np.array(options["target"])
+    if options["eye"] is not None:
+        if np.array_equal(options["eye"], center):
+            raise UsageError(f"--eye is the middle of {model}: give a --target to look at")
+        return Camera.look_at(options["eye"], center, fov_y=fov_y)
+    azimuth, elevation = DEFAULT_AZIMUTH, DEFAULT_ELEVATION
+    if orbit is not None:
+        azimuth, elevation = math.radians(orbit[0]), math.radians(orbit[1])
+    if orbit is not None and len(orbit) == 3:
+        return Camera.orbit(center, orbit[2], azimuth, elevation, fov_y)
+    width, height = options["size"]
+    return Camera.framing(center, scene.radius, width / height, azimuth, elevation, fov_y)
+
+
+def _own_camera(model: str, scene: Scene, number: int, fov: float | None) -> Camera:
+    if number >= len(scene.cameras):
+        has = f"{len(scene.cameras)}, counted from 0" if scene.cameras else "none"
+        raise InputError(model, "cameras", f"--camera {number}: the file has {has}")
+    camera = scene.cameras[number]
+    return camera if fov is None else replace(camera, fov_y=math.radians(fov), height=None)

@@ -1,0 +1,104 @@
+"""Which OpenGL contexts work on this machine, and what to do about those that do not."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from glob import glob
+from typing import Any
+
+from ..gpu.context import auto_backends
+from ..gpu.probe import probe
+
+_PACKAGES = {
+    "egl": "Debian, Ubuntu: apt-get install libegl1 libgl1-mesa-dri; Fedora: dnf install mesa-libEGL mesa-dri-drivers",
+    "osmesa": "Debian, Ubuntu: apt-get install libosmesa6; Fedora: dnf install mesa-libOSMesa",
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One back end tried: `problem` is "" if it works, else what went wrong, and `fix` what to do about it."""
+
+    backend: str
+    device: int | None
+    renderer: str = ""
+    vendor: str = ""
+    version: str = ""
+    problem: str = ""
+    fix: str = ""
+
+    @property
+    def works(self) -> bool:
+        return not self.problem
+
+    def to_json(self) -> dict[str, Any]:
+        return {**asdict(self), "works": self.works}
+
+
+def diagnose() -> list[Finding]:
+    """Try every back end of this system, EGL once per device, each in a process of its own; takes a second or two."""
+    findings = []
+    for backend in auto_backends():
+        devices: Sequence[int | None] = [None]
+        if backend == "egl":
+            devices = range(probe("egl-devices").get("devices", 0)) or devices
+        findings += [_finding(backend, device) for device in devices]
+    return findings
+
+
+def calibration_line(findings: Sequence[Finding]) -> str:
+    """Whether what chooses a picture's method knows the device that `--backend auto` takes; "" where there is none."""
+    working = next((finding for finding in findings if finding.works), None)
+    if working is None:
+        return ""
+    from ..budget.calibration import load_calibration
+
+    is_known = load_calibration(working.renderer) is not None
+    return f"--time-budget, --error: {working.backend} " + (
+        "is measured, in the cache" if is_known else "will be measured when one is first used without --mode")
+
+
+def exit_status(findings: Sequence[Finding]) -> int:
+    """0 if pictures can be made without a screen, or with the desktop where there is one; else 3."""
+    return 0 if any(finding.works for finding in findings) else 3
+
+
+def format_findings(findings: Sequence[Finding]) -> str:
+    """The findings as text, a line or two each."""
+    lines = []
+    for finding in findings:
+        name = finding.backend if finding.device is None else f"{finding.backend}, device {finding.device}"
+        if finding.works:
+            lines.append(f"ok    {name:16} {finding.renderer}; OpenGL {finding.version}; {finding.vendor}")
+        else:
+            lines.append(f"FAIL  {name:16} {finding.problem}")
+            lines.append(f"      {'':16} {finding.fix}")
+    working = next((finding.backend for finding in findings if finding.works), None)
+    lines.append(
+        f"--backend auto takes {working}" if working else "no OpenGL context works here: no picture can be made"
+    )
+    return "\n".join(lines)
+
+
+def _finding(backend: str, device: int | None) -> Finding:
+    result = {"device": device, **probe(backend, device)}
+    fix = _fix(backend) if result["problem"] else ""
+    return Finding(backend=backend, fix=fix, **result)
+
+
+def _fix(backend: str) -> str:
+    if backend == "window":
+        if sys.platform.startswith("linux") and not {"DISPLAY", "WAYLAND_DISPLAY"} & os.environ.keys():
+            return "needed only to look at models in a window: start it from a desktop session, or under xvfb-run"
+        return "update the graphics driver: OpenGL 3.3 is needed"
+    fix = f"install Mesa's software OpenGL: {_PACKAGES[backend]}"
+    if backend == "egl":
+        closed = [file for file in sorted(glob("/dev/dri/renderD*")) if not os.access(file, os.R_OK | os.W_OK)]
+        if closed:
+            fix = f"no access to {closed[0]}: add the user to its group (render or video); or {fix}"
+        elif os.path.exists("/dev/nvidiactl"):
+            fix = f"in a container, set NVIDIA_DRIVER_CAPABILITIES=all for NVIDIA's OpenGL; or {fix}"
+    return fix

@@ -1,0 +1,138 @@
+"""What `pbr-viewer info` tells: of a model and the plan to show it, or of the package itself."""
+
+from __future__ import annotations
+
+from collections import Counter
+from importlib.metadata import version
+from typing import TYPE_CHECKING
+
+from ..bake.environment import bake_environment
+from ..plan.planner import Plan, environment_use, plan_scene
+from ..scene.environment import Environment
+from ..scene.scene import Scene
+from ..settings import RANGES, Settings, setting_choices, setting_meanings
+
+if TYPE_CHECKING:
+    from ..trace.plan import TracePlan
+
+Facts = dict[str, object]
+
+
+def describe_scene(scene: Scene, settings: Settings) -> Facts:
+    """The scene's content and its plan, without opening an OpenGL context; JSON-able."""
+    low, high = scene.bounds
+    plan = _plan(scene, settings)
+    environment = scene.environment
+    return {
+        "name": scene.name,
+        **scene.facts,
+        "instances": len(scene.instances),
+        "primitives": dict(Counter(mesh.topology for mesh in scene.meshes)),
+        "triangles": scene.triangle_count,
+        "vertices": sum(len(mesh.positions) for mesh in scene.meshes),
+        "bounds_m": [low.tolist(), high.tolist()],
+        "radius_m": scene.radius,
+        "materials": [_material_line(scene, k) for k in range(len(scene.materials))],
+        "lights": [f"{light.kind} {light.name or '(unnamed)'}, {light.intensity:g} {_unit(light.kind)}"
+                   for light in scene.lights],
+        "cameras": [camera.name or "(unnamed)" for camera in scene.cameras],
+        "environment": _environment_line(environment) if environment is not None else "none",
+        "warnings": list(scene.warnings),
+        "plan": plan.to_json(),
+    }
+
+
+def describe_package() -> Facts:
+    """What this program reads and writes, and where it keeps its cache; JSON-able."""
+    from ..bake.cache import cache_folder
+    from ..image.image import WRITABLE
+    from ..scene.environment_files import FORMATS
+    from ..scene.environment_presets import PRESETS
+    from ..scene.mesh_formats import mesh_formats
+
+    return {
+        "version": version("pbr-viewer"),
+        "models": " ".join(sorted({"gltf", "glb"} | mesh_formats())),
+        "environments": " ".join([*PRESETS, "none", *(f"*{suffix}" for suffix in FORMATS)]),
+        "pictures": " ".join(WRITABLE),
+        "cache": str(cache_folder() or "off"),
+    }
+
+
+def settings_table() -> list[dict[str, object]]:
+    """What --set takes: each name with its values, words or the range of a number; the default; what it is for."""
+    default, choices = Settings(), setting_choices()
+    return [{"name": name, **({"choices": list(choices[name])} if name in choices else _range(name)),
+             "default": getattr(default, name), "meaning": meaning} for name, meaning in setting_meanings().items()]
+
+
+def _range(name: str) -> Facts:
+    numbers = RANGES[name]
+    return {"range": [numbers.low, numbers.high], "whole": numbers.is_whole}
+
+
+def format_settings() -> str:
+    """`settings_table` as text, two lines each."""
+    default, choices, lines = Settings(), setting_choices(), []
+    for name, meaning in setting_meanings().items():
+        values = "|".join(choices[name]) if name in choices else f"N, {RANGES[name]}"
+        lines += [f"--set {name}={values}", f"      {meaning}; default: {getattr(default, name)}"]
+    return "\n".join(lines)
+
+
+def format_facts(facts: Facts, indent: str = "") -> str:
+    """The facts as text: a line each, lists and tables below their name."""
+    lines = []
+    for name, value in facts.items():
+        label = indent + name.replace("_", " ")
+        if value in ([], {}, None):
+            lines.append(f"{label}: none")
+        elif isinstance(value, dict):
+            lines += [f"{label}:", format_facts(value, indent + "  ")]
+        elif isinstance(value, list) and any(isinstance(item, (str, dict)) for item in value):
+            lines.append(f"{label}:")
+            lines += [f"{indent}  - {_one_line(item)}" for item in value]
+        else:
+            lines.append(f"{label}: {_one_line(value)}")
+    return "\n".join(lines)
+
+
+def _one_line(value: object) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{name} {_one_line(item)}" for name, item in value.items())
+    if isinstance(value, list):
+        return "  ".join(_one_line(item) for item in value)
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _plan(scene: Scene, settings: Settings) -> Plan | TracePlan:
+    """As it is made for a picture, with a perspective camera and all the samples that are asked for."""
+    if settings.mode == "path":
+        from ..trace.scene.traced_scene import plan_without_device
+
+        return plan_without_device(scene, settings)
+    is_lit, is_reflected = environment_use(scene, settings)
+    suns = bake_environment(scene.environment, settings.ndf, levels=is_reflected).suns \
+        if is_lit and scene.environment is not None else ()
+    return plan_scene(scene, settings, [*scene.lights, *suns], half_target=True, orthographic=False,
+                      samples=settings.samples(is_software=False, is_still=True))
+
+
+def _material_line(scene: Scene, index: int) -> str:
+    material = scene.materials[index]
+    words = [material.name or f"material {index}", material.alpha_mode]
+    words += ["unlit"] * material.unlit + ["double-sided"] * material.double_sided
+    words += [f"metallic {material.metallic:g}", f"roughness {material.perceptual_roughness:g}"]
+    words += [f"transmission {material.transmission:g}"] * (material.transmission > 0)
+    words += [f"thickness {material.thickness:g}"] * (material.transmission > 0 and material.thickness > 0)
+    return ", ".join(words)
+
+
+def _unit(kind: str) -> str:
+    return "lx" if kind == "directional" else "cd"
+
+
+def _environment_line(environment: Environment) -> str:
+    radiance = environment.radiance
+    height, width = radiance.shape[:2]
+    return f"{environment.name}, {width} x {height}, radiance up to {float(radiance.max()):.6g}"

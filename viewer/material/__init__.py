@@ -1,0 +1,1 @@
+"""What of a material counts, and how shaders get it."""

@@ -1,0 +1,1 @@
+"""Checks of the shaders: energy, sampling, stability."""

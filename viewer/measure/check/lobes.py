@@ -1,0 +1,177 @@
+"""Every lobe of shaders/bsdf/lobe: what to call, with which parameters, and what each is known not to do."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from ...gpu.call import call_glsl
+from ...gpu.context import Context
+
+REFLECTION, TRANSMISSION, DELTA = 1, 2, 4
+"""Bits of a sample's flags, as in bsdf.glsl."""
+DELTA_ALPHA = 1e-3
+"""Below it a lobe is a mirror, as in bsdf.glsl."""
+
+ALPHAS = (0.0, 1e-4, 1e-3, 0.01, 0.1, 0.5, 1.0)
+COSINES = (1.0, 0.5, 0.1, 1e-3, 1e-6)
+ETAS = (1.0, 1.0001, 1.05, 1.5, 2.4, 100.0, 1 / 1.5)
+F0S = (0.0, 0.04, 1.0)
+
+
+@dataclass(frozen=True)
+class Range:
+    """What a parameter may be: from `low` to `high`, evenly or in its logarithm, and the `extremes` to be tried always.
+
+    `size` is its number of components, each its own; 1 for a float.
+    """
+
+    low: float
+    high: float
+    extremes: tuple[float, ...]
+    size: int = 1
+    logarithmic: bool = False
+
+    def draw(self, rng: np.random.Generator, count: int) -> np.ndarray:
+        """(count,) or (count, size) float64, a third of them extremes."""
+        shape = (count,) if self.size == 1 else (count, self.size)
+        if self.logarithmic:
+            values = np.exp(rng.uniform(np.log(self.low), np.log(self.high), shape))
+        else:
+            values = rng.uniform(self.low, self.high, shape)
+        extreme = rng.random(count) < 1 / 3
+        return np.where(extreme.reshape(count, *(1,) * (len(shape) - 1)), rng.choice(self.extremes, shape), values)
+
+
+COLOR = Range(0.0, 1.0, (0.0, 1.0), size=3)
+F0 = Range(0.0, 1.0, F0S, size=3)
+UNIT = Range(0.0, 1.0, (0.0, 1e-4, 0.5, 1.0))
+ALPHA = Range(1e-3, 1.0, ALPHAS, logarithmic=True)
+ALPHA_2 = Range(1e-3, 1.0, ALPHAS, size=2, logarithmic=True)
+SHININESS = Range(1.0, 1e4, (0.0, 1.0, 1e3), logarithmic=True)
+
+
+@dataclass(frozen=True)
+class Lobe:
+    """A lobe: the functions `prefix`_eval, _sample, _pdf and _albedo of `file`, on the struct of `parameters`.
+
+    `white` are the parameters for the white furnace, in which `loses` tells whether light is lost by design.
+    `failures` are checks the model is known to fail, each with the reason: energy (reflects more than it gets),
+    furnace (white, and reflects less), reciprocity. `transmits` is how light goes on beyond the surface: refracted by
+    the struct's eta, or mirrored, in the direction it would be reflected to seen in the surface's plane.
+    """
+
+    name: str
+    file: str
+    prefix: str
+    parameters: Mapping[str, Range]
+    white: Mapping[str, float]
+    failures: Mapping[str, str] = field(default_factory=dict)
+    table: tuple[str, str] | None = ("ggx", "smith")
+    defines: Mapping[str, int] = field(default_factory=dict)
+    transmits: Literal["", "refracted", "mirrored"] = ""
+
+    def eval(self, m: Mapping[str, Any], wo: Any, wi: Any, context: Context | None = None) -> np.ndarray:
+        """f, without the cosine, (..., 3)."""
+        return self._call("eval", m, context, wo=wo, wi=wi)
+
+    def sample(self, m: Mapping[str, Any], wo: Any, u: Any, context: Context | None = None) -> dict[str, np.ndarray]:
+        """Of u (..., 3) in [0, 1): wi, weight = f |cos| / pdf, pdf, flags, eta."""
+        return self._call("sample", m, context, wo=wo, u=u)
+
+    def pdf(self, m: Mapping[str, Any], wo: Any, wi: Any, context: Context | None = None) -> np.ndarray:
+        """Of `sample`, by solid angle, without its mirror directions."""
+        return self._call("pdf", m, context, wo=wo, wi=wi)
+
+    def albedo(self, m: Mapping[str, Any], NoV: Any, context: Context | None = None) -> np.ndarray:
+        """The integral of f |cos| over wi as the lobe itself has it, for layering, (..., 3)."""
+        return self._call("albedo", m, context, NoV=NoV)
+
+    def draw(self, rng: np.random.Generator, count: int) -> dict[str, np.ndarray]:
+        """Parameters for `count` lobes, their extremes among them."""
+        return {name: range_.draw(rng, count) for name, range_ in self.parameters.items()}
+
+    def struct(self, **parameters: Any) -> dict[str, Any]:
+        """The white lobe with `parameters` in place of its own, those it has."""
+        return {**self.white, **{name: value for name, value in parameters.items() if name in self.parameters}}
+
+    def _call(self, function: str, m: Mapping[str, Any], context: Context | None, **arrays: Any) -> Any:
+        if self.table:
+            from ...bake.dfg import dfg_table
+
+            arrays["dfg"] = dfg_table(*self.table)
+        return call_glsl(f"bsdf/lobe/{self.file}.glsl", f"{self.prefix}_{function}", m=m, **arrays,
+                         defines=self.defines, context=context)
+
+
+_LOST = "light that scatters more than once is lost"
+_GGX = {"f0": F0, "f90": COLOR, "alpha": ALPHA_2}
+_WHITE_GGX = {"f0": 1.0, "f90": 1.0, "alpha": 0.5}
+_SHOW_ALL = {"MULTISCATTER": 1, "SHOW_DIFFUSE": 1, "SHOW_SPECULAR": 1, "SHOW_MULTISCATTER": 1}
+
+
+def _phong(name: str, file: str, failures: Mapping[str, str]) -> Lobe:
+    return Lobe(name, file, name, {"specular": COLOR, "shininess": SHININESS}, {"specular": 1.0, "shininess": 10.0},
+                failures, table=None)
+
+
+def _microfacet(ndf: str, masking: str, index: tuple[int, int]) -> Lobe:
+    failures = {"furnace": _LOST}
+    if masking == "none":
+        failures["energy"] = "nothing is masked: without bound at grazing"
+    elif ndf == "blinn-phong" and masking != "v-cavity":
+        failures["energy"] = "Beckmann's masking is not its own: too little at grazing when rough"
+    return Lobe(f"{ndf} {masking}", "microfacet", "microfacet", {"f0": F0, "f90": COLOR, "alpha": ALPHA},
+                {"f0": 1.0, "f90": 1.0, "alpha": 0.5}, failures, (ndf, masking),
+                {"NDF": index[0], "MASKING": index[1]})
+
+
+def _glass(name: str, masking: str) -> Lobe:
+    index, is_thin = _MASKINGS.index(masking), name == "thin_dielectric"
+    eta = Range(1.0, 3.0, tuple(eta for eta in ETAS if eta >= 1)) if is_thin else Range(0.4, 3.0, ETAS)
+    return Lobe(name if index == 0 else f"{name} {masking}", name, name, {"eta": eta, "alpha": ALPHA_2},
+                {"eta": 1.5, "alpha": 0.5}, {"furnace": _LOST}, ("ggx", masking), {"MASKING": index},
+                "mirrored" if is_thin else "refracted")
+
+
+_MASKINGS = ("smith", "smith-separable", "v-cavity", "none")
+_MICROFACETS = tuple(
+    _microfacet(ndf, masking, (i, j))
+    for i, ndf in enumerate(("ggx", "beckmann", "blinn-phong"))
+    for j, masking in enumerate(_MASKINGS)
+)
+
+LOBES: tuple[Lobe, ...] = (
+    Lobe("lambert", "lambert", "lambert", {"albedo": COLOR}, {"albedo": 1.0}, table=None),
+    Lobe("burley", "burley", "burley", {"albedo": COLOR, "perceptual_roughness": UNIT},
+         {"albedo": 1.0, "perceptual_roughness": 0.5},
+         {"energy": "brighter than white when rough, towards grazing", "furnace": "darker than white when smooth"},
+         table=None),
+    Lobe("eon", "eon", "eon", {"albedo": COLOR, "sigma": UNIT}, {"albedo": 1.0, "sigma": 0.5}, table=None),
+    _phong("plain_phong", "phong", {"energy": "all light counts as if it fell along the normal",
+                                    "furnace": "it is not normalised", "reciprocity": "it divides by NoL alone"}),
+    _phong("phong", "phong", {"furnace": "what points below the horizon is lost"}),
+    _phong("blinn", "blinn", {"energy": "its normalisation is a fit", "furnace": "it darkens at grazing"}),
+    _phong("normalized_blinn", "blinn", {"furnace": "it is white along the normal only"}),
+    Lobe("ggx", "ggx", "ggx", _GGX, _WHITE_GGX, {"furnace": _LOST}),
+    Lobe("turquin", "turquin", "turquin", _GGX, _WHITE_GGX, {"reciprocity": "the compensation knows only wo"}),
+    Lobe("fdez_aguera", "fdez_aguera", "fdez_aguera", _GGX, _WHITE_GGX,
+         {"reciprocity": "the compensation knows only wo"}),
+    Lobe("metal", "metal", "metal", {"f0": F0, "tint": COLOR, "alpha": ALPHA_2},
+         {"f0": 1.0, "tint": 1.0, "alpha": 0.5}),
+    Lobe("conductor", "conductor", "conductor",
+         {"eta": Range(0.05, 4.0, (0.0, 1.0, 1.0001, 100.0), 3), "k": Range(0.0, 8.0, (0.0, 1e-4, 1e4, 1e12), 3),
+          "alpha": ALPHA_2},
+         {"eta": 0.2, "k": 1e6, "alpha": 0.5}),
+    *(_glass(name, masking) for name in ("dielectric", "thin_dielectric") for masking in _MASKINGS[:2]),
+    Lobe("standard", "standard", "standard",
+         {"base_color": COLOR, "metallic": UNIT, "f0": F0, "f90": UNIT, "alpha": ALPHA,
+          "ior": Range(1.0, 3.0, (0.0, 1.0, 1.5))},
+         {"base_color": 1.0, "metallic": 1.0, "f0": 0.04, "f90": 1.0, "alpha": 0.5, "ior": 1.5},
+         defines={"NDF": 0, "MASKING": 0, "FRESNEL": 0, **_SHOW_ALL}),
+    *_MICROFACETS,
+)
+"""All of them, the comparisons of microfacet.glsl last."""

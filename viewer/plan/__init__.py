@@ -1,0 +1,1 @@
+"""What of a scene is needed to show it: programs, maps and passes, and what was left out."""

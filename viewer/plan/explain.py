@@ -1,0 +1,188 @@
+"""A plan in words: what of the scene is used, what was left out and why, and what that saved."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, TypedDict
+
+from ..material.fold import without_constant_maps
+from ..material.maps import MAPS, material_map, texture_bytes
+from ..scene.light import Light
+from ..scene.mesh import Mesh
+from ..scene.scene import Scene
+from ..settings import Settings
+
+if TYPE_CHECKING:
+    from .planner import Draw, Plan
+
+_LEVELS_MB = sum((512 >> k) * (1024 >> k) * 6 for k in range(6)) / 1e6  # three half floats a texel
+_LEVELS_BAKE_S = 0.11
+"""Of one core, with the map in memory; once, where the cache is on."""
+_DFG_MB = 64 * 128 * 16 / 1e6
+_TILE_MB = 2048 * 2048 * 4 / 1e6
+_ATTRIBUTE_BYTES = {"a_normal": 12, "a_tangent": 16, "a_color": 16, "a_uv0": 8, "a_uv1": 8}
+_KINDS = ("directional", "point", "spot")
+
+
+class Explanation(TypedDict):
+    used: tuple[str, ...]
+    left_out: tuple[str, ...]
+    saved: dict[str, float]
+
+
+def explain(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Light]) -> Explanation:
+    """The fields of a Plan that tell of the others; `lights` are all there were to choose from."""
+    if plan.is_everything:
+        return {"used": _used(plan), "left_out": ("nothing, as was asked for",), "saved": {}}
+    images, left_out = _idle_images(plan, scene)
+    bakes = _missing_bakes(plan, settings)
+    saved = {
+        "texture_mb": round(sum(map(texture_bytes, images)) / 1e6 + sum(mb for _, mb, _ in bakes), 3),
+        "buffer_mb": round(_idle_attributes(plan, scene) / 1e6, 3),
+        "bake_s": round(sum(seconds for _, _, seconds in bakes), 2),
+    }
+    return {"used": _used(plan), "saved": saved,
+            "left_out": (*_left_out(plan, scene, settings, lights), *(line for line, _, _ in bakes), *left_out)}
+
+
+def _used(plan: Plan) -> tuple[str, ...]:
+    lines = []
+    if plan.draws:
+        shared = sum(bool(draw.blank_maps) for draw in plan.draws) and not plan.is_everything
+        lines.append(f"{_many(len(plan.draws), 'draw')} by {_many(len(plan.programs), 'program')}"
+                     + ", shared because there would be many" * bool(shared))
+    if plan.lights:
+        kinds = Counter(light.kind for light in plan.lights)
+        tiles = f"; {_many(plan.shadow_layer_count, 'tile')} of shadow map" * bool(plan.shadow_layer_count)
+        lines.append("lights: " + ", ".join(f"{count} {kind}" for kind, count in kinds.items()) + tiles)
+    if plan.environment or plan.ambient:
+        parts = ["its filtered levels"] * plan.reflections + ["its irradiance"] * plan.environment
+        lines.append("light from the environment: " + ", ".join(parts or ["an ambient colour"]))
+    if plan.has_visibility and plan.ambient_occlusion:
+        lines.append("ambient occlusion by what is in the picture")
+    elif plan.has_visibility:
+        lines.append(f"shadows of the environment by {_many(plan.environment_shadows, 'light')} drawn from it")
+    if plan.has_traced:
+        lines.append("reflections of the model by a ray from each point shaded, lit by what is baked at the vertices")
+    if plan.has_traced_bodies:
+        lines.append("light in glass by two paths from each point shaded, from surface to surface")
+    if plan.has_indirect:
+        lines.append("light between surfaces, path traced at the vertices once")
+    textures = {(draw.material, name): texture for draw in plan.draws for name in draw.maps
+                if (texture := material_map(draw.surface, name))}
+    if textures:
+        images = {texture.image for texture in textures.values()}
+        lines.append(f"{_many(len(textures), 'map')} from {_many(len(images), 'image')}, about "
+                     f"{sum(map(texture_bytes, images)) / 1e6:.3g} MB with mipmaps")
+    return tuple(lines)
+
+
+def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Light]) -> list[str]:
+    """In words, what the scene or the settings made unnecessary."""
+    lines, draws = [], plan.draws
+    if not scene.instances:
+        return ["everything but the background: nothing is in the scene"]
+    any_lit = _any_lit(draws)
+    if not any_lit:
+        lines.append("all lighting: every surface is unlit")
+    elif scene.environment is None:
+        lines.append("image-based light, its bake and textures: there is no environment")
+    faint = sum(light.intensity * max(light.color) > 0 for light in lights) - len(plan.lights)
+    if any_lit and not plan.lights:
+        lines.append("code for point, spot and directional lights: there are none")
+    elif any_lit and faint > 0:
+        lines.append(f"{faint} of {faint + len(plan.lights)} lights, the faintest: no more fit a program")
+    if plan.lights and not plan.shadow_layer_count:
+        reason = "switched off" if settings.shadows == "off" else "no light casts any"
+        lines.append(f"shadow maps: {reason}; saves {_TILE_MB:.0f} MB a tile")
+    for kind in _KINDS:
+        if plan.lights and not any(light.kind == kind for light in plan.lights):
+            lines.append(f"code for {kind} lights: there are none")
+    if plan.environment and scene.environment is not None and not plan.has_visibility:
+        reason = "not asked for" if settings.environment_shadows == "off" else "all surfaces are see-through"
+        lines.append(f"shadows of the environment: {reason}")
+    if plan.environment and scene.environment is not None and not plan.has_traced:
+        reason = "not asked for" if settings.reflections == "environment" else "no opaque surface is smooth enough"
+        lines.append(f"reflections of the model: {reason}")
+    if any_lit and not plan.has_indirect and settings.mode == "pbr":
+        reason = "not asked for" if settings.indirect == "off" else "the scene is convex: no surface sees another"
+        lines.append(f"light between surfaces: {reason}")
+    if settings.background != "env" or scene.environment is None:
+        reason = "there is none" if scene.environment is None else "not asked for"
+        lines.append(f"the environment as background: {reason}")
+    if not plan.has_blended:
+        lines.append("the sorted pass for blending: nothing is see-through")
+    if not (plan.has_walls or plan.has_bodies):
+        is_glass = settings.mode == "phong" and any(material.transmits for material in scene.materials)
+        reason = "to Phong glass is opaque" if is_glass else "nothing transmits light"
+        lines.append(f"the picture behind glass and its blurred levels: {reason}")
+    for attribute, words in _ATTRIBUTES.items():
+        if not any(attribute in draw.attributes for draw in draws):
+            saved = _ATTRIBUTE_BYTES[attribute] * sum(len(mesh.positions) for mesh in _shown(plan, scene)) / 1e6
+            lines.append(f"{words}; saves {saved:.3g} MB")
+    return lines
+
+
+_ATTRIBUTES = {
+    "a_tangent": "tangents: there are no normal maps",
+    "a_color": "vertex colours: there are none",
+    "a_uv1": "second texture coordinates: no map reads them",
+}
+
+
+def _missing_bakes(plan: Plan, settings: Settings) -> list[tuple[str, float, float]]:
+    """Tables of image-based light that were not made: in words, MB of texture, seconds of baking."""
+    if not _any_lit(plan.draws) or plan.reflections and plan.dfg:
+        return []
+    if settings.mode == "phong":
+        reason = "Phong has no use for them"
+    elif plan.dfg:
+        reason = "there is no environment" if not plan.environment else "reflections are not shown"
+    else:
+        reason = "no surface reflects"
+    names = ["prefiltered environment"] * (not plan.reflections) + ["DFG table"] * (not plan.dfg)
+    megabytes = _LEVELS_MB * (not plan.reflections) + _DFG_MB * (not plan.dfg)
+    seconds = _LEVELS_BAKE_S * (not plan.reflections and (plan.environment or plan.ambient))
+    line = f"{' and '.join(names)}: {reason}; saves {megabytes:.3g} MB"
+    return [(line + f" and about {seconds:g} s of baking" * bool(seconds), megabytes, seconds)]
+
+
+def _idle_images(plan: Plan, scene: Scene) -> tuple[set, list[str]]:
+    """The images that no texture is made of, and in words the maps that are not sampled."""
+    sampled = {(draw.material, name) for draw in plan.draws for name in draw.maps}
+    there = {(k, name): texture.image for k, m in enumerate(scene.materials) for name in MAPS
+             if (texture := material_map(m, name))}
+    plain = {k: without_constant_maps(scene.materials[k]) for k, _ in there.keys() - sampled}
+    constant = {(k, name) for k, name in there.keys() - sampled if material_map(plain[k], name) is None}
+    idle = there.keys() - sampled - constant
+    images = {there[key] for key in idle | constant} - {there[key] for key in sampled}
+    lines = []
+    if idle:
+        saved = sum(map(texture_bytes, images)) / 1e6
+        lines.append(f"{_many(len(idle), 'material map')}, not decoded: no pixel depends on "
+                     f"{'them' if len(idle) > 1 else 'it'}; saves {saved:.3g} MB")
+    if constant:
+        lines.append(f"{_many(len(constant), 'material map')} of one colour: a factor does")
+    return images, lines
+
+
+def _idle_attributes(plan: Plan, scene: Scene) -> int:
+    """Bytes of vertex attributes, of those that programs can read, that no program reads."""
+    read: dict[int, set[str]] = {}
+    for draw in plan.draws:
+        read.setdefault(draw.mesh, set()).update(draw.attributes)
+    return sum(size * len(scene.meshes[mesh].positions) for mesh, names in read.items()
+               for name, size in _ATTRIBUTE_BYTES.items() if name not in names)
+
+
+def _shown(plan: Plan, scene: Scene) -> list[Mesh]:
+    return [scene.meshes[mesh] for mesh in dict.fromkeys(draw.mesh for draw in plan.draws)]
+
+
+def _any_lit(draws: Sequence[Draw]) -> bool:
+    return any(draw.program["HAS_NORMAL"] for draw in draws)
+
+
+def _many(count: int, noun: str) -> str:
+    return f"{count} {noun}{'s' * (count != 1)}"

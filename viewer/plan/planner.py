@@ -1,0 +1,397 @@
+"""What of a scene is needed to show it: the exact programs, textures and passes, and what was left out and why.
+
+The plan is made from scene and settings before anything is compiled or uploaded. A shader program is a fragment file
+plus a set of switches; nothing is in it that the mesh, its material, the lights and the settings do not ask for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from ..errors import UsageError
+from ..material.fold import without_constant_maps
+from ..material.maps import MAPS, material_map
+from ..scene.convex import is_convex
+from ..scene.light import Light
+from ..scene.material import Material, Texture
+from ..scene.mesh import Mesh
+from ..scene.scene import Scene
+from ..settings import Settings
+from .explain import explain
+from .sharing import attributes_of, leave_nothing_out, share_programs
+
+MAX_LIGHTS = 128
+"""What a uniform block of 16 KiB, the least OpenGL 3.3 grants, holds with room to spare."""
+MAX_SHADOW_LAYERS = 24
+TRACED_ROUGHNESS = 1.0
+"""Perceptual; of surfaces as rough as this, rays say nothing: shaders/raster/traced_reflection.glsl."""
+
+_NDF = ("ggx", "beckmann", "blinn-phong")
+_MASKING = ("smith", "smith-separable", "v-cavity", "none")
+_ALPHA_MODES = ("opaque", "mask", "blend")
+
+
+@dataclass(frozen=True)
+class Program:
+    """A shader program: its fragment file and its switches, sorted, so that equal programs compare equal."""
+
+    fragment: str
+    switches: tuple[tuple[str, int], ...]
+
+    def __getitem__(self, name: str) -> int:
+        return dict(self.switches)[name]
+
+
+@dataclass(frozen=True)
+class Draw:
+    """One instance and what it is drawn with.
+
+    `surface` is its material, number `material` in the scene, with maps of one colour taken into its factors; `maps`
+    are those that its program samples, `blank_maps` those for which it samples white instead.
+    """
+
+    instance: int
+    mesh: int
+    material: int
+    surface: Material
+    program: Program
+    maps: tuple[str, ...]
+    attributes: tuple[str, ...]
+    alpha_mode: str
+    transmits: int
+    blank_maps: tuple[str, ...] = ()
+
+    @property
+    def sees_visibility(self) -> bool:
+        """Whether it is shaded by what of the environment is not hidden."""
+        return dict(self.program.switches).get("VISIBILITY", 0) == 1
+
+    @property
+    def is_traced(self) -> bool:
+        """Whether it is shaded by what rays from it meet of the model."""
+        return dict(self.program.switches).get("TRACED", 0) == 1
+
+    @property
+    def is_traced_body(self) -> bool:
+        """Whether paths find what light comes through it."""
+        return dict(self.program.switches).get("TRACED_BODIES", 0) == 1
+
+    @property
+    def is_in_gbuffer(self) -> bool:
+        """Whether passes before the surfaces are shaded look from it."""
+        return self.sees_visibility or self.is_traced
+
+
+@dataclass(frozen=True)
+class Plan:
+    """`lights` are in the order the shaders expect; `shadow_layers` has each one's first layer or -1."""
+
+    draws: tuple[Draw, ...]
+    lights: tuple[Light, ...]
+    shadow_layers: tuple[int, ...]
+    shadow_layer_count: int
+    environment: bool
+    reflections: bool
+    ambient: bool
+    dfg: bool
+    environment_shadows: int
+    """Lights drawn from the environment for its shadows; 0: none."""
+    ambient_occlusion: bool
+    background: bool
+    used: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
+    saved: Mapping[str, float] = field(default_factory=dict)
+    is_everything: bool = False
+
+    @property
+    def programs(self) -> tuple[Program, ...]:
+        return tuple(dict.fromkeys(draw.program for draw in self.draws))
+
+    @property
+    def has_blended(self) -> bool:
+        return self.is_everything or any(draw.alpha_mode == "blend" for draw in self.draws)
+
+    @property
+    def has_visibility(self) -> bool:
+        """Whether it is found, before surfaces are shaded, how much of the environment each pixel sees."""
+        return any(draw.sees_visibility for draw in self.draws)
+
+    @property
+    def has_traced(self) -> bool:
+        """Whether rays find what surfaces mirror of the model."""
+        return any(draw.is_traced for draw in self.draws)
+
+    @property
+    def has_traced_bodies(self) -> bool:
+        """Whether paths find what light comes through bodies of glass."""
+        return any(draw.is_traced_body for draw in self.draws)
+
+    @property
+    def has_indirect(self) -> bool:
+        """Whether surfaces are shaded by the light of others, found at their vertices."""
+        return any(dict(draw.program.switches).get("INDIRECT", 0) for draw in self.draws)
+
+    @property
+    def has_bodies(self) -> bool:
+        """Whether there is glass that light is refracted into."""
+        return self.is_everything or any(draw.transmits == 2 for draw in self.draws)
+
+    @property
+    def has_walls(self) -> bool:
+        """Whether there is glass without thickness."""
+        return self.is_everything or any(draw.transmits == 1 for draw in self.draws)
+
+    def to_json(self) -> dict[str, object]:
+        passes = ["shadows"] * bool(self.shadow_layer_count) + ["visibility"] * self.has_visibility
+        passes += ["reflections"] * self.has_traced
+        passes += ["surfaces"] * bool(self.draws)
+        passes += ["bodies of glass"] if self.has_bodies else []
+        passes += ["background"] if self.background else []
+        passes += ["walls of glass"] if self.has_walls else []
+        passes += ["blend"] if self.has_blended else []
+        return {
+            "passes": [*passes, "display"],
+            "programs": [{"fragment": p.fragment, "on": {k: v for k, v in p.switches if v}} for p in self.programs],
+            "draws": len(self.draws),
+            "maps": sorted({f"{draw.material}:{name}" for draw in self.draws for name in draw.maps}),
+            "lights": len(self.lights),
+            "shadow_layers": self.shadow_layer_count,
+            "used": list(self.used),
+            "left_out": list(self.left_out),
+            "saved": dict(self.saved),
+        }
+
+
+def is_lit(mesh: Mesh, material: Material) -> bool:
+    """Lines and points without normals are not shaded (glTF 2.0, section 3.7.2.1), nor are unlit materials."""
+    return mesh.normals is not None and not material.unlit
+
+
+def is_dark(scene: Scene) -> bool:
+    """Whether no light falls on anything and nothing shines by itself: the picture will be black."""
+    if scene.environment is not None and scene.environment.intensity > 0:
+        return False
+    if not scene.instances or any(light.intensity * max(light.color) > 0 for light in scene.lights):
+        return False
+    meshes = (scene.meshes[instance.mesh] for instance in scene.instances)
+    shown = ((mesh, scene.materials[mesh.material]) for mesh in meshes)
+    return not any(any(material.emissive) or not is_lit(mesh, material) for mesh, material in shown)
+
+
+def foreseen(scene: Scene, mode: str) -> list[str]:
+    """What will be amiss with the picture, in words for the user."""
+    lines = []
+    if is_dark(scene):
+        lines.append("nothing lights it and it does not shine: the picture will be black; try --env or --light")
+    lights = sum(light.intensity * max(light.color) > 0 for light in scene.lights)
+    if lights > MAX_LIGHTS and mode != "path":
+        lines.append(f"of its {lights} lights the {MAX_LIGHTS} brightest are shown; mode path takes them all")
+    return lines
+
+
+def environment_use(scene: Scene, settings: Settings) -> tuple[bool, bool]:
+    """Whether the environment lights any surface, and whether any reflects it, which takes its filtered levels."""
+    if settings.plan == "everything":
+        return True, True
+    if scene.environment is None:
+        return False, False
+    meshes = (scene.meshes[instance.mesh] for instance in scene.instances)
+    lit = [material for mesh in meshes if is_lit(mesh, material := scene.materials[mesh.material])]
+    shows = settings.mode == "pbr" and settings.lobes in ("all", "specular")
+    return bool(lit), shows and any(material.has_interface for material in lit)
+
+
+def plan_scene(
+    scene: Scene, settings: Settings, lights: Sequence[Light], *, samples: int, half_target: bool, orthographic: bool
+) -> Plan:
+    """The plan for `scene` under `settings`.
+
+    `lights` are all there are, those taken out of the environment included; `samples` the multisampling the target
+    has; `half_target` whether it holds half floats. Raises UsageError for mode path, which is not the raster's.
+    """
+    if settings.mode == "path":
+        raise UsageError("mode path is not the raster's to draw")
+    lit = [is_lit(scene.meshes[i.mesh], scene.materials[scene.meshes[i.mesh].material]) for i in scene.instances]
+    shown_lights = _ordered_lights(lights) if any(lit) else ()
+    layers, layer_count = _shadow_layers(shown_lights, settings)
+    environment, reflections = environment_use(scene, settings)
+    environment_shadows = _environment_shadows(settings) if environment and scene.environment is not None else 0
+    ambient_occlusion = (settings.ambient_occlusion != "off" and settings.mode == "pbr" and environment
+                         and scene.environment is not None and not environment_shadows)
+    common = {
+        "VISIBILITY": int(environment_shadows > 0 or ambient_occlusion),
+        "TRACED": int(settings.reflections == "traced" and reflections and scene.environment is not None),
+        "INDIRECT": int(_has_indirect(scene, settings)),
+        "HALF_TARGET": int(half_target),
+        "SAMPLES": samples,
+        "IS_ORTHOGRAPHIC": int(orthographic),
+        "LIGHT_COUNT": len(shown_lights),
+        "DIRECTIONAL_COUNT": sum(light.kind == "directional" for light in shown_lights),
+        "POINT_COUNT": sum(light.kind == "point" for light in shown_lights),
+        "SUNS": int(any(light.angular_radius > 0 for light in shown_lights)),
+        "SHADOW_LAYERS": layer_count,
+        "HAS_ENVIRONMENT": int(environment),
+        "ENVIRONMENT_ROTATED": int(scene.environment is not None and scene.environment.rotation != 0),
+        "SHOW_EMISSION": int(settings.lobes == "all"),
+        "SHOW_DIFFUSE": int(settings.lobes in ("all", "uniform-diffuse")),
+        "SHOW_SPECULAR": int(settings.lobes in ("all", "specular")),
+    }
+    draws = tuple(
+        _draw(index, instance.mesh, scene.meshes[instance.mesh], scene.materials, settings, common)
+        for index, instance in enumerate(scene.instances)
+    )
+    plan = Plan(
+        draws=share_programs(draws) if settings.plan == "needed" else draws,
+        lights=shown_lights,
+        shadow_layers=layers,
+        shadow_layer_count=layer_count,
+        environment=environment and settings.mode == "pbr",
+        reflections=reflections,
+        ambient=environment and settings.mode == "phong",
+        dfg=any(draw.program.fragment == "raster/pbr.frag" and draw.program["REFLECTS"] for draw in draws),
+        environment_shadows=environment_shadows,
+        ambient_occlusion=ambient_occlusion,
+        background=settings.background == "env" and scene.environment is not None,
+    )
+    if settings.plan == "everything":
+        plan = leave_nothing_out(plan, scene)
+    return replace(plan, **explain(plan, scene, settings, lights))
+
+
+def _ordered_lights(lights: Sequence[Light]) -> tuple[Light, ...]:
+    """Directional, point, spot; unlit ones dropped; beyond MAX_LIGHTS the brightest stay."""
+    bright = [light for light in lights if light.intensity * max(light.color) > 0]
+    if len(bright) > MAX_LIGHTS:
+        bright = sorted(bright, key=lambda light: -light.intensity * max(light.color))[:MAX_LIGHTS]
+    order = ("directional", "point", "spot")
+    return tuple(sorted(bright, key=lambda light: order.index(light.kind)))
+
+
+def _shadow_layers(lights: Sequence[Light], settings: Settings) -> tuple[tuple[int, ...], int]:
+    """First shadow layer of each light, -1 for those that get none, and how many layers there are."""
+    first, used = [], 0
+    for light in lights:
+        needed = 6 if light.kind == "point" else 1
+        if settings.shadows == "on" and light.casts_shadow and used + needed <= MAX_SHADOW_LAYERS:
+            first.append(used)
+            used += needed
+        else:
+            first.append(-1)
+    return tuple(first), used
+
+
+def _has_indirect(scene: Scene, settings: Settings) -> bool:
+    """Whether surfaces may throw light on one another, and that is asked for."""
+    is_asked = settings.indirect == "baked" and settings.mode == "pbr"
+    return is_asked and (settings.plan == "everything" or not is_convex(scene))
+
+
+def _environment_shadows(settings: Settings) -> int:
+    off = settings.environment_shadows == "off" or settings.mode != "pbr"
+    return 0 if off else int(settings.environment_shadows)
+
+
+def _draw(
+    index: int, mesh_index: int, mesh: Mesh, materials: Sequence[Material], settings: Settings, common: dict[str, int]
+) -> Draw:
+    material = materials[mesh.material]
+    if settings.plan == "needed":
+        material = without_constant_maps(material)
+    lit = is_lit(mesh, material)
+    if material.alpha_mode == "blend" or material.transmits:
+        common = common | {"VISIBILITY": 0, "TRACED": 0}  # what is behind them has its place in the buffers
+    if not _mirrors(material):
+        common = common | {"TRACED": 0}
+    maps = tuple(name for name in MAPS if _samples(name, mesh, material, settings, lit, common))
+    textures = {name: texture for name in maps if (texture := material_map(material, name))}
+    uv_sets = sum(1 << uv_set for uv_set in {texture.uv_set for texture in textures.values()})
+    normal_mapped = "normal" in maps
+    switches = {
+        "ALPHA_MODE": _ALPHA_MODES.index(material.alpha_mode),
+        "HAS_COLOR": int(mesh.colors is not None),
+        "HAS_EMISSIVE": int(any(material.emissive)),
+        "IS_POINTS": int(mesh.topology == "points"),
+        "UV_SETS": uv_sets,
+        "HAS_NORMAL": int(lit),
+        "HAS_TANGENT": int(normal_mapped),
+        "INDIRECT": common["INDIRECT"] * lit,
+        **{name: common[name] for name in ("HALF_TARGET", "SAMPLES")},
+    }
+    for name in MAPS:
+        texture = textures.get(name)
+        macro = name.upper()
+        switches[f"{macro}_MAP"] = int(texture is not None)
+        switches[f"{macro}_UV"] = texture.uv_set if texture else 0
+        switches[f"{macro}_TRANSFORM"] = int(texture is not None and texture.transform is not None)
+        switches[f"{macro}_MIRROR"] = _mirror(texture)
+    fragment = "raster/unlit.frag"
+    if lit:
+        fragment = f"raster/{settings.mode}.frag"
+        switches |= common | {"DOUBLE_SIDED": int(material.double_sided)}
+        switches |= _pbr_switches(material, settings) if settings.mode == "pbr" else _phong_switches(material, settings)
+    program = Program(fragment, tuple(sorted(switches.items())))
+    transmits = switches.get("TRANSMISSION", 0)
+    return Draw(index, mesh_index, mesh.material, material, program, maps, attributes_of(switches), material.alpha_mode,
+                transmits)
+
+
+def _mirrors(material: Material) -> bool:
+    """Whether any of it may be smooth enough for its lobe to be traced."""
+    is_rough = material.metallic_roughness_texture is None and material.perceptual_roughness >= TRACED_ROUGHNESS
+    return material.has_interface and not is_rough
+
+
+def _pbr_switches(material: Material, settings: Settings) -> dict[str, int]:
+    varies = material.metallic_roughness_texture is not None or 0 < material.metallic < 1
+    tinted = material.specular_color_texture is not None or material.specular_color != (1.0, 1.0, 1.0)
+    return {
+        "REFLECTS": int(material.has_interface),
+        "SPECULAR_TINTED": int(tinted),
+        "METALNESS": 0 if material.metallic == 0 else 2 if varies else 1,
+        "NDF": _NDF.index(settings.ndf),
+        "MASKING": _MASKING.index(settings.masking),
+        "FRESNEL": int(settings.fresnel == "exact"),
+        "MULTISCATTER": int(settings.multiscatter == "on"),
+        "SHOW_MULTISCATTER": int(settings.lobes in ("all", "directional-diffuse")),
+        "SPECULAR_AA": int(settings.specular_aa == "on"),
+        "TRACED_BODIES": int(settings.refraction == "traced" and settings.lobes in ("all", "specular")
+                             and material.transmits and material.thickness > 0),
+        "TRANSMISSION": 0 if not material.transmits else 1 if material.thickness == 0 else 2,
+    }
+
+
+def _phong_switches(material: Material, settings: Settings) -> dict[str, int]:
+    return {"BLINN": int(settings.phong == "blinn-phong"), "HAS_SHININESS": int(material.shininess is not None)}
+
+
+def _samples(
+    name: str, mesh: Mesh, material: Material, settings: Settings, lit: bool, common: dict[str, int]
+) -> bool:
+    """Whether a map of the material changes any pixel of this mesh."""
+    texture = material_map(material, name)
+    if texture is None or texture.uv_set >= len(mesh.uvs):
+        return False
+    if settings.plan == "everything" and name not in ("normal", "occlusion"):
+        return True  # normals and occlusion have no factor of 0 to be harmless by
+    dielectric = settings.mode == "pbr" and lit and (material.metallic < 1 or material.metallic_roughness_texture)
+    return {
+        "base_color": True,
+        "emissive": any(material.emissive) and (common["SHOW_EMISSION"] == 1 or not lit),
+        "metallic_roughness": lit and (material.metallic > 0
+                                       or material.perceptual_roughness > 0 and material.has_interface),
+        "normal": lit and mesh.tangents is not None and material.normal_scale != 0,
+        "occlusion": lit and material.occlusion_strength > 0 and common["HAS_ENVIRONMENT"] == 1
+        and common["VISIBILITY"] == common["INDIRECT"] == 0,  # else it is known what is hidden
+        "specular": bool(dielectric) and material.specular > 0,
+        "specular_color": bool(dielectric) and material.specular > 0 and any(material.specular_color),
+        "transmission": bool(dielectric) and material.transmits,
+        "thickness": bool(dielectric) and material.transmits and material.thickness > 0,
+    }[name]
+
+
+def _mirror(texture: Texture | None) -> int:
+    """Bit 0: mirrored along s, bit 1: along t (done in the shader)."""
+    if texture is None:
+        return 0
+    return (texture.sampler.wrap_s == "mirror") | (texture.sampler.wrap_t == "mirror") << 1

@@ -1,0 +1,1 @@
+"""What the raster asks the path tracer's rays for: reflections, refraction."""

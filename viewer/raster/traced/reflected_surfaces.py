@@ -1,0 +1,124 @@
+"""What reflections can meet of a scene: its triangles to be traced, and how they look."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import moderngl
+import numpy as np
+
+from ...errors import ViewerError
+from ...gpu.context import Context
+from ...scene.scene import Scene
+from ...settings import Settings
+from ...trace.rays.intersect import make_intersector
+from ...trace.scene.geometry import GLASS, TraceGeometry, TraceInstance, trace_geometry
+from ...trace.vertex_light import VertexLight, bake_outgoing
+from .vertex_metal import vertex_metal
+
+_WIDTH = 4096
+_MAX_RADIANCE = 65504.0  # of a half float
+
+
+class ReflectedSurfaces:
+    """The intersector of one scene's triangles, and textures of how they look at their corners.
+
+    Where alpha opens a surface all of it is left out: what lies behind is reflected. Glass shows what it does along its
+    normals. Raises ViewerError for more triangles than textures hold, and as `make_intersector` does.
+    """
+
+    def __init__(self, context: Context, scene: Scene, settings: Settings, kind: str) -> None:
+        geometry = trace_geometry(scene)
+        shown = [instance for instance in geometry.instances if not instance.see_through]
+        geometry = replace(geometry, instances=shown)
+        self._scene = scene
+        self.intersector = make_intersector(context, geometry, kind=kind)
+        light = bake_outgoing(context, _matte(scene), settings)
+        self._textures = _textures(context, geometry.instances, [_corners(scene, geometry, i, light) for i in shown])
+
+    def holds(self, scene: Scene) -> bool:
+        """Whether these are that scene's triangles, lit as they are."""
+        names = ("instances", "meshes", "materials", "lights", "environment")
+        return all(getattr(scene, name) is getattr(self._scene, name) for name in names)
+
+    def bind(self, first_unit: int) -> dict[str, object]:
+        """The uniforms of shaders/raster/reflected_light.frag, their textures from this unit on."""
+        for unit, texture in enumerate(self._textures.values(), first_unit):
+            texture.use(unit)
+        return {name: unit for unit, name in enumerate(self._textures, first_unit)}
+
+    def release(self) -> None:
+        self.intersector.release()
+        for texture in self._textures.values():
+            texture.release()
+
+
+def _matte(scene: Scene) -> Scene:
+    """With surfaces that send the same light whichever way: what is baked leaves along the normal, and mirrors see it
+    from elsewhere. How metals differ from it the shader works out."""
+    return replace(scene, materials=[
+        replace(material, metallic=0.0, specular=0.0, metallic_roughness_texture=None) for material in scene.materials])
+
+
+def _corners(
+    scene: Scene, geometry: TraceGeometry, instance: TraceInstance, light: VertexLight
+) -> tuple[np.ndarray, np.ndarray]:
+    """Of an instance's triangles' corners, in order: radiance and a component of the face normal, (3 M, 4) float16; and
+    (3 M, 4) uint8 of normal, as a point of an octahedron, roughness and metallic."""
+    placed = geometry.meshes[instance.mesh]
+    mesh = scene.meshes[placed.source]
+    material = scene.materials[mesh.material]
+    vertices = placed.triangles.ravel()
+    looks = np.zeros((len(vertices), 4), np.float16)
+    looks[:, :3] = np.minimum(light.per_instance[instance.source][vertices, :3], _MAX_RADIANCE)
+    faces = _unit(_face_normals(placed.positions[placed.triangles], instance.transform))
+    if not material.double_sided and instance.kind != GLASS:
+        looks[:, 3] = faces.ravel()
+    normals = np.repeat(faces, 3, axis=0)
+    if mesh.normals is not None:
+        normals = _unit(mesh.normals @ np.linalg.pinv(instance.transform[:, :3]))[vertices]
+    lies = np.concatenate([_to_octahedron(normals) / 2 + 0.5, vertex_metal(material, mesh)[vertices]], axis=1)
+    return looks, np.rint(255 * lies).astype(np.uint8)
+
+
+def _face_normals(positions: np.ndarray, transform: np.ndarray) -> np.ndarray:
+    """(M, 3), of triangles (M, 3, 3) placed by `transform`, on the side from which they are counter-clockwise in the
+    mesh; 0 for triangles without area."""
+    edges = (positions[:, 1:] - positions[:, :1]).astype(np.float64) @ transform[:, :3].T
+    return np.cross(edges[:, 0], edges[:, 1]) * np.sign(np.linalg.det(transform[:, :3]))
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.divide(vectors, lengths, out=np.zeros(vectors.shape), where=lengths > 0)
+
+
+def _to_octahedron(d: np.ndarray) -> np.ndarray:
+    """Unit vectors (N, 3) as points (N, 2) of a square, as shaders/raster/octahedron.glsl; 0 for 0."""
+    p = d[:, :2] / np.maximum(np.abs(d).sum(axis=1, keepdims=True), 1e-30)
+    return np.where(d[:, 2:] < 0, (1 - np.abs(p[:, ::-1])) * np.where(p >= 0, 1, -1), p)
+
+
+def _textures(
+    context: Context, instances: Sequence[TraceInstance], corners: Sequence[tuple[np.ndarray, np.ndarray]]
+) -> dict[str, moderngl.Texture]:
+    """All instances' corners, and where those of each begin."""
+    total = sum(len(looks) for looks, _ in corners)
+    if -(-total // _WIDTH) > context.gl.info["GL_MAX_TEXTURE_SIZE"]:
+        raise ViewerError(f"the scene has too many triangles for traced reflections, {total // 3}")
+    firsts = np.cumsum([0, *(len(looks) for looks, _ in corners)])[: max(len(instances), 1), None].astype(np.int32)
+    nothing = np.zeros((0, 4), np.float16), np.zeros((0, 4), np.uint8)
+    looks, lies = (np.concatenate(parts) for parts in zip(nothing, *corners))
+    return {"u_looks": _texture(context.gl, looks), "u_lies": _texture(context.gl, lies),
+            "u_first": _texture(context.gl, firsts)}
+
+
+def _texture(gl: moderngl.Context, rows: np.ndarray) -> moderngl.Texture:
+    """(N, C) texels, row after row of a texture `_WIDTH` wide."""
+    texels = np.zeros((-(-max(len(rows), 1) // _WIDTH) * _WIDTH, rows.shape[1]), rows.dtype)
+    texels[: len(rows)] = rows
+    dtype = {"uint8": "f1", "float16": "f2", "int32": "i4"}[rows.dtype.name]
+    texture = gl.texture((_WIDTH, len(texels) // _WIDTH), rows.shape[1], texels, dtype=dtype)
+    texture.filter = moderngl.NEAREST, moderngl.NEAREST
+    return texture

@@ -1,0 +1,115 @@
+"""What light that is refracted can meet of a scene: bodies of glass and what is opaque, and how their surfaces lie.
+
+Texels of shaders/raster/refraction_step.frag, in tracer space (viewer/trace/scene/geometry.py):
+    instance  2: absorption and the number of its first triangle, which a float holds; the root of its base colour, its
+                 index (0: opaque). Triangles follow all instances.
+    triangle  4: the normal at each corner, and in w a component of the face's; then how far its plane is from the
+                 origin along that, and the mean curvature of what it is a part of, 1 / r on a ball
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import ViewerError
+from ...gpu.context import Context
+from ...scene.scene import Scene
+from ...trace.rays.intersect import make_intersector
+from ...trace.scene.geometry import TraceGeometry, TraceInstance, trace_geometry
+from ..frame import normal_matrix
+
+_WIDTH = 4096
+_INSTANCE, _TRIANGLE = 2, 4
+
+
+class RefractingSurfaces:
+    """The intersector of one scene's triangles, and the texture of what they are.
+
+    What blends and walls of glass are left out, as they are not in the picture that is seen through glass. Raises
+    ViewerError for more triangles than a texture holds, and as `make_intersector` does.
+    """
+
+    def __init__(self, context: Context, scene: Scene, kind: str) -> None:
+        geometry = trace_geometry(scene)
+        self._scene = scene
+        # What a mask opens is not in the picture either: there a ray goes on.
+        shown = [replace(i, see_through=False) for i in geometry.instances if _is_met(scene, geometry, i)]
+        self._geometry = replace(geometry, instances=shown)
+        self.intersector = make_intersector(context, self._geometry, kind=kind)
+        self._texture = _texture(context.gl, _texels(scene, self._geometry))
+
+    def holds(self, scene: Scene) -> bool:
+        """Whether these are that scene's triangles and materials."""
+        return all(getattr(scene, name) is getattr(self._scene, name) for name in ("instances", "meshes", "materials"))
+
+    def bind(self, unit: int) -> dict[str, int]:
+        """The uniforms of shaders/raster/refraction_step.frag."""
+        self._texture.use(unit)
+        return {"u_surfaces": unit, "u_triangles": _INSTANCE * len(self._geometry.instances)}
+
+    def release(self) -> None:
+        self.intersector.release()
+        self._texture.release()
+
+
+def _is_met(scene: Scene, geometry: TraceGeometry, instance: TraceInstance) -> bool:
+    material = scene.materials[scene.meshes[scene.instances[instance.source].mesh].material]
+    is_wall = geometry.materials[instance.material].transmission > 0 and material.thickness == 0
+    return material.alpha_mode != "blend" and not is_wall
+
+
+def _texels(scene: Scene, geometry: TraceGeometry) -> NDArray[np.float32]:
+    """(N, 4)."""
+    heads = np.zeros((len(geometry.instances), _INSTANCE, 4), np.float32)
+    parts, first = [], 0
+    for head, instance in zip(heads, geometry.instances):
+        traced = geometry.materials[instance.material]
+        head[0] = *traced.sigma, first
+        if traced.transmission > 0:
+            head[1] = *np.sqrt(np.maximum(traced.material.base_color[:3], 0)), max(traced.material.ior, 1.0)
+        parts.append(_triangles(scene, geometry, instance))
+        first += len(parts[-1]) // _TRIANGLE
+    return np.concatenate([heads.reshape(-1, 4), *parts])
+
+
+def _triangles(scene: Scene, geometry: TraceGeometry, instance: TraceInstance) -> NDArray[np.float32]:
+    """The texels of an instance's triangles, (4 M, 4)."""
+    mesh = geometry.meshes[instance.mesh]
+    points = mesh.positions.astype(np.float64) @ instance.transform[:, :3].T + instance.transform[:, 3]
+    points = points[mesh.triangles]
+    faces = _unit(np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0]))
+    faces *= -1 if instance.is_mirrored else 1
+    normals = scene.meshes[mesh.source].normals
+    if normals is None:
+        normals = np.repeat(faces[:, None], 3, axis=1)
+    else:
+        normals = _unit(normals.astype(np.float64) @ normal_matrix(scene.instances[instance.source].transform).T)
+        normals = normals[mesh.triangles]
+    along, turned = points - np.roll(points, 1, axis=1), normals - np.roll(normals, 1, axis=1)
+    curvature = (along * turned).sum(axis=(1, 2)) / np.maximum((along * along).sum(axis=(1, 2)), 1e-18)
+    texels = np.zeros((len(points), _TRIANGLE, 4), np.float32)
+    texels[:, :3, :3] = normals
+    texels[:, :3, 3] = faces
+    texels[:, 3, 0] = (faces * points[:, 0]).sum(axis=1)
+    texels[:, 3, 1] = curvature
+    return texels.reshape(-1, 4)
+
+
+def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """0 stays 0."""
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-30)
+
+
+def _texture(gl: moderngl.Context, texels: NDArray[np.float32]) -> moderngl.Texture:
+    rows = max(-(-len(texels) // _WIDTH), 1)
+    if rows > gl.info["GL_MAX_TEXTURE_SIZE"]:
+        raise ViewerError(f"the scene has too many triangles for traced refraction, {len(texels) // _TRIANGLE}")
+    padded = np.zeros((rows * _WIDTH, 4), np.float32)
+    padded[: len(texels)] = texels
+    texture = gl.texture((_WIDTH, rows), 4, padded, dtype="f4")
+    texture.filter = moderngl.NEAREST, moderngl.NEAREST
+    return texture

@@ -1,0 +1,167 @@
+"""The pass that finds what light arrives at the front of bodies of glass: two paths from each point that
+is shaded, one in the body and one mirrored, followed from surface to surface through the path tracer's intersector."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import moderngl
+
+from ...gpu.context import Context
+from ...gpu.programs import Programs, set_uniform
+from ...image.display import fullscreen
+from ...plan.planner import Plan
+from ...scene.scene import Scene
+from ..frame import Frame
+from ..gbuffer import nearest_texture
+from ..surfaces import UNIT_MIRRORED, UNIT_PATH_POSITIONS, UNIT_REFRACTED
+
+if TYPE_CHECKING:
+    from .refracting_surfaces import RefractingSurfaces
+
+STEPS = 8
+"""Surfaces that a path meets behind the first one, at most."""
+
+_UNIT_HIT, _UNIT_SURFACES, _UNIT_STATE = 0, 1, 2
+_STATE = ("origin", "direction", "kept", "light")
+_KINDS = {"u_refracted": UNIT_REFRACTED, "u_mirrored": UNIT_MIRRORED}
+
+Uniforms = dict[str, object]
+
+
+class TracedRefraction:
+    """Keeps the paths of one picture size and what they can meet of one scene.
+
+    `kind` of intersector as `viewer.trace.intersect.make_intersector` takes it.
+    """
+
+    def __init__(self, context: Context, programs: Programs, kind: str = "auto") -> None:
+        self._context, self._programs, self._kind = context, programs, kind
+        self._met: RefractingSurfaces | None = None
+        self._paths: _Paths | None = None
+
+    def prepare(self, scene: Scene) -> None:
+        """Make ready what paths can meet of `scene`, if it is not."""
+        if self._met is None or not self._met.holds(scene):
+            from .refracting_surfaces import RefractingSurfaces
+
+            self.drop_scene()
+            self._met = RefractingSurfaces(self._context, scene, self._kind)
+
+    def find(self, frame: Frame, plan: Plan, draw_rays: Callable[[Uniforms], object], uniforms: Uniforms) -> Uniforms:
+        """Follow the rays that `draw_rays(uniforms)` begins; returns the uniforms of shaders/raster/traced_body.glsl.
+
+        `uniforms` are those of the frame, with what stands behind glass. Leaves a framebuffer of its own in use.
+        """
+        if self._paths is None or self._paths.size != frame.size:
+            self._release_paths()
+            self._paths = _Paths(self._context.gl, frame.size)
+        environment = frame.scene.environment
+        program = self._programs.get("display/fullscreen.vert", "raster/refraction_step.frag", {
+            "HAS_ENVIRONMENT": int(plan.reflections), "REFLECTS": 1,
+            "ENVIRONMENT_ROTATED": int(environment is not None and environment.rotation != 0)})
+        uniforms = uniforms | {"u_eye": tuple((frame.camera.eye - frame.scene.center) / frame.unit)}
+        for name, value in uniforms.items():
+            set_uniform(program, name, value)
+        for kind in range(len(_KINDS) if plan.reflections else 1):
+            self._paths.begin(kind, lambda: draw_rays(uniforms | {"u_is_mirrored": kind == 1}))
+            self._follow(program)
+        return self._paths.bind()
+
+    def _follow(self, program: moderngl.Program) -> None:
+        intersector, paths = self._met.intersector, self._paths
+        for _ in range(STEPS):
+            answer = intersector.trace(intersector.fetch(paths))
+            if answer.alive == 0:
+                break
+            intersector.store(paths, answer)
+            for name, value in self._met.bind(_UNIT_SURFACES).items():
+                set_uniform(program, name, value)
+            paths.go_on(program)
+
+    def drop_scene(self) -> None:
+        """For when the scene is another."""
+        if self._met is not None:
+            self._met.release()
+            self._met = None
+
+    def _release_paths(self) -> None:
+        if self._paths is not None:
+            self._paths.release()
+            self._paths = None  # should the next one fail
+
+    def release(self) -> None:
+        self.drop_scene()
+        self._release_paths()
+
+
+class _Paths:
+    """The textures that `viewer.trace.intersect.WaveTextures` describes, a slot for each pixel, and what is known of
+    each path; twice, to be read and to be written in turn. What was found stays, of each kind."""
+
+    def __init__(self, gl: moderngl.Context, size: tuple[int, int]) -> None:
+        self._gl, self.size = gl, size
+        self.positions, self.shadow_vector = (nearest_texture(gl, size, "f4") for _ in range(2))
+        self.shadow_origin = self.shadow_vector
+        self.hit = nearest_texture(gl, size, "u4")
+        self._depth = gl.depth_renderbuffer(size)
+        self._rays = [[nearest_texture(gl, size, "f4") for _ in _STATE[:-1]] for _ in range(2)]
+        self._lights = [[nearest_texture(gl, size, "f4") for _ in range(2)] for _ in _KINDS]
+        self._firsts = [gl.framebuffer([self.positions, *self._rays[0], light[0]], self._depth)
+                        for light in self._lights]
+        self._nexts = [[gl.framebuffer([*rays, texture], self._depth) for rays, texture in zip(self._rays, light)]
+                       for light in self._lights]
+        for framebuffer in sum(self._nexts, []):
+            framebuffer.depth_mask = False
+        self._no_shadow = gl.framebuffer([self.shadow_vector])
+        self._no_shadow.clear()
+        self._kind, self._now = 0, [0] * len(_KINDS)
+
+    @property
+    def _state(self) -> list[moderngl.Texture]:
+        now = self._now[self._kind]
+        return [*self._rays[now], self._lights[self._kind][now]]
+
+    @property
+    def origin(self) -> moderngl.Texture:
+        return self._state[0]
+
+    @property
+    def direction(self) -> moderngl.Texture:
+        return self._state[1]
+
+    def begin(self, kind: int, draw_rays: Callable[[], object]) -> None:
+        """Take the rays that `draw_rays()` draws."""
+        self._kind, self._now[kind] = kind, 0
+        self._firsts[kind].use()
+        self._firsts[kind].clear(depth=1.0)
+        draw_rays()
+        self._gl.clear_samplers()
+        self._nexts[kind][1].clear()
+
+    def go_on(self, program: moderngl.Program) -> None:
+        """From the surfaces that were met to what is beyond them, where there are rays."""
+        self.hit.use(_UNIT_HIT)
+        set_uniform(program, "u_hit", _UNIT_HIT)
+        for unit, (name, texture) in enumerate(zip(_STATE, self._state), _UNIT_STATE):
+            texture.use(unit)
+            set_uniform(program, f"u_{name}", unit)
+        self._now[self._kind] ^= 1
+        self._nexts[self._kind][self._now[self._kind]].use()
+        self._gl.enable_only(moderngl.DEPTH_TEST)
+        self._gl.depth_func = ">"  # the triangle lies on the far plane: nothing runs where there is no surface
+        fullscreen(self._gl, program).render(vertices=3)
+        self._gl.depth_func = "<"
+
+    def bind(self) -> dict[str, object]:
+        """The uniforms of shaders/raster/traced_body.glsl."""
+        for light, now, unit in zip(self._lights, self._now, _KINDS.values()):
+            light[now].use(unit)
+        self.positions.use(UNIT_PATH_POSITIONS)
+        return _KINDS | {"u_path_positions": UNIT_PATH_POSITIONS}
+
+    def release(self) -> None:
+        for thing in (*self._firsts, *sum(self._nexts, []), self._no_shadow, self._depth, self.positions,
+                      self.shadow_vector, self.hit, *sum(self._rays, []), *sum(self._lights, [])):
+            thing.release()

@@ -1,0 +1,88 @@
+"""Mip levels on the processor: every texel the mean of what it covers, colours as light."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from .color import linear_to_srgb, srgb_to_linear
+
+_BAND = 64  # rows at once, so that what is in between stays in the processor's cache
+_FULL = 16383  # four of it are the most that 16 bits hold
+
+
+def mip_levels(pixels: np.ndarray, srgb: bool = False) -> list[np.ndarray]:
+    """`pixels`, (H, W, C), and all smaller levels down to 1x1, each half as wide and as high, rounded down.
+
+    uint8, uint16 or floats. With `srgb` the first three channels, of uint8, are sRGB and averaged in linear light.
+    """
+    levels = [pixels]
+    while max(levels[-1].shape[:2]) > 1:
+        levels.append(_half(levels[-1], srgb))
+    return levels
+
+
+def _half(pixels: np.ndarray, srgb: bool) -> np.ndarray:
+    height, width, components = pixels.shape
+    if pixels.dtype == np.uint8 and height % 2 == width % 2 == 0:
+        return _half_of_even(pixels, srgb)
+    if srgb and components == 4:
+        return np.concatenate([_half(pixels[..., :3], True), _half(pixels[..., 3:], False)], axis=2)
+    light = _tables()[0].take(pixels).astype(np.float32) / _FULL if srgb else pixels.astype(np.float32)
+    means = _means_of_columns(_means_of_columns(light).swapaxes(0, 1)).swapaxes(0, 1)
+    if srgb:
+        return _tables()[1].take((means * (4 * _FULL) + 0.5).astype(np.uint16))
+    return (np.rint(means) if pixels.dtype.kind == "u" else means).astype(pixels.dtype)
+
+
+def _half_of_even(pixels: np.ndarray, srgb: bool) -> np.ndarray:
+    """Of uint8, in integers: a sum of four pixels keeps two bits more than each had, and light fourteen."""
+    height, width, components = pixels.shape
+    decode, encode = _tables()
+    half = np.empty((height // 2, width // 2, components), np.uint8)
+    for top in range(0, height, _BAND):
+        band = pixels[top:top + _BAND]
+        light = decode.take(band, mode="clip") if srgb else band
+        if srgb and components == 4:
+            light[..., 3] = band[..., 3]
+        pairs = np.add(light[0::2], light[1::2], dtype=np.uint16)
+        sums = np.empty((len(pairs), width // 2, components), np.uint16)
+        for channel in range(components):  # numpy is several times slower where the last axis is short
+            np.add(pairs[:, 0::2, channel], pairs[:, 1::2, channel], out=sums[..., channel])
+        means = encode.take(sums, mode="clip") if srgb else _quarter(sums)
+        if srgb and components == 4:
+            means[..., 3] = _quarter(sums[..., 3])
+        half[top // 2:top // 2 + len(means)] = means
+    return half
+
+
+def _quarter(sums: np.ndarray) -> np.ndarray:
+    """In place: a fourth, halves to even. Always upwards, a normal map's last levels would lean by more than 1."""
+    odd = sums >> 2
+    odd &= 1
+    sums += odd
+    sums += 1
+    sums >>= 2
+    return sums
+
+
+def _means_of_columns(pixels: np.ndarray) -> np.ndarray:
+    """Half as many columns; where they are odd in number each new one covers two and a bit (Guthe & Heckbert 2005)."""
+    width = pixels.shape[1]
+    half = width // 2
+    if width == 1:
+        return pixels
+    if width % 2 == 0:
+        return (pixels[:, 0::2] + pixels[:, 1::2]) / 2
+    first = np.arange(half, dtype=np.float32)[:, None]
+    weighted = (half - first) * pixels[:, 0:-1:2] + half * pixels[:, 1::2] + (first + 1) * pixels[:, 2::2]
+    return weighted / width
+
+
+@cache
+def _tables() -> tuple[np.ndarray, np.ndarray]:
+    """sRGB to light of 14 bits, and the sum of four such values to the sRGB of their mean."""
+    decode = np.rint(srgb_to_linear(np.arange(256) / 255) * _FULL).astype(np.uint16)
+    encode = np.rint(linear_to_srgb(np.arange(4 * _FULL + 1) / (4 * _FULL)) * 255).astype(np.uint8)
+    return decode, encode

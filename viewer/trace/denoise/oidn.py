@@ -1,0 +1,65 @@
+"""The `oidn` denoiser: Intel Open Image Denoise, on the processor, an extra to install."""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+
+from ...errors import UsageError
+from ...gpu.context import Context
+from .denoiser import NoisyFilm
+
+
+class OpenImageDenoise:
+    """A network trained on path-traced pictures (Afra 2025), given the first hits' albedo and normals.
+
+    Raises UsageError, with the fix, where pyoidn is not installed or does not run.
+    """
+
+    def __init__(self, context: Context) -> None:
+        try:
+            import pyoidn
+        except (ImportError, OSError) as error:
+            raise UsageError("--denoise oidn needs Open Image Denoise: pip install 'pbr-viewer[oidn]', or take "
+                             f"--denoise fast ({' '.join(str(error).split())})") from error
+        self._denoise = pyoidn.denoise
+        self._context = context
+        self._texture: moderngl.Texture | None = None
+
+    def filter(self, film: NoisyFilm) -> moderngl.Texture:
+        """As `Denoiser.filter`."""
+        self._context.make_current()
+        seen = _read(film.emission)[..., :3] / np.maximum(_read(film.sum)[..., 3:], 1)
+        radiance, albedo, normal = (_read(texture) for texture in (film.radiance, film.albedo, film.normal))
+        denoised = self.filter_arrays(radiance, albedo, normal, seen)
+        if self._texture is None or self._texture.size != film.radiance.size:
+            self.release()
+            self._texture = self._context.gl.texture(film.radiance.size, 4, dtype="f4")
+        self._texture.write(denoised)
+        return self._texture
+
+    def filter_arrays(self, radiance: np.ndarray, albedo: np.ndarray, normal: np.ndarray,
+                      seen: np.ndarray) -> np.ndarray:
+        """Likewise for float32 arrays (H, W, 4); albedo and normal are sums over the hits, whose number is albedo.w.
+
+        `seen`, (H, W, 3), is the emission in `radiance`: the network would spread it.
+        """
+        hits = albedo[..., 3:]
+        features = [np.divide(total[..., :3], hits, out=np.zeros_like(total[..., :3]), where=hits > 0)
+                    for total in (albedo, normal)]
+        features[0] = np.clip(features[0], 0, 1)
+        color = np.ascontiguousarray(radiance[..., :3])
+        keeps = (hits == 0) | ~np.isfinite(color)
+        rest = np.where(np.isfinite(color), np.maximum(color - seen, 0), 0)
+        denoised = self._denoise(rest, *features, hdr=True) + seen
+        return np.concatenate([np.where(keeps, color, denoised), radiance[..., 3:]], axis=-1)
+
+    def release(self) -> None:
+        if self._texture is not None:
+            self._texture.release()
+            self._texture = None
+
+
+def _read(texture: moderngl.Texture) -> np.ndarray:
+    width, height = texture.size
+    return np.frombuffer(texture.read(), np.float32).reshape(height, width, 4)

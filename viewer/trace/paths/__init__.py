@@ -1,0 +1,1 @@
+"""Wavefronts of paths, the passes that shade them, and the film."""

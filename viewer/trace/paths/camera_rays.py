@@ -1,0 +1,43 @@
+"""The uniforms of shaders/trace/camera.glsl: rays that are exact however far away the eye is."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...raster.frame import Frame, uniform
+from ...scene.camera import Camera
+from ...scene.scene import Scene
+
+NEAR = 4.0
+"""An eye this close to the centre, in tracer units, is itself where rays start (unless they can start nearer still)."""
+ENDLESS = 1e30
+
+
+def camera_uniforms(scene: Scene, camera: Camera, size: tuple[int, int]) -> dict[str, object]:
+    """Uniforms for pictures of `size` (width, height), framed as viewer/raster/frame.py does.
+
+    Rays are made from the points where they cross a plane through the scene's centre. Its distance, which may be a
+    million times what the picture shows, is taken into account in float64 here. An orthographic camera sees what is
+    behind its eye too, as in the raster.
+    """
+    ray = Frame(scene, camera, size).ray
+    eye = (camera.eye - scene.center) / scene.radius
+    depth = -float(eye @ camera.forward)
+    if camera.height is not None:
+        half_height = camera.height / scene.radius / 2
+        plane = np.stack([camera.pose[:3, 0] * half_height * size[0] / size[1], camera.pose[:3, 1] * half_height,
+                          eye + depth * camera.forward], axis=1)
+        start = ENDLESS
+    else:
+        start = depth if depth > 0 and np.linalg.norm(eye) > NEAR else 0.0
+        plane = ray * start
+        plane[:, 2] += eye
+    return {
+        "u_camera_pixel": (2 / size[0], 2 / size[1]),
+        "u_camera_ray": uniform(ray),
+        "u_camera_plane": uniform(plane),
+        "u_camera_depth": start,
+        "u_camera_eye": tuple(eye.tolist()),
+        "u_camera_forward": tuple(camera.forward.tolist()) if camera.height is not None else (0.0, 0.0, 0.0),
+        "u_camera_unit": scene.radius,
+    }

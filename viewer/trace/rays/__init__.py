@@ -1,0 +1,1 @@
+"""Where rays meet triangles: Embree, or a BVH in a shader."""

@@ -1,0 +1,189 @@
+"""The scene's triangles as one texture that shaders/trace/bvh.glsl walks through.
+
+Triangles of meshes that are placed once lie in one tree in tracer space. A mesh that is placed several times has a tree
+of its own in its own space, and a tree over the instances refers to it: nothing is copied but what is smaller than a
+reference, and what a matrix flattens or stretches so that it cannot be undone in float32.
+
+Texels (RGBA32UI):
+    node      7: lower x, upper x, lower y, upper y, lower z, upper z of its four children, and their references
+    triangle  3: a corner each, and in w the number in its mesh, first word of a hit (kind and instance), see-through
+    instance  4: rows of tracer-to-mesh, then the reference to its tree, first word of a hit, see-through, 0
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import bvh4 as wide
+from .bvh4 import LEAF, NOTHING, WideTree
+from .flatten import flatten
+from .intersect import KIND_SHIFT
+
+if TYPE_CHECKING:
+    from ..scene.geometry import TraceGeometry, TraceInstance
+
+NODE_TEXELS, TRIANGLE_TEXELS, INSTANCE_TEXELS = 7, 3, 4
+
+INSTANCE = LEAF | 7 << 28
+"""A reference to an instance: no leaf has eight triangles."""
+
+_SMALL_MESH = 4  # triangles, that take no more room than an instance with its box
+_MAX_STRETCH = 1e4
+_PLACE = 0x0FFFFFFF
+
+
+@dataclass
+class Bvh:
+    """`texels` (n, 4) uint32: the nodes, the triangles from texel `triangles` on, the instances from `instances` on.
+
+    `root` is the reference to start with, `stack` the most references that ever wait.
+    """
+
+    texels: NDArray[np.uint32]
+    triangles: int
+    instances: int
+    root: int
+    stack: int
+    has_instances: bool
+    has_see_through: bool
+
+
+def build_bvh(geometry: TraceGeometry) -> Bvh:
+    """The trees over all instances."""
+    uses = Counter(instance.mesh for instance in geometry.instances)
+    matrices = np.array([instance.transform[:, :3] for instance in geometry.instances]).reshape(-1, 3, 3)
+    is_stretched = np.linalg.cond(matrices) > _MAX_STRETCH
+    placed: dict[int, list[tuple[int, TraceInstance]]] = {}
+    copied = []
+    for index, instance in enumerate(geometry.instances):
+        small = len(geometry.meshes[instance.mesh].triangles) <= _SMALL_MESH
+        if small or uses[instance.mesh] == 1 or is_stretched[index]:
+            copied.append((index, instance))
+        else:
+            placed.setdefault(instance.mesh, []).append((index, instance))
+    forest = _Forest()
+    vertices, triangles, words = flatten(geometry, copied)
+    see_through = np.array([instance.see_through for instance in geometry.instances], bool)
+    root = forest.add(vertices, triangles, words[:-1], see_through)
+    if placed:
+        root = forest.place(geometry, placed, vertices, root)
+    return forest.packed(root, bool(see_through.any()))
+
+
+class _Forest:
+    """Trees one after the other."""
+
+    def __init__(self) -> None:
+        self._nodes: list[NDArray[np.uint32]] = []
+        self._triangles: list[NDArray[np.uint32]] = []
+        self._instances = np.empty((0, INSTANCE_TEXELS, 4), np.uint32)
+        self._node_count = self._triangle_count = 0
+        self._stack = 1
+
+    def add(
+        self,
+        vertices: NDArray[np.float32],
+        triangles: NDArray[np.integer],
+        words: NDArray[np.uint32] | None = None,
+        see_through: NDArray[np.bool_] | None = None,
+    ) -> int:
+        """A tree over triangles (T, 3), and the reference to it; `words` (T, 2) are the first two of their hits."""
+        corners = vertices[triangles]
+        tree = wide.build(corners.min(axis=1), corners.max(axis=1))
+        texels = np.zeros((len(triangles), TRIANGLE_TEXELS, 4), np.uint32)
+        texels[..., :3] = corners[tree.order].view(np.uint32)
+        texels[:, 0, 3] = tree.order
+        if words is not None and see_through is not None:
+            texels[:, 0, 3], texels[:, 1, 3] = words[tree.order, 1], words[tree.order, 0]
+            texels[:, 2, 3] = see_through[texels[:, 1, 3] & _PLACE]
+        inner = (tree.children & LEAF) == 0
+        leaf = ~inner & (tree.children != NOTHING)
+        tree.children[inner] += np.uint32(self._node_count)
+        tree.children[leaf] += np.uint32(self._triangle_count)
+        self._push(tree)
+        root = tree.root
+        if root != NOTHING:
+            root += self._triangle_count if root & LEAF else self._node_count - len(tree.children)
+        self._triangles.append(texels)
+        self._triangle_count += len(texels)
+        self._stack = max(self._stack, tree.stack)
+        return root
+
+    def place(
+        self,
+        geometry: TraceGeometry,
+        placed: dict[int, list[tuple[int, TraceInstance]]],
+        copied: NDArray[np.float32],
+        copied_root: int,
+    ) -> int:
+        """The tree over instances by mesh, and over the tree of the triangles that were copied; the reference to it."""
+        lower, upper, records = [], [], []
+        for mesh_index, instances in placed.items():
+            mesh = geometry.meshes[mesh_index]
+            root = self.add(mesh.positions, mesh.triangles)
+            transforms = np.array([instance.transform for _, instance in instances])
+            low, high = _moved_box(transforms, mesh.positions.min(axis=0), mesh.positions.max(axis=0))
+            lower.append(low)
+            upper.append(high)
+            record = np.zeros((len(instances), INSTANCE_TEXELS, 4), np.uint32)
+            record[:, :3] = _inverse(transforms).astype(np.float32).view(np.uint32)
+            record[:, 3, 0] = root
+            record[:, 3, 1] = [instance.kind << KIND_SHIFT | index for index, instance in instances]
+            record[:, 3, 2] = [instance.see_through for _, instance in instances]
+            records.append(record)
+        self._instances = np.concatenate(records)
+        references = INSTANCE | np.arange(len(self._instances), dtype=np.int64)
+        if copied_root != NOTHING:
+            lower.append(copied.min(axis=0)[None])
+            upper.append(copied.max(axis=0)[None])
+            references = np.append(references, copied_root)
+        tree = wide.build(np.concatenate(lower), np.concatenate(upper), max_leaf=1)
+        references = references[tree.order]
+        if tree.root & LEAF:
+            return int(references[0])
+        leaf = (tree.children & LEAF != 0) & (tree.children != NOTHING)
+        tree.children[tree.children & LEAF == 0] += np.uint32(self._node_count)
+        tree.children[leaf] = references[tree.children[leaf] & _PLACE]
+        self._push(tree)
+        self._stack += tree.stack
+        return self._node_count - len(tree.children)
+
+    def _push(self, tree: WideTree) -> None:
+        texels = np.empty((len(tree.children), NODE_TEXELS, 4), np.uint32)
+        texels[:, 0:6:2] = tree.lower.view(np.uint32)
+        texels[:, 1:6:2] = tree.upper.view(np.uint32)
+        texels[:, 6] = tree.children
+        self._nodes.append(texels)
+        self._node_count += len(texels)
+
+    def packed(self, root: int, has_see_through: bool) -> Bvh:
+        parts = [part.reshape(-1, 4) for part in (*self._nodes, *self._triangles, self._instances)]
+        triangles = self._node_count * NODE_TEXELS
+        instances = triangles + self._triangle_count * TRIANGLE_TEXELS
+        has_instances = len(self._instances) > 0
+        return Bvh(np.concatenate(parts), triangles, instances, root, self._stack, has_instances, has_see_through)
+
+
+def _moved_box(
+    transforms: NDArray[np.float64], low: NDArray[np.float32], high: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Boxes (n, 3) around a box under each of the matrices (n, 3, 4), and around how it is met in float32."""
+    matrices = transforms[:, :, :3]
+    middle = matrices @ (0.5 * (low + high.astype(np.float64))) + transforms[:, :, 3]
+    half = np.abs(matrices) @ (0.5 * (high.astype(np.float64) - low)) + _SLACK
+    return (middle - half).astype(np.float32), (middle + half).astype(np.float32)
+
+
+_SLACK = 1e-6
+"""A ray is taken to an instance in float32: some units in the last place of the scene's radius."""
+
+
+def _inverse(transforms: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n, 3, 4) of (n, 3, 4)."""
+    matrices = np.linalg.inv(transforms[:, :, :3])
+    return np.concatenate([matrices, -matrices @ transforms[:, :, 3:]], axis=2)

@@ -1,0 +1,111 @@
+"""Rays through our own BVH, in a fragment shader: a pass over the wave, a slot a pixel."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import moderngl
+
+from ...errors import ViewerError
+from ...gpu.context import Context
+from ...gpu.program import compile_program
+from ...gpu.programs import set_uniform
+from ...image.display import fullscreen
+from .bvh import Bvh, build_bvh
+from .intersect import SHADOW_REACH, Answer, Surfaces, WaveTextures
+
+if TYPE_CHECKING:
+    from ..scene.geometry import TraceGeometry
+
+_STATE = ("origin", "direction", "shadow_origin", "shadow_vector")
+_BVH_UNIT = len(_STATE)
+_WIDTH = 4096
+
+
+class BvhIntersector:
+    """See `viewer.trace.intersect.Intersector`. What it counts is known a trace later, so that nothing waits for it.
+
+    Raises ViewerError for a scene whose tree no texture holds.
+    """
+
+    name = "bvh"
+
+    def __init__(self, context: Context, geometry: TraceGeometry, surfaces: Surfaces | None = None) -> None:
+        self._gl = context.gl
+        bvh = build_bvh(geometry)
+        if bvh.has_see_through and surfaces is None:
+            raise ValueError("see-through triangles need their surfaces")
+        self._surfaces = surfaces if bvh.has_see_through else None
+        self._bvh = _texture(context, bvh)
+        defines: dict[str, float] = {} if self._surfaces is None else dict(self._surfaces.switches)
+        defines |= {
+            "BVH_WIDTH": self._bvh.width,
+            "STACK": bvh.stack,
+            "HAS_INSTANCES": bvh.has_instances,
+            "HAS_SEE_THROUGH": bvh.has_see_through,
+            "SHADOW_REACH": SHADOW_REACH,
+        }
+        vertex = "display/fullscreen.vert"
+        fragment = "trace/intersect.frag" if self._surfaces is None else "trace/intersect_see_through.frag"
+        self._program = compile_program(context, vertex=vertex, fragment=fragment, defines=defines)
+        set_uniform(self._program, "u_bvh", _BVH_UNIT)
+        set_uniform(self._program, "u_root", bvh.root)
+        set_uniform(self._program, "u_bvh_triangles", bvh.triangles)
+        set_uniform(self._program, "u_bvh_instances", bvh.instances)
+        self._counter = compile_program(context, vertex=vertex, fragment="trace/count_rays.frag")
+        for program in (self._program, self._counter):
+            for unit, name in enumerate(_STATE):
+                set_uniform(program, f"u_{name}", unit)
+        self._query = context.gl.query(samples=True)
+        self._is_counting = False
+
+    def fetch(self, wave: WaveTextures) -> WaveTextures:
+        return wave
+
+    def trace(self, wave: WaveTextures) -> Answer:
+        rays = self._query.samples if self._is_counting else None
+        for unit, name in enumerate(_STATE):
+            getattr(wave, name).use(unit)
+        self._bvh.use(_BVH_UNIT)
+        if self._surfaces is not None:
+            self._surfaces.bind(self._program)
+        target = self._gl.framebuffer([wave.hit])
+        target.use()
+        self._gl.enable_only(moderngl.NOTHING)
+        fullscreen(self._gl, self._program).render(vertices=3)
+        target.color_mask = False, False, False, False
+        target.use()
+        with self._query:
+            for shadow in (False, True):
+                set_uniform(self._counter, "u_shadow", shadow)
+                fullscreen(self._gl, self._counter).render(vertices=3)
+        target.release()
+        self._is_counting = True
+        return Answer(None, rays)
+
+    def store(self, wave: WaveTextures, answer: Answer) -> None:
+        """The hits are there already."""
+
+    def release(self) -> None:
+        for program in (self._program, self._counter):
+            fullscreen(self._gl, program).release()
+            program.release()
+        self._bvh.release()
+
+
+def _texture(context: Context, bvh: Bvh) -> moderngl.Texture:
+    limit = context.gl.info["GL_MAX_TEXTURE_SIZE"]
+    width = min(_WIDTH, limit)
+    while len(bvh.texels) > width * limit and width < limit:
+        width *= 2
+    rows = max(1, -(-len(bvh.texels) // width))
+    if rows > limit:
+        raise ViewerError(f"the scene has too many triangles for this OpenGL's textures, {limit} x {limit}")
+    texture = context.gl.texture((width, rows), 4, dtype="u4")
+    texture.filter = moderngl.NEAREST, moderngl.NEAREST
+    whole = len(bvh.texels) // width
+    for start, height in ((0, whole), (whole, 1)):  # the last row is not full
+        part = bvh.texels[start * width : (start + height) * width]
+        if len(part):
+            texture.write(part, viewport=(0, start, len(part) // height, height))
+    return texture

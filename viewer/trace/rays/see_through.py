@@ -1,0 +1,70 @@
+"""Which shadow rays go through the see-through triangles they meet: asked of the shaders, on lists of hits."""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from ...gpu.context import Context
+from ...gpu.program import compile_program
+from ...gpu.programs import set_uniform
+from ...image.display import fullscreen
+from .intersect import Surfaces
+
+MAX_LAYERS = 64
+"""A shadow ray that got through this many see-through triangles is taken to be stopped."""
+
+HITS_UNIT = 15
+"""The texture unit of the list; those below are for what the surfaces need."""
+
+_WIDTH = 256
+
+
+class SeeThrough:
+    """The program and the list of hits it is asked about."""
+
+    def __init__(self, context: Context, surfaces: Surfaces) -> None:
+        self._gl = context.gl
+        self._surfaces = surfaces
+        self._program = compile_program(
+            context, vertex="display/fullscreen.vert", fragment="trace/see_through.frag", defines=surfaces.switches
+        )
+        self._sized(1)
+
+    def _sized(self, rows: int) -> None:
+        self._rows = rows
+        self._hits = self._gl.texture((2 * _WIDTH, rows), 4, dtype="u4")
+        self._hits.filter = moderngl.NEAREST, moderngl.NEAREST
+        self._answers = self._gl.texture((_WIDTH, rows), 1)
+        self._target = self._gl.framebuffer([self._answers])
+
+    def release(self) -> None:
+        self._release_list()
+        fullscreen(self._gl, self._program).release()
+        self._program.release()
+
+    def _release_list(self) -> None:
+        for thing in (self._target, self._hits, self._answers):
+            thing.release()
+
+    def passes(self, words: NDArray[np.uint32], vectors: NDArray[np.float32]) -> NDArray[np.bool_]:
+        """(hits,) whether each goes on, for (hits, 4) words of the hit texture and (hits, 3) shadow vectors."""
+        count = len(words)
+        rows = -(-count // _WIDTH)
+        if rows > self._rows:
+            self._release_list()
+            self._sized(rows)
+        texels = np.zeros((rows * _WIDTH, 2, 4), np.uint32)
+        texels[:count, 0] = words
+        texels[:count, 1, :3] = np.ascontiguousarray(vectors).view(np.uint32)
+        self._hits.write(texels, viewport=(0, 0, 2 * _WIDTH, rows))
+        self._target.use()
+        self._target.viewport = 0, 0, _WIDTH, rows
+        self._gl.enable_only(moderngl.NOTHING)
+        self._surfaces.bind(self._program)
+        self._hits.use(HITS_UNIT)
+        set_uniform(self._program, "u_hits", HITS_UNIT)
+        fullscreen(self._gl, self._program).render(vertices=3)
+        answers = self._target.read(viewport=(0, 0, _WIDTH, rows), components=1)
+        return np.frombuffer(answers, np.uint8)[:count] > 0

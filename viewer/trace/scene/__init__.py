@@ -1,0 +1,1 @@
+"""The scene as the path tracer's shaders read it."""

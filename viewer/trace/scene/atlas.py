@@ -1,0 +1,164 @@
+"""All texture images of a scene as pages of one texture, which a shader that may meet any material can then read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import partial
+from math import isqrt
+from typing import Literal
+
+import moderngl
+import numpy as np
+
+from ...base.heap import give_back
+from ...gpu.context import Context
+from ...raster.decoding import Decoder
+from ...scene.color import srgb_to_linear
+from ...scene.mip_levels import mip_levels
+from ...scene.texture_image import TextureImage
+
+Page = tuple[int, int, int, int]
+"""x, y, width, height in texels."""
+
+MAX_TEXELS = 1 << 27
+"""Of an atlas: 1 GiB where a texel has eight bytes, which is what drivers give one texture."""
+
+_Format = Literal["srgb", "light", "data", "deep"]
+"""Colours in sRGB's 8 bits or as linear halves, data of 8 bits or of 16."""
+
+_SRGB8_ALPHA8 = 0x8C43
+_TEXTURES = {"srgb": ("f1", _SRGB8_ALPHA8), "light": ("f2", None), "data": ("f1", None), "deep": ("nu2", None)}
+
+
+@dataclass(frozen=True, eq=False)
+class AtlasLayout:
+    """`pages` has each image's place, `halvings` how many times its sides are halved to fit."""
+
+    size: tuple[int, int]
+    pages: dict[TextureImage, Page]
+    halvings: dict[TextureImage, int]
+
+    @property
+    def warnings(self) -> list[str]:
+        """In words, what is not at its full size."""
+        shrunk = sum(1 for n in self.halvings.values() if n)
+        if not shrunk:
+            return []
+        images = f"{shrunk} texture image{'s' * (shrunk > 1)}"
+        return [f"{images} traced at reduced size: all have to fit into one texture"]
+
+
+class Atlas:
+    """Begins at once to decode its images on other threads; `upload` waits for them."""
+
+    def __init__(self, context: Context, images: Iterable[TextureImage], is_srgb: bool) -> None:
+        self._context = context
+        self.layout = layout_atlas(images, context.gl.info["GL_MAX_TEXTURE_SIZE"])
+        is_deep = any(image.bits == 16 for image in self.layout.pages)
+        if is_srgb:
+            # Mesa's software rasteriser decodes sRGB by a polynomial that is up to 0.7 % off.
+            self._format: _Format = "light" if is_deep or context.is_software else "srgb"
+        else:
+            self._format = "deep" if is_deep else "data"
+        self._decoder = Decoder(self.layout.halvings.items(), partial(_decode_page, format=self._format))
+
+    def upload(self) -> moderngl.Texture:
+        """The texture, row 0 of each page the image's top. Raises InputError for an image that is broken."""
+        dtype, internal = _TEXTURES[self._format]
+        texture = self._context.gl.texture(self.layout.size, 4, dtype=dtype, internal_format=internal)
+        texture.filter = moderngl.NEAREST, moderngl.NEAREST
+        for key, pixels in self._decoder.results():
+            texture.write(pixels, viewport=self.layout.pages[key[0]])
+            del pixels
+            give_back()  # OpenGL has its own copy now
+        return texture
+
+    def cancel(self) -> None:
+        """Decode no more."""
+        self._decoder.cancel()
+
+
+def layout_atlas(images: Iterable[TextureImage], limit: int) -> AtlasLayout:
+    """Places for `images` in a texture of at most `limit` texels a side; the largest are halved until they fit."""
+    images = list(dict.fromkeys(images))
+    halvings = dict.fromkeys(images, 0)
+    while True:
+        sizes = [_halved(image, halvings[image]) for image in images]
+        packed = _pack(sizes, limit)
+        if packed is not None:
+            size, corners = packed
+            pages = {image: (*corner, *extent) for image, corner, extent in zip(images, corners, sizes)}
+            return AtlasLayout(size, pages, halvings)
+        largest = max(width * height for width, height in sizes)
+        for image, (width, height) in zip(images, sizes):
+            halvings[image] += width * height == largest
+
+
+def _halved(image: TextureImage, times: int) -> tuple[int, int]:
+    return max(image.width >> times, 1), max(image.height >> times, 1)
+
+
+def _pack(sizes: list[tuple[int, int]], limit: int) -> tuple[tuple[int, int], list[tuple[int, int]]] | None:
+    """The atlas's size and each rectangle's corner, in the smallest area of some widths; None if none will do."""
+    if not sizes:
+        return (1, 1), []
+    widest, area = max(width for width, _ in sizes), sum(width * height for width, height in sizes)
+    square = isqrt(area)
+    widths = {widest * k for k in range(1, 9)} | {max(square, widest), max(square * 5 // 4, widest), limit}
+    found = []
+    for width in sorted(w for w in widths if widest <= w <= limit):
+        corners = _skyline(sizes, width)
+        used = max(x + w for (x, _), (w, _) in zip(corners, sizes))
+        height = max(y + h for (_, y), (_, h) in zip(corners, sizes))
+        if height <= limit and used * height <= MAX_TEXELS:
+            found.append((used * height, max(used, height), (used, height), corners))
+    return min(found, key=lambda f: f[:3])[2:] if found else None
+
+
+def _skyline(sizes: list[tuple[int, int]], width: int) -> list[tuple[int, int]]:
+    """Bottom-left packing into a strip: each rectangle, the highest first, to where it lies lowest (Jylanki 2010)."""
+    corners = [(0, 0)] * len(sizes)
+    skyline = [(0, 0, width)]  # x, y and width of what is free from y upwards
+    for k in sorted(range(len(sizes)), key=lambda k: (-sizes[k][1], -sizes[k][0])):
+        w, h = sizes[k]
+        y, x = min((_rest(skyline, x, w), x) for x, _, _ in skyline if x + w <= width)
+        corners[k] = x, y
+        below = [(max(left, x + w), level, left + span - max(left, x + w)) for left, level, span in skyline
+                 if left + span > x + w]
+        before = [(left, level, min(span, x - left)) for left, level, span in skyline if left < x]
+        skyline = [*before, (x, y + h, w), *below]
+    return corners
+
+
+def _rest(skyline: list[tuple[int, int, int]], x: int, width: int) -> int:
+    """How low a rectangle of `width` can lie at x."""
+    return max(level for left, level, span in skyline if left < x + width and left + span > x)
+
+
+def _decode_page(image: TextureImage, halvings: int, format: _Format) -> np.ndarray:
+    """(H, W, 4), as `_Format` says."""
+    pixels = image.decode()
+    is_color, full = format in ("srgb", "light"), np.iinfo(pixels.dtype).max
+    count = pixels.shape[2]
+    page = np.full((*pixels.shape[:2], 4), full, pixels.dtype)
+    page[..., :3] = pixels[..., :3] if count >= 3 else pixels[..., :1]
+    if count in (2, 4):
+        page[..., 3] = pixels[..., -1]
+    if format == "deep" and full == 255:
+        page = page.astype(np.uint16) * 257
+    if format == "light" and full == 65535:  # in light before it is halved
+        page = _light(page)
+    page = mip_levels(page, is_color and page.dtype == np.uint8)[halvings] if halvings else page
+    return _light(page) if format == "light" and page.dtype == np.uint8 else page
+
+
+def _light(page: np.ndarray) -> np.ndarray:
+    """sRGB colours with alpha, of 8 or 16 bits, as linear halves."""
+    full = np.iinfo(page.dtype).max
+    values = np.arange(full + 1) / full
+    color, alpha = srgb_to_linear(values).astype(np.float16), values.astype(np.float16)
+    out = np.empty(page.shape, np.float16)
+    for channel in range(4):
+        out[..., channel] = (alpha if channel == 3 else color).take(page[..., channel])
+    return out

@@ -1,0 +1,142 @@
+"""A scene's triangles and materials as words, and the switches for what there is (shaders/trace/interaction.glsl)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ...material.fold import without_constant_maps
+from ...material.maps import MAPS, material_map
+from ...scene.mesh import Mesh
+from ...scene.scene import Scene
+from ...scene.texture_image import TextureImage
+from .atlas import Page
+from .geometry import TraceGeometry, TraceInstance, TraceMesh
+from .glass import glass_switches
+from .materials import SPECULAR_COLOR, MapUse, map_words, material_words
+from .scene_buffer import WordsBuilder
+
+INSTANCE_WORDS = 5
+NO_EMITTER = 0xFFFFFFFF
+
+# An instance's flags, as the shaders have them.
+_SEE_THROUGH, _MIRRORED, _DOUBLE_SIDED, _UNLIT, _THIN = 1, 2, 4, 8, 16
+
+
+def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = False) -> dict[str, int]:
+    """The defines of shaders/trace/{words,atlas,interaction,material}.glsl; with `everything` as if all were there."""
+    materials = geometry.materials
+    color = [use for m in materials for use in m.color_maps]
+    data = [texture for m in materials for texture in m.data_textures]
+    textures = [use.texture for use in color] + data
+    has_normal_map = any(m.normal_map is not None for m in materials)
+    switches = {
+        "HAS_TEXTURES": bool(textures),
+        "HAS_COLOR_MAPS": bool(color),
+        "HAS_DATA_MAPS": bool(data),
+        "HAS_NORMAL_MAP": has_normal_map,
+        "HAS_TANGENT": has_normal_map,
+        "HAS_UV1": any(texture.uv_set == 1 for texture in textures),
+        "HAS_UV_TRANSFORM": any(texture.transform is not None for texture in textures),
+        "HAS_COLOR": any(scene.meshes[mesh.source].colors is not None for mesh in geometry.meshes),
+        "HAS_EMISSION": any(any(m.material.emissive) for m in materials),
+        "SPECULAR_TINTED": any(m.material.specular_color != (1.0, 1.0, 1.0) for m in materials)
+        or any(use.roles & SPECULAR_COLOR for use in color),
+        "HAS_SEE_THROUGH": any(instance.see_through for instance in geometry.instances),
+        "HAS_UNLIT": any(m.material.unlit for m in materials),
+        "HAS_TRANSMISSION": any(m.transmission > 0 for m in materials),
+        "HAS_VOLUME": any(m.sigma.any() for m in materials),
+    }
+    return {name: int(value or everything) for name, value in switches.items()} | glass_switches(materials)
+
+
+def unused_maps(scene: Scene, geometry: TraceGeometry) -> list[str]:
+    """In words, what maps of the materials in use are not decoded."""
+    used = {m.material for m in geometry.materials}
+    sampled = {(m.material, texture.image) for m in geometry.materials
+               for texture in (*(use.texture for use in m.color_maps), *m.data_textures)}
+    surfaces = [(m, plain) for m in scene.materials if (plain := without_constant_maps(m)) in used]
+    named = [(plain, material_map(plain, name)) for _, plain in surfaces for name in MAPS]
+    idle = sum(texture is not None and (m, texture.image) not in sampled for m, texture in named)
+    constant = sum(material_map(m, name) != material_map(plain, name) for m, plain in surfaces for name in MAPS)
+    lines = [f"{constant} material map{'s' * (constant > 1)} of one colour: a factor does"] * bool(constant)
+    if not idle:
+        return lines
+    them = "them" if idle > 1 else "it"
+    return [*lines, f"{idle} material map{'s' * (idle > 1)}, not decoded: no path depends on {them}"]
+
+
+def add_geometry(words: WordsBuilder, scene: Scene, geometry: TraceGeometry, switches: Mapping[str, int]) -> None:
+    """Append the sections instances, triangles and vertices."""
+    first_triangle = np.cumsum([0] + [len(mesh.triangles) for mesh in geometry.meshes])
+    first_vertex = np.cumsum([0] + [len(mesh.positions) for mesh in geometry.meshes])
+    instances = np.zeros((len(geometry.instances), INSTANCE_WORDS, 4), np.uint32)
+    for row, instance in zip(instances, geometry.instances):
+        emitter = instance.first_emitter if instance.first_emitter >= 0 else NO_EMITTER
+        row[:3] = np.asarray(instance.transform, np.float32).view(np.uint32)
+        row[3] = first_triangle[instance.mesh], first_vertex[instance.mesh], instance.material, emitter
+        row[4] = 0, instance.kind, _flags(instance, geometry), 0
+    words.add("instances", instances.reshape(-1, 4))
+    triangles = np.zeros((first_triangle[-1], 4), np.uint32)
+    for first, mesh in zip(first_triangle, geometry.meshes):
+        triangles[first:first + len(mesh.triangles), :3] = mesh.triangles
+    words.add("triangles", triangles)
+    stride = vertex_words(switches)
+    vertices = np.zeros((first_vertex[-1], stride, 4), np.float32)
+    for first, mesh in zip(first_vertex, geometry.meshes):
+        _fill_vertices(vertices[first:first + len(mesh.positions)], mesh, scene.meshes[mesh.source], switches)
+    words.add("vertices", vertices.reshape(-1, 4))
+
+
+def add_materials(
+    words: WordsBuilder, geometry: TraceGeometry, color_pages: Mapping[TextureImage, Page],
+    data_pages: Mapping[TextureImage, Page],
+) -> None:
+    """Append the sections materials and maps, given where in the atlases the images lie."""
+    materials, maps = [np.zeros((0, 4), np.uint32)], [np.zeros((0, 4), np.uint32)]
+
+    def add(uses: tuple[MapUse, ...], pages: Mapping[TextureImage, Page]) -> int:
+        """The number of the first one's record."""
+        first = len(maps) - 1
+        maps.extend(map_words(use.texture, use.roles, pages[use.texture.image]) for use in uses)
+        return first
+
+    for material in geometry.materials:
+        normal = -1 if material.normal_map is None else add((MapUse(material.normal_map, 0),), data_pages)
+        color, data = add(material.color_maps, color_pages), add(material.data_maps, data_pages)
+        materials.append(material_words(material, color, data, normal))
+    words.add("materials", np.concatenate(materials))
+    words.add("maps", np.concatenate(maps))
+
+
+def vertex_words(switches: Mapping[str, int]) -> int:
+    """Words of a vertex: position and u, normal and v, then tangent, second texture coordinates and colour if used."""
+    return 2 + switches["HAS_TANGENT"] + switches["HAS_UV1"] + switches["HAS_COLOR"]
+
+
+def _flags(instance: TraceInstance, geometry: TraceGeometry) -> int:
+    material = geometry.materials[instance.material]
+    return (_SEE_THROUGH * instance.see_through | _MIRRORED * instance.is_mirrored
+            | _DOUBLE_SIDED * material.material.double_sided | _UNLIT * material.material.unlit
+            | _THIN * material.is_thin)
+
+
+def _fill_vertices(out: np.ndarray, mesh: TraceMesh, source: Mesh, switches: Mapping[str, int]) -> None:
+    """`out` is (N, words, 4), zero: a normal or tangent of 0 stands for one that is not there."""
+    out[:, 0, :3] = mesh.positions
+    if source.normals is not None:
+        out[:, 1, :3] = source.normals
+    if source.uvs:
+        out[:, :2, 3] = source.uvs[0]
+    part = 2
+    if switches["HAS_TANGENT"]:
+        if source.tangents is not None:
+            out[:, part] = source.tangents
+        part += 1
+    if switches["HAS_UV1"]:
+        if len(source.uvs) > 1:
+            out[:, part, :2] = source.uvs[1]
+        part += 1
+    if switches["HAS_COLOR"]:
+        out[:, part] = 1 if source.colors is None else source.colors

@@ -1,0 +1,148 @@
+"""What a path tracer meets of a scene: its triangles, placed, and their materials.
+
+Tracer space has the world's axes, `scene.center` at the origin and `scene.radius` as the unit, so that all geometry
+lies in the unit ball; everything is worked out in float64 and rounded once. It does not depend on the camera.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...material.fold import without_constant_maps
+from ...raster.frame import handedness
+from ...scene.material import Material
+from ...scene.mesh import Mesh
+from ...scene.scene import Scene
+from .materials import TraceMaterial, trace_material
+
+STANDARD, GLASS = 0, 1
+"""Kinds of surfaces, each shaded by a pass of its own: bsdf/lobe/standard.glsl, and what transmits light."""
+
+
+@dataclass(frozen=True, eq=False)
+class TraceMesh:
+    """Triangles about the middle of their box, divided by half its longest side.
+
+    positions (N, 3) float32 in [-1, 1]; triangles (M, 3) uint32, numbers of vertices; `source` its number in
+    `scene.meshes`.
+    """
+
+    positions: np.ndarray
+    triangles: np.ndarray
+    source: int = -1
+
+
+@dataclass(frozen=True, eq=False)
+class TraceInstance:
+    """A mesh placed in tracer space by `transform`, (3, 4) float64, from the mesh's normalised positions.
+
+    `see_through`: rays may pass its triangles, as `coverage_at` says. `material` is a number in
+    `TraceGeometry.materials`; `source` its own in `scene.instances`; `first_emitter` that of its first triangle among
+    all emissive ones, the others following in their order, or -1.
+    """
+
+    mesh: int
+    transform: np.ndarray
+    kind: int = STANDARD
+    see_through: bool = False
+    material: int = 0
+    source: int = -1
+    first_emitter: int = -1
+
+    @property
+    def is_mirrored(self) -> bool:
+        """Whether the transform turns counter-clockwise triangles into clockwise ones."""
+        return handedness(self.transform) < 0
+
+
+@dataclass(frozen=True, eq=False)
+class TraceGeometry:
+    """Triangles alone.
+
+    `left_out_instances` counts the scene's lines and points, `emitters` the emissive triangles.
+    """
+
+    meshes: list[TraceMesh]
+    instances: list[TraceInstance]
+    materials: list[TraceMaterial]
+    emitters: int = 0
+    left_out_instances: int = 0
+
+    @property
+    def triangle_count(self) -> int:
+        """Of all instances together."""
+        return sum(len(self.meshes[instance.mesh].triangles) for instance in self.instances)
+
+
+def trace_geometry(scene: Scene) -> TraceGeometry:
+    """The triangles of `scene`, each mesh once however often it is placed; maps of one colour are factors."""
+    meshes: dict[int, tuple[TraceMesh, int, np.ndarray]] = {}
+    materials: dict[tuple[int, int, bool], int] = {}
+    placed: list[TraceInstance] = []
+    kept_materials: list[TraceMaterial] = []
+    emitters = 0
+    surfaces = [without_constant_maps(material) for material in scene.materials]
+    for number, instance in enumerate(scene.instances):
+        mesh = scene.meshes[instance.mesh]
+        if not mesh.triangle_count:
+            continue
+        if instance.mesh not in meshes:
+            normalised, to_mesh = _normalise(mesh, instance.mesh)
+            meshes[instance.mesh] = normalised, len(meshes), to_mesh
+        normalised, index, to_mesh = meshes[instance.mesh]
+        key = mesh.material, len(mesh.uvs), mesh.tangents is not None
+        if key not in materials:
+            materials[key] = len(kept_materials)
+            kept_materials.append(trace_material(surfaces[mesh.material], mesh, scene.radius))
+        material = surfaces[mesh.material]
+        is_emitter = any(material.emissive) and not material.unlit
+        placed.append(TraceInstance(
+            mesh=index,
+            transform=_to_tracer(scene, instance.transform) @ to_mesh,
+            kind=GLASS if kept_materials[materials[key]].transmission > 0 else STANDARD,
+            see_through=_is_see_through(material, mesh),
+            material=materials[key],
+            source=number,
+            first_emitter=emitters if is_emitter else -1,
+        ))
+        emitters += len(normalised.triangles) if is_emitter else 0
+    ordered = [mesh for mesh, _, _ in meshes.values()]
+    return TraceGeometry(ordered, placed, kept_materials, emitters, len(scene.instances) - len(placed))
+
+
+def triangles_of(mesh: Mesh) -> np.ndarray:
+    """Vertex numbers, (M, 3) uint32."""
+    indices = np.arange(len(mesh.positions), dtype=np.uint32) if mesh.indices is None else mesh.indices
+    return np.ascontiguousarray(indices[: 3 * mesh.triangle_count].reshape(-1, 3), np.uint32)
+
+
+def _normalise(mesh: Mesh, source: int) -> tuple[TraceMesh, np.ndarray]:
+    """The mesh about its box, and the (4, 4) matrix back. One factor for all axes, so that normals stay as they are."""
+    low, high = mesh.bounds
+    half = float((high - low).max()) / 2 or 1.0
+    center = (low + high) / 2
+    # Vertices that no triangle has may lie anywhere.
+    positions = np.clip((mesh.positions - center) / half, -1, 1).astype(np.float32)
+    to_mesh = np.diag([half, half, half, 1.0])
+    to_mesh[:3, 3] = center
+    return TraceMesh(positions, triangles_of(mesh), source), to_mesh
+
+
+def _to_tracer(scene: Scene, transform: np.ndarray) -> np.ndarray:
+    """World = transform @ mesh, as (3, 4) from mesh to tracer space."""
+    moved = transform[:3].copy()
+    moved[:, 3] -= scene.center
+    return moved / scene.radius
+
+
+def _is_see_through(material: Material, mesh: Mesh) -> bool:
+    """Whether the alpha of any point may be below 1, as far as can be told without decoding a texture."""
+    if material.alpha_mode == "opaque":
+        return False
+    texture = material.base_color_texture
+    varies = texture is not None and texture.uv_set < len(mesh.uvs) and texture.image.has_alpha
+    varies |= mesh.colors is not None
+    enough = 1.0 if material.alpha_mode == "blend" else material.alpha_cutoff
+    return varies or material.base_color[3] < enough

@@ -1,0 +1,73 @@
+"""One scene on the GPU as the tracer's programs read it: words, atlases, and the switches that say what is there."""
+
+from __future__ import annotations
+
+import moderngl
+
+from ...gpu.context import Context
+from ...gpu.programs import set_uniform
+from ...scene.scene import Scene
+from .atlas import Atlas
+from .encode import add_geometry, add_materials, geometry_switches
+from .geometry import TraceGeometry
+from .scene_buffer import WordsBuilder
+
+UNIT_WORDS, UNIT_COLOR_ATLAS, UNIT_DATA_ATLAS = 14, 13, 12
+"""Texture units of what all passes read; a pass's own textures are below."""
+
+
+class SceneData:
+    """Begins to decode the textures. Others may add sections to `words` until `upload`, or to a copy of them."""
+
+    def __init__(self, context: Context, scene: Scene, geometry: TraceGeometry, everything: bool = False) -> None:
+        self._context, self._name = context, scene.name
+        self.switches = geometry_switches(scene, geometry, everything)
+        color = [use.texture.image for m in geometry.materials for use in m.color_maps]
+        data = [texture.image for m in geometry.materials for texture in m.data_textures]
+        self._color = Atlas(context, color, True) if color else None
+        self._data = Atlas(context, data, False) if data else None
+        self.warnings = [line for atlas in (self._color, self._data) if atlas for line in atlas.layout.warnings]
+        self.words = WordsBuilder()
+        add_geometry(self.words, scene, geometry, self.switches)
+        pages = (atlas.layout.pages if atlas else {} for atlas in (self._color, self._data))
+        add_materials(self.words, geometry, *pages)
+        self._uploaded = self.words
+        self._textures: dict[str, tuple[int, moderngl.Texture]] = {}
+
+    def upload(self, words: WordsBuilder | None = None) -> None:
+        """Make the textures, with `words` in place of `self.words` if given; once more for others, maps stay.
+
+        Raises InputError for an image that is broken.
+        """
+        self._uploaded = words or self.words
+        if "u_words" in self._textures:
+            self._textures.pop("u_words")[1].release()
+        self._textures["u_words"] = UNIT_WORDS, self._uploaded.texture(self._context.gl, self._name)
+        for name, unit, atlas in (("u_color_atlas", UNIT_COLOR_ATLAS, self._color),
+                                  ("u_data_atlas", UNIT_DATA_ATLAS, self._data)):
+            if atlas and name not in self._textures:
+                self._textures[name] = unit, atlas.upload()
+
+    def bind(self, program: moderngl.Program) -> None:
+        """Bind the textures and set the uniforms that shaders/trace/{words,atlas,interaction,material}.glsl read."""
+        # Also of an atlas that is not there: samplers of two types must not share a unit.
+        for name, unit in (("u_color_atlas", UNIT_COLOR_ATLAS), ("u_data_atlas", UNIT_DATA_ATLAS)):
+            set_uniform(program, name, unit)
+        for name, (unit, texture) in self._textures.items():
+            texture.use(unit)
+            set_uniform(program, name, unit)
+        for name, offset in self._uploaded.uniforms().items():
+            set_uniform(program, name, offset)
+
+    @property
+    def texture_bytes(self) -> int:
+        """What they take on the GPU."""
+        textures = [texture for _, texture in self._textures.values()]
+        return sum(t.width * t.height * t.components * int(t.dtype[1]) for t in textures)
+
+    def release(self) -> None:
+        for atlas in (self._color, self._data):
+            if atlas:
+                atlas.cancel()
+        for _, texture in self._textures.values():
+            texture.release()

@@ -1,0 +1,83 @@
+"""A scene made ready to be traced: its triangles, materials and lights on the device, and the intersector."""
+
+from __future__ import annotations
+
+import moderngl
+
+from ...gpu.context import Context
+from ...scene.scene import Scene
+from ...settings import Settings
+from ..plan import TracePlan, plan_trace
+from ..rays.intersect import make_intersector
+from .encode import geometry_switches
+from .geometry import trace_geometry
+from .lights import SceneLights
+from .scene_buffer import WordsBuilder
+from .scene_data import SceneData
+
+
+class TracedScene:
+    """Ready for the lights of `scene` under `settings`; `relight` for others on the same triangles."""
+
+    def __init__(self, context: Context, scene: Scene, settings: Settings, intersector: str) -> None:
+        self._context = context
+        self.geometry = trace_geometry(scene)
+        self.is_everything = settings.plan == "everything"
+        self._data = SceneData(context, scene, self.geometry, self.is_everything)
+        self._lit(scene, settings, None)
+        self.intersector = make_intersector(context, self.geometry, self._data, intersector)
+
+    def holds(self, scene: Scene) -> bool:
+        """Whether these are that scene's triangles and materials; its lights may be others."""
+        return all(getattr(scene, name) is getattr(self._scene, name) for name in ("instances", "meshes", "materials"))
+
+    def relight(self, scene: Scene, settings: Settings) -> None:
+        """Take the lights of a scene that is held."""
+        if _light_key(scene, settings) != self._lit_by:
+            self._lit(scene, settings, self._lights)
+        self._scene = scene
+
+    def _lit(self, scene: Scene, settings: Settings, previous: SceneLights | None) -> None:
+        words = self._data.words.copy()
+        self._lights = SceneLights(self._context, scene, self.geometry, words, settings, previous)
+        self._data.upload(words)
+        self._scene, self._lit_by = scene, _light_key(scene, settings)
+
+    @property
+    def switches(self) -> dict[str, int]:
+        """The defines that say what of surfaces and lights there is."""
+        return self._data.switches | self._lights.switches
+
+    @property
+    def idle(self) -> list[str]:
+        """In words, what of lights and maps is not taken as it is."""
+        return [*self._lights.left_out, *self._data.warnings]
+
+    @property
+    def texture_bytes(self) -> int:
+        """About what the scene's textures take on the GPU."""
+        return self._data.texture_bytes
+
+    def bind(self, program: moderngl.Program) -> None:
+        """Bind the textures and set the uniforms that do not depend on the picture."""
+        self._data.bind(program)
+        self._lights.bind(program)
+
+    def release(self) -> None:
+        self._data.release()
+        self._lights.release()
+
+
+def _light_key(scene: Scene, settings: Settings) -> tuple[object, ...]:
+    """What the lights depend on; environments are told apart by identity."""
+    return scene.environment, scene.lights, settings.light_radius, settings.lobes == "all"
+
+
+def plan_without_device(scene: Scene, settings: Settings) -> TracePlan:
+    """The plan of a picture without layers, before there is a context. Raises InputError as `SceneLights` does."""
+    geometry = trace_geometry(scene)
+    switches = geometry_switches(scene, geometry, settings.plan == "everything")
+    lights = SceneLights(None, scene, geometry, WordsBuilder(), settings)
+    return plan_trace(scene, settings, geometry, switches | lights.switches, has_layers=settings.denoise != "off",
+                      idle=lights.left_out,
+                      intersector="Embree where OpenGL is software, a BVH in a shader elsewhere")
