@@ -21,7 +21,7 @@ from . import shot
 if TYPE_CHECKING:
     import numpy as np
 
-    from viewer.plan.planner import Plan
+    from viewer.plan.model import Plan
 
 WARM_UP = 2
 

@@ -22,7 +22,7 @@ _CHILD = "--child"
 _WATCHED = {
     "bake the environment": "viewer.raster.environment:bake_environment",
     "compile GLSL": "viewer.raster.programs:compile_program",
-    "decode textures": "viewer.raster.decoding:decode_levels",
+    "decode textures": "viewer.scene.decoding:decode_levels",
     "upload textures": "viewer.raster.textures:_upload",
     "wait for textures": "viewer.raster.textures:Textures.upload",
     "upload meshes": "viewer.raster.geometry:MeshBuffers._buffer",
@@ -56,8 +56,8 @@ def profile(model: str, environment: str, picture: Path, started: float) -> dict
         from viewer.api import load
         from viewer.gpu.context import open_context
         from viewer.image.image import Image
-        from viewer.raster.decoding import decode_ahead
         from viewer.raster.renderer import Renderer
+        from viewer.raster.sampled_images import decode_ahead
         from viewer.scene.camera import Camera
         from viewer.settings import Settings
     for name, place in _WATCHED.items():

@@ -1,5 +1,5 @@
 // Lights without size: LIGHT_COUNT of them, first DIRECTIONAL_COUNT directional, then POINT_COUNT point, the rest spot.
-// All positions are relative to the eye and in scene units (see viewer/raster/frame.py).
+// All positions are relative to the eye and in scene units (see viewer/scene/frame.py).
 #include "light/attenuation.glsl"
 
 struct PunctualLight {

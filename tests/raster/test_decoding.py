@@ -15,7 +15,8 @@ import viewer
 from viewer.base.resources import resource_folder
 from viewer.errors import InputError
 from viewer.plan.planner import plan_scene
-from viewer.raster.decoding import Decoder, channels_read, decode_ahead, decode_levels, sampled_images
+from viewer.raster.sampled_images import channels_read, decode_ahead, sampled_images
+from viewer.scene.decoding import Decoder, decode_levels
 from viewer.scene.texture_image import open_texture_image
 from viewer.settings import Settings
 
@@ -51,7 +52,7 @@ def test_nothing_to_decode():
 
 def test_no_more_than_a_few_are_held_at_once(pixels, monkeypatch):
     begun = []
-    monkeypatch.setattr("viewer.raster.decoding.decode_levels", lambda *key: begun.append(key) or [pixels])
+    monkeypatch.setattr("viewer.scene.decoding.decode_levels", lambda *key: begun.append(key) or [pixels])
     decoder = Decoder([(encoded(pixels), "RGB", False) for _ in range(9)])
     deadline = time.monotonic() + 5
     while len(begun) < 4 and time.monotonic() < deadline:

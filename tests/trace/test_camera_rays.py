@@ -1,4 +1,4 @@
-"""shaders/trace/camera.glsl against the framing of viewer/raster/frame.py in float64."""
+"""shaders/trace/camera.glsl against the framing of viewer/scene/frame.py in float64."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import pytest
 from harness import evaluate
 
 from viewer.gpu.programs import set_uniform
-from viewer.raster.frame import Frame
 from viewer.scene.camera import Camera
+from viewer.scene.frame import Frame
 from viewer.scene.scene import Scene
 from viewer.trace.paths.camera_rays import camera_uniforms
 

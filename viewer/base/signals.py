@@ -24,19 +24,19 @@ class Stopped(BaseException):
         return "interrupted" if self.number == signal.SIGINT else "terminated"
 
 
-class Wish:
+class StopRequest:
     """Whether somebody has asked to stop: the `number` of the signal, or None."""
 
     number: int | None = None
 
 
 @contextmanager
-def postponed() -> Iterator[Wish]:
+def postponed() -> Iterator[StopRequest]:
     """In the block the first signal to stop is only noted, for work that can end tidily; the next raises Stopped.
 
     That is so within `stoppable`; elsewhere, as in a program that uses this package, signals do what they did.
     """
-    wish = Wish()
+    wish = StopRequest()
     before = {number: handler for number in _asked() if isinstance(handler := signal.getsignal(number), _Stop)}
 
     def note(number: int, frame: object) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 
 from ..bake.environment import is_baked
-from ..plan.planner import Plan, plan_scene
+from ..plan.model import Plan
+from ..plan.planner import plan_scene
 from ..scene.scene import Scene
 from ..settings import Settings
 

@@ -9,7 +9,7 @@ from importlib.metadata import version
 import numpy as np
 
 from ..bake import cache
-from ..plan.planner import Plan
+from ..plan.model import Plan
 
 MOST = 4096
 """Names that are kept."""

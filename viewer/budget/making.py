@@ -12,8 +12,8 @@ import numpy as np
 
 from ..image.image import Image
 from ..measure.compare.relmse import EPSILON
-from ..raster.decoding import decode_ahead
 from ..raster.renderer import Renderer
+from ..raster.sampled_images import decode_ahead
 from ..scene.camera import Camera
 from ..scene.scene import Scene
 from ..trace.paths.path_render import Exposure

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import moderngl
+import numpy as np
 
 from ..errors import ShaderError
 from .context import Context
@@ -73,3 +74,8 @@ def set_uniform(program: moderngl.Program, name: str, value: object) -> None:
         member.write(value)
     else:
         member.value = value
+
+
+def matrix_uniform(matrix: np.ndarray) -> bytes:
+    """A matrix as a float32 uniform, column by column."""
+    return np.ascontiguousarray(matrix.T, np.float32).tobytes()

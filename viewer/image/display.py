@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import moderngl
 
+from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
 from ..settings import Settings
 
@@ -45,10 +46,3 @@ class DisplayPass:
             self._target.color_attachments[0].release()
             self._target.release()
             self._target = None
-
-
-def fullscreen(gl: moderngl.Context, program: moderngl.Program) -> moderngl.VertexArray:
-    """The vertex array, without attributes, that display/fullscreen.vert wants."""
-    if program.extra is None:
-        program.extra = gl.vertex_array(program, [])
-    return program.extra

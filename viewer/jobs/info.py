@@ -7,7 +7,8 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 from ..bake.environment import bake_environment
-from ..plan.planner import Plan, environment_use, plan_scene
+from ..plan.model import Plan
+from ..plan.planner import environment_use, plan_scene
 from ..scene.environment import Environment
 from ..scene.scene import Scene
 from ..settings import RANGES, Settings, setting_choices, setting_meanings

@@ -19,7 +19,8 @@ from ..image.image import WRITABLE
 from ..scene.camera import Camera
 from ..scene.scene import Scene
 from ..settings import Settings
-from .makers import Order, Studio, make_studio
+from .makers import make_picture_maker
+from .picture_maker import PictureMaker, RenderRequest
 
 if TYPE_CHECKING:
     from ..gpu.context import Context
@@ -59,12 +60,12 @@ class RenderJob:
         """
         records: list[Record] = []
         status = 0
-        studio = make_studio(Order(self._open, self.settings, self.size, self.aov, self.use_cache, self.measure,
-                                   self.quiet, self.chooses))
+        maker = make_picture_maker(RenderRequest(
+            self._open, self.settings, self.size, self.aov, self.use_cache, self.measure, self.quiet, self.chooses))
         with Progress(len(work), enabled=not self.quiet) as progress, self._opened():
             for model, path in work:
                 try:
-                    record = self._one(model, path, load, camera, progress, studio)
+                    record = self._one(model, path, load, camera, progress, maker)
                 except (ContextError, UsageError):
                     raise
                 except (ViewerError, MemoryError) as error:
@@ -72,22 +73,22 @@ class RenderJob:
                     say_error(text)
                     status, record = 1, {"model": model, "output": str(path), "error": text}
                 records.append(record)
-                if studio.stopped is not None:
-                    status = Stopped(studio.stopped).exit_status
+                if maker.stopped is not None:
+                    status = Stopped(maker.stopped).exit_status
                     break
         if stats is not None:
             write_json(stats, records[0] if len(work) == 1 else records)
         return status
 
     def _one(self, model: str, path: Path, load: Callable[[str], Scene], camera: Callable[[str, Scene], Camera],
-             progress: Progress, studio: Studio) -> Record:
+             progress: Progress, maker: PictureMaker) -> Record:
         progress.step(f"{Path(model).name}: loading")
         start = time.perf_counter()
         scene = load(model)
         view = camera(model, scene)
         loaded = time.perf_counter()
         progress.say(f"{Path(model).name}: rendering")
-        image = studio.make(scene, view, path, progress)
+        image = maker.make(scene, view, path, progress)
         rendered = time.perf_counter()
         image.save(path)
         saved = time.perf_counter()
@@ -95,10 +96,10 @@ class RenderJob:
                    "total": saved - start}
         if self.verbose:
             times = ", ".join(f"{name} {value:.3f} s" for name, value in seconds.items())
-            say(f"{path}: {times}; {studio.told}")
-        if studio.stopped is not None:
-            say_error(f"{path}: stopped after {studio.told}")
-        return self._record(model, path, scene, seconds, studio)
+            say(f"{path}: {times}; {maker.summary}")
+        if maker.stopped is not None:
+            say_error(f"{path}: stopped after {maker.summary}")
+        return self._record(model, path, scene, seconds, maker)
 
     @contextmanager
     def _opened(self) -> Iterator[None]:
@@ -121,13 +122,13 @@ class RenderJob:
                 say(f"{context.backend}: {context.renderer}, OpenGL {context.version}: {seconds:.3f} s")
         return self._context
 
-    def _record(self, model: str, path: Path, scene: Scene, seconds: dict[str, float], studio: Studio) -> Record:
+    def _record(self, model: str, path: Path, scene: Scene, seconds: dict[str, float], maker: PictureMaker) -> Record:
         context = self._open()
         return {
             "model": model, "output": str(path), "size": list(self.size), "triangles": scene.triangle_count,
             "device": context.renderer, "opengl": context.version, "backend": context.backend,
-            "wall_s": seconds, **studio.facts,
-            "memory": {"peak_rss_mb": peak_memory_mb(), "textures_mb": studio.texture_bytes / 1e6},
+            "wall_s": seconds, **maker.stats,
+            "memory": {"peak_rss_mb": peak_memory_mb(), "textures_mb": maker.texture_bytes / 1e6},
         }
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, TypedDict
+from typing import TypedDict
 
 from ..material.fold import without_constant_maps
 from ..material.maps import MAPS, material_map, texture_bytes
@@ -12,9 +12,7 @@ from ..scene.light import Light
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..settings import Settings
-
-if TYPE_CHECKING:
-    from .planner import Draw, Plan
+from .model import Draw, Plan
 
 _LEVELS_MB = sum((512 >> k) * (1024 >> k) * 6 for k in range(6)) / 1e6  # three half floats a texel
 _LEVELS_BAKE_S = 0.11

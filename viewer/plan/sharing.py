@@ -13,13 +13,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from ..scene.light import Light
 from ..scene.scene import Scene
-
-if TYPE_CHECKING:
-    from .planner import Draw, Plan, Program
+from .model import Draw, Plan, Program
 
 OWN_PROGRAMS = 4
 """Of one fragment file: so many are never shared."""

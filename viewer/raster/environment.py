@@ -13,15 +13,15 @@ from ..bake.environment import BakedEnvironment, background_map, bake_environmen
 from ..bake.many_lights import ManyLights, many_lights
 from ..gpu.context import Context
 from ..gpu.float_texture import float_texture
+from ..gpu.fullscreen import fullscreen
 from ..gpu.mipmaps import mipmapped_texture
-from ..gpu.programs import Programs, set_uniform
-from ..image.display import fullscreen
-from ..plan.planner import Plan
+from ..gpu.programs import Programs, matrix_uniform, set_uniform
+from ..plan.model import Plan
 from ..scene.environment import Environment
+from ..scene.frame import Frame
 from ..scene.light import Light
 from ..scene.mip_levels import mip_levels
 from ..settings import Settings
-from .frame import Frame, uniform
 from .surfaces import UNIT_BACKGROUND, UNIT_IRRADIANCE, UNIT_PREFILTERED
 
 
@@ -107,7 +107,7 @@ class EnvironmentLight:
         background = self._background_seen_at(frame.pixel_angle)
         background.texture.use(UNIT_BACKGROUND)
         set_uniform(program, "u_background", UNIT_BACKGROUND)
-        set_uniform(program, "u_ray", uniform(rotation_about_y(self.environment.rotation) @ frame.ray))
+        set_uniform(program, "u_ray", matrix_uniform(rotation_about_y(self.environment.rotation) @ frame.ray))
         set_uniform(program, "u_lod", background.lod(frame.pixel_angle))
         set_uniform(program, "u_environment_intensity", self.environment.intensity)
         self._gl.enable_only(moderngl.DEPTH_TEST)

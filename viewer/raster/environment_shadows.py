@@ -13,13 +13,13 @@ import moderngl
 import numpy as np
 
 from ..bake.many_lights import ManyLights
+from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
-from ..image.display import fullscreen
-from ..plan.planner import Plan
+from ..plan.model import Plan
 from ..scene.environment import Environment
+from ..scene.frame import Frame
 from ..scene.light import Light
 from ..scene.scene import Scene
-from .frame import Frame
 from .gbuffer import UNIT_NORMALS
 from .shadows import Atlas, DrawDepth, light_tiles
 

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 
 import moderngl
 
-from .frame import Frame
+from ..scene.frame import Frame
 
 UNIT_POSITIONS, UNIT_NORMALS = range(2)
 

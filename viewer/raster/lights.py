@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from ..plan.planner import Plan
+from ..plan.model import Plan
+from ..scene.frame import Frame
 from ..scene.light import Light
-from .frame import Frame
 
 
 def pack_lights(plan: Plan, frame: Frame) -> np.ndarray:

@@ -13,18 +13,19 @@ import numpy as np
 from ..bake.dfg import dfg_table
 from ..gpu.context import Context
 from ..gpu.float_texture import float_texture
-from ..gpu.programs import Programs
+from ..gpu.programs import Programs, matrix_uniform
 from ..image.display import DisplayPass
 from ..image.image import Image
-from ..plan.planner import Plan, environment_use, plan_scene
+from ..plan.model import Plan
+from ..plan.planner import environment_use, plan_scene
 from ..scene.camera import Camera
+from ..scene.decoding import Decoder
 from ..scene.environment import Environment
+from ..scene.frame import Frame
 from ..scene.light import Light
 from ..scene.scene import Scene
 from ..settings import Settings
-from .decoding import Decoder
 from .environment import EnvironmentLight
-from .frame import Frame, uniform
 from .gbuffer import GBuffer
 from .lights import pack_lights
 from .shadows import ShadowMaps
@@ -304,7 +305,7 @@ class Renderer:
     def _frame_uniforms(self, plan: Plan, frame: Frame, settings: Settings) -> dict[str, object]:
         """What every surface of the frame is told; fills the uniform blocks and binds the textures all share."""
         values: dict[str, object] = {
-            "u_view_projection": uniform(frame.view_projection),
+            "u_view_projection": matrix_uniform(frame.view_projection),
             "u_view_direction": tuple(-frame.camera.forward),
             "u_drawn_size": frame.size,
             "u_point_size": max(1.0, frame.size[1] / 200),

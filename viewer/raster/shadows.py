@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from ..plan.planner import Draw, Plan
+from ..plan.model import Draw, Plan
+from ..scene.frame import Frame
 from ..scene.light import Light
 from ..scene.scene import Scene
-from .frame import Frame
 
 ATLAS_SIDE = 4096
 MAX_TILE = 2048

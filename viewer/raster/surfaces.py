@@ -9,13 +9,14 @@ import moderngl
 import numpy as np
 
 from ..gpu.context import Context
-from ..gpu.programs import Programs, set_uniform
+from ..gpu.programs import Programs, matrix_uniform, set_uniform
 from ..material.maps import MAPS, material_map
-from ..plan.planner import Draw, Plan, Program
+from ..plan.model import Draw, Plan, Program
+from ..scene.decoding import Decoder
+from ..scene.frame import Frame
 from ..scene.material import Material, UVTransform
 from ..scene.scene import Scene
-from .decoding import Decoder
-from .frame import Frame, handedness, normal_matrix, uniform
+from ..scene.transform import handedness, normal_matrix
 from .geometry import MeshBuffers
 from .textures import Textures
 
@@ -119,7 +120,7 @@ class Surfaces:
         switches |= {f"{name.upper()}_MAP": 0 for name in MAPS if name != "base_color"}
         program = self._programs.get("raster/shadow.vert", "raster/shadow.frag", switches)
         mesh = self._mesh(draw.mesh)
-        set_uniform(program, "u_model_to_light", uniform(matrix @ mesh.to_mesh))
+        set_uniform(program, "u_model_to_light", matrix_uniform(matrix @ mesh.to_mesh))
         if mask:
             set_uniform(program, "u_base_color", draw.surface.base_color)
             set_uniform(program, "u_alpha_cutoff", draw.surface.alpha_cutoff)
@@ -146,8 +147,8 @@ class Surfaces:
             transform = scene.instances[draw.instance].transform
             model = frame.model(transform @ mesh.to_mesh)
             hand = handedness(transform)
-            set_uniform(program, "u_model", uniform(model))
-            set_uniform(program, "u_normal_matrix", uniform(normal_matrix(transform)))
+            set_uniform(program, "u_model", matrix_uniform(model))
+            set_uniform(program, "u_normal_matrix", matrix_uniform(normal_matrix(transform)))
             set_uniform(program, "u_handedness", hand)
             if draw.transmits:
                 set_uniform(program, "u_thickness", material.thickness * frame.scale(transform))

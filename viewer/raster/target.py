@@ -5,10 +5,8 @@ from __future__ import annotations
 import moderngl
 
 from ..errors import UsageError
+from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
-from ..image.display import fullscreen
-
-MAX_SIDE_FALLBACK = 16384
 
 
 class Target:
@@ -20,7 +18,7 @@ class Target:
     def __init__(
         self, gl: moderngl.Context, size: tuple[int, int], samples: int, half: bool, supersampling: int = 1
     ) -> None:
-        limit = gl.info.get("GL_MAX_TEXTURE_SIZE", MAX_SIDE_FALLBACK)
+        limit = gl.info["GL_MAX_TEXTURE_SIZE"]
         self.size, self.samples, self.half, self.supersampling = size, samples, half, supersampling
         self.drawn_size = size[0] * supersampling, size[1] * supersampling
         if max(self.drawn_size) > limit or min(size) < 1:

@@ -10,11 +10,12 @@ from ..gpu.context import Context
 from ..gpu.float_texture import float_texture
 from ..gpu.mipmaps import mipmapped_texture
 from ..material.maps import MAPS, material_map
-from ..plan.planner import Plan
+from ..plan.model import Plan
+from ..scene.decoding import Decoder, Key
 from ..scene.material import Sampler, Texture
 from ..scene.scene import Scene
 from ..scene.texture_image import TextureImage
-from .decoding import Decoder, Key, channels_read, sampled_images
+from .sampled_images import channels_read, sampled_images
 
 _FILTERS = {
     ("nearest", None): moderngl.NEAREST,

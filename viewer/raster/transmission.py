@@ -8,9 +8,9 @@ import moderngl
 import numpy as np
 
 from ..gpu.context import Context
+from ..gpu.fullscreen import fullscreen
 from ..gpu.mipmaps import mipmapped_texture
 from ..gpu.programs import Programs, set_uniform
-from ..image.display import fullscreen
 from .target import Target
 
 _TEXTURE_2D, _TEXTURE_BASE_LEVEL, _TEXTURE_MAX_LEVEL = 0x0DE1, 0x813C, 0x813D

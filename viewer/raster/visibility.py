@@ -6,13 +6,13 @@ import math
 
 import moderngl
 
+from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
-from ..image.display import fullscreen
-from ..plan.planner import Plan
+from ..plan.model import Plan
+from ..scene.frame import Frame
 from ..scene.scene import Scene
 from .environment import EnvironmentLight
 from .environment_shadows import EnvironmentShadows
-from .frame import Frame
 from .gbuffer import GBuffer, nearest_texture
 from .shadows import DrawDepth
 from .surfaces import UNIT_BACKGROUND, UNIT_VISIBILITY

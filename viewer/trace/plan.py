@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from ..plan.planner import Program
+from ..plan.model import Program
 from ..scene.scene import Scene
 from ..settings import Settings
 from .scene.encode import unused_maps

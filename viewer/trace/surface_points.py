@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..raster.frame import handedness, normal_matrix
 from ..scene.scene import Scene
+from ..scene.transform import handedness, normal_matrix
 from .scene.geometry import triangles_of
 
 MOST_POINTS = 1 << 21

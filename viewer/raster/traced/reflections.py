@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import moderngl
 
 from ...gpu.context import Context
+from ...gpu.fullscreen import fullscreen
 from ...gpu.programs import Programs, set_uniform
-from ...image.display import fullscreen
+from ...scene.frame import Frame
 from ...scene.scene import Scene
 from ...settings import Settings
-from ..frame import Frame
 from ..gbuffer import UNIT_NORMALS, GBuffer, nearest_texture
 from ..surfaces import UNIT_RAY_POSITIONS, UNIT_REFLECTED
 

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from ...errors import ViewerError
 from ...gpu.context import Context
 from ...scene.scene import Scene
+from ...scene.transform import normal_matrix
 from ...trace.rays.intersect import make_intersector
 from ...trace.scene.geometry import TraceGeometry, TraceInstance, trace_geometry
-from ..frame import normal_matrix
 
 _WIDTH = 4096
 _INSTANCE, _TRIANGLE = 2, 4

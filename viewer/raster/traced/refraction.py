@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import moderngl
 
 from ...gpu.context import Context
+from ...gpu.fullscreen import fullscreen
 from ...gpu.programs import Programs, set_uniform
-from ...image.display import fullscreen
-from ...plan.planner import Plan
+from ...plan.model import Plan
+from ...scene.frame import Frame
 from ...scene.scene import Scene
-from ..frame import Frame
 from ..gbuffer import nearest_texture
 from ..surfaces import UNIT_MIRRORED, UNIT_PATH_POSITIONS, UNIT_REFRACTED
 

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import moderngl
 
 from ...gpu.context import Context
+from ...gpu.fullscreen import fullscreen
 from ...gpu.programs import Programs, set_uniform
-from ...image.display import fullscreen
 from .denoiser import NoisyFilm
 
 PASSES = 5

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...raster.frame import Frame, uniform
+from ...gpu.programs import matrix_uniform
 from ...scene.camera import Camera
+from ...scene.frame import Frame
 from ...scene.scene import Scene
 
 NEAR = 4.0
@@ -14,7 +15,7 @@ ENDLESS = 1e30
 
 
 def camera_uniforms(scene: Scene, camera: Camera, size: tuple[int, int]) -> dict[str, object]:
-    """Uniforms for pictures of `size` (width, height), framed as viewer/raster/frame.py does.
+    """Uniforms for pictures of `size` (width, height), framed as viewer/scene/frame.py does.
 
     Rays are made from the points where they cross a plane through the scene's centre. Its distance, which may be a
     million times what the picture shows, is taken into account in float64 here. An orthographic camera sees what is
@@ -34,8 +35,8 @@ def camera_uniforms(scene: Scene, camera: Camera, size: tuple[int, int]) -> dict
         plane[:, 2] += eye
     return {
         "u_camera_pixel": (2 / size[0], 2 / size[1]),
-        "u_camera_ray": uniform(ray),
-        "u_camera_plane": uniform(plane),
+        "u_camera_ray": matrix_uniform(ray),
+        "u_camera_plane": matrix_uniform(plane),
         "u_camera_depth": start,
         "u_camera_eye": tuple(eye.tolist()),
         "u_camera_forward": tuple(camera.forward.tolist()) if camera.height is not None else (0.0, 0.0, 0.0),

@@ -6,9 +6,8 @@ import moderngl
 import numpy as np
 
 from ...errors import UsageError
+from ...gpu.fullscreen import fullscreen
 from ...gpu.programs import Programs, set_uniform
-from ...image.display import fullscreen
-from ...raster.target import MAX_SIDE_FALLBACK
 from .wavefront import LAYERS, SUMS, TILE, UNIT_BLOCKS, Sums, Wave, float_target
 
 
@@ -21,7 +20,7 @@ class Film:
     """
 
     def __init__(self, gl: moderngl.Context, programs: Programs, size: tuple[int, int], has_layers: bool) -> None:
-        limit = gl.info.get("GL_MAX_TEXTURE_SIZE", MAX_SIDE_FALLBACK)
+        limit = gl.info["GL_MAX_TEXTURE_SIZE"]
         if max(size) > limit or min(size) < 1:
             raise UsageError(f"a picture of {size[0]}x{size[1]}: this OpenGL draws from 1x1 to {limit}x{limit}")
         self._gl, self._programs, self.size = gl, programs, size

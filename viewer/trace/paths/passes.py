@@ -8,8 +8,8 @@ import moderngl
 import numpy as np
 
 from ...gpu.context import Context
+from ...gpu.fullscreen import fullscreen
 from ...gpu.programs import Programs, set_uniform
-from ...image.display import fullscreen
 from ..plan import KINDS, TracePlan
 from .wavefront import UNITS, Wave
 

@@ -8,9 +8,9 @@ import moderngl
 
 from ...errors import ViewerError
 from ...gpu.context import Context
+from ...gpu.fullscreen import fullscreen
 from ...gpu.program import compile_program
 from ...gpu.programs import set_uniform
-from ...image.display import fullscreen
 from .bvh import Bvh, build_bvh
 from .intersect import SHADOW_REACH, Answer, Surfaces, WaveTextures
 

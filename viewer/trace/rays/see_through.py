@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...gpu.context import Context
+from ...gpu.fullscreen import fullscreen
 from ...gpu.program import compile_program
 from ...gpu.programs import set_uniform
-from ...image.display import fullscreen
 from .intersect import Surfaces
 
 MAX_LAYERS = 64

@@ -13,8 +13,8 @@ import numpy as np
 
 from ...base.heap import give_back
 from ...gpu.context import Context
-from ...raster.decoding import Decoder
 from ...scene.color import srgb_to_linear
+from ...scene.decoding import Decoder
 from ...scene.mip_levels import mip_levels
 from ...scene.texture_image import TextureImage
 

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...material.fold import without_constant_maps
-from ...raster.frame import handedness
 from ...scene.material import Material
 from ...scene.mesh import Mesh
 from ...scene.scene import Scene
+from ...scene.transform import handedness
 from .materials import TraceMaterial, trace_material
 
 STANDARD, GLASS = 0, 1

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from queue import SimpleQueue
 from typing import Any
 
 import numpy as np
 
-from ..material.maps import CHANNELS, MAPS, material_map
-from ..plan.planner import Plan, plan_scene
 from ..scene.color import srgb_to_linear
 from ..scene.mip_levels import mip_levels
-from ..scene.scene import Scene
 from ..scene.texture_image import TextureImage
-from ..settings import Settings
 
 Key = tuple[TextureImage, str, bool]
 """An image, the channels of it that are read (R, RGB or RGBA), and whether its colours are sRGB."""
@@ -68,38 +64,6 @@ class Decoder:
                 self._ready.put((key, self._decode(*key)))
             except BaseException as error:
                 self._ready.put((key, error))
-
-
-def decode_ahead(scene: Scene, settings: Settings) -> Decoder:
-    """Begin with the images that a picture of `scene` will sample, before there is a context to draw it with."""
-    # Which maps are sampled depends neither on the target nor on the lights.
-    plan = plan_scene(scene, settings, (), samples=1, half_target=False, orthographic=False)
-    return Decoder(sampled_images(scene, plan, channels_read(scene, plan, {})))
-
-
-def channels_read(
-    scene: Scene, plan: Plan, before: Mapping[tuple[TextureImage, bool], str]
-) -> dict[tuple[TextureImage, bool], str]:
-    """The channels of each image that some map reads, in this plan or `before`: R, RGB or RGBA.
-
-    An image used twice (occlusion and roughness) is stored once.
-    """
-    reads = {image: set(channels) for image, channels in before.items()}
-    for draw in plan.draws:
-        material = scene.materials[draw.material]
-        for name in draw.maps:
-            opaque = name == "base_color" and material.alpha_mode == "opaque"
-            image = material_map(material, name).image
-            reads.setdefault((image, MAPS[name]), set()).update("RGB" if opaque else CHANNELS[name])
-    return {image: "R" if letters == {"R"} else "RGBA" if "A" in letters else "RGB"
-            for image, letters in reads.items()}
-
-
-def sampled_images(scene: Scene, plan: Plan, channels: Mapping[tuple[TextureImage, bool], str]) -> set[Key]:
-    """What has to be decoded for `plan`, given what `channels_read` says."""
-    images = {(material_map(scene.materials[draw.material], name).image, MAPS[name])
-              for draw in plan.draws for name in draw.maps}
-    return {(image, channels[image, srgb], srgb) for image, srgb in images}
 
 
 def decode_levels(image: TextureImage, channels: str, srgb: bool) -> list[np.ndarray]:

@@ -12,8 +12,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ..scene.camera import Camera
-from ..scene.scene import Scene
+from .camera import Camera
+from .scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,28 +102,3 @@ class Frame:
     def pixel_angle(self) -> float:
         """Of the middle pixel, in radians (0 for an orthographic camera)."""
         return 0.0 if self.camera.height is not None else 2 * np.tan(self.camera.fov_y / 2) / self.size[1]
-
-
-def normal_matrix(transform: np.ndarray) -> np.ndarray:
-    """The inverse transpose of the upper 3x3, up to a positive factor, as its cofactors: a scale of 0 is no trouble."""
-    return np.array(_cofactors(transform)) * handedness(transform)
-
-
-def handedness(transform: np.ndarray) -> float:
-    """-1 where the transform mirrors, else 1."""
-    row = transform[0, :3].tolist()
-    return -1.0 if sum(value * cofactor for value, cofactor in zip(row, _cofactors(transform)[0])) < 0 else 1.0
-
-
-def _cofactors(transform: np.ndarray) -> list[list[float]]:
-    """Of the upper 3x3 over its largest entry: in plain floats, for numpy's calls would cost a draw more than GL's."""
-    m = transform[:3, :3]
-    (a, b, c), (d, e, f), (g, h, i) = (m / (np.abs(m).max() or 1.0)).tolist()
-    return [[e * i - f * h, f * g - d * i, d * h - e * g],
-            [h * c - i * b, i * a - g * c, g * b - h * a],
-            [b * f - c * e, c * d - a * f, a * e - b * d]]
-
-
-def uniform(matrix: np.ndarray) -> bytes:
-    """A matrix as a float32 uniform, column by column."""
-    return np.ascontiguousarray(matrix.T, np.float32).tobytes()

@@ -8,7 +8,7 @@ from ..base.messages import say
 from ..base.progress import Progress
 from ..base.signals import Stopped, postponed
 from ..image.image import Image
-from ..jobs.makers import Order, Studio
+from ..jobs.picture_maker import PictureMaker, RenderRequest
 from ..raster.renderer import Renderer
 from ..scene.camera import Camera
 from ..scene.scene import Scene
@@ -17,20 +17,20 @@ from .chooser import Chooser
 from .contention import Stopwatch
 
 
-class ChoosingStudio(Studio):
-    def __init__(self, order: Order) -> None:
-        super().__init__(order)
+class ChoosingMaker(PictureMaker):
+    def __init__(self, request: RenderRequest) -> None:
+        super().__init__(request)
         self._chooser: Chooser | None = None
         self._watch = Stopwatch()
 
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
-        """As `Studio.make`; the time budget begins when the device is open and known. The choice is told."""
-        order, tell = self._order, (lambda _: None) if self._order.quiet else say
+        """As `PictureMaker.make`; the time budget begins when the device is open and known. The choice is told."""
+        request, tell = self._request, (lambda _: None) if self._request.quiet else say
         if self._chooser is None:
-            context = order.open()
-            self._renderer = Renderer(context, order.use_cache, order.measure)
-            self._tracer = Tracer(context, order.use_cache)
-            self._chooser = Chooser(context, self._renderer, self._tracer, order.use_cache, self._watch)
+            context = request.open()
+            self._renderer = Renderer(context, request.use_cache, request.measure)
+            self._tracer = Tracer(context, request.use_cache)
+            self._chooser = Chooser(context, self._renderer, self._tracer, request.use_cache, self._watch)
         self._chooser.calibrate(tell)
 
         def report(fraction: float, seconds_left: float) -> None:
@@ -39,15 +39,15 @@ class ChoosingStudio(Studio):
         self._renderer.times.clear()
         self._renderer.pass_ms.clear()
         with postponed() as wish:
-            image, choice = self._chooser.make(scene, camera, order.settings, order.size, order.layers, report,
+            image, choice = self._chooser.make(scene, camera, request.settings, request.size, request.layers, report,
                                                lambda: wish.number is not None)
         self.stopped = wish.number
         if self.stopped is not None and choice.samples == 0:
             raise Stopped(self.stopped)
         if self.stopped is None:  # else it is told with that
             tell(f"{path}: {choice}")
-        self.told = str(choice)
-        self.facts = {"choice": choice.to_json(), "prepare_s": dict(self._renderer.times),
+        self.summary = str(choice)
+        self.stats = {"choice": choice.to_json(), "prepare_s": dict(self._renderer.times),
                       "pass_ms": dict(self._renderer.pass_ms), **image.stats, "stopped": self.stopped is not None}
         self.texture_bytes = max(self._renderer.texture_bytes, self._tracer.texture_bytes)
         return image
