@@ -12,7 +12,7 @@ pytestmark = pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="the C
 
 COMMON = """
 import threading
-from viewer.heap import give_back, share_one_heap
+from viewer.base.heap import give_back, share_one_heap
 
 def resident_mb():
     return int(open("/proc/self/statm").read().split()[1]) * 4096 / 1e6

@@ -15,7 +15,6 @@ from benchmarks.shader_code import lines_left
 from viewer.errors import ContextError, UsageError
 from viewer.gpu.context import open_context
 from viewer.gpu.programs import Programs
-from viewer.material.maps import MAPS
 from viewer.plan.planner import MAX_LIGHTS, MAX_SHADOW_LAYERS, environment_use, foreseen, plan_scene
 from viewer.plan.sharing import OWN_PROGRAMS
 from viewer.scene.environment import Environment
@@ -23,6 +22,7 @@ from viewer.scene.light import Light
 from viewer.scene.material import Material, Sampler, Texture, UVTransform
 from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Instance, Scene
+from viewer.scene.schema import MAPS
 from viewer.scene.texture_image import TextureImage, open_texture_image
 from viewer.settings import Settings, setting_choices
 

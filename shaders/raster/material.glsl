@@ -1,43 +1,9 @@
-// The material at a fragment: factors, vertex colours and maps multiplied out as glTF 2.0 says.
-#include "raster/textures.glsl"
+// The material at a fragment, how much of the fragment it covers, and what the fragment writes.
+#include "material/uniforms.glsl"
 
 in vec3 v_position; // relative to the eye
-#if HAS_COLOR
-in vec4 v_color;
-#endif
-
-uniform vec4 u_base_color;
-#if HAS_EMISSIVE
-uniform vec3 u_emissive;
-#endif
-#if ALPHA_MODE == 1
-uniform float u_alpha_cutoff;
-#endif
 
 layout(location = 0) out vec4 o_color; // radiance with associated alpha
-
-vec4 base_color() {
-    vec4 c = u_base_color;
-#if BASE_COLOR_MAP
-    c *= base_color_texel();
-#endif
-#if HAS_COLOR
-    c *= v_color;
-#endif
-    return c;
-}
-
-vec3 emitted() {
-#if HAS_EMISSIVE
-    vec3 e = u_emissive;
-#if EMISSIVE_MAP
-    e *= emissive_texel().rgb;
-#endif
-    return e;
-#else
-    return vec3(0.0);
-#endif
-}
 
 // ALPHA_MODE: 0 opaque, 1 mask, 2 blend. A mask's alpha becomes the share of the pixel's samples that are covered, one
 // pixel of transition about the cutoff (Golus 2017, "Anti-aliased Alpha Test"): the multisample target does the rest.

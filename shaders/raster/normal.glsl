@@ -3,9 +3,6 @@ in vec3 v_normal;
 #if HAS_TANGENT
 in vec4 v_tangent;
 #endif
-#if NORMAL_MAP
-uniform float u_normal_scale;
-#endif
 
 vec3 geometric_normal() {
     vec3 n = normalize(v_normal);

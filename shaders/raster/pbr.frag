@@ -33,12 +33,6 @@ uniform vec3 u_view_direction; // towards the eye
 #endif
 
 // METALNESS: 0 all dielectric, 1 all metal, 2 a mixture. REFLECTS: 0 for a Lambertian surface, without any interface.
-uniform float u_metallic;
-uniform float u_perceptual_roughness;
-uniform float u_occlusion_strength;
-uniform float u_ior;
-uniform float u_specular;
-uniform vec3 u_specular_color;
 uniform sampler2D u_dfg;
 
 struct Surface {
@@ -47,11 +41,12 @@ struct Surface {
     float perceptual_roughness, alpha;
     vec3 base_color;
     float metallic;
+    float ior;
     Interface dielectric, metal;
 };
 
-vec3 dielectric_f0(float weight, vec3 tint) {
-    float f0 = (u_ior - 1.0) / (u_ior + 1.0);
+vec3 dielectric_f0(float ior, float weight, vec3 tint) {
+    float f0 = (ior - 1.0) / (ior + 1.0);
     return min(f0 * f0 * tint, 1.0) * weight;
 }
 
@@ -61,13 +56,13 @@ vec3 dielectric_f0(float weight, vec3 tint) {
 #if HAS_ENVIRONMENT || INDIRECT
 #include "raster/shade_environment.glsl"
 #endif
-#if TRANSMISSION
+#if HAS_TRANSMISSION
 #include "raster/transmission.glsl"
 #endif
 
 void main() {
-    vec4 base = base_color();
-    float covered = coverage(base.a);
+    MaterialInputs m = read_inputs();
+    float covered = coverage(m.base_color.a);
 
     Surface s;
     vec3 n_geometric = geometric_normal();
@@ -77,18 +72,13 @@ void main() {
     s.v = u_view_direction;
 #endif
     s.NoV = clamp(dot(s.n, s.v), 1e-4, 1.0);
-    s.base_color = base.rgb;
-    s.metallic = u_metallic;
-    s.perceptual_roughness = u_perceptual_roughness;
-#if METALLIC_ROUGHNESS_MAP
-    vec4 mr = metallic_roughness_texel();
-    s.perceptual_roughness *= mr.g;
-    s.metallic *= mr.b;
+    s.base_color = m.base_color.rgb;
+    s.metallic = m.metallic;
+    s.ior = m.ior;
+#if HAS_TRANSMISSION
+    float blur = transmitted_roughness(m.perceptual_roughness, m.ior);
 #endif
-#if TRANSMISSION
-    float blur = transmitted_roughness(s.perceptual_roughness);
-#endif
-    s.perceptual_roughness = clamp(s.perceptual_roughness, MIN_PERCEPTUAL_ROUGHNESS, 1.0);
+    s.perceptual_roughness = clamp(m.perceptual_roughness, MIN_PERCEPTUAL_ROUGHNESS, 1.0);
     s.alpha = s.perceptual_roughness * s.perceptual_roughness;
 #if SPECULAR_AA
     s.alpha = alpha_antialiased(s.alpha, dFdx(s.n), dFdy(s.n));
@@ -109,27 +99,13 @@ void main() {
 #endif
 #if METALNESS != 1
 #if REFLECTS
-    float weight = u_specular;
+    float weight = m.specular;
 #else
     float weight = 0.0;
 #endif
-#if SPECULAR_MAP
-    weight *= specular_texel().a;
-#endif
-#if SPECULAR_TINTED
-    vec3 tint = u_specular_color;
-#else
-    const vec3 tint = vec3(1.0); // all channels of the interface alike: worked out once
-#endif
-#if SPECULAR_COLOR_MAP
-    tint *= specular_color_texel().rgb;
-#endif
-    vec3 f0 = dielectric_f0(weight, tint);
-#if TRANSMISSION
-    float through = transmission();
-#if TRANSMISSION == 1
-    f0 = mix(f0, wall_f0(f0), through);
-#endif
+    vec3 f0 = dielectric_f0(m.ior, weight, m.specular_color);
+#if HAS_TRANSMISSION && !IS_SOLID
+    f0 = mix(f0, wall_f0(f0), m.transmission);
 #endif
     s.dielectric = make_interface(f0, vec3(weight), dfg, dfg_over_hemisphere);
 #endif
@@ -139,13 +115,13 @@ void main() {
 
     vec3 radiance = vec3(0.0);
 #if SHOW_EMISSION
-    radiance += emitted();
+    radiance += m.emissive;
 #endif
-#if TRANSMISSION
-    float passes = transmitted(s.dielectric, dfg) * through * (METALNESS == 2 ? 1.0 - s.metallic : 1.0);
-    vec3 arriving = light_from_behind(s.n, n_geometric, s.v, blur);
-    radiance += passes * entering_tint(base.rgb) * arriving * float(SHOW_SPECULAR);
-    s.base_color *= 1.0 - through; // what is left to scatter
+#if HAS_TRANSMISSION
+    float passes = transmitted(s.dielectric, dfg) * m.transmission * (METALNESS == 2 ? 1.0 - s.metallic : 1.0);
+    vec3 arriving = light_from_behind(m, s.n, n_geometric, s.v, blur);
+    radiance += passes * entering_tint(m.base_color.rgb) * arriving * float(SHOW_SPECULAR);
+    s.base_color *= 1.0 - m.transmission; // what is left to scatter
 #endif
 #if HAS_ENVIRONMENT || INDIRECT
     float occlusion = 1.0;

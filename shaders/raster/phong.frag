@@ -15,9 +15,6 @@
 uniform vec3 u_view_direction; // towards the eye
 #endif
 
-uniform float u_metallic;
-uniform float u_perceptual_roughness;
-uniform float u_occlusion_strength;
 uniform vec3 u_phong_specular; // reflectance of a dielectric at normal incidence
 #if HAS_ENVIRONMENT
 uniform vec3 u_ambient; // irradiance
@@ -27,35 +24,28 @@ uniform float u_shininess;
 #endif
 
 void main() {
-    vec4 base = base_color();
-    float covered = coverage(base.a);
+    MaterialInputs m = read_inputs();
+    float covered = coverage(m.base_color.a);
     vec3 n_geometric = geometric_normal();
     vec3 n = shading_normal(n_geometric);
     vec3 v = -normalize(v_position);
 #if IS_ORTHOGRAPHIC
     v = u_view_direction;
 #endif
-    float metallic = u_metallic;
-    float perceptual_roughness = u_perceptual_roughness;
-#if METALLIC_ROUGHNESS_MAP
-    vec4 mr = metallic_roughness_texel();
-    perceptual_roughness *= mr.g;
-    metallic *= mr.b;
-#endif
 #if HAS_SHININESS
     float shininess = u_shininess;
 #else
     // alpha = sqrt(2 / (shininess + 2)), alpha the square of perceptual roughness
-    float alpha = max(perceptual_roughness, MIN_PERCEPTUAL_ROUGHNESS);
+    float alpha = max(m.perceptual_roughness, MIN_PERCEPTUAL_ROUGHNESS);
     alpha *= alpha;
     float shininess = max(2.0 / (alpha * alpha) - 2.0, 0.0);
 #endif
-    vec3 k_d = base.rgb * (1.0 - metallic);
-    vec3 k_s = mix(u_phong_specular, base.rgb, metallic);
+    vec3 k_d = m.base_color.rgb * (1.0 - m.metallic);
+    vec3 k_s = mix(u_phong_specular, m.base_color.rgb, m.metallic);
 
     vec3 radiance = vec3(0.0);
 #if SHOW_EMISSION
-    radiance += emitted();
+    radiance += m.emissive;
 #endif
 #if HAS_ENVIRONMENT
     float occlusion = 1.0;

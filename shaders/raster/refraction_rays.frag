@@ -8,8 +8,6 @@
 uniform vec3 u_eye;            // in tracer space
 uniform vec3 u_view_direction; // towards the eye
 uniform bool u_is_mirrored;
-uniform float u_ior;
-uniform float u_perceptual_roughness;
 
 // o_color: where the ray begins, relative to the eye, and 1
 layout(location = 1) out vec4 o_origin;    // w: 1 for a ray
@@ -21,12 +19,10 @@ layout(location = 4) out vec4 o_light;     // found so far: none, w: alpha of wh
 const float OFFSET = 2e-5;
 
 void main() {
-    coverage(base_color().a);
-    float perceptual_roughness = u_perceptual_roughness;
-#if METALLIC_ROUGHNESS_MAP
-    perceptual_roughness *= metallic_roughness_texel().g;
-#endif
-    if (!u_is_mirrored) perceptual_roughness *= clamp(2.0 * u_ior - 2.0, 0.0, 1.0); // raster/transmission.glsl
+    MaterialInputs m = read_inputs();
+    coverage(m.base_color.a);
+    float perceptual_roughness = m.perceptual_roughness;
+    if (!u_is_mirrored) perceptual_roughness *= clamp(2.0 * m.ior - 2.0, 0.0, 1.0); // raster/transmission.glsl
     vec3 face = geometric_normal(), n = shading_normal(face);
 #if IS_ORTHOGRAPHIC
     vec3 v = u_view_direction;
@@ -35,7 +31,7 @@ void main() {
 #endif
     vec3 mirrored = reflect(-v, n);
     mirrored -= 2.0 * min(dot(mirrored, face), 0.0) * face; // a shading normal may send it under the surface
-    vec3 d = u_is_mirrored ? mirrored : refract(-v, n, 1.0 / max(u_ior, 1.0));
+    vec3 d = u_is_mirrored ? mirrored : refract(-v, n, 1.0 / max(m.ior, 1.0));
     vec3 off = (u_is_mirrored ? OFFSET : -OFFSET) * max(1.0, length(v_position)) * face;
     vec3 px = dFdx(v_position), py = dFdy(v_position), dx = dFdx(d), dy = dFdy(d);
     float squared = dot(px, px) + dot(py, py);

@@ -33,7 +33,7 @@ vec3 shade_light(int i, Surface s, vec3 n_geometric) {
     vec3 f = vec3(0.0);
 #if METALNESS != 1
     f += (METALNESS == 2 ? 1.0 - s.metallic : 1.0)
-       * (interface_response(s.dielectric, dielectric_fresnel(s.dielectric, VoH, u_ior), dv, dfg)
+       * (interface_response(s.dielectric, dielectric_fresnel(s.dielectric, VoH, s.ior), dv, dfg)
           + base_response(s.dielectric, s.base_color, dfg));
 #endif
 #if METALNESS != 0

@@ -2,6 +2,6 @@
 #include "raster/material.glsl"
 
 void main() {
-    vec4 base = base_color();
-    write_radiance(base.rgb + emitted(), coverage(base.a));
+    MaterialInputs m = read_inputs();
+    write_radiance(m.base_color.rgb + m.emissive, coverage(m.base_color.a));
 }

@@ -22,9 +22,9 @@ Surface surface_of(Interaction i, SurfaceMaterial m, float NoV) {
     Surface x;
     x.glass = glass_of(i, m);
 #if HAS_PARTLY_GLASS
-    x.share = m.ior < 1.0 ? 0.0 : m.transmission * (1.0 - m.metallic);
+    x.share = m.inputs.ior < 1.0 ? 0.0 : m.inputs.transmission * (1.0 - m.inputs.metallic);
     x.standard = standard_of(m);
-    x.standard.metallic = min(m.metallic / max(1.0 - x.share, 1e-6), 1.0); // of the rest
+    x.standard.metallic = min(m.inputs.metallic / max(1.0 - x.share, 1e-6), 1.0); // of the rest
     x.view = standard_view(x.standard, NoV, u_dfg);
 #endif
     return x;
@@ -62,7 +62,7 @@ BsdfSample sample_surface(Surface x, vec3 wo, vec3 u) {
 // not become brighter when the camera dives in.
 void begin_inside(inout Path p, SurfaceMaterial m) {
     p.sigma = m.sigma;
-    p.eta2 = max(m.ior * m.ior, 1.0);
+    p.eta2 = max(m.inputs.ior * m.inputs.ior, 1.0);
     p.throughput /= p.eta2;
 }
 

@@ -1,17 +1,13 @@
 // Where a ray met a triangle: position, normals and attributes, from the words that viewer/trace/scene/encode.py packs.
-#include "trace/words.glsl"
-#if HAS_NORMAL_MAP
-#include "trace/atlas.glsl"
-#endif
+#include "material/records.glsl"
 #include "trace/shading_normal.glsl"
 #include "trace/offset_origin.glsl"
 
 const int INSTANCE_WORDS = 5;
 const int VERTEX_WORDS = 2 + HAS_TANGENT + HAS_UV1 + HAS_COLOR;
-const int MATERIAL_WORDS = 6;
 const uint SEE_THROUGH = 1u, MIRRORED = 2u, DOUBLE_SIDED = 4u, UNLIT = 8u, THIN = 16u; // an instance's flags
 
-uniform int u_instances, u_triangles, u_vertices, u_materials;
+uniform int u_instances, u_triangles, u_vertices;
 
 struct Hit {
     int instance;
@@ -113,11 +109,10 @@ Interaction interact(Hit hit, vec3 wo) {
     tangent = vec4(to_tracer * tangent.xyz, tangent.w * hand);
 #if HAS_NORMAL_MAP
     // As raster/normal.glsl; the normal map is a loop of at most one, because software OpenGL skips loops alone.
-    uvec4 maps = word(u_materials + i.material * MATERIAL_WORDS + 5);
     vec3 front_n = n;
-    for (int k = int(maps.z); k > 0; k = 0) {
+    for (int k = int(map_records(i.material).z); k > 0; k = 0) {
         vec3 texel = sample_atlas(u_data_atlas, texture_map(k - 1, i.uv0, i.uv1)).xyz * (255.0 / 127.5) - 1.0;
-        texel.xy *= word_float(u_materials + i.material * MATERIAL_WORDS + 3).w;
+        texel.xy *= normal_scale_factor(i.material);
         vec3 along = unit_or(tangent.xyz, vec3(0.0));
         vec3 across = cross(front_n, along) * tangent.w;
         n = unit_or(texel.x * along + texel.y * across + texel.z * front_n, front_n);

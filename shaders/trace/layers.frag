@@ -22,10 +22,10 @@ void main() {
     if (goes_on(p, i, m, is_back, vertex_numbers(slot_sample(slot, p.left), p, LIGHT_GROUP).w)) discard;
 
     vec3 albedo = standard_albedo(standard_of(m), dot(i.n, wo), u_dfg);
-    if (m.is_unlit) albedo = m.base_color;
+    if (m.is_unlit) albedo = m.inputs.base_color.rgb;
     if (is_glass) albedo = vec3(1.0);
     o_albedo = vec4(min(albedo + m.emission, 1.0), 1.0);
     o_normal = vec4(i.n, camera_distance(i.position));
     vec3 carried = p.throughput * transmittance(p, p.travelled + distance(p.origin, i.position));
-    o_emission = vec4(carried * (m.is_unlit ? m.base_color : m.emission), 0.0);
+    o_emission = vec4(carried * (m.is_unlit ? m.inputs.base_color.rgb : m.emission), 0.0);
 }

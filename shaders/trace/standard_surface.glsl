@@ -3,7 +3,7 @@
 #include "bsdf/lobe/standard.glsl"
 
 Standard standard_of(SurfaceMaterial m) {
-    float f0 = f0_from_eta(m.ior);
-    float alpha = m.perceptual_roughness * m.perceptual_roughness;
-    return Standard(m.base_color, m.metallic, min(f0 * m.specular_color, 1.0) * m.specular, m.specular, alpha, m.ior);
+    float f0 = f0_from_eta(m.inputs.ior);
+    float alpha = m.inputs.perceptual_roughness * m.inputs.perceptual_roughness;
+    return Standard(m.inputs.base_color.rgb, m.inputs.metallic, min(f0 * m.inputs.specular_color, 1.0) * m.inputs.specular, m.inputs.specular, alpha, m.inputs.ior);
 }

@@ -24,7 +24,7 @@ void main() {
     p.throughput *= transmittance(p, p.travelled + distance(p.origin, i.position));
 #if HAS_UNLIT
     if (m.is_unlit && !is_back) {
-        p.radiance += limited(p.throughput * m.base_color, p.depth);
+        p.radiance += limited(p.throughput * m.inputs.base_color.rgb, p.depth);
         write_path(p, ENDED);
         return;
     }

@@ -20,8 +20,9 @@ SurfaceMaterial m = material_at(i);
 _FIRST = _INTERACTION + """o0 = vec4(i.position, i.area); o1 = vec4(i.n_geometric, float(i.is_front));
 o2 = vec4(i.n, float(i.emitter)); o3 = vec4(i.t, float(i.material)); o4 = vec4(i.b, 0.0); o5 = vec4(i.uv0, i.uv1);
 o6 = i.color;"""
-_SECOND = _INTERACTION + """o0 = vec4(m.base_color, m.coverage);
-o1 = vec4(m.metallic, m.perceptual_roughness, m.ior, m.specular); o2 = vec4(m.specular_color, m.transmission);
+_SECOND = _INTERACTION + """o0 = vec4(m.inputs.base_color.rgb, m.coverage);
+o1 = vec4(m.inputs.metallic, m.inputs.perceptual_roughness, m.inputs.ior, m.inputs.specular);
+o2 = vec4(m.inputs.specular_color, m.inputs.transmission);
 o3 = vec4(m.emission, coverage_at(hit)); o4 = vec4(m.sigma, 0.0);
 o5 = vec4(m.is_thin, m.is_unlit, m.is_double_sided, 0.0);
 o6 = vec4(emission_at(hit), 0.0);"""

@@ -7,10 +7,11 @@ from collections.abc import Sequence
 from typing import TypedDict
 
 from ..material.fold import without_constant_maps
-from ..material.maps import MAPS, material_map, texture_bytes
+from ..material.use import texture_bytes
 from ..scene.light import Light
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
+from ..scene.schema import MAPS
 from ..settings import Settings
 from .model import Draw, Plan
 
@@ -68,7 +69,7 @@ def _used(plan: Plan) -> tuple[str, ...]:
     if plan.has_indirect:
         lines.append("light between surfaces, path traced at the vertices once")
     textures = {(draw.material, name): texture for draw in plan.draws for name in draw.maps
-                if (texture := material_map(draw.surface, name))}
+                if (texture := MAPS[name].texture(draw.surface))}
     if textures:
         images = {texture.image for texture in textures.values()}
         lines.append(f"{_many(len(textures), 'map')} from {_many(len(images), 'image')}, about "
@@ -150,9 +151,9 @@ def _idle_images(plan: Plan, scene: Scene) -> tuple[set, list[str]]:
     """The images that no texture is made of, and in words the maps that are not sampled."""
     sampled = {(draw.material, name) for draw in plan.draws for name in draw.maps}
     there = {(k, name): texture.image for k, m in enumerate(scene.materials) for name in MAPS
-             if (texture := material_map(m, name))}
+             if (texture := MAPS[name].texture(m))}
     plain = {k: without_constant_maps(scene.materials[k]) for k, _ in there.keys() - sampled}
-    constant = {(k, name) for k, name in there.keys() - sampled if material_map(plain[k], name) is None}
+    constant = {(k, name) for k, name in there.keys() - sampled if MAPS[name].texture(plain[k]) is None}
     idle = there.keys() - sampled - constant
     images = {there[key] for key in idle | constant} - {there[key] for key in sampled}
     lines = []

@@ -11,12 +11,13 @@ from dataclasses import replace
 
 from ..errors import UsageError
 from ..material.fold import without_constant_maps
-from ..material.maps import MAPS, material_map
+from ..material.use import feature_switches, used_maps
 from ..scene.convex import is_convex
 from ..scene.light import Light
 from ..scene.material import Material, Texture
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
+from ..scene.schema import MAP_SWITCHES, MAPS
 from ..settings import Settings
 from .explain import explain
 from .model import Draw, Plan, Program
@@ -173,37 +174,49 @@ def _draw(
         common = common | {"VISIBILITY": 0, "TRACED": 0}  # what is behind them has its place in the buffers
     if not _mirrors(material):
         common = common | {"TRACED": 0}
-    maps = tuple(name for name in MAPS if _samples(name, mesh, material, settings, lit, common))
-    textures = {name: texture for name in maps if (texture := material_map(material, name))}
-    uv_sets = sum(1 << uv_set for uv_set in {texture.uv_set for texture in textures.values()})
-    normal_mapped = "normal" in maps
+    model = settings.mode if lit else "unlit"
+    maps = tuple(name for name in used_maps(material, mesh, model, settings.plan == "everything")
+                 if _is_shown(name, lit, common))
+    textures = {name: texture for name in maps if (texture := MAPS[name].texture(material))}
+    features = feature_switches(material, model)
     switches = {
         "ALPHA_MODE": _ALPHA_MODES.index(material.alpha_mode),
         "HAS_COLOR": int(mesh.colors is not None),
-        "HAS_EMISSIVE": int(any(material.emissive)),
         "IS_POINTS": int(mesh.topology == "points"),
-        "UV_SETS": uv_sets,
+        "UV_SETS": sum(1 << uv_set for uv_set in {texture.uv_set for texture in textures.values()}),
         "HAS_NORMAL": int(lit),
-        "HAS_TANGENT": int(normal_mapped),
+        "HAS_TANGENT": int(any(MAPS[name].info.needs_tangents for name in maps)),
         "INDIRECT": common["INDIRECT"] * lit,
+        **features,
         **{name: common[name] for name in ("HALF_TARGET", "SAMPLES")},
     }
     for name in MAPS:
-        texture = textures.get(name)
-        macro = name.upper()
-        switches[f"{macro}_MAP"] = int(texture is not None)
-        switches[f"{macro}_UV"] = texture.uv_set if texture else 0
-        switches[f"{macro}_TRANSFORM"] = int(texture is not None and texture.transform is not None)
-        switches[f"{macro}_MIRROR"] = _mirror(texture)
-    fragment = "raster/unlit.frag"
+        switches |= _map_switches(name.upper(), textures.get(name))
     if lit:
-        fragment = f"raster/{settings.mode}.frag"
         switches |= common | {"DOUBLE_SIDED": int(material.double_sided)}
         switches |= _pbr_switches(material, settings) if settings.mode == "pbr" else _phong_switches(material, settings)
-    program = Program(fragment, tuple(sorted(switches.items())))
-    transmits = switches.get("TRANSMISSION", 0)
+    program = Program(f"raster/{model}.frag", tuple(sorted(switches.items())))
+    transmits = features["HAS_TRANSMISSION"] + features["IS_SOLID"]
     return Draw(index, mesh_index, mesh.material, material, program, maps, attributes_of(switches), material.alpha_mode,
                 transmits)
+
+
+def _is_shown(name: str, lit: bool, common: dict[str, int]) -> bool:
+    """Whether the settings show what a map that counts is for."""
+    if name == "emissive":
+        return common["SHOW_EMISSION"] == 1 or not lit
+    if name == "occlusion":  # with the other two it is known what is hidden
+        return common["HAS_ENVIRONMENT"] == 1 and common["VISIBILITY"] == common["INDIRECT"] == 0
+    return True
+
+
+def _map_switches(macro: str, texture: Texture | None) -> dict[str, int]:
+    """Those of shaders/raster/attributes.glsl; mirrored repetition is done in the shader."""
+    if texture is None:
+        return {f"{macro}_{word}": 0 for word in MAP_SWITCHES}
+    mirror = (texture.sampler.wrap_s == "mirror") | (texture.sampler.wrap_t == "mirror") << 1
+    return {f"{macro}_MAP": 1, f"{macro}_UV": texture.uv_set, f"{macro}_TRANSFORM": int(texture.transform is not None),
+            f"{macro}_MIRROR": mirror}
 
 
 def _mirrors(material: Material) -> bool:
@@ -214,10 +227,8 @@ def _mirrors(material: Material) -> bool:
 
 def _pbr_switches(material: Material, settings: Settings) -> dict[str, int]:
     varies = material.metallic_roughness_texture is not None or 0 < material.metallic < 1
-    tinted = material.specular_color_texture is not None or material.specular_color != (1.0, 1.0, 1.0)
     return {
         "REFLECTS": int(material.has_interface),
-        "SPECULAR_TINTED": int(tinted),
         "METALNESS": 0 if material.metallic == 0 else 2 if varies else 1,
         "NDF": _NDF.index(settings.ndf),
         "MASKING": _MASKING.index(settings.masking),
@@ -227,41 +238,8 @@ def _pbr_switches(material: Material, settings: Settings) -> dict[str, int]:
         "SPECULAR_AA": int(settings.specular_aa == "on"),
         "TRACED_BODIES": int(settings.refraction == "traced" and settings.lobes in ("all", "specular")
                              and material.transmits and material.thickness > 0),
-        "TRANSMISSION": 0 if not material.transmits else 1 if material.thickness == 0 else 2,
     }
 
 
 def _phong_switches(material: Material, settings: Settings) -> dict[str, int]:
     return {"BLINN": int(settings.phong == "blinn-phong"), "HAS_SHININESS": int(material.shininess is not None)}
-
-
-def _samples(
-    name: str, mesh: Mesh, material: Material, settings: Settings, lit: bool, common: dict[str, int]
-) -> bool:
-    """Whether a map of the material changes any pixel of this mesh."""
-    texture = material_map(material, name)
-    if texture is None or texture.uv_set >= len(mesh.uvs):
-        return False
-    if settings.plan == "everything" and name not in ("normal", "occlusion"):
-        return True  # normals and occlusion have no factor of 0 to be harmless by
-    dielectric = settings.mode == "pbr" and lit and (material.metallic < 1 or material.metallic_roughness_texture)
-    return {
-        "base_color": True,
-        "emissive": any(material.emissive) and (common["SHOW_EMISSION"] == 1 or not lit),
-        "metallic_roughness": lit and (material.metallic > 0
-                                       or material.perceptual_roughness > 0 and material.has_interface),
-        "normal": lit and mesh.tangents is not None and material.normal_scale != 0,
-        "occlusion": lit and material.occlusion_strength > 0 and common["HAS_ENVIRONMENT"] == 1
-        and common["VISIBILITY"] == common["INDIRECT"] == 0,  # else it is known what is hidden
-        "specular": bool(dielectric) and material.specular > 0,
-        "specular_color": bool(dielectric) and material.specular > 0 and any(material.specular_color),
-        "transmission": bool(dielectric) and material.transmits,
-        "thickness": bool(dielectric) and material.transmits and material.thickness > 0,
-    }[name]
-
-
-def _mirror(texture: Texture | None) -> int:
-    """Bit 0: mirrored along s, bit 1: along t (done in the shader)."""
-    if texture is None:
-        return 0
-    return (texture.sampler.wrap_s == "mirror") | (texture.sampler.wrap_t == "mirror") << 1

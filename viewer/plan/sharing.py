@@ -5,32 +5,40 @@ materials would need more programs than are worth compiling.
 
 Some switches are no feature to be had and not used, and stay: what the user chose (the microfacet model, the samples),
 how a surface is composed (ALPHA_MODE), which UV set a map reads and whether it is mirrored, METALNESS 1 (a pure metal
-looks the environment up once, a mixture twice), TRANSMISSION 2 (refracts), and the fragment file: unlit code knows no
-light.
+looks the environment up once, a mixture twice), the features that are not shareable (viewer/scene/material.py), and the
+fragment file: unlit code knows no light.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from pathlib import PurePosixPath
 
 from ..scene.light import Light
 from ..scene.scene import Scene
+from ..scene.schema import MAPS, SWITCHED
 from .model import Draw, Plan, Program
 
 OWN_PROGRAMS = 4
 """Of one fragment file: so many are never shared."""
 
-_UNLIT = ("BASE_COLOR", "EMISSIVE")
-_LIT = (*_UNLIT, "METALLIC_ROUGHNESS", "NORMAL", "OCCLUSION")
-_MAPS = {
-    "raster/unlit.frag": _UNLIT,
-    "raster/phong.frag": _LIT,
-    "raster/pbr.frag": (*_LIT, "SPECULAR", "SPECULAR_COLOR", "TRANSMISSION", "THICKNESS"),
+_SWITCHES = {
+    "raster/unlit.frag": ("HAS_COLOR", "IS_POINTS"),
+    "raster/phong.frag": ("HAS_COLOR", "IS_POINTS", "HAS_TANGENT", "DOUBLE_SIDED"),
+    "raster/pbr.frag": ("HAS_COLOR", "IS_POINTS", "HAS_TANGENT", "DOUBLE_SIDED", "REFLECTS"),
 }
-_ALL = ("HAS_COLOR", "HAS_EMISSIVE", "IS_POINTS")
-_LIT_ONLY = ("HAS_TANGENT", "DOUBLE_SIDED")
-_PBR_ONLY = ("SPECULAR_TINTED", "REFLECTS")
+"""Those of each fragment file, beside the material's, that may be on for a draw that has no need of it."""
+
+
+def _model(fragment: str) -> str:
+    """The model of shading in a fragment file: unlit, phong or pbr."""
+    return PurePosixPath(fragment).stem
+
+
+def _maps(fragment: str) -> list[str]:
+    """The maps that a fragment file knows, as they are called in switches."""
+    return [name.upper() for name, m in MAPS.items() if _model(fragment) in m.info.models]
 
 
 def attributes_of(switches: Mapping[str, int]) -> tuple[str, ...]:
@@ -99,27 +107,27 @@ _ORDER = ("directional", "point", "spot")
 def _full(program: Program, common: Mapping[str, int]) -> dict[str, int]:
     """The program's switches with every feature on that can be."""
     switches, fragment = dict(program.switches), program.fragment
-    on = _free(fragment) | {f"{name}_{word}": max for name in _MAPS[fragment] for word in ("MAP", "TRANSFORM")}
+    on = _free(fragment) | {f"{name}_{word}": max for name in _maps(fragment) for word in ("MAP", "TRANSFORM")}
     switches |= {name: 1 for name in on if name in switches} | {"UV_SETS": 3}
     if fragment != "raster/unlit.frag":
         switches |= common
     if fragment == "raster/pbr.frag" and switches["METALNESS"] != 1:
         # Glass and traced reflections together have more textures than every OpenGL binds; no surface has both.
-        switches |= {"METALNESS": 2, "TRANSMISSION": max(switches["TRANSMISSION"], 1 - switches["TRACED"])}
+        switches |= {"METALNESS": 2, "HAS_TRANSMISSION": max(switches["HAS_TRANSMISSION"], 1 - switches["TRACED"])}
     return switches
 
 
 def _free(fragment: str) -> dict[str, Callable[[int, int], int]]:
     """Switches that may be raised, each with what two programs' values make together."""
-    names = [*_ALL, *_LIT_ONLY * (fragment != "raster/unlit.frag"), *_PBR_ONLY * (fragment == "raster/pbr.frag")]
-    return {name: max for name in names} | {"UV_SETS": int.__or__}
+    features = [f.switch for f in SWITCHED if f.is_shareable and _model(fragment) in f.models]
+    return {name: max for name in (*_SWITCHES[fragment], *features)} | {"UV_SETS": int.__or__}
 
 
 def _union(a: Mapping[str, int], b: Mapping[str, int], fragment: str) -> dict[str, int] | None:
     """The switches of a program that can do what two of the same fragment file do; None where there is none."""
     free = _free(fragment)
     both = dict(a)
-    for name in _MAPS[fragment]:
+    for name in _maps(fragment):
         switch, words = f"{name}_MAP", (f"{name}_UV", f"{name}_MIRROR")
         if a[switch] and b[switch] and any(a[word] != b[word] for word in words):
             return None
@@ -137,6 +145,6 @@ def _union(a: Mapping[str, int], b: Mapping[str, int], fragment: str) -> dict[st
 
 def _widened(draw: Draw, switches: Mapping[str, int]) -> Draw:
     program = replace(draw.program, switches=tuple(sorted(switches.items())))
-    names = (name.lower() for name in _MAPS[program.fragment] if switches[f"{name}_MAP"])
+    names = (name.lower() for name in _maps(program.fragment) if switches[f"{name}_MAP"])
     return replace(draw, program=program, attributes=attributes_of(switches),
                    blank_maps=tuple(name for name in names if name not in draw.maps))

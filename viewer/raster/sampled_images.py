@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..material.maps import CHANNELS, MAPS, material_map
 from ..plan.model import Plan
 from ..plan.planner import plan_scene
 from ..scene.decoding import Decoder, Key
 from ..scene.scene import Scene
+from ..scene.schema import MAPS
 from ..scene.texture_image import TextureImage
 from ..settings import Settings
 
@@ -32,14 +32,15 @@ def channels_read(
         material = scene.materials[draw.material]
         for name in draw.maps:
             opaque = name == "base_color" and material.alpha_mode == "opaque"
-            image = material_map(material, name).image
-            reads.setdefault((image, MAPS[name]), set()).update("RGB" if opaque else CHANNELS[name])
+            image = MAPS[name].texture(material).image
+            info = MAPS[name].info
+            reads.setdefault((image, info.srgb), set()).update("RGB" if opaque else info.channels)
     return {image: "R" if letters == {"R"} else "RGBA" if "A" in letters else "RGB"
             for image, letters in reads.items()}
 
 
 def sampled_images(scene: Scene, plan: Plan, channels: Mapping[tuple[TextureImage, bool], str]) -> set[Key]:
     """What has to be decoded for `plan`, given what `channels_read` says."""
-    images = {(material_map(scene.materials[draw.material], name).image, MAPS[name])
+    images = {(MAPS[name].texture(scene.materials[draw.material]).image, MAPS[name].info.srgb)
               for draw in plan.draws for name in draw.maps}
     return {(image, channels[image, srgb], srgb) for image, srgb in images}

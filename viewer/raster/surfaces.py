@@ -10,12 +10,13 @@ import numpy as np
 
 from ..gpu.context import Context
 from ..gpu.programs import Programs, matrix_uniform, set_uniform
-from ..material.maps import MAPS, material_map
+from ..material.pack import uniforms
 from ..plan.model import Draw, Plan, Program
 from ..scene.decoding import Decoder
 from ..scene.frame import Frame
 from ..scene.material import Material, UVTransform
 from ..scene.scene import Scene
+from ..scene.schema import MAP_SWITCHES, MAPS, no_switches
 from ..scene.transform import handedness, normal_matrix
 from .geometry import MeshBuffers
 from .textures import Textures
@@ -23,12 +24,9 @@ from .textures import Textures
 if TYPE_CHECKING:
     from ..trace.vertex_light import VertexLight
 
-# Texture units: the material's maps come first, in the order of MAPS.
-UNIT_DFG, UNIT_PREFILTERED, UNIT_IRRADIANCE, UNIT_SHADOW, UNIT_BACKGROUND, UNIT_RADIANCE, UNIT_VISIBILITY = (
-    len(MAPS) + k for k in range(7)
-)
-UNIT_REFLECTED, UNIT_RAY_POSITIONS, UNIT_REFRACTED, UNIT_MIRRORED, UNIT_PATH_POSITIONS = (
-    UNIT_VISIBILITY + k for k in range(1, 6))
+# Texture units: what programs share comes first, then the maps that a program samples, in their order.
+(UNIT_DFG, UNIT_PREFILTERED, UNIT_IRRADIANCE, UNIT_SHADOW, UNIT_BACKGROUND, UNIT_RADIANCE, UNIT_VISIBILITY,
+ UNIT_REFLECTED, UNIT_RAY_POSITIONS, UNIT_REFRACTED, UNIT_MIRRORED, UNIT_PATH_POSITIONS, _FIRST_MAP_UNIT) = range(13)
 
 _SAMPLE_ALPHA_TO_COVERAGE, _SAMPLE_ALPHA_TO_ONE = 0x809E, 0x809F
 _VERTEX = "raster/surface.vert"
@@ -115,9 +113,8 @@ class Surfaces:
         """Draw a mesh into a depth map; `matrix` takes its instance's local space to clip space."""
         mask = draw.alpha_mode == "mask"
         names = ["ALPHA_MODE", "HAS_COLOR", *(f"BASE_COLOR_{word}" for word in ("MAP", "UV", "TRANSFORM", "MIRROR"))]
-        switches = {name: draw.program[name] if mask else 0 for name in names}
+        switches = no_switches() | {"HAS_NORMAL": 0} | {name: draw.program[name] if mask else 0 for name in names}
         switches["UV_SETS"] = 1 << switches["BASE_COLOR_UV"] if switches["BASE_COLOR_MAP"] else 0
-        switches |= {f"{name.upper()}_MAP": 0 for name in MAPS if name != "base_color"}
         program = self._programs.get("raster/shadow.vert", "raster/shadow.frag", switches)
         mesh = self._mesh(draw.mesh)
         set_uniform(program, "u_model_to_light", matrix_uniform(matrix @ mesh.to_mesh))
@@ -167,17 +164,8 @@ class Surfaces:
 
     def _set_material(self, program: moderngl.Program, draw: Draw) -> None:
         material = draw.surface
-        set_uniform(program, "u_base_color", material.base_color)
-        set_uniform(program, "u_emissive", material.emissive)
-        set_uniform(program, "u_alpha_cutoff", material.alpha_cutoff)
-        set_uniform(program, "u_metallic", material.metallic)
-        set_uniform(program, "u_perceptual_roughness", material.perceptual_roughness)
-        set_uniform(program, "u_normal_scale", material.normal_scale)
-        set_uniform(program, "u_occlusion_strength", material.occlusion_strength)
-        set_uniform(program, "u_ior", material.ior)
-        set_uniform(program, "u_specular", material.specular)
-        set_uniform(program, "u_specular_color", material.specular_color)
-        set_uniform(program, "u_transmission", material.transmission if draw.transmits else 0.0)
+        for name, value in uniforms(material):
+            set_uniform(program, name, value)
         if draw.transmits:
             set_uniform(program, "u_absorption", tuple(material.absorption * self.scene.radius))
         set_uniform(program, "u_phong_specular", phong_specular(material))
@@ -186,8 +174,8 @@ class Surfaces:
             self._bind_map(program, draw, name)
 
     def _bind_map(self, program: moderngl.Program, draw: Draw, name: str) -> None:
-        unit = list(MAPS).index(name)
-        texture = material_map(draw.surface, name) if name in draw.maps else None
+        unit = _FIRST_MAP_UNIT + (*draw.maps, *draw.blank_maps).index(name)
+        texture = MAPS[name].texture(draw.surface) if name in draw.maps else None
         if texture is None:
             self.textures.bind_blank(name, unit)
         else:
@@ -224,9 +212,8 @@ def _lie(program: Program) -> tuple[tuple[str, int], ...]:
     """Of the switches only those that say where a surface is and how it lies, so that many materials share one."""
     switches = dict(program.switches)
     maps = {"normal", "metallic_roughness"} | ({"base_color"} if switches["ALPHA_MODE"] else set())
-    switches = {name: switches[name] for name in _GBUFFER_SWITCHES} | {"HAS_EMISSIVE": 0, "INDIRECT": 0} | {
-        f"{name.upper()}_{word}": switches[f"{name.upper()}_{word}"] * (name in maps)
-        for name in MAPS for word in ("MAP", "UV", "TRANSFORM", "MIRROR")}
+    switches = no_switches() | {name: switches[name] for name in _GBUFFER_SWITCHES} | {"INDIRECT": 0} | {
+        f"{name.upper()}_{word}": switches[f"{name.upper()}_{word}"] for name in maps for word in MAP_SWITCHES}
     return tuple(sorted(switches.items()))
 
 

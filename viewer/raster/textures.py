@@ -9,11 +9,12 @@ from ..base.heap import give_back
 from ..gpu.context import Context
 from ..gpu.float_texture import float_texture
 from ..gpu.mipmaps import mipmapped_texture
-from ..material.maps import MAPS, material_map
 from ..plan.model import Plan
 from ..scene.decoding import Decoder, Key
 from ..scene.material import Sampler, Texture
+from ..scene.parameter import WHITE
 from ..scene.scene import Scene
+from ..scene.schema import MAPS
 from ..scene.texture_image import TextureImage
 from .sampled_images import channels_read, sampled_images
 
@@ -48,7 +49,7 @@ class Textures:
         self._channels = channels_read(self._scene, plan, self._channels)
         for draw in plan.draws:
             for name in draw.maps:
-                image, srgb = material_map(draw.surface, name).image, MAPS[name]
+                image, srgb = MAPS[name].texture(draw.surface).image, MAPS[name].info.srgb
                 self._examples.setdefault(name, (image, self._channels[image, srgb], srgb))
         begun = set(self._textures).union(*(decoder.keys for decoder in self._decoders))
         self._decoders.append(Decoder(sampled_images(self._scene, plan, self._channels) - begun))
@@ -64,22 +65,23 @@ class Textures:
 
     def bind(self, texture: Texture, name: str, unit: int) -> None:
         """Bind a map of a material that a prefetched plan samples to a texture unit, with its sampler."""
-        srgb = MAPS[name]
+        srgb = MAPS[name].info.srgb
         self._textures[texture.image, self._channels[texture.image, srgb], srgb].use(unit)
         self._sampler(texture.sampler).use(unit)
 
     def bind_blank(self, name: str, unit: int) -> None:
-        """Bind, for a map that a material lacks, what changes nothing: white, or a normal that leans nowhere."""
+        """Bind, for a map that a material lacks, its neutral colour, which changes nothing."""
         if name not in self._blanks:
             self._blanks[name] = self._blank(name)
         self._blanks[name].use(unit)
         self._sampler(Sampler()).use(unit)
 
     def _blank(self, name: str) -> moderngl.Texture:
-        if name == "normal":  # which 8 bits cannot hold
-            return float_texture(self._context.gl, np.float32([[[0.5, 0.5, 1.0, 1.0]]]))
+        neutral = MAPS[name].info.neutral
+        if neutral != WHITE:  # which 8 bits cannot hold
+            return float_texture(self._context.gl, np.float32([[neutral]]))
         # Like the scene's own maps: Mesa's software rasteriser compiles a program for every format it samples.
-        srgb = MAPS[name]
+        srgb = MAPS[name].info.srgb
         key = self._examples.get(name)
         components = self._textures[key].components if key in self._textures else 3
         white = [np.full((side, side, components), 255, np.uint8) for side in (2, 1)]

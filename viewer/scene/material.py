@@ -1,4 +1,4 @@
-"""What surfaces are made of: glTF 2.0's metallic-roughness material and the textures it samples.
+"""What surfaces are made of: one declaration of every parameter and texture map.
 
 Colours are linear Rec. 709. Texture *files* stay encoded until somebody asks for their pixels, so that a texture no
 shader samples is never decoded.
@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 
+from .parameter import Feature, parameter, texture_map
 from .texture_image import TextureImage
 
 Wrap = Literal["repeat", "clamp", "mirror"]
@@ -57,65 +58,120 @@ class Texture:
     transform: UVTransform | None = None
 
 
+CORE = Feature("glTF 2.0")
+METALLIC_ROUGHNESS = Feature("metallic-roughness", place="pbrMetallicRoughness")
+EMISSION = Feature(
+    "emission", switch="HAS_EMISSION", is_on=lambda m: any(m.emissive), models=("unlit", "phong", "pbr"),
+    is_shareable=True)
+IOR = Feature("index of refraction", "KHR_materials_ior")
+SPECULAR = Feature("specular weight", "KHR_materials_specular")
+SPECULAR_TINT = Feature(
+    "specular colour", "KHR_materials_specular", switch="SPECULAR_TINTED", is_shareable=True,
+    is_on=lambda m: m.specular_color_texture is not None or m.specular_color != (1.0, 1.0, 1.0))
+TRANSMISSION = Feature(
+    "transmission", "KHR_materials_transmission", switch="HAS_TRANSMISSION", is_on=lambda m: m.transmits)
+VOLUME = Feature(
+    "volume", "KHR_materials_volume", switch="IS_SOLID", is_on=lambda m: m.transmits and m.thickness > 0)
+
+_ALL, _LIT = ("unlit", "phong", "pbr"), ("phong", "pbr")
+
+
 @dataclass(frozen=True)
 class Material:
-    """A metallic-roughness surface (glTF 2.0, with KHR_materials_{unlit,emissive_strength,specular,ior,transmission,
-    volume}).
+    """A surface: glTF 2.0's metallic-roughness model and its extensions. The fields below declare everything.
 
-    Channels: base colour and emissive are sRGB RGB(A); metallic in B and perceptual roughness in G of one texture;
-    occlusion in R; specular in A; specular colour sRGB RGB; transmission in R; thickness in G; normals +Y up.
-    `emissive` already holds its strength.
-    `ior` is at least 1, or 0: KHR_materials_ior's word for f0 = 1 before the specular parameters are applied.
-    `transmission` is the share of what passes the interface that is refracted on instead of scattered. `thickness`, in
-    the mesh's own units, is 0 for a thin wall; else the surface bounds a volume in which light keeps
-    `attenuation_color` over `attenuation_distance` world units.
-    `shininess` is the exponent of a Phong material's file (MTL `Ns`), None where the file gave roughness instead.
+    Colours are linear Rec. 709. `emissive` already holds its strength (KHR_materials_emissive_strength). `ior` is at
+    least 1, or 0: KHR_materials_ior's word for f0 = 1 before the specular parameters are applied. `thickness` 0 means
+    a thin wall; else the surface bounds a volume. `shininess` is the exponent of a Phong material's file (MTL `Ns`),
+    None where the file gave roughness instead.
     """
 
     name: str = ""
-    base_color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
-    base_color_texture: Texture | None = None
-    metallic: float = 1.0
-    perceptual_roughness: float = 1.0
-    metallic_roughness_texture: Texture | None = None
-    normal_texture: Texture | None = None
-    normal_scale: float = 1.0
-    occlusion_texture: Texture | None = None
-    occlusion_strength: float = 1.0
-    emissive: RGB = (0.0, 0.0, 0.0)
-    emissive_texture: Texture | None = None
-    ior: float = 1.5
-    specular: float = 1.0
-    specular_texture: Texture | None = None
-    specular_color: RGB = (1.0, 1.0, 1.0)
-    specular_color_texture: Texture | None = None
-    transmission: float = 0.0
-    transmission_texture: Texture | None = None
-    thickness: float = 0.0
-    thickness_texture: Texture | None = None
-    attenuation_distance: float = math.inf
-    attenuation_color: RGB = (1.0, 1.0, 1.0)
+    base_color: tuple[float, float, float, float] = parameter(
+        (1.0, 1.0, 1.0, 1.0), "baseColorFactor", "albedo of the diffuse base, f0 of metal, and alpha",
+        of=METALLIC_ROUGHNESS, low=0.0, high=1.0, times="base_color.RGBA", unlit=True)
+    base_color_texture: Texture | None = texture_map(
+        "baseColorTexture", "base colour and alpha", of=METALLIC_ROUGHNESS, channels="RGBA", srgb=True, models=_ALL)
+    metallic: float = parameter(
+        1.0, "metallicFactor", "share of metal; the rest is dielectric", of=METALLIC_ROUGHNESS, low=0.0, high=1.0,
+        times="metallic_roughness.B")
+    perceptual_roughness: float = parameter(
+        1.0, "roughnessFactor", "square root of the microfacets' alpha", of=METALLIC_ROUGHNESS, low=0.0, high=1.0,
+        times="metallic_roughness.G")
+    metallic_roughness_texture: Texture | None = texture_map(
+        "metallicRoughnessTexture", "roughness in G, metallic in B", of=METALLIC_ROUGHNESS, channels="GB", models=_LIT,
+        counts=lambda m: m.metallic > 0 or (m.perceptual_roughness > 0 and m.has_interface))
+    normal_texture: Texture | None = texture_map(
+        "normalTexture", "shading normal in tangent space, +Y up", of=CORE, channels="RGB", models=_LIT,
+        neutral=(0.5, 0.5, 1.0, 1.0), counts=lambda m: m.normal_scale != 0, needs_tangents=True)
+    normal_scale: float = parameter(
+        1.0, "normalTexture.scale", "scales the mapped normal's x and y", of=CORE, role="argument",
+        switch="NORMAL_MAP")
+    occlusion_texture: Texture | None = texture_map(
+        "occlusionTexture", "how much of the environment's light arrives", of=CORE, channels="R", models=_LIT,
+        paths=False, counts=lambda m: m.occlusion_strength > 0)
+    occlusion_strength: float = parameter(
+        1.0, "occlusionTexture.strength", "how far the occlusion map counts", of=CORE, low=0.0, high=1.0, paths=False,
+        role="argument", switch="OCCLUSION_MAP")
+    emissive: RGB = parameter(
+        (0.0, 0.0, 0.0), "emissiveFactor", "emitted radiance, its strength multiplied in", of=EMISSION, low=0.0,
+        high=1.0, times="emissive.RGB", unit="W/(sr m^2)", unlit=True)
+    emissive_texture: Texture | None = texture_map(
+        "emissiveTexture", "emitted radiance", of=EMISSION, channels="RGB", srgb=True, models=_ALL,
+        counts=lambda m: any(m.emissive))
+    ior: float = parameter(1.5, "ior", "index of refraction of the dielectric", of=IOR, low=1.0, special=0.0)
+    specular: float = parameter(
+        1.0, "specularFactor", "weight of the dielectric's reflection", of=SPECULAR, low=0.0, high=1.0,
+        times="specular.A")
+    specular_texture: Texture | None = texture_map(
+        "specularTexture", "weight of the dielectric's reflection", of=SPECULAR, channels="A",
+        counts=lambda m: m.is_dielectric and m.specular > 0)
+    specular_color: RGB = parameter(
+        (1.0, 1.0, 1.0), "specularColorFactor", "tints the dielectric's f0", of=SPECULAR_TINT, low=0.0,
+        times="specular_color.RGB")
+    specular_color_texture: Texture | None = texture_map(
+        "specularColorTexture", "tints the dielectric's f0", of=SPECULAR_TINT, channels="RGB", srgb=True,
+        counts=lambda m: m.is_dielectric and m.specular > 0 and any(m.specular_color))
+    transmission: float = parameter(
+        0.0, "transmissionFactor", "share of what enters the dielectric that is refracted on", of=TRANSMISSION,
+        low=0.0, high=1.0, times="transmission.R")
+    transmission_texture: Texture | None = texture_map(
+        "transmissionTexture", "share of what enters that is refracted on", of=TRANSMISSION, channels="R",
+        counts=lambda m: m.is_dielectric and m.transmits)
+    thickness: float = parameter(
+        0.0, "thicknessFactor", "thickness of the volume; 0: a thin wall", of=VOLUME, low=0.0, times="thickness.G",
+        unit="mesh units", paths=False)
+    thickness_texture: Texture | None = texture_map(
+        "thicknessTexture", "thickness of the volume", of=VOLUME, channels="G", paths=False,
+        counts=lambda m: m.is_dielectric and m.transmits and m.thickness > 0)
+    attenuation_distance: float = parameter(
+        math.inf, "attenuationDistance", "distance over which light keeps attenuation_color", of=VOLUME, low=1e-9,
+        unit="world units", role="python")
+    attenuation_color: RGB = parameter(
+        (1.0, 1.0, 1.0), "attenuationColor", "what is left after attenuation_distance", of=VOLUME, low=0.0, high=1.0,
+        role="python")
     alpha_mode: AlphaMode = "opaque"
-    alpha_cutoff: float = 0.5
+    alpha_cutoff: float = parameter(
+        0.5, "alphaCutoff", "alpha below it is a hole, where alpha_mode is mask", of=CORE, low=0.0, role="argument",
+        switch="ALPHA_MODE == 1", unlit=True)
     double_sided: bool = False
     unlit: bool = False
     shininess: float | None = None
 
     @property
+    def is_dielectric(self) -> bool:
+        """Whether any of it may be dielectric."""
+        return self.metallic < 1 or self.metallic_roughness_texture is not None
+
+    @property
     def transmits(self) -> bool:
         """Whether light passes. Metals let none through, and what has ior 0 reflects all."""
-        is_metal = self.metallic == 1 and self.metallic_roughness_texture is None
-        return self.transmission > 0 and not is_metal and self.ior >= 1
+        return self.transmission > 0 and self.is_dielectric and self.ior >= 1
 
     @property
     def has_interface(self) -> bool:
         """Whether anything is reflected or refracted at the surface; else it is Lambertian."""
         return self.specular > 0 or self.metallic > 0 or self.transmits
-
-    @property
-    def bends_normals(self) -> bool:
-        """Whether there is a normal map that changes anything, for which a mesh needs tangents."""
-        return self.normal_texture is not None and not self.unlit and self.normal_scale != 0
 
     @property
     def absorption(self) -> np.ndarray:

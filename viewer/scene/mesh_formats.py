@@ -22,6 +22,7 @@ from .material import Material, Texture
 from .mesh import Mesh
 from .mtl import PLAIN, MaterialLibrary
 from .scene import Instance, Scene
+from .schema import needs_tangents
 from .texture_image import MESH_FORMATS, open_texture_image
 
 if TYPE_CHECKING:
@@ -139,7 +140,7 @@ class _Reader:
         mesh = self._with_normals(mesh, None if mesh.indices is None else given)
         mesh = replace(mesh, material=self._material(visual, mesh))
         material = self.materials[mesh.material]
-        return with_tangents(mesh, material.normal_texture) if material.bends_normals else mesh
+        return with_tangents(mesh, material.normal_texture) if needs_tangents(material) else mesh
 
     def _with_normals(self, mesh: Mesh, given: np.ndarray | None) -> Mesh:
         if given is not None and len(given) == len(mesh.positions):

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
+from ..schema import FEATURES
 from .element import Element
 
 SUPPORTED = frozenset({
     "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
     "KHR_materials_unlit",
-    "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
+    *(feature.extension for feature in FEATURES if feature.extension),
 })
 _WITHOUT_EFFECT = ("FB_ngon_encoding", "KHR_interactivity", "KHR_xmp", "KHR_xmp_json_ld", "MSFT_lod")
 """These never change how a still picture of the model at full detail looks."""

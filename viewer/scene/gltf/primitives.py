@@ -9,6 +9,7 @@ import numpy as np
 from ..frames import with_flat_normals, with_mended_normals, with_tangents
 from ..material import Material
 from ..mesh import Mesh
+from ..schema import MAPS, needs_tangents
 from . import deform
 from .accessors import Accessors
 from .element import Element
@@ -122,9 +123,7 @@ def _unit_tangents(tangents: np.ndarray | None) -> np.ndarray | None:
 
 def _with_uv_sets(mesh: Mesh, material: Material, primitive: Element) -> Mesh:
     """The mesh with zeros for the UV sets that its material asks for and it lacks."""
-    textures = (material.base_color_texture, material.metallic_roughness_texture, material.normal_texture,
-                material.occlusion_texture, material.emissive_texture, material.specular_texture,
-                material.specular_color_texture)
+    textures = [source.texture(material) for source in MAPS.values()]
     needed = max((texture.uv_set + 1 for texture in textures if texture), default=0)
     missing = needed - len(mesh.uvs)
     if missing <= 0:
@@ -144,7 +143,7 @@ def _complete(mesh: Mesh, material: Material, primitive: Element) -> Mesh:
             problem = f"{np.count_nonzero(bad)} normals are zero or not finite; they are computed"
             primitive.warn(problem, "attributes.NORMAL")
             mesh = with_mended_normals(mesh, bad)
-    if not material.bends_normals:
+    if not needs_tangents(material):
         return replace(mesh, tangents=None)
     if mesh.tangents is not None and np.isfinite(mesh.tangents).all():
         return mesh

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...material.pack import COLOR_ROLES
 from ...scene.color import LUMINANCE, srgb_to_linear
 from ...scene.material import Texture
 from ...scene.scene import Scene
 from .geometry import TraceGeometry, TraceInstance
-from .materials import EMISSION, TraceMaterial
+from .materials import TraceMaterial
 
 _MAX_SIDE = 1024
 """Texels of a summed-area table; those of a larger image are added up by blocks."""
@@ -44,7 +45,7 @@ def find_emitters(scene: Scene, geometry: TraceGeometry) -> tuple[np.ndarray, np
 
 
 def _emission_map(material: TraceMaterial) -> Texture | None:
-    return next((use.texture for use in material.color_maps if use.roles & EMISSION), None)
+    return next((use.texture for use in material.color_maps if use.roles & COLOR_ROLES["emissive"]), None)
 
 
 def _areas(geometry: TraceGeometry, instance: TraceInstance) -> np.ndarray:

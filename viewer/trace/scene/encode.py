@@ -7,14 +7,14 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...material.fold import without_constant_maps
-from ...material.maps import MAPS, material_map
 from ...scene.mesh import Mesh
 from ...scene.scene import Scene
+from ...scene.schema import MAPS, SWITCHED
 from ...scene.texture_image import TextureImage
 from .atlas import Page
 from .geometry import TraceGeometry, TraceInstance, TraceMesh
 from .glass import glass_switches
-from .materials import SPECULAR_COLOR, MapUse, map_words, material_words
+from .materials import MapUse, map_words, material_words
 from .scene_buffer import WordsBuilder
 
 INSTANCE_WORDS = 5
@@ -40,12 +40,9 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
         "HAS_UV1": any(texture.uv_set == 1 for texture in textures),
         "HAS_UV_TRANSFORM": any(texture.transform is not None for texture in textures),
         "HAS_COLOR": any(scene.meshes[mesh.source].colors is not None for mesh in geometry.meshes),
-        "HAS_EMISSION": any(any(m.material.emissive) for m in materials),
-        "SPECULAR_TINTED": any(m.material.specular_color != (1.0, 1.0, 1.0) for m in materials)
-        or any(use.roles & SPECULAR_COLOR for use in color),
+        **{f.switch: any(f.is_on(m.material) for m in materials) for f in SWITCHED},
         "HAS_SEE_THROUGH": any(instance.see_through for instance in geometry.instances),
         "HAS_UNLIT": any(m.material.unlit for m in materials),
-        "HAS_TRANSMISSION": any(m.transmission > 0 for m in materials),
         "HAS_VOLUME": any(m.sigma.any() for m in materials),
     }
     return {name: int(value or everything) for name, value in switches.items()} | glass_switches(materials)
@@ -57,9 +54,9 @@ def unused_maps(scene: Scene, geometry: TraceGeometry) -> list[str]:
     sampled = {(m.material, texture.image) for m in geometry.materials
                for texture in (*(use.texture for use in m.color_maps), *m.data_textures)}
     surfaces = [(m, plain) for m in scene.materials if (plain := without_constant_maps(m)) in used]
-    named = [(plain, material_map(plain, name)) for _, plain in surfaces for name in MAPS]
+    named = [(plain, MAPS[name].texture(plain)) for _, plain in surfaces for name in MAPS]
     idle = sum(texture is not None and (m, texture.image) not in sampled for m, texture in named)
-    constant = sum(material_map(m, name) != material_map(plain, name) for m, plain in surfaces for name in MAPS)
+    constant = sum(MAPS[name].texture(m) != MAPS[name].texture(plain) for m, plain in surfaces for name in MAPS)
     lines = [f"{constant} material map{'s' * (constant > 1)} of one colour: a factor does"] * bool(constant)
     if not idle:
         return lines

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from .materials import SPECULAR, SPECULAR_COLOR, TRANSMISSION, TraceMaterial
+from ...material.pack import COLOR_ROLES, DATA_ROLES
+from .materials import TraceMaterial
 
 
 def glass_switches(materials: Iterable[TraceMaterial]) -> dict[str, int]:
@@ -20,11 +21,11 @@ def glass_switches(materials: Iterable[TraceMaterial]) -> dict[str, int]:
 
 def _is_partly_glass(m: TraceMaterial) -> bool:
     # An index of 0 means that all is reflected (KHR_materials_ior).
-    varies = any(use.roles & TRANSMISSION for use in m.data_maps)
+    varies = any(use.roles & DATA_ROLES["transmission"] for use in m.data_maps)
     return varies or m.transmission < 1 or m.material.metallic > 0 or m.material.ior < 1
 
 
 def _has_own_interface(m: TraceMaterial) -> bool:
     plain = m.material.specular == 1 and m.material.specular_color == (1.0, 1.0, 1.0)
-    return not plain or any(use.roles & SPECULAR_COLOR for use in m.color_maps) \
-        or any(use.roles & SPECULAR for use in m.data_maps)
+    return not plain or any(use.roles & COLOR_ROLES["specular_color"] for use in m.color_maps) \
+        or any(use.roles & DATA_ROLES["specular"] for use in m.data_maps)

@@ -6,21 +6,21 @@ fields that read the same image in the same way, so that it is sampled once.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from ...material.pack import COLOR_ROLES, DATA_ROLES, record
+from ...material.use import used_maps
 from ...scene.material import Material, Sampler, Texture
 from ...scene.mesh import Mesh
-
-# Roles of a record in shaders/trace/material.glsl: bits of the fields that read it.
-BASE_COLOR, SPECULAR_COLOR, EMISSION = 1, 2, 4
-METALLIC_ROUGHNESS, SPECULAR, TRANSMISSION = 1, 2, 4
+from ...scene.schema import MAPS
 
 _WRAPS = ("repeat", "clamp", "mirror")
 _NEAREST, _SECOND_UV, _TRANSFORMED, _ROLES = 1 << 4, 1 << 5, 1 << 6, 8
 
-MATERIAL_WORDS, MAP_WORDS = 6, 3
+MAP_WORDS = 3
 
 
 @dataclass(frozen=True)
@@ -52,60 +52,34 @@ class TraceMaterial:
 
 def trace_material(material: Material, mesh: Mesh, unit: float) -> TraceMaterial:
     """What of `material` changes anything on `mesh`; `unit` is the world's length of a tracer unit."""
-    lit = not material.unlit
-    dielectric = lit and (material.metallic < 1 or material.metallic_roughness_texture is not None)
-    transmission = material.transmission if dielectric else 0.0
+    names = [name for name in used_maps(material, mesh, "unlit" if material.unlit else "pbr") if MAPS[name].info.paths]
+
+    def uses(roles: Mapping[str, int]) -> tuple[MapUse, ...]:
+        found: dict[Texture, int] = {}
+        for name in names:
+            if name in roles:
+                texture = MAPS[name].texture(material)
+                found[texture] = found.get(texture, 0) | roles[name]
+        return tuple(MapUse(texture, bits) for texture, bits in found.items())
+
+    transmits = material.transmits and not material.unlit
     is_thin = material.thickness <= 0
-    shines = any(material.emissive)
-    reflects = dielectric and material.specular > 0
-    has_lobes = lit and (material.metallic > 0 or material.perceptual_roughness > 0)
-
-    def maps(*fields: tuple[str, int, bool]) -> tuple[MapUse, ...]:
-        uses: dict[Texture, int] = {}
-        for name, role, matters in fields:
-            texture = getattr(material, f"{name}_texture")
-            if matters and texture is not None and texture.uv_set < len(mesh.uvs):
-                uses[texture] = uses.get(texture, 0) | role
-        return tuple(MapUse(texture, roles) for texture, roles in uses.items())
-
-    # The shaders look for the base colour in the first record and for emission in the last.
-    color_maps = maps(
-        ("base_color", BASE_COLOR, True),
-        ("specular_color", SPECULAR_COLOR, reflects and any(material.specular_color)),
-        ("emissive", EMISSION, shines),
-    )
-    data_maps = maps(
-        ("metallic_roughness", METALLIC_ROUGHNESS, has_lobes),
-        ("specular", SPECULAR, reflects),
-        ("transmission", TRANSMISSION, transmission > 0),
-    )
-    has_normals = lit and mesh.tangents is not None and mesh.normals is not None and material.normal_scale != 0
-    normal = maps(("normal", 1, has_normals))
     return TraceMaterial(
         material,
-        # Emission that shares the base colour's record, with another behind them: it gets one of its own.
-        _emission_last(color_maps),
-        data_maps,
-        normal[0].texture if normal else None,
-        transmission,
-        np.zeros(3) if is_thin or transmission == 0 else material.absorption * unit,
+        _emission_last(uses(COLOR_ROLES)),
+        uses(DATA_ROLES),
+        material.normal_texture if "normal" in names else None,
+        material.transmission if transmits else 0.0,
+        np.zeros(3) if is_thin or not transmits else material.absorption * unit,
         is_thin,
     )
 
 
 def material_words(material: TraceMaterial, first_color: int, first_data: int, normal: int) -> np.ndarray:
-    """(MATERIAL_WORDS, 4) uint32, the records of its maps being given by their numbers (`normal` -1 for none)."""
-    m = material.material
-    cutoff = -1.0 if m.alpha_mode == "blend" else m.alpha_cutoff
-    floats = np.array([
-        m.base_color,
-        (m.metallic, m.perceptual_roughness, m.ior, m.specular),
-        (*m.specular_color, cutoff),
-        (*m.emissive, m.normal_scale),
-        (*material.sigma, material.transmission),
-    ], np.float32)
+    """(RECORD_TEXELS, 4) uint32, the records of its maps being given by their numbers (`normal` -1 for none)."""
+    values = record(material.material, {"sigma": tuple(material.sigma), "transmission": material.transmission})
     maps = (first_color | len(material.color_maps) << 24, first_data | len(material.data_maps) << 24, normal + 1, 0)
-    return np.concatenate([floats.view(np.uint32), np.array([maps], np.uint32)])
+    return np.concatenate([values.view(np.uint32), np.array([maps], np.uint32)])
 
 
 def map_words(texture: Texture, roles: int, page: tuple[int, int, int, int]) -> np.ndarray:
@@ -122,8 +96,13 @@ def map_words(texture: Texture, roles: int, page: tuple[int, int, int, int]) -> 
 
 
 def _emission_last(maps: tuple[MapUse, ...]) -> tuple[MapUse, ...]:
-    shared = next((use for use in maps[:-1] if use.roles & EMISSION), None)
-    if shared is None:
+    """Shaders look for the base colour in the first record and for emission in the last.
+
+    Emission gets a record of its own where it would share one that has to come first.
+    """
+    emission = COLOR_ROLES["emissive"]
+    own = next((use for use in maps if use.roles & emission), None)
+    if own is None or own is maps[-1]:
         return maps
-    rest = tuple(MapUse(use.texture, use.roles & ~EMISSION) for use in maps)
-    return (*(use for use in rest if use.roles), MapUse(shared.texture, EMISSION))
+    rest = (MapUse(use.texture, use.roles & ~emission) for use in maps)
+    return (*(use for use in rest if use.roles), MapUse(own.texture, emission))

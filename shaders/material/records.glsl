@@ -1,0 +1,122 @@
+// Written by `python -m viewer.material` from viewer/scene/material.py; change it there.
+// A material's parameters and maps as the path tracer has them (viewer/material/pack.py).
+#include "material/inputs.glsl"
+#include "trace/words.glsl"
+#if HAS_TEXTURES
+#include "trace/atlas.glsl"
+#endif
+
+uniform int u_materials;
+
+const uint BASE_COLOR_ROLE = 1u, EMISSIVE_ROLE = 2u, SPECULAR_COLOR_ROLE = 4u;
+const uint METALLIC_ROUGHNESS_ROLE = 1u, SPECULAR_ROLE = 2u, TRANSMISSION_ROLE = 4u;
+
+int material_texel(int material, int part) {
+    return u_materials + material * 6 + part;
+}
+
+vec4 base_color_factor(int material) {
+    return word_float(material_texel(material, 0)).xyzw;
+}
+
+float metallic_factor(int material) {
+    return word_float(material_texel(material, 1)).x;
+}
+
+float perceptual_roughness_factor(int material) {
+    return word_float(material_texel(material, 1)).y;
+}
+
+float ior_factor(int material) {
+    return word_float(material_texel(material, 1)).z;
+}
+
+float specular_factor(int material) {
+    return word_float(material_texel(material, 1)).w;
+}
+
+float normal_scale_factor(int material) {
+    return word_float(material_texel(material, 2)).x;
+}
+
+vec3 emissive_factor(int material) {
+    return word_float(material_texel(material, 2)).yzw;
+}
+
+vec3 specular_color_factor(int material) {
+    return word_float(material_texel(material, 3)).xyz;
+}
+
+float transmission_factor(int material) {
+    return word_float(material_texel(material, 3)).w;
+}
+
+float alpha_cutoff_factor(int material) {
+    return word_float(material_texel(material, 4)).x;
+}
+
+vec3 sigma_factor(int material) {
+    return word_float(material_texel(material, 4)).yzw;
+}
+
+// Where the material's maps are: runs of colours and of data, first | count << 24; the normal map + 1
+uvec4 map_records(int material) {
+    return word(material_texel(material, 5));
+}
+
+// `color` is the vertices'.
+MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
+    MaterialInputs m = DEFAULT_INPUTS;
+    m.base_color = base_color_factor(material);
+#if HAS_EMISSION
+    m.emissive = emissive_factor(material);
+#endif
+    m.metallic = metallic_factor(material);
+    m.perceptual_roughness = perceptual_roughness_factor(material);
+    m.ior = ior_factor(material);
+    m.specular = specular_factor(material);
+#if HAS_TRANSMISSION
+    m.transmission = transmission_factor(material);
+#endif
+#if SPECULAR_TINTED
+    m.specular_color = specular_color_factor(material);
+#endif
+    m.base_color *= color;
+#if HAS_TEXTURES
+    uvec4 maps = map_records(material);
+#endif
+#if HAS_COLOR_MAPS
+    int color_end = int((maps.x & 0xffffffu) + (maps.x >> 24));
+    for (int k = int(maps.x & 0xffffffu); k < color_end; ++k) {
+        TextureMap map = texture_map(k, uv0, uv1);
+        vec4 texel = sample_atlas(u_color_atlas, map);
+        if (has_role(map, BASE_COLOR_ROLE)) {
+            m.base_color *= texel.rgba;
+        }
+        if (has_role(map, EMISSIVE_ROLE)) {
+            m.emissive *= texel.rgb;
+        }
+        if (has_role(map, SPECULAR_COLOR_ROLE)) {
+            m.specular_color *= texel.rgb;
+        }
+    }
+#endif
+#if HAS_DATA_MAPS
+    int data_end = int((maps.y & 0xffffffu) + (maps.y >> 24));
+    for (int k = int(maps.y & 0xffffffu); k < data_end; ++k) {
+        TextureMap map = texture_map(k, uv0, uv1);
+        vec4 texel = sample_atlas(u_data_atlas, map);
+        if (has_role(map, METALLIC_ROUGHNESS_ROLE)) {
+            m.metallic *= texel.b;
+            m.perceptual_roughness *= texel.g;
+        }
+        if (has_role(map, SPECULAR_ROLE)) {
+            m.specular *= texel.a;
+        }
+        if (has_role(map, TRANSMISSION_ROLE)) {
+            m.transmission *= texel.r;
+        }
+    }
+#endif
+    return m;
+}

@@ -1,0 +1,184 @@
+// Written by `python -m viewer.material` from viewer/scene/material.py; change it there.
+// A material's parameters as uniforms, and its maps as samplers (raster/attributes.glsl).
+#include "material/inputs.glsl"
+#include "raster/attributes.glsl"
+
+uniform vec4 u_base_color;
+#if ALPHA_MODE == 1
+uniform float u_alpha_cutoff;
+#endif
+#if HAS_EMISSION
+uniform vec3 u_emissive;
+#endif
+#if HAS_NORMAL
+uniform float u_metallic;
+uniform float u_perceptual_roughness;
+uniform float u_ior;
+uniform float u_specular;
+#endif
+#if HAS_TRANSMISSION
+uniform float u_transmission;
+#endif
+#if IS_SOLID
+uniform float u_thickness;
+#endif
+#if NORMAL_MAP
+uniform float u_normal_scale;
+#endif
+#if OCCLUSION_MAP
+uniform float u_occlusion_strength;
+#endif
+#if SPECULAR_TINTED
+uniform vec3 u_specular_color;
+#endif
+
+#if BASE_COLOR_MAP
+uniform sampler2D u_base_color_map;
+uniform mat3x2 u_base_color_transform;
+vec4 base_color_texel() {
+    return texture(u_base_color_map, map_uv(BASE_COLOR_UV, BASE_COLOR_TRANSFORM,
+        u_base_color_transform, BASE_COLOR_MIRROR));
+}
+#endif
+
+#if METALLIC_ROUGHNESS_MAP
+uniform sampler2D u_metallic_roughness_map;
+uniform mat3x2 u_metallic_roughness_transform;
+vec4 metallic_roughness_texel() {
+    return texture(u_metallic_roughness_map, map_uv(METALLIC_ROUGHNESS_UV, METALLIC_ROUGHNESS_TRANSFORM,
+        u_metallic_roughness_transform, METALLIC_ROUGHNESS_MIRROR));
+}
+#endif
+
+#if NORMAL_MAP
+uniform sampler2D u_normal_map;
+uniform mat3x2 u_normal_transform;
+vec4 normal_texel() {
+    return texture(u_normal_map, map_uv(NORMAL_UV, NORMAL_TRANSFORM,
+        u_normal_transform, NORMAL_MIRROR));
+}
+#endif
+
+#if OCCLUSION_MAP
+uniform sampler2D u_occlusion_map;
+uniform mat3x2 u_occlusion_transform;
+vec4 occlusion_texel() {
+    return texture(u_occlusion_map, map_uv(OCCLUSION_UV, OCCLUSION_TRANSFORM,
+        u_occlusion_transform, OCCLUSION_MIRROR));
+}
+#endif
+
+#if EMISSIVE_MAP
+uniform sampler2D u_emissive_map;
+uniform mat3x2 u_emissive_transform;
+vec4 emissive_texel() {
+    return texture(u_emissive_map, map_uv(EMISSIVE_UV, EMISSIVE_TRANSFORM,
+        u_emissive_transform, EMISSIVE_MIRROR));
+}
+#endif
+
+#if SPECULAR_MAP
+uniform sampler2D u_specular_map;
+uniform mat3x2 u_specular_transform;
+vec4 specular_texel() {
+    return texture(u_specular_map, map_uv(SPECULAR_UV, SPECULAR_TRANSFORM,
+        u_specular_transform, SPECULAR_MIRROR));
+}
+#endif
+
+#if SPECULAR_COLOR_MAP
+uniform sampler2D u_specular_color_map;
+uniform mat3x2 u_specular_color_transform;
+vec4 specular_color_texel() {
+    return texture(u_specular_color_map, map_uv(SPECULAR_COLOR_UV, SPECULAR_COLOR_TRANSFORM,
+        u_specular_color_transform, SPECULAR_COLOR_MIRROR));
+}
+#endif
+
+#if TRANSMISSION_MAP
+uniform sampler2D u_transmission_map;
+uniform mat3x2 u_transmission_transform;
+vec4 transmission_texel() {
+    return texture(u_transmission_map, map_uv(TRANSMISSION_UV, TRANSMISSION_TRANSFORM,
+        u_transmission_transform, TRANSMISSION_MIRROR));
+}
+#endif
+
+#if THICKNESS_MAP
+uniform sampler2D u_thickness_map;
+uniform mat3x2 u_thickness_transform;
+vec4 thickness_texel() {
+    return texture(u_thickness_map, map_uv(THICKNESS_UV, THICKNESS_TRANSFORM,
+        u_thickness_transform, THICKNESS_MIRROR));
+}
+#endif
+
+MaterialInputs read_inputs() {
+    MaterialInputs m = DEFAULT_INPUTS;
+    m.base_color = u_base_color;
+#if HAS_EMISSION
+    m.emissive = u_emissive;
+#endif
+#if HAS_NORMAL
+    m.metallic = u_metallic;
+    m.perceptual_roughness = u_perceptual_roughness;
+    m.ior = u_ior;
+    m.specular = u_specular;
+#endif
+#if HAS_TRANSMISSION
+    m.transmission = u_transmission;
+#endif
+#if IS_SOLID
+    m.thickness = u_thickness;
+#endif
+#if SPECULAR_TINTED
+    m.specular_color = u_specular_color;
+#endif
+#if BASE_COLOR_MAP
+    {
+        vec4 texel = base_color_texel();
+        m.base_color *= texel.rgba;
+    }
+#endif
+#if METALLIC_ROUGHNESS_MAP
+    {
+        vec4 texel = metallic_roughness_texel();
+        m.metallic *= texel.b;
+        m.perceptual_roughness *= texel.g;
+    }
+#endif
+#if EMISSIVE_MAP
+    {
+        vec4 texel = emissive_texel();
+        m.emissive *= texel.rgb;
+    }
+#endif
+#if SPECULAR_MAP
+    {
+        vec4 texel = specular_texel();
+        m.specular *= texel.a;
+    }
+#endif
+#if SPECULAR_COLOR_MAP
+    {
+        vec4 texel = specular_color_texel();
+        m.specular_color *= texel.rgb;
+    }
+#endif
+#if TRANSMISSION_MAP
+    {
+        vec4 texel = transmission_texel();
+        m.transmission *= texel.r;
+    }
+#endif
+#if THICKNESS_MAP
+    {
+        vec4 texel = thickness_texel();
+        m.thickness *= texel.g;
+    }
+#endif
+#if HAS_COLOR
+    m.base_color *= v_color;
+#endif
+    return m;
+}

@@ -1,0 +1,31 @@
+// What a fragment gets from its vertices, and where its maps are read. A map M reads the UV set M_UV, through the affine
+// map u_M_transform where M_TRANSFORM is 1 (KHR_texture_transform); M_MIRROR has bits for mirrored repetition along s
+// and t. UV_SETS has a bit for each UV set that the program reads.
+#if HAS_COLOR
+in vec4 v_color;
+#endif
+#if UV_SETS & 1
+in vec2 v_uv0;
+#endif
+#if UV_SETS & 2
+in vec2 v_uv1;
+#endif
+
+vec2 mesh_uv(int uv_set) {
+#if UV_SETS == 3
+    return uv_set == 0 ? v_uv0 : v_uv1;
+#elif UV_SETS == 2
+    return v_uv1;
+#elif UV_SETS == 1
+    return v_uv0;
+#else
+    return vec2(0.0);
+#endif
+}
+
+vec2 map_uv(int uv_set, int is_transformed, mat3x2 transform, int mirror) {
+    vec2 uv = mesh_uv(uv_set);
+    if (is_transformed != 0) uv = transform * vec3(uv, 1.0);
+    vec2 folded = 1.0 - abs(mod(uv, 2.0) - 1.0);
+    return vec2((mirror & 1) != 0 ? folded.x : uv.x, (mirror & 2) != 0 ? folded.y : uv.y);
+}

@@ -1,0 +1,19 @@
+"""`python -m viewer.material` writes what follows from the declaration of materials: shaders/material and a table."""
+
+from __future__ import annotations
+
+from ..base.resources import resource_folder
+from .document import table
+from .glsl import files
+
+
+def main() -> None:
+    shaders = resource_folder("shaders")
+    for name, text in files().items():
+        (shaders / "material" / name).write_text(text, encoding="utf-8")
+    page = shaders.parent / "docs" / "materials.md"
+    page.write_text(table(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

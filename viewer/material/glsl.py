@@ -1,0 +1,126 @@
+"""The GLSL by which shaders read a material, written from its declaration into shaders/material/.
+
+`python -m viewer.material` writes the files; a test compares them with what this makes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from itertools import groupby
+
+from ..scene.schema import MAPS, PARAMETERS, Parameter, multiplied_by
+from .pack import COLOR_ROLES, DATA_ROLES, MAPS_TEXEL, RECORD, RECORD_TEXELS
+
+_TYPES = {1: "float", 3: "vec3", 4: "vec4"}
+_HEAD = "// Written by `python -m viewer.material` from viewer/scene/material.py; change it there.\n"
+
+
+def files() -> dict[str, str]:
+    """The text of each file of shaders/material, by its name."""
+    return {"inputs.glsl": _HEAD + _inputs(), "uniforms.glsl": _HEAD + _uniforms(), "records.glsl": _HEAD + _records()}
+
+
+def _inputs() -> str:
+    members = [p for p in PARAMETERS.values() if p.info.role == "input"]
+    lines = [f"    {_type(p)} {p.name};{' ' * max(30 - len(_type(p)) - len(p.name), 1)}// {p.info.meaning}{_unit(p)}"
+             for p in members]
+    defaults = ", ".join(_literal(p) for p in members)
+    return "\n".join([
+        "// What a material is at one point: its parameters, with maps and vertex colours multiplied in.",
+        "struct MaterialInputs {", *lines, "};", "",
+        f"const MaterialInputs DEFAULT_INPUTS = MaterialInputs(\n    {defaults});", ""])
+
+
+def _uniforms() -> str:
+    """The raster's: a uniform for each parameter, a sampler for each map that the program's switches name."""
+    lines = ["// A material's parameters as uniforms, and its maps as samplers (raster/attributes.glsl).",
+             '#include "material/inputs.glsl"', '#include "raster/attributes.glsl"', ""]
+    shown = [p for p in PARAMETERS.values() if p.info.role != "python"]
+    lines += _guarded(shown, "uniform {type} u_{name};")
+    for source in MAPS.values():
+        name, macro = source.name, source.name.upper()
+        lines += ["", f"#if {macro}_MAP", f"uniform sampler2D u_{name}_map;", f"uniform mat3x2 u_{name}_transform;",
+                  f"vec4 {name}_texel() {{",
+                  f"    return texture(u_{name}_map, map_uv({macro}_UV, {macro}_TRANSFORM,",
+                  f"        u_{name}_transform, {macro}_MIRROR));", "}", "#endif"]
+    lines += ["", "MaterialInputs read_inputs() {", "    MaterialInputs m = DEFAULT_INPUTS;"]
+    lines += _guarded([p for p in shown if p.info.role == "input"], "    m.{name} = u_{name};")
+    for source in MAPS.values():
+        products = [f"        m.{p.name} *= texel.{_swizzle(p)};" for p in multiplied_by(source.name)]
+        if products:
+            lines += [f"#if {source.name.upper()}_MAP", "    {", f"        vec4 texel = {source.name}_texel();",
+                      *products, "    }", "#endif"]
+    lines += ["#if HAS_COLOR", "    m.base_color *= v_color;", "#endif", "    return m;", "}", ""]
+    return "\n".join(lines)
+
+
+def _records() -> str:
+    """The path tracer's: values and maps from the scene buffer, maps in two runs of records."""
+    lines = ["// A material's parameters and maps as the path tracer has them (viewer/material/pack.py).",
+             '#include "material/inputs.glsl"', '#include "trace/words.glsl"', "#if HAS_TEXTURES",
+             '#include "trace/atlas.glsl"', "#endif", "", "uniform int u_materials;", ""]
+    for kind, roles in (("COLOR", COLOR_ROLES), ("DATA", DATA_ROLES)):
+        listed = ", ".join(f"{name.upper()}_ROLE = {bit}u" for name, bit in roles.items())
+        lines += [f"const uint {listed};"]
+    lines += ["", "int material_texel(int material, int part) {",
+              f"    return u_materials + material * {RECORD_TEXELS} + part;", "}", ""]
+    for name, place in RECORD.items():
+        lines += [f"{_TYPES[place.size]} {name}_factor(int material) {{",
+                  f"    return word_float(material_texel(material, {place.texel})).{place.swizzle};", "}", ""]
+    lines += ["// Where the material's maps are: runs of colours and of data, first | count << 24; the normal map + 1",
+              "uvec4 map_records(int material) {",
+              f"    return word(material_texel(material, {MAPS_TEXEL}));", "}", "", "// `color` is the vertices'.",
+              "MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {",
+              "    MaterialInputs m = DEFAULT_INPUTS;"]
+    shown = [p for p in PARAMETERS.values() if p.info.role == "input" and p.info.paths]
+    lines += _guarded(shown, "    m.{name} = {name}_factor(material);", has_unlit=False)
+    lines.append("    m.base_color *= color;")
+    lines += ["#if HAS_TEXTURES", "    uvec4 maps = map_records(material);", "#endif"]
+    for kind, roles, run in (("color", COLOR_ROLES, "x"), ("data", DATA_ROLES, "y")):
+        lines += [f"#if HAS_{kind.upper()}_MAPS",
+                  f"    int {kind}_end = int((maps.{run} & 0xffffffu) + (maps.{run} >> 24));",
+                  f"    for (int k = int(maps.{run} & 0xffffffu); k < {kind}_end; ++k) {{",
+                  "        TextureMap map = texture_map(k, uv0, uv1);",
+                  f"        vec4 texel = sample_atlas(u_{kind}_atlas, map);"]
+        for name in roles:
+            products = [f"            m.{p.name} *= texel.{_swizzle(p)};" for p in multiplied_by(name)]
+            lines += [f"        if (has_role(map, {name.upper()}_ROLE)) {{", *products, "        }"]
+        lines += ["    }", "#endif"]
+    lines += ["    return m;", "}", ""]
+    return "\n".join(lines)
+
+
+def _guarded(parameters: Iterable[Parameter], text: str, has_unlit: bool = True) -> list[str]:
+    """A line for each parameter, under #if where only some programs have it.
+
+    With `has_unlit` there are programs without light, HAS_NORMAL 0, which have few of them.
+    """
+    lines: list[str] = []
+    conditions = {True: "", False: "HAS_NORMAL"} if has_unlit else {True: "", False: ""}
+    for condition, group in groupby(sorted(parameters, key=lambda p: (not p.info.unlit, _guard(p, conditions))),
+                                    key=lambda p: _guard(p, conditions)):
+        body = [text.format(type=_type(p), name=p.name) for p in group]
+        lines += [f"#if {condition}", *body, "#endif"] if condition else body
+    return lines
+
+
+def _guard(p: Parameter, conditions: Mapping[bool, str]) -> str:
+    return p.info.switch or conditions[p.info.unlit]
+
+
+def _swizzle(p: Parameter) -> str:
+    return p.map_and_channels[1].lower()
+
+
+def _type(p: Parameter) -> str:
+    return _TYPES[p.size]
+
+
+def _unit(p: Parameter) -> str:
+    return f" ({p.info.unit})" if p.info.unit else ""
+
+
+def _literal(p: Parameter) -> str:
+    values = p.default if isinstance(p.default, tuple) else (p.default,)
+    numbers = ", ".join(f"{float(v)}" for v in values)
+    return f"{_type(p)}({numbers})" if p.size > 1 else numbers

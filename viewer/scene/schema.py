@@ -1,0 +1,77 @@
+"""The parameters, texture maps and features of a material, as viewer/scene/material.py declares them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+from .material import Material, Texture
+from .parameter import Feature, MapInfo, ParameterInfo
+
+Value = float | tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter: a number, or a tuple of 3 or 4."""
+
+    name: str
+    default: Value
+    info: ParameterInfo
+
+    @property
+    def size(self) -> int:
+        """How many numbers it has."""
+        return len(self.default) if isinstance(self.default, tuple) else 1
+
+    @property
+    def map_and_channels(self) -> tuple[str, str]:
+        """The map that multiplies it and the channels that do, or two empty strings."""
+        name, _, channels = self.info.times.partition(".")
+        return name, channels
+
+    def value(self, material: Material) -> Value:
+        """What shaders are given: the material's, or the default where the material lacks the feature."""
+        return getattr(material, self.name) if self.info.feature.is_on(material) else self.default
+
+
+@dataclass(frozen=True)
+class Map:
+    """A texture map; its field is called `<name>_texture`."""
+
+    name: str
+    info: MapInfo
+
+    def texture(self, material: Material) -> Texture | None:
+        return getattr(material, f"{self.name}_texture")
+
+
+_FIELDS = fields(Material)
+PARAMETERS = {f.name: Parameter(f.name, f.default, f.metadata["parameter"])
+              for f in _FIELDS if "parameter" in f.metadata}
+MAPS = {name: Map(name, f.metadata["map"])
+        for f in _FIELDS if "map" in f.metadata for name in [f.name.removesuffix("_texture")]}
+FEATURES: tuple[Feature, ...] = tuple(dict.fromkeys(
+    thing.info.feature for thing in (*PARAMETERS.values(), *MAPS.values())))
+SWITCHED = tuple(feature for feature in FEATURES if feature.switch)
+"""The features that shaders may lack."""
+MAP_SWITCHES = ("MAP", "UV", "TRANSFORM", "MIRROR")
+"""Of a map NORMAL the switches NORMAL_MAP, NORMAL_UV and so on: shaders/raster/attributes.glsl."""
+
+
+def multiplied_by(name: str) -> tuple[Parameter, ...]:
+    """The parameters that a map multiplies."""
+    return tuple(p for p in PARAMETERS.values() if p.map_and_channels[0] == name)
+
+
+def no_switches() -> dict[str, int]:
+    """The switches of a program that reads no map and has no feature."""
+    off = {feature.switch: 0 for feature in SWITCHED}
+    return off | {f"{name.upper()}_{word}": 0 for name in MAPS for word in MAP_SWITCHES}
+
+
+def needs_tangents(material: Material) -> bool:
+    """Whether a mesh of this material needs tangents."""
+    if material.unlit:
+        return False
+    maps = (m for m in MAPS.values() if m.info.needs_tangents and m.texture(material) is not None)
+    return any(m.info.counts(material) for m in maps) or any(f.needs_tangents and f.is_on(material) for f in SWITCHED)
