@@ -16,8 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
-MOST = 12
-"""Lines of each section."""
+MOST_LINES, MOST_LETTERS = 12, 240
+"""Of each section, of each line."""
 
 
 def picture_lines(before: dict, after: dict, name: str, arrays: tuple[Mapping, Mapping], section: str) -> Iterator[str]:
@@ -51,17 +51,17 @@ def fact_lines(before: object, after: object, name: str) -> Iterator[str]:
 
 def _short(value: object) -> str:
     text = json.dumps(value)
-    return text if len(text) <= 200 else text[:200] + " ..."
+    return text if len(text) <= MOST_LETTERS else text[:MOST_LETTERS] + " ..."
 
 
 def program_lines(before: dict, after: dict, name: str) -> Iterator[str]:
     if before["sha256"] != after["sha256"]:
-        yield f"{name}: other text, {before['lines']} lines before, {after['lines']} after"
+        yield f"{before['lines']} lines before, {after['lines']} after: {name}"
 
 
 def section_lines(before: dict, after: dict, lines: Callable[[dict, dict, str], Iterator[str]]) -> list[str]:
-    found = [f"{name}: gone" for name in before if name not in after]
-    found += [f"{name}: new" for name in after if name not in before]
+    found = [f"gone: {name}" for name in before if name not in after]
+    found += [f"new: {name}" for name in after if name not in before]
     return found + [line for name in before if name in after for line in lines(before[name], after[name], name)]
 
 
@@ -99,10 +99,10 @@ def main(first: str, second: str) -> int:
               else f"{section}: {len(one)} entries, all equal")
         if lines and section.endswith("programs"):
             print(f"  {program_summary(one, other)}")
-        for line in lines[:MOST]:
-            print(f"  {line}")
-        if len(lines) > MOST:
-            print(f"  ... and {len(lines) - MOST} more")
+        for line in lines[:MOST_LINES]:
+            print(f"  {line if len(line) <= 2 * MOST_LETTERS else line[:2 * MOST_LETTERS] + ' ...'}")
+        if len(lines) > MOST_LINES:
+            print(f"  ... and {len(lines) - MOST_LINES} more")
     return int(differs)
 
 

@@ -40,14 +40,15 @@ def compiled() -> Iterator[list[list[ProgramSource]]]:
 
 
 def planned(scene: Scene, settings: Settings) -> list[list[ProgramSource]]:
-    """Likewise the programs that the plan names, without a device."""
+    """Likewise the programs that the plan names, without a device; of mode path the fragment shaders, for the passes
+    choose the others."""
     if settings.mode == "path":
-        vertex, programs = "display/fullscreen.vert", plan_without_device(scene, settings).programs.values()
-    else:
-        is_lit, is_reflected = environment_use(scene, settings)
-        suns = bake_environment(scene.environment, settings.ndf, levels=is_reflected).suns \
-            if is_lit and scene.environment is not None else ()
-        plan = plan_scene(scene, settings, [*scene.lights, *suns], half_target=True, orthographic=False,
-                          samples=settings.samples(is_software=False, is_still=True))
-        vertex, programs = "raster/surface.vert", plan.programs
-    return [[assemble(file, dict(program.switches)) for file in (vertex, program.fragment)] for program in programs]
+        return [[assemble(program.fragment, dict(program.switches))]
+                for program in plan_without_device(scene, settings).programs.values()]
+    is_lit, is_reflected = environment_use(scene, settings)
+    suns = bake_environment(scene.environment, settings.ndf, levels=is_reflected).suns \
+        if is_lit and scene.environment is not None else ()
+    plan = plan_scene(scene, settings, [*scene.lights, *suns], half_target=True, orthographic=False,
+                      samples=settings.samples(is_software=False, is_still=True))
+    return [[assemble(file, dict(program.switches)) for file in ("raster/surface.vert", program.fragment)]
+            for program in plan.programs]
