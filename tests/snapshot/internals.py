@@ -7,15 +7,15 @@ from contextlib import contextmanager
 
 import viewer.gpu.program
 from viewer.bake.environment import bake_environment
+from viewer.base.resources import resource_folder
 from viewer.gpu.context import Context, create_context
 from viewer.gpu.source import ProgramSource, assemble, display_name
-from viewer.info import describe_scene
-from viewer.plan import environment_use, plan_scene
+from viewer.jobs.info import describe_scene
+from viewer.plan.planner import environment_use, plan_scene
 from viewer.raster.renderer import Renderer
-from viewer.resources import resource_folder
 from viewer.scene.scene import Scene
 from viewer.settings import Settings
-from viewer.trace.traced_scene import plan_without_device
+from viewer.trace.scene.traced_scene import plan_without_device
 from viewer.trace.tracer import Tracer
 
 __all__ = ["Context", "ProgramSource", "Renderer", "Tracer", "compiled", "create_context", "describe_scene",
