@@ -109,9 +109,10 @@ SUN = (Light.from_angles(-0.6, 0.7, 3.0),)
 LAMP = (Light("point", intensity=6.0, position=(-1.2, 1.5, 1.5)),)
 SPOT = (Light("spot", intensity=8.0, position=(-1.0, 1.2, 2.0), direction=(0.4, -0.5, -0.77), inner_cone=0.1,
               outer_cone=0.4),)
-MAPS = "the raster looks a filtered map up"
-STRETCH = "the raster's filtered map has no reflections stretched by grazing angles"
-CAUGHT = "of light at a surface inside the raster follows what is more than half"
+MAPS = "The rasterizer reads a prefiltered environment."
+STRETCH = "The prefiltered environment lacks the stretched reflections of grazing angles."
+CAUGHT = "At each surface inside, the rasterizer follows only the stronger of reflection and refraction."
+EDGES = "Edges weigh much in a picture that is mostly empty."
 FEATURES = [
     Feature("uniform light, diffuse", ball(constant(), **GREY), 0.004, 0.012),
     Feature("uniform light, plastic", ball(constant(), **PLASTIC), 0.004, 0.015),
@@ -124,7 +125,7 @@ FEATURES = [
     Feature("studio, gold 0.1", ball("studio", perceptual_roughness=0.1, **GOLD), 0.015, 0.06, MAPS),
     Feature("studio, gold 0.5", ball("studio", perceptual_roughness=0.5, **GOLD), 0.015, 0.16, STRETCH),
     Feature("specular anti-aliasing, gold 0.1", ball("studio", perceptual_roughness=0.1, **GOLD), 0.07, 0.2,
-            "the raster widens reflections that are finer than a pixel of so small a ball",
+            "The rasterizer widens reflections that are finer than a pixel of so small a ball.",
             settings={"specular_aa": "on"}),
     Feature("sun, diffuse", ball(lights=SUN, **GREY), 0.004, 0.012),
     Feature("sun, plastic", ball(lights=SUN, **PLASTIC), 0.004, 0.012),
@@ -135,22 +136,23 @@ FEATURES = [
             0.012),
     Feature("unlit", ball("studio", base_color=(0.9, 0.4, 0.1, 1), unlit=True), 0.004, 0.012),
     Feature("shadow of a sun", shadows, 0.004, 0.015),
-    Feature("blended pane", pane, 0.015, 0.02, "light that goes to and fro between pane and wall"),
+    Feature("blended pane", pane, 0.015, 0.02, "The path tracer includes interreflection between pane and wall."),
     Feature("furnace, glass ball", ball(constant(), **GLASS), 0.004, 0.012),
     Feature("furnace, rough thin glass", ball(constant(), **(GLASS | {"thickness": 0.0, "perceptual_roughness": 0.5})),
-            0.25, 0.28, "on four passages paths lose what facets scatter more than once"),
+            0.25, 0.28, "The path tracer loses the light that microfacets scatter more than once, at four interfaces."),
     Feature("studio, glass ball", ball("studio", **GLASS), 0.5, 1.2,
-            "the raster knows no reflections inside; the far side is a guess"),
+            "The rasterizer has no internal reflections and guesses the far side of the ball."),
     Feature("studio, glass ball, traced", ball("studio", **GLASS), 0.02, 0.25, CAUGHT,
             settings={"refraction": "traced"}),
     Feature("studio, hollow glass ball, traced", hollow_ball, 0.09, 0.25, CAUGHT, settings={"refraction": "traced"}),
     Feature("window of coloured glass", window(), 0.004, 0.012),
-    Feature("window of rough glass", window(0.4), 0.03, 0.04, "the raster blurs the picture, paths the light"),
+    Feature("window of rough glass", window(0.4), 0.03, 0.04,
+            "The rasterizer blurs the picture behind the glass, the path tracer scatters the light."),
     Feature("normal map", asset("normal-map", None), 0.01, 0.03,
-            "the raster shades the mean of a pixel's normals, paths average the shading", spp=16, size=144),
-    Feature("textures", asset("textures", "studio"), 0.015, 0.04, "edges in a picture that is mostly empty", spp=16,
+            "The rasterizer shades a pixel's mean normal, the path tracer averages the shading.", spp=16, size=144),
+    Feature("textures", asset("textures", "studio"), 0.015, 0.04, EDGES, spp=16,
             size=144),
-    Feature("vertex colours", asset("vertex-colors", "studio"), 0.015, 0.04, "likewise", spp=16, size=144),
+    Feature("vertex colours", asset("vertex-colors", "studio"), 0.015, 0.04, EDGES, spp=16, size=144),
 ]
 
 
@@ -181,17 +183,28 @@ def _blocks(pixels: np.ndarray) -> np.ndarray:
     return pixels.reshape(BLOCKS, rows, BLOCKS, columns, 3).mean(axis=(1, 3))
 
 
+INTRODUCTION = """\
+# The rasterizer against the path tracer, feature by feature
+
+    python tests/trace/features.py
+
+renders each scene below with both renderers and writes this page. Both use the same BSDF files, so a difference shows
+what the rasterizer approximates, apart from noise. The tests fail if a difference exceeds the limit in brackets.
+
+- *mean*: the relative difference between the mean radiances of the two pictures.
+- *blocks*: the picture is divided into 8 x 8 blocks. This is the root mean square of the differences between the mean
+  radiances of a block, divided by the mean radiance of the picture.
+
+The scene is a ball of radius 1 that fills a picture of 48 x 48 pixels, unless the name says otherwise. Specular
+antialiasing is on in one row only.
+"""
+
+
 def main() -> None:
     from viewer.gpu.context import open_context
 
-    lines = [
-        "# The raster against the path tracer, feature by feature", "",
-        "Both draw the same scene from the same BSDF files; what is left is what the raster approximates. A ball of",
-        "radius 1 fills the picture of 48 x 48 pixels where nothing else is said. *mean*: how far the mean radiances",
-        "are apart; *blocks*: root mean square of how far the means of 8 x 8 parts are, over the mean radiance.",
-        "In brackets what the tests allow. The raster's specular anti-aliasing is off but for one row.",
-        "Made by `python tests/trace/features.py`.", "",
-        "| feature | mean | blocks | why |", "|---|---|---|---|"]
+    lines = [*INTRODUCTION.splitlines(), "",
+             "| feature | mean | blocks | why |", "|---|---|---|---|"]
     with open_context() as context:
         renderer, tracer = Renderer(context), Tracer(context)
         for feature in FEATURES:

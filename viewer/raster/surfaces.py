@@ -24,9 +24,10 @@ from .textures import Textures
 if TYPE_CHECKING:
     from ..trace.vertex_light import VertexLight
 
-# Texture units: what programs share comes first, then the maps that a program samples, in their order.
+# Texture units: the maps that a program samples come first, in their order, then what programs share. A program has 16
+# samplers at most, but their units may be any of the 48 that OpenGL 3.3 grants.
 (UNIT_DFG, UNIT_PREFILTERED, UNIT_IRRADIANCE, UNIT_SHADOW, UNIT_BACKGROUND, UNIT_RADIANCE, UNIT_VISIBILITY,
- UNIT_REFLECTED, UNIT_RAY_POSITIONS, UNIT_REFRACTED, UNIT_MIRRORED, UNIT_PATH_POSITIONS, _FIRST_MAP_UNIT) = range(13)
+ UNIT_REFLECTED, UNIT_RAY_POSITIONS, UNIT_REFRACTED, UNIT_MIRRORED, UNIT_PATH_POSITIONS) = range(16, 28)
 
 _SAMPLE_ALPHA_TO_COVERAGE, _SAMPLE_ALPHA_TO_ONE = 0x809E, 0x809F
 _VERTEX = "raster/surface.vert"
@@ -174,7 +175,7 @@ class Surfaces:
             self._bind_map(program, draw, name)
 
     def _bind_map(self, program: moderngl.Program, draw: Draw, name: str) -> None:
-        unit = _FIRST_MAP_UNIT + (*draw.maps, *draw.blank_maps).index(name)
+        unit = (*draw.maps, *draw.blank_maps).index(name)
         texture = MAPS[name].texture(draw.surface) if name in draw.maps else None
         if texture is None:
             self.textures.bind_blank(name, unit)
