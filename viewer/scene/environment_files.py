@@ -65,8 +65,7 @@ def _file_digest(path: Path) -> str:
     digest = hashlib.blake2b(Path(__file__).read_bytes(), digest_size=20)  # how it is decoded counts, too
     try:
         with path.open("rb") as file:
-            while block := file.read(1 << 20):
-                digest.update(block)
+            hashlib.file_digest(file, lambda: digest)
     except FileNotFoundError:
         raise InputError(path, "", "no such file") from None
     except IsADirectoryError:
