@@ -23,6 +23,7 @@ Gauss-Legendre between those angles, its nodes drawn to the ends by a cosine, er
 from __future__ import annotations
 
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -128,7 +129,7 @@ def lobe_moments(ndf: str, masking: str, NoV: np.ndarray, alpha: float, nodes: i
     total = np.zeros((len(NoV), 2, 3))
     v = NoV[:, None, None]
     sin_v = np.sin(theta_v)[:, None, None]
-    for high, low in zip(survival[:-1], survival[1:]):
+    for high, low in pairwise(survival):
         w = low[:, None] + (high - low)[:, None] * drawn
         tan2 = _tan2_at(ndf, np.maximum(w, 1e-300), alpha)[:, :, None]
         NoH = 1 / np.sqrt(1 + tan2)

@@ -91,7 +91,7 @@ def _row_measures(height: int) -> np.ndarray:
 
 def _with_margin(radiance: np.ndarray) -> np.ndarray:
     """The map at a level's latitudes, by linear interpolation of its rows, across the poles where need be."""
-    height, width = radiance.shape[:2]
+    height = len(radiance)
     position = row_angles(height) / np.pi * height - 0.5
     low = np.floor(position).astype(int)
     part = (position - low).astype(np.float32)[:, None, None]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 import threading
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 from .messages import one_line
 
@@ -63,7 +63,7 @@ class Progress:
             self._task = self._bar.add_task(self._text, total=self._total, completed=max(self._done, 0))
             self._bar.start()
 
-    def __enter__(self) -> Progress:
+    def __enter__(self) -> Self:
         if self._timer is not None:
             self._timer.daemon = True
             self._timer.start()

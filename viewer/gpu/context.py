@@ -7,7 +7,7 @@ import os
 import sys
 import threading
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any, Protocol, Self
 
 import moderngl
 
@@ -115,7 +115,7 @@ class Context:
             if not isinstance(dropped, moderngl.InvalidObject):
                 dropped.release()
 
-    def __enter__(self) -> Context:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *exc: object) -> None:

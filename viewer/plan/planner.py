@@ -249,7 +249,7 @@ def _samples(
         "base_color": True,
         "emissive": any(material.emissive) and (common["SHOW_EMISSION"] == 1 or not lit),
         "metallic_roughness": lit and (material.metallic > 0
-                                       or material.perceptual_roughness > 0 and material.has_interface),
+                                       or (material.perceptual_roughness > 0 and material.has_interface)),
         "normal": lit and mesh.tangents is not None and material.normal_scale != 0,
         "occlusion": lit and material.occlusion_strength > 0 and common["HAS_ENVIRONMENT"] == 1
         and common["VISIBILITY"] == common["INDIRECT"] == 0,  # else it is known what is hidden

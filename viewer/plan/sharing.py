@@ -112,7 +112,7 @@ def _full(program: Program, common: Mapping[str, int]) -> dict[str, int]:
 def _free(fragment: str) -> dict[str, Callable[[int, int], int]]:
     """Switches that may be raised, each with what two programs' values make together."""
     names = [*_ALL, *_LIT_ONLY * (fragment != "raster/unlit.frag"), *_PBR_ONLY * (fragment == "raster/pbr.frag")]
-    return {name: max for name in names} | {"UV_SETS": int.__or__}
+    return dict.fromkeys(names, max) | {"UV_SETS": int.__or__}
 
 
 def _union(a: Mapping[str, int], b: Mapping[str, int], fragment: str) -> dict[str, int] | None:

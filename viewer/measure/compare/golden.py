@@ -37,7 +37,7 @@ class Limits:
         for name, value in values.items():
             if name not in names:
                 raise UsageError(f"there is no limit {name!r}, but {', '.join(names)}")
-            if not (isinstance(value, (int, float)) and value >= 0 or (name == "maximum" and value is None)):
+            if not ((isinstance(value, (int, float)) and value >= 0) or (name == "maximum" and value is None)):
                 raise UsageError(f"{name}={value!r}: it is a number from 0 on")
         return cls(**values)  # type: ignore[arg-type]
 

@@ -34,7 +34,7 @@ class Element:
     Readers take `key` of the object; a missing one gives `default`, or an InputError where there is no default.
     """
 
-    __slots__ = ("document", "value", "place")
+    __slots__ = ("document", "place", "value")
 
     def __init__(self, document: Document, value: Any, place: str = "") -> None:
         self.document, self.place = document, place

@@ -22,7 +22,7 @@ class Vertices:
         self._stored = self.count = len(accessors.raw(position, "VEC3"))
         self._used: np.ndarray | None = None
         self.indices = self._read_indices(primitive, mode)
-        if self.indices is not None and 0 < len(self.indices):
+        if self.indices is not None and len(self.indices) > 0:
             self._drop_unused()
 
     def raw(self, owner: Element, key: str, *types: str) -> np.ndarray:
