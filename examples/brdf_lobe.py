@@ -28,7 +28,7 @@ def lobe(theta: np.ndarray, alpha: np.ndarray) -> np.ndarray:
     return d * v * f * np.cos(theta)
 
 
-def main(out: str = "lobe.png", height: int = 240) -> None:
+def main(out: str = "lobe.png", *, height: int = 240) -> None:
     theta = np.radians(np.arange(-90, 90, 0.1))
     curves = lobe(theta, ALPHA[:, None])
     for alpha, curve in zip(ALPHA, curves, strict=True):

@@ -25,7 +25,7 @@ def sphere(material: int, segments: int = 64) -> viewer.Mesh:
                        normals=normals)
 
 
-def main(out: str = "grid.png", size: tuple[int, int] = (1120, 480)) -> None:
+def main(out: str = "grid.png", *, size: tuple[int, int] = (1120, 480)) -> None:
     cells = [(x, y) for y in range(len(METALLIC)) for x in range(len(ROUGHNESS))]
     materials = [viewer.Material(base_color=(0.9, 0.5, 0.2, 1), metallic=METALLIC[y], perceptual_roughness=ROUGHNESS[x])
                  for x, y in cells]

@@ -19,7 +19,7 @@ MODEL = Path(__file__).parents[1] / "assets" / "demo.glb"
 METHODS = {"plain": "off", "shadows of the environment": "64"}
 
 
-def main(out: str = "beside.png", size: tuple[int, int] = (320, 240), spp: int = 64) -> None:
+def main(out: str = "beside.png", *, size: tuple[int, int] = (320, 240), spp: int = 64) -> None:
     scene = viewer.load(MODEL)
     reference = viewer.render(scene, size, mode="path", spp=spp, aov=["variance"])
     light = np.asarray(reference)[..., :3]

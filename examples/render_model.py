@@ -14,7 +14,7 @@ import viewer
 MODEL = Path(__file__).parents[1] / "assets" / "demo.glb"
 
 
-def main(out: str = "model.png", model: str | Path = MODEL, size: tuple[int, int] = (1280, 720)) -> None:
+def main(out: str = "model.png", model: str | Path = MODEL, *, size: tuple[int, int] = (1280, 720)) -> None:
     scene = viewer.load(model, environment="sky")
     camera = viewer.Camera.framing(scene.center, scene.radius, size[0] / size[1], azimuth=math.radians(-20))
     image = viewer.render(scene, size, camera, exposure=0.5, tonemap="agx", environment_shadows="64")

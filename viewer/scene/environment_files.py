@@ -7,6 +7,7 @@ import weakref
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -97,7 +98,7 @@ def _decode(path: Path) -> np.ndarray:
     return _upright(bands[0] if len(bands) == 1 else np.concatenate(bands), spec.get_int_attribute("Orientation", 1))
 
 
-def _bands(path: Path, source, encoded: bool) -> Iterator[np.ndarray]:
+def _bands(path: Path, source: Any, encoded: bool) -> Iterator[np.ndarray]:
     """The map from the top in pieces (h, W, 3) float32, each reduced to MAX_WIDTH as it comes: memory stays bounded."""
     spec = source.spec()
     factor = -(-max(spec.width, 2 * spec.height) // MAX_WIDTH)

@@ -39,13 +39,18 @@ def with_creased_normals(mesh: Mesh) -> Mesh:
 
 
 def with_mended_normals(mesh: Mesh, bad: np.ndarray) -> Mesh:
-    """Smooth normals in place of those that are `bad` (N,)."""
+    """Smooth normals in place of those that are `bad` (N,), of a mesh that has normals."""
+    assert mesh.normals is not None
     computed = smooth_normals(mesh.positions, triangles_of(mesh))
     return replace(mesh, normals=np.where(bad[:, None], computed, mesh.normals))
 
 
 def with_tangents(mesh: Mesh, normal_map: Texture) -> Mesh:
-    """Tangents along the coordinates that the normal map is read at; vertices are split where they must be."""
+    """Tangents, for a mesh with normals, along the coordinates that the normal map is read at.
+
+    Vertices are split where they must be.
+    """
+    assert mesh.normals is not None
     uvs = mesh.uvs[normal_map.uv_set]
     if normal_map.transform is not None:
         matrix = normal_map.transform.matrix()

@@ -57,7 +57,7 @@ class Failure:
         """Writes expected.png, actual.png, difference.png (as far as they exist) and failure.json."""
         folder.mkdir(parents=True, exist_ok=True)
         for name, image in (("actual", self.actual), ("expected", self.expected),
-                            ("difference", self.difference and self.difference.map_image())):
+                            ("difference", self.difference.map_image() if self.difference is not None else None)):
             if image is not None:
                 image.save(folder / f"{name}.png")
         facts = {"test": self.test, "golden": str(self.golden), "problem": self.problem}

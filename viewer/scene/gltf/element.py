@@ -104,8 +104,8 @@ class Element:
         return value if value is default else self._clamped(value, key, low, high)
 
     def vector(self, key: str, size: int, default: Any = _MISSING, low: float = -math.inf,
-               high: float = math.inf) -> tuple[float, ...]:
-        """`size` finite numbers; those outside low..high are clamped, with a warning."""
+               high: float = math.inf) -> Any:
+        """A tuple of `size` finite numbers; those outside low..high are clamped, with a warning."""
         values = self._get(key, list, f"an array of {size} numbers", default)
         if values is default:
             return values

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from ..material import AlphaMode, Material
 from .element import Element
@@ -67,7 +68,7 @@ def _ior(extension: Element) -> float:
     return ior if ior == 0.0 else extension.number("ior", 1.5, 1.0, math.inf)
 
 
-def _specular(element: Element, textures: Textures) -> dict[str, object]:
+def _specular(element: Element, textures: Textures) -> dict[str, Any]:
     extension = element.extension("KHR_materials_specular")
     if extension is None:
         return {}
@@ -79,7 +80,7 @@ def _specular(element: Element, textures: Textures) -> dict[str, object]:
     }
 
 
-def _transmission(element: Element, textures: Textures) -> dict[str, object]:
+def _transmission(element: Element, textures: Textures) -> dict[str, Any]:
     extension = element.extension("KHR_materials_transmission")
     if extension is None:
         return {}
@@ -89,7 +90,7 @@ def _transmission(element: Element, textures: Textures) -> dict[str, object]:
     }
 
 
-def _volume(element: Element, textures: Textures) -> dict[str, object]:
+def _volume(element: Element, textures: Textures) -> dict[str, Any]:
     extension = element.extension("KHR_materials_volume")
     if extension is None:
         return {}

@@ -144,7 +144,7 @@ def _complete(mesh: Mesh, material: Material, primitive: Element) -> Mesh:
             problem = f"{np.count_nonzero(bad)} normals are zero or not finite; they are computed"
             primitive.warn(problem, "attributes.NORMAL")
             mesh = with_mended_normals(mesh, bad)
-    if not material.bends_normals:
+    if not material.bends_normals or material.normal_texture is None:
         return replace(mesh, tangents=None)
     if mesh.tangents is not None and np.isfinite(mesh.tangents).all():
         return mesh
