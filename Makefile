@@ -7,7 +7,7 @@ ARGS ?=
 READY := .venv/.ready
 BIN := .venv/bin
 
-.PHONY: help demo view test bench clean
+.PHONY: help demo view test lint bench clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "make %-6s %s\n", $$1, $$2}' Makefile
@@ -19,14 +19,18 @@ demo: $(READY) ## render MODEL (assets/demo.glb) to PICTURE (demo.png)
 view: $(READY) ## look at MODEL in a window
 	@$(BIN)/pbr-viewer view "$(MODEL)" $(ARGS)
 
-test: $(READY) ## run the tests; ARGS="-k egl" goes to pytest
+test: lint ## check the code, then run the tests; ARGS="-k egl" goes to pytest
 	@$(BIN)/python -m pytest $(ARGS)
+
+lint: $(READY) ## check the code without running it: ruff, mypy
+	@$(BIN)/ruff check .
+	@$(BIN)/mypy
 
 bench: $(READY) ## measure speed and memory; ARGS goes to benchmarks
 	@$(BIN)/python -m benchmarks $(ARGS)
 
 clean: ## remove what make has made
-	rm -rf .venv .pytest_cache golden-failures build dist demo.png
+	rm -rf .venv .pytest_cache .ruff_cache .mypy_cache golden-failures build dist demo.png
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # Made anew when what the package depends on has changed.

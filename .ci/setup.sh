@@ -22,13 +22,13 @@ as_root() {
 APT="DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends"
 apt_update() { as_root apt-get update -qq >/dev/null || true; }
 
-is_new_enough() { "$1" -c 'import sys; sys.exit(sys.version_info < (3, 10))' >/dev/null 2>&1; }
+is_new_enough() { "$1" -c 'import sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1; }
 
 find_python() {
-    for python in ${PYTHON:-python3 python3.14 python3.13 python3.12 python3.11 python3.10 python}; do
+    for python in ${PYTHON:-python3 python3.14 python3.13 python3.12 python3.11 python}; do
         if is_new_enough "$python"; then echo "$python"; return; fi
     done
-    fail "Python 3.10 or newer is needed, and ${PYTHON:-python3} is not: install it, or set PYTHON=/path/to/python3"
+    fail "Python 3.11 or newer is needed, and ${PYTHON:-python3} is not: install it, or set PYTHON=/path/to/python3"
 }
 
 venv_works() { is_new_enough $VENV/bin/python && $VENV/bin/python -m pip --version >/dev/null 2>&1; }

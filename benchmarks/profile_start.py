@@ -43,7 +43,7 @@ def main() -> None:
     runs: dict[str, list[process.Run]] = {"cold": [], "warm": []}
     for _ in range(options.rounds):
         with tempfile.TemporaryDirectory(prefix="profile-") as home:
-            for state, several in runs.items():
+            for several in runs.values():
                 several.append(_start(*shot.inputs(options.model, options.env), Path(home)))
     print(table(runs))
 

@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
-from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -16,8 +15,6 @@ from command_line import Run, runner
 from contexts import open_or_skip
 
 from viewer.gpu.context import Context
-
-collect_ignore = [] if find_spec("imgui_bundle") else ["app"]
 
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     # A shell has what it starts in the background ignore Ctrl-C; its tests, and the programs they start, hear it.

@@ -137,9 +137,3 @@ def test_elsewhere_show_opens_a_window(scene, monkeypatch, shell):
     opened: list[tuple] = []
     assert viewer.show(scene, SIZE, mode="phong") is None
     assert opened == [(scene, viewer.Settings(mode="phong", denoise="fast"), None, SIZE)]
-
-
-def test_a_window_without_its_library_is_one_clear_error(scene, monkeypatch):
-    monkeypatch.setattr("viewer.app.find_spec", lambda name: None)
-    with pytest.raises(viewer.ContextError, match=r"^the window needs imgui-bundle, [^\n]*3\.11"):
-        viewer.show(scene, SIZE)

@@ -231,4 +231,4 @@ def test_linear_is_worked_out_when_asked_for_and_kept():
     for one in (image, copy.copy(image), pickle.loads(pickle.dumps(image)), replace(image, stats={"a": 1})):
         assert one.linear is one.linear and (one.linear == 1).all() and one.size == (2, 2)
     with pytest.raises(AttributeError, match="lineal"):
-        image.lineal
+        image.lineal  # noqa: B018

@@ -89,7 +89,7 @@ def test_an_eye_in_the_middle_needs_a_target(scene):
 @pytest.mark.parametrize("given", [("orbit", "eye"), ("eye", "camera"), ("orbit", "camera"), ("target", "camera")])
 def test_options_that_contradict_each_other(given):
     with pytest.raises(UsageError):
-        check_camera_options(NO_CAMERA | {name: (1.0, 2.0, 3.0) for name in given})
+        check_camera_options(NO_CAMERA | dict.fromkeys(given, (1.0, 2.0, 3.0)))
 
 
 def test_a_light_shines_from_where_it_is_put():

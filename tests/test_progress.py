@@ -9,7 +9,7 @@ import sys
 import pytest
 
 pty = pytest.importorskip("pty")
-START = "import sys, time, viewer.progress as p\n"
+START = "import sys, time, viewer.base.progress as p\n"
 
 
 def on_terminal(code: str) -> bytes:

@@ -96,7 +96,7 @@ class GL:
         return self.context.gl
 
     def call(self, file: str | Path, function: str, /, *, defines: Mapping[str, float] | None = None,
-             **arrays: Any) -> np.ndarray | dict[str, Any]:
+             **arrays: Any) -> Any:
         """What a GLSL function returns for `arrays`, computed in this context: see `viewer.call_glsl`."""
         from .gpu.call import call_glsl
 

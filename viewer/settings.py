@@ -12,6 +12,7 @@ from .errors import UsageError
 
 Mode = Literal["pbr", "phong", "path"]
 Denoise = Literal["off", "fast", "oidn"]
+Lobes = Literal["all", "uniform-diffuse", "specular", "directional-diffuse"]
 Tonemap = Literal["neutral", "agx", "aces", "none"]
 Background = Literal["env", "none"] | tuple[float, float, float]
 
@@ -99,8 +100,7 @@ class Settings:
         "smith", "how microfacets hide one another, G; smith is height-correlated")
     fresnel: Literal["schlick", "exact"] = _option("schlick", "how reflection grows towards grazing angles, F")
     multiscatter: Literal["on", "off"] = _option("on", "give back the light that bounces between microfacets")
-    lobes: Literal["all", "uniform-diffuse", "specular", "directional-diffuse"] = _option(
-        "all", "show one contribution alone")
+    lobes: Lobes = _option("all", "show one contribution alone")
     phong: Literal["phong", "blinn-phong"] = _option("phong", "the highlight of --mode phong")
     shadows: Literal["on", "off"] = _option("on", "shadows of the lights")
     environment_shadows: Literal["off", "16", "64", "256", "1024"] = _option(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -44,7 +46,7 @@ def test_each_level_is_the_mean_of_the_one_before(size, components, srgb):
     pixels = np.random.default_rng(3).integers(0, 256, (*size, components), np.uint8)
     levels = mip_levels(pixels, srgb)
     assert levels[0] is pixels and levels[-1].shape == (1, 1, components)
-    for larger, smaller in zip(levels, levels[1:]):
+    for larger, smaller in pairwise(levels):
         assert smaller.dtype == np.uint8
         assert smaller.shape[:2] == tuple(max(1, side // 2) for side in larger.shape[:2])
         # Half a level of rounding, and in the dark, where sRGB is steep, a little of the 14 bits of light.

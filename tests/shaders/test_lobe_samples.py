@@ -132,7 +132,7 @@ def test_samples_follow_pdf(lobe):
     for beyond in [False, True] if lobe.transmits else [False]:
         eta = m["eta"] if beyond and lobe.transmits == "refracted" else None
         side = np.array([1, 1, -1 if beyond and lobe.transmits == "mirrored" else 1])
-        shares = bins.expected_shares(lambda wi: lobe.pdf(columns(m), wo[:, None], wi * side), wo, eta)
+        shares = bins.expected_shares(lambda wi, side=side: lobe.pdf(columns(m), wo[:, None], wi * side), wo, eta)
         integral += shares.sum(axis=1)
         for k in range(len(wo)):
             mine = kept[k] & (through[k] == beyond)

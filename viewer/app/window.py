@@ -6,6 +6,7 @@ import math
 import time
 from dataclasses import replace
 from pathlib import Path
+from typing import Self
 
 import glfw
 import moderngl
@@ -177,7 +178,7 @@ class ViewerWindow:
             try:
                 if Path(path).suffix.lower() in FORMATS:
                     environment = load_environment(Path(path))
-                    environment.radiance  # decoded here, where an error can be told
+                    environment.radiance  # noqa: B018  decoded here, where an error can be told
                     self.state.relight(environment)
                 else:
                     self._open_scene(load_scene(path))
@@ -252,7 +253,7 @@ class ViewerWindow:
     def _pixels(self) -> tuple[int, int]:
         return glfw.get_framebuffer_size(self.window)
 
-    def __enter__(self) -> ViewerWindow:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *exc: object) -> None:

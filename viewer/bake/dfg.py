@@ -23,6 +23,7 @@ Gauss-Legendre between those angles, its nodes drawn to the ends by a cosine, er
 from __future__ import annotations
 
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -128,7 +129,7 @@ def lobe_moments(ndf: str, masking: str, NoV: np.ndarray, alpha: float, nodes: i
     total = np.zeros((len(NoV), 2, 3))
     v = NoV[:, None, None]
     sin_v = np.sin(theta_v)[:, None, None]
-    for high, low in zip(survival[:-1], survival[1:]):
+    for high, low in pairwise(survival):
         w = low[:, None] + (high - low)[:, None] * drawn
         tan2 = _tan2_at(ndf, np.maximum(w, 1e-300), alpha)[:, :, None]
         NoH = 1 / np.sqrt(1 + tan2)
@@ -163,7 +164,8 @@ def _tan2_at(ndf: str, survival: np.ndarray, alpha: float) -> np.ndarray:
     return np.expm1(-(alpha**2) * np.log(survival))
 
 
-def _masking(ndf: str, masking: str, NoV, NoL, NoH, VoH, alpha: float):
+def _masking(ndf: str, masking: str, NoV: np.ndarray, NoL: np.ndarray, NoH: np.ndarray, VoH: np.ndarray,
+             alpha: float) -> np.ndarray | float:
     """G2, by the formulas of shaders/bsdf; Blinn-Phong takes Beckmann's Smith functions there too."""
     if masking == "none":
         return 1.0
@@ -176,11 +178,11 @@ def _masking(ndf: str, masking: str, NoV, NoL, NoH, VoH, alpha: float):
     return 1 / ((1 + of_view) * (1 + of_light))
 
 
-def _lambda_ggx(cosine, alpha: float):
+def _lambda_ggx(cosine: np.ndarray, alpha: float) -> np.ndarray:
     return (np.sqrt(1 + alpha**2 * (1 / cosine**2 - 1)) - 1) / 2
 
 
-def _lambda_beckmann(cosine, alpha: float):
+def _lambda_beckmann(cosine: np.ndarray, alpha: float) -> np.ndarray:
     """The rational fit of Walter 2007, eq. 15, as beckmann.glsl has it."""
     a = cosine / (alpha * np.sqrt(np.maximum(1 - cosine**2, 1e-12)))
     a = np.minimum(a, 1.6)

@@ -39,7 +39,7 @@ def many_lights(level: np.ndarray, count: int) -> ManyLights:
     mean = heights @ luminance.mean(axis=1) / heights.sum()
     density = (1 - EVEN) * luminance + EVEN * mean if mean > 0 else np.ones_like(luminance)
     rows = heights * density.mean(axis=1)
-    y, row, rest = _warp(rows[None], np.zeros(count, int), (np.arange(count) + 0.5) / count)
+    _, row, rest = _warp(rows[None], np.zeros(count, int), (np.arange(count) + 0.5) / count)
     x, column, _ = _warp(density, row, (np.arange(count) + 0.5) * _GOLDEN % 1)
     cos_theta = np.cos(edges[row]) - rest * heights[row]
     sin_theta = np.sqrt(np.maximum(1 - cos_theta**2, 0))

@@ -8,6 +8,7 @@ across it, so that bilinear lookups pass over the poles like anywhere else (row 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..scene.equirect import resample, sphere_integral
 from .irradiance import HEIGHT as irradiance_rows
@@ -23,7 +24,7 @@ MARGIN = 1 / 32  # of the height, above and below
 LEVEL_ROUGHNESS = (0.0, 0.12, 0.22, 0.36, 0.58, 1.0)
 
 
-def lod_of_roughness(perceptual_roughness):
+def lod_of_roughness(perceptual_roughness: ArrayLike) -> np.ndarray:
     """The level of detail for a roughness in [0, 1], as prefiltered.glsl has it: 0 at 0, 5 at 1, increasing.
 
     Linear between the levels in alpha / (alpha + 0.4), which comes close everywhere to the blend of two lobes that is
@@ -82,7 +83,7 @@ def _row_measures(height: int) -> np.ndarray:
     """
     theta, h = row_angles(height), np.pi / (height * (1 - 2 * MARGIN))
 
-    def ramp(a, low, high):
+    def ramp(a: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
         low, high = np.clip(low, 0, np.pi), np.clip(high, 0, np.pi)
         return (np.sin(high) - (high - a) * np.cos(high)) - (np.sin(low) - (low - a) * np.cos(low))
 
@@ -91,7 +92,7 @@ def _row_measures(height: int) -> np.ndarray:
 
 def _with_margin(radiance: np.ndarray) -> np.ndarray:
     """The map at a level's latitudes, by linear interpolation of its rows, across the poles where need be."""
-    height, width = radiance.shape[:2]
+    height = len(radiance)
     position = row_angles(height) / np.pi * height - 0.5
     low = np.floor(position).astype(int)
     part = (position - low).astype(np.float32)[:, None, None]

@@ -46,7 +46,7 @@ def convolve(radiance: np.ndarray, filters: Sequence[Filter]) -> list[np.ndarray
     angle, and the mean is taken out before the transform, so a constant map comes back exactly and no kernel with
     lambda_0 = 1 changes the total. Degrees from a filter's height upwards are dropped: its map could not show them.
     """
-    height, width = radiance.shape[:2]
+    height = len(radiance)
     half = height // 2
     degree = max(min(len(f.spectrum), f.height) for f in filters) - 1
     mean = sphere_integral(radiance) / (4 * np.pi)

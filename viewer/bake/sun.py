@@ -38,7 +38,7 @@ def extract_sun(environment: Environment) -> tuple[Environment, list[Light]]:
     luminance = radiance @ LUMINANCE.astype(np.float32)
     total = width * float(solid_angles @ luminance.mean(axis=1, dtype=np.float64))
     for _ in range(MOST):
-        peak = np.unravel_index(int(luminance.argmax()), luminance.shape)
+        peak = divmod(int(luminance.argmax()), width)
         # No spot of this size can hold the share unless its peak could, spread over all of it.
         if luminance[peak] * np.pi * DISK**2 <= SHARE * total:
             break

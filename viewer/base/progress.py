@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 import threading
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Self
 
 from .messages import one_line
 
@@ -60,10 +60,11 @@ class Progress:
             words = TextColumn("{task.description}", markup=False)
             columns = words, BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
             self._bar = Progress(*columns, console=Console(stderr=True), transient=True)
-            self._task = self._bar.add_task(self._text, total=self._total, completed=max(self._done, 0))
+            done: Any = max(self._done, 0)  # rich takes parts of a step, although it says int
+            self._task = self._bar.add_task(self._text, total=self._total, completed=done)
             self._bar.start()
 
-    def __enter__(self) -> Progress:
+    def __enter__(self) -> Self:
         if self._timer is not None:
             self._timer.daemon = True
             self._timer.start()

@@ -37,7 +37,7 @@ def call_glsl(
     defines: Mapping[str, float] | None = None,
     context: Context | None = None,
     **arrays: Any,
-) -> np.ndarray | dict[str, Any]:
+) -> Any:
     """What a function of a GLSL file returns, for each element of `arrays`, computed on the GPU in its float32.
 
     `file` is one of the shaders folder ("bsdf/ggx.glsl") or else a path of your own; `defines` its switches.
@@ -63,8 +63,7 @@ def call_glsl(
     packaged = (resource_folder("shaders") / file).is_file()
     source = _without_main(assemble(file if packaged else Path(file).absolute(), defines))
     chosen = _choose(find_functions(source.text), function, arrays, display_name(source.files[0]))
-    values = [parameter for parameter in chosen.inputs if not isinstance(parameter.type, Sampler)]
-    words = [(parameter.name, leaf) for parameter in values
+    words = [(parameter.name, leaf) for parameter in chosen.inputs if not isinstance(parameter.type, Sampler)
              for leaf in to_words(parameter.type, arrays[parameter.name], parameter.name)]
     shape = broadcast_shape(words)
     # What is the same for all goes as a uniform, for it would cost as much as an array of it.
@@ -78,7 +77,7 @@ def call_glsl(
                    for (_, leaf), fixed in zip(words, constant) if not fixed]
         fixed_words = [leaf for (_, leaf), fixed in zip(words, constant) if fixed]
         if fixed_words and "call_constants" in program:
-            uniform = program["call_constants"]
+            uniform: Any = program["call_constants"]
             uniform.write(np.concatenate(fixed_words)[: uniform.array_length].tobytes())
         columns = _run(gl_context.gl, program, layout, varying, int(np.prod(shape, dtype=int)))
     leaves = iter([column.reshape(*shape, column.shape[-1]) for column in columns])

@@ -7,7 +7,7 @@ import os
 import sys
 import threading
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any, Protocol, Self
 
 import moderngl
 
@@ -53,7 +53,8 @@ class Context:
             self._enter()
             try:
                 # Finds out what the current context can do.
-                self.gl = moderngl.create_context(require=MINIMUM_VERSION, context=_Interned(self._loader))
+                loader: Any = _Interned(self._loader)  # moderngl's own type for it, a dict, is wrong
+                self.gl = moderngl.create_context(require=MINIMUM_VERSION, context=loader)
             except Exception as error:
                 _leave_current()
                 self._loader.release()
@@ -99,7 +100,8 @@ class Context:
             return
         previous = current_context()
         self._enter()
-        self.gl.fbo = None  # the framebuffer drawn into last, which may be all that keeps it
+        # The framebuffer drawn into last, which this may be all that keeps.
+        self.gl.fbo = None  # type: ignore[assignment]
         self._free_dropped()
         self.gl.extensions.clear()  # moderngl leaks the set
         # A context that is still current is only marked for destruction, so it has to be left first (EGL 1.5, 3.7.2).
@@ -115,7 +117,7 @@ class Context:
             if not isinstance(dropped, moderngl.InvalidObject):
                 dropped.release()
 
-    def __enter__(self) -> Context:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *exc: object) -> None:

@@ -67,7 +67,7 @@ def _address(window: Any) -> int:
 
 
 def _last_error() -> str:
-    _, text = glfw.get_error()
+    text: Any = glfw.get_error()[1]  # bytes, although the stubs say str
     return " ".join(text.decode(errors="replace").split()) if text else "GLFW gives no reason"
 
 
@@ -84,7 +84,7 @@ class GLFWLoader:
         glfw.make_context_current(self.window)
 
     def __exit__(self, *exc: object) -> None:
-        glfw.make_context_current(None)
+        glfw.make_context_current(None)  # type: ignore[arg-type]  # the stubs know no None
 
     def release(self) -> None:
         if self.window is not None:

@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import UsageError
 from .glsl_types import Basic, Type
 
-_DTYPES = {"float": np.float32, "int": np.int32, "uint": np.uint32, "bool": np.uint32}
+_DTYPES: dict[str, Any] = {"float": np.float32, "int": np.int32, "uint": np.uint32, "bool": np.uint32}
 
 
 def to_words(type_: Type, value: Any, place: str) -> list[np.ndarray]:

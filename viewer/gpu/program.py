@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import moderngl
 
@@ -50,9 +51,8 @@ def compile_sources(
     """As `compile_program`, for shaders by stage (vertex, geometry, fragment) that are assembled already."""
     context.make_current()
     try:
-        return context.gl.program(
-            **{f"{stage}_shader": source.text for stage, source in sources.items()}, varyings=tuple(varyings)
-        )
+        shaders: dict[str, Any] = {f"{stage}_shader": source.text for stage, source in sources.items()}
+        return context.gl.program(**shaders, varyings=tuple(varyings))
     except moderngl.Error as error:
         raise ShaderError(_explain(str(error), sources)) from error
 

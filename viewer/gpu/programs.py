@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -67,7 +68,7 @@ class Programs:
 
 def set_uniform(program: moderngl.Program, name: str, value: object) -> None:
     """Set a uniform the driver kept; one that no pixel depends on is optimised away and skipped."""
-    member = program.get(name, None)
+    member: Any = program.get(name, None)  # a uniform, not one of what else a program has
     if member is None:
         return
     if isinstance(value, bytes):

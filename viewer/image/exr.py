@@ -33,6 +33,8 @@ def write_exr(path: Path, linear: np.ndarray, layers: Mapping[str, np.ndarray], 
     for key, value in attributes.items():
         spec.attribute(key, value)
     target = oiio.ImageOutput.create("exr")
+    if target is None:
+        raise OSError(oiio.geterror())
     pixels = np.concatenate(arrays, axis=-1) if layers else linear
     with utf8_name(path) as file:
         if not (target.open(file, spec) and target.write_image(pixels) and target.close()):

@@ -7,6 +7,7 @@ import warnings
 from dataclasses import dataclass, field
 from os import PathLike, fspath
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from .exr import write_exr
 # zlib level 1 takes 7-11 ms at 512x512 and 20-36 ms at 1280x720 on one slow core; Pillow's own choice, 6, takes three
 # times that and is 8 % smaller.
 _PNG = {"format": "PNG", "compress_level": 1}
-_ENCODERS: dict[str, dict[str, object]] = {
+_ENCODERS: dict[str, dict[str, Any]] = {
     ".png": _PNG,
     ".jpg": {"format": "JPEG", "quality": 95, "subsampling": 0},
     ".jpeg": {"format": "JPEG", "quality": 95, "subsampling": 0},
@@ -128,7 +129,7 @@ class Image:
         displayed = self.srgb / np.float32(255)
         return background + (displayed[..., :3] - np.float32(background)) * displayed[..., 3:]
 
-    def _encode(self, **options: object) -> bytes:
+    def _encode(self, **options: Any) -> bytes:
         from PIL import Image as Pillow
 
         pixels = self.srgb

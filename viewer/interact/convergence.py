@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import moderngl
 
@@ -14,7 +14,7 @@ from ..gpu.context import Context
 from ..gpu.programs import Programs
 from ..image.display import DisplayPass
 from ..scene.camera import Camera
-from ..settings import MAX_SPP, STOPPING, Settings
+from ..settings import MAX_SPP, STOPPING, Background, Settings
 from .state import ViewState
 
 if TYPE_CHECKING:
@@ -178,8 +178,8 @@ class Convergence:
     def _settings(self) -> Settings:
         """Those of the samples, whatever the display makes of them."""
         settings, plain = self._state.settings, Settings()
-        background = "env" if settings.background == "env" else "none"
-        ends = {} if any(getattr(settings, name) is not None for name in STOPPING) else UNTIL
+        background: Background = "env" if settings.background == "env" else "none"
+        ends: dict[str, Any] = {} if any(getattr(settings, name) is not None for name in STOPPING) else UNTIL
         return replace(settings, mode="path", background=background, **ends,
                        **{name: getattr(plain, name) for name in _NOT_TRACED})
 

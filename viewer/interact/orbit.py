@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, DEFAULT_FOV, Camera, framing_distance
 
@@ -25,15 +26,16 @@ class OrbitController:
     downwards, so that they mean the same in every window and for every size of scene.
     """
 
-    def __init__(self, center, radius: float, aspect: float, fov_y: float = DEFAULT_FOV) -> None:
+    def __init__(self, center: ArrayLike, radius: float, aspect: float, fov_y: float = DEFAULT_FOV) -> None:
         self.fov_y = fov_y
         self.is_orthographic = False
         self.velocity = np.zeros(2)
         """Of the orbit, in window heights per second, where it goes on by itself."""
+        self.azimuth, self.elevation = DEFAULT_AZIMUTH, DEFAULT_ELEVATION
         self.set_scene(center, radius)
-        self.frame_all(aspect, DEFAULT_AZIMUTH, DEFAULT_ELEVATION)
+        self.frame_all(aspect)
 
-    def set_scene(self, center, radius: float) -> None:
+    def set_scene(self, center: ArrayLike, radius: float) -> None:
         """The sphere that `frame_all` frames and that bounds how far the camera goes; the camera stays."""
         self.center, self.radius = np.asarray(center, np.float64), float(radius)
 
@@ -92,7 +94,7 @@ class OrbitController:
         height = 2 * depth * math.tan(self.fov_y / 2)
         self._set_target(self.target + height * (-dx * rotation[:, 0] + dy * rotation[:, 1]))
 
-    def dolly(self, factor: float, point=None) -> None:
+    def dolly(self, factor: float, point: ArrayLike | None = None) -> None:
         """Multiply the distance to `point` (the target by default), which stays where it is in the picture."""
         nearest, farthest = self._limits()
         distance = min(max(self.distance * factor, min(nearest, self.distance)), max(farthest, self.distance))
@@ -101,7 +103,7 @@ class OrbitController:
             self._set_target(point + (self.target - point) * (distance / self.distance))
         self.distance = distance
 
-    def center_on(self, point) -> None:
+    def center_on(self, point: ArrayLike) -> None:
         """Look at `point` from the same direction, no farther from it than it was."""
         point = np.asarray(point, np.float64)
         if not self.is_orthographic:

@@ -14,7 +14,7 @@ import numpy as np
 from ..errors import ViewerError
 from ..image.image import Image
 from ..raster.renderer import Renderer
-from ..settings import Settings
+from ..settings import Background, Settings
 from .convergence import Convergence
 from .orbit import OrbitController
 from .state import ViewState, free_path
@@ -61,7 +61,8 @@ class Picture:
         """
         state, camera = self._state, self._orbit.camera
         settings = state.on_screen()
-        background = "env" if settings.background == "env" else "none"  # a colour is laid behind by the display pass
+        # A colour is laid behind by the display pass.
+        background: Background = "env" if settings.background == "env" else "none"
         shading = replace(settings, exposure=0.0, tonemap="none", background=background)
         wanted = (state.scene, state.shots(shading, size), camera.pose.tobytes(), camera.fov_y, camera.height, size,
                   self._renderer.programs.generation)
@@ -122,9 +123,9 @@ class Picture:
         if self.paths.picture is not None:
             for mode, part in self._state.parts(size):
                 if mode == "path":
-                    framebuffer.scissor = part
+                    framebuffer.scissor = part  # type: ignore[assignment]  # None is all of it
                     self.paths.present(settings, framebuffer)
-                    framebuffer.scissor = None
+                    framebuffer.scissor = None  # type: ignore[assignment]
 
     def _is_all_paths(self, size: tuple[int, int]) -> bool:
         """Whether nothing of the raster is seen."""

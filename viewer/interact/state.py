@@ -5,12 +5,13 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from ..scene.environment import Environment
 from ..scene.furnace import in_furnace
 from ..scene.light import Light
 from ..scene.scene import Scene
-from ..settings import PATH_ONLY, Mode, Settings
+from ..settings import PATH_ONLY, Lobes, Mode, Settings
 
 Part = tuple[int, int, int, int]
 
@@ -19,7 +20,7 @@ CLEAR_GREY = (0.03, 0.03, 0.03)
 MESSAGE_SECONDS = 4.0
 ADDED_LIGHT = "--light"
 """The name of lights the user added: they stay when another model is opened."""
-FURNACE = {"exposure": -1.0, "tonemap": "none", "background": "env"}
+FURNACE: dict[str, Any] = {"exposure": -1.0, "tonemap": "none", "background": "env"}
 """Settings of the furnace view: radiance 1 is mid grey, so that a surface too bright shows as well as one too dark."""
 
 
@@ -42,7 +43,7 @@ class ViewState:
     message: str = ""
     is_error: bool = False
     expires: float = 0.0
-    unheated: tuple[Scene, dict[str, object]] | None = None
+    unheated: tuple[Scene, dict[str, Any]] | None = None
 
     @property
     def modes(self) -> tuple[Mode, ...]:
@@ -52,11 +53,11 @@ class ViewState:
     def shows(self, mode: Mode) -> bool:
         return mode in self.modes
 
-    def show_mode(self, mode: Mode, lobes: str = "all") -> None:
+    def show_mode(self, mode: Mode, lobes: Lobes = "all") -> None:
         self.split, self.paused = None, False
         self.settings = replace(self.settings, mode=mode, lobes=lobes)
 
-    def show_lobes(self, lobes: str) -> None:
+    def show_lobes(self, lobes: Lobes) -> None:
         """One contribution alone, in a mode that has them."""
         self.show_mode("path" if self.modes == ("path",) else "pbr", lobes)
 
@@ -133,7 +134,7 @@ class ViewState:
         plain = Settings()
         settings = replace(settings, **{name: getattr(plain, name) for name in PATH_ONLY})
         if self.shows("path"):
-            beside = next((mode for mode in self.modes if mode != "path"), "pbr")
+            beside: Mode = next((mode for mode in self.modes if mode != "path"), "pbr")
             return [(replace(settings, mode=beside), None)]
         return [(replace(settings, mode=mode), part) for mode, part in self.parts(size)]
 

@@ -27,7 +27,7 @@ class Number(click.ParamType):
     def __init__(self, low: float = -math.inf, high: float = math.inf) -> None:
         self.low, self.high = low, high
 
-    def convert(self, value, param, ctx) -> float:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         try:
             number = float(value)
         except ValueError:
@@ -47,7 +47,7 @@ class Numbers(click.ParamType):
     def __init__(self, form: str, *counts: int, check: Callable[[tuple[float, ...]], str] | None = None) -> None:
         self.form, self.counts, self.check = form, counts, check
 
-    def convert(self, value, param, ctx) -> tuple[float, ...]:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[float, ...]:
         try:
             numbers = tuple(float(part) for part in value.split(","))
         except ValueError:
@@ -61,7 +61,7 @@ class Numbers(click.ParamType):
             self.fail(problem, param, ctx)
         return numbers
 
-    def get_metavar(self, param, ctx=None) -> str:
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
         return self.form
 
 
@@ -70,13 +70,13 @@ class Size(click.ParamType):
 
     name = "size"
 
-    def convert(self, value, param, ctx) -> tuple[int, int]:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, int]:
         match = re.fullmatch(r"([0-9]{1,6})(?:[xX]([0-9]{1,6}))?", value)
         if not match or not all(int(n) for n in match.groups() if n):
             self.fail(f"{value!r} is not WxH, such as 1280x720.", param, ctx)
         return int(match[1]), int(match[2] or match[1])
 
-    def get_metavar(self, param, ctx=None) -> str:
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
         return "WxH"
 
 
@@ -85,13 +85,13 @@ class BackgroundColor(click.ParamType):
 
     name = "background"
 
-    def convert(self, value, param, ctx) -> Background:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Background:
         try:
             return parse_background(value)
         except UsageError:
             self.fail(f"{value!r} is not env, none or #rrggbb.", param, ctx)
 
-    def get_metavar(self, param, ctx=None) -> str:
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
         return "env|none|#rrggbb"
 
 
@@ -100,14 +100,14 @@ class Layers(click.ParamType):
 
     name = "layers"
 
-    def convert(self, value, param, ctx) -> tuple[str, ...]:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
         names = value.split(",") if isinstance(value, str) else value
         unknown = [name for name in names if name not in LAYERS]
         if unknown:
             self.fail(f"no layer {unknown[0]!r}; there are {', '.join(LAYERS)}.", param, ctx)
         return tuple(dict.fromkeys(names))
 
-    def get_metavar(self, param, ctx=None) -> str:
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
         return "NAME,..."
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..scene.parameter import Feature
 from ..scene.schema import FEATURES, MAPS, PARAMETERS, Parameter
 
 _HEAD = """# Materials
@@ -47,7 +48,7 @@ def table() -> str:
     return _HEAD + parameters + _MAPS + maps + _FEATURES + features
 
 
-def _gltf(feature, key: str) -> str:
+def _gltf(feature: Feature, key: str) -> str:
     return ".".join(part for part in (feature.extension, feature.place, key) if part)
 
 

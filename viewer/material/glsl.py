@@ -11,7 +11,7 @@ from itertools import groupby
 from ..scene.schema import MAPS, PARAMETERS, Parameter, multiplied_by
 from .pack import COLOR_ROLES, DATA_ROLES, MAPS_TEXEL, RECORD, RECORD_TEXELS
 
-_TYPES = {1: "float", 3: "vec3", 4: "vec4"}
+_TYPES = {1: "float", 2: "vec2", 3: "vec3", 4: "vec4"}
 _HEAD = "// Written by `python -m viewer.material` from viewer/scene/material.py; change it there.\n"
 
 
@@ -59,7 +59,7 @@ def _records() -> str:
     lines = ["// A material's parameters and maps as the path tracer has them (viewer/material/pack.py).",
              '#include "material/inputs.glsl"', '#include "trace/words.glsl"', "#if HAS_TEXTURES",
              '#include "trace/atlas.glsl"', "#endif", "", "uniform int u_materials;", ""]
-    for kind, roles in (("COLOR", COLOR_ROLES), ("DATA", DATA_ROLES)):
+    for roles in (COLOR_ROLES, DATA_ROLES):
         listed = ", ".join(f"{name.upper()}_ROLE = {bit}u" for name, bit in roles.items())
         lines += [f"const uint {listed};"]
     lines += ["", "int material_texel(int material, int part) {",

@@ -21,7 +21,7 @@ def lines(title: str, series: Series, x_label: str, y_label: str) -> str:
     y_max = _rounded_up(max(float(y.max()) for _, y in series.values()))
     x_ticks, y_ticks = ([f"{k / 4 * largest:g}" for k in range(5)] for largest in (x_max, y_max))
     body = [_frame(x_label, y_label, x_ticks, y_ticks)]
-    for k, (name, (x, y)) in enumerate(series.items()):
+    for k, (x, y) in enumerate(series.values()):
         points = " ".join(f"{_x(a / x_max):.1f},{_y(b / y_max):.1f}" for a, b in zip(x, y) if math.isfinite(b))
         body.append(f'<polyline fill="none" stroke="{_color(k)}" stroke-width="1.5" points="{points}"/>')
     return _svg(title, body + _legend(list(series)))

@@ -132,7 +132,7 @@ _ATTRIBUTES = {
 
 def _missing_bakes(plan: Plan, settings: Settings) -> list[tuple[str, float, float]]:
     """Tables of image-based light that were not made: in words, MB of texture, seconds of baking."""
-    if not _any_lit(plan.draws) or plan.reflections and plan.dfg:
+    if not _any_lit(plan.draws) or (plan.reflections and plan.dfg):
         return []
     if settings.mode == "phong":
         reason = "Phong has no use for them"

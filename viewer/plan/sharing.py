@@ -120,7 +120,7 @@ def _full(program: Program, common: Mapping[str, int]) -> dict[str, int]:
 def _free(fragment: str) -> dict[str, Callable[[int, int], int]]:
     """Switches that may be raised, each with what two programs' values make together."""
     features = [f.switch for f in SWITCHED if f.is_shareable and _model(fragment) in f.models]
-    return {name: max for name in (*_SWITCHES[fragment], *features)} | {"UV_SETS": int.__or__}
+    return dict.fromkeys((*_SWITCHES[fragment], *features), max) | {"UV_SETS": int.__or__}
 
 
 def _union(a: Mapping[str, int], b: Mapping[str, int], fragment: str) -> dict[str, int] | None:

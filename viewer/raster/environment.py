@@ -47,7 +47,7 @@ class EnvironmentLight:
     def bake(self, with_levels: bool) -> None:
         """Have what lights surfaces, and `with_levels` what they reflect, where that is not there yet."""
         has_levels = self._prefiltered is not None or bool(self._baked and self._baked.levels)
-        if self._baked is None or with_levels and not has_levels:
+        if self._baked is None or (with_levels and not has_levels):
             self._baked = bake_environment(self.environment, self._ndf, self._use_cache, with_levels)
             if self._irradiance is not None:  # it is in units of the scale that was
                 self._irradiance.release()

@@ -93,7 +93,7 @@ class Renderer:
         self.draw(scene, camera, settings, size, half=False, still=True)
         linear = self.read_radiance()
         if isinstance(settings.background, tuple):
-            linear += (1 - linear[..., 3:]) * np.float32([*settings.background, 1])
+            linear += (1 - linear[..., 3:]) * np.array([*settings.background, 1], np.float32)
         return Image(linear, self.read_display(settings), {"plan": self.plan.to_json()})
 
     def display(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> Image:

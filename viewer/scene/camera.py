@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 DEFAULT_FOV = math.radians(45.0)
 DEFAULT_AZIMUTH = math.radians(30.0)
@@ -34,14 +35,15 @@ class Camera:
         return -self.pose[:3, 2]
 
     @classmethod
-    def look_at(cls, eye, target, up=(0.0, 1.0, 0.0), fov_y: float = DEFAULT_FOV, name: str = "") -> Camera:
+    def look_at(cls, eye: ArrayLike, target: ArrayLike, up: ArrayLike = (0.0, 1.0, 0.0), fov_y: float = DEFAULT_FOV,
+                name: str = "") -> Camera:
         """A perspective camera at `eye` that looks at `target`; an `up` along the view is replaced by another axis."""
         eye, target, up = (np.asarray(v, np.float64) for v in (eye, target, up))
         back = eye - target
         length = np.linalg.norm(back)
         back = back / length if length > 0 else np.array([0.0, 0.0, 1.0])
         right = np.cross(up, back)
-        if np.linalg.norm(right) < 1e-9 * max(np.linalg.norm(up), 1e-300):
+        if np.linalg.norm(right) < 1e-9 * max(float(np.linalg.norm(up)), 1e-300):
             right = np.cross([0.0, 0.0, -1.0] if abs(back[1]) > 0.5 else [0.0, 1.0, 0.0], back)
         right /= np.linalg.norm(right)
         pose = np.eye(4)
@@ -49,8 +51,8 @@ class Camera:
         return cls(pose, fov_y, name=name)
 
     @classmethod
-    def orbit(cls, center, distance: float, azimuth: float = DEFAULT_AZIMUTH, elevation: float = DEFAULT_ELEVATION,
-              fov_y: float = DEFAULT_FOV) -> Camera:
+    def orbit(cls, center: ArrayLike, distance: float, azimuth: float = DEFAULT_AZIMUTH,
+              elevation: float = DEFAULT_ELEVATION, fov_y: float = DEFAULT_FOV) -> Camera:
         """On a sphere about `center`: azimuth 0 looks from +Z and grows towards +X, elevation upwards; in radians."""
         center = np.asarray(center, np.float64)
         cos_el = math.cos(elevation)
@@ -60,7 +62,7 @@ class Camera:
         return cls.look_at(center + distance * back, center, up, fov_y)
 
     @classmethod
-    def framing(cls, center, radius: float, aspect: float, azimuth: float = DEFAULT_AZIMUTH,
+    def framing(cls, center: ArrayLike, radius: float, aspect: float, azimuth: float = DEFAULT_AZIMUTH,
                 elevation: float = DEFAULT_ELEVATION, fov_y: float = DEFAULT_FOV) -> Camera:
         """An orbit camera whose narrower field of view is filled by the sphere (center, radius)."""
         return cls.orbit(center, framing_distance(radius, aspect, fov_y), azimuth, elevation, fov_y)
@@ -84,7 +86,7 @@ class Camera:
         out[0, 0] = out[1, 1] / aspect
         return out
 
-    def depth_range(self, center, radius: float) -> tuple[float, float]:
+    def depth_range(self, center: ArrayLike, radius: float) -> tuple[float, float]:
         """Near and far that hold the sphere (center, radius), the near plane pushed out as far as it will go."""
         depth = float((np.asarray(center, np.float64) - self.eye) @ self.forward)
         far = max(depth + radius, radius * 1e-3) * 1.001

@@ -28,17 +28,20 @@ class Decoder:
     A key begins with the image; `decode` makes of its parts what is asked for.
     """
 
-    def __init__(self, keys: Iterable[Key], decode: Callable[..., Any] | None = None) -> None:
+    def __init__(self, keys: Iterable[tuple[Any, ...]], decode: Callable[..., Any] | None = None) -> None:
         self._decode = decode or decode_levels
         self._waiting = deque(sorted(keys, key=lambda key: -len(key[0].data)))
         self.keys = frozenset(self._waiting)
-        self._ready: SimpleQueue[tuple[Key, list[np.ndarray] | BaseException]] = SimpleQueue()
+        self._ready: SimpleQueue[tuple[Any, Any]] = SimpleQueue()
         self._room = threading.Semaphore(_ROOM)
         for _ in range(min(_THREADS, len(self.keys))):
             threading.Thread(target=self._work, daemon=True).start()
 
-    def results(self) -> Iterator[tuple[Key, list[np.ndarray]]]:
-        """Each key with its mip levels, once, in the order they become ready. Raises InputError for broken images."""
+    def results(self) -> Iterator[tuple[Any, Any]]:
+        """Each key with what was made of it, by default its mip levels, once, in the order they become ready.
+
+        Raises InputError for broken images.
+        """
         for _ in self.keys:
             key, levels = self._ready.get()
             self._room.release()

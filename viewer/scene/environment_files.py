@@ -7,6 +7,7 @@ import weakref
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -65,8 +66,7 @@ def _file_digest(path: Path) -> str:
     digest = hashlib.blake2b(Path(__file__).read_bytes(), digest_size=20)  # how it is decoded counts, too
     try:
         with path.open("rb") as file:
-            while block := file.read(1 << 20):
-                digest.update(block)
+            hashlib.file_digest(file, lambda: digest)
     except FileNotFoundError:
         raise InputError(path, "", "no such file") from None
     except IsADirectoryError:
@@ -98,7 +98,7 @@ def _decode(path: Path) -> np.ndarray:
     return _upright(bands[0] if len(bands) == 1 else np.concatenate(bands), spec.get_int_attribute("Orientation", 1))
 
 
-def _bands(path: Path, source, encoded: bool) -> Iterator[np.ndarray]:
+def _bands(path: Path, source: Any, encoded: bool) -> Iterator[np.ndarray]:
     """The map from the top in pieces (h, W, 3) float32, each reduced to MAX_WIDTH as it comes: memory stays bounded."""
     spec = source.spec()
     factor = -(-max(spec.width, 2 * spec.height) // MAX_WIDTH)

@@ -47,12 +47,12 @@ def studio() -> np.ndarray:
     grey = 0.10 + 0.30 * _smoothstep((y + 0.35) / 0.9)
     grey = np.repeat(grey[:, None], WIDTH, axis=1)
     for azimuth, elevation, wide, high, radiance in _SOFT_BOXES:
-        _add_soft_box(grey, *map(math.radians, (azimuth, elevation, wide, high)), radiance)
+        _add_soft_box(grey, radiance, *map(math.radians, (azimuth, elevation, wide, high)))
     return np.repeat(grey[:, :, None], 3, axis=2)
 
 
 def _add_soft_box(
-    grey: np.ndarray, azimuth: float, elevation: float, wide: float, high: float, radiance: float
+    grey: np.ndarray, radiance: float, azimuth: float, elevation: float, wide: float, high: float
 ) -> None:
     """In place: a rectangle on the plane facing the origin, a little brighter in its middle, with soft edges."""
     sin_az, cos_az, sin_el, cos_el = math.sin(azimuth), math.cos(azimuth), math.sin(elevation), math.cos(elevation)
@@ -128,7 +128,7 @@ def _preetham(cos_zenith: np.ndarray, cos_gamma: np.ndarray, elevation: float) -
     gamma = np.arccos(np.clip(cos_gamma, -1, 1))
     low = 1 / np.maximum(cos_zenith, 0.01)[:, None].astype(np.float32)
 
-    def perez(a, b, c, d, e):
+    def perez(a: float, b: float, c: float, d: float, e: float) -> np.ndarray:
         sky_part = (1 + a * np.exp(b * low)) * (1 + c * np.exp(d * gamma) + e * cos_gamma * cos_gamma)
         at_zenith = (1 + a * math.exp(b)) * (1 + c * math.exp(d * sun_zenith) + e * math.cos(sun_zenith) ** 2)
         return sky_part / np.float32(at_zenith)

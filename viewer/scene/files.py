@@ -16,8 +16,8 @@ _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.\-]*:")
 
 def read_file(path: str | PathLike[str], name: str = "", place: str = "") -> bytes:
     """All of a regular file's bytes. Raises InputError about `name` at `place`, or about the file itself."""
+    path = Path(path)
     try:
-        path = Path(path)
         mode = path.stat().st_mode
         if stat.S_ISDIR(mode):
             raise InputError(name or path, place, _problem("is a folder, not a file", path, name))

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .camera import Camera
 from .scene import Scene
@@ -47,7 +48,7 @@ class Frame:
         """The mean scale of the mesh in eye-relative space: the cube root of what a volume is multiplied by."""
         return float(np.cbrt(abs(np.linalg.det(transform[:3, :3] / self.unit))))
 
-    def position(self, point) -> np.ndarray:
+    def position(self, point: ArrayLike) -> np.ndarray:
         """A world position, eye-relative, (3,) float64."""
         return (np.asarray(point, np.float64) - self.camera.eye) / self.unit
 

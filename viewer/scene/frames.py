@@ -39,16 +39,23 @@ def with_creased_normals(mesh: Mesh) -> Mesh:
 
 
 def with_mended_normals(mesh: Mesh, bad: np.ndarray) -> Mesh:
-    """Smooth normals in place of those that are `bad` (N,)."""
+    """Smooth normals in place of those that are `bad` (N,), of a mesh that has normals."""
+    assert mesh.normals is not None
     computed = smooth_normals(mesh.positions, triangles_of(mesh))
     return replace(mesh, normals=np.where(bad[:, None], computed, mesh.normals))
 
 
-def with_tangents(mesh: Mesh, normal_map: Texture) -> Mesh:
-    """Tangents along the coordinates that the normal map is read at; vertices are split where they must be."""
-    uvs = mesh.uvs[normal_map.uv_set]
-    if normal_map.transform is not None:
-        matrix = normal_map.transform.matrix()
+def with_tangents(mesh: Mesh, texture: Texture | None) -> Mesh:
+    """Tangents along the coordinates that `texture` is read at, or else along the first UV set.
+
+    Vertices are split where they must be. A mesh without the coordinates gets no tangents.
+    """
+    uv_set = texture.uv_set if texture is not None else 0
+    if uv_set >= len(mesh.uvs):
+        return replace(mesh, tangents=None)
+    uvs = mesh.uvs[uv_set]
+    if texture is not None and texture.transform is not None:
+        matrix = texture.transform.matrix()
         uvs = (uvs @ matrix[:, :2].T + matrix[:, 2]).astype(np.float32)
     source, tangents, triangles = make_tangents(mesh.positions, mesh.normals, uvs, triangles_of(mesh))
     return replace(picked(mesh, source), tangents=tangents, indices=triangles.ravel())

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,11 +18,11 @@ from ..errors import InputError
 from .color import srgb_to_linear
 from .files import path_inside, read_file
 from .frames import picked, with_creased_normals, with_flat_normals, with_tangents
-from .material import Material, Texture
+from .material import AlphaMode, Material, Texture
 from .mesh import Mesh
 from .mtl import PLAIN, MaterialLibrary
 from .scene import Instance, Scene
-from .schema import needs_tangents
+from .schema import needs_tangents, tangent_texture
 from .texture_image import MESH_FORMATS, open_texture_image
 
 if TYPE_CHECKING:
@@ -51,7 +51,8 @@ def load_mesh_file(path: Path, data: bytes, kind: str) -> Scene:
         import trimesh
 
         reader = _Reader(path, data, kind)
-        loaded = trimesh.load_scene(io.BytesIO(reader.data), file_type=kind, resolver=reader, process=False)
+        loaded = trimesh.load_scene(io.BytesIO(reader.data), file_type=kind, process=False,
+                                    resolver=reader)  # type: ignore[arg-type]  # it has `get`, all that is called
         return reader.scene(loaded)
 
 
@@ -109,7 +110,8 @@ class _Reader:
         return Scene(self.path.stem, tuple(self.meshes), tuple(self.materials), tuple(instances),
                      warnings=tuple(self.warnings), facts=facts)
 
-    def _mesh(self, name: str, geometry: trimesh.Trimesh | trimesh.PointCloud) -> Mesh | None:
+    def _mesh(self, name: str, geometry: Any) -> Mesh | None:
+        """Of a trimesh.Trimesh or PointCloud; None for one with nothing in it."""
         positions = np.asarray(geometry.vertices, np.float64)
         if not np.isfinite(positions).all():
             raise InputError(self.path, name, "the positions must be finite numbers")
@@ -125,7 +127,7 @@ class _Reader:
             raise InputError(self.path, name, f"a face has a vertex number that is not in 0..{len(positions) - 1}")
         visual = geometry.visual
         uv = getattr(visual, "uv", None)
-        uvs = ()
+        uvs: tuple[np.ndarray, ...] = ()
         if uv is not None and np.shape(uv) == (len(positions), 2):
             # trimesh has v upwards, as these formats do; ours is glTF's.
             uvs = ((np.nan_to_num(np.asarray(uv, np.float64)) * (1, -1) + (0, 1)).astype(np.float32),)
@@ -140,7 +142,7 @@ class _Reader:
         mesh = self._with_normals(mesh, None if mesh.indices is None else given)
         mesh = replace(mesh, material=self._material(visual, mesh))
         material = self.materials[mesh.material]
-        return with_tangents(mesh, material.normal_texture) if needs_tangents(material) else mesh
+        return with_tangents(mesh, tangent_texture(material)) if needs_tangents(material) else mesh
 
     def _with_normals(self, mesh: Mesh, given: np.ndarray | None) -> Mesh:
         if given is not None and len(given) == len(mesh.positions):
@@ -171,7 +173,7 @@ class _Reader:
         """The material's number; a vertex colour is all the colour there is, and may be translucent."""
         if colors is not None:
             # 254 of 255 is rounding, not glass.
-            mode = "blend" if colors[:, 3].min() < 0.99 else "opaque"
+            mode: AlphaMode = "blend" if colors[:, 3].min() < 0.99 else "opaque"
             material = replace(material, base_color=(1.0, 1.0, 1.0, 1.0), alpha_mode=mode)
         if material not in self.materials:
             self.materials.append(material)

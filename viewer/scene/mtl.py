@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import numpy as np
+
 from ..errors import InputError
 from .color import srgb_to_linear
 from .files import path_inside, read_file
-from .material import RGB, Material, Sampler, Texture
+from .material import RGB, Material, Sampler, Texture, Wrap
 from .texture_image import MESH_FORMATS, TextureImage, open_texture_image
 
 PLAIN = Material(base_color=(0.8, 0.8, 0.8, 1.0), metallic=0.0, perceptual_roughness=0.5, double_sided=True)
@@ -86,7 +88,7 @@ class MaterialLibrary:
         except InputError as error:
             self._warnings.append(f"{block['newmtl']}: {key}: {error.problem}; the texture is left out")
             return None, 1.0
-        wrap = "clamp" if options.get("-clamp", "off").lower() == "on" else "repeat"
+        wrap: Wrap = "clamp" if options.get("-clamp", "off").lower() == "on" else "repeat"
         scale = _number(options.get("-bm"))
         return Texture(self._images[path], Sampler(wrap, wrap)), 1.0 if scale is None else scale
 
@@ -133,8 +135,9 @@ def _number(text: str | None) -> float | None:
 
 def _color(text: str | None, default: RGB) -> RGB:
     """Three sRGB values, or one for all, as linear ones; `default` for anything else, such as a spectral curve."""
-    values = [_number(word) for word in (text or "").split()[:3]]
-    if not values or None in values:
+    words = (text or "").split()[:3]
+    values = [value for value in map(_number, words) if value is not None]
+    if len(values) != len(words) or len(values) not in (1, 3):
         return default
-    values = [min(max(value, 0.0), 1.0) for value in (values * 3 if len(values) == 1 else values)]
-    return tuple(map(float, srgb_to_linear(values))) if len(values) == 3 else default
+    red, green, blue = map(float, srgb_to_linear(np.clip(np.broadcast_to(values, 3), 0.0, 1.0)))
+    return red, green, blue

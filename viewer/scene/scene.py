@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -77,7 +78,7 @@ class Scene:
             return float(np.sqrt(0.75))
         return radius or max(1e-6, float(np.abs(center).max()) * 1e-6)
 
-    def relit(self, **changes) -> Scene:
+    def relit(self, **changes: Any) -> Scene:
         """A copy with other `environment` or `lights`; what was worked out from the geometry is not lost."""
         copy = replace(self, **changes)
         for name in ("bounds", "corners", "center", "radius"):

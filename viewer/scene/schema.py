@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from typing import cast
 
 from .material import Material, Texture
 from .parameter import Feature, MapInfo, ParameterInfo
@@ -46,12 +47,13 @@ class Map:
 
 
 _FIELDS = fields(Material)
-PARAMETERS = {f.name: Parameter(f.name, f.default, f.metadata["parameter"])
-              for f in _FIELDS if "parameter" in f.metadata}
-MAPS = {name: Map(name, f.metadata["map"])
+PARAMETERS: dict[str, Parameter] = {
+    f.name: Parameter(f.name, cast(Value, f.default), f.metadata["parameter"])
+    for f in _FIELDS if "parameter" in f.metadata}
+MAPS: dict[str, Map] = {name: Map(name, f.metadata["map"])
         for f in _FIELDS if "map" in f.metadata for name in [f.name.removesuffix("_texture")]}
 FEATURES: tuple[Feature, ...] = tuple(dict.fromkeys(
-    thing.info.feature for thing in (*PARAMETERS.values(), *MAPS.values())))
+    [p.info.feature for p in PARAMETERS.values()] + [m.info.feature for m in MAPS.values()]))
 SWITCHED = tuple(feature for feature in FEATURES if feature.switch)
 """The features that shaders may lack."""
 MAP_SWITCHES = ("MAP", "UV", "TRANSFORM", "MIRROR")
@@ -67,6 +69,12 @@ def no_switches() -> dict[str, int]:
     """The switches of a program that reads no map and has no feature."""
     off = {feature.switch: 0 for feature in SWITCHED}
     return off | {f"{name.upper()}_{word}": 0 for name in MAPS for word in MAP_SWITCHES}
+
+
+def tangent_texture(material: Material) -> Texture | None:
+    """The texture along whose coordinates tangents are made; None: along the first UV set."""
+    textures = (m.texture(material) for m in MAPS.values() if m.info.needs_tangents)
+    return next((texture for texture in textures if texture is not None), None)
 
 
 def needs_tangents(material: Material) -> bool:

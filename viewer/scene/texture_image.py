@@ -67,7 +67,7 @@ def open_texture_image(data: Buffer, name: str, formats: tuple[str, ...] = GLTF_
     a few kilobytes can claim gigabytes of pixels.
     """
     with _as_input_error(name), Image.open(io.BytesIO(data), formats=formats) as image:
-        width, height, kind, mode = *image.size, image.format, image.mode
+        width, height, kind, mode = *image.size, str(image.format), image.mode
         has_alpha = image.has_transparency_data
     if min(width, height) < 1 or max(width, height) > MAX_SIDE or width * height > MAX_PIXELS:
         raise InputError(name, "", f"{width} x {height} texels; at most {MAX_SIDE} a side and {MAX_PIXELS} in all")
@@ -102,7 +102,7 @@ def _pick_bands(image: Image.Image, channels: str) -> np.ndarray:
         if channel == "A" and "A" not in bands:
             out[..., k] = 255
         else:
-            out[..., k] = image.getchannel(channel if channel in bands else "L")
+            out[..., k] = np.asarray(image.getchannel(channel if channel in bands else "L"))
     return out
 
 

@@ -50,7 +50,7 @@ class Effort:
     seconds: float
 
     def is_enough(self, count: int, seconds: float) -> bool:
-        return count >= self.most or count >= self.least and seconds >= self.seconds
+        return count >= self.most or (count >= self.least and seconds >= self.seconds)
 
 
 THOROUGH = Effort(least=5, most=15, seconds=0.3)

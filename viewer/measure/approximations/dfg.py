@@ -5,9 +5,11 @@ from __future__ import annotations
 import time
 from functools import partial
 
+import moderngl
 import numpy as np
 
 from ...bake.dfg import SIZE, compute_dfg_table, dfg_table, directional_albedo
+from ...gpu.context import Context
 from ...gpu.float_texture import float_texture
 from .piece import Case, Kernel, Piece, Variant, grid
 
@@ -55,5 +57,5 @@ def _table(size: int, dtype: type) -> Variant:
                    whole.size * np.dtype(dtype).itemsize, bake, is_default)
 
 
-def _upload(pixels, context):
+def _upload(pixels: np.ndarray, context: Context) -> moderngl.Texture:
     return float_texture(context.gl, pixels)

@@ -72,7 +72,7 @@ def measure(sweep: Sweep) -> Errors:
     spacing = np.spacing(np.maximum(exact, TINY).astype(np.float32)).astype(np.float64)
     ulp = np.where(counted, np.abs(found - exact) / spacing, 0.0)
     limit = np.zeros_like(exact)
-    for k, axis in enumerate(grid):
+    for k in range(len(grid)):
         moved = [a * (1 - HALF_ULP) if j == k else a for j, a in enumerate(grid)]
         limit += np.where(counted & (exact != 0), relative_error(sweep.exact(*moved), exact), 0.0)
     return Errors(relative, ulp, limit)

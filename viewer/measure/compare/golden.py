@@ -37,7 +37,7 @@ class Limits:
         for name, value in values.items():
             if name not in names:
                 raise UsageError(f"there is no limit {name!r}, but {', '.join(names)}")
-            if not (isinstance(value, (int, float)) and value >= 0 or (name == "maximum" and value is None)):
+            if not ((isinstance(value, (int, float)) and value >= 0) or (name == "maximum" and value is None)):
                 raise UsageError(f"{name}={value!r}: it is a number from 0 on")
         return cls(**values)  # type: ignore[arg-type]
 
@@ -57,7 +57,7 @@ class Failure:
         """Writes expected.png, actual.png, difference.png (as far as they exist) and failure.json."""
         folder.mkdir(parents=True, exist_ok=True)
         for name, image in (("actual", self.actual), ("expected", self.expected),
-                            ("difference", self.difference and self.difference.map_image())):
+                            ("difference", self.difference.map_image() if self.difference is not None else None)):
             if image is not None:
                 image.save(folder / f"{name}.png")
         facts = {"test": self.test, "golden": str(self.golden), "problem": self.problem}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -218,7 +218,7 @@ def _words_svg(words: Words) -> str:
             f'font-size="{words.size:g}" fill="{fill}"{turn}>{html.escape(words.text)}</text>')
 
 
-_SVG = {Line: _line_svg, Mark: _mark_svg, Words: _words_svg}
+_SVG: dict[type, Callable[[Any], str]] = {Line: _line_svg, Mark: _mark_svg, Words: _words_svg}
 
 
 def _listed(points: Sequence[tuple[float, float]]) -> str:

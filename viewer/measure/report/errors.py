@@ -51,7 +51,7 @@ def errors(picture: Image, reference: Image, mask: np.ndarray) -> Errors:
     """Of `picture` against `reference` where `mask` (H, W) bool is set, which is somewhere."""
     ours, truth = (image.linear[..., :3].astype(np.float64) for image in (picture, reference))
     bad = ~np.isfinite(ours).all(axis=-1)
-    ours = np.where(bad[..., None], 0.0, ours)[mask]
+    ours = np.where(np.expand_dims(bad, -1), 0.0, ours)[mask]
     truth = truth[mask]
     squared = (ours - truth) ** 2
     relative = squared / (truth**2 + EPSILON)

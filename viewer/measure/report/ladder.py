@@ -111,8 +111,11 @@ class Ladder:
 def ladder(scene: Scene, settings: Settings, use_cache: bool = True) -> Ladder:
     """What applies to `scene`; `settings` are the user's, of which mode and what is only for mode path do not count."""
     left_out: list[LeftOut] = []
-    baked = bake_environment(scene.environment, settings.ndf, use_cache) if scene.environment is not None else None
-    from_environment = environment_lights(scene.environment, baked) if baked is not None else ()
+    baked: BakedEnvironment | None = None
+    from_environment: tuple[Light, ...] = ()
+    if scene.environment is not None:
+        baked = bake_environment(scene.environment, settings.ndf, use_cache)
+        from_environment = environment_lights(scene.environment, baked)
     raster = [Method("phong", "Phong", {"mode": "phong", "antialias": "none"}),
               Method("phong", "Phong", {"mode": "phong", "antialias": "msaa-4"})]
     if scene.lights or from_environment:
@@ -124,7 +127,7 @@ def ladder(scene: Scene, settings: Settings, use_cache: bool = True) -> Ladder:
         raster += _distinct(_image_based(scene, (*scene.lights, *baked.suns), settings, left_out))
     else:
         left_out.append(LeftOut(PLAIN.title, "the scene has no environment"))
-    traced = []
+    traced: list[Method] = []
     for spp in SPP:
         traced += _traced(spp, left_out if spp == 1 else [])
     traced += [Method("path-adaptive", "path traced, adaptive", {"mode": "path", "error": error}) for error in TARGETS]

@@ -4,6 +4,7 @@ is shaded, one in the body and one mirrored, followed from surface to surface th
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 import moderngl
@@ -65,7 +66,7 @@ class TracedRefraction:
         for name, value in uniforms.items():
             set_uniform(program, name, value)
         for kind in range(len(_KINDS) if plan.reflections else 1):
-            self._paths.begin(kind, lambda: draw_rays(uniforms | {"u_is_mirrored": kind == 1}))
+            self._paths.begin(kind, partial(draw_rays, uniforms | {"u_is_mirrored": kind == 1}))
             self._follow(program)
         return self._paths.bind()
 

@@ -7,8 +7,9 @@ import numpy as np
 from .buffers import Buffers
 from .element import Element
 
-_COMPONENTS = {5120: np.dtype("i1"), 5121: np.dtype("u1"), 5122: np.dtype("<i2"), 5123: np.dtype("<u2"),
-               5125: np.dtype("<u4"), 5126: np.dtype("<f4")}
+_COMPONENTS: dict[int, np.dtype] = {
+    5120: np.dtype("i1"), 5121: np.dtype("u1"), 5122: np.dtype("<i2"), 5123: np.dtype("<u2"), 5125: np.dtype("<u4"),
+    5126: np.dtype("<f4")}
 _COUNTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 
 MIN_CLAIM, MAX_SHARING = 1 << 24, 4

@@ -34,7 +34,7 @@ class Element:
     Readers take `key` of the object; a missing one gives `default`, or an InputError where there is no default.
     """
 
-    __slots__ = ("document", "value", "place")
+    __slots__ = ("document", "place", "value")
 
     def __init__(self, document: Document, value: Any, place: str = "") -> None:
         self.document, self.place = document, place
@@ -104,8 +104,8 @@ class Element:
         return value if value is default else self._clamped(value, key, low, high)
 
     def vector(self, key: str, size: int, default: Any = _MISSING, low: float = -math.inf,
-               high: float = math.inf) -> tuple[float, ...]:
-        """`size` finite numbers; those outside low..high are clamped, with a warning."""
+               high: float = math.inf) -> Any:
+        """A tuple of `size` finite numbers; those outside low..high are clamped, with a warning."""
         values = self._get(key, list, f"an array of {size} numbers", default)
         if values is default:
             return values

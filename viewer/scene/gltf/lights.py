@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ class Lights:
         if extension is None or "light" not in extension:
             return None
         element = self._items[extension.index("light", len(self._items))]
-        kind = element.string("type")
+        kind: Any = element.string("type")
         if kind not in ("directional", "point", "spot"):
             element.warn(f"{kind[:20]!r} is unknown; the light is left out", "type")
             return None
@@ -33,7 +34,7 @@ class Lights:
             direction, length = np.array([0.0, 0.0, -1.0]), 1.0
         reach = element.number("range", None, 0.0)
         return Light(kind, element.vector("color", 3, (1.0, 1.0, 1.0), 0.0), element.number("intensity", 1.0, 0.0),
-                     tuple(map(float, world[:3, 3])), tuple(map(float, direction / length)), reach or None,
+                     tuple(world[:3, 3].tolist()), tuple((direction / length).tolist()), reach or None,
                      *_cone(element), name=element.string("name", node.string("name", "")))
 
 

@@ -69,6 +69,6 @@ def _read_parameter(place: Element, parameter: Parameter) -> Value:
         place = place.object(name)
     if isinstance(default, tuple):
         return place.vector(key, len(default), default, info.low, info.high)
-    if info.special is not None and place.value.get(key) == info.special:
+    if info.special is not None and place.number(key, default) == info.special:
         return info.special
     return place.number(key, default, info.low, info.high)

@@ -9,7 +9,7 @@ import numpy as np
 from ..frames import with_flat_normals, with_mended_normals, with_tangents
 from ..material import Material
 from ..mesh import Mesh
-from ..schema import MAPS, needs_tangents
+from ..schema import MAPS, needs_tangents, tangent_texture
 from . import deform
 from .accessors import Accessors
 from .element import Element
@@ -147,4 +147,4 @@ def _complete(mesh: Mesh, material: Material, primitive: Element) -> Mesh:
         return replace(mesh, tangents=None)
     if mesh.tangents is not None and np.isfinite(mesh.tangents).all():
         return mesh
-    return with_tangents(mesh, material.normal_texture)
+    return with_tangents(mesh, tangent_texture(material))

@@ -93,18 +93,17 @@ class _Reader:
 
     def _add_instances(self, node: Element, world: np.ndarray) -> None:
         mesh = node.index("mesh", len(self.mesh_items))
-        skin = node.index("skin", len(self.skins.items), None)
+        skin: int | None = node.index("skin", len(self.skins.items), None)
         if skin is not None:
             self.skins.joint_matrices(skin)
             if not self._has_joints(mesh):
                 node.warn("the mesh has no joints; the skin is not used", "skin")
                 skin = None
-        weights = node.numbers("weights")
-        if weights is None:
-            weights = self.mesh_items[mesh].numbers("weights") or ()
-        key = (mesh, skin, tuple(weights))
+        given = node.numbers("weights")
+        weights = tuple(given if given is not None else self.mesh_items[mesh].numbers("weights") or ())
+        key = (mesh, skin, weights)
         if key not in self._known:
-            self._known[key] = self._read_mesh(mesh, skin, tuple(weights))
+            self._known[key] = self._read_mesh(mesh, skin, weights)
         if skin is not None:
             world = np.eye(4)  # the joints alone place a skinned mesh (3.7.3.3)
         name = node.string("name", "")

@@ -22,8 +22,8 @@ class Vertices:
         self._stored = self.count = len(accessors.raw(position, "VEC3"))
         self._used: np.ndarray | None = None
         self.indices = self._read_indices(primitive, mode)
-        if self.indices is not None and 0 < len(self.indices):
-            self._drop_unused()
+        if self.indices is not None and len(self.indices) > 0:
+            self._drop_unused(self.indices)
 
     def raw(self, owner: Element, key: str, *types: str) -> np.ndarray:
         """The values that `owner.key` names for these vertices, (count, components) as stored."""
@@ -67,18 +67,18 @@ class Vertices:
             return None
         return to_list(mode, indices)
 
-    def _drop_unused(self) -> None:
+    def _drop_unused(self, indices: np.ndarray) -> None:
         # The mask costs a byte a vertex; with few indices for many vertices sorting them is cheaper.
-        if len(self.indices) < self._stored // 8:
-            used, self.indices = np.unique(self.indices, return_inverse=True)
-            self.indices = self.indices.astype(np.uint32)
+        if len(indices) < self._stored // 8:
+            used, indices = np.unique(indices, return_inverse=True)
+            self.indices = indices.astype(np.uint32)
         else:
             drawn = np.zeros(self._stored, bool)
-            drawn[self.indices] = True
+            drawn[indices] = True
             used = np.flatnonzero(drawn)
             if len(used) >= self._stored // 2:
                 return
             number = np.zeros(self._stored, np.uint32)
             number[used] = np.arange(len(used))
-            self.indices = number[self.indices]
+            self.indices = number[indices]
         self._used, self.count = used, len(used)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import moderngl
 import numpy as np
 
@@ -35,7 +37,8 @@ class Film:
         self._developed = gl.framebuffer([self.radiance])
         self._estimated = gl.framebuffer([self._tile_errors])
         self.sum, self.squares = self._sums.textures
-        self.albedo, self.normal, self.emission = self._layers.textures if self._layers else [None] * LAYERS
+        layers: list[Any] = self._layers.textures if self._layers else [None] * LAYERS
+        self.albedo, self.normal, self.emission = layers
 
     def add(self, wave: Wave, blocks: np.ndarray) -> None:
         """What these blocks of the wave have gathered, each at its tile, in this order."""

@@ -26,7 +26,7 @@ def read_layers(film: Film, names: Collection[str]) -> dict[str, np.ndarray]:
         is_hit = hits[..., 0] > 0
         layers["albedo"], mean = (np.where(hits > 0, total / np.maximum(hits, 1), 0) for total in (albedo, normal))
         layers["normal"], layers["depth"] = mean[..., :3], np.where(is_hit, mean[..., 3], np.inf)
-    if not FIRST_HIT >= set(names):
+    if not set(names) <= FIRST_HIT:
         total, squares = film.read_sums()
         n = total[..., 3:]
         mean = total / np.maximum(n, 1)

@@ -178,7 +178,7 @@ class Exposure:
         width, height = self.film.size
         linear = np.frombuffer(self.shown.read(), np.float32).reshape(height, width, 4)[::-1].copy()
         if isinstance(self.settings.background, tuple):
-            linear += (1 - linear[..., 3:]) * np.float32([*self.settings.background, 1])
+            linear += (1 - linear[..., 3:]) * np.array([*self.settings.background, 1], np.float32)
         target = self._display.target((width, height))
         self.present(target)
         shown = np.frombuffer(target.read(components=4), np.uint8).reshape(height, width, 4)[::-1]

@@ -32,15 +32,16 @@ class Sums:
     """Textures of floats that are added to."""
 
     def __init__(self, gl: moderngl.Context, size: tuple[int, int], count: int,
-                 depth: moderngl.Texture | None = None) -> None:
+                 depth: moderngl.Texture | moderngl.Renderbuffer | None = None) -> None:
         self.textures = [float_target(gl, size) for _ in range(count)]
         self.framebuffer = gl.framebuffer(self.textures, depth)
         self.framebuffer.clear()
         self.framebuffer.depth_mask = False
 
     def release(self) -> None:
-        for thing in (self.framebuffer, *self.textures):
-            thing.release()
+        self.framebuffer.release()
+        for texture in self.textures:
+            texture.release()
 
 
 class Wave:

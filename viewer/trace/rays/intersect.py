@@ -7,7 +7,6 @@ of vertex 2. `free` says that the slot's shadow ray met nothing. A ray that met 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -53,7 +52,7 @@ class Answer:
 class Surfaces(Protocol):
     """What `coverage_at` of shaders/trace/material.glsl needs: defines, and what to bind before it is used."""
 
-    switches: Mapping[str, int]
+    switches: dict[str, int]
 
     def bind(self, program: moderngl.Program) -> None: ...
 

@@ -34,7 +34,7 @@ def find_emitters(scene: Scene, geometry: TraceGeometry) -> tuple[np.ndarray, np
         emissive = material.material.emissive
         texture = _emission_map(material)
         if texture is None:
-            luminance = float(LUMINANCE @ emissive)
+            luminance: float | np.ndarray = float(LUMINANCE @ emissive)
         else:
             key = id(texture.image), emissive
             if key not in tables:

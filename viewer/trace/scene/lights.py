@@ -87,7 +87,7 @@ class SceneLights:
             words.add("emitters", emitters)
         self.switches = {
             "HAS_ENVIRONMENT": int(has_environment),
-            "ENVIRONMENT_ROTATED": int(has_environment and environment.rotation != 0),
+            "ENVIRONMENT_ROTATED": int(has_environment and environment is not None and environment.rotation != 0),
             "HAS_PUNCTUAL": int(bool(lit)),
             "HAS_EMITTERS": int(len(emitters) > 0),
             "LIGHT_RADIUS": int(radius > 0 and any(light.kind != "directional" for light in lit)),

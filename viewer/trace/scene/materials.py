@@ -57,8 +57,8 @@ def trace_material(material: Material, mesh: Mesh, unit: float) -> TraceMaterial
     def uses(roles: Mapping[str, int]) -> tuple[MapUse, ...]:
         found: dict[Texture, int] = {}
         for name in names:
-            if name in roles:
-                texture = MAPS[name].texture(material)
+            texture = MAPS[name].texture(material)
+            if name in roles and texture is not None:
                 found[texture] = found.get(texture, 0) | roles[name]
         return tuple(MapUse(texture, bits) for texture, bits in found.items())
 

@@ -41,7 +41,8 @@ class TracedScene:
         words = self._data.words.copy()
         self._lights = SceneLights(self._context, scene, self.geometry, words, settings, previous)
         self._data.upload(words)
-        self._scene, self._lit_by = scene, _light_key(scene, settings)
+        self._scene = scene
+        self._lit_by: tuple[object, ...] = _light_key(scene, settings)
 
     @property
     def switches(self) -> dict[str, int]:
