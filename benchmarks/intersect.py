@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 
 import viewer
 from viewer.gpu.context import Context, open_context
+from viewer.trace.layout import FREE, INSTANCE_MASK, MISS, TILE
 from viewer.trace.paths.wavefront import Wave
 from viewer.trace.rays.bvh import build_bvh
-from viewer.trace.rays.intersect import FREE, INSTANCE_MASK, MISS, Intersector, make_intersector
+from viewer.trace.rays.intersect import Intersector, make_intersector
 from viewer.trace.scene.geometry import TraceGeometry, TraceInstance, TraceMesh, trace_geometry
 from viewer.trace.scene.scene_data import SceneData
 
@@ -131,7 +132,7 @@ def rate(context: Context, intersector: Intersector, rays: Rays | None, shadow: 
 
 
 def _wave(context: Context, rays: Rays | None, shadow: Rays | None) -> Wave:
-    wave = Wave(context.gl, SIDE // 16, SIDE // 16, has_layers=False)
+    wave = Wave(context.gl, SIDE // TILE, SIDE // TILE, has_layers=False)
     nothing = np.zeros((SIDE * SIDE, 3), np.float32)
     origin, direction = rays or (nothing, nothing)
     shadow_origin, shadow_vector = shadow or (nothing, nothing)

@@ -2,7 +2,6 @@
 // weights in full float precision (a GPU's own filter has 8 bits of them).
 #include "trace/words.glsl"
 
-const int MAP_WORDS = 3;
 const uint WRAP_REPEAT = 0u, WRAP_CLAMP = 1u; // and 2u, mirror
 const uint MAP_NEAREST = 16u, MAP_SECOND_UV = 32u, MAP_TRANSFORMED = 64u;
 
@@ -21,7 +20,7 @@ struct TextureMap {
 };
 
 TextureMap texture_map(int index, vec2 uv0, vec2 uv1) {
-    int at = u_maps + index * MAP_WORDS;
+    int at = u_maps + index * MAP_TEXELS;
     uvec4 w = word(at);
     TextureMap map;
     map.corner = vec2(w.x & 0xffffu, w.x >> 16);

@@ -1,4 +1,4 @@
-// A square of 16 x 16 slots for each block that is named.
+// A square of TILE x TILE slots for each block that is named.
 in int a_block;
 
 uniform ivec2 u_grid; // of blocks: columns, rows

@@ -10,10 +10,6 @@
 
 uniform int u_bounces; // the most often a path is scattered
 
-Hit hit_of(uvec4 word) {
-    return Hit(int(word.x & 0x0fffffffu), int(word.y), uintBitsToFloat(word.zw));
-}
-
 // What is left after a way through the medium the path is in       Beer 1852
 vec3 transmittance(Path p, float way) {
 #if HAS_VOLUME

@@ -9,19 +9,22 @@
 #define PRECISE
 #endif
 
+#include "trace/hit.glsl"
+
 uniform usampler2D u_bvh;
 uniform uint u_root;
 uniform int u_bvh_triangles, u_bvh_instances; // the texels where they start
 
-const uint MISS = 0x7fffffffu;     // kind 7, instance 0x0fffffff
-const uint LEAF = 0x80000000u;     // | (count - 1) << 28 | first triangle
-const uint INSTANCE = 0xf0000000u; // | number of the instance here
-const uint NOTHING = 0xffffffffu;
+// References, as in viewer/trace/rays/bvh4.py and bvh.py; those that are no leaf are numbers of nodes.
+const uint LEAF = 1u << 31;                     // | (count - 1) << LEAF_SHIFT | first triangle
+const uint INSTANCE = LEAF | 7u << LEAF_SHIFT;  // | number of the instance here
+const uint PRIMITIVE_MASK = (1u << LEAF_SHIFT) - 1u;
+const uint NOTHING = ~0u;
 const float FARTHEST = 16.0;       // all is within 1 of the origin, and rays start within some 2
 
 struct Found {
     float t;
-    uint code; // kind << 28 | instance
+    uint code; // kind << KIND_SHIFT | instance
     uint triangle;
     vec2 barycentric;
     uint is_see_through;
@@ -73,7 +76,7 @@ bool meet_triangle(Walker ray, int texel, float t_max, out Found found) {
 }
 
 #if HAS_SEE_THROUGH
-bool goes_through(int instance, int triangle, vec2 barycentric, vec3 vector); // trace/see_through.glsl
+bool goes_through(Hit hit, vec3 vector); // trace/see_through.glsl
 #endif
 
 // Distances to the boxes of a node's four children; above `t_max` where the ray misses.
@@ -114,8 +117,8 @@ bool walk(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
     uint next = u_root;
     while (next != NOTHING) {
         if ((next & LEAF) == 0u) {
-            vec4 t = meet_boxes(ray, int(next) * 7, nearest.t);
-            uvec4 children = bvh_texel(int(next) * 7 + 6);
+            vec4 t = meet_boxes(ray, int(next) * NODE_TEXELS, nearest.t);
+            uvec4 children = bvh_texel(int(next) * NODE_TEXELS + 6);
             sort(t, children, 0, 1);
             sort(t, children, 2, 3);
             sort(t, children, 0, 2);
@@ -139,7 +142,7 @@ bool walk(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
             }
 #if HAS_INSTANCES
         } else if (next >= INSTANCE) {
-            int texel = u_bvh_instances + int(next & 0x0fffffffu) * 4;
+            int texel = u_bvh_instances + int(next & PRIMITIVE_MASK) * BVH_INSTANCE_TEXELS;
             vec4 x = uintBitsToFloat(bvh_texel(texel)), y = uintBitsToFloat(bvh_texel(texel + 1));
             vec4 z = uintBitsToFloat(bvh_texel(texel + 2));
             ray = walker(vec3(dot(x, vec4(o, 1.0)), dot(y, vec4(o, 1.0)), dot(z, vec4(o, 1.0))),
@@ -150,9 +153,9 @@ bool walk(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
             continue;
 #endif
         } else {
-            int texel = u_bvh_triangles + int(next & 0x0fffffffu) * 3;
-            int end = texel + 3 * (int(next >> 28 & 7u) + 1);
-            for (; texel < end; texel += 3) {
+            int texel = u_bvh_triangles + int(next & PRIMITIVE_MASK) * TRIANGLE_TEXELS;
+            int end = texel + TRIANGLE_TEXELS * (int(next >> LEAF_SHIFT & 7u) + 1);
+            for (; texel < end; texel += TRIANGLE_TEXELS) {
                 Found found;
                 if (!meet_triangle(ray, texel, nearest.t, found)) continue;
 #if HAS_INSTANCES
@@ -162,9 +165,10 @@ bool walk(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
                 }
 #endif
 #if HAS_SEE_THROUGH
-                int placed = int(found.code & 0x0fffffffu);
-                if (is_shadow && found.is_see_through != 0u
-                    && goes_through(placed, int(found.triangle), found.barycentric, d)) continue;
+                if (is_shadow && found.is_see_through != 0u) {
+                    Hit hit = Hit(int(found.code & INSTANCE_MASK), int(found.triangle), found.barycentric);
+                    if (goes_through(hit, d)) continue;
+                }
 #endif
                 if (is_shadow) return true;
                 nearest = found;

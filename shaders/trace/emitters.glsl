@@ -16,11 +16,11 @@ vec3 sample_emitter(int k, vec3 p, vec2 u, out vec3 l, out float distance, out f
     vec3 to_light = to_tracer * (tri.weights.x * p0 + tri.weights.y * p1 + tri.weights.z * p2)
                   + vec3(tri.row0.w, tri.row1.w, tri.row2.w) - p;
     vec3 normal = cross(to_tracer * (p1 - p0), to_tracer * (p2 - p0)); // twice the area long
-    if ((tri.flags & MIRRORED) != 0u) normal = -normal;
+    if ((tri.flags & FLAG_MIRRORED) != 0) normal = -normal;
     distance = length(to_light);
     l = to_light / max(distance, 1e-30);
     float facing = -dot(normal, l); // 2 A cos
-    if ((tri.flags & DOUBLE_SIDED) != 0u) facing = abs(facing);
+    if ((tri.flags & FLAG_DOUBLE_SIDED) != 0) facing = abs(facing);
     pdf = facing > 0.0 ? 2.0 * distance * distance / facing : 0.0; // d^2 / (A cos)
     if (pdf == 0.0) return vec3(0.0);
     vec3 radiance = emission_at(hit);

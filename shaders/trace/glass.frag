@@ -72,7 +72,7 @@ void main() {
     Path p = read_path(slot, word);
     Sample s = slot_sample(slot, p.left);
     vec3 wo = -p.direction;
-    Interaction i = interact(hit_of(word), wo);
+    Interaction i = interact(unpack_hit(word), wo);
     SurfaceMaterial m = material_at(i);
     vec4 for_light = vertex_numbers(s, p, LIGHT_GROUP);
     vec4 for_bsdf = vertex_numbers(s, p, BSDF_GROUP);

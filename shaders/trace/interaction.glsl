@@ -1,19 +1,10 @@
 // Where a ray met a triangle: position, normals and attributes, from the words that viewer/trace/scene/encode.py packs.
+#include "trace/hit.glsl"
 #include "material/records.glsl"
 #include "trace/shading_normal.glsl"
 #include "trace/offset_origin.glsl"
 
-const int INSTANCE_WORDS = 5;
-const int VERTEX_WORDS = 2 + HAS_TANGENT + HAS_UV1 + HAS_COLOR;
-const uint SEE_THROUGH = 1u, MIRRORED = 2u, DOUBLE_SIDED = 4u, UNLIT = 8u, THIN = 16u; // an instance's flags
-
 uniform int u_instances, u_triangles, u_vertices;
-
-struct Hit {
-    int instance;
-    int triangle; // within its mesh
-    vec2 barycentric; // of vertices 1 and 2
-};
 
 struct Interaction {
     vec3 position;    // tracer space
@@ -24,7 +15,7 @@ struct Interaction {
     vec2 uv0, uv1;
     vec4 color;       // of the vertices
     int material;
-    uint flags;
+    int flags;        // of the instance
     int emitter;      // of this triangle, or -1
     float area;       // of this triangle, tracer units squared
 };
@@ -32,23 +23,23 @@ struct Interaction {
 // The words of an instance and of a triangle's corners
 struct Triangle {
     vec4 row0, row1, row2;  // mesh to tracer space
-    uint first_vertex, material, first_emitter, flags;
+    int material, first_emitter, flags;
     ivec3 corners;          // words
     vec3 weights;
 };
 
 Triangle find_triangle(Hit hit) {
-    int at = u_instances + hit.instance * INSTANCE_WORDS;
+    int at = u_instances + hit.instance * INSTANCE_TEXELS;
     uvec4 links = word(at + 3);
     Triangle t;
     t.row0 = word_float(at);
     t.row1 = word_float(at + 1);
     t.row2 = word_float(at + 2);
-    t.material = links.z;
-    t.first_emitter = links.w;
-    t.flags = word(at + 4).z;
+    t.material = int(links.z);
+    t.first_emitter = int(links.w);
+    t.flags = int(word(at + 4).x);
     uvec3 corners = word(u_triangles + int(links.x) + hit.triangle).xyz + links.y;
-    t.corners = u_vertices + ivec3(corners) * VERTEX_WORDS;
+    t.corners = u_vertices + ivec3(corners) * VERTEX_TEXELS;
     t.weights = vec3(1.0 - hit.barycentric.x - hit.barycentric.y, hit.barycentric);
     return t;
 }
@@ -74,20 +65,20 @@ Interaction interact(Hit hit, vec3 wo) {
     Interaction i;
     vec4 at = vec4(p.xyz, 1.0);
     i.position = vec3(dot(tri.row0, at), dot(tri.row1, at), dot(tri.row2, at));
-    i.material = int(tri.material);
+    i.material = tri.material;
     i.flags = tri.flags;
-    i.emitter = tri.first_emitter == 0xffffffffu ? -1 : int(tri.first_emitter) + hit.triangle;
+    i.emitter = tri.first_emitter < 0 ? -1 : tri.first_emitter + hit.triangle;
     i.uv0 = vec2(p.w, normal_word.w);
     i.uv1 = vec2(0.0);
 #if HAS_UV1
-    i.uv1 = interpolate(tri, 2 + HAS_TANGENT).xy;
+    i.uv1 = interpolate(tri, VERTEX_UV1).xy;
 #endif
     i.color = vec4(1.0);
 #if HAS_COLOR
-    i.color = interpolate(tri, 2 + HAS_TANGENT + HAS_UV1);
+    i.color = interpolate(tri, VERTEX_COLOR);
 #endif
 
-    float hand = (tri.flags & MIRRORED) != 0u ? -1.0 : 1.0;
+    float hand = (tri.flags & FLAG_MIRRORED) != 0 ? -1.0 : 1.0;
     mat3 to_tracer = transpose(mat3(tri.row0.xyz, tri.row1.xyz, tri.row2.xyz));
     vec3 edges = cross(to_tracer * (p1.xyz - p0.xyz), to_tracer * (p2.xyz - p0.xyz));
     i.area = 0.5 * length(edges);
@@ -105,7 +96,7 @@ Interaction interact(Hit hit, vec3 wo) {
     vec3 stored = normal_word.xyz;
     vec3 n = unit_or(hand * vec3(dot(cross(b, c), stored), dot(cross(c, a), stored), dot(cross(a, b), stored)), front);
 #if HAS_TANGENT
-    vec4 tangent = interpolate(tri, 2);
+    vec4 tangent = interpolate(tri, VERTEX_TANGENT);
     tangent = vec4(to_tracer * tangent.xyz, tangent.w * hand);
 #if HAS_NORMAL_MAP
     // As raster/normal.glsl; the normal map is a loop of at most one, because software OpenGL skips loops alone.

@@ -8,11 +8,11 @@ layout(location = 0) out uvec4 hit;
 void main() {
     ivec2 slot = ivec2(gl_FragCoord.xy);
     vec4 origin = texelFetch(u_origin, slot, 0);
-    if (origin.w == 0.0) discard;
+    if (origin.w == IDLE) discard;
     Found found = Found(0.0, MISS, 0u, vec2(0.0), 0u);
-    if (origin.w == 1.0) walk(origin.xyz, texelFetch(u_direction, slot, 0).xyz, FARTHEST, false, found);
+    if (origin.w == IN_FLIGHT) walk(origin.xyz, texelFetch(u_direction, slot, 0).xyz, FARTHEST, false, found);
     hit = uvec4(found.code, found.triangle, floatBitsToUint(found.barycentric));
     vec3 vector = texelFetch(u_shadow_vector, slot, 0).xyz;
     if (vector != vec3(0.0) && !walk(texelFetch(u_shadow_origin, slot, 0).xyz, vector, SHADOW_REACH, true, found))
-        hit.x |= 0x80000000u;
+        hit.x |= FREE;
 }

@@ -14,9 +14,9 @@ void main() {
     uvec4 word = texelFetch(u_hit, slot, 0);
     Path p = read_path(slot, word);
     vec3 wo = -p.direction;
-    Interaction i = interact(hit_of(word), wo);
+    Interaction i = interact(unpack_hit(word), wo);
     SurfaceMaterial m = material_at(i);
-    bool is_glass = hit_kind(word) == GLASS;
+    bool is_glass = hit_kind(word) == KIND_GLASS;
     bool is_back = !i.is_front && !m.is_double_sided && !is_glass;
     // The same number as the pass that shades it will draw
     if (goes_on(p, i, m, is_back, vertex_numbers(slot_sample(slot, p.left), p, LIGHT_GROUP).w)) discard;

@@ -9,9 +9,9 @@ struct SurfaceMaterial {
     bool is_thin, is_unlit, is_double_sided;
 };
 
-float coverage_of(float alpha, int material, uint flags) {
+float coverage_of(float alpha, int material, int flags) {
 #if HAS_SEE_THROUGH
-    if ((flags & SEE_THROUGH) == 0u) return 1.0;
+    if ((flags & FLAG_SEE_THROUGH) == 0) return 1.0;
     float cutoff = alpha_cutoff_factor(material); // -1 where alpha blends
     return cutoff < 0.0 ? clamp(alpha, 0.0, 1.0) : float(alpha >= cutoff);
 #else
@@ -22,9 +22,9 @@ float coverage_of(float alpha, int material, uint flags) {
 SurfaceMaterial material_at(Interaction i) {
     SurfaceMaterial m;
     m.inputs = read_inputs(i.material, i.color, i.uv0, i.uv1);
-    m.is_unlit = (i.flags & UNLIT) != 0u;
-    m.is_thin = (i.flags & THIN) != 0u;
-    m.is_double_sided = (i.flags & DOUBLE_SIDED) != 0u;
+    m.is_unlit = (i.flags & FLAG_UNLIT) != 0;
+    m.is_thin = (i.flags & FLAG_THIN) != 0;
+    m.is_double_sided = (i.flags & FLAG_DOUBLE_SIDED) != 0;
     m.emission = i.is_front || m.is_double_sided ? m.inputs.emissive : vec3(0.0);
     m.sigma = vec3(0.0);
 #if HAS_TRANSMISSION
@@ -38,12 +38,12 @@ SurfaceMaterial material_at(Interaction i) {
 vec4 color_texel(Triangle tri, bool is_last, uint role) {
     vec4 texel = vec4(1.0);
 #if HAS_COLOR_MAPS
-    uint run = map_records(int(tri.material)).x;
+    uint run = map_records(tri.material).x;
     int count = int(run >> 24);
     vec2 uv0 = vec2(interpolate(tri, 0).w, interpolate(tri, 1).w);
     vec2 uv1 = vec2(0.0);
 #if HAS_UV1
-    uv1 = interpolate(tri, 2 + HAS_TANGENT).xy;
+    uv1 = interpolate(tri, VERTEX_UV1).xy;
 #endif
     for (int k = 0; k < min(count, 1); ++k) {
         TextureMap map = texture_map(int(run & 0xffffffu) + (is_last ? count - 1 : 0), uv0, uv1);
@@ -57,11 +57,11 @@ vec4 color_texel(Triangle tri, bool is_last, uint role) {
 float coverage_at(Hit hit) {
 #if HAS_SEE_THROUGH
     Triangle tri = find_triangle(hit);
-    float alpha = base_color_factor(int(tri.material)).a * color_texel(tri, false, BASE_COLOR_ROLE).a;
+    float alpha = base_color_factor(tri.material).a * color_texel(tri, false, BASE_COLOR_ROLE).a;
 #if HAS_COLOR
-    alpha *= interpolate(tri, 2 + HAS_TANGENT + HAS_UV1).a;
+    alpha *= interpolate(tri, VERTEX_COLOR).a;
 #endif
-    return coverage_of(alpha, int(tri.material), tri.flags);
+    return coverage_of(alpha, tri.material, tri.flags);
 #else
     return 1.0;
 #endif
@@ -71,7 +71,7 @@ float coverage_at(Hit hit) {
 vec3 emission_at(Hit hit) {
 #if HAS_EMISSION
     Triangle tri = find_triangle(hit);
-    return emissive_factor(int(tri.material)) * color_texel(tri, true, EMISSIVE_ROLE).rgb;
+    return emissive_factor(tri.material) * color_texel(tri, true, EMISSIVE_ROLE).rgb;
 #else
     return vec3(0.0);
 #endif

@@ -4,8 +4,6 @@
 
 uniform uint u_seed;
 
-const int TILE = 16;
-
 struct Sample {
     ivec2 pixel; // from the picture's lower left corner
     uint index;

@@ -9,6 +9,5 @@ void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy) * ivec2(2, 1);
     uvec4 word = texelFetch(u_hits, texel, 0);
     vec3 vector = uintBitsToFloat(texelFetch(u_hits, texel + ivec2(1, 0), 0).xyz);
-    bool goes_on = goes_through(int(word.x & 0x0fffffffu), int(word.y), uintBitsToFloat(word.zw), vector);
-    passes = goes_on ? 1.0 : 0.0;
+    passes = goes_through(unpack_hit(word), vector) ? 1.0 : 0.0;
 }

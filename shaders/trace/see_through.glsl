@@ -18,8 +18,8 @@ uvec4 pcg4d(uvec4 v) {
 
 // The random number is of the ray (its `vector` differs from sample to sample) and the triangle alone: in whichever
 // order, and however often, the triangles of a ray are met, they decide the same.
-bool goes_through(int instance, int triangle, vec2 barycentric, vec3 vector) {
-    uvec4 seed = pcg4d(uvec4(floatBitsToUint(vector), uint(instance)));
-    uint random = pcg4d(seed ^ uvec4(uint(triangle))).x;
-    return float(random >> 8u) * (1.0 / 16777216.0) >= coverage_at(Hit(instance, triangle, barycentric));
+bool goes_through(Hit hit, vec3 vector) {
+    uvec4 seed = pcg4d(uvec4(floatBitsToUint(vector), uint(hit.instance)));
+    uint random = pcg4d(seed ^ uvec4(uint(hit.triangle))).x;
+    return float(random >> 8u) * (1.0 / 16777216.0) >= coverage_at(hit);
 }

@@ -6,11 +6,11 @@
 void main() {
     ivec2 slot = ivec2(gl_FragCoord.xy);
     float status = texelFetch(u_origin, slot, 0).w;
-    uint kind = hit_kind(texelFetch(u_hit, slot, 0));
-    int duty = status == IDLE ? REST : status == ENDED || kind == NOTHING ? FINISH : SHADE + int(kind);
+    int kind = hit_kind(texelFetch(u_hit, slot, 0));
+    int duty = status == IDLE ? CLASS_REST : status == ENDED || kind == NO_KIND ? CLASS_FINISH : CLASS_SHADE + kind;
 #if FIRST_HITS
-    bool is_first = duty >= SHADE && unpack_depth(texelFetch(u_radiance, slot, 0).w) == 0;
-    duty = is_first ? FIRST_HIT : REST;
+    bool is_first = duty >= CLASS_SHADE && unpack_depth(texelFetch(u_radiance, slot, 0).w) == 0;
+    duty = is_first ? CLASS_FIRST_HIT : CLASS_REST;
 #endif
     gl_FragDepth = duty_depth(duty);
 }

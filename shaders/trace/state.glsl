@@ -1,16 +1,15 @@
 // The state of a wave's paths, a texel a slot, and how it is packed (viewer/trace/paths/wavefront.py has the textures).
-uniform sampler2D u_origin;        // xyz, status
+#include "trace/hit.glsl"
+
+uniform sampler2D u_origin;        // xyz, status: IDLE, IN_FLIGHT or ENDED
 uniform sampler2D u_direction;     // unit, pdf of the BSDF's sample by solid angle; 0: light met counts in full
 uniform sampler2D u_shadow_origin; // of the pending shadow ray, or else x: travelled; contribution.r
 uniform sampler2D u_shadow_vector; // to the light, 0: there is none; contribution.g
 uniform sampler2D u_throughput;    // rgb; contribution.b
 uniform sampler2D u_radiance;      // of the path so far; counters
 uniform sampler2D u_medium;        // absorption by tracer unit; product of eta^2
-uniform usampler2D u_hit;          // free << 31 | kind << 28 | instance, triangle, barycentrics
-uniform isampler2D u_blocks;       // tile x, tile y, first sample, samples; a texel for 16 x 16 slots
-
-const float IDLE = 0.0, IN_FLIGHT = 1.0, ENDED = 2.0; // ended: only its shadow ray is pending
-const uint STANDARD = 0u, GLASS = 1u, NOTHING = 7u;   // kinds of surfaces, as in viewer/trace/scene/geometry.py
+uniform usampler2D u_hit;          // see trace/hit.glsl
+uniform isampler2D u_blocks;       // tile x, tile y, first sample, samples; a texel for TILE x TILE slots
 
 struct Path {
     vec3 origin;
@@ -28,10 +27,6 @@ struct Path {
     vec3 shadow_vector;
     vec3 contribution;  // what that adds if it is free
 };
-
-uint hit_kind(uvec4 hit) {
-    return hit.x >> 28u & 7u;
-}
 
 // depth < 2^8, passed < 2^6, left < 2^10: whole numbers below 2^24 are exact
 float pack_counters(int depth, int passed, int left) {
@@ -57,7 +52,7 @@ Path read_path(ivec2 slot, uvec4 hit) {
     p.pdf = direction.w;
     p.throughput = throughput.rgb;
     bool has_shadow_ray = b.xyz != vec3(0.0);
-    p.radiance = radiance.rgb + (has_shadow_ray && hit.x >> 31u != 0u ? vec3(a.w, b.w, throughput.w) : vec3(0.0));
+    p.radiance = radiance.rgb + (has_shadow_ray && is_shadow_ray_free(hit) ? vec3(a.w, b.w, throughput.w) : vec3(0.0));
     p.travelled = has_shadow_ray ? 0.0 : a.x;
     int counters = int(radiance.w);
     p.depth = counters >> 16;

@@ -10,7 +10,7 @@ void main() {
     Path p = read_path(slot, word);
     Sample s = slot_sample(slot, p.left);
     vec3 wo = -p.direction;
-    Interaction i = interact(hit_of(word), wo);
+    Interaction i = interact(unpack_hit(word), wo);
     SurfaceMaterial m = material_at(i);
     bool is_back = !i.is_front && !m.is_double_sided;
     vec4 for_light = vertex_numbers(s, p, LIGHT_GROUP);

@@ -11,6 +11,7 @@ import numpy as np
 from viewer.gpu.context import Context
 from viewer.gpu.program import compile_sources
 from viewer.gpu.source import assemble
+from viewer.trace.layout import shader_defines
 
 _WIDTH = 4096  # rows of numbers in a row of the textures
 
@@ -37,7 +38,7 @@ def evaluate(
     file.write_text(f'#include "{include}"\nuniform usampler2D harness_rows;\n{declared}'
                     f"void main() {{ {reads}\n{body} }}\n")
     vertex = assemble("display/fullscreen.vert")
-    program = compile_sources(context, {"vertex": vertex, "fragment": assemble(file, switches)})
+    program = compile_sources(context, {"vertex": vertex, "fragment": assemble(file, shader_defines(switches))})
     table = gl.texture((width, 4 * height), 4, words.reshape(-1, 4, 4).transpose(1, 0, 2).tobytes(), dtype="u4")
     targets = [gl.texture((width, height), 4, dtype="f4") for _ in range(outputs)]
     target = gl.framebuffer(targets)

@@ -9,6 +9,7 @@ import moderngl
 import numpy as np
 
 from viewer.gpu.context import Context
+from viewer.trace.kinds import SURFACE, Kind
 from viewer.trace.rays.intersect import Intersector
 
 
@@ -22,7 +23,7 @@ class Mesh:
 class Instance:
     mesh: int
     transform: np.ndarray
-    kind: int = 0
+    kind: Kind = SURFACE
     see_through: bool = False
 
 

@@ -8,7 +8,7 @@ from stand_ins import Geometry, Instance, Mesh, mesh, soup, sphere
 
 from viewer.trace.rays import bvh4 as wide
 from viewer.trace.rays.bvh import INSTANCE, NODE_TEXELS, build_bvh
-from viewer.trace.rays.bvh4 import LEAF, NOTHING, WideTree
+from viewer.trace.rays.bvh4 import LEAF, LEAF_SHIFT, NOTHING, WideTree
 from viewer.trace.rays.ploc import BinaryTree, cluster, half_area
 
 MAX_STACK = 96
@@ -62,7 +62,7 @@ def check_wide(tree: WideTree, lower: np.ndarray, upper: np.ndarray, max_leaf: i
         reference, low, high, waiting = todo.pop()
         assert waiting <= tree.stack <= MAX_STACK
         if reference & LEAF:
-            first, count = reference & 0x0FFFFFFF, (reference >> 28 & 7) + 1
+            first, count = reference & (1 << LEAF_SHIFT) - 1, (reference >> LEAF_SHIFT & 7) + 1
             assert count <= max_leaf
             inside = tree.order[first : first + count]
             seen += inside.tolist()

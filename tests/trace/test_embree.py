@@ -9,7 +9,9 @@ import pytest
 from stand_ins import Geometry, Instance, fill, make_wave, mesh, sphere, trace
 
 from viewer.gpu.context import Context
-from viewer.trace.rays.intersect import FREE, INSTANCE_MASK, MISS, make_intersector
+from viewer.trace.kinds import GLASS
+from viewer.trace.layout import FREE, INSTANCE_MASK, KIND_SHIFT, MISS
+from viewer.trace.rays.intersect import make_intersector
 
 pytest.importorskip("embreex")
 
@@ -24,10 +26,10 @@ def at(z: float) -> np.ndarray:
 
 
 def test_a_hit_names_instance_kind_triangle_and_barycentrics(context: Context) -> None:
-    geometry = Geometry([SQUARE, SQUARE], [Instance(0, at(-0.5)), Instance(1, at(0.25), kind=1), Instance(0, at(0.0))])
+    geometry = Geometry([SQUARE, SQUARE], [Instance(0, at(-0.5)), Instance(1, at(0.25), kind=GLASS), Instance(0, at(0.0))])
     embree = make_intersector(context, geometry, kind="embree")
     (word,) = trace(context, embree, np.array([(-0.5, 0.5, 1.0)]), DOWN)
-    assert (word[0], word[1]) == (1 << 28 | 1, 1)
+    assert (word[0], word[1]) == (GLASS.number << KIND_SHIFT | 1, 1)
     u, v = word[2:].view(np.float32)
     # p = (1 - u - v) p0 + u p1 + v p2 of triangle (0, 2, 3)
     assert (u, v) == pytest.approx((0.25, 0.5), abs=1e-6)

@@ -7,8 +7,9 @@ import pytest
 
 from viewer.errors import UsageError
 from viewer.gpu.programs import Programs
+from viewer.trace.layout import TILE
 from viewer.trace.paths.film import Film, relative_error
-from viewer.trace.paths.wavefront import TILE, Wave, Work
+from viewer.trace.paths.wavefront import Wave, Work
 
 
 @pytest.fixture(scope="module")

@@ -15,8 +15,9 @@ from viewer.scene.material import Material, Texture
 from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Instance, Scene
 from viewer.scene.texture_image import open_texture_image
+from viewer.trace.kinds import GLASS, SURFACE
 from viewer.trace.scene.encode import unused_maps
-from viewer.trace.scene.geometry import GLASS, STANDARD, trace_geometry
+from viewer.trace.scene.geometry import trace_geometry
 
 
 def placed(geometry, instance) -> np.ndarray:
@@ -82,7 +83,7 @@ def test_meshes_without_indices_and_with_odd_ends():
 
 def test_kinds():
     glass = Material(metallic=0.0, transmission=0.5)
-    kinds = [STANDARD, GLASS, STANDARD, GLASS, STANDARD]
+    kinds = [SURFACE, GLASS, SURFACE, GLASS, SURFACE]
     materials = (Material(), glass, replace(glass, metallic=1.0),
                  replace(glass, metallic=1.0, metallic_roughness_texture=Texture(image_of(noise(2, 2)))),
                  replace(glass, unlit=True))

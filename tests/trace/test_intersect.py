@@ -15,8 +15,10 @@ from viewer.gpu.context import Context
 from viewer.scene.material import Material
 from viewer.scene.scene import Instance as SceneInstance
 from viewer.scene.scene import Scene
+from viewer.trace.kinds import KINDS as SURFACE_KINDS
+from viewer.trace.layout import FREE, INSTANCE_MASK, KIND_SHIFT, MISS
 from viewer.trace.rays import intersect
-from viewer.trace.rays.intersect import FREE, INSTANCE_MASK, MISS, Intersector, make_intersector
+from viewer.trace.rays.intersect import Intersector, make_intersector
 from viewer.trace.scene.geometry import trace_geometry
 from viewer.trace.scene.scene_data import SceneData
 
@@ -45,7 +47,7 @@ def placed() -> Geometry:
         shear = np.eye(3) + np.triu(rng.uniform(-0.5, 0.5, (3, 3)), 1)
         sizes = 10 ** rng.uniform(-2, -0.7) * np.diag([1, -1 if number % 3 else 1, rng.uniform(0.1, 1)])
         transform = np.c_[rotation(rng) @ shear @ sizes, rng.uniform(-0.6, 0.6, 3)]
-        instances.append(Instance(number % 3, transform, kind=number % 2))
+        instances.append(Instance(number % 3, transform, kind=SURFACE_KINDS[number % 2]))
     shapes.append(sphere(30, 30, radius=0.9))
     return Geometry(shapes, [*instances, Instance(3, np.eye(3, 4))])
 
@@ -80,8 +82,8 @@ def test_both_find_the_same(context: Context, geometry: Geometry) -> None:
     # Units in the last place of the scene's radius: 2^-24.
     far = [distances(geometry, words[few], origin[few], direction[few]) for words in (embree, ours)]
     assert np.abs(far[0] - far[1]).max() < 64 * 2.0**-24
-    kinds = np.array([instance.kind for instance in geometry.instances])
-    np.testing.assert_array_equal(ours[hit, 0] >> 28 & 7, kinds[ours[hit, 0] & INSTANCE_MASK])
+    kinds = np.array([instance.kind.number for instance in geometry.instances])
+    np.testing.assert_array_equal(ours[hit, 0] >> KIND_SHIFT & 7, kinds[ours[hit, 0] & INSTANCE_MASK])
 
 
 @pytest.mark.parametrize("kind", KINDS)

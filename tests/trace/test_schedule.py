@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from viewer.settings import Settings
+from viewer.trace.layout import TILE
 from viewer.trace.paths.film import relative_error
 from viewer.trace.paths.schedule import PILOT, Schedule, allotment, dilated
-from viewer.trace.paths.wavefront import TILE, Work
+from viewer.trace.paths.wavefront import Work
 
 
 class NoisyFilm:

@@ -10,7 +10,8 @@ from harness import evaluate
 
 from viewer.errors import InputError
 from viewer.gpu.programs import set_uniform
-from viewer.trace.scene.scene_buffer import WIDTH, WordsBuilder
+from viewer.trace.layout import SCENE_WIDTH as WIDTH
+from viewer.trace.scene.scene_buffer import WordsBuilder
 
 RANDOM = np.random.default_rng(3)
 

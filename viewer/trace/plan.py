@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from ..plan.model import Program
 from ..scene.scene import Scene
 from ..settings import Settings
+from .kinds import GLASS, KINDS
 from .scene.encode import unused_maps
-from .scene.geometry import GLASS, STANDARD, TraceGeometry, TraceInstance
+from .scene.geometry import TraceGeometry, TraceInstance
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,7 @@ class TracePlan:
     @property
     def surfaces(self) -> tuple[str, ...]:
         """The passes that shade surfaces."""
-        return tuple(name for name in self.programs if name in KINDS.values())
+        return tuple(name for name in self.programs if name in {kind.name for kind in KINDS})
 
     def to_json(self) -> dict[str, object]:
         return {
@@ -43,8 +44,6 @@ class TracePlan:
 
 _NEUTRAL = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "HAS_PUNCTUAL", "LIGHT_RADIUS", "HAS_LIGHTS", "CLAMP")
 """Switches of lights that can be on where there is nothing behind them."""
-KINDS = {STANDARD: "surface", GLASS: "glass"}
-"""The pass that shades each kind of surface."""
 
 
 def plan_trace(
@@ -67,24 +66,23 @@ def plan_trace(
         kinds = set(KINDS)
         emitters = ["HAS_EMITTERS"] * (shines and not geometry.emitters)
         switches |= dict.fromkeys((*_NEUTRAL, *emitters), 1)
-    surfaces = [name for kind, name in KINDS.items() if kind in kinds]
     state = {"HAS_TRANSMISSION": switches["HAS_TRANSMISSION"]}
     first = state | {"RAYS": rays}
     sky_names = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING")
     sky = {name: switches[name] for name in sky_names}
     programs = {
-        "zero": _program("zero", {}),
-        "begin": _program("generate", first | {"BEGINS": 1}),
-        "sort": _program("sort", state | {"FIRST_HITS": 0}),
-        "finish": _program("finish", first | sky),
-        "generate": _program("generate", first | {"BEGINS": 0}),
-        **{name: _program(name, switches) for name in surfaces},
-        "rest": _program("rest", {}),
-        "alive": _program("alive", state),
+        "zero": _program("trace/zero.frag", {}),
+        "begin": _program("trace/generate.frag", first | {"BEGINS": 1}),
+        "sort": _program("trace/sort.frag", state | {"FIRST_HITS": 0}),
+        "finish": _program("trace/finish.frag", first | sky),
+        "generate": _program("trace/generate.frag", first | {"BEGINS": 0}),
+        **{kind.name: _program(kind.file, switches) for kind in KINDS if kind in kinds},
+        "rest": _program("trace/rest.frag", {}),
+        "alive": _program("trace/alive.frag", state),
     }
     if has_layers:
-        programs |= {"sort first hits": _program("sort", state | {"FIRST_HITS": 1}),
-                     "layers": _program("layers", switches)}
+        programs |= {"sort first hits": _program("trace/sort.frag", state | {"FIRST_HITS": 1}),
+                     "layers": _program("trace/layers.frag", switches)}
     left_out = [*_left_out(scene, settings, geometry, switches, programs, has_layers), *idle]
     return TracePlan(programs, intersector, geometry.triangle_count, len(geometry.instances), _used(geometry, switches),
                      ("nothing, as was asked for",) if settings.plan == "everything" else tuple(left_out))
@@ -102,8 +100,8 @@ def _used(geometry: TraceGeometry, switches: Mapping[str, int]) -> tuple[str, ..
     return tuple(lines)
 
 
-def _program(name: str, switches: Mapping[str, int]) -> Program:
-    return Program(f"trace/{name}.frag", tuple(sorted(switches.items())))
+def _program(file: str, switches: Mapping[str, int]) -> Program:
+    return Program(file, tuple(sorted(switches.items())))
 
 
 def _shading_switches(settings: Settings) -> dict[str, int]:
@@ -139,7 +137,7 @@ def _left_out(
         lines.append(f"the environment as background: {reason}")
     lines += [f"{what}: there is none" for name, what in _SURFACES.items() if not switches[name]]
     lines += unused_maps(scene, geometry)
-    if "glass" not in programs:
+    if GLASS.name not in programs:
         lines.append("the pass for glass: nothing transmits light")
     elif switches["HAS_PUNCTUAL"] and any(_is_smooth_glass(geometry, instance) for instance in geometry.instances):
         lines.append("light from points, spots or afar through smooth glass: no path from the camera can meet it")

@@ -1,4 +1,4 @@
-// How sure a tile of the film is, a pixel for 16 x 16: sum of the relative variances of its pixels' means, how many
+// How sure a tile of the film is, a pixel for TILE x TILE: sum of the relative variances of its pixels' means, how many
 // pixels have one, samples, and how many pixels there are.
 //   variance of the mean = (sum of squares - n mean^2) / (n (n - 1)),   relative: over level^2 + 0.01, mean of channels
 // where level is the mean less its deviation, but at least the mean of the eight pixels around where that is lower than
@@ -7,8 +7,6 @@ uniform sampler2D u_sum;     // rgb, samples
 uniform sampler2D u_squares;
 
 out vec4 o_tile;
-
-const int TILE = 16;
 
 vec3 mean_around(ivec2 pixel, vec4 own, ivec2 last) {
     vec4 sum = -own;

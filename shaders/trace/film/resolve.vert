@@ -1,12 +1,10 @@
-// A square of 16 x 16 pixels for each block of a wave that is named, at its tile of the picture.
+// A square of TILE x TILE pixels for each block of a wave that is named, at its tile of the picture.
 in int a_block;
 
 uniform isampler2D u_blocks; // tile x, tile y
 uniform vec2 u_size;         // of the picture
 
 flat out ivec2 v_to_slot;    // from a pixel
-
-const int TILE = 16;
 
 void main() {
     int columns = textureSize(u_blocks, 0).x;

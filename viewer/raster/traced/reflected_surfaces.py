@@ -12,8 +12,9 @@ from ...errors import ViewerError
 from ...gpu.context import Context
 from ...scene.scene import Scene
 from ...settings import Settings
+from ...trace.kinds import GLASS
 from ...trace.rays.intersect import make_intersector
-from ...trace.scene.geometry import GLASS, TraceGeometry, TraceInstance, trace_geometry
+from ...trace.scene.geometry import TraceGeometry, TraceInstance, trace_geometry
 from ...trace.vertex_light import VertexLight, bake_outgoing
 from .vertex_metal import vertex_metal
 

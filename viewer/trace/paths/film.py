@@ -10,7 +10,8 @@ import numpy as np
 from ...errors import UsageError
 from ...gpu.fullscreen import fullscreen
 from ...gpu.programs import Programs, set_uniform
-from .wavefront import LAYERS, SUMS, TILE, UNIT_BLOCKS, Sums, Wave, float_target
+from ..layout import TILE, shader_defines
+from .wavefront import LAYERS, SUMS, UNIT_BLOCKS, Sums, Wave, float_target
 
 
 class Film:
@@ -48,7 +49,7 @@ class Film:
 
     def _resolve(self, wave: Wave, blocks: np.ndarray, source: Sums, target: Sums) -> None:
         program = self._programs.get("trace/film/resolve.vert", "trace/film/resolve.frag",
-                                     {"COUNT": len(source.textures)})
+                                     shader_defines({"COUNT": len(source.textures)}))
         target.framebuffer.use()
         self._gl.enable_only(moderngl.BLEND)
         self._gl.blend_func = moderngl.ONE, moderngl.ONE
@@ -77,7 +78,7 @@ class Film:
         return _read(self._estimated)
 
     def _draw(self, name: str, target: moderngl.Framebuffer) -> None:
-        program = self._programs.get("display/fullscreen.vert", f"trace/film/{name}.frag", {})
+        program = self._programs.get("display/fullscreen.vert", f"trace/film/{name}.frag", shader_defines())
         target.use()
         self._gl.enable_only(moderngl.NOTHING)
         self.sum.use(0)

@@ -10,13 +10,13 @@ import numpy as np
 from ...gpu.context import Context
 from ...gpu.fullscreen import fullscreen
 from ...gpu.programs import Programs, set_uniform
-from ..plan import KINDS, TracePlan
+from ..kinds import FINISH, FIRST_HIT, KINDS, REST, SHADE
+from ..layout import shader_defines
+from ..plan import TracePlan
 from .wavefront import UNITS, Wave
 
-# Duties of shaders/trace/duty.glsl
-REST, FINISH, FIRST_HIT, SHADE = 0, 1, 2, 3
 _DUTIES = {"rest": REST, "finish": FINISH, "generate": FINISH, "layers": FIRST_HIT,
-           **{name: SHADE + kind for kind, name in KINDS.items()}}
+           **{kind.name: SHADE + kind.number for kind in KINDS}}
 _OVER_BLOCKS = ("begin", "zero")
 
 
@@ -35,7 +35,7 @@ class Passes:
             vertex = "trace/blocks.vert" if name in _OVER_BLOCKS else "trace/duty.vert"
             if name == "alive":
                 vertex = "display/fullscreen.vert"
-            self._programs[name] = programs.get(vertex, program.fragment, dict(program.switches))
+            self._programs[name] = programs.get(vertex, program.fragment, shader_defines(dict(program.switches)))
 
     def begin(self, wave: Wave, blocks: np.ndarray) -> None:
         """The first camera rays of blocks that have new work; their sums begin at 0."""

@@ -14,12 +14,13 @@ import numpy as np
 from ...image.display import DisplayPass
 from ...image.image import Image
 from ...settings import Settings
+from ..layout import TILE
 from ..plan import TracePlan
 from ..rays.intersect import Answer, Intersector
 from .film import Film, relative_error
 from .layers import read_layers
 from .schedule import Schedule
-from .wavefront import TILE, Wave
+from .wavefront import Wave
 
 if TYPE_CHECKING:
     from ..denoise.denoiser import Denoiser

@@ -15,8 +15,9 @@ from operator import itemgetter
 import numpy as np
 
 from ...settings import Settings
+from ..layout import TILE
 from .film import Film
-from .wavefront import TILE, Work
+from .wavefront import Work
 
 PILOT = 64
 """Samples a pixel before tiles differ."""

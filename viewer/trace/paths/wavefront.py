@@ -8,8 +8,8 @@ from typing import NamedTuple
 import moderngl
 import numpy as np
 
-TILE = 16
-"""Slots of a block, and pixels of a tile, along each side."""
+from ..layout import TILE
+
 STATE = ("origin", "direction", "shadow_origin", "shadow_vector", "throughput", "radiance", "medium")
 """The textures of a state, in the order of their units and attachments; shaders/trace/state.glsl has what they hold."""
 SUMS, LAYERS = 2, 3

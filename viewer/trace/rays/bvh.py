@@ -19,22 +19,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..layout import INSTANCE_MASK, KIND_SHIFT
 from . import bvh4 as wide
-from .bvh4 import LEAF, NOTHING, WideTree
+from .bvh4 import LEAF, LEAF_SHIFT, NOTHING, WideTree
 from .flatten import flatten
-from .intersect import KIND_SHIFT
 
 if TYPE_CHECKING:
     from ..scene.geometry import TraceGeometry, TraceInstance
 
 NODE_TEXELS, TRIANGLE_TEXELS, INSTANCE_TEXELS = 7, 3, 4
 
-INSTANCE = LEAF | 7 << 28
+INSTANCE = LEAF | 7 << LEAF_SHIFT
 """A reference to an instance: no leaf has eight triangles."""
 
 _SMALL_MESH = 4  # triangles, that take no more room than an instance with its box
 _MAX_STRETCH = 1e4
-_PLACE = 0x0FFFFFFF
 
 
 @dataclass
@@ -100,7 +99,7 @@ class _Forest:
         texels[:, 0, 3] = tree.order
         if words is not None and see_through is not None:
             texels[:, 0, 3], texels[:, 1, 3] = words[tree.order, 1], words[tree.order, 0]
-            texels[:, 2, 3] = see_through[texels[:, 1, 3] & _PLACE]
+            texels[:, 2, 3] = see_through[texels[:, 1, 3] & INSTANCE_MASK]
         inner = (tree.children & LEAF) == 0
         leaf = ~inner & (tree.children != NOTHING)
         tree.children[inner] += np.uint32(self._node_count)
@@ -133,7 +132,7 @@ class _Forest:
             record = np.zeros((len(instances), INSTANCE_TEXELS, 4), np.uint32)
             record[:, :3] = _inverse(transforms).astype(np.float32).view(np.uint32)
             record[:, 3, 0] = root
-            record[:, 3, 1] = [instance.kind << KIND_SHIFT | index for index, instance in instances]
+            record[:, 3, 1] = [instance.kind.number << KIND_SHIFT | index for index, instance in instances]
             record[:, 3, 2] = [instance.see_through for _, instance in instances]
             records.append(record)
         self._instances = np.concatenate(records)
@@ -148,7 +147,7 @@ class _Forest:
             return int(references[0])
         leaf = (tree.children & LEAF != 0) & (tree.children != NOTHING)
         tree.children[tree.children & LEAF == 0] += np.uint32(self._node_count)
-        tree.children[leaf] = references[tree.children[leaf] & _PLACE]
+        tree.children[leaf] = references[tree.children[leaf] & ((1 << LEAF_SHIFT) - 1)]
         self._push(tree)
         self._stack += tree.stack
         return self._node_count - len(tree.children)

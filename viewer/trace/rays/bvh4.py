@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from .ploc import BinaryTree, cluster, half_area
 
-LEAF = 1 << 31
-"""A reference to a leaf: LEAF | (count - 1) << 28 | first primitive. Others are numbers of nodes."""
+LEAF, LEAF_SHIFT = 1 << 31, 28
+"""A reference to a leaf: LEAF | (count - 1) << LEAF_SHIFT | first primitive. Others are numbers of nodes."""
 
 MAX_LEAF = 4
 
@@ -68,7 +68,7 @@ def _collapse(tree: BinaryTree, max_leaf: int) -> WideTree:
     order[first[:count]] = tree.leaves
 
     def references(nodes: NDArray[np.int32], numbers: NDArray[np.integer]) -> NDArray[np.uint32]:
-        return np.where(is_leaf[nodes], LEAF | (size[nodes] - 1) << 28 | first[nodes], numbers).astype(np.uint32)
+        return np.where(is_leaf[nodes], LEAF | (size[nodes] - 1) << LEAF_SHIFT | first[nodes], numbers).astype(np.uint32)
 
     root = np.array([2 * count - 2], np.int32)
     if is_leaf[root[0]]:

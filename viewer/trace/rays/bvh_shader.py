@@ -11,7 +11,9 @@ from ...gpu.context import Context
 from ...gpu.fullscreen import fullscreen
 from ...gpu.program import compile_program
 from ...gpu.programs import set_uniform
-from .bvh import Bvh, build_bvh
+from ..layout import shader_defines
+from .bvh import INSTANCE_TEXELS, NODE_TEXELS, TRIANGLE_TEXELS, Bvh, build_bvh
+from .bvh4 import LEAF_SHIFT
 from .intersect import SHADOW_REACH, Answer, Surfaces, WaveTextures
 
 if TYPE_CHECKING:
@@ -37,9 +39,10 @@ class BvhIntersector:
             raise ValueError("see-through triangles need their surfaces")
         self._surfaces = surfaces if bvh.has_see_through else None
         self._bvh = _texture(context, bvh)
-        defines: dict[str, float] = {} if self._surfaces is None else dict(self._surfaces.switches)
-        defines |= {
+        defines = shader_defines(None if self._surfaces is None else self._surfaces.switches) | {
             "BVH_WIDTH": self._bvh.width,
+            "NODE_TEXELS": NODE_TEXELS, "TRIANGLE_TEXELS": TRIANGLE_TEXELS, "BVH_INSTANCE_TEXELS": INSTANCE_TEXELS,
+            "LEAF_SHIFT": LEAF_SHIFT,
             "STACK": bvh.stack,
             "HAS_INSTANCES": bvh.has_instances,
             "HAS_SEE_THROUGH": bvh.has_see_through,
@@ -52,7 +55,8 @@ class BvhIntersector:
         set_uniform(self._program, "u_root", bvh.root)
         set_uniform(self._program, "u_bvh_triangles", bvh.triangles)
         set_uniform(self._program, "u_bvh_instances", bvh.instances)
-        self._counter = compile_program(context, vertex=vertex, fragment="trace/count_rays.frag")
+        self._counter = compile_program(context, vertex=vertex, fragment="trace/count_rays.frag",
+                                       defines=shader_defines())
         for program in (self._program, self._counter):
             for unit, name in enumerate(_STATE):
                 set_uniform(program, f"u_{name}", unit)

@@ -17,8 +17,9 @@ from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
 
 from ...gpu.context import Context
+from ..layout import FREE, IDLE, IN_FLIGHT, INSTANCE_MASK, MISS
 from .flatten import flatten
-from .intersect import FREE, INSTANCE_MASK, MISS, SHADOW_REACH, Answer, Surfaces, WaveTextures
+from .intersect import SHADOW_REACH, Answer, Surfaces, WaveTextures
 from .see_through import MAX_LAYERS, SeeThrough
 
 if TYPE_CHECKING:
@@ -68,11 +69,11 @@ class EmbreeIntersector:
         words = np.zeros((len(rays.origin), 4), np.uint32)
         words[:, 0] = MISS
         state = rays.origin[:, 3]
-        moving = np.flatnonzero(state == 1)
+        moving = np.flatnonzero(state == IN_FLIGHT)
         found = self._triangles.intersect(_rows(rays.origin, moving), _rows(rays.direction, moving))
         self._triangles.put(found, words, moving)
         vector = rays.shadow_vector
-        shadowed = np.flatnonzero((state != 0) & ((vector[:, 0] != 0) | (vector[:, 1] != 0) | (vector[:, 2] != 0)))
+        shadowed = np.flatnonzero((state != IDLE) & ((vector[:, 0] != 0) | (vector[:, 1] != 0) | (vector[:, 2] != 0)))
         free = np.zeros(len(words), np.uint32)
         free[shadowed] = self._free(_rows(rays.shadow_origin, shadowed), _rows(vector, shadowed))
         words[:, 0] |= free * np.uint32(FREE)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .intersect import KIND_SHIFT, MISS
+from ..layout import KIND_SHIFT, MISS
 
 if TYPE_CHECKING:
     from ..scene.geometry import TraceGeometry, TraceInstance
@@ -37,7 +37,7 @@ def flatten(
             vertices.append(moved.astype(np.float32).reshape(-1, 3))
         firsts = first + size * np.arange(len(placed), dtype=np.int32)
         triangles.append((mesh.triangles.astype(np.int32) + firsts[:, None, None]).reshape(-1, 3))
-        codes = np.array([instance.kind << KIND_SHIFT | index for index, instance in placed], np.uint32)
+        codes = np.array([instance.kind.number << KIND_SHIFT | index for index, instance in placed], np.uint32)
         pairs = np.empty((len(placed), count, 2), np.uint32)
         pairs[..., 0], pairs[..., 1] = codes[:, None], np.arange(count)
         words.append(pairs.reshape(-1, 2))

@@ -1,7 +1,7 @@
 """Where rays meet triangles: one small interface, with Embree or a BVH in a shader behind it.
 
 A wave's rays are in its state textures and the answers go to its `hit` texture (RGBA32UI, a texel a slot): x = free <<
-31 | kind << 28 | instance, y = triangle within its mesh, z and w the float bits of the barycentrics u of vertex 1 and v
+31 | kind << KIND_SHIFT | instance, y = triangle within its mesh, z and w the float bits of the barycentrics u of vertex 1 and v
 of vertex 2. `free` says that the slot's shadow ray met nothing. A ray that met nothing has `MISS`. Nothing is culled.
 """
 
@@ -18,10 +18,6 @@ from ...gpu.context import Context
 if TYPE_CHECKING:
     from ..scene.geometry import TraceGeometry
 
-KIND_SHIFT = 28
-INSTANCE_MASK = 0x0FFFFFFF
-FREE = 1 << 31
-MISS = 7 << KIND_SHIFT | INSTANCE_MASK
 SHADOW_REACH = 1 - 1e-5
 """How far along its vector a shadow ray looks: not as far as the light, whose own triangle must not hide it."""
 

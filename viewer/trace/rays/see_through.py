@@ -10,6 +10,7 @@ from ...gpu.context import Context
 from ...gpu.fullscreen import fullscreen
 from ...gpu.program import compile_program
 from ...gpu.programs import set_uniform
+from ..layout import shader_defines
 from .intersect import Surfaces
 
 MAX_LAYERS = 64
@@ -28,7 +29,8 @@ class SeeThrough:
         self._gl = context.gl
         self._surfaces = surfaces
         self._program = compile_program(
-            context, vertex="display/fullscreen.vert", fragment="trace/see_through.frag", defines=surfaces.switches
+            context, vertex="display/fullscreen.vert", fragment="trace/see_through.frag",
+            defines=shader_defines(surfaces.switches),
         )
         self._sized(1)
 

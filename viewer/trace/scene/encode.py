@@ -11,17 +11,12 @@ from ...scene.mesh import Mesh
 from ...scene.scene import Scene
 from ...scene.schema import MAPS, SWITCHED
 from ...scene.texture_image import TextureImage
+from ..layout import DOUBLE_SIDED, INSTANCE_TEXELS, MIRRORED, SEE_THROUGH, THIN, UNLIT, vertex_layout
 from .atlas import Page
 from .geometry import TraceGeometry, TraceInstance, TraceMesh
 from .glass import glass_switches
 from .materials import MapUse, map_words, material_words
 from .scene_buffer import WordsBuilder
-
-INSTANCE_WORDS = 5
-NO_EMITTER = 0xFFFFFFFF
-
-# An instance's flags, as the shaders have them.
-_SEE_THROUGH, _MIRRORED, _DOUBLE_SIDED, _UNLIT, _THIN = 1, 2, 4, 8, 16
 
 
 def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = False) -> dict[str, int]:
@@ -68,21 +63,21 @@ def add_geometry(words: WordsBuilder, scene: Scene, geometry: TraceGeometry, swi
     """Append the sections instances, triangles and vertices."""
     first_triangle = np.cumsum([0] + [len(mesh.triangles) for mesh in geometry.meshes])
     first_vertex = np.cumsum([0] + [len(mesh.positions) for mesh in geometry.meshes])
-    instances = np.zeros((len(geometry.instances), INSTANCE_WORDS, 4), np.uint32)
+    instances = np.zeros((len(geometry.instances), INSTANCE_TEXELS, 4), np.uint32)
     for row, instance in zip(instances, geometry.instances):
-        emitter = instance.first_emitter if instance.first_emitter >= 0 else NO_EMITTER
         row[:3] = np.asarray(instance.transform, np.float32).view(np.uint32)
+        emitter = instance.first_emitter & 0xFFFFFFFF  # -1 in two's complement
         row[3] = first_triangle[instance.mesh], first_vertex[instance.mesh], instance.material, emitter
-        row[4] = 0, instance.kind, _flags(instance, geometry), 0
+        row[4, 0] = _flags(instance, geometry)
     words.add("instances", instances.reshape(-1, 4))
     triangles = np.zeros((first_triangle[-1], 4), np.uint32)
     for first, mesh in zip(first_triangle, geometry.meshes):
         triangles[first:first + len(mesh.triangles), :3] = mesh.triangles
     words.add("triangles", triangles)
-    stride = vertex_words(switches)
-    vertices = np.zeros((first_vertex[-1], stride, 4), np.float32)
+    layout = vertex_layout(switches)
+    vertices = np.zeros((first_vertex[-1], layout["VERTEX_TEXELS"], 4), np.float32)
     for first, mesh in zip(first_vertex, geometry.meshes):
-        _fill_vertices(vertices[first:first + len(mesh.positions)], mesh, scene.meshes[mesh.source], switches)
+        _fill_vertices(vertices[first:first + len(mesh.positions)], mesh, scene.meshes[mesh.source], switches, layout)
     words.add("vertices", vertices.reshape(-1, 4))
 
 
@@ -107,33 +102,25 @@ def add_materials(
     words.add("maps", np.concatenate(maps))
 
 
-def vertex_words(switches: Mapping[str, int]) -> int:
-    """Words of a vertex: position and u, normal and v, then tangent, second texture coordinates and colour if used."""
-    return 2 + switches["HAS_TANGENT"] + switches["HAS_UV1"] + switches["HAS_COLOR"]
-
-
 def _flags(instance: TraceInstance, geometry: TraceGeometry) -> int:
     material = geometry.materials[instance.material]
-    return (_SEE_THROUGH * instance.see_through | _MIRRORED * instance.is_mirrored
-            | _DOUBLE_SIDED * material.material.double_sided | _UNLIT * material.material.unlit
-            | _THIN * material.is_thin)
+    return (SEE_THROUGH * instance.see_through | MIRRORED * instance.is_mirrored
+            | DOUBLE_SIDED * material.material.double_sided | UNLIT * material.material.unlit
+            | THIN * material.is_thin)
 
 
-def _fill_vertices(out: np.ndarray, mesh: TraceMesh, source: Mesh, switches: Mapping[str, int]) -> None:
-    """`out` is (N, words, 4), zero: a normal or tangent of 0 stands for one that is not there."""
+def _fill_vertices(
+    out: np.ndarray, mesh: TraceMesh, source: Mesh, switches: Mapping[str, int], layout: Mapping[str, int]
+) -> None:
+    """`out` is (N, texels, 4), zero: a normal or tangent of 0 stands for one that is not there."""
     out[:, 0, :3] = mesh.positions
     if source.normals is not None:
         out[:, 1, :3] = source.normals
     if source.uvs:
         out[:, :2, 3] = source.uvs[0]
-    part = 2
-    if switches["HAS_TANGENT"]:
-        if source.tangents is not None:
-            out[:, part] = source.tangents
-        part += 1
-    if switches["HAS_UV1"]:
-        if len(source.uvs) > 1:
-            out[:, part, :2] = source.uvs[1]
-        part += 1
+    if switches["HAS_TANGENT"] and source.tangents is not None:
+        out[:, layout["VERTEX_TANGENT"]] = source.tangents
+    if switches["HAS_UV1"] and len(source.uvs) > 1:
+        out[:, layout["VERTEX_UV1"], :2] = source.uvs[1]
     if switches["HAS_COLOR"]:
-        out[:, part] = 1 if source.colors is None else source.colors
+        out[:, layout["VERTEX_COLOR"]] = 1 if source.colors is None else source.colors

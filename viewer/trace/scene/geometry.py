@@ -15,10 +15,8 @@ from ...scene.material import Material
 from ...scene.mesh import Mesh
 from ...scene.scene import Scene
 from ...scene.transform import handedness
+from ..kinds import SURFACE, Kind, kind_of
 from .materials import TraceMaterial, trace_material
-
-STANDARD, GLASS = 0, 1
-"""Kinds of surfaces, each shaded by a pass of its own: bsdf/lobe/standard.glsl, and what transmits light."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +43,7 @@ class TraceInstance:
 
     mesh: int
     transform: np.ndarray
-    kind: int = STANDARD
+    kind: Kind = SURFACE
     see_through: bool = False
     material: int = 0
     source: int = -1
@@ -101,7 +99,7 @@ def trace_geometry(scene: Scene) -> TraceGeometry:
         placed.append(TraceInstance(
             mesh=index,
             transform=_to_tracer(scene, instance.transform) @ to_mesh,
-            kind=GLASS if kept_materials[materials[key]].transmission > 0 else STANDARD,
+            kind=kind_of(kept_materials[materials[key]]),
             see_through=_is_see_through(material, mesh),
             material=materials[key],
             source=number,

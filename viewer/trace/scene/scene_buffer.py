@@ -6,8 +6,7 @@ import moderngl
 import numpy as np
 
 from ...errors import InputError
-
-WIDTH = 4096
+from ..layout import SCENE_WIDTH
 
 
 class WordsBuilder:
@@ -44,14 +43,14 @@ class WordsBuilder:
 
     def texture(self, gl: moderngl.Context, scene_name: str = "") -> moderngl.Texture:
         """All sections as an RGBA32UI texture. Raises InputError for more than a texture of this OpenGL holds."""
-        height = max(-(-self.count // WIDTH), 1)
+        height = max(-(-self.count // SCENE_WIDTH), 1)
         limit = gl.info["GL_MAX_TEXTURE_SIZE"]
         if height > limit:
             raise InputError(scene_name, "", f"too many triangles to trace here: {self.count} words of data, "
-                                             f"and a texture holds {WIDTH * limit}")
-        texture = gl.texture((WIDTH, height), 4, dtype="u4")
+                                             f"and a texture holds {SCENE_WIDTH * limit}")
+        texture = gl.texture((SCENE_WIDTH, height), 4, dtype="u4")
         texture.filter = moderngl.NEAREST, moderngl.NEAREST
-        words = np.zeros((height * WIDTH, 4), np.uint32)
+        words = np.zeros((height * SCENE_WIDTH, 4), np.uint32)
         if self._sections:
             np.concatenate(self._sections, out=words[: self.count])
         texture.write(words)
