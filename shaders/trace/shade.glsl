@@ -1,0 +1,98 @@
+// What becomes of a path at a surface, whatever its kind: it arrives, meets the surface's own light, sends a shadow ray
+// to a light and takes its next direction. A kind's file defines, before it includes this,
+//   TRANSMITS                                   1 where light may leave on the other side, else 0
+//   struct Surface                              a material as it is seen from wo
+//   Surface surface_of(Interaction i, SurfaceMaterial m, float NoV)
+//   vec4 surface_eval_pdf(Surface s, vec3 wo, vec3 wi)     f, and in w the pdf of surface_sample; 0 of what is smooth
+//   BsdfSample surface_sample(Surface s, vec3 wo, vec3 u)
+// with wo and wi in the frame of the shading normal (bsdf/bsdf.glsl).
+#include "trace/bounce.glsl"
+
+// Which side of the surface wi is on: 1 that of wo, -1 the other, 0 if light may not go there: to the other side of what
+// is opaque, or where the shading normal and the geometric one do not agree about the side.
+float side_of(Interaction i, vec3 wi, float NoL) {
+    float side = dot(wi, i.n_geometric);
+#if TRANSMITS
+    return side * NoL > 0.0 ? sign(side) : 0.0;
+#else
+    return side > 0.0 && NoL > 0.0 ? 1.0 : 0.0;
+#endif
+}
+
+// The absorption of what lies on that side
+vec3 sigma_at(Path p, Interaction i, SurfaceMaterial m, float side) {
+#if TRANSMITS
+    if (side < 0.0 && !m.is_thin) return i.is_front ? m.sigma : vec3(0.0);
+#endif
+    return p.sigma;
+}
+
+#if TRANSMITS
+// The camera is inside the solid. What it shows is radiance over the index squared, which no surface changes: a picture
+// does not become brighter when the camera dives in.
+void begin_inside(inout Path p, SurfaceMaterial m) {
+    p.sigma = m.sigma;
+    p.eta2 = max(m.inputs.ior * m.inputs.ior, 1.0);
+    p.throughput /= p.eta2;
+}
+#endif
+
+void main() {
+    ivec2 slot = ivec2(gl_FragCoord.xy);
+    uvec4 hit = texelFetch(u_hit, slot, 0);
+    Path p = read_path(slot, hit);
+    Sample s = slot_sample(slot, p.left);
+    vec3 wo = -p.direction;
+    Interaction i = interact(unpack_hit(hit), wo);
+    SurfaceMaterial m = material_at(i);
+    bool is_back = TRANSMITS == 0 && !i.is_front && !m.is_double_sided;
+    vec4 for_light = vertex_numbers(s, p, LIGHT_GROUP);
+    vec4 for_bsdf = vertex_numbers(s, p, BSDF_GROUP);
+
+    if (goes_on(p, i, m, is_back, for_light.w)) {
+        pass_through(p, i);
+        write_path(p, IN_FLIGHT);
+        return;
+    }
+#if TRANSMITS
+    if (p.depth == 0 && !i.is_front && !m.is_thin) begin_inside(p, m);
+#endif
+    p.throughput *= transmittance(p.sigma, p.travelled + distance(p.origin, i.position));
+#if HAS_UNLIT && !TRANSMITS
+    if (m.is_unlit && !is_back) {
+        p.radiance += limited(p.throughput * m.inputs.base_color.rgb, p.depth);
+        write_path(p, ENDED);
+        return;
+    }
+#endif
+    meet_emission(p, i, m, wo);
+    if (is_back || p.depth >= u_bounces) {
+        write_path(p, ENDED);
+        return;
+    }
+
+    mat3 frame = mat3(i.t, i.b, i.n);
+    vec3 local_wo = wo * frame;
+    Surface surface = surface_of(i, m, local_wo.z);
+#if HAS_LIGHTS
+    LightSample light = sample_light(i.position, for_light.xyz);
+    vec3 local_wi = light.direction * frame;
+    float light_side = side_of(i, light.direction, local_wi.z);
+    if (light_side != 0.0) {
+        vec4 f = surface_eval_pdf(surface, local_wo, local_wi);
+        connect(p, i.position, light_side * i.n_geometric, sigma_at(p, i, m, light_side), light,
+                f.rgb * abs(local_wi.z), f.w);
+    }
+#endif
+    BsdfSample b = surface_sample(surface, local_wo, for_bsdf.xyz);
+    vec3 wi = normalize(frame * b.wi);
+    float side = side_of(i, wi, b.wi.z);
+    bool goes = b.flags != 0u && side != 0.0;
+#if TRANSMITS
+    p.eta2 *= b.eta * b.eta;
+#endif
+    p.sigma = sigma_at(p, i, m, side);
+    float pdf = (b.flags & DELTA) != 0u ? 0.0 : b.pdf;
+    goes = goes && scatter(p, i.position, side * i.n_geometric, wi, b.weight, pdf, for_bsdf.w);
+    write_path(p, goes ? IN_FLIGHT : ENDED);
+}
