@@ -132,7 +132,7 @@ def rate(context: Context, intersector: Intersector, rays: Rays | None, shadow: 
 
 
 def _wave(context: Context, rays: Rays | None, shadow: Rays | None) -> Wave:
-    wave = Wave(context.gl, SIDE // TILE, SIDE // TILE, has_layers=False)
+    wave = Wave(context.gl, SIDE // TILE, SIDE // TILE, has_medium=False, has_layers=False)
     nothing = np.zeros((SIDE * SIDE, 3), np.float32)
     origin, direction = rays or (nothing, nothing)
     shadow_origin, shadow_vector = shadow or (nothing, nothing)

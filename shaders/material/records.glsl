@@ -55,10 +55,6 @@ float alpha_cutoff_factor(int material) {
     return word_float(material_texel(material, 4)).x;
 }
 
-vec3 sigma_factor(int material) {
-    return word_float(material_texel(material, 4)).yzw;
-}
-
 // Where the material's maps are: runs of colours and of data, first | count << 24; the normal map + 1
 uvec4 map_records(int material) {
     return word(material_texel(material, 5));

@@ -4,20 +4,12 @@
 #include "trace/limit.glsl"
 #include "trace/mis.glsl"
 #include "trace/material.glsl"
+#include "media/medium.glsl"
 #if HAS_LIGHTS
 #include "trace/lights.glsl"
 #endif
 
 uniform int u_bounces; // the most often a path is scattered
-
-// Transmittance over a distance in a medium       Beer 1852
-vec3 transmittance(vec3 sigma, float distance) {
-#if HAS_VOLUME
-    return exp(-sigma * distance);
-#else
-    return vec3(1.0);
-#endif
-}
 
 // Whether the ray goes straight on: where alpha leaves the surface open, and for the camera at a back that is not there.
 bool goes_on(Path p, Interaction i, SurfaceMaterial m, bool is_back, float u) {
@@ -48,12 +40,12 @@ void meet_emission(inout Path p, Interaction i, SurfaceMaterial m, vec3 wo) {
 }
 
 #if HAS_LIGHTS
-// Sends a shadow ray. n is the geometric normal on the light's side and sigma the absorption there, f_cos the BSDF with
+// Sends a shadow ray. n is the geometric normal on the light's side and medium what lies there, f_cos the BSDF with
 // the cosine and pdf that with which the BSDF's own sampling takes this direction.
-void connect(inout Path p, vec3 position, vec3 n, vec3 sigma, LightSample light, vec3 f_cos, float pdf) {
+void connect(inout Path p, vec3 position, vec3 n, int medium, LightSample light, vec3 f_cos, float pdf) {
     if (light.pdf <= 0.0) return;
     float weight = light.is_delta ? 1.0 : light_weight(light.pdf, pdf);
-    vec3 carried = p.throughput * f_cos * light.radiance * transmittance(sigma, light.distance);
+    vec3 carried = p.throughput * f_cos * light.radiance * transmittance(medium, light.distance);
     p.contribution = limited(carried * (weight / light.pdf), p.depth + 1);
     if (p.contribution == vec3(0.0)) return;
     p.shadow_origin = offset_origin(position, n);

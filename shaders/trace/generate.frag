@@ -38,9 +38,10 @@ void main() {
 #endif
     p.pdf = p.travelled = 0.0;
     p.throughput = vec3(1.0);
-    p.radiance = p.sigma = p.shadow_origin = p.shadow_vector = p.contribution = vec3(0.0);
+    p.radiance = p.shadow_origin = p.shadow_vector = p.contribution = vec3(0.0);
     p.depth = int(RAYS == 1); // light on its way to that surface is scattered there
     p.passed = 0;
+    p.medium = 0;
     p.eta2 = 1.0;
     write_path(p, IN_FLIGHT);
 }

@@ -16,6 +16,7 @@ struct Interaction {
     vec4 color;       // of the vertices
     int material;
     int flags;        // of the instance
+    int medium;       // number of what is inside, behind the front
     int emitter;      // of this triangle, or -1
     float area;       // of this triangle, tracer units squared
 };
@@ -23,7 +24,7 @@ struct Interaction {
 // The words of an instance and of a triangle's corners
 struct Triangle {
     vec4 row0, row1, row2;  // mesh to tracer space
-    int material, first_emitter, flags;
+    int material, first_emitter, flags, medium;
     ivec3 corners;          // words
     vec3 weights;
 };
@@ -37,7 +38,9 @@ Triangle find_triangle(Hit hit) {
     t.row2 = word_float(at + 2);
     t.material = int(links.z);
     t.first_emitter = int(links.w);
-    t.flags = int(word(at + 4).x);
+    ivec2 inside = ivec2(word(at + 4).xy);
+    t.flags = inside.x;
+    t.medium = inside.y;
     uvec3 corners = word(u_triangles + int(links.x) + hit.triangle).xyz + links.y;
     t.corners = u_vertices + ivec3(corners) * VERTEX_TEXELS;
     t.weights = vec3(1.0 - hit.barycentric.x - hit.barycentric.y, hit.barycentric);
@@ -67,6 +70,7 @@ Interaction interact(Hit hit, vec3 wo) {
     i.position = vec3(dot(tri.row0, at), dot(tri.row1, at), dot(tri.row2, at));
     i.material = tri.material;
     i.flags = tri.flags;
+    i.medium = tri.medium;
     i.emitter = tri.first_emitter < 0 ? -1 : tri.first_emitter + hit.triangle;
     i.uv0 = vec2(p.w, normal_word.w);
     i.uv1 = vec2(0.0);

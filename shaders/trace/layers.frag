@@ -26,6 +26,6 @@ void main() {
     if (is_glass) albedo = vec3(1.0);
     o_albedo = vec4(min(albedo + m.emission, 1.0), 1.0);
     o_normal = vec4(i.n, camera_distance(i.position));
-    vec3 carried = p.throughput * transmittance(p.sigma, p.travelled + distance(p.origin, i.position));
+    vec3 carried = p.throughput * transmittance(p.medium, p.travelled + distance(p.origin, i.position));
     o_emission = vec4(carried * (m.is_unlit ? m.inputs.base_color.rgb : m.emission), 0.0);
 }

@@ -5,7 +5,6 @@ struct SurfaceMaterial {
     MaterialInputs inputs;
     float coverage; // 0 or 1 of a mask, alpha of what blends, 1 of what is opaque
     vec3 emission;  // towards wo: the back has none unless the material is double sided
-    vec3 sigma;     // Beer's absorption by tracer units, beyond the surface
     bool is_thin, is_unlit, is_double_sided;
 };
 
@@ -26,10 +25,6 @@ SurfaceMaterial material_at(Interaction i) {
     m.is_thin = (i.flags & FLAG_THIN) != 0;
     m.is_double_sided = (i.flags & FLAG_DOUBLE_SIDED) != 0;
     m.emission = i.is_front || m.is_double_sided ? m.inputs.emissive : vec3(0.0);
-    m.sigma = vec3(0.0);
-#if HAS_TRANSMISSION
-    m.sigma = sigma_factor(i.material);
-#endif
     m.coverage = coverage_of(m.inputs.base_color.a, i.material, i.flags);
     return m;
 }

@@ -19,19 +19,19 @@ float side_of(Interaction i, vec3 wi, float NoL) {
 #endif
 }
 
-// The absorption of what lies on that side
-vec3 sigma_at(Path p, Interaction i, SurfaceMaterial m, float side) {
+// The medium on that side
+int medium_at(Path p, Interaction i, SurfaceMaterial m, float side) {
 #if TRANSMITS
-    if (side < 0.0 && !m.is_thin) return i.is_front ? m.sigma : vec3(0.0);
+    if (side < 0.0 && !m.is_thin) return i.is_front ? i.medium : 0;
 #endif
-    return p.sigma;
+    return p.medium;
 }
 
 #if TRANSMITS
 // The camera is inside the solid. What it shows is radiance over the index squared, which no surface changes: a picture
 // does not become brighter when the camera dives in.
-void begin_inside(inout Path p, SurfaceMaterial m) {
-    p.sigma = m.sigma;
+void begin_inside(inout Path p, Interaction i, SurfaceMaterial m) {
+    p.medium = i.medium;
     p.eta2 = max(m.inputs.ior * m.inputs.ior, 1.0);
     p.throughput /= p.eta2;
 }
@@ -55,9 +55,9 @@ void main() {
         return;
     }
 #if TRANSMITS
-    if (p.depth == 0 && !i.is_front && !m.is_thin) begin_inside(p, m);
+    if (p.depth == 0 && !i.is_front && !m.is_thin) begin_inside(p, i, m);
 #endif
-    p.throughput *= transmittance(p.sigma, p.travelled + distance(p.origin, i.position));
+    p.throughput *= transmittance(p.medium, p.travelled + distance(p.origin, i.position));
 #if HAS_UNLIT && !TRANSMITS
     if (m.is_unlit && !is_back) {
         p.radiance += limited(p.throughput * m.inputs.base_color.rgb, p.depth);
@@ -80,7 +80,7 @@ void main() {
     float light_side = side_of(i, light.direction, local_wi.z);
     if (light_side != 0.0) {
         vec4 f = surface_eval_pdf(surface, local_wo, local_wi);
-        connect(p, i.position, light_side * i.n_geometric, sigma_at(p, i, m, light_side), light,
+        connect(p, i.position, light_side * i.n_geometric, medium_at(p, i, m, light_side), light,
                 f.rgb * abs(local_wi.z), f.w);
     }
 #endif
@@ -91,7 +91,7 @@ void main() {
 #if TRANSMITS
     p.eta2 *= b.eta * b.eta;
 #endif
-    p.sigma = sigma_at(p, i, m, side);
+    p.medium = medium_at(p, i, m, side);
     float pdf = (b.flags & DELTA) != 0u ? 0.0 : b.pdf;
     goes = goes && scatter(p, i.position, side * i.n_geometric, wi, b.weight, pdf, for_bsdf.w);
     write_path(p, goes ? IN_FLIGHT : ENDED);

@@ -7,7 +7,9 @@ uniform sampler2D u_shadow_origin; // of the pending shadow ray, or else x: trav
 uniform sampler2D u_shadow_vector; // to the light, 0: there is none; contribution.g
 uniform sampler2D u_throughput;    // rgb; contribution.b
 uniform sampler2D u_radiance;      // of the path so far; counters
-uniform sampler2D u_medium;        // absorption by tracer unit; product of eta^2
+#if HAS_TRANSMISSION
+uniform sampler2D u_medium;        // number; reserved: distance to the next collision, wavelength; product of eta^2
+#endif
 uniform usampler2D u_hit;          // see trace/hit.glsl
 uniform isampler2D u_blocks;       // tile x, tile y, first sample, samples; a texel for TILE x TILE slots
 
@@ -21,8 +23,8 @@ struct Path {
     int depth;          // how often it was scattered
     int passed;         // surfaces it went straight through, modulo 64
     int left;           // samples of the slot after this one
-    vec3 sigma;
-    float eta2;
+    int medium;         // number of what it goes through (media/medium.glsl)
+    float eta2;         // product of eta^2: by how much radiance is squeezed there
     vec3 shadow_origin; // of the shadow ray to be sent, of no length where there is none
     vec3 shadow_vector;
     vec3 contribution;  // what that adds if it is free
@@ -60,10 +62,10 @@ Path read_path(ivec2 slot, uvec4 hit) {
     p.left = counters & 1023;
 #if HAS_TRANSMISSION
     vec4 medium = texelFetch(u_medium, slot, 0);
-    p.sigma = medium.xyz;
+    p.medium = int(medium.x);
     p.eta2 = medium.w;
 #else
-    p.sigma = vec3(0.0);
+    p.medium = 0;
     p.eta2 = 1.0;
 #endif
     p.shadow_origin = p.shadow_vector = p.contribution = vec3(0.0);

@@ -7,7 +7,9 @@ layout(location = 2) out vec4 o_shadow_origin;
 layout(location = 3) out vec4 o_shadow_vector;
 layout(location = 4) out vec4 o_throughput;
 layout(location = 5) out vec4 o_radiance;
+#if HAS_TRANSMISSION
 layout(location = 6) out vec4 o_medium;
+#endif
 
 void write_path(Path p, float status) {
     bool has_shadow_ray = p.shadow_vector != vec3(0.0);
@@ -17,9 +19,14 @@ void write_path(Path p, float status) {
     o_shadow_vector = vec4(p.shadow_vector, p.contribution.g);
     o_throughput = vec4(p.throughput, p.contribution.b);
     o_radiance = vec4(p.radiance, pack_counters(p.depth, p.passed, p.left));
-    o_medium = vec4(p.sigma, p.eta2);
+#if HAS_TRANSMISSION
+    o_medium = vec4(p.medium, 0.0, 0.0, p.eta2);
+#endif
 }
 
 void write_idle() {
-    o_origin = o_direction = o_shadow_origin = o_shadow_vector = o_throughput = o_radiance = o_medium = vec4(0.0);
+    o_origin = o_direction = o_shadow_origin = o_shadow_vector = o_throughput = o_radiance = vec4(0.0);
+#if HAS_TRANSMISSION
+    o_medium = vec4(0.0);
+#endif
 }

@@ -18,14 +18,13 @@ Interaction i = interact(hit, f1.xyz);
 SurfaceMaterial m = material_at(i);
 """
 _FIRST = _INTERACTION + """o0 = vec4(i.position, i.area); o1 = vec4(i.n_geometric, float(i.is_front));
-o2 = vec4(i.n, float(i.emitter)); o3 = vec4(i.t, float(i.material)); o4 = vec4(i.b, 0.0); o5 = vec4(i.uv0, i.uv1);
+o2 = vec4(i.n, float(i.emitter)); o3 = vec4(i.t, float(i.material)); o4 = vec4(i.b, i.medium); o5 = vec4(i.uv0, i.uv1);
 o6 = i.color;"""
 _SECOND = _INTERACTION + """o0 = vec4(m.inputs.base_color.rgb, m.coverage);
 o1 = vec4(m.inputs.metallic, m.inputs.perceptual_roughness, m.inputs.ior, m.inputs.specular);
 o2 = vec4(m.inputs.specular_color, m.inputs.transmission);
-o3 = vec4(m.emission, coverage_at(hit)); o4 = vec4(m.sigma, 0.0);
-o5 = vec4(m.is_thin, m.is_unlit, m.is_double_sided, 0.0);
-o6 = vec4(emission_at(hit), 0.0);"""
+o3 = vec4(m.emission, coverage_at(hit)); o4 = vec4(m.is_thin, m.is_unlit, m.is_double_sided, 0.0);
+o5 = vec4(emission_at(hit), 0.0);"""
 
 
 @dataclass
@@ -62,6 +61,9 @@ def ask(context: Context, folder: Path, scene: Scene, hits: Hits) -> dict[str, n
     arguments = hits.rows(), 7, data.switches, data.bind
     a = evaluate(context, folder, "trace/material.glsl", _FIRST, *arguments)
     b = evaluate(context, folder, "trace/material.glsl", _SECOND, *arguments)
+    medium = a[:, 4, 3:].astype(np.uint32)
+    c = evaluate(context, folder, "media/medium.glsl", "o0 = vec4(transmittance(int(i0.x), 1.0), 0.0);", medium, 1,
+                 data.switches, data.bind)
     data.release()
     return {
         "position": a[:, 0, :3], "area": a[:, 0, 3], "n_geometric": a[:, 1, :3], "is_front": a[:, 1, 3] > 0,
@@ -69,8 +71,9 @@ def ask(context: Context, folder: Path, scene: Scene, hits: Hits) -> dict[str, n
         "uv0": a[:, 5, :2], "uv1": a[:, 5, 2:], "color": a[:, 6],
         "base_color": b[:, 0, :3], "coverage": b[:, 0, 3], "metallic": b[:, 1, 0], "perceptual_roughness": b[:, 1, 1],
         "ior": b[:, 1, 2], "specular": b[:, 1, 3], "specular_color": b[:, 2, :3], "transmission": b[:, 2, 3],
-        "emission": b[:, 3, :3], "coverage_at": b[:, 3, 3], "sigma": b[:, 4, :3], "is_thin": b[:, 5, 0] > 0,
-        "is_unlit": b[:, 5, 1] > 0, "is_double_sided": b[:, 5, 2] > 0, "emission_at": b[:, 6, :3],
+        "emission": b[:, 3, :3], "coverage_at": b[:, 3, 3], "transmittance": c[:, 0, :3],
+        "medium": a[:, 4, 3], "is_thin": b[:, 4, 0] > 0, "is_unlit": b[:, 4, 1] > 0,
+        "is_double_sided": b[:, 4, 2] > 0, "emission_at": b[:, 5, :3],
     }
 
 

@@ -32,7 +32,7 @@ def exposed(context, programs, samples: np.ndarray) -> Film:
 def test_a_waves_blocks_come_to_their_tiles(context, programs):
     """Cut off at the picture's edge, added where a tile is in several blocks, and no other block is taken."""
     film = Film(context.gl, programs, (40, 20), has_layers=True)
-    wave = Wave(context.gl, 4, 2, has_layers=True)
+    wave = Wave(context.gl, 4, 2, has_medium=False, has_layers=True)
     work = [Work(0, 0, 0, 1), Work(2, 1, 0, 1), Work(2, 1, 1, 1), Work(1, 0, 0, 1)]
     blocks = np.array([1, 6, 3, 0])
     wave.assign(blocks, work)

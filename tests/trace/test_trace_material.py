@@ -13,6 +13,7 @@ from shapes import moved, plate, scene, sphere
 
 from viewer.scene.color import srgb_to_linear
 from viewer.scene.material import Material, Sampler, Texture, UVTransform
+from viewer.scene.medium import VACUUM
 from viewer.trace.scene.encode import geometry_switches, unused_maps
 from viewer.trace.scene.geometry import trace_geometry
 from viewer.trace.scene.materials import trace_material
@@ -78,7 +79,7 @@ def test_an_image_is_sampled_once_for_all_that_read_it(context, tmp_path):
     material = Material(base_color_texture=shared, emissive=(1, 1, 1), emissive_texture=shared, metallic=0.5,
                         specular_color_texture=texture("tint"), metallic_roughness_texture=texture("mr"))
     both = replace(material, specular_color_texture=None)
-    assert len(trace_material(both, plate(), 1.0).color_maps) == 1
+    assert len(trace_material(both, plate()).color_maps) == 1
     for each in (both, material):
         found = asked(context, tmp_path, each)
         for name in ("base_color", "emission", "emission_at"):
@@ -182,18 +183,31 @@ def test_only_volumes_absorb():
     glass = Material(transmission=1.0, metallic=0.0, thickness=1.0, attenuation_distance=2.0,
                      attenuation_color=(0.5, 0.0, 1.0))
     ball = sphere(segments=8)
-    np.testing.assert_allclose(trace_material(glass, ball, 3.0).sigma, [-math.log(0.5) * 1.5, -math.log(1e-6) * 1.5, 0])
-    thin = trace_material(replace(glass, thickness=0.0), ball, 3.0)
-    assert thin.is_thin and not thin.sigma.any()
-    assert not trace_material(replace(glass, attenuation_distance=math.inf), ball, 3.0).sigma.any()
-    assert not trace_material(replace(glass, transmission=0.0), ball, 3.0).sigma.any()
+    medium = trace_material(glass, ball).medium
+    np.testing.assert_allclose(medium.sigma_a, [-math.log(0.5) / 2, -math.log(1e-6) / 2, 0])
+    thin = trace_material(replace(glass, thickness=0.0), ball)
+    assert thin.is_thin and thin.medium == VACUUM
+    assert trace_material(replace(glass, attenuation_distance=math.inf), ball).medium == VACUUM
+    assert trace_material(replace(glass, transmission=0.0), ball).medium == VACUUM
+
+
+def test_instances_filled_with_the_same_share_a_medium():
+    glass = Material(transmission=1.0, metallic=0.0, thickness=1.0, attenuation_distance=2.0,
+                     attenuation_color=(0.5, 0.25, 1.0))
+    materials = [glass, Material(), replace(glass, perceptual_roughness=0.3),
+                 replace(glass, attenuation_color=(0.1, 1, 1))]
+    meshes = [(replace(sphere(segments=8), material=k), np.eye(4)) for k in range(4)]
+    geometry = trace_geometry(scene(*meshes, materials=materials))
+    assert [instance.medium for instance in geometry.instances] == [1, 0, 1, 2]
+    assert geometry.media[0] == VACUUM and len(geometry.media) == 3
 
 
 def test_absorption_reaches_the_shader_by_tracer_units(context, tmp_path):
     glass = Material(transmission=1.0, metallic=0.0, thickness=0.1, attenuation_distance=2.0,
                      attenuation_color=(0.5, 0.25, 1.0))
     found = asked(context, tmp_path, glass)  # a plate of half side 1: radius sqrt(2)
-    close(found["sigma"], -np.log([0.5, 0.25, 1.0]) / 2 * math.sqrt(2))
+    close(found["transmittance"], np.array([0.5, 0.25, 1.0]) ** (math.sqrt(2) / 2))
+    assert (found["medium"] == 1).all()
     close(found["transmission"], 1)
     assert not found["is_thin"].any()
 
@@ -215,7 +229,7 @@ METAL = Material(metallic=1.0)
     (Material(normal_texture=texture("base")), "data_textures", 1),
 ])
 def test_maps_that_make_no_difference_are_not_read(material, name, number):
-    assert len(getattr(trace_material(material, plate(), 1.0), name)) == number
+    assert len(getattr(trace_material(material, plate()), name)) == number
 
 
 def test_switches_say_what_is_there():

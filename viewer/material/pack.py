@@ -24,15 +24,12 @@ class Place:
         return "xyzw"[self.component : self.component + self.size]
 
 
-DERIVED = {"sigma": 3}
-"""What a record has beside the parameters: Beer's absorption by tracer units."""
-
 
 def _layout() -> dict[str, Place]:
     """Each value goes to the first texel that has room for it; those that every material needs go first."""
     shown = [p for p in PARAMETERS.values() if p.info.paths and p.info.role != "python"]
     shown.sort(key=lambda p: p.info.role == "argument" or p.info.feature.switch != "")
-    sizes = {p.name: p.size for p in shown} | DERIVED
+    sizes = {p.name: p.size for p in shown}
     room: list[int] = []
     places = {}
     for name, size in sizes.items():
@@ -61,12 +58,12 @@ def uniforms(material: Material) -> Iterator[tuple[str, Value]]:
         yield f"u_{parameter.name}", parameter.value(material)
 
 
-def record(material: Material, derived: Mapping[str, Value]) -> np.ndarray:
-    """(MAPS_TEXEL, 4) float32: the values of a material; `derived` has those of DERIVED.
+def record(material: Material, changed: Mapping[str, Value]) -> np.ndarray:
+    """(MAPS_TEXEL, 4) float32: the values of a material; `changed` are those that are others than its own.
 
     Where alpha blends, the cutoff is -1.
     """
-    values = {name: PARAMETERS[name].value(material) for name in RECORD if name in PARAMETERS} | dict(derived)
+    values = {name: PARAMETERS[name].value(material) for name in RECORD} | dict(changed)
     if material.alpha_mode == "blend":
         values["alpha_cutoff"] = -1.0
     texels = np.zeros((MAPS_TEXEL, 4), np.float32)

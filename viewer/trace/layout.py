@@ -26,7 +26,7 @@ SCENE_WIDTH = 4096
 """Texels in a row of the scene buffer."""
 INSTANCE_TEXELS = 5
 """Of an instance in the scene buffer: the rows of mesh-to-tracer; first triangle, first vertex, material, first emitter
-(-1 for none); flags, 0, 0, 0."""
+(-1 for none); flags, medium inside, 0, 0."""
 
 SEE_THROUGH, MIRRORED, DOUBLE_SIDED, UNLIT, THIN = 1, 2, 4, 8, 16
 """Bits of an instance's flags."""

@@ -29,6 +29,11 @@ class TracePlan:
         """The passes that shade surfaces."""
         return tuple(name for name in self.programs if name in {kind.name for kind in KINDS})
 
+    @property
+    def has_transmission(self) -> bool:
+        """Whether paths go through surfaces, and so through media."""
+        return bool(self.programs["generate"]["HAS_TRANSMISSION"])
+
     def to_json(self) -> dict[str, object]:
         return {
             "passes": ["intersect", *self.programs, "display"],

@@ -11,7 +11,8 @@ import numpy as np
 from ..layout import TILE
 
 STATE = ("origin", "direction", "shadow_origin", "shadow_vector", "throughput", "radiance", "medium")
-"""The textures of a state, in the order of their units and attachments; shaders/trace/state.glsl has what they hold."""
+"""The textures of a state, in the order of their units and attachments; shaders/trace/state.glsl has what they hold.
+Where nothing transmits light there is no medium."""
 SUMS, LAYERS = 2, 3
 """How many textures the passes finish and layers add to."""
 UNIT_HIT, UNIT_BLOCKS = len(STATE), len(STATE) + 1
@@ -61,13 +62,13 @@ class Wave:
     radiance: moderngl.Texture
     medium: moderngl.Texture
 
-    def __init__(self, gl: moderngl.Context, columns: int, rows: int, has_layers: bool) -> None:
+    def __init__(self, gl: moderngl.Context, columns: int, rows: int, has_medium: bool, has_layers: bool) -> None:
         self._gl = gl
         self.grid = columns, rows
         self.size = columns * TILE, rows * TILE
         self.duty = gl.framebuffer(depth_attachment=gl.depth_texture(self.size))
         depth = self.duty.depth_attachment
-        self._states = [[float_target(gl, self.size) for _ in STATE] for _ in range(2)]
+        self._states = [[float_target(gl, self.size) for _ in STATE[: 6 + has_medium]] for _ in range(2)]
         self._targets = [gl.framebuffer(textures, depth) for textures in self._states]
         self._origins = [gl.framebuffer(textures[:1], depth) for textures in self._states]
         for target in (*self._targets, *self._origins):
@@ -118,8 +119,10 @@ class Wave:
 
     def bind(self) -> None:
         """The present state, the hits and the blocks, to the units that `UNITS` names."""
-        for unit, texture in enumerate((*self._states[self._present], self.hit, self._table)):
+        for unit, texture in enumerate(self._states[self._present]):
             texture.use(unit)
+        self.hit.use(UNIT_HIT)
+        self.bind_blocks()
 
     def bind_blocks(self) -> None:
         """The blocks alone."""

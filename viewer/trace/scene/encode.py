@@ -38,7 +38,7 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
         **{f.switch: any(f.is_on(m.material) for m in materials) for f in SWITCHED},
         "HAS_SEE_THROUGH": any(instance.see_through for instance in geometry.instances),
         "HAS_UNLIT": any(m.material.unlit for m in materials),
-        "HAS_VOLUME": any(m.sigma.any() for m in materials),
+        "HAS_VOLUME": len(geometry.media) > 1,
     }
     return {name: int(value or everything) for name, value in switches.items()} | glass_switches(materials)
 
@@ -60,7 +60,7 @@ def unused_maps(scene: Scene, geometry: TraceGeometry) -> list[str]:
 
 
 def add_geometry(words: WordsBuilder, scene: Scene, geometry: TraceGeometry, switches: Mapping[str, int]) -> None:
-    """Append the sections instances, triangles and vertices."""
+    """Append the sections instances, triangles, vertices and, where there are any, media."""
     first_triangle = np.cumsum([0] + [len(mesh.triangles) for mesh in geometry.meshes])
     first_vertex = np.cumsum([0] + [len(mesh.positions) for mesh in geometry.meshes])
     instances = np.zeros((len(geometry.instances), INSTANCE_TEXELS, 4), np.uint32)
@@ -68,7 +68,7 @@ def add_geometry(words: WordsBuilder, scene: Scene, geometry: TraceGeometry, swi
         row[:3] = np.asarray(instance.transform, np.float32).view(np.uint32)
         emitter = instance.first_emitter & 0xFFFFFFFF  # -1 in two's complement
         row[3] = first_triangle[instance.mesh], first_vertex[instance.mesh], instance.material, emitter
-        row[4, 0] = _flags(instance, geometry)
+        row[4, :2] = _flags(instance, geometry), instance.medium
     words.add("instances", instances.reshape(-1, 4))
     triangles = np.zeros((first_triangle[-1], 4), np.uint32)
     for first, mesh in zip(first_triangle, geometry.meshes):
@@ -79,6 +79,10 @@ def add_geometry(words: WordsBuilder, scene: Scene, geometry: TraceGeometry, swi
     for first, mesh in zip(first_vertex, geometry.meshes):
         _fill_vertices(vertices[first:first + len(mesh.positions)], mesh, scene.meshes[mesh.source], switches, layout)
     words.add("vertices", vertices.reshape(-1, 4))
+    if switches["HAS_VOLUME"]:
+        media = np.zeros((len(geometry.media), 4), np.float32)
+        media[:, :3] = np.array([medium.sigma_a for medium in geometry.media]) * scene.radius
+        words.add("media", media)
 
 
 def add_materials(

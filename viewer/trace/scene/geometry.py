@@ -12,6 +12,7 @@ import numpy as np
 
 from ...material.fold import without_constant_maps
 from ...scene.material import Material
+from ...scene.medium import VACUUM, Medium
 from ...scene.mesh import Mesh
 from ...scene.scene import Scene
 from ...scene.transform import handedness
@@ -37,8 +38,9 @@ class TraceInstance:
     """A mesh placed in tracer space by `transform`, (3, 4) float64, from the mesh's normalised positions.
 
     `see_through`: rays may pass its triangles, as `coverage_at` says. `material` is a number in
-    `TraceGeometry.materials`; `source` its own in `scene.instances`; `first_emitter` that of its first triangle among
-    all emissive ones, the others following in their order, or -1.
+    `TraceGeometry.materials`, `medium`, of what is inside, in `TraceGeometry.media`; `source` its own in
+    `scene.instances`; `first_emitter` that of its first triangle among all emissive ones, the others following in their
+    order, or -1.
     """
 
     mesh: int
@@ -46,6 +48,7 @@ class TraceInstance:
     kind: Kind = SURFACE
     see_through: bool = False
     material: int = 0
+    medium: int = 0
     source: int = -1
     first_emitter: int = -1
 
@@ -59,12 +62,14 @@ class TraceInstance:
 class TraceGeometry:
     """Triangles alone.
 
-    `left_out_instances` counts the scene's lines and points, `emitters` the emissive triangles.
+    `media` are what instances are filled with, the vacuum first. `left_out_instances` counts the scene's lines and
+    points, `emitters` the emissive triangles.
     """
 
     meshes: list[TraceMesh]
     instances: list[TraceInstance]
     materials: list[TraceMaterial]
+    media: tuple[Medium, ...] = (VACUUM,)
     emitters: int = 0
     left_out_instances: int = 0
 
@@ -80,6 +85,7 @@ def trace_geometry(scene: Scene) -> TraceGeometry:
     materials: dict[tuple[int, int, bool], int] = {}
     placed: list[TraceInstance] = []
     kept_materials: list[TraceMaterial] = []
+    media = {VACUUM: 0}
     emitters = 0
     surfaces = [without_constant_maps(material) for material in scene.materials]
     for number, instance in enumerate(scene.instances):
@@ -93,21 +99,22 @@ def trace_geometry(scene: Scene) -> TraceGeometry:
         key = mesh.material, len(mesh.uvs), mesh.tangents is not None
         if key not in materials:
             materials[key] = len(kept_materials)
-            kept_materials.append(trace_material(surfaces[mesh.material], mesh, scene.radius))
-        material = surfaces[mesh.material]
+            kept_materials.append(trace_material(surfaces[mesh.material], mesh))
+        material, traced = surfaces[mesh.material], kept_materials[materials[key]]
         is_emitter = any(material.emissive) and not material.unlit
         placed.append(TraceInstance(
             mesh=index,
             transform=_to_tracer(scene, instance.transform) @ to_mesh,
-            kind=kind_of(kept_materials[materials[key]]),
+            kind=kind_of(traced),
             see_through=_is_see_through(material, mesh),
             material=materials[key],
+            medium=media.setdefault(traced.medium, len(media)),
             source=number,
             first_emitter=emitters if is_emitter else -1,
         ))
         emitters += len(normalised.triangles) if is_emitter else 0
     ordered = [mesh for mesh, _, _ in meshes.values()]
-    return TraceGeometry(ordered, placed, kept_materials, emitters, len(scene.instances) - len(placed))
+    return TraceGeometry(ordered, placed, kept_materials, tuple(media), emitters, len(scene.instances) - len(placed))
 
 
 def triangles_of(mesh: Mesh) -> np.ndarray:

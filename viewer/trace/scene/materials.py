@@ -14,6 +14,7 @@ import numpy as np
 from ...material.pack import COLOR_ROLES, DATA_ROLES, record
 from ...material.use import used_maps
 from ...scene.material import Material, Sampler, Texture
+from ...scene.medium import VACUUM, Medium
 from ...scene.mesh import Mesh
 from ...scene.schema import MAPS
 
@@ -33,14 +34,14 @@ class MapUse:
 
 @dataclass(frozen=True, eq=False)
 class TraceMaterial:
-    """A material on a mesh that has certain attributes; `sigma` is Beer's absorption by tracer units, (3,) float64."""
+    """A material on a mesh that has certain attributes; `medium` is what is behind its front."""
 
     material: Material
     color_maps: tuple[MapUse, ...]
     data_maps: tuple[MapUse, ...]
     normal_map: Texture | None
     transmission: float
-    sigma: np.ndarray
+    medium: Medium
     is_thin: bool
 
     @property
@@ -50,8 +51,8 @@ class TraceMaterial:
         return [use.texture for use in self.data_maps] + normal
 
 
-def trace_material(material: Material, mesh: Mesh, unit: float) -> TraceMaterial:
-    """What of `material` changes anything on `mesh`; `unit` is the world's length of a tracer unit."""
+def trace_material(material: Material, mesh: Mesh) -> TraceMaterial:
+    """What of `material` changes anything on `mesh`."""
     names = [name for name in used_maps(material, mesh, "unlit" if material.unlit else "pbr") if MAPS[name].info.paths]
 
     def uses(roles: Mapping[str, int]) -> tuple[MapUse, ...]:
@@ -70,14 +71,14 @@ def trace_material(material: Material, mesh: Mesh, unit: float) -> TraceMaterial
         uses(DATA_ROLES),
         material.normal_texture if "normal" in names else None,
         material.transmission if transmits else 0.0,
-        np.zeros(3) if is_thin or not transmits else material.absorption * unit,
+        VACUUM if is_thin or not transmits else Medium(tuple(material.absorption.tolist())),
         is_thin,
     )
 
 
 def material_words(material: TraceMaterial, first_color: int, first_data: int, normal: int) -> np.ndarray:
     """(RECORD_TEXELS, 4) uint32, the records of its maps being given by their numbers (`normal` -1 for none)."""
-    values = record(material.material, {"sigma": tuple(material.sigma), "transmission": material.transmission})
+    values = record(material.material, {"transmission": material.transmission})
     maps = (first_color | len(material.color_maps) << 24, first_data | len(material.data_maps) << 24, normal + 1, 0)
     return np.concatenate([values.view(np.uint32), np.array([maps], np.uint32)])
 
