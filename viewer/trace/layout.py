@@ -13,7 +13,7 @@ from .scene.materials import MAP_WORDS
 TILE = 16
 """Paths of a block of a wavefront, and pixels of a tile of the picture, along each side."""
 
-IDLE, IN_FLIGHT, ENDED = 0.0, 1.0, 2.0
+IDLE, IN_FLIGHT, ENDED = 0, 1, 2
 """The status of a path, in w of its origin: nothing to do; a ray to be traced; only its shadow ray is pending."""
 
 # x of a hit: is the shadow ray free? << 31 | kind << KIND_SHIFT | instance (shaders/trace/hit.glsl)
@@ -54,7 +54,7 @@ _CONSTANTS = {
 }
 
 
-def shader_defines(switches: Mapping[str, int] | None = None) -> dict[str, float]:
+def shader_defines(switches: Mapping[str, int] | None = None) -> dict[str, int]:
     """The defines of a program of shaders/trace: its own `switches`, and the numbers of this module."""
     switches = switches or {}
     return {**_CONSTANTS, **vertex_layout(switches), **switches}

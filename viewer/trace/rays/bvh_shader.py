@@ -39,7 +39,8 @@ class BvhIntersector:
             raise ValueError("see-through triangles need their surfaces")
         self._surfaces = surfaces if bvh.has_see_through else None
         self._bvh = _texture(context, bvh)
-        defines = shader_defines(None if self._surfaces is None else self._surfaces.switches) | {
+        defines: dict[str, float] = {
+            **shader_defines(None if self._surfaces is None else self._surfaces.switches),
             "BVH_WIDTH": self._bvh.width,
             "NODE_TEXELS": NODE_TEXELS, "TRIANGLE_TEXELS": TRIANGLE_TEXELS, "BVH_INSTANCE_TEXELS": INSTANCE_TEXELS,
             "LEAF_SHIFT": LEAF_SHIFT,
