@@ -26,7 +26,8 @@ def at(z: float) -> np.ndarray:
 
 
 def test_a_hit_names_instance_kind_triangle_and_barycentrics(context: Context) -> None:
-    geometry = Geometry([SQUARE, SQUARE], [Instance(0, at(-0.5)), Instance(1, at(0.25), kind=GLASS), Instance(0, at(0.0))])
+    instances = [Instance(0, at(-0.5)), Instance(1, at(0.25), kind=GLASS), Instance(0, at(0.0))]
+    geometry = Geometry([SQUARE, SQUARE], instances)
     embree = make_intersector(context, geometry, kind="embree")
     (word,) = trace(context, embree, np.array([(-0.5, 0.5, 1.0)]), DOWN)
     assert (word[0], word[1]) == (GLASS.number << KIND_SHIFT | 1, 1)

@@ -10,8 +10,8 @@ class Medium:
     """A homogeneous medium, by the coefficients of the equation of radiative transfer (Chandrasekhar 1960).
 
     `sigma_a` is the absorption coefficient, rgb per world unit: over a distance d the share exp(-sigma_a d) is left.
-    It is all that there is as yet. Coefficients that join it, as sigma_s of scattering, are fields beside it in the same
-    unit; so are a phase function, emission, and a grid by which they vary. shaders/media/medium.glsl reads them.
+    It is all that there is as yet. The scattering coefficient sigma_s, a phase function, emission and a grid by which
+    these vary will be fields beside it. Shaders read a medium by shaders/media/medium.glsl.
     """
 
     sigma_a: tuple[float, float, float] = (0.0, 0.0, 0.0)

@@ -64,7 +64,8 @@ class Exposure:
         columns = SOFTWARE_SIDE if context.is_software else DEVICE_SIDE
         self._looks = 1 if context.is_software else DEVICE_LOOKS
         rows = min(math.ceil(math.prod(film.tiles) * settings.most_spp / columns / 2), columns)
-        self._lanes = [_Lane(Wave(context.gl, columns, rows, plan.has_transmission, "layers" in plan.programs)) for _ in range(2)]
+        self._lanes = [_Lane(Wave(context.gl, columns, rows, plan.has_transmission, "layers" in plan.programs))
+                       for _ in range(2)]
         self._flush: Callable[[], None] = context.function("glFlush")
         self._layers, self._denoiser = layers, denoiser
         self._is_developed = False

@@ -68,7 +68,8 @@ def _collapse(tree: BinaryTree, max_leaf: int) -> WideTree:
     order[first[:count]] = tree.leaves
 
     def references(nodes: NDArray[np.int32], numbers: NDArray[np.integer]) -> NDArray[np.uint32]:
-        return np.where(is_leaf[nodes], LEAF | (size[nodes] - 1) << LEAF_SHIFT | first[nodes], numbers).astype(np.uint32)
+        leaves = LEAF | (size[nodes] - 1) << LEAF_SHIFT | first[nodes]
+        return np.where(is_leaf[nodes], leaves, numbers).astype(np.uint32)
 
     root = np.array([2 * count - 2], np.int32)
     if is_leaf[root[0]]:

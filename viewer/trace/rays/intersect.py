@@ -1,8 +1,9 @@
 """Where rays meet triangles: one small interface, with Embree or a BVH in a shader behind it.
 
-A wave's rays are in its state textures and the answers go to its `hit` texture (RGBA32UI, a texel a slot): x = free <<
-31 | kind << KIND_SHIFT | instance, y = triangle within its mesh, z and w the float bits of the barycentrics u of vertex 1 and v
-of vertex 2. `free` says that the slot's shadow ray met nothing. A ray that met nothing has `MISS`. Nothing is culled.
+A wave's rays are in its state textures and the answers go to its `hit` texture (RGBA32UI, a texel a slot):
+x = free << 31 | kind << KIND_SHIFT | instance, y = triangle within its mesh, z and w the float bits of the barycentrics
+u of vertex 1 and v of vertex 2. `free` says that the slot's shadow ray met nothing. A ray that met nothing has `MISS`.
+Nothing is culled.
 """
 
 from __future__ import annotations
