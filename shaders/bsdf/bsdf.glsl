@@ -9,9 +9,8 @@
 // the table of their albedo last, sampler2D dfg. One function gives the probability of a lobe's parts, to sample and pdf
 // alike.
 //
-// What comes later fits in: a layer (coat, sheen) is a lobe whose albedo scales what lies below it; iridescence is
-// another F of mu in a lobe; transmission already has eta in the sample; hair takes x as the fibre and both signs of z;
-// and subsurface begins with a sample whose flags say so.
+// How lobes lie over one another is said in bsdf/surface.glsl, by layers (bsdf/layer/interface.glsl). The lobes of
+// bsdf/lobe/ are those of glass; the lobes of bsdf/compare/ are in no renderer: they illustrate, and are checked.
 #include "bsdf/constants.glsl"
 
 const uint REFLECTION = 1u;
@@ -32,6 +31,10 @@ const BsdfSample NO_SAMPLE = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 0u,
 // Below it a lobe is a mirror with the flag DELTA. Its width then is a twentieth of a degree, and float32 directions
 // resolve its profile to 1 in 1e4.
 const float DELTA_ALPHA = 1e-3;
+
+bool is_delta(float alpha) {
+    return alpha < DELTA_ALPHA;
+}
 
 bool is_delta(vec2 alpha) {
     return max(alpha.x, alpha.y) < DELTA_ALPHA;

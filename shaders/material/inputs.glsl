@@ -10,7 +10,11 @@ struct MaterialInputs {
     vec3 specular_color;            // tints the dielectric's f0
     float transmission;             // share of what enters the dielectric that is refracted on
     float thickness;                // thickness of the volume; 0: a thin wall (mesh units)
+    float anisotropy_strength;      // stretches highlights along the tangent
+    float anisotropy_rotation;      // turns the direction of stretching, counter-clockwise (radians)
+    vec2 anisotropy_texel; // RG of its map
 };
 
 const MaterialInputs DEFAULT_INPUTS = MaterialInputs(
-    vec4(1.0, 1.0, 1.0, 1.0), 1.0, 1.0, vec3(0.0, 0.0, 0.0), 1.5, 1.0, vec3(1.0, 1.0, 1.0), 0.0, 0.0);
+    vec4(1.0, 1.0, 1.0, 1.0), 1.0, 1.0, vec3(0.0, 0.0, 0.0), 1.5, 1.0, vec3(1.0, 1.0, 1.0), 0.0, 0.0, 0.0,
+    0.0, vec2(1.0, 0.5));

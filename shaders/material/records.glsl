@@ -9,7 +9,7 @@
 uniform int u_materials;
 
 const uint BASE_COLOR_ROLE = 1u, EMISSIVE_ROLE = 2u, SPECULAR_COLOR_ROLE = 4u;
-const uint METALLIC_ROUGHNESS_ROLE = 1u, SPECULAR_ROLE = 2u, TRANSMISSION_ROLE = 4u;
+const uint METALLIC_ROUGHNESS_ROLE = 1u, SPECULAR_ROLE = 2u, TRANSMISSION_ROLE = 4u, ANISOTROPY_ROLE = 8u;
 
 int material_texel(int material, int part) {
     return u_materials + material * 6 + part;
@@ -51,8 +51,16 @@ float transmission_factor(int material) {
     return word_float(material_texel(material, 3)).w;
 }
 
-float alpha_cutoff_factor(int material) {
+float anisotropy_strength_factor(int material) {
     return word_float(material_texel(material, 4)).x;
+}
+
+float anisotropy_rotation_factor(int material) {
+    return word_float(material_texel(material, 4)).y;
+}
+
+float alpha_cutoff_factor(int material) {
+    return word_float(material_texel(material, 4)).z;
 }
 
 // Where the material's maps are: runs of colours and of data, first | count << 24; the normal map + 1
@@ -71,6 +79,10 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
     m.perceptual_roughness = perceptual_roughness_factor(material);
     m.ior = ior_factor(material);
     m.specular = specular_factor(material);
+#if ANISOTROPIC
+    m.anisotropy_strength = anisotropy_strength_factor(material);
+    m.anisotropy_rotation = anisotropy_rotation_factor(material);
+#endif
 #if HAS_TRANSMISSION
     m.transmission = transmission_factor(material);
 #endif
@@ -111,6 +123,10 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
         }
         if (has_role(map, TRANSMISSION_ROLE)) {
             m.transmission *= texel.r;
+        }
+        if (has_role(map, ANISOTROPY_ROLE)) {
+            m.anisotropy_strength *= texel.b;
+            m.anisotropy_texel = texel.rg;
         }
     }
 #endif

@@ -10,6 +10,10 @@ uniform float u_alpha_cutoff;
 #if HAS_EMISSION
 uniform vec3 u_emissive;
 #endif
+#if ANISOTROPIC
+uniform float u_anisotropy_strength;
+uniform float u_anisotropy_rotation;
+#endif
 #if HAS_NORMAL
 uniform float u_metallic;
 uniform float u_perceptual_roughness;
@@ -113,11 +117,24 @@ vec4 thickness_texel() {
 }
 #endif
 
+#if ANISOTROPY_MAP
+uniform sampler2D u_anisotropy_map;
+uniform mat3x2 u_anisotropy_transform;
+vec4 anisotropy_texel() {
+    return texture(u_anisotropy_map, map_uv(ANISOTROPY_UV, ANISOTROPY_TRANSFORM,
+        u_anisotropy_transform, ANISOTROPY_MIRROR));
+}
+#endif
+
 MaterialInputs read_inputs() {
     MaterialInputs m = DEFAULT_INPUTS;
     m.base_color = u_base_color;
 #if HAS_EMISSION
     m.emissive = u_emissive;
+#endif
+#if ANISOTROPIC
+    m.anisotropy_strength = u_anisotropy_strength;
+    m.anisotropy_rotation = u_anisotropy_rotation;
 #endif
 #if HAS_NORMAL
     m.metallic = u_metallic;
@@ -175,6 +192,13 @@ MaterialInputs read_inputs() {
     {
         vec4 texel = thickness_texel();
         m.thickness *= texel.g;
+    }
+#endif
+#if ANISOTROPY_MAP
+    {
+        vec4 texel = anisotropy_texel();
+        m.anisotropy_strength *= texel.b;
+        m.anisotropy_texel = texel.rg;
     }
 #endif
 #if HAS_COLOR

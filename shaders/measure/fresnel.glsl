@@ -1,6 +1,6 @@
 // Fresnel's curve by other ways than the renderer's: what `report --approximations` sets beside it.
 #include "bsdf/fresnel_metal.glsl"
-#include "bsdf/standard.glsl"
+#include "bsdf/layer/dielectric.glsl"
 
 // As the renderer has it, exact where FRESNEL = 1
 vec3 interface_fresnel(float mu, float ior, float f0) {

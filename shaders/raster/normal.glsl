@@ -29,3 +29,16 @@ vec3 shading_normal(vec3 n) {
     return n;
 #endif
 }
+
+#if ANISOTROPIC
+// The tangent along which highlights are stretched, its bitangent, and n
+mat3 anisotropy_frame(MaterialInputs m, vec3 n) {
+    vec3 t = normalize(v_tangent.xyz);
+    vec3 b = cross(normalize(v_normal), t) * v_tangent.w;
+    vec2 d = anisotropy_direction(m);
+    vec3 x = d.x * t + d.y * b;
+    x -= dot(n, x) * n;
+    x *= inversesqrt(max(dot(x, x), 1e-12));
+    return mat3(x, cross(n, x), n);
+}
+#endif

@@ -1,12 +1,10 @@
-// Cook-Torrance: the material of bsdf/standard.glsl under lights and an environment.
+// Physically based shading: the surface of bsdf/surface.glsl under lights and an environment.
 #include "raster/material.glsl"
+#include "bsdf/surface_of.glsl"
 #include "raster/normal.glsl"
-#include "bsdf/microfacet.glsl"
-#include "bsdf/standard.glsl"
 #if SPECULAR_AA
 #include "bsdf/specular_aa.glsl"
 #endif
-#include "light/dfg.glsl"
 #if HAS_ENVIRONMENT
 #include "raster/environment.glsl"
 #endif
@@ -32,23 +30,17 @@
 uniform vec3 u_view_direction; // towards the eye
 #endif
 
-// METALNESS: 0 all dielectric, 1 all metal, 2 a mixture. REFLECTS: 0 for a Lambertian surface, without any interface.
+// REFLECTS: 0 for a Lambertian surface, without any interface.
 uniform sampler2D u_dfg;
 
-struct Surface {
-    vec3 n, v;
+// Where the surface is and how it lies to the eye
+struct Point {
+    vec3 n, n_geometric, v;
     float NoV;
-    float perceptual_roughness, alpha;
-    vec3 base_color;
-    float metallic;
-    float ior;
-    Interface dielectric, metal;
+#if ANISOTROPIC
+    mat3 frame; // tangent, bitangent, n
+#endif
 };
-
-vec3 dielectric_f0(float ior, float weight, vec3 tint) {
-    float f0 = (ior - 1.0) / (ior + 1.0);
-    return min(f0 * f0 * tint, 1.0) * weight;
-}
 
 #if LIGHT_COUNT > 0
 #include "raster/shade_light.glsl"
@@ -63,54 +55,53 @@ vec3 dielectric_f0(float ior, float weight, vec3 tint) {
 void main() {
     MaterialInputs m = read_inputs();
     float covered = coverage(m.base_color.a);
-
-    Surface s;
-    vec3 n_geometric = geometric_normal();
-    s.n = shading_normal(n_geometric);
-    s.v = -normalize(v_position);
-#if IS_ORTHOGRAPHIC
-    s.v = u_view_direction;
+#if !REFLECTS
+    m.specular = 0.0;
 #endif
-    s.NoV = clamp(dot(s.n, s.v), 1e-4, 1.0);
-    s.base_color = m.base_color.rgb;
-    s.metallic = m.metallic;
-    s.ior = m.ior;
+
+    Point p;
+    p.n_geometric = geometric_normal();
+    p.n = shading_normal(p.n_geometric);
+    p.v = -normalize(v_position);
+#if IS_ORTHOGRAPHIC
+    p.v = u_view_direction;
+#endif
+    p.NoV = clamp(dot(p.n, p.v), 1e-4, 1.0);
+#if ANISOTROPIC
+    p.frame = anisotropy_frame(m, p.n);
+#endif
+
 #if HAS_TRANSMISSION
     float blur = transmitted_roughness(m.perceptual_roughness, m.ior);
 #endif
-    s.perceptual_roughness = clamp(m.perceptual_roughness, MIN_PERCEPTUAL_ROUGHNESS, 1.0);
-    s.alpha = s.perceptual_roughness * s.perceptual_roughness;
+    m.perceptual_roughness = clamp(m.perceptual_roughness, MIN_PERCEPTUAL_ROUGHNESS, 1.0);
+    Surface s = surface_of(m);
+#if HAS_TRANSMISSION && !IS_SOLID
+    s.f0 = mix(s.f0, wall_f0(s.f0), m.transmission);
+#endif
 #if SPECULAR_AA
-    s.alpha = alpha_antialiased(s.alpha, dFdx(s.n), dFdy(s.n));
-    s.perceptual_roughness = sqrt(s.alpha);
+#if ANISOTROPIC
+    s.alpha.x = alpha_antialiased(s.alpha.x, dFdx(p.n), dFdy(p.n));
+    s.alpha.y = alpha_antialiased(s.alpha.y, dFdx(p.n), dFdy(p.n));
+#else
+    s.alpha = alpha_antialiased(s.alpha, dFdx(p.n), dFdy(p.n));
+#endif
+#endif
+#if SPECULAR_AA || ANISOTROPIC
+    float perceptual_roughness = table_roughness(s.alpha);
+#else
+    float perceptual_roughness = m.perceptual_roughness;
 #endif
 
 #if (HAS_ENVIRONMENT || INDIRECT) && REFLECTS
-    SplitSum split_sum = dfg_lookup(u_dfg, s.NoV, s.perceptual_roughness);
-    vec2 dfg = split_sum.albedo;
+    SplitSum split_sum = dfg_lookup(u_dfg, p.NoV, perceptual_roughness);
+    SurfaceView view = view_surface(s, perceptual_roughness, split_sum.albedo, dfg_mean(u_dfg, perceptual_roughness));
 #elif REFLECTS
-    vec2 dfg = dfg_albedo(u_dfg, s.NoV, s.perceptual_roughness);
+    SurfaceView view = view_surface(s, perceptual_roughness, dfg_albedo(u_dfg, p.NoV, perceptual_roughness),
+                                    dfg_mean(u_dfg, perceptual_roughness));
 #else
     const SplitSum split_sum = SplitSum(vec2(0.0), vec2(0.0), vec2(0.0));
-    const vec2 dfg = vec2(0.0), dfg_over_hemisphere = vec2(0.0);
-#endif
-#if REFLECTS
-    vec2 dfg_over_hemisphere = dfg_mean(u_dfg, s.perceptual_roughness);
-#endif
-#if METALNESS != 1
-#if REFLECTS
-    float weight = m.specular;
-#else
-    float weight = 0.0;
-#endif
-    vec3 f0 = dielectric_f0(m.ior, weight, m.specular_color);
-#if HAS_TRANSMISSION && !IS_SOLID
-    f0 = mix(f0, wall_f0(f0), m.transmission);
-#endif
-    s.dielectric = make_interface(f0, vec3(weight), dfg, dfg_over_hemisphere);
-#endif
-#if METALNESS != 0
-    s.metal = make_interface(s.base_color, vec3(1.0), dfg, dfg_over_hemisphere);
+    SurfaceView view = view_surface(s, perceptual_roughness, vec2(0.0), vec2(0.0));
 #endif
 
     vec3 radiance = vec3(0.0);
@@ -118,8 +109,8 @@ void main() {
     radiance += m.emissive;
 #endif
 #if HAS_TRANSMISSION
-    float passes = transmitted(s.dielectric, dfg) * m.transmission * (METALNESS == 2 ? 1.0 - s.metallic : 1.0);
-    vec3 arriving = light_from_behind(m, s.n, n_geometric, s.v, blur);
+    vec3 arriving = light_from_behind(m, p.n, p.n_geometric, p.v, blur);
+    float passes = surface_throughput(s, view) * m.transmission;
     radiance += passes * entering_tint(m.base_color.rgb) * arriving * float(SHOW_SPECULAR);
     s.base_color *= 1.0 - m.transmission; // what is left to scatter
 #endif
@@ -129,14 +120,14 @@ void main() {
     occlusion = 1.0 + u_occlusion_strength * (occlusion_texel().r - 1.0);
 #endif
 #if VISIBILITY
-    vec4 visible = visibility(v_position, n_geometric);
+    vec4 visible = visibility(v_position, p.n_geometric);
 #else
     const vec4 visible = vec4(1.0);
 #endif
-    radiance += shade_environment(s, n_geometric, occlusion, visible, split_sum);
+    radiance += shade_environment(p, s, view, occlusion, visible, split_sum);
 #endif
 #if LIGHT_COUNT > 0
-    for (int i = 0; i < LIGHT_COUNT; ++i) radiance += shade_light(i, s, n_geometric);
+    for (int i = 0; i < LIGHT_COUNT; ++i) radiance += shade_light(i, p, s, view);
 #endif
     write_radiance(radiance, covered);
 }

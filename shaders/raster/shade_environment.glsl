@@ -2,75 +2,85 @@
 // its parts looked up on its own.
 
 #include "raster/specular_occlusion.glsl"
+#if ANISOTROPIC
+const int STRETCHED_LOBES = 8;
+#endif
 #if INDIRECT
 #include "raster/indirect.glsl"
 #endif
 
-// Light reflected at the interface, `specular` the radiance its parts a and b see, and what passes through to the base.
-vec3 environment_response(Interface face, SplitSum split_sum, mat2x3 specular, vec3 diffuse_albedo, vec3 mean_light) {
-    vec3 single = face.f0 * (split_sum.albedo.x * specular[0]) + face.f90 * (split_sum.albedo.y * specular[1]);
-    vec3 diffuse = diffuse_albedo * max(1.0 - max3(face.E_ss + face.E_ms), 0.0); // < 0 without masking
-    vec3 spread = face.E_ms * float(SHOW_MULTISCATTER) + diffuse * float(SHOW_DIFFUSE);
-    return single * float(SHOW_SPECULAR) + mean_light * spread;
-}
-
 #if HAS_ENVIRONMENT && REFLECTS
-vec3 reflected_light(vec3 n, vec3 r, vec3 n_geometric, float t, float perceptual_roughness) {
-    vec3 d = mix(n, r, t);
+// The environment about the mirror direction of a facet whose normal is h, between h and that direction by t
+vec3 reflected_along(Point p, vec3 h, float t, float perceptual_roughness) {
+    vec3 d = mix(h, reflect(-p.v, h), t);
     // A mapped normal may send the reflection under the surface, where it would meet the surface itself.
-    d -= 2.0 * min(dot(d, n_geometric), 0.0) * n_geometric;
+    d -= 2.0 * min(dot(d, p.n_geometric), 0.0) * p.n_geometric;
     return environment_specular(normalize(d), perceptual_roughness);
 }
+
+#if ANISOTROPIC
+// The stretched lobe as the sum of narrow ones, whose facets lean along the tangent as those of the wide one do: slopes
+// x of GGX, which have the cumulative distribution (1 + x / sqrt(a^2 + x^2)) / 2 (Walter et al. 2007; Heitz 2014), a^2
+// being what the narrow lobe lacks. Each counts by the area that the eye sees of it and by how far light reaches it.
+vec3 stretched_reflection(Point p, vec2 alpha) {
+    SplitSum narrow = dfg_lookup(u_dfg, p.NoV, sqrt(alpha.y));
+    float a = sqrt(max(alpha.x * alpha.x - alpha.y * alpha.y, 0.0));
+    vec3 sum = vec3(0.0);
+    float weights = 0.0;
+    for (int k = 0; k < STRETCHED_LOBES; ++k) {
+        float q = (2.0 * float(k) + 1.0) / float(STRETCHED_LOBES) - 1.0;
+        vec3 facet = p.n + (a * q * inversesqrt(1.0 - q * q)) * p.frame[0];
+        vec3 h = normalize(facet);
+        vec3 l = reflect(-p.v, h) * p.frame;
+        float weight = max(dot(p.v, facet), 0.0) * max(l.z, 0.0) / (max(l.z, 0.0) + smith_t(l, alpha));
+        sum += weight * reflected_along(p, h, narrow.t.x, narrow.roughness.x);
+        weights += weight;
+    }
+    return sum / max(weights, 1e-6);
+}
+#endif
 #endif
 
-vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, vec4 visible, SplitSum split_sum) {
+vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, vec4 visible, SplitSum split_sum) {
     mat2x3 specular = mat2x3(0.0);
     vec3 mean_light = vec3(0.0);
 #if HAS_ENVIRONMENT
 #if REFLECTS
-    vec3 r = reflect(-s.v, s.n);
-#if METALNESS == 1
-    vec2 both = common_look_up(split_sum, max3(s.metal.f0)); // of a metal b is a small part
-    specular[0] = specular[1] = reflected_light(s.n, r, n_geometric, both.x, both.y);
+#if ANISOTROPIC
+    specular[0] = specular[1] = stretched_reflection(p, s.alpha);
+#elif METALNESS == 1
+    vec2 both = common_look_up(split_sum, max3(view.metal.f0)); // of a metal b is a small part
+    specular[0] = specular[1] = reflected_along(p, p.n, both.x, both.y);
 #else
-    specular[0] = reflected_light(s.n, r, n_geometric, split_sum.t.x, split_sum.roughness.x);
-    specular[1] = reflected_light(s.n, r, n_geometric, split_sum.t.y, split_sum.roughness.y);
+    specular[0] = reflected_along(p, p.n, split_sum.t.x, split_sum.roughness.x);
+    specular[1] = reflected_along(p, p.n, split_sum.t.y, split_sum.roughness.y);
 #endif
 #endif
-    mean_light = environment_irradiance_over_pi(s.n);
+    mean_light = environment_irradiance_over_pi(p.n);
 #endif
 #if TRACED
     mat2x3 open = specular; // what nothing hides
 #endif
 #if OCCLUSION_MAP
     mean_light *= occlusion;
-    specular *= specular_occlusion(s.NoV, occlusion, s.alpha);
+    specular *= specular_occlusion(p.NoV, occlusion, mean_alpha(s.alpha));
 #endif
 #if VISIBILITY
     mean_light *= visible.rgb;
     specular *= visible.a;
 #endif
 #if INDIRECT
-    add_indirect(s.NoV, s.alpha, specular, mean_light);
+    add_indirect(p.NoV, mean_alpha(s.alpha), specular, mean_light);
 #endif
 #if TRACED
-    vec4 met = traced_reflection(v_position, n_geometric);
-    float traced = traced_share(s.perceptual_roughness);
+    vec4 met = traced_reflection(v_position, p.n_geometric);
+    float traced = traced_share(view.perceptual_roughness);
     for (int k = 0; k < 2; ++k) specular[k] = mix(specular[k], (1.0 - met.a) * open[k] + met.rgb, traced);
 #endif
 #if TRACED_BODIES
-    vec4 mirrored = traced_body(u_mirrored, n_geometric);
-    float share = mirrored.a >= 0.0 ? 1.0 - smoothstep(0.2, 0.5, s.perceptual_roughness) : 0.0; // of a lobe one ray is
+    vec4 mirrored = traced_body(u_mirrored, p.n_geometric);
+    float share = mirrored.a >= 0.0 ? 1.0 - smoothstep(0.2, 0.5, view.perceptual_roughness) : 0.0; // of a lobe one ray is
     for (int k = 0; k < 2; ++k) specular[k] = mix(specular[k], mirrored.rgb, share);
 #endif
-    vec3 radiance = vec3(0.0);
-#if METALNESS != 1
-    radiance += (METALNESS == 2 ? 1.0 - s.metallic : 1.0)
-              * environment_response(s.dielectric, split_sum, specular, s.base_color, mean_light);
-#endif
-#if METALNESS != 0
-    radiance += (METALNESS == 2 ? s.metallic : 1.0)
-              * environment_response(s.metal, split_sum, specular, vec3(0.0), mean_light);
-#endif
-    return radiance;
+    return surface_environment(s, view, specular, mean_light);
 }

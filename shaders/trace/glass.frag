@@ -1,59 +1,58 @@
 // Surfaces that transmit light. The material is its transmission's share glass, and for the rest opaque. Both lie under
 // one interface, so that the mixture is exact.
-#include "trace/glass.glsl"
-#if HAS_PARTLY_GLASS
-#include "trace/standard_surface.glsl"
-#endif
+#include "bsdf/glass.glsl"
+#include "bsdf/surface_of.glsl"
+#include "trace/material.glsl"
 
 #define TRANSMITS 1
 
 uniform sampler2D u_dfg;
 
-struct Surface {
+struct Bsdf {
     Glass glass;
 #if HAS_PARTLY_GLASS
-    Standard standard;
-    StandardView view;
+    Surface surface;
+    SurfaceView view;
     float share; // of glass; the probability of its samples, too
 #endif
 };
 
-Surface surface_of(Interaction i, SurfaceMaterial m, float NoV) {
-    Surface s;
-    s.glass = glass_of(i, m);
+Bsdf bsdf_at(Interaction i, SurfaceMaterial m, float NoV) {
+    Bsdf b;
+    b.glass = glass_of(m.inputs, m.is_thin, i.is_front);
 #if HAS_PARTLY_GLASS
-    s.share = m.inputs.ior < 1.0 ? 0.0 : m.inputs.transmission * (1.0 - m.inputs.metallic);
-    s.standard = standard_of(m);
-    s.standard.metallic = min(m.inputs.metallic / max(1.0 - s.share, 1e-6), 1.0); // of the rest
-    s.view = standard_view(s.standard, NoV, u_dfg);
+    b.share = m.inputs.ior < 1.0 ? 0.0 : m.inputs.transmission * (1.0 - m.inputs.metallic);
+    b.surface = surface_of(m.inputs);
+    b.surface.metallic = min(m.inputs.metallic / max(1.0 - b.share, 1e-6), 1.0); // of the rest
+    b.view = surface_view(b.surface, NoV, u_dfg);
 #endif
-    return s;
+    return b;
 }
 
-vec4 surface_eval_pdf(Surface s, vec3 wo, vec3 wi) {
-    vec4 f = glass_eval_pdf(s.glass, wo, wi, u_dfg);
+vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi) {
+    vec4 f = glass_eval_pdf(b.glass, wo, wi, u_dfg);
 #if HAS_PARTLY_GLASS
-    f = mix(standard_eval_pdf(s.standard, s.view, wo, wi, u_dfg), f, s.share);
+    f = mix(surface_eval_pdf(b.surface, b.view, wo, wi, u_dfg), f, b.share);
 #endif
     return f;
 }
 
-BsdfSample surface_sample(Surface s, vec3 wo, vec3 u) {
+BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u) {
 #if HAS_PARTLY_GLASS
-    bool is_glass = u.z < s.share;
-    u.z = is_glass ? u.z / s.share : (u.z - s.share) / (1.0 - s.share);
+    bool is_glass = u.z < b.share;
+    u.z = is_glass ? u.z / b.share : (u.z - b.share) / (1.0 - b.share);
     u.z = min(u.z, 1.0 - 1.0 / 16777216.0);
-    BsdfSample b;
-    if (is_glass) b = glass_sample(s.glass, wo, u, u_dfg);
-    else b = standard_sample_view(s.standard, s.view, wo, u, u_dfg);
-    if ((b.flags & DELTA) == 0u && b.flags != 0u) { // the other might have chosen it, too
-        vec4 f = surface_eval_pdf(s, wo, b.wi);
-        b.weight = f.rgb * (abs(b.wi.z) / max(f.w, 1e-30));
-        b.pdf = f.w;
+    BsdfSample s;
+    if (is_glass) s = glass_sample(b.glass, wo, u, u_dfg);
+    else s = surface_sample(b.surface, b.view, wo, u, u_dfg);
+    if ((s.flags & DELTA) == 0u && s.flags != 0u) { // the other might have chosen it, too
+        vec4 f = bsdf_eval_pdf(b, wo, s.wi);
+        s.weight = f.rgb * (abs(s.wi.z) / max(f.w, 1e-30));
+        s.pdf = f.w;
     }
-    return b;
+    return s;
 #else
-    return glass_sample(s.glass, wo, u, u_dfg);
+    return glass_sample(b.glass, wo, u, u_dfg);
 #endif
 }
 

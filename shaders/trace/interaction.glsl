@@ -12,6 +12,9 @@ struct Interaction {
     bool is_front;    // wo is on the front side: where the corners go counter-clockwise
     vec3 n;           // shading normal, bent so that wo and its reflection are above it and above n_geometric
     vec3 t, b;        // with n a right-handed frame, t along the tangent where there is one
+#if ANISOTROPIC
+    vec3 tangent, bitangent; // of the mesh; 0 where it has none
+#endif
     vec2 uv0, uv1;
     vec4 color;       // of the vertices
     int material;
@@ -102,14 +105,18 @@ Interaction interact(Hit hit, vec3 wo) {
 #if HAS_TANGENT
     vec4 tangent = interpolate(tri, VERTEX_TANGENT);
     tangent = vec4(to_tracer * tangent.xyz, tangent.w * hand);
+    vec3 along = unit_or(tangent.xyz, vec3(0.0));
+    vec3 across = cross(n, along) * tangent.w;
+#if ANISOTROPIC
+    i.tangent = along;
+    i.bitangent = across;
+#endif
 #if HAS_NORMAL_MAP
     // As raster/normal.glsl; the normal map is a loop of at most one, because software OpenGL skips loops alone.
     vec3 front_n = n;
     for (int k = int(map_records(i.material).z); k > 0; k = 0) {
         vec3 texel = sample_atlas(u_data_atlas, texture_map(k - 1, i.uv0, i.uv1)).xyz * (255.0 / 127.5) - 1.0;
         texel.xy *= normal_scale_factor(i.material);
-        vec3 along = unit_or(tangent.xyz, vec3(0.0));
-        vec3 across = cross(front_n, along) * tangent.w;
         n = unit_or(texel.x * along + texel.y * across + texel.z * front_n, front_n);
     }
 #endif

@@ -1,6 +1,6 @@
 // What the camera sees first: albedo, shading normal and distance, and what shines, added to the wave's sums.
+#include "bsdf/surface_of.glsl"
 #include "trace/bounce.glsl"
-#include "trace/standard_surface.glsl"
 #include "trace/camera.glsl"
 
 uniform sampler2D u_dfg;
@@ -21,7 +21,7 @@ void main() {
     // The same number as the pass that shades it will draw
     if (goes_on(p, i, m, is_back, vertex_numbers(slot_sample(slot, p.left), p, LIGHT_GROUP).w)) discard;
 
-    vec3 albedo = standard_albedo(standard_of(m), dot(i.n, wo), u_dfg);
+    vec3 albedo = surface_albedo(surface_of(m.inputs), dot(i.n, wo), u_dfg);
     if (m.is_unlit) albedo = m.inputs.base_color.rgb;
     if (is_glass) albedo = vec3(1.0);
     o_albedo = vec4(min(albedo + m.emission, 1.0), 1.0);

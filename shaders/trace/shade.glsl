@@ -1,10 +1,10 @@
 // What becomes of a path at a surface, whatever its kind: it arrives, meets the surface's own light, sends a shadow ray
 // to a light and takes its next direction. A kind's file defines, before it includes this,
 //   TRANSMITS                                   1 where light may leave on the other side, else 0
-//   struct Surface                              a material as it is seen from wo
-//   Surface surface_of(Interaction i, SurfaceMaterial m, float NoV)
-//   vec4 surface_eval_pdf(Surface s, vec3 wo, vec3 wi)     f, and in w the pdf of surface_sample; 0 of what is smooth
-//   BsdfSample surface_sample(Surface s, vec3 wo, vec3 u)
+//   struct Bsdf                                 a material as it is seen from wo
+//   Bsdf bsdf_at(Interaction i, SurfaceMaterial m, float NoV)
+//   vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi)     f, and in w the pdf of bsdf_sample; 0 of what is smooth
+//   BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u)
 // with wo and wi in the frame of the shading normal (bsdf/bsdf.glsl).
 #include "trace/bounce.glsl"
 
@@ -16,6 +16,17 @@ float side_of(Interaction i, vec3 wi, float NoL) {
     return side * NoL > 0.0 ? sign(side) : 0.0;
 #else
     return side > 0.0 && NoL > 0.0 ? 1.0 : 0.0;
+#endif
+}
+
+// Tangent, bitangent and shading normal; the tangent is that along which highlights are stretched, where they are.
+mat3 shading_frame(Interaction i, MaterialInputs m) {
+#if ANISOTROPIC
+    vec2 d = anisotropy_direction(m);
+    vec3 t = tangent_beside(i.n, d.x * i.tangent + d.y * i.bitangent);
+    return mat3(t, cross(i.n, t), i.n);
+#else
+    return mat3(i.t, i.b, i.n);
 #endif
 }
 
@@ -71,20 +82,20 @@ void main() {
         return;
     }
 
-    mat3 frame = mat3(i.t, i.b, i.n);
+    mat3 frame = shading_frame(i, m.inputs);
     vec3 local_wo = wo * frame;
-    Surface surface = surface_of(i, m, local_wo.z);
+    Bsdf bsdf = bsdf_at(i, m, local_wo.z);
 #if HAS_LIGHTS
     LightSample light = sample_light(i.position, for_light.xyz);
     vec3 local_wi = light.direction * frame;
     float light_side = side_of(i, light.direction, local_wi.z);
     if (light_side != 0.0) {
-        vec4 f = surface_eval_pdf(surface, local_wo, local_wi);
+        vec4 f = bsdf_eval_pdf(bsdf, local_wo, local_wi);
         connect(p, i.position, light_side * i.n_geometric, medium_at(p, i, m, light_side), light,
                 f.rgb * abs(local_wi.z), f.w);
     }
 #endif
-    BsdfSample b = surface_sample(surface, local_wo, for_bsdf.xyz);
+    BsdfSample b = bsdf_sample(bsdf, local_wo, for_bsdf.xyz);
     vec3 wi = normalize(frame * b.wi);
     float side = side_of(i, wi, b.wi.z);
     bool goes = b.flags != 0u && side != 0.0;

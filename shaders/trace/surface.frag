@@ -1,26 +1,27 @@
-// Opaque surfaces: the lobe of bsdf/lobe/standard.glsl.
-#include "trace/standard_surface.glsl"
+// Opaque surfaces: the layers of bsdf/surface.glsl.
+#include "bsdf/surface_of.glsl"
+#include "trace/material.glsl"
 
 #define TRANSMITS 0
 
 uniform sampler2D u_dfg;
 
-struct Surface {
-    Standard standard;
-    StandardView view;
+struct Bsdf {
+    Surface surface;
+    SurfaceView view;
 };
 
-Surface surface_of(Interaction i, SurfaceMaterial m, float NoV) {
-    Standard standard = standard_of(m);
-    return Surface(standard, standard_view(standard, NoV, u_dfg));
+Bsdf bsdf_at(Interaction i, SurfaceMaterial m, float NoV) {
+    Surface s = surface_of(m.inputs);
+    return Bsdf(s, surface_view(s, NoV, u_dfg));
 }
 
-vec4 surface_eval_pdf(Surface s, vec3 wo, vec3 wi) {
-    return standard_eval_pdf(s.standard, s.view, wo, wi, u_dfg);
+vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi) {
+    return surface_eval_pdf(b.surface, b.view, wo, wi, u_dfg);
 }
 
-BsdfSample surface_sample(Surface s, vec3 wo, vec3 u) {
-    return standard_sample_view(s.standard, s.view, wo, u, u_dfg);
+BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u) {
+    return surface_sample(b.surface, b.view, wo, u, u_dfg);
 }
 
 #include "trace/shade.glsl"

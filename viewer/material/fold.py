@@ -6,6 +6,7 @@ before the plan is made than it could save.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -26,7 +27,7 @@ RGBA = tuple[float, float, float, float]
 def without_constant_maps(material: Material) -> Material:
     """`material` as it looks, with those of its maps that have one colour in its factors.
 
-    A map that multiplies no factor goes only where its colour is the neutral one. Normal maps always stay, for 8 bits
+    A map with channels that multiply no factor goes only where those are neutral. Normal maps always stay, for 8 bits
     cannot hold a normal that leans nowhere.
     """
     changes: dict[str, Any] = {}
@@ -34,7 +35,9 @@ def without_constant_maps(material: Material) -> Material:
         texture = source.texture(material)
         color = constant_color(texture.image) if texture is not None else None
         parameters = multiplied_by(name)
-        if color is None or (not parameters and not _is_neutral(source, color)):
+        multiplying = "".join(p.map_and_channels[1] for p in parameters)
+        others = [c for c in source.info.channels if c not in multiplying]
+        if color is None or not _is_neutral(source, color, others):
             continue
         changes[f"{name}_texture"] = None
         for parameter in parameters:
@@ -58,8 +61,8 @@ def _decoded(image: TextureImage) -> RGBA | None:
     return tuple((texels[0] / np.iinfo(pixels.dtype).max).tolist()) if (texels == texels[0]).all() else None
 
 
-def _is_neutral(source: Map, color: RGBA) -> bool:
-    return all(color["RGBA".index(c)] == source.info.neutral["RGBA".index(c)] for c in source.info.channels)
+def _is_neutral(source: Map, color: RGBA, channels: Iterable[str]) -> bool:
+    return all(color["RGBA".index(c)] == source.info.neutral["RGBA".index(c)] for c in channels)
 
 
 def _linear(source: Map, color: RGBA, channels: str) -> tuple[float, ...]:

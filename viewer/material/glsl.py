@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from itertools import groupby
+from textwrap import fill
 
-from ..scene.schema import MAPS, PARAMETERS, Parameter, multiplied_by
+from ..scene.schema import MAPS, PARAMETERS, Map, Parameter, multiplied_by
 from .pack import COLOR_ROLES, DATA_ROLES, MAPS_TEXEL, RECORD, RECORD_TEXELS
 
 _TYPES = {1: "float", 2: "vec2", 3: "vec3", 4: "vec4"}
@@ -24,11 +25,14 @@ def _inputs() -> str:
     members = [p for p in PARAMETERS.values() if p.info.role == "input"]
     lines = [f"    {_type(p)} {p.name};{' ' * max(30 - len(_type(p)) - len(p.name), 1)}// {p.info.meaning}{_unit(p)}"
              for p in members]
-    defaults = ", ".join(_literal(p) for p in members)
+    kept = [m for m in MAPS.values() if m.info.keeps]
+    lines += [f"    {_TYPES[len(m.info.keeps)]} {m.name}_texel; // {m.info.keeps} of its map" for m in kept]
+    defaults = ", ".join([*map(_literal, members), *map(_neutral, kept)])
     return "\n".join([
         "// What a material is at one point: its parameters, with maps and vertex colours multiplied in.",
         "struct MaterialInputs {", *lines, "};", "",
-        f"const MaterialInputs DEFAULT_INPUTS = MaterialInputs(\n    {defaults});", ""])
+        "const MaterialInputs DEFAULT_INPUTS = MaterialInputs(",
+        *fill(f"{defaults});", 110, initial_indent="    ", subsequent_indent="    ").splitlines(), ""])
 
 
 def _uniforms() -> str:
@@ -46,7 +50,7 @@ def _uniforms() -> str:
     lines += ["", "MaterialInputs read_inputs() {", "    MaterialInputs m = DEFAULT_INPUTS;"]
     lines += _guarded([p for p in shown if p.info.role == "input"], "    m.{name} = u_{name};")
     for source in MAPS.values():
-        products = [f"        m.{p.name} *= texel.{_swizzle(p)};" for p in multiplied_by(source.name)]
+        products = ["        " + line for line in _products(source)]
         if products:
             lines += [f"#if {source.name.upper()}_MAP", "    {", f"        vec4 texel = {source.name}_texel();",
                       *products, "    }", "#endif"]
@@ -83,7 +87,7 @@ def _records() -> str:
                   "        TextureMap map = texture_map(k, uv0, uv1);",
                   f"        vec4 texel = sample_atlas(u_{kind}_atlas, map);"]
         for name in roles:
-            products = [f"            m.{p.name} *= texel.{_swizzle(p)};" for p in multiplied_by(name)]
+            products = ["            " + line for line in _products(MAPS[name])]
             lines += [f"        if (has_role(map, {name.upper()}_ROLE)) {{", *products, "        }"]
         lines += ["    }", "#endif"]
     lines += ["    return m;", "}", ""]
@@ -106,6 +110,17 @@ def _guarded(parameters: Iterable[Parameter], text: str, has_unlit: bool = True)
 
 def _guard(p: Parameter, conditions: Mapping[bool, str]) -> str:
     return p.info.switch or conditions[p.info.unlit]
+
+
+def _products(source: Map) -> list[str]:
+    """What becomes of a texel: it multiplies parameters, or is kept as it is."""
+    lines = [f"m.{p.name} *= texel.{_swizzle(p)};" for p in multiplied_by(source.name)]
+    return lines + ([f"m.{source.name}_texel = texel.{source.info.keeps.lower()};"] if source.info.keeps else [])
+
+
+def _neutral(source: Map) -> str:
+    values = ", ".join(f"{source.info.neutral['RGBA'.index(c)]}" for c in source.info.keeps)
+    return f"{_TYPES[len(source.info.keeps)]}({values})"
 
 
 def _swizzle(p: Parameter) -> str:

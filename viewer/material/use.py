@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 from ..scene.material import Material
 from ..scene.mesh import Mesh
-from ..scene.schema import MAPS, SWITCHED
+from ..scene.schema import MAPS, PARAMETERS, SWITCHED
 from ..scene.texture_image import TextureImage
 
 
@@ -26,9 +29,23 @@ def _is_used(name: str, material: Material, mesh: Mesh, model: str, leave_nothin
     return (leave_nothing_out and has_factor) or info.counts(material)
 
 
+def as_mesh_allows(material: Material, mesh: Mesh) -> Material:
+    """`material` without the features that need tangents, where `mesh` has none."""
+    lost = [f for f in SWITCHED if f.needs_tangents and mesh.tangents is None and f.is_on(material)]
+    defaults: dict[str, Any] = {p.name: p.default for p in PARAMETERS.values() if p.info.feature in lost}
+    return replace(material, **defaults) if lost else material
+
+
 def feature_switches(material: Material, model: str) -> dict[str, int]:
     """The switches of the features that `material` has and `model` knows."""
     return {f.switch: int(model in f.models and f.is_on(material)) for f in SWITCHED}
+
+
+def metalness(material: Material) -> int:
+    """The switch METALNESS of shaders/bsdf/surface.glsl: 0 dielectric, 1 metal, 2 a mixture."""
+    if material.metallic == 0:
+        return 0
+    return 1 if material.metallic == 1 and material.metallic_roughness_texture is None else 2
 
 
 def texture_bytes(image: TextureImage) -> float:

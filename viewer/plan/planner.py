@@ -11,10 +11,10 @@ from dataclasses import replace
 
 from ..errors import UsageError
 from ..material.fold import without_constant_maps
-from ..material.use import feature_switches, used_maps
+from ..material.use import as_mesh_allows, feature_switches, metalness, used_maps
 from ..scene.convex import is_convex
 from ..scene.light import Light
-from ..scene.material import Material, Texture
+from ..scene.material import ANISOTROPY, Material, Texture
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.schema import MAP_SWITCHES, MAPS
@@ -169,6 +169,7 @@ def _draw(
     material = materials[mesh.material]
     if settings.plan == "needed":
         material = without_constant_maps(material)
+    material = as_mesh_allows(material, mesh)
     lit = is_lit(mesh, material)
     if material.alpha_mode == "blend" or material.transmits:
         common = common | {"VISIBILITY": 0, "TRACED": 0}  # what is behind them has its place in the buffers
@@ -179,13 +180,15 @@ def _draw(
                  if _is_shown(name, lit, common))
     textures = {name: texture for name in maps if (texture := MAPS[name].texture(material))}
     features = feature_switches(material, model)
+    if settings.ndf != "ggx":
+        features["ANISOTROPIC"] = 0  # the others are isotropic
     switches = {
         "ALPHA_MODE": _ALPHA_MODES.index(material.alpha_mode),
         "HAS_COLOR": int(mesh.colors is not None),
         "IS_POINTS": int(mesh.topology == "points"),
         "UV_SETS": sum(1 << uv_set for uv_set in {texture.uv_set for texture in textures.values()}),
         "HAS_NORMAL": int(lit),
-        "HAS_TANGENT": int(any(MAPS[name].info.needs_tangents for name in maps)),
+        "HAS_TANGENT": int(features["ANISOTROPIC"] or any(MAPS[name].info.needs_tangents for name in maps)),
         "INDIRECT": common["INDIRECT"] * lit,
         **features,
         **{name: common[name] for name in ("HALF_TARGET", "SAMPLES")},
@@ -222,14 +225,13 @@ def _map_switches(macro: str, texture: Texture | None) -> dict[str, int]:
 def _mirrors(material: Material) -> bool:
     """Whether any of it may be smooth enough for its lobe to be traced."""
     is_rough = material.metallic_roughness_texture is None and material.perceptual_roughness >= TRACED_ROUGHNESS
-    return material.has_interface and not is_rough
+    return material.has_interface and not is_rough and not ANISOTROPY.is_on(material)  # one ray knows no tangent
 
 
 def _pbr_switches(material: Material, settings: Settings) -> dict[str, int]:
-    varies = material.metallic_roughness_texture is not None or 0 < material.metallic < 1
     return {
         "REFLECTS": int(material.has_interface),
-        "METALNESS": 0 if material.metallic == 0 else 2 if varies else 1,
+        "METALNESS": metalness(material),
         "NDF": _NDF.index(settings.ndf),
         "MASKING": _MASKING.index(settings.masking),
         "FRESNEL": int(settings.fresnel == "exact"),

@@ -51,7 +51,7 @@ def with_tangents(mesh: Mesh, texture: Texture | None) -> Mesh:
     Vertices are split where they must be. A mesh without the coordinates gets no tangents.
     """
     uv_set = texture.uv_set if texture is not None else 0
-    if uv_set >= len(mesh.uvs):
+    if mesh.normals is None or uv_set >= len(mesh.uvs):
         return replace(mesh, tangents=None)
     uvs = mesh.uvs[uv_set]
     if texture is not None and texture.transform is not None:

@@ -73,6 +73,10 @@ TRANSMISSION = Feature(
 VOLUME = Feature(
     "volume", "KHR_materials_volume", switch="IS_SOLID", is_on=lambda m: m.transmits and m.thickness > 0)
 
+ANISOTROPY = Feature(
+    "anisotropy", "KHR_materials_anisotropy", switch="ANISOTROPIC", needs_tangents=True,
+    is_on=lambda m: m.anisotropy_strength > 0 and m.has_interface)
+
 _ALL, _LIT = ("unlit", "phong", "pbr"), ("phong", "pbr")
 
 
@@ -150,6 +154,16 @@ class Material:
     attenuation_color: RGB = parameter(
         (1.0, 1.0, 1.0), "attenuationColor", "what is left after attenuation_distance", of=VOLUME, low=0.0, high=1.0,
         role="python")
+    anisotropy_strength: float = parameter(
+        0.0, "anisotropyStrength", "stretches highlights along the tangent", of=ANISOTROPY, low=0.0, high=1.0,
+        times="anisotropy.B")
+    anisotropy_rotation: float = parameter(
+        0.0, "anisotropyRotation", "turns the direction of stretching, counter-clockwise", of=ANISOTROPY,
+        unit="radians")
+    anisotropy_texture: Texture | None = texture_map(
+        "anisotropyTexture", "direction of stretching in RG, from [0, 1] to [-1, 1], and its strength in B",
+        of=ANISOTROPY, channels="RGB", neutral=(1.0, 0.5, 1.0, 1.0), needs_tangents=True, keeps="RG",
+        counts=lambda m: m.anisotropy_strength > 0 and m.has_interface)
     alpha_mode: AlphaMode = "opaque"
     alpha_cutoff: float = parameter(
         0.5, "alphaCutoff", "alpha below it is a hole, where alpha_mode is mask", of=CORE, low=0.0, role="argument",

@@ -69,7 +69,8 @@ class MapInfo:
     `channels` are those that are read. With `srgb` the colours are sRGB-encoded. `neutral`, RGBA in [0, 1], is the
     texel that changes nothing. `counts` says whether, by the material's factors, the map can change a pixel of a lit
     surface. `models` are the fragment files of the raster that read it; "unlit" also means: of surfaces without light.
-    With `needs_tangents` it is read in tangent space.
+    With `needs_tangents` it is read in tangent space. `keeps` are channels that multiply no parameter: hand-written
+    GLSL finds them in `MaterialInputs` as they are stored, in `<map>_texel`.
     """
 
     feature: Feature
@@ -81,6 +82,7 @@ class MapInfo:
     models: tuple[str, ...]
     paths: bool
     needs_tangents: bool
+    keeps: str
     meaning: str
 
 
@@ -95,7 +97,7 @@ def parameter(default: Any, key: str, meaning: str, *, of: Feature, low: float =
 def texture_map(key: str, meaning: str, *, of: Feature, channels: str, srgb: bool = False,
                 neutral: tuple[float, float, float, float] = WHITE,
                 counts: Callable[[Any], bool] = lambda material: True, models: tuple[str, ...] = ("pbr",),
-                paths: bool = True, needs_tangents: bool = False) -> Any:
+                paths: bool = True, needs_tangents: bool = False, keeps: str = "") -> Any:
     """A dataclass field, called `<map>_texture`, that holds a texture map or None; see MapInfo."""
-    info = MapInfo(of, key, channels, srgb, neutral, counts, models, paths, needs_tangents, meaning)
+    info = MapInfo(of, key, channels, srgb, neutral, counts, models, paths, needs_tangents, keeps, meaning)
     return field(default=None, metadata={"map": info})

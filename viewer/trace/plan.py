@@ -60,6 +60,8 @@ def plan_trace(
     `switches` and the lines of what is `idle` are what the scene's data and its lights say of themselves.
     """
     switches = dict(switches) | _shading_switches(settings)
+    if settings.ndf != "ggx":
+        switches["ANISOTROPIC"] = 0  # the others are isotropic
     shines = settings.lobes == "all"
     for name in ("HAS_EMISSION", "HAS_EMITTERS"):
         switches[name] = int(switches[name] and shines)

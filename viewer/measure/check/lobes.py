@@ -103,7 +103,7 @@ class Lobe:
             from ...bake.dfg import dfg_table
 
             arrays["dfg"] = dfg_table(*self.table)
-        return call_glsl(f"bsdf/lobe/{self.file}.glsl", f"{self.prefix}_{function}", m=m, **arrays,
+        return call_glsl(f"bsdf/{self.file}.glsl", f"{self.prefix}_{function}", m=m, **arrays,
                          defines=self.defines, context=context)
 
 
@@ -114,8 +114,8 @@ _SHOW_ALL = {"MULTISCATTER": 1, "SHOW_DIFFUSE": 1, "SHOW_SPECULAR": 1, "SHOW_MUL
 
 
 def _phong(name: str, file: str, failures: Mapping[str, str]) -> Lobe:
-    return Lobe(name, file, name, {"specular": COLOR, "shininess": SHININESS}, {"specular": 1.0, "shininess": 10.0},
-                failures, table=None)
+    return Lobe(name, f"compare/{file}", name, {"specular": COLOR, "shininess": SHININESS},
+                {"specular": 1.0, "shininess": 10.0}, failures, table=None)
 
 
 def _microfacet(ndf: str, masking: str, index: tuple[int, int]) -> Lobe:
@@ -124,17 +124,26 @@ def _microfacet(ndf: str, masking: str, index: tuple[int, int]) -> Lobe:
         failures["energy"] = "nothing is masked: without bound at grazing"
     elif ndf == "blinn-phong" and masking != "v-cavity":
         failures["energy"] = "Beckmann's masking is not its own: too little at grazing when rough"
-    return Lobe(f"{ndf} {masking}", "microfacet", "microfacet", {"f0": F0, "f90": COLOR, "alpha": ALPHA},
+    return Lobe(f"{ndf} {masking}", "compare/microfacet", "microfacet", {"f0": F0, "f90": COLOR, "alpha": ALPHA},
                 {"f0": 1.0, "f90": 1.0, "alpha": 0.5}, failures, (ndf, masking),
-                {"NDF": index[0], "MASKING": index[1]})
+                {"NDF": index[0], "MASKING": index[1], "ANISOTROPIC": 0})
 
 
 def _glass(name: str, masking: str) -> Lobe:
     index, is_thin = _MASKINGS.index(masking), name == "thin_dielectric"
     eta = Range(1.0, 3.0, tuple(eta for eta in ETAS if eta >= 1)) if is_thin else Range(0.4, 3.0, ETAS)
-    return Lobe(name if index == 0 else f"{name} {masking}", name, name, {"eta": eta, "alpha": ALPHA_2},
+    return Lobe(name if index == 0 else f"{name} {masking}", f"lobe/{name}", name, {"eta": eta, "alpha": ALPHA_2},
                 {"eta": 1.5, "alpha": 0.5}, {"furnace": _LOST}, ("ggx", masking), {"MASKING": index},
                 "mirrored" if is_thin else "refracted")
+
+
+def _surface(name: str, alpha: Range, is_anisotropic: int) -> Lobe:
+    return Lobe(name, "surface", "surface",
+                {"base_color": COLOR, "metallic": UNIT, "f0": F0, "f90": UNIT, "alpha": alpha,
+                 "ior": Range(1.0, 3.0, (0.0, 1.0, 1.5))},
+                {"base_color": 1.0, "metallic": 1.0, "f0": 0.04, "f90": 1.0, "alpha": 0.5, "ior": 1.5},
+                defines={"NDF": 0, "MASKING": 0, "FRESNEL": 0, "METALNESS": 2, "ANISOTROPIC": is_anisotropic,
+                         **_SHOW_ALL})
 
 
 _MASKINGS = ("smith", "smith-separable", "v-cavity", "none")
@@ -145,33 +154,30 @@ _MICROFACETS = tuple(
 )
 
 LOBES: tuple[Lobe, ...] = (
-    Lobe("lambert", "lambert", "lambert", {"albedo": COLOR}, {"albedo": 1.0}, table=None),
-    Lobe("burley", "burley", "burley", {"albedo": COLOR, "perceptual_roughness": UNIT},
+    Lobe("lambert", "compare/lambert", "lambert", {"albedo": COLOR}, {"albedo": 1.0}, table=None),
+    Lobe("burley", "compare/burley", "burley", {"albedo": COLOR, "perceptual_roughness": UNIT},
          {"albedo": 1.0, "perceptual_roughness": 0.5},
          {"energy": "brighter than white when rough, towards grazing", "furnace": "darker than white when smooth"},
          table=None),
-    Lobe("eon", "eon", "eon", {"albedo": COLOR, "sigma": UNIT}, {"albedo": 1.0, "sigma": 0.5}, table=None),
+    Lobe("eon", "compare/eon", "eon", {"albedo": COLOR, "sigma": UNIT}, {"albedo": 1.0, "sigma": 0.5}, table=None),
     _phong("plain_phong", "phong", {"energy": "all light counts as if it fell along the normal",
                                     "furnace": "it is not normalised", "reciprocity": "it divides by NoL alone"}),
     _phong("phong", "phong", {"furnace": "what points below the horizon is lost"}),
     _phong("blinn", "blinn", {"energy": "its normalisation is a fit", "furnace": "it darkens at grazing"}),
     _phong("normalized_blinn", "blinn", {"furnace": "it is white along the normal only"}),
-    Lobe("ggx", "ggx", "ggx", _GGX, _WHITE_GGX, {"furnace": _LOST}),
-    Lobe("turquin", "turquin", "turquin", _GGX, _WHITE_GGX, {"reciprocity": "the compensation knows only wo"}),
-    Lobe("fdez_aguera", "fdez_aguera", "fdez_aguera", _GGX, _WHITE_GGX,
+    Lobe("ggx", "compare/ggx", "ggx", _GGX, _WHITE_GGX, {"furnace": _LOST}),
+    Lobe("turquin", "compare/turquin", "turquin", _GGX, _WHITE_GGX, {"reciprocity": "the compensation knows only wo"}),
+    Lobe("fdez_aguera", "compare/fdez_aguera", "fdez_aguera", _GGX, _WHITE_GGX,
          {"reciprocity": "the compensation knows only wo"}),
-    Lobe("metal", "metal", "metal", {"f0": F0, "tint": COLOR, "alpha": ALPHA_2},
+    Lobe("metal", "compare/metal", "metal", {"f0": F0, "tint": COLOR, "alpha": ALPHA_2},
          {"f0": 1.0, "tint": 1.0, "alpha": 0.5}),
-    Lobe("conductor", "conductor", "conductor",
+    Lobe("conductor", "compare/conductor", "conductor",
          {"eta": Range(0.05, 4.0, (0.0, 1.0, 1.0001, 100.0), 3), "k": Range(0.0, 8.0, (0.0, 1e-4, 1e4, 1e12), 3),
           "alpha": ALPHA_2},
          {"eta": 0.2, "k": 1e6, "alpha": 0.5}),
     *(_glass(name, masking) for name in ("dielectric", "thin_dielectric") for masking in _MASKINGS[:2]),
-    Lobe("standard", "standard", "standard",
-         {"base_color": COLOR, "metallic": UNIT, "f0": F0, "f90": UNIT, "alpha": ALPHA,
-          "ior": Range(1.0, 3.0, (0.0, 1.0, 1.5))},
-         {"base_color": 1.0, "metallic": 1.0, "f0": 0.04, "f90": 1.0, "alpha": 0.5, "ior": 1.5},
-         defines={"NDF": 0, "MASKING": 0, "FRESNEL": 0, **_SHOW_ALL}),
+    _surface("standard", ALPHA, 0),
+    _surface("standard anisotropic", ALPHA_2, 1),
     *_MICROFACETS,
 )
 """All of them, the comparisons of microfacet.glsl last."""

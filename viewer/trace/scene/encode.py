@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from ...material.fold import without_constant_maps
+from ...material.use import feature_switches, metalness
 from ...scene.mesh import Mesh
 from ...scene.scene import Scene
 from ...scene.schema import MAPS, SWITCHED
@@ -15,7 +16,7 @@ from ..layout import DOUBLE_SIDED, INSTANCE_TEXELS, MIRRORED, SEE_THROUGH, THIN,
 from .atlas import Page
 from .geometry import TraceGeometry, TraceInstance, TraceMesh
 from .glass import glass_switches
-from .materials import MapUse, map_words, material_words
+from .materials import MapUse, TraceMaterial, map_words, material_words
 from .scene_buffer import WordsBuilder
 
 
@@ -26,21 +27,29 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
     data = [texture for m in materials for texture in m.data_textures]
     textures = [use.texture for use in color] + data
     has_normal_map = any(m.normal_map is not None for m in materials)
+    features = [feature_switches(m.material, "unlit" if m.material.unlit else "pbr") for m in materials]
     switches = {
         "HAS_TEXTURES": bool(textures),
         "HAS_COLOR_MAPS": bool(color),
         "HAS_DATA_MAPS": bool(data),
         "HAS_NORMAL_MAP": has_normal_map,
-        "HAS_TANGENT": has_normal_map,
+        "HAS_TANGENT": has_normal_map or any(f["ANISOTROPIC"] for f in features),
         "HAS_UV1": any(texture.uv_set == 1 for texture in textures),
         "HAS_UV_TRANSFORM": any(texture.transform is not None for texture in textures),
         "HAS_COLOR": any(scene.meshes[mesh.source].colors is not None for mesh in geometry.meshes),
-        **{f.switch: any(f.is_on(m.material) for m in materials) for f in SWITCHED},
+        **{feature.switch: any(f[feature.switch] for f in features) for feature in SWITCHED},
         "HAS_SEE_THROUGH": any(instance.see_through for instance in geometry.instances),
         "HAS_UNLIT": any(m.material.unlit for m in materials),
         "HAS_VOLUME": len(geometry.media) > 1,
     }
-    return {name: int(value or everything) for name, value in switches.items()} | glass_switches(materials)
+    return {name: int(value or everything) for name, value in switches.items()} | {
+        "METALNESS": 2 if everything else _metalness(materials)} | glass_switches(materials)
+
+
+def _metalness(materials: Sequence[TraceMaterial]) -> int:
+    """0 where all is dielectric, 1 where all is metal, else 2 (shaders/bsdf/surface.glsl)."""
+    values = {metalness(m.material) for m in materials if not m.material.unlit}
+    return values.pop() if len(values) == 1 else 2
 
 
 def unused_maps(scene: Scene, geometry: TraceGeometry) -> list[str]:

@@ -1,15 +1,17 @@
-// glTF's material: a Lambertian base under a dielectric interface, and a metal, mixed by metalness. Under direct light
-//   dielectric = (1 - s(o)) (1 - s(i)) / (1 - s_mean) rho / pi + D V F + f_ms,   metal = D V F + f_ms with f0 = rho
-// where s is all the interface reflects, its largest channel: reciprocal, and never more than what came.
-// Khronos Group 2021, "glTF 2.0 Specification", appendix B; KHR_materials_specular, KHR_materials_ior. The base as
-// Kelemen & Szirmay-Kalos 2001, "A Microfacet Based Coupled Specular-Matte BRDF Model"; f_ms by Kulla & Conty 2017.
-// Dielectric and metal are evaluated apart and mixed last: the compensation is not linear in f0.
-// MULTISCATTER makes up for what single scattering loses. Of what the model has, the three contributions are drawn or
-// left out by SHOW_DIFFUSE, SHOW_SPECULAR, SHOW_MULTISCATTER, and add up.
+// The interface of a dielectric or a metal: microfacets that send light back at once, D V F (Cook & Torrance 1982), or
+// after several bounces between them (Kulla & Conty 2017). MULTISCATTER: the latter is there. SHOW_SPECULAR and
+// SHOW_MULTISCATTER show or leave out the two contributions.
+//
+// A layer has, as MaterialX's layers do, two answers, of which a stack of layers is made:
+//   <layer>_response    f of the light that it sends back itself
+//   <layer>_throughput  the share of the light that reaches what lies below and of that which comes back from there
+//   f of the stack = response + throughput * f of what lies below
+#include "bsdf/angles.glsl"
+#include "bsdf/constants.glsl"
 #include "bsdf/fresnel.glsl"
-#include "bsdf/lambert.glsl"
 #include "bsdf/multiscatter.glsl"
 
+// What is the same for all light that falls on it, once it is known from where it is seen
 struct Interface {
     vec3 f0;
     vec3 f90;
@@ -34,6 +36,7 @@ vec3 interface_albedo(Interface face, vec2 dfg) {
     return face.f0 * dfg.x + face.f90 * dfg.y + face.F_ms * lost(dfg);
 }
 
+// By its largest channel: what lies below keeps its colour
 float transmitted(Interface face, vec2 dfg) {
     return max(1.0 - max3(interface_albedo(face, dfg)), 0.0);
 }
@@ -57,25 +60,24 @@ Interface make_interface(vec3 f0, vec3 f90, vec2 dfg, vec2 mean) {
     return face;
 }
 
-// f of the interface: dv = D V, F its reflectance at VoH, dfg_light = (a, b) from where it is lit
+// dv = D V, F the reflectance of the facets, dfg_light = (a, b) from where it is lit
 vec3 interface_response(Interface face, vec3 F, float dv, vec2 dfg_light) {
     return dv * F * float(SHOW_SPECULAR) + face.multiple * (lost(dfg_light) * float(SHOW_MULTISCATTER));
 }
 
-// f of what lies below it
-vec3 base_response(Interface face, vec3 base_color, vec2 dfg_light) {
-    return f_lambert(base_color) * (face.through * transmitted(face, dfg_light) * float(SHOW_DIFFUSE));
+// T(o) T(i) / T_mean, T being `transmitted`: reciprocal, and never more than what came. Kelemen & Szirmay-Kalos 2001,
+// "A Microfacet Based Coupled Specular-Matte BRDF Model"
+float interface_throughput(Interface face, vec2 dfg_light) {
+    return face.through * transmitted(face, dfg_light);
 }
 
-// F of a dielectric. FRESNEL = 1 (exact) takes Fresnel's curve at this index for Schlick's from f0 to f90; metals keep
-// Schlick, their files give only f0.
-vec3 dielectric_fresnel(Interface face, float mu, float ior) {
-#if FRESNEL == 1
-    float f0 = (ior - 1.0) / (ior + 1.0);
-    f0 *= f0;
-    float exact = f_dielectric(mu, ior);
-    return mix(face.f0, face.f90, clamp((exact - f0) / max(1.0 - f0, 1e-6), 0.0, 1.0));
-#else
-    return f_schlick(face.f0, face.f90, mu);
-#endif
+// In light from all around: `specular` is the radiance that the split sum's parts a and b see, mean_light the
+// irradiance over pi.
+vec3 interface_environment(Interface face, vec2 dfg, mat2x3 specular, vec3 mean_light) {
+    vec3 single = face.f0 * (dfg.x * specular[0]) + face.f90 * (dfg.y * specular[1]);
+    return single * float(SHOW_SPECULAR) + mean_light * face.E_ms * float(SHOW_MULTISCATTER);
+}
+
+float interface_environment_throughput(Interface face) {
+    return max(1.0 - max3(face.E_ss + face.E_ms), 0.0); // < 0 without masking
 }

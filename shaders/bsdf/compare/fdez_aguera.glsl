@@ -2,7 +2,7 @@
 // Fdez-Aguera 2019, "A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting". E_ms knows only wo, so
 // the lobe is not reciprocal.
 #include "bsdf/kulla_conty.glsl"
-#include "bsdf/lobe/ggx.glsl"
+#include "bsdf/compare/ggx.glsl"
 #include "bsdf/multiscatter.glsl"
 
 vec3 fdez_aguera_multiple(Ggx m, float NoV, sampler2D dfg) {

@@ -1,7 +1,7 @@
 // GGX made as bright as if nothing were lost, f (1 + f0 (1 - E(o)) / E(o)).
 // Turquin 2019, "Practical multiple scattering compensation for microfacet models". The factor knows only wo, so the
 // lobe is not reciprocal.
-#include "bsdf/lobe/ggx.glsl"
+#include "bsdf/compare/ggx.glsl"
 #include "bsdf/multiscatter.glsl"
 
 vec3 turquin_scale(Ggx m, float NoV, sampler2D dfg) {

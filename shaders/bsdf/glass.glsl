@@ -1,8 +1,8 @@
 // What glass does with light at an interaction: a solid, into and out of which light is refracted, or a thin wall.
 // KHR_materials_transmission, KHR_materials_volume, KHR_materials_specular.
-#include "trace/material.glsl"
 #include "bsdf/bsdf.glsl"
 #include "bsdf/fresnel.glsl"
+#include "bsdf/surface_of.glsl"
 #if HAS_SOLID_GLASS
 #include "bsdf/lobe/dielectric.glsl"
 #endif
@@ -20,17 +20,16 @@ struct Glass {
 
 // The base colour tints what passes through a body once, half of it on the way in and half on the way out, so it is
 // the same both ways; a wall has it all.
-Glass glass_of(Interaction i, SurfaceMaterial m) {
-    float alpha = m.inputs.perceptual_roughness * m.inputs.perceptual_roughness;
-    float ior = max(m.inputs.ior, 1.0); // 0 is for what reflects all, and is no glass
-    Glass g = Glass(ior, vec2(alpha), m.is_thin, m.inputs.base_color.rgb, vec3(0.0), vec3(1.0));
-    if (!m.is_thin) {
-        g.tint = sqrt(max(m.inputs.base_color.rgb, vec3(0.0)));
-        if (!i.is_front) g.eta = 1.0 / ior;
+Glass glass_of(MaterialInputs m, bool is_thin, bool is_front) {
+    float ior = max(m.ior, 1.0); // 0 is for what reflects all, and is no glass
+    Glass g = Glass(ior, vec2(alpha_of(m)), is_thin, m.base_color.rgb, vec3(0.0), vec3(1.0));
+    if (!is_thin) {
+        g.tint = sqrt(max(m.base_color.rgb, vec3(0.0)));
+        if (!is_front) g.eta = 1.0 / ior;
     }
 #if HAS_SPECULAR_GLASS
-    g.f0 = min(f0_from_eta(ior) * m.inputs.specular_color, vec3(1.0)) * m.inputs.specular;
-    g.f90 = vec3(m.inputs.specular);
+    g.f0 = min(f0_from_eta(ior) * m.specular_color, vec3(1.0)) * m.specular;
+    g.f90 = vec3(m.specular);
 #endif
     return g;
 }

@@ -1,0 +1,18 @@
+// The dielectric: an interface over the diffuse base.
+#include "bsdf/layer/interface.glsl"
+
+// Reflectance of its facets. FRESNEL = 1 (exact) takes Fresnel's curve at this index for Schlick's from f0 to f90.
+vec3 dielectric_fresnel(Interface face, float mu, float ior) {
+#if FRESNEL == 1
+    float f0 = (ior - 1.0) / (ior + 1.0);
+    f0 *= f0;
+    float exact = f_dielectric(mu, ior);
+    return mix(face.f0, face.f90, clamp((exact - f0) / max(1.0 - f0, 1e-6), 0.0, 1.0));
+#else
+    return f_schlick(face.f0, face.f90, mu);
+#endif
+}
+
+vec3 dielectric_response(Interface face, float ior, float VoH, float dv, vec2 dfg_light) {
+    return interface_response(face, dielectric_fresnel(face, VoH, ior), dv, dfg_light);
+}

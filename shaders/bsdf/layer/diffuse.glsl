@@ -1,0 +1,10 @@
+// The base below a dielectric: the uniform diffuse contribution, which SHOW_DIFFUSE shows or leaves out.
+#include "bsdf/lambert.glsl"
+
+vec3 diffuse_response(vec3 base_color) {
+    return f_lambert(base_color) * float(SHOW_DIFFUSE);
+}
+
+vec3 diffuse_albedo(vec3 base_color) {
+    return base_color * float(SHOW_DIFFUSE);
+}

@@ -1,0 +1,146 @@
+// What a surface does with light: the one place that says how its layers lie over one another, for lights, for the
+// environment and for paths alike.
+//   f = (1 - metallic) (dielectric + throughput of the dielectric * diffuse base) + metallic * metal
+// Khronos Group 2021, "glTF 2.0 Specification", appendix B; KHR_materials_specular, _ior, _anisotropy.
+// METALNESS: 0 all dielectric, 1 all metal, 2 a mixture. Dielectric and metal are evaluated apart and mixed last, for
+// what they scatter more than once is not linear in f0.
+#include "bsdf/bsdf.glsl"
+#include "bsdf/half_vector.glsl"
+#include "bsdf/layer/dielectric.glsl"
+#include "bsdf/layer/diffuse.glsl"
+#include "bsdf/layer/metal.glsl"
+#include "light/dfg.glsl"
+#include "sample/hemisphere.glsl"
+#include "sample/luminance.glsl"
+
+struct Surface {
+    vec3 base_color;
+    float metallic;
+    vec3 f0;     // of the dielectric
+    float f90;
+    ALPHA alpha; // below DELTA_ALPHA a mirror
+    float ior;   // f0 without weight and tint, for FRESNEL = 1
+};
+
+// What is the same for every wi
+struct SurfaceView {
+    Interface dielectric, metal;
+    vec2 dfg;                   // (a, b) of the split sum, from where it is seen
+    float perceptual_roughness; // by which the table is read
+};
+
+vec3 mix_metal(Surface s, vec3 dielectric, vec3 metal) {
+#if METALNESS == 0
+    return dielectric;
+#elif METALNESS == 1
+    return metal;
+#else
+    return mix(dielectric, metal, s.metallic);
+#endif
+}
+
+SurfaceView view_surface(Surface s, float perceptual_roughness, vec2 dfg, vec2 dfg_mean) {
+    SurfaceView v;
+    v.dfg = dfg;
+    v.perceptual_roughness = perceptual_roughness;
+    v.dielectric = make_interface(s.f0, vec3(s.f90), dfg, dfg_mean);
+    v.metal = make_interface(s.base_color, vec3(1.0), dfg, dfg_mean);
+    return v;
+}
+
+// dv = D V of the facets, dfg_light = (a, b) from where it is lit
+vec3 surface_response(Surface s, SurfaceView v, float VoH, float dv, vec2 dfg_light) {
+    vec3 dielectric = dielectric_response(v.dielectric, s.ior, VoH, dv, dfg_light)
+                    + interface_throughput(v.dielectric, dfg_light) * diffuse_response(s.base_color);
+    return mix_metal(s, dielectric, metal_response(v.metal, VoH, dv, dfg_light));
+}
+
+// In light from all around; see interface_environment.
+vec3 surface_environment(Surface s, SurfaceView v, mat2x3 specular, vec3 mean_light) {
+    vec3 base = mean_light * diffuse_albedo(s.base_color);
+    vec3 dielectric = interface_environment(v.dielectric, v.dfg, specular, mean_light)
+                    + interface_environment_throughput(v.dielectric) * base;
+    return mix_metal(s, dielectric, interface_environment(v.metal, v.dfg, specular, mean_light));
+}
+
+// Share of what the dielectric lets in
+float surface_throughput(Surface s, SurfaceView v) {
+    return mix_metal(s, vec3(transmitted(v.dielectric, v.dfg)), vec3(0.0)).x;
+}
+
+// ---- As a lobe, by the contract of bsdf/bsdf.glsl, wo and wi in the local frame. A sample is one of the facets or of
+// what leaves diffuse, by what each reflects.
+
+float table_roughness(ALPHA alpha) {
+    return is_delta(alpha) ? 0.0 : sqrt(mean_alpha(alpha));
+}
+
+SurfaceView surface_view(Surface s, float NoV, sampler2D dfg) {
+    float roughness = table_roughness(s.alpha);
+    return view_surface(s, roughness, dfg_albedo(dfg, NoV, roughness), dfg_mean(dfg, roughness));
+}
+
+// Of what the facets send on at once
+vec3 single_albedo(Surface s, SurfaceView v) {
+    return mix_metal(s, v.dielectric.E_ss, v.metal.E_ss) * float(SHOW_SPECULAR);
+}
+
+// Of what comes out diffuse: after several facets, or from the base, whose albedo is (1 - s(o)) rho
+vec3 multiple_albedo(Surface s, SurfaceView v) {
+    vec3 multiple = mix_metal(s, v.dielectric.F_ms, v.metal.F_ms) * lost(v.dfg);
+    vec3 base = mix_metal(s, transmitted(v.dielectric, v.dfg) * diffuse_albedo(s.base_color), vec3(0.0));
+    return multiple * float(SHOW_MULTISCATTER) + base;
+}
+
+float facet_probability(Surface s, SurfaceView v) {
+    float single = luminance(single_albedo(s, v)), multiple = luminance(multiple_albedo(s, v));
+    return multiple > 0.0 ? single / (single + multiple) : 1.0;
+}
+
+// f, and in w the pdf
+vec4 surface_eval_pdf(Surface s, SurfaceView v, vec3 wo, vec3 wi, sampler2D dfg) {
+    if (wo.z <= 0.0 || wi.z <= 0.0) return vec4(0.0);
+    Angles a = local_angles(wo, wi);
+    float dv = 0.0, facets = 0.0;
+    if (!is_delta(s.alpha)) {
+        dv = d_microfacet(a, s.alpha) * v_microfacet(a, s.alpha);
+        facets = pdf_half_reflection(wo, normalize(wo + wi), s.alpha);
+    }
+    vec3 f = surface_response(s, v, a.VoH, dv, dfg_albedo(dfg, wi.z, v.perceptual_roughness));
+    return vec4(f, mix(pdf_cosine_hemisphere(wi), facets, facet_probability(s, v)));
+}
+
+BsdfSample surface_sample(Surface s, SurfaceView v, vec3 wo, vec3 u, sampler2D dfg) {
+    if (wo.z <= 0.0) return NO_SAMPLE;
+    float p = facet_probability(s, v);
+    vec3 wi;
+    if (u.z >= p) {
+        wi = sample_cosine_hemisphere(u.xy);
+    } else if (is_delta(s.alpha)) {
+        vec3 F = mix_metal(s, dielectric_fresnel(v.dielectric, wo.z, s.ior), metal_fresnel(v.metal, wo.z));
+        return BsdfSample(vec3(-wo.xy, wo.z), F * float(SHOW_SPECULAR) / p, p, REFLECTION | DELTA, 1.0);
+    } else {
+        vec3 h = sample_half(wo, s.alpha, u.xy);
+        wi = normalize(2.0 * dot(wo, h) * h - wo);
+    }
+    if (wi.z <= 0.0) return NO_SAMPLE;
+    vec4 f = surface_eval_pdf(s, v, wo, wi, dfg);
+    return BsdfSample(wi, f.rgb * (wi.z / max(f.w, 1e-30)), f.w, REFLECTION, 1.0);
+}
+
+vec3 surface_eval(Surface m, vec3 wo, vec3 wi, sampler2D dfg) {
+    return surface_eval_pdf(m, surface_view(m, wo.z, dfg), wo, wi, dfg).rgb;
+}
+
+float surface_pdf(Surface m, vec3 wo, vec3 wi, sampler2D dfg) {
+    return surface_eval_pdf(m, surface_view(m, wo.z, dfg), wo, wi, dfg).w;
+}
+
+BsdfSample surface_sample(Surface m, vec3 wo, vec3 u, sampler2D dfg) {
+    return surface_sample(m, surface_view(m, wo.z, dfg), wo, u, dfg);
+}
+
+vec3 surface_albedo(Surface m, float NoV, sampler2D dfg) {
+    SurfaceView v = surface_view(m, NoV, dfg);
+    return single_albedo(m, v) + multiple_albedo(m, v);
+}

@@ -1,0 +1,29 @@
+// The surface that a material's parameters describe.
+#include "bsdf/surface.glsl"
+#include "material/inputs.glsl"
+
+// KHR_materials_anisotropy: rougher along the tangent
+ALPHA alpha_of(MaterialInputs m) {
+    float alpha = m.perceptual_roughness * m.perceptual_roughness;
+#if ANISOTROPIC
+    return vec2(mix(alpha, 1.0, m.anisotropy_strength * m.anisotropy_strength), alpha);
+#else
+    return alpha;
+#endif
+}
+
+Surface surface_of(MaterialInputs m) {
+    vec3 f0 = min(f0_from_eta(m.ior) * m.specular_color, 1.0) * m.specular;
+    return Surface(m.base_color.rgb, m.metallic, f0, m.specular, alpha_of(m), m.ior);
+}
+
+#if ANISOTROPIC
+// The direction along which highlights are stretched, as a combination of the mesh's tangent and bitangent: that of the
+// map, turned counter-clockwise.
+vec2 anisotropy_direction(MaterialInputs m) {
+    vec2 d = m.anisotropy_texel * 2.0 - 1.0;
+    d = dot(d, d) > 1e-12 ? normalize(d) : vec2(1.0, 0.0);
+    float c = cos(m.anisotropy_rotation), s = sin(m.anisotropy_rotation);
+    return vec2(c * d.x - s * d.y, s * d.x + c * d.y);
+}
+#endif
