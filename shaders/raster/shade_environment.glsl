@@ -23,8 +23,9 @@ vec3 reflected_along(Point p, vec3 h, float t, float perceptual_roughness) {
 // x of GGX, which have the cumulative distribution (1 + x / sqrt(a^2 + x^2)) / 2 (Walter et al. 2007; Heitz 2014), a^2
 // being what the narrow lobe lacks. Each counts by the area that the eye sees of it and by how far light reaches it.
 vec3 stretched_reflection(Point p, vec2 alpha) {
-    SplitSum narrow = dfg_lookup(u_dfg, p.NoV, sqrt(alpha.y));
-    float a = sqrt(max(alpha.x * alpha.x - alpha.y * alpha.y, 0.0));
+    float alpha_narrow = max(alpha.y, alpha.x / float(STRETCHED_LOBES)); // no gaps between them
+    SplitSum narrow = dfg_lookup(u_dfg, p.NoV, sqrt(alpha_narrow));
+    float a = sqrt(max(alpha.x * alpha.x - alpha_narrow * alpha_narrow, 0.0));
     vec3 sum = vec3(0.0);
     float weights = 0.0;
     for (int k = 0; k < STRETCHED_LOBES; ++k) {
