@@ -1,0 +1,79 @@
+"""Proves the path tracer's golden images as break_shaders.py does the raster's.
+
+    python tests/golden/break_path_shaders.py [NAME...]
+
+Exits with status 1 where a mutation goes unnoticed. Takes minutes: no part of the test run.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from mutations import Mutation, try_all
+from path_cases import CASES, SIZE
+from path_golden import PathGolden
+
+from viewer.gpu.context import Context, open_context
+from viewer.trace.tracer import Tracer
+
+MUTATIONS = [
+    Mutation("the cosine's density without 1/pi", "sample/hemisphere.glsl", "return max(w.z, 0.0) * INV_PI;",
+             "return max(w.z, 0.0);"),
+    Mutation("density of the lobes mixed by halves", "bsdf/lobe/standard.glsl",
+             "mix(pdf_cosine_hemisphere(wi), facets, v.p_specular)", "mix(pdf_cosine_hemisphere(wi), facets, 0.5)"),
+    Mutation("a light's sample counts in full", "trace/mis.glsl", "? mis_weight(light_pdf, bsdf_pdf) :", "? 1.0 :"),
+    Mutation("a light's sample weighed by the wrong density", "trace/mis.glsl", "? mis_weight(light_pdf, bsdf_pdf) :",
+             "? mis_weight(bsdf_pdf, light_pdf) :"),
+    Mutation("emission that is hit counts in full", "trace/bounce.glsl",
+             "weight = bsdf_weight(p.pdf, emitter_pdf(i.emitter, i.area, way, dot(i.n_geometric, wo)));",
+             "weight = 1.0;"),
+    Mutation("density of emitters 5 % too large", "trace/lights.glsl", "s.pdf *= density;", "s.pdf *= 1.05 * density;"),
+    Mutation("density of the environment 5 % too large", "trace/environment.glsl",
+             "pdf = u_environment_share * uintBitsToFloat(is_own",
+             "pdf = 1.05 * u_environment_share * uintBitsToFloat(is_own"),
+    Mutation("emitter's density without its cosine", "trace/lights.glsl", "float facing = area * cos_light;",
+             "float facing = area;"),
+    Mutation("roulette without compensation", "trace/bounce.glsl", "p.throughput /= survival;", ""),
+    Mutation("refraction without 1/eta^2", "bsdf/lobe/dielectric.glsl", "weight /= m.eta * m.eta;", ""),
+    Mutation("absorption of the wrong sign", "trace/bounce.glsl", "exp(-p.sigma * way)", "exp(p.sigma * way)"),
+    Mutation("absorption goes on outside", "trace/glass.frag", "m.is_thin ? before : vec3(0.0);",
+             "m.is_thin ? before : before;"),
+    Mutation("glass tints twice", "trace/glass.glsl", "g.tint = sqrt(max(m.inputs.base_color.rgb, vec3(0.0)));",
+             "g.tint = m.inputs.base_color.rgb;"),
+    Mutation("thin glass reflects at one face", "bsdf/lobe/thin_dielectric.glsl", "return 2.0 * R / (1.0 + R);",
+             "return R;"),
+    Mutation("what alpha leaves open is solid to paths", "trace/bounce.glsl", "if (u >= m.coverage) return true;", ""),
+    Mutation("what alpha leaves open is solid to shadow rays", "trace/material.glsl",
+             "return coverage_of(alpha, int(tri.material), tri.flags);", "return 1.0;"),
+    Mutation("roughness from the wrong channel", "material/records.glsl", "m.perceptual_roughness *= texel.g;",
+             "m.perceptual_roughness *= texel.b;"),
+    Mutation("normal map's scale ignored", "trace/interaction.glsl", "texel.xy *= normal_scale_factor(i.material);", ""),
+]
+
+
+def noticed_by(context: Context) -> list[str]:
+    """The golden images that the path tracer's pictures do not match."""
+    tracer = Tracer(context, use_cache=False)
+    found = []
+    for case in CASES:
+        picture = tracer.render(*case.make(), case.with_seed(1), SIZE)
+        if picture.stats["bad_samples"] or PathGolden.load(case.name).problem(picture.linear[..., :3]) is not None:
+            found.append(case.name)
+    tracer.release()
+    return found
+
+
+def main(names: list[str]) -> int:
+    with open_context() as context:
+        unbroken = noticed_by(context)
+        if unbroken:
+            print(f"without any mutation these differ already: {', '.join(unbroken)}", file=sys.stderr)
+            return 1
+        return try_all(MUTATIONS, names, lambda _: noticed_by(context))
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,179 @@
+"""What the path-traced golden images show: small scenes, one for each part of the path tracer that could be wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from cases import sides
+from images import image_of
+from shapes import WHITE, facing_floor, moved, plate, scene, sphere
+
+from viewer.scene.camera import Camera
+from viewer.scene.light import Light
+from viewer.scene.material import Material, Texture, UVTransform
+from viewer.scene.scene import Scene
+from viewer.settings import Settings
+
+SIZE = (32, 32)
+
+
+@dataclass(frozen=True)
+class PathCase:
+    """`spp` samples a pixel are one picture."""
+
+    name: str
+    make: Callable[[], tuple[Scene, Camera]]
+    spp: int = 64
+    settings: dict[str, object] = field(default_factory=dict)
+
+    def with_seed(self, seed: int) -> Settings:
+        return Settings.of(mode="path", spp=self.spp, seed=seed, **self.settings)
+
+
+PLASTIC = {"metallic": 0.0, "perceptual_roughness": 0.5}
+GLASS = {"metallic": 0.0, "transmission": 1.0, "thickness": 1.0}
+FLOOR = Material(base_color=(0.6, 0.55, 0.5, 1), metallic=0.0, perceptual_roughness=0.7)
+SUN = Light.from_angles(0.6, 0.7, 2.0)
+VIEW = Camera.look_at((0.0, 1.6, 3.2), (0.0, 0.35, 0.0), fov_y=np.radians(34))
+
+
+def smooth_noise(channels: int, seed: int) -> np.ndarray:
+    """Texels between which a map varies, (16, 16, channels) uint8, each around another value."""
+    rng = np.random.default_rng(seed)
+    return (rng.uniform(0.3, 0.7, channels) * 255 + rng.uniform(-70, 70, (16, 16, channels))).astype(np.uint8)
+
+
+def maps() -> tuple[Scene, Camera]:
+    """A slanted plate with every map there is."""
+    flat = np.array([128, 128, 255]) + np.random.default_rng(1).uniform(-50, 50, (16, 16, 3)) * [1, 1, 0]
+    turned = UVTransform((0.2, 0.1), 0.4, (1.5, 0.8))
+    material = Material(
+        base_color_texture=Texture(image_of(smooth_noise(3, 2)), transform=turned),
+        metallic=0.8, perceptual_roughness=0.9, metallic_roughness_texture=Texture(image_of(smooth_noise(3, 3))),
+        normal_texture=Texture(image_of(flat.astype(np.uint8))), normal_scale=0.8,
+        occlusion_texture=Texture(image_of(smooth_noise(3, 4))),
+        emissive=(0.3, 0.2, 0.1), emissive_texture=Texture(image_of(smooth_noise(3, 5))),
+        specular=0.9, specular_texture=Texture(image_of(smooth_noise(4, 6))),
+        specular_color=(1.0, 0.8, 0.6), specular_color_texture=Texture(image_of(smooth_noise(3, 7))), ior=1.8)
+    return scene(plate(0), materials=[material], lights=(SUN,), environment=sides()), Camera.look_at(
+        (1.2, 0.9, 2.2), (0, 0, 0), fov_y=np.radians(42))
+
+
+def metal() -> tuple[Scene, Camera]:
+    """Copper, a mirror, and gold, from rough to smooth, that see each other and a floor of plastic."""
+    materials = [FLOOR, Material(base_color=(0.95, 0.64, 0.54, 1), perceptual_roughness=0.5),
+                 Material(base_color=(0.9, 0.9, 0.9, 1), perceptual_roughness=0.0),
+                 Material(base_color=(1.0, 0.78, 0.34, 1), perceptual_roughness=0.25)]
+    return scene((plate(0, 3.0), facing_floor()), *_row(1, 2, 3), materials=materials, environment=sides()), VIEW
+
+
+def _row(*materials: int) -> list:
+    """Balls beside one another on the floor."""
+    return [(sphere(material, 32), moved((0.75 * (k - (len(materials) - 1) / 2), 0.36, 0.0), 0.36))
+            for k, material in enumerate(materials)]
+
+
+def _glass_before_plastic(*glasses: Material) -> tuple[Scene, Camera]:
+    """Balls of glass on a floor, one of plastic behind them, and in the first a small one that shines, too: where
+    nothing is in the glass, what is done to radiance on its way in is undone on its way out."""
+    red = Material(base_color=(0.7, 0.1, 0.1, 1), **PLASTIC)
+    inner = Material(base_color=(0.3, 0.6, 0.9, 1), emissive=(0.4, 0.3, 0.1), **PLASTIC)
+    balls = _row(*range(3, 3 + len(glasses)))
+    center = balls[0][1][:3, 3]
+    return scene((plate(0, 3.0), facing_floor()), (sphere(1, 32), moved((0.2, 0.5, -1.0), 0.5)),
+                 (sphere(2, 16), moved(center, 0.15)), *balls,
+                 materials=[FLOOR, red, inner, *glasses], environment=sides()), VIEW
+
+
+def glass_smooth() -> tuple[Scene, Camera]:
+    return _glass_before_plastic(*(Material(perceptual_roughness=0.0, ior=ior, **GLASS) for ior in (1.5, 1.33)))
+
+
+def glass_rough() -> tuple[Scene, Camera]:
+    return _glass_before_plastic(Material(perceptual_roughness=0.3, **GLASS),
+                                 Material(perceptual_roughness=0.6, base_color=(0.9, 0.7, 0.5, 1), **GLASS))
+
+
+def glass_absorbing() -> tuple[Scene, Camera]:
+    """A volume that absorbs, smooth and rough, and glass that is half plastic, of a weak and coloured reflection."""
+    green = {"attenuation_distance": 0.4, "attenuation_color": (0.3, 0.8, 0.5)}
+    return _glass_before_plastic(
+        Material(perceptual_roughness=0.0, **GLASS, **green), Material(perceptual_roughness=0.4, **GLASS, **green),
+        Material(perceptual_roughness=0.3, base_color=(0.3, 0.5, 0.9, 1), specular=0.6, specular_color=(1.0, 0.5, 0.2),
+                 **(GLASS | {"transmission": 0.5})))
+
+
+def glass_thin() -> tuple[Scene, Camera]:
+    """Three panes without thickness, clear, tinted and rough, half before a wall in the sun."""
+    thin = GLASS | {"thickness": 0.0, "double_sided": True}
+    panes = [Material(perceptual_roughness=0.0, **thin),
+             Material(perceptual_roughness=0.4, base_color=(0.4, 0.7, 0.9, 1), **thin),
+             Material(perceptual_roughness=0.6, **thin)]
+    placed = [(plate(1 + k, 0.36), _turned(0.7 * (k - 1), 0.4, 0.3 * k, 0.3 * (k - 1))) for k in range(3)]
+    return scene((plate(0, 3.0), facing_floor()), (plate(0, 0.8), moved((0, 0.2, -0.8))), *placed,
+                 materials=[FLOOR, *panes], lights=(SUN,), environment=sides()), VIEW
+
+
+def _turned(x: float, y: float, z: float, angle: float) -> np.ndarray:
+    matrix = moved((x, y, z))
+    matrix[:3, :3] = [[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]]
+    return matrix
+
+
+def alpha() -> tuple[Scene, Camera]:
+    """A card with holes and two that blend, one with colours at its corners, and their shadows."""
+    y, x = np.mgrid[-1:1:16j, -1:1:16j]
+    holes = np.stack([0 * x + 200, 0 * x + 150, 0 * x + 60, 255 * (np.abs(np.hypot(x, y) - 0.6) < 0.3)], axis=-1)
+    card = plate(3, 0.45)
+    colors = np.float32([[1, 0, 0, 1], [0, 1, 0, 0.3], [0, 0, 1, 1], [1, 1, 1, 0.6]])
+    materials = [FLOOR,
+                 Material(base_color_texture=Texture(image_of(holes.astype(np.uint8))), alpha_mode="mask",
+                          double_sided=True, **PLASTIC),
+                 Material(base_color=(0.2, 0.4, 0.9, 0.5), alpha_mode="blend", double_sided=True, **PLASTIC),
+                 Material(alpha_mode="blend", double_sided=True, **PLASTIC)]
+    return scene((plate(0, 3.0), facing_floor()), (plate(1, 0.45), _turned(-0.6, 0.5, 0.2, 0.4)),
+                 (plate(2, 0.45), _turned(0.1, 0.5, 0.5, -0.5)), (replace(card, colors=colors), moved((0.6, 0.5, 0))),
+                 materials=materials, lights=(SUN,), environment=sides()), VIEW
+
+
+def emitters() -> tuple[Scene, Camera]:
+    """A room of bright walls, lit by a panel under its ceiling and by a ball: nearly all light is reflected often."""
+    white = Material(base_color=(0.8, 0.8, 0.8, 1), metallic=0.0, perceptual_roughness=0.9)
+    red, green = (replace(white, base_color=color) for color in ((0.7, 0.1, 0.1, 1), (0.1, 0.6, 0.15, 1)))
+    black = Material(base_color=(0, 0, 0, 1), metallic=0.0, specular=0.0)
+    materials = [white, red, green, replace(black, emissive=(6.0, 5.0, 4.0)), replace(black, emissive=(2.0, 3.0, 6.0)),
+                 Material(base_color=(0.9, 0.8, 0.5, 1), metallic=0.0, perceptual_roughness=0.3)]
+    ceiling, lamp = facing_floor(y=2.0), facing_floor(y=1.98)
+    for matrix in (ceiling, lamp):
+        matrix[:3, 1:3] *= -1  # facing down
+    side = np.pi / 2
+    return scene((plate(0), facing_floor()), (plate(0), ceiling), (plate(0), moved((0, 1, -1))),
+                 (plate(1), _turned(-1, 1, 0, side)), (plate(2), _turned(1, 1, 0, -side)), (plate(3, 0.35), lamp),
+                 (sphere(4, 16), moved((-0.6, 0.4, 0.3), 0.12)), (sphere(5, 32), moved((0.35, 0.4, -0.2), 0.4)),
+                 materials=materials), Camera.look_at((0, 1, 4.1), (0, 1, 0), fov_y=np.radians(38))
+
+
+def punctual() -> tuple[Scene, Camera]:
+    """A point, a spot and a sun, each of its colour."""
+    lights = (Light("point", (1.0, 0.3, 0.2), 2.0, (-0.9, 1.1, 0.9), range=4.0),
+              Light("spot", (0.3, 1.0, 0.3), 6.0, (1.0, 1.6, 1.0), (-0.5, -0.75, -0.45), inner_cone=0.2,
+                    outer_cone=0.5),
+              replace(SUN, color=(0.3, 0.4, 1.0)))
+    materials = [FLOOR, Material(base_color=(0.8, 0.8, 0.8, 1), **PLASTIC), WHITE,
+                 Material(base_color=(0.9, 0.6, 0.3, 1), perceptual_roughness=0.5)]
+    return scene((plate(0, 3.0), facing_floor()), *_row(1, 2, 3), materials=materials, lights=lights), VIEW
+
+
+CASES = [
+    PathCase("maps", maps),
+    PathCase("metal", metal),
+    PathCase("glass-smooth", glass_smooth),
+    PathCase("glass-rough", glass_rough),
+    PathCase("glass-absorbing", glass_absorbing),
+    PathCase("glass-thin", glass_thin),
+    PathCase("alpha", alpha),
+    PathCase("emitters", emitters),
+    PathCase("punctual", punctual),
+]
