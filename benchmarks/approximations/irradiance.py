@@ -7,10 +7,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from ...bake.irradiance import HEIGHT, cosine_spectrum
-from ...bake.prefilter import irradiance_map
+from viewer.bake.irradiance import HEIGHT, cosine_spectrum
+from viewer.bake.prefilter import irradiance_map
+
 from .light import NAMES, map_texture, radiance, sphere_points, texels
-from .piece import Case, Kernel, Piece, Variant, absolute
+from .piece import SHADERS, Case, Kernel, Piece, Variant, absolute
 
 _WINDOW = 0.005
 """Weighs degree l by 1 / (1 + w l^2 (l + 1)^2) (Sloan 2008, "Stupid Spherical Harmonics Tricks", windowing)."""
@@ -61,7 +62,7 @@ def _harmonics(degree: int, window: float) -> Variant:
         weights = solid_angles @ basis**2
         spectrum = cosine_spectrum(degree)[degrees] / (1 + window * (degrees * (degrees + 1)) ** 2)
         coefficients = (basis * solid_angles[:, None]).T @ light * (spectrum / weights)[:, None]
-        kernels.append(Kernel("measure/irradiance.glsl", "vec4(sh_irradiance_over_pi(p.xyz), 0.0)",
+        kernels.append(Kernel(SHADERS / "irradiance.glsl", "vec4(sh_irradiance_over_pi(p.xyz), 0.0)",
                               uniforms={"u_sh": coefficients}, defines={"DEGREE": degree}))
     terms = len(coefficients)
     return Variant(f"{terms} harmonics to degree {degree}{', windowed' if window else ''}", tuple(kernels),

@@ -1,6 +1,7 @@
 // Irradiance over pi by spherical harmonics (Ramamoorthi & Hanrahan 2001, "An Efficient Representation for Irradiance
-// Environment Maps"): what `report --approximations` sets beside the renderer's map. DEGREE is the highest, 1, 2 or 4;
-// the clamped cosine has none of degree 3. The basis without its factors, which are in the coefficients.
+// Environment Maps"): the alternative to the renderer's map that `benchmarks.approximations` measures. DEGREE, the
+// highest degree of the basis, is 1, 2 or 4: the clamped cosine has no term of degree 3. The constant factors of the
+// basis functions are in the coefficients.
 uniform vec3 u_sh[DEGREE == 1 ? 4 : DEGREE == 2 ? 9 : 18];
 
 vec3 sh_irradiance_over_pi(vec3 n) {

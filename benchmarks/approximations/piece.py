@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import moderngl
 import numpy as np
 
-from ...gpu.context import Context
+from viewer.gpu.context import Context
 
+SHADERS = Path(__file__).resolve().parent / "shaders"
+"""The GLSL of the alternatives, which the renderer has no use for."""
 MakeTexture = Callable[[Context], moderngl.Texture]
 Error = Callable[[np.ndarray], np.ndarray]
 """From what a kernel gives at a case's parameters, (H, W, 4), to errors of any shape."""
@@ -17,9 +20,10 @@ Error = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class Kernel:
-    """GLSL that is measured: `call` is a vec4 of p and q, the parameters, in terms of `file` and of the textures."""
+    """GLSL that is measured: `call` is an expression of type vec4 in the parameters p and q, the functions of `file`, and
+    the textures. `file` is in SHADERS, or named relative to the renderer's own shaders."""
 
-    file: str
+    file: str | Path
     call: str
     textures: Mapping[str, MakeTexture] = field(default_factory=dict)
     uniforms: Mapping[str, np.ndarray] = field(default_factory=dict)

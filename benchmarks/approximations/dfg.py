@@ -8,10 +8,11 @@ from functools import partial
 import moderngl
 import numpy as np
 
-from ...bake.dfg import SIZE, compute_dfg_table, dfg_table, directional_albedo
-from ...gpu.context import Context
-from ...gpu.float_texture import float_texture
-from .piece import Case, Kernel, Piece, Variant, grid
+from viewer.bake.dfg import SIZE, compute_dfg_table, dfg_table, directional_albedo
+from viewer.gpu.context import Context
+from viewer.gpu.float_texture import float_texture
+
+from .piece import SHADERS, Case, Kernel, Piece, Variant, grid
 
 F0 = np.array([0.04, 1.0])
 _FITS = (
@@ -28,7 +29,7 @@ def dfg_piece(sizes: tuple[int, ...] = (8, 16, 32, SIZE, 128)) -> Piece:
     rows = [directional_albedo("ggx", "smith", NoV, float(r * r), 64) for r in roughness.astype(np.float32)]
     truth = np.stack(rows, axis=1)
     variants = [_table(size, dtype) for size in sizes for dtype in (np.float16, np.float32)]
-    variants += [Variant(name, (Kernel("measure/dfg.glsl", f"vec4({call}, 0.0, 0.0)"),), source)
+    variants += [Variant(name, (Kernel(SHADERS / "dfg.glsl", f"vec4({call}, 0.0, 0.0)"),), source)
                  for name, call, source in _FITS]
     case = Case(grid(NoV, roughness), lambda found: _albedo(found[..., :2]) - _albedo(truth))
     return Piece("dfg", "Directional albedo of GGX", "NoV and perceptual roughness from 0.05 to 1, f0 0.04 and 1",
@@ -51,7 +52,7 @@ def _table(size: int, dtype: type) -> Variant:
         pixels, kernel = dfg_table(), ("light/dfg.glsl", "vec4(dfg_albedo(u_dfg, p.x, p.y), 0.0, 0.0)")
     else:
         pixels = whole[:size]
-        kernel = ("measure/dfg.glsl", f"vec4(dfg_albedo_of_size(u_dfg, p.x, p.y, {size:.1f}), 0.0, 0.0)")
+        kernel = (SHADERS / "dfg.glsl", f"vec4(dfg_albedo_of_size(u_dfg, p.x, p.y, {size:.1f}), 0.0, 0.0)")
     upload = partial(_upload, pixels.astype(dtype))
     return Variant(name, (Kernel(*kernel, {"u_dfg": upload}),), "Karis 2013, v = sqrt(NoV)",
                    whole.size * np.dtype(dtype).itemsize, bake, is_default)

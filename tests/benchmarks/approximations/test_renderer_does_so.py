@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from shapes import orthographic, scene, sphere
 
-from viewer.measure.approximations import split_sum
+from benchmarks.approximations import split_sum
 from viewer.raster.renderer import Renderer
 from viewer.scene.environment_presets import make_preset
 from viewer.scene.material import Material

@@ -1,4 +1,4 @@
-// Fresnel's curve by other ways than the renderer's: what `report --approximations` sets beside it.
+// Fresnel's curve by other ways than the renderer's: the alternatives that `benchmarks.approximations` measures.
 #include "bsdf/fresnel_metal.glsl"
 #include "bsdf/standard.glsl"
 

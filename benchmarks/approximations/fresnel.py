@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..check import reference
-from .piece import Case, Kernel, Piece, Variant, absolute, grid
+from viewer.measure.check import reference
 
-_FILE = "measure/fresnel.glsl"
+from .piece import SHADERS, Case, Kernel, Piece, Variant, absolute, grid
+
+_FILE = SHADERS / "fresnel.glsl"
 _SWITCHES = {"SHOW_DIFFUSE": 1, "SHOW_SPECULAR": 1, "SHOW_MULTISCATTER": 1, "MULTISCATTER": 1, "FRESNEL": 0}
 # n, k at 650, 550 and 450 nm (Johnson & Christy 1972; aluminium: Rakic 1995): silver, gold, copper, iron, titanium, Al.
 _METALS = np.array([

@@ -7,10 +7,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ...base.atomic import atomic_write, make_folder, write_json
-from ..html_page import html_page
-from ..report.chart import to_svg
-from ..report.chart_png import save_png
+from viewer.base.atomic import atomic_write, make_folder, write_json
+from viewer.measure.html_page import html_page
+from viewer.measure.report.chart import to_svg
+from viewer.measure.report.chart_png import save_png
+
 from .chart import cost_chart
 from .table import HEADINGS, cells, conclusion
 

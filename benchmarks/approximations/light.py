@@ -8,12 +8,13 @@ from functools import lru_cache
 import moderngl
 import numpy as np
 
-from ...bake.sun import extract_sun
-from ...gpu.context import Context
-from ...gpu.float_texture import float_texture
-from ...gpu.mipmaps import mipmapped_texture
-from ...scene.environment_presets import make_preset
-from ...scene.equirect import shrink, texel_directions, texel_solid_angles
+from viewer.bake.sun import extract_sun
+from viewer.gpu.context import Context
+from viewer.gpu.float_texture import float_texture
+from viewer.gpu.mipmaps import mipmapped_texture
+from viewer.scene.environment_presets import make_preset
+from viewer.scene.equirect import shrink, texel_directions, texel_solid_angles
+
 from .piece import MakeTexture
 
 NAMES = ("studio", "sky")

@@ -1,4 +1,4 @@
-// The renderer's small functions by other ways: what `report --approximations` sets beside them.
+// The renderer's small functions by other ways: the alternatives that `benchmarks.approximations` measures.
 #include "bsdf/ggx.glsl"
 #include "display/srgb.glsl"
 #include "light/equirect.glsl"

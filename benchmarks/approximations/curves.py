@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..check import reference
-from .piece import Case, Kernel, Piece, Variant, grid, relative
+from viewer.measure.check import reference
 
-_FILE = "measure/curves.glsl"
+from .piece import SHADERS, Case, Kernel, Piece, Variant, grid, relative
+
+_FILE = SHADERS / "curves.glsl"
 _MAP_WIDTH = 1024
 
 

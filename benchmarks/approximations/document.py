@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from ...base.progress import Progress
-from ...gpu.context import Context
-from ..report.pareto import SAME
-from ..report.timing import Timing
+from viewer.base.progress import Progress
+from viewer.gpu.context import Context
+from viewer.measure.report.pareto import SAME
+from viewer.measure.report.timing import Timing
+
 from . import curves, dfg, floats, fresnel, irradiance, prefilter, split_sum
 from .device import SIDE, THOROUGH, Device, Effort
 from .piece import Piece, Variant

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ..report import pareto
-from ..report.chart import (
+from viewer.measure.report import pareto
+from viewer.measure.report.chart import (
     COLORS,
     FAINT,
     INK,

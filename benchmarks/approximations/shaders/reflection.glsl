@@ -1,4 +1,5 @@
-// The environment's reflection by other ways than the renderer's: what `report --approximations` sets beside it.
+// The environment's reflection by other ways than the renderer's: the alternatives that `benchmarks.approximations`
+// measures.
 #include "light/dfg.glsl"
 #include "light/prefiltered.glsl"
 #include "sample/hemisphere.glsl"

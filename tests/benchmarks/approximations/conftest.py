@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from viewer.gpu.context import Context
-from viewer.measure.approximations.device import Device
-from viewer.measure.approximations.piece import Piece
+from benchmarks.approximations.device import Device
+from benchmarks.approximations.piece import Piece
 
 Errors = dict[str, np.ndarray]
 

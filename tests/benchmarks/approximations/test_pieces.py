@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from benchmarks.approximations import curves, dfg, floats, fresnel, irradiance, light, prefilter, split_sum
 from viewer.bake.dfg import directional_albedo
-from viewer.measure.approximations import curves, dfg, floats, fresnel, irradiance, light, prefilter, split_sum
 
 
 def test_a_larger_table_errs_less_and_a_fit_more(errors):

@@ -7,10 +7,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from ...bake.prefilter import HEIGHT, LEVEL_ROUGHNESS, prefilter
-from ...scene.mip_levels import mip_levels
+from viewer.bake.prefilter import HEIGHT, LEVEL_ROUGHNESS, prefilter
+from viewer.scene.mip_levels import mip_levels
+
 from .light import NAMES, levels_texture, radiance, sphere_points, texels
-from .piece import Case, Kernel, Piece, Variant, relative
+from .piece import SHADERS, Case, Kernel, Piece, Variant, relative
 
 _ROUGHNESS = (0.22, 0.3, 0.45, 0.58, 0.75, 1.0)
 _OVER = f"directions all around, roughness 0.22 to 1, in {' and '.join(NAMES)} without the sun"
@@ -94,7 +95,7 @@ def _map(height: int, dtype: type) -> Variant:
 
 def _sampling(count: int) -> tuple[Kernel, ...]:
     call = f"vec4({_SAMPLED.format(count=count)}, 0.0)"
-    return tuple(Kernel("measure/reflection.glsl", call, {"u_map": levels_texture(_plain_levels(name))})
+    return tuple(Kernel(SHADERS / "reflection.glsl", call, {"u_map": levels_texture(_plain_levels(name))})
                  for name in NAMES)
 
 

@@ -7,9 +7,10 @@ from functools import partial
 import moderngl
 import numpy as np
 
-from ...gpu.context import Context
+from viewer.gpu.context import Context
+
 from .light import NAMES, radiance, seen, sphere_points
-from .piece import Case, Kernel, Piece, Variant, relative
+from .piece import SHADERS, Case, Kernel, Piece, Variant, relative
 
 # Name, OpenGL's internal format, bytes a texel
 _FORMATS = (
@@ -28,7 +29,7 @@ def storage_piece() -> Piece:
     cases = tuple(Case(parameters, relative(seen(name, parameters[..., :3].astype(np.float64)))) for name in NAMES)
     variants = []
     for words, internal_format, size in _FORMATS:
-        kernels = tuple(Kernel("measure/curves.glsl", "textureLod(u_map, equirect_uv_by_functions(p.xyz), 0.0)",
+        kernels = tuple(Kernel(SHADERS / "curves.glsl", "textureLod(u_map, equirect_uv_by_functions(p.xyz), 0.0)",
                                {"u_map": partial(_texture, name, internal_format)}) for name in NAMES)
         variants.append(Variant(words, kernels, size=size * radiance(NAMES[0])[..., 0].size,
                                 is_default=internal_format == 0x881B))

@@ -8,10 +8,11 @@ from dataclasses import replace
 
 import pytest
 
-from viewer.measure.approximations import curves, job
-from viewer.measure.approximations.chart import cost_chart
-from viewer.measure.approximations.device import Effort
-from viewer.measure.approximations.document import better_than_default, dominates, measure_pieces
+from benchmarks.approximations import __main__ as command
+from benchmarks.approximations import curves
+from benchmarks.approximations.chart import cost_chart
+from benchmarks.approximations.device import Effort
+from benchmarks.approximations.document import better_than_default, dominates, measure_pieces
 from viewer.measure.report.chart import Mark, to_svg
 
 QUICK = Effort(least=1, most=1, seconds=0.0)
@@ -84,11 +85,12 @@ def test_the_chart(document):
     assert "height-correlated (the renderer&#x27;s)" in to_svg(chart)
 
 
-def test_the_command(run, folder, monkeypatch, document):
-    monkeypatch.setattr(job, "measure_pieces", lambda context, progress: document)
-    outcome = run("report", "--approximations", "-o", "pieces")
-    assert outcome.status == 0 and outcome.err == ""
-    assert re.search(r"^ +\* +height-correlated ", outcome.out, re.MULTILINE) and "Hammon" in outcome.out
+def test_the_command(folder, monkeypatch, capsys, document):
+    monkeypatch.setattr(command, "measure_pieces", lambda context, progress: document)
+    command.main(["-o", "pieces"])
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert re.search(r"^ +\* +height-correlated ", out, re.MULTILINE) and "Hammon" in out
     out = folder / "pieces"
     assert json.loads((out / "approximations.json").read_text()) == document
     page = (out / "approximations.html").read_text()
@@ -99,15 +101,8 @@ def test_the_command(run, folder, monkeypatch, document):
         "srgb.svg", "srgb.png", "ggx-masking.svg", "ggx-masking.png"}
 
 
-def test_it_is_a_model_or_the_approximations(run, folder):
-    for words in (["a.glb", "--approximations"], []):
-        outcome = run("report", *words, "-o", "out")
-        assert outcome.status == 2 and outcome.error == "report either a MODEL or --approximations"
-
-
-def test_what_it_cannot_do_is_told_before_it_is_measured(run, folder):
+def test_a_folder_that_cannot_be_made_is_told_before_anything_is_measured(folder):
     (folder / "file").write_text("")
-    outcome = run("report", "--approximations", "-o", "file")
-    assert outcome.status == 1 and outcome.error == "file: is a file, not a folder"
-    outcome = run("report", "--approximations", "-o", "out", "--size", "3x3")
-    assert outcome.status == 2 and outcome.error == "--size does nothing with --approximations"
+    with pytest.raises(SystemExit) as stop:
+        command.main(["-o", "file"])
+    assert stop.value.code == "error: file: is a file, not a folder"

@@ -9,11 +9,12 @@ from dataclasses import dataclass, replace
 import moderngl
 import numpy as np
 
-from ...gpu.context import Context
-from ...gpu.float_texture import float_texture
-from ...gpu.program import compile_sources
-from ...gpu.source import assemble
-from ..report.timing import Timing
+from viewer.gpu.context import Context
+from viewer.gpu.float_texture import float_texture
+from viewer.gpu.program import compile_sources
+from viewer.gpu.source import assemble
+from viewer.measure.report.timing import Timing
+
 from .piece import Kernel
 
 SIDE = 256

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...bake.dfg import dfg_table
-from ..check.reference import smith_lambda
+from viewer.bake.dfg import dfg_table
+from viewer.measure.check.reference import smith_lambda
+
 from .light import NAMES, levels_texture, map_texture, seen, sphere_points
-from .piece import Case, Kernel, Piece, Variant, logarithmic
+from .piece import SHADERS, Case, Kernel, Piece, Variant, logarithmic
 from .prefilter import levels
 
 _NOV = np.array([0.1, 0.25, 0.45, 0.7, 0.95])
@@ -47,7 +48,7 @@ def _piece(name: str, title: str, f0: float, default: str, reason: str) -> Piece
     variants = []
     for words, function, source in _WAYS:
         call = f"vec4({function}(u_map, u_dfg, p.xyz, q.xyz, p.w, q.w), 0.0)"
-        kernels = tuple(Kernel("measure/reflection.glsl", call,
+        kernels = tuple(Kernel(SHADERS / "reflection.glsl", call,
                                {"u_map": levels_texture(found), "u_dfg": map_texture(dfg_table())})
                         for found in baked)
         variants.append(Variant(words, kernels, source, size, is_default=function == default))

@@ -1,5 +1,5 @@
-// The directional albedo of GGX, f0 a + f90 b, by other ways than the renderer's table: what `report --approximations`
-// sets beside it.
+// The directional albedo of GGX, f0 a + f90 b, by other ways than the renderer's table: the alternatives that
+// `benchmarks.approximations` measures.
 
 // A table of any size, laid out as the upper half of the renderer's (viewer/bake/dfg.py).
 vec2 dfg_albedo_of_size(sampler2D table, float NoV, float perceptual_roughness, float size) {
