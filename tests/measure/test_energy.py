@@ -57,7 +57,7 @@ def test_the_grid_beyond_a_surface_holds_snells_cone():
 def test_bins_hold_what_lies_in_them():
     bins = (8, 6)
     for eta in (None, np.full(len(WO), 1.5)):
-        grid = binned_grid(WO, bins, eta)
+        grid = binned_grid(WO, bins, (8, 6), eta)
         x, phi = bin_coordinates(WO, grid.wi, eta)
         nodes = grid.wi.shape[1] // 48
         row, column = np.divmod(np.arange(grid.wi.shape[1]) // nodes, bins[1])
@@ -65,7 +65,7 @@ def test_bins_hold_what_lies_in_them():
         assert (np.floor(x * bins[0]) == row)[inside].mean() > 0.999
         assert (np.floor((phi / np.pi + 1) / 2 * bins[1]) == column)[inside].mean() > 0.999
     # From the normal, a bin of phi holds its sixth of the hemisphere.
-    shares = binned_grid(WO[:1], (20, 6)).solid_angle.reshape(20, 6, -1).sum(axis=(0, 2))
+    shares = binned_grid(WO[:1], (20, 6), (8, 6)).solid_angle.reshape(20, 6, -1).sum(axis=(0, 2))
     assert shares == pytest.approx(2 * np.pi / 6, rel=0.02)
 
 

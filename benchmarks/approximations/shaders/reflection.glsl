@@ -1,8 +1,8 @@
 // The environment's reflection by other ways than the renderer's: the alternatives that `benchmarks.approximations`
 // measures.
+#include "bsdf/constants.glsl"
 #include "light/dfg.glsl"
 #include "light/prefiltered.glsl"
-#include "sample/hemisphere.glsl"
 #include "sample/lattice.glsl"
 
 // The lobe about d seen along d, by `count` of its directions, each from the level of the plain map whose texels are as
