@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
+from viewer.base.digest import digest
 from viewer.errors import InputError
 from viewer.gpu.context import Context
 from viewer.measure.compare.relmse import Halves, relmse
-from viewer.measure.report.digest import digest
 from viewer.measure.report.errors import relmse_floor, trimmed_floor, trimmed_relmse
 from viewer.scene.camera import Camera
 from viewer.scene.scene import Scene

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ...base.digest import code_digest, digest
 from ...base.progress import Progress
 from ...errors import InputError, UsageError
 from .bench import Bench
-from .digest import code_digest, digest
 from .errors import trimmed_floor, trimmed_relmse
 from .ladder import Ladder, LeftOut, Method, ladder
 from .patience import is_met_by_pilot, longest, reason_against

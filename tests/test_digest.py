@@ -1,3 +1,5 @@
+"""Names of what a result depends on."""
+
 from __future__ import annotations
 
 from dataclasses import replace
@@ -5,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import shapes
 
-from viewer.measure.report.digest import code_digest, digest
+from viewer.base.digest import code_digest, digest, files_digest
 from viewer.scene.camera import Camera
+from viewer.scene.environment import Environment
 from viewer.settings import Settings
 
 
@@ -30,3 +33,21 @@ def test_settings_and_cameras_have_names_too():
     assert len({digest(Settings()), digest(Settings(exposure=1)), *map(digest, cameras)}) == 4
     assert digest(np.zeros((2, 3))) != digest(np.zeros((3, 2)))
     assert code_digest() == code_digest() and len(code_digest()) == 24
+
+
+def test_an_environment_whose_file_is_known_is_not_decoded():
+    def decode() -> np.ndarray:
+        raise AssertionError("the file was decoded")
+
+    first, second = (Environment("studio", decode, digest=name) for name in ("a", "b"))
+    assert digest(first) != digest(second) and digest(first) == digest(replace(first, name="other"))
+
+
+def test_files_are_known_by_name_and_content(tmp_path):
+    one, other = tmp_path / "one.py", tmp_path / "other.py"
+    one.write_text("x = 1")
+    other.write_text("x = 1")
+    before = files_digest([one])
+    assert before == files_digest([one]) != files_digest([other])
+    one.write_text("x = 2")
+    assert files_digest([one]) != before
