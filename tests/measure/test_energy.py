@@ -10,11 +10,12 @@ from wrong_formulas import WRONG_FORMULAS, furnace_of_lights
 from viewer.bake.dfg import directional_albedo
 from viewer.measure.check.checks import Check
 from viewer.measure.check.energy import check_lobe, directions
-from viewer.measure.check.furnace import check_balance, furnace_picture, hemisphere_balance
+from viewer.measure.check.furnace import check_balance, check_material, furnace_picture, hemisphere_balance
 from viewer.measure.check.half_vector import bin_coordinates, binned_grid, reflected_grid, refracted_grid
 from viewer.measure.check.lobe_cases import lobe_cases
 from viewer.raster.renderer import Renderer
 from viewer.scene.material import Material
+from viewer.settings import Settings
 
 WO = directions([1.0, 0.5, 0.1, 0.02])
 
@@ -114,6 +115,16 @@ def test_furnace_pictures(renderer):
     assert whole.maximum < 1e-4 and whole.grazing < 1e-4
     single = furnace_picture(renderer, Material(perceptual_roughness=1.0), multiscatter="off")
     assert single.maximum == pytest.approx(0.69, abs=0.01) and 0.5 < single.mean < single.maximum
+
+
+def test_glass_is_checked_as_glass(renderer):
+    """What it reflects and transmits makes 1 together where it is white, and less where its volume absorbs."""
+    glass = Material("bottle", metallic=0.0, perceptual_roughness=0.3, transmission=1.0, thickness=0.5,
+                     attenuation_color=(0.5, 0.9, 0.1), attenuation_distance=0.2)
+    checks = {(check.check, check.case): check for check in check_material(renderer, "bottle", glass, Settings())}
+    assert all(check.passed for check in checks.values())
+    darkest = float(checks["no gain", "bottle, furnace"].note.removeprefix("darkest "))
+    assert darkest == pytest.approx(0.96 * 0.1 ** (0.5 / 0.2) + 0.04, abs=0.02)
 
 
 def test_the_balance_of_pictures_is_that_of_the_formula(renderer):
