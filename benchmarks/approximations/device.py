@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import moderngl
 import numpy as np
@@ -13,7 +13,7 @@ from viewer.gpu.context import Context
 from viewer.gpu.float_texture import float_texture
 from viewer.gpu.program import compile_sources
 from viewer.gpu.source import assemble
-from viewer.measure.report.timing import Timing
+from viewer.measure.report.timing import Effort, Timing
 
 from .piece import Kernel
 
@@ -42,19 +42,8 @@ void main() {{
 _EMPTY = Kernel("sample/luminance.glsl", "vec4(p.x)")
 
 
-@dataclass(frozen=True)
-class Effort:
-    """How often each is timed: `most` times, or `least` and so long that it has taken `seconds`."""
-
-    least: int
-    most: int
-    seconds: float
-
-    def is_enough(self, count: int, seconds: float) -> bool:
-        return count >= self.most or (count >= self.least and seconds >= self.seconds)
-
-
 THOROUGH = Effort(least=5, most=15, seconds=0.3)
+"""How often the loops of each kernel are timed."""
 
 
 class Device:

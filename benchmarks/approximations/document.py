@@ -13,10 +13,10 @@ import numpy as np
 from viewer.base.progress import Progress
 from viewer.gpu.context import Context
 from viewer.measure.report.pareto import SAME
-from viewer.measure.report.timing import Timing
+from viewer.measure.report.timing import Effort, Timing
 
 from . import curves, dfg, floats, fresnel, irradiance, prefilter, split_sum
-from .device import SIDE, THOROUGH, Device, Effort
+from .device import SIDE, THOROUGH, Device
 from .piece import Piece, Variant
 
 Document = dict[str, Any]

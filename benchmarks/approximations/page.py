@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from viewer.base.atomic import atomic_write, make_folder, write_json
+from viewer.measure.drawing import to_svg
+from viewer.measure.drawing_png import save_png
 from viewer.measure.html_page import html_page
-from viewer.measure.report.chart import to_svg
-from viewer.measure.report.chart_png import save_png
 
 from .chart import cost_chart
 from .table import HEADINGS, cells, conclusion

@@ -50,7 +50,8 @@ _V = "return 0.5 / (NoL * t_v + NoV * t_l);"
 _V_LOCAL = "return 0.5 / (smith_t(wo, alpha) * wi.z + smith_t(wi, alpha) * wo.z);"
 WRONG_FORMULAS = [
     WrongFormula("pi missing in D", "bsdf/ggx.glsl", _D, _D.replace(" * INV_PI", ""), furnace_of_lights),
-    WrongFormula("pi missing in the lobes' D", "bsdf/ggx_local.glsl", "return INV_PI / (", "return 1.0 / (", energy("ggx")),
+    WrongFormula("pi missing in the lobes' D", "bsdf/ggx_local.glsl", "return INV_PI / (", "return 1.0 / (",
+                 energy("ggx")),
     WrongFormula("alpha for alpha squared", "bsdf/ggx.glsl", _D, _D.replace("alpha * alpha * NoH", "alpha * NoH"),
              values("d_ggx")),
     WrongFormula("separable for correlated G", "bsdf/ggx.glsl", _V, "return 1.0 / ((NoV + t_v) * (NoL + t_l));",
@@ -66,8 +67,8 @@ WRONG_FORMULAS = [
     WrongFormula("textbook D in float32", "bsdf/ggx.glsl", _D,
              "float k = 1.0 + NoH * NoH * (alpha * alpha - 1.0);\n    return alpha * alpha / (PI * k * k);",
              values("d_ggx")),
-    WrongFormula("sRGB by pow 2.2", "display/srgb.glsl", "return mix(high, low, vec3(lessThanEqual(c, vec3(0.0031308))));",
-             "return pow(c, vec3(1.0 / 2.2));", values("srgb_from_linear")),
+    WrongFormula("sRGB by pow 2.2", "display/srgb.glsl",
+             "return mix(high, low, vec3(lessThanEqual(c, vec3(0.0031308))));", "return pow(c, vec3(1.0 / 2.2));", values("srgb_from_linear")),
     WrongFormula("transmission with the reflection's G2", "bsdf/lobe/dielectric.glsl",
              "float g2 = g2_through_ggx(lambda_ggx_local(wo, a), lambda_ggx_local(wi, a));",
              "float g2 = 1.0 / (1.0 + lambda_ggx_local(wo, a) + lambda_ggx_local(wi, a));", lobe_values),

@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from viewer.gpu.context import Context
 from benchmarks.approximations.device import Device
 from benchmarks.approximations.piece import Piece
+from viewer.gpu.context import Context
 
 Errors = dict[str, np.ndarray]
 

@@ -11,9 +11,9 @@ import pytest
 from benchmarks.approximations import __main__ as command
 from benchmarks.approximations import curves
 from benchmarks.approximations.chart import cost_chart
-from benchmarks.approximations.device import Effort
 from benchmarks.approximations.document import better_than_default, dominates, measure_pieces
-from viewer.measure.report.chart import Mark, to_svg
+from viewer.measure.drawing import Mark, to_svg
+from viewer.measure.report.timing import Effort
 
 QUICK = Effort(least=1, most=1, seconds=0.0)
 
@@ -79,7 +79,7 @@ def test_the_chart(document):
     chart = cost_chart(piece)
     points = [shape for shape in chart.shapes if isinstance(shape, Mark) and shape.point is not None]
     assert [mark.point for mark in points] == [0, 1, 2] and len({(mark.color, mark.shape) for mark in points}) == 3
-    assert [mark.is_on_front for mark in points] == [found["pareto"] for found in piece["variants"]]
+    assert [mark.is_filled for mark in points] == [found["pareto"] for found in piece["variants"]]
     errors = [found["error"]["rms"] for found in piece["variants"]]
     assert sorted(points, key=lambda mark: -mark.y) == sorted(points, key=lambda mark: errors[mark.point])
     assert "height-correlated (the renderer&#x27;s)" in to_svg(chart)

@@ -12,9 +12,10 @@ import numpy as np
 
 from ...base.atomic import atomic_write, write_json
 from ..compare.difference import magma
+from ..drawing import to_svg
+from ..drawing_png import save_png
 from ..html_page import html_page
-from .chart import error_chart, to_svg
-from .chart_png import save_png
+from .chart import error_chart
 from .document import Findings
 from .errors import MEASURES
 

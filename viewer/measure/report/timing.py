@@ -40,6 +40,10 @@ class Effort:
     seconds: float
     once_s: float = float("inf")
 
+    def is_enough(self, runs: int, seconds: float) -> bool:
+        """Whether no more runs are due after so many, which took so long together."""
+        return runs >= self.most or (runs >= self.least and seconds >= self.seconds)
+
 
 def of_frames(limit: float) -> Effort:
     """How often a real-time frame is drawn where all measuring may take `limit` seconds."""
@@ -62,6 +66,5 @@ def measure(run: Callable[[], None], effort: Effort, tidy: Callable[[], None] = 
         now = time.perf_counter()
         seconds.append(now - begun)
         tidy()
-        is_enough = len(seconds) >= effort.least and now - started >= effort.seconds
-        if is_enough or len(seconds) >= effort.most or seconds[0] > effort.once_s:
+        if effort.is_enough(len(seconds), now - started) or seconds[0] > effort.once_s:
             return Timing.of(seconds)
