@@ -25,7 +25,7 @@ _WHOLE = 0.999
 class Truth:
     """`halves` are radiance, (H, W, 3) each; `mask` (H, W) bool the pixels that count.
 
-    `direct` is the relMSE of the path tracer with one bounce: what light between surfaces makes, noise taken off.
+    `direct` is the relMSE of the path tracer with one bounce: the share of indirect light, with the noise subtracted.
     """
 
     halves: Halves

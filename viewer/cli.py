@@ -216,16 +216,16 @@ def check(what: str, model: str | None, shader: str | None, lobe: str | None, js
 @cli.command(short_help="Measure error against time, by every method there is.")
 @click.argument("models", metavar="MODEL...", nargs=-1, required=True)
 @click.option("-o", "--output", required=True, metavar="DIR",
-              help="Where index.html, report.json, the charts and all that was measured go; made where it is missing.")
+              help="Folder for index.html, report.json, the charts and all measurements; made if it is missing.")
 @click.option("--within", "limit", type=Number(0.1, 1e6), default=150.0, show_default=True, metavar="SECONDS",
-              help="How long to measure each model; more time, more points and a better reference.")
+              help="How long to measure each model. More time gives more points and a better reference.")
 @with_options([size_option("256x256"), *LOOK_OPTIONS, *CAMERA_OPTIONS, BACKEND_OPTION, NO_CACHE_OPTION, QUIET_OPTION])
 def report(models: tuple[str, ...], output: str, limit: float, backend: str, **options: Any) -> None:
-    """Show each MODEL by every method, from the cheapest to path tracing, and tell each one's time and error.
+    """Render each MODEL by every method, from the cheapest to path tracing, and report the time and error of each.
 
-    The errors are against a path-traced reference whose own noise is told. DIR/index.html is a page that stands alone;
-    of several models each gets a folder in DIR, and DIR/index.html leads to them. When it is interrupted, the same
-    command goes on from there.
+    The errors are against a path-traced reference, whose own noise is reported too. DIR/index.html is a self-contained
+    page. If there are several models, each gets a folder in DIR, and DIR/index.html links to them. After an
+    interruption the same command continues.
 
     \b
     pbr-viewer report helmet.glb -o report/

@@ -47,7 +47,8 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR",
                         help="where the files go; made where it is missing")
-    parser.add_argument("--backend", choices=("auto", "egl", "osmesa"), default="auto", help="the OpenGL context (auto)")
+    parser.add_argument("--backend", choices=("auto", "egl", "osmesa"), default="auto",
+                        help="the OpenGL context (auto)")
     parser.add_argument("--quiet", action="store_true", help="no progress line")
     return parser.parse_args(arguments)
 

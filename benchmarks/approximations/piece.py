@@ -20,8 +20,8 @@ Error = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class Kernel:
-    """GLSL that is measured: `call` is an expression of type vec4 in the parameters p and q, the functions of `file`, and
-    the textures. `file` is in SHADERS, or named relative to the renderer's own shaders."""
+    """GLSL that is measured: `call` is an expression of type vec4 in the parameters p and q, the functions of `file`,
+    and the textures. `file` is in SHADERS, or named relative to the renderer's own shaders."""
 
     file: str | Path
     call: str
