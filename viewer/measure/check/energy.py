@@ -185,9 +185,11 @@ def _check_histogram(case: LobeCase, wo: np.ndarray, drawn: Drawn, kept: np.ndar
         eta = np.repeat(case.eta, len(NOV)) if transmitted and case.eta is not None else None
         mirror = np.array([1, 1, -1 if transmitted and case.mirrors else 1])
         nodes = (8 if eta is None else 12, 24 if case.is_anisotropic else 6 if eta is None else 10)
-        shares = bin_integrals(lambda wi, mirror=mirror: case.lobe.pdf(values, wo[:, None], wi * mirror), wo, BINS,
-                               nodes, eta)
-        expected = shares * drawn["wi"].shape[1]
+
+        def density(wi: np.ndarray, mirror: np.ndarray = mirror) -> np.ndarray:
+            return case.lobe.pdf(values, wo[:, None], wi * mirror)
+
+        expected = bin_integrals(density, wo, BINS, nodes, eta) * drawn["wi"].shape[1]
         for k, counts in enumerate(bin_counts(wo, drawn["wi"] * mirror, kept & side, BINS, eta)):
             if counts.any() or expected[k].sum() > 1:
                 tests.append((k, *statistic(counts, expected[k])))

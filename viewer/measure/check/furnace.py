@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,8 @@ from ...raster.renderer import Renderer
 from ...scene.camera import Camera
 from ...scene.furnace import whitened
 from ...scene.light import Light
-from ...scene.material import Material, Texture
+from ...scene.material import Material
+from ...scene.schema import MAPS
 from ...settings import Settings
 from .checks import Check
 from .scenes import ball_cosines, constant, orthographic, plate, scene, sphere
@@ -174,7 +176,7 @@ def _lit_minima(renderer: Renderer, material: Material, options: dict[str, objec
 
 def _factors(material: Material) -> Material:
     """`material` without maps, covering all of its surface, and emitting nothing."""
-    no_maps = {field.name: None for field in fields(material) if isinstance(getattr(material, field.name), Texture)}
+    no_maps: dict[str, Any] = {f"{name}_texture": None for name in MAPS}
     return replace(material, **no_maps, base_color=(*material.base_color[:3], 1.0), emissive=(0.0, 0.0, 0.0),
                    alpha_mode="opaque", unlit=False)
 
