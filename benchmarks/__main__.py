@@ -32,23 +32,23 @@ def main() -> None:
     if options.only:
         programs = [program for program in programs if program.name in options.only.split(",")]
     with tempfile.TemporaryDirectory(prefix="benchmarks-") as folder:
-        bench = Bench(programs, options.model, options.env, options.frames, Path(folder))
+        comparison = Comparison(programs, options.model, options.env, options.frames, Path(folder))
         with until_stopped():
-            bench.measure(PHASES[options.phase], options.rounds)
+            comparison.measure(PHASES[options.phase], options.rounds)
     image_based = {program.name for program in programs if program.image_based}
-    about = {**facts(bench.named, bench.phases), "model": Path(options.model).name,
+    about = {**facts(comparison.named, comparison.phases), "model": Path(options.model).name,
              "environment": Path(options.env).name, "rounds": options.rounds, "frames a round": options.frames}
     report = "\n\n".join(filter(None, [
-        conditions(about), *(phase_table(phase, rounds, image_based) for phase, rounds in bench.phases.items()),
-        target_table(bench.phases, image_based)]))
+        conditions(about), *(phase_table(phase, rounds, image_based) for phase, rounds in comparison.phases.items()),
+        target_table(comparison.phases, image_based)]))
     print(report)
     if options.json:
         options.json.parent.mkdir(parents=True, exist_ok=True)
-        options.json.write_text(json.dumps({"about": about, "phases": bench.phases}, indent=1) + "\n")
+        options.json.write_text(json.dumps({"about": about, "phases": comparison.phases}, indent=1) + "\n")
         options.json.with_suffix(".md").write_text(report + "\n")
 
 
-class Bench:
+class Comparison:
     """Every round goes once through all programs, starting with another one each time."""
 
     def __init__(self, programs: list[Program], model: str, environment: str, frames: int, folder: Path) -> None:

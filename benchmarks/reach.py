@@ -16,9 +16,9 @@ from pathlib import Path
 from viewer.errors import InputError
 from viewer.gpu.context import Context, open_context
 from viewer.measure.report.ladder import PLAIN, Method, ladder
-from viewer.measure.report.patience import reason_against
 from viewer.measure.report.store import Record
-from viewer.measure.report.timing import of_frames
+from viewer.measure.report.time_limit import reason_against
+from viewer.measure.report.timing import frame_effort
 from viewer.scene.camera import Camera
 from viewer.scene.environment_files import load_environment
 from viewer.scene.load import load_scene
@@ -86,14 +86,15 @@ def measure(context: Context, scene: Scene, options: argparse.Namespace) -> dict
         return {"floor": truth.floor, "direct": truth.direct}
     frames = Frames(context, scene, camera, base, size, most=1.5 * options.times)
     try:
-        rungs, left_out = _climb(frames, ladder(scene, base).raster, options.seconds)
-        errors = {method.slug: truth.error(record.picture) for method, record in rungs}
-        best, (plain_ms, best_ms) = _nearest(frames, rungs, {slug: pair[0] for slug, pair in errors.items()}, options)
+        measured, left_out = _measure_all(frames, ladder(scene, base).raster, options.seconds)
+        errors = {method.slug: truth.error(record.picture) for method, record in measured}
+        relmse = {slug: pair[0] for slug, pair in errors.items()}
+        best, (plain_ms, best_ms) = _nearest(frames, measured, relmse, options)
     finally:
         frames.release()
     plain, found = errors[PLAIN.slug], errors[best.slug]
     methods = [{"family": method.title, "label": method.label, "relmse": errors[method.slug][0],
-                "trimmed": errors[method.slug][1], **record.facts} for method, record in rungs]
+                "trimmed": errors[method.slug][1], **record.facts} for method, record in measured]
     return {"plain": plain[0], "plain_ms": plain_ms, "best": best.label, "error": found[0], "ms": best_ms,
             "times": best_ms / plain_ms, "floor": truth.floor, "gain": _gain(plain[0], found[0], truth.floor),
             "trimmed_gain": _gain(plain[1], found[1], truth.trimmed_floor), "direct": truth.direct,
@@ -112,21 +113,21 @@ def _gain(plain: float, best: float, floor: float) -> float:
     return plain / max(best, floor / 10, 1e-9)
 
 
-def _climb(frames: Frames, methods: tuple[Method, ...],
-           seconds: float) -> tuple[list[tuple[Method, Record]], list[str]]:
-    """Each method drawn and timed, as far as so many seconds are likely to do; and those that were left out."""
-    rungs: list[tuple[Method, Record]] = []
+def _measure_all(frames: Frames, methods: tuple[Method, ...],
+                 seconds: float) -> tuple[list[tuple[Method, Record]], list[str]]:
+    """Draw and time each method that is predicted to fit into so many seconds; and which were left out."""
+    measured: list[tuple[Method, Record]] = []
     left_out: list[str] = []
     given_up: set[tuple[str, str]] = set()
     for method in sorted(methods, key=_promise):
-        spent = sum(record.seconds for _, record in rungs)
-        if method.family in given_up or reason_against(method, rungs, seconds - spent, of_frames(seconds)):
+        spent = sum(record.seconds for _, record in measured)
+        if method.family in given_up or reason_against(method, measured, seconds - spent, frame_effort(seconds)):
             left_out.append(method.label)
             continue
-        rungs.append((method, frames.measure(method)))
-        if method.slug in frames.too_slow:  # others of the family are dearer
+        measured.append((method, frames.measure(method)))
+        if method.slug in frames.too_slow:  # others of the family take longer
             given_up.add(method.family)
-    return rungs, left_out
+    return measured, left_out
 
 
 def _promise(method: Method) -> tuple[int, int]:
@@ -141,10 +142,10 @@ def _promise(method: Method) -> tuple[int, int]:
     return (2 if method.name in ("phong", "lights", PLAIN.name) else 1), smooth
 
 
-def _nearest(frames: Frames, rungs: list[tuple[Method, Record]], errors: dict[str, float],
+def _nearest(frames: Frames, measured: list[tuple[Method, Record]], errors: dict[str, float],
              options: argparse.Namespace) -> tuple[Method, tuple[float, float]]:
     """The method of least error that is in time, and milliseconds of plain and of it, drawn in turn."""
-    for method, _ in sorted(rungs, key=lambda rung: errors[rung[0].slug]):
+    for method, _ in sorted(measured, key=lambda pair: errors[pair[0].slug]):
         if method.slug in frames.too_slow:
             continue
         plain_ms, ms = frames.in_turn(method, options.rounds)

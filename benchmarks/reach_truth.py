@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
+from viewer.base.digest import digest
 from viewer.errors import InputError
 from viewer.gpu.context import Context
 from viewer.measure.compare.relmse import Halves, relmse
-from viewer.measure.report.digest import digest
 from viewer.measure.report.errors import relmse_floor, trimmed_floor, trimmed_relmse
 from viewer.scene.camera import Camera
 from viewer.scene.scene import Scene
@@ -25,7 +25,7 @@ _WHOLE = 0.999
 class Truth:
     """`halves` are radiance, (H, W, 3) each; `mask` (H, W) bool the pixels that count.
 
-    `direct` is the relMSE of the path tracer with one bounce: what light between surfaces makes, noise taken off.
+    `direct` is the relMSE of the path tracer with one bounce: the share of indirect light, with the noise subtracted.
     """
 
     halves: Halves

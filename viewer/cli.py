@@ -214,38 +214,25 @@ def check(what: str, model: str | None, shader: str | None, lobe: str | None, js
 
 
 @cli.command(short_help="Measure error against time, by every method there is.")
-@click.argument("models", metavar="MODEL...", nargs=-1)
+@click.argument("models", metavar="MODEL...", nargs=-1, required=True)
 @click.option("-o", "--output", required=True, metavar="DIR",
-              help="Where index.html, report.json, the charts and all that was measured go; made where it is missing.")
+              help="Folder for index.html, report.json, the charts and all measurements; made if it is missing.")
 @click.option("--within", "limit", type=Number(0.1, 1e6), default=150.0, show_default=True, metavar="SECONDS",
-              help="How long to measure each model; more time, more points and a better reference.")
-@click.option("--approximations", is_flag=True,
-              help="Measure no model, but the pieces of the renderer beside their alternatives.")
+              help="How long to measure each model. More time gives more points and a better reference.")
 @with_options([size_option("256x256"), *LOOK_OPTIONS, *CAMERA_OPTIONS, BACKEND_OPTION, NO_CACHE_OPTION, QUIET_OPTION])
-def report(models: tuple[str, ...], output: str, limit: float, approximations: bool, backend: str,
-           **options: Any) -> None:
-    """Show each MODEL by every method, from the cheapest to path tracing, and tell each one's time and error.
+def report(models: tuple[str, ...], output: str, limit: float, backend: str, **options: Any) -> None:
+    """Render each MODEL by every method, from the cheapest to path tracing, and report the time and error of each.
 
-    The errors are against a path-traced reference whose own noise is told. DIR/index.html is a page that stands alone;
-    of several models each gets a folder in DIR, and DIR/index.html leads to them. When it is interrupted, the same
-    command goes on from there.
+    The errors are against a path-traced reference, whose own noise is reported too. DIR/index.html is a self-contained
+    page. If there are several models, each gets a folder in DIR, and DIR/index.html links to them. After an
+    interruption the same command continues.
 
     \b
     pbr-viewer report helmet.glb -o report/
     pbr-viewer report *.glb -o reports/ --env studio.hdr --within 60
-    pbr-viewer report --approximations -o pieces/
     """
     from pathlib import Path
 
-    if approximations == bool(models):
-        raise UsageError("report either a MODEL or --approximations")
-    if approximations:
-        _check_alone("approximations", "output", "backend", "quiet")
-        from .measure.approximations.job import report_approximations
-        from .measure.approximations.table import print_table
-
-        print_table(report_approximations(Path(output), backend, options["quiet"]))
-        return
     check_camera_options(options)
     from .jobs.assemble import make_camera, make_environment, make_scene, make_settings
     from .measure.report.job import ReportJob
@@ -348,15 +335,6 @@ def _run(arguments: Sequence[str] | None) -> int:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     return 2
-
-
-def _check_alone(option: str, *others: str) -> None:
-    """Raises UsageError where options are given that have no effect beside this one."""
-    context = click.get_current_context()
-    for parameter in context.command.params:
-        source = context.get_parameter_source(parameter.name or "")
-        if source is click.core.ParameterSource.COMMANDLINE and parameter.name not in (option, *others):
-            raise UsageError(f"{parameter.opts[0]} does nothing with --{option}")
 
 
 def _leaves_mode_open(settings: Any) -> bool:

@@ -33,13 +33,8 @@ float f_dielectric(float mu, float eta) {
     return 0.5 * (r_s * r_s + r_p * r_p);
 }
 
-// f0 = ((eta - 1) / (eta + 1))^2 and back, eta >= 1; f0 = 1 would be an infinite index.
+// f0 = ((eta - 1) / (eta + 1))^2
 float f0_from_eta(float eta) {
     float r = (eta - 1.0) / (eta + 1.0);
     return r * r;
-}
-
-float eta_from_f0(float f0) {
-    float r = sqrt(clamp(f0, 0.0, 0.9999));
-    return (1.0 + r) / (1.0 - r);
 }

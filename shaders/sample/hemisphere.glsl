@@ -21,20 +21,3 @@ vec3 sample_cosine_hemisphere(vec2 u) {
 float pdf_cosine_hemisphere(vec3 w) {
     return max(w.z, 0.0) * INV_PI;
 }
-
-// p = 1 / (2 pi): z is uniform (Archimedes)
-vec3 sample_uniform_hemisphere(vec2 u) {
-    float phi = 2.0 * PI * u.x;
-    return vec3(sqrt(max(1.0 - u.y * u.y, 0.0)) * vec2(cos(phi), sin(phi)), u.y);
-}
-
-float pdf_uniform_hemisphere(vec3 w) {
-    return w.z > 0.0 ? 0.5 * INV_PI : 0.0;
-}
-
-// p = 1 / (4 pi)
-vec3 sample_uniform_sphere(vec2 u) {
-    float z = 1.0 - 2.0 * u.y;
-    float phi = 2.0 * PI * u.x;
-    return vec3(sqrt(max(1.0 - z * z, 0.0)) * vec2(cos(phi), sin(phi)), z);
-}

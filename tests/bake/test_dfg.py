@@ -3,8 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from viewer.bake.dfg import MASKINGS, SIZE, compute_dfg_table, dfg_table, directional_albedo, lobe_moments
+from viewer.bake.dfg import SIZE, compute_dfg_table, dfg_table, directional_albedo, lobe_moments
 from viewer.bake.lobes import LOBES
+from viewer.settings import setting_choices
 
 
 def by_light_direction(ndf: str, masking: str, NoV: float, alpha: float, nodes: int = 1200) -> np.ndarray:
@@ -44,7 +45,7 @@ def by_light_direction(ndf: str, masking: str, NoV: float, alpha: float, nodes: 
 
 
 @pytest.mark.parametrize("ndf", LOBES)
-@pytest.mark.parametrize("masking", MASKINGS)
+@pytest.mark.parametrize("masking", setting_choices()["masking"])
 def test_against_the_integral_over_light_directions(ndf, masking):
     for NoV, alpha in ((0.15, 0.3), (0.5, 0.15), (0.9, 1.0), (0.4, 0.6)):
         found = lobe_moments(ndf, masking, np.array([NoV]), alpha)[0]

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from maps import bilinear, convolved, noise_with_sun, random_directions
 
-from viewer.bake.prefilter import LEVEL_ROUGHNESS, MARGIN, level_integral, lod_of_roughness, prefilter, row_angles
+from viewer.bake.prefilter import LEVEL_ROUGHNESS, MARGIN, level_integral, prefilter, row_angles
 from viewer.bake.sun import extract_sun
+from viewer.gpu.call import call_glsl
 from viewer.scene.environment_files import load_environment
 from viewer.scene.equirect import sphere_integral, texel_directions
 
@@ -18,14 +19,6 @@ def test_levels_are_a_mip_chain():
     levels, _ = prefilter(noise_with_sun())
     assert [level.shape for level in levels] == [(512 >> k, 1024 >> k, 3) for k in range(6)]
     assert all(level.dtype == np.float32 and level.min() >= 0 for level in levels)
-
-
-def test_lod_runs_from_the_sharpest_to_the_roughest_without_turning_back():
-    lod = lod_of_roughness(np.linspace(0, 1, 1001))
-    assert lod[0] == 0
-    assert lod[-1] == 5
-    assert np.diff(lod).min() > 0
-    assert lod_of_roughness(np.array(LEVEL_ROUGHNESS)) == pytest.approx(np.arange(6), abs=1e-12)
 
 
 @pytest.mark.parametrize("size", [(1, 1), (4, 16), (100, 200), (512, 1024)])
@@ -79,7 +72,7 @@ def test_levels_against_direct_quadrature():
 
 
 @pytest.mark.parametrize("name", ["lightroom_14b_from_ktx", "noon_grass"])
-def test_between_the_levels_a_lookup_is_near_the_exact_lobe(name):
+def test_between_the_levels_a_lookup_is_near_the_exact_lobe(context, name):
     path = ENVIRONMENTS / f"{name}_1k.hdr"
     if not path.is_file():
         pytest.skip("the corpus is not here")
@@ -87,7 +80,8 @@ def test_between_the_levels_a_lookup_is_near_the_exact_lobe(name):
     levels, _ = prefilter(radiance)
     directions = random_directions(6)
     for perceptual_roughness in (0.3, 0.45, 0.75):
-        lod = float(lod_of_roughness(perceptual_roughness))
+        lod = float(call_glsl("light/prefiltered.glsl", "lod_of_roughness", context=context,
+                              perceptual_roughness=perceptual_roughness))
         k = int(lod)
         low, high = (bilinear(levels[i], directions, MARGIN) for i in (k, k + 1))
         found = low + (lod - k) * (high - low)

@@ -8,43 +8,18 @@ of the tests. Exits with status 1 where one goes unnoticed. Takes minutes: no pa
 
 from __future__ import annotations
 
-import shutil
 import sys
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 
 from cases import CASES, SIZE
 
-import viewer.gpu.source
-from viewer.base.resources import resource_folder
-from viewer.errors import ShaderError
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from mutations import Mutation, try_all
+
 from viewer.gpu.context import open_context
 from viewer.measure.compare.golden import Limits, judge
 from viewer.raster.renderer import Renderer
-
-
-@dataclass(frozen=True)
-class Mutation:
-    """`old`, which the shader `file` holds exactly once, becomes `new`."""
-
-    name: str
-    file: str
-    old: str
-    new: str
-
-    def check(self, shaders: Path) -> None:
-        count = (shaders / self.file).read_text().count(self.old)
-        if count != 1:
-            raise LookupError(f"{self.name}: shaders/{self.file} holds {self.old!r} {count} times, not once")
-
-    def plant(self, shaders: Path) -> None:
-        self.check(shaders)
-        path = shaders / self.file
-        path.write_text(path.read_text().replace(self.old, self.new))
-
 
 MUTATIONS = [
     Mutation("D without 1/pi", "bsdf/ggx.glsl", "return k * k * INV_PI;", "return k * k;"),
@@ -132,21 +107,6 @@ MUTATIONS = [
 ]
 
 
-@contextmanager
-def broken(mutation: Mutation) -> Iterator[None]:
-    """The shaders with `mutation` in place of the real ones."""
-    real = viewer.gpu.source.resource_folder
-    with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder).resolve() / "shaders"
-        shutil.copytree(resource_folder("shaders"), copy)
-        mutation.plant(copy)
-        viewer.gpu.source.resource_folder = lambda name: copy if name == "shaders" else real(name)
-        try:
-            yield
-        finally:
-            viewer.gpu.source.resource_folder = real
-
-
 def caught_by(renderer: Renderer) -> list[str]:
     """The golden images that the renderer's pictures do not match."""
     caught = []
@@ -160,13 +120,7 @@ def caught_by(renderer: Renderer) -> list[str]:
     return caught
 
 
-def _listed(names: list[str], most: int = 5) -> str:
-    rest = f" and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(names[:most]) + rest or "NONE"
-
-
 def main(names: list[str]) -> int:
-    unnoticed = 0
     with open_context() as context:
         renderer = Renderer(context)
         unbroken = caught_by(renderer)
@@ -174,22 +128,15 @@ def main(names: list[str]) -> int:
         if unbroken:
             print(f"without any mutation these differ already: {', '.join(unbroken)}", file=sys.stderr)
             return 1
-        print("| mutation | noticed by |\n|---|---|")
-        for mutation in MUTATIONS:
-            if names and not any(name in mutation.name for name in names):
-                continue
+
+        def noticed_by(_: Mutation) -> list[str]:
             renderer = Renderer(context)
             try:
-                with broken(mutation):
-                    caught = caught_by(renderer)
-            except ShaderError as error:
-                print(f"{mutation.name}: {error}", file=sys.stderr)
-                return 1
+                return caught_by(renderer)
             finally:
                 renderer.release()
-            print(f"| {mutation.name} | {_listed(caught)} |", flush=True)
-            unnoticed += not caught
-    return min(unnoticed, 1)
+
+        return try_all(MUTATIONS, names, noticed_by)
 
 
 if __name__ == "__main__":

@@ -8,9 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from break_shaders import MUTATIONS, Mutation
+from break_shaders import MUTATIONS
 from cases import CASES, SIZE, Case
 from contexts import open_or_skip
+from mutations import Mutation
 
 from viewer.base.resources import resource_folder
 from viewer.raster.renderer import Renderer

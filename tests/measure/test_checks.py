@@ -11,6 +11,7 @@ import pytest
 from viewer.measure.check.checks import Check, exit_status, summary
 from viewer.measure.check.chi_squared import critical_value, statistic
 from viewer.measure.check.table import print_table, verdict
+from viewer.measure.drawing import to_svg
 from viewer.measure.plot import heat_map, lines, polar
 
 PASSES, FAILS = Check("a", "b", 1.0, 1.0), Check("a", "b", 1.01, 1.0)
@@ -65,7 +66,8 @@ def test_plots_are_whole_svg():
     from xml.etree import ElementTree
 
     x = np.linspace(0, 1, 5)
-    for text in (lines("a < b", {"one": (x, x), "two": (x, x * np.nan)}, "x", "y"), polar("lobe", {"one": (x, x)}),
+    for drawing in (lines("a < b", {"one": (x, x), "two": (x, x * np.nan)}, "x", "y"), polar("lobe", {"one": (x, x)}),
                  heat_map("map", np.array([[0.0, 1e-9], [1e-5, np.inf]]), "x", "y", ["0", "1"], ["0", "1"])):
+        text = to_svg(drawing)
         root = ElementTree.fromstring(text)
         assert root.tag.endswith("svg") and "nan" not in text.lower().replace("nan%", "")

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from mutations import MUTATIONS, furnace_of_lights, planted
+from mutations import planted
+from wrong_formulas import WRONG_FORMULAS, furnace_of_lights
 
 from viewer.bake.dfg import directional_albedo
 from viewer.measure.check.checks import Check
 from viewer.measure.check.energy import check_lobe, directions
-from viewer.measure.check.furnace import check_balance, furnace_picture, hemisphere_balance
+from viewer.measure.check.furnace import check_balance, check_material, furnace_picture, hemisphere_balance
 from viewer.measure.check.half_vector import bin_coordinates, binned_grid, reflected_grid, refracted_grid
 from viewer.measure.check.lobe_cases import lobe_cases
 from viewer.raster.renderer import Renderer
 from viewer.scene.material import Material
+from viewer.settings import Settings
 
 WO = directions([1.0, 0.5, 0.1, 0.02])
 
@@ -56,7 +58,7 @@ def test_the_grid_beyond_a_surface_holds_snells_cone():
 def test_bins_hold_what_lies_in_them():
     bins = (8, 6)
     for eta in (None, np.full(len(WO), 1.5)):
-        grid = binned_grid(WO, bins, eta)
+        grid = binned_grid(WO, bins, (8, 6), eta)
         x, phi = bin_coordinates(WO, grid.wi, eta)
         nodes = grid.wi.shape[1] // 48
         row, column = np.divmod(np.arange(grid.wi.shape[1]) // nodes, bins[1])
@@ -64,7 +66,7 @@ def test_bins_hold_what_lies_in_them():
         assert (np.floor(x * bins[0]) == row)[inside].mean() > 0.999
         assert (np.floor((phi / np.pi + 1) / 2 * bins[1]) == column)[inside].mean() > 0.999
     # From the normal, a bin of phi holds its sixth of the hemisphere.
-    shares = binned_grid(WO[:1], (20, 6)).solid_angle.reshape(20, 6, -1).sum(axis=(0, 2))
+    shares = binned_grid(WO[:1], (20, 6), (8, 6)).solid_angle.reshape(20, 6, -1).sum(axis=(0, 2))
     assert shares == pytest.approx(2 * np.pi / 6, rel=0.02)
 
 
@@ -85,7 +87,7 @@ def test_by_how_much_the_known_failures_fail():
     assert by_check(check_lobe(cases["metal"]))["white furnace"].value < 2e-3
 
 
-@pytest.mark.parametrize("mutation", MUTATIONS, ids=lambda mutation: mutation.name)
+@pytest.mark.parametrize("mutation", WRONG_FORMULAS, ids=lambda mutation: mutation.name)
 def test_a_wrong_formula_is_noticed(mutation):
     with planted(mutation):
         assert [check for check in mutation.checks() if check.is_defect]
@@ -113,6 +115,16 @@ def test_furnace_pictures(renderer):
     assert whole.maximum < 1e-4 and whole.grazing < 1e-4
     single = furnace_picture(renderer, Material(perceptual_roughness=1.0), multiscatter="off")
     assert single.maximum == pytest.approx(0.69, abs=0.01) and 0.5 < single.mean < single.maximum
+
+
+def test_glass_is_checked_as_glass(renderer):
+    """What it reflects and transmits makes 1 together where it is white, and less where its volume absorbs."""
+    glass = Material("bottle", metallic=0.0, perceptual_roughness=0.3, transmission=1.0, thickness=0.5,
+                     attenuation_color=(0.5, 0.9, 0.1), attenuation_distance=0.2)
+    checks = {(check.check, check.case): check for check in check_material(renderer, "bottle", glass, Settings())}
+    assert all(check.passed for check in checks.values())
+    darkest = float(checks["no gain", "bottle, furnace"].note.removeprefix("darkest "))
+    assert darkest == pytest.approx(0.96 * 0.1 ** (0.5 / 0.2) + 0.04, abs=0.02)
 
 
 def test_the_balance_of_pictures_is_that_of_the_formula(renderer):

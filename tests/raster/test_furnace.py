@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from shapes import constant, facing_floor, orthographic, pixel_points, plate, scene, sphere
@@ -91,3 +93,16 @@ def test_any_model_vanishes_in_the_furnace(radiance):
     assert np.abs(picture[..., :3] - 1).max() < 1e-4
     lossy = radiance(model, model.cameras[0], (64, 64), multiscatter="off")
     assert lossy[..., :3].min() < 0.8
+
+
+@pytest.mark.parametrize("coloured", [
+    {"base_color": (0.9, 0.5, 0.2, 0.5), "alpha_mode": "blend", "emissive": (2.0, 0.0, 0.0)},
+    {"specular_color": (0.2, 1.0, 0.4), "unlit": True},
+    {"transmission": 1.0, "thickness": 0.5, "attenuation_color": (0.5, 0.9, 0.1), "attenuation_distance": 0.2},
+], ids=["shining", "tinted", "glass"])
+def test_no_colour_is_left_in_the_furnace(radiance, coloured):
+    mesh = sphere(segments=96)
+    mesh = replace(mesh, colors=np.full((len(mesh.positions), 4), (0.3, 0.6, 0.9, 1.0), np.float32))
+    material = Material(metallic=0.0, perceptual_roughness=0.6, **coloured)
+    picture = radiance(in_furnace(scene(mesh, materials=[material])), CAMERA, SIZE)
+    assert np.abs(picture[..., :3] - 1).max() < 2e-3

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from viewer.bake.dfg import SIZE, dfg_table
-from viewer.bake.prefilter import LEVEL_ROUGHNESS, lod_of_roughness
+from viewer.bake.prefilter import LEVEL_ROUGHNESS
 
 COUNT = 1024
 
@@ -32,8 +32,11 @@ def test_equirect_uv(evaluate, directions):
 
 
 def test_lod_of_roughness(evaluate, directions):
+    """Linear between the levels in alpha / (alpha + 0.4)."""
     found = evaluate("light/prefiltered", "vec4(lod_of_roughness(i.w))", directions)[:, 0]
-    assert np.abs(found - lod_of_roughness(directions[:, 3])).max() < 1e-5
+    levels, asked = (r**2 / (r**2 + 0.4) for r in (np.array(LEVEL_ROUGHNESS), directions[:, 3]))
+    assert np.abs(found - np.interp(asked, levels, np.arange(len(levels)))).max() < 1e-5
+    assert found[0] == 0 and np.diff(found).min() > 0
 
 
 def test_a_level_is_looked_up_where_its_direction_is(gl, evaluate, directions):

@@ -1,6 +1,9 @@
 """The shaders' lobes in float64, from the papers: slopes, complex indices and plain quotients where GLSL has none.
 
 Directions are (..., 3) in the local frame, z the normal; functions without a struct take arrays of one shape.
+
+These are deliberately independent of viewer/measure/check/reference.py, which users run: neither imports the other, so
+that a slip would have to be made twice to go unnoticed.
 """
 
 from __future__ import annotations

@@ -22,6 +22,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ..base.digest import files_digest
+
 LIMIT = 512 << 20  # bytes
 _MAGIC = b"PBRV\x00\x01"
 _HEADER = struct.Struct("<6sIQI")  # magic, bytes of JSON, bytes of data, CRC-32 of JSON and data
@@ -160,7 +162,5 @@ def _unpack(blob: bytes) -> dict[str, np.ndarray]:
 @lru_cache(maxsize=1)
 def _code_digest() -> str:
     """Of the sources that make the entries: a change to any of them makes all old entries unreachable."""
-    digest = hashlib.blake2b(digest_size=16)
-    for path in [*sorted(Path(__file__).parent.glob("*.py")), Path(__file__).parent.parent / "scene" / "equirect.py"]:
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
+    here = Path(__file__).resolve().parent
+    return files_digest([*sorted(here.glob("*.py")), here.parent / "scene" / "equirect.py"])

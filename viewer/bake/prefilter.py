@@ -8,7 +8,6 @@ across it, so that bilinear lookups pass over the poles like anywhere else (row 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..scene.equirect import resample, sphere_integral
 from .irradiance import HEIGHT as irradiance_rows
@@ -22,21 +21,6 @@ MARGIN = 1 / 32  # of the height, above and below
 # The perceptual roughness each level is filtered for. Level 1 is as sharp as degree 255 can carry (lambda_255 < 0.002
 # of GGX); the others are spaced so that blending two neighbours errs about equally everywhere in between.
 LEVEL_ROUGHNESS = (0.0, 0.12, 0.22, 0.36, 0.58, 1.0)
-
-
-def lod_of_roughness(perceptual_roughness: ArrayLike) -> np.ndarray:
-    """The level of detail for a roughness in [0, 1], as prefiltered.glsl has it: 0 at 0, 5 at 1, increasing.
-
-    Linear between the levels in alpha / (alpha + 0.4), which comes close everywhere to the blend of two lobes that is
-    nearest to the lobe in between.
-    """
-    knots = _blend_variable(np.asarray(LEVEL_ROUGHNESS))
-    return np.interp(_blend_variable(np.asarray(perceptual_roughness)), knots, np.arange(len(knots)))
-
-
-def _blend_variable(perceptual_roughness: np.ndarray) -> np.ndarray:
-    alpha = perceptual_roughness * perceptual_roughness
-    return alpha / (alpha + 0.4)
 
 
 def prefilter(

@@ -127,7 +127,7 @@ def store_calibration(renderer: str, calibration: Calibration) -> None:
 
 
 def _key(renderer: str) -> str:
-    from ..measure.report.digest import code_digest, digest
+    from ..base.digest import code_digest, digest
 
     sources = [*sorted(Path(__file__).parent.glob("*.py")), _PACKAGE / "measure" / "report" / "ladder.py"]
     ours = digest(*(path.read_bytes() for path in sources))

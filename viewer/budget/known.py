@@ -37,6 +37,6 @@ def store_known(renderer: str, names: frozenset[str]) -> None:
 
 
 def _key(renderer: str) -> str:
-    from ..measure.report.digest import code_digest
+    from ..base.digest import code_digest
 
     return cache.key("programs", renderer, version("pbr-viewer"), code_digest())

@@ -26,6 +26,10 @@ class Environment:
     intensity: float = 1.0
     digest: str = ""
 
+    def digest_parts(self) -> tuple[object, ...]:
+        """What its light depends on, for `base.digest`: the file is not decoded where its digest is known."""
+        return self.rotation, self.intensity, self.digest or self.radiance
+
     @property
     def radiance(self) -> np.ndarray:
         """Linear Rec. 709 radiance, (H, W, 3) float32, finite and not negative. A broken file raises InputError.

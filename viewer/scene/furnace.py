@@ -1,7 +1,8 @@
-"""A scene as a white furnace: white, and lit alike from everywhere, so that what keeps all light cannot be seen."""
+"""A scene as a white furnace: white, and lit alike from everywhere, so that a surface that loses no light vanishes."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from .environment_presets import make_preset
@@ -11,24 +12,25 @@ from .scene import Scene
 
 
 def in_furnace(scene: Scene) -> Scene:
-    """`scene` under radiance 1 from all around, without lights of its own, every surface white and none shining.
+    """`scene` under radiance 1 from all around, without lights of its own; no surface absorbs light or emits any.
 
-    Roughness, metalness, index of refraction and normals stay: they are what is tested.
+    Roughness, metalness, index of refraction, transmission and normals stay: they are what is tested.
     """
     return replace(
         scene,
         meshes=tuple(map(_uncolored, scene.meshes)),
-        materials=tuple(map(_white, scene.materials)),
+        materials=tuple(map(whitened, scene.materials)),
         lights=(),
         environment=make_preset("furnace"),
     )
 
 
-def _white(material: Material) -> Material:
+def whitened(material: Material) -> Material:
+    """`material` with every colour 1: neither the surface nor the volume behind it absorbs light."""
     return replace(
         material, base_color=(1.0, 1.0, 1.0, material.base_color[3]), base_color_texture=None, emissive=(0.0, 0.0, 0.0),
-        occlusion_texture=None, specular_color=(1.0, 1.0, 1.0), specular_color_texture=None, unlit=False,
-        alpha_mode="opaque",
+        emissive_texture=None, occlusion_texture=None, specular_color=(1.0, 1.0, 1.0), specular_color_texture=None,
+        attenuation_distance=math.inf, attenuation_color=(1.0, 1.0, 1.0), unlit=False, alpha_mode="opaque",
     )
 
 

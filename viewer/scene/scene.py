@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -85,6 +85,11 @@ class Scene:
             if name in self.__dict__:
                 copy.__dict__[name] = self.__dict__[name]
         return copy
+
+    def digest_parts(self) -> dict[str, object]:
+        """What pictures of the scene depend on, for `base.digest`."""
+        told = ("name", "warnings", "facts")
+        return {item.name: getattr(self, item.name) for item in fields(self) if item.name not in told}
 
     @property
     def triangle_count(self) -> int:

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from PIL import Image as Pillow
 
-from viewer.measure.report.chart import Mark, error_chart, spell_time, to_svg
-from viewer.measure.report.chart_png import SCALE, save_png
+from viewer.measure.drawing import Mark, to_svg
+from viewer.measure.drawing_png import SCALE, save_png
+from viewer.measure.report.chart import error_chart, spell_time
 from viewer.measure.report.errors import MEASURES
 
 
@@ -46,7 +47,7 @@ def test_every_point_lies_in_the_frame_and_in_the_files(case, tmp_path):
     picture = np.asarray(Pillow.open(tmp_path / "chart.png"))
     assert picture.shape == (round(chart.height * 2 * SCALE) // 2, chart.width * SCALE, 3)
     for mark in points.values():
-        if mark.is_on_front and case != "all alike":
+        if mark.is_filled and case != "all alike":
             color = [int(mark.color[k:k + 2], 16) for k in (1, 3, 5)]
             assert np.abs(picture[round(mark.y * SCALE), round(mark.x * SCALE)] - np.array(color)).max() < 40
 
@@ -56,7 +57,7 @@ def test_faster_is_left_and_better_is_down_and_titles_have_one_look():
                                    if isinstance(shape, Mark) and shape.point is not None), key=lambda m: m.point)
     assert first.x < second.x < third.x and first.y < second.y < third.y
     assert (first.color, first.shape) == (third.color, third.shape) != (second.color, second.shape)
-    assert first.is_on_front and not second.is_on_front
+    assert first.is_filled and not second.is_filled
 
 
 def test_no_two_titles_look_alike():

@@ -26,13 +26,13 @@ def sunny() -> Environment:
     return Environment("sunny", radiance)
 
 
-def rungs(scene, settings=DEFAULT) -> tuple[list[Method], dict[str, str]]:
+def methods_of(scene, settings=DEFAULT) -> tuple[list[Method], dict[str, str]]:
     steps = ladder(scene, settings, use_cache=False)
     return [*steps.raster, *steps.traced], {out.method: out.reason for out in steps.left_out}
 
 
 def test_every_method_has_a_name_of_its_own_and_differs_in_fact():
-    methods, _ = rungs(shapes.scene(BALL, environment=sunny()))
+    methods, _ = methods_of(shapes.scene(BALL, environment=sunny()))
     assert len({method.slug for method in methods}) == len({method.label for method in methods}) == len(methods)
     assert all("/" not in method.slug and " " not in method.slug for method in methods)
     assert len({(method.settings(Settings()), method.lights) for method in methods}) == len(methods)
@@ -41,50 +41,53 @@ def test_every_method_has_a_name_of_its_own_and_differs_in_fact():
 
 def test_without_an_environment_there_is_no_image_based_light():
     lamp = Light("point", position=(2, 2, 2), intensity=30.0)
-    methods, left_out = rungs(shapes.scene(BALL, lights=(lamp,)))
+    methods, left_out = methods_of(shapes.scene(BALL, lights=(lamp,)))
     assert {method.name for method in methods} >= {"phong", "lights", "path"} and "ibl" not in {m.name for m in methods}
     assert left_out["image-based light"] == "the scene has no environment"
-    methods, left_out = rungs(shapes.scene(BALL))
+    methods, left_out = methods_of(shapes.scene(BALL))
     assert "lights" not in {method.name for method in methods}
     assert left_out["lights only"] == "the scene has no lights and no environment"
 
 
 def test_shadows_are_a_knob_where_something_casts_them():
-    methods, left_out = rungs(shapes.scene(BALL, environment=shapes.constant()))
+    methods, left_out = methods_of(shapes.scene(BALL, environment=shapes.constant()))
     assert not any(method.changes.get("shadows") for method in methods)
     assert left_out["image-based light, shadows off"] == "no light casts a shadow"
-    assert any(method.changes.get("shadows") == "off" for method in rungs(shapes.scene(BALL, environment=sunny()))[0])
+    methods, _ = methods_of(shapes.scene(BALL, environment=sunny()))
+    assert any(method.changes.get("shadows") == "off" for method in methods)
 
 
 def test_the_environments_shadows_are_cast_by_more_and_more_lights():
-    counts = [int(method.changes["environment_shadows"]) for method in rungs(shapes.scene(BALL, environment=sunny()))[0]
+    methods, _ = methods_of(shapes.scene(BALL, environment=sunny()))
+    counts = [int(method.changes["environment_shadows"]) for method in methods
               if method.name == "environment-shadows"]
     assert counts == sorted(counts) and len(set(counts)) >= 3
 
 
-def test_light_is_followed_where_the_model_calls_for_it():
-    def followed(material: Material) -> set[str]:
+def test_effects_are_measured_where_they_change_the_picture():
+    def effects(material: Material) -> set[str]:
         scene = shapes.scene(BALL, materials=(material,), environment=shapes.constant())
-        return {name for name, _ in module._followed(scene, (), DEFAULT, [])}
+        return {name for name, _ in module._effects(scene, (), DEFAULT, [])}
 
-    assert followed(Material(perceptual_roughness=0.1)) == {"reflections"}
+    assert effects(Material(perceptual_roughness=0.1)) == {"reflections"}
     glass = Material(metallic=0.0, perceptual_roughness=0.1, transmission=1.0, thickness=1.0)
-    assert "refraction" in followed(glass)
-    assert followed(Material(unlit=True)) == set()
+    assert "refraction" in effects(glass)
+    assert effects(Material(unlit=True)) == set()
 
 
-def test_light_between_surfaces_is_measured_where_there_can_be_some():
+def test_indirect_light_is_measured_where_there_can_be_some():
     two = (BALL, (BALL, shapes.moved((3, 0, 0))))
-    changes = [method.changes for method in rungs(shapes.scene(*two, environment=shapes.constant()))[0]
+    changes = [method.changes for method in methods_of(shapes.scene(*two, environment=shapes.constant()))[0]
                if method.name == "indirect"]
     assert [change["environment_shadows"] for change in changes] == ["off", "16", "16", "64"]
-    assert "indirect" not in {method.name for method in rungs(shapes.scene(BALL, environment=shapes.constant()))[0]}
+    methods, _ = methods_of(shapes.scene(BALL, environment=shapes.constant()))
+    assert "indirect" not in {method.name for method in methods}
 
 
 def test_no_method_is_there_under_two_names():
     two = shapes.scene(BALL, (BALL, shapes.moved((3, 0, 0))), environment=shapes.constant(),
                        materials=(Material(perceptual_roughness=1.0),))  # nothing to mirror: what is left is baked
-    methods, _ = rungs(two)
+    methods, _ = methods_of(two)
     assert {"indirect", "together"} <= {method.name for method in methods}
     changes = [(method.changes.get("mode"), frozenset(method.changes.items()), method.lights) for method in methods]
     assert len(set(changes)) == len(changes)
@@ -92,12 +95,12 @@ def test_no_method_is_there_under_two_names():
 
 def test_a_denoiser_that_is_not_installed_is_left_out(monkeypatch):
     monkeypatch.setattr(module, "find_spec", lambda name: None)
-    methods, left_out = rungs(shapes.scene(BALL))
+    methods, left_out = methods_of(shapes.scene(BALL))
     assert "path+oidn" not in {method.name for method in methods} and "pip install" in left_out["path traced, OIDN"]
 
 
 def test_lights_only_stand_for_the_environments_suns():
-    methods, _ = rungs(shapes.scene(BALL, environment=sunny()))
+    methods, _ = methods_of(shapes.scene(BALL, environment=sunny()))
     lit = next(method for method in methods if method.name == "lights")
     [sun] = lit.lights
     towards = -np.array(sun.direction)
@@ -117,7 +120,7 @@ def test_the_command_line_of_a_method_asks_for_just_that(arguments):
     base = make_settings(options)
     environment = make_environment(options)
     scene = shapes.scene(BALL, lights=tuple(map(make_light, options["lights"])), environment=environment)
-    for method in rungs(scene, base)[0]:
+    for method in methods_of(scene, base)[0]:
         words = shlex.split(command_line("m x.glb", options, method))
         assert words[:3] == ["pbr-viewer", "render", "m x.glb"]
         asked = cli.commands["render"].make_context("render", words[2:]).params

@@ -90,7 +90,7 @@ def test_an_interrupted_report_says_how_to_go_on_and_does(run, folder, monkeypat
     first = counted(monkeypatch, stop_before=4)
     outcome = run("report", MODEL, "-o", "out", *QUICK)
     assert outcome.status == 130 and len(first) == 4
-    assert outcome.err.splitlines() == ["out: 4 points are measured and kept; the same command goes on from there",
+    assert outcome.err.splitlines() == ["out: 4 points are measured and kept; the same command continues from there",
                                         "pbr-viewer: interrupted"]
     assert names(folder / "out") == ["measured"]
     monkeypatch.undo()

@@ -58,13 +58,13 @@ def test_it_says_in_a_sentence_which_setting_serves_for_each_time_and_how_wrong_
     for line, name, row in zip(lines, names, report["recommend"], strict=True):
         assert line.startswith(name)
         if row["point"] is None:
-            assert "Nothing is so fast here" in line
+            assert "No method is fast enough" in line
         elif row["point"] == before:
-            assert "Nothing better was measured" in line
+            assert "No better method was measured" in line
         else:
             point = report["points"][row["point"]]
             assert line.startswith(f"{name} {point['label']} takes ") and point["command"] in line
-            assert re.search(r"off by about \d+(\.\d+)? % a pixel, .*; FLIP 0(\.\d+)?\. ", line)
+            assert re.search(r"Its relative error is \d+(\.\d+)? %, .*; FLIP 0(\.\d+)?\. ", line)
         before = row["point"]
     told = page.value("document.querySelector('#scope').textContent")
     assert "24 x 24" in told and report["device"] in told and "1600 times as long" in told
@@ -134,7 +134,7 @@ def test_another_error_changes_chart_recommendations_and_front(page, report):
     page.value("(s => { s.value = 'flip'; s.dispatchEvent(new Event('change')) })(document.querySelector('#measure'))")
     assert page.value("document.querySelector('.chart.shown').dataset.measure") == "flip"
     best = report["recommend"][0]["by"]["flip"]
-    assert ("Nothing is so fast" if best is None else report["points"][best]["label"]) in choices(page)[0]
+    assert ("No method is fast enough" if best is None else report["points"][best]["label"]) in choices(page)[0]
     front = page.value("[...document.querySelectorAll('#points tr.front')].map(row => Number(row.dataset.point))")
     assert front == [k for k, point in enumerate(report["points"]) if point["pareto_by"]["flip"]]
 

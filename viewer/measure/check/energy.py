@@ -10,14 +10,14 @@ import numpy as np
 
 from .checks import Check
 from .chi_squared import critical_value, statistic
-from .half_vector import Directions, bin_coordinates, binned_grid, mirrored, reflected_grid, refracted_grid
+from .half_vector import bin_counts, bin_integrals, mirrored, reflected_grid, refracted_grid
+from .lobes import DELTA, TRANSMISSION
 
 NOV = (1.0, 0.7, 0.4, 0.15, 0.05)
 AZIMUTH = 0.7  # of wo: on neither tangent
 SAMPLES = 1 << 14
 BINS = (20, 12)
 Drawn = Mapping[str, np.ndarray]
-TRANSMISSION, DELTA = 2, 4  # shaders/bsdf/bsdf.glsl
 
 FURNACE_BOUND = 5e-3
 BALANCE_BOUND = 2e-3
@@ -183,29 +183,22 @@ def _check_histogram(case: LobeCase, wo: np.ndarray, drawn: Drawn, kept: np.ndar
     for transmitted in (False, True) if case.transmits else (False,):
         side = (drawn["flags"] & TRANSMISSION != 0) == transmitted
         eta = np.repeat(case.eta, len(NOV)) if transmitted and case.eta is not None else None
-        grid = binned_grid(wo, BINS, eta, case.is_anisotropic)
-        wi = drawn["wi"]
-        if transmitted and case.mirrors:
-            grid, wi = mirrored(grid), wi * [1, 1, -1]
-        expected = _expected_counts(case.lobe, values, wo, grid) * drawn["wi"].shape[1]
-        x, phi = bin_coordinates(wo, wi, eta)
-        for k in range(len(wo)):
-            mine = kept[k] & side[k]
-            if mine.any() or expected[k].sum() > 1:
-                counts = np.histogram2d(x[k, mine], phi[k, mine], BINS, ((0, 1), (-np.pi, np.pi)))[0]
-                tests.append((k, *statistic(counts.ravel(), expected[k])))
+        mirror = np.array([1, 1, -1 if transmitted and case.mirrors else 1])
+        nodes = (8 if eta is None else 12, 24 if case.is_anisotropic else 6 if eta is None else 10)
+
+        def density(wi: np.ndarray, mirror: np.ndarray = mirror) -> np.ndarray:
+            return case.lobe.pdf(values, wo[:, None], wi * mirror)
+
+        expected = bin_integrals(density, wo, BINS, nodes, eta) * drawn["wi"].shape[1]
+        for k, counts in enumerate(bin_counts(wo, drawn["wi"] * mirror, kept & side, BINS, eta)):
+            if counts.any() or expected[k].sum() > 1:
+                tests.append((k, *statistic(counts, expected[k])))
     ratios = np.full(len(wo), -np.inf)
     for k, chi2, degrees in tests:
         ratios[k] = max(ratios[k], chi2 / critical_value(degrees, len(tests)))
     if tests:
         note = f"chi-squared over its threshold, {len(tests)} tests"
         yield _row(case, "samples follow pdf", ratios, 1.0, wo, note=note)
-
-
-def _expected_counts(lobe: Any, values: Mapping[str, Any], wo: np.ndarray, grid: Directions) -> np.ndarray:
-    """The pdf's integral over each bin of a binned grid, (K, bins)."""
-    density = _lit(lobe.pdf(values, wo[:, None], grid.wi), grid.solid_angle)
-    return (density * grid.solid_angle).reshape(len(wo), BINS[0] * BINS[1], -1).sum(axis=2)
 
 
 def _lit(values: np.ndarray, weight: np.ndarray) -> np.ndarray:

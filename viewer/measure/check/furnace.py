@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from ...raster.renderer import Renderer
 from ...scene.camera import Camera
+from ...scene.furnace import whitened
 from ...scene.light import Light
 from ...scene.material import Material
+from ...scene.schema import MAPS
 from ...settings import Settings
 from .checks import Check
 from .scenes import ball_cosines, constant, orthographic, plate, scene, sphere
@@ -101,13 +104,17 @@ def lit_furnace(renderer: Renderer, material: Material, NoV: float) -> float:
 
 
 def check_material(renderer: Renderer, name: str, material: Material, settings: Settings) -> Iterator[Check]:
-    """A material's factors, without its maps: furnace as white and in its own colour, balance, no negative light."""
-    bare = _bare(material)
+    """A material's factors, without its maps: furnace as white and in its own colour, balance, no negative light.
+
+    Glass is checked as the rasterizer draws it: the light that it reflects and the light that it transmits, which
+    comes from a picture of what lies behind it. In a furnace that picture is white everywhere, so that the two have to
+    add up to 1. The hemisphere balance is over the side that the light comes from and counts reflection alone.
+    """
+    bare = _factors(material)
     options: dict[str, object] = {"ndf": settings.ndf, "masking": settings.masking, "fresnel": settings.fresnel,
                "multiscatter": settings.multiscatter}
-    # A specular colour, or weight, under 1 absorbs at the interface by design; an f0 tinted so still may not glow.
-    white = replace(bare, base_color=(1, 1, 1, 1), specular_color=(1, 1, 1))
-    yield _row("furnace picture", f"{name}, as white", furnace_picture(renderer, white, **options))
+    # In its own colours it absorbs by design, but even then it may not glow.
+    yield _row("furnace picture", f"{name}, as white", furnace_picture(renderer, whitened(bare), **options))
     own = furnace_picture(renderer, bare, **options)
     yield Check("no gain", f"{name}, furnace", float(own.pixels.max() - 1), FURNACE_BOUND,
                 note=f"darkest {own.pixels.min():.3f}")
@@ -167,11 +174,11 @@ def _lit_minima(renderer: Renderer, material: Material, options: dict[str, objec
         yield float(np.nan_to_num(picture, nan=-np.inf).min())
 
 
-def _bare(material: Material) -> Material:
-    """The factors alone: opaque, unlit by itself."""
-    return Material(material.name, base_color=(*material.base_color[:3], 1.0), metallic=material.metallic,
-                    perceptual_roughness=material.perceptual_roughness, ior=material.ior, specular=material.specular,
-                    specular_color=material.specular_color)
+def _factors(material: Material) -> Material:
+    """`material` without maps, covering all of its surface, and emitting nothing."""
+    no_maps: dict[str, Any] = {f"{name}_texture": None for name in MAPS}
+    return replace(material, **no_maps, base_color=(*material.base_color[:3], 1.0), emissive=(0.0, 0.0, 0.0),
+                   alpha_mode="opaque", unlit=False)
 
 
 def _row(check: str, case: str, picture: FurnacePicture, expected: bool = False) -> Check:

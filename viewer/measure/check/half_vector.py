@@ -7,6 +7,7 @@ about the normal, phi from wo's own azimuth.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -92,13 +93,13 @@ def bin_coordinates(wo: np.ndarray, wi: np.ndarray, eta: Any = None) -> tuple[np
     return (theta / (np.pi / 2)) ** (1 / BIN_POWER), (phi + np.pi) % (2 * np.pi) - np.pi
 
 
-def binned_grid(wo: np.ndarray, bins: tuple[int, int], eta: np.ndarray | None = None,
-                fine: bool = False) -> Directions:
-    """Nodes in each of `bins` of `bin_coordinates`, bin after bin in one axis: (K, bins of x * bins of phi * nodes).
+def binned_grid(wo: np.ndarray, bins: tuple[int, int], nodes: tuple[int, int],
+                eta: np.ndarray | None = None) -> Directions:
+    """`nodes` along x and phi in each of `bins` of `bin_coordinates`, bin after bin in one axis: (K, bins * nodes).
 
-    `fine` is for lobes that vary along phi, as anisotropic ones do.
+    Midpoints in x, Gauss-Legendre in phi.
     """
-    inner_x, inner_phi = 8 if eta is None else 12, 24 if fine else 6 if eta is None else 10
+    inner_x, inner_phi = nodes
     x = (np.arange(bins[0] * inner_x) + 0.5) / (bins[0] * inner_x)
     theta = np.pi / 2 * x**BIN_POWER
     d_theta = np.pi / 2 * BIN_POWER * x ** (BIN_POWER - 1) / len(x)
@@ -118,6 +119,22 @@ def binned_grid(wo: np.ndarray, bins: tuple[int, int], eta: np.ndarray | None = 
     thetas, phi, weight = (a.reshape(len(wo), -1) for a in grouped)
     wi, jacobian = reflect(wo, thetas, phi) if eta is None else refract(wo, eta, thetas, phi)
     return Directions(wi, jacobian * weight)
+
+
+def bin_integrals(density: Callable[[np.ndarray], np.ndarray], wo: np.ndarray, bins: tuple[int, int],
+                  nodes: tuple[int, int], eta: np.ndarray | None = None) -> np.ndarray:
+    """Integrals over each bin of `density`, which takes wi (K, Q, 3) and gives (K, Q): (K, bins of x * bins of phi)."""
+    grid = binned_grid(wo, bins, nodes, eta)
+    values = np.where(grid.solid_angle > 0, density(grid.wi), 0.0)  # else wi is no direction
+    return (values * grid.solid_angle).reshape(len(wo), bins[0] * bins[1], -1).sum(axis=2)
+
+
+def bin_counts(wo: np.ndarray, wi: np.ndarray, counted: np.ndarray, bins: tuple[int, int],
+               eta: np.ndarray | None = None) -> np.ndarray:
+    """How many of the directions wi (K, Q, 3) that are `counted` (K, Q) fall into each bin: (K, bins), as above."""
+    x, phi = bin_coordinates(wo, wi, eta)
+    return np.stack([np.histogram2d(x[k, chosen], phi[k, chosen], bins, ((0, 1), (-np.pi, np.pi)))[0].ravel()
+                     for k, chosen in enumerate(counted)])
 
 
 def _horizon(sin_o: np.ndarray, cos_o: np.ndarray, theta: np.ndarray) -> np.ndarray:

@@ -14,6 +14,7 @@ from ...gpu.context import open_context
 from ...image.image import Image
 from ...raster.renderer import Renderer
 from ...scene.material import Material
+from ..drawing import to_svg
 from ..html_page import html_page
 from ..plot import heat_map, lines, polar
 from .checks import Check, summary
@@ -34,7 +35,7 @@ and does not.</p>
 </table></div>"""
 _STYLE = """
 .pass { color: #2a8f52 } .known { color: #a8760a } .FAIL, .GONE { color: #d22; font-weight: bold }
-.plots { display: flex; flex-wrap: wrap; gap: 1rem } .plots svg { background: #fff; max-width: 100% }
+.plots { display: flex; flex-wrap: wrap; gap: 1rem } .plots svg { width: 420px; max-width: 100% }
 img { image-rendering: pixelated; width: 8rem }
 """
 _SHOWN = ("ggx", "metal", "turquin", "eon", "burley", "phong")
@@ -113,7 +114,7 @@ def _lobe_shape(lobe: Lobe) -> str:
     wi = np.stack([np.sin(angle), 0 * angle, np.cos(angle)], axis=-1)
     wo = np.sqrt(0.5) * np.array([-1.0, 0.0, 1.0])
     series = {name: (angle, lobe.eval(m, wo, wi)[..., 0] * np.cos(angle)) for name, m in _settings(lobe).items()}
-    return polar(lobe.name, series)
+    return to_svg(polar(lobe.name, series))
 
 
 def _albedo(lobe: Lobe) -> str:
@@ -123,7 +124,7 @@ def _albedo(lobe: Lobe) -> str:
     weight = grid.solid_angle * np.maximum(grid.wi[..., 2], 0)
     series = {name: (NoV, (np.where(weight > 0, lobe.eval(m, wo[:, None], grid.wi)[..., 0], 0) * weight).sum(axis=1))
               for name, m in _settings(lobe).items()}
-    return lines(lobe.name, series, "NoV", "albedo")
+    return to_svg(lines(lobe.name, series, "NoV", "albedo"))
 
 
 def _error_map(sweep: Sweep) -> str:
@@ -134,4 +135,4 @@ def _error_map(sweep: Sweep) -> str:
         starts = np.arange(0, error.shape[axis], max(1, round(error.shape[axis] / 40)))
         error = np.maximum.reduceat(error, starts, axis=axis)
     ticks = [[f"{axis[k]:.2g}" for k in np.linspace(0, len(axis) - 1, 5).astype(int)] for axis in sweep.axes.values()]
-    return heat_map(sweep.function, error, names[1], names[0], ticks[1], ticks[0])
+    return to_svg(heat_map(sweep.function, error, names[1], names[0], ticks[1], ticks[0]))

@@ -1,4 +1,4 @@
-"""Makes a scene's picture by any method of the ladder, and measures it."""
+"""Renders a scene by any method of the ladder, and times it."""
 
 from __future__ import annotations
 
@@ -23,24 +23,24 @@ from ...trace.paths.run import run
 from ...trace.tracer import Tracer
 from .ladder import Method
 from .store import Record
-from .timing import Timing, measure, of_frames, of_pictures
+from .timing import Timing, frame_effort, measure, picture_effort
 
 COVERAGE_SPP = 16
 Report = Callable[[float], None]
-"""Told which part of a picture is done."""
+"""Called with the share of a picture that is done, 0 to 1."""
 
 
 class Bench:
-    """One scene, camera and size; `settings` are what the methods change, with no colour for a background.
+    """One scene, camera and size. `settings` are those that the methods change; their background is not a colour.
 
-    That would be in the radiance, shown by a curve that is not the model's. Raises UsageError for a size that this
-    OpenGL has no buffers for.
+    A colour would become part of the radiance, although it is not displayed by the model's tone curve. Raises
+    UsageError for a size that this OpenGL has no buffers for.
     """
 
     def __init__(self, context: Context, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
                  use_cache: bool = True, limit: float = 150.0) -> None:
         self.limit = limit
-        """Seconds that measuring may take in all; what is timed is run the more often the more there are."""
+        """Seconds that all measuring may take; the more there are, the more often each method is run."""
         self.context, self.scene, self.camera, self.settings, self.size = context, scene, camera, settings, size
         self._gl = context.gl
         self._renderer = Renderer(context, use_cache)
@@ -55,11 +55,11 @@ class Bench:
         self._background: np.ndarray | None = None
 
     def measure(self, method: Method) -> Record:
-        """The method's picture, and in `facts` its `time_ms` as of `Timing`, `prepare_s` and what else it tells.
+        """The method's picture, and in `facts` its `time_ms` (see `Timing`), `prepare_s` and what the renderer reports.
 
-        A frame of the raster is drawn, displayed and finished. A path-traced picture is timed from its beginning, all
-        samples, denoising and display, with the scene prepared. `prepare_s` is what preparing took before that, as far
-        as no earlier method had done it: decoding, baking, compiling, uploading, building the BVH.
+        The time of a raster frame includes drawing, display, and waiting for the device. That of a path-traced picture
+        includes all samples, denoising and display. The scene is prepared before: `prepare_s` is what that took
+        (decoding, baking, compiling, uploading, building the BVH), as far as no earlier method had done it.
         """
         started = time.perf_counter()
         picture, timing, facts = (self._trace if method.is_traced else self._draw)(method)
@@ -78,14 +78,14 @@ class Bench:
         frame()
         first = time.perf_counter() - started
         frame()
-        timing = measure(frame, of_frames(self.limit))
+        timing = measure(frame, frame_effort(self.limit))
         picture = renderer.read_radiance()
         if method.lights is not None and settings.background == "env" and self.scene.environment is not None:
             picture = picture + (1 - picture[..., 3:]) * self._empty_picture()
         return picture, timing, {"prepare_s": max(first - timing.median / 1e3, 0.0)}
 
     def _empty_picture(self) -> np.ndarray:
-        """What stands behind the model: pixels it covers in part hold some of that, whatever lights it."""
+        """The background alone: it shows in pixels that the model covers in part, whatever lights the model."""
         if self._background is None:
             empty = replace(self.scene, instances=())
             renderer = Renderer(self.context)
@@ -111,14 +111,14 @@ class Bench:
                 exposure.release()
             del last[:-1]
 
-        timing = measure(picture, of_pictures(self.limit), tidy)
+        timing = measure(picture, picture_effort(self.limit), tidy)
         image = last[-1].image()
         last[-1].release()
         facts = {name: image.stats[name] for name in ("spp", "rays", "estimated_error", "bad_samples", "intersector")}
         return image.linear, timing, {"prepare_s": prepare, **facts}
 
     def _warm_up(self, settings: Settings) -> float:
-        """Prepare the scene and compile the programs; the seconds it took, 0 where that was done before."""
+        """Prepare the scene and compile the programs; returns the seconds it took, 0 if that was done before."""
         if settings.denoise in self._warm:
             return 0.0
         started = time.perf_counter()

@@ -19,44 +19,44 @@ from .survey import Survey
 
 Document = dict[str, Any]
 PREPARED = ("mode", "environment_shadows", "ambient_occlusion", "indirect", "reflections", "refraction", "denoise")
-"""Settings whose choices take preparing of their own: baking, shadow maps, programs."""
+"""Settings each choice of which is prepared by itself: baking, shadow maps, programs."""
 
 
 @dataclass(frozen=True, eq=False)
-class Rung:
-    """A method with its picture, as it is displayed, and its errors."""
+class Point:
+    """A method with its picture, as it is displayed, and its errors: a point of the charts."""
 
     method: Method
     record: Record
     image: Image
     errors: Errors
     ready_s: float
-    """Of preparing, for this method alone."""
+    """Seconds of preparing, if no other method is used."""
 
 
 @dataclass(frozen=True, eq=False)
 class Findings:
-    """A report: `document` is report.json, `rungs` are in the order of its points."""
+    """A report: `document` is report.json, whose points are `points`."""
 
     document: Document
     reference: Image
-    rungs: list[Rung]
+    points: list[Point]
 
 
-def find(survey: Survey, scene: str, command: Callable[[Method], str], facts: Document) -> Findings:
-    """What a survey that has a reference says. `facts` are added to the document; `command` gives a command line."""
+def make_findings(survey: Survey, scene: str, command: Callable[[Method], str], facts: Document) -> Findings:
+    """The report of a survey that has a reference. `facts` are added to the document; `command` gives command lines."""
     bench, reference, mask = survey.bench, survey.reference, survey.mask
     assert reference is not None and mask is not None
     truth = bench.displayed(reference.linear)
     ready = ready_seconds([(method.settings(bench.settings), record.facts.get("prepare_s", 0.0))
-                           for method, record in survey.rungs])
-    rungs = []
-    for (method, record), seconds in zip(survey.rungs, ready, strict=True):
+                           for method, record in survey.measured])
+    points = []
+    for (method, record), seconds in zip(survey.measured, ready, strict=True):
         image = bench.displayed(record.picture)
-        rungs.append(Rung(method, record, image, errors(image, truth, mask), seconds))
-    rungs.sort(key=lambda rung: rung.record.facts["time_ms"]["median"])
-    times = [rung.record.facts["time_ms"]["median"] for rung in rungs]
-    by_measure = {name: [getattr(rung.errors, name) for rung in rungs] for name in MEASURES}
+        points.append(Point(method, record, image, errors(image, truth, mask), seconds))
+    points.sort(key=lambda point: point.record.facts["time_ms"]["median"])
+    times = [point.record.facts["time_ms"]["median"] for point in points]
+    by_measure = {name: [getattr(point.errors, name) for point in points] for name in MEASURES}
     fronts = {name: front(times, values) for name, values in by_measure.items()}
     floors = _floors(survey, truth)
     document = {
@@ -70,18 +70,18 @@ def find(survey: Survey, scene: str, command: Callable[[Method], str], facts: Do
         },
         "points": [
             {
-                "method": rung.method.name, "title": rung.method.title, "label": rung.method.label,
-                "settings": settings_of(rung.method, bench.settings),
-                "time_ms": rung.record.facts["time_ms"], "error": rung.errors.to_json(),
+                "method": point.method.name, "title": point.method.title, "label": point.method.label,
+                "settings": settings_of(point.method, bench.settings),
+                "time_ms": point.record.facts["time_ms"], "error": point.errors.to_json(),
                 "pareto": fronts[MEASURES[0]][k], "pareto_by": {name: fronts[name][k] for name in MEASURES},
-                "command": command(rung.method), "too_bright": rung.errors.too_bright,
-                "bad_pixels": rung.errors.bad_pixels, "ready_s": rung.ready_s,
-                **{name: value for name, value in rung.record.facts.items() if name != "time_ms"},
-            } for k, rung in enumerate(rungs)
+                "command": command(point.method), "too_bright": point.errors.too_bright,
+                "bad_pixels": point.errors.bad_pixels, "ready_s": point.ready_s,
+                **{name: value for name, value in point.record.facts.items() if name != "time_ms"},
+            } for k, point in enumerate(points)
         ],
         "recommend": _recommend(times, by_measure),
-        "knobs": _knobs(rungs, survey, floors),
-        "raster": _raster(rungs),
+        "knobs": _knobs(points, survey, floors),
+        "raster": _raster(points),
         "left_out": [asdict(out) for out in survey.left_out],
         "is_whole": survey.is_whole,
         "model_pixels": int(mask.sum()),
@@ -91,12 +91,13 @@ def find(survey: Survey, scene: str, command: Callable[[Method], str], facts: Do
         "measured_s": survey.seconds,
         **facts,
     }
-    return Findings(document, truth, rungs)
+    return Findings(document, truth, points)
 
 
 def _floors(survey: Survey, truth: Image) -> dict[str, float]:
-    """What the reference's own noise is in each measure: its halves are twice as far from one another (in relMSE four
-    times) as their mean is from the truth."""
+    """The reference's own noise in each measure.
+
+    The difference of its halves is twice as large (in relMSE four times) as the error of their mean."""
     bench, reference, mask = survey.bench, survey.reference, survey.mask
     assert reference is not None and mask is not None
     alpha = reference.linear[..., 3:]
@@ -108,7 +109,7 @@ def _floors(survey: Survey, truth: Image) -> dict[str, float]:
 
 
 def _recommend(times: Sequence[float], by_measure: dict[str, list[float]]) -> list[Document]:
-    """For each budget the point of the least error, and in `by` that of each measure; null where none is so fast."""
+    """For each time the point with the smallest error, and in `by` that of each measure; null if none is so fast."""
     rows = []
     for budget in BUDGETS_MS:
         by = {name: best_within(budget, times, values) for name, values in by_measure.items()}
@@ -116,43 +117,45 @@ def _recommend(times: Sequence[float], by_measure: dict[str, list[float]]) -> li
     return rows
 
 
-def ready_seconds(rungs: Sequence[tuple[Settings, float]]) -> list[float]:
-    """Of settings in the order they were measured in, and what preparing took beyond what was ready: about how long
-    each would take to prepare by itself. What the first with the same choice of any of PREPARED took is part of it."""
+def ready_seconds(measured: Sequence[tuple[Settings, float]]) -> list[float]:
+    """About how long each settings would take to prepare by itself, in seconds.
+
+    `measured` are settings in the order in which they were measured, and what preparing each took, given what earlier
+    ones had prepared. So the time of the first settings with the same choice of any of PREPARED is added."""
     first: dict[tuple[object, ...], int] = {}
     result = []
-    for k, (settings, _) in enumerate(rungs):
+    for k, (settings, _) in enumerate(measured):
         is_traced = settings.mode == "path"  # the path tracer has its own scene
         needs = [(is_traced,), *((is_traced, name, getattr(settings, name)) for name in PREPARED)]
-        payers = {first.setdefault(need, k) for need in needs}
-        result.append(sum(rungs[payer][1] for payer in payers | {k}))
+        shared = {first.setdefault(need, k) for need in needs}
+        result.append(sum(measured[other][1] for other in shared | {k}))
     return result
 
 
-def _knobs(rungs: Sequence[Rung], survey: Survey, floors: Mapping[str, float]) -> list[Document]:
-    """Settings that save time and cost no error, neither by figures nor to the eye.
+def _knobs(points: Sequence[Point], survey: Survey, floors: Mapping[str, float]) -> list[Document]:
+    """Settings that save time and add no error, neither in radiance nor as displayed.
 
-    How long to go on is none of them: of two numbers of samples the fewer come out better by chance alone."""
-    settings = [asdict(rung.method.settings(survey.bench.settings)) | {"lights": rung.method.lights is None}
-                for rung in rungs]
-    times = [rung.record.facts["time_ms"] for rung in rungs]
-    found = [[getattr(rung.errors, name) for name in FREE_BY] for rung in rungs]
+    Settings that say when sampling stops are left out: that fewer samples come out better is chance."""
+    settings = [asdict(point.method.settings(survey.bench.settings)) | {"lights": point.method.lights is None}
+                for point in points]
+    times = [point.record.facts["time_ms"] for point in points]
+    found = [[getattr(point.errors, name) for name in FREE_BY] for point in points]
     return [{"setting": knob.setting, "cheap": knob.cheap, "dear": knob.dear, "values": list(knob.values),
              "saved": knob.saved} for knob in free_knobs(settings, times, found, [floors[name] for name in FREE_BY])
             if knob.setting not in STOPPING]
 
 
-def _raster(rungs: Sequence[Rung]) -> Document | None:
-    """How far the real-time picture gets: plain image-based light, and the best of the raster in ten times its time."""
-    plain = [k for k, rung in enumerate(rungs) if rung.method == PLAIN]
+def _raster(points: Sequence[Point]) -> Document | None:
+    """How good a real-time picture gets: plain image-based light, and the best of the raster in ten times its time."""
+    plain = [k for k, point in enumerate(points) if point.method == PLAIN]
     if not plain:
         return None
-    most = 10 * rungs[plain[0]].record.facts["time_ms"]["median"]
-    drawn = [k for k, rung in enumerate(rungs)
-             if not rung.method.is_traced and rung.record.facts["time_ms"]["median"] <= most]
+    most = 10 * points[plain[0]].record.facts["time_ms"]["median"]
+    drawn = [k for k, point in enumerate(points)
+             if not point.method.is_traced and point.record.facts["time_ms"]["median"] <= most]
     result: Document = {"plain": plain[0], "most_ms": most}
     for name in MEASURES[:2]:
-        best = min(drawn, key=lambda k: getattr(rungs[k].errors, name))
-        ratio = getattr(rungs[best].errors, name) / max(getattr(rungs[plain[0]].errors, name), 1e-30)
+        best = min(drawn, key=lambda k: getattr(points[k].errors, name))
+        ratio = getattr(points[best].errors, name) / max(getattr(points[plain[0]].errors, name), 1e-30)
         result[name] = {"best": best, "ratio": ratio}
     return result

@@ -19,7 +19,7 @@ from ...scene.scene import Scene
 from ...settings import Settings
 from .bench import Bench
 from .command import command_line
-from .document import Document, find
+from .document import Document, make_findings
 from .page import write_report
 from .store import Store
 from .summary import write_summary
@@ -80,8 +80,9 @@ class ReportJob:
                 progress.say(f"{name}: comparing and writing")
                 return self._write(survey, model, folder)
             except Stopped:
-                say(f"{folder}: {len(survey.rungs)} points are measured and kept; the same command goes on from there")
-                if survey.reference is not None and survey.rungs:
+                count = len(survey.measured)
+                say(f"{folder}: {count} points are measured and kept; the same command continues from there")
+                if survey.reference is not None and survey.measured:
                     self._write(survey, model, folder)
                 raise
             finally:
@@ -91,7 +92,8 @@ class ReportJob:
         scene = survey.bench.scene
         facts = {"triangles": scene.triangle_count, "lights": len(scene.lights),
                  "environment": scene.environment.name if scene.environment is not None else None}
-        findings = find(survey, Path(model).name, lambda method: command_line(model, self.options, method), facts)
+        findings = make_findings(survey, Path(model).name,
+                                 lambda method: command_line(model, self.options, method), facts)
         write_report(folder, findings)
         return findings.document
 

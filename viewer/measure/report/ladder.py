@@ -1,7 +1,7 @@
-"""The methods there are of showing a scene, from the cheapest to the one that has no error but noise.
+"""The methods of rendering a scene, from the cheapest to path tracing, which has no error but noise.
 
-A method is data: changes of the settings, and in one case other lights. Which apply to a scene, and why others do not,
-is told by `ladder`; nothing is drawn here.
+A method is data: changes of the settings, and in one case other lights. `ladder` lists the methods that apply to a
+scene, and why others do not. Nothing is drawn here.
 """
 
 from __future__ import annotations
@@ -22,34 +22,34 @@ from ...scene.scene import Scene
 from ...settings import PATH_ONLY, RASTER_ONLY, Settings, setting_choices
 
 SPP = tuple(1 << k for k in range(13))
-"""Samples a pixel of the path-traced points; time decides how many of them are taken."""
+"""Samples per pixel of the path-traced points; how many of these are measured depends on the time."""
 TARGETS = (0.1, 0.05, 0.03, 0.02, 0.01)
-"""Estimated relative errors at which the adaptive points end."""
+"""Estimated relative errors at which adaptive path tracing stops."""
 KNOBS = ("multiscatter", "specular_aa", "fresnel")
-"""Settings of image-based light of which the other choices are measured, one at a time."""
-SHADOWS = "environment-shadows", "environment's shadows"
+"""Settings of which the choices beside the user's are measured, one at a time, with image-based light."""
+SHADOWS = "environment-shadows", "shadows of the environment"
 """Name and title."""
 OCCLUDED = ("none", "msaa-4", "ssaa-4")
-"""Antialiasing with which ambient occlusion is measured."""
+"""Choices of antialiasing with which ambient occlusion is measured."""
 SHADOWED = {"16": ("none", "msaa-4", "ssaa-4", "ssaa-9"), "64": ("msaa-4", "ssaa-4", "ssaa-9", "ssaa-16")}
-"""Lights of the environment that cast shadows, and antialiasing that is worth its time beside them."""
+"""How many lights of the environment cast shadows, and the choices of antialiasing to measure with them."""
 MANY = {"256": ("ssaa-4", "ssaa-16"), "1024": ("ssaa-16",)}
-"""Likewise, but so dear to prepare that they come last."""
-FOLLOWED = {"indirect": ("baked", "light between surfaces"), "reflections": ("traced", "traced reflections"),
-            "refraction": ("traced", "traced refraction")}
-"""Settings by which the raster follows light further, each with its dear choice and what to call that."""
+"""The same for so many lights that preparing takes long: these are measured last."""
+EFFECTS = {"indirect": ("baked", "indirect light"), "reflections": ("traced", "traced reflections"),
+           "refraction": ("traced", "traced refraction")}
+"""Settings that add an effect of light to the raster: the expensive choice of each, and its title."""
 INDIRECT = {"16": ("ssaa-4", "ssaa-9"), "64": ("ssaa-9",)}
-"""Lights and antialiasing, likewise, where light between surfaces is all that is done beside the shadows."""
+"""Lights and antialiasing as in SHADOWED, with indirect light and no other of EFFECTS."""
 TOGETHER = {"64": ("ssaa-4", "ssaa-9", "ssaa-16"), "256": ("ssaa-16",)}
-"""Lights and antialiasing where all of FOLLOWED is done at once."""
+"""Lights and antialiasing as in SHADOWED, with all of EFFECTS."""
 
 
 @dataclass(frozen=True)
 class Method:
-    """One way to make the picture.
+    """One way to render the picture.
 
-    `name` is the family, for scripts; `title` for people. `changes` are settings that differ from the user's, by name.
-    `lights`, where it is not None, stand in for the environment, beside the scene's own.
+    `name` is for scripts, `title` for people; several methods share them. `changes` are the settings that differ from
+    the user's, by name. If `lights` is not None, these take the place of the environment.
     """
 
     name: str
@@ -59,18 +59,18 @@ class Method:
 
     @property
     def slug(self) -> str:
-        """Distinct for each method of a ladder, fit for a file's name."""
+        """Distinct for each method of a ladder, and usable as a file name."""
         parts = [f"{key}-{value}" for key, value in self.changes.items() if key != "mode"]
         return "-".join([self.name, *parts]).replace("_", "-")
 
     @property
     def label(self) -> str:
-        """The title and what sets it apart from others of that title."""
+        """The title, and what distinguishes the method from others with that title."""
         return ", ".join([self.title, *filter(None, map(_words, self.changes, self.changes.values()))])
 
     @property
     def family(self) -> tuple[str, str]:
-        """Methods of one family differ in one setting that makes them dearer and dearer, or hardly at all."""
+        """Methods of one family differ in one setting that raises their cost step by step, or hardly in cost."""
         return self.name, self.changes.get("antialias", "")
 
     @property
@@ -78,22 +78,22 @@ class Method:
         return self.changes.get("mode") == "path"
 
     def settings(self, base: Settings) -> Settings:
-        """`base` with the changes, and without what is of no use to the method."""
+        """`base` with the changes; settings that the method ignores have their defaults."""
         idle = RASTER_ONLY if self.is_traced else PATH_ONLY
         return replace(base, **{name: getattr(Settings(), name) for name in idle} | self.changes)
 
     def scene(self, scene: Scene) -> Scene:
-        """The scene under the method's own lights, if it has some."""
+        """The scene, with the method's own lights if it has some."""
         return scene if self.lights is None else scene.relit(environment=None, lights=(*scene.lights, *self.lights))
 
 
 PLAIN = Method("ibl", "image-based light", {"environment_shadows": "off", "antialias": "msaa-4"})
-"""What others are held against."""
+"""What other methods of the raster are compared with."""
 
 
 @dataclass(frozen=True)
 class LeftOut:
-    """A method that is not measured, and why, in words."""
+    """A method that is not measured, and why."""
 
     method: str
     reason: str
@@ -109,7 +109,7 @@ class Ladder:
 
 
 def ladder(scene: Scene, settings: Settings, use_cache: bool = True) -> Ladder:
-    """What applies to `scene`; `settings` are the user's, of which mode and what is only for mode path do not count."""
+    """The methods that apply to `scene`. `settings` are the user's, whose mode and options of mode path are ignored."""
     left_out: list[LeftOut] = []
     baked: BakedEnvironment | None = None
     from_environment: tuple[Light, ...] = ()
@@ -135,7 +135,7 @@ def ladder(scene: Scene, settings: Settings, use_cache: bool = True) -> Ladder:
 
 
 def environment_lights(environment: Environment, baked: BakedEnvironment) -> tuple[Light, ...]:
-    """Its suns, or the one light that is nearest to all of it, as `--light` can say them: white."""
+    """White directional lights in place of the environment: its suns, or the one light that is nearest to all of it."""
     lights = baked.suns
     if not lights:
         key = ambient_and_key(baked.irradiance)[1]
@@ -144,26 +144,26 @@ def environment_lights(environment: Environment, baked: BakedEnvironment) -> tup
 
 
 def light_option(light: Light) -> str:
-    """AZ,EL,LUX of a light that `_as_option` made."""
+    """A light that `_as_option` made as AZ,EL,LUX for --light."""
     x, y, z = (-part for part in light.direction)
     return f"{math.degrees(math.atan2(x, z)):.1f},{math.degrees(math.asin(max(-1.0, min(1.0, y)))):.1f}," \
            f"{light.intensity:.4g}"
 
 
 def settings_of(method: Method, base: Settings) -> dict[str, Any]:
-    """All settings of a method that are not the defaults, as JSON has them."""
+    """The mode and all settings of a method that are not the defaults, ready for JSON."""
     settings, default = method.settings(base), Settings()
     return {f.name: _plain(getattr(settings, f.name)) for f in fields(Settings)
             if getattr(settings, f.name) != getattr(default, f.name) or f.name == "mode" or f.name in method.changes}
 
 
 def _words(name: str, value: object) -> str:
-    """What a change is called beside a title that implies some."""
+    """How a label names a change of the settings; "" for those that the title implies."""
     if name in ("mode", "denoise") or (name == "environment_shadows" and value == "off"):
         return ""
     if name == "spp":
         return f"{value} sample{'s' * (value != 1)} a pixel"
-    if name == "ambient_occlusion" or name in FOLLOWED:
+    if name == "ambient_occlusion" or name in EFFECTS:
         return ""
     if name == "antialias":
         return "no antialiasing" if value == "none" else str(value).upper().replace("-", " ")
@@ -177,7 +177,7 @@ def _plain(value: object) -> object:
 
 
 def _as_option(light: Light, rotation: float, intensity: float) -> Light:
-    """The light, turned and scaled with its environment, white, and with the digits that `light_option` has."""
+    """The light, rotated and scaled with its environment, white, and rounded as `light_option` writes it."""
     x, y, z = light.direction
     c, s = math.cos(rotation), math.sin(rotation)
     lux = light.intensity * intensity * float(light.color @ LUMINANCE)
@@ -203,43 +203,44 @@ def _image_based(scene: Scene, lights: Sequence[Light], settings: Settings,
     for antialias in OCCLUDED:
         yield Method("ambient-occlusion", "ambient occlusion", {"ambient_occlusion": "gtao", "antialias": antialias})
     yield from _shadowed(*SHADOWS, SHADOWED)
-    followed = dict(_followed(scene, lights, settings, left_out))
-    for name, value in followed.items():
-        yield Method(name, FOLLOWED[name][1], {"environment_shadows": "off", name: value, "antialias": "msaa-4"})
-    if "indirect" in followed:
-        yield from _shadowed("indirect", FOLLOWED["indirect"][1], INDIRECT, indirect=followed["indirect"])
-    if followed:
-        yield from _shadowed("together", "raster with everything", TOGETHER, **followed)
+    effects = dict(_effects(scene, lights, settings, left_out))
+    for name, value in effects.items():
+        yield Method(name, EFFECTS[name][1], {"environment_shadows": "off", name: value, "antialias": "msaa-4"})
+    if "indirect" in effects:
+        yield from _shadowed("indirect", EFFECTS["indirect"][1], INDIRECT, indirect=effects["indirect"])
+    if effects:
+        yield from _shadowed("together", "raster with all effects", TOGETHER, **effects)
     yield from _shadowed(*SHADOWS, MANY)
 
 
 def _distinct(methods: Iterable[Method]) -> list[Method]:
-    """The first of those that set the same: where light between surfaces is all there is, that is everything."""
+    """Without repetitions: if indirect light is the only effect, "all effects" is the same method."""
     first: dict[frozenset[tuple[str, Any]], Method] = {}
     for method in methods:
         first.setdefault(frozenset(method.changes.items()), method)
     return list(first.values())
 
 
-def _shadowed(name: str, title: str, rungs: Mapping[str, Sequence[str]], **changes: Any) -> Iterator[Method]:
-    for count, edges in rungs.items():
-        for antialias in edges:
+def _shadowed(name: str, title: str, choices: Mapping[str, Sequence[str]], **changes: Any) -> Iterator[Method]:
+    for count, antialiasing in choices.items():
+        for antialias in antialiasing:
             yield Method(name, title, {"environment_shadows": count, **changes, "antialias": antialias})
 
 
-def _followed(scene: Scene, lights: Sequence[Light], settings: Settings,
-              left_out: list[LeftOut]) -> Iterator[tuple[str, str]]:
-    """Of FOLLOWED the settings that change what is drawn, with their dear choices."""
+def _effects(scene: Scene, lights: Sequence[Light], settings: Settings,
+             left_out: list[LeftOut]) -> Iterator[tuple[str, str]]:
+    """Those of EFFECTS that change what is drawn, each with its expensive choice."""
+
     def draws(**changes: Any) -> object:
         changed = replace(settings, mode="pbr", **changes)
         return plan_scene(scene, changed, lights, samples=1, half_target=True, orthographic=False).draws
 
-    plain = draws(**{name: getattr(Settings(), name) for name in FOLLOWED})
-    for name, (value, title) in FOLLOWED.items():
-        if draws(**{other: getattr(Settings(), other) for other in FOLLOWED} | {name: value}) != plain:
+    plain = draws(**{name: getattr(Settings(), name) for name in EFFECTS})
+    for name, (value, title) in EFFECTS.items():
+        if draws(**{other: getattr(Settings(), other) for other in EFFECTS} | {name: value}) != plain:
             yield name, value
         else:
-            left_out.append(LeftOut(title, "nothing of the model calls for it"))
+            left_out.append(LeftOut(title, "it changes nothing in this scene"))
 
 
 def _traced(spp: int, left_out: list[LeftOut]) -> Iterator[Method]:

@@ -7,7 +7,7 @@ const OWN_OPTION = ["mode", "denoise"]; // settings that --set does not reach
 const HD = [1280, 720];
 const points = report.points;
 let chosen = 0, measure = "relmse_trimmed";
-let isKept = false; // whether passing over other points leaves the one that is chosen
+let isKept = false; // whether the chosen point stays chosen while the pointer moves over others
 
 const digits = (value, count = 2) =>
   value >= 10 ** count ? Math.round(value).toString() : Number(value.toPrecision(count)).toString();
@@ -50,28 +50,29 @@ async function copy(text, code, said) {
 }
 
 function tendency(point) {
-  if (["path", "path-adaptive"].includes(point.method)) return "as noise";
-  if (point.too_bright > 2 / 3) return "mostly too bright";
-  return point.too_bright < 1 / 3 ? "mostly too dark" : "too bright here and too dark there";
+  if (["path", "path-adaptive"].includes(point.method)) return "which is noise";
+  if (point.too_bright > 2 / 3) return "mostly where it is too bright";
+  return point.too_bright < 1 / 3 ? "mostly where it is too dark" : "partly too bright and partly too dark";
 }
 
 function wrong(point) {
   const {relmse_trimmed: error, flip} = point.error, floor = report.reference.floor.relmse_trimmed;
-  const doubt = error < 4 * floor ? ", much of which is the reference's own noise" : "";
-  return `off by about ${percent(error)} a pixel, ${tendency(point)}${doubt}; FLIP\u00a0${digits(flip)}`;
+  const doubt = error < 4 * floor ? ", and much of it is the reference's own noise" : "";
+  return `${percent(error)}, ${tendency(point)}${doubt}; FLIP\u00a0${digits(flip)}`;
 }
 
 function fillHeader() {
   $("title").textContent = report.scene;
-  $("summary").textContent = `${points.length} ways to show it at ${size(report.size)} on ${report.device}, ` +
-      `against ${report.reference.spp} path-traced samples a pixel` + (report.is_whole ? "" : " (interrupted)");
+  $("summary").textContent = `${points.length} methods of rendering this model at ${size(report.size)} on ` +
+      `${report.device}, compared with a path-traced reference of ${report.reference.spp} samples per pixel` +
+      (report.is_whole ? "." : ". The measurement was interrupted.");
   document.title = `${report.scene}: error against time`;
   const more = HD[0] * HD[1] / (report.size[0] * report.size[1]);
-  const larger = more < 1.5 ? "" : ` Larger pictures take longer: at ${size(HD)}, ${digits(more)} times the pixels, up ` +
-      `to ${digits(more)} times as long.`;
-  $("scope").textContent = `All times are at ${size(report.size)} on ${report.device}` +
-      `${report.is_software ? ", that is, on the processor" : ""}.${larger} For other sizes and times, ` +
-      `pbr-viewer render MODEL --size WIDTHxHEIGHT --time-budget SECONDS chooses by itself.`;
+  const larger = more < 1.5 ? "" : ` Larger pictures take longer: ${size(HD)} has ${digits(more)} times as many ` +
+      `pixels and takes up to ${digits(more)} times as long.`;
+  $("scope").textContent = `All times were measured at ${size(report.size)} on ${report.device}` +
+      `${report.is_software ? ", which renders on the processor" : ""}.${larger} For other sizes and times, ` +
+      `pbr-viewer render MODEL --size WIDTHxHEIGHT --time-budget SECONDS chooses a method.`;
 }
 
 function fillRecommendations() {
@@ -85,16 +86,18 @@ function fillRecommendations() {
     const text = element("dd", "", line), sentence = element("p", "", text);
     if (index === null) {
       const fastest = points[0], took = fastest.time_ms.median;
-      sentence.textContent = `Nothing is so fast here: the fastest, ${fastest.label}, takes ${time(took)}${rate(took)}.`;
+      sentence.textContent = `No method is fast enough. The fastest, ${fastest.label}, takes ` +
+          `${time(took)}${rate(took)}.`;
     } else if (before && before.index === index) {
-      sentence.textContent = `Nothing better was measured than ${points[index].label}, as for ${before.name}.`;
+      sentence.textContent = `No better method was measured than ${points[index].label}, as for ${before.name}.`;
     } else {
       const point = points[index], took = point.time_ms.median;
       element("b", point.label, sentence);
       const by = measure === "relmse_trimmed" || measure === "flip" ? "" :
-          `, ${MEASURES[measure]} ${digits(point.error[measure])}`;
-      const first = point.ready_s > took / 1e3 ? `, the first ${time(1000 * point.ready_s)} more to get ready,` : "";
-      sentence.append(` takes ${time(took)} a picture${rate(took)}${first} and is ${wrong(point)}${by}.`);
+          `; ${MEASURES[measure]} ${digits(point.error[measure])}`;
+      const first = point.ready_s > took / 1e3 ? ` The first picture takes ${time(1000 * point.ready_s)} more.` : "";
+      sentence.append(` takes ${time(took)} per picture${rate(took)}.${first} Its relative error is ` +
+          `${wrong(point)}${by}.`);
       const command = commandLine(point.command, text);
       button("Show", command, () => { hold(index); $("charts").scrollIntoView({block: "nearest"}); });
       before = {index, name};
@@ -125,38 +128,40 @@ function fillNotes() {
     element("li", `${change} saves ${range} % of the time: ${knobs.map(effect).join("; ")}`, $("knobs"));
   }
   if (!report.knobs.length)
-    element("li", "Nothing was found: every setting that costs time lowers the error.", $("knobs"));
+    element("li", "None: every setting that costs time reduces the error.", $("knobs"));
   const reference = report.reference, floor = reference.floor;
   const how = [
     `Device: ${report.device}, OpenGL ${report.opengl} (${report.backend}); pbr-viewer ${report.version}.`,
-    `Scene: ${report.triangles} triangles, environment ${report.environment || "none"}. Errors are over the ` +
-        `${report.model_pixels} pixels in which the model is; the background, the same in all, does not count.`,
-    `Reference: path traced with ${reference.spp} samples a pixel in two independent halves, ` +
-        `${digits(reference.seconds)} s. By how far they are apart, it is itself off by about ` +
-        `${percent(floor.relmse_trimmed)} a pixel: that adds to every point a relMSE of ` +
-        `${digits(reference.relmse_floor)}, trimmed ${digits(floor.relmse_trimmed)}, an RMSE of ${digits(floor.rmse)} ` +
-        `and a FLIP of ${digits(floor.flip)}, and is not subtracted.`,
+    `Scene: ${report.triangles} triangles, environment ${report.environment || "none"}. Errors are means over the ` +
+        `${report.model_pixels} pixels that show the model. The background is the same for all methods and does not ` +
+        "count.",
+    `Reference: path traced with ${reference.spp} samples per pixel in two independent halves, in ` +
+        `${digits(reference.seconds)} s. The difference of the halves shows that the reference itself has a relative ` +
+        `error of about ${percent(floor.relmse_trimmed)}. This noise adds a relMSE of ` +
+        `${digits(reference.relmse_floor)} (trimmed ${digits(floor.relmse_trimmed)}), an RMSE of ` +
+        `${digits(floor.rmse)} and a FLIP of ${digits(floor.flip)} to every measurement. It is not subtracted.`,
     "relMSE is the mean of (x - r)² / (r² + 0.01) over linear radiance, before exposure and tone map. A few pixels " +
-        "can be most of it: trimmed, it leaves out the worst 0.1 % of them. RMSE is in units of radiance. FLIP is of " +
-        "the pictures as displayed.",
-    "A time is the median of the runs after warm-up, by the wall clock, with the device finished; of a raster frame " +
-        "with everything prepared, of a path-traced picture from its beginning with the scene prepared.",
-    `Preparing, once for a scene: raster up to ${time(1000 * prepared(false))}, path tracer up to ` +
-        `${time(1000 * prepared(true))}.`,
-    "Pictures in this page are compressed (WebP); figures are from the full ones, beside it in measured/.",
+        "can dominate it, so the trimmed relMSE leaves out the worst 0.1 % of them. RMSE is in units of radiance. " +
+        "FLIP compares the pictures as displayed.",
+    "A time is the median of several runs after a warm-up, by the wall clock, until the device has finished. The " +
+        "scene is prepared before. A path-traced picture is timed from its first sample to its display.",
+    `Preparing the scene takes up to ${time(1000 * prepared(false))} for the raster and up to ` +
+        `${time(1000 * prepared(true))} for the path tracer, once.`,
+    "The pictures in this page are compressed (WebP). The figures are from the uncompressed pictures in the folder " +
+        "measured/ beside this page.",
   ];
   for (const line of how) element("li", line, $("how"));
-  $("more-time").textContent = `All of this took ${digits(report.measured_s)} s to measure; with more time (--within ` +
-      `SECONDS) there are more points and a better reference.`;
+  $("more-time").textContent = `Measuring took ${digits(report.measured_s)} s. More time (--within SECONDS) gives ` +
+      `more points and a better reference.`;
   for (const out of report.left_out) element("li", `${out.method}: ${out.reason}`, $("left-out"));
-  if (!report.left_out.length) element("li", "nothing", $("left-out"));
+  if (!report.left_out.length) element("li", "none", $("left-out"));
 }
 
 function grouped(knobs) {
   const groups = new Map();
   for (const knob of knobs) {
     const name = knob.setting.replace("_", "-"), [cheap, dear] = knob.values;
-    const change = knob.setting === "lights" ? "Lights alone instead of all the environment" :
+    const change = knob.setting === "lights" ? "Using lights instead of the whole environment" :
         `${OWN_OPTION.includes(name) ? `--${name} ` : `--set ${name}=`}${cheap} instead of ${dear}`;
     groups.set(change, [...(groups.get(change) || []), knob]);
   }
@@ -165,7 +170,7 @@ function grouped(knobs) {
 
 function effect(knob) {
   const [before, after] = [knob.dear, knob.cheap].map(index => percent(points[index].error.relmse_trimmed));
-  return `${points[knob.dear].label} (off by ${before}, then ${after})`;
+  return `${points[knob.dear].label} (relative error ${before} before, ${after} after)`;
 }
 
 function prepared(isTraced) {
@@ -182,15 +187,15 @@ function choose(index) {
   $("picture").alt = point.label;
   $("map").src = pictures.maps[index];
   const facts = {
-    "Time": time(t.median) + (t.n > 1 ? `, 80 % between ${time(t.p10)} and ${time(t.p90)}, ${t.n} runs` : ", one run"),
-    "Error": wrong(point),
-    "Measured": Object.entries(MEASURES).map(([name, title]) => `${title} ${digits(error[name])}`).join(", "),
-    "Too bright": `${Math.round(100 * point.too_bright)} % of relMSE is where it is brighter than the reference`,
-    "Preparing": `about ${time(1000 * point.ready_s)}, once for a scene`,
+    "Time": time(t.median) + (t.n > 1 ? `; 80 % of ${t.n} runs took ${time(t.p10)} to ${time(t.p90)}` : ", one run"),
+    "Relative error": wrong(point),
+    "Measures": Object.entries(MEASURES).map(([name, title]) => `${title} ${digits(error[name])}`).join(", "),
+    "Too bright": `${Math.round(100 * point.too_bright)} % of relMSE comes from pixels brighter than the reference`,
+    "Preparing": `about ${time(1000 * point.ready_s)}, once per scene`,
     "Settings": Object.entries(point.settings).map(([name, value]) => `${name} ${value}`).join(", "),
   };
-  if (point.spp) facts["Samples"] = `${digits(point.spp, 3)} a pixel, ${point.rays} rays`;
-  if (point.bad_pixels) facts["Not finite"] = `${point.bad_pixels} pixels, counted as black`;
+  if (point.spp) facts["Samples"] = `${digits(point.spp, 3)} per pixel, ${point.rays} rays`;
+  if (point.bad_pixels) facts["Not finite"] = `${point.bad_pixels} pixels, which count as black`;
   $("facts").replaceChildren();
   for (const name in facts) { element("dt", name, $("facts")); element("dd", facts[name], $("facts")); }
   $("command-line").replaceChildren();
@@ -200,8 +205,8 @@ function choose(index) {
 function hold(index) {
   isKept = index !== null;
   if (isKept) choose(index);
-  $("hint").textContent = isKept ? "This point is kept; click on it again to let others be shown in passing." :
-    "Point at one to see its picture, click to keep it. Or by keys: arrows, Home and End go from one to the next.";
+  $("hint").textContent = isKept ? "This point stays selected. Click it again to select others by pointing at them." :
+    "Point at a mark to see its picture; click to keep it selected. The arrow keys, Home and End move between marks.";
 }
 
 function show(name) {

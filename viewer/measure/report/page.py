@@ -12,9 +12,10 @@ import numpy as np
 
 from ...base.atomic import atomic_write, write_json
 from ..compare.difference import magma
+from ..drawing import to_svg
+from ..drawing_png import save_png
 from ..html_page import html_page
-from .chart import error_chart, to_svg
-from .chart_png import save_png
+from .chart import error_chart
 from .document import Findings
 from .errors import MEASURES
 
@@ -39,8 +40,8 @@ def write_report(folder: Path, findings: Findings) -> None:
 def _page(findings: Findings, drawings: dict[str, str]) -> str:
     pictures = {
         "reference": _encoded(findings.reference.srgb, _PICTURE),
-        "points": [_encoded(rung.image.srgb, _PICTURE) for rung in findings.rungs],
-        "maps": [_encoded(magma(rung.errors.map), _MAP) for rung in findings.rungs],
+        "points": [_encoded(point.image.srgb, _PICTURE) for point in findings.points],
+        "maps": [_encoded(magma(point.errors.map), _MAP) for point in findings.points],
     }
     charts = "".join(f'<div class="chart" data-measure="{name}">{svg}</div>' for name, svg in drawings.items())
     body = fill("page.html", {"SCRIPT": resource("page.js"), "CHARTS": charts, "REPORT": embedded(findings.document),

@@ -30,7 +30,7 @@ def _row(link: str, report: Mapping[str, Any]) -> str:
     cells = [f'<a href="{link}/index.html">{html.escape(report["scene"])}</a>', str(report["triangles"]),
              _percent(report["reference"]["floor"][MEASURES[0]])]
     for row in report["recommend"]:
-        cells.append("nothing is so fast" if row["point"] is None else _choice(report["points"][row["point"]]))
+        cells.append("no method is fast enough" if row["point"] is None else _choice(report["points"][row["point"]]))
     raster = report["raster"]
     if raster is None:
         cells.append("")
@@ -41,10 +41,10 @@ def _row(link: str, report: Mapping[str, Any]) -> str:
 
 
 def _choice(point: Mapping[str, Any]) -> str:
-    return (f"{html.escape(point['label'])}<br><small>{spell_time(point['time_ms']['median'])}, off by "
+    return (f"{html.escape(point['label'])}<br><small>{spell_time(point['time_ms']['median'])}, relative error "
             f"{_percent(point['error'][MEASURES[0]])}</small>")
 
 
 def _percent(relmse: float) -> str:
-    """The relative error of a pixel, about: the root of relMSE."""
+    """The typical relative error of a pixel: the root of relMSE."""
     return f"{float(f'{100 * relmse**0.5:.2g}'):g} %"

@@ -1,4 +1,4 @@
-"""One model measured: every method of the ladder that there is time for, and the reference."""
+"""Measures one model: every method of the ladder that there is time for, and the reference."""
 
 from __future__ import annotations
 
@@ -6,48 +6,48 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ...base.digest import code_digest, digest
 from ...base.progress import Progress
 from ...errors import InputError, UsageError
 from .bench import Bench
-from .digest import code_digest, digest
 from .errors import trimmed_floor, trimmed_relmse
 from .ladder import Ladder, LeftOut, Method, ladder
-from .patience import is_met_by_pilot, longest, reason_against
 from .reference import LEAST_SPP, Reference, ReferenceMaker
 from .store import Record, Store
-from .timing import of_pictures
+from .time_limit import Measured, ends_before_adapting, longest, reason_against
+from .timing import picture_effort
 
-RASTER_SHARE, POINTS_SHARE, LONG_SHARE = 0.3, 0.55, 0.75
-"""Of the time, what points of the raster may take, all points that are climbed to one by one, and all points; the
-reference gets what is left."""
+RASTER_SHARE, LADDER_SHARE, METHODS_SHARE = 0.3, 0.55, 0.75
+"""Shares of the time for the raster's methods, for all methods in the order of the ladder, and for these and the long
+pictures. The reference gets the rest."""
 LEAST_SHARE = 0.1
-"""What path-traced points get of each kind, however long the raster took to prepare."""
+"""What path tracing gets for its part of the ladder, and again for long pictures, even if the raster took longer."""
 LONG = ("path", "path+oidn", "path+fast")
-"""The methods of which a picture is wanted that takes about as long as is ever recommended."""
+"""Methods of which a long picture is rendered: one that takes about the longest time of the recommendations."""
 FLOOR_SHARE = 0.1
 """A reference is good enough when its floor is this share of the best picture's error."""
 
 
 @dataclass(eq=False)
 class Survey:
-    """What was measured of a scene; `mask` (H, W) bool tells where the model is."""
+    """What was measured of a scene; `mask` (H, W) bool is true where the model is."""
 
     bench: Bench
-    rungs: list[tuple[Method, Record]] = field(default_factory=list)
+    measured: list[Measured] = field(default_factory=list)
     left_out: list[LeftOut] = field(default_factory=list)
     mask: np.ndarray | None = None
     reference: Reference | None = None
     is_whole: bool = False
-    """Whether all was measured that there was to be."""
+    """Whether it was not interrupted."""
 
     @property
     def seconds(self) -> float:
-        """What all of it has taken, in this run or earlier ones."""
-        return sum(record.seconds for _, record in self.rungs) + (self.reference.seconds if self.reference else 0.0)
+        """What measuring took, in this run and in earlier ones whose results were kept."""
+        return sum(record.seconds for _, record in self.measured) + (self.reference.seconds if self.reference else 0.0)
 
 
 class Surveyor:
-    """Measuring may take `bench.limit` in all, what earlier runs took included."""
+    """Measuring may take `bench.limit` seconds, those of earlier runs included."""
 
     def __init__(self, bench: Bench, store: Store, name: str, progress: Progress, use_cache: bool = True) -> None:
         self._bench, self._store, self._name, self._progress = bench, store, name, progress
@@ -57,20 +57,20 @@ class Surveyor:
         self.survey = Survey(bench)
 
     def run(self) -> None:
-        """Fills `survey`, which holds what there is also when this is interrupted.
+        """Fills `survey`; if this is interrupted, it holds what was measured before.
 
         Raises InputError where nothing of the model is in the picture.
         """
         survey, bench = self.survey, self._bench
         self._tell("preparing")
         survey.mask = self._coverage()
-        steps = ladder(bench.scene, bench.settings, self._use_cache)
-        survey.left_out += steps.left_out
+        methods = ladder(bench.scene, bench.settings, self._use_cache)
+        survey.left_out += methods.left_out
         maker = ReferenceMaker(bench, self._store, self._key)
         if maker.spp:
             self._take(maker.reference())
-        self._climb(steps)
-        self._leap(steps)
+        self._measure_ladder(methods)
+        self._measure_long_pictures(methods)
         self._converge(maker)
         survey.is_whole = True
 
@@ -89,44 +89,46 @@ class Surveyor:
             self._store.save("coverage", self._key, kept)
         return kept.picture[..., 0] > 0
 
-    def _climb(self, steps: Ladder) -> None:
+    def _measure_ladder(self, methods: Ladder) -> None:
+        """Each method in turn; once one of a family takes too long, the others are left out."""
         survey = self.survey
         given_up: set[tuple[str, str]] = set()
-        for method in (*steps.raster, *steps.traced):
+        for method in (*methods.raster, *methods.traced):
             if self._store.load(method.slug, self._key) is None:
-                if method.family in given_up or is_met_by_pilot(method, survey.rungs):
+                if method.family in given_up or ends_before_adapting(method, survey.measured):
                     continue
-                left = self._left(POINTS_SHARE if method.is_traced else RASTER_SHARE)
+                left = self._left(LADDER_SHARE if method.is_traced else RASTER_SHARE)
                 if method.is_traced:
                     left = max(left, LEAST_SHARE * self._limit - self._traced_seconds())
-                reason = reason_against(method, survey.rungs, left, of_pictures(self._limit))
+                reason = reason_against(method, survey.measured, left, picture_effort(self._limit))
                 if reason:
-                    steps_on = ", and the next steps" if "spp" in method.changes else ""
-                    survey.left_out.append(LeftOut(method.label + steps_on, reason))
+                    and_more = ", and more samples" if "spp" in method.changes else ""
+                    survey.left_out.append(LeftOut(method.label + and_more, reason))
                     given_up.add(method.family)
                     continue
             try:
-                survey.rungs.append((method, self._measured(method)))
+                survey.measured.append((method, self._measured(method)))
             except UsageError as error:  # more samples a pixel than this OpenGL has for so large a picture
                 survey.left_out.append(LeftOut(method.label, str(error)))
 
-    def _leap(self, steps: Ladder) -> None:
-        """Somebody who has ten seconds is to be told of a picture that takes them: past steps that there is no time
-        for, to the most samples that this budget has room for."""
+    def _measure_long_pictures(self, methods: Ladder) -> None:
+        """One picture each that takes about as long as the longest recommendation, for who has that time.
+
+        The ladder may have ended long before, since it takes every number of samples in turn."""
         survey = self.survey
-        climbed = self._traced_seconds()
+        before = self._traced_seconds()
         for name in LONG:
-            leapt = self._traced_seconds() - climbed
-            left = max(self._left(LONG_SHARE), LEAST_SHARE * self._limit - leapt)
-            method = longest([method for method in steps.traced if method.name == name], survey.rungs, left)
+            spent = self._traced_seconds() - before
+            left = max(self._left(METHODS_SHARE), LEAST_SHARE * self._limit - spent)
+            method = longest([method for method in methods.traced if method.name == name], survey.measured, left)
             if method is not None:
-                survey.rungs.append((method, self._measured(method)))
+                survey.measured.append((method, self._measured(method)))
 
     def _left(self, share: float) -> float:
-        return share * self._limit - sum(record.seconds for _, record in self.survey.rungs)
+        return share * self._limit - sum(record.seconds for _, record in self.survey.measured)
 
     def _traced_seconds(self) -> float:
-        return sum(record.seconds for method, record in self.survey.rungs if method.is_traced)
+        return sum(record.seconds for method, record in self.survey.measured if method.is_traced)
 
     def _measured(self, method: Method) -> Record:
         self._tell(method.label)
@@ -157,25 +159,25 @@ class Surveyor:
             self._take(maker.reference())
 
     def _take(self, reference: Reference) -> None:
-        """For the truth, where it is finite: light can be more than numbers hold."""
+        """Compare with this reference from now on, where it is finite: radiance may exceed what float32 holds."""
         survey = self.survey
         survey.reference = reference
         survey.mask &= np.isfinite(reference.halves.first + reference.halves.second).all(axis=-1)
         if not survey.mask.any():
-            raise InputError(self._name, "", "its light is more than numbers hold: there is nothing to compare with")
+            raise InputError(self._name, "", "its radiance exceeds what float32 holds: nothing can be compared")
 
     def _is_good_enough(self) -> bool:
         survey = self.survey
         assert survey.reference is not None and survey.mask is not None
         reference, mask = survey.reference, survey.mask
         floor = trimmed_floor(reference.halves, mask)
-        best = min(trimmed_relmse(record.picture, reference.linear, mask) for _, record in survey.rungs)
+        best = min(trimmed_relmse(record.picture, reference.linear, mask) for _, record in survey.measured)
         return floor <= FLOOR_SHARE * best
 
     def _seconds_per_sample(self, maker: ReferenceMaker) -> float:
-        """Of one sample of every pixel, by the reference so far or the longest path-traced picture; 0: not known."""
+        """For one sample of every pixel, from the reference so far or the longest path-traced picture; 0: unknown."""
         if maker.spp:
             return maker.seconds / maker.spp
         rates = [record.facts["time_ms"]["median"] / 1e3 / record.facts["spp"]
-                 for method, record in self.survey.rungs if method.name == "path"]
+                 for method, record in self.survey.measured if method.name == "path"]
         return rates[-1] if rates else 0.0

@@ -1,4 +1,4 @@
-"""How long a picture takes: many runs after warm-up, the device finished before the clock stops."""
+"""How long a picture takes: many runs after a warm-up, timed until the device has finished."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Timing:
-    """Milliseconds by the wall clock over `n` runs; with one run all three are that."""
+    """Milliseconds by the wall clock: median and percentiles of `n` runs, which are equal if there is one run."""
 
     median: float
     p10: float
@@ -40,20 +40,26 @@ class Effort:
     seconds: float
     once_s: float = float("inf")
 
+    def is_enough(self, runs: int, seconds: float) -> bool:
+        """Whether no more runs are due after so many, which took so long together."""
+        return runs >= self.most or (runs >= self.least and seconds >= self.seconds)
 
-def of_frames(limit: float) -> Effort:
-    """How often a real-time frame is drawn where all measuring may take `limit` seconds."""
+
+def frame_effort(limit: float) -> Effort:
+    """How often a real-time frame is drawn if all measuring may take `limit` seconds."""
     return Effort(least=7, most=60, seconds=limit / 200)
 
 
-def of_pictures(limit: float) -> Effort:
-    """Likewise a path-traced picture."""
+def picture_effort(limit: float) -> Effort:
+    """How often a path-traced picture is rendered if all measuring may take `limit` seconds."""
     return Effort(least=3, most=9, seconds=limit / 200, once_s=limit / 50)
 
 
 def measure(run: Callable[[], None], effort: Effort, tidy: Callable[[], None] = lambda: None) -> Timing:
-    """`run` is to return when its work is done, the device's included; it is warm already. `tidy` follows each run, off
-    the clock."""
+    """Time `run`, which returns when its work and the device's is done, and was run before.
+
+    `tidy` follows each run and is not timed.
+    """
     seconds: list[float] = []
     started = time.perf_counter()
     while True:
@@ -62,6 +68,5 @@ def measure(run: Callable[[], None], effort: Effort, tidy: Callable[[], None] = 
         now = time.perf_counter()
         seconds.append(now - begun)
         tidy()
-        is_enough = len(seconds) >= effort.least and now - started >= effort.seconds
-        if is_enough or len(seconds) >= effort.most or seconds[0] > effort.once_s:
+        if effort.is_enough(len(seconds), now - started) or seconds[0] > effort.once_s:
             return Timing.of(seconds)

@@ -1,1 +1,0 @@
-"""What the renderer approximates, piece by piece: the error and the cost of each way to do it."""
