@@ -112,8 +112,7 @@ class Settings:
     reflections: Literal["environment", "traced"] = _option(
         "environment", "what surfaces mirror; traced: also of the model itself, by a ray from each point shaded")
     refraction: Literal["screen", "traced"] = _option(
-        "screen", "how light goes through bodies of glass; traced: from surface to surface, by two paths from each "
-        "point shaded")
+        "screen", "refraction in solid glass; traced: from surface to surface, by two paths from each shaded point")
     specular_aa: Literal["on", "off"] = _option(
         "off", "widen highlights that are finer than a pixel: calmer in motion, but farther from the truth")
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8", "ssaa-4", "ssaa-9", "ssaa-16"] = _option(

@@ -13,11 +13,11 @@
 #if VISIBILITY
 #include "raster/visibility.glsl"
 #endif
-#if TRACED
+#if TRACED_REFLECTION
 #include "raster/traced_reflection.glsl"
 #endif
-#if TRACED_BODIES
-#include "raster/traced_body.glsl"
+#if TRACED_REFRACTION
+#include "raster/traced_refraction.glsl"
 #endif
 #if LIGHT_COUNT > 0
 #include "light/punctual.glsl"
@@ -105,7 +105,7 @@ void main() {
 #endif
     vec3 f0 = dielectric_f0(m.ior, weight, m.specular_color);
 #if HAS_TRANSMISSION && !IS_SOLID
-    f0 = mix(f0, wall_f0(f0), m.transmission);
+    f0 = mix(f0, thin_walled_f0(f0), m.transmission);
 #endif
     s.dielectric = make_interface(f0, vec3(weight), dfg, dfg_over_hemisphere);
 #endif

@@ -39,7 +39,7 @@ vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, vec4 visibl
 #endif
     mean_light = environment_irradiance_over_pi(s.n);
 #endif
-#if TRACED
+#if TRACED_REFLECTION
     mat2x3 open = specular; // what nothing hides
 #endif
 #if OCCLUSION_MAP
@@ -53,13 +53,13 @@ vec3 shade_environment(Surface s, vec3 n_geometric, float occlusion, vec4 visibl
 #if INDIRECT
     add_indirect(s.NoV, s.alpha, specular, mean_light);
 #endif
-#if TRACED
+#if TRACED_REFLECTION
     vec4 met = traced_reflection(v_position, n_geometric);
     float traced = traced_share(s.perceptual_roughness);
     for (int k = 0; k < 2; ++k) specular[k] = mix(specular[k], (1.0 - met.a) * open[k] + met.rgb, traced);
 #endif
-#if TRACED_BODIES
-    vec4 mirrored = traced_body(u_mirrored, n_geometric);
+#if TRACED_REFRACTION
+    vec4 mirrored = traced_light(u_mirrored, n_geometric);
     float share = mirrored.a >= 0.0 ? 1.0 - smoothstep(0.2, 0.5, s.perceptual_roughness) : 0.0; // of a lobe one ray is
     for (int k = 0; k < 2; ++k) specular[k] = mix(specular[k], mirrored.rgb, share);
 #endif

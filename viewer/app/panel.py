@@ -106,7 +106,7 @@ class Panel:
             self._switch("Multiple scattering", "multiscatter")
             self._choice("Environment's shadows", "environment_shadows")
             self._choice("Ambient occlusion", "ambient_occlusion")
-            self._choice("Light between surfaces", "indirect")
+            self._choice("Indirect light", "indirect")
             self._choice("Reflections", "reflections")
             self._choice("Refraction", "refraction")
             self._switch("Specular antialiasing", "specular_aa")

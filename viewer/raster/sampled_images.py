@@ -1,4 +1,4 @@
-"""Which images a plan samples, and which of their channels."""
+"""The images that a plan samples, and their channels."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from ..settings import Settings
 
 
 def decode_ahead(scene: Scene, settings: Settings) -> Decoder:
-    """Begin with the images that a picture of `scene` will sample, before there is a context to draw it with."""
-    # Which maps are sampled depends neither on the target nor on the lights.
+    """Begin to decode the images that a picture of `scene` samples, before there is an OpenGL context."""
+    # The maps that are sampled depend neither on the target nor on the lights.
     plan = plan_scene(scene, settings, (), samples=1, half_target=False, orthographic=False)
     return Decoder(sampled_images(scene, plan, channels_read(scene, plan, {})))
 
@@ -23,9 +23,9 @@ def decode_ahead(scene: Scene, settings: Settings) -> Decoder:
 def channels_read(
     scene: Scene, plan: Plan, before: Mapping[tuple[TextureImage, bool], str]
 ) -> dict[tuple[TextureImage, bool], str]:
-    """The channels of each image that some map reads, in this plan or `before`: R, RGB or RGBA.
+    """The channels, R, RGB or RGBA, of each image that some map of this plan reads, or has read `before`.
 
-    An image used twice (occlusion and roughness) is stored once.
+    An image that two maps share (occlusion and roughness) is stored once.
     """
     reads = {image: set(channels) for image, channels in before.items()}
     for draw in plan.draws:

@@ -63,21 +63,21 @@ class Surfaces:
         self.textures.upload()
 
     def light_vertices(self, light: VertexLight) -> None:
-        """Take the light that vertices get from other surfaces."""
+        """Take the indirect light of all vertices."""
         if not self._indirect:
             self._indirect = [self._gl.buffer(reserve=max(values.nbytes, 16)) for values in light.per_instance]
         for buffer, values in zip(self._indirect, light.per_instance, strict=True):
             buffer.write(np.ascontiguousarray(values))
 
     def draw_gbuffer(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> None:
-        """Draw where those surfaces are that passes look from, and how they lie: shaders/raster/gbuffer.frag."""
+        """Draw the G-buffer of the surfaces that need one: shaders/raster/gbuffer.frag."""
         draws = [replace(d, program=_gbuffer_program(d.program)) for d in plan.draws if d.is_in_gbuffer]
         self._draw_solid(draws, frame, plan, frame_uniforms)
 
     def draw_refraction_rays(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> None:
-        """Draw the rays that go on in the fronts of bodies: shaders/raster/refraction_rays.frag."""
-        bodies = [draw for draw in plan.draws if draw.is_traced_body]
-        self._draw_solid([replace(draw, program=_path_program(draw.program)) for draw in bodies], frame, plan,
+        """Draw the first rays of the paths through solid glass: shaders/raster/refraction_rays.frag."""
+        solids = [draw for draw in plan.draws if draw.traces_refraction]
+        self._draw_solid([replace(draw, program=_path_program(draw.program)) for draw in solids], frame, plan,
                          frame_uniforms)
 
     def draw_opaque(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
@@ -85,7 +85,7 @@ class Surfaces:
         return self._draw_solid([d for d in plan.draws if not d.transmits], frame, plan, frame_uniforms)
 
     def draw_transmissive(self, kind: int, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
-        """Draw what transmits light and does not blend, walls (1) or bodies (2), before the picture in the uniforms."""
+        """Draw the THIN_WALLED or SOLID surfaces that do not blend; the uniforms have the picture behind them."""
         return self._draw_solid([d for d in plan.draws if d.transmits == kind], frame, plan, frame_uniforms)
 
     def _draw_solid(self, draws: list[Draw], frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
@@ -201,16 +201,16 @@ class Surfaces:
 
 
 def _gbuffer_program(program: Program) -> Program:
-    return Program("raster/gbuffer.frag", _lie(program))
+    return Program("raster/gbuffer.frag", _geometry_switches(program))
 
 
 def _path_program(program: Program) -> Program:
-    switches = {**dict(_lie(program)), "IS_ORTHOGRAPHIC": program["IS_ORTHOGRAPHIC"]}
+    switches = {**dict(_geometry_switches(program)), "IS_ORTHOGRAPHIC": program["IS_ORTHOGRAPHIC"]}
     return Program("raster/refraction_rays.frag", tuple(sorted(switches.items())))
 
 
-def _lie(program: Program) -> tuple[tuple[str, int], ...]:
-    """Of the switches only those that say where a surface is and how it lies, so that many materials share one."""
+def _geometry_switches(program: Program) -> tuple[tuple[str, int], ...]:
+    """The switches on which position, normal and roughness depend, so that many materials share one program."""
     switches = dict(program.switches)
     maps = {"normal", "metallic_roughness"} | ({"base_color"} if switches["ALPHA_MODE"] else set())
     switches = no_switches() | {name: switches[name] for name in _GBUFFER_SWITCHES} | {"INDIRECT": 0} | {
