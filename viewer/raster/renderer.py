@@ -44,9 +44,10 @@ _BLACK = Environment("black", np.zeros((512, 1024, 3), np.float32))
 class Renderer:
     """Draws scenes with one OpenGL context.
 
-    It keeps the textures and buffers of the last scene and the programs of all. Scenes are told apart by identity:
-    derive a changed one with `dataclasses.replace`, and what the two share is not uploaded again. `use_cache` allows
-    environments' bakes to be kept on disk; `measure` waits for each pass to finish and keeps its time in `pass_ms`.
+    It keeps the textures and buffers of the last scene, and all programs. Meshes, images and environments are compared
+    by identity: derive a changed scene with `dataclasses.replace`, and what the two share is neither decoded nor
+    uploaded again. `use_cache` allows to keep baked environments on disk; `measure` waits for each pass to finish and
+    stores its time in `pass_ms`.
     """
 
     def __init__(self, context: Context, use_cache: bool = True, measure: bool = False) -> None:
@@ -68,7 +69,7 @@ class Renderer:
         self._visibility = VisibilityPass(self._gl, self.programs)
         self._reflections = TracedReflections(context, self.programs)
         self._refraction = TracedRefraction(context, self.programs)
-        self._surfaces: Surfaces | None = None
+        self._surfaces = Surfaces(context, self.programs)
         self._indirect_key: tuple[object, ...] | None = None
         self._environment: EnvironmentLight | None = None
         self._ahead: Decoder | None = None
@@ -85,8 +86,8 @@ class Renderer:
         self._ahead = ahead
 
     def holds(self, scene: Scene) -> bool:
-        """Whether the last frame was of this scene, but for its lights."""
-        return self._surfaces is not None and self._surfaces.holds(scene)
+        """Whether the last frame showed this scene, perhaps under other lights."""
+        return self._surfaces.holds(scene)
 
     def render(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> Image:
         """The picture in full precision: linear radiance in single floats, and as displayed."""
@@ -104,7 +105,7 @@ class Renderer:
     @property
     def texture_bytes(self) -> int:
         """About what the scene's textures take on the GPU."""
-        return self._surfaces.textures.bytes if self._surfaces is not None else 0
+        return self._surfaces.textures.bytes
 
     def read_radiance(self) -> np.ndarray:
         """The frame drawn last, (H, W, 4) float32 of the target's precision, with nothing laid behind it."""
@@ -250,13 +251,11 @@ class Renderer:
             self._indirect_key = key
 
     def _prepare_surfaces(self, scene: Scene) -> None:
-        if self._surfaces is None or not self._surfaces.holds(scene):
-            self._release(self._surfaces, *self._shadows)
-            self._visibility.drop_shadows()
-            self._surfaces = Surfaces(self.context, scene, self.programs, self._ahead)
-            self._indirect_key = None
-            self._ahead, self._shadows, self._plans = None, [], []
-        if self._generation != self.programs.generation:
+        is_new = not self._surfaces.holds(scene)
+        if is_new:
+            self._surfaces.take(scene, self._ahead)
+            self._ahead = self._indirect_key = None
+        if is_new or self._generation != self.programs.generation:
             self._release(*self._shadows)
             self._visibility.drop_shadows()
             self._generation, self._shadows, self._plans = self.programs.generation, [], []

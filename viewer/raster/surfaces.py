@@ -15,6 +15,7 @@ from ..plan.model import Draw, Plan, Program
 from ..scene.decoding import Decoder
 from ..scene.frame import Frame
 from ..scene.material import Material, UVTransform
+from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.schema import MAP_SWITCHES, MAPS, no_switches
 from ..scene.transform import handedness, normal_matrix
@@ -36,19 +37,38 @@ _GBUFFER_SWITCHES = ("ALPHA_MODE", "DOUBLE_SIDED", "HALF_TARGET", "HAS_COLOR", "
 
 
 class Surfaces:
-    """One scene's meshes and textures on the GPU, and how they are drawn."""
+    """The meshes and textures of a scene on the GPU, and the passes that draw them.
 
-    def __init__(self, context: Context, scene: Scene, programs: Programs, ahead: Decoder | None = None) -> None:
-        self._gl, self.scene, self._programs = context.gl, scene, programs
-        self._meshes: dict[int, MeshBuffers] = {}
+    Buffers belong to a mesh and textures to an image, by identity, so they stay for the next scene that shares these.
+    """
+
+    def __init__(self, context: Context, programs: Programs) -> None:
+        self._gl, self._programs = context.gl, programs
+        self.scene = Scene("nothing")
+        self._meshes: dict[Mesh, MeshBuffers] = {}
         self._indirect: list[moderngl.Buffer] = []
         self._generation = programs.generation
-        self.textures = Textures(context, scene, ahead)
+        self.textures = Textures(context)
 
     def holds(self, scene: Scene) -> bool:
         """Whether `scene` has the same meshes, materials and places, and differs in other things only."""
         ours = self.scene
         return ours.meshes is scene.meshes and ours.materials is scene.materials and ours.instances is scene.instances
+
+    def take(self, scene: Scene, ahead: Decoder | None = None) -> None:
+        """Draw `scene` from now on, and release what it does not share with the one before.
+
+        `ahead` has begun to decode some of its images.
+        """
+        self.scene = scene
+        for mesh in self._meshes.keys() - set(scene.meshes):
+            self._meshes.pop(mesh).release()
+        if self._indirect:
+            for mesh_buffers in self._meshes.values():
+                mesh_buffers.drop_arrays()  # some read the indirect light of an instance
+            self._release_indirect()
+        maps = (entry.texture(material) for material in scene.materials for entry in MAPS.values())
+        self.textures.keep({texture.image for texture in maps if texture is not None}, ahead)
 
     def prepare(self, plan: Plan) -> None:
         """Compile and upload what `plan` draws, so that the first frame costs what every other does."""
@@ -190,13 +210,20 @@ class Surfaces:
         return self._programs.get(_VERTEX, fragment, switches)
 
     def _mesh(self, index: int) -> MeshBuffers:
-        if index not in self._meshes:
-            self._meshes[index] = MeshBuffers(self._gl, self.scene.meshes[index])
-        return self._meshes[index]
+        mesh = self.scene.meshes[index]
+        if mesh not in self._meshes:
+            self._meshes[mesh] = MeshBuffers(self._gl, mesh)
+        return self._meshes[mesh]
+
+    def _release_indirect(self) -> None:
+        for buffer in self._indirect:
+            buffer.release()
+        self._indirect = []
 
     def release(self) -> None:
-        for thing in (*self._meshes.values(), *self._indirect):
-            thing.release()
+        for mesh_buffers in self._meshes.values():
+            mesh_buffers.release()
+        self._release_indirect()
         self.textures.release()
 
 
