@@ -39,8 +39,9 @@ void main() {
         o_environment.g = o_environment.r;
         return;
     }
-    int width = textureSize(u_vertex_radiance, 0).x;
+    int width = textureSize(u_first_vertex, 0).x;
     int first = texelFetch(u_first_vertex, ivec2(int(instance) % width, int(instance) / width), 0).r + 3 * int(hit.y);
+    width = textureSize(u_vertex_radiance, 0).x;
     vec4 radiances[3], surfaces[3];
     for (int k = 0; k < 3; ++k) {
         ivec2 texel = ivec2((first + k) % width, (first + k) / width);

@@ -28,7 +28,7 @@ const float OFFSET = 1e-5;           // of the next ray's origin from the triang
 const float LEAST_THROUGHPUT = 0.01; // of a path that goes on
 const float CONE = 0.25;             // alpha of the lobe that is as wide as a ray cone, over the cone's spread
 
-struct Hit {
+struct SurfaceHit {
     vec3 face, n;    // face and shading normal, outwards
     float distance;  // along the ray
     float curvature; // 1 / r on a sphere
@@ -41,14 +41,14 @@ vec4 texel(int i) {
     return texelFetch(u_surfaces, ivec2(i % width, i / width), 0);
 }
 
-Hit hit_surface(uvec4 answer, vec3 o, vec3 d) {
+SurfaceHit hit_surface(uvec4 answer, vec3 o, vec3 d) {
     int instance = int(answer.x & INSTANCE_MASK);
     vec4 absorption = texel(2 * instance), glass = texel(2 * instance + 1);
     int first = u_triangles + 4 * (int(absorption.w) + int(answer.y));
     vec4 a = texel(first), b = texel(first + 1), c = texel(first + 2), plane = texel(first + 3);
     vec2 weights = uintBitsToFloat(answer.zw);
-    Hit hit = Hit(vec3(a.w, b.w, c.w), a.xyz + weights.x * (b.xyz - a.xyz) + weights.y * (c.xyz - a.xyz), 0.0, plane.y,
-                  absorption.rgb, glass.rgb, glass.w);
+    vec3 n = a.xyz + weights.x * (b.xyz - a.xyz) + weights.y * (c.xyz - a.xyz);
+    SurfaceHit hit = SurfaceHit(vec3(a.w, b.w, c.w), n, 0.0, plane.y, absorption.rgb, glass.rgb, glass.w);
     float towards = dot(hit.face, d);
     hit.n = dot(hit.n, hit.n) > 1e-12 ? normalize(hit.n) : hit.face;
     hit.distance = max((plane.x - dot(hit.face, o)) / (abs(towards) < 1e-9 ? 1e-9 : towards), 0.0);
@@ -65,7 +65,7 @@ vec3 environment_at(vec3 d, float alpha, float spread) {
 
 // The path may hit the side of an opaque surface that faces away from the eye, of which the picture shows the other
 // side. Returns the ratio of the irradiance on the hit side to that on a surface facing the eye, at most 1.
-vec3 backface_ratio(Hit hit, vec3 d, vec3 to_eye) {
+vec3 backface_ratio(SurfaceHit hit, vec3 d, vec3 to_eye) {
 #if HAS_ENVIRONMENT
     if (dot(faceforward(hit.face, d, hit.face), to_eye) < 0.0) {
         vec3 irradiance = environment_irradiance_over_pi(faceforward(hit.n, d, hit.face));
@@ -90,7 +90,7 @@ void main() {
         o_origin.w = 0.0;
         return;
     }
-    Hit hit = hit_surface(answer, o_origin.xyz, d);
+    SurfaceHit hit = hit_surface(answer, o_origin.xyz, d);
     vec3 position = o_origin.xyz + hit.distance * d;
     float width = o_throughput.w + spread * hit.distance;
     vec3 next = d;

@@ -11,6 +11,7 @@ import moderngl
 import numpy as np
 
 from ..bake.dfg import dfg_table
+from ..base.reusable import Reusable
 from ..gpu.context import Context
 from ..gpu.float_texture import float_texture
 from ..gpu.programs import Programs, matrix_uniform
@@ -64,7 +65,7 @@ class Renderer:
         self._use_cache = use_cache
         self._display = DisplayPass(self._gl, self.programs)
         self._target: Target | None = None
-        self._backdrop: Backdrop | None = None
+        self._backdrop: Reusable[Backdrop] = Reusable()
         self._gbuffers: dict[tuple[int, int], GBuffer] = {}
         self._visibility = VisibilityPass(self._gl, self.programs)
         self._reflections = TracedReflections(context, self.programs)
@@ -211,10 +212,8 @@ class Renderer:
         """Copy the picture so far, for transmissive surfaces. Leaves the target's framebuffer in use."""
         self._gl.clear_samplers()
         target.resolve(self.programs, UNIT_RADIANCE)
-        if self._backdrop is None or not self._backdrop.fits(target):
-            self._release(self._backdrop)
-            self._backdrop = Backdrop(self.context, target)
-        uniforms = self._backdrop.take(self.programs, target.radiance, UNIT_RADIANCE)
+        backdrop = self._backdrop.get(lambda held: held.fits(target), lambda: Backdrop(self.context, target))
+        uniforms = backdrop.take(self.programs, target.radiance, UNIT_RADIANCE)
         target.framebuffer.use()
         return uniforms
 

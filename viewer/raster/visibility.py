@@ -6,6 +6,7 @@ import math
 
 import moderngl
 
+from ..base.reusable import Reusable
 from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
 from ..plan.model import Plan
@@ -23,42 +24,34 @@ class VisibilityPass:
 
     def __init__(self, gl: moderngl.Context, programs: Programs) -> None:
         self._gl, self._programs = gl, programs
-        self._targets: _Targets | None = None
-        self._shadows: EnvironmentShadows | None = None
+        self._targets: Reusable[_Targets] = Reusable()
+        self._shadows: Reusable[EnvironmentShadows] = Reusable()
 
     def prepare(self, scene: Scene, plan: Plan, environment: EnvironmentLight, draw_depth: DrawDepth) -> None:
         """Draw the shadow maps that `plan` needs, unless they are there."""
-        if self._shadows is None or not self._shadows.holds(scene.environment, plan):
-            self.drop_shadows()
+        def draw_shadows() -> EnvironmentShadows:
             lights = environment.many_lights(plan.environment_shadows)
-            self._shadows = EnvironmentShadows(self._gl, scene, plan, lights, draw_depth)
+            return EnvironmentShadows(self._gl, scene, plan, lights, draw_depth)
+
+        self._shadows.get(lambda shadows: shadows.holds(scene.environment, plan), draw_shadows)
 
     def drop_shadows(self) -> None:
         """Release the shadow maps, for when meshes or programs have changed."""
-        if self._shadows is not None:
-            self._shadows.release()
-            self._shadows = None
+        self._shadows.release()
 
     def find(self, frame: Frame, plan: Plan, gbuffer: GBuffer) -> dict[str, object]:
         """Draw the pass over the frame's G-buffer and return the uniforms of shaders/raster/visibility.glsl.
 
         Leaves a framebuffer of its own in use.
         """
-        if self._targets is None or self._targets.gbuffer is not gbuffer:
-            self._release_targets()
-            self._targets = _Targets(self._gl, gbuffer)
+        targets = self._targets.get(lambda held: held.gbuffer is gbuffer, lambda: _Targets(self._gl, gbuffer))
         if plan.ambient_occlusion:
-            return self._targets.draw_ambient_occlusion(self._programs, frame)
-        return self._targets.draw_environment_shadows(self._programs, frame, self._shadows)
-
-    def _release_targets(self) -> None:
-        if self._targets is not None:
-            self._targets.release()
-            self._targets = None  # should the next one fail
+            return targets.draw_ambient_occlusion(self._programs, frame)
+        return targets.draw_environment_shadows(self._programs, frame, self._shadows.held)
 
     def release(self) -> None:
-        self.drop_shadows()
-        self._release_targets()
+        self._shadows.release()
+        self._targets.release()
 
 
 class _Targets:

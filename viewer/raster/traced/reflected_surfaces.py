@@ -8,8 +8,8 @@ from dataclasses import replace
 import moderngl
 import numpy as np
 
-from ...errors import ViewerError
 from ...gpu.context import Context
+from ...gpu.row_texture import row_texture
 from ...scene.scene import Scene
 from ...settings import Settings
 from ...trace.kinds import GLASS
@@ -18,7 +18,6 @@ from ...trace.scene.geometry import TraceGeometry, TraceInstance, trace_geometry
 from ...trace.vertex_light import VertexLight, bake_outgoing
 from .vertex_metal import vertex_metal
 
-_WIDTH = 4096
 _MAX_RADIANCE = 65504.0  # of a half float
 
 
@@ -36,7 +35,7 @@ class ReflectedSurfaces:
         self._scene = scene
         self.intersector = make_intersector(context, geometry, kind=kind)
         light = bake_outgoing(context, _matte(scene), settings)
-        self._textures = _textures(context, geometry.instances, [_vertices(scene, geometry, i, light) for i in shown])
+        self._textures = _textures(context, [_vertices(scene, geometry, i, light) for i in shown])
 
     def holds(self, scene: Scene) -> bool:
         """Whether these are the triangles of `scene` under its lights."""
@@ -101,25 +100,12 @@ def _to_octahedron(d: np.ndarray) -> np.ndarray:
     return np.where(d[:, 2:] < 0, (1 - np.abs(p[:, ::-1])) * np.where(p >= 0, 1, -1), p)
 
 
-def _textures(
-    context: Context, instances: Sequence[TraceInstance], vertices: Sequence[tuple[np.ndarray, np.ndarray]]
-) -> dict[str, moderngl.Texture]:
+def _textures(context: Context, vertices: Sequence[tuple[np.ndarray, np.ndarray]]) -> dict[str, moderngl.Texture]:
     """The vertices of all instances, and the index of each one's first."""
-    total = sum(len(radiance) for radiance, _ in vertices)
-    if -(-total // _WIDTH) > context.gl.info["GL_MAX_TEXTURE_SIZE"]:
-        raise ViewerError(f"the scene has too many triangles for traced reflections, {total // 3}")
-    firsts = np.cumsum([0, *(len(radiance) for radiance, _ in vertices)])[: max(len(instances), 1), None]
+    firsts = np.cumsum([0, *(len(radiance) for radiance, _ in vertices)])
     nothing = np.zeros((0, 4), np.float16), np.zeros((0, 4), np.uint8)
     radiance, surface = (np.concatenate(parts) for parts in zip(nothing, *vertices))
-    return {"u_vertex_radiance": _texture(context.gl, radiance), "u_vertex_surface": _texture(context.gl, surface),
-            "u_first_vertex": _texture(context.gl, firsts.astype(np.int32))}
-
-
-def _texture(gl: moderngl.Context, rows: np.ndarray) -> moderngl.Texture:
-    """(N, C) texels, row after row of a texture `_WIDTH` wide."""
-    texels = np.zeros((-(-max(len(rows), 1) // _WIDTH) * _WIDTH, rows.shape[1]), rows.dtype)
-    texels[: len(rows)] = rows
-    dtype = {"uint8": "f1", "float16": "f2", "int32": "i4"}[rows.dtype.name]
-    texture = gl.texture((_WIDTH, len(texels) // _WIDTH), rows.shape[1], texels, dtype=dtype)
-    texture.filter = moderngl.NEAREST, moderngl.NEAREST
-    return texture
+    records = {"u_vertex_radiance": radiance, "u_vertex_surface": surface,
+               "u_first_vertex": firsts[: max(len(vertices), 1), None].astype(np.int32)}
+    too_many = f"the scene has too many triangles for traced reflections, {len(radiance) // 3}"
+    return {name: row_texture(context.gl, texels, too_many) for name, texels in records.items()}

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import moderngl
 
+from ...base.reusable import Reusable
 from ...gpu.context import Context
 from ...gpu.fullscreen import fullscreen
 from ...gpu.programs import Programs, set_uniform
@@ -28,16 +29,15 @@ class TracedReflections:
 
     def __init__(self, context: Context, programs: Programs, kind: str = "auto") -> None:
         self._context, self._programs, self._kind = context, programs, kind
-        self._surfaces: ReflectedSurfaces | None = None
-        self._rays: _Rays | None = None
+        self._surfaces: Reusable[ReflectedSurfaces] = Reusable()
+        self._rays: Reusable[_Rays] = Reusable()
 
     def prepare(self, scene: Scene, settings: Settings) -> None:
         """Prepare the surfaces of `scene`, unless they are ready."""
-        if self._surfaces is None or not self._surfaces.holds(scene):
-            from .reflected_surfaces import ReflectedSurfaces
+        from .reflected_surfaces import ReflectedSurfaces
 
-            self.drop_scene()
-            self._surfaces = ReflectedSurfaces(self._context, scene, settings, self._kind)
+        self._surfaces.get(lambda held: held.holds(scene),
+                           lambda: ReflectedSurfaces(self._context, scene, settings, self._kind))
 
     def find(self, frame: Frame, gbuffer: GBuffer, uniforms: dict[str, object]) -> dict[str, object]:
         """Trace a ray from each pixel of the G-buffer and return the uniforms of traced_reflection.glsl; `uniforms`
@@ -45,33 +45,20 @@ class TracedReflections:
 
         Leaves a framebuffer of its own in use.
         """
-        if self._rays is None or self._rays.gbuffer is not gbuffer:
-            self._release_rays()
-            self._rays = _Rays(self._context.gl, gbuffer)
-        rays = self._rays
+        surfaces = self._surfaces.held
+        rays = self._rays.get(lambda held: held.gbuffer is gbuffer, lambda: _Rays(self._context.gl, gbuffer))
         rays.begin(self._programs, frame)
-        intersector = self._surfaces.intersector
+        intersector = surfaces.intersector
         intersector.store(rays, intersector.trace(intersector.fetch(rays)))
-        rays.shade(self._programs, frame, uniforms, self._surfaces)
+        rays.shade(self._programs, frame, uniforms, surfaces)
         rays.average(self._programs, frame)
         rays.reflected.use(UNIT_REFLECTED)
         gbuffer.positions.use(UNIT_RAY_POSITIONS)
         return {"u_reflected": UNIT_REFLECTED, "u_ray_positions": UNIT_RAY_POSITIONS}
 
-    def drop_scene(self) -> None:
-        """Release the surfaces, for when the scene has changed."""
-        if self._surfaces is not None:
-            self._surfaces.release()
-            self._surfaces = None
-
-    def _release_rays(self) -> None:
-        if self._rays is not None:
-            self._rays.release()
-            self._rays = None  # should the next one fail
-
     def release(self) -> None:
-        self.drop_scene()
-        self._release_rays()
+        self._surfaces.release()
+        self._rays.release()
 
 
 class _Rays:

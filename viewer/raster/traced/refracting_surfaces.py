@@ -11,18 +11,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import ViewerError
 from ...gpu.context import Context
+from ...gpu.row_texture import row_texture
 from ...scene.scene import Scene
 from ...scene.transform import normal_matrix
 from ...trace.rays.intersect import make_intersector
 from ...trace.scene.geometry import TraceGeometry, TraceInstance, trace_geometry
 
-_WIDTH = 4096
 _INSTANCE, _TRIANGLE = 2, 4
 
 
@@ -40,7 +38,9 @@ class RefractingSurfaces:
         shown = [replace(i, see_through=False) for i in geometry.instances if _is_shown(scene, geometry, i)]
         self._geometry = replace(geometry, instances=shown)
         self.intersector = make_intersector(context, self._geometry, kind=kind)
-        self._texture = _texture(context.gl, _texels(scene, self._geometry))
+        texels = _texels(scene, self._geometry)
+        self._texture = row_texture(context.gl, texels, "the scene has too many triangles for traced refraction, "
+                                                        f"{len(texels) // _TRIANGLE}")
 
     def holds(self, scene: Scene) -> bool:
         """Whether these are the triangles and materials of `scene`."""
@@ -102,14 +102,3 @@ def _triangles(scene: Scene, geometry: TraceGeometry, instance: TraceInstance) -
 def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     """Unit vectors; 0 stays 0."""
     return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-30)
-
-
-def _texture(gl: moderngl.Context, texels: NDArray[np.float32]) -> moderngl.Texture:
-    rows = max(-(-len(texels) // _WIDTH), 1)
-    if rows > gl.info["GL_MAX_TEXTURE_SIZE"]:
-        raise ViewerError(f"the scene has too many triangles for traced refraction, {len(texels) // _TRIANGLE}")
-    padded = np.zeros((rows * _WIDTH, 4), np.float32)
-    padded[: len(texels)] = texels
-    texture = gl.texture((_WIDTH, rows), 4, padded, dtype="f4")
-    texture.filter = moderngl.NEAREST, moderngl.NEAREST
-    return texture

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import moderngl
 
+from ...base.reusable import Reusable
 from ...gpu.context import Context
 from ...gpu.fullscreen import fullscreen
 from ...gpu.programs import Programs, set_uniform
@@ -39,25 +40,22 @@ class TracedRefraction:
 
     def __init__(self, context: Context, programs: Programs, kind: str = "auto") -> None:
         self._context, self._programs, self._kind = context, programs, kind
-        self._surfaces: RefractingSurfaces | None = None
-        self._paths: _Paths | None = None
+        self._surfaces: Reusable[RefractingSurfaces] = Reusable()
+        self._paths: Reusable[_Paths] = Reusable()
 
     def prepare(self, scene: Scene) -> None:
         """Prepare the surfaces of `scene`, unless they are ready."""
-        if self._surfaces is None or not self._surfaces.holds(scene):
-            from .refracting_surfaces import RefractingSurfaces
+        from .refracting_surfaces import RefractingSurfaces
 
-            self.drop_scene()
-            self._surfaces = RefractingSurfaces(self._context, scene, self._kind)
+        self._surfaces.get(lambda held: held.holds(scene),
+                           lambda: RefractingSurfaces(self._context, scene, self._kind))
 
     def find(self, frame: Frame, plan: Plan, draw_rays: Callable[[Uniforms], object], uniforms: Uniforms) -> Uniforms:
         """Follow the paths that `draw_rays(uniforms)` begins and return the uniforms of traced_refraction.glsl.
 
         `uniforms` are those of the frame, the backdrop among them. Leaves a framebuffer of its own in use.
         """
-        if self._paths is None or self._paths.size != frame.size:
-            self._release_paths()
-            self._paths = _Paths(self._context.gl, frame.size)
+        paths = self._paths.get(lambda held: held.size == frame.size, lambda: _Paths(self._context.gl, frame.size))
         environment = frame.scene.environment
         program = self._programs.get("display/fullscreen.vert", "raster/refraction_step.frag", {
             "HAS_ENVIRONMENT": int(plan.reflections), "REFLECTS": 1,
@@ -66,35 +64,25 @@ class TracedRefraction:
         for name, value in uniforms.items():
             set_uniform(program, name, value)
         for kind in range(len(_KINDS) if plan.reflections else 1):
-            self._paths.begin(kind, partial(draw_rays, uniforms | {"u_is_mirrored": kind == 1}))
-            self._follow(program)
-        return self._paths.bind()
+            paths.begin(kind, partial(draw_rays, uniforms | {"u_is_mirrored": kind == 1}))
+            self._follow(paths, program)
+        return paths.bind()
 
-    def _follow(self, program: moderngl.Program) -> None:
-        intersector, paths = self._surfaces.intersector, self._paths
+    def _follow(self, paths: _Paths, program: moderngl.Program) -> None:
+        surfaces = self._surfaces.held
+        intersector = surfaces.intersector
         for _ in range(STEPS):
             answer = intersector.trace(intersector.fetch(paths))
             if answer.alive == 0:
                 break
             intersector.store(paths, answer)
-            for name, value in self._surfaces.bind(_UNIT_SURFACES).items():
+            for name, value in surfaces.bind(_UNIT_SURFACES).items():
                 set_uniform(program, name, value)
             paths.advance(program)
 
-    def drop_scene(self) -> None:
-        """Release the surfaces, for when the scene has changed."""
-        if self._surfaces is not None:
-            self._surfaces.release()
-            self._surfaces = None
-
-    def _release_paths(self) -> None:
-        if self._paths is not None:
-            self._paths.release()
-            self._paths = None  # should the next one fail
-
     def release(self) -> None:
-        self.drop_scene()
-        self._release_paths()
+        self._surfaces.release()
+        self._paths.release()
 
 
 class _Paths:
