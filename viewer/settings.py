@@ -147,12 +147,13 @@ class Settings:
         return cls(**values)
 
     def check_used(self) -> None:
-        """Raises UsageError for what was set and is of no use in this mode."""
-        idle = RASTER_ONLY if self.mode == "path" else PATH_ONLY
+        """Raises UsageError where a setting that this mode ignores is not the default."""
+        idle = ignored(self.mode)
         unused = [f.name for f in fields(self) if f.name in idle and getattr(self, f.name) != f.default]
         if unused:
             verb = "does" if len(unused) == 1 else "do"
-            where = "" if self.mode == "path" else ", only in mode path"
+            modes = [mode for mode in get_args(Mode) if all(mode in _USED_BY[name] for name in unused)]
+            where = f", only in mode{'s' * (len(modes) > 1)} {' and '.join(modes)}" if modes else ""
             raise UsageError(f"{' and '.join(unused)} {verb} nothing in mode {self.mode}{where}")
 
     @property
@@ -165,12 +166,12 @@ class Settings:
         return True
 
     def check_open(self) -> tuple[Settings | None, Settings | None]:
-        """Where the mode is left open: these settings for the raster and for mode path, each None where something is
-        set that it has no use for. Raises UsageError where neither has use for all."""
+        """Where the mode is left open: these settings in mode pbr and in mode path, each None where it ignores one of
+        them. Raises UsageError where both do."""
         ways = replace(self, mode="pbr", time_budget=None, error=None), replace(self, mode="path")
         found = [settings if settings.is_used else None for settings in ways]
         if found == [None, None]:
-            raise UsageError("some of what is set is of use in mode path alone, some in the others alone: give a mode")
+            raise UsageError("neither mode pbr nor mode path uses all that is set: give a mode")
         return found[0], found[1]
 
     @property
@@ -208,9 +209,20 @@ class Settings:
 
 
 STOPPING = ("spp", "time_budget", "error")
-RASTER_ONLY = ("phong", "shadows", "environment_shadows", "ambient_occlusion", "indirect", "reflections",
-               "refraction", "specular_aa", "antialias")
-PATH_ONLY = (*STOPPING, "seed", "denoise", "sampling", "bounces", "light_radius", "clamp")
+_USED_BY: dict[str, tuple[Mode, ...]] = {
+    **dict.fromkeys(("ndf", "masking", "fresnel", "multiscatter"), ("pbr", "path")),
+    "phong": ("phong",),
+    **dict.fromkeys(("shadows", "antialias"), ("pbr", "phong")),
+    **dict.fromkeys(("environment_shadows", "ambient_occlusion", "indirect", "reflections", "refraction",
+                     "specular_aa"), ("pbr",)),
+    **dict.fromkeys((*STOPPING, "seed", "denoise", "sampling", "bounces", "light_radius", "clamp"), ("path",)),
+}
+"""The modes that use a setting, of those that not all modes use."""
+
+
+def ignored(*modes: Mode) -> tuple[str, ...]:
+    """The settings that none of `modes` uses."""
+    return tuple(name for name, users in _USED_BY.items() if not set(users) & set(modes))
 
 
 def parse_background(value: object) -> Background:
