@@ -15,7 +15,13 @@ Denoise = Literal["off", "fast", "oidn"]
 Lobes = Literal["all", "uniform-diffuse", "specular", "directional-diffuse"]
 Tonemap = Literal["neutral", "agx", "aces", "none"]
 Background = Literal["env", "none"] | tuple[float, float, float]
+Ndf = Literal["ggx", "beckmann", "blinn-phong"]
+Masking = Literal["smith", "smith-separable", "v-cavity", "none"]
 
+NDFS: tuple[Ndf, ...] = get_args(Ndf)
+"""In the order of the shaders' switch NDF."""
+MASKINGS: tuple[Masking, ...] = get_args(Masking)
+"""In the order of the shaders' switch MASKING."""
 LAYERS = ("albedo", "normal", "depth", "variance", "samples")
 """What mode path can tell of a picture beside its colour; see `viewer.trace.layers`."""
 MAX_EXPOSURE = 64.0
@@ -95,8 +101,8 @@ class Settings:
     denoise: Denoise = "off"
 
     # --set
-    ndf: Literal["ggx", "beckmann", "blinn-phong"] = _option("ggx", "how the normals of microfacets are spread, D")
-    masking: Literal["smith", "smith-separable", "v-cavity", "none"] = _option(
+    ndf: Ndf = _option("ggx", "how the normals of microfacets are spread, D")
+    masking: Masking = _option(
         "smith", "how microfacets hide one another, G; smith is height-correlated")
     fresnel: Literal["schlick", "exact"] = _option("schlick", "how reflection grows towards grazing angles, F")
     multiscatter: Literal["on", "off"] = _option("on", "give back the light that bounces between microfacets")

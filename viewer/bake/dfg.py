@@ -34,7 +34,6 @@ from .lobes import lobe_spectrum
 SIZE = 64  # looked up bilinearly: 6e-5 off on average, 2e-3 at most where NoV and roughness are above 0.1
 MIN_COSINE = 1e-4  # where the row of NoV = 0 is evaluated: the limit exists, 0 / 0 does not
 SHARES = (-0.5, 5.0)  # bounds on t: near the normal, where r is n and t is idle, that of b grows without end
-MASKINGS = ("smith", "smith-separable", "v-cavity", "none")
 
 
 @lru_cache(maxsize=4)

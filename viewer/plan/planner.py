@@ -19,6 +19,7 @@ from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.schema import MAP_SWITCHES, MAPS
 from ..settings import Settings
+from .bsdf_switches import bsdf_switches
 from .explain import explain
 from .model import Draw, Plan, Program
 from .sharing import attributes_of, leave_nothing_out, share_programs
@@ -29,8 +30,6 @@ MAX_SHADOW_LAYERS = 24
 TRACED_ROUGHNESS = 1.0
 """Perceptual roughness from which on reflections are not traced: traced_share() of traced_reflection.glsl is 0."""
 
-_NDF = ("ggx", "beckmann", "blinn-phong")
-_MASKING = ("smith", "smith-separable", "v-cavity", "none")
 _ALPHA_MODES = ("opaque", "mask", "blend")
 
 
@@ -105,8 +104,6 @@ def plan_scene(
         "HAS_ENVIRONMENT": int(environment),
         "ENVIRONMENT_ROTATED": int(scene.environment is not None and scene.environment.rotation != 0),
         "SHOW_EMISSION": int(settings.lobes == "all"),
-        "SHOW_DIFFUSE": int(settings.lobes in ("all", "uniform-diffuse")),
-        "SHOW_SPECULAR": int(settings.lobes in ("all", "specular")),
     }
     draws = tuple(
         _draw(index, instance.mesh, scene.meshes[instance.mesh], scene.materials, settings, common)
@@ -230,16 +227,14 @@ def _pbr_switches(material: Material, settings: Settings) -> dict[str, int]:
     return {
         "REFLECTS": int(material.has_interface),
         "METALNESS": 0 if material.metallic == 0 else 2 if varies else 1,
-        "NDF": _NDF.index(settings.ndf),
-        "MASKING": _MASKING.index(settings.masking),
-        "FRESNEL": int(settings.fresnel == "exact"),
-        "MULTISCATTER": int(settings.multiscatter == "on"),
-        "SHOW_MULTISCATTER": int(settings.lobes in ("all", "directional-diffuse")),
+        **bsdf_switches(settings),
         "SPECULAR_AA": int(settings.specular_aa == "on"),
         "TRACED_REFRACTION": int(settings.refraction == "traced" and settings.lobes in ("all", "specular")
-                             and material.transmits and material.thickness > 0),
+                                 and material.transmits and material.thickness > 0),
     }
 
 
 def _phong_switches(material: Material, settings: Settings) -> dict[str, int]:
-    return {"BLINN": int(settings.phong == "blinn-phong"), "HAS_SHININESS": int(material.shininess is not None)}
+    shown = bsdf_switches(settings)
+    return {"BLINN": int(settings.phong == "blinn-phong"), "HAS_SHININESS": int(material.shininess is not None),
+            "SHOW_DIFFUSE": shown["SHOW_DIFFUSE"], "SHOW_SPECULAR": shown["SHOW_SPECULAR"]}
