@@ -6,6 +6,7 @@
 #include "raster/environment.glsl"
 #include "raster/octahedron.glsl"
 #include "sample/luminance.glsl"
+#include "trace/hit.glsl"
 
 uniform usampler2D u_hit;      // viewer/trace/rays/intersect.py
 uniform sampler2D u_positions;
@@ -18,7 +19,6 @@ uniform sampler2D u_vertex_surface;  // octahedral normal, roughness, metallic
 layout(location = 0) out vec4 o_hit_radiance;
 layout(location = 1) out vec4 o_environment; // luminance of the environment along the ray, unoccluded and occluded
 
-const uint INSTANCE_MASK = 0x0fffffffu;
 const float LEAST_ROUGHNESS = 0.35, MAX_RATIO = 4.0;
 
 vec3 normal(vec4 surface) {
@@ -30,27 +30,27 @@ void main() {
     vec4 direction = texelFetch(u_direction, pixel, 0);
     o_hit_radiance = o_environment = vec4(0.0);
     if (direction.w == 0.0) return;
-    uvec4 hit = texelFetch(u_hit, pixel, 0);
-    uint instance = hit.x & INSTANCE_MASK;
+    uvec4 texel = texelFetch(u_hit, pixel, 0);
     float roughness = texelFetch(u_positions, pixel, 0).w;
     // Sixteen rays share a lobe, so each stands for about a sixteenth of it: half the roughness.
     o_environment.r = luminance(environment_specular(direction.xyz, 0.5 * roughness));
-    if (instance == INSTANCE_MASK) {
+    if (hit_kind(texel) == NO_KIND) {
         o_environment.g = o_environment.r;
         return;
     }
+    Hit hit = unpack_hit(texel);
     int width = textureSize(u_first_vertex, 0).x;
-    int first = texelFetch(u_first_vertex, ivec2(int(instance) % width, int(instance) / width), 0).r + 3 * int(hit.y);
+    int first = texelFetch(u_first_vertex, ivec2(hit.instance % width, hit.instance / width), 0).r + 3 * hit.triangle;
     width = textureSize(u_vertex_radiance, 0).x;
     vec4 radiances[3], surfaces[3];
     for (int k = 0; k < 3; ++k) {
-        ivec2 texel = ivec2((first + k) % width, (first + k) / width);
-        radiances[k] = texelFetch(u_vertex_radiance, texel, 0);
-        surfaces[k] = texelFetch(u_vertex_surface, texel, 0);
+        ivec2 at = ivec2((first + k) % width, (first + k) / width);
+        radiances[k] = texelFetch(u_vertex_radiance, at, 0);
+        surfaces[k] = texelFetch(u_vertex_surface, at, 0);
     }
     vec3 face = vec3(radiances[0].a, radiances[1].a, radiances[2].a);
     if (dot(direction.xyz, face) > 0.0) return; // the back of a one-sided surface is black
-    vec2 uv = uintBitsToFloat(hit.zw);
+    vec2 uv = hit.barycentric;
     vec3 weights = vec3(1.0 - uv.x - uv.y, uv);
     vec3 radiance = mat3(radiances[0].rgb, radiances[1].rgb, radiances[2].rgb) * weights;
     vec3 n = normalize(mat3(normal(surfaces[0]), normal(surfaces[1]), normal(surfaces[2])) * weights);

@@ -13,6 +13,7 @@ from ...gpu.row_texture import row_texture
 from ...scene.scene import Scene
 from ...settings import Settings
 from ...trace.kinds import GLASS
+from ...trace.layout import shader_defines
 from ...trace.rays.intersect import make_intersector
 from ...trace.scene.geometry import TraceGeometry, TraceInstance, trace_geometry
 from ...trace.vertex_light import VertexLight, bake_outgoing
@@ -33,6 +34,7 @@ class ReflectedSurfaces:
         shown = [instance for instance in geometry.instances if not instance.see_through]
         geometry = replace(geometry, instances=shown)
         self._scene = scene
+        self.defines = shader_defines()
         self.intersector = make_intersector(context, geometry, kind=kind)
         light = bake_outgoing(context, _matte(scene), settings)
         self._textures = _textures(context, [_vertices(scene, geometry, i, light) for i in shown])

@@ -92,7 +92,7 @@ class _Rays:
     ) -> None:
         """Write the radiance at each ray's hit, and the environment's light that it occludes."""
         program = programs.get("display/fullscreen.vert", "raster/reflected_light.frag", {
-            "REFLECTS": 1, "ENVIRONMENT_ROTATED": 1})
+            "REFLECTS": 1, "ENVIRONMENT_ROTATED": 1, **surfaces.defines})
         self.hit.use(UNIT_NORMALS + 1)
         self.direction.use(UNIT_NORMALS + 2)
         rays = {"u_hit": UNIT_NORMALS + 1, "u_direction": UNIT_NORMALS + 2}

@@ -18,6 +18,7 @@ from ...gpu.context import Context
 from ...gpu.row_texture import row_texture
 from ...scene.scene import Scene
 from ...scene.transform import normal_matrix
+from ...trace.layout import shader_defines
 from ...trace.rays.intersect import make_intersector
 from ...trace.scene.geometry import TraceGeometry, TraceInstance, trace_geometry
 
@@ -34,6 +35,7 @@ class RefractingSurfaces:
     def __init__(self, context: Context, scene: Scene, kind: str) -> None:
         geometry = trace_geometry(scene)
         self._scene = scene
+        self.defines = shader_defines()
         # Holes of a mask are traced as solid: the picture is empty there, and the ray goes on.
         shown = [replace(i, see_through=False) for i in geometry.instances if _is_shown(scene, geometry, i)]
         self._geometry = replace(geometry, instances=shown)

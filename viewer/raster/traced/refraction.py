@@ -59,7 +59,8 @@ class TracedRefraction:
         environment = frame.scene.environment
         program = self._programs.get("display/fullscreen.vert", "raster/refraction_step.frag", {
             "HAS_ENVIRONMENT": int(plan.reflections), "REFLECTS": 1,
-            "ENVIRONMENT_ROTATED": int(environment is not None and environment.rotation != 0)})
+            "ENVIRONMENT_ROTATED": int(environment is not None and environment.rotation != 0),
+            **self._surfaces.held.defines})
         uniforms = uniforms | {"u_eye": tuple((frame.camera.eye - frame.scene.center) / frame.unit)}
         for name, value in uniforms.items():
             set_uniform(program, name, value)
