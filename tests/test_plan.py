@@ -129,17 +129,18 @@ def test_lights_are_ordered_bounded_and_dark_ones_dropped():
 
 def test_glass_has_a_pass_and_code_of_its_own():
     opaque = plan(scene(Material(metallic=0.0, thickness=1.0), environment=ENVIRONMENT))
-    assert not (opaque.has_bodies or opaque.has_walls) and "glass" not in str(opaque.to_json()["passes"])
-    assert "u_backdrop" not in code(opaque) and any("glass" in line for line in opaque.left_out)
-    assert not plan(scene(Material(metallic=1.0, transmission=1.0))).has_walls
+    assert not (opaque.has_solid_transmission or opaque.has_thin_transmission)
+    assert "transmission" not in str(opaque.to_json()["passes"]) and "u_backdrop" not in code(opaque)
+    assert any("transmissive" in line for line in opaque.left_out)
+    assert not plan(scene(Material(metallic=1.0, transmission=1.0))).has_thin_transmission
     phong = plan(scene(Material(metallic=0.0, transmission=1.0)), mode="phong")
-    assert not phong.has_walls and any("glass is opaque" in line for line in phong.left_out)
-    wall, body = (plan(scene(Material(metallic=0.0, transmission=1.0, thickness=t))) for t in (0.0, 1.0))
-    for glass, name in ((wall, "walls"), (body, "bodies")):
-        assert (glass.has_walls, glass.has_bodies) == (glass is wall, glass is body)
-        assert f"{name} of glass" in glass.to_json()["passes"]
-        assert not any("glass" in line for line in glass.left_out)
-    assert "u_absorption" in code(body) and "u_absorption" not in code(wall) and "u_backdrop" in code(wall)
+    assert not phong.has_thin_transmission and any("glass is opaque" in line for line in phong.left_out)
+    thin, solid = (plan(scene(Material(metallic=0.0, transmission=1.0, thickness=t))) for t in (0.0, 1.0))
+    for glass, name in ((thin, "thin-walled"), (solid, "solid")):
+        assert (glass.has_thin_transmission, glass.has_solid_transmission) == (glass is thin, glass is solid)
+        assert f"{name} transmission" in glass.to_json()["passes"]
+        assert not any("transmissive" in line for line in glass.left_out)
+    assert "u_absorption" in code(solid) and "u_absorption" not in code(thin) and "u_backdrop" in code(thin)
 
 
 def test_background():
@@ -295,7 +296,7 @@ def test_many_programs_are_shared():
 
 def test_lights_that_do_not_fit_are_told():
     many = plan(scene(lights=(Light("point"),) * (MAX_LIGHTS + 7)))
-    assert f"7 of {MAX_LIGHTS + 7} lights, the faintest: no more fit a program" in many.left_out
+    assert f"7 of {MAX_LIGHTS + 7} lights, the faintest: a program holds no more" in many.left_out
     crowd = scene(lights=(Light("point"),) * (MAX_LIGHTS + 7))
     [warning] = foreseen(crowd, "pbr")
     assert f"of its {MAX_LIGHTS + 7} lights the {MAX_LIGHTS} brightest are shown" in warning

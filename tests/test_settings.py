@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import fields
+from typing import get_args
 
 import pytest
 
 from viewer.errors import UsageError
-from viewer.settings import MAX_SPP, RANGES, Settings, parse_background, setting_choices, setting_meanings
+from viewer.settings import (
+    MAX_SPP,
+    RANGES,
+    Mode,
+    Settings,
+    ignored,
+    parse_background,
+    setting_choices,
+    setting_meanings,
+)
 
 
 def test_every_setting_has_a_default_among_its_choices_and_a_meaning():
@@ -33,15 +43,31 @@ def test_settings_that_are_numbers():
     assert Settings.of(spp=None, time_budget=2, error="0.5").error == 0.5
 
 
-def test_what_mode_path_alone_uses_is_refused_elsewhere():
+def test_what_a_mode_ignores_is_refused():
     Settings.of(mode="path", spp=3, clamp=9).check_used()
     Settings.of(mode="phong", seed=0, denoise="off").check_used()
     with pytest.raises(UsageError, match="^spp and clamp do nothing in mode pbr, only in mode path$"):
         Settings.of(spp=3, clamp=9).check_used()
     with pytest.raises(UsageError, match="^denoise does nothing in mode phong"):
         Settings.of(mode="phong", denoise="fast").check_used()
-    with pytest.raises(UsageError, match="^shadows does nothing in mode path$"):
+    with pytest.raises(UsageError, match="^shadows does nothing in mode path, only in modes pbr and phong$"):
         Settings.of(mode="path", shadows="off").check_used()
+    with pytest.raises(UsageError, match="^ndf and fresnel do nothing in mode phong, only in modes pbr and path$"):
+        Settings.of(mode="phong", ndf="beckmann", fresnel="exact").check_used()
+    with pytest.raises(UsageError, match="^indirect and reflections do nothing in mode phong, only in mode pbr$"):
+        Settings.of(mode="phong", indirect="baked", reflections="traced").check_used()
+    with pytest.raises(UsageError, match="^phong does nothing in mode pbr, only in mode phong$"):
+        Settings.of(phong="blinn-phong").check_used()
+    with pytest.raises(UsageError, match="^spp and phong do nothing in mode pbr$"):
+        Settings.of(phong="blinn-phong", spp=3).check_used()
+
+
+def test_every_setting_is_used_by_some_mode_and_the_defaults_by_all():
+    assert not ignored(*get_args(Mode))
+    for mode in get_args(Mode):
+        Settings(mode=mode).check_used()
+        assert set(ignored(mode)) <= {f.name for f in fields(Settings)}
+    assert set(ignored("pbr", "phong")) == set(ignored("pbr")) & set(ignored("phong"))
 
 
 def test_the_most_samples_follow_the_rules_given():

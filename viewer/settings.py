@@ -15,7 +15,13 @@ Denoise = Literal["off", "fast", "oidn"]
 Lobes = Literal["all", "uniform-diffuse", "specular", "directional-diffuse"]
 Tonemap = Literal["neutral", "agx", "aces", "none"]
 Background = Literal["env", "none"] | tuple[float, float, float]
+Ndf = Literal["ggx", "beckmann", "blinn-phong"]
+Masking = Literal["smith", "smith-separable", "v-cavity", "none"]
 
+NDFS: tuple[Ndf, ...] = get_args(Ndf)
+"""In the order of the shaders' switch NDF."""
+MASKINGS: tuple[Masking, ...] = get_args(Masking)
+"""In the order of the shaders' switch MASKING."""
 LAYERS = ("albedo", "normal", "depth", "variance", "samples")
 """What mode path can tell of a picture beside its colour; see `viewer.trace.layers`."""
 MAX_EXPOSURE = 64.0
@@ -95,8 +101,8 @@ class Settings:
     denoise: Denoise = "off"
 
     # --set
-    ndf: Literal["ggx", "beckmann", "blinn-phong"] = _option("ggx", "how the normals of microfacets are spread, D")
-    masking: Literal["smith", "smith-separable", "v-cavity", "none"] = _option(
+    ndf: Ndf = _option("ggx", "how the normals of microfacets are spread, D")
+    masking: Masking = _option(
         "smith", "how microfacets hide one another, G; smith is height-correlated")
     fresnel: Literal["schlick", "exact"] = _option("schlick", "how reflection grows towards grazing angles, F")
     multiscatter: Literal["on", "off"] = _option("on", "give back the light that bounces between microfacets")
@@ -112,8 +118,7 @@ class Settings:
     reflections: Literal["environment", "traced"] = _option(
         "environment", "what surfaces mirror; traced: also of the model itself, by a ray from each point shaded")
     refraction: Literal["screen", "traced"] = _option(
-        "screen", "how light goes through bodies of glass; traced: from surface to surface, by two paths from each "
-        "point shaded")
+        "screen", "refraction in solid glass; traced: from surface to surface, by two paths from each shaded point")
     specular_aa: Literal["on", "off"] = _option(
         "off", "widen highlights that are finer than a pixel: calmer in motion, but farther from the truth")
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8", "ssaa-4", "ssaa-9", "ssaa-16"] = _option(
@@ -148,12 +153,13 @@ class Settings:
         return cls(**values)
 
     def check_used(self) -> None:
-        """Raises UsageError for what was set and is of no use in this mode."""
-        idle = RASTER_ONLY if self.mode == "path" else PATH_ONLY
+        """Raises UsageError where a setting that this mode ignores is not the default."""
+        idle = ignored(self.mode)
         unused = [f.name for f in fields(self) if f.name in idle and getattr(self, f.name) != f.default]
         if unused:
             verb = "does" if len(unused) == 1 else "do"
-            where = "" if self.mode == "path" else ", only in mode path"
+            modes = [mode for mode in get_args(Mode) if all(mode in _USED_BY[name] for name in unused)]
+            where = f", only in mode{'s' * (len(modes) > 1)} {' and '.join(modes)}" if modes else ""
             raise UsageError(f"{' and '.join(unused)} {verb} nothing in mode {self.mode}{where}")
 
     @property
@@ -166,12 +172,12 @@ class Settings:
         return True
 
     def check_open(self) -> tuple[Settings | None, Settings | None]:
-        """Where the mode is left open: these settings for the raster and for mode path, each None where something is
-        set that it has no use for. Raises UsageError where neither has use for all."""
+        """Where the mode is left open: these settings in mode pbr and in mode path, each None where it ignores one of
+        them. Raises UsageError where both do."""
         ways = replace(self, mode="pbr", time_budget=None, error=None), replace(self, mode="path")
         found = [settings if settings.is_used else None for settings in ways]
         if found == [None, None]:
-            raise UsageError("some of what is set is of use in mode path alone, some in the others alone: give a mode")
+            raise UsageError("neither mode pbr nor mode path uses all that is set: give a mode")
         return found[0], found[1]
 
     @property
@@ -209,9 +215,20 @@ class Settings:
 
 
 STOPPING = ("spp", "time_budget", "error")
-RASTER_ONLY = ("phong", "shadows", "environment_shadows", "ambient_occlusion", "indirect", "reflections",
-               "refraction", "specular_aa", "antialias")
-PATH_ONLY = (*STOPPING, "seed", "denoise", "sampling", "bounces", "light_radius", "clamp")
+_USED_BY: dict[str, tuple[Mode, ...]] = {
+    **dict.fromkeys(("ndf", "masking", "fresnel", "multiscatter"), ("pbr", "path")),
+    "phong": ("phong",),
+    **dict.fromkeys(("shadows", "antialias"), ("pbr", "phong")),
+    **dict.fromkeys(("environment_shadows", "ambient_occlusion", "indirect", "reflections", "refraction",
+                     "specular_aa"), ("pbr",)),
+    **dict.fromkeys((*STOPPING, "seed", "denoise", "sampling", "bounces", "light_radius", "clamp"), ("path",)),
+}
+"""The modes that use a setting, of those that not all modes use."""
+
+
+def ignored(*modes: Mode) -> tuple[str, ...]:
+    """The settings that none of `modes` uses."""
+    return tuple(name for name, users in _USED_BY.items() if not set(users) & set(modes))
 
 
 def parse_background(value: object) -> Background:

@@ -1,6 +1,6 @@
-// Which part of its hemisphere a pixel's surface sees past what else is in the picture.
-// Jimenez et al. 2016, "Practical Realtime Strategies for Accurate Indirect Occlusion" (GTAO): in SLICES half planes
-// through the line of sight the highest horizon on either side, and between the two the cosine integrated exactly.
+// Sky visibility of a pixel's surface, from the depths in the picture: ground-truth ambient occlusion, Jimenez et al.
+// 2016, "Practical Realtime Strategies for Accurate Indirect Occlusion" (GTAO). In each of SLICES planes through the
+// line of sight we search the horizon on either side and integrate the cosine between the two exactly.
 #include "bsdf/constants.glsl"
 #include "raster/octahedron.glsl"
 #include "raster/specular_occlusion.glsl"
@@ -11,22 +11,23 @@ uniform sampler2D u_positions;
 uniform sampler2D u_normals;
 uniform vec3 u_right, u_up;    // of the picture, in the world
 uniform vec3 u_view_direction; // towards the eye
-uniform float u_pixels;        // that a scene unit is long, at distance 1 (orthographic: at any)
-out vec4 o_visible;
+uniform float u_pixels;        // length of a scene unit in pixels, at distance 1 (orthographic: at any distance)
+out vec4 o_visibility;
 
-// Cosine between v and the highest of the samples along `step`, seen from p. What is as far as the scene's radius does
-// not count: the picture shows only its front, and a surface far before p is rarely as deep as that.
+// Cosine between v and the highest sample along `along`, seen from p. A sample's weight falls to 0 at the scene's
+// radius: the picture tells nothing about the thickness of an occluder, and a distant one is rarely as deep as the gap
+// behind it.
 float horizon(vec3 p, vec3 v, vec2 along, float reach, float lowest) {
     float highest = lowest;
     for (int k = 1; k <= STEPS; ++k) {
-        float share = float(k) / float(STEPS);
-        ivec2 tap = ivec2(floor(gl_FragCoord.xy + along * max(share * share * reach, float(k))));
+        float t = float(k) / float(STEPS);
+        ivec2 tap = ivec2(floor(gl_FragCoord.xy + along * max(t * t * reach, float(k))));
         ivec2 inside = clamp(tap, ivec2(0), textureSize(u_positions, 0) - 1);
-        vec4 there = texelFetch(u_positions, inside, 0);
-        vec3 d = there.xyz - p;
+        vec4 occluder = texelFetch(u_positions, inside, 0);
+        vec3 d = occluder.xyz - p;
         float distance = length(d);
-        float counts = there.w == 0.0 || tap != inside ? 0.0 : clamp(2.0 - 2.0 * distance, 0.0, 1.0);
-        highest = max(highest, mix(lowest, dot(d, v) / max(distance, 1e-6), counts));
+        float weight = occluder.w == 0.0 || tap != inside ? 0.0 : clamp(2.0 - 2.0 * distance, 0.0, 1.0);
+        highest = max(highest, mix(lowest, dot(d, v) / max(distance, 1e-6), weight));
     }
     return highest;
 }
@@ -59,7 +60,7 @@ void main() {
         sum += weight * 0.25 * (2.0 * cos(gamma) - cos(2.0 * left - gamma) - cos(2.0 * right - gamma)
                                 + 2.0 * (left + right) * sin(gamma));
     }
-    float open = clamp(sum / float(SLICES), 0.0, 1.0);
+    float sky_visibility = clamp(sum / float(SLICES), 0.0, 1.0);
     float NoV = clamp(dot(n, v), 0.0, 1.0);
-    o_visible = vec4(vec3(open), specular_occlusion(NoV, open, surface.w * surface.w));
+    o_visibility = vec4(vec3(sky_visibility), specular_occlusion(NoV, sky_visibility, surface.w * surface.w));
 }

@@ -1,6 +1,6 @@
-// A level of the picture behind what transmits light. LEVEL 0: the picture itself. 1: half the size of the one before,
-// filtered by the binomial (1 3 3 1) / 8 both ways: four bilinear taps between its texels, 3 parts to 1.
-uniform sampler2D u_source; // its base level is the one to read
+// One level of the picture behind transmissive surfaces. LEVEL 0 copies the picture. LEVEL 1 halves the level before
+// it, filtered by the binomial (1 3 3 1) / 8 in both directions: four bilinear taps, each between texels at 3 : 1.
+uniform sampler2D u_source; // its base level is the one we read
 
 out vec4 o_color;
 

@@ -1,10 +1,11 @@
-// The picture of what stands behind what transmits light, in levels ever more blurred (viewer/raster/transmission.py).
+// The picture of what stands behind a transmissive surface, as a pyramid of blurred levels
+// (viewer/raster/transmission.py).
 uniform sampler2D u_backdrop; // associated alpha
 uniform mat4 u_view_projection;
 
-const float EDGE = 1.0 / 16.0; // of the picture: so far beyond it its rim is stretched, and fades
+const float EDGE = 1.0 / 16.0; // width, in pictures, of the band outside the picture in which its edge pixels fade out
 
-// Where `position`, relative to the eye, stands in it; nothing where that is beyond its rim.
+// The picture at `position`, relative to the eye; 0 outside the picture.
 vec4 backdrop_at(vec3 position, float blur) {
     vec4 clip = u_view_projection * vec4(position, 1.0);
     vec2 uv = 0.5 + 0.5 * clip.xy / clip.w;

@@ -1,4 +1,5 @@
-// The environment as a surface sees it: turned about +Y and scaled, its sun already taken out as a light.
+// The environment as a surface sees it: rotated about +Y and scaled. Its suns are left out; they are lights of their
+// own.
 #include "light/irradiance.glsl"
 
 uniform float u_environment_intensity;

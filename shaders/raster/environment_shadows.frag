@@ -1,6 +1,6 @@
-// Sums over some of the lights drawn from the environment: what of them arrives, and what would if nothing hid them.
-// Reflected light is weighed by a lobe that holds a few lights at least: what it sees is looked up elsewhere, here it
-// is only asked how much of that is hidden.
+// Sums the light of many directional lights sampled from the environment, with shadows and without. The ratio of the
+// two sums is the visibility (raster/visibility.frag); the light itself comes from the filtered environment. The
+// specular lobe is widened (`u_least_alpha`) until it holds a few of the lights, or the ratio would be noise.
 #include "bsdf/ggx.glsl"
 #include "raster/octahedron.glsl"
 #include "sample/luminance.glsl"
@@ -16,11 +16,11 @@ layout(std140) uniform FarLights {
 uniform sampler2D u_positions;
 uniform sampler2D u_normals;
 uniform sampler2DShadow u_atlas;
-uniform float u_least_alpha;
+uniform float u_least_alpha; // of the specular lobe
 uniform vec3 u_view_direction; // towards the eye
 
-layout(location = 0) out vec4 o_arriving; // rgb: diffuse, a: the reflected lobe's, luminance
-layout(location = 1) out vec4 o_sent;
+layout(location = 0) out vec4 o_shadowed; // rgb: irradiance, a: luminance reflected by the specular lobe
+layout(location = 1) out vec4 o_unshadowed;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -36,7 +36,7 @@ void main() {
     float NoV = clamp(dot(n, v), 1e-3, 1.0);
     float alpha = max(surface.w * surface.w, u_least_alpha);
 
-    o_arriving = o_sent = vec4(0.0);
+    o_shadowed = o_unshadowed = vec4(0.0);
     for (int i = 0; i < LIGHTS; ++i) {
         FarLight light = u_far_lights[i];
         vec3 l = light.direction.xyz;
@@ -45,14 +45,14 @@ void main() {
         vec3 h = normalize(v + l);
         vec3 nxh = cross(n, h);
         float lobe = d_ggx(dot(n, h), dot(nxh, nxh), alpha) * v_smith_ggx(NoV, NoL, alpha);
-        vec4 sent = vec4(light.irradiance.rgb, lobe * luminance(light.irradiance.rgb)) * NoL;
+        vec4 unshadowed = vec4(light.irradiance.rgb, lobe * luminance(light.irradiance.rgb)) * NoL;
 
         float facing = dot(n_geometric, l);
-        // Off the surface by the filter's footprint, more at grazing angles
-        float away = light.direction.w * (1.5 * sqrt(max(1.0 - facing * facing, 0.0)) + 0.5);
-        vec4 p = vec4(surface.xyz + away * n_geometric, 1.0);
+        // Offset along the normal by the footprint of the shadow filter, which grows at grazing angles
+        float offset = light.direction.w * (1.5 * sqrt(max(1.0 - facing * facing, 0.0)) + 0.5);
+        vec4 p = vec4(surface.xyz + offset * n_geometric, 1.0);
         float visible = texture(u_atlas, vec3(dot(light.u, p), dot(light.v, p), dot(light.depth, p)));
-        o_sent += sent;
-        o_arriving += facing > 0.0 ? visible * sent : vec4(0.0);
+        o_unshadowed += unshadowed;
+        o_shadowed += facing > 0.0 ? visible * unshadowed : vec4(0.0);
     }
 }

@@ -1,4 +1,5 @@
-// Where the surfaces are and how they lie, one sample a pixel, for passes that look at them from other directions.
+// The G-buffer: position, roughness and normals of the visible surfaces, one sample a pixel, for the passes that find
+// visibility and reflections before the surfaces are shaded.
 #include "raster/material.glsl"
 #include "raster/normal.glsl"
 #include "raster/octahedron.glsl"
@@ -8,8 +9,8 @@ void main() {
     MaterialInputs m = read_inputs();
     coverage(m.base_color.a);
     vec3 n = geometric_normal();
-    o_color = vec4(v_position, max(m.perceptual_roughness, 1e-3)); // 0: nothing is here
-    // Of the triangle itself, which is what hides light behind its plane, however smoothly it is shaded
+    o_color = vec4(v_position, max(m.perceptual_roughness, 1e-3)); // w = 0 marks an empty pixel
+    // The face normal: a triangle occludes light behind its own plane, whatever its shading normal.
     vec3 face = cross(dFdx(v_position), dFdy(v_position));
     face *= sign(dot(face, n)) / max(length(face), 1e-30);
     o_normals = vec4(to_octahedron(shading_normal(n)), to_octahedron(face == vec3(0.0) ? n : face));

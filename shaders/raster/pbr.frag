@@ -11,11 +11,11 @@
 #if VISIBILITY
 #include "raster/visibility.glsl"
 #endif
-#if TRACED
+#if TRACED_REFLECTION
 #include "raster/traced_reflection.glsl"
 #endif
-#if TRACED_BODIES
-#include "raster/traced_body.glsl"
+#if TRACED_REFRACTION
+#include "raster/traced_refraction.glsl"
 #endif
 #if LIGHT_COUNT > 0
 #include "light/punctual.glsl"
@@ -77,7 +77,7 @@ void main() {
     m.perceptual_roughness = clamp(m.perceptual_roughness, MIN_PERCEPTUAL_ROUGHNESS, 1.0);
     Surface s = surface_of(m);
 #if HAS_TRANSMISSION && !IS_SOLID
-    s.f0 = mix(s.f0, wall_f0(s.f0), m.transmission);
+    s.f0 = mix(s.f0, thin_walled_f0(s.f0), m.transmission);
 #endif
 #if SPECULAR_AA
 #if ANISOTROPIC

@@ -1,60 +1,62 @@
-// What the rays of reflection_rays.frag met: the light that leaves there, between the corners of the triangle.
+// Radiance at the hits of the rays of reflection_rays.frag, interpolated between the vertices of the triangle.
 //
-// Baked is what a matte surface of that colour sends. A metal sends the same light from elsewhere: as much more as its
-// own lobe sees of the environment than the hemisphere does. That is blurred and bounded, for it goes without shadows.
+// The baked vertex radiance is that of a Lambertian surface of the same colour. For a metal we scale it by the ratio of
+// the environment over its specular lobe to the environment over the hemisphere. The ratio knows no shadows, so the
+// lobe is kept wide and the ratio bounded.
 #include "raster/environment.glsl"
 #include "raster/octahedron.glsl"
 #include "sample/luminance.glsl"
+#include "trace/hit.glsl"
 
 uniform usampler2D u_hit;      // viewer/trace/rays/intersect.py
 uniform sampler2D u_positions;
 uniform sampler2D u_direction; // w: 1 where there is a ray
-uniform isampler2D u_first;    // of each instance, the number of its first triangle's first corner
-uniform sampler2D u_looks;     // of each corner radiance, and a component of the face normal
-uniform sampler2D u_lies;      // and normal, roughness, metallic
+// viewer/raster/traced/reflected_surfaces.py:
+uniform isampler2D u_first_vertex;   // of each instance
+uniform sampler2D u_vertex_radiance; // of each triangle's vertices; a: a component of the face normal, 0 if two-sided
+uniform sampler2D u_vertex_surface;  // octahedral normal, roughness, metallic
 
-layout(location = 0) out vec4 o_met;
-layout(location = 1) out vec4 o_sent; // luminance of the environment along the ray, and what of it arrives
+layout(location = 0) out vec4 o_hit_radiance;
+layout(location = 1) out vec4 o_environment; // luminance of the environment along the ray, unoccluded and occluded
 
-const uint INSTANCE_MASK = 0x0fffffffu;
-const int WIDTH = 4096;
-const float LEAST_ROUGHNESS = 0.35, MOST = 4.0;
+const float LEAST_ROUGHNESS = 0.35, MAX_RATIO = 4.0;
 
-ivec2 place(int i) {
-    return ivec2(i % WIDTH, i / WIDTH);
-}
-
-vec3 normal(vec4 corner) {
-    return from_octahedron(corner.xy * 2.0 - 1.0);
+vec3 normal(vec4 surface) {
+    return from_octahedron(surface.xy * 2.0 - 1.0);
 }
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 direction = texelFetch(u_direction, pixel, 0);
-    o_met = o_sent = vec4(0.0);
+    o_hit_radiance = o_environment = vec4(0.0);
     if (direction.w == 0.0) return;
-    uvec4 hit = texelFetch(u_hit, pixel, 0);
-    uint instance = hit.x & INSTANCE_MASK;
+    uvec4 texel = texelFetch(u_hit, pixel, 0);
     float roughness = texelFetch(u_positions, pixel, 0).w;
-    o_sent.r = luminance(environment_specular(direction.xyz, 0.5 * roughness)); // about a sixteenth of the lobe
-    if (instance == INSTANCE_MASK) {
-        o_sent.g = o_sent.r;
+    // Sixteen rays share a lobe, so each stands for about a sixteenth of it: half the roughness.
+    o_environment.r = luminance(environment_specular(direction.xyz, 0.5 * roughness));
+    if (hit_kind(texel) == NO_KIND) {
+        o_environment.g = o_environment.r;
         return;
     }
-    int first = texelFetch(u_first, place(int(instance)), 0).r + 3 * int(hit.y);
-    vec4 looks[3], lies[3];
+    Hit hit = unpack_hit(texel);
+    int width = textureSize(u_first_vertex, 0).x;
+    int first = texelFetch(u_first_vertex, ivec2(hit.instance % width, hit.instance / width), 0).r + 3 * hit.triangle;
+    width = textureSize(u_vertex_radiance, 0).x;
+    vec4 radiances[3], surfaces[3];
     for (int k = 0; k < 3; ++k) {
-        looks[k] = texelFetch(u_looks, place(first + k), 0);
-        lies[k] = texelFetch(u_lies, place(first + k), 0);
+        ivec2 at = ivec2((first + k) % width, (first + k) / width);
+        radiances[k] = texelFetch(u_vertex_radiance, at, 0);
+        surfaces[k] = texelFetch(u_vertex_surface, at, 0);
     }
-    if (dot(direction.xyz, vec3(looks[0].a, looks[1].a, looks[2].a)) > 0.0) return; // the back of what has none
-    vec2 uv = uintBitsToFloat(hit.zw);
+    vec3 face = vec3(radiances[0].a, radiances[1].a, radiances[2].a);
+    if (dot(direction.xyz, face) > 0.0) return; // the back of a one-sided surface is black
+    vec2 uv = hit.barycentric;
     vec3 weights = vec3(1.0 - uv.x - uv.y, uv);
-    vec3 radiance = mat3(looks[0].rgb, looks[1].rgb, looks[2].rgb) * weights;
-    vec3 n = normalize(mat3(normal(lies[0]), normal(lies[1]), normal(lies[2])) * weights);
+    vec3 radiance = mat3(radiances[0].rgb, radiances[1].rgb, radiances[2].rgb) * weights;
+    vec3 n = normalize(mat3(normal(surfaces[0]), normal(surfaces[1]), normal(surfaces[2])) * weights);
     n *= dot(n, direction.xyz) > 0.0 ? -1.0 : 1.0;
-    vec2 roughness_metallic = mat3x2(lies[0].zw, lies[1].zw, lies[2].zw) * weights;
+    vec2 roughness_metallic = mat3x2(surfaces[0].zw, surfaces[1].zw, surfaces[2].zw) * weights;
     vec3 lobe = environment_specular(reflect(direction.xyz, n), max(roughness_metallic.x, LEAST_ROUGHNESS));
-    vec3 more = min(lobe / max(environment_irradiance_over_pi(n), 1e-6), MOST);
-    o_met.rgb = radiance * mix(vec3(1.0), more, roughness_metallic.y);
+    vec3 ratio = min(lobe / max(environment_irradiance_over_pi(n), 1e-6), MAX_RATIO);
+    o_hit_radiance.rgb = radiance * mix(vec3(1.0), ratio, roughness_metallic.y);
 }

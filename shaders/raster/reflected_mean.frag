@@ -1,31 +1,33 @@
-// What a pixel's lobe meets, by the rays of those about it that lie alike: their directions are spread over the lobe.
-// The narrower that is, the fewer of them: a mirror has its own alone.
+// Reflected radiance of a pixel's lobe: a joint bilateral filter over 5 x 5 pixels' rays, whose directions are spread
+// over the lobe. Normals, positions and roughness of the G-buffer are the guide. The narrower the lobe, the narrower
+// the filter: a mirror uses its own ray alone.
 #include "raster/octahedron.glsl"
 
-const float NEAR = 0.25; // in units of the scene's radius: what is mirrored is mostly farther away
+const float HIT_DISTANCE = 0.25; // assumed, in units of the scene's radius: reflected surfaces are mostly farther away
 
 uniform sampler2D u_positions;
 uniform sampler2D u_normals;
-uniform sampler2D u_met, u_sent; // of one ray each: reflected_light.frag
+uniform sampler2D u_hit_radiance, u_environment; // of each ray: reflected_light.frag
 
-out vec4 o_reflected; // radiance from the model, and which part of the environment's light the model hides
+out vec4 o_reflected; // rgb: radiance from the model, a: part of the environment's light that it occludes
 
 void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy), last = textureSize(u_met, 0) - 1;
+    ivec2 pixel = ivec2(gl_FragCoord.xy), last = textureSize(u_hit_radiance, 0) - 1;
     vec4 here = texelFetch(u_positions, pixel, 0);
     vec3 n = from_octahedron(texelFetch(u_normals, pixel, 0).xy);
     float alpha = here.w * here.w;
-    vec3 met = vec3(0.0), sent = vec3(0.0);
+    vec3 radiance = vec3(0.0), environment = vec3(0.0);
     for (int k = 0; k < 25; ++k) {
         ivec2 tap = clamp(pixel + ivec2(k % 5, k / 5) - 2, ivec2(0), last);
         vec4 there = texelFetch(u_positions, tap, 0);
         if (there.w == 0.0) continue;
-        vec3 turned = from_octahedron(texelFetch(u_normals, tap, 0).xy) - n, moved = there.xyz - here.xyz;
-        // A lobe's width of turn, and of place where it is as wide as `NEAR` away; a tenth of roughness
-        float weight = exp(-0.5 * (dot(turned, turned) + dot(moved, moved) / (NEAR * NEAR)) / max(alpha * alpha, 1e-8)
+        vec3 dn = from_octahedron(texelFetch(u_normals, tap, 0).xy) - n, dp = there.xyz - here.xyz;
+        // Standard deviations: alpha for the normal, the lobe's width at HIT_DISTANCE for the position; a difference
+        // of 0.1 in roughness costs a factor of e.
+        float weight = exp(-0.5 * (dot(dn, dn) + dot(dp, dp) / (HIT_DISTANCE * HIT_DISTANCE)) / max(alpha * alpha, 1e-8)
                            - 10.0 * abs(there.w - here.w));
-        met += weight * texelFetch(u_met, tap, 0).rgb;
-        sent += weight * vec3(texelFetch(u_sent, tap, 0).rg, 1.0);
+        radiance += weight * texelFetch(u_hit_radiance, tap, 0).rgb;
+        environment += weight * vec3(texelFetch(u_environment, tap, 0).rg, 1.0);
     }
-    o_reflected = vec4(met / sent.z, sent.x > 0.0 ? 1.0 - sent.y / sent.x : 0.0);
+    o_reflected = vec4(radiance / environment.z, environment.x > 0.0 ? 1.0 - environment.y / environment.x : 0.0);
 }

@@ -1,5 +1,6 @@
-// A ray from each pixel's surface along one direction of its lobe, in tracer space: the scene's centre at the origin and
-// its radius the unit (viewer/trace/scene/geometry.py). Sixteen pixels together spread theirs evenly over the lobe.
+// Begins one reflection ray at each pixel's surface, along a direction sampled from the distribution of visible
+// normals. A block of 4 x 4 pixels covers the lobe with a Hammersley point set. Rays are in tracer space: the scene's
+// centre is the origin and its radius the unit (viewer/trace/scene/geometry.py).
 #include "bsdf/visible_normal.glsl"
 #include "raster/octahedron.glsl"
 #include "sample/lattice.glsl"
@@ -13,10 +14,12 @@ uniform vec3 u_view_direction; // towards the eye
 layout(location = 0) out vec4 o_origin; // w: 1 where there is a ray
 layout(location = 1) out vec4 o_direction;
 
-// A position has the rounding of a float as far as the eye is away, and of the rasteriser's interpolation.
+// Offset of the origin from the surface. A position relative to the eye has a rounding error in proportion to its
+// distance from the eye, and that of the rasteriser's interpolation.
 const float OFFSET = 2e-5;
 
-// Bayer 1973, "An Optimum Method for Two-Level Rendition of Continuous-Tone Pictures": neighbours are far apart
+// Order of the 16 pixels of a block, so that neighbours have distant numbers. Bayer 1973, "An Optimum Method for
+// Two-Level Rendition of Continuous-Tone Pictures"
 uint bayer(ivec2 pixel) {
     uvec2 p = uvec2(pixel) & 3u;
     uint both = p.x ^ p.y;
@@ -27,7 +30,7 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 surface = texelFetch(u_positions, pixel, 0);
     o_origin = o_direction = vec4(0.0);
-    if (surface.w >= 1.0) return; // traced_share is 0
+    if (surface.w >= 1.0) return; // traced_share() is 0
     vec4 normals = texelFetch(u_normals, pixel, 0);
     vec3 face = from_octahedron(normals.zw);
 #if IS_ORTHOGRAPHIC
@@ -43,7 +46,7 @@ void main() {
     vec2 alpha = vec2(max(surface.w * surface.w, 1e-6));
     vec3 h = sample_visible_normal(wo, alpha, cap_bound(wo, alpha), hammersley(bayer(pixel), 16u));
     vec3 d = frame * reflect(-wo, h);
-    d -= 2.0 * min(dot(d, face), 0.0) * face; // a wide lobe may reach under the triangle
+    d -= 2.0 * min(dot(d, face), 0.0) * face; // mirror directions below the triangle back up
     o_origin = vec4(u_eye + surface.xyz + OFFSET * max(1.0, length(surface.xyz)) * face, 1.0);
     o_direction = vec4(normalize(d), 1.0);
 }

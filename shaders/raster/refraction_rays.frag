@@ -1,7 +1,7 @@
-// The ray that goes on in a body of glass from each pixel's point of its front, in tracer space, the scene's centre at
-// the origin and its radius the unit (viewer/trace/scene/geometry.py), and the cone about it that the pixel sees: its width,
-// and its spread, how much wider it becomes along the way (Akenine-Moeller et al. 2021, "Improved Shader and Texture
-// Level of Detail Using Ray Cones").
+// Begins a path at each pixel's point on the front of solid glass: the refracted ray, or with u_is_mirrored the
+// reflected one, in tracer space (the scene's centre is the origin and its radius the unit,
+// viewer/trace/scene/geometry.py). With it goes the ray cone of the pixel: its width, and its spread, the growth of the
+// width per unit of length. Akenine-Moeller et al. 2021, "Improved Shader and Texture Level of Detail Using Ray Cones".
 #include "raster/material.glsl"
 #include "raster/normal.glsl"
 
@@ -10,12 +10,12 @@ uniform vec3 u_view_direction; // towards the eye
 uniform bool u_is_mirrored;
 
 // o_color: where the ray begins, relative to the eye, and 1
-layout(location = 1) out vec4 o_origin;    // w: 1 for a ray
-layout(location = 2) out vec4 o_direction; // w: the spread
-layout(location = 3) out vec4 o_kept;      // what arrives of light along it, w: the width
-layout(location = 4) out vec4 o_light;     // found so far: none, w: alpha of what is rough
+layout(location = 1) out vec4 o_origin;     // w: 1 for a ray
+layout(location = 2) out vec4 o_direction;  // w: the spread
+layout(location = 3) out vec4 o_throughput; // w: the width
+layout(location = 4) out vec4 o_light;      // radiance found so far: none; w: alpha of the surface's roughness
 
-// A position has the rounding of a float as far as the eye is away, and of the rasteriser's interpolation.
+// Offset of the origin from the surface: as in raster/reflection_rays.frag
 const float OFFSET = 2e-5;
 
 void main() {
@@ -30,7 +30,7 @@ void main() {
     vec3 v = -normalize(v_position);
 #endif
     vec3 mirrored = reflect(-v, n);
-    mirrored -= 2.0 * min(dot(mirrored, face), 0.0) * face; // a shading normal may send it under the surface
+    mirrored -= 2.0 * min(dot(mirrored, face), 0.0) * face; // a shading normal may reflect it below the surface
     vec3 d = u_is_mirrored ? mirrored : refract(-v, n, 1.0 / max(m.ior, 1.0));
     vec3 off = (u_is_mirrored ? OFFSET : -OFFSET) * max(1.0, length(v_position)) * face;
     vec3 px = dFdx(v_position), py = dFdy(v_position), dx = dFdx(d), dy = dFdy(d);
@@ -39,6 +39,6 @@ void main() {
     o_color = vec4(v_position, 1.0);
     o_origin = vec4(u_eye + v_position + off, 1.0);
     o_direction = vec4(normalize(d), (dot(px, dx) + dot(py, dy)) / max(squared, 1e-30) * width);
-    o_kept = vec4(vec3(1.0), width);
+    o_throughput = vec4(vec3(1.0), width);
     o_light = vec4(vec3(0.0), perceptual_roughness * perceptual_roughness);
 }

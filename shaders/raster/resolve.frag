@@ -1,4 +1,4 @@
-// The samples of linear radiance averaged, as a box filter over the pixel does.
+// Averages the samples of a pixel, in linear radiance: a box filter.
 #if SAMPLES > 1
 uniform sampler2DMS u_samples;
 #else

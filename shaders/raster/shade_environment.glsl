@@ -59,7 +59,7 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
 #endif
     mean_light = environment_irradiance_over_pi(p.n);
 #endif
-#if TRACED
+#if TRACED_REFLECTION
     mat2x3 open = specular; // what nothing hides
 #endif
 #if OCCLUSION_MAP
@@ -73,13 +73,13 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
 #if INDIRECT
     add_indirect(p.NoV, mean_alpha(s.alpha), specular, mean_light);
 #endif
-#if TRACED
+#if TRACED_REFLECTION
     vec4 met = traced_reflection(v_position, p.n_geometric);
     float traced = traced_share(view.perceptual_roughness);
     for (int k = 0; k < 2; ++k) specular[k] = mix(specular[k], (1.0 - met.a) * open[k] + met.rgb, traced);
 #endif
-#if TRACED_BODIES
-    vec4 mirrored = traced_body(u_mirrored, p.n_geometric);
+#if TRACED_REFRACTION
+    vec4 mirrored = traced_light(u_mirrored, p.n_geometric);
     float share = mirrored.a >= 0.0 ? 1.0 - smoothstep(0.2, 0.5, view.perceptual_roughness) : 0.0; // of a lobe one ray is
     for (int k = 0; k < 2; ++k) specular[k] = mix(specular[k], mirrored.rgb, share);
 #endif

@@ -1,4 +1,4 @@
-// Nothing to write but depth; a mask's holes let light through.
+// Writes depth only; the holes of an alpha mask let light through.
 #if ALPHA_MODE == 1
 #include "material/uniforms.glsl"
 #endif

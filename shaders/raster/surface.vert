@@ -1,4 +1,5 @@
-// A mesh into eye-relative space: world axes, the eye at the origin, the scene's radius as unit (viewer/scene/frame.py).
+// Takes a mesh to eye-relative space: world axes, the eye at the origin, the scene's radius as the unit
+// (viewer/scene/frame.py).
 uniform mat4 u_model;           // mesh to eye-relative space
 uniform mat3 u_normal_matrix;   // its inverse transpose, up to scale
 uniform mat4 u_view_projection;

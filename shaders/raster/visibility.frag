@@ -1,10 +1,10 @@
-// What arrives over what is sent: which part of the environment's light a pixel's surface sees.
-uniform sampler2D u_arriving;
-uniform sampler2D u_sent;
-out vec4 o_visible;
+// Visibility of the environment: shadowed over unshadowed light, 1 where there is no light.
+uniform sampler2D u_shadowed;
+uniform sampler2D u_unshadowed;
+out vec4 o_visibility;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec4 arriving = texelFetch(u_arriving, pixel, 0), sent = texelFetch(u_sent, pixel, 0);
-    o_visible = mix(vec4(1.0), arriving / max(sent, 1e-30), greaterThan(sent, vec4(0.0)));
+    vec4 shadowed = texelFetch(u_shadowed, pixel, 0), unshadowed = texelFetch(u_unshadowed, pixel, 0);
+    o_visibility = mix(vec4(1.0), shadowed / max(unshadowed, 1e-30), greaterThan(unshadowed, vec4(0.0)));
 }

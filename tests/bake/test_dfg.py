@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from viewer.bake.dfg import SIZE, compute_dfg_table, dfg_table, directional_albedo, lobe_moments
-from viewer.bake.lobes import LOBES
-from viewer.settings import setting_choices
+from viewer.settings import MASKINGS, NDFS
 
 
 def by_light_direction(ndf: str, masking: str, NoV: float, alpha: float, nodes: int = 1200) -> np.ndarray:
@@ -44,8 +43,8 @@ def by_light_direction(ndf: str, masking: str, NoV: float, alpha: float, nodes: 
     return np.array([[(f * part * term).sum() for term in (1, NoL, toward_mirror)] for part in (1 - fresnel, fresnel)])
 
 
-@pytest.mark.parametrize("ndf", LOBES)
-@pytest.mark.parametrize("masking", setting_choices()["masking"])
+@pytest.mark.parametrize("ndf", NDFS)
+@pytest.mark.parametrize("masking", MASKINGS)
 def test_against_the_integral_over_light_directions(ndf, masking):
     for NoV, alpha in ((0.15, 0.3), (0.5, 0.15), (0.9, 1.0), (0.4, 0.6)):
         found = lobe_moments(ndf, masking, np.array([NoV]), alpha)[0]

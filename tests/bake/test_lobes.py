@@ -3,10 +3,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from viewer.bake.lobes import LOBES, lobe, lobe_spectrum
+from viewer.bake.lobes import lobe, lobe_spectrum
+from viewer.settings import NDFS
 
 
-@pytest.mark.parametrize("ndf", LOBES)
+@pytest.mark.parametrize("ndf", NDFS)
 @pytest.mark.parametrize("alpha", [0.0144, 0.13, 1.0])
 def test_spectrum_against_a_fine_sum(ndf, alpha):
     theta = (np.arange(100000) + 0.5) * (np.pi / 2e5)
@@ -22,7 +23,7 @@ def test_the_roughest_ggx_lobe_is_the_cosine():
 
 
 def test_no_light_from_below_the_horizon():
-    assert all(lobe(ndf, 0.5, np.array([1.6, 3.0])).max() == 0 for ndf in LOBES)
+    assert all(lobe(ndf, 0.5, np.array([1.6, 3.0])).max() == 0 for ndf in NDFS)
 
 
 def test_an_unknown_lobe_is_refused():

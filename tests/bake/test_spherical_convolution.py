@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from maps import convolved, noise_with_sun
 
-from viewer.bake.lobes import LOBES, lobe_spectrum
+from viewer.bake.lobes import lobe_spectrum
 from viewer.bake.spherical_convolution import Filter, convolve, legendre_tables
 from viewer.scene.equirect import sphere_integral, texel_directions
+from viewer.settings import NDFS
 
 
 def centre_rows(height: int) -> np.ndarray:
@@ -21,7 +22,7 @@ def test_legendre_functions_are_orthonormal():
             assert np.abs(gram - np.eye(61 - m)).max() < 2e-6
 
 
-@pytest.mark.parametrize("ndf", LOBES)
+@pytest.mark.parametrize("ndf", NDFS)
 @pytest.mark.parametrize(("alpha", "bound"), [(0.15, 1e-4), (0.4, 5e-4), (1.0, 6e-3)])
 def test_against_direct_quadrature_under_a_sun(ndf, alpha, bound):
     # Wide lobes end in a kink at the horizon, and 64 degrees round it off: only there, 90 degrees from the sun.

@@ -22,8 +22,9 @@ from viewer.trace.tracer import Tracer
 MUTATIONS = [
     Mutation("the cosine's density without 1/pi", "sample/hemisphere.glsl", "return max(w.z, 0.0) * INV_PI;",
              "return max(w.z, 0.0);"),
-    Mutation("density of the lobes mixed by halves", "bsdf/lobe/standard.glsl",
-             "mix(pdf_cosine_hemisphere(wi), facets, v.p_specular)", "mix(pdf_cosine_hemisphere(wi), facets, 0.5)"),
+    Mutation("density of the lobes mixed by halves", "bsdf/surface.glsl",
+             "mix(pdf_cosine_hemisphere(wi), facets, facet_probability(s, v))",
+             "mix(pdf_cosine_hemisphere(wi), facets, 0.5)"),
     Mutation("a light's sample counts in full", "trace/mis.glsl", "? mis_weight(light_pdf, bsdf_pdf) :", "? 1.0 :"),
     Mutation("a light's sample weighed by the wrong density", "trace/mis.glsl", "? mis_weight(light_pdf, bsdf_pdf) :",
              "? mis_weight(bsdf_pdf, light_pdf) :"),
@@ -38,11 +39,11 @@ MUTATIONS = [
              "float facing = area;"),
     Mutation("roulette without compensation", "trace/bounce.glsl", "p.throughput /= survival;", ""),
     Mutation("refraction without 1/eta^2", "bsdf/lobe/dielectric.glsl", "weight /= m.eta * m.eta;", ""),
-    Mutation("absorption of the wrong sign", "trace/bounce.glsl", "exp(-p.sigma * way)", "exp(p.sigma * way)"),
-    Mutation("absorption goes on outside", "trace/glass.frag", "m.is_thin ? before : vec3(0.0);",
-             "m.is_thin ? before : before;"),
-    Mutation("glass tints twice", "trace/glass.glsl", "g.tint = sqrt(max(m.inputs.base_color.rgb, vec3(0.0)));",
-             "g.tint = m.inputs.base_color.rgb;"),
+    Mutation("absorption of the wrong sign", "media/medium.glsl", "exp(-word_float", "exp(word_float"),
+    Mutation("absorption goes on outside", "trace/shade.glsl", "return i.is_front ? i.medium : 0;",
+             "return i.medium;"),
+    Mutation("glass tints twice", "bsdf/glass.glsl", "g.tint = sqrt(max(m.base_color.rgb, vec3(0.0)));",
+             "g.tint = m.base_color.rgb;"),
     Mutation("thin glass reflects at one face", "bsdf/lobe/thin_dielectric.glsl", "return 2.0 * R / (1.0 + R);",
              "return R;"),
     Mutation("what alpha leaves open is solid to paths", "trace/bounce.glsl", "if (u >= m.coverage) return true;", ""),
@@ -50,7 +51,8 @@ MUTATIONS = [
              "return coverage_of(alpha, int(tri.material), tri.flags);", "return 1.0;"),
     Mutation("roughness from the wrong channel", "material/records.glsl", "m.perceptual_roughness *= texel.g;",
              "m.perceptual_roughness *= texel.b;"),
-    Mutation("normal map's scale ignored", "trace/interaction.glsl", "texel.xy *= normal_scale_factor(i.material);", ""),
+    Mutation("normal map's scale ignored", "trace/interaction.glsl", "texel.xy *= normal_scale_factor(i.material);",
+             ""),
 ]
 
 

@@ -14,7 +14,7 @@ from viewer.scene.environment import Environment
 from viewer.scene.equirect import texel_directions
 from viewer.scene.light import Light
 from viewer.scene.scene import Scene
-from viewer.settings import Settings
+from viewer.settings import Settings, ignored
 
 SIZE = (112, 112)
 
@@ -52,8 +52,11 @@ class Case:
         return scene.cameras[0] if scene.cameras else framed
 
     def with_mode(self, mode: str) -> Settings:
-        """Four samples, for what "auto" chooses depends on the device."""
-        return Settings.of(**{"mode": mode, "antialias": "msaa-4"} | self.settings)
+        """The case's settings that `mode` uses, with four samples: what "auto" chooses depends on the device."""
+        used = {name: value for name, value in self.settings.items() if name not in ignored(mode)}
+        settings = Settings.of(**{"mode": mode, "antialias": "msaa-4"} | used)
+        settings.check_used()
+        return settings
 
 
 # From behind and from the side: where masking and Fresnel's reflectance matter most.

@@ -46,10 +46,11 @@ def main(names: list[str]) -> int:
             others = [(PathGolden.of(made[:k] + made[k + 1:]), picture) for k, picture in enumerate(made)]
             problems = sum(other.problem(picture) is not None for other, picture in others)
             failed += problems
-            whole, blocks = (max(other.worst(picture, block) for other, picture in others) for block in (SIZE[0], BLOCK))
+            whole, blocks = (max(other.worst(picture, block) for other, picture in others)
+                             for block in (SIZE[0], BLOCK))
             pixels = max(other.failing_pixels(picture) for other, picture in others)
-            print(f"| {case.name} | {case.spp} | {golden.detectable():.2%} | {whole:.1f} | {blocks:.1f} | {pixels:.2%} | "
-                  f"{problems} |", flush=True)
+            print(f"| {case.name} | {case.spp} | {golden.detectable():.2%} | {whole:.1f} | {blocks:.1f} "
+                  f"| {pixels:.2%} | {problems} |", flush=True)
         tracer.release()
     return int(failed > 0.01 * PICTURES * len(names or CASES))
 

@@ -85,15 +85,15 @@ def test_ahead_of_the_plan_the_same_images_are_decoded(scene, settings):
     light = viewer.Light.from_angles(0.3, 0.8, 3.0)
     plan = plan_scene(scene, settings, (light,), samples=4, half_target=True, orthographic=True)
     ahead = decode_ahead(scene, settings)
-    assert ahead.keys == sampled_images(scene, plan, channels_read(scene, plan, {})) and ahead.keys
+    assert ahead.keys == sampled_images(plan, channels_read(plan, {})) and ahead.keys
     ahead.cancel()
 
 
 def test_what_another_plan_read_is_kept(scene):
     plan = plan_scene(scene, Settings(), (), samples=1, half_target=False, orthographic=False)
-    read = channels_read(scene, plan, {})
+    read = channels_read(plan, {})
     image = next(iter(read))
-    assert channels_read(scene, plan, {image: "RGBA"})[image] == "RGBA"
+    assert channels_read(plan, {image: "RGBA"})[image] == "RGBA"
 
 
 def test_channels(pixels):

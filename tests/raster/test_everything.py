@@ -76,7 +76,7 @@ def test_it_makes_what_nothing_uses(renderer):
     scene = viewer.load(resource_folder("assets") / "scenes" / "unlit.glb", environment=None)
     assert_same(renderer, scene)
     facts = renderer.plan.to_json()
-    assert {"shadows", "bodies of glass", "walls of glass", "blend"} <= set(facts["passes"])
+    assert {"shadows", "solid transmission", "thin-walled transmission", "blend"} <= set(facts["passes"])
     assert renderer.plan.environment and renderer.plan.dfg and renderer.plan.reflections and facts["lights"] == 3
 
 

@@ -1,4 +1,4 @@
-"""Light between surfaces in the raster, against the path tracer and where there is none."""
+"""Indirect light in the raster, against the path tracer and where there is none."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_light_is_found_anew_under_other_lights(renderer: Renderer, radiance):
     brighter = model.relit(lights=(replace(SUN, intensity=6.0),))
     np.testing.assert_allclose(radiance(brighter, VIEW, SIZE, indirect="baked"), 2 * first - [0, 0, 0, 1] * (
         first > 0), rtol=1e-2, atol=1e-3)
-    assert renderer.times["light between surfaces"] > 0
+    assert renderer.times["indirect light"] > 0
 
 
 def test_nothing_is_baked_where_none_sees_another(renderer: Renderer, radiance):
@@ -81,7 +81,7 @@ def test_nothing_is_baked_where_none_sees_another(renderer: Renderer, radiance):
     pictures = [radiance(ball, VIEW, SIZE, indirect=indirect) for indirect in ("off", "baked")]
     np.testing.assert_array_equal(*pictures)
     assert not renderer.plan.has_indirect
-    assert "light between surfaces: the scene is convex: no surface sees another" in renderer.plan.left_out
+    assert "indirect light: the scene is convex: no surface sees another" in renderer.plan.left_out
 
 
 def test_each_instance_has_its_own(radiance):

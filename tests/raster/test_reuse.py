@@ -3,20 +3,28 @@
 from __future__ import annotations
 
 import ctypes
+import io
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from shapes import lopsided, orthographic, plate, scene, sphere
+from PIL import Image as PngImage
+from shapes import facing_floor, lopsided, moved, orthographic, plate, scene, sphere
 
 import viewer
 from viewer.base.resources import resource_folder
 from viewer.errors import ContextError
+from viewer.gpu import programs
 from viewer.gpu.context import Context, create_context
+from viewer.raster import textures
+from viewer.raster.geometry import MeshBuffers
 from viewer.raster.renderer import Renderer
-from viewer.scene.camera import Camera
+from viewer.scene import decoding
 from viewer.scene.light import Light
-from viewer.scene.material import Material
+from viewer.scene.material import Material, Texture
+from viewer.scene.scene import Scene
+from viewer.scene.texture_image import TextureImage, open_texture_image
 from viewer.settings import Settings
 
 SIZE = (48, 48)
@@ -108,15 +116,93 @@ def test_release_frees_everything(context):
         assert after | {"Program": 0} == before | {"Program": 0}
 
 
-def test_what_scenes_share_is_not_uploaded_again(renderer):
-    model = scene(sphere(), environment=lopsided())
-    camera = Camera.framing(model.center, model.radius, 1.0)
-    renderer.display(model, camera, SETTINGS, SIZE)
-    surfaces = renderer._surfaces
-    lit = replace(model, lights=(Light.from_angles(0.1, 0.5, 1.0),))
-    picture = renderer.display(lit, camera, SETTINGS, SIZE).srgb
-    assert not np.array_equal(picture, picture_of(renderer, (model, camera)))
-    assert renderer._surfaces is surfaces
+@pytest.fixture
+def work(monkeypatch) -> Counter[str]:
+    """Counts images decoded, textures and vertex attributes uploaded, and programs compiled."""
+    counts: Counter[str] = Counter()
+
+    def count(owner: object, name: str, what: str) -> None:
+        real = getattr(owner, name)
+
+        def counted(*args, **kwargs):
+            counts[what] += 1
+            return real(*args, **kwargs)
+
+        monkeypatch.setattr(owner, name, counted)
+
+    count(decoding, "decode_levels", "decoded")
+    count(textures, "mipmapped_texture", "textures")
+    count(MeshBuffers, "_data", "attributes")
+    count(programs, "compile_program", "programs")
+    return counts
+
+
+def checker(tint: int) -> TextureImage:
+    pixels = np.indices((16, 16)).sum(axis=0)[..., None] % 2 * np.uint8([tint, 255 - tint, 90]) + np.uint8(40)
+    file = io.BytesIO()
+    PngImage.fromarray(pixels.astype(np.uint8)).save(file, "PNG")
+    return open_texture_image(file.getvalue(), "checker")
+
+
+def textured(k: int) -> Material:
+    return Material(base_color_texture=Texture(checker(50 * k)), metallic=0.0)
+
+
+def changed_scenes() -> dict[str, tuple[Scene, dict[str, int]]]:
+    """Scenes derived from the first one, "before", each with the work that it may cause."""
+    left, right = moved((-1.1, 0, 0)), moved((1.1, 0, 0), 0.8)
+    before = scene((plate(0), left), (plate(1), right), materials=[textured(0), textured(1)], environment=lopsided(),
+                   lights=(Light.from_angles(0.3, 0.5, 1.0),))
+    turned = [replace(instance, transform=instance.transform @ np.diag([1.0, -1.0, 1.0, 1.0]))
+              for instance in before.instances]
+    new_mesh = {"attributes": 4}  # positions, normals, texture coordinates, indices
+    return {
+        "before": (before, {}),
+        "lights": (replace(before, lights=()), {"programs": 1}),  # one without code for lights
+        "instances": (replace(before, instances=before.instances[1:]), {}),
+        "order": (replace(before, instances=before.instances[::-1]), {}),
+        "transforms": (replace(before, instances=tuple(turned)), {}),
+        "mesh": (replace(before, meshes=(plate(0, 0.5), before.meshes[1])), new_mesh),
+        "factor": (replace(before, materials=(replace(before.materials[0], perceptual_roughness=0.2),
+                                              before.materials[1])), {}),
+        "image": (replace(before, materials=(before.materials[0], textured(2))), {"decoded": 1, "textures": 1}),
+    }
+
+
+@pytest.mark.parametrize("change", ["lights", "instances", "order", "transforms", "mesh", "factor", "image"])
+def test_what_two_scenes_share_is_neither_decoded_nor_uploaded_nor_compiled_again(context, work, change):
+    scenes = changed_scenes()
+    camera, (before, _), (after, allowed) = orthographic(height=5.0), scenes["before"], scenes[change]
+    renderer, fresh = Renderer(context), Renderer(context)
+    first = renderer.display(before, camera, SETTINGS, SIZE).srgb
+    held = renderer.texture_bytes
+    assert work["decoded"] == work["textures"] == 2 and work["attributes"] == 8 and work["programs"] > 0
+    work.clear()
+    second = renderer.display(after, camera, SETTINGS, SIZE).srgb
+    assert dict(work) == allowed
+    assert change == "order" or not np.array_equal(second, first)
+    assert np.array_equal(second, fresh.display(after, camera, SETTINGS, SIZE).srgb)
+    assert np.array_equal(renderer.display(before, camera, SETTINGS, SIZE).srgb, first)
+    assert renderer.texture_bytes == held
+    renderer.release()
+    fresh.release()
+
+
+def test_indirect_light_follows_the_instances(context):
+    """Its buffers are those of instances, the meshes' buffers stay."""
+    materials = [Material((0.9, 0.2, 0.1, 1.0), metallic=0.0), Material(metallic=0.0)]
+    before = scene(plate(0), (plate(1), facing_floor(y=-1.0)), materials=materials, environment=lopsided())
+    moving = replace(before.instances[0], transform=moved((0.3, -0.2, -0.4)))
+    after = replace(before, instances=(before.instances[1], moving))
+    camera, settings = orthographic(0.3, 0.4, height=4.0), replace(SETTINGS, indirect="baked")
+    renderer, fresh = Renderer(context), Renderer(context)
+    for model in (before, after, before):
+        assert np.array_equal(renderer.render(model, camera, settings, SIZE).linear,
+                              fresh.render(model, camera, settings, SIZE).linear)
+        fresh.release()
+        fresh = Renderer(context)
+    renderer.release()
+    fresh.release()
 
 
 def test_a_renderer_that_is_gone_leaves_no_error_to_the_next(context):

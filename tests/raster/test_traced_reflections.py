@@ -164,9 +164,9 @@ def test_the_plan_says_what_is_traced():
         plan_scene(scene_in, of, [], samples=1, half_target=True, orthographic=False)
         for scene_in, of in ((HALL, settings), (hall(floor=replace(MIRROR, perceptual_roughness=1.0)), settings),
                              (HALL, Settings())))
-    assert [draw.is_traced for draw in smooth.draws] == [True, False]  # the wall has no interface
-    assert any("a ray from each point shaded" in line for line in smooth.used)
+    assert [draw.traces_reflections for draw in smooth.draws] == [True, False]  # the wall has no interface
+    assert any("a ray from each shaded point" in line for line in smooth.used)
     assert "reflections" in smooth.to_json()["passes"]
-    assert "reflections of the model: no opaque surface is smooth enough" in rough.left_out
-    assert "reflections of the model: not asked for" in off.left_out
-    assert not rough.has_traced and not off.has_traced
+    assert "traced reflections: no opaque surface is smooth enough" in rough.left_out
+    assert "traced reflections: not asked for" in off.left_out
+    assert not rough.has_traced_reflections and not off.has_traced_reflections

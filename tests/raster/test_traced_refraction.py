@@ -170,7 +170,7 @@ def test_a_plan_that_leaves_nothing_out_draws_the_same(renderer):
     camera, settings = orthographic(0.4, 0.3, height=2.2), Settings.of(**TRACED)
     needed = renderer.render(hollow_ball(), camera, settings, SIZE).linear
     everything = renderer.render(hollow_ball(), camera, replace(settings, plan="everything"), SIZE).linear
-    assert renderer.plan.is_everything and renderer.plan.has_traced_bodies
+    assert renderer.plan.is_everything and renderer.plan.has_traced_refraction
     assert np.abs(everything - needed).max() < 2e-3
 
 
@@ -179,8 +179,8 @@ def test_only_bodies_are_traced():
         return plan_scene(scene(sphere(), materials=[material], environment=constant()), Settings.of(**settings), [],
                           samples=1, half_target=False, orthographic=False)
 
-    assert planned(GLASS, refraction="traced").has_traced_bodies
-    assert not planned(GLASS).has_traced_bodies
-    assert not planned(replace(GLASS, thickness=0.0), refraction="traced").has_traced_bodies
-    assert not planned(GLASS, refraction="traced", lobes="uniform-diffuse").has_traced_bodies
-    assert not planned(GLASS, refraction="traced", mode="phong").has_traced_bodies
+    assert planned(GLASS, refraction="traced").has_traced_refraction
+    assert not planned(GLASS).has_traced_refraction
+    assert not planned(replace(GLASS, thickness=0.0), refraction="traced").has_traced_refraction
+    assert not planned(GLASS, refraction="traced", lobes="uniform-diffuse").has_traced_refraction
+    assert not planned(GLASS, refraction="traced", mode="phong").has_traced_refraction

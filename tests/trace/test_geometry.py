@@ -135,4 +135,4 @@ def test_maps_of_one_colour_are_factors():
     geometry = trace_geometry(one)
     assert geometry.emitters == 0 and geometry.materials[0].color_maps == ()
     assert geometry.materials[0].material.base_color == (0.5, 0.5, 0.5, 1.0)
-    assert unused_maps(one, geometry) == ["2 material maps of one colour: a factor does"]
+    assert unused_maps(one, geometry) == ["2 material maps of one colour: folded into factors"]

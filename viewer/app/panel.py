@@ -16,7 +16,7 @@ from ..scene.color import linear_to_srgb, srgb_to_linear
 from ..scene.environment_files import load_environment
 from ..scene.environment_presets import PRESETS
 from ..scene.light import Light
-from ..settings import setting_choices
+from ..settings import ignored, setting_choices
 from .overlay import MODE_NAMES
 
 WIDTH = 310.0
@@ -99,19 +99,17 @@ class Panel:
         self._choice("Shows", "lobes")
         if imgui.checkbox("White furnace", state.unheated is not None)[0]:
             state.toggle_furnace()
-        if state.modes != ("phong",):
-            self._choice("Distribution D", "ndf")
-            self._choice("Masking G", "masking")
-            self._choice("Fresnel F", "fresnel")
-            self._switch("Multiple scattering", "multiscatter")
-            self._choice("Environment's shadows", "environment_shadows")
-            self._choice("Ambient occlusion", "ambient_occlusion")
-            self._choice("Light between surfaces", "indirect")
-            self._choice("Reflections", "reflections")
-            self._choice("Refraction", "refraction")
-            self._switch("Specular antialiasing", "specular_aa")
-        if state.shows("phong"):
-            self._choice("Phong highlight", "phong")
+        self._choice("Distribution D", "ndf")
+        self._choice("Masking G", "masking")
+        self._choice("Fresnel F", "fresnel")
+        self._switch("Multiple scattering", "multiscatter")
+        self._choice("Environment's shadows", "environment_shadows")
+        self._choice("Ambient occlusion", "ambient_occlusion")
+        self._choice("Indirect light", "indirect")
+        self._choice("Reflections", "reflections")
+        self._choice("Refraction", "refraction")
+        self._switch("Specular antialiasing", "specular_aa")
+        self._choice("Phong highlight", "phong")
 
     def _path_tracing(self) -> None:
         state = self._state
@@ -240,7 +238,9 @@ class Panel:
         imgui.set_next_item_width(-1)
 
     def _choice(self, label: str, name: str) -> None:
-        self._combo(label, name, _choices()[name])
+        """A row for a setting of words, if a mode that is shown uses it."""
+        if name not in ignored(*self._state.modes):
+            self._combo(label, name, _choices()[name])
 
     def _combo(self, label: str, name: str, values: Sequence[str]) -> None:
         self._row(label)
@@ -250,6 +250,9 @@ class Panel:
             self._state.settings = replace(self._state.settings, **{name: values[index]})
 
     def _switch(self, label: str, name: str) -> None:
+        """A check box for a setting that is on or off, if a mode that is shown uses it."""
+        if name in ignored(*self._state.modes):
+            return
         changed, on = imgui.checkbox(label, getattr(self._state.settings, name) == "on")
         if changed:
             self._state.settings = replace(self._state.settings, **{name: "on" if on else "off"})

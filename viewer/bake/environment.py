@@ -11,8 +11,8 @@ from ..base.heap import give_back
 from ..scene.environment import Environment
 from ..scene.equirect import shrink
 from ..scene.light import Light
+from ..settings import NDFS
 from . import cache as disk
-from .lobes import LOBES
 from .prefilter import HEIGHT, LEVEL_ROUGHNESS, WIDTH, irradiance_map, prefilter
 from .sun import extract_sun
 
@@ -40,13 +40,13 @@ class BakedEnvironment:
 def bake_environment(
     environment: Environment, ndf: str = "ggx", cache: bool = True, levels: bool = True
 ) -> BakedEnvironment:
-    """The environment filtered for the lobes of `ndf` (one of LOBES), from the cache where that has it.
+    """The environment filtered for the lobes of `ndf` (one of NDFS), from the cache where that has it.
 
     A cached bake does not touch the environment's pixels, so its file is not even decoded. `cache=False` neither reads
     nor writes the cache. Without `levels`, four fifths of the work, it serves for all but reflections.
     """
-    if ndf not in LOBES:
-        raise ValueError(f"no lobe {ndf!r}; there are {', '.join(LOBES)}")
+    if ndf not in NDFS:
+        raise ValueError(f"no lobe {ndf!r}; there are {', '.join(NDFS)}")
     names = []
     if cache and disk.cache_folder() is not None:
         digest = environment.digest or _digest(environment.radiance)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-LOBES = ("ggx", "beckmann", "blinn-phong")
+from ..settings import NDFS
 
 
 def lobe(ndf: str, alpha: float, theta: np.ndarray) -> np.ndarray:
@@ -26,7 +26,7 @@ def lobe(ndf: str, alpha: float, theta: np.ndarray) -> np.ndarray:
     elif ndf == "blinn-phong":
         density = cos_half ** (2 / alpha**2 - 2)
     else:
-        raise ValueError(f"no lobe {ndf!r}; there are {', '.join(LOBES)}")
+        raise ValueError(f"no lobe {ndf!r}; there are {', '.join(NDFS)}")
     return density * np.maximum(cos_light, 0)
 
 

@@ -14,7 +14,7 @@ from ..gpu.context import Context
 from ..gpu.programs import Programs
 from ..image.display import DisplayPass
 from ..scene.camera import Camera
-from ..settings import MAX_SPP, STOPPING, Background, Settings
+from ..settings import MAX_SPP, STOPPING, Background, Settings, ignored
 from .state import ViewState
 
 if TYPE_CHECKING:
@@ -35,9 +35,8 @@ CONVERGED = 0.01
 UNTIL = {"spp": MAX_SPP, "error": 0.002}
 """When a picture is done, where the settings do not say."""
 _UNIT = 0
-_NOT_TRACED = ("exposure", "tonemap", "denoise", "phong", "shadows", "environment_shadows", "ambient_occlusion",
-               "indirect", "reflections", "refraction", "specular_aa", "antialias")
-"""Settings of the display or the raster, which leave the samples as they are."""
+_NOT_TRACED = ("exposure", "tonemap", "denoise", *ignored("path"))
+"""Settings on which the samples do not depend: those of the display, and those that mode path ignores."""
 
 
 @dataclass(frozen=True)

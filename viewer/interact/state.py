@@ -11,7 +11,7 @@ from ..scene.environment import Environment
 from ..scene.furnace import in_furnace
 from ..scene.light import Light
 from ..scene.scene import Scene
-from ..settings import PATH_ONLY, Lobes, Mode, Settings
+from ..settings import Lobes, Mode, Settings, ignored
 
 Part = tuple[int, int, int, int]
 
@@ -132,7 +132,7 @@ class ViewState:
         Where paths are traced it draws all of what stands beside them or, until they have a picture, in their place.
         """
         plain = Settings()
-        settings = replace(settings, **{name: getattr(plain, name) for name in PATH_ONLY})
+        settings = replace(settings, **{name: getattr(plain, name) for name in ignored("pbr", "phong")})
         if self.shows("path"):
             beside: Mode = next((mode for mode in self.modes if mode != "path"), "pbr")
             return [(replace(settings, mode=beside), None)]

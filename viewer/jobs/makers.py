@@ -37,11 +37,11 @@ class RasterMaker(PictureMaker):
         from ..raster.sampled_images import decode_ahead
 
         request = self._request
-        ahead = decode_ahead(scene, request.settings)  # the processor has other things to do in the meantime
         if self._renderer is None:
+            ahead = decode_ahead(scene, request.settings)  # on other threads, while this one opens OpenGL
             self._renderer = Renderer(request.open(), use_cache=request.use_cache, measure=request.measure)
+            self._renderer.expect(ahead)
         renderer = self._renderer
-        renderer.expect(ahead)
         renderer.times.clear()
         renderer.pass_ms.clear()
         is_linear = path.suffix.lower() == ".exr"

@@ -1,4 +1,4 @@
-"""A plan in words: what of the scene is used, what was left out and why, and what that saved."""
+"""Explains a plan in words: what of the scene is used, what was left out and why, and what that saved."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .model import Draw, Plan
 
 _LEVELS_MB = sum((512 >> k) * (1024 >> k) * 6 for k in range(6)) / 1e6  # three half floats a texel
 _LEVELS_BAKE_S = 0.11
-"""Of one core, with the map in memory; once, where the cache is on."""
+"""Seconds of one core, with the map in memory; needed once where the cache is on."""
 _DFG_MB = 64 * 128 * 16 / 1e6
 _TILE_MB = 2048 * 2048 * 4 / 1e6
 _ATTRIBUTE_BYTES = {"a_normal": 12, "a_tangent": 16, "a_color": 16, "a_uv0": 8, "a_uv1": 8}
@@ -31,7 +31,7 @@ class Explanation(TypedDict):
 
 
 def explain(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Light]) -> Explanation:
-    """The fields of a Plan that tell of the others; `lights` are all there were to choose from."""
+    """The fields of `plan` that explain the others; `lights` are all lights, those that were left out included."""
     if plan.is_everything:
         return {"used": _used(plan), "left_out": ("nothing, as was asked for",), "saved": {}}
     images, left_out = _idle_images(plan, scene)
@@ -59,15 +59,15 @@ def _used(plan: Plan) -> tuple[str, ...]:
         parts = ["its filtered levels"] * plan.reflections + ["its irradiance"] * plan.environment
         lines.append("light from the environment: " + ", ".join(parts or ["an ambient colour"]))
     if plan.has_visibility and plan.ambient_occlusion:
-        lines.append("ambient occlusion by what is in the picture")
+        lines.append("ambient occlusion from the depths in the picture")
     elif plan.has_visibility:
-        lines.append(f"shadows of the environment by {_many(plan.environment_shadows, 'light')} drawn from it")
-    if plan.has_traced:
-        lines.append("reflections of the model by a ray from each point shaded, lit by what is baked at the vertices")
-    if plan.has_traced_bodies:
-        lines.append("light in glass by two paths from each point shaded, from surface to surface")
+        lines.append(f"shadows of the environment, by {_many(plan.environment_shadows, 'light')} sampled from it")
+    if plan.has_traced_reflections:
+        lines.append("traced reflections of the model, a ray from each shaded point, lit by light baked at vertices")
+    if plan.has_traced_refraction:
+        lines.append("traced refraction in solid glass, by two paths from each shaded point")
     if plan.has_indirect:
-        lines.append("light between surfaces, path traced at the vertices once")
+        lines.append("indirect light, path traced once at the vertices")
     textures = {(draw.material, name): texture for draw in plan.draws for name in draw.maps
                 if (texture := MAPS[name].texture(draw.surface))}
     if textures:
@@ -78,10 +78,10 @@ def _used(plan: Plan) -> tuple[str, ...]:
 
 
 def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Light]) -> list[str]:
-    """In words, what the scene or the settings made unnecessary."""
+    """What the scene or the settings made unnecessary, in words."""
     lines, draws = [], plan.draws
     if not scene.instances:
-        return ["everything but the background: nothing is in the scene"]
+        return ["everything but the background: the scene is empty"]
     any_lit = _any_lit(draws)
     if not any_lit:
         lines.append("all lighting: every surface is unlit")
@@ -91,7 +91,7 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
     if any_lit and not plan.lights:
         lines.append("code for point, spot and directional lights: there are none")
     elif any_lit and faint > 0:
-        lines.append(f"{faint} of {faint + len(plan.lights)} lights, the faintest: no more fit a program")
+        lines.append(f"{faint} of {faint + len(plan.lights)} lights, the faintest: a program holds no more")
     if plan.lights and not plan.shadow_layer_count:
         reason = "switched off" if settings.shadows == "off" else "no light casts any"
         lines.append(f"shadow maps: {reason}; saves {_TILE_MB:.0f} MB a tile")
@@ -99,23 +99,23 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
         if plan.lights and not any(light.kind == kind for light in plan.lights):
             lines.append(f"code for {kind} lights: there are none")
     if plan.environment and scene.environment is not None and not plan.has_visibility:
-        reason = "not asked for" if settings.environment_shadows == "off" else "all surfaces are see-through"
+        reason = "not asked for" if settings.environment_shadows == "off" else "all surfaces are transparent"
         lines.append(f"shadows of the environment: {reason}")
-    if plan.environment and scene.environment is not None and not plan.has_traced:
+    if plan.environment and scene.environment is not None and not plan.has_traced_reflections:
         reason = "not asked for" if settings.reflections == "environment" else "no opaque surface is smooth enough"
-        lines.append(f"reflections of the model: {reason}")
+        lines.append(f"traced reflections: {reason}")
     if any_lit and not plan.has_indirect and settings.mode == "pbr":
         reason = "not asked for" if settings.indirect == "off" else "the scene is convex: no surface sees another"
-        lines.append(f"light between surfaces: {reason}")
+        lines.append(f"indirect light: {reason}")
     if settings.background != "env" or scene.environment is None:
         reason = "there is none" if scene.environment is None else "not asked for"
         lines.append(f"the environment as background: {reason}")
     if not plan.has_blended:
-        lines.append("the sorted pass for blending: nothing is see-through")
-    if not (plan.has_walls or plan.has_bodies):
+        lines.append("the sorted pass for blending: no surface blends")
+    if not (plan.has_thin_transmission or plan.has_solid_transmission):
         is_glass = settings.mode == "phong" and any(material.transmits for material in scene.materials)
-        reason = "to Phong glass is opaque" if is_glass else "nothing transmits light"
-        lines.append(f"the picture behind glass and its blurred levels: {reason}")
+        reason = "in mode phong glass is opaque" if is_glass else "no surface transmits light"
+        lines.append(f"the blurred picture behind transmissive surfaces: {reason}")
     for attribute, words in _ATTRIBUTES.items():
         if not any(attribute in draw.attributes for draw in draws):
             saved = _ATTRIBUTE_BYTES[attribute] * sum(len(mesh.positions) for mesh in _shown(plan, scene)) / 1e6
@@ -131,11 +131,11 @@ _ATTRIBUTES = {
 
 
 def _missing_bakes(plan: Plan, settings: Settings) -> list[tuple[str, float, float]]:
-    """Tables of image-based light that were not made: in words, MB of texture, seconds of baking."""
+    """The tables of image-based light that were not made: each in words, with MB of texture and seconds of baking."""
     if not _any_lit(plan.draws) or (plan.reflections and plan.dfg):
         return []
     if settings.mode == "phong":
-        reason = "Phong has no use for them"
+        reason = "mode phong does not use them"
     elif plan.dfg:
         reason = "there is no environment" if not plan.environment else "reflections are not shown"
     else:
@@ -148,7 +148,7 @@ def _missing_bakes(plan: Plan, settings: Settings) -> list[tuple[str, float, flo
 
 
 def _idle_images(plan: Plan, scene: Scene) -> tuple[set, list[str]]:
-    """The images that no texture is made of, and in words the maps that are not sampled."""
+    """The images that no texture is made of; and the maps that are not sampled, in words."""
     sampled = {(draw.material, name) for draw in plan.draws for name in draw.maps}
     there = {(k, name): texture.image for k, m in enumerate(scene.materials) for name in MAPS
              if (texture := MAPS[name].texture(m))}
@@ -162,12 +162,12 @@ def _idle_images(plan: Plan, scene: Scene) -> tuple[set, list[str]]:
         lines.append(f"{_many(len(idle), 'material map')}, not decoded: no pixel depends on "
                      f"{'them' if len(idle) > 1 else 'it'}; saves {saved:.3g} MB")
     if constant:
-        lines.append(f"{_many(len(constant), 'material map')} of one colour: a factor does")
+        lines.append(f"{_many(len(constant), 'material map')} of one colour: folded into factors")
     return images, lines
 
 
 def _idle_attributes(plan: Plan, scene: Scene) -> int:
-    """Bytes of vertex attributes, of those that programs can read, that no program reads."""
+    """Bytes of those vertex attributes that a program could read and none does."""
     read: dict[int, set[str]] = {}
     for draw in plan.draws:
         read.setdefault(draw.mesh, set()).update(draw.attributes)

@@ -1,4 +1,4 @@
-"""What a plan says: draws, their programs, lights and passes."""
+"""The plan of a frame: its draws, their programs, the lights and the passes."""
 
 from __future__ import annotations
 
@@ -7,6 +7,9 @@ from dataclasses import dataclass, field
 
 from ..scene.light import Light
 from ..scene.material import Material
+
+THIN_WALLED, SOLID = 1, 2
+"""Values of `Draw.transmits`; 0: opaque."""
 
 
 @dataclass(frozen=True)
@@ -24,8 +27,9 @@ class Program:
 class Draw:
     """One instance and what it is drawn with.
 
-    `surface` is its material, number `material` in the scene, with maps of one colour taken into its factors; `maps`
-    are those that its program samples, `blank_maps` those for which it samples white instead.
+    `surface` is its material, number `material` in the scene, with maps of one colour folded into its factors. `maps`
+    are the maps that its program samples; for `blank_maps`, which the program can sample and the material lacks, a
+    texture that changes nothing is bound.
     """
 
     instance: int
@@ -40,29 +44,29 @@ class Draw:
     blank_maps: tuple[str, ...] = ()
 
     @property
-    def sees_visibility(self) -> bool:
-        """Whether it is shaded by what of the environment is not hidden."""
+    def uses_visibility(self) -> bool:
+        """Whether the environment's light on it is multiplied by its visibility, which a pass finds beforehand."""
         return dict(self.program.switches).get("VISIBILITY", 0) == 1
 
     @property
-    def is_traced(self) -> bool:
-        """Whether it is shaded by what rays from it meet of the model."""
-        return dict(self.program.switches).get("TRACED", 0) == 1
+    def traces_reflections(self) -> bool:
+        """Whether it reflects the model, by rays that a pass traces beforehand."""
+        return dict(self.program.switches).get("TRACED_REFLECTION", 0) == 1
 
     @property
-    def is_traced_body(self) -> bool:
-        """Whether paths find what light comes through it."""
-        return dict(self.program.switches).get("TRACED_BODIES", 0) == 1
+    def traces_refraction(self) -> bool:
+        """Whether paths through the model, traced beforehand, find the light that it transmits."""
+        return dict(self.program.switches).get("TRACED_REFRACTION", 0) == 1
 
     @property
     def is_in_gbuffer(self) -> bool:
-        """Whether passes before the surfaces are shaded look from it."""
-        return self.sees_visibility or self.is_traced
+        """Whether a pass needs its position and normal before the surfaces are shaded."""
+        return self.uses_visibility or self.traces_reflections
 
 
 @dataclass(frozen=True)
 class Plan:
-    """`lights` are in the order the shaders expect; `shadow_layers` has each one's first layer or -1."""
+    """`lights` are in the order that the shaders expect; `shadow_layers` has the first layer of each, or -1."""
 
     draws: tuple[Draw, ...]
     lights: tuple[Light, ...]
@@ -73,7 +77,7 @@ class Plan:
     ambient: bool
     dfg: bool
     environment_shadows: int
-    """Lights drawn from the environment for its shadows; 0: none."""
+    """How many directional lights are sampled from the environment for its shadows; 0: none."""
     ambient_occlusion: bool
     background: bool
     used: tuple[str, ...] = ()
@@ -91,41 +95,41 @@ class Plan:
 
     @property
     def has_visibility(self) -> bool:
-        """Whether it is found, before surfaces are shaded, how much of the environment each pixel sees."""
-        return any(draw.sees_visibility for draw in self.draws)
+        """Whether a pass finds the visibility of the environment before the surfaces are shaded."""
+        return any(draw.uses_visibility for draw in self.draws)
 
     @property
-    def has_traced(self) -> bool:
-        """Whether rays find what surfaces mirror of the model."""
-        return any(draw.is_traced for draw in self.draws)
+    def has_traced_reflections(self) -> bool:
+        """Whether a pass traces reflections of the model."""
+        return any(draw.traces_reflections for draw in self.draws)
 
     @property
-    def has_traced_bodies(self) -> bool:
-        """Whether paths find what light comes through bodies of glass."""
-        return any(draw.is_traced_body for draw in self.draws)
+    def has_traced_refraction(self) -> bool:
+        """Whether a pass traces paths through solid glass."""
+        return any(draw.traces_refraction for draw in self.draws)
 
     @property
     def has_indirect(self) -> bool:
-        """Whether surfaces are shaded by the light of others, found at their vertices."""
+        """Whether surfaces get indirect light, baked at their vertices."""
         return any(dict(draw.program.switches).get("INDIRECT", 0) for draw in self.draws)
 
     @property
-    def has_bodies(self) -> bool:
-        """Whether there is glass that light is refracted into."""
-        return self.is_everything or any(draw.transmits == 2 for draw in self.draws)
+    def has_solid_transmission(self) -> bool:
+        """Whether a surface is the boundary of a solid, into which light is refracted (KHR_materials_volume)."""
+        return self.is_everything or any(draw.transmits == SOLID for draw in self.draws)
 
     @property
-    def has_walls(self) -> bool:
-        """Whether there is glass without thickness."""
-        return self.is_everything or any(draw.transmits == 1 for draw in self.draws)
+    def has_thin_transmission(self) -> bool:
+        """Whether a surface transmits light as a thin wall, without refraction."""
+        return self.is_everything or any(draw.transmits == THIN_WALLED for draw in self.draws)
 
     def to_json(self) -> dict[str, object]:
         passes = ["shadows"] * bool(self.shadow_layer_count) + ["visibility"] * self.has_visibility
-        passes += ["reflections"] * self.has_traced
+        passes += ["reflections"] * self.has_traced_reflections
         passes += ["surfaces"] * bool(self.draws)
-        passes += ["bodies of glass"] if self.has_bodies else []
+        passes += ["solid transmission"] if self.has_solid_transmission else []
         passes += ["background"] if self.background else []
-        passes += ["walls of glass"] if self.has_walls else []
+        passes += ["thin-walled transmission"] if self.has_thin_transmission else []
         passes += ["blend"] if self.has_blended else []
         return {
             "passes": [*passes, "display"],

@@ -1,4 +1,4 @@
-"""What of a scene is needed to show it: the exact programs, textures and passes, and what was left out and why.
+"""Plans what is needed to show a scene: the exact programs, textures and passes; and what was left out and why.
 
 The plan is made from scene and settings before anything is compiled or uploaded. A shader program is a fragment file
 plus a set of switches; nothing is in it that the mesh, its material, the lights and the settings do not ask for.
@@ -19,6 +19,7 @@ from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.schema import MAP_SWITCHES, MAPS
 from ..settings import Settings
+from .bsdf_switches import bsdf_switches
 from .explain import explain
 from .model import Draw, Plan, Program
 from .sharing import attributes_of, leave_nothing_out, share_programs
@@ -27,10 +28,8 @@ MAX_LIGHTS = 128
 """What a uniform block of 16 KiB, the least OpenGL 3.3 grants, holds with room to spare."""
 MAX_SHADOW_LAYERS = 24
 TRACED_ROUGHNESS = 1.0
-"""Perceptual; of surfaces as rough as this, rays say nothing: shaders/raster/traced_reflection.glsl."""
+"""Perceptual roughness from which on reflections are not traced: traced_share() of traced_reflection.glsl is 0."""
 
-_NDF = ("ggx", "beckmann", "blinn-phong")
-_MASKING = ("smith", "smith-separable", "v-cavity", "none")
 _ALPHA_MODES = ("opaque", "mask", "blend")
 
 
@@ -92,7 +91,7 @@ def plan_scene(
                          and scene.environment is not None and not environment_shadows)
     common = {
         "VISIBILITY": int(environment_shadows > 0 or ambient_occlusion),
-        "TRACED": int(settings.reflections == "traced" and reflections and scene.environment is not None),
+        "TRACED_REFLECTION": int(settings.reflections == "traced" and reflections and scene.environment is not None),
         "INDIRECT": int(_has_indirect(scene, settings)),
         "HALF_TARGET": int(half_target),
         "SAMPLES": samples,
@@ -105,8 +104,6 @@ def plan_scene(
         "HAS_ENVIRONMENT": int(environment),
         "ENVIRONMENT_ROTATED": int(scene.environment is not None and scene.environment.rotation != 0),
         "SHOW_EMISSION": int(settings.lobes == "all"),
-        "SHOW_DIFFUSE": int(settings.lobes in ("all", "uniform-diffuse")),
-        "SHOW_SPECULAR": int(settings.lobes in ("all", "specular")),
     }
     draws = tuple(
         _draw(index, instance.mesh, scene.meshes[instance.mesh], scene.materials, settings, common)
@@ -153,7 +150,7 @@ def _shadow_layers(lights: Sequence[Light], settings: Settings) -> tuple[tuple[i
 
 
 def _has_indirect(scene: Scene, settings: Settings) -> bool:
-    """Whether surfaces may throw light on one another, and that is asked for."""
+    """Whether indirect light is asked for, and some surface may receive light from another."""
     is_asked = settings.indirect == "baked" and settings.mode == "pbr"
     return is_asked and (settings.plan == "everything" or not is_convex(scene))
 
@@ -172,9 +169,9 @@ def _draw(
     material = as_mesh_allows(material, mesh)
     lit = is_lit(mesh, material)
     if material.alpha_mode == "blend" or material.transmits:
-        common = common | {"VISIBILITY": 0, "TRACED": 0}  # what is behind them has its place in the buffers
+        common = common | {"VISIBILITY": 0, "TRACED_REFLECTION": 0}  # the G-buffer holds the opaque surface behind
     if not _mirrors(material):
-        common = common | {"TRACED": 0}
+        common = common | {"TRACED_REFLECTION": 0}
     model = settings.mode if lit else "unlit"
     maps = tuple(name for name in used_maps(material, mesh, model, settings.plan == "everything")
                  if _is_shown(name, lit, common))
@@ -223,7 +220,7 @@ def _map_switches(macro: str, texture: Texture | None) -> dict[str, int]:
 
 
 def _mirrors(material: Material) -> bool:
-    """Whether any of it may be smooth enough for its lobe to be traced."""
+    """Whether any of its surface may be smooth enough for traced reflections."""
     is_rough = material.metallic_roughness_texture is None and material.perceptual_roughness >= TRACED_ROUGHNESS
     return material.has_interface and not is_rough and not ANISOTROPY.is_on(material)  # one ray knows no tangent
 
@@ -232,16 +229,14 @@ def _pbr_switches(material: Material, settings: Settings) -> dict[str, int]:
     return {
         "REFLECTS": int(material.has_interface),
         "METALNESS": metalness(material),
-        "NDF": _NDF.index(settings.ndf),
-        "MASKING": _MASKING.index(settings.masking),
-        "FRESNEL": int(settings.fresnel == "exact"),
-        "MULTISCATTER": int(settings.multiscatter == "on"),
-        "SHOW_MULTISCATTER": int(settings.lobes in ("all", "directional-diffuse")),
+        **bsdf_switches(settings),
         "SPECULAR_AA": int(settings.specular_aa == "on"),
-        "TRACED_BODIES": int(settings.refraction == "traced" and settings.lobes in ("all", "specular")
-                             and material.transmits and material.thickness > 0),
+        "TRACED_REFRACTION": int(settings.refraction == "traced" and settings.lobes in ("all", "specular")
+                                 and material.transmits and material.thickness > 0),
     }
 
 
 def _phong_switches(material: Material, settings: Settings) -> dict[str, int]:
-    return {"BLINN": int(settings.phong == "blinn-phong"), "HAS_SHININESS": int(material.shininess is not None)}
+    shown = bsdf_switches(settings)
+    return {"BLINN": int(settings.phong == "blinn-phong"), "HAS_SHININESS": int(material.shininess is not None),
+            "SHOW_DIFFUSE": shown["SHOW_DIFFUSE"], "SHOW_SPECULAR": shown["SHOW_SPECULAR"]}

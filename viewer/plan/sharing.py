@@ -113,7 +113,8 @@ def _full(program: Program, common: Mapping[str, int]) -> dict[str, int]:
         switches |= common
     if fragment == "raster/pbr.frag" and switches["METALNESS"] != 1:
         # Glass and traced reflections together have more textures than every OpenGL binds; no surface has both.
-        switches |= {"METALNESS": 2, "HAS_TRANSMISSION": max(switches["HAS_TRANSMISSION"], 1 - switches["TRACED"])}
+        switches |= {"METALNESS": 2,
+                     "HAS_TRANSMISSION": max(switches["HAS_TRANSMISSION"], 1 - switches["TRACED_REFLECTION"])}
     return switches
 
 

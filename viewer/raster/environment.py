@@ -1,4 +1,4 @@
-"""The environment on the GPU: what surfaces reflect, and what stands behind them."""
+"""The environment on the GPU: its filtered levels and irradiance for surfaces, and the map itself as background."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ from .surfaces import UNIT_BACKGROUND, UNIT_IRRADIANCE, UNIT_PREFILTERED
 
 
 class EnvironmentLight:
-    """Textures and uniforms of one environment, each made when a plan first asks for it.
+    """Textures and uniforms of one environment, each made when a plan first needs it.
 
-    `environment` may be replaced by one that differs in rotation and intensity only. What is baked is let go of once
-    it is uploaded.
+    `environment` may be replaced by one that differs in rotation and intensity only. Baked arrays are dropped once
+    they are uploaded.
     """
 
     def __init__(self, context: Context, environment: Environment, settings: Settings, use_cache: bool) -> None:
@@ -41,22 +41,22 @@ class EnvironmentLight:
         self._background: _Background | None = None
 
     def holds(self, environment: Environment, settings: Settings) -> bool:
-        """Whether this is that environment, turned and scaled at most."""
+        """Whether this is that environment, up to rotation and intensity."""
         return self.environment.source is environment.source and self._ndf == settings.ndf
 
     def bake(self, with_levels: bool) -> None:
-        """Have what lights surfaces, and `with_levels` what they reflect, where that is not there yet."""
+        """Bake the irradiance, and `with_levels` the filtered levels for reflection, unless they are there."""
         has_levels = self._prefiltered is not None or bool(self._baked and self._baked.levels)
         if self._baked is None or (with_levels and not has_levels):
             self._baked = bake_environment(self.environment, self._ndf, self._use_cache, with_levels)
-            if self._irradiance is not None:  # it is in units of the scale that was
+            if self._irradiance is not None:  # its unit is the old bake's scale
                 self._irradiance.release()
                 self._irradiance = None
 
     def lights(self, settings: Settings) -> list[Light]:
-        """The environment's suns; in Phong mode, which reflects no environment, also its dominant direction.
+        """The environment's suns; in mode phong, which reflects no environment, also its dominant direction.
 
-        None of an environment that is not baked, for then it lights nothing.
+        An environment that is not baked has none: it lights nothing.
         """
         if self._baked is None:
             return []
@@ -71,15 +71,15 @@ class EnvironmentLight:
         ]
 
     def many_lights(self, count: int) -> ManyLights:
-        """What is left without its suns, as `count` lights in world directions; of what intensity does not matter."""
+        """The environment without its suns as `count` directional lights, in world axes, of arbitrary scale."""
         baked = self._baked
-        if not baked.levels:  # uploaded long ago
+        if not baked.levels:  # dropped after upload
             baked = bake_environment(self.environment, ndf=self._ndf, cache=self._use_cache)
         lights = many_lights(baked.levels[1], count)
         return replace(lights, directions=lights.directions @ rotation_about_y(self.environment.rotation))
 
     def uniforms(self, plan: Plan) -> dict[str, object]:
-        """What surfaces need; binds the textures."""
+        """The uniforms of surfaces; binds the textures."""
         values: dict[str, object] = {}
         if plan.ambient:
             ambient = ambient_and_key(self._baked.irradiance)[0] * self._baked.scale * self.environment.intensity
@@ -116,7 +116,7 @@ class EnvironmentLight:
         self._gl.depth_func = "<"
 
     def _background_seen_at(self, pixel_angle: float) -> _Background:
-        """The map itself, with mip levels from when it is first drawn smaller than it is."""
+        """The map itself. It gets mip levels when it is first minified."""
         if self._background is None and self._baked is not None and self._baked.background is not None:
             pixels, self._baked = self._baked.background, replace(self._baked, background=None)
         elif self._background is None:
@@ -144,11 +144,11 @@ class _Background:
         self.texture.repeat_y = False
 
     def lod(self, pixel_angle: float) -> float:
-        """The level whose texels are as large as a pixel that sees `pixel_angle` radians."""
+        """The level whose texels are as large as a pixel of `pixel_angle` radians."""
         return math.log2(max(pixel_angle * self._height / math.pi, 1.0))
 
 
 def rotation_about_y(angle: float) -> np.ndarray:
-    """World direction to the one looked up in an environment turned by `angle`, (3, 3): to_environment() in GLSL."""
+    """World directions to those of an environment rotated by `angle`, (3, 3): to_environment() in GLSL."""
     c, s = math.cos(angle), math.sin(angle)
     return np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])

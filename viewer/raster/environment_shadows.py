@@ -1,8 +1,8 @@
-"""What of an environment surfaces see, by the shadows of many lights drawn from it.
+"""Visibility of the environment, from the shadow maps of many lights sampled from it.
 
-The environment's own light is looked up as ever; these lights tell which part of it arrives (Heitz, Hill & McGuire
-2018, "Combining Analytic Direct Illumination and Stochastic Shadows"). So what nothing hides has no noise, and the
-picture goes to that of direct light as the lights grow in number.
+The light itself still comes from the filtered environment; the ratio of shadowed to unshadowed light of the samples
+multiplies it (Heitz, Hill & McGuire 2018, "Combining Analytic Direct Illumination and Stochastic Shadows"). So
+unoccluded surfaces have no noise, and with more samples the picture converges to direct light.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ from .shadows import Atlas, DrawDepth, light_tiles
 
 BATCH = 64
 ROOM = 1 << 26
-"""Texels of depth for all lights together, 256 MB."""
+"""Texels of depth for all lights together; they take 256 MB."""
 MAX_TILE = 1024
-"""With 16 lights on tiles of 1024 texels a side most models come nearer to the truth than with 256 on tiles of 256."""
+"""For most models, 16 lights with tiles of 1024 x 1024 texels have a smaller error than 256 lights with 256 x 256."""
 UNIT_ATLAS = UNIT_NORMALS + 1
 BINDING = 2
-"""Of the uniform block, after those of lights and shadows."""
+"""The binding of the uniform block, after those of lights and shadows."""
 
 
 class EnvironmentShadows:
-    """The shadow maps of many lights, in batches; they hold for a scene's meshes whatever the camera."""
+    """The shadow maps of many lights, in batches. They do not depend on the camera."""
 
     def __init__(self, gl: moderngl.Context, scene: Scene, plan: Plan, lights: ManyLights, draw_depth: DrawDepth):
         self._gl, self._count = gl, len(lights.directions)
@@ -55,13 +55,13 @@ class EnvironmentShadows:
             self._batches.append((atlas, matrices, rows))
 
     def holds(self, environment: Environment, plan: Plan) -> bool:
-        """Whether these are the lights `plan` wants of `environment`, for the same meshes."""
+        """Whether these are the lights that `plan` needs of `environment`, the meshes being the same."""
         ours = self._environment
         return (ours.source is environment.source and ours.rotation == environment.rotation
                 and self._count == plan.environment_shadows)
 
     def add(self, programs: Programs, frame: Frame, uniforms: dict[str, object]) -> None:
-        """Add up what arrives and what is sent into the two targets of the framebuffer in use, which blends."""
+        """Add shadowed and unshadowed light to the two targets of the framebuffer in use, by blending."""
         from_eye = np.eye(4)
         from_eye[:3, 3] = (frame.camera.eye - frame.scene.center) / frame.unit
         for atlas, matrices, rows in self._batches:

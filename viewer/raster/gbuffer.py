@@ -1,7 +1,7 @@
-"""Where the surfaces are that the camera sees, and how they lie, one sample a pixel: for passes that look from there.
+"""The G-buffer: the visible surfaces, one sample a pixel, for passes that run before the surfaces are shaded.
 
-What it holds shaders/raster/gbuffer.frag writes: eye-relative position and perceptual roughness (0: nothing is there),
-shading and face normal.
+shaders/raster/gbuffer.frag writes it: eye-relative position and perceptual roughness (0: an empty pixel), and shading
+and face normal.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ UNIT_POSITIONS, UNIT_NORMALS = range(2)
 
 
 class GBuffer:
-    """The targets of one size, and the surfaces of the last frame in them."""
+    """The targets of one size, with the surfaces of the last frame."""
 
     def __init__(self, gl: moderngl.Context, size: tuple[int, int]) -> None:
         self._gl, self.size = gl, size
@@ -26,20 +26,20 @@ class GBuffer:
         self._framebuffer = gl.framebuffer([self.positions, self._normals], self.depth)
 
     def draw(self, draw_surfaces: Callable[[], object]) -> None:
-        """Take the surfaces that `draw_surfaces()` draws; leaves a framebuffer of its own in use."""
+        """Store the surfaces that `draw_surfaces()` draws. Leaves a framebuffer of its own in use."""
         self._framebuffer.use()
         self._framebuffer.clear(depth=1.0)
         draw_surfaces()
         self._gl.clear_samplers()
 
     def target(self, *textures: moderngl.Texture) -> moderngl.Framebuffer:
-        """A framebuffer of textures of this size and of the surfaces' depth, which nobody writes any more."""
+        """A framebuffer of textures of this size, with the depth of the surfaces, read-only."""
         framebuffer = self._gl.framebuffer(textures, self.depth)
-        framebuffer.depth_mask = False  # nor cleared
+        framebuffer.depth_mask = False  # not cleared either
         return framebuffer
 
     def bind(self, frame: Frame) -> dict[str, object]:
-        """The uniforms of a pass that reads it, the textures at the units named above."""
+        """The uniforms of a pass that reads it; binds the textures to the units named above."""
         self.positions.use(UNIT_POSITIONS)
         self._normals.use(UNIT_NORMALS)
         return {"u_positions": UNIT_POSITIONS, "u_normals": UNIT_NORMALS,
@@ -47,7 +47,7 @@ class GBuffer:
 
     @contextmanager
     def on_surfaces(self, also: int = moderngl.NOTHING) -> Iterator[None]:
-        """Where the triangle on the far plane lies behind a surface: elsewhere no program runs."""
+        """Restrict a full-screen triangle, which lies on the far plane, to the pixels that have a surface."""
         self._gl.enable_only(moderngl.DEPTH_TEST | also)
         self._gl.depth_func = ">"
         yield
@@ -59,7 +59,7 @@ class GBuffer:
 
 
 def nearest_texture(gl: moderngl.Context, size: tuple[int, int], dtype: str) -> moderngl.Texture:
-    """Four channels, read texel by texel."""
+    """A texture of four channels without interpolation."""
     texture = gl.texture(size, 4, dtype=dtype)
     texture.filter = moderngl.NEAREST, moderngl.NEAREST
     return texture

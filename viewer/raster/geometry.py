@@ -1,4 +1,4 @@
-"""Meshes on the GPU: only the attributes some program reads, each uploaded once."""
+"""Meshes on the GPU: the attributes that some program reads, each uploaded once."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ..scene.mesh import Mesh
 
 _FORMATS = {"a_position": "3f", "a_normal": "3f", "a_tangent": "4f", "a_color": "4f", "a_uv0": "2f", "a_uv1": "2f"}
 _INDIRECT = "a_indirect"
-# For programs that can do more than a mesh needs: what changes nothing, or is not looked at.
+# Values of attributes that a shared program reads and a mesh lacks: they change nothing.
 _BLANK = {"a_tangent": (0.577, 0.577, 0.577, 1.0), "a_color": (1.0, 1.0, 1.0, 1.0), "a_uv0": (0.0, 0.0),
           "a_uv1": (0.0, 0.0)}
 _PRIMITIVES = {"triangles": moderngl.TRIANGLES, "lines": moderngl.LINES, "points": moderngl.POINTS}
@@ -33,8 +33,8 @@ class MeshBuffers:
 
     def draw(self, program: moderngl.Program, order: np.ndarray | None = None,
              indirect: moderngl.Buffer | None = None) -> None:
-        """Draw with `program`; `order`, from `back_to_front`, replaces the mesh's own indices, `indirect` has the
-        light that the vertices of one instance get from others."""
+        """Draw with `program`. `order`, from `back_to_front`, replaces the mesh's own indices; `indirect` has the
+        indirect light of one instance's vertices."""
         if order is not None:
             data = np.ascontiguousarray(order, np.uint32)
             if self._sorted is None:
@@ -92,7 +92,7 @@ class MeshBuffers:
         return np.ascontiguousarray(array)
 
     def drop_arrays(self) -> None:
-        """Forget what was built on programs that are gone."""
+        """Release the vertex arrays, for when the programs have changed."""
         for array in self._arrays.values():
             array.release()
         self._arrays.clear()

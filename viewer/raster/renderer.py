@@ -11,12 +11,13 @@ import moderngl
 import numpy as np
 
 from ..bake.dfg import dfg_table
+from ..base.reusable import Reusable
 from ..gpu.context import Context
 from ..gpu.float_texture import float_texture
 from ..gpu.programs import Programs, matrix_uniform
 from ..image.display import DisplayPass
 from ..image.image import Image
-from ..plan.model import Plan
+from ..plan.model import SOLID, THIN_WALLED, Plan
 from ..plan.planner import environment_use, plan_scene
 from ..scene.camera import Camera
 from ..scene.decoding import Decoder
@@ -37,16 +38,17 @@ from .transmission import Backdrop
 from .visibility import VisibilityPass
 
 _KEPT = 2
-"""Plans and shadow maps kept: a window split between two modes draws with two in turn."""
+"""How many plans and shadow maps are kept: a window that is split between two modes draws with two in turn."""
 _BLACK = Environment("black", np.zeros((512, 1024, 3), np.float32))
 
 
 class Renderer:
     """Draws scenes with one OpenGL context.
 
-    It keeps the textures and buffers of the last scene and the programs of all. Scenes are told apart by identity:
-    derive a changed one with `dataclasses.replace`, and what the two share is not uploaded again. `use_cache` allows
-    environments' bakes to be kept on disk; `measure` waits for each pass to finish and keeps its time in `pass_ms`.
+    It keeps the textures and buffers of the last scene, and all programs. Meshes, images and environments are compared
+    by identity: derive a changed scene with `dataclasses.replace`, and what the two share is neither decoded nor
+    uploaded again. `use_cache` allows to keep baked environments on disk; `measure` waits for each pass to finish and
+    stores its time in `pass_ms`.
     """
 
     def __init__(self, context: Context, use_cache: bool = True, measure: bool = False) -> None:
@@ -63,12 +65,12 @@ class Renderer:
         self._use_cache = use_cache
         self._display = DisplayPass(self._gl, self.programs)
         self._target: Target | None = None
-        self._backdrop: Backdrop | None = None
+        self._backdrop: Reusable[Backdrop] = Reusable()
         self._gbuffers: dict[tuple[int, int], GBuffer] = {}
         self._visibility = VisibilityPass(self._gl, self.programs)
         self._reflections = TracedReflections(context, self.programs)
         self._refraction = TracedRefraction(context, self.programs)
-        self._surfaces: Surfaces | None = None
+        self._surfaces = Surfaces(context, self.programs)
         self._indirect_key: tuple[object, ...] | None = None
         self._environment: EnvironmentLight | None = None
         self._ahead: Decoder | None = None
@@ -79,14 +81,14 @@ class Renderer:
         self._dfg: dict[tuple[str, str], moderngl.Texture] = {}
 
     def expect(self, ahead: Decoder) -> None:
-        """The next new scene's images are begun already, by `decode_ahead`."""
+        """Take a decoder, from `decode_ahead`, that has begun with the images of the next scene."""
         if self._ahead is not None:
             self._ahead.cancel()
         self._ahead = ahead
 
     def holds(self, scene: Scene) -> bool:
-        """Whether the last frame was of this scene, but for its lights."""
-        return self._surfaces is not None and self._surfaces.holds(scene)
+        """Whether the last frame showed this scene, perhaps under other lights."""
+        return self._surfaces.holds(scene)
 
     def render(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> Image:
         """The picture in full precision: linear radiance in single floats, and as displayed."""
@@ -97,14 +99,14 @@ class Renderer:
         return Image(linear, self.read_display(settings), {"plan": self.plan.to_json()})
 
     def display(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> Image:
-        """The picture as displayed: what a PNG needs, and no more. `linear` is then its sRGB decoding."""
+        """The picture as displayed, for a PNG. `linear` is then its sRGB decoding."""
         self.draw(scene, camera, settings, size, still=True)
         return Image.from_srgb(self.read_display(settings))
 
     @property
     def texture_bytes(self) -> int:
         """About what the scene's textures take on the GPU."""
-        return self._surfaces.textures.bytes if self._surfaces is not None else 0
+        return self._surfaces.textures.bytes
 
     def read_radiance(self) -> np.ndarray:
         """The frame drawn last, (H, W, 4) float32 of the target's precision, with nothing laid behind it."""
@@ -146,39 +148,40 @@ class Renderer:
         target = self._sized_target(size, samples, half, settings.supersampling)
         plan = self._prepare(scene, settings, target, camera.height is not None)
         frame = Frame(scene, camera, target.drawn_size)
-        pixels = Frame(scene, camera, size)  # of which passes look at one point, however many are shaded
+        pixels = Frame(scene, camera, size)
         uniforms = self._frame_uniforms(plan, frame, settings)
 
-        views = [pixels] * plan.has_visibility + [frame] * plan.has_traced  # mirrors differ from point to point
+        # Under supersampling visibility is found once a pixel, reflections at each point that is shaded.
+        views = [pixels] * plan.has_visibility + [frame] * plan.has_traced_reflections
         if views:
             with self._pass("G-buffer"):
                 gbuffers = self._drawn_gbuffers({view.size: view for view in views}, plan, uniforms)
         if plan.has_visibility:
             with self._pass("visibility"):
                 uniforms |= self._visibility.find(pixels, plan, gbuffers[pixels.size])
-        if plan.has_traced:
+        if plan.has_traced_reflections:
             with self._pass("reflections"):
                 uniforms |= self._reflections.find(frame, gbuffers[frame.size], uniforms)
         target.set_part(part)
         target.framebuffer.use()
-        target.framebuffer.clear(depth=1.0)  # alpha 0: a colour is laid behind when the picture is displayed
+        target.framebuffer.clear(depth=1.0)  # alpha 0: the display pass adds the background colour
         with self._pass("surfaces"):
             self._surfaces.draw_opaque(frame, plan, uniforms)
-        if plan.has_bodies:  # what they show of the environment is refracted: it is not in the picture yet
-            with self._pass("bodies of glass"):
+        if plan.has_solid_transmission:  # before the background: they refract the environment themselves
+            with self._pass("solid transmission"):
                 uniforms |= self._take_backdrop(target)
-                if plan.has_traced_bodies:
+                if plan.has_traced_refraction:
                     uniforms |= self._refraction.find(
                         frame, plan, lambda u: self._surfaces.draw_refraction_rays(frame, plan, u), uniforms)
                     target.framebuffer.use()
-                self._surfaces.draw_transmissive(2, frame, plan, uniforms)
+                self._surfaces.draw_transmissive(SOLID, frame, plan, uniforms)
         if plan.background:
             with self._pass("background"):
                 self._environment.draw_background(self.programs, frame, half)
-        if plan.has_walls:
-            with self._pass("walls of glass"):
+        if plan.has_thin_transmission:
+            with self._pass("thin-walled transmission"):
                 uniforms |= self._take_backdrop(target)
-                self._surfaces.draw_transmissive(1, frame, plan, uniforms)
+                self._surfaces.draw_transmissive(THIN_WALLED, frame, plan, uniforms)
         if plan.has_blended:
             with self._pass("blend"):
                 self._surfaces.draw_blended(frame, plan, uniforms)
@@ -197,7 +200,7 @@ class Renderer:
     def _drawn_gbuffers(
         self, views: dict[tuple[int, int], Frame], plan: Plan, uniforms: dict[str, object]
     ) -> dict[tuple[int, int], GBuffer]:
-        """One of each of these sizes; others are dropped."""
+        """Draw a G-buffer for each of these sizes; those of other sizes are released."""
         self._release(*(self._gbuffers.pop(size) for size in self._gbuffers.keys() - views.keys()))
         for size, view in views.items():
             if size not in self._gbuffers:
@@ -206,18 +209,16 @@ class Renderer:
         return self._gbuffers
 
     def _take_backdrop(self, target: Target) -> dict[str, object]:
-        """The picture so far, for what transmits light; the target is drawn into again after it."""
+        """Copy the picture so far, for transmissive surfaces. Leaves the target's framebuffer in use."""
         self._gl.clear_samplers()
         target.resolve(self.programs, UNIT_RADIANCE)
-        if self._backdrop is None or not self._backdrop.fits(target):
-            self._release(self._backdrop)
-            self._backdrop = Backdrop(self.context, target)
-        uniforms = self._backdrop.take(self.programs, target.radiance, UNIT_RADIANCE)
+        backdrop = self._backdrop.get(lambda held: held.fits(target), lambda: Backdrop(self.context, target))
+        uniforms = backdrop.take(self.programs, target.radiance, UNIT_RADIANCE)
         target.framebuffer.use()
         return uniforms
 
     def _prepare(self, scene: Scene, settings: Settings, target: Target, orthographic: bool) -> Plan:
-        """Everything that does not depend on the camera, from an earlier frame where it still holds."""
+        """Make everything that does not depend on the camera, unless an earlier frame has left it."""
         with self._timed("environment"):
             self._prepare_environment(scene, settings)
         self._prepare_surfaces(scene)
@@ -228,19 +229,19 @@ class Renderer:
         if self.plan.environment_shadows and self.plan.has_visibility:
             with self._timed("environment shadows"):
                 self._visibility.prepare(scene, self.plan, self._environment, self._surfaces.draw_depth)
-        if self.plan.has_traced:
+        if self.plan.has_traced_reflections:
             with self._timed("reflections"):
                 self._reflections.prepare(scene, settings)
-        if self.plan.has_traced_bodies:
+        if self.plan.has_traced_refraction:
             with self._timed("refraction"):
                 self._refraction.prepare(scene)
         if self.plan.has_indirect:
-            with self._timed("light between surfaces"):
+            with self._timed("indirect light"):
                 self._prepare_indirect(scene, settings)
         return self.plan
 
     def _prepare_indirect(self, scene: Scene, settings: Settings) -> None:
-        """Light at the vertices; it is baked anew under other lights."""
+        """Bake indirect light at the vertices, anew under other lights."""
         key = (scene.lights, scene.environment, settings.ndf, settings.masking, settings.fresnel, settings.multiscatter)
         if self._indirect_key != key:
             from ..trace.vertex_light import bake_incoming
@@ -249,13 +250,11 @@ class Renderer:
             self._indirect_key = key
 
     def _prepare_surfaces(self, scene: Scene) -> None:
-        if self._surfaces is None or not self._surfaces.holds(scene):
-            self._release(self._surfaces, *self._shadows)
-            self._visibility.drop_shadows()
-            self._surfaces = Surfaces(self.context, scene, self.programs, self._ahead)
-            self._indirect_key = None
-            self._ahead, self._shadows, self._plans = None, [], []
-        if self._generation != self.programs.generation:
+        is_new = not self._surfaces.holds(scene)
+        if is_new:
+            self._surfaces.take(scene, self._ahead)
+            self._ahead = self._indirect_key = None
+        if is_new or self._generation != self.programs.generation:
             self._release(*self._shadows)
             self._visibility.drop_shadows()
             self._generation, self._shadows, self._plans = self.programs.generation, [], []
@@ -303,7 +302,7 @@ class Renderer:
         return next((maps for maps in self._shadows if maps.holds(plan)), None)
 
     def _frame_uniforms(self, plan: Plan, frame: Frame, settings: Settings) -> dict[str, object]:
-        """What every surface of the frame is told; fills the uniform blocks and binds the textures all share."""
+        """The uniforms that all surfaces share; fills the uniform blocks and binds the shared textures."""
         values: dict[str, object] = {
             "u_view_projection": matrix_uniform(frame.view_projection),
             "u_view_direction": tuple(-frame.camera.forward),
@@ -315,7 +314,7 @@ class Renderer:
         if plan.dfg:
             self._dfg_texture(settings).use(UNIT_DFG)
             values["u_dfg"] = UNIT_DFG
-        if plan.is_everything:  # code for glass in programs of what is opaque
+        if plan.is_everything:  # the programs of opaque surfaces have code for glass, too
             self._surfaces.textures.bind_blank("base_color", UNIT_RADIANCE)
             values["u_backdrop"] = UNIT_RADIANCE
         blocks = [pack_lights(plan, frame)] if plan.lights else []
@@ -344,7 +343,7 @@ class Renderer:
 
     @contextmanager
     def _pass(self, name: str) -> Iterator[None]:
-        """A pass of the frame. Timer queries do not see a software rasteriser's work: wait, and read the wall clock."""
+        """Time a pass. Timer queries do not count the work of a software rasteriser, so we wait and read the clock."""
         if not self._measure:
             yield
             return

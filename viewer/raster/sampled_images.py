@@ -1,4 +1,4 @@
-"""Which images a plan samples, and which of their channels."""
+"""The images that a plan samples, and their channels."""
 
 from __future__ import annotations
 
@@ -14,33 +14,32 @@ from ..settings import Settings
 
 
 def decode_ahead(scene: Scene, settings: Settings) -> Decoder:
-    """Begin with the images that a picture of `scene` will sample, before there is a context to draw it with."""
-    # Which maps are sampled depends neither on the target nor on the lights.
+    """Begin to decode the images that a picture of `scene` samples, before there is an OpenGL context."""
+    # The maps that are sampled depend neither on the target nor on the lights.
     plan = plan_scene(scene, settings, (), samples=1, half_target=False, orthographic=False)
-    return Decoder(sampled_images(scene, plan, channels_read(scene, plan, {})))
+    return Decoder(sampled_images(plan, channels_read(plan, {})))
 
 
 def channels_read(
-    scene: Scene, plan: Plan, before: Mapping[tuple[TextureImage, bool], str]
+    plan: Plan, before: Mapping[tuple[TextureImage, bool], str]
 ) -> dict[tuple[TextureImage, bool], str]:
-    """The channels of each image that some map reads, in this plan or `before`: R, RGB or RGBA.
+    """The channels, R, RGB or RGBA, of each image that some map of this plan reads, or has read `before`.
 
-    An image used twice (occlusion and roughness) is stored once.
+    An image that two maps share (occlusion and roughness) is stored once.
     """
     reads = {image: set(channels) for image, channels in before.items()}
     for draw in plan.draws:
-        material = scene.materials[draw.material]
         for name in draw.maps:
-            opaque = name == "base_color" and material.alpha_mode == "opaque"
-            image = MAPS[name].texture(material).image
+            opaque = name == "base_color" and draw.surface.alpha_mode == "opaque"
+            image = MAPS[name].texture(draw.surface).image
             info = MAPS[name].info
             reads.setdefault((image, info.srgb), set()).update("RGB" if opaque else info.channels)
     return {image: "R" if letters == {"R"} else "RGBA" if "A" in letters else "RGB"
             for image, letters in reads.items()}
 
 
-def sampled_images(scene: Scene, plan: Plan, channels: Mapping[tuple[TextureImage, bool], str]) -> set[Key]:
-    """What has to be decoded for `plan`, given what `channels_read` says."""
-    images = {(MAPS[name].texture(scene.materials[draw.material]).image, MAPS[name].info.srgb)
+def sampled_images(plan: Plan, channels: Mapping[tuple[TextureImage, bool], str]) -> set[Key]:
+    """The images that `plan` samples, with the channels that `channels_read` gives."""
+    images = {(MAPS[name].texture(draw.surface).image, MAPS[name].info.srgb)
               for draw in plan.draws for name in draw.maps}
     return {(image, channels[image, srgb], srgb) for image, srgb in images}

@@ -54,7 +54,7 @@ class Atlas:
         framebuffer.use()
         framebuffer.clear(depth=1.0)
         gl.enable_only(moderngl.DEPTH_TEST)
-        gl.polygon_offset = 1.0, 2.0  # half a step of depth and of slope: what rounding the tile's depth costs
+        gl.polygon_offset = 1.0, 2.0  # half a step of depth and of slope: the rounding error of the depth map
         to_center = np.eye(4) / scene.radius
         to_center[:3, 3], to_center[3, 3] = -scene.center / scene.radius, 1.0
         casters = [draw for draw in casters if scene.meshes[draw.mesh].topology == "triangles"]
@@ -98,7 +98,7 @@ class ShadowMaps:
         return rows
 
     def holds(self, plan: Plan) -> bool:
-        """Whether these maps are the ones `plan` wants of the same meshes."""
+        """Whether these are the maps that `plan` needs, the meshes being the same."""
         return _key(plan) == self._key
 
     def release(self) -> None:
@@ -110,14 +110,14 @@ def _key(plan: Plan) -> tuple[object, ...]:
 
 
 def light_tiles(light: Light, scene: Scene, size: int) -> list[Tile]:
-    """The views of one light that see all of the scene they light; `size` is a tile's side in texels."""
+    """The views of one light, fitted to the scene; `size` is a tile's side in texels."""
     corners = (scene.corners.reshape(-1, 3) - scene.center) / scene.radius
     if light.kind == "directional":
         return [_directional_tile(np.asarray(light.direction, np.float64), corners, size)]
     origin = (np.asarray(light.position, np.float64) - scene.center) / scene.radius
     far = max(float(np.linalg.norm(corners - origin, axis=1).max()), 1e-6) * 1.001
     if light.kind == "spot":
-        # A cone of 89 degrees would need an endless plane; what lies outside the tile is not shadowed.
+        # A cone of 89 degrees would need an almost infinite plane. Outside the tile nothing is shadowed.
         half = math.tan(min(light.outer_cone * 1.02 + 0.01, math.radians(80)))
         return [_perspective_tile(origin, np.asarray(light.direction, np.float64), half, far, size)]
     half = size / (size - 4)  # two texels beyond the face for the filter

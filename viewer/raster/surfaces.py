@@ -15,6 +15,7 @@ from ..plan.model import Draw, Plan, Program
 from ..scene.decoding import Decoder
 from ..scene.frame import Frame
 from ..scene.material import Material, UVTransform
+from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.schema import MAP_SWITCHES, MAPS, no_switches
 from ..scene.transform import handedness, normal_matrix
@@ -36,19 +37,38 @@ _GBUFFER_SWITCHES = ("ALPHA_MODE", "DOUBLE_SIDED", "HALF_TARGET", "HAS_COLOR", "
 
 
 class Surfaces:
-    """One scene's meshes and textures on the GPU, and how they are drawn."""
+    """The meshes and textures of a scene on the GPU, and the passes that draw them.
 
-    def __init__(self, context: Context, scene: Scene, programs: Programs, ahead: Decoder | None = None) -> None:
-        self._gl, self.scene, self._programs = context.gl, scene, programs
-        self._meshes: dict[int, MeshBuffers] = {}
+    Buffers belong to a mesh and textures to an image, by identity, so they stay for the next scene that shares these.
+    """
+
+    def __init__(self, context: Context, programs: Programs) -> None:
+        self._gl, self._programs = context.gl, programs
+        self.scene = Scene("nothing")
+        self._meshes: dict[Mesh, MeshBuffers] = {}
         self._indirect: list[moderngl.Buffer] = []
         self._generation = programs.generation
-        self.textures = Textures(context, scene, ahead)
+        self.textures = Textures(context)
 
     def holds(self, scene: Scene) -> bool:
         """Whether `scene` has the same meshes, materials and places, and differs in other things only."""
         ours = self.scene
         return ours.meshes is scene.meshes and ours.materials is scene.materials and ours.instances is scene.instances
+
+    def take(self, scene: Scene, ahead: Decoder | None = None) -> None:
+        """Draw `scene` from now on, and release what it does not share with the one before.
+
+        `ahead` has begun to decode some of its images.
+        """
+        self.scene = scene
+        for mesh in self._meshes.keys() - set(scene.meshes):
+            self._meshes.pop(mesh).release()
+        if self._indirect:
+            for mesh_buffers in self._meshes.values():
+                mesh_buffers.drop_arrays()  # some read the indirect light of an instance
+            self._release_indirect()
+        maps = (entry.texture(material) for material in scene.materials for entry in MAPS.values())
+        self.textures.keep({texture.image for texture in maps if texture is not None}, ahead)
 
     def prepare(self, plan: Plan) -> None:
         """Compile and upload what `plan` draws, so that the first frame costs what every other does."""
@@ -63,21 +83,21 @@ class Surfaces:
         self.textures.upload()
 
     def light_vertices(self, light: VertexLight) -> None:
-        """Take the light that vertices get from other surfaces."""
+        """Take the indirect light of all vertices."""
         if not self._indirect:
             self._indirect = [self._gl.buffer(reserve=max(values.nbytes, 16)) for values in light.per_instance]
         for buffer, values in zip(self._indirect, light.per_instance, strict=True):
             buffer.write(np.ascontiguousarray(values))
 
     def draw_gbuffer(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> None:
-        """Draw where those surfaces are that passes look from, and how they lie: shaders/raster/gbuffer.frag."""
+        """Draw the G-buffer of the surfaces that need one: shaders/raster/gbuffer.frag."""
         draws = [replace(d, program=_gbuffer_program(d.program)) for d in plan.draws if d.is_in_gbuffer]
         self._draw_solid(draws, frame, plan, frame_uniforms)
 
     def draw_refraction_rays(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> None:
-        """Draw the rays that go on in the fronts of bodies: shaders/raster/refraction_rays.frag."""
-        bodies = [draw for draw in plan.draws if draw.is_traced_body]
-        self._draw_solid([replace(draw, program=_path_program(draw.program)) for draw in bodies], frame, plan,
+        """Draw the first rays of the paths through solid glass: shaders/raster/refraction_rays.frag."""
+        solids = [draw for draw in plan.draws if draw.traces_refraction]
+        self._draw_solid([replace(draw, program=_path_program(draw.program)) for draw in solids], frame, plan,
                          frame_uniforms)
 
     def draw_opaque(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
@@ -85,7 +105,7 @@ class Surfaces:
         return self._draw_solid([d for d in plan.draws if not d.transmits], frame, plan, frame_uniforms)
 
     def draw_transmissive(self, kind: int, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
-        """Draw what transmits light and does not blend, walls (1) or bodies (2), before the picture in the uniforms."""
+        """Draw the THIN_WALLED or SOLID surfaces that do not blend; the uniforms have the picture behind them."""
         return self._draw_solid([d for d in plan.draws if d.transmits == kind], frame, plan, frame_uniforms)
 
     def _draw_solid(self, draws: list[Draw], frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
@@ -190,27 +210,34 @@ class Surfaces:
         return self._programs.get(_VERTEX, fragment, switches)
 
     def _mesh(self, index: int) -> MeshBuffers:
-        if index not in self._meshes:
-            self._meshes[index] = MeshBuffers(self._gl, self.scene.meshes[index])
-        return self._meshes[index]
+        mesh = self.scene.meshes[index]
+        if mesh not in self._meshes:
+            self._meshes[mesh] = MeshBuffers(self._gl, mesh)
+        return self._meshes[mesh]
+
+    def _release_indirect(self) -> None:
+        for buffer in self._indirect:
+            buffer.release()
+        self._indirect = []
 
     def release(self) -> None:
-        for thing in (*self._meshes.values(), *self._indirect):
-            thing.release()
+        for mesh_buffers in self._meshes.values():
+            mesh_buffers.release()
+        self._release_indirect()
         self.textures.release()
 
 
 def _gbuffer_program(program: Program) -> Program:
-    return Program("raster/gbuffer.frag", _lie(program))
+    return Program("raster/gbuffer.frag", _geometry_switches(program))
 
 
 def _path_program(program: Program) -> Program:
-    switches = {**dict(_lie(program)), "IS_ORTHOGRAPHIC": program["IS_ORTHOGRAPHIC"]}
+    switches = {**dict(_geometry_switches(program)), "IS_ORTHOGRAPHIC": program["IS_ORTHOGRAPHIC"]}
     return Program("raster/refraction_rays.frag", tuple(sorted(switches.items())))
 
 
-def _lie(program: Program) -> tuple[tuple[str, int], ...]:
-    """Of the switches only those that say where a surface is and how it lies, so that many materials share one."""
+def _geometry_switches(program: Program) -> tuple[tuple[str, int], ...]:
+    """The switches on which position, normal and roughness depend, so that many materials share one program."""
     switches = dict(program.switches)
     maps = {"normal", "metallic_roughness"} | ({"base_color"} if switches["ALPHA_MODE"] else set())
     switches = no_switches() | {name: switches[name] for name in _GBUFFER_SWITCHES} | {"INDIRECT": 0} | {

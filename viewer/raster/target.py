@@ -1,4 +1,4 @@
-"""What a frame is drawn into: a multisampled target of floats, resolved to one sample a pixel."""
+"""The target of a frame: multisampled float colour and depth, resolved to one sample a pixel."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..gpu.programs import Programs, set_uniform
 class Target:
     """Colour (RGBA half or single floats, associated alpha) with depth, at `size` and `samples`.
 
-    What is drawn has `drawn_size`, in both directions `supersampling` times as many pixels, each of `samples`.
+    The frame is drawn at `drawn_size`, `supersampling` times `size` in each direction, with `samples` a pixel.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class Target:
     def resolve(self, programs: Programs, unit: int) -> None:
         """Average the samples into `radiance`; reads them through texture `unit`.
 
-        By a program of our own: that of glBlitFramebuffer Mesa's software rasteriser compiles in every process anew.
+        We use a program of our own: Mesa's software rasteriser compiles the one of glBlitFramebuffer in every process.
         """
         if self._color is None:
             return

@@ -1,4 +1,4 @@
-"""Material maps on the GPU: decoded when first sampled, only in the channels that are read, each image once."""
+"""Material maps on the GPU: each image is decoded once, when it is first sampled, in the channels that are read."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from ..plan.model import Plan
 from ..scene.decoding import Decoder, Key
 from ..scene.material import Sampler, Texture
 from ..scene.parameter import WHITE
-from ..scene.scene import Scene
 from ..scene.schema import MAPS
 from ..scene.texture_image import TextureImage
 from .sampled_images import channels_read, sampled_images
@@ -31,35 +30,49 @@ _SWIZZLES = {1: "RRR1", 2: "RRRG", 3: "RGB1", 4: "RGBA"}
 
 
 class Textures:
-    """The textures of one scene; `ahead` has begun to decode some of them."""
+    """The textures of a scene's images. They stay for the next scene as far as it has the same images."""
 
-    def __init__(self, context: Context, scene: Scene, ahead: Decoder | None = None) -> None:
-        self._context, self._scene = context, scene
+    def __init__(self, context: Context) -> None:
+        self._context = context
         self._textures: dict[Key, moderngl.Texture] = {}
         self._blanks: dict[str, moderngl.Texture] = {}
         self._examples: dict[str, Key] = {}
         self._samplers: dict[Sampler, moderngl.Sampler] = {}
-        self._decoders = [ahead] if ahead is not None else []
+        self._decoders: list[Decoder] = []
         self._channels: dict[tuple[TextureImage, bool], str] = {}
-        self.bytes = 0
-        """About what the textures take, with their mipmaps."""
+        self._sizes: dict[Key, int] = {}
+
+    @property
+    def bytes(self) -> int:
+        """About how much memory the textures take, with their mipmaps."""
+        return sum(self._sizes.values())
+
+    def keep(self, images: set[TextureImage], ahead: Decoder | None = None) -> None:
+        """Release the textures of all other images; `ahead` has begun to decode some that are new."""
+        self._cancel()
+        self._decoders = [ahead] if ahead is not None else []
+        self._channels = {key: letters for key, letters in self._channels.items() if key[0] in images}
+        self._examples = {name: key for name, key in self._examples.items() if key[0] in images}
+        self._release_unread()
 
     def prefetch(self, plan: Plan) -> None:
         """Begin to decode what `plan` samples, on other threads, while shaders compile on this one."""
-        self._channels = channels_read(self._scene, plan, self._channels)
+        self._channels = channels_read(plan, self._channels)
+        self._release_unread()
         for draw in plan.draws:
             for name in draw.maps:
                 image, srgb = MAPS[name].texture(draw.surface).image, MAPS[name].info.srgb
                 self._examples.setdefault(name, (image, self._channels[image, srgb], srgb))
         begun = set(self._textures).union(*(decoder.keys for decoder in self._decoders))
-        self._decoders.append(Decoder(sampled_images(self._scene, plan, self._channels) - begun))
+        self._decoders.append(Decoder(sampled_images(plan, self._channels) - begun))
 
     def upload(self) -> None:
         """Make textures of all that was prefetched, each as it comes."""
         while self._decoders:
             for key, levels in self._decoders.pop(0).results():
-                self._textures[key] = _upload(self._context, levels, key[2])
-                self.bytes += sum(level.nbytes for level in levels)
+                if key not in self._textures:  # an earlier scene may have had it
+                    self._textures[key] = _upload(self._context, levels, key[2])
+                    self._sizes[key] = sum(level.nbytes for level in levels)
                 del levels
                 give_back()  # OpenGL has its own copy now
 
@@ -97,9 +110,18 @@ class Textures:
             )
         return self._samplers[sampler]
 
-    def release(self) -> None:
+    def _release_unread(self) -> None:
+        """Release textures whose images, or whose choice of channels, no map reads any more."""
+        for image, channels, srgb in [key for key in self._textures if self._channels.get((key[0], key[2])) != key[1]]:
+            self._textures.pop((image, channels, srgb)).release()
+            del self._sizes[image, channels, srgb]
+
+    def _cancel(self) -> None:
         for decoder in self._decoders:
             decoder.cancel()
+
+    def release(self) -> None:
+        self._cancel()
         for thing in (*self._textures.values(), *self._blanks.values(), *self._samplers.values()):
             thing.release()
 

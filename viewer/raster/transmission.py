@@ -1,4 +1,4 @@
-"""What stands behind surfaces that transmit light, in screen space: they see what is opaque, and not one another."""
+"""The picture behind transmissive surfaces, in screen space: it has the opaque surfaces, not the transmissive ones."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _FRAMEBUFFER, _COLOR_ATTACHMENT = 0x8D40, 0x8CE0
 
 
 class Backdrop:
-    """A copy of a target's radiance with mip levels for rough surfaces, each filtered by a binomial, as a Gaussian."""
+    """A copy of a target's radiance with mip levels for rough surfaces, filtered by a binomial, close to a Gaussian."""
 
     def __init__(self, context: Context, target: Target) -> None:
         self._gl, self._size, self._half = context.gl, target.size, target.half
@@ -43,7 +43,7 @@ class Backdrop:
         """
         self._gl.enable_only(moderngl.NOTHING)
         self._framebuffer.use()
-        # Drawing into level k and reading k - 1 is no loop where nothing but the base level can be read.
+        # We draw into level k and read level k - 1: allowed if k - 1 is the only level that can be read.
         self._texture.filter = moderngl.LINEAR, moderngl.LINEAR
         radiance.use(unit)
         for level, size in enumerate(self._sizes):
@@ -61,7 +61,7 @@ class Backdrop:
         return {"u_backdrop": unit}
 
     def _show_levels(self, first: int, last: int) -> None:
-        """Of the texture, which is bound to the unit used last."""
+        """Set the readable levels of the texture, which is bound to the active unit."""
         self._set_parameter(_TEXTURE_2D, _TEXTURE_BASE_LEVEL, first)
         self._set_parameter(_TEXTURE_2D, _TEXTURE_MAX_LEVEL, last)
 

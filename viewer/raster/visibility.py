@@ -1,4 +1,4 @@
-"""The pass before surfaces are shaded that finds how much of the environment each pixel sees."""
+"""The pass that finds the visibility of the environment at each pixel, before the surfaces are shaded."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 
 import moderngl
 
+from ..base.reusable import Reusable
 from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
 from ..plan.model import Plan
@@ -19,59 +20,53 @@ from .surfaces import UNIT_BACKGROUND, UNIT_VISIBILITY
 
 
 class VisibilityPass:
-    """Keeps the targets of one picture size and the shadow maps of one scene's environment."""
+    """Owns the targets of one picture size and the shadow maps of one scene's environment."""
 
     def __init__(self, gl: moderngl.Context, programs: Programs) -> None:
         self._gl, self._programs = gl, programs
-        self._targets: _Targets | None = None
-        self._shadows: EnvironmentShadows | None = None
+        self._targets: Reusable[_Targets] = Reusable()
+        self._shadows: Reusable[EnvironmentShadows] = Reusable()
 
     def prepare(self, scene: Scene, plan: Plan, environment: EnvironmentLight, draw_depth: DrawDepth) -> None:
-        """Draw what shadow maps `plan` asks for and that are not there yet."""
-        if self._shadows is None or not self._shadows.holds(scene.environment, plan):
-            self.drop_shadows()
+        """Draw the shadow maps that `plan` needs, unless they are there."""
+        def draw_shadows() -> EnvironmentShadows:
             lights = environment.many_lights(plan.environment_shadows)
-            self._shadows = EnvironmentShadows(self._gl, scene, plan, lights, draw_depth)
+            return EnvironmentShadows(self._gl, scene, plan, lights, draw_depth)
+
+        self._shadows.get(lambda shadows: shadows.holds(scene.environment, plan), draw_shadows)
 
     def drop_shadows(self) -> None:
-        """For when the meshes or the programs are others."""
-        if self._shadows is not None:
-            self._shadows.release()
-            self._shadows = None
+        """Release the shadow maps, for when meshes or programs have changed."""
+        self._shadows.release()
 
     def find(self, frame: Frame, plan: Plan, gbuffer: GBuffer) -> dict[str, object]:
-        """Draw the pass over the frame's G-buffer; returns the uniforms of shaders/raster/visibility.glsl.
+        """Draw the pass over the frame's G-buffer and return the uniforms of shaders/raster/visibility.glsl.
 
         Leaves a framebuffer of its own in use.
         """
-        if self._targets is None or self._targets.gbuffer is not gbuffer:
-            self._release_targets()
-            self._targets = _Targets(self._gl, gbuffer)
+        targets = self._targets.get(lambda held: held.gbuffer is gbuffer, lambda: _Targets(self._gl, gbuffer))
         if plan.ambient_occlusion:
-            return self._targets.find_by_picture(self._programs, frame)
-        return self._targets.find_by_shadows(self._programs, frame, self._shadows)
-
-    def _release_targets(self) -> None:
-        if self._targets is not None:
-            self._targets.release()
-            self._targets = None  # should the next one fail
+            return targets.draw_ambient_occlusion(self._programs, frame)
+        return targets.draw_environment_shadows(self._programs, frame, self._shadows.held)
 
     def release(self) -> None:
-        self.drop_shadows()
-        self._release_targets()
+        self._shadows.release()
+        self._targets.release()
 
 
 class _Targets:
-    """The buffers of one picture size, and the passes over them."""
+    """The buffers of one picture size, and the passes that fill them."""
 
     def __init__(self, gl: moderngl.Context, gbuffer: GBuffer) -> None:
         self._gl, self.gbuffer = gl, gbuffer
         self._sums = [nearest_texture(gl, gbuffer.size, "f4") for _ in range(2)]
-        self._visible = nearest_texture(gl, gbuffer.size, "f2")
+        self._visibility = nearest_texture(gl, gbuffer.size, "f2")
         self._summing = gbuffer.target(*self._sums)
-        self._result = gbuffer.target(self._visible)
+        self._result = gbuffer.target(self._visibility)
 
-    def find_by_shadows(self, programs: Programs, frame: Frame, shadows: EnvironmentShadows) -> dict[str, object]:
+    def draw_environment_shadows(
+        self, programs: Programs, frame: Frame, shadows: EnvironmentShadows
+    ) -> dict[str, object]:
         gl = self._gl
         self._summing.use()
         self._summing.clear()
@@ -81,14 +76,13 @@ class _Targets:
         gl.enable_only(moderngl.NOTHING)
         self._result.use()
         program = programs.get("display/fullscreen.vert", "raster/visibility.frag", {})
-        for unit, (name, texture) in enumerate(zip(("u_arriving", "u_sent"), self._sums, strict=True)):
+        for unit, (name, texture) in enumerate(zip(("u_shadowed", "u_unshadowed"), self._sums, strict=True)):
             texture.use(unit)
             set_uniform(program, name, unit)
         fullscreen(gl, program).render(vertices=3)
-        return self._found()
+        return self._uniforms()
 
-    def find_by_picture(self, programs: Programs, frame: Frame) -> dict[str, object]:
-        """By what else is in the picture: ambient occlusion."""
+    def draw_ambient_occlusion(self, programs: Programs, frame: Frame) -> dict[str, object]:
         self._result.use()
         program = programs.get("display/fullscreen.vert", "raster/ambient_occlusion.frag", {
             "IS_ORTHOGRAPHIC": int(frame.camera.height is not None)})
@@ -99,13 +93,13 @@ class _Targets:
             set_uniform(program, name, value)
         with self.gbuffer.on_surfaces():
             fullscreen(self._gl, program).render(vertices=3)
-        return self._found()
+        return self._uniforms()
 
-    def _found(self) -> dict[str, object]:
-        self._visible.use(UNIT_VISIBILITY)
+    def _uniforms(self) -> dict[str, object]:
+        self._visibility.use(UNIT_VISIBILITY)
         self.gbuffer.positions.use(UNIT_BACKGROUND)
         return {"u_visibility": UNIT_VISIBILITY, "u_positions": UNIT_BACKGROUND}
 
     def release(self) -> None:
-        for thing in (self._summing, self._result, *self._sums, self._visible):
+        for thing in (self._summing, self._result, *self._sums, self._visibility):
             thing.release()

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from ..plan.bsdf_switches import bsdf_switches
 from ..plan.model import Program
 from ..scene.scene import Scene
-from ..settings import Settings
+from ..settings import Settings, setting_choices
 from .kinds import GLASS, KINDS
 from .scene.encode import unused_maps
 from .scene.geometry import TraceGeometry, TraceInstance
@@ -59,7 +60,8 @@ def plan_trace(
 
     `switches` and the lines of what is `idle` are what the scene's data and its lights say of themselves.
     """
-    switches = dict(switches) | _shading_switches(settings)
+    sampling = setting_choices()["sampling"].index(settings.sampling)
+    switches = dict(switches) | bsdf_switches(settings) | {"SAMPLING": sampling}
     if settings.ndf != "ggx":
         switches["ANISOTROPIC"] = 0  # the others are isotropic
     shines = settings.lobes == "all"
@@ -109,19 +111,6 @@ def _used(geometry: TraceGeometry, switches: Mapping[str, int]) -> tuple[str, ..
 
 def _program(file: str, switches: Mapping[str, int]) -> Program:
     return Program(file, tuple(sorted(switches.items())))
-
-
-def _shading_switches(settings: Settings) -> dict[str, int]:
-    return {
-        "NDF": ("ggx", "beckmann", "blinn-phong").index(settings.ndf),
-        "MASKING": ("smith", "smith-separable", "v-cavity", "none").index(settings.masking),
-        "FRESNEL": int(settings.fresnel == "exact"),
-        "SAMPLING": ("mis", "bsdf", "lights").index(settings.sampling),
-        "MULTISCATTER": int(settings.multiscatter == "on"),
-        "SHOW_DIFFUSE": int(settings.lobes in ("all", "uniform-diffuse")),
-        "SHOW_SPECULAR": int(settings.lobes in ("all", "specular")),
-        "SHOW_MULTISCATTER": int(settings.lobes in ("all", "directional-diffuse")),
-    }
 
 
 def _left_out(

@@ -127,7 +127,8 @@ def test_the_command_line_of_a_method_asks_for_just_that(arguments):
         settings = make_settings(asked)
         settings.check_used()
         assert settings == method.settings(base)
-        assert (settings.bounces == 3) == bool(arguments and method.is_traced) and settings.ndf == base.ndf
+        assert (settings.bounces == 3) == bool(arguments and method.is_traced)
+        assert settings.ndf == ("ggx" if settings.mode == "phong" else base.ndf)
         assert {name: asked[name] for name in ("size", "orbit", "fov", "eye", "camera")} == \
                {name: options[name] for name in ("size", "orbit", "fov", "eye", "camera")}
         lights = tuple(map(make_light, asked["lights"]))

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...gpu.call import call_glsl
 from ...gpu.context import Context
+from ...settings import MASKINGS, NDFS
 
 REFLECTION, TRANSMISSION, DELTA = 1, 2, 4
 """Bits of a sample's flags, as in bsdf.glsl."""
@@ -130,7 +131,7 @@ def _microfacet(ndf: str, masking: str, index: tuple[int, int]) -> Lobe:
 
 
 def _glass(name: str, masking: str) -> Lobe:
-    index, is_thin = _MASKINGS.index(masking), name == "thin_dielectric"
+    index, is_thin = MASKINGS.index(masking), name == "thin_dielectric"
     eta = Range(1.0, 3.0, tuple(eta for eta in ETAS if eta >= 1)) if is_thin else Range(0.4, 3.0, ETAS)
     return Lobe(name if index == 0 else f"{name} {masking}", f"lobe/{name}", name, {"eta": eta, "alpha": ALPHA_2},
                 {"eta": 1.5, "alpha": 0.5}, {"furnace": _LOST}, ("ggx", masking), {"MASKING": index},
@@ -146,11 +147,10 @@ def _surface(name: str, alpha: Range, is_anisotropic: int) -> Lobe:
                          **_SHOW_ALL})
 
 
-_MASKINGS = ("smith", "smith-separable", "v-cavity", "none")
 _MICROFACETS = tuple(
     _microfacet(ndf, masking, (i, j))
-    for i, ndf in enumerate(("ggx", "beckmann", "blinn-phong"))
-    for j, masking in enumerate(_MASKINGS)
+    for i, ndf in enumerate(NDFS)
+    for j, masking in enumerate(MASKINGS)
 )
 
 LOBES: tuple[Lobe, ...] = (
@@ -175,7 +175,7 @@ LOBES: tuple[Lobe, ...] = (
          {"eta": Range(0.05, 4.0, (0.0, 1.0, 1.0001, 100.0), 3), "k": Range(0.0, 8.0, (0.0, 1e-4, 1e4, 1e12), 3),
           "alpha": ALPHA_2},
          {"eta": 0.2, "k": 1e6, "alpha": 0.5}),
-    *(_glass(name, masking) for name in ("dielectric", "thin_dielectric") for masking in _MASKINGS[:2]),
+    *(_glass(name, masking) for name in ("dielectric", "thin_dielectric") for masking in MASKINGS[:2]),
     _surface("standard", ALPHA, 0),
     _surface("standard anisotropic", ALPHA_2, 1),
     *_MICROFACETS,

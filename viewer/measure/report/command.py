@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from ...settings import PATH_ONLY, RASTER_ONLY
+from ...settings import ignored
 from .ladder import Method, light_option
 
 _OPTIONS = ("mode", "spp", "denoise", "error")
@@ -46,7 +46,7 @@ def _given(options: Mapping[str, Any], method: Method) -> Iterator[str]:
             yield from (f"--{name}", _plain(options[name]))
     for assignment in options["assignments"]:
         name = assignment.partition("=")[0].strip().replace("-", "_")
-        if name not in method.changes and name not in (RASTER_ONLY if method.is_traced else PATH_ONLY):
+        if name not in method.changes and name not in ignored(method.mode):
             yield from ("--set", assignment)
 
 

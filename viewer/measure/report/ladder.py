@@ -19,7 +19,7 @@ from ...scene.color import LUMINANCE
 from ...scene.environment import Environment
 from ...scene.light import Light
 from ...scene.scene import Scene
-from ...settings import PATH_ONLY, RASTER_ONLY, Settings, setting_choices
+from ...settings import Mode, Settings, ignored, setting_choices
 
 SPP = tuple(1 << k for k in range(13))
 """Samples per pixel of the path-traced points; how many of these are measured depends on the time."""
@@ -74,13 +74,16 @@ class Method:
         return self.name, self.changes.get("antialias", "")
 
     @property
+    def mode(self) -> Mode:
+        return self.changes.get("mode", "pbr")
+
+    @property
     def is_traced(self) -> bool:
-        return self.changes.get("mode") == "path"
+        return self.mode == "path"
 
     def settings(self, base: Settings) -> Settings:
         """`base` with the changes; settings that the method ignores have their defaults."""
-        idle = RASTER_ONLY if self.is_traced else PATH_ONLY
-        return replace(base, **{name: getattr(Settings(), name) for name in idle} | self.changes)
+        return replace(base, **{name: getattr(Settings(), name) for name in ignored(self.mode)} | self.changes)
 
     def scene(self, scene: Scene) -> Scene:
         """The scene, with the method's own lights if it has some."""

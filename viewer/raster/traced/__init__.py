@@ -1,1 +1,1 @@
-"""What the raster asks the path tracer's rays for: reflections, refraction."""
+"""Passes of the raster that trace rays with the path tracer's intersector: reflections and refraction."""

@@ -1,4 +1,4 @@
-"""What reflections can meet of a scene: its triangles to be traced, and how they look."""
+"""The surfaces that reflection rays can hit: an intersector of their triangles, and their vertices in textures."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ from dataclasses import replace
 import moderngl
 import numpy as np
 
-from ...errors import ViewerError
 from ...gpu.context import Context
+from ...gpu.row_texture import row_texture
 from ...scene.scene import Scene
 from ...settings import Settings
 from ...trace.kinds import GLASS
+from ...trace.layout import shader_defines
 from ...trace.rays.intersect import make_intersector
 from ...trace.scene.geometry import TraceGeometry, TraceInstance, trace_geometry
 from ...trace.vertex_light import VertexLight, bake_outgoing
 from .vertex_metal import vertex_metal
 
-_WIDTH = 4096
 _MAX_RADIANCE = 65504.0  # of a half float
 
 
 class ReflectedSurfaces:
-    """The intersector of one scene's triangles, and textures of how they look at their corners.
+    """The intersector of one scene's triangles, and textures of radiance and surface at their vertices.
 
-    Where alpha opens a surface all of it is left out: what lies behind is reflected. Glass shows what it does along its
-    normals. Raises ViewerError for more triangles than textures hold, and as `make_intersector` does.
+    Instances with alpha are left out, so that reflections show what is behind them. Glass has its radiance along the
+    normal from every side. Raises ViewerError for more triangles than a texture holds, and as `make_intersector` does.
     """
 
     def __init__(self, context: Context, scene: Scene, settings: Settings, kind: str) -> None:
@@ -34,12 +34,13 @@ class ReflectedSurfaces:
         shown = [instance for instance in geometry.instances if not instance.see_through]
         geometry = replace(geometry, instances=shown)
         self._scene = scene
+        self.defines = shader_defines()
         self.intersector = make_intersector(context, geometry, kind=kind)
         light = bake_outgoing(context, _matte(scene), settings)
-        self._textures = _textures(context, geometry.instances, [_corners(scene, geometry, i, light) for i in shown])
+        self._textures = _textures(context, [_vertices(scene, geometry, i, light) for i in shown])
 
     def holds(self, scene: Scene) -> bool:
-        """Whether these are that scene's triangles, lit as they are."""
+        """Whether these are the triangles of `scene` under its lights."""
         names = ("instances", "meshes", "materials", "lights", "environment")
         return all(getattr(scene, name) is getattr(self._scene, name) for name in names)
 
@@ -56,31 +57,31 @@ class ReflectedSurfaces:
 
 
 def _matte(scene: Scene) -> Scene:
-    """With surfaces that send the same light whichever way: what is baked leaves along the normal, and mirrors see it
-    from elsewhere. How metals differ from it the shader works out."""
+    """The scene with Lambertian surfaces: radiance is baked along the normal, and reflection rays see it from other
+    directions. The shader corrects it for metals."""
     return replace(scene, materials=[
         replace(material, metallic=0.0, specular=0.0, metallic_roughness_texture=None) for material in scene.materials])
 
 
-def _corners(
+def _vertices(
     scene: Scene, geometry: TraceGeometry, instance: TraceInstance, light: VertexLight
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Of an instance's triangles' corners, in order: radiance and a component of the face normal, (3 M, 4) float16; and
-    (3 M, 4) uint8 of normal, as a point of an octahedron, roughness and metallic."""
+    """The vertices of an instance's triangles, in order: radiance and a component of the face normal, (3 M, 4) float16;
+    and octahedral normal, roughness and metallic, (3 M, 4) uint8."""
     placed = geometry.meshes[instance.mesh]
     mesh = scene.meshes[placed.source]
     material = scene.materials[mesh.material]
-    vertices = placed.triangles.ravel()
-    looks = np.zeros((len(vertices), 4), np.float16)
-    looks[:, :3] = np.minimum(light.per_instance[instance.source][vertices, :3], _MAX_RADIANCE)
+    indices = placed.triangles.ravel()
+    radiance = np.zeros((len(indices), 4), np.float16)
+    radiance[:, :3] = np.minimum(light.per_instance[instance.source][indices, :3], _MAX_RADIANCE)
     faces = _unit(_face_normals(placed.positions[placed.triangles], instance.transform))
     if not material.double_sided and instance.kind != GLASS:
-        looks[:, 3] = faces.ravel()
+        radiance[:, 3] = faces.ravel()
     normals = np.repeat(faces, 3, axis=0)
     if mesh.normals is not None:
-        normals = _unit(mesh.normals @ np.linalg.pinv(instance.transform[:, :3]))[vertices]
-    lies = np.concatenate([_to_octahedron(normals) / 2 + 0.5, vertex_metal(material, mesh)[vertices]], axis=1)
-    return looks, np.rint(255 * lies).astype(np.uint8)
+        normals = _unit(mesh.normals @ np.linalg.pinv(instance.transform[:, :3]))[indices]
+    surface = np.concatenate([_to_octahedron(normals) / 2 + 0.5, vertex_metal(material, mesh)[indices]], axis=1)
+    return radiance, np.rint(255 * surface).astype(np.uint8)
 
 
 def _face_normals(positions: np.ndarray, transform: np.ndarray) -> np.ndarray:
@@ -101,25 +102,12 @@ def _to_octahedron(d: np.ndarray) -> np.ndarray:
     return np.where(d[:, 2:] < 0, (1 - np.abs(p[:, ::-1])) * np.where(p >= 0, 1, -1), p)
 
 
-def _textures(
-    context: Context, instances: Sequence[TraceInstance], corners: Sequence[tuple[np.ndarray, np.ndarray]]
-) -> dict[str, moderngl.Texture]:
-    """All instances' corners, and where those of each begin."""
-    total = sum(len(looks) for looks, _ in corners)
-    if -(-total // _WIDTH) > context.gl.info["GL_MAX_TEXTURE_SIZE"]:
-        raise ViewerError(f"the scene has too many triangles for traced reflections, {total // 3}")
-    firsts = np.cumsum([0, *(len(looks) for looks, _ in corners)])[: max(len(instances), 1), None].astype(np.int32)
+def _textures(context: Context, vertices: Sequence[tuple[np.ndarray, np.ndarray]]) -> dict[str, moderngl.Texture]:
+    """The vertices of all instances, and the index of each one's first."""
+    firsts = np.cumsum([0, *(len(radiance) for radiance, _ in vertices)])
     nothing = np.zeros((0, 4), np.float16), np.zeros((0, 4), np.uint8)
-    looks, lies = (np.concatenate(parts) for parts in zip(nothing, *corners))
-    return {"u_looks": _texture(context.gl, looks), "u_lies": _texture(context.gl, lies),
-            "u_first": _texture(context.gl, firsts)}
-
-
-def _texture(gl: moderngl.Context, rows: np.ndarray) -> moderngl.Texture:
-    """(N, C) texels, row after row of a texture `_WIDTH` wide."""
-    texels = np.zeros((-(-max(len(rows), 1) // _WIDTH) * _WIDTH, rows.shape[1]), rows.dtype)
-    texels[: len(rows)] = rows
-    dtype = {"uint8": "f1", "float16": "f2", "int32": "i4"}[rows.dtype.name]
-    texture = gl.texture((_WIDTH, len(texels) // _WIDTH), rows.shape[1], texels, dtype=dtype)
-    texture.filter = moderngl.NEAREST, moderngl.NEAREST
-    return texture
+    radiance, surface = (np.concatenate(parts) for parts in zip(nothing, *vertices))
+    records = {"u_vertex_radiance": radiance, "u_vertex_surface": surface,
+               "u_first_vertex": firsts[: max(len(vertices), 1), None].astype(np.int32)}
+    too_many = f"the scene has too many triangles for traced reflections, {len(radiance) // 3}"
+    return {name: row_texture(context.gl, texels, too_many) for name, texels in records.items()}

@@ -1,49 +1,51 @@
-"""What light that is refracted can meet of a scene: bodies of glass and what is opaque, and how their surfaces lie.
+"""The surfaces that paths through solid glass can hit: solid glass and opaque surfaces.
 
 Texels of shaders/raster/refraction_step.frag, in tracer space (viewer/trace/scene/geometry.py):
-    instance  2: absorption and the number of its first triangle, which a float holds; the root of its base colour, its
-                 index (0: opaque). Triangles follow all instances.
-    triangle  4: the normal at each corner, and in w a component of the face's; then how far its plane is from the
-                 origin along that, and the mean curvature of what it is a part of, 1 / r on a ball
+    instance  2: absorption and the index of its first triangle, which a float holds exactly; the square root of its
+                 base colour and its index of refraction (0: opaque). Triangles follow all instances.
+    triangle  4: the normal at each vertex, with one component of the face normal in each w; then the distance of its
+                 plane from the origin along the face normal, and the mean curvature of the surface, 1 / r on a sphere
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import ViewerError
 from ...gpu.context import Context
+from ...gpu.row_texture import row_texture
 from ...scene.scene import Scene
 from ...scene.transform import normal_matrix
+from ...trace.layout import shader_defines
 from ...trace.rays.intersect import make_intersector
 from ...trace.scene.geometry import TraceGeometry, TraceInstance, trace_geometry
 
-_WIDTH = 4096
 _INSTANCE, _TRIANGLE = 2, 4
 
 
 class RefractingSurfaces:
-    """The intersector of one scene's triangles, and the texture of what they are.
+    """The intersector of one scene's triangles, and the texture that describes them.
 
-    What blends and walls of glass are left out, as they are not in the picture that is seen through glass. Raises
+    Blended and thin-walled surfaces are left out, as they are not in the picture that is seen through glass. Raises
     ViewerError for more triangles than a texture holds, and as `make_intersector` does.
     """
 
     def __init__(self, context: Context, scene: Scene, kind: str) -> None:
         geometry = trace_geometry(scene)
         self._scene = scene
-        # What a mask opens is not in the picture either: there a ray goes on.
-        shown = [replace(i, see_through=False) for i in geometry.instances if _is_met(scene, geometry, i)]
+        self.defines = shader_defines()
+        # Holes of a mask are traced as solid: the picture is empty there, and the ray goes on.
+        shown = [replace(i, see_through=False) for i in geometry.instances if _is_shown(scene, geometry, i)]
         self._geometry = replace(geometry, instances=shown)
         self.intersector = make_intersector(context, self._geometry, kind=kind)
-        self._texture = _texture(context.gl, _texels(scene, self._geometry))
+        texels = _texels(scene, self._geometry)
+        self._texture = row_texture(context.gl, texels, "the scene has too many triangles for traced refraction, "
+                                                        f"{len(texels) // _TRIANGLE}")
 
     def holds(self, scene: Scene) -> bool:
-        """Whether these are that scene's triangles and materials."""
+        """Whether these are the triangles and materials of `scene`."""
         return all(getattr(scene, name) is getattr(self._scene, name) for name in ("instances", "meshes", "materials"))
 
     def bind(self, unit: int) -> dict[str, int]:
@@ -56,14 +58,14 @@ class RefractingSurfaces:
         self._texture.release()
 
 
-def _is_met(scene: Scene, geometry: TraceGeometry, instance: TraceInstance) -> bool:
+def _is_shown(scene: Scene, geometry: TraceGeometry, instance: TraceInstance) -> bool:
     material = scene.materials[scene.meshes[scene.instances[instance.source].mesh].material]
-    is_wall = geometry.materials[instance.material].transmission > 0 and material.thickness == 0
-    return material.alpha_mode != "blend" and not is_wall
+    is_thin_walled = geometry.materials[instance.material].transmission > 0 and material.thickness == 0
+    return material.alpha_mode != "blend" and not is_thin_walled
 
 
 def _texels(scene: Scene, geometry: TraceGeometry) -> NDArray[np.float32]:
-    """(N, 4)."""
+    """All texels, (N, 4)."""
     heads = np.zeros((len(geometry.instances), _INSTANCE, 4), np.float32)
     parts, first = [], 0
     for head, instance in zip(heads, geometry.instances):
@@ -89,8 +91,8 @@ def _triangles(scene: Scene, geometry: TraceGeometry, instance: TraceInstance) -
     else:
         normals = _unit(normals.astype(np.float64) @ normal_matrix(scene.instances[instance.source].transform).T)
         normals = normals[mesh.triangles]
-    along, turned = points - np.roll(points, 1, axis=1), normals - np.roll(normals, 1, axis=1)
-    curvature = (along * turned).sum(axis=(1, 2)) / np.maximum((along * along).sum(axis=(1, 2)), 1e-18)
+    dp, dn = points - np.roll(points, 1, axis=1), normals - np.roll(normals, 1, axis=1)
+    curvature = (dp * dn).sum(axis=(1, 2)) / np.maximum((dp * dp).sum(axis=(1, 2)), 1e-18)
     texels = np.zeros((len(points), _TRIANGLE, 4), np.float32)
     texels[:, :3, :3] = normals
     texels[:, :3, 3] = faces
@@ -100,16 +102,5 @@ def _triangles(scene: Scene, geometry: TraceGeometry, instance: TraceInstance) -
 
 
 def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """0 stays 0."""
+    """Unit vectors; 0 stays 0."""
     return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-30)
-
-
-def _texture(gl: moderngl.Context, texels: NDArray[np.float32]) -> moderngl.Texture:
-    rows = max(-(-len(texels) // _WIDTH), 1)
-    if rows > gl.info["GL_MAX_TEXTURE_SIZE"]:
-        raise ViewerError(f"the scene has too many triangles for traced refraction, {len(texels) // _TRIANGLE}")
-    padded = np.zeros((rows * _WIDTH, 4), np.float32)
-    padded[: len(texels)] = texels
-    texture = gl.texture((_WIDTH, rows), 4, padded, dtype="f4")
-    texture.filter = moderngl.NEAREST, moderngl.NEAREST
-    return texture

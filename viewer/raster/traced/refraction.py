@@ -1,5 +1,5 @@
-"""The pass that finds what light arrives at the front of bodies of glass: two paths from each point that
-is shaded, one in the body and one mirrored, followed from surface to surface through the path tracer's intersector."""
+"""The pass that traces light through solid glass: two paths from each shaded point of its front, one refracted and one
+reflected, followed from surface to surface with the path tracer's intersector."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import moderngl
 
+from ...base.reusable import Reusable
 from ...gpu.context import Context
 from ...gpu.fullscreen import fullscreen
 from ...gpu.programs import Programs, set_uniform
@@ -22,84 +23,72 @@ if TYPE_CHECKING:
     from .refracting_surfaces import RefractingSurfaces
 
 STEPS = 8
-"""Surfaces that a path meets behind the first one, at most."""
+"""The most surfaces that a path hits after the first one."""
 
 _UNIT_HIT, _UNIT_SURFACES, _UNIT_STATE = 0, 1, 2
-_STATE = ("origin", "direction", "kept", "light")
+_STATE = ("origin", "direction", "throughput", "light")
 _KINDS = {"u_refracted": UNIT_REFRACTED, "u_mirrored": UNIT_MIRRORED}
 
 Uniforms = dict[str, object]
 
 
 class TracedRefraction:
-    """Keeps the paths of one picture size and what they can meet of one scene.
+    """Owns the paths of one picture size, and the surfaces of one scene that they can hit.
 
     `kind` of intersector as `viewer.trace.intersect.make_intersector` takes it.
     """
 
     def __init__(self, context: Context, programs: Programs, kind: str = "auto") -> None:
         self._context, self._programs, self._kind = context, programs, kind
-        self._met: RefractingSurfaces | None = None
-        self._paths: _Paths | None = None
+        self._surfaces: Reusable[RefractingSurfaces] = Reusable()
+        self._paths: Reusable[_Paths] = Reusable()
 
     def prepare(self, scene: Scene) -> None:
-        """Make ready what paths can meet of `scene`, if it is not."""
-        if self._met is None or not self._met.holds(scene):
-            from .refracting_surfaces import RefractingSurfaces
+        """Prepare the surfaces of `scene`, unless they are ready."""
+        from .refracting_surfaces import RefractingSurfaces
 
-            self.drop_scene()
-            self._met = RefractingSurfaces(self._context, scene, self._kind)
+        self._surfaces.get(lambda held: held.holds(scene),
+                           lambda: RefractingSurfaces(self._context, scene, self._kind))
 
     def find(self, frame: Frame, plan: Plan, draw_rays: Callable[[Uniforms], object], uniforms: Uniforms) -> Uniforms:
-        """Follow the rays that `draw_rays(uniforms)` begins; returns the uniforms of shaders/raster/traced_body.glsl.
+        """Follow the paths that `draw_rays(uniforms)` begins and return the uniforms of traced_refraction.glsl.
 
-        `uniforms` are those of the frame, with what stands behind glass. Leaves a framebuffer of its own in use.
+        `uniforms` are those of the frame, the backdrop among them. Leaves a framebuffer of its own in use.
         """
-        if self._paths is None or self._paths.size != frame.size:
-            self._release_paths()
-            self._paths = _Paths(self._context.gl, frame.size)
+        paths = self._paths.get(lambda held: held.size == frame.size, lambda: _Paths(self._context.gl, frame.size))
         environment = frame.scene.environment
         program = self._programs.get("display/fullscreen.vert", "raster/refraction_step.frag", {
             "HAS_ENVIRONMENT": int(plan.reflections), "REFLECTS": 1,
-            "ENVIRONMENT_ROTATED": int(environment is not None and environment.rotation != 0)})
+            "ENVIRONMENT_ROTATED": int(environment is not None and environment.rotation != 0),
+            **self._surfaces.held.defines})
         uniforms = uniforms | {"u_eye": tuple((frame.camera.eye - frame.scene.center) / frame.unit)}
         for name, value in uniforms.items():
             set_uniform(program, name, value)
         for kind in range(len(_KINDS) if plan.reflections else 1):
-            self._paths.begin(kind, partial(draw_rays, uniforms | {"u_is_mirrored": kind == 1}))
-            self._follow(program)
-        return self._paths.bind()
+            paths.begin(kind, partial(draw_rays, uniforms | {"u_is_mirrored": kind == 1}))
+            self._follow(paths, program)
+        return paths.bind()
 
-    def _follow(self, program: moderngl.Program) -> None:
-        intersector, paths = self._met.intersector, self._paths
+    def _follow(self, paths: _Paths, program: moderngl.Program) -> None:
+        surfaces = self._surfaces.held
+        intersector = surfaces.intersector
         for _ in range(STEPS):
             answer = intersector.trace(intersector.fetch(paths))
             if answer.alive == 0:
                 break
             intersector.store(paths, answer)
-            for name, value in self._met.bind(_UNIT_SURFACES).items():
+            for name, value in surfaces.bind(_UNIT_SURFACES).items():
                 set_uniform(program, name, value)
-            paths.go_on(program)
-
-    def drop_scene(self) -> None:
-        """For when the scene is another."""
-        if self._met is not None:
-            self._met.release()
-            self._met = None
-
-    def _release_paths(self) -> None:
-        if self._paths is not None:
-            self._paths.release()
-            self._paths = None  # should the next one fail
+            paths.advance(program)
 
     def release(self) -> None:
-        self.drop_scene()
-        self._release_paths()
+        self._surfaces.release()
+        self._paths.release()
 
 
 class _Paths:
-    """The textures that `viewer.trace.intersect.WaveTextures` describes, a slot for each pixel, and what is known of
-    each path; twice, to be read and to be written in turn. What was found stays, of each kind."""
+    """The textures that `viewer.trace.intersect.WaveTextures` describes, a slot for each pixel, and the
+    state of each path: twice, to be read and written in turn. The light of each kind of path stays."""
 
     def __init__(self, gl: moderngl.Context, size: tuple[int, int]) -> None:
         self._gl, self.size = gl, size
@@ -133,7 +122,7 @@ class _Paths:
         return self._state[1]
 
     def begin(self, kind: int, draw_rays: Callable[[], object]) -> None:
-        """Take the rays that `draw_rays()` draws."""
+        """Begin the paths that `draw_rays()` draws."""
         self._kind, self._now[kind] = kind, 0
         self._firsts[kind].use()
         self._firsts[kind].clear(depth=1.0)
@@ -141,8 +130,8 @@ class _Paths:
         self._gl.clear_samplers()
         self._nexts[kind][1].clear()
 
-    def go_on(self, program: moderngl.Program) -> None:
-        """From the surfaces that were met to what is beyond them, where there are rays."""
+    def advance(self, program: moderngl.Program) -> None:
+        """Take each path from its hit to the next ray."""
         self.hit.use(_UNIT_HIT)
         set_uniform(program, "u_hit", _UNIT_HIT)
         for unit, (name, texture) in enumerate(zip(_STATE, self._state), _UNIT_STATE):
@@ -151,12 +140,12 @@ class _Paths:
         self._now[self._kind] ^= 1
         self._nexts[self._kind][self._now[self._kind]].use()
         self._gl.enable_only(moderngl.DEPTH_TEST)
-        self._gl.depth_func = ">"  # the triangle lies on the far plane: nothing runs where there is no surface
+        self._gl.depth_func = ">"  # the triangle lies on the far plane: it runs where a path began
         fullscreen(self._gl, program).render(vertices=3)
         self._gl.depth_func = "<"
 
     def bind(self) -> dict[str, object]:
-        """The uniforms of shaders/raster/traced_body.glsl."""
+        """The uniforms of shaders/raster/traced_refraction.glsl."""
         for light, now, unit in zip(self._lights, self._now, _KINDS.values()):
             light[now].use(unit)
         self.positions.use(UNIT_PATH_POSITIONS)

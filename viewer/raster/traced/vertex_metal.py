@@ -1,4 +1,4 @@
-"""How metallic and how rough surfaces are at their vertices: enough for what is seen in a mirror."""
+"""Metallic and roughness at vertices, which is precise enough for surfaces seen in reflections."""
 
 from __future__ import annotations
 

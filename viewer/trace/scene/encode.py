@@ -61,7 +61,7 @@ def unused_maps(scene: Scene, geometry: TraceGeometry) -> list[str]:
     named = [(plain, MAPS[name].texture(plain)) for _, plain in surfaces for name in MAPS]
     idle = sum(texture is not None and (m, texture.image) not in sampled for m, texture in named)
     constant = sum(MAPS[name].texture(m) != MAPS[name].texture(plain) for m, plain in surfaces for name in MAPS)
-    lines = [f"{constant} material map{'s' * (constant > 1)} of one colour: a factor does"] * bool(constant)
+    lines = [f"{constant} material map{'s' * (constant > 1)} of one colour: folded into factors"] * bool(constant)
     if not idle:
         return lines
     them = "them" if idle > 1 else "it"

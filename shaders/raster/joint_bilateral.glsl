@@ -1,0 +1,34 @@
+// Reads, at the point being shaded, a buffer that an earlier pass has filled at one point a pixel (or more, under
+// supersampling). The nearest of its samples may lie on another surface, so the bilinear weights are multiplied by how
+// near each sample lies to the point's tangent plane. Kopf et al. 2007, "Joint Bilateral Upsampling"
+uniform vec2 u_drawn_size; // of the picture, in shaded points
+
+// `sample_position` has w = 0 where the G-buffer is empty. `footprint`: length of a pixel on the surface.
+float plane_weight(vec4 sample_position, vec3 position, vec3 n, float footprint) {
+    float distance_to_plane = dot(sample_position.xyz - position, n) / footprint;
+    return sample_position.w == 0.0 ? 0.0 : 1.0 / (1.0 + 100.0 * distance_to_plane * distance_to_plane);
+}
+
+// `fallback` is returned where every neighbour is empty.
+vec4 joint_bilateral_fetch(sampler2D values, sampler2D positions, vec3 position, vec3 n, vec4 fallback) {
+    vec2 scale = vec2(textureSize(values, 0)) / u_drawn_size, at = gl_FragCoord.xy * scale;
+    ivec2 pixel = ivec2(at), last = textureSize(values, 0) - 1;
+    vec2 off = at - vec2(pixel) - 0.5;
+    ivec2 side = ivec2(off.x < 0.0 ? -1 : 1, off.y < 0.0 ? -1 : 1);
+    float footprint = (length(dFdx(position)) + length(dFdy(position))) / scale.x;
+    vec4 sum = vec4(0.0);
+    float weights = 0.0;
+    // First the four nearest samples, bilinearly. If most of their weight is lost (they lie on other surfaces), we add
+    // the eight neighbours of the pixel.
+    for (int k = 0; k < 12 && (k < 4 || weights < 0.5); ++k) {
+        ivec2 corner = ivec2(k & 1, k >> 1);
+        vec2 near = k < 4 ? mix(1.0 - abs(off), abs(off), vec2(corner)) : vec2(1.0);
+        if (near.x * near.y == 0.0) continue;
+        ivec2 away = k < 4 ? corner * side : ivec2((k + 1) % 3, (k + 1) / 3 % 3) - 1;
+        ivec2 tap = clamp(pixel + away, ivec2(0), last);
+        float weight = near.x * near.y * plane_weight(texelFetch(positions, tap, 0), position, n, footprint);
+        sum += weight * texelFetch(values, tap, 0);
+        weights += weight;
+    }
+    return weights > 0.0 ? sum / weights : fallback;
+}
