@@ -32,10 +32,6 @@ const BsdfSample NO_SAMPLE = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 0u,
 // resolve its profile to 1 in 1e4.
 const float DELTA_ALPHA = 1e-3;
 
-bool is_delta(float alpha) {
-    return alpha < DELTA_ALPHA;
-}
-
 bool is_delta(vec2 alpha) {
     return max(alpha.x, alpha.y) < DELTA_ALPHA;
 }

@@ -22,7 +22,7 @@ struct Glass {
 // the same both ways; a wall has it all.
 Glass glass_of(MaterialInputs m, bool is_thin, bool is_front) {
     float ior = max(m.ior, 1.0); // 0 is for what reflects all, and is no glass
-    Glass g = Glass(ior, vec2(alpha_of(m)), is_thin, m.base_color.rgb, vec3(0.0), vec3(1.0));
+    Glass g = Glass(ior, both_alphas(surface_of(m)), is_thin, m.base_color.rgb, vec3(0.0), vec3(1.0));
     if (!is_thin) {
         g.tint = sqrt(max(m.base_color.rgb, vec3(0.0)));
         if (!is_front) g.eta = 1.0 / ior;

@@ -1,7 +1,6 @@
 // Half vectors for the lobe of microfacet.glsl, whatever its NDF: GGX by bounded visible normals, the others by
 // p(h) = D NoH, a density by solid angle since the facets' projected area is 1 (Walter et al. 2007, eqs. 28 to 31).
 #include "bsdf/accurate.glsl"
-#include "bsdf/bsdf.glsl"
 #include "bsdf/microfacet.glsl"
 #if NDF == 0
 #include "bsdf/visible_normal.glsl"
@@ -9,10 +8,9 @@
 
 // Beckmann: tan^2 = -alpha^2 log(1 - u)
 // Blinn-Phong: cos^(s + 2) = 1 - u, with s + 2 = 2 / alpha^2: sin^2 = 1 - (1 - u)^(alpha^2)
-vec3 sample_half(vec3 wo, ALPHA alpha, vec2 u) {
+vec3 sample_half(vec3 wo, float alpha, vec2 u) {
 #if NDF == 0
-    vec2 a = finite_alpha(vec2(alpha));
-    return sample_visible_normal(wo, a, cap_bound(wo, a), u);
+    return sample_visible_normal(wo, vec2(alpha), cap_bound(wo, vec2(alpha)), u);
 #else
     float x = -alpha * alpha * log(1.0 - u.x);
 #if NDF == 1
@@ -26,10 +24,9 @@ vec3 sample_half(vec3 wo, ALPHA alpha, vec2 u) {
 }
 
 // Of the direction that is reflected at h
-float pdf_half_reflection(vec3 wo, vec3 h, ALPHA alpha) {
+float pdf_half_reflection(vec3 wo, vec3 h, float alpha) {
 #if NDF == 0
-    vec2 a = finite_alpha(vec2(alpha));
-    return pdf_visible_reflection(wo, h, a, cap_bound(wo, a));
+    return pdf_visible_reflection(wo, h, vec2(alpha), cap_bound(wo, vec2(alpha)));
 #else
     return d_microfacet(h.z, dot(h.xy, h.xy), alpha) * h.z / (4.0 * max(dot(wo, h), 1e-18));
 #endif

@@ -1,11 +1,6 @@
 // The Cook-Torrance lobe f = D V F with its factors chosen when the program is assembled.
 //   NDF:     0 GGX, 1 Beckmann, 2 Blinn-Phong
 //   MASKING: 0 Smith height-correlated, 1 Smith separable, 2 V-cavity, 3 none
-#include "bsdf/angles.glsl"
-#if ANISOTROPIC
-#include "bsdf/bsdf.glsl"
-#include "bsdf/ggx_masking.glsl"
-#endif
 #if NDF == 0
 #include "bsdf/ggx.glsl"
 #else
@@ -46,25 +41,3 @@ float v_microfacet(float NoV, float NoL, float NoH, float VoH, float alpha) {
     return v_smith_separable_beckmann(NoV, NoL, alpha);
 #endif
 }
-
-#if ANISOTROPIC
-float d_microfacet(Angles a, vec2 alpha) {
-    return d_ggx_local(a.h, finite_alpha(alpha));
-}
-
-float v_microfacet(Angles a, vec2 alpha) {
-#if MASKING >= 2
-    return v_microfacet(a.NoV, a.NoL, a.NoH, a.VoH, 1.0); // of the cosines alone
-#else
-    return v_masked_ggx(a.wo, a.wi, finite_alpha(alpha));
-#endif
-}
-#else
-float d_microfacet(Angles a, float alpha) {
-    return d_microfacet(a.NoH, a.s2, alpha);
-}
-
-float v_microfacet(Angles a, float alpha) {
-    return v_microfacet(a.NoV, a.NoL, a.NoH, a.VoH, alpha);
-}
-#endif

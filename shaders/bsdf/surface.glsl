@@ -4,23 +4,13 @@
 // Khronos Group 2021, "glTF 2.0 Specification", appendix B; KHR_materials_specular, _ior, _anisotropy.
 // METALNESS: 0 all dielectric, 1 all metal, 2 a mixture. Dielectric and metal are evaluated apart and mixed last, for
 // what they scatter more than once is not linear in f0.
-#include "bsdf/bsdf.glsl"
-#include "bsdf/half_vector.glsl"
+#include "bsdf/facets.glsl"
 #include "bsdf/layer/dielectric.glsl"
 #include "bsdf/layer/diffuse.glsl"
 #include "bsdf/layer/metal.glsl"
 #include "light/dfg.glsl"
 #include "sample/hemisphere.glsl"
 #include "sample/luminance.glsl"
-
-struct Surface {
-    vec3 base_color;
-    float metallic;
-    vec3 f0;     // of the dielectric
-    float f90;
-    ALPHA alpha; // below DELTA_ALPHA a mirror
-    float ior;   // f0 without weight and tint, for FRESNEL = 1
-};
 
 // What is the same for every wi
 struct SurfaceView {
@@ -71,12 +61,8 @@ float surface_throughput(Surface s, SurfaceView v) {
 // ---- As a lobe, by the contract of bsdf/bsdf.glsl, wo and wi in the local frame. A sample is one of the facets or of
 // what leaves diffuse, by what each reflects.
 
-float table_roughness(ALPHA alpha) {
-    return is_delta(alpha) ? 0.0 : sqrt(mean_alpha(alpha));
-}
-
 SurfaceView surface_view(Surface s, float NoV, sampler2D dfg) {
-    float roughness = table_roughness(s.alpha);
+    float roughness = table_roughness(s);
     return view_surface(s, roughness, dfg_albedo(dfg, NoV, roughness), dfg_mean(dfg, roughness));
 }
 
@@ -102,9 +88,9 @@ vec4 surface_eval_pdf(Surface s, SurfaceView v, vec3 wo, vec3 wi, sampler2D dfg)
     if (wo.z <= 0.0 || wi.z <= 0.0) return vec4(0.0);
     Angles a = local_angles(wo, wi);
     float dv = 0.0, facets = 0.0;
-    if (!is_delta(s.alpha)) {
-        dv = d_microfacet(a, s.alpha) * v_microfacet(a, s.alpha);
-        facets = pdf_half_reflection(wo, normalize(wo + wi), s.alpha);
+    if (!is_mirror(s)) {
+        dv = facet_d(s, a) * facet_v(s, a);
+        facets = pdf_facet_reflection(s, wo, normalize(wo + wi));
     }
     vec3 f = surface_response(s, v, a.VoH, dv, dfg_albedo(dfg, wi.z, v.perceptual_roughness));
     return vec4(f, mix(pdf_cosine_hemisphere(wi), facets, facet_probability(s, v)));
@@ -116,11 +102,11 @@ BsdfSample surface_sample(Surface s, SurfaceView v, vec3 wo, vec3 u, sampler2D d
     vec3 wi;
     if (u.z >= p) {
         wi = sample_cosine_hemisphere(u.xy);
-    } else if (is_delta(s.alpha)) {
+    } else if (is_mirror(s)) {
         vec3 F = mix_metal(s, dielectric_fresnel(v.dielectric, wo.z, s.ior), metal_fresnel(v.metal, wo.z));
         return BsdfSample(vec3(-wo.xy, wo.z), F * float(SHOW_SPECULAR) / p, p, REFLECTION | DELTA, 1.0);
     } else {
-        vec3 h = sample_half(wo, s.alpha, u.xy);
+        vec3 h = sample_facet(s, wo, u.xy);
         wi = normalize(2.0 * dot(wo, h) * h - wo);
     }
     if (wi.z <= 0.0) return NO_SAMPLE;

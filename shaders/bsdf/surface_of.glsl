@@ -2,19 +2,12 @@
 #include "bsdf/surface.glsl"
 #include "material/inputs.glsl"
 
-// KHR_materials_anisotropy: rougher along the tangent
-ALPHA alpha_of(MaterialInputs m) {
-    float alpha = m.perceptual_roughness * m.perceptual_roughness;
-#if ANISOTROPIC
-    return vec2(mix(alpha, 1.0, m.anisotropy_strength * m.anisotropy_strength), alpha);
-#else
-    return alpha;
-#endif
-}
-
+// KHR_materials_anisotropy: alpha is larger along the tangent, alpha_t = mix(alpha, 1, strength^2).
 Surface surface_of(MaterialInputs m) {
     vec3 f0 = min(f0_from_eta(m.ior) * m.specular_color, 1.0) * m.specular;
-    return Surface(m.base_color.rgb, m.metallic, f0, m.specular, alpha_of(m), m.ior);
+    float alpha = m.perceptual_roughness * m.perceptual_roughness;
+    float alpha_t = mix(alpha, 1.0, m.anisotropy_strength * m.anisotropy_strength);
+    return Surface(m.base_color.rgb, m.metallic, f0, m.specular, m.ior, alpha, alpha_t);
 }
 
 #if ANISOTROPIC

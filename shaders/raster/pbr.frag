@@ -80,15 +80,11 @@ void main() {
     s.f0 = mix(s.f0, thin_walled_f0(s.f0), m.transmission);
 #endif
 #if SPECULAR_AA
-#if ANISOTROPIC
-    s.alpha.x = alpha_antialiased(s.alpha.x, dFdx(p.n), dFdy(p.n));
-    s.alpha.y = alpha_antialiased(s.alpha.y, dFdx(p.n), dFdy(p.n));
-#else
     s.alpha = alpha_antialiased(s.alpha, dFdx(p.n), dFdy(p.n));
-#endif
+    s.alpha_t = alpha_antialiased(s.alpha_t, dFdx(p.n), dFdy(p.n));
 #endif
 #if SPECULAR_AA || ANISOTROPIC
-    float perceptual_roughness = table_roughness(s.alpha);
+    float perceptual_roughness = table_roughness(s);
 #else
     float perceptual_roughness = m.perceptual_roughness;
 #endif

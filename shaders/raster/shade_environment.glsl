@@ -3,7 +3,7 @@
 
 #include "raster/specular_occlusion.glsl"
 #if ANISOTROPIC
-const int STRETCHED_LOBES = 8;
+const int STRETCHED_LOBES = 16;
 #endif
 #if INDIRECT
 #include "raster/indirect.glsl"
@@ -22,8 +22,9 @@ vec3 reflected_along(Point p, vec3 h, float t, float perceptual_roughness) {
 // The stretched lobe as the sum of narrow ones, whose facets lean along the tangent as those of the wide one do: slopes
 // x of GGX, which have the cumulative distribution (1 + x / sqrt(a^2 + x^2)) / 2 (Walter et al. 2007; Heitz 2014), a^2
 // being what the narrow lobe lacks. Each counts by the area that the eye sees of it and by how far light reaches it.
-vec3 stretched_reflection(Point p, vec2 alpha) {
-    float alpha_narrow = max(alpha.y, alpha.x / float(STRETCHED_LOBES)); // no gaps between them
+vec3 stretched_reflection(Point p, Surface s) {
+    vec2 alpha = both_alphas(s);
+    float alpha_narrow = max(alpha.y, 0.5 * alpha.x / float(STRETCHED_LOBES)); // no gaps between them
     SplitSum narrow = dfg_lookup(u_dfg, p.NoV, sqrt(alpha_narrow));
     float a = sqrt(max(alpha.x * alpha.x - alpha_narrow * alpha_narrow, 0.0));
     vec3 sum = vec3(0.0);
@@ -48,7 +49,7 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
 #if HAS_ENVIRONMENT
 #if REFLECTS
 #if ANISOTROPIC
-    specular[0] = specular[1] = stretched_reflection(p, s.alpha);
+    specular[0] = specular[1] = stretched_reflection(p, s);
 #elif METALNESS == 1
     vec2 both = common_look_up(split_sum, max3(view.metal.f0)); // of a metal b is a small part
     specular[0] = specular[1] = reflected_along(p, p.n, both.x, both.y);
@@ -64,14 +65,14 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
 #endif
 #if OCCLUSION_MAP
     mean_light *= occlusion;
-    specular *= specular_occlusion(p.NoV, occlusion, mean_alpha(s.alpha));
+    specular *= specular_occlusion(p.NoV, occlusion, mean_alpha(s));
 #endif
 #if VISIBILITY
     mean_light *= visible.rgb;
     specular *= visible.a;
 #endif
 #if INDIRECT
-    add_indirect(p.NoV, mean_alpha(s.alpha), specular, mean_light);
+    add_indirect(p.NoV, mean_alpha(s), specular, mean_light);
 #endif
 #if TRACED_REFLECTION
     vec4 met = traced_reflection(v_position, p.n_geometric);

@@ -23,15 +23,15 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
     vec3 nxh = cross(p.n, h);
     Angles a = Angles(p.NoV, NoL, clamp(dot(p.n, h), 0.0, 1.0), clamp(dot(p.v, h), 0.0, 1.0), dot(nxh, nxh));
 #endif
-    float d = d_microfacet(a, s.alpha);
+    float d = facet_d(s, a);
 #if SUNS
     float radius2 = u_lights[i].intensity.w;
-    if (radius2 > 0.0) d = min(d, most_of_sun(mean_alpha(s.alpha), radius2, a.VoH, slopes_x, slopes_y));
+    if (radius2 > 0.0) d = min(d, most_of_sun(mean_alpha(s), radius2, a.VoH, slopes_x, slopes_y));
 #endif
 #if REFLECTS
     vec2 dfg = dfg_albedo(u_dfg, NoL, view.perceptual_roughness);
 #else
     const vec2 dfg = vec2(0.0);
 #endif
-    return surface_response(s, view, a.VoH, d * v_microfacet(a, s.alpha), dfg) * irradiance * NoL;
+    return surface_response(s, view, a.VoH, d * facet_v(s, a), dfg) * irradiance * NoL;
 }

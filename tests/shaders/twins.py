@@ -252,8 +252,19 @@ def thin_dielectric(m, wo, wi, is_separable=False):
 
 def standard(m, wo, wi):
     """glTF 2.0, appendix B, compensated by Kulla & Conty 2017, its base by Kelemen & Szirmay-Kalos 2001; one alpha."""
-    alpha = _one_alpha(m)
-    dv, VoH = ggx_reflection(np.stack([m["alpha"]] * 2, axis=-1), wo, wi)
+    return _layers(m, np.stack([m["alpha"]] * 2, axis=-1), _one_alpha(m), wo, wi)
+
+
+def standard_anisotropic(m, wo, wi):
+    """The same with facets stretched along x; what they scatter more than once is that of their mean alpha."""
+    (alpha_t,) = np.unique(m["alpha_t"])
+    alphas = np.stack([m["alpha_t"], m["alpha"]], axis=-1)
+    return _layers(m, alphas, float(np.sqrt(alpha_t * _one_alpha(m))), wo, wi)
+
+
+def _layers(m, alphas, alpha, wo, wi):
+    """`alphas` are those of D V, (..., 2); `alpha` that of the albedo, for all."""
+    dv, VoH = ggx_reflection(alphas, wo, wi)
     f0, f90, NoV, NoL = m["f0"], m["f90"][..., None], wo[..., 2], wi[..., 2]
 
     def interface(f0, f90):

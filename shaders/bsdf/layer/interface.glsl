@@ -6,7 +6,6 @@
 //   <layer>_response    f of the light that it sends back itself
 //   <layer>_throughput  the share of the light that reaches what lies below and of that which comes back from there
 //   f of the stack = response + throughput * f of what lies below
-#include "bsdf/angles.glsl"
 #include "bsdf/constants.glsl"
 #include "bsdf/fresnel.glsl"
 #include "bsdf/multiscatter.glsl"

@@ -127,7 +127,7 @@ def _microfacet(ndf: str, masking: str, index: tuple[int, int]) -> Lobe:
         failures["energy"] = "Beckmann's masking is not its own: too little at grazing when rough"
     return Lobe(f"{ndf} {masking}", "compare/microfacet", "microfacet", {"f0": F0, "f90": COLOR, "alpha": ALPHA},
                 {"f0": 1.0, "f90": 1.0, "alpha": 0.5}, failures, (ndf, masking),
-                {"NDF": index[0], "MASKING": index[1], "ANISOTROPIC": 0})
+                {"NDF": index[0], "MASKING": index[1]})
 
 
 def _glass(name: str, masking: str) -> Lobe:
@@ -138,11 +138,11 @@ def _glass(name: str, masking: str) -> Lobe:
                 "mirrored" if is_thin else "refracted")
 
 
-def _surface(name: str, alpha: Range, is_anisotropic: int) -> Lobe:
+def _surface(name: str, is_anisotropic: int) -> Lobe:
     return Lobe(name, "surface", "surface",
-                {"base_color": COLOR, "metallic": UNIT, "f0": F0, "f90": UNIT, "alpha": alpha,
-                 "ior": Range(1.0, 3.0, (0.0, 1.0, 1.5))},
-                {"base_color": 1.0, "metallic": 1.0, "f0": 0.04, "f90": 1.0, "alpha": 0.5, "ior": 1.5},
+                {"base_color": COLOR, "metallic": UNIT, "f0": F0, "f90": UNIT, "ior": Range(1.0, 3.0, (0.0, 1.0, 1.5)),
+                 "alpha": ALPHA, "alpha_t": ALPHA},
+                {"base_color": 1.0, "metallic": 1.0, "f0": 0.04, "f90": 1.0, "ior": 1.5, "alpha": 0.5, "alpha_t": 0.5},
                 defines={"NDF": 0, "MASKING": 0, "FRESNEL": 0, "METALNESS": 2, "ANISOTROPIC": is_anisotropic,
                          **_SHOW_ALL})
 
@@ -176,8 +176,8 @@ LOBES: tuple[Lobe, ...] = (
           "alpha": ALPHA_2},
          {"eta": 0.2, "k": 1e6, "alpha": 0.5}),
     *(_glass(name, masking) for name in ("dielectric", "thin_dielectric") for masking in MASKINGS[:2]),
-    _surface("standard", ALPHA, 0),
-    _surface("standard anisotropic", ALPHA_2, 1),
+    _surface("standard", 0),
+    _surface("standard anisotropic", 1),
     *_MICROFACETS,
 )
 """All of them, the comparisons of microfacet.glsl last."""

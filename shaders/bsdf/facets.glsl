@@ -1,0 +1,100 @@
+// The microfacets of a surface. They are isotropic, with the factors that microfacet.glsl has chosen, or (ANISOTROPIC)
+// GGX stretched along the tangent, for which the other distributions have no counterpart here.
+#include "bsdf/bsdf.glsl"
+#include "bsdf/half_vector.glsl"
+#if ANISOTROPIC
+#include "bsdf/ggx_masking.glsl"
+#include "bsdf/visible_normal.glsl"
+#endif
+
+struct Surface {
+    vec3 base_color;
+    float metallic;
+    vec3 f0;       // of the dielectric
+    float f90;
+    float ior;     // f0 without weight and tint, for FRESNEL = 1
+    float alpha;   // below DELTA_ALPHA a mirror; across the tangent, where ANISOTROPIC
+    float alpha_t; // along the tangent, where ANISOTROPIC
+};
+
+// The cosines of one reflection, which the microfacets' factors are functions of
+struct Angles {
+    float NoV, NoL, NoH, VoH;
+    float s2; // |n x h|^2
+#if ANISOTROPIC
+    vec3 wo, wi, h; // x the tangent, z the normal
+#endif
+};
+
+// wo and wi in the frame of the tangent and the normal
+Angles local_angles(vec3 wo, vec3 wi) {
+    vec3 h = normalize(wo + wi);
+    float VoH = clamp(dot(wo, h), 0.0, 1.0);
+#if ANISOTROPIC
+    return Angles(wo.z, wi.z, h.z, VoH, dot(h.xy, h.xy), wo, wi, h);
+#else
+    return Angles(wo.z, wi.z, h.z, VoH, dot(h.xy, h.xy));
+#endif
+}
+
+vec2 both_alphas(Surface s) {
+#if ANISOTROPIC
+    return vec2(s.alpha_t, s.alpha);
+#else
+    return vec2(s.alpha);
+#endif
+}
+
+// Of the isotropic lobe that stands for a stretched one: D along the normal is the same.
+float mean_alpha(Surface s) {
+#if ANISOTROPIC
+    return sqrt(s.alpha_t * s.alpha);
+#else
+    return s.alpha;
+#endif
+}
+
+bool is_mirror(Surface s) {
+    return is_delta(both_alphas(s));
+}
+
+// By which the tables are read
+float table_roughness(Surface s) {
+    return is_mirror(s) ? 0.0 : sqrt(mean_alpha(s));
+}
+
+float facet_d(Surface s, Angles a) {
+#if ANISOTROPIC
+    return d_ggx_local(a.h, finite_alpha(both_alphas(s)));
+#else
+    return d_microfacet(a.NoH, a.s2, s.alpha);
+#endif
+}
+
+// V = G2 / (4 NoV NoL); MASKING 2 and 3 depend on the cosines alone.
+float facet_v(Surface s, Angles a) {
+#if ANISOTROPIC && MASKING < 2
+    return v_masked_ggx(a.wo, a.wi, finite_alpha(both_alphas(s)));
+#else
+    return v_microfacet(a.NoV, a.NoL, a.NoH, a.VoH, s.alpha);
+#endif
+}
+
+vec3 sample_facet(Surface s, vec3 wo, vec2 u) {
+#if ANISOTROPIC
+    vec2 a = finite_alpha(both_alphas(s));
+    return sample_visible_normal(wo, a, cap_bound(wo, a), u);
+#else
+    return sample_half(wo, s.alpha, u);
+#endif
+}
+
+// Of the direction that is reflected at h
+float pdf_facet_reflection(Surface s, vec3 wo, vec3 h) {
+#if ANISOTROPIC
+    vec2 a = finite_alpha(both_alphas(s));
+    return pdf_visible_reflection(wo, h, a, cap_bound(wo, a));
+#else
+    return pdf_half_reflection(wo, h, s.alpha);
+#endif
+}
