@@ -48,7 +48,7 @@ MUTATIONS = [
              "return R;"),
     Mutation("what alpha leaves open is solid to paths", "trace/bounce.glsl", "if (u >= m.coverage) return true;", ""),
     Mutation("what alpha leaves open is solid to shadow rays", "trace/material.glsl",
-             "return coverage_of(alpha, int(tri.material), tri.flags);", "return 1.0;"),
+             "return coverage_of(alpha, tri.material, tri.flags);", "return 1.0;"),
     Mutation("roughness from the wrong channel", "material/records.glsl", "m.perceptual_roughness *= texel.g;",
              "m.perceptual_roughness *= texel.b;"),
     Mutation("normal map's scale ignored", "trace/interaction.glsl", "texel.xy *= normal_scale_factor(i.material);",
