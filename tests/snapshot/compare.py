@@ -21,18 +21,27 @@ MOST_LINES, MOST_LETTERS = 12, 240
 
 
 def picture_lines(before: dict, after: dict, name: str, arrays: tuple[Mapping, Mapping], section: str) -> Iterator[str]:
+    """The size of the difference comes first, so that lines can be sorted by it."""
     if before["shape"] != after["shape"]:
-        yield f"{name}: {before['shape']} before, {after['shape']} after"
+        yield f"shape {before['shape']} before, {after['shape']} after: {name}"
     elif before["sha256"] != after["sha256"]:
         first, second = (found.get(f"{section}/{name}") for found in arrays)
         if first is None or second is None:
-            yield f"{name}: other pixels"
+            yield f"other pixels: {name}"
             return
         differs = ~((first == second) | (np.isnan(first) & np.isnan(second)))
         pixels = differs.any(axis=2) if differs.ndim == 3 else differs
         apart = np.abs(second - first, where=differs, out=np.zeros_like(first)).max()
-        yield f"{name}: {pixels.sum()} of {pixels.size} pixels differ, by {apart:.3g} at most" \
-            if pixels.any() else f"{name}: equal numbers of other bits (signs of 0, NaN)"
+        yield f"{apart:.2e} at most in {pixels.sum()} of {pixels.size} pixels: {name}" \
+            if pixels.any() else f"equal numbers of other bits (signs of 0, NaN): {name}"
+
+
+def _size(line: str) -> float:
+    """Of a line of `picture_lines`; infinite where it tells none."""
+    try:
+        return float(line.split()[0])
+    except ValueError:
+        return float("inf")
 
 
 def fact_lines(before: object, after: object, name: str) -> Iterator[str]:
@@ -66,11 +75,14 @@ def section_lines(before: dict, after: dict, lines: Callable[[dict, dict, str], 
 
 
 def program_summary(before: dict, after: dict) -> str:
-    """Which files of the programs are concerned, and how often."""
+    """Which files of the programs are concerned, and how often; and how many only have other switches or files."""
     changed = [name for name in dict.fromkeys((*before, *after)) if before.get(name) != after.get(name)]
     counts = Counter(" + ".join(part for part in name.split(" ") if part.endswith((".vert", ".frag")))
                      for name in changed)
-    return "; ".join(f"{count} of {files}" for files, count in counts.most_common())
+    fresh = {after[name]["sha256"] for name in after if name not in before}
+    moved = sum(before[name]["sha256"] in fresh for name in before if name not in after)
+    parts = [f"{count} of {files}" for files, count in counts.most_common()]
+    return "; ".join([*parts, f"{moved} that are gone have their text in one that is new"])
 
 
 def main(first: str, second: str) -> int:
@@ -94,6 +106,7 @@ def main(first: str, second: str) -> int:
         else:
             lines = section_lines(one, other, lambda a, b, name, section=section: picture_lines(
                 a, b, name, arrays, section))
+            lines.sort(key=_size, reverse=True)
         differs |= bool(lines)
         print(f"{section}: {len(lines)} differences among {len(one)} entries" if lines
               else f"{section}: {len(one)} entries, all equal")
