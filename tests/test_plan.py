@@ -83,10 +83,10 @@ def test_code_for_what_is_not_there_is_not_compiled(mode):
 def test_only_what_the_material_is_made_of():
     dielectric = code(plan(scene(Material(metallic=0.0), lights=(SUN,), environment=ENVIRONMENT)))
     metal = code(plan(scene(Material(metallic=1.0), lights=(SUN,), environment=ENVIRONMENT)))
-    assert "s.metal =" not in dielectric and "s.dielectric =" in dielectric
-    assert "s.metal =" in metal and "s.dielectric =" not in metal
+    assert "v.metal =" not in dielectric and "v.dielectric =" in dielectric
+    assert "v.metal =" in metal and "v.dielectric =" not in metal
     mixed = code(plan(scene(Material(metallic=0.5), lights=(SUN,), environment=ENVIRONMENT)))
-    assert "s.metal =" in mixed and "s.dielectric =" in mixed
+    assert "v.metal =" in mixed and "v.dielectric =" in mixed
 
 
 @pytest.mark.parametrize(("change", "sampled"), [
@@ -99,9 +99,11 @@ def test_only_what_the_material_is_made_of():
     ({"thickness": 0.0}, set(MAPS) - {"thickness"}),
     ({"transmission": 0.0}, set(MAPS) - {"transmission", "thickness"}),
     ({"ior": 0.0}, set(MAPS) - {"transmission", "thickness"}),
+    ({"anisotropy_strength": 0.0}, set(MAPS) - {"anisotropy"}),
 ])
 def test_maps_that_change_no_pixel_are_not_sampled(change, sampled):
-    full = Material(emissive=(1, 1, 1), transmission=1.0, thickness=1.0, **{f"{name}_texture": MAP for name in MAPS})
+    full = Material(emissive=(1, 1, 1), transmission=1.0, thickness=1.0, anisotropy_strength=1.0,
+                    **{f"{name}_texture": MAP for name in MAPS})
     material = replace(full, **change)
     found = plan(scene(material, environment=ENVIRONMENT))
     assert set(found.draws[0].maps) == sampled

@@ -14,48 +14,57 @@
 
 // What is the same for every wi
 struct SurfaceView {
-    Interface dielectric, metal;
+#if METALNESS != 1
+    Interface dielectric;
+#endif
+#if METALNESS != 0
+    Interface metal;
+#endif
     vec2 dfg;                   // (a, b) of the split sum, from where it is seen
     float perceptual_roughness; // by which the table is read
 };
 
-vec3 mix_metal(Surface s, vec3 dielectric, vec3 metal) {
+// A macro, so that what the surface is not made of is not even compiled
 #if METALNESS == 0
-    return dielectric;
+#define MIX_METAL(s, of_dielectric, of_metal) (of_dielectric)
 #elif METALNESS == 1
-    return metal;
+#define MIX_METAL(s, of_dielectric, of_metal) (of_metal)
 #else
-    return mix(dielectric, metal, s.metallic);
+#define MIX_METAL(s, of_dielectric, of_metal) mix(of_dielectric, of_metal, s.metallic)
 #endif
-}
 
 SurfaceView view_surface(Surface s, float perceptual_roughness, vec2 dfg, vec2 dfg_mean) {
     SurfaceView v;
     v.dfg = dfg;
     v.perceptual_roughness = perceptual_roughness;
+#if METALNESS != 1
     v.dielectric = make_interface(s.f0, vec3(s.f90), dfg, dfg_mean);
+#endif
+#if METALNESS != 0
     v.metal = make_interface(s.base_color, vec3(1.0), dfg, dfg_mean);
+#endif
     return v;
 }
 
 // dv = D V of the facets, dfg_light = (a, b) from where it is lit
 vec3 surface_response(Surface s, SurfaceView v, float VoH, float dv, vec2 dfg_light) {
-    vec3 dielectric = dielectric_response(v.dielectric, s.ior, VoH, dv, dfg_light)
-                    + interface_throughput(v.dielectric, dfg_light) * diffuse_response(s.base_color);
-    return mix_metal(s, dielectric, metal_response(v.metal, VoH, dv, dfg_light));
+    return MIX_METAL(s,
+        dielectric_response(v.dielectric, s.ior, VoH, dv, dfg_light)
+            + interface_throughput(v.dielectric, dfg_light) * diffuse_response(s.base_color),
+        metal_response(v.metal, VoH, dv, dfg_light));
 }
 
 // In light from all around; see interface_environment.
 vec3 surface_environment(Surface s, SurfaceView v, mat2x3 specular, vec3 mean_light) {
-    vec3 base = mean_light * diffuse_albedo(s.base_color);
-    vec3 dielectric = interface_environment(v.dielectric, v.dfg, specular, mean_light)
-                    + interface_environment_throughput(v.dielectric) * base;
-    return mix_metal(s, dielectric, interface_environment(v.metal, v.dfg, specular, mean_light));
+    return MIX_METAL(s,
+        interface_environment(v.dielectric, v.dfg, specular, mean_light)
+            + interface_environment_throughput(v.dielectric) * (mean_light * diffuse_albedo(s.base_color)),
+        interface_environment(v.metal, v.dfg, specular, mean_light));
 }
 
 // Share of what the dielectric lets in
 float surface_throughput(Surface s, SurfaceView v) {
-    return mix_metal(s, vec3(transmitted(v.dielectric, v.dfg)), vec3(0.0)).x;
+    return MIX_METAL(s, transmitted(v.dielectric, v.dfg), 0.0);
 }
 
 // ---- As a lobe, by the contract of bsdf/bsdf.glsl, wo and wi in the local frame. A sample is one of the facets or of
@@ -68,13 +77,13 @@ SurfaceView surface_view(Surface s, float NoV, sampler2D dfg) {
 
 // Of what the facets send on at once
 vec3 single_albedo(Surface s, SurfaceView v) {
-    return mix_metal(s, v.dielectric.E_ss, v.metal.E_ss) * float(SHOW_SPECULAR);
+    return MIX_METAL(s, v.dielectric.E_ss, v.metal.E_ss) * float(SHOW_SPECULAR);
 }
 
 // Of what comes out diffuse: after several facets, or from the base, whose albedo is (1 - s(o)) rho
 vec3 multiple_albedo(Surface s, SurfaceView v) {
-    vec3 multiple = mix_metal(s, v.dielectric.F_ms, v.metal.F_ms) * lost(v.dfg);
-    vec3 base = mix_metal(s, transmitted(v.dielectric, v.dfg) * diffuse_albedo(s.base_color), vec3(0.0));
+    vec3 multiple = MIX_METAL(s, v.dielectric.F_ms, v.metal.F_ms) * lost(v.dfg);
+    vec3 base = MIX_METAL(s, transmitted(v.dielectric, v.dfg) * diffuse_albedo(s.base_color), vec3(0.0));
     return multiple * float(SHOW_MULTISCATTER) + base;
 }
 
@@ -103,7 +112,7 @@ BsdfSample surface_sample(Surface s, SurfaceView v, vec3 wo, vec3 u, sampler2D d
     if (u.z >= p) {
         wi = sample_cosine_hemisphere(u.xy);
     } else if (is_mirror(s)) {
-        vec3 F = mix_metal(s, dielectric_fresnel(v.dielectric, wo.z, s.ior), metal_fresnel(v.metal, wo.z));
+        vec3 F = MIX_METAL(s, dielectric_fresnel(v.dielectric, wo.z, s.ior), metal_fresnel(v.metal, wo.z));
         return BsdfSample(vec3(-wo.xy, wo.z), F * float(SHOW_SPECULAR) / p, p, REFLECTION | DELTA, 1.0);
     } else {
         vec3 h = sample_facet(s, wo, u.xy);
