@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import time
 from collections.abc import Callable
 
@@ -16,6 +17,7 @@ ROUNDS = 9
 
 
 def main() -> None:
+    argparse.ArgumentParser(prog="python -m benchmarks.call_glsl", description=__doc__).parse_args()
     rng = np.random.default_rng(0)
     NoV, NoL, alpha = rng.random((3, COUNT), np.float32)
     wo = np.stack([np.sqrt(1 - NoV**2), 0 * NoV, NoV], axis=-1)

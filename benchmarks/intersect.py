@@ -8,6 +8,7 @@ to compare on a busy machine.
 
 from __future__ import annotations
 
+import argparse
 import time
 import tracemalloc
 from functools import partial
@@ -35,9 +36,10 @@ Rays = tuple[NDArray[np.float32], NDArray[np.float32]]
 
 
 def main() -> None:
+    options = _parse()
     print(", ".join(f"{key} {value}" for key, value in machine.here().items()))
     with open_context() as context:
-        scenes = {f"sphere {size:,}": partial(bumpy_sphere, size) for size in SIZES}
+        scenes = {f"sphere {size:,}": partial(bumpy_sphere, size) for size in options.sizes}
         if HELMET.is_file():
             scenes["FlightHelmet"] = partial(helmet, context)
         print(f"{context.renderer}; million rays a second by the wall clock (by processor time), best of {ROUNDS}\n")
@@ -102,7 +104,7 @@ def make_rays(
     across = (np.arange(SIDE) + 0.5) / SIDE * 2 - 1
     x, y = np.meshgrid(across, across)
     origin = np.tile(np.float32([0, 0, 2.6]), (SIDE * SIDE, 1))
-    direction = _unit(np.stack([0.4 * x.ravel(), 0.4 * y.ravel(), np.full(x.size, -1.0)], axis=1))
+    direction = _normalized(np.stack([0.4 * x.ravel(), 0.4 * y.ravel(), np.full(x.size, -1.0)], axis=1))
     wave = _wave(context, (origin, direction), None)
     intersector.store(wave, intersector.trace(intersector.fetch(wave)))
     words = np.frombuffer(wave.hit.read(), np.uint32).reshape(-1, 4)
@@ -111,7 +113,7 @@ def make_rays(
     start, normal = _surface(geometry, words[hit], direction[hit])
     again = np.arange(SIDE * SIDE) * len(hit) // (SIDE * SIDE)  # in the order of the slots
     start, normal = start[again], normal[again]
-    bounce, shadow = (_unit(normal + _unit(rng.normal(size=normal.shape))) for _ in range(2))
+    bounce, shadow = (_normalized(normal + _normalized(rng.normal(size=normal.shape))) for _ in range(2))
     above = (start + 1e-5 * normal).astype(np.float32)
     return {"camera": ((origin, direction), None), "bounce": ((above, bounce), None),
             "shadow": (None, (above, 4 * shadow)), "both": ((above, bounce), (above, 4 * shadow))}
@@ -157,11 +159,17 @@ def _surface(
         point[here] = a + u[here, None] * (b - a) + v[here, None] * (c - a)
         normal[here] = np.cross(b - a, c - a)
     normal *= -np.sign(np.sum(normal * direction, axis=1, keepdims=True))
-    return point, _unit(normal).astype(np.float64)
+    return point, _normalized(normal).astype(np.float64)
 
 
-def _unit(vectors: NDArray) -> NDArray[np.float32]:
+def _normalized(vectors: NDArray) -> NDArray[np.float32]:
     return (vectors / np.linalg.norm(vectors, axis=1, keepdims=True)).astype(np.float32)
+
+
+def _parse() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.intersect", description=__doc__)
+    parser.add_argument("--sizes", type=int, nargs="+", default=SIZES, help="triangles of the spheres")
+    return parser.parse_args()
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import statistics
+from importlib.util import find_spec
 from pathlib import Path
 
 import viewer
@@ -29,8 +30,9 @@ METHODS: dict[str, dict[str, object]] = {
     "mis": {},
     "mis, adaptive": {"error": 1e-5},  # never reached: it only says where the samples go
     "mis, denoised fast": {"denoise": "fast"},
-    "mis, denoised oidn": {"denoise": "oidn"},
 }
+if find_spec("pyoidn") is not None:
+    METHODS["mis, denoised oidn"] = {"denoise": "oidn"}
 REASONS = {"small-lights": "small bright lights", "reflections": "sharp reflections", "caustics": "caustics",
            "indirect": "indirect light", "many-lights": "many lights", "unreachable": "no path finds it"}
 

@@ -19,9 +19,9 @@ from .spans import Spans
 
 SIZE = (512, 512)
 _CHILD = "--child"
-_WATCHED = {
+WATCHED = {
     "bake the environment": "viewer.raster.environment:bake_environment",
-    "compile GLSL": "viewer.raster.programs:compile_program",
+    "compile GLSL": "viewer.gpu.programs:compile_program",
     "decode textures": "viewer.scene.decoding:decode_levels",
     "upload textures": "viewer.raster.textures:_upload",
     "wait for textures": "viewer.raster.textures:Textures.upload",
@@ -29,9 +29,10 @@ _WATCHED = {
     "draw surfaces": "viewer.raster.surfaces:Surfaces.draw_opaque",
     "draw the background": "viewer.raster.environment:EnvironmentLight.draw_background",
     "resolve": "viewer.raster.target:Target.resolve",
-    "display pass": "viewer.raster.display:DisplayPass.draw",
+    "display pass": "viewer.image.display:DisplayPass.draw",
     "read back": "viewer.raster.renderer:Renderer.read_display",
 }
+"""What is timed, by the function that does it, in the module that calls it."""
 
 
 def main() -> None:
@@ -60,7 +61,7 @@ def profile(model: str, environment: str, picture: Path, started: float) -> dict
         from viewer.raster.sampled_images import decode_ahead
         from viewer.scene.camera import Camera
         from viewer.settings import Settings
-    for name, place in _WATCHED.items():
+    for name, place in WATCHED.items():
         spans.watch(name, place)
     with spans.span("read the model"):
         scene = load(model, environment)

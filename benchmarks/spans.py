@@ -9,6 +9,7 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 
 class Spans:
@@ -36,12 +37,8 @@ class Spans:
 
     def watch(self, name: str, place: str) -> None:
         """Time the function at `place`, "module:attribute" or "module:Class.attribute"."""
-        module_name, _, path = place.partition(":")
-        module = importlib.import_module(module_name)
-        owner = functools.reduce(getattr, path.split(".")[:-1], module)
-        attribute = path.rpartition(".")[2]
-        timed = self._timed(name, getattr(owner, attribute))
-        setattr(owner, attribute, timed)
+        owner, attribute = find(place)
+        setattr(owner, attribute, self._timed(name, getattr(owner, attribute)))
 
     def _timed(self, name: str, function: Callable) -> Callable:
         @functools.wraps(function)
@@ -50,3 +47,10 @@ class Spans:
                 return function(*args, **kwargs)
 
         return timed
+
+
+def find(place: str) -> tuple[Any, str]:
+    """The module or class, and the name in it, of "module:attribute" or "module:Class.attribute"."""
+    module, _, path = place.partition(":")
+    *owners, attribute = path.split(".")
+    return functools.reduce(getattr, owners, importlib.import_module(module)), attribute

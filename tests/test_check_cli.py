@@ -39,7 +39,7 @@ def test_a_lobe_of_ones_own_that_is_right(run, folder):
     rows = json.loads((folder / "a.json").read_text())
     assert {row["check"] for row in rows} >= {"white furnace", "hemisphere balance", "not negative", "reciprocity"}
     assert all(row["pass"] and set(row) >= {"check", "case", "value", "bound", "pass", "expected"} for row in rows)
-    assert outcome.out.splitlines()[-1].endswith("none broken")
+    assert outcome.out.splitlines()[-1].endswith("no defects")
 
 
 def test_a_lobe_of_ones_own_that_is_too_bright(run, folder):

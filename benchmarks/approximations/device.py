@@ -18,11 +18,12 @@ from viewer.measure.report.timing import Effort, Timing
 from .piece import Kernel
 
 SIDE = 256
-"""Pixels of the target's side: what is timed is drawn as a picture is, by fragments that lie side by side."""
+"""Pixels of the target's side. What is timed runs in neighbouring fragments, as in a picture."""
 _LEAST_DRAW_S = 8e-3
 _MOST_TIMES = 1 << 12
 
-# q goes on where p ends. u_zero keeps the loop's turns apart: no compiler knows that they agree.
+# q holds the parameters after the first four, which are p. u_zero is 0, which the compiler does not know: so it cannot
+# compute the iterations of the loop once.
 _MAIN = """
 uniform sampler2D u_p;
 uniform sampler2D u_q;
@@ -51,7 +52,7 @@ class Device:
 
     def __init__(self, context: Context) -> None:
         self._context, self._gl = context, context.gl
-        # On a software driver the device is the processor; its time tells the same whatever else is running.
+        # On a software driver the device is the processor, whose time does not depend on what else is running.
         self._clock = time.process_time if context.is_software else time.perf_counter
         self._empty = _Program(context, _EMPTY)
         self._target = self._gl.framebuffer([self._gl.texture((SIDE, SIDE), 4, dtype="f4")])
@@ -73,7 +74,7 @@ class Device:
     def costs(self, kernels: Sequence[Kernel], parameters: np.ndarray, effort: Effort) -> list[Timing]:
         """Nanoseconds of one evaluation of each, beyond those of a loop that evaluates nothing.
 
-        They are run in turn, so that what else goes on meanwhile weighs on all alike, each followed by the empty loop.
+        They take turns, each followed by the empty loop, so that other load on the machine affects all alike.
         """
         programs = [_Program(self._context, kernel) for kernel in kernels]
         rows, columns = (np.arange(SIDE) * length // SIDE for length in parameters.shape[:2])

@@ -21,9 +21,9 @@ from .piece import Piece, Variant
 
 Document = dict[str, Any]
 SAME_COST = 0.05
-"""Costs that differ by less than this share of themselves are called the same,"""
+"""Costs that differ by less than this share count as equal,"""
 LEAST_NS = 0.25
-"""as are those that differ by less than this, in nanoseconds: what a clamp or two take."""
+"""and so do costs that differ by less than this, in nanoseconds: about the cost of a clamp or two."""
 PIECES: tuple[Callable[[], Piece], ...] = (
     dfg.dfg_piece, split_sum.dielectric_piece, split_sum.metal_piece, prefilter.lookup_piece, prefilter.bake_piece,
     irradiance.irradiance_piece, floats.storage_piece, fresnel.dielectric_piece, fresnel.metal_piece,
@@ -55,7 +55,7 @@ def measure_pieces(context: Context, pieces: Sequence[Callable[[], Piece]] = PIE
 
 
 def measure_piece(device: Device, piece: Piece, effort: Effort = THOROUGH) -> Document:
-    """A piece's entry: error, cost, Pareto front and what the renderer could do better."""
+    """A piece's entry: errors, costs, Pareto front, and which alternatives are better than the renderer's way."""
     timed = [variant for variant in piece.variants if variant.cost_ns is None]
     costs = iter(device.costs([v.kernels[0] for v in timed], piece.cases[0].parameters, effort))
     rows = []
@@ -71,7 +71,7 @@ def measure_piece(device: Device, piece: Piece, effort: Effort = THOROUGH) -> Do
 
 
 def _row(variant: Variant, errors: np.ndarray, cost: Timing) -> Document:
-    # Where there is nothing to do a difference of two times may fall below 0.
+    # The cost of almost nothing is a difference of two times that may be negative.
     cost = replace(cost, **{name: max(getattr(cost, name), 0.0) for name in ("median", "p10", "p90")})
     rms = float(np.sqrt(np.mean(np.square(errors, dtype=np.float64))))
     return {"name": variant.name, "source": variant.source, "is_default": variant.is_default,
@@ -80,7 +80,7 @@ def _row(variant: Variant, errors: np.ndarray, cost: Timing) -> Document:
 
 
 def dominates(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
-    """Whether `one` is as cheap, as right and as small as `other`, and better in one of the three.
+    """Whether `one` is at least as good as `other` in cost, error and size, and better in one of them.
 
     RMS errors are the same within SAME of themselves, costs within SAME_COST and LEAST_NS.
     """

@@ -30,7 +30,7 @@ def storage_piece() -> Piece:
     variants = []
     for words, internal_format, size in _FORMATS:
         kernels = tuple(Kernel(SHADERS / "curves.glsl", "textureLod(u_map, equirect_uv_by_functions(p.xyz), 0.0)",
-                               {"u_map": partial(_texture, name, internal_format)}) for name in NAMES)
+                               {"u_map": partial(_environment_texture, name, internal_format)}) for name in NAMES)
         variants.append(Variant(words, kernels, size=size * radiance(NAMES[0])[..., 0].size,
                                 is_default=internal_format == 0x881B))
     return Piece("storage", "Texels of the environment", f"directions all around, in {' and '.join(NAMES)}",
@@ -39,7 +39,7 @@ def storage_piece() -> Piece:
                  "save a third of the memory, and be packed at every start.")
 
 
-def _texture(name: str, internal_format: int, context: Context) -> moderngl.Texture:
+def _environment_texture(name: str, internal_format: int, context: Context) -> moderngl.Texture:
     pixels = radiance(name)
     height, width = pixels.shape[:2]
     texture = context.gl.texture((width, height), 3, np.ascontiguousarray(pixels), dtype="f4", alignment=1,

@@ -1,4 +1,4 @@
-"""approximations.html: the pieces' tables and charts on a page that stands alone, and the files beside it."""
+"""approximations.html: the tables and charts on a self-contained page, and the files beside it."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from viewer.measure.html_page import html_page
 from .chart import cost_chart
 from .table import HEADINGS, cells, conclusion
 
-_BODY = """<header><h1>What the renderer approximates, and what else it could</h1>
+_BODY = """<header><h1>The renderer's approximations and their alternatives</h1>
 <p id="summary">{device}, {backend}; {clock}, the median; pbr-viewer {version}</p></header>
 <main>
-<p>Each piece of the renderer beside its alternatives: the error over the range of its parameters, against the time of
-one evaluation beyond that of a loop that does nothing. Marked rows are the renderer's way; bold ones are on the Pareto
-front: nothing is as cheap, as right and as small. "Bake" is the processor's time beforehand.</p>
+<p>For each piece of the renderer this page compares the alternatives: the error over the range of the parameters, and
+the time of one evaluation, without that of an empty loop. The highlighted row is what the renderer does. Rows in bold
+are on the Pareto front: no other row is as fast, as exact and as small. "Bake" is processor time spent beforehand.</p>
 <ul>{contents}</ul>
 {sections}
 </main>"""
@@ -33,7 +33,7 @@ tr.front td:nth-child(2) { font-weight: 600 } tr.default { background: var(--mar
 
 
 def write_approximations(folder: Path, document: Mapping[str, Any]) -> None:
-    """approximations.json and .html in `folder`, which is made where it is missing, and each chart as SVG and PNG.
+    """Write approximations.json and .html into `folder`, made if it is missing, and each chart as SVG and PNG.
 
     Raises OutputError.
     """

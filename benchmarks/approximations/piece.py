@@ -1,4 +1,4 @@
-"""A piece of the renderer that can be had in several ways: what they are, and how their errors are told."""
+"""A piece of the renderer, its alternatives, and the measures of their errors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The approximations as a person reads them on a terminal, coloured there and plain elsewhere."""
+"""The approximations as tables on a terminal, with colours, or as plain text elsewhere."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import sys
 from collections.abc import Mapping
 from typing import Any
 
-HEADINGS = ("", "way", "RMS error", "largest", "ns", "kB", "bake s")
+HEADINGS = ("", "alternative", "RMS error", "largest", "ns", "kB", "bake s")
 
 
 def cells(row: Mapping[str, Any]) -> tuple[str, ...]:
-    """A variant in words, one for each of HEADINGS: `*` is the renderer's way, `+` another on the front."""
+    """A row of the table, a cell for each of HEADINGS: `*` marks the renderer's own way, `+` others on the front."""
     mark = "*" if row["is_default"] else "+" if row["pareto"] else ""
     size = f"{row['bytes'] / 1e3:.{0 if row['bytes'] > 1e5 else 1}f}" if row["bytes"] else ""
     bake = f"{row['bake_s']:.2g}" if row["bake_s"] is not None else ""
@@ -27,7 +27,7 @@ def heading(piece: Mapping[str, Any]) -> str:
 
 
 def conclusion(piece: Mapping[str, Any]) -> str:
-    """What was found of the renderer's way, and why it is that."""
+    """Why the renderer does it in its way, and which alternatives are better by these figures."""
     if piece["better"]:
         return f"Better than the renderer's way by these figures: {', '.join(piece['better'])}. {piece['reason']}"
     return piece["reason"]

@@ -21,8 +21,8 @@ KNOWN, GONE = Check("a", "b", 2.0, 1.0, expected=True), Check("a", "b", 0.5, 1.0
 def test_what_fails_as_expected_is_a_result_and_what_then_passes_a_defect():
     assert [verdict(check) for check in (PASSES, FAILS, KNOWN, GONE)] == ["pass", "FAIL", "known", "GONE"]
     assert [exit_status([PASSES, check]) for check in (PASSES, FAILS, KNOWN, GONE)] == [0, 1, 0, 1]
-    assert summary([PASSES, KNOWN]) == "2 checks, 1 passed, 1 failed as this model is known to, none broken"
-    assert summary([FAILS, GONE]) == "2 checks, 0 passed, 2 broken"
+    assert summary([PASSES, KNOWN]) == "2 checks, 1 passed, 1 failed as expected, no defects"
+    assert summary([FAILS, GONE]) == "2 checks, 0 passed, 2 defects"
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf])
@@ -37,7 +37,7 @@ def test_the_table_is_plain_where_nobody_reads_colours(capsys):
     print_table([PASSES, KNOWN])
     out = capsys.readouterr().out
     assert out.splitlines()[0].split() == ["pass", "a", "b", "1.00e+00", "<=", "1.00e+00"]
-    assert "\x1b" not in out and out.endswith("none broken\n")
+    assert "\x1b" not in out and out.endswith("no defects\n")
 
 
 @pytest.mark.parametrize(("degrees", "tests"), [(10, 1), (100, 1), (200, 50), (60, 1000)])

@@ -1,4 +1,4 @@
-"""What a check found: one row a case, with its figure and its bound."""
+"""The results of the checks: a row for each case, with its value and its bound."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Check:
-    """`value` is to be `bound` at most; NaN never is.
+    """Passes if `value` is at most `bound`; NaN does not pass.
 
-    `expected` marks a model that is known to break the bound: that it does so is a result, that it does not a defect.
-    `note` says what the row alone does not: units in the last place, the limit of the number format.
+    `expected` marks a model that is known to fail: then failing is a result, and passing is a defect. `note` adds what
+    the value does not show: where it is worst, units in the last place, the limit of the number format.
     """
 
     check: str
@@ -28,18 +28,18 @@ class Check:
 
     @property
     def is_defect(self) -> bool:
-        """A bound that is broken, or a known failure that has gone."""
+        """A failure that is not expected, or an expected one that did not happen."""
         return self.passed == self.expected
 
     def to_json(self) -> dict[str, object]:
-        """Ready for JSON, which has no NaN and no infinity: null stands for them."""
+        """Ready for JSON; a value that is not finite becomes null."""
         value = float(self.value) if math.isfinite(self.value) else None
         return {"check": self.check, "case": self.case, "value": value, "bound": float(self.bound),
                 "pass": bool(self.passed), "expected": self.expected, "note": self.note}
 
 
 def exit_status(checks: Iterable[Check]) -> int:
-    """1 where any row is a defect."""
+    """1 if any row is a defect."""
     return int(any(check.is_defect for check in checks))
 
 
@@ -49,5 +49,5 @@ def summary(checks: Iterable[Check]) -> str:
     defects = sum(check.is_defect for check in checks)
     known = sum(check.expected and not check.passed for check in checks)
     parts = [f"{len(checks)} checks", f"{len(checks) - defects - known} passed"]
-    parts += [f"{known} failed as this model is known to"] if known else []
-    return ", ".join([*parts, f"{defects} broken" if defects else "none broken"])
+    parts += [f"{known} failed as expected"] if known else []
+    return ", ".join([*parts, f"{defects} defects" if defects else "no defects"])

@@ -1,4 +1,4 @@
-"""What any BSDF owes: it loses and gains no light, knows no negative light, is reciprocal, and samples what it says."""
+"""Checks of any BSDF: it conserves energy, is not negative, is reciprocal, and its samples follow its pdf."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ Drawn = Mapping[str, np.ndarray]
 
 FURNACE_BOUND = 5e-3
 BALANCE_BOUND = 2e-3
-"""What float32 and the quadrature leave over 1; sharp lobes resolve no better."""
+"""How far above 1 float32 and the quadrature may be; sharp lobes cannot be integrated more exactly."""
 
 
 @dataclass(frozen=True)
 class LobeCase:
-    """A lobe with the parameter sets it is checked at: each of `values` has the sets on its first axis.
+    """A lobe and the parameter sets at which it is checked: each of `values` has the sets on its first axis.
 
-    `lobe` has eval(m, wo, wi), and as `provides` says sample(m, wo, u), pdf(m, wo, wi) and albedo(m, NoV).
+    `lobe` has eval(m, wo, wi); `provides` names which of sample(m, wo, u), pdf(m, wo, wi) and albedo(m, NoV) it has.
 
-    `white` tells for each set whether it absorbs nothing, and so owes a furnace of 1 to `furnace_bound`; `expected`
-    names the checks the model is known to fail. Light goes through, refracted by the sets' `eta`, or where the lobe
-    `mirrors`, as if reflected and seen in the surface's plane.
+    `white` is true for each set that absorbs nothing, so that all light has to leave, to within `furnace_bound`.
+    `expected` names the checks that the model is known to fail. A lobe with `eta` also transmits light, refracted by
+    the sets' eta; one that `mirrors` transmits it in the direction of reflection, mirrored at the surface's plane.
     """
 
     name: str
@@ -66,7 +66,7 @@ class LobeCase:
 
 
 def check_lobe(case: LobeCase) -> Iterator[Check]:
-    """All that can be asked of the functions the lobe has; each row is the worst of all its parameter sets."""
+    """Every check that the functions of the lobe allow; each row is the worst of all its parameter sets."""
     wo = np.tile(directions(NOV), (case.sets, 1))
     albedo = _Integral(case, wo)
     yield from _check_balance(case, albedo)
@@ -76,7 +76,7 @@ def check_lobe(case: LobeCase) -> Iterator[Check]:
     if "albedo" in case.provides:
         NoV = wo[:, 2]
         found = case.lobe.albedo(case.repeated(len(NOV), axis=False), NoV)
-        # Mirrors, whose light is all in one direction, are no part of the integral.
+        # The light of mirrors is all in one direction, and not in the integral.
         gap = np.abs(found - albedo.of_light).max(axis=-1) / np.maximum(albedo.of_light.max(axis=-1), 1)
         yield _row(case, "albedo", gap * (albedo.of_light.max(axis=-1) > 0), case.albedo_bound, wo)
 
@@ -95,7 +95,7 @@ class _Integral:
         nodes = 200 if case.is_anisotropic else 64
         grids = [(reflected_grid(wo, nodes), np.ones(len(wo)))]
         if case.eta is not None:
-            # Beyond the surface radiance is eta^2 times what power per solid angle makes of it.
+            # Refraction compresses solid angles: beyond the surface radiance is eta^2 times as large.
             eta = np.repeat(case.eta, len(NOV))
             grids.append((refracted_grid(wo, eta, nodes), eta**2))
         if case.mirrors:
@@ -119,7 +119,7 @@ def _check_balance(case: LobeCase, albedo: _Integral) -> Iterator[Check]:
     wo = np.tile(directions(NOV), (case.sets, 1))
     white = np.repeat(case.white, len(NOV))
     if white.any():
-        # What is more than 1 is the next row's.
+        # An albedo above 1 is reported by the next row.
         lost = 1 - albedo.of_light.min(axis=-1)
         yield _row(case, "white furnace", np.where(white, lost, -np.inf), case.furnace_bound, wo)
     yield _row(case, "reflects at most all", albedo.of_light.max(axis=-1) - 1, BALANCE_BOUND, wo)
@@ -127,7 +127,7 @@ def _check_balance(case: LobeCase, albedo: _Integral) -> Iterator[Check]:
 
 
 def _check_pairs(case: LobeCase) -> Iterator[Check]:
-    """All pairs of a set of directions from the normal to a millionth above the horizon."""
+    """All pairs of some directions, from the normal down to a cosine of 1e-6."""
     cosines = np.array([1, 0.9, 0.5, 0.1, 1e-3, 1e-6])
     wo = directions(cosines)
     turns = np.linspace(-np.pi, np.pi, 13)[:-1] + 0.05
@@ -156,7 +156,7 @@ def _check_sampling(case: LobeCase, wo: np.ndarray, albedo: _Integral) -> Iterat
     share = kept.mean(axis=1)
     spread = 5 * np.sqrt(np.maximum(share * (1 - share), 1e-4) / SAMPLES)
     yield _row(case, "pdf integrates to 1", np.abs(albedo.of_pdf - share), 0.0, wo, allowed=5e-3 + spread,
-               note="of what is not sent under the surface; the bound is 5 standard deviations and 0.005")
+               note="without samples below the surface; the bound is 5 standard deviations and 0.005")
     yield from _check_weights(case, wo, drawn, kept)
     yield from _check_histogram(case, wo, drawn, kept)
 
@@ -171,7 +171,7 @@ def _check_weights(case: LobeCase, wo: np.ndarray, drawn: Drawn, kept: np.ndarra
         expected = f * np.abs(wi[..., 2:]) / asked[..., None]
         error = np.abs(weight - expected).max(axis=-1) / np.maximum(expected.max(axis=-1), 1e-3)
         pdf_error = np.abs(pdf / asked - 1)
-    # Directions are float32: a lobe of width alpha moves by 6e-8 / alpha of itself. What counts is the bulk.
+    # Directions are float32, and shift a lobe of width alpha by 6e-8 / alpha of its width: so a quantile is checked.
     for name, errors in (("weight = f cos / pdf", error), ("sample's pdf = pdf", pdf_error)):
         typical = np.array([np.quantile(e[k], 0.99) if k.any() else 0.0 for e, k in zip(errors, kept[:, few])])
         yield _row(case, name, typical, 0.01, wo, note="99 % of the samples")
@@ -202,13 +202,13 @@ def _check_histogram(case: LobeCase, wo: np.ndarray, drawn: Drawn, kept: np.ndar
 
 
 def _lit(values: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Where the weight is 0 the direction is none, and neither is what was asked there."""
+    """`values`, and 0 where the weight is 0: there is no such direction, and the value has no meaning."""
     return np.where(weight[..., None] > 0 if values.ndim > weight.ndim else weight > 0, values, 0.0)
 
 
 def _row(case: LobeCase, check: str, values: np.ndarray, bound: float, wo: np.ndarray,
          allowed: np.ndarray | None = None, note: str = "") -> Check:
-    """The case with the largest value over what is allowed there, and where it lies."""
+    """The row of the case whose value exceeds its bound most, or is nearest to it."""
     values = np.where(np.isnan(values), np.inf, values)
     worst = int(np.argmax(values if allowed is None else values - allowed))
     chosen = worst // (len(values) // case.sets)

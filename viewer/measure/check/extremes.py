@@ -1,4 +1,4 @@
-"""Whole pictures where renderers break: each must hold no NaN and no infinity, and where it can be told, be right."""
+"""Pictures of extreme scenes: none may contain NaN or infinity, and where the right picture is known, it must be it."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ _MATERIALS = {
     "IOR 100": Material(metallic=0.0, perceptual_roughness=0.3, ior=100.0),
     "f0 0": Material(metallic=1.0, perceptual_roughness=0.3, base_color=(0, 0, 0, 1)),
     "f0 1": Material(metallic=1.0, perceptual_roughness=0.3),
-    "glass of IOR 1, black and clear": Material(
+    "glass of IOR 1, opaque in red and clear in green": Material(
         metallic=0.0, perceptual_roughness=0.0, ior=1.0, transmission=1.0, thickness=1e6, attenuation_distance=1e-6,
         attenuation_color=(0.0, 1.0, 0.5)),
-    "a wall of glass of IOR 100": Material(metallic=0.0, perceptual_roughness=1.0, ior=100.0, transmission=1.0),
+    "thin-walled glass of IOR 100": Material(metallic=0.0, perceptual_roughness=1.0, ior=100.0, transmission=1.0),
 }
 _FRONT, _BACK = (replace(LAMBERTIAN, base_color=(*color, 1.0)) for color in ((0.0, 1.0, 0.0), (1.0, 0.0, 0.0)))
 
@@ -54,7 +54,7 @@ def check_extremes(renderer: Renderer) -> Iterator[Check]:
 
 
 def not_finite(case: str, image: Image) -> Check:
-    """How many of the picture's numbers are NaN or infinite: none may be."""
+    """How many numbers of the picture are NaN or infinite; none may be."""
     return Check("no NaN, no Inf", case, int((~np.isfinite(image.linear)).sum()), 0)
 
 
@@ -132,7 +132,7 @@ def _same_picture(case: str, usual: Image, picture: Image) -> Iterator[Check]:
 
 
 def _check_depth(renderer: Renderer) -> Iterator[Check]:
-    """Which of two plates is in front, told by its colour: green, not red."""
+    """Which of two plates is in front: the green one is, the red one is behind it."""
     for case, distance, gap, near in (("coplanar but for 1e-3 of a distance of 1000", 1e3, 1.0, ()),
                                       ("coplanar but for 1e-4 of a distance of 1000", 1e3, 0.1, ()),
                                       # 24 bits of depth, z^2 / (near 2^24) apart, tell 0.6 % of the distance here.
@@ -176,7 +176,7 @@ def _check_broken_geometry(renderer: Renderer) -> Iterator[Check]:
 
 
 def _gltf(positions: list, normals: list, uvs: list, indices: list) -> dict[str, object]:
-    """A model as a file would bring it, with a normal map, so that the readers' own repairs are in the check."""
+    """A glTF file with a normal map, so that the repairs of the reader are checked too."""
     parts = [np.array(p, np.float32) for p in (positions, normals, uvs)] + [np.array(indices, np.uint32)]
     data, views = b"", []
     for part in parts:

@@ -1,4 +1,4 @@
-"""Rendered furnaces: in light of radiance 1 from everywhere what absorbs nothing must vanish, and nothing may glow."""
+"""Rendered white furnaces: under radiance 1 from everywhere a white ball cannot be seen, and no ball exceeds 1."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .scenes import ball_cosines, constant, orthographic, plate, scene, sphere
 
 SIZE = 96
 GRAZING = 0.05
-"""Cosine of the view below which the bound is not promised; what happens there is in the note."""
+"""Cosine of the view below which the bound does not hold; the deviation there is in the note."""
 FURNACE_BOUND = 5e-3
 ROUGHNESS = (0.0, 0.1, 0.25, 0.5, 0.75, 1.0)
 MATERIALS = {
@@ -33,7 +33,7 @@ MATERIALS = {
 
 @dataclass(frozen=True, eq=False)
 class FurnacePicture:
-    """The ball in its furnace, (SIZE, SIZE, 3) radiance, and how far it is from vanishing where NoV >= GRAZING."""
+    """The ball in its furnace, (SIZE, SIZE, 3) radiance, and its deviation from 1 where NoV >= GRAZING."""
 
     pixels: np.ndarray
     maximum: float
@@ -55,7 +55,7 @@ def furnace_picture(renderer: Renderer, material: Material, **settings: object) 
 
 
 def check_furnaces(renderer: Renderer) -> Iterator[Check]:
-    """The renderer's materials at every roughness, with compensation for multiple scattering, and without it."""
+    """The renderer's materials at every roughness, and some without compensation for multiple scattering."""
     for name, material in MATERIALS.items():
         for ndf in ("ggx", "beckmann"):
             for roughness in ROUGHNESS:
@@ -68,7 +68,7 @@ def check_furnaces(renderer: Renderer) -> Iterator[Check]:
 
 
 def check_renderer_balance(renderer: Renderer) -> Iterator[Check]:
-    """Under a light: the furnace as many lights, and whether more leaves the surface than comes from one direction."""
+    """Under lights: a furnace made of many lights, and whether more light leaves than arrives from one direction."""
     for roughness in (0.5, 0.75, 1.0):
         for NoV in (1.0, 0.5, GRAZING):
             light = lit_furnace(renderer, Material(perceptual_roughness=roughness), NoV)
@@ -119,27 +119,31 @@ def check_material(renderer: Renderer, name: str, material: Material, settings: 
     yield Check("no gain", f"{name}, furnace", float(own.pixels.max() - 1), FURNACE_BOUND,
                 note=f"darkest {own.pixels.min():.3f}")
     yield Check("not negative", f"{name}, lights to grazing", max(0.0, -min(_lit_minima(renderer, bare, options))), 0.0)
-    if material.perceptual_roughness >= 0.2:  # a smoother lobe falls between the pictures' pixels
+    if material.perceptual_roughness >= 0.2:  # the pixels of the pictures would miss a smoother lobe
         balance = check_balance(renderer, name, bare, **options)
         yield replace(balance, expected=_may_gain(settings) and not balance.passed)
 
 
 def _may_gain(settings: Settings) -> bool:
-    """Lobes without masking of their own gain at grazing, and the base knows Schlick's Fresnel alone."""
+    """Whether the settings are known to gain energy.
+
+    Lobes with another lobe's masking, or none, do at grazing angles, and the diffuse base is scaled for Schlick's
+    Fresnel alone.
+    """
     borrowed = settings.ndf == "blinn-phong" and settings.masking != "v-cavity"
     return borrowed or settings.masking == "none" or settings.fresnel == "exact"
 
 
 def check_balance(renderer: Renderer, name: str, material: Material, **settings: object) -> Check:
-    """For light from one direction, what leaves in all directions together: the worst of three directions."""
+    """The light that leaves in all directions, of light from one direction: the worst of three directions."""
     leaves = {NoL: hemisphere_balance(renderer, material, NoL, **settings) for NoL in (1.0, 0.5, 0.1)}
     worst = max(leaves, key=leaves.__getitem__)
-    note = f"{leaves[worst]:.4f} leaves of light from NoL {worst:g}"
+    note = f"{leaves[worst]:.4f} of the light from NoL {worst:g} leaves"
     return Check("hemisphere balance", f"{name}, under a light", leaves[worst] - 1, BALANCE_BOUND, note=note)
 
 
 BALANCE_BOUND = 0.01
-"""What the pictures' pixels resolve of the integral; without it nothing above 0 would do."""
+"""How exactly the pixels of the pictures sample the integral."""
 
 
 def hemisphere_balance(renderer: Renderer, material: Material, NoL: float, **settings: object) -> float:

@@ -1,7 +1,8 @@
 """Lobes' values in float32 against float64, over directions of wo and half vectors.
 
-Both get the same float32 directions. That a half vector, their sum, is known to 6e-8 and so a lobe of width alpha to
-about 4 times 6e-8 / alpha is in no formula's power; nor is that wo + eta wi keeps but |eta - 1| of its digits.
+Both get the same float32 directions. No formula can undo their rounding: a half vector, their sum, is exact to 6e-8,
+and so a lobe of width alpha to about 4 times 6e-8 / alpha; and of wo + eta wi only a share |eta - 1| of the digits is
+left.
 """
 
 from __future__ import annotations
@@ -32,11 +33,11 @@ class _Lobe:
     eta: np.ndarray | None = None
     mirrors: bool = False
     floor: float = 0.0
-    """A smaller value counts as this one: EON towards the light behind is 1 - 1, and relative to nothing."""
+    """Smaller values count as this one: towards the light, EON is a difference 1 - 1, whose relative error is large."""
 
 
 def check_lobe_stability() -> Iterator[Check]:
-    """A row for each lobe that has a reference: its largest relative error where it is not negligible."""
+    """A row for each lobe that has a reference: its largest relative error where its value is not negligible."""
     table = {lobe.name: lobe for lobe in LOBES}
     for case in _lobes():
         lobe = table[case.name]
@@ -67,8 +68,8 @@ def _lobes() -> Iterator[_Lobe]:
     yield _Lobe("burley", {"perceptual_roughness": sigma},
                 lambda wo, wi, perceptual_roughness: reference.burley(wo, wi, perceptual_roughness), 1e-5)
     yield _Lobe("ggx", {"alpha": ALPHA}, lambda wo, wi, alpha: reference.ggx_reflection(wo, wi, alpha)[0], 1e-5)
-    # Narrower ones go straight on, as a mirror does: bsdf.glsl's DELTA_ALPHA.
-    # What the interface lets through comes from the table of albedos, least exact for smooth ones at grazing.
+    # Narrower ones count as mirrors: bsdf.glsl's DELTA_ALPHA.
+    # The transmittance of the interface comes from the table of albedos, least exact for smooth ones at grazing.
     yield _Lobe("standard", {"alpha": ALPHA[:5, 0], "metallic": np.zeros(5)},
                 lambda wo, wi, alpha, metallic: reference.standard_dielectric(wo, wi, alpha), 1e-2)
     pairs = [(eta, alpha) for eta in ETA for alpha in ALPHA if alpha.max() * abs(eta - 1) > 1e-3]
@@ -77,7 +78,8 @@ def _lobes() -> Iterator[_Lobe]:
     yield _Lobe("dielectric", {"eta": eta, "alpha": alpha},
                 lambda wo, wi, eta, alpha: reference.ggx_transmission(wo, wi, alpha, eta), 1e-2, eta)
     yield _Lobe("thin_dielectric", {"eta": eta, "alpha": alpha},
-                lambda wo, wi, eta, alpha: reference.thin_wall(wo, wi, alpha, eta), 1e-4, mirrors=True)
+                lambda wo, wi, eta, alpha: reference.thin_walled_transmission(wo, wi, alpha, eta), 1e-4,
+                mirrors=True)
 
 
 def _half_vector_grid(wo: np.ndarray, eta: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
@@ -90,7 +92,7 @@ def _half_vector_grid(wo: np.ndarray, eta: np.ndarray | None) -> tuple[np.ndarra
 
 
 def check_lobe_extremes() -> Iterator[Check]:
-    """Every function of every lobe where it is stiff: how many of its numbers are NaN or infinite. None may be."""
+    """Every function of every lobe at extreme arguments: how many numbers are NaN or infinite. None may be."""
     rng = np.random.default_rng(11)
     count, cosines = 400, directions((1.0, 1 - 1e-7, 0.5, 0.1, 1e-3, 1e-6))
     for lobe in LOBES:

@@ -1,4 +1,4 @@
-"""Every lobe of shaders/bsdf/lobe: what to call, with which parameters, and what each is known not to do."""
+"""Every lobe of shaders/bsdf/lobe: its functions, the ranges of its parameters, and the checks it is known to fail."""
 
 from __future__ import annotations
 
@@ -24,10 +24,11 @@ F0S = (0.0, 0.04, 1.0)
 
 
 @dataclass(frozen=True)
-class Range:
-    """What a parameter may be: from `low` to `high`, evenly or in its logarithm, and the `extremes` to be tried always.
+class ParameterRange:
+    """The values that a parameter may have: from `low` to `high`, and `extremes`, which are always tried.
 
-    `size` is its number of components, each its own; 1 for a float.
+    Values are drawn evenly, or evenly in the logarithm. `size` is the number of components, 1 for a float; each is
+    drawn by itself.
     """
 
     low: float
@@ -47,28 +48,28 @@ class Range:
         return np.where(extreme.reshape(count, *(1,) * (len(shape) - 1)), rng.choice(self.extremes, shape), values)
 
 
-COLOR = Range(0.0, 1.0, (0.0, 1.0), size=3)
-F0 = Range(0.0, 1.0, F0S, size=3)
-UNIT = Range(0.0, 1.0, (0.0, 1e-4, 0.5, 1.0))
-ALPHA = Range(1e-3, 1.0, ALPHAS, logarithmic=True)
-ALPHA_2 = Range(1e-3, 1.0, ALPHAS, size=2, logarithmic=True)
-SHININESS = Range(1.0, 1e4, (0.0, 1.0, 1e3), logarithmic=True)
+COLOR = ParameterRange(0.0, 1.0, (0.0, 1.0), size=3)
+F0 = ParameterRange(0.0, 1.0, F0S, size=3)
+UNIT = ParameterRange(0.0, 1.0, (0.0, 1e-4, 0.5, 1.0))
+ALPHA = ParameterRange(1e-3, 1.0, ALPHAS, logarithmic=True)
+ALPHA_2 = ParameterRange(1e-3, 1.0, ALPHAS, size=2, logarithmic=True)
+SHININESS = ParameterRange(1.0, 1e4, (0.0, 1.0, 1e3), logarithmic=True)
 
 
 @dataclass(frozen=True)
 class Lobe:
     """A lobe: the functions `prefix`_eval, _sample, _pdf and _albedo of `file`, on the struct of `parameters`.
 
-    `white` are the parameters for the white furnace, in which `loses` tells whether light is lost by design.
-    `failures` are checks the model is known to fail, each with the reason: energy (reflects more than it gets),
-    furnace (white, and reflects less), reciprocity. `transmits` is how light goes on beyond the surface: refracted by
-    the struct's eta, or mirrored, in the direction it would be reflected to seen in the surface's plane.
+    `white` are the parameters for the white furnace. `failures` are checks that the model is known to fail, each with
+    the reason: energy (reflects more than it receives), furnace (is white and reflects less), reciprocity. `transmits`
+    is how light continues beyond the surface: refracted by the struct's eta, or "mirrored": in the direction of
+    reflection, mirrored at the surface's plane.
     """
 
     name: str
     file: str
     prefix: str
-    parameters: Mapping[str, Range]
+    parameters: Mapping[str, ParameterRange]
     white: Mapping[str, float]
     failures: Mapping[str, str] = field(default_factory=dict)
     table: tuple[str, str] | None = ("ggx", "smith")
@@ -132,7 +133,8 @@ def _microfacet(ndf: str, masking: str, index: tuple[int, int]) -> Lobe:
 
 def _glass(name: str, masking: str) -> Lobe:
     index, is_thin = MASKINGS.index(masking), name == "thin_dielectric"
-    eta = Range(1.0, 3.0, tuple(eta for eta in ETAS if eta >= 1)) if is_thin else Range(0.4, 3.0, ETAS)
+    low, extremes = (1.0, tuple(eta for eta in ETAS if eta >= 1)) if is_thin else (0.4, ETAS)
+    eta = ParameterRange(low, 3.0, extremes)
     return Lobe(name if index == 0 else f"{name} {masking}", f"lobe/{name}", name, {"eta": eta, "alpha": ALPHA_2},
                 {"eta": 1.5, "alpha": 0.5}, {"furnace": _LOST}, ("ggx", masking), {"MASKING": index},
                 "mirrored" if is_thin else "refracted")
@@ -140,8 +142,8 @@ def _glass(name: str, masking: str) -> Lobe:
 
 def _surface(name: str, is_anisotropic: int) -> Lobe:
     return Lobe(name, "surface", "surface",
-                {"base_color": COLOR, "metallic": UNIT, "f0": F0, "f90": UNIT, "ior": Range(1.0, 3.0, (0.0, 1.0, 1.5)),
-                 "alpha": ALPHA, "alpha_t": ALPHA},
+                {"base_color": COLOR, "metallic": UNIT, "f0": F0, "f90": UNIT,
+                 "ior": ParameterRange(1.0, 3.0, (0.0, 1.0, 1.5)), "alpha": ALPHA, "alpha_t": ALPHA},
                 {"base_color": 1.0, "metallic": 1.0, "f0": 0.04, "f90": 1.0, "ior": 1.5, "alpha": 0.5, "alpha_t": 0.5},
                 defines={"NDF": 0, "MASKING": 0, "FRESNEL": 0, "METALNESS": 2, "ANISOTROPIC": is_anisotropic,
                          **_SHOW_ALL})
@@ -172,8 +174,8 @@ LOBES: tuple[Lobe, ...] = (
     Lobe("metal", "compare/metal", "metal", {"f0": F0, "tint": COLOR, "alpha": ALPHA_2},
          {"f0": 1.0, "tint": 1.0, "alpha": 0.5}),
     Lobe("conductor", "compare/conductor", "conductor",
-         {"eta": Range(0.05, 4.0, (0.0, 1.0, 1.0001, 100.0), 3), "k": Range(0.0, 8.0, (0.0, 1e-4, 1e4, 1e12), 3),
-          "alpha": ALPHA_2},
+         {"eta": ParameterRange(0.05, 4.0, (0.0, 1.0, 1.0001, 100.0), 3),
+          "k": ParameterRange(0.0, 8.0, (0.0, 1e-4, 1e4, 1e12), 3), "alpha": ALPHA_2},
          {"eta": 0.2, "k": 1e6, "alpha": 0.5}),
     *(_glass(name, masking) for name in ("dielectric", "thin_dielectric") for masking in MASKINGS[:2]),
     _surface("standard", 0),

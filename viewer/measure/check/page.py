@@ -1,4 +1,4 @@
-"""The checks as a page that stands alone: their table, and plots of lobes, albedos, errors and furnaces."""
+"""The checks as a self-contained page: their table, and plots of lobes, albedos, errors and furnaces."""
 
 from __future__ import annotations
 
@@ -28,8 +28,9 @@ _BODY = """<h1>pbr-viewer check</h1>
 <p>{summary}.</p>
 {sections}
 <h2>All checks</h2>
-<p>A value passes at or under its bound. <b>known</b>: the model fails, as it is known to; <b>GONE</b>: it should
-and does not.</p>
+<p>A check passes if its value is at most its bound. <b>known</b>: the model is known to fail this check, and does.
+<b>FAIL</b>: the check fails, so the shader is wrong. <b>GONE</b>: the model is known to fail and passes, so the check
+or the shader is wrong.</p>
 <div class="wide"><table><tr><th></th><th>check</th><th>case</th><th>value</th><th>bound</th><th>note</th></tr>
 {rows}
 </table></div>"""
@@ -44,7 +45,7 @@ _SHOWN = ("ggx", "metal", "turquin", "eon", "burley", "phong")
 def write_page(folder: str | Path, checks: Sequence[Check], with_plots: bool) -> None:
     """`index.html` and `check.json` in `folder`, which is made where it is missing. Raises OutputError.
 
-    Plots are of the package's own shaders, and left out where something else was checked.
+    The plots show the package's own shaders, and are left out if something else was checked.
     """
     folder = Path(folder)
     make_folder(folder)
@@ -64,19 +65,19 @@ def _row(check: Check) -> str:
 
 def _sections() -> Iterator[str]:
     table = {lobe.name: lobe for lobe in LOBES}
-    yield _section("Furnaces", "A white metal ball in light of radiance 1 from everywhere, with and without what "
-                   "scatters more than once. What vanishes conserves energy.", _furnaces())
-    yield _section("Lobes", "f times the cosine, in the plane of incidence, light from 45 degrees on the left.",
+    yield _section("Furnaces", "A white metal ball under radiance 1 from everywhere, with and without compensation for "
+                   "multiple scattering. A ball that cannot be seen conserves energy.", _furnaces())
+    yield _section("Lobes", "The BSDF times the cosine in the plane of incidence. Light comes from 45 degrees left.",
                    [_lobe_shape(table[name]) for name in _SHOWN])
-    yield _section("Albedo", "The share of light reflected, for a white material, over the angle of view.",
+    yield _section("Albedo", "The share of light that a white material reflects, over the cosine of the viewing angle.",
                    [_albedo(table[name]) for name in _SHOWN])
     wanted = ("d_ggx", "d_beckmann", "v_smith_ggx", "f_dielectric")
     first: dict[str, Sweep] = {}
     for sweep in sweeps():
         if sweep.function in wanted:
             first.setdefault(sweep.function, sweep)
-    yield _section("Errors of float32", "Relative error against float64 over the parameters, from 1e-8 (light) to 1e-3 "
-                   "(dark); where there is a third parameter, the worst over it.",
+    yield _section("Errors of float32", "Relative error against float64 over two parameters, from 1e-8 (light) to 1e-3 "
+                   "(dark). If there is a third parameter, the worst over it is shown.",
                    [_error_map(sweep) for sweep in first.values()])
 
 

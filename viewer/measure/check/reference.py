@@ -117,7 +117,7 @@ def d_ggx_anisotropic(h: Array, alpha: Array) -> Array:
 
 def ggx_reflection(wo: Array, wi: Array, alpha: Array) -> tuple[Array, Array]:
     """D G2 / (4 NoV NoL) and VoH for directions on one side (Walter et al. 2007, eq. 20, with F = 1)."""
-    h = _unit(wo + wi)
+    h = normalized(wo + wi)
     g2 = 1 / (1 + smith_lambda(wo, alpha) + smith_lambda(wi, alpha))
     dv = d_ggx_anisotropic(h, alpha) * g2 / (4 * wo[..., 2] * wi[..., 2])
     return dv, (wo * h).sum(axis=-1)
@@ -125,7 +125,7 @@ def ggx_reflection(wo: Array, wi: Array, alpha: Array) -> tuple[Array, Array]:
 
 def ggx_transmission(wo: Array, wi: Array, alpha: Array, eta: Array) -> Array:
     """Radiance through a rough dielectric, Walter et al. 2007, eq. 21, with the shared heights of Heitz et al. 2016."""
-    h = _unit(-(wo + eta[..., None] * wi))
+    h = normalized(-(wo + eta[..., None] * wi))
     h = h * np.where(h[..., 2:] < 0, -1, 1)
     VoH, LoH = (wo * h).sum(axis=-1), (wi * h).sum(axis=-1)
     x, y = 1 + smith_lambda(wo, alpha), 1 + smith_lambda(wi, alpha)
@@ -134,8 +134,8 @@ def ggx_transmission(wo: Array, wi: Array, alpha: Array, eta: Array) -> Array:
     return f * (1 - f_dielectric(np.abs(VoH), eta)) * d_ggx_anisotropic(h, alpha) * g2 / eta**2
 
 
-def thin_wall(wo: Array, wi: Array, alpha: Array, eta: Array) -> Array:
-    """Light that goes on through a thin wall, summed over its way to and fro inside: T^2 (1 + R^2 + R^4 + ...)."""
+def thin_walled_transmission(wo: Array, wi: Array, alpha: Array, eta: Array) -> Array:
+    """Light that passes a thin wall, summed over the reflections inside: T^2 (1 + R^2 + R^4 + ...)."""
     dv, VoH = ggx_reflection(wo, wi * [1, 1, -1], alpha)
     R = f_dielectric(np.abs(VoH), eta)
     return dv * (1 - R) ** 2 / np.maximum(1 - R**2, 1e-300)
@@ -158,7 +158,7 @@ def eon(wo: Array, wi: Array, sigma: Array) -> Array:
 
 def burley(wo: Array, wi: Array, perceptual_roughness: Array) -> Array:
     """White, Burley 2012, section 5.3."""
-    LoH = (wi * _unit(wo + wi)).sum(axis=-1)
+    LoH = (wi * normalized(wo + wi)).sum(axis=-1)
     f90 = 0.5 + 2 * perceptual_roughness * LoH**2
     return (1 + (f90 - 1) * (1 - wi[..., 2]) ** 5) * (1 + (f90 - 1) * (1 - wo[..., 2]) ** 5) / np.pi
 
@@ -196,7 +196,7 @@ def _plastic_diffuse(alpha: float, NoV: Array, NoL: Array) -> Array:
     return (returned * lost(o) * lost(i) / lost(mean) + through(o) * through(i) / through(mean)) / np.pi
 
 
-def _unit(v: Array) -> Array:
+def normalized(v: Array) -> Array:
     return v / np.linalg.norm(v, axis=-1, keepdims=True)
 
 

@@ -1,7 +1,7 @@
-"""float32 on the GPU against float64: relative error and units in the last place, each with its bound and its limit.
+"""float32 on the GPU against float64: relative error, and units in the last place.
 
-Where a bound is wider than a few units in the last place the row says what float32 can do at best: the change that
-rounding the arguments alone makes (their condition), the function being computed exactly.
+If a bound is wider than a few units in the last place, the row also has the best that float32 could do: the error of
+an exact function of rounded arguments (its condition).
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ F0 = np.array([0, 1e-4, 0.04, 0.5, 1])
 
 @dataclass(frozen=True)
 class Sweep:
-    """`function` of the shader `file` over a grid of `axes`, which `exact` takes, too, in the same order.
+    """`function` of the shader `file` over a grid of `axes`; `exact` takes these in the same order.
 
-    `arguments` makes the function's own from them; without it they are the axes by name. Results under `floor` are left
-    out: there the value is nothing beside its peak, or no normal float32.
+    `arguments` computes the function's arguments from them; without it they are the axes by name. Values below `floor`
+    times the `peak` are left out, and so are those that are no normal float32.
     """
 
     function: str
@@ -57,7 +57,7 @@ class Errors:
 
 def measure(sweep: Sweep) -> Errors:
     """The sweep on the GPU against `exact`, on the full grid of its axes."""
-    # What the GPU gets is what the reference gets, so that no error is counted that was made before.
+    # The GPU and the reference get the same rounded arguments, so that only the error of the function counts.
     axes = [np.float32(axis).astype(np.float64) for axis in sweep.axes.values()]
     grid = np.meshgrid(*axes, indexing="ij")
     arguments = sweep.arguments(*grid) if sweep.arguments else dict(zip(sweep.axes, grid))
@@ -68,7 +68,7 @@ def measure(sweep: Sweep) -> Errors:
     smallest = sweep.floor * sweep.peak(*grid) if sweep.peak else TINY
     counted = (exact >= np.maximum(smallest, TINY)) | (exact == 0) & (sweep.peak is None)
     relative = relative_error(found, exact)
-    relative[~counted & np.isfinite(found)] = 0.0  # not finite is wrong wherever it is
+    relative[~counted & np.isfinite(found)] = 0.0  # NaN and infinity are wrong everywhere
     spacing = np.spacing(np.maximum(exact, TINY).astype(np.float32)).astype(np.float64)
     ulp = np.where(counted, np.abs(found - exact) / spacing, 0.0)
     limit = np.zeros_like(exact)
@@ -79,7 +79,7 @@ def measure(sweep: Sweep) -> Errors:
 
 
 def relative_error(found: np.ndarray, exact: np.ndarray) -> np.ndarray:
-    """|found / exact - 1|; where `exact` is 0, 0 or infinity; infinity for what is not finite."""
+    """|found / exact - 1|. If `exact` is 0, it is 0 or infinity; if `found` is not finite, infinity."""
     with np.errstate(divide="ignore", invalid="ignore"):
         error = np.abs(found - exact) / np.abs(exact)
     error = np.where((exact == 0) & (found == 0), 0.0, error)
@@ -92,7 +92,7 @@ def check_stability() -> Iterator[Check]:
 
 
 def check_sweep(sweep: Sweep) -> Check:
-    """Its largest relative error; in the note units in the last place, where, and what float32 allows at best."""
+    """The largest relative error; the note has units in the last place, the place, and the best that float32 allows."""
     errors = measure(sweep)
     worst = np.unravel_index(np.argmax(errors.relative), errors.relative.shape)
     place = ", ".join(f"{name} {axis[k]:.3g}" for (name, axis), k in zip(sweep.axes.items(), worst))
@@ -101,7 +101,7 @@ def check_sweep(sweep: Sweep) -> Check:
 
 
 def sweeps() -> Iterator[Sweep]:
-    """Everything that is measured; the last sweeps of a function lie outside what the bound is promised for."""
+    """Everything that is measured; the last sweeps of a function are outside the range of its documented bound."""
     yield from _distributions()
     yield from _maskings()
     yield from _fresnels()
@@ -121,15 +121,15 @@ def _theta(widths: np.ndarray, alpha: np.ndarray) -> np.ndarray:
 
 
 def _distributions() -> Iterator[Sweep]:
-    # Beckmann and Blinn-Phong are exponentials: an argument of 20 turns each unit in the last place into 20, and what
-    # lies below a billionth of the peak is not looked at. GGX is looked at everywhere.
+    # Beckmann and Blinn-Phong are exponentials, which multiply the relative error of an argument of 20 by 20: values
+    # below a billionth of the peak are left out. GGX is checked everywhere.
     models = (("ggx", 1e-5, np.geomspace(1e-3, 1e7, 200), 0.0), ("beckmann", 3e-5, np.linspace(0, 4.5, 200), 1e-9),
               ("blinn_phong", 3e-5, np.linspace(0, 4.5, 200), 1e-9))
     for name, bound, widths, floor in models:
         exact = getattr(reference, f"d_{name}")
         for case, alpha in (("alpha >= 1e-3", ALPHA), ("alpha 1e-4", BEYOND_ALPHA)):
             if name == "blinn_phong":
-                alpha = alpha[alpha < 1]  # its exponent is 0 at 1, and 0 * log(0) is no test of anything
+                alpha = alpha[alpha < 1]  # at 1 its exponent is 0, and 0 * log(0) tests nothing
             yield Sweep(f"d_{name}", f"bsdf/{name}.glsl", case, {"angle": np.append(0, widths), "alpha": alpha},
                         lambda widths, alpha, exact=exact: exact(_theta(widths, alpha), alpha), bound,
                         _angle_arguments, lambda widths, alpha, exact=exact: exact(0.0, alpha), floor)

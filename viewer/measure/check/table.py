@@ -1,4 +1,4 @@
-"""Checks as a person reads them on a terminal, coloured there and plain elsewhere."""
+"""The checks as a table on a terminal, with colours, or as plain text elsewhere."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _STYLES = {"pass": "green", "known": "yellow", "FAIL": "bold red", "GONE": "bold
 
 
 def verdict(check: Check) -> str:
-    """pass; known: it fails as expected; FAIL; GONE: what was expected to fail does not."""
+    """One word: pass; known (it fails as expected); FAIL; GONE (it was expected to fail and passes)."""
     if check.expected:
         return "GONE" if check.passed else "known"
     return "pass" if check.passed else "FAIL"

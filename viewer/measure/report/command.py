@@ -1,4 +1,4 @@
-"""The command line that makes a picture of the report."""
+"""The command line that renders a picture of the report."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from ...settings import ignored
 from .ladder import Method, light_option
 
 _OPTIONS = ("mode", "spp", "denoise", "error")
-"""Settings with an option of their own; the others are said by --set."""
+"""Settings with an option of their own; the others are given by --set."""
 
 
 def command_line(model: str, options: Mapping[str, Any], method: Method) -> str:
-    """`pbr-viewer render` of `model` by `method`, with the `options` of the command line that asked for the report."""
+    """`pbr-viewer render` of `model` by `method`, with the `options` of the report's own command line."""
     words = ["pbr-viewer", "render", model, "-o", "picture.png", *_given(options, method)]
     for name, value in method.changes.items():
         words += [f"--{name}", str(value)] if name in _OPTIONS else ["--set", f"{name}={value}"]
@@ -22,7 +22,7 @@ def command_line(model: str, options: Mapping[str, Any], method: Method) -> str:
 
 
 def _given(options: Mapping[str, Any], method: Method) -> Iterator[str]:
-    """The options that are not the defaults of `render`, and the size always."""
+    """The size, and the options that are not the defaults of `render`."""
     width, height = options["size"]
     yield from ("--size", f"{width}x{height}")
     if method.lights is not None:

@@ -1,7 +1,7 @@
-"""How wrong a picture is, over the pixels in which there is something of the model.
+"""The errors of a picture, over the pixels that show the model.
 
-The background is left out: it is a look-up in the environment, which every method makes alike. relMSE and RMSE are of
-linear radiance, before exposure and tone map; FLIP is of the displayed pictures, over white where they are transparent.
+The background is left out: it is a lookup in the environment, the same for every method. relMSE and RMSE are of linear
+radiance, before exposure and tone map; FLIP is of the displayed pictures, over white where they are transparent.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from ..compare.difference import compare
 from ..compare.relmse import EPSILON, Halves
 
 MEASURES = ("relmse_trimmed", "relmse", "rmse", "flip")
-"""What is recommended, and the Pareto front, are by the first."""
+"""The first decides about recommendations and the Pareto front."""
 FREE_BY = ("relmse_trimmed", "flip")
-"""What costs nothing in error is so by both."""
+"""A setting is said to cost no error if it costs none by both of these."""
 TRIMMED = 0.001
 """Share of the pixels, those with the largest errors, that `relmse_trimmed` leaves out.
 
-One pixel in which a rare path found a lamp, or a highlight is a pixel aside, can be most of the relMSE of a picture."""
+A few pixels can dominate relMSE: those in which a rare path found a light, or a highlight is shifted by a pixel."""
 
 
 @dataclass(frozen=True, eq=False)
 class Errors:
-    """Of one picture."""
+    """The errors of one picture."""
 
     relmse: float
     """Mean of (x - r)^2 / (r^2 + 0.01) (Rousselle et al. 2011); its root is about the relative error."""
@@ -37,9 +37,9 @@ class Errors:
     flip: float
     """Mean FLIP (Andersson et al. 2020)."""
     too_bright: float
-    """Share of relMSE from where the picture is brighter than the reference."""
+    """Share of relMSE that comes from pixels brighter than the reference."""
     bad_pixels: int
-    """Not finite; they count as black."""
+    """How many pixels are not finite; they count as black."""
     map: np.ndarray = field(repr=False)
     """FLIP of each pixel, (H, W) float32 in [0, 1]."""
 
@@ -48,7 +48,7 @@ class Errors:
 
 
 def errors(picture: Image, reference: Image, mask: np.ndarray) -> Errors:
-    """Of `picture` against `reference` where `mask` (H, W) bool is set, which is somewhere."""
+    """Of `picture` against `reference` where `mask` (H, W) bool is true, which it is somewhere."""
     ours, truth = (image.linear[..., :3].astype(np.float64) for image in (picture, reference))
     bad = ~np.isfinite(ours).all(axis=-1)
     ours = np.where(np.expand_dims(bad, -1), 0.0, ours)[mask]
@@ -63,7 +63,7 @@ def errors(picture: Image, reference: Image, mask: np.ndarray) -> Errors:
 
 
 def relmse_floor(halves: Halves, mask: np.ndarray) -> float:
-    """The relMSE that the noise of a reference made of two halves, (H, W, 3) each, adds to that of any picture."""
+    """The relMSE that the noise of a reference of two halves, (H, W, 3) each, adds to that of any picture."""
     return Halves(halves.first[mask], halves.second[mask]).floor(halves.mean[mask])
 
 

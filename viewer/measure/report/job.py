@@ -39,10 +39,10 @@ class ReportJob:
 
     def run(self, models: Sequence[str], load: Callable[[str], Scene], camera: Callable[[str, Scene], Camera]) -> int:
         """Measure each model and write its report: into `folder`, or each into one of its own below it where there are
-        several. The exit status: 0, or 1 where some model could not be shown, which is told on stderr.
+        several. The exit status: 0, or 1 if some model could not be rendered, which is reported on stderr.
 
-        Raises ContextError, OutputError and UsageError, which would hold for all, and Stopped when somebody asks to
-        stop: what was measured by then is kept and goes into the report.
+        Raises ContextError, OutputError and UsageError, which concern all models, and Stopped when the user interrupts:
+        what was measured by then is kept and goes into the report.
         """
         if isinstance(self.settings.background, tuple):
             self.settings = replace(self.settings, background="none")
@@ -100,7 +100,7 @@ class ReportJob:
 
 @contextmanager
 def _made(folder: Path) -> Iterator[None]:
-    """The folder is made for the block, and goes again if nothing has come into it. Raises OutputError."""
+    """Make the folder for the block; remove it again if it is still empty. Raises OutputError."""
     is_new = not folder.exists()
     make_folder(folder)
     try:
@@ -112,7 +112,7 @@ def _made(folder: Path) -> Iterator[None]:
 
 
 def report_folders(models: Sequence[str], folder: Path) -> list[Path]:
-    """`folder` itself for one model; for several, one in it for each, with the model's name and a number if need be."""
+    """`folder` itself for one model; for several, one in it for each, named after the model, and numbered if needed."""
     if len(models) == 1:
         return [folder]
     names: list[str] = []

@@ -1,4 +1,4 @@
-"""index.html: the report as one page that stands alone, and the files beside it."""
+"""index.html: the report as a self-contained page, and the files beside it."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def _page(findings: Findings, drawings: dict[str, str]) -> str:
 
 
 def fill(template: str, parts: dict[str, str]) -> str:
-    """A template of this folder with each `{{NAME}}` replaced, in one go: what is put in is not looked at again."""
+    """A template of this folder with each `{{NAME}}` replaced once: the inserted text is not searched again."""
     pieces = resource(template).split("{{")
     text = [pieces[0]]
     for piece in pieces[1:]:
@@ -65,7 +65,7 @@ def resource(name: str) -> str:
 
 
 def embedded(content: Any) -> str:
-    """JSON for a script element, which nothing in it can end."""
+    """JSON for a script element: it cannot contain the end of the element."""
     return json.dumps(content, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
 
 

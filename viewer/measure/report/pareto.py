@@ -1,4 +1,4 @@
-"""Choosing among points: the Pareto front, the best for a time, and what costs time for nothing."""
+"""Choices among points: the Pareto front, the best for a time, and settings that cost time and save no error."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 BUDGETS_MS = (1000 / 30, 100.0, 1000.0, 10_000.0)
-"""30 frames a second, and what one waits for without noticing, with noticing, and once."""
+"""Times of a picture: 30 frames a second, a delay that is hardly noticed, one that is, and a wait."""
 SAME = 0.02
-"""Errors that differ by less than this share of themselves are called the same."""
+"""Errors that differ by less than this share count as equal."""
 
 
 def front(times: Sequence[float], errors: Sequence[float]) -> list[bool]:
-    """Whether each point is on the front: none is as fast and as right, and better in one of the two."""
+    """Whether each point is on the Pareto front: none is as good in both time and error, and better in one."""
     order = sorted(range(len(times)), key=lambda k: (times[k], errors[k]))
     is_on = [False] * len(times)
     least = float("inf")
@@ -24,14 +24,14 @@ def front(times: Sequence[float], errors: Sequence[float]) -> list[bool]:
 
 
 def best_within(budget: float, times: Sequence[float], errors: Sequence[float]) -> int | None:
-    """The point of the least error, of those equal the fastest, that takes `budget` at most; None where none does."""
+    """The point with the smallest error that takes at most `budget`, of equal ones the fastest; None if none does."""
     fitting = [k for k, time in enumerate(times) if time <= budget]
     return min(fitting, key=lambda k: (errors[k], times[k]), default=None)
 
 
 @dataclass(frozen=True)
 class Knob:
-    """Two points that differ in one setting: `cheap` is as right as `dear`, and faster."""
+    """Two points that differ in one setting: `cheap` has no larger error than `dear`, and is faster."""
 
     setting: str
     cheap: int
@@ -44,12 +44,12 @@ class Knob:
 
 def free_knobs(settings: Sequence[Mapping[str, Any]], times: Sequence[Mapping[str, float]],
                errors: Sequence[Sequence[float]], noise: Sequence[float]) -> list[Knob]:
-    """Knobs that cost nothing in error when turned to the cheaper side, those that save most first.
+    """Settings whose cheaper choice costs no error, those that save most time first.
 
-    `settings` hold the same names where they can be compared. `errors` have each point's by several measures, and by
-    none of them may it be larger than the other's by more than `noise`, the reference's floor, or SAME of itself: what
-    is off by no more may still look wrong. A point is faster where the middle 80 % of its times, p10
-    to p90, lie below the other's median, and its median below the other's p10.
+    `settings` with the same names can be compared. `errors` has each point's error by several measures, because a
+    picture of small error may still look wrong. By each of them the cheaper point's may exceed the other's by `noise`,
+    the reference's floor, or by SAME of it. A point is faster if its p90 is below the other's median, and its median
+    below the other's p10.
     """
     knobs = []
     for cheap, few in enumerate(settings):

@@ -1,4 +1,4 @@
-"""The reference: path traced in two halves with nothing in common but the scene, so that its own noise is known."""
+"""The reference: path traced in two independent halves, whose difference shows its noise."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from .errors import relmse_floor
 from .store import Record, Store
 
 FIRST_SPP = 64
-"""Of the first part of each half; every later one is as large as all before it."""
+"""Samples per pixel of the first part of each half; every later part has as many as all before it."""
 LEAST_SPP = 8
 _UNBIASED = {name: getattr(Settings(), name) for name in ("clamp", "bounces", "sampling")}
-"""Whatever the user has the points do."""
-_SEED = 0x9E3779B1  # times a number: far from the small ones that users take
+"""Settings of the reference, whatever the user chose for the points."""
+_SEED = 0x9E3779B1  # its multiples are far from the small seeds that users choose
 
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """`linear` (H, W, 4) is the mean of `halves`, (H, W, 3) each; `spp` counts both, `seconds` is what it took."""
+    """`linear` (H, W, 4) is the mean of `halves`, (H, W, 3) each; `spp` and `seconds` are those of both together."""
 
     linear: np.ndarray
     halves: Halves
@@ -36,10 +36,10 @@ class Reference:
 
 
 class ReferenceMaker:
-    """Adds parts to the two halves, each kept as it is made.
+    """Renders the two halves in parts, each of which is kept on disk.
 
-    A picture of many samples converges faster than as many pictures of few, whose samples know nothing of one another:
-    so the parts double.
+    One picture of many samples converges faster than the mean of several of fewer samples, which are not stratified
+    against one another. So every part doubles the number of samples.
     """
 
     def __init__(self, bench: Bench, store: Store, key: str) -> None:
@@ -52,15 +52,15 @@ class ReferenceMaker:
 
     @property
     def spp(self) -> int:
-        """Of both halves."""
+        """Samples per pixel so far, of both halves."""
         return sum(self._spp)
 
     def next_spp(self) -> int:
-        """Of the next part of each half, were there time for it."""
+        """Samples per pixel of the next part of each half, if there is time for it."""
         return self._spp[1] or FIRST_SPP
 
     def add(self, spp: int, report: Callable[[float], None] | None = None) -> None:
-        """A part of so many samples a pixel for each half; what is there from an interrupted run is not made again."""
+        """Render a part of so many samples per pixel for each half, or take what an interrupted run has kept."""
         for half in range(2):
             kept = self._store.load(self._name(half), self._key)
             if kept is not None:
@@ -91,7 +91,7 @@ class ReferenceMaker:
         return f"reference-{self._parts}{'ab'[half]}"
 
     def reference(self) -> Reference:
-        """As it is by now; there is a part in it."""
+        """The reference so far; a part of it must be there."""
         first, second = (total / spp for total, spp in zip(self._sums, self._spp))
         return Reference(((first + second) / 2).astype(np.float32), Halves(first[..., :3], second[..., :3]), self.spp,
                          self.seconds)

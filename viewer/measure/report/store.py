@@ -1,4 +1,4 @@
-"""What was measured, kept on disk as it comes, so that nothing is measured twice."""
+"""Measurements on disk, each written when it is done, so that none is repeated."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ...image.image import Image
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """A picture, (H, W, 4) float32 linear radiance, and what was found about it; `seconds` is what finding it took."""
+    """A picture, (H, W, 4) float32 linear radiance, its measurements, and the `seconds` that measuring took."""
 
     picture: np.ndarray
     facts: dict[str, Any] = field(default_factory=dict)
@@ -26,9 +26,9 @@ class Record:
 
 
 class Store:
-    """Records in `folder`, each as NAME.exr and NAME.json, which holds the key under which it is valid.
+    """Records in `folder`, each as NAME.exr and NAME.json, which holds the key of what the record depends on.
 
-    The folder is made where it is missing, but not the one above that. Raises OutputError.
+    The folder is made if it is missing, but not the folder above it. Raises OutputError.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -39,7 +39,7 @@ class Store:
         return self.folder / f"{name}.exr"
 
     def load(self, name: str, key: str) -> Record | None:
-        """What was kept under this name for this very key; None where that is nothing, or is not as it was written."""
+        """The record with this name and key; None if there is none, or if it was changed since it was written."""
         try:
             kept = json.loads((self.folder / f"{name}.json").read_text(encoding="utf-8"))
             if kept["key"] != key or kept.pop("seal") != self._seal(name, kept):
@@ -49,14 +49,14 @@ class Store:
             return None
 
     def save(self, name: str, key: str, record: Record) -> None:
-        """Raises OutputError. The figures are written last: they vouch for the picture."""
+        """Raises OutputError. NAME.json is written last: without it the picture does not count."""
         (self.folder / f"{name}.json").unlink(missing_ok=True)
         Image.from_linear(record.picture).save(self.picture_path(name))
         kept = {"key": key, "seconds": record.seconds, "facts": record.facts}
         write_json(self.folder / f"{name}.json", {**kept, "seal": self._seal(name, kept)})
 
     def _seal(self, name: str, kept: Mapping[str, Any]) -> str:
-        """Of the picture and its figures: what was cut short or changed since is not taken for what was measured."""
+        """A checksum of the picture and its measurements, which shows if a file is incomplete or was changed."""
         state = hashlib.blake2b(self.picture_path(name).read_bytes(), digest_size=12)
         state.update(json.dumps(kept, sort_keys=True).encode())
         return state.hexdigest()
