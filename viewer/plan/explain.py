@@ -9,11 +9,13 @@ from typing import TypedDict
 from ..material.fold import without_constant_maps
 from ..material.use import texture_bytes
 from ..scene.light import Light
+from ..scene.material import ANISOTROPY
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.schema import MAPS
 from ..settings import Settings
-from .model import Draw, Plan
+from .model import SOLID, Draw, Plan
+from .samplers import MAX_SAMPLERS
 
 _LEVELS_MB = sum((512 >> k) * (1024 >> k) * 6 for k in range(6)) / 1e6  # three half floats a texel
 _LEVELS_BAKE_S = 0.11
@@ -104,6 +106,11 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
     if plan.environment and scene.environment is not None and not plan.has_traced_reflections:
         reason = "not asked for" if settings.reflections == "environment" else "no opaque surface is smooth enough"
         lines.append(f"traced reflections: {reason}")
+    limited = sum(draw.transmits == SOLID and not draw.traces_refraction for draw in draws)
+    if limited and settings.refraction == "traced" and settings.lobes in ("all", "specular"):
+        lines.append(f"traced refraction in {_many(limited, 'surface')}: with their maps a program would sample more "
+                     f"than {MAX_SAMPLERS} textures")
+    lines += isotropic_instead(scene, settings)
     if any_lit and not plan.has_indirect and settings.mode == "pbr":
         reason = "not asked for" if settings.indirect == "off" else "the scene is convex: no surface sees another"
         lines.append(f"indirect light: {reason}")
@@ -123,8 +130,21 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
     return lines
 
 
+def isotropic_instead(scene: Scene, settings: Settings) -> list[str]:
+    """In words, why surfaces that are declared anisotropic are not shown so."""
+    if settings.mode == "phong":
+        return []
+    placed = [scene.meshes[instance.mesh] for instance in scene.instances]
+    meshes = [mesh for mesh in placed if ANISOTROPY.is_on(scene.materials[mesh.material])]
+    if meshes and settings.ndf != "ggx":
+        return ["anisotropy: of the distributions of normals only ggx is stretched"]
+    lacking = sum(mesh.tangents is None for mesh in meshes)
+    reason = "without tangents or texture coordinates to make them from"
+    return [f"anisotropy of {_many(lacking, 'surface')} {reason}"] if lacking else []
+
+
 _ATTRIBUTES = {
-    "a_tangent": "tangents: there are no normal maps",
+    "a_tangent": "tangents: no surface needs them",
     "a_color": "vertex colours: there are none",
     "a_uv1": "second texture coordinates: no map reads them",
 }

@@ -22,6 +22,7 @@ from ..settings import Settings
 from .bsdf_switches import bsdf_switches
 from .explain import explain
 from .model import Draw, Plan, Program
+from .samplers import within_limit
 from .sharing import attributes_of, leave_nothing_out, share_programs
 
 MAX_LIGHTS = 128
@@ -195,6 +196,7 @@ def _draw(
     if lit:
         switches |= common | {"DOUBLE_SIDED": int(material.double_sided)}
         switches |= _pbr_switches(material, settings) if settings.mode == "pbr" else _phong_switches(material, settings)
+    switches = within_limit(switches)
     program = Program(f"raster/{model}.frag", tuple(sorted(switches.items())))
     transmits = features["HAS_TRANSMISSION"] + features["IS_SOLID"]
     return Draw(index, mesh_index, mesh.material, material, program, maps, attributes_of(switches), material.alpha_mode,

@@ -19,6 +19,7 @@ from ..scene.light import Light
 from ..scene.scene import Scene
 from ..scene.schema import MAPS, SWITCHED
 from .model import Draw, Plan, Program
+from .samplers import MAX_SAMPLERS, sampler_count
 
 OWN_PROGRAMS = 4
 """Of one fragment file: so many are never shared."""
@@ -105,16 +106,18 @@ _ORDER = ("directional", "point", "spot")
 
 
 def _full(program: Program, common: Mapping[str, int]) -> dict[str, int]:
-    """The program's switches with every feature on that can be."""
+    """The program's switches with every feature on that can be, and as many maps as there are samplers left."""
     switches, fragment = dict(program.switches), program.fragment
-    on = _free(fragment) | {f"{name}_{word}": max for name in _maps(fragment) for word in ("MAP", "TRANSFORM")}
-    switches |= {name: 1 for name in on if name in switches} | {"UV_SETS": 3}
+    switches |= {name: 1 for name in _free(fragment) if name in switches} | {"UV_SETS": 3}
     if fragment != "raster/unlit.frag":
         switches |= common
-    if fragment == "raster/pbr.frag" and switches["METALNESS"] != 1:
-        # Glass and traced reflections together have more textures than every OpenGL binds; no surface has both.
+    if fragment == "raster/pbr.frag" and switches["METALNESS"] != 1:  # no surface transmits and is traced as a mirror
         switches |= {"METALNESS": 2,
                      "HAS_TRANSMISSION": max(switches["HAS_TRANSMISSION"], 1 - switches["TRACED_REFLECTION"])}
+    for name in _maps(fragment):
+        more = switches | {f"{name}_MAP": 1, f"{name}_TRANSFORM": 1}
+        if switches[f"{name}_MAP"] or sampler_count(more) <= MAX_SAMPLERS:
+            switches = more
     return switches
 
 
@@ -141,7 +144,7 @@ def _union(a: Mapping[str, int], b: Mapping[str, int], fragment: str) -> dict[st
             both[name] = 2
         elif both[name] != value and not name.endswith(("_UV", "_MIRROR")):
             return None
-    return both
+    return both if sampler_count(both) <= MAX_SAMPLERS else None
 
 
 def _widened(draw: Draw, switches: Mapping[str, int]) -> Draw:

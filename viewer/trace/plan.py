@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ..plan.bsdf_switches import bsdf_switches
+from ..plan.explain import isotropic_instead
 from ..plan.model import Program
 from ..scene.scene import Scene
 from ..settings import Settings, setting_choices
@@ -133,6 +134,7 @@ def _left_out(
         lines.append(f"the environment as background: {reason}")
     lines += [f"{what}: there is none" for name, what in _SURFACES.items() if not switches[name]]
     lines += unused_maps(scene, geometry)
+    lines += isotropic_instead(scene, settings)
     if GLASS.name not in programs:
         lines.append("the pass for glass: nothing transmits light")
     elif switches["HAS_PUNCTUAL"] and any(_is_smooth_glass(geometry, instance) for instance in geometry.instances):
@@ -155,7 +157,8 @@ _LIGHTS = {
 }
 _SURFACES = {
     "HAS_TEXTURES": "texture fetches",
-    "HAS_NORMAL_MAP": "tangents and normal maps",
+    "HAS_NORMAL_MAP": "normal maps",
+    "ANISOTROPIC": "anisotropic highlights",
     "HAS_COLOR": "vertex colours",
     "HAS_EMISSION": "emission",
     "HAS_SEE_THROUGH": "code for what alpha leaves open",

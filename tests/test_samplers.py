@@ -1,0 +1,48 @@
+"""No program samples more textures than OpenGL 3.3 grants, and the plan counts them as the driver does."""
+
+from __future__ import annotations
+
+import moderngl
+import pytest
+from shapes import plate, scene
+from test_plan import ENVIRONMENT, MAP, SUN
+
+from viewer.gpu.programs import Programs
+from viewer.plan.planner import plan_scene
+from viewer.plan.samplers import MAX_SAMPLERS, sampler_count
+from viewer.scene.material import Material
+from viewer.scene.schema import MAPS
+from viewer.settings import Settings
+
+EVERY_MAP = {f"{name}_texture": MAP for name in MAPS}
+GLASS = Material(metallic=0.5, emissive=(1, 1, 1), transmission=0.5, thickness=1.0, anisotropy_strength=0.5,
+                 **EVERY_MAP)
+OPAQUE = Material(metallic=0.5, perceptual_roughness=0.3, emissive=(1, 1, 1), **EVERY_MAP)
+TRACED = {"reflections": "traced", "refraction": "traced", "environment_shadows": "64"}
+
+
+def planned(material: Material, **settings: object):
+    model = scene(plate(), materials=(material,), lights=(SUN,), environment=ENVIRONMENT)
+    return plan_scene(model, Settings.of(**settings), (SUN,), samples=4, half_target=False, orthographic=False)
+
+
+@pytest.mark.parametrize("material", [GLASS, OPAQUE, Material()], ids=["glass", "opaque", "plain"])
+@pytest.mark.parametrize("settings", [{}, TRACED, {"mode": "phong"}, {"plan": "everything"},
+                                      {"plan": "everything", **TRACED}], ids=str)
+def test_no_program_samples_too_many_textures(context, material, settings):
+    programs = Programs(context)
+    for program in planned(material, **settings).programs:
+        compiled = programs.get("raster/surface.vert", program.fragment, dict(program.switches))
+        samplers = [name for name in compiled if isinstance(compiled[name], moderngl.Uniform)
+                    and name.startswith("u_") and compiled[name].gl_type in (0x8B5E, 0x8B62)]  # 2D, 2D shadow
+        assert len(samplers) <= sampler_count(dict(program.switches)) <= MAX_SAMPLERS
+    programs.release()
+
+
+def test_glass_with_every_map_is_not_traced_and_says_so():
+    found = planned(GLASS, refraction="traced")
+    assert not found.has_traced_refraction
+    assert "traced refraction in 1 surface: with their maps a program would sample more than 16 textures" \
+        in found.left_out
+    fewer = Material(metallic=0.0, transmission=0.5, thickness=1.0, base_color_texture=MAP)
+    assert planned(fewer, refraction="traced").has_traced_refraction
