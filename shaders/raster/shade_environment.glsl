@@ -2,9 +2,6 @@
 // its parts looked up on its own.
 
 #include "raster/specular_occlusion.glsl"
-#if ANISOTROPIC
-const int STRETCHED_LOBES = 16;
-#endif
 #if INDIRECT
 #include "raster/indirect.glsl"
 #endif
@@ -19,7 +16,7 @@ vec3 reflected_along(Point p, vec3 h, float t, float perceptual_roughness) {
 }
 
 #if ANISOTROPIC
-// The stretched lobe as the sum of narrow ones, whose facets lean along the tangent as those of the wide one do: slopes
+// The stretched lobe as the sum of STRETCHED_LOBES narrow ones, whose facets lean along the tangent as those of the wide one do: slopes
 // x of GGX, which have the cumulative distribution (1 + x / sqrt(a^2 + x^2)) / 2 (Walter et al. 2007; Heitz 2014), a^2
 // being what the narrow lobe lacks. Each counts by the area that the eye sees of it and by how far light reaches it.
 vec3 stretched_reflection(Point p, Surface s) {

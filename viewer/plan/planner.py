@@ -227,11 +227,24 @@ def _mirrors(material: Material) -> bool:
     return material.has_interface and not is_rough and not ANISOTROPY.is_on(material)  # one ray knows no tangent
 
 
+def stretched_lobes(material: Material) -> int:
+    """How many narrow lobes stand for a stretched one under an environment: 2 alpha_t / alpha, as a power of 2.
+
+    docs/choices.md has the error of each number. Where a map varies the roughness, the ratio is not known.
+    """
+    if material.metallic_roughness_texture is not None:
+        return 16
+    alpha = material.perceptual_roughness**2
+    alpha_t = alpha + (1 - alpha) * material.anisotropy_strength**2
+    return next((count for count in (4, 8, 16) if 2 * alpha_t <= count * alpha), 32)
+
+
 def _pbr_switches(material: Material, settings: Settings) -> dict[str, int]:
     return {
         "REFLECTS": int(material.has_interface),
         "METALNESS": metalness(material),
         **bsdf_switches(settings),
+        "STRETCHED_LOBES": stretched_lobes(material),
         "SPECULAR_AA": int(settings.specular_aa == "on"),
         "TRACED_REFRACTION": int(settings.refraction == "traced" and settings.lobes in ("all", "specular")
                                  and material.transmits and material.thickness > 0),
