@@ -1,9 +1,9 @@
 """Rays a second through both intersectors, and what the BVH costs to build: `python -m benchmarks.intersect`.
 
-A wave of 65,536 slots: camera rays; diffuse bounces from what they hit; shadow rays from there; bounces and shadow rays
-together, as the tracer has them. On bumpy spheres of 10^3 to 10^6 triangles, and on FlightHelmet where a corpus lies
-beside the checkout. Rates are by the wall clock and, in parentheses, by processor time on all threads, which is the one
-to compare on a busy machine.
+A wavefront of 65,536 paths: camera rays; diffuse bounces from what they hit; shadow rays from there; bounces and shadow
+rays together, as the tracer has them. On bumpy spheres of 10^3 to 10^6 triangles, and on FlightHelmet where a corpus
+lies beside the checkout. Rates are by the wall clock and, in parentheses, by processor time on all threads, which is
+the one to compare on a busy machine.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 import viewer
 from viewer.gpu.context import Context, open_context
 from viewer.trace.layout import FREE, INSTANCE_MASK, MISS, TILE
-from viewer.trace.paths.wavefront import Wave
+from viewer.trace.paths.wavefront import Wavefront
 from viewer.trace.rays.bvh import build_bvh
 from viewer.trace.rays.intersect import Intersector, make_intersector
 from viewer.trace.scene.geometry import TraceGeometry, TraceInstance, TraceMesh, trace_geometry
@@ -105,13 +105,13 @@ def make_rays(
     x, y = np.meshgrid(across, across)
     origin = np.tile(np.float32([0, 0, 2.6]), (SIDE * SIDE, 1))
     direction = _normalized(np.stack([0.4 * x.ravel(), 0.4 * y.ravel(), np.full(x.size, -1.0)], axis=1))
-    wave = _wave(context, (origin, direction), None)
-    intersector.store(wave, intersector.trace(intersector.fetch(wave)))
-    words = np.frombuffer(wave.hit.read(), np.uint32).reshape(-1, 4)
-    wave.release()
-    hit = np.flatnonzero(words[:, 0] & ~np.uint32(FREE) != MISS)
-    start, normal = _surface(geometry, words[hit], direction[hit])
-    again = np.arange(SIDE * SIDE) * len(hit) // (SIDE * SIDE)  # in the order of the slots
+    wavefront = _wavefront(context, (origin, direction), None)
+    intersector.store(wavefront, intersector.trace(intersector.fetch(wavefront)))
+    hits = np.frombuffer(wavefront.hit.read(), np.uint32).reshape(-1, 4)
+    wavefront.release()
+    hit = np.flatnonzero(hits[:, 0] & ~np.uint32(FREE) != MISS)
+    start, normal = _surface(geometry, hits[hit], direction[hit])
+    again = np.arange(SIDE * SIDE) * len(hit) // (SIDE * SIDE)  # in the order of the paths
     start, normal = start[again], normal[again]
     bounce, shadow = (_normalized(normal + _normalized(rng.normal(size=normal.shape))) for _ in range(2))
     above = (start + 1e-5 * normal).astype(np.float32)
@@ -120,41 +120,41 @@ def make_rays(
 
 
 def rate(context: Context, intersector: Intersector, rays: Rays | None, shadow: Rays | None) -> str:
-    wave = _wave(context, rays, shadow)
+    wavefront = _wavefront(context, rays, shadow)
     count = SIDE * SIDE * ((rays is not None) + (shadow is not None))
     walls, processors = [], []
     for _ in range(ROUNDS + 1):
         wall, processor = time.perf_counter(), time.process_time()
-        intersector.store(wave, intersector.trace(intersector.fetch(wave)))
+        intersector.store(wavefront, intersector.trace(intersector.fetch(wavefront)))
         context.gl.finish()
         walls.append(time.perf_counter() - wall)
         processors.append(time.process_time() - processor)
-    wave.release()
+    wavefront.release()
     return f"{count / min(walls) / 1e6:.2f} ({count / min(processors) / 1e6:.2f})"
 
 
-def _wave(context: Context, rays: Rays | None, shadow: Rays | None) -> Wave:
-    wave = Wave(context.gl, SIDE // TILE, SIDE // TILE, has_medium=False, has_layers=False)
+def _wavefront(context: Context, rays: Rays | None, shadow: Rays | None) -> Wavefront:
+    wavefront = Wavefront(context.gl, SIDE // TILE, SIDE // TILE, has_medium=False, has_layers=False)
     nothing = np.zeros((SIDE * SIDE, 3), np.float32)
     origin, direction = rays or (nothing, nothing)
     shadow_origin, shadow_vector = shadow or (nothing, nothing)
     state = 1.0 if rays is not None else 2.0
-    for texture, values in ((wave.origin, origin), (wave.direction, direction), (wave.shadow_origin, shadow_origin),
-                            (wave.shadow_vector, shadow_vector)):
+    for texture, values in ((wavefront.origin, origin), (wavefront.direction, direction),
+                            (wavefront.shadow_origin, shadow_origin), (wavefront.shadow_vector, shadow_vector)):
         texture.write(np.pad(values, ((0, 0), (0, 1)), constant_values=state).astype(np.float32))
-    return wave
+    return wavefront
 
 
 def _surface(
-    geometry: TraceGeometry, words: NDArray[np.uint32], direction: NDArray[np.float32]
+    geometry: TraceGeometry, hits: NDArray[np.uint32], direction: NDArray[np.float32]
 ) -> tuple[NDArray, NDArray]:
     """Points hit, and unit normals on the side that the rays came from, (hits, 3) float64."""
-    point, normal = np.empty((2, len(words), 3))
-    u, v = words[:, 2:].view(np.float32).astype(np.float64).T
+    point, normal = np.empty((2, len(hits), 3))
+    u, v = hits[:, 2:].view(np.float32).astype(np.float64).T
     for index, instance in enumerate(geometry.instances):
-        here = words[:, 0] & INSTANCE_MASK == index
+        here = hits[:, 0] & INSTANCE_MASK == index
         mesh = geometry.meshes[instance.mesh]
-        corners = mesh.positions[mesh.triangles[words[here, 1]]] @ instance.transform[:, :3].T
+        corners = mesh.positions[mesh.triangles[hits[here, 1]]] @ instance.transform[:, :3].T
         a, b, c = (corners + instance.transform[:, 3]).transpose(1, 0, 2)
         point[here] = a + u[here, None] * (b - a) + v[here, None] * (c - a)
         normal[here] = np.cross(b - a, c - a)

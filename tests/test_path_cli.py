@@ -18,7 +18,7 @@ from PIL import Image as Pillow
 import viewer
 from viewer.errors import UsageError
 from viewer.image.image import Image
-from viewer.trace.paths.path_render import Exposure
+from viewer.trace.paths.path_render import PathRender
 
 MODEL = SCENES / "spheres.glb"
 PATH = ("--mode", "path", "--size", "24", "--env", "furnace")
@@ -73,8 +73,8 @@ def test_a_target_ends_it(run, folder):
 
 
 def interrupting(monkeypatch, before: int, times: int = 1):
-    """Exposure.step as if somebody pressed Ctrl-C so many times, once `before` steps were made."""
-    step, steps = Exposure.step, []
+    """PathRender.step as if somebody pressed Ctrl-C so many times, once `before` steps were made."""
+    step, steps = PathRender.step, []
 
     def interrupted(self, seconds):
         steps.append(None)
@@ -86,7 +86,7 @@ def interrupting(monkeypatch, before: int, times: int = 1):
             while self.samples < 1:
                 step(self, seconds)
 
-    monkeypatch.setattr(Exposure, "step", interrupted)
+    monkeypatch.setattr(PathRender, "step", interrupted)
 
 
 def test_ctrl_c_writes_the_picture_so_far_and_says_how_far_it_came(run, folder, monkeypatch):

@@ -1,7 +1,7 @@
 // Written by `python -m viewer.material` from viewer/scene/material.py; change it there.
 // A material's parameters and maps as the path tracer has them (viewer/material/pack.py).
 #include "material/inputs.glsl"
-#include "trace/words.glsl"
+#include "trace/scene_buffer.glsl"
 #if HAS_TEXTURES
 #include "trace/atlas.glsl"
 #endif
@@ -16,56 +16,56 @@ int material_texel(int material, int part) {
 }
 
 vec4 base_color_factor(int material) {
-    return word_float(material_texel(material, 0)).xyzw;
+    return scene_float4(material_texel(material, 0)).xyzw;
 }
 
 float metallic_factor(int material) {
-    return word_float(material_texel(material, 1)).x;
+    return scene_float4(material_texel(material, 1)).x;
 }
 
 float perceptual_roughness_factor(int material) {
-    return word_float(material_texel(material, 1)).y;
+    return scene_float4(material_texel(material, 1)).y;
 }
 
 float ior_factor(int material) {
-    return word_float(material_texel(material, 1)).z;
+    return scene_float4(material_texel(material, 1)).z;
 }
 
 float specular_factor(int material) {
-    return word_float(material_texel(material, 1)).w;
+    return scene_float4(material_texel(material, 1)).w;
 }
 
 float normal_scale_factor(int material) {
-    return word_float(material_texel(material, 2)).x;
+    return scene_float4(material_texel(material, 2)).x;
 }
 
 vec3 emissive_factor(int material) {
-    return word_float(material_texel(material, 2)).yzw;
+    return scene_float4(material_texel(material, 2)).yzw;
 }
 
 vec3 specular_color_factor(int material) {
-    return word_float(material_texel(material, 3)).xyz;
+    return scene_float4(material_texel(material, 3)).xyz;
 }
 
 float transmission_factor(int material) {
-    return word_float(material_texel(material, 3)).w;
+    return scene_float4(material_texel(material, 3)).w;
 }
 
 float anisotropy_strength_factor(int material) {
-    return word_float(material_texel(material, 4)).x;
+    return scene_float4(material_texel(material, 4)).x;
 }
 
 float anisotropy_rotation_factor(int material) {
-    return word_float(material_texel(material, 4)).y;
+    return scene_float4(material_texel(material, 4)).y;
 }
 
 float alpha_cutoff_factor(int material) {
-    return word_float(material_texel(material, 4)).z;
+    return scene_float4(material_texel(material, 4)).z;
 }
 
 // Where the material's maps are: runs of colours and of data, first | count << 24; the normal map + 1
 uvec4 map_records(int material) {
-    return word(material_texel(material, 5));
+    return scene_uint4(material_texel(material, 5));
 }
 
 // `color` is the vertices'.

@@ -1,4 +1,4 @@
-// Whether any slot of a block has something to do, a pixel a block.
+// Draws one pixel for each block of TILE x TILE paths: 1 if any of them is not idle, else 0.
 #include "trace/numbers.glsl"
 
 out float o_alive;

@@ -1,9 +1,8 @@
-// Texture maps: each image is a page of an atlas, read at level 0 with its sampler's wrapping and, by texelFetch, with
-// weights in full float precision (a GPU's own filter has 8 bits of them).
-#include "trace/words.glsl"
+// Texture maps. Each image is a page of an atlas. A map is read at level 0 with the wrapping of its sampler. The
+// bilinear weights are computed here, because a GPU's own filter keeps only 8 bits of them.
+#include "trace/scene_buffer.glsl"
 
-const uint WRAP_REPEAT = 0u, WRAP_CLAMP = 1u; // and 2u, mirror
-const uint MAP_NEAREST = 16u, MAP_SECOND_UV = 32u, MAP_TRANSFORMED = 64u;
+const uint WRAP_MASK = (1u << MAP_WRAP_BITS) - 1u;
 
 uniform int u_maps;
 #if HAS_COLOR_MAPS
@@ -15,47 +14,47 @@ uniform sampler2D u_data_atlas;
 
 struct TextureMap {
     vec2 corner, size; // of the page, in texels
-    uint flags;        // bits 0-1 wrap along s, 2-3 along t, 4 nearest, 5 second UV set, 6 transformed, 8 and up roles
+    uint flags;        // as viewer/trace/layout.py describes them
     vec2 uv;
 };
 
 TextureMap texture_map(int index, vec2 uv0, vec2 uv1) {
-    int at = u_maps + index * MAP_TEXELS;
-    uvec4 w = word(at);
+    int first = u_maps + index * MAP_TEXELS;
+    uvec4 record = scene_uint4(first);
     TextureMap map;
-    map.corner = vec2(w.x & 0xffffu, w.x >> 16);
-    map.size = vec2(w.y & 0xffffu, w.y >> 16);
-    map.flags = w.z;
+    map.corner = vec2(record.x & 0xffffu, record.x >> 16);
+    map.size = vec2(record.y & 0xffffu, record.y >> 16);
+    map.flags = record.z;
     map.uv = uv0;
 #if HAS_UV1
-    if ((w.z & MAP_SECOND_UV) != 0u) map.uv = uv1;
+    if ((record.z & uint(MAP_SECOND_UV)) != 0u) map.uv = uv1;
 #endif
 #if HAS_UV_TRANSFORM
-    if ((w.z & MAP_TRANSFORMED) != 0u) {
+    if ((record.z & uint(MAP_TRANSFORMED)) != 0u) {
         vec3 p = vec3(map.uv, 1.0);
-        map.uv = vec2(dot(word_float(at + 1).xyz, p), dot(word_float(at + 2).xyz, p));
+        map.uv = vec2(dot(scene_float4(first + 1).xyz, p), dot(scene_float4(first + 2).xyz, p));
     }
 #endif
     return map;
 }
 
 bool has_role(TextureMap map, uint role) {
-    return (map.flags >> 8 & role) != 0u;
+    return (map.flags >> MAP_ROLE_SHIFT & role) != 0u;
 }
 
-// Four texels and the weights of the second column and row
+// The four texels of a bilinear look-up, and the weights of the second column and row
 struct Footprint {
     ivec2 low, high;
     vec2 weight;
 };
 
 Footprint footprint(TextureMap map) {
-    uvec2 wrap = uvec2(map.flags & 3u, map.flags >> 2 & 3u);
+    uvec2 wrap = uvec2(map.flags & WRAP_MASK, map.flags >> MAP_WRAP_BITS & WRAP_MASK);
     bvec2 repeats = equal(wrap, uvec2(WRAP_REPEAT));
     vec2 folded = 1.0 - abs(map.uv - 2.0 * floor(0.5 * map.uv) - 1.0);
     vec2 uv = mix(mix(folded, clamp(map.uv, 0.0, 1.0), equal(wrap, uvec2(WRAP_CLAMP))), fract(map.uv), repeats);
     vec2 x = uv * map.size - 0.5;
-    if ((map.flags & MAP_NEAREST) != 0u) x = floor(x + 0.5);
+    if ((map.flags & uint(MAP_NEAREST)) != 0u) x = floor(x + 0.5);
     vec2 low = floor(x);
     vec2 last = map.size - 1.0;
     Footprint f;

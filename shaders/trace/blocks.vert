@@ -1,4 +1,4 @@
-// A square of TILE x TILE slots for each block that is named.
+// Draws a square of TILE x TILE texels for each block in `a_block`.
 in int a_block;
 
 uniform ivec2 u_grid; // of blocks: columns, rows

@@ -1,7 +1,8 @@
-// Nearest hits, and whether there is any, by a walk through the trees of viewer/trace/rays/bvh.py. To be included first.
+// Nearest-hit and any-hit queries by traversal of the trees of viewer/trace/rays/bvh.py. A program includes this file
+// first, because of the #extension.
 //
-// No ray slips through an edge or a corner that triangles share: S. Woop, C. Benthin, I. Wald: Watertight Ray/Triangle
-// Intersection, JCGT 2(1), 2013; T. Ize: Robust BVH Ray Traversal, JCGT 2(2), 2013.
+// The test is watertight: no ray passes through an edge or a corner that triangles share. S. Woop, C. Benthin, I. Wald:
+// Watertight Ray/Triangle Intersection, JCGT 2(1), 2013; T. Ize: Robust BVH Ray Traversal, JCGT 2(2), 2013.
 #extension GL_ARB_gpu_shader5 : enable
 #ifdef GL_ARB_gpu_shader5
 #define PRECISE precise
@@ -13,14 +14,14 @@
 
 uniform usampler2D u_bvh;
 uniform uint u_root;
-uniform int u_bvh_triangles, u_bvh_instances; // the texels where they start
+uniform int u_bvh_triangles, u_bvh_instances; // their first texels
 
-// References, as in viewer/trace/rays/bvh4.py and bvh.py; those that are no leaf are numbers of nodes.
+// References, as in viewer/trace/rays/bvh4.py and bvh.py. A reference without the bit LEAF is the number of a node.
 const uint LEAF = 1u << 31;                     // | (count - 1) << LEAF_SHIFT | first triangle
-const uint INSTANCE = LEAF | 7u << LEAF_SHIFT;  // | number of the instance here
+const uint INSTANCE = LEAF | 7u << LEAF_SHIFT;  // | number of the instance in this tree
 const uint PRIMITIVE_MASK = (1u << LEAF_SHIFT) - 1u;
 const uint NOTHING = ~0u;
-const float FARTHEST = 16.0;       // all is within 1 of the origin, and rays start within some 2
+const float FARTHEST = 16.0; // all geometry is within 1 of the origin, and rays start within about 2 of it
 
 struct Found {
     float t;
@@ -30,38 +31,38 @@ struct Found {
     uint is_see_through;
 };
 
-// A ray as the tests want it
-struct Walker {
+// A ray with what the intersection tests need
+struct PreparedRay {
     vec3 origin;
     vec3 inverse; // 1 / direction
-    int axis;     // along which the direction is longest
-    vec3 shear;   // takes the direction to the unit of that axis
+    int axis;     // of the direction's largest component
+    vec3 shear;   // maps the direction to the unit vector along that axis
 };
 
 uvec4 bvh_texel(int i) {
     return texelFetch(u_bvh, ivec2(i & (BVH_WIDTH - 1), i / BVH_WIDTH), 0);
 }
 
-// The same axes with `axis` last
-vec3 turned(vec3 v, int axis) {
+// Rotates the components of v so that `axis` comes last
+vec3 axis_last(vec3 v, int axis) {
     return axis == 0 ? v.yzx : axis == 1 ? v.zxy : v;
 }
 
-Walker walker(vec3 origin, vec3 direction) {
+PreparedRay prepare(vec3 origin, vec3 direction) {
     vec3 size = abs(direction);
     int axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
-    // Exactly 0 would make 0 times infinity of a box's side that the origin lies on.
+    // A component of exactly 0 would give 0 * infinity, which is NaN, where the origin lies on a side of a box.
     vec3 nonzero = mix(direction, vec3(1e-20), lessThan(size, vec3(1e-20)));
-    vec3 d = turned(direction, axis);
-    return Walker(origin, 1.0 / nonzero, axis, vec3(d.xy, 1.0) / d.z);
+    vec3 d = axis_last(direction, axis);
+    return PreparedRay(origin, 1.0 / nonzero, axis, vec3(d.xy, 1.0) / d.z);
 }
 
-// `precise`: a product that is rounded for the one triangle of an edge and not for the other would open it.
-bool meet_triangle(Walker ray, int texel, float t_max, out Found found) {
+// `precise` makes the two triangles of an edge round their products alike. Otherwise the edge would have a gap.
+bool intersect_triangle(PreparedRay ray, int texel, float t_max, out Found found) {
     uvec4 bits_a = bvh_texel(texel), bits_b = bvh_texel(texel + 1), bits_c = bvh_texel(texel + 2);
-    vec3 a = turned(uintBitsToFloat(bits_a.xyz) - ray.origin, ray.axis);
-    vec3 b = turned(uintBitsToFloat(bits_b.xyz) - ray.origin, ray.axis);
-    vec3 c = turned(uintBitsToFloat(bits_c.xyz) - ray.origin, ray.axis);
+    vec3 a = axis_last(uintBitsToFloat(bits_a.xyz) - ray.origin, ray.axis);
+    vec3 b = axis_last(uintBitsToFloat(bits_b.xyz) - ray.origin, ray.axis);
+    vec3 c = axis_last(uintBitsToFloat(bits_c.xyz) - ray.origin, ray.axis);
     PRECISE vec2 a2 = a.xy - ray.shear.xy * a.z;
     PRECISE vec2 b2 = b.xy - ray.shear.xy * b.z;
     PRECISE vec2 c2 = c.xy - ray.shear.xy * c.z;
@@ -76,17 +77,17 @@ bool meet_triangle(Walker ray, int texel, float t_max, out Found found) {
 }
 
 #if HAS_SEE_THROUGH
-bool goes_through(Hit hit, vec3 vector); // trace/see_through.glsl
+bool shadow_ray_passes(Hit hit, vec3 vector); // trace/see_through.glsl
 #endif
 
-// Distances to the boxes of a node's four children; above `t_max` where the ray misses.
-vec4 meet_boxes(Walker ray, int texel, float t_max) {
+// Distances to the boxes of a node's four children; more than FARTHEST where the ray misses the box.
+vec4 intersect_boxes(PreparedRay ray, int texel, float t_max) {
     vec4 near = vec4(0.0), far = vec4(t_max);
     for (int axis = 0; axis < 3; ++axis) {
         vec4 a = (uintBitsToFloat(bvh_texel(texel + 2 * axis)) - ray.origin[axis]) * ray.inverse[axis];
         vec4 b = (uintBitsToFloat(bvh_texel(texel + 2 * axis + 1)) - ray.origin[axis]) * ray.inverse[axis];
         near = max(near, min(a, b));
-        far = min(far, max(a, b) * (1.0 + 1.0 / 1048576.0)); // more than what rounding takes off
+        far = min(far, max(a, b) * (1.0 + 1.0 / 1048576.0)); // larger than the rounding error
     }
     return mix(near, vec4(2.0 * FARTHEST), greaterThan(near, far));
 }
@@ -102,22 +103,23 @@ void sort(inout vec4 t, inout uvec4 children, int i, int j) {
     }
 }
 
-// Whether the ray o + t d meets a triangle for t in (0, t_max): the nearest, or, for shadow rays, any that stops it.
-bool walk(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
-    uint waiting[STACK]; // nodes, leaves and instances to come back to, and how far away they are
-    float away[STACK];
+// Whether the ray o + t d hits a triangle with t in (0, t_max). `nearest` is the nearest such hit. For a shadow ray,
+// the first triangle found that stops the ray ends the search.
+bool traverse(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
+    uint stack[STACK]; // references that are still to be visited, and the distances to their boxes
+    float stack_t[STACK];
     int count = 0;
     nearest = Found(t_max, MISS, 0u, vec2(0.0), 0u);
     bool is_hit = false;
-    Walker ray = walker(o, d);
+    PreparedRay ray = prepare(o, d);
 #if HAS_INSTANCES
     uvec4 instance = uvec4(NOTHING);
-    int outside = -1; // how many wait outside of the instance
+    int outer_count = -1; // size of the stack when the current instance was entered; -1 outside of instances
 #endif
     uint next = u_root;
     while (next != NOTHING) {
         if ((next & LEAF) == 0u) {
-            vec4 t = meet_boxes(ray, int(next) * NODE_TEXELS, nearest.t);
+            vec4 t = intersect_boxes(ray, int(next) * NODE_TEXELS, nearest.t);
             uvec4 children = bvh_texel(int(next) * NODE_TEXELS + 6);
             sort(t, children, 0, 1);
             sort(t, children, 2, 3);
@@ -125,16 +127,16 @@ bool walk(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
             sort(t, children, 1, 3);
             sort(t, children, 1, 2);
             if (t.w <= FARTHEST) {
-                away[count] = t.w;
-                waiting[count++] = children.w;
+                stack_t[count] = t.w;
+                stack[count++] = children.w;
             }
             if (t.z <= FARTHEST) {
-                away[count] = t.z;
-                waiting[count++] = children.z;
+                stack_t[count] = t.z;
+                stack[count++] = children.z;
             }
             if (t.y <= FARTHEST) {
-                away[count] = t.y;
-                waiting[count++] = children.y;
+                stack_t[count] = t.y;
+                stack[count++] = children.y;
             }
             if (t.x <= FARTHEST) {
                 next = children.x;
@@ -145,10 +147,10 @@ bool walk(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
             int texel = u_bvh_instances + int(next & PRIMITIVE_MASK) * BVH_INSTANCE_TEXELS;
             vec4 x = uintBitsToFloat(bvh_texel(texel)), y = uintBitsToFloat(bvh_texel(texel + 1));
             vec4 z = uintBitsToFloat(bvh_texel(texel + 2));
-            ray = walker(vec3(dot(x, vec4(o, 1.0)), dot(y, vec4(o, 1.0)), dot(z, vec4(o, 1.0))),
+            ray = prepare(vec3(dot(x, vec4(o, 1.0)), dot(y, vec4(o, 1.0)), dot(z, vec4(o, 1.0))),
                          vec3(dot(x.xyz, d), dot(y.xyz, d), dot(z.xyz, d)));
             instance = bvh_texel(texel + 3);
-            outside = count;
+            outer_count = count;
             next = instance.x;
             continue;
 #endif
@@ -157,9 +159,9 @@ bool walk(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
             int end = texel + TRIANGLE_TEXELS * (int(next >> LEAF_SHIFT & 7u) + 1);
             for (; texel < end; texel += TRIANGLE_TEXELS) {
                 Found found;
-                if (!meet_triangle(ray, texel, nearest.t, found)) continue;
+                if (!intersect_triangle(ray, texel, nearest.t, found)) continue;
 #if HAS_INSTANCES
-                if (outside >= 0) {
+                if (outer_count >= 0) {
                     found.code = instance.y;
                     found.is_see_through = instance.z;
                 }
@@ -167,7 +169,7 @@ bool walk(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
 #if HAS_SEE_THROUGH
                 if (is_shadow && found.is_see_through != 0u) {
                     Hit hit = Hit(int(found.code & INSTANCE_MASK), int(found.triangle), found.barycentric);
-                    if (goes_through(hit, d)) continue;
+                    if (shadow_ray_passes(hit, d)) continue;
                 }
 #endif
                 if (is_shadow) return true;
@@ -175,15 +177,15 @@ bool walk(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
                 is_hit = true;
             }
         }
-        while (count > 0 && away[count - 1] >= nearest.t) --count;
+        while (count > 0 && stack_t[count - 1] >= nearest.t) --count;
         if (count == 0) break;
 #if HAS_INSTANCES
-        if (count <= outside) {
-            outside = -1;
-            ray = walker(o, d);
+        if (count <= outer_count) {
+            outer_count = -1;
+            ray = prepare(o, d);
         }
 #endif
-        next = waiting[--count];
+        next = stack[--count];
     }
     return is_hit;
 }

@@ -1,10 +1,10 @@
-// The environment in full, and directions chosen by its radiance, from the tables of viewer/trace/scene/environment.py.
+// The environment's radiance, and directions sampled by it with the table of viewer/trace/scene/environment.py.
 // HAS_ENVIRONMENT, ENVIRONMENT_ROTATED
 #if HAS_ENVIRONMENT
 #include "trace/equirect.glsl"
 
 uniform sampler2D u_environment;
-uniform usampler2D u_environment_table; // by cell: threshold, column and row of the alias, both densities
+uniform usampler2D u_environment_table; // for each cell: threshold, column and row of the alias, densities of both
 uniform vec2 u_environment_cell;        // size of a cell in texture coordinates; the last may be cut off at 1
 uniform float u_environment_intensity;
 uniform float u_environment_share;      // of all light samples
@@ -12,10 +12,10 @@ uniform float u_environment_share;      // of all light samples
 uniform vec2 u_environment_rotation;    // cosine, sine
 #endif
 
-// From the world to the map about +Y, as in raster/environment.glsl, or with -1 back.
-vec3 turn_environment(vec3 d, float way) {
+// Rotates a direction about +Y, as raster/environment.glsl does: from the world to the map with `sense` 1, back with -1.
+vec3 turn_environment(vec3 d, float sense) {
 #if ENVIRONMENT_ROTATED
-    float c = u_environment_rotation.x, s = way * u_environment_rotation.y;
+    float c = u_environment_rotation.x, s = sense * u_environment_rotation.y;
     return vec3(c * d.x - s * d.z, d.y, s * d.x + c * d.z);
 #else
     return d;
@@ -27,7 +27,7 @@ vec3 environment_radiance(vec3 d) {
     return textureLod(u_environment, uv, 0.0).rgb * u_environment_intensity;
 }
 
-// By solid angle, of all of sample_light
+// Density by solid angle with which sample_light chooses the direction d
 float environment_pdf(vec3 d) {
     vec2 uv = precise_equirect_uv(turn_environment(d, 1.0));
     ivec2 cells = textureSize(u_environment_table, 0);
@@ -35,8 +35,9 @@ float environment_pdf(vec3 d) {
     return u_environment_share * uintBitsToFloat(texelFetch(u_environment_table, cell, 0).z);
 }
 
-// Even over cells by u.yz, whose fractions then place the direction in the cell, evenly by solid angle; the alias is
-// taken by u.x. Those fractions keep more bits than what is left of one number by which all cells are told apart.
+// Samples a direction. u.yz choose a cell uniformly, and u.x decides between the cell and its alias. The fractions of
+// u.yz within the cell then place the direction uniformly by solid angle. If one number chose among all cells, fewer
+// bits of it would be left for the place within the cell.
 vec3 sample_environment(vec3 u, out float pdf) {
     ivec2 cells = textureSize(u_environment_table, 0);
     vec2 position = u.zy * vec2(cells);
@@ -50,7 +51,7 @@ vec3 sample_environment(vec3 u, out float pdf) {
     vec2 low = vec2(cell) * u_environment_cell;
     vec2 high = min(low + u_environment_cell, 1.0);
     float phi = 2.0 * PI * (mix(low.x, high.x, inside.x) - 0.5);
-    // (1 - cos theta) / 2 = sin^2(theta / 2) from the nearer pole, where 1 - cos theta itself has no digits
+    // (1 - cos theta) / 2 = sin^2(theta / 2), from the nearer pole, where 1 - cos theta itself would lose digits
     bool is_south = low.y + high.y > 1.0;
     vec2 edges = sin(0.5 * PI * (is_south ? 1.0 - vec2(low.y, high.y) : vec2(low.y, high.y)));
     float w = mix(edges.x * edges.x, edges.y * edges.y, inside.y);

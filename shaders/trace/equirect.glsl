@@ -1,8 +1,9 @@
-// Directions and equirectangular maps to float32's precision, both ways and at the poles too: what light samples choose
-// and what rays meet must agree about which texel it is. As light/equirect.glsl, which is faster and 1e-4 rad off.
+// Texture coordinates of directions in equirectangular maps, to the precision of float32 even at the poles. Light
+// samples and rays that leave the scene have to agree about the texel. light/equirect.glsl is the faster version, with
+// an error of 1e-4 rad.
 #include "bsdf/constants.glsl"
 
-// atan2(y, x) in turns, -1/2 .. 1/2. Odd polynomial on |t| <= tan(pi / 8), 2e-8 rad off (Moshier, Cephes, atanf).
+// atan2(y, x) in turns, -1/2 .. 1/2. Odd polynomial on |t| <= tan(pi / 8), error 2e-8 rad (Moshier, Cephes, atanf).
 float turns_precisely(float y, float x) {
     float ax = abs(x), ay = abs(y);
     float low = min(ax, ay), high = max(max(ax, ay), 1e-30);

@@ -1,4 +1,5 @@
-// The next sample's first ray, or idle when none is left: in slots whose path has ended, or (BEGINS) with new work.
+// Begins the next sample of a path that has ended, or makes it idle if no sample is left. BEGINS: begins the first
+// sample of a new work item instead.
 #include "trace/numbers.glsl"
 #include "trace/write_state.glsl"
 #if RAYS
@@ -12,13 +13,13 @@ uniform ivec2 u_size; // of the picture
 #endif
 
 void main() {
-    ivec2 slot = ivec2(gl_FragCoord.xy);
+    ivec2 texel = ivec2(gl_FragCoord.xy);
 #if BEGINS
-    ivec4 block = texelFetch(u_blocks, slot / TILE, 0);
-    bool is_inside = all(lessThan(block.xy * TILE + slot % TILE, u_size));
+    ivec4 block = texelFetch(u_blocks, texel / TILE, 0);
+    bool is_inside = all(lessThan(block.xy * TILE + texel % TILE, u_size));
     int left = is_inside ? block.w : 0;
 #else
-    int left = unpack_left(texelFetch(u_radiance, slot, 0).w);
+    int left = unpack_left(texelFetch(u_radiance, texel, 0).w);
 #endif
     if (left == 0) {
         write_idle();
@@ -26,7 +27,7 @@ void main() {
     }
     Path p;
     p.left = left - 1;
-    Sample s = slot_sample(slot, p.left);
+    Sample s = path_sample(texel, p.left);
     vec2 u = sample_numbers(s, CAMERA_GROUP).xy;
 #if RAYS
     if (!surface_ray(s.pixel, u, p.origin, p.direction)) {
@@ -39,8 +40,8 @@ void main() {
     p.pdf = p.travelled = 0.0;
     p.throughput = vec3(1.0);
     p.radiance = p.shadow_origin = p.shadow_vector = p.contribution = vec3(0.0);
-    p.depth = int(RAYS == 1); // light on its way to that surface is scattered there
-    p.passed = 0;
+    p.depth = int(RAYS == 1); // a path to a surface counts the scattering at that surface
+    p.crossings = 0;
     p.medium = 0;
     p.eta2 = 1.0;
     write_path(p, IN_FLIGHT);

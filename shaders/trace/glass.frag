@@ -1,5 +1,5 @@
-// Surfaces that transmit light. The material is its transmission's share glass, and for the rest opaque. Both lie under
-// one interface, so that the mixture is exact.
+// Surfaces that transmit light. The BSDF is a mixture: glass with the weight `transmission`, and an opaque surface with
+// the remaining weight. Both have the same dielectric interface, so the mixture is exact.
 #include "bsdf/glass.glsl"
 #include "bsdf/surface_of.glsl"
 #include "trace/material.glsl"
@@ -13,7 +13,7 @@ struct Bsdf {
 #if HAS_PARTLY_GLASS
     Surface surface;
     SurfaceView view;
-    float share; // of glass; the probability of its samples, too
+    float share; // the weight of glass, which is also the probability of sampling it
 #endif
 };
 
@@ -23,7 +23,7 @@ Bsdf bsdf_at(Interaction i, SurfaceMaterial m, float NoV) {
 #if HAS_PARTLY_GLASS
     b.share = m.inputs.ior < 1.0 ? 0.0 : m.inputs.transmission * (1.0 - m.inputs.metallic);
     b.surface = surface_of(m.inputs);
-    b.surface.metallic = min(m.inputs.metallic / max(1.0 - b.share, 1e-6), 1.0); // of the rest
+    b.surface.metallic = min(m.inputs.metallic / max(1.0 - b.share, 1e-6), 1.0); // of the opaque part
     b.view = surface_view(b.surface, NoV, u_dfg);
 #endif
     return b;
@@ -45,7 +45,7 @@ BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u) {
     BsdfSample s;
     if (is_glass) s = glass_sample(b.glass, wo, u, u_dfg);
     else s = surface_sample(b.surface, b.view, wo, u, u_dfg);
-    if ((s.flags & DELTA) == 0u && s.flags != 0u) { // the other might have chosen it, too
+    if ((s.flags & DELTA) == 0u && s.flags != 0u) { // the other part of the mixture can sample this direction, too
         vec4 f = bsdf_eval_pdf(b, wo, s.wi);
         s.weight = f.rgb * (abs(s.wi.z) / max(f.w, 1e-30));
         s.pdf = f.w;

@@ -1,4 +1,4 @@
-// What a ray met: a texel of the hit texture, as viewer/trace/rays/intersect.py describes it.
+// A texel of the hit texture; viewer/trace/rays/intersect.py describes it.
 const uint INSTANCE_MASK = (1u << KIND_SHIFT) - 1u;
 const uint MISS = uint(NO_KIND) << KIND_SHIFT | INSTANCE_MASK;
 const uint FREE = 1u << 31;
@@ -13,12 +13,12 @@ Hit unpack_hit(uvec4 texel) {
     return Hit(int(texel.x & INSTANCE_MASK), int(texel.y), uintBitsToFloat(texel.zw));
 }
 
-// The kind of surface that was met, NO_KIND where there was none
+// The kind of the surface that was hit, NO_KIND if the ray missed
 int hit_kind(uvec4 texel) {
     return int(texel.x >> KIND_SHIFT & 7u);
 }
 
-// Whether the shadow ray of the same path met nothing
+// Whether the shadow ray of the same path is unoccluded
 bool is_shadow_ray_free(uvec4 texel) {
     return (texel.x & FREE) != 0u;
 }

@@ -1,4 +1,5 @@
-// Where a ray met a triangle: position, normals and attributes, from the words that viewer/trace/scene/encode.py packs.
+// The point where a ray hit a triangle: position, normals and vertex attributes, read from the scene buffer as
+// viewer/trace/scene/encode.py writes it.
 #include "trace/hit.glsl"
 #include "material/records.glsl"
 #include "trace/shading_normal.glsl"
@@ -8,10 +9,10 @@ uniform int u_instances, u_triangles, u_vertices;
 
 struct Interaction {
     vec3 position;    // tracer space
-    vec3 n_geometric; // unit, on wo's side
-    bool is_front;    // wo is on the front side: where the corners go counter-clockwise
-    vec3 n;           // shading normal, bent so that wo and its reflection are above it and above n_geometric
-    vec3 t, b;        // with n a right-handed frame, t along the tangent where there is one
+    vec3 n_geometric; // unit, on the side of wo
+    bool is_front;    // wo is on the front side, from which the corners are in counter-clockwise order
+    vec3 n;           // shading normal, bent so that wo and its mirror direction are above it and above n_geometric
+    vec3 t, b;        // right-handed frame with n; t follows the mesh's tangent where there is one
 #if ANISOTROPIC
     vec3 tangent, bitangent; // of the mesh; 0 where it has none
 #endif
@@ -19,42 +20,42 @@ struct Interaction {
     vec4 color;       // of the vertices
     int material;
     int flags;        // of the instance
-    int medium;       // number of what is inside, behind the front
-    int emitter;      // of this triangle, or -1
+    int medium;       // number of the medium inside, behind the front side
+    int emitter;      // number of this triangle among the emitters, or -1
     float area;       // of this triangle, tracer units squared
 };
 
-// The words of an instance and of a triangle's corners
+// What the scene buffer has of an instance and of one of its triangles
 struct Triangle {
     vec4 row0, row1, row2;  // mesh to tracer space
     int material, first_emitter, flags, medium;
-    ivec3 corners;          // words
-    vec3 weights;
+    ivec3 corners;          // texels of the three vertices
+    vec3 weights;           // barycentric
 };
 
 Triangle find_triangle(Hit hit) {
-    int at = u_instances + hit.instance * INSTANCE_TEXELS;
-    uvec4 links = word(at + 3);
+    int texel = u_instances + hit.instance * INSTANCE_TEXELS;
+    uvec4 links = scene_uint4(texel + 3);
     Triangle t;
-    t.row0 = word_float(at);
-    t.row1 = word_float(at + 1);
-    t.row2 = word_float(at + 2);
+    t.row0 = scene_float4(texel);
+    t.row1 = scene_float4(texel + 1);
+    t.row2 = scene_float4(texel + 2);
     t.material = int(links.z);
     t.first_emitter = int(links.w);
-    ivec2 inside = ivec2(word(at + 4).xy);
+    ivec2 inside = ivec2(scene_uint4(texel + 4).xy);
     t.flags = inside.x;
     t.medium = inside.y;
-    uvec3 corners = word(u_triangles + int(links.x) + hit.triangle).xyz + links.y;
+    uvec3 corners = scene_uint4(u_triangles + int(links.x) + hit.triangle).xyz + links.y;
     t.corners = u_vertices + ivec3(corners) * VERTEX_TEXELS;
     t.weights = vec3(1.0 - hit.barycentric.x - hit.barycentric.y, hit.barycentric);
     return t;
 }
 
-// One word of the corners, interpolated
+// Texel number `part` of the vertices, interpolated
 vec4 interpolate(Triangle t, int part) {
-    return t.weights.x * word_float(t.corners.x + part)
-         + t.weights.y * word_float(t.corners.y + part)
-         + t.weights.z * word_float(t.corners.z + part);
+    return t.weights.x * scene_float4(t.corners.x + part)
+         + t.weights.y * scene_float4(t.corners.y + part)
+         + t.weights.z * scene_float4(t.corners.z + part);
 }
 
 vec3 unit_or(vec3 v, vec3 otherwise) {
@@ -64,9 +65,9 @@ vec3 unit_or(vec3 v, vec3 otherwise) {
 
 Interaction interact(Hit hit, vec3 wo) {
     Triangle tri = find_triangle(hit);
-    vec4 p0 = word_float(tri.corners.x), p1 = word_float(tri.corners.y), p2 = word_float(tri.corners.z);
+    vec4 p0 = scene_float4(tri.corners.x), p1 = scene_float4(tri.corners.y), p2 = scene_float4(tri.corners.z);
     vec4 p = tri.weights.x * p0 + tri.weights.y * p1 + tri.weights.z * p2;
-    vec4 normal_word = interpolate(tri, 1);
+    vec4 normal_v = interpolate(tri, 1);
 
     Interaction i;
     vec4 at = vec4(p.xyz, 1.0);
@@ -75,7 +76,7 @@ Interaction interact(Hit hit, vec3 wo) {
     i.flags = tri.flags;
     i.medium = tri.medium;
     i.emitter = tri.first_emitter < 0 ? -1 : tri.first_emitter + hit.triangle;
-    i.uv0 = vec2(p.w, normal_word.w);
+    i.uv0 = vec2(p.w, normal_v.w);
     i.uv1 = vec2(0.0);
 #if HAS_UV1
     i.uv1 = interpolate(tri, VERTEX_UV1).xy;
@@ -93,14 +94,14 @@ Interaction interact(Hit hit, vec3 wo) {
     i.is_front = dot(front, wo) >= 0.0;
     i.n_geometric = i.is_front ? front : -front;
 
-    // Normals go by the cofactors, the inverse transpose but for its length: a scale of 0 is no trouble.
+    // The cofactors transform normals. They are the inverse transpose times a factor, and exist for a scale of 0, too.
     vec3 a = tri.row0.xyz, b = tri.row1.xyz, c = tri.row2.xyz;
     vec3 largest3 = max(abs(a), max(abs(b), abs(c)));
     float scale = 1.0 / max(max(largest3.x, max(largest3.y, largest3.z)), 1e-36);
     a *= scale;
     b *= scale;
     c *= scale;
-    vec3 stored = normal_word.xyz;
+    vec3 stored = normal_v.xyz;
     vec3 n = unit_or(hand * vec3(dot(cross(b, c), stored), dot(cross(c, a), stored), dot(cross(a, b), stored)), front);
 #if HAS_TANGENT
     vec4 tangent = interpolate(tri, VERTEX_TANGENT);
@@ -112,7 +113,7 @@ Interaction interact(Hit hit, vec3 wo) {
     i.bitangent = across;
 #endif
 #if HAS_NORMAL_MAP
-    // As raster/normal.glsl; the normal map is a loop of at most one, because software OpenGL skips loops alone.
+    // As raster/normal.glsl. A loop of at most one step stands for an `if`, because software OpenGL skips only loops.
     vec3 front_n = n;
     for (int k = int(map_records(i.material).z); k > 0; k = 0) {
         vec3 texel = sample_atlas(u_data_atlas, texture_map(k - 1, i.uv0, i.uv1)).xyz * (255.0 / 127.5) - 1.0;

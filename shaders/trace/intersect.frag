@@ -1,2 +1,2 @@
-// What rays meet where nothing is see-through.
+// Intersections in scenes without see-through surfaces.
 #include "trace/intersect.glsl"

@@ -1,4 +1,4 @@
-// What a wave's rays meet, by our own BVH: the hit texture, see viewer/trace/rays/intersect.py.
+// Traces the rays of a wavefront through our own BVH and writes the hit texture (viewer/trace/rays/intersect.py).
 #include "trace/bvh.glsl"
 
 uniform sampler2D u_origin, u_direction, u_shadow_origin, u_shadow_vector;
@@ -6,13 +6,13 @@ uniform sampler2D u_origin, u_direction, u_shadow_origin, u_shadow_vector;
 layout(location = 0) out uvec4 hit;
 
 void main() {
-    ivec2 slot = ivec2(gl_FragCoord.xy);
-    vec4 origin = texelFetch(u_origin, slot, 0);
+    ivec2 texel = ivec2(gl_FragCoord.xy);
+    vec4 origin = texelFetch(u_origin, texel, 0);
     if (origin.w == IDLE) discard;
     Found found = Found(0.0, MISS, 0u, vec2(0.0), 0u);
-    if (origin.w == IN_FLIGHT) walk(origin.xyz, texelFetch(u_direction, slot, 0).xyz, FARTHEST, false, found);
+    if (origin.w == IN_FLIGHT) traverse(origin.xyz, texelFetch(u_direction, texel, 0).xyz, FARTHEST, false, found);
     hit = uvec4(found.code, found.triangle, floatBitsToUint(found.barycentric));
-    vec3 vector = texelFetch(u_shadow_vector, slot, 0).xyz;
-    if (vector != vec3(0.0) && !walk(texelFetch(u_shadow_origin, slot, 0).xyz, vector, SHADOW_REACH, true, found))
+    vec3 vector = texelFetch(u_shadow_vector, texel, 0).xyz;
+    if (vector != vec3(0.0) && !traverse(texelFetch(u_shadow_origin, texel, 0).xyz, vector, SHADOW_REACH, true, found))
         hit.x |= FREE;
 }

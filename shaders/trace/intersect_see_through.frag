@@ -1,3 +1,3 @@
-// What rays meet where shadow rays may go through some of it.
+// Intersections in scenes where shadow rays may pass see-through surfaces.
 #include "trace/intersect.glsl"
 #include "trace/see_through.glsl"

@@ -1,4 +1,4 @@
-// What the camera sees first: albedo, shading normal and distance, and what shines, added to the wave's sums.
+// Adds the first hits of camera rays to the sums of the wavefront: albedo, shading normal, distance and emission.
 #include "bsdf/surface_of.glsl"
 #include "trace/bounce.glsl"
 #include "trace/camera.glsl"
@@ -10,22 +10,22 @@ layout(location = 1) out vec4 o_normal; // world axes, towards the camera's side
 layout(location = 2) out vec4 o_emission;
 
 void main() {
-    ivec2 slot = ivec2(gl_FragCoord.xy);
-    uvec4 word = texelFetch(u_hit, slot, 0);
-    Path p = read_path(slot, word);
+    ivec2 texel = ivec2(gl_FragCoord.xy);
+    uvec4 hit = texelFetch(u_hit, texel, 0);
+    Path p = read_path(texel, hit);
     vec3 wo = -p.direction;
-    Interaction i = interact(unpack_hit(word), wo);
+    Interaction i = interact(unpack_hit(hit), wo);
     SurfaceMaterial m = material_at(i);
-    bool is_glass = hit_kind(word) == KIND_GLASS;
+    bool is_glass = hit_kind(hit) == KIND_GLASS;
     bool is_back = !i.is_front && !m.is_double_sided && !is_glass;
-    // The same number as the pass that shades it will draw
-    if (goes_on(p, i, m, is_back, vertex_numbers(slot_sample(slot, p.left), p, LIGHT_GROUP).w)) discard;
+    // The same random number as in the pass that shades this surface
+    if (continues_straight(p, m, is_back, vertex_numbers(path_sample(texel, p.left), p, LIGHT_GROUP).w)) discard;
 
     vec3 albedo = surface_albedo(surface_of(m.inputs), dot(i.n, wo), u_dfg);
     if (m.is_unlit) albedo = m.inputs.base_color.rgb;
     if (is_glass) albedo = vec3(1.0);
     o_albedo = vec4(min(albedo + m.emission, 1.0), 1.0);
     o_normal = vec4(i.n, camera_distance(i.position));
-    vec3 carried = p.throughput * transmittance(p.medium, p.travelled + distance(p.origin, i.position));
-    o_emission = vec4(carried * (m.is_unlit ? m.inputs.base_color.rgb : m.emission), 0.0);
+    vec3 throughput = p.throughput * transmittance(p.medium, p.travelled + distance(p.origin, i.position));
+    o_emission = vec4(throughput * (m.is_unlit ? m.inputs.base_color.rgb : m.emission), 0.0);
 }

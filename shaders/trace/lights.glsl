@@ -1,5 +1,5 @@
-// Next-event estimation: one of all lights, chosen by the tables of viewer/trace/scene/lights.py. The density of what a BSDF
-// sample could also have found, environment_pdf and emitter_pdf, is that of sample_light.
+// Next-event estimation: samples one of all lights with the tables of viewer/trace/scene/lights.py. environment_pdf and
+// emitter_pdf give the density of sample_light for a direction that a BSDF sample has chosen.
 // HAS_ENVIRONMENT, HAS_PUNCTUAL, HAS_EMITTERS
 const float FAR = 4.0; // all geometry lies within |p| <= 1
 
@@ -14,24 +14,24 @@ const float FAR = 4.0; // all geometry lies within |p| <= 1
 struct LightSample {
     vec3 direction;
     float distance;
-    vec3 radiance; // irradiance of a surface that faces it, if it is delta
-    float pdf;     // by solid angle, or the probability, if it is delta; 0: nothing
-    bool is_delta; // no BSDF sample finds it
+    vec3 radiance; // of a delta light: the irradiance of a surface that faces it
+    float pdf;     // by solid angle; of a delta light: the probability of choosing it; 0: there is no sample
+    bool is_delta; // a light without size, which no BSDF sample can hit
 };
 
 #if HAS_PUNCTUAL || HAS_EMITTERS
-// By light, punctual ones first: bits of the threshold, alias, bits of its probability and of its alias's, that of any
-// of them being chosen included
+// The alias table, one texel for each light, punctual lights first: threshold (float bits), alias, probability of the
+// light and of its alias (float bits). The probabilities include that of sampling a finite light at all.
 uniform int u_lights;
 uniform int u_punctual_count;
 uniform ivec2 u_light_grid; // the table's columns and rows
 
 LightSample sample_finite_light(vec3 p, vec3 u) {
-    vec2 position = u.zy * vec2(u_light_grid); // as sample_environment does
+    vec2 position = u.zy * vec2(u_light_grid); // as in sample_environment
     ivec2 cell = min(ivec2(position), u_light_grid - 1);
     position -= vec2(cell);
     int k = cell.y * u_light_grid.x + cell.x;
-    uvec4 entry = word(u_lights + k);
+    uvec4 entry = scene_uint4(u_lights + k);
     bool is_own = u.x < uintBitsToFloat(entry.x);
     if (!is_own) k = int(entry.y);
     float probability = uintBitsToFloat(is_own ? entry.z : entry.w);
@@ -77,12 +77,13 @@ LightSample sample_light(vec3 p, vec3 u) {
     return s;
 }
 
-// Of a BSDF sample that met an emitter's shining side; the angle is that between its normal and the ray.
+// The density with which sample_light would choose the direction of a BSDF sample that hit an emitter's emitting side.
+// cos_light is the cosine between the emitter's normal and the ray.
 float emitter_pdf(int emitter, float area, float distance, float cos_light) {
 #if HAS_EMITTERS
     float facing = area * cos_light;
     if (emitter < 0 || facing <= 0.0) return 0.0;
-    return uintBitsToFloat(word(u_lights + u_punctual_count + emitter).z) * distance * distance / facing;
+    return uintBitsToFloat(scene_uint4(u_lights + u_punctual_count + emitter).z) * distance * distance / facing;
 #else
     return 0.0;
 #endif

@@ -1,17 +1,17 @@
-// The material at an interaction: factors, vertex colours and maps multiplied out as glTF 2.0 says.
+// The material at an interaction: the product of factors, vertex colours and maps, as glTF 2.0 defines it.
 #include "trace/interaction.glsl"
 
 struct SurfaceMaterial {
     MaterialInputs inputs;
-    float coverage; // 0 or 1 of a mask, alpha of what blends, 1 of what is opaque
-    vec3 emission;  // towards wo: the back has none unless the material is double sided
+    float coverage; // 0 or 1 for alpha mode mask, alpha for blend, 1 for opaque
+    vec3 emission;  // towards wo; the back emits only if the material is double sided
     bool is_thin, is_unlit, is_double_sided;
 };
 
 float coverage_of(float alpha, int material, int flags) {
 #if HAS_SEE_THROUGH
     if ((flags & FLAG_SEE_THROUGH) == 0) return 1.0;
-    float cutoff = alpha_cutoff_factor(material); // -1 where alpha blends
+    float cutoff = alpha_cutoff_factor(material); // -1 for alpha mode blend
     return cutoff < 0.0 ? clamp(alpha, 0.0, 1.0) : float(alpha >= cutoff);
 #else
     return 1.0;
@@ -29,7 +29,7 @@ SurfaceMaterial material_at(Interaction i) {
     return m;
 }
 
-// A color map's first or last record, if it is read for `role`; else white
+// The texel of the material's first or last colour map if that serves `role`, else white
 vec4 color_texel(Triangle tri, bool is_last, uint role) {
     vec4 texel = vec4(1.0);
 #if HAS_COLOR_MAPS
@@ -48,7 +48,7 @@ vec4 color_texel(Triangle tri, bool is_last, uint role) {
     return texel;
 }
 
-// For shadow rays
+// The coverage at a hit of a shadow ray
 float coverage_at(Hit hit) {
 #if HAS_SEE_THROUGH
     Triangle tri = find_triangle(hit);
@@ -62,7 +62,7 @@ float coverage_at(Hit hit) {
 #endif
 }
 
-// For points chosen on emitters, on the side that shines
+// The emission at a sampled point of an emitter, on the emitting side
 vec3 emission_at(Hit hit) {
 #if HAS_EMISSION
     Triangle tri = find_triangle(hit);

@@ -1,4 +1,4 @@
-// The random numbers of a slot's sample: a set of four for each group of decisions.
+// The random numbers of a path's sample: four for each group of decisions.
 #include "sample/sobol.glsl"
 #include "trace/state.glsl"
 
@@ -9,10 +9,10 @@ struct Sample {
     uint index;
 };
 
-// `left` samples of the slot come after it.
-Sample slot_sample(ivec2 slot, int left) {
-    ivec4 block = texelFetch(u_blocks, slot / TILE, 0);
-    return Sample(block.xy * TILE + slot % TILE, uint(block.z + block.w - 1 - left));
+// The sample that the path in `texel` works on, after which `left` samples remain.
+Sample path_sample(ivec2 texel, int left) {
+    ivec4 block = texelFetch(u_blocks, texel / TILE, 0);
+    return Sample(block.xy * TILE + texel % TILE, uint(block.z + block.w - 1 - left));
 }
 
 vec4 sample_numbers(Sample s, uint group) {
@@ -21,9 +21,9 @@ vec4 sample_numbers(Sample s, uint group) {
 
 const uint CAMERA_GROUP = 0u;
 
-// Groups of what is decided where a ray meets a surface
+// The groups of decisions at a surface
 const uint BSDF_GROUP = 0u, LIGHT_GROUP = 1u;
 
 vec4 vertex_numbers(Sample s, Path p, uint group) {
-    return sample_numbers(s, 1u + (uint(p.depth << 6 | p.passed) << 1u | group));
+    return sample_numbers(s, 1u + (uint(p.depth << 6 | p.crossings) << 1u | group));
 }

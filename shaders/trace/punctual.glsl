@@ -1,6 +1,7 @@
-// Lights without size, or spheres of one radius (LIGHT_RADIUS), as viewer/trace/scene/punctual.py packs them, three words each.
+// Lights without size or, with LIGHT_RADIUS, spheres of one radius. viewer/trace/scene/punctual.py writes their
+// records, three texels each.
 #include "light/attenuation.glsl"
-#include "trace/words.glsl"
+#include "trace/scene_buffer.glsl"
 #if LIGHT_RADIUS
 #include "bsdf/constants.glsl"
 #include "trace/shading_normal.glsl"
@@ -10,27 +11,28 @@ uniform float u_light_radius; // tracer units
 
 uniform int u_punctual;
 
-// Direction to light i from p, how far it is, and the irradiance of a surface that faces it; 0 if there is none.
+// Returns the irradiance at p of a surface that faces light i, 0 if the light does not reach p; gives the direction and
+// the distance to the light.
 vec3 punctual_irradiance(int i, vec3 p, vec2 u, out vec3 l, out float distance) {
-    vec4 place = word_float(u_punctual + 3 * i);         // position, 1 / range^2; or where it shines from, -1
-    vec4 intensity = word_float(u_punctual + 3 * i + 1); // candela or lux, scale of the cone
-    if (place.w < 0.0) {
-        l = place.xyz;
+    vec4 position = scene_float4(u_punctual + 3 * i);      // xyz, 1 / range^2; directional: the direction to it, -1
+    vec4 intensity = scene_float4(u_punctual + 3 * i + 1); // candela or lux, scale of the cone
+    if (position.w < 0.0) {
+        l = position.xyz;
         distance = FAR;
         return intensity.rgb;
     }
-    vec4 axis = word_float(u_punctual + 3 * i + 2);      // where it shines to, offset of the cone
-    vec3 d = place.xyz - p;
+    vec4 axis = scene_float4(u_punctual + 3 * i + 2);      // direction of its light, offset of the cone
+    vec3 d = position.xyz - p;
     float d2 = dot(d, d);
     distance = sqrt(d2);
     l = d * inversesqrt(max(d2, 1e-30));
-    vec3 irradiance = intensity.rgb * distance_attenuation(d2, place.w)
+    vec3 irradiance = intensity.rgb * distance_attenuation(d2, position.w)
                     * angular_attenuation(-dot(l, axis.xyz), vec2(intensity.w, axis.w));
 #if LIGHT_RADIUS
-    // A sphere of radiance I / (pi r^2), whose directions are taken evenly: what faces any of them has the irradiance
-    // I / (pi r^2) omega, omega = 2 pi (1 - cos theta_max), sin theta_max = r / d (Pharr et al., "PBRT", 6.2.4).
+    // A sphere of radiance I / (pi r^2), sampled uniformly by solid angle. A surface that faces the sample has the
+    // irradiance I / (pi r^2) omega, omega = 2 pi (1 - cos theta_max), sin theta_max = r / d (PBRT, 6.2.4).
     float sin2_max = u_light_radius * u_light_radius / max(d2, 1e-30);
-    if (sin2_max >= 1.0) return vec3(0.0); // inside it
+    if (sin2_max >= 1.0) return vec3(0.0); // p is inside the sphere
     float half_max = 1.0 / (1.0 + sqrt(1.0 - sin2_max)); // (1 - cos theta_max) / sin^2 theta_max
     float q = u.x * sin2_max * half_max;                 // 1 - cos theta
     float sin2 = q * (2.0 - q);

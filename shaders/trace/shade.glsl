@@ -1,15 +1,16 @@
-// What becomes of a path at a surface, whatever its kind: it arrives, meets the surface's own light, sends a shadow ray
-// to a light and takes its next direction. A kind's file defines, before it includes this,
-//   TRANSMITS                                   1 where light may leave on the other side, else 0
-//   struct Bsdf                                 a material as it is seen from wo
+// Shades a path at a surface of any kind: adds the emission, prepares a shadow ray to a light and samples the next
+// direction. The file of a kind defines the following before it includes this file,
+//   TRANSMITS                                   1 if light may leave on the other side, else 0
+//   struct Bsdf                                 the BSDF for one wo
 //   Bsdf bsdf_at(Interaction i, SurfaceMaterial m, float NoV)
-//   vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi)     f, and in w the pdf of bsdf_sample; 0 of what is smooth
+//   vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi)     rgb: f, w: the pdf of bsdf_sample; 0 for delta lobes
 //   BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u)
 // with wo and wi in the frame of the shading normal (bsdf/bsdf.glsl).
 #include "trace/bounce.glsl"
 
-// Which side of the surface wi is on: 1 that of wo, -1 the other, 0 if light may not go there: to the other side of what
-// is opaque, or where the shading normal and the geometric one do not agree about the side.
+// The side of the surface on which wi lies: 1 for the side of wo, -1 for the other, 0 if no light may go there. That is
+// the case for the other side of an opaque surface, and where the shading and the geometric normal disagree about the
+// side.
 float side_of(Interaction i, vec3 wi, float NoL) {
     float side = dot(wi, i.n_geometric);
 #if TRANSMITS
@@ -19,7 +20,7 @@ float side_of(Interaction i, vec3 wi, float NoL) {
 #endif
 }
 
-// Tangent, bitangent and shading normal; the tangent is that along which highlights are stretched, where they are.
+// Tangent, bitangent and shading normal. For an anisotropic material the tangent is the direction of the stretch.
 mat3 shading_frame(Interaction i, MaterialInputs m) {
 #if ANISOTROPIC
     vec2 d = anisotropy_direction(m);
@@ -30,7 +31,7 @@ mat3 shading_frame(Interaction i, MaterialInputs m) {
 #endif
 }
 
-// The medium on that side
+// The number of the medium on a side of the surface, as side_of gives it
 int medium_at(Path p, Interaction i, SurfaceMaterial m, float side) {
 #if TRANSMITS
     if (side < 0.0 && !m.is_thin) return i.is_front ? i.medium : 0;
@@ -39,8 +40,9 @@ int medium_at(Path p, Interaction i, SurfaceMaterial m, float side) {
 }
 
 #if TRANSMITS
-// The camera is inside the solid. What it shows is radiance over the index squared, which no surface changes: a picture
-// does not become brighter when the camera dives in.
+// Begins a path whose camera is inside the solid. Such a camera shows radiance divided by the square of the index,
+// which is the same on both sides of a surface, so that the picture does not become brighter when the camera moves
+// inside.
 void begin_inside(inout Path p, Interaction i, SurfaceMaterial m) {
     p.medium = i.medium;
     p.eta2 = max(m.inputs.ior * m.inputs.ior, 1.0);
@@ -49,19 +51,19 @@ void begin_inside(inout Path p, Interaction i, SurfaceMaterial m) {
 #endif
 
 void main() {
-    ivec2 slot = ivec2(gl_FragCoord.xy);
-    uvec4 hit = texelFetch(u_hit, slot, 0);
-    Path p = read_path(slot, hit);
-    Sample s = slot_sample(slot, p.left);
+    ivec2 texel = ivec2(gl_FragCoord.xy);
+    uvec4 hit = texelFetch(u_hit, texel, 0);
+    Path p = read_path(texel, hit);
+    Sample s = path_sample(texel, p.left);
     vec3 wo = -p.direction;
     Interaction i = interact(unpack_hit(hit), wo);
     SurfaceMaterial m = material_at(i);
     bool is_back = TRANSMITS == 0 && !i.is_front && !m.is_double_sided;
-    vec4 for_light = vertex_numbers(s, p, LIGHT_GROUP);
-    vec4 for_bsdf = vertex_numbers(s, p, BSDF_GROUP);
+    vec4 u_light = vertex_numbers(s, p, LIGHT_GROUP);
+    vec4 u_bsdf = vertex_numbers(s, p, BSDF_GROUP);
 
-    if (goes_on(p, i, m, is_back, for_light.w)) {
-        pass_through(p, i);
+    if (continues_straight(p, m, is_back, u_light.w)) {
+        continue_straight(p, i);
         write_path(p, IN_FLIGHT);
         return;
     }
@@ -71,12 +73,12 @@ void main() {
     p.throughput *= transmittance(p.medium, p.travelled + distance(p.origin, i.position));
 #if HAS_UNLIT && !TRANSMITS
     if (m.is_unlit && !is_back) {
-        p.radiance += limited(p.throughput * m.inputs.base_color.rgb, p.depth);
+        p.radiance += clamped(p.throughput * m.inputs.base_color.rgb, p.depth);
         write_path(p, ENDED);
         return;
     }
 #endif
-    meet_emission(p, i, m, wo);
+    add_emission(p, i, m, wo);
     if (is_back || p.depth >= u_bounces) {
         write_path(p, ENDED);
         return;
@@ -86,24 +88,24 @@ void main() {
     vec3 local_wo = wo * frame;
     Bsdf bsdf = bsdf_at(i, m, local_wo.z);
 #if HAS_LIGHTS
-    LightSample light = sample_light(i.position, for_light.xyz);
+    LightSample light = sample_light(i.position, u_light.xyz);
     vec3 local_wi = light.direction * frame;
     float light_side = side_of(i, light.direction, local_wi.z);
     if (light_side != 0.0) {
         vec4 f = bsdf_eval_pdf(bsdf, local_wo, local_wi);
-        connect(p, i.position, light_side * i.n_geometric, medium_at(p, i, m, light_side), light,
-                f.rgb * abs(local_wi.z), f.w);
+        send_shadow_ray(p, i.position, light_side * i.n_geometric, medium_at(p, i, m, light_side), light,
+                        f.rgb * abs(local_wi.z), f.w);
     }
 #endif
-    BsdfSample b = bsdf_sample(bsdf, local_wo, for_bsdf.xyz);
+    BsdfSample b = bsdf_sample(bsdf, local_wo, u_bsdf.xyz);
     vec3 wi = normalize(frame * b.wi);
     float side = side_of(i, wi, b.wi.z);
-    bool goes = b.flags != 0u && side != 0.0;
+    bool continues = b.flags != 0u && side != 0.0;
 #if TRANSMITS
     p.eta2 *= b.eta * b.eta;
 #endif
     p.medium = medium_at(p, i, m, side);
     float pdf = (b.flags & DELTA) != 0u ? 0.0 : b.pdf;
-    goes = goes && scatter(p, i.position, side * i.n_geometric, wi, b.weight, pdf, for_bsdf.w);
-    write_path(p, goes ? IN_FLIGHT : ENDED);
+    continues = continues && scatter(p, i.position, side * i.n_geometric, wi, b.weight, pdf, u_bsdf.w);
+    write_path(p, continues ? IN_FLIGHT : ENDED);
 }

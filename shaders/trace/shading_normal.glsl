@@ -1,11 +1,12 @@
-// Shading normals that no path can go under, and frames about them.
+// Shading normals that keep reflected directions above the surface, and frames around them.
 
-// The normal for which light from wo is mirrored to where `n` mirrors it, unless that lies less than `lift` above the
-// surface: then it is raised to there. An even function of n, continuous, and the identity where n is n_geometric.
+// Bends the normal n so that the mirror direction r of wo is at least `lift` above the surface: if r is lower, it is
+// raised to that height, and n' is the normal that mirrors wo to the raised r'. The function is continuous, even in n,
+// and the identity where n is n_geometric.
 //   r = 2 (n.o) n - o,   r' = r where r.g >= lift, else sqrt(1 - lift^2) unit(r - (r.g) g) + lift g
 //   n' = unit(o + r')
 // so n'.o >= (g.o + lift) / 2 > 0. Keller et al. 2017, "The Iray Light Transport Simulation and Rendering System",
-// appendix A.3, raise r to the horizon; `lift` keeps r' clear of it. n_geometric, g, and wo, o, are on one side.
+// appendix A.3, raise r to the horizon; `lift` keeps r' above it. n_geometric (g) and wo (o) are on the same side.
 vec3 bend_normal(vec3 n, vec3 n_geometric, vec3 wo) {
     float cos_wo = dot(n_geometric, wo);
     if (cos_wo < 1e-6) return n_geometric;
@@ -21,7 +22,7 @@ vec3 bend_normal(vec3 n, vec3 n_geometric, vec3 wo) {
     vec3 sum = wo + raised;
     float sum_length = length(sum);
     vec3 bent = sum / sum_length;
-    // Where wo and r' all but cancel, what digits are left of n' are put right along wo, for n'.o = |o + r'| / 2.
+    // Where wo and r' nearly cancel, n' has few correct digits. This corrects it along wo by n'.o = |o + r'| / 2.
     return normalize(bent + (0.5 * sum_length - dot(bent, wo)) * wo);
 }
 
@@ -32,7 +33,7 @@ vec3 any_tangent(vec3 n) {
     return vec3(1.0 + s * n.x * n.x * a, s * n.x * n.y * a, -s * n.x);
 }
 
-// Along `tangent` as far as it is perpendicular to n; any other where that leaves nothing
+// The unit part of `tangent` that is perpendicular to n; any tangent if there is no such part
 vec3 tangent_beside(vec3 n, vec3 tangent) {
     vec3 t = tangent - dot(n, tangent) * n;
     float squared = dot(t, t);

@@ -1,4 +1,4 @@
-// Opaque surfaces: the layers of bsdf/surface.glsl.
+// Opaque surfaces: the layered BSDF of bsdf/surface.glsl.
 #include "bsdf/surface_of.glsl"
 #include "trace/material.glsl"
 

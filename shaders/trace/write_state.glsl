@@ -1,4 +1,4 @@
-// What passes leave in a slot.
+// Writes the state of a path, for the passes that change it.
 #include "trace/state.glsl"
 
 layout(location = 0) out vec4 o_origin;
@@ -18,7 +18,7 @@ void write_path(Path p, float status) {
     o_shadow_origin = vec4(has_shadow_ray ? p.shadow_origin : vec3(p.travelled, 0.0, 0.0), p.contribution.r);
     o_shadow_vector = vec4(p.shadow_vector, p.contribution.g);
     o_throughput = vec4(p.throughput, p.contribution.b);
-    o_radiance = vec4(p.radiance, pack_counters(p.depth, p.passed, p.left));
+    o_radiance = vec4(p.radiance, pack_counters(p.depth, p.crossings, p.left));
 #if HAS_TRANSMISSION
     o_medium = vec4(p.medium, 0.0, 0.0, p.eta2);
 #endif

@@ -91,8 +91,8 @@ def test_nothing_is_shown_before_every_pixel_has_a_sample(hand, monkeypatch):
     seen = []
 
     def condition() -> bool:
-        if hand.paths._exposure is not None:
-            seen.append((hand.paths.picture is not None, hand.paths._exposure.film.read_sums()[0][..., 3].min()))
+        if hand.paths._path_render is not None:
+            seen.append((hand.paths.picture is not None, hand.paths._path_render.film.read_sums()[0][..., 3].min()))
         return hand.paths.is_done
 
     hand.until(condition)
@@ -153,9 +153,9 @@ def test_a_pause_keeps_the_picture_as_it_is(hand):
     hand.until(lambda: hand.paths.picture is not None)
     hand.state.paused = True
     hand.rest()
-    rays, picture = hand.paths._exposure.rays, hand.shown()
+    rays, picture = hand.paths._path_render.rays, hand.shown()
     assert not hand.paths.step() and hand.paths.status().endswith(", paused")
-    assert hand.paths._exposure.rays == rays and np.array_equal(hand.shown(), picture)
+    assert hand.paths._path_render.rays == rays and np.array_equal(hand.shown(), picture)
     hand.camera = replace(hand.camera, fov_y=0.5)
     hand.follow()
     assert hand.paths.patience == np.inf and hand.paths.status() == "Paused"
@@ -196,7 +196,7 @@ def test_a_converged_picture_is_not_filtered(hand, monkeypatch):
 def test_a_time_budget_ends_it(hand):
     hand.state.settings = replace(PLAIN, spp=None, time_budget=0.2)
     hand.rest()
-    assert hand.paths.is_done and 0.2 <= hand.paths._exposure.seconds < 10 and hand.paths.picture is not None
+    assert hand.paths.is_done and 0.2 <= hand.paths._path_render.seconds < 10 and hand.paths.picture is not None
 
 
 def test_progress_in_words():

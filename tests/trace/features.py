@@ -168,11 +168,11 @@ def distance(feature: Feature, renderer: Renderer, tracer: Tracer) -> Distance:
     size = (feature.size, feature.size)
     settings = {"background": "none", "specular_aa": "off"} | feature.settings
     raster = renderer.render(model, camera, Settings.of(**settings), size).linear
-    exposure = tracer.begin(model, camera, Settings.of(mode="path", spp=feature.spp, **settings), size)
-    while not exposure.is_done:
-        exposure.step(0.25)
-    traced = exposure.image().linear
-    exposure.release()
+    path_render = tracer.begin(model, camera, Settings.of(mode="path", spp=feature.spp, **settings), size)
+    while not path_render.is_done:
+        path_render.step(0.25)
+    traced = path_render.image().linear
+    path_render.release()
     pair = [_blocks(image[..., :3].astype(np.float64)) for image in (raster, traced)]
     level = pair[0].mean()
     return Distance(abs(pair[1].mean() / level - 1), float(np.sqrt(((pair[1] - pair[0]) ** 2).mean()) / level))

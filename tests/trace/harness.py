@@ -29,8 +29,8 @@ def evaluate(
     context.make_current()
     count = len(rows)
     width, height = min(count, _WIDTH), -(-count // _WIDTH)
-    words = np.zeros((width * height, 16), np.uint32)
-    words[:count, : rows.shape[1]] = np.ascontiguousarray(rows).view(np.uint32)
+    bits = np.zeros((width * height, 16), np.uint32)
+    bits[:count, : rows.shape[1]] = np.ascontiguousarray(rows).view(np.uint32)
     reads = "".join(f"uvec4 i{k} = texelFetch(harness_rows, ivec2(gl_FragCoord.xy) + ivec2(0, {k * height}), 0);"
                     f"vec4 f{k} = uintBitsToFloat(i{k});" for k in range(4))
     declared = "".join(f"layout(location = {k}) out vec4 o{k};\n" for k in range(outputs))
@@ -39,7 +39,7 @@ def evaluate(
                     f"void main() {{ {reads}\n{body} }}\n")
     vertex = assemble("display/fullscreen.vert")
     program = compile_sources(context, {"vertex": vertex, "fragment": assemble(file, shader_defines(switches))})
-    table = gl.texture((width, 4 * height), 4, words.reshape(-1, 4, 4).transpose(1, 0, 2).tobytes(), dtype="u4")
+    table = gl.texture((width, 4 * height), 4, bits.reshape(-1, 4, 4).transpose(1, 0, 2).tobytes(), dtype="u4")
     targets = [gl.texture((width, height), 4, dtype="f4") for _ in range(outputs)]
     target = gl.framebuffer(targets)
     target.use()

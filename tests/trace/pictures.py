@@ -14,12 +14,12 @@ from viewer.trace.tracer import Tracer
 def picture(tracer: Tracer, scene: Scene, camera: Camera, size: tuple[int, int] = (32, 32), *, spp: int = 16,
             **settings: object) -> np.ndarray:
     """Linear RGBA, (H, W, 4) float64."""
-    exposure = tracer.begin(scene, camera, Settings.of(mode="path", spp=spp, **settings), size)
-    while not exposure.is_done:
-        exposure.step(0.25)
-    assert exposure.bad_samples == 0
-    pixels = exposure.image().linear
-    exposure.release()
+    path_render = tracer.begin(scene, camera, Settings.of(mode="path", spp=spp, **settings), size)
+    while not path_render.is_done:
+        path_render.step(0.25)
+    assert path_render.bad_samples == 0
+    pixels = path_render.image().linear
+    path_render.release()
     assert np.isfinite(pixels).all()
     return pixels.astype(np.float64)
 

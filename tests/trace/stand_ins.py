@@ -1,4 +1,4 @@
-"""Scenes and waves as the intersectors see them, without the rest of the tracer."""
+"""Scenes and wavefronts as the intersectors see them, without the rest of the tracer."""
 
 from __future__ import annotations
 
@@ -64,20 +64,20 @@ def soup(count: int, size: float, seed: int = 0) -> Mesh:
     return mesh(centers + size * rng.normal(size=(count, 3, 3)), np.arange(3 * count))
 
 
-def make_wave(gl: moderngl.Context, size: tuple[int, int]) -> SimpleNamespace:
+def make_wavefront(gl: moderngl.Context, size: tuple[int, int]) -> SimpleNamespace:
     """Nothing in flight."""
     names, zeros = ("origin", "direction", "shadow_origin", "shadow_vector"), bytes(16 * size[0] * size[1])
     textures = {name: gl.texture(size, 4, zeros, dtype="f4") for name in names}
-    wave = SimpleNamespace(**textures, hit=gl.texture(size, 4, dtype="u4"))
-    for texture in vars(wave).values():
+    wavefront = SimpleNamespace(**textures, hit=gl.texture(size, 4, dtype="u4"))
+    for texture in vars(wavefront).values():
         texture.filter = moderngl.NEAREST, moderngl.NEAREST
-    return wave
+    return wavefront
 
 
-def fill(wave: SimpleNamespace, **states: np.ndarray) -> None:
+def fill(wavefront: SimpleNamespace, **states: np.ndarray) -> None:
     """Write state textures from their first rows, (rays, 3 or 4) each; the rest is zero."""
     for name, values in states.items():
-        texture = getattr(wave, name)
+        texture = getattr(wavefront, name)
         texels = np.zeros((texture.width * texture.height, 4), np.float32)
         texels[: len(values), : values.shape[1]] = values
         texture.write(texels)
@@ -91,11 +91,11 @@ def trace(
     shadow_origin: np.ndarray | None = None,
     shadow_vector: np.ndarray | None = None,
 ) -> np.ndarray:
-    """(rays, 4) uint32 hit words of rays (rays, 3), through a wave just big enough."""
+    """(rays, 4) uint32: the texels of the hit texture for rays (rays, 3), in a wavefront just big enough."""
     width = 256
-    wave = make_wave(context.gl, (width, -(-len(origin) // width)))
-    fill(wave, origin=np.c_[origin, np.ones(len(origin))], direction=np.asarray(direction))
+    wavefront = make_wavefront(context.gl, (width, -(-len(origin) // width)))
+    fill(wavefront, origin=np.c_[origin, np.ones(len(origin))], direction=np.asarray(direction))
     if shadow_origin is not None and shadow_vector is not None:
-        fill(wave, shadow_origin=np.asarray(shadow_origin), shadow_vector=np.asarray(shadow_vector))
-    intersector.store(wave, intersector.trace(intersector.fetch(wave)))
-    return np.frombuffer(wave.hit.read(), np.uint32).reshape(-1, 4)[: len(origin)]
+        fill(wavefront, shadow_origin=np.asarray(shadow_origin), shadow_vector=np.asarray(shadow_vector))
+    intersector.store(wavefront, intersector.trace(intersector.fetch(wavefront)))
+    return np.frombuffer(wavefront.hit.read(), np.uint32).reshape(-1, 4)[: len(origin)]

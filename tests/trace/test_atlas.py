@@ -17,8 +17,8 @@ from viewer.scene.color import srgb_to_linear
 from viewer.scene.material import Sampler, Texture, UVTransform
 from viewer.scene.texture_image import TextureImage
 from viewer.trace.scene.atlas import MAX_TEXELS, Atlas, layout_atlas
-from viewer.trace.scene.materials import map_words
-from viewer.trace.scene.scene_buffer import WordsBuilder
+from viewer.trace.scene.materials import map_texels
+from viewer.trace.scene.scene_buffer import SceneBufferBuilder
 
 LIMIT = 4096
 HALF = 2.0**-11
@@ -187,9 +187,9 @@ SAMPLERS = [Sampler(s, t, mag) for s, t, mag in
 
 
 def binder(table: moderngl.Texture, atlas: moderngl.Texture) -> Callable[[moderngl.Program], None]:
-    """What binds a table of words that begins with its maps, and the atlas with their images."""
+    """What binds a table of buffer that begins with its maps, and the atlas with their images."""
     def bind(program: moderngl.Program) -> None:
-        for unit, (name, bound) in enumerate({"u_words": table, "u_data_atlas": atlas}.items()):
+        for unit, (name, bound) in enumerate({"u_scene": table, "u_data_atlas": atlas}.items()):
             bound.use(unit)
             set_uniform(program, name, unit)
         set_uniform(program, "u_maps", 0)
@@ -206,9 +206,9 @@ def test_filters_and_wraps_are_opengls(context, tmp_path, size):
     transform = UVTransform((0.3, -0.2), 0.7, (1.5, 0.8))
     records = [Texture(image, sampler, uv_set, moved)
                for sampler in SAMPLERS for uv_set, moved in ((0, None), (1, transform))]
-    words = WordsBuilder()
-    words.add("maps", np.concatenate([map_words(record, 1, atlas.layout.pages[image]) for record in records]))
-    bind = binder(words.texture(context.gl), texture)
+    buffer = SceneBufferBuilder()
+    buffer.add("maps", np.concatenate([map_texels(record, 1, atlas.layout.pages[image]) for record in records]))
+    bind = binder(buffer.texture(context.gl), texture)
     random = np.random.default_rng(4)
     # Multiples of 1/64 are exact however they are worked out; nearest is then asked off the texels' edges only.
     uv = (random.integers(-200, 200, (len(records), 60, 4)) + 0.37) / 64
@@ -236,9 +236,9 @@ def test_coordinates_at_and_beyond_all_edges_stay_on_the_page(context, tmp_path)
     black = [image_of(np.zeros((4, 4, 4), np.uint8)) for _ in range(8)]
     atlas = Atlas(context, [*black[:4], white, *black[4:]], False)
     texture = atlas.upload()
-    words = WordsBuilder()
-    words.add("maps", np.concatenate([map_words(Texture(white, s), 0, atlas.layout.pages[white]) for s in SAMPLERS]))
-    bind = binder(words.texture(context.gl), texture)
+    buffer = SceneBufferBuilder()
+    buffer.add("maps", np.concatenate([map_texels(Texture(white, s), 0, atlas.layout.pages[white]) for s in SAMPLERS]))
+    bind = binder(buffer.texture(context.gl), texture)
     tiny = np.float32(1e-45)
     above, below = np.nextafter(np.float32(1), np.float32([2, 0]))
     edges = np.float32([0, -0.0, 1, above, below, tiny, -tiny, -1e-9, 2, -1, 1e6, -1e6, 1e30, -1e30, np.inf, -np.inf,

@@ -8,7 +8,7 @@ from stand_ins import Geometry, Instance, Mesh, mesh, soup, sphere
 
 from viewer.trace.rays import bvh4 as wide
 from viewer.trace.rays.bvh import INSTANCE, NODE_TEXELS, build_bvh
-from viewer.trace.rays.bvh4 import LEAF, LEAF_SHIFT, NOTHING, WideTree
+from viewer.trace.rays.bvh4 import LEAF, LEAF_SHIFT, NOTHING, Bvh4
 from viewer.trace.rays.ploc import BinaryTree, cluster, half_area
 
 MAX_STACK = 96
@@ -54,7 +54,7 @@ def check_binary(tree: BinaryTree, lower: np.ndarray, upper: np.ndarray) -> None
         np.testing.assert_array_equal(bound[:, count:], best(bound[:, left], bound[:, right]))
 
 
-def check_wide(tree: WideTree, lower: np.ndarray, upper: np.ndarray, max_leaf: int = wide.MAX_LEAF) -> None:
+def check_wide(tree: Bvh4, lower: np.ndarray, upper: np.ndarray, max_leaf: int = wide.MAX_LEAF) -> None:
     """Every primitive is in one leaf, in boxes that hold it; no walk has more waiting than the tree says."""
     seen: list[int] = []
     todo = [(tree.root, np.full(3, -np.inf), np.full(3, np.inf), 1)]
@@ -68,12 +68,12 @@ def check_wide(tree: WideTree, lower: np.ndarray, upper: np.ndarray, max_leaf: i
             seen += inside.tolist()
             assert (lower[inside] >= low).all() and (upper[inside] <= high).all()
             continue
-        children = [slot for slot in range(4) if tree.children[reference, slot] != NOTHING]
-        for slot in range(4):
-            box = tree.lower[reference, :, slot], tree.upper[reference, :, slot]
-            if slot in children:
+        children = [k for k in range(4) if tree.children[reference, k] != NOTHING]
+        for k in range(4):
+            box = tree.lower[reference, :, k], tree.upper[reference, :, k]
+            if k in children:
                 assert (box[0] >= low).all() and (box[1] <= high).all()
-                todo.append((int(tree.children[reference, slot]), *box, waiting + len(children) - 1))
+                todo.append((int(tree.children[reference, k]), *box, waiting + len(children) - 1))
             else:
                 assert min(box[0]) > 1e20
     assert sorted(seen) == list(range(len(lower)))
@@ -116,7 +116,7 @@ DEGENERATE = {
 @pytest.mark.parametrize("name", DEGENERATE)
 def test_degenerate_boxes_make_a_tree_all_the_same(name: str) -> None:
     lower, upper = DEGENERATE[name]
-    for tree in (cluster(lower, upper), cluster(lower, upper, patience=0)):
+    for tree in (cluster(lower, upper), cluster(lower, upper, max_rounds=0)):
         check_binary(tree, lower, upper)
         assert len(tree.rounds) <= 48 + np.log2(len(lower)) + 1
     check_wide(wide.build(lower, upper), lower, upper)

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from stand_ins import Geometry, Instance, fill, make_wave, mesh, sphere, trace
+from stand_ins import Geometry, Instance, fill, make_wavefront, mesh, sphere, trace
 
 from viewer.gpu.context import Context
 from viewer.trace.kinds import GLASS
@@ -29,39 +29,39 @@ def test_a_hit_names_instance_kind_triangle_and_barycentrics(context: Context) -
     instances = [Instance(0, at(-0.5)), Instance(1, at(0.25), kind=GLASS), Instance(0, at(0.0))]
     geometry = Geometry([SQUARE, SQUARE], instances)
     embree = make_intersector(context, geometry, kind="embree")
-    (word,) = trace(context, embree, np.array([(-0.5, 0.5, 1.0)]), DOWN)
-    assert (word[0], word[1]) == (GLASS.number << KIND_SHIFT | 1, 1)
-    u, v = word[2:].view(np.float32)
+    (hit,) = trace(context, embree, np.array([(-0.5, 0.5, 1.0)]), DOWN)
+    assert (hit[0], hit[1]) == (GLASS.number << KIND_SHIFT | 1, 1)
+    u, v = hit[2:].view(np.float32)
     # p = (1 - u - v) p0 + u p1 + v p2 of triangle (0, 2, 3)
     assert (u, v) == pytest.approx((0.25, 0.5), abs=1e-6)
-    (word,) = trace(context, embree, np.array([(-0.5, 0.5, 0.1)]), DOWN)
-    assert (word[0], word[1]) == (2, 1)
-    (word,) = trace(context, embree, np.array([(-0.5, 0.5, 0.1)]), np.array([(1.0, 0.0, 0.0)]))
-    assert word[0] == MISS
+    (hit,) = trace(context, embree, np.array([(-0.5, 0.5, 0.1)]), DOWN)
+    assert (hit[0], hit[1]) == (2, 1)
+    (hit,) = trace(context, embree, np.array([(-0.5, 0.5, 0.1)]), np.array([(1.0, 0.0, 0.0)]))
+    assert hit[0] == MISS
 
 
 def test_shadow_rays_stop_before_the_light(context: Context) -> None:
     embree = make_intersector(context, Geometry([SQUARE]), kind="embree")
     origin = np.repeat([(0.3, 0.1, 1.0)], 4, axis=0)
     vector = np.array([(0, 0, -1.0), (0, 0, -1.001), (0, 0, 1.0), (0, 0, 0)])
-    words = trace(context, embree, origin, np.repeat([(1.0, 0, 0)], 4, axis=0), origin, vector)
-    np.testing.assert_array_equal(words[:, 0] & FREE != 0, [True, False, True, False])
-    np.testing.assert_array_equal(words[:, 0] & ~np.uint32(FREE), MISS)
+    hits = trace(context, embree, origin, np.repeat([(1.0, 0, 0)], 4, axis=0), origin, vector)
+    np.testing.assert_array_equal(hits[:, 0] & FREE != 0, [True, False, True, False])
+    np.testing.assert_array_equal(hits[:, 0] & ~np.uint32(FREE), MISS)
 
 
 def test_only_slots_that_have_rays_are_traced(context: Context) -> None:
     embree = make_intersector(context, Geometry([SQUARE]), kind="embree")
-    wave = make_wave(context.gl, (16, 16))
+    wavefront = make_wavefront(context.gl, (16, 16))
     states = np.array([0.0, 1.0, 2.0, 1.0])
     origin = np.c_[np.repeat([(0.3, 0.1, 1.0)], 4, axis=0), states]
     direction = np.repeat(DOWN, 4, axis=0)
     vector = -direction * [[1], [0], [1], [1]]
-    fill(wave, origin=origin, direction=direction, shadow_origin=origin, shadow_vector=vector)
-    answer = embree.trace(embree.fetch(wave))
+    fill(wavefront, origin=origin, direction=direction, shadow_origin=origin, shadow_vector=vector)
+    answer = embree.trace(embree.fetch(wavefront))
     assert (answer.alive, answer.rays) == (3, 4)
-    embree.store(wave, answer)
-    words = np.frombuffer(wave.hit.read(), np.uint32).reshape(-1, 4)[:5, 0]
-    np.testing.assert_array_equal(words, np.array([MISS, 0, MISS | FREE, FREE, MISS], np.uint32))
+    embree.store(wavefront, answer)
+    hits = np.frombuffer(wavefront.hit.read(), np.uint32).reshape(-1, 4)[:5, 0]
+    np.testing.assert_array_equal(hits, np.array([MISS, 0, MISS | FREE, FREE, MISS], np.uint32))
 
 
 def test_many_instances_keep_their_numbers(context: Context) -> None:
@@ -72,8 +72,8 @@ def test_many_instances_keep_their_numbers(context: Context) -> None:
     embree = make_intersector(context, geometry, kind="embree")
     target = rng.permutation(3000)[:500]
     # From just above, a little off the spheres' poles and the squares' diagonals.
-    words = trace(context, embree, places[target] + (2e-4, 3e-4, 0.002), np.repeat(DOWN, 500, axis=0))
-    np.testing.assert_array_equal(words[:, 0], target)
+    hits = trace(context, embree, places[target] + (2e-4, 3e-4, 0.002), np.repeat(DOWN, 500, axis=0))
+    np.testing.assert_array_equal(hits[:, 0], target)
 
 
 class Panes:
@@ -82,9 +82,9 @@ class Panes:
     def __init__(self) -> None:
         self.asked = 0
 
-    def passes(self, words: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-        self.asked += len(words)
-        return words[:, 0] & INSTANCE_MASK == 0
+    def pass_through(self, hits: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+        self.asked += len(hits)
+        return hits[:, 0] & INSTANCE_MASK == 0
 
 
 def test_shadow_rays_go_through_what_lets_them(context: Context, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -94,9 +94,9 @@ def test_shadow_rays_go_through_what_lets_them(context: Context, monkeypatch: py
     embree = make_intersector(context, Geometry([SQUARE], instances), SimpleNamespace(), kind="embree")
     origin = np.array([(0.3, 0.1, 1.0), (0.3, 0.1, 1.0), (0.3, 0.1, 1.0), (0.3, 0.1, -0.3)])
     vector = DOWN * [[0.4], [0.9], [1.2], [0.4]]
-    words = trace(context, embree, origin, np.repeat(DOWN, 4, axis=0), origin, vector)
+    hits = trace(context, embree, origin, np.repeat(DOWN, 4, axis=0), origin, vector)
     # None in the way; the first pane; both panes; what is solid. The nearest hit is the first pane all the same.
-    np.testing.assert_array_equal(words[:, 0], np.array([FREE, FREE, 0, 2], np.uint32))
+    np.testing.assert_array_equal(hits[:, 0], np.array([FREE, FREE, 0, 2], np.uint32))
     assert panes.asked == 3
 
 
@@ -108,5 +108,5 @@ def test_shadow_rays_stop_after_so_many_layers(context: Context, monkeypatch: py
         stack = mesh(np.concatenate([square.positions for square in squares[:count]]), np.arange(3 * count))
         geometry = Geometry([stack], [Instance(0, np.eye(3, 4), see_through=True)])
         embree = make_intersector(context, geometry, SimpleNamespace(), kind="embree")
-        words = trace(context, embree, np.array([(0, 0, 1.0)]), DOWN, np.array([(0, 0, 1.0)]), 2 * DOWN)
-        assert words[0, 0] & FREE == free
+        hits = trace(context, embree, np.array([(0, 0, 1.0)]), DOWN, np.array([(0, 0, 1.0)]), 2 * DOWN)
+        assert hits[0, 0] & FREE == free

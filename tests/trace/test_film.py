@@ -9,7 +9,7 @@ from viewer.errors import UsageError
 from viewer.gpu.programs import Programs
 from viewer.trace.layout import TILE
 from viewer.trace.paths.film import Film, relative_error
-from viewer.trace.paths.wavefront import Wave, Work
+from viewer.trace.paths.wavefront import Wavefront, Work
 
 
 @pytest.fixture(scope="module")
@@ -17,7 +17,7 @@ def programs(context) -> Programs:
     return Programs(context)
 
 
-def exposed(context, programs, samples: np.ndarray) -> Film:
+def film_of(context, programs, samples: np.ndarray) -> Film:
     """A film that has gathered `samples`, (n, H, W, 3), all of them opaque; NaN is none."""
     height, width = samples.shape[1:3]
     film = Film(context.gl, programs, (width, height), has_layers=False)
@@ -32,15 +32,15 @@ def exposed(context, programs, samples: np.ndarray) -> Film:
 def test_a_waves_blocks_come_to_their_tiles(context, programs):
     """Cut off at the picture's edge, added where a tile is in several blocks, and no other block is taken."""
     film = Film(context.gl, programs, (40, 20), has_layers=True)
-    wave = Wave(context.gl, 4, 2, has_medium=False, has_layers=True)
+    wavefront = Wavefront(context.gl, 4, 2, has_medium=False, has_layers=True)
     work = [Work(0, 0, 0, 1), Work(2, 1, 0, 1), Work(2, 1, 1, 1), Work(1, 0, 0, 1)]
     blocks = np.array([1, 6, 3, 0])
-    wave.assign(blocks, work)
+    wavefront.assign(blocks, work)
     rng = np.random.default_rng(5)
     gathered = [rng.integers(0, 100, (32, 64, 4)).astype(np.float32) for _ in range(5)]
-    for texture, values in zip((*wave.sums.textures, *wave.layers.textures), gathered, strict=True):
+    for texture, values in zip((*wavefront.sums.textures, *wavefront.layers.textures), gathered, strict=True):
         texture.write(values.tobytes())
-    film.add(wave, blocks[:3])
+    film.add(wavefront, blocks[:3])
     found = [array[::-1] for array in (*film.read_sums(), *film.read_layers())]
     for values, shown in zip(gathered, found, strict=True):
         expected = np.zeros((32, 48, 4), np.float32)
@@ -49,14 +49,14 @@ def test_a_waves_blocks_come_to_their_tiles(context, programs):
             place = np.s_[item.tile_y * TILE:(item.tile_y + 1) * TILE, item.tile_x * TILE:(item.tile_x + 1) * TILE]
             expected[place] += values[y:y + TILE, x:x + TILE]
         np.testing.assert_array_equal(shown, expected[:20, :40])
-    wave.release()
+    wavefront.release()
     film.release()
 
 
 def test_developing_gives_the_mean(context, programs):
     samples = np.random.default_rng(1).uniform(0, 9, (5, 21, 35, 3))
     samples[:3, 4, 5] = np.nan
-    film = exposed(context, programs, samples)
+    film = film_of(context, programs, samples)
     film.develop()
     found = film.read_radiance()
     np.testing.assert_allclose(found[..., :3], np.nanmean(samples, axis=0), rtol=1e-6)
@@ -65,7 +65,7 @@ def test_developing_gives_the_mean(context, programs):
 
 
 def test_nothing_gathered_is_black_and_unsure(context, programs):
-    film = exposed(context, programs, np.full((1, 4, 4, 3), np.nan))
+    film = film_of(context, programs, np.full((1, 4, 4, 3), np.nan))
     film.develop()
     assert not film.read_radiance().any()
     assert relative_error(film.tile_errors()) == np.inf
@@ -75,7 +75,7 @@ def test_nothing_gathered_is_black_and_unsure(context, programs):
 def test_the_error_of_a_tile_is_its_pixels_variance(context, programs):
     """Of an even picture, whose pixels' surroundings are as bright as they are."""
     samples = 5 + np.random.default_rng(2).normal(0, 0.5, (400, 20, 40, 3))
-    film = exposed(context, programs, samples)
+    film = film_of(context, programs, samples)
     tiles = film.tile_errors()
     assert tiles.shape == (2, 3, 4)
     assert tiles[..., 1:].tolist() == [[[256, 102400, 256], [256, 102400, 256], [128, 51200, 128]],
@@ -92,7 +92,7 @@ def test_a_lucky_pixel_does_not_vouch_for_itself(context, programs):
     ought to be."""
     samples = np.ones((100, 16, 16, 3))
     samples[7, 8, 8] = 1000
-    film = exposed(context, programs, samples)
+    film = film_of(context, programs, samples)
     assert relative_error(film.tile_errors()) == pytest.approx(9.99 / np.sqrt(1.01) / 16, rel=0.01)
     film.release()
 
@@ -102,7 +102,7 @@ def test_a_lamp_in_the_dark_does_not_look_uncertain(context, programs):
     of its mean, 0.095 of its mean less the deviation."""
     samples = np.zeros((400, 16, 16, 3))
     samples[::4, 8, 8] = 1e4
-    film = exposed(context, programs, samples)
+    film = film_of(context, programs, samples)
     assert relative_error(film.tile_errors()) == pytest.approx(0.0949 / 16, rel=0.01)
     film.release()
 
@@ -110,7 +110,7 @@ def test_a_lamp_in_the_dark_does_not_look_uncertain(context, programs):
 def test_one_sample_is_not_enough_for_an_error(context, programs):
     samples = np.ones((2, 5, 5, 3))
     samples[1, 2, 2] = np.nan
-    film = exposed(context, programs, samples)
+    film = film_of(context, programs, samples)
     tiles = film.tile_errors()
     assert tiles[0, 0].tolist() == [0, 24, 49, 25]
     assert relative_error(tiles) == np.inf

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from shapes import moved, plate, scene
 from shapes import sphere as smooth_sphere
-from stand_ins import Geometry, Instance, fill, make_wave, mesh, soup, sphere, trace
+from stand_ins import Geometry, Instance, fill, make_wavefront, mesh, soup, sphere, trace
 
 from viewer.errors import UsageError
 from viewer.gpu.context import Context
@@ -52,14 +52,14 @@ def placed() -> Geometry:
     return Geometry(shapes, [*instances, Instance(3, np.eye(3, 4))])
 
 
-def distances(geometry: Geometry, words: np.ndarray, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
+def distances(geometry: Geometry, hits: np.ndarray, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
     """How far the hits are, float64, from their instances, triangles and barycentrics; infinite where there is none."""
-    t = np.full(len(words), np.inf)
-    for ray in np.flatnonzero(words[:, 0] & ~np.uint32(FREE) != MISS):
-        instance = geometry.instances[words[ray, 0] & INSTANCE_MASK]
+    t = np.full(len(hits), np.inf)
+    for ray in np.flatnonzero(hits[:, 0] & ~np.uint32(FREE) != MISS):
+        instance = geometry.instances[hits[ray, 0] & INSTANCE_MASK]
         shape = geometry.meshes[instance.mesh]
-        u, v = words[ray, 2:].view(np.float32).astype(np.float64)
-        point = np.array([1 - u - v, u, v]) @ shape.positions[shape.triangles[words[ray, 1]]]
+        u, v = hits[ray, 2:].view(np.float32).astype(np.float64)
+        point = np.array([1 - u - v, u, v]) @ shape.positions[shape.triangles[hits[ray, 1]]]
         point = instance.transform @ [*point, 1]
         t[ray] = (point - origin[ray]) @ direction[ray]
     return t
@@ -80,7 +80,7 @@ def test_both_find_the_same(context: Context, geometry: Geometry) -> None:
     assert hit.mean() > 0.2
     few = np.flatnonzero(hit & same)[:2000]
     # Units in the last place of the scene's radius: 2^-24.
-    far = [distances(geometry, words[few], origin[few], direction[few]) for words in (embree, ours)]
+    far = [distances(geometry, hits[few], origin[few], direction[few]) for hits in (embree, ours)]
     assert np.abs(far[0] - far[1]).max() < 64 * 2.0**-24
     kinds = np.array([instance.kind.number for instance in geometry.instances])
     np.testing.assert_array_equal(ours[hit, 0] >> KIND_SHIFT & 7, kinds[ours[hit, 0] & INSTANCE_MASK])
@@ -91,7 +91,7 @@ def test_the_nearest_is_what_float64_finds(context: Context, kind: str) -> None:
     shape = soup(200, 0.3, seed=3)
     rng = np.random.default_rng(4)
     origin, direction = rng.uniform(-1, 1, (1000, 3)).astype(np.float32), directions(rng, 1000).astype(np.float32)
-    words = trace(context, make_intersector(context, Geometry([shape]), kind=kind), origin, direction)
+    hits = trace(context, make_intersector(context, Geometry([shape]), kind=kind), origin, direction)
     a, b, c = shape.positions[shape.triangles].astype(np.float64).transpose(1, 0, 2)
     # o + t d = a + u (b - a) + v (c - a), for all rays and triangles
     columns = np.stack(np.broadcast_arrays((b - a)[None], (c - a)[None], -direction[:, None].astype(np.float64)), -1)
@@ -100,7 +100,7 @@ def test_the_nearest_is_what_float64_finds(context: Context, kind: str) -> None:
     t = np.where(inside > 0, t, np.inf)
     nearest = t.argmin(axis=1)
     expected = np.where(np.isfinite(t.min(axis=1)), nearest, -1)
-    found = np.where(words[:, 0] == MISS, -1, words[:, 1].astype(np.int64))
+    found = np.where(hits[:, 0] == MISS, -1, hits[:, 1].astype(np.int64))
     clear = (np.abs(inside) > 1e-5).all(axis=1)  # not within rounding of an edge
     assert clear.mean() > 0.9
     np.testing.assert_array_equal(found[clear], expected[clear])
@@ -131,12 +131,12 @@ def test_nothing_leaks_through_edges_and_corners(context: Context, name: str, ki
     target = start + along[:, None] * (end - start)
     origin = (transform[:, 3] + 0.02 * rng.normal(size=(RAYS, 3)) * (rng.random((RAYS, 1)) < 0.5)).astype(np.float32)
     direction = (target - origin).astype(np.float32)
-    words = trace(context, make_intersector(context, geometry, kind=kind), origin, direction, origin, 1.5 * direction)
+    hits = trace(context, make_intersector(context, geometry, kind=kind), origin, direction, origin, 1.5 * direction)
     # Ours is watertight. Embree's robust mode has a gap at some vertices, of no size: one in some 10^4 of such rays
     # finds it (and one in 20 an edge without that mode).
     allowed = 1e-3 * RAYS if kind == "embree" else 0
-    assert np.count_nonzero(words[:, 0] & ~np.uint32(FREE) == MISS) <= allowed
-    assert np.count_nonzero(words[:, 0] & FREE) <= allowed
+    assert np.count_nonzero(hits[:, 0] & ~np.uint32(FREE) == MISS) <= allowed
+    assert np.count_nonzero(hits[:, 0] & FREE) <= allowed
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -151,8 +151,8 @@ def test_rays_along_the_axes_and_in_the_planes_of_boxes(context: Context, kind: 
     intersector = make_intersector(context, Geometry([mesh(points, quads)]), kind=kind)
     origin = np.concatenate([inner + (0, 0.5, 0), inner - (0, 0.25, 0)])
     direction = np.repeat([(0.0, -1.0, 0.0), (0.0, 1.0, 0.0)], len(inner), axis=0)
-    words = trace(context, intersector, origin, direction, origin, direction)
-    np.testing.assert_array_equal(words[:, 0], 0)
+    hits = trace(context, intersector, origin, direction, origin, direction)
+    np.testing.assert_array_equal(hits[:, 0], 0)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -169,31 +169,31 @@ def test_the_smallest_and_the_slantest(context: Context, kind: str) -> None:
     for number, away in ((0, 1e-5), (0, 1.0), (1, 1e-5), (1, 1.0)):
         target = instances[number].transform @ np.c_[spread, np.zeros(1000), np.ones(1000)].T
         origin = target.T + (0, 0, away)
-        words = trace(context, intersector, origin, np.repeat([(0, 0, -1.0)], 1000, axis=0))
-        assert (words[:, 0] & INSTANCE_MASK == number).mean() > 0.98  # the origin's rounding moves a few past the rim
+        hits = trace(context, intersector, origin, np.repeat([(0, 0, -1.0)], 1000, axis=0))
+        assert (hits[:, 0] & INSTANCE_MASK == number).mean() > 0.98  # the origin's rounding moves a few past the rim
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_waves_one_after_the_other(context: Context, kind: str) -> None:
-    """Rays fetched, answers stored, of two waves in turn, as the integrator does it; idle slots are left alone."""
+    """Rays fetched, answers stored, of two wavefronts in turn, as the integrator does it; idle paths are left alone."""
     intersector: Intersector = make_intersector(context, Geometry([sphere(8, 8)]), kind=kind)
-    waves = [make_wave(context.gl, (16, 16)) for _ in range(2)]
+    wavefronts = [make_wavefront(context.gl, (16, 16)) for _ in range(2)]
     up, down = np.array([(0.1, 1.0, 0.2)]), np.array([(0.1, -1.0, 0.2)])
     expected = []
-    for wave, direction in zip(waves, (up, down), strict=True):
-        fill(wave, origin=np.array([(0, 0, 0, 1.0)]), direction=direction)
+    for wavefront, direction in zip(wavefronts, (up, down), strict=True):
+        fill(wavefront, origin=np.array([(0, 0, 0, 1.0)]), direction=direction)
         expected.append(trace(context, intersector, np.zeros((1, 3)), direction)[0])
     answer, behind, counted = None, None, []
-    for wave in waves * 2:
-        rays = intersector.fetch(wave)
+    for wavefront in wavefronts * 2:
+        rays = intersector.fetch(wavefront)
         if answer is not None:
             intersector.store(behind, answer)
-        answer, behind = intersector.trace(rays), wave
+        answer, behind = intersector.trace(rays), wavefront
         counted.append(answer.rays)
     intersector.store(behind, answer)
     assert expected[0][1] != expected[1][1]
-    for wave, words in zip(waves, expected, strict=True):
-        np.testing.assert_array_equal(np.frombuffer(wave.hit.read(), np.uint32)[:4], words)
+    for wavefront, hits in zip(wavefronts, expected, strict=True):
+        np.testing.assert_array_equal(np.frombuffer(wavefront.hit.read(), np.uint32)[:4], hits)
     assert counted[-1] == 1
 
 
@@ -205,8 +205,8 @@ def test_zero_rays_and_strange_ones(context: Context, kind: str) -> None:
     origin, direction = np.zeros((49, 3)), np.repeat([(0.0, 1.0, 0.0)], 49, axis=0)
     direction[:36] = [(a, b, 0.1) for a in odd for b in odd]
     origin[36:42, 0] = odd
-    words = trace(context, intersector, origin, direction, origin, 1.1 * direction)
-    assert (words[42:, 0] == 0).all()
+    hits = trace(context, intersector, origin, direction, origin, 1.1 * direction)
+    assert (hits[42:, 0] == 0).all()
 
 
 def panes(alphas: list[float]) -> Scene:
@@ -242,8 +242,8 @@ def test_shadow_rays_go_through_by_chance_and_both_by_the_same(context: Context,
 def test_a_scene_without_triangles_is_all_miss(context: Context, kind: str) -> None:
     intersector = make_intersector(context, Geometry([]), kind=kind)
     origin, vector = np.zeros((3, 3)), np.repeat([(0.0, 0.0, -1.0)], 3, axis=0)
-    words = trace(context, intersector, origin, vector, origin, vector)
-    np.testing.assert_array_equal(words[:, 0], np.uint32(MISS | FREE))
+    hits = trace(context, intersector, origin, vector, origin, vector)
+    np.testing.assert_array_equal(hits[:, 0], np.uint32(MISS | FREE))
     intersector.release()
 
 

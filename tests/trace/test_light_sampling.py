@@ -54,7 +54,7 @@ class Lit:
     def __init__(self, context, folder, scene: Scene, **settings) -> None:
         self.context, self.folder, self.scene, self.geometry = context, folder, scene, trace_geometry(scene)
         self.data = SceneData(context, scene, self.geometry)
-        self.lights = SceneLights(context, scene, self.geometry, self.data.words, Settings(**settings))
+        self.lights = SceneLights(context, scene, self.geometry, self.data.buffer, Settings(**settings))
         self.data.upload()
 
     def run(self, body: str, inputs: np.ndarray) -> np.ndarray:
@@ -162,10 +162,10 @@ def test_many_lights(context, tmp_path):
 
 
 def test_light_table():
-    words = light_table(np.array([1.0, 0.0, 3.0, 2.0, 2.0]), 0.5)
-    probability = words[:, 2].view(np.float32)
-    assert len(words) == 6 and np.allclose(probability, [1 / 16, 0, 3 / 16, 1 / 8, 1 / 8, 0], rtol=1e-6)
-    assert (words[:, 3].view(np.float32) == probability[words[:, 1]]).all()
+    texels = light_table(np.array([1.0, 0.0, 3.0, 2.0, 2.0]), 0.5)
+    probability = texels[:, 2].view(np.float32)
+    assert len(texels) == 6 and np.allclose(probability, [1 / 16, 0, 3 / 16, 1 / 8, 1 / 8, 0], rtol=1e-6)
+    assert (texels[:, 3].view(np.float32) == probability[texels[:, 1]]).all()
 
 
 @pytest.mark.parametrize("is_mirrored", [False, True])
@@ -267,9 +267,9 @@ def test_textured_emitters(side):
     material = Material(emissive=(1.0, 1.0, 1.0), emissive_texture=picture(pixels))
     mesh = Mesh("five", positions, 0, normals=positions * 0 + np.float32([0, 0, 1]), uvs=(uv.reshape(-1, 2),))
     scene = Scene("textured", (mesh,), (material,), (Instance(0, np.eye(4)),))
-    words, found = find_emitters(scene, trace_geometry(scene))
+    records, found = find_emitters(scene, trace_geometry(scene))
     found /= np.pi * 0.5 / scene.radius**2
-    assert words[:, 1].tolist() == [0, 1, 2, 3, 4]
+    assert records[:, 1].tolist() == [0, 1, 2, 3, 4]
     assert found[[0, 3, 4]] == pytest.approx([1, 1, 0.5], abs=1e-6) and found[1] == 0
     assert 0.4 < found[2] < 0.6
 
@@ -284,8 +284,8 @@ def test_million_emitters():
     normals = np.tile(np.array([0, 0, 1], np.float32), (len(positions), 1))
     scene = Scene("many", (Mesh("grid", positions, 0, indices=indices, normals=normals),),
                   (Material(emissive=(2, 2, 2)),), (Instance(0, np.eye(4)),))
-    words, found = find_emitters(scene, trace_geometry(scene))
-    assert len(words) == 2 * n * n and found.sum() == pytest.approx(np.pi * 2 * 4 / 2, rel=1e-5)
+    records, found = find_emitters(scene, trace_geometry(scene))
+    assert len(records) == 2 * n * n and found.sum() == pytest.approx(np.pi * 2 * 4 / 2, rel=1e-5)
 
 
 def test_extreme_powers(context, tmp_path):

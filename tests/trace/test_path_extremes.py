@@ -26,9 +26,9 @@ GLASS = Material(metallic=0.0, perceptual_roughness=0.0, transmission=1.0, thick
 
 
 def plan_of(tracer: Tracer, model: Scene) -> TracePlan:
-    exposure = tracer.begin(model, framing(model), Settings.of(mode="path", spp=1), (8, 8))
-    exposure.release()
-    return exposure.plan
+    path_render = tracer.begin(model, framing(model), Settings.of(mode="path", spp=1), (8, 8))
+    path_render.release()
+    return path_render.plan
 
 
 @pytest.mark.parametrize("name", NOTHING_MUCH)

@@ -8,7 +8,7 @@ import pytest
 from viewer.settings import Settings
 from viewer.trace.layout import TILE
 from viewer.trace.paths.film import relative_error
-from viewer.trace.paths.schedule import PILOT, Schedule, allotment, dilated
+from viewer.trace.paths.schedule import PILOT, Schedule, allocate, dilated
 from viewer.trace.paths.wavefront import Work
 
 
@@ -50,15 +50,15 @@ class NoisyFilm:
 
 
 def run(film: NoisyFilm, settings: Settings, count: int = 64, most: float = 1e9) -> list[Work]:
-    """Two waves that take turns, as in `viewer.trace.exposure`, until done or `most` samples are in the film."""
-    schedule, given, waves = Schedule(film, settings), [], [[], []]
+    """Two wavefronts in turn, as in a `PathRender`, until done or `most` samples are in the film."""
+    schedule, given, wavefronts = Schedule(film, settings), [], [[], []]
     while (film.samples * film.pixels).sum() < most:
-        waves.reverse()
-        film.add(waves[0])
-        waves[0] = [] if schedule.done else schedule.next(count, is_last=not waves[1])
-        assert len(waves[0]) <= count
-        given += waves[0]
-        if schedule.done and not any(waves):
+        wavefronts.reverse()
+        film.add(wavefronts[0])
+        wavefronts[0] = [] if schedule.done else schedule.next(count, is_last=not wavefronts[1])
+        assert len(wavefronts[0]) <= count
+        given += wavefronts[0]
+        if schedule.done and not any(wavefronts):
             break
     return given
 
@@ -139,13 +139,13 @@ def test_at_equal_cost_it_is_never_worse_than_uniform(variance, scatter):
         assert film.true_error < 0.8 * uniform
 
 
-def test_an_allotment_is_in_proportion_within_its_bounds():
+def test_an_allocation_is_in_proportion_within_its_bounds():
     deviation, pixels = np.array([[1.0, 2.0, 4.0, 0.0]]), np.array([[256, 256, 256, 64]])
     least, most = np.array([[8, 8, 8, 8]]), np.array([[1e4, 1e4, 20, 1e4]])
-    given = allotment(deviation, pixels, least, most, 256 * 100)
+    given = allocate(deviation, pixels, least, most, 256 * 100)
     assert given.tolist() == [[26, 52, 20, 8]]
-    assert allotment(deviation, pixels, least, most, 1.0).tolist() == [[8, 8, 8, 8]]
-    assert allotment(deviation, pixels, least, most, 1e12)[0, :3].tolist() == [10000, 10000, 20]
+    assert allocate(deviation, pixels, least, most, 1.0).tolist() == [[8, 8, 8, 8]]
+    assert allocate(deviation, pixels, least, most, 1e12)[0, :3].tolist() == [10000, 10000, 20]
 
 
 def test_noise_counts_a_quarter_next_door():

@@ -32,17 +32,17 @@ def model():
     return still_life()
 
 
-def expose(tracer, model, size, seconds=0.25, **settings):
-    exposure = tracer.begin(model, VIEW, Settings.of(mode="path", **settings), size)
-    while not exposure.is_done:
-        exposure.step(seconds)
-    assert exposure.bad_samples == 0
-    return exposure
+def render_path(tracer, model, size, seconds=0.25, **settings):
+    path_render = tracer.begin(model, VIEW, Settings.of(mode="path", **settings), size)
+    while not path_render.is_done:
+        path_render.step(seconds)
+    assert path_render.bad_samples == 0
+    return path_render
 
 
 def test_the_same_input_gives_the_same_pixels(tracer, model):
     """Whatever the slices, and in another tracer."""
-    first, second = (expose(tracer, model, (50, 40), seconds, spp=8).image().linear for seconds in (0.0, 1.0))
+    first, second = (render_path(tracer, model, (50, 40), seconds, spp=8).image().linear for seconds in (0.0, 1.0))
     np.testing.assert_array_equal(first, second)
     fresh = Tracer(tracer.context)
     np.testing.assert_array_equal(fresh.render(model, VIEW, Settings.of(mode="path", spp=8), (50, 40)).linear, first)
@@ -58,33 +58,33 @@ def test_another_seed_is_other_noise(tracer, model):
 @pytest.mark.parametrize("size", [(1, 1), (17, 33), (300, 20), (3, 200)])
 @pytest.mark.parametrize("spp", [1, 13])
 def test_every_pixel_gets_its_samples(tracer, model, size, spp):
-    exposure = expose(tracer, model, size, spp=spp)
-    total, squares = exposure.film.read_sums()
+    path_render = render_path(tracer, model, size, spp=spp)
+    total, squares = path_render.film.read_sums()
     assert (total[..., 3] == spp).all()
     assert (squares[..., 3] == spp).all()
-    assert exposure.samples == spp
-    assert exposure.image().linear.shape == (size[1], size[0], 4)
+    assert path_render.samples == spp
+    assert path_render.image().linear.shape == (size[1], size[0], 4)
 
 
 def test_a_picture_can_be_taken_at_any_time(tracer, model):
-    exposure = tracer.begin(model, VIEW, Settings.of(mode="path", spp=64), (40, 30))
-    assert exposure.image().linear[..., :3].max() == 0
+    path_render = tracer.begin(model, VIEW, Settings.of(mode="path", spp=64), (40, 30))
+    assert path_render.image().linear[..., :3].max() == 0
     seen = [0.0]
-    while not exposure.is_done:
-        exposure.step(0.0)
-        if exposure.samples > seen[-1]:
-            seen.append(exposure.samples)
-            assert exposure.rays >= seen[-1] * 40 * 30
+    while not path_render.is_done:
+        path_render.step(0.0)
+        if path_render.samples > seen[-1]:
+            seen.append(path_render.samples)
+            assert path_render.rays >= seen[-1] * 40 * 30
     assert seen[-1] == 64 and len(seen) > 4
-    assert np.isfinite(exposure.image().linear).all()
+    assert np.isfinite(path_render.image().linear).all()
 
 
 def test_the_estimated_error_is_that_of_the_picture(tracer, model):
     """Against the spread of ten pictures. Samples that keep their distance make the pictures better than it says."""
-    pictures = [expose(tracer, model, (32, 32), spp=16, seed=seed) for seed in range(10)]
-    light = np.stack([exposure.image().linear[..., :3].astype(np.float64) for exposure in pictures])
+    pictures = [render_path(tracer, model, (32, 32), spp=16, seed=seed) for seed in range(10)]
+    light = np.stack([path_render.image().linear[..., :3].astype(np.float64) for path_render in pictures])
     spread = np.sqrt((light.var(axis=0, ddof=1) / (light.mean(axis=0)**2 + 0.01)).mean())
-    estimate = np.mean([exposure.error for exposure in pictures])
+    estimate = np.mean([path_render.error for path_render in pictures])
     assert 0.8 * spread < estimate < 3 * spread
 
 

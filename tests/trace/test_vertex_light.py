@@ -13,7 +13,7 @@ from viewer.scene.material import Material
 from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Scene
 from viewer.settings import Settings
-from viewer.trace.surface_points import fit, spread, surfaces_of
+from viewer.trace.surface_points import fit, sample_surfaces, surface_triangles
 from viewer.trace.vertex_light import VertexLight, bake_incoming, bake_outgoing
 
 SETTINGS = Settings()
@@ -131,16 +131,16 @@ def test_what_has_no_surface_has_no_light(context: Context, name: str, bake) -> 
 
 
 def test_points_are_no_more_than_there_is_room_for() -> None:
-    surfaces = surfaces_of(scene(sphere(segments=48)), [0])
-    assert len(spread(surfaces, 100).triangle) == np.count_nonzero(surfaces.areas) > 2000
-    few = spread(surfaces, 100, most=300)
+    surfaces = surface_triangles(scene(sphere(segments=48)), [0])
+    assert len(sample_surfaces(surfaces, 100).triangle) == np.count_nonzero(surfaces.areas) > 2000
+    few = sample_surfaces(surfaces, 100, most=300)
     assert 200 < len(few.triangle) < 500
     assert len(np.unique(few.triangle)) == len(few.triangle)
 
 
 def test_one_point_that_met_a_rare_light_spoils_nothing() -> None:
-    surfaces = surfaces_of(scene(grid(8)), [0])
-    points = spread(surfaces, 1000)
+    surfaces = surface_triangles(scene(grid(8)), [0])
+    points = sample_surfaces(surfaces, 1000)
     found = np.tile([0.2, 0.1, 0.3, 0.5], (len(points.triangle), 1))
     np.testing.assert_allclose(fit(surfaces, points, found), np.tile(found[0], (81, 1)), rtol=1e-6)
     found[300, :3] = 4000.0

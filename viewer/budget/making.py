@@ -16,7 +16,7 @@ from ..raster.renderer import Renderer
 from ..raster.sampled_images import decode_ahead
 from ..scene.camera import Camera
 from ..scene.scene import Scene
-from ..trace.paths.path_render import Exposure
+from ..trace.paths.path_render import PathRender
 from ..trace.paths.run import Report, run
 from ..trace.tracer import Tracer
 from .calibration import Calibration
@@ -136,7 +136,7 @@ class Making:
         return None if found is not None and first is not None and found.error >= first.error else found
 
     @staticmethod
-    def _covered(exposure: Exposure, is_over: Callable[[], bool]) -> bool:
+    def _covered(exposure: PathRender, is_over: Callable[[], bool]) -> bool:
         """Go on until every pixel has a sample; False where it `is_over` before."""
         while not exposure.is_done and exposure.film.tile_errors()[..., 2].min() < 1:
             if is_over():
@@ -171,7 +171,7 @@ class Making:
         finally:
             exposure.release()
 
-    def _rehearsed(self, path: TracedCandidate, exposure: Exposure, end: float) -> float:
+    def _rehearsed(self, path: TracedCandidate, exposure: PathRender, end: float) -> float:
         """How long what comes after the last sample takes, seen on a first picture where there is time for that: then
         all it needs is compiled, and however busy the device is, it is known."""
         seconds = path.reserve
@@ -184,7 +184,7 @@ class Making:
             seconds = time.perf_counter() - started
         return seconds
 
-    def _begin(self, path: Candidate) -> Exposure:
+    def _begin(self, path: Candidate) -> PathRender:
         view = self._view
         self.titles[1].add(path.title)
         return self._tracer.begin(view.scene, view.camera, path.settings, view.size, view.layers)
@@ -193,19 +193,19 @@ class Making:
         self._choice.taken, self._choice.error = candidate, error
         return image
 
-    def _developed(self, path: Candidate, exposure: Exposure) -> Image:
+    def _developed(self, path: Candidate, exposure: PathRender) -> Image:
         self._choice.samples, error = exposure.samples, self._error(exposure)
         if exposure.settings.denoise != "off" and math.isfinite(error):
             return self._taken(replace(path, error=error), exposure.image(), None)
         return self._taken(path, exposure.image(), error if math.isfinite(error) else None)
 
-    def _error(self, exposure: Exposure) -> float:
+    def _error(self, exposure: PathRender) -> float:
         """As its samples tell it; where it is filtered, with what that usually does to it."""
         is_filtered = exposure.settings.denoise != "off"
         return exposure.error * (self._calibration.traced.factor(exposure.error) if is_filtered else 1.0)
 
 
-def against(image: Image, exposure: Exposure) -> float:
+def against(image: Image, exposure: PathRender) -> float:
     """The relative error of `image`, by the unfinished picture of `exposure`: each pixel's variance is taken off its
     squared difference, and what both are relative to is the mean of the pixels around it, which is less noisy. What
     is left of the noise counts as error: few samples show no small one."""

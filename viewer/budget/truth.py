@@ -13,7 +13,7 @@ from ..measure.compare.relmse import EPSILON
 from ..scene.camera import Camera
 from ..scene.scene import Scene
 from ..settings import Settings
-from ..trace.paths.path_render import Exposure
+from ..trace.paths.path_render import PathRender
 from ..trace.tracer import Tracer
 
 SMALL, LARGE = (64, 64), (192, 192)
@@ -46,7 +46,7 @@ def framing(scene: Scene) -> Camera:
 
 
 @contextmanager
-def exposed(tracer: Tracer, scene: Scene, settings: Settings, size: tuple[int, int]) -> Iterator[Exposure]:
+def exposed(tracer: Tracer, scene: Scene, settings: Settings, size: tuple[int, int]) -> Iterator[PathRender]:
     """A picture with all its samples."""
     exposure = tracer.begin(scene, framing(scene), settings, size)
     try:
@@ -56,7 +56,7 @@ def exposed(tracer: Tracer, scene: Scene, settings: Settings, size: tuple[int, i
         exposure.release()
 
 
-def trace_all(exposure: Exposure) -> None:
+def trace_all(exposure: PathRender) -> None:
     while not exposure.is_done:
         exposure.step(1.0)
 

@@ -19,7 +19,7 @@ from .state import ViewState
 
 if TYPE_CHECKING:
     from ..trace.denoise.wavelet import Wavelet
-    from ..trace.paths.path_render import Exposure
+    from ..trace.paths.path_render import PathRender
     from ..trace.tracer import Tracer
 
 REST_SECONDS = 0.15
@@ -72,7 +72,7 @@ class Convergence:
         self._display = DisplayPass(context.gl, programs)
         self._tracer: Tracer | None = None
         self._wavelet: Wavelet | None = None
-        self._exposure: Exposure | None = None
+        self._path_render: PathRender | None = None
         self._view: tuple[Camera, tuple[int, int]] | None = None
         self._key: tuple[object, ...] | None = None
         self._announced: object = None
@@ -87,28 +87,28 @@ class Convergence:
     @property
     def is_done(self) -> bool:
         """Whether nothing will be added to the picture."""
-        if self._exposure is None:
+        if self._path_render is None:
             return False
         budget = self._settings().time_budget
-        return self._exposure.is_done or (budget is not None and self._exposure.seconds >= budget)
+        return self._path_render.is_done or (budget is not None and self._path_render.seconds >= budget)
 
     @property
     def left_out(self) -> tuple[str, ...]:
-        return self._exposure.plan.left_out if self._exposure is not None else ()
+        return self._path_render.plan.left_out if self._path_render is not None else ()
 
     @property
     def attributes(self) -> dict[str, str]:
-        """What a file has to say of the picture, as `Exposure.attributes`."""
-        if self._exposure is None or self.picture is None:
+        """What a file has to say of the picture, as `PathRender.attributes`."""
+        if self._path_render is None or self.picture is None:
             return {}
-        return self._exposure.attributes("fast" if self.is_denoised else "off")
+        return self._path_render.attributes("fast" if self.is_denoised else "off")
 
     @property
     def patience(self) -> float:
         """Seconds until it has something to do; none now, endless while there is nothing."""
-        if self._view is None or (self._exposure is None and self._state.paused):
+        if self._view is None or (self._path_render is None and self._state.paused):
             return math.inf
-        if self._exposure is None:
+        if self._path_render is None:
             return REST_SECONDS if self._begins_at is None else max(self._begins_at - time.monotonic(), 0.0)
         rests = self._state.paused or self.is_done
         return math.inf if rests and self._filter is None and not self._wants_look else 0.0
@@ -117,9 +117,9 @@ class Convergence:
         """What to tell of it, one line; empty where nothing is traced."""
         if self._view is None:
             return ""
-        if self._exposure is None and not self._state.paused:
+        if self._path_render is None and not self._state.paused:
             return "" if self.patience or self._prepared is self._state.scene.meshes else "Preparing to trace paths …"
-        parts = [str(self.progress)] if self.progress else ["First samples …"] if self._exposure else []
+        parts = [str(self.progress)] if self.progress else ["First samples …"] if self._path_render else []
         if self.picture is not None and self.is_denoised:
             parts.append("denoised")
         if self._state.paused:
@@ -143,9 +143,9 @@ class Convergence:
 
     def leave(self) -> None:
         """Forget the picture; what was prepared for the scene stays."""
-        if self._exposure is not None:
-            self._exposure.release()
-        self._exposure = self._view = self._key = self._filter = self.picture = self.progress = None
+        if self._path_render is not None:
+            self._path_render.release()
+        self._path_render = self._view = self._key = self._filter = self.picture = self.progress = None
 
     def step(self) -> bool:
         """Go on for about SLICE_SECONDS; whether there is something new to show.
@@ -156,7 +156,7 @@ class Convergence:
             self._begins_at = time.monotonic() + REST_SECONDS
         if self.patience > 0:
             return False
-        if self._exposure is None:
+        if self._path_render is None:
             meshes = self._state.scene.meshes
             is_told, self._announced = self._announced is meshes, meshes
             if is_told:  # on screen, for it may take its time
@@ -166,7 +166,7 @@ class Convergence:
         if self._filter is not None:
             return self._go_on_filtering()
         if not (self._state.paused or self.is_done):
-            self._exposure.step(SLICE_SECONDS)
+            self._path_render.step(SLICE_SECONDS)
         return self._wants_look and self._look()
 
     def present(self, settings: Settings, framebuffer: moderngl.Framebuffer) -> None:
@@ -192,40 +192,41 @@ class Convergence:
             self._wavelet = Wavelet(self._context, self._programs)
         self._has_layers = self._state.settings.denoise != "off"
         layers = ("albedo", "normal") if self._has_layers else ()
-        self._exposure = self._tracer.begin(self._state.scene, self._view[0], self._settings(), self._view[1], layers)
+        camera, size = self._view
+        self._path_render = self._tracer.begin(self._state.scene, camera, self._settings(), size, layers)
         self._looked, self._look_at, self._look_cost = (0.0, ""), 0.0, 0.0
 
     @property
     def _lacks_layers(self) -> bool:
         """Whether there are no layers and they are wanted now."""
-        return self._exposure is not None and not self._has_layers and self._state.settings.denoise != "off"
+        return self._path_render is not None and not self._has_layers and self._state.settings.denoise != "off"
 
     @property
     def _wants_look(self) -> bool:
-        assert self._exposure is not None
-        if self._exposure.seconds >= self._look_at:
+        assert self._path_render is not None
+        if self._path_render.seconds >= self._look_at:
             return True
-        is_new = self._looked != (self._exposure.seconds, self._state.settings.denoise)
+        is_new = self._looked != (self._path_render.seconds, self._state.settings.denoise)
         return is_new and (self._state.paused or self.is_done or self._looked[1] != self._state.settings.denoise)
 
     def _look(self) -> bool:
         """See how far the picture has come, and show it as soon as it is whole."""
         from ..trace.paths.film import relative_error
 
-        exposure = self._exposure
-        assert exposure is not None
+        path_render = self._path_render
+        assert path_render is not None
         start = time.perf_counter()
-        tiles = exposure.film.tile_errors()
-        self._looked = exposure.seconds, self._state.settings.denoise
+        tiles = path_render.film.tile_errors()
+        self._looked = path_render.seconds, self._state.settings.denoise
         self._look_cost = time.perf_counter() - start
         is_whole = self.is_done or bool((tiles[..., 2] >= tiles[..., 3]).all())
         if is_whole:
             samples = float(tiles[..., 2].sum(dtype=float) / tiles[..., 3].sum(dtype=float))
-            self.progress = Progress(samples, exposure.seconds, exposure.rays, relative_error(tiles))
-            radiance = exposure.radiance
+            self.progress = Progress(samples, path_render.seconds, path_render.rays, relative_error(tiles))
+            radiance = path_render.radiance
             if self._state.settings.denoise != "off" and self.progress.error > CONVERGED:
                 assert self._wavelet is not None
-                self._filter = self._wavelet.steps(exposure.film)
+                self._filter = self._wavelet.steps(path_render.film)
             else:
                 self.picture, self.is_denoised = radiance, False
         self._plan_look()
@@ -245,9 +246,9 @@ class Convergence:
         return self._filter is None
 
     def _plan_look(self) -> None:
-        assert self._exposure is not None
+        assert self._path_render is not None
         first, last = LOOK_SECONDS
-        seconds = self._exposure.seconds
+        seconds = self._path_render.seconds
         pause = max(first, min(seconds / 20, last), self._look_cost * (1 / LOOK_SHARE - 1))
         self._look_at = seconds + pause
 

@@ -68,24 +68,25 @@ class PathMaker(PictureMaker):
         started = time.perf_counter()
         if self._tracer is None:
             self._tracer = Tracer(request.open(), use_cache=request.use_cache)
-        exposure = self._tracer.begin(scene, camera, request.settings, request.size, request.layers)
+        path_render = self._tracer.begin(scene, camera, request.settings, request.size, request.layers)
         prepared = time.perf_counter() - started
 
         def report(fraction: float, seconds_left: float) -> None:
             if progress.is_shown:
-                words = f"{exposure.samples:.3g} spp, error {exposure.error:.2g}, {seconds_left:.0f} s left"
+                words = f"{path_render.samples:.3g} spp, error {path_render.error:.2g}, {seconds_left:.0f} s left"
                 progress.part(fraction, f"{path.name}: {words}")
 
         try:
             with postponed() as wish:
-                run(exposure, started, report, wants_to_stop=lambda: wish.number is not None)
-            self.stopped = _answered(wish, exposure.samples)
-            image = exposure.image()
+                run(path_render, started, report, wants_to_stop=lambda: wish.number is not None)
+            self.stopped = _answered(wish, path_render.samples)
+            image = path_render.image()
             self.stats = {"prepare_s": {"scene": prepared}, **image.stats, "stopped": self.stopped is not None}
             self.texture_bytes = self._tracer.texture_bytes
-            self.summary = f"{how_far(exposure)}, {exposure.rays / 1e6:.3g} million rays by {exposure.plan.intersector}"
+            rays, intersector = path_render.rays, path_render.plan.intersector
+            self.summary = f"{how_far(path_render)}, {rays / 1e6:.3g} million rays by {intersector}"
         finally:
-            exposure.release()
+            path_render.release()
         return image
 
 

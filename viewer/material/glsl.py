@@ -61,7 +61,7 @@ def _uniforms() -> str:
 def _records() -> str:
     """The path tracer's: values and maps from the scene buffer, maps in two runs of records."""
     lines = ["// A material's parameters and maps as the path tracer has them (viewer/material/pack.py).",
-             '#include "material/inputs.glsl"', '#include "trace/words.glsl"', "#if HAS_TEXTURES",
+             '#include "material/inputs.glsl"', '#include "trace/scene_buffer.glsl"', "#if HAS_TEXTURES",
              '#include "trace/atlas.glsl"', "#endif", "", "uniform int u_materials;", ""]
     for roles in (COLOR_ROLES, DATA_ROLES):
         listed = ", ".join(f"{name.upper()}_ROLE = {bit}u" for name, bit in roles.items())
@@ -70,10 +70,11 @@ def _records() -> str:
               f"    return u_materials + material * {RECORD_TEXELS} + part;", "}", ""]
     for name, place in RECORD.items():
         lines += [f"{_TYPES[place.size]} {name}_factor(int material) {{",
-                  f"    return word_float(material_texel(material, {place.texel})).{place.swizzle};", "}", ""]
+                  f"    return scene_float4(material_texel(material, {place.texel})).{place.swizzle};", "}", ""]
     lines += ["// Where the material's maps are: runs of colours and of data, first | count << 24; the normal map + 1",
               "uvec4 map_records(int material) {",
-              f"    return word(material_texel(material, {MAPS_TEXEL}));", "}", "", "// `color` is the vertices'.",
+              f"    return scene_uint4(material_texel(material, {MAPS_TEXEL}));", "}", "",
+              "// `color` is the vertices'.",
               "MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {",
               "    MaterialInputs m = DEFAULT_INPUTS;"]
     shown = [p for p in PARAMETERS.values() if p.info.role == "input" and p.info.paths]

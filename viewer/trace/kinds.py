@@ -12,9 +12,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Kind:
-    """One kind of surface: the name of its pass, its number in hits (0 to 6), its program, and which materials it has.
+    """One kind of surface.
 
-    GLSL knows the number as `KIND_<NAME>`.
+    `name` is that of its pass, `number` (0 to 6) stands in hits, `file` is its fragment shader, and `when` says which
+    materials are of this kind. GLSL has the number as `KIND_<NAME>`.
     """
 
     name: str
@@ -26,14 +27,17 @@ class Kind:
 SURFACE = Kind("surface", 0, "trace/surface.frag", lambda material: material.transmission == 0)
 GLASS = Kind("glass", 1, "trace/glass.frag", lambda material: material.transmission > 0)
 KINDS = (SURFACE, GLASS)
-"""Every kind; a material is of the one whose `when` holds."""
+"""All kinds. A material is of the kind whose `when` holds."""
 
 NO_KIND = 7
-"""The number in the hit of a ray that met nothing."""
+"""The number in the hit of a ray that missed."""
 
-REST, FINISH, FIRST_HIT, SHADE = range(4)
-"""The classes of paths, by which passes choose theirs: idle; ended, so that the next one begins; at the first surface
-that the camera sees; at a surface of kind k, which is class SHADE + k."""
+CLASS_IDLE, CLASS_ENDED, CLASS_FIRST_HIT, CLASS_SHADE = range(4)
+"""The classes of paths. Each pass shades the paths of one class.
+
+A path is idle; or it has ended; or its camera ray has hit a surface, for the pass that collects layers; or it has hit a
+surface of kind k, which is class CLASS_SHADE + k.
+"""
 
 
 def kind_of(material: TraceMaterial) -> Kind:

@@ -1,22 +1,22 @@
 """Numbers that Python and the path tracer's GLSL share: how hits, wavefronts and the scene buffer are laid out.
 
-They are written down here alone. GLSL gets each as a define of the same name, by `shader_defines`.
+They are defined here only. GLSL gets each of them as a define of the same name, by `shader_defines`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-from .kinds import FINISH, FIRST_HIT, KINDS, NO_KIND, REST, SHADE
-from .scene.materials import MAP_WORDS
+from .kinds import CLASS_ENDED, CLASS_FIRST_HIT, CLASS_IDLE, CLASS_SHADE, KINDS, NO_KIND
 
 TILE = 16
-"""Paths of a block of a wavefront, and pixels of a tile of the picture, along each side."""
+"""Side of a block of paths in a wavefront, and of a tile of pixels in the picture."""
 
 IDLE, IN_FLIGHT, ENDED = 0, 1, 2
-"""The status of a path, in w of its origin: nothing to do; a ray to be traced; only its shadow ray is pending."""
+"""The status of a path, in w of its origin: it has no ray; it has a ray; it has ended and at most a shadow ray is
+pending."""
 
-# x of a hit: is the shadow ray free? << 31 | kind << KIND_SHIFT | instance (shaders/trace/hit.glsl)
+# x of a hit: shadow ray is unoccluded << 31 | kind << KIND_SHIFT | instance (shaders/trace/hit.glsl)
 KIND_SHIFT = 28
 INSTANCE_MASK = (1 << KIND_SHIFT) - 1
 FREE = 1 << 31
@@ -25,18 +25,34 @@ MISS = NO_KIND << KIND_SHIFT | INSTANCE_MASK
 SCENE_WIDTH = 4096
 """Texels in a row of the scene buffer."""
 INSTANCE_TEXELS = 5
-"""Of an instance in the scene buffer: the rows of mesh-to-tracer; first triangle, first vertex, material, first emitter
-(-1 for none); flags, medium inside, 0, 0."""
+"""Texels of an instance in the scene buffer.
+
+Three have the rows of the matrix from mesh to tracer space; one has the first triangle, first vertex, material and
+first emitter (-1 for none); one has the flags, the medium inside, 0, 0.
+"""
 
 SEE_THROUGH, MIRRORED, DOUBLE_SIDED, UNLIT, THIN = 1, 2, 4, 8, 16
 """Bits of an instance's flags."""
+
+MAP_TEXELS = 3
+"""Texels of a texture map's record in the scene buffer.
+
+One has the page in the atlas (x | y << 16, width | height << 16) and the flags; two have the rows of the matrix that
+transforms texture coordinates.
+"""
+WRAPS = {"repeat": 0, "clamp": 1, "mirror": 2}
+MAP_WRAP_BITS = 2
+"""The lowest bits of a map's flags are the wrap mode along s, the next ones that along t."""
+MAP_NEAREST, MAP_SECOND_UV, MAP_TRANSFORMED = 1 << 4, 1 << 5, 1 << 6
+MAP_ROLE_SHIFT = 8
+"""The bits of a map's flags from here on are its roles (viewer/material/pack.py)."""
 
 
 def vertex_layout(switches: Mapping[str, int]) -> dict[str, int]:
     """Where in a vertex's texels its attributes are, and how many texels it has.
 
-    Position and u are in the first, normal and v in the second; then come a tangent, second texture coordinates and a
-    colour, those of them that the switches say are used.
+    The first texel has position and u, the second has normal and v. A tangent, second texture coordinates and a colour
+    follow, each only if the switches say that it is used.
     """
     has_tangent, has_uv1, has_color = (switches.get(name, 0) for name in ("HAS_TANGENT", "HAS_UV1", "HAS_COLOR"))
     return {"VERTEX_TANGENT": 2, "VERTEX_UV1": 2 + has_tangent, "VERTEX_COLOR": 2 + has_tangent + has_uv1,
@@ -47,10 +63,14 @@ _CONSTANTS = {
     "TILE": TILE,
     "IDLE": IDLE, "IN_FLIGHT": IN_FLIGHT, "ENDED": ENDED,
     "KIND_SHIFT": KIND_SHIFT, "NO_KIND": NO_KIND, **{f"KIND_{kind.name.upper()}": kind.number for kind in KINDS},
-    "CLASS_REST": REST, "CLASS_FINISH": FINISH, "CLASS_FIRST_HIT": FIRST_HIT, "CLASS_SHADE": SHADE,
-    "SCENE_WIDTH": SCENE_WIDTH, "INSTANCE_TEXELS": INSTANCE_TEXELS, "MAP_TEXELS": MAP_WORDS,
+    "CLASS_IDLE": CLASS_IDLE, "CLASS_ENDED": CLASS_ENDED, "CLASS_FIRST_HIT": CLASS_FIRST_HIT,
+    "CLASS_SHADE": CLASS_SHADE,
+    "SCENE_WIDTH": SCENE_WIDTH, "INSTANCE_TEXELS": INSTANCE_TEXELS,
     "FLAG_SEE_THROUGH": SEE_THROUGH, "FLAG_MIRRORED": MIRRORED, "FLAG_DOUBLE_SIDED": DOUBLE_SIDED, "FLAG_UNLIT": UNLIT,
     "FLAG_THIN": THIN,
+    "MAP_TEXELS": MAP_TEXELS, "WRAP_REPEAT": WRAPS["repeat"], "WRAP_CLAMP": WRAPS["clamp"],
+    "MAP_WRAP_BITS": MAP_WRAP_BITS, "MAP_NEAREST": MAP_NEAREST, "MAP_SECOND_UV": MAP_SECOND_UV,
+    "MAP_TRANSFORMED": MAP_TRANSFORMED, "MAP_ROLE_SHIFT": MAP_ROLE_SHIFT,
 }
 
 

@@ -1,4 +1,4 @@
-"""What of a scene the path tracer needs: the passes, the switches of their programs, and what was left out and why."""
+"""The plan of a path-traced picture: its passes, the switches of their programs, and what was left out and why."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .scene.geometry import TraceGeometry, TraceInstance
 
 @dataclass(frozen=True)
 class TracePlan:
-    """`programs` by the name of the pass: what is drawn for a wave besides tracing its rays."""
+    """`programs` has the program of each pass over a wavefront but intersection, by the name of the pass."""
 
     programs: Mapping[str, Program]
     intersector: str
@@ -33,7 +33,7 @@ class TracePlan:
 
     @property
     def has_transmission(self) -> bool:
-        """Whether paths go through surfaces, and so through media."""
+        """Whether surfaces transmit light, so that paths have a medium."""
         return bool(self.programs["generate"]["HAS_TRANSMISSION"])
 
     def to_json(self) -> dict[str, object]:
@@ -50,31 +50,32 @@ class TracePlan:
 
 
 _NEUTRAL = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "HAS_PUNCTUAL", "LIGHT_RADIUS", "HAS_LIGHTS", "CLAMP")
-"""Switches of lights that can be on where there is nothing behind them."""
+"""Switches of lights that may be on even if the scene has no such light."""
 
 
 def plan_trace(
     scene: Scene, settings: Settings, geometry: TraceGeometry, switches: Mapping[str, int], *, intersector: str,
-    has_layers: bool, idle: Sequence[str] = (), rays: int = 0,
+    has_layers: bool, left_out: Sequence[str] = (), rays: int = 0,
 ) -> TracePlan:
-    """The plan for `scene` under `settings`; `rays` as in shaders/trace/surface_ray.glsl, 0: a camera's.
+    """The plan for `scene` under `settings`.
 
-    `switches` and the lines of what is `idle` are what the scene's data and its lights say of themselves.
+    `switches` are those of the scene's data and lights, `left_out` their lines for the user. `rays` is the kind of rays
+    in shaders/trace/surface_ray.glsl, 0 for camera rays.
     """
     sampling = setting_choices()["sampling"].index(settings.sampling)
     switches = dict(switches) | bsdf_switches(settings) | {"SAMPLING": sampling}
     if settings.ndf != "ggx":
-        switches["ANISOTROPIC"] = 0  # the others are isotropic
-    shines = settings.lobes == "all"
+        switches["ANISOTROPIC"] = 0  # the other distributions are isotropic
+    shows_emission = settings.lobes == "all"
     for name in ("HAS_EMISSION", "HAS_EMITTERS"):
-        switches[name] = int(switches[name] and shines)
+        switches[name] = int(switches[name] and shows_emission)
     switches["HAS_LIGHTS"] = int(any(switches[name] for name in ("HAS_ENVIRONMENT", "HAS_PUNCTUAL", "HAS_EMITTERS")))
     switches["BACKGROUND"] = int(settings.background == "env" and switches["HAS_ENVIRONMENT"])
     switches["CLAMP"] = int(settings.clamp > 0)
     kinds = {instance.kind for instance in geometry.instances}
     if settings.plan == "everything":
         kinds = set(KINDS)
-        emitters = ["HAS_EMITTERS"] * (shines and not geometry.emitters)
+        emitters = ["HAS_EMITTERS"] * (shows_emission and not geometry.emitters)
         switches |= dict.fromkeys((*_NEUTRAL, *emitters), 1)
     state = {"HAS_TRANSMISSION": switches["HAS_TRANSMISSION"]}
     first = state | {"RAYS": rays}
@@ -83,19 +84,19 @@ def plan_trace(
     programs = {
         "zero": _program("trace/zero.frag", {}),
         "begin": _program("trace/generate.frag", first | {"BEGINS": 1}),
-        "sort": _program("trace/sort.frag", state | {"FIRST_HITS": 0}),
+        "classify": _program("trace/classify.frag", state | {"FIRST_HITS": 0}),
         "finish": _program("trace/finish.frag", first | sky),
         "generate": _program("trace/generate.frag", first | {"BEGINS": 0}),
         **{kind.name: _program(kind.file, switches) for kind in KINDS if kind in kinds},
-        "rest": _program("trace/rest.frag", {}),
+        "idle": _program("trace/idle.frag", {}),
         "alive": _program("trace/alive.frag", state),
     }
     if has_layers:
-        programs |= {"sort first hits": _program("trace/sort.frag", state | {"FIRST_HITS": 1}),
+        programs |= {"classify first hits": _program("trace/classify.frag", state | {"FIRST_HITS": 1}),
                      "layers": _program("trace/layers.frag", switches)}
-    left_out = [*_left_out(scene, settings, geometry, switches, programs, has_layers), *idle]
+    lines = [*_left_out(scene, settings, geometry, switches, programs, has_layers), *left_out]
     return TracePlan(programs, intersector, geometry.triangle_count, len(geometry.instances), _used(geometry, switches),
-                     ("nothing, as was asked for",) if settings.plan == "everything" else tuple(left_out))
+                     ("nothing, as was asked for",) if settings.plan == "everything" else tuple(lines))
 
 
 def _used(geometry: TraceGeometry, switches: Mapping[str, int]) -> tuple[str, ...]:
@@ -118,7 +119,7 @@ def _left_out(
     scene: Scene, settings: Settings, geometry: TraceGeometry, switches: Mapping[str, int],
     programs: Mapping[str, Program], has_layers: bool,
 ) -> list[str]:
-    """In words, what the scene or the settings made unnecessary, and what is not shown."""
+    """Lines for the user: what the scene or the settings made unnecessary, and what is not shown."""
     lines = []
     if geometry.left_out_instances:
         count = geometry.left_out_instances

@@ -1,4 +1,4 @@
-"""The path tracer: a scene, a camera and settings in; a picture that converges to the right answer out."""
+"""The path tracer: renders a scene, a camera and settings to a picture that converges to the correct one."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from ..settings import Settings
 from .denoise.denoiser import Denoiser, make_denoiser
 from .paths.camera_rays import camera_uniforms
 from .paths.film import Film
-from .paths.layers import FIRST_HIT
+from .paths.layers import FIRST_HIT_LAYERS
 from .paths.passes import Passes
-from .paths.path_render import Exposure
+from .paths.path_render import PathRender
 from .paths.run import run
 from .paths.schedule import Schedule
 from .paths.surface_rays import SurfaceRays
@@ -36,9 +36,9 @@ UNIT_DFG = UNIT_BLOCKS + 1
 class Tracer:
     """Traces scenes with one OpenGL context.
 
-    It keeps the last scene's data, its intersector and all programs. Scenes are told apart by identity, as by
-    `viewer.raster.renderer.Renderer`: what one shares with the last is not prepared again. `intersector` is auto,
-    embree or bvh.
+    It keeps the data and the intersector of the last scene, and all programs. Scenes are compared by identity, as in
+    `viewer.raster.renderer.Renderer`; what a scene shares with the last one is not prepared again. `intersector` is
+    auto, embree or bvh.
     """
 
     def __init__(self, context: Context, use_cache: bool = True, intersector: str = "auto",
@@ -54,39 +54,39 @@ class Tracer:
 
     def render(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
                layers: Collection[str] = ()) -> Image:
-        """The picture with all its samples, or those the time budget allows."""
+        """The picture with all its samples, or with those that the time budget allows."""
         started = time.perf_counter()
-        exposure = self.begin(scene, camera, settings, size, layers)
+        path_render = self.begin(scene, camera, settings, size, layers)
         try:
-            run(exposure, started)
-            return exposure.image()
+            run(path_render, started)
+            return path_render.image()
         finally:
-            exposure.release()
+            path_render.release()
 
     def begin(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
-              layers: Collection[str] = ()) -> Exposure:
-        """A picture that has no samples yet.
+              layers: Collection[str] = ()) -> PathRender:
+        """A progressive render that has no samples yet.
 
-        `layers` are names of `viewer.settings.LAYERS`. Raises UsageError for a size that this OpenGL cannot draw and a
-        denoiser that is not installed, InputError for a scene that does not fit. The picture can go on until another
-        scene is begun.
+        `layers` are names of `viewer.settings.LAYERS`. Raises UsageError for a size that this OpenGL cannot draw or a
+        denoiser that is not installed, InputError for a scene that does not fit. The render can be continued until
+        another scene is begun.
         """
         return self._begin(scene, camera_uniforms(scene, camera, size), settings, size, layers)
 
-    def begin_at(self, scene: Scene, rays: SurfaceRays, settings: Settings) -> Exposure:
-        """Likewise, a pixel for each of the rays, which begin on surfaces. Alpha is the part that met something."""
+    def begin_at(self, scene: Scene, rays: SurfaceRays, settings: Settings) -> PathRender:
+        """As `begin`, with one pixel for each ray of the list. Alpha is the fraction of rays that hit something."""
         return self._begin(scene, {}, replace(settings, background="none"), rays.size, (), rays)
 
     def _begin(self, scene: Scene, first: Mapping[str, object], settings: Settings, size: tuple[int, int],
-               layers: Collection[str], rays: SurfaceRays | None = None) -> Exposure:
-        """`first` are uniforms for a camera's rays, where there are no others."""
+               layers: Collection[str], rays: SurfaceRays | None = None) -> PathRender:
+        """`first` are the uniforms of camera rays, if `rays` is None."""
         self.context.make_current()
         denoiser = self._denoiser(settings.denoise)
         traced = self._prepare(scene, settings)
-        has_layers = bool(FIRST_HIT & set(layers)) or denoiser is not None or traced.is_everything
+        has_layers = bool(FIRST_HIT_LAYERS & set(layers)) or denoiser is not None or traced.is_everything
         film = Film(self.context.gl, self.programs, size, has_layers)
         plan = plan_trace(scene, settings, traced.geometry, traced.switches, intersector=traced.intersector.name,
-                          has_layers=film.albedo is not None, idle=traced.idle, rays=rays.kind if rays else 0)
+                          has_layers=film.albedo is not None, left_out=traced.left_out, rays=rays.kind if rays else 0)
         uniforms = {
             **first,
             "u_size": size, "u_seed": settings.seed, "u_bounces": settings.bounces, "u_clamp": settings.clamp or 3e38,
@@ -102,15 +102,15 @@ class Tracer:
 
         passes = Passes(self.context, self.programs, plan, bind, uniforms)
         schedule = Schedule(film, settings)
-        return Exposure(passes, traced.intersector, plan, film, schedule, settings, self._display, layers, denoiser)
+        return PathRender(passes, traced.intersector, plan, film, schedule, settings, self._display, layers, denoiser)
 
     def holds(self, scene: Scene) -> bool:
-        """Whether the last picture was of this scene, but for its lights."""
+        """Whether the last picture was of this scene; its lights may differ."""
         return self._scene is not None and self._scene.holds(scene)
 
     @property
     def texture_bytes(self) -> int:
-        """About what the last scene's textures take on the GPU."""
+        """About the size of the last scene's textures on the GPU."""
         return self._scene.texture_bytes if self._scene is not None else 0
 
     def _denoiser(self, kind: str) -> Denoiser | None:
@@ -127,7 +127,7 @@ class Tracer:
         else:
             if self._scene is not None:
                 self._scene.release()
-            self._scene = None  # should the next one fail
+            self._scene = None  # in case that the next one fails
             self._scene = TracedScene(self.context, scene, settings, self._intersector)
         return self._scene
 
@@ -138,7 +138,7 @@ class Tracer:
         return self._dfg[key]
 
     def release(self) -> None:
-        """Free what the tracer holds; the context stays."""
+        """Free the resources of the tracer. The context stays."""
         self.context.make_current()
         if self._scene is not None:
             self._scene.release()

@@ -1,4 +1,4 @@
-"""Light that surfaces throw on one another, found at the vertices of a scene by path tracing."""
+"""Interreflection (indirect light) at the vertices of a scene, computed by path tracing."""
 
 from __future__ import annotations
 
@@ -11,43 +11,43 @@ from ..gpu.context import Context
 from ..scene.scene import Scene
 from ..settings import Settings
 from .paths.run import run
-from .paths.surface_rays import GATHERS, LOOKS, SurfaceRays
-from .surface_points import Points, Surfaces, at, fit, spread, surfaces_of, unit
+from .paths.surface_rays import FROM_SURFACE, TO_SURFACE, SurfaceRays
+from .surface_points import SurfacePoints, SurfaceTriangles, fit, interpolate, sample_surfaces, surface_triangles, unit
 from .tracer import Tracer
 
 SAMPLES = 1 << 20
-"""About how many paths there are at most."""
+"""About the largest number of paths."""
 _VERTEX_SAMPLES = 1 << 11
-"""For each vertex, in scenes of few."""
+"""Largest number of paths per vertex, which matters in scenes of few vertices."""
 _POINT_SAMPLES = 16
 _LEAST_COSINE = 0.05
-"""Between a shading normal and the geometric one; those farther apart are taken for the geometric one."""
+"""Between a shading normal and the geometric normal. Below this cosine the geometric normal takes its place."""
 
 
 @dataclass(frozen=True, eq=False)
 class VertexLight:
-    """For each instance of the scene, of the vertices of its mesh.
+    """Light at the vertices of each instance of the scene.
 
-    `per_instance` has (V, 4) float32 each, in the order of `scene.instances`; 0 where light makes no difference.
+    `per_instance` has (V, 4) float32 for each of `scene.instances`, V vertices of its mesh; 0 for unlit materials.
     """
 
     per_instance: tuple[NDArray[np.float32], ...]
 
 
 def bake_incoming(context: Context, scene: Scene, settings: Settings, samples: int = SAMPLES) -> VertexLight:
-    """What comes from other surfaces to the vertices, whose hemispheres are weighted by the cosine.
+    """Light that arrives at the vertices from other surfaces.
 
-    rgb is irradiance over pi, a the part of the hemisphere that is covered, 0 to 1. Surfaces that blend or transmit
-    light receive it and cover nothing.
+    rgb is irradiance divided by pi. a is the cosine-weighted part of the hemisphere that surfaces cover, 0 to 1.
+    Surfaces that blend or transmit light receive light, but they do not cover anything.
     """
     receivers = _receivers(scene)
     solid = tuple(i for i in scene.instances if _covers(scene, i.mesh))
-    return _bake(context, scene, replace(scene, instances=solid), receivers, settings, GATHERS, samples)
+    return _bake(context, scene, replace(scene, instances=solid), receivers, settings, FROM_SURFACE, samples)
 
 
 def bake_outgoing(context: Context, scene: Scene, settings: Settings, samples: int = SAMPLES) -> VertexLight:
-    """Radiance that leaves the vertices along their normals: all there is, emission too; a is 1."""
-    return _bake(context, scene, scene, _receivers(scene), settings, LOOKS, samples)
+    """Radiance that leaves the vertices along their normals, emission included; a is 1."""
+    return _bake(context, scene, scene, _receivers(scene), settings, TO_SURFACE, samples)
 
 
 def _receivers(scene: Scene) -> list[int]:
@@ -62,41 +62,42 @@ def _covers(scene: Scene, mesh: int) -> bool:
 
 def _bake(context: Context, scene: Scene, traced: Scene, receivers: list[int], settings: Settings, kind: int,
           samples: int) -> VertexLight:
-    surfaces = surfaces_of(scene, receivers)
-    values = np.zeros((len(surfaces.places), 4))
+    surfaces = surface_triangles(scene, receivers)
+    values = np.zeros((len(surfaces.positions), 4))
     samples = min(samples, _VERTEX_SAMPLES * len(values))
-    points = spread(surfaces, samples // _POINT_SAMPLES)
+    points = sample_surfaces(surfaces, samples // _POINT_SAMPLES)
     if len(points.triangle) and traced.instances:
         each = max(samples // len(points.triangle), 1)
         values = fit(surfaces, points, _trace(context, scene, traced, surfaces, points, settings, kind, each))
         values[:, 3] = np.minimum(values[:, 3], 1.0)
-    parts = np.split(values.astype(np.float32), surfaces.firsts[1:-1])
+    parts = np.split(values.astype(np.float32), surfaces.first_vertices[1:-1])
     return VertexLight(tuple(parts[: len(scene.instances)]))
 
 
-def _trace(context: Context, scene: Scene, traced: Scene, surfaces: Surfaces, points: Points, settings: Settings,
-           kind: int, each: int) -> NDArray[np.float64]:
-    """What the points see of the scene `traced`, (N, 4), by `each` samples."""
-    outsides = surfaces.outsides[points.triangle]
-    normals = unit(at(surfaces, points, surfaces.normals))
-    cosine = np.einsum("ij,ij->i", normals, outsides)[:, None]
-    outsides = np.where(cosine < 0, -outsides, outsides)
-    normals = np.where(np.abs(cosine) < _LEAST_COSINE, outsides, normals)
-    # The tracer's space is that of the scene it traces.
-    places = (at(surfaces, points, surfaces.places) * scene.radius + (scene.center - traced.center)) / traced.radius
+def _trace(context: Context, scene: Scene, traced: Scene, surfaces: SurfaceTriangles, points: SurfacePoints,
+           settings: Settings, kind: int, each: int) -> NDArray[np.float64]:
+    """Trace `each` samples from each point in the scene `traced`: radiance and coverage, (N, 4)."""
+    geometric = surfaces.geometric_normals[points.triangle]
+    normals = unit(interpolate(surfaces, points, surfaces.normals))
+    cosine = np.einsum("ij,ij->i", normals, geometric)[:, None]
+    geometric = np.where(cosine < 0, -geometric, geometric)
+    normals = np.where(np.abs(cosine) < _LEAST_COSINE, geometric, normals)
+    # Tracer space is that of the scene `traced`.
+    positions = interpolate(surfaces, points, surfaces.positions) * scene.radius
+    positions = (positions + (scene.center - traced.center)) / traced.radius
     default = Settings()
     settings = replace(settings, mode="path", spp=each, time_budget=None, error=None, denoise="off", seed=0,
                        lobes="all", plan="needed", exposure=0.0, bounces=default.bounces, clamp=0.0)
-    rays = SurfaceRays(context.gl, kind, places, normals, outsides)
+    rays = SurfaceRays(context.gl, kind, positions, normals, geometric)
     tracer = Tracer(context)
-    context.gl.clear_samplers()  # those of a shadow map's masks would hide a wave's textures
+    context.gl.clear_samplers()  # the samplers of the shadow maps would override those of the wavefront's textures
     try:
-        exposure = tracer.begin_at(traced, rays, settings)
+        path_render = tracer.begin_at(traced, rays, settings)
         try:
-            run(exposure, 0.0)
-            sums, squares = exposure.film.read_sums()
+            run(path_render, 0.0)
+            sums, squares = path_render.film.read_sums()
         finally:
-            exposure.release()
+            path_render.release()
     finally:
         rays.release()
         tracer.release()

@@ -1,5 +1,5 @@
-// What light is divided by before it is filtered, and multiplied by afterwards: the first hit's reflectance, but at
-// least that of a common dielectric's surface, which a black one still has. `albedo`: sum, number of hits.
+// The factor that light is divided by before the filter and multiplied by after it: the albedo of the first hit, but at
+// least 0.04, since a black dielectric reflects that much. `albedo` has the sum over the hits, and in w their number.
 vec3 demodulation(vec4 albedo) {
     return albedo.w > 0.0 ? max(albedo.rgb / albedo.w, 0.04) : vec3(1.0);
 }

@@ -1,5 +1,5 @@
-// What tells the wavelet filter which pixels belong together, in one texel: x what was hit first, in 24 bits, or -1 where
-// nothing was; y its mean depth; z, w the depth's slope.
+// The guide tells the wavelet filter which pixels belong together. It is one texel: x packs the first hit into 24 bits,
+// or is -1 where nothing was hit; y is the mean depth; z and w are the depth's slope.
 
 struct Guide {
     vec3 normal;    // unit

@@ -1,4 +1,4 @@
-// The filtered light with the first hit's colour and its own light put back; alpha is what it was.
+// Multiplies the filtered light by the albedo of the first hit and adds its emission again. Alpha stays as it was.
 #include "trace/denoise/color.glsl"
 
 uniform sampler2D u_light;

@@ -1,5 +1,6 @@
-// The variance averaged over neighbours: one estimated from few samples is nothing where all of them missed the light
-// (Schied et al. 2017, section 4.2). Under eight samples the spread among the neighbours is taken where it is larger.
+// Averages the variance over neighbouring pixels. The estimate of one pixel with few samples is 0 where all of them
+// missed the light (Schied et al. 2017, section 4.2). With fewer than eight samples the variance among the neighbours
+// is taken where it is larger.
 #include "sample/luminance.glsl"
 
 uniform sampler2D u_light;

@@ -1,9 +1,9 @@
 // One direction of one pass of the edge-avoiding a-trous wavelet transform (Dammertz et al. 2010), guided by normal,
 // albedo, depth, coverage and the variance of the light itself (Schied et al. 2017).
 //
-// The pixels p, q exchange light: p gets k w (q - p) and q gets k w (p - q), where w is the same for both. So no light
-// is lost or made, other than by a filter that divides by the sum of its weights; and as the k sum to 1, what comes out
-// lies between the smallest and the largest value that went in.
+// The pixels p and q exchange light: p gets k w (q - p) and q gets k w (p - q), with the same w for both. So the sum of
+// the light stays the same; with a filter that divides by the sum of its weights it would not. As the k sum to 1, each
+// result lies between the smallest and the largest value of the input.
 #include "sample/luminance.glsl"
 #include "trace/denoise/guide.glsl"
 
@@ -12,12 +12,12 @@ uniform sampler2D u_guide;
 uniform ivec2 u_step;
 layout(location = 0) out vec4 o_light;
 
-const float NORMAL = 64.0;     // exp(-64 |dn|^2) is the cosine to the power of 128
+const float NORMAL = 64.0;     // exp(-64 |dn|^2) is about the cosine to the power of 128
 const float COVERAGE = 100.0;
-const float ALBEDO = 25.0;     // what shines counts as white: its light stays out of what is around it
+const float ALBEDO = 25.0;     // emitters count as white, so that their light does not spread to darker neighbours
 const float SLOPE = 0.5;       // of the depth's predicted change
 const float DEPTH = 0.005;     // of the depth
-const float DEVIATIONS = 8.0;  // of the difference's variance: less is noise, more is an edge
+const float DEVIATIONS = 8.0;  // times the variance of the difference: a smaller difference is noise, a larger one an edge
 
 void main() {
     ivec2 p = ivec2(gl_FragCoord.xy), size = textureSize(u_light, 0);

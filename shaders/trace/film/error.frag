@@ -1,8 +1,9 @@
-// How sure a tile of the film is, a pixel for TILE x TILE: sum of the relative variances of its pixels' means, how many
-// pixels have one, samples, and how many pixels there are.
+// Estimates the error of the film, one pixel for each tile of TILE x TILE: the sum of the relative variances of the
+// pixels' means, the number of pixels that have one, the number of samples, and the number of pixels.
 //   variance of the mean = (sum of squares - n mean^2) / (n (n - 1)),   relative: over level^2 + 0.01, mean of channels
-// where level is the mean less its deviation, but at least the mean of the eight pixels around where that is lower than
-// its own: a pixel that is bright by one lucky sample would else vouch for itself, its deviation being its mean.
+// where level is the mean minus its standard deviation, but at least the smaller of the mean and the mean of the eight
+// neighbours. A pixel that is bright by one lucky sample has a standard deviation as large as its mean. Divided by its
+// own mean, its variance would seem small.
 uniform sampler2D u_sum;     // rgb, samples
 uniform sampler2D u_squares;
 
@@ -11,10 +12,10 @@ out vec4 o_tile;
 vec3 mean_around(ivec2 pixel, vec4 own, ivec2 last) {
     vec4 sum = -own;
     for (int k = 0; k < 9; ++k) {
-        ivec2 at = pixel + ivec2(k % 3, k / 3) - 1;
-        if (at == clamp(at, ivec2(0), last)) sum += texelFetch(u_sum, at, 0);
+        ivec2 neighbour = pixel + ivec2(k % 3, k / 3) - 1;
+        if (neighbour == clamp(neighbour, ivec2(0), last)) sum += texelFetch(u_sum, neighbour, 0);
     }
-    return sum.a > 0.0 ? sum.rgb / sum.a : own.rgb / own.a; // alone in the picture
+    return sum.a > 0.0 ? sum.rgb / sum.a : own.rgb / own.a; // a picture of one pixel
 }
 
 void main() {

@@ -1,4 +1,4 @@
-// The film as radiance with associated alpha.
+// The mean radiance of the film, with associated alpha.
 uniform sampler2D u_sum;     // rgb, samples
 uniform sampler2D u_squares; // of rgb; alpha
 

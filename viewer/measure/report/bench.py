@@ -18,7 +18,7 @@ from ...raster.renderer import Renderer
 from ...scene.camera import Camera
 from ...scene.scene import Scene
 from ...settings import Settings
-from ...trace.paths.path_render import Exposure
+from ...trace.paths.path_render import PathRender
 from ...trace.paths.run import run
 from ...trace.tracer import Tracer
 from .ladder import Method
@@ -96,19 +96,19 @@ class Bench:
     def _trace(self, method: Method) -> tuple[np.ndarray, Timing, dict[str, object]]:
         settings = method.settings(self.settings)
         prepare = self._warm_up(settings)
-        last: list[Exposure] = []
+        last: list[PathRender] = []
 
         def picture() -> None:
             started = time.perf_counter()
-            exposure = self._tracer.begin(self.scene, self.camera, settings, self.size)
-            last.append(exposure)
-            run(exposure, started)
-            exposure.present(self._shown)
+            path_render = self._tracer.begin(self.scene, self.camera, settings, self.size)
+            last.append(path_render)
+            run(path_render, started)
+            path_render.present(self._shown)
             self._gl.finish()
 
         def tidy() -> None:
-            for exposure in last[:-1]:
-                exposure.release()
+            for path_render in last[:-1]:
+                path_render.release()
             del last[:-1]
 
         timing = measure(picture, picture_effort(self.limit), tidy)
@@ -128,12 +128,12 @@ class Bench:
 
     def trace(self, settings: Settings, report: Report | None = None) -> np.ndarray:
         """A path-traced picture's linear radiance, (H, W, 4)."""
-        exposure = self._tracer.begin(self.scene, self.camera, settings, self.size)
+        path_render = self._tracer.begin(self.scene, self.camera, settings, self.size)
         try:
-            run(exposure, time.perf_counter(), None if report is None else lambda fraction, _: report(fraction))
-            return exposure.image().linear
+            run(path_render, time.perf_counter(), None if report is None else lambda fraction, _: report(fraction))
+            return path_render.image().linear
         finally:
-            exposure.release()
+            path_render.release()
 
     def coverage(self) -> np.ndarray:
         """The pixels, (H, W) bool, in which some camera ray hits the model."""

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 class TracedReflections:
     """Owns the rays of one picture size, and the surfaces of one scene that they can hit.
 
-    `kind` of intersector as `viewer.trace.intersect.make_intersector` takes it.
+    `kind` of intersector as `viewer.trace.rays.intersect.make_intersector` takes it.
     """
 
     def __init__(self, context: Context, programs: Programs, kind: str = "auto") -> None:
@@ -62,7 +62,7 @@ class TracedReflections:
 
 
 class _Rays:
-    """The textures that `viewer.trace.intersect.WaveTextures` describes, a slot for each pixel of the G-buffer.
+    """The textures that `viewer.trace.rays.intersect.WavefrontTextures` describes, one path per G-buffer pixel.
 
     `hit_radiance` and `environment` are the result of each ray, `reflected` is their filtered mean.
     """

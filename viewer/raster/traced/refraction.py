@@ -35,7 +35,7 @@ Uniforms = dict[str, object]
 class TracedRefraction:
     """Owns the paths of one picture size, and the surfaces of one scene that they can hit.
 
-    `kind` of intersector as `viewer.trace.intersect.make_intersector` takes it.
+    `kind` of intersector as `viewer.trace.rays.intersect.make_intersector` takes it.
     """
 
     def __init__(self, context: Context, programs: Programs, kind: str = "auto") -> None:
@@ -87,7 +87,7 @@ class TracedRefraction:
 
 
 class _Paths:
-    """The textures that `viewer.trace.intersect.WaveTextures` describes, a slot for each pixel, and the
+    """The textures that `viewer.trace.rays.intersect.WavefrontTextures` describes, a path for each pixel, and the
     state of each path: twice, to be read and written in turn. The light of each kind of path stays."""
 
     def __init__(self, gl: moderngl.Context, size: tuple[int, int]) -> None:

@@ -1,4 +1,4 @@
-"""Taking the noise out of a path-traced picture. What comes out is no measurement: it is labelled, and no error figure
+"""Denoising of path-traced pictures. A denoised picture is not a measurement: its file is labelled, and no error figure
 or golden image is made of it."""
 
 from __future__ import annotations
@@ -12,35 +12,36 @@ from ...gpu.programs import Programs
 
 
 class NoisyFilm(Protocol):
-    """The textures a denoiser looks at, RGBA32F and of one size; sums are over the samples of a pixel."""
+    """The textures that a denoiser reads, RGBA32F and of one size. Sums are over the samples of a pixel."""
 
     radiance: moderngl.Texture
-    """The picture: mean radiance with associated alpha."""
+    """The noisy picture: mean radiance with associated alpha."""
     sum: moderngl.Texture
-    """Radiance, and the number of samples."""
+    """Sum of radiance, and the number of samples."""
     squares: moderngl.Texture
     albedo: moderngl.Texture
-    """The first hits' reflectance, and how many there were."""
+    """Sum of the albedo of the first hits, and the number of hits."""
     normal: moderngl.Texture
-    """The first hits' shading normals, and their depth."""
+    """Sum of the shading normals of the first hits, and of their depth."""
     emission: moderngl.Texture
-    """What the first hits shine by themselves: without noise but for the edges, so it is left out and put back."""
+    """Sum of the emission of the first hits. It has no noise except at edges, so it is subtracted before the filter and
+    added after it."""
 
 
 class Denoiser(Protocol):
-    """Filters films, one after the other, of any size."""
+    """Filters films of any size, one at a time."""
 
     def filter(self, film: NoisyFilm) -> moderngl.Texture:
-        """The picture without noise, RGBA32F, in a texture of the denoiser's own, valid until the next call.
+        """The denoised picture, RGBA32F, in a texture that the denoiser owns and that is valid until the next call.
 
-        Pixels where nothing was hit, and alpha, are as they were.
+        Pixels without hits, and alpha, are unchanged.
         """
 
     def release(self) -> None: ...
 
 
 def make_denoiser(context: Context, programs: Programs, kind: str) -> Denoiser:
-    """The denoiser of `Settings.denoise`, fast or oidn. Raises UsageError where that one is not installed."""
+    """The denoiser of `Settings.denoise`, fast or oidn. Raises UsageError if that one is not installed."""
     if kind == "oidn":
         from .oidn import OpenImageDenoise
 

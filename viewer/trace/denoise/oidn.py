@@ -1,4 +1,4 @@
-"""The `oidn` denoiser: Intel Open Image Denoise, on the processor, an extra to install."""
+"""The `oidn` denoiser: Intel Open Image Denoise on the CPU, an optional dependency."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from .denoiser import NoisyFilm
 
 
 class OpenImageDenoise:
-    """A network trained on path-traced pictures (Afra 2025), given the first hits' albedo and normals.
+    """A network trained on path-traced pictures (Afra 2025). Its inputs include albedo and normals of the first hits.
 
-    Raises UsageError, with the fix, where pyoidn is not installed or does not run.
+    Raises UsageError, with the fix, if pyoidn is not installed or does not run.
     """
 
     def __init__(self, context: Context) -> None:
@@ -29,9 +29,9 @@ class OpenImageDenoise:
     def filter(self, film: NoisyFilm) -> moderngl.Texture:
         """As `Denoiser.filter`."""
         self._context.make_current()
-        seen = _read(film.emission)[..., :3] / np.maximum(_read(film.sum)[..., 3:], 1)
+        emission = _read(film.emission)[..., :3] / np.maximum(_read(film.sum)[..., 3:], 1)
         radiance, albedo, normal = (_read(texture) for texture in (film.radiance, film.albedo, film.normal))
-        denoised = self.filter_arrays(radiance, albedo, normal, seen)
+        denoised = self.filter_arrays(radiance, albedo, normal, emission)
         if self._texture is None or self._texture.size != film.radiance.size:
             self.release()
             self._texture = self._context.gl.texture(film.radiance.size, 4, dtype="f4")
@@ -39,20 +39,21 @@ class OpenImageDenoise:
         return self._texture
 
     def filter_arrays(self, radiance: np.ndarray, albedo: np.ndarray, normal: np.ndarray,
-                      seen: np.ndarray) -> np.ndarray:
-        """Likewise for float32 arrays (H, W, 4); albedo and normal are sums over the hits, whose number is albedo.w.
+                      emission: np.ndarray) -> np.ndarray:
+        """The same for float32 arrays (H, W, 4). `albedo` and `normal` are sums over the hits, whose number is
+        albedo.w.
 
-        `seen`, (H, W, 3), is the emission in `radiance`: the network would spread it.
+        `emission`, (H, W, 3), is the mean emission of the first hits, which the network would spread to neighbours.
         """
         hits = albedo[..., 3:]
         features = [np.divide(total[..., :3], hits, out=np.zeros_like(total[..., :3]), where=hits > 0)
                     for total in (albedo, normal)]
         features[0] = np.clip(features[0], 0, 1)
         color = np.ascontiguousarray(radiance[..., :3])
-        keeps = (hits == 0) | ~np.isfinite(color)
-        rest = np.where(np.isfinite(color), np.maximum(color - seen, 0), 0)
-        denoised = self._denoise(rest, *features, hdr=True) + seen
-        return np.concatenate([np.where(keeps, color, denoised), radiance[..., 3:]], axis=-1)
+        is_unchanged = (hits == 0) | ~np.isfinite(color)
+        rest = np.where(np.isfinite(color), np.maximum(color - emission, 0), 0)
+        denoised = self._denoise(rest, *features, hdr=True) + emission
+        return np.concatenate([np.where(is_unchanged, color, denoised), radiance[..., 3:]], axis=-1)
 
     def release(self) -> None:
         if self._texture is not None:

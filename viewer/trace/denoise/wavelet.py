@@ -12,13 +12,13 @@ from ...gpu.programs import Programs, set_uniform
 from .denoiser import NoisyFilm
 
 PASSES = 5
-"""Each twice as wide as the one before: the last reaches 62 pixels."""
+"""Number of passes. Each is twice as wide as the one before; together they reach 62 pixels."""
 
 
 class Wavelet:
-    """An a-trous transform whose weights keep to surfaces (Dammertz et al. 2010) and to the noise that is there (Schied
-    et al. 2017), so that it fades out as the picture converges. It keeps the sum of the light; see
-    trace/denoise/wavelet.frag."""
+    """An edge-avoiding a-trous wavelet transform (Dammertz et al. 2010). Its weights follow the variance (Schied et al.
+    2017), so that its effect fades out as the picture converges. It preserves the sum of the light; see
+    shaders/trace/denoise/wavelet.frag."""
 
     def __init__(self, context: Context, programs: Programs) -> None:
         self._context, self._programs = context, programs
@@ -28,7 +28,7 @@ class Wavelet:
 
     @property
     def result(self) -> moderngl.Texture:
-        """What was filtered last; the last pass of the next `steps` writes it anew, the others leave it as it is."""
+        """The picture that was filtered last. It stays valid until the last pass of the next `steps`."""
         return self._textures[-1]
 
     def filter(self, film: NoisyFilm) -> moderngl.Texture:
@@ -38,7 +38,7 @@ class Wavelet:
         return self.result
 
     def steps(self, film: NoisyFilm) -> Iterator[None]:
-        """`filter` a pass at a time, for a window that has to answer in between."""
+        """`filter` in steps of one pass each, for a window that handles input in between."""
         self._context.make_current()
         self._resize(film.radiance.size)
         prepared, first, second, final = self._framebuffers

@@ -1,4 +1,4 @@
-"""The uniforms of shaders/trace/camera.glsl: rays that are exact however far away the eye is."""
+"""The uniforms of shaders/trace/camera.glsl, whose rays are exact for any distance of the eye."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from ...scene.frame import Frame
 from ...scene.scene import Scene
 
 NEAR = 4.0
-"""An eye this close to the centre, in tracer units, is itself where rays start (unless they can start nearer still)."""
-ENDLESS = 1e30
+"""If the eye is at most this far from the centre, in tracer units, rays start at the eye."""
+INFINITE = 1e30
 
 
 def camera_uniforms(scene: Scene, camera: Camera, size: tuple[int, int]) -> dict[str, object]:
     """Uniforms for pictures of `size` (width, height), framed as viewer/scene/frame.py does.
 
-    Rays are made from the points where they cross a plane through the scene's centre. Its distance, which may be a
-    million times what the picture shows, is taken into account in float64 here. An orthographic camera sees what is
-    behind its eye too, as in the raster.
+    The shader makes a ray from the point where it crosses a plane through the scene's centre. The distance of the eye
+    from that plane may be a million times the extent of the picture, so the computation with it is done here in
+    float64. An orthographic camera also sees what is behind its eye, as in the raster.
     """
     ray = Frame(scene, camera, size).ray
     eye = (camera.eye - scene.center) / scene.radius
@@ -28,7 +28,7 @@ def camera_uniforms(scene: Scene, camera: Camera, size: tuple[int, int]) -> dict
         half_height = camera.height / scene.radius / 2
         plane = np.stack([camera.pose[:3, 0] * half_height * size[0] / size[1], camera.pose[:3, 1] * half_height,
                           eye + depth * camera.forward], axis=1)
-        start = ENDLESS
+        start = INFINITE
     else:
         start = depth if depth > 0 and np.linalg.norm(eye) > NEAR else 0.0
         plane = ray * start

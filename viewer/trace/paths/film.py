@@ -1,4 +1,4 @@
-"""The film: what every pixel has gathered, and how sure it is."""
+"""The film: the sums of the samples of each pixel, and the estimate of their error."""
 
 from __future__ import annotations
 
@@ -11,15 +11,16 @@ from ...errors import UsageError
 from ...gpu.fullscreen import fullscreen
 from ...gpu.programs import Programs, set_uniform
 from ..layout import TILE, shader_defines
-from .wavefront import LAYERS, SUMS, UNIT_BLOCKS, Sums, Wave, float_target
+from .wavefront import LAYERS, SUMS, UNIT_BLOCKS, Sums, Wavefront, float_target
 
 
 class Film:
     """Sums over the samples of each pixel of a picture of `size` (width, height), row 0 at the bottom.
 
-    `sum` (rgb, samples), `squares` (of rgb; alpha); with `has_layers` of the first hits `albedo` (rgb, hits),
-    `normal` (xyz, distance along the ray in world units) and `emission` (rgb). `radiance` is the mean, with associated
-    alpha, as of the last `develop`. Raises UsageError for a size that this OpenGL has no textures for.
+    `sum` has rgb and the number of samples, `squares` the squares of rgb, and alpha. With `has_layers` there are sums
+    of the first hits: `albedo` (rgb, hits), `normal` (xyz, distance along the ray in world units) and `emission` (rgb).
+    `radiance` is the mean with associated alpha, as of the last `develop`. Raises UsageError for a size for which this
+    OpenGL has no textures.
     """
 
     def __init__(self, gl: moderngl.Context, programs: Programs, size: tuple[int, int], has_layers: bool) -> None:
@@ -41,13 +42,13 @@ class Film:
         layers: list[Any] = self._layers.textures if self._layers else [None] * LAYERS
         self.albedo, self.normal, self.emission = layers
 
-    def add(self, wave: Wave, blocks: np.ndarray) -> None:
-        """What these blocks of the wave have gathered, each at its tile, in this order."""
-        self._resolve(wave, blocks, wave.sums, self._sums)
-        if self._layers is not None and wave.layers is not None:
-            self._resolve(wave, blocks, wave.layers, self._layers)
+    def add(self, wavefront: Wavefront, blocks: np.ndarray) -> None:
+        """Add the sums of these blocks of the wavefront to their tiles, in this order."""
+        self._resolve(wavefront, blocks, wavefront.sums, self._sums)
+        if self._layers is not None and wavefront.layers is not None:
+            self._resolve(wavefront, blocks, wavefront.layers, self._layers)
 
-    def _resolve(self, wave: Wave, blocks: np.ndarray, source: Sums, target: Sums) -> None:
+    def _resolve(self, wavefront: Wavefront, blocks: np.ndarray, source: Sums, target: Sums) -> None:
         program = self._programs.get("trace/film/resolve.vert", "trace/film/resolve.frag",
                                      shader_defines({"COUNT": len(source.textures)}))
         target.framebuffer.use()
@@ -56,23 +57,24 @@ class Film:
         for unit, (name, texture) in enumerate(zip(("u_first", "u_second", "u_third"), source.textures, strict=False)):
             texture.use(unit)
             set_uniform(program, name, unit)
-        wave.bind_blocks()
+        wavefront.bind_blocks()
         set_uniform(program, "u_blocks", UNIT_BLOCKS)
         set_uniform(program, "u_size", self.size)
-        wave.draw_blocks(program, blocks)
+        wavefront.draw_blocks(program, blocks)
         self._gl.enable_only(moderngl.NOTHING)
 
     def develop(self) -> None:
-        """Work `radiance` out."""
+        """Compute `radiance`."""
         self._draw("mean", self._developed)
 
     def tile_errors(self) -> np.ndarray:
         """For each tile, (rows, columns, 4) float32, row 0 at the bottom: the sum of its pixels' relative variances,
-        how many pixels have one (it takes two samples), samples, and pixels.
+        the number of pixels that have one (it needs two samples), the number of samples, and the number of pixels.
 
-        A pixel's relative variance is that of its mean over mean^2 + 0.01, averaged over the channels (relMSE, with the
-        mean, or what is around the pixel if that is darker, for the reference). It is from the samples themselves:
-        their low discrepancy makes the true error smaller, light that none has found yet makes it larger.
+        A pixel's relative variance is the variance of its mean divided by mean^2 + 0.01, averaged over the channels.
+        This is relMSE with the mean as reference, or with the mean of the neighbours if they are darker. It is
+        estimated from the samples themselves: their low discrepancy makes the true error smaller, and light that no
+        sample has found yet makes it larger.
         """
         self._draw("error", self._estimated)
         return _read(self._estimated)
@@ -97,7 +99,7 @@ class Film:
         return first, second
 
     def read_layers(self) -> tuple[np.ndarray, ...]:
-        """`albedo`, `normal` and `emission`, likewise; for a film that has them."""
+        """`albedo`, `normal` and `emission` in the same way, for a film that has them."""
         assert self._layers is not None
         return tuple(_read(self._layers.framebuffer, attachment)[::-1] for attachment in range(LAYERS))
 
@@ -110,10 +112,11 @@ class Film:
 def relative_error(tiles: np.ndarray) -> float:
     """The estimated relative error of a picture, from `Film.tile_errors`.
 
-    It is the root of the pixels' mean relative variance; infinite as long as some pixel has fewer than two samples.
+    It is the square root of the mean relative variance of the pixels. It is infinite as long as any pixel has fewer
+    than two samples.
     """
-    variance, known, _, pixels = tiles.reshape(-1, 4).astype(np.float64).sum(axis=0)
-    return float(np.sqrt(variance / known)) if known == pixels else float("inf")
+    variance, estimated, _, pixels = tiles.reshape(-1, 4).astype(np.float64).sum(axis=0)
+    return float(np.sqrt(variance / estimated)) if estimated == pixels else float("inf")
 
 
 def _read(framebuffer: moderngl.Framebuffer, attachment: int = 0) -> np.ndarray:

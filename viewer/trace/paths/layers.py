@@ -1,4 +1,4 @@
-"""What a path tracer knows of each pixel beside its colour."""
+"""The layers of a path-traced picture: albedo, normal, depth, variance and samples of each pixel."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ import numpy as np
 
 from .film import Film
 
-FIRST_HIT = frozenset({"albedo", "normal", "depth"})
-"""Of `viewer.settings.LAYERS` those the film gathers only when it is made for them."""
+FIRST_HIT_LAYERS = frozenset({"albedo", "normal", "depth"})
+"""Those of `viewer.settings.LAYERS` that only a film with `has_layers` gathers."""
 
 
 def read_layers(film: Film, names: Collection[str]) -> dict[str, np.ndarray]:
-    """The layers of `viewer.settings.LAYERS` that `names` asks for, (H, W, 3) or (H, W) float32, row 0 at the top.
+    """The layers `names` of `viewer.settings.LAYERS`, (H, W, 3) or (H, W) float32, row 0 at the top.
 
-    albedo, normal (world axes, its length at most 1) and depth (along the ray, in the scene's unit) are means over what
-    the pixel's camera rays hit first, 0, 0 and infinity where that is nothing; variance is that of the mean radiance,
-    estimated from the samples, infinite for fewer than two; samples is how many there are.
+    albedo, normal (world axes, length at most 1) and depth (along the ray, in the scene's unit) are means over the
+    first hits of the pixel's camera rays; a pixel without hits has 0, 0 and infinity. variance is the estimated
+    variance of the mean radiance, infinite for fewer than two samples. samples is the number of samples.
     """
     layers: dict[str, np.ndarray] = {}
-    if FIRST_HIT & set(names):
+    if FIRST_HIT_LAYERS & set(names):
         albedo, normal, _ = film.read_layers()
         hits = albedo[..., 3:]
         is_hit = hits[..., 0] > 0
         layers["albedo"], mean = (np.where(hits > 0, total / np.maximum(hits, 1), 0) for total in (albedo, normal))
         layers["normal"], layers["depth"] = mean[..., :3], np.where(is_hit, mean[..., 3], np.inf)
-    if not set(names) <= FIRST_HIT:
+    if not set(names) <= FIRST_HIT_LAYERS:
         total, squares = film.read_sums()
         n = total[..., 3:]
         mean = total / np.maximum(n, 1)

@@ -1,4 +1,4 @@
-"""The passes that shade a wave, with what their programs are told."""
+"""The passes that shade a wavefront, and their programs with textures and uniforms."""
 
 from __future__ import annotations
 
@@ -10,18 +10,22 @@ import numpy as np
 from ...gpu.context import Context
 from ...gpu.fullscreen import fullscreen
 from ...gpu.programs import Programs, set_uniform
-from ..kinds import FINISH, FIRST_HIT, KINDS, REST, SHADE
+from ..kinds import CLASS_ENDED, CLASS_FIRST_HIT, CLASS_IDLE, CLASS_SHADE, KINDS
 from ..layout import shader_defines
 from ..plan import TracePlan
-from .wavefront import UNITS, Wave
+from .wavefront import UNITS, Wavefront
 
-_DUTIES = {"rest": REST, "finish": FINISH, "generate": FINISH, "layers": FIRST_HIT,
-           **{kind.name: SHADE + kind.number for kind in KINDS}}
+_CLASSES = {"idle": CLASS_IDLE, "finish": CLASS_ENDED, "generate": CLASS_ENDED, "layers": CLASS_FIRST_HIT,
+            **{kind.name: CLASS_SHADE + kind.number for kind in KINDS}}
+"""The class of the paths that a pass shades."""
 _OVER_BLOCKS = ("begin", "zero")
 
 
 class Passes:
-    """`bind` binds the scene's textures and sets its uniforms in a program; `uniforms` are those of the picture."""
+    """`bind` binds the textures of the scene and sets its uniforms in a program.
+
+    `uniforms` are those of the picture.
+    """
 
     def __init__(self, context: Context, programs: Programs, plan: TracePlan,
                  bind: Callable[[moderngl.Program], None], uniforms: Mapping[str, object]) -> None:
@@ -32,68 +36,68 @@ class Passes:
         self._surfaces = plan.surfaces
         self._programs = {}
         for name, program in plan.programs.items():
-            vertex = "trace/blocks.vert" if name in _OVER_BLOCKS else "trace/duty.vert"
+            vertex = "trace/blocks.vert" if name in _OVER_BLOCKS else "trace/path_class.vert"
             if name == "alive":
                 vertex = "display/fullscreen.vert"
             self._programs[name] = programs.get(vertex, program.fragment, shader_defines(dict(program.switches)))
 
-    def begin(self, wave: Wave, blocks: np.ndarray) -> None:
-        """The first camera rays of blocks that have new work; their sums begin at 0."""
+    def begin(self, wavefront: Wavefront, blocks: np.ndarray) -> None:
+        """Begin the first paths of blocks that have new work, and set their sums to 0."""
         self._gl.enable_only(moderngl.NOTHING)
-        wave.bind_blocks()
-        for sums in (wave.sums, wave.layers):
+        wavefront.bind_blocks()
+        for sums in (wavefront.sums, wavefront.layers):
             if sums is not None:
                 sums.framebuffer.use()
-                wave.draw_blocks(self._told("zero", u_grid=wave.grid), blocks)
-        wave.present.use()
-        wave.draw_blocks(self._told("begin", u_grid=wave.grid), blocks)
+                wavefront.draw_blocks(self._program("zero", u_grid=wavefront.grid), blocks)
+        wavefront.present.use()
+        wavefront.draw_blocks(self._program("begin", u_grid=wavefront.grid), blocks)
 
-    def shade(self, wave: Wave) -> None:
-        """What comes of the wave's hits: the next state.
+    def shade(self, wavefront: Wavefront) -> None:
+        """Compute the next state of the wavefront from its hits.
 
-        No pass reads what another has drawn, so that a driver need not wait between them.
+        No pass reads what another pass has drawn, except the depth, so that a driver need not wait between them.
         """
         gl = self._gl
-        wave.bind()
+        wavefront.bind()
         gl.blend_func = moderngl.ONE, moderngl.ONE
-        if wave.layers is not None:
-            self._sort(wave, "sort first hits")
-            wave.layers.framebuffer.use()
+        if wavefront.layers is not None:
+            self._classify(wavefront, "classify first hits")
+            wavefront.layers.framebuffer.use()
             gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
             self._draw("layers")
-        self._sort(wave, "sort")
-        wave.sums.framebuffer.use()
+        self._classify(wavefront, "classify")
+        wavefront.sums.framebuffer.use()
         gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
         self._draw("finish")
-        wave.next.use()
+        wavefront.next.use()
         gl.enable_only(moderngl.DEPTH_TEST)
         for name in ("generate", *self._surfaces):
             self._draw(name)
-        wave.next_origin.use()
-        self._draw("rest")
+        wavefront.next_origin.use()
+        self._draw("idle")
         gl.depth_func = "<"
-        wave.turn()
+        wavefront.swap()
 
-    def find_alive(self, wave: Wave) -> np.ndarray:
-        """(blocks,) bool, whether something is to be done in a block. Waits for the device."""
-        wave.bind()
-        wave.alive.use()
+    def find_alive(self, wavefront: Wavefront) -> np.ndarray:
+        """Whether any path of a block is not idle, (blocks,) bool. Waits for the device."""
+        wavefront.bind()
+        wavefront.alive.use()
         self._gl.enable_only(moderngl.NOTHING)
         self._draw("alive")
-        return np.frombuffer(wave.alive.read(components=1), np.uint8) > 0
+        return np.frombuffer(wavefront.alive.read(components=1), np.uint8) > 0
 
-    def _sort(self, wave: Wave, name: str) -> None:
-        wave.duty.use()
+    def _classify(self, wavefront: Wavefront, name: str) -> None:
+        wavefront.classes.use()
         self._gl.enable_only(moderngl.DEPTH_TEST)
         self._gl.depth_func = "1"  # always
         self._draw(name)
         self._gl.depth_func = "=="
 
     def _draw(self, name: str) -> None:
-        program = self._told(name, u_duty=_DUTIES.get(name, REST))
+        program = self._program(name, u_path_class=_CLASSES.get(name, CLASS_IDLE))
         fullscreen(self._gl, program).render(vertices=3)
 
-    def _told(self, name: str, **uniforms: object) -> moderngl.Program:
+    def _program(self, name: str, **uniforms: object) -> moderngl.Program:
         program = self._programs[name]
         self._bind(program)
         for uniform, value in (self._uniforms | uniforms).items():

@@ -1,4 +1,7 @@
-"""One picture as it converges: waves of paths that take turns, so that one is shaded while another is traced."""
+"""A progressive render: one path-traced picture while it converges.
+
+Two wavefronts of paths take turns, so that one is shaded while the other is traced.
+"""
 
 from __future__ import annotations
 
@@ -20,33 +23,33 @@ from ..rays.intersect import Answer, Intersector
 from .film import Film, relative_error
 from .layers import read_layers
 from .schedule import Schedule
-from .wavefront import Wave
+from .wavefront import Wavefront
 
 if TYPE_CHECKING:
     from ..denoise.denoiser import Denoiser
     from .passes import Passes
 
 SOFTWARE_SIDE, DEVICE_SIDE = 16, 32
-"""Most blocks of a wave along each side, where a processor draws and elsewhere."""
-DEVICE_LOOKS = 4
-"""How often a graphics card shades a wave between two looks at which of its blocks are done: to look is to wait."""
+"""Most blocks of a wavefront along each side, for software OpenGL and for a GPU."""
+DEVICE_CHECK_INTERVAL = 4
+"""Iterations of a wavefront on a GPU between two checks which blocks are done, since each check waits for the GPU."""
 
 
 @dataclass
-class _Lane:
-    """A wave, and what its rays met while it waits to be shaded."""
+class _TracedWavefront:
+    """A wavefront, and the hits of its rays until it is shaded."""
 
-    wave: Wave
+    wavefront: Wavefront
     answer: Answer | None = None
-    shaded: int = 0
+    iterations: int = 0
 
     @property
     def is_busy(self) -> bool:
-        return bool(self.wave.is_busy.any())
+        return bool(self.wavefront.is_busy.any())
 
 
-class Exposure:
-    """See `viewer.trace.tracer.Tracer.begin`, which makes them."""
+class PathRender:
+    """A picture in progress, made by `viewer.trace.tracer.Tracer.begin`. `step` traces more samples."""
 
     def __init__(self, passes: Passes, intersector: Intersector, plan: TracePlan, film: Film, schedule: Schedule,
                  settings: Settings, display: DisplayPass, layers: Collection[str],
@@ -55,17 +58,17 @@ class Exposure:
         self.film = film
         self.settings = settings
         self.rays = 0
-        """Traced so far, shadow rays among them."""
+        """Number of rays traced so far, including shadow rays."""
         self.seconds = 0.0
-        """Of work in `step`."""
+        """Time spent in `step`."""
         self._passes, self._intersector, self._schedule, self._display = passes, intersector, schedule, display
-        self._expected = 0
+        self._expected_samples = 0
         context = passes.context
         columns = SOFTWARE_SIDE if context.is_software else DEVICE_SIDE
-        self._looks = 1 if context.is_software else DEVICE_LOOKS
+        self._check_interval = 1 if context.is_software else DEVICE_CHECK_INTERVAL
         rows = min(math.ceil(math.prod(film.tiles) * settings.most_spp / columns / 2), columns)
-        self._lanes = [_Lane(Wave(context.gl, columns, rows, plan.has_transmission, "layers" in plan.programs))
-                       for _ in range(2)]
+        self._wavefronts = [_TracedWavefront(Wavefront(context.gl, columns, rows, plan.has_transmission,
+                                                       "layers" in plan.programs)) for _ in range(2)]
         self._flush: Callable[[], None] = context.function("glFlush")
         self._layers, self._denoiser = layers, denoiser
         self._is_developed = False
@@ -73,85 +76,86 @@ class Exposure:
 
     @property
     def is_done(self) -> bool:
-        """Whether all samples that were asked for are in the film."""
-        return self._schedule.done and not any(lane.is_busy for lane in self._lanes)
+        """Whether the film has all the samples that were asked for."""
+        return self._schedule.done and not any(traced.is_busy for traced in self._wavefronts)
 
     @property
     def samples(self) -> float:
-        """Mean samples a pixel in the film."""
+        """Mean number of samples per pixel in the film."""
         tiles = self.film.tile_errors().astype(np.float64)
         return float(tiles[..., 2].sum() / tiles[..., 3].sum())
 
     @property
     def error(self) -> float:
-        """The estimated relative error, `viewer.trace.film.relative_error`."""
+        """The estimated relative error, see `viewer.trace.paths.film.relative_error`."""
         return relative_error(self.film.tile_errors())
 
     @property
     def bad_samples(self) -> int:
-        """Samples in the film's pixels that were not finite and are left out."""
-        return self._expected - round(float(self.film.tile_errors()[..., 2].sum(dtype=np.float64)))
+        """Number of samples that were not finite and so were left out of the film."""
+        return self._expected_samples - round(float(self.film.tile_errors()[..., 2].sum(dtype=np.float64)))
 
     def step(self, seconds: float) -> None:
-        """Go on for about so long, and a slice of work at least; each is well under 0.1 s where a GPU draws."""
+        """Trace for about this time, and at least one iteration, which takes well under 0.1 s on a GPU."""
         start = time.perf_counter()
         self._passes.context.make_current()
         while not self.is_done:
-            self._slice()
+            self._iterate()
             if time.perf_counter() - start >= seconds:
                 break
         self.seconds += time.perf_counter() - start
 
-    def _slice(self) -> None:
-        """The first wave's rays are traced while the second is shaded; then they change places.
+    def _iterate(self) -> None:
+        """Trace the rays of the first wavefront while the second is shaded; then swap the two.
 
-        All that is read from the device is read before the shading is handed to it, for a read waits for all of that.
+        Everything that is read from the device is read before the shading is submitted, because a read waits for all
+        work that was submitted before it.
         """
-        first, second = self._lanes
-        if first.shaded % self._looks == 0:
-            self._refill(first.wave)
-        rays = self._intersector.fetch(first.wave) if first.is_busy else None
+        first, second = self._wavefronts
+        if first.iterations % self._check_interval == 0:
+            self._refill(first.wavefront)
+        rays = self._intersector.fetch(first.wavefront) if first.is_busy else None
         if second.answer is not None:
-            self._intersector.store(second.wave, second.answer)
+            self._intersector.store(second.wavefront, second.answer)
             second.answer = None
-            self._passes.shade(second.wave)
-            second.shaded += 1
+            self._passes.shade(second.wavefront)
+            second.iterations += 1
             self._flush()
         if rays is not None:
             first.answer = self._intersector.trace(rays)
             self.rays += first.answer.rays or 0
-        self._lanes = [second, first]
+        self._wavefronts = [second, first]
 
-    def _refill(self, wave: Wave) -> None:
-        """Take in what blocks have done, and give them new work, when some have."""
-        if wave.is_busy.any():
-            done = np.flatnonzero(wave.is_busy & ~self._passes.find_alive(wave))
-            self._take_in(wave, done)
+    def _refill(self, wavefront: Wavefront) -> None:
+        """Add blocks that are done to the film, and give new work to blocks that have none."""
+        if wavefront.is_busy.any():
+            done = np.flatnonzero(wavefront.is_busy & ~self._passes.find_alive(wavefront))
+            self._collect(wavefront, done)
         if self._schedule.done:
             return
-        free = np.flatnonzero(~wave.is_busy)
+        free = np.flatnonzero(~wavefront.is_busy)
         if not len(free):
             return
-        is_last = not any(lane.is_busy for lane in self._lanes)
+        is_last = not any(traced.is_busy for traced in self._wavefronts)
         work = self._schedule.next(len(free), is_last)
         if work:
             blocks = free[: len(work)]
-            wave.assign(blocks, work)
-            self._passes.begin(wave, blocks)
+            wavefront.assign(blocks, work)
+            self._passes.begin(wavefront, blocks)
 
-    def _take_in(self, wave: Wave, blocks: np.ndarray) -> None:
+    def _collect(self, wavefront: Wavefront, blocks: np.ndarray) -> None:
         if not len(blocks):
             return
-        self.film.add(wave, blocks)
-        wave.is_busy[blocks] = False
-        tiles, samples = wave.work[blocks, :2].astype(np.int64), wave.work[blocks, 3].astype(np.int64)
+        self.film.add(wavefront, blocks)
+        wavefront.is_busy[blocks] = False
+        tiles, samples = wavefront.work[blocks, :2].astype(np.int64), wavefront.work[blocks, 3].astype(np.int64)
         inside = np.minimum(np.array(self.film.size) - TILE * tiles, TILE)
-        self._expected += int((inside.prod(axis=1) * samples).sum())
+        self._expected_samples += int((inside.prod(axis=1) * samples).sum())
         self._is_developed, self._shown = False, None
 
     @property
     def radiance(self) -> moderngl.Texture:
-        """The mean so far, RGBA32F, row 0 at the bottom, associated alpha."""
+        """The mean radiance so far, RGBA32F, row 0 at the bottom, associated alpha."""
         if not self._is_developed:
             self._passes.context.make_current()
             self.film.develop()
@@ -160,7 +164,7 @@ class Exposure:
 
     @property
     def shown(self) -> moderngl.Texture:
-        """`radiance`, denoised where the settings ask for that."""
+        """`radiance`, denoised if the settings ask for that."""
         radiance = self.radiance
         if self._denoiser is None:
             return radiance
@@ -169,13 +173,13 @@ class Exposure:
         return self._shown
 
     def present(self, framebuffer: moderngl.Framebuffer) -> None:
-        """Draw what there is into `framebuffer`, as displayed."""
+        """Draw the picture so far into `framebuffer`, with exposure and tone curve."""
         self._display.draw(self.shown, self.settings, framebuffer, 0)
 
     def image(self) -> Image:
-        """What there is, as `viewer.raster.renderer.Renderer.render` gives it, with the layers asked for.
+        """The picture so far, in the form of `viewer.raster.renderer.Renderer.render`, with the layers asked for.
 
-        Its `stats` tell how good it is, its `attributes` what was done to it.
+        Its `stats` are those of this object, its `attributes` say how it was processed.
         """
         width, height = self.film.size
         linear = np.frombuffer(self.shown.read(), np.float32).reshape(height, width, 4)[::-1].copy()
@@ -188,7 +192,7 @@ class Exposure:
                      self.attributes(self.settings.denoise))
 
     def stats(self) -> dict[str, object]:
-        """How far the picture has come and what it took; JSON-able."""
+        """Statistics for JSON: samples, estimated error, rays and time."""
         error = self.error
         return {
             "plan": self.plan.to_json(), "intersector": self.plan.intersector, "spp": self.samples,
@@ -198,7 +202,7 @@ class Exposure:
         }
 
     def attributes(self, denoised: str) -> dict[str, str]:
-        """What a file has to say of the picture, `denoised` like that: what is not what the samples said."""
+        """Attributes of the picture's file: the samples, and whether it was `denoised` or clamped."""
         settings = self.settings
         attributes = {"samples": f"{self.samples:g} a pixel"}
         if denoised != "off":
@@ -209,7 +213,7 @@ class Exposure:
 
     def release(self) -> None:
         self._passes.context.make_current()
-        self._passes.context.gl.screen.use()  # moderngl goes back to the framebuffer last used, be it gone
-        for lane in self._lanes:
-            lane.wave.release()
+        self._passes.context.gl.screen.use()  # moderngl would return to the framebuffer used last, even a released one
+        for traced in self._wavefronts:
+            traced.wavefront.release()
         self.film.release()

@@ -1,9 +1,9 @@
-"""Which pixels get how many samples next.
+"""The schedule: how many samples each tile gets next.
 
-Every pixel gets the same number until that is a pilot of 64; only then do tiles differ. Without a target or a time
-budget that is all: each pixel gets exactly `spp`. Deciding from the very samples that make the picture biases it, a
-little: a tile that happens to have missed the light looks done too early. So the pilot comes first, the variance is
-pooled over the tile's 256 pixels, and noise next door counts.
+Without a target error or a time budget, each pixel gets exactly `spp` samples. With one, all pixels get 64 samples
+first, the pilot; from then on tiles get different numbers. To decide from the samples that also make the picture has a
+small bias: a tile that has missed the light by chance looks finished too early. Three rules keep the bias small: the
+pilot comes first, the variance is pooled over the 256 pixels of a tile, and the noise of neighbouring tiles counts.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ from .film import Film
 from .wavefront import Work
 
 PILOT = 64
-"""Samples a pixel before tiles differ."""
+"""Samples per pixel before tiles get different numbers."""
 GROWTH = 1.5
-"""How many times the samples there are after one more round, in which tiles differ."""
+"""Factor by which an adaptive round increases the total number of samples."""
 MAX_CHUNK = 4
-"""Samples of one work item: a wave is taken in when the slowest of its items is done."""
-KNOWN = 0.75
-"""How much of what was handed out has to be in the film before the next round is decided on."""
+"""Most samples of one work item. Small items keep the blocks of a wavefront busy until its end."""
+MIN_COLLECTED = 0.75
+"""Part of the samples handed out that has to be in the film before the next adaptive round."""
 DEFENSIVE = 0.25
-"""How much of the mean deviation a tile is given on top of its own, which it may have underestimated."""
+"""Part of the mean deviation that is added to that of each tile, since a tile may underestimate its own."""
 
 
 class Schedule:
-    """Work for the waves of one picture. `done`: there is none left."""
+    """Hands out work to the wavefronts of one picture. `done`: all work has been handed out."""
 
     def __init__(self, film: Film, settings: Settings) -> None:
         self._film, self._target, self._most = film, settings.error, settings.most_spp
@@ -46,9 +46,10 @@ class Schedule:
         self.done = False
 
     def next(self, count: int, is_last: bool) -> list[Work]:
-        """At most `count` items of about the same number of samples; none where there is nothing to do at present.
+        """At most `count` work items of about the same number of samples; none if there is no work at present.
 
-        `is_last` says that all that was handed out before has reached the film, so that none now means none ever.
+        `is_last` says that all work handed out before is in the film. If there is no work then, there will be none
+        later.
         """
         while len(self._queue) < count and self._plan_round(count, is_last and not self._queue):
             pass
@@ -57,9 +58,9 @@ class Schedule:
         return work
 
     def _plan_round(self, count: int, is_last: bool) -> bool:
-        """Queue one more round; whether there was something to queue."""
+        """Queue one more round; returns whether it has any work."""
         if self._issued.min() < self._pilot:
-            chunk = min(MAX_CHUNK, 1 << max(self._rounds - 1, 0))  # a first picture soon
+            chunk = min(MAX_CHUNK, 1 << max(self._rounds - 1, 0))  # small first rounds show a picture soon
             each = chunk * max(count // self._issued.size, 1)
             wanted = np.minimum(self._issued + each, self._pilot)
         else:
@@ -70,20 +71,20 @@ class Schedule:
         return has_more
 
     def _adapt(self, is_last: bool) -> np.ndarray:
-        """What each tile shall have had, to lower the picture's mean relative variance most."""
+        """The number of samples that each tile shall have, so as to lower the mean relative variance most."""
         if self._issued.min() >= self._most:
             return self._issued
         tiles = self._film.tile_errors().astype(np.float64)
-        if not is_last and tiles[..., 2].sum() < KNOWN * (self._issued * self._pixels).sum():
+        if not is_last and tiles[..., 2].sum() < MIN_COLLECTED * (self._issued * self._pixels).sum():
             return self._issued
-        one = tiles[..., 0] / np.maximum(tiles[..., 1], 1) * tiles[..., 2] / tiles[..., 3]  # of one sample
+        one = tiles[..., 0] / np.maximum(tiles[..., 1], 1) * tiles[..., 2] / tiles[..., 3]  # variance of one sample
         variance = dilated(np.nan_to_num(one, nan=0.0, posinf=1e30))
         most = np.full(self._issued.shape, float(self._most))
         if self._target is not None:
             most = np.minimum(np.ceil(variance / self._target**2), most)
         deviation = np.sqrt(variance)
         deviation += DEFENSIVE * deviation.mean()
-        return allotment(deviation, self._pixels, self._issued, most, GROWTH * (self._issued * self._pixels).sum())
+        return allocate(deviation, self._pixels, self._issued, most, GROWTH * (self._issued * self._pixels).sum())
 
     def _enqueue(self, wanted: np.ndarray, chunk: int) -> None:
         items = []
@@ -93,26 +94,28 @@ class Schedule:
             bounds = [first + (last - first) * k // parts for k in range(parts + 1)]
             items += [((k + 0.5) / parts, Work(column, row, low, high - low))
                       for k, (low, high) in enumerate(pairwise(bounds))]
-        # Wherever it is stopped, all tiles have had about the same share of what they are to get.
+        # Tiles progress evenly: whenever the render is stopped, all have had about the same part of their samples.
         self._queue.extend(work for _, work in sorted(items, key=itemgetter(0)))
         self._issued = wanted
 
 
 def dilated(variance: np.ndarray) -> np.ndarray:
-    """Each tile's variance, (rows, columns), but at least a quarter of what any of the eight around it has: half the
-    error. What one tile found may lie hidden in the next."""
+    """The variance of each tile, (rows, columns), raised to at least a quarter of that of any of its eight neighbours.
+
+    A tile may not have found the light yet that its neighbour has found. A quarter of the variance is half the error.
+    """
     padded = np.pad(variance, 1)
     rows, columns = variance.shape
     around = np.max([padded[y:y + rows, x:x + columns] for y in range(3) for x in range(3)], axis=0)
     return np.maximum(variance, around / 4)
 
 
-def allotment(deviation: np.ndarray, pixels: np.ndarray, least: np.ndarray, most: np.ndarray,
+def allocate(deviation: np.ndarray, pixels: np.ndarray, least: np.ndarray, most: np.ndarray,
               total: float) -> np.ndarray:
-    """Samples of each tile, whole numbers in proportion to `deviation` between `least` and `most`, so that with
-    `pixels` each they come to about `total`, or as near to it as `most` allows.
+    """Neyman allocation: the number of samples of each tile, in proportion to its `deviation`.
 
-    The sum of deviation^2 / samples is least then, by Lagrange's multiplier (Neyman 1934).
+    The numbers are between `least` and `most`. Summed over tiles with `pixels` pixels each they are about `total`, or
+    as near to it as `most` allows. This minimises the sum of deviation^2 / samples (Neyman 1934).
     """
     most = np.maximum(least, most)
     low, high = 0.0, float((most[deviation > 0] / deviation[deviation > 0]).max(initial=0.0))
@@ -124,5 +127,5 @@ def allotment(deviation: np.ndarray, pixels: np.ndarray, least: np.ndarray, most
 
 
 def _sides(size: int, tiles: int) -> np.ndarray:
-    """Pixels of each tile along one side."""
+    """Width or height of each tile in pixels."""
     return np.minimum(size - TILE * np.arange(tiles), TILE)

@@ -1,4 +1,4 @@
-"""Rays that begin on surfaces, a list of them in place of a camera's: shaders/trace/surface_ray.glsl."""
+"""A list of first rays at surface points, in place of camera rays (shaders/trace/surface_ray.glsl)."""
 
 from __future__ import annotations
 
@@ -7,25 +7,26 @@ import numpy as np
 
 from ...gpu.programs import set_uniform
 
-GATHERS, LOOKS = 1, 2
-"""Out of the surface into its hemisphere; at it, from just off it."""
+FROM_SURFACE, TO_SURFACE = 1, 2
+"""Kinds of rays: from the surface into its hemisphere; or to the surface, from just above it."""
 _WIDTH = 1024
-_UNITS = {"u_ray_point": 16, "u_ray_normal": 17, "u_ray_outside": 18}
-"""After all that a scene binds."""
+_UNITS = {"u_ray_point": 16, "u_ray_normal": 17, "u_ray_normal_geometric": 18}
+"""Texture units behind all those that a scene binds."""
 
 
 class SurfaceRays:
-    """A pixel for each of N points in tracer space, in rows from the bottom; `size` (width, height) holds them all.
+    """Rays at N points in tracer space, one pixel each, in rows from the bottom of a picture of `size` (width, height).
 
-    `points`, `normals` and `outsides`, geometric normals on the side of those, are (N, 3). `kind` is GATHERS or LOOKS.
+    `points`, `normals` (for shading) and `geometric_normals` (on the side of `normals`) are (N, 3). `kind` is
+    FROM_SURFACE or TO_SURFACE.
     """
 
     def __init__(self, gl: moderngl.Context, kind: int, points: np.ndarray, normals: np.ndarray,
-                 outsides: np.ndarray) -> None:
+                 geometric_normals: np.ndarray) -> None:
         self.kind, self.count = kind, len(points)
         self.size = min(len(points), _WIDTH), -(-len(points) // _WIDTH)
         self._textures = {}
-        for name, rows in zip(_UNITS, (points, normals, outsides), strict=True):
+        for name, rows in zip(_UNITS, (points, normals, geometric_normals), strict=True):
             texels = np.zeros((self.size[0] * self.size[1], 4), np.float32)
             texels[:len(rows), :3], texels[:len(rows), 3] = rows, 1.0
             texture = gl.texture(self.size, 4, texels, dtype="f4")
@@ -33,14 +34,14 @@ class SurfaceRays:
             self._textures[name] = texture
 
     def bind(self, program: moderngl.Program) -> None:
-        """To a program that begins paths; others have no use for them."""
+        """Bind the list to a program that begins paths; other programs do not use it."""
         for name, texture in self._textures.items():
             if name in program:
                 texture.use(_UNITS[name])
                 set_uniform(program, name, _UNITS[name])
 
     def rows(self, pixels: np.ndarray) -> np.ndarray:
-        """Of a picture (H, W, C), row 0 at the bottom, what each ray has, (N, C)."""
+        """The pixel of each ray, (N, C), from a picture (H, W, C) whose row 0 is at the bottom."""
         return pixels.reshape(-1, pixels.shape[-1])[:self.count]
 
     def release(self) -> None:

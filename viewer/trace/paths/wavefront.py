@@ -1,4 +1,4 @@
-"""A wave: many paths that go on together, a texel of some textures each."""
+"""A wavefront: many paths that advance together. Each path is one texel of several textures."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ import numpy as np
 from ..layout import TILE
 
 STATE = ("origin", "direction", "shadow_origin", "shadow_vector", "throughput", "radiance", "medium")
-"""The textures of a state, in the order of their units and attachments; shaders/trace/state.glsl has what they hold.
-Where nothing transmits light there is no medium."""
+"""The textures of a state, in the order of their units and attachments. shaders/trace/state.glsl describes them.
+There is no medium if nothing transmits light."""
 SUMS, LAYERS = 2, 3
-"""How many textures the passes finish and layers add to."""
+"""Number of textures to which the passes finish and layers add."""
 UNIT_HIT, UNIT_BLOCKS = len(STATE), len(STATE) + 1
 UNITS = {f"u_{name}": unit for unit, name in enumerate(STATE)} | {"u_hit": UNIT_HIT, "u_blocks": UNIT_BLOCKS}
-"""Uniforms of shaders/trace/state.glsl and the texture units of `Wave.bind`."""
+"""Uniforms of shaders/trace/state.glsl and the texture units of `Wavefront.bind`."""
 
 
 class Work(NamedTuple):
-    """So many samples, at most 1023, from number `first` on, of each pixel of a tile."""
+    """A work item: `samples` samples (at most 1023), from number `first` on, of each pixel of a tile."""
 
     tile_x: int
     tile_y: int
@@ -30,7 +30,7 @@ class Work(NamedTuple):
 
 
 class Sums:
-    """Textures of floats that are added to."""
+    """Float textures that collect sums by blending."""
 
     def __init__(self, gl: moderngl.Context, size: tuple[int, int], count: int,
                  depth: moderngl.Texture | moderngl.Renderbuffer | None = None) -> None:
@@ -45,13 +45,14 @@ class Sums:
             texture.release()
 
 
-class Wave:
-    """`columns` x `rows` blocks of TILE x TILE slots.
+class Wavefront:
+    """`columns` x `rows` blocks of TILE x TILE paths.
 
-    The textures of the present state are attributes by their names in `STATE`; passes read them and write `next`, and
-    `turn` makes that the present one. `hit` is where an intersector puts its answer; `duty`, a depth, tells what is to
-    be done in a slot, `alive`, a texel a block, whether anything is. `work` has the blocks' work items, (blocks, 4)
-    int32 as in `Work`, and `is_busy` (blocks,) which of them are not known to be done.
+    There are two states. The textures of the present one are attributes, by their names in `STATE`. Passes read them
+    and write `next`, and `swap` makes that the present one. An intersector writes `hit`. `classes` has the class of
+    each path as a depth value, and `alive` says for each block, in one texel, whether any of its paths is not idle.
+    `work`, (blocks, 4) int32, has the work items of the blocks, as in `Work`. `is_busy`, (blocks,), says which of them
+    may not be done yet.
     """
 
     origin: moderngl.Texture
@@ -66,8 +67,8 @@ class Wave:
         self._gl = gl
         self.grid = columns, rows
         self.size = columns * TILE, rows * TILE
-        self.duty = gl.framebuffer(depth_attachment=gl.depth_texture(self.size))
-        depth = self.duty.depth_attachment
+        self.classes = gl.framebuffer(depth_attachment=gl.depth_texture(self.size))
+        depth = self.classes.depth_attachment
         self._states = [[float_target(gl, self.size) for _ in STATE[: 6 + has_medium]] for _ in range(2)]
         self._targets = [gl.framebuffer(textures, depth) for textures in self._states]
         self._origins = [gl.framebuffer(textures[:1], depth) for textures in self._states]
@@ -76,10 +77,10 @@ class Wave:
         self._present = 0
         self.present.clear()
         self.hit = gl.texture(self.size, 4, dtype="u4")
-        self._table = gl.texture(self.grid, 4, dtype="i4")
-        for texture in (self.hit, self._table):
+        self._work_items = gl.texture(self.grid, 4, dtype="i4")
+        for texture in (self.hit, self._work_items):
             texture.filter = moderngl.NEAREST, moderngl.NEAREST
-        self._named = gl.buffer(reserve=4 * columns * rows)
+        self._block_numbers = gl.buffer(reserve=4 * columns * rows)
         self._arrays: dict[moderngl.Program, moderngl.VertexArray] = {}
         self.alive = gl.framebuffer([gl.texture(self.grid, 1)])
         self.sums = Sums(gl, self.size, SUMS, depth)
@@ -94,57 +95,57 @@ class Wave:
 
     @property
     def present(self) -> moderngl.Framebuffer:
-        """Draws into the present state."""
+        """The framebuffer of the present state."""
         return self._targets[self._present]
 
     @property
     def next(self) -> moderngl.Framebuffer:
-        """Draws into the state that is present after `turn`."""
+        """The framebuffer of the next state, which is present after `swap`."""
         return self._targets[1 - self._present]
 
     @property
     def next_origin(self) -> moderngl.Framebuffer:
-        """Of the next state only the origins, with the status."""
+        """The framebuffer of only the origins of the next state, which hold the status."""
         return self._origins[1 - self._present]
 
-    def turn(self) -> None:
+    def swap(self) -> None:
         """Make the next state the present one."""
         self._present = 1 - self._present
 
     def assign(self, blocks: np.ndarray, work: Sequence[Work]) -> None:
-        """Give the blocks of these numbers a work item each."""
+        """Give a work item to each of the blocks with these numbers."""
         self.work[blocks] = np.asarray(work, np.int32).reshape(-1, 4)
         self.is_busy[blocks] = True
-        self._table.write(self.work)
+        self._work_items.write(self.work)
 
     def bind(self) -> None:
-        """The present state, the hits and the blocks, to the units that `UNITS` names."""
+        """Bind the present state, the hits and the work items to the units in `UNITS`."""
         for unit, texture in enumerate(self._states[self._present]):
             texture.use(unit)
         self.hit.use(UNIT_HIT)
         self.bind_blocks()
 
     def bind_blocks(self) -> None:
-        """The blocks alone."""
-        self._table.use(UNIT_BLOCKS)
+        """Bind only the work items of the blocks."""
+        self._work_items.use(UNIT_BLOCKS)
 
     def draw_blocks(self, program: moderngl.Program, blocks: np.ndarray) -> None:
-        """A square for each block, by a program whose vertex shader takes `a_block`."""
+        """Draw a square for each block, with a program whose vertex shader takes `a_block`."""
         if program not in self._arrays:
-            self._arrays[program] = self._gl.vertex_array(program, [(self._named, "1i4/i", "a_block")])
-        self._named.write(np.ascontiguousarray(blocks, np.int32))
+            self._arrays[program] = self._gl.vertex_array(program, [(self._block_numbers, "1i4/i", "a_block")])
+        self._block_numbers.write(np.ascontiguousarray(blocks, np.int32))
         self._arrays[program].render(moderngl.TRIANGLE_STRIP, vertices=4, instances=len(blocks))
 
     def release(self) -> None:
-        for thing in (*self._targets, *self._origins, *self._states[0], *self._states[1], self.duty.depth_attachment,
-                      self.duty, self.hit, self._table, *self._arrays.values(), self._named,
+        for thing in (*self._targets, *self._origins, *self._states[0], *self._states[1], self.classes.depth_attachment,
+                      self.classes, self.hit, self._work_items, *self._arrays.values(), self._block_numbers,
                       *self.alive.color_attachments, self.alive, self.sums, self.layers):
             if thing is not None:
                 thing.release()
 
 
 def float_target(gl: moderngl.Context, size: tuple[int, int]) -> moderngl.Texture:
-    """RGBA32F to be drawn into and read texel by texel."""
+    """An RGBA32F texture to draw into and to read texel by texel."""
     texture = gl.texture(size, 4, dtype="f4")
     texture.filter = moderngl.NEAREST, moderngl.NEAREST
     return texture

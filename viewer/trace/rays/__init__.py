@@ -1,1 +1,1 @@
-"""Where rays meet triangles: Embree, or a BVH in a shader."""
+"""Intersection of rays with triangles: by Embree, or by a BVH in a shader."""

@@ -1,13 +1,14 @@
-"""The scene's triangles as one texture that shaders/trace/bvh.glsl walks through.
+"""The bounding volume hierarchy of a scene as one texture, which shaders/trace/bvh.glsl traverses.
 
-Triangles of meshes that are placed once lie in one tree in tracer space. A mesh that is placed several times has a tree
-of its own in its own space, and a tree over the instances refers to it: nothing is copied but what is smaller than a
-reference, and what a matrix flattens or stretches so that it cannot be undone in float32.
+The triangles of meshes that are placed once are in one tree in tracer space. A mesh that is placed several times has a
+tree of its own in its own space, and a tree over the instances refers to it. Two kinds of instances are copied to
+tracer space instead: those that are smaller than a reference, and those whose matrix cannot be inverted well in
+float32.
 
 Texels (RGBA32UI):
     node      7: lower x, upper x, lower y, upper y, lower z, upper z of its four children, and their references
-    triangle  3: a corner each, and in w the number in its mesh, first word of a hit (kind and instance), see-through
-    instance  4: rows of tracer-to-mesh, then the reference to its tree, first word of a hit, see-through, 0
+    triangle  3: a corner each, and in w the number in its mesh, x of a hit (kind and instance), see-through
+    instance  4: rows of tracer-to-mesh, then the reference to its tree, x of a hit, see-through, 0
 """
 
 from __future__ import annotations
@@ -20,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..layout import INSTANCE_MASK, KIND_SHIFT
-from . import bvh4 as wide
-from .bvh4 import LEAF, LEAF_SHIFT, NOTHING, WideTree
+from . import bvh4
+from .bvh4 import LEAF, LEAF_SHIFT, NOTHING, Bvh4
 from .flatten import flatten
 
 if TYPE_CHECKING:
@@ -30,17 +31,18 @@ if TYPE_CHECKING:
 NODE_TEXELS, TRIANGLE_TEXELS, INSTANCE_TEXELS = 7, 3, 4
 
 INSTANCE = LEAF | 7 << LEAF_SHIFT
-"""A reference to an instance: no leaf has eight triangles."""
+"""A reference to an instance. It cannot be that of a leaf, since no leaf has eight triangles."""
 
-_SMALL_MESH = 4  # triangles, that take no more room than an instance with its box
+_SMALL_MESH = 4  # triangles, which need no more memory than an instance with its box
 _MAX_STRETCH = 1e4
 
 
 @dataclass
 class Bvh:
-    """`texels` (n, 4) uint32: the nodes, the triangles from texel `triangles` on, the instances from `instances` on.
+    """`texels`, (n, 4) uint32, has the nodes, then the triangles from texel `triangles` on, then the instances from
+    `instances` on.
 
-    `root` is the reference to start with, `stack` the most references that ever wait.
+    `root` is the reference of the root, `stack` the stack size that a traversal needs.
     """
 
     texels: NDArray[np.uint32]
@@ -53,7 +55,7 @@ class Bvh:
 
 
 def build_bvh(geometry: TraceGeometry) -> Bvh:
-    """The trees over all instances."""
+    """Build the trees over all instances."""
     uses = Counter(instance.mesh for instance in geometry.instances)
     matrices = np.array([instance.transform[:, :3] for instance in geometry.instances]).reshape(-1, 3, 3)
     is_stretched = np.linalg.cond(matrices) > _MAX_STRETCH
@@ -66,16 +68,16 @@ def build_bvh(geometry: TraceGeometry) -> Bvh:
         else:
             placed.setdefault(instance.mesh, []).append((index, instance))
     forest = _Forest()
-    vertices, triangles, words = flatten(geometry, copied)
+    vertices, triangles, hits = flatten(geometry, copied)
     see_through = np.array([instance.see_through for instance in geometry.instances], bool)
-    root = forest.add(vertices, triangles, words[:-1], see_through)
+    root = forest.add(vertices, triangles, hits[:-1], see_through)
     if placed:
         root = forest.place(geometry, placed, vertices, root)
     return forest.packed(root, bool(see_through.any()))
 
 
 class _Forest:
-    """Trees one after the other."""
+    """Collects the trees."""
 
     def __init__(self) -> None:
         self._nodes: list[NDArray[np.uint32]] = []
@@ -88,17 +90,17 @@ class _Forest:
         self,
         vertices: NDArray[np.float32],
         triangles: NDArray[np.integer],
-        words: NDArray[np.uint32] | None = None,
+        hits: NDArray[np.uint32] | None = None,
         see_through: NDArray[np.bool_] | None = None,
     ) -> int:
-        """A tree over triangles (T, 3), and the reference to it; `words` (T, 2) are the first two of their hits."""
+        """Add a tree over triangles (T, 3); returns the reference to it. `hits` (T, 2) are x and y of their hits."""
         corners = vertices[triangles]
-        tree = wide.build(corners.min(axis=1), corners.max(axis=1))
+        tree = bvh4.build(corners.min(axis=1), corners.max(axis=1))
         texels = np.zeros((len(triangles), TRIANGLE_TEXELS, 4), np.uint32)
         texels[..., :3] = corners[tree.order].view(np.uint32)
         texels[:, 0, 3] = tree.order
-        if words is not None and see_through is not None:
-            texels[:, 0, 3], texels[:, 1, 3] = words[tree.order, 1], words[tree.order, 0]
+        if hits is not None and see_through is not None:
+            texels[:, 0, 3], texels[:, 1, 3] = hits[tree.order, 1], hits[tree.order, 0]
             texels[:, 2, 3] = see_through[texels[:, 1, 3] & INSTANCE_MASK]
         inner = (tree.children & LEAF) == 0
         leaf = ~inner & (tree.children != NOTHING)
@@ -120,7 +122,7 @@ class _Forest:
         copied: NDArray[np.float32],
         copied_root: int,
     ) -> int:
-        """The tree over instances by mesh, and over the tree of the triangles that were copied; the reference to it."""
+        """Add a tree over instances (by mesh) and over the tree of copied triangles; returns the reference to it."""
         lower, upper, records = [], [], []
         for mesh_index, instances in placed.items():
             mesh = geometry.meshes[mesh_index]
@@ -141,7 +143,7 @@ class _Forest:
             lower.append(copied.min(axis=0)[None])
             upper.append(copied.max(axis=0)[None])
             references = np.append(references, copied_root)
-        tree = wide.build(np.concatenate(lower), np.concatenate(upper), max_leaf=1)
+        tree = bvh4.build(np.concatenate(lower), np.concatenate(upper), max_leaf=1)
         references = references[tree.order]
         if tree.root & LEAF:
             return int(references[0])
@@ -152,7 +154,7 @@ class _Forest:
         self._stack += tree.stack
         return self._node_count - len(tree.children)
 
-    def _push(self, tree: WideTree) -> None:
+    def _push(self, tree: Bvh4) -> None:
         texels = np.empty((len(tree.children), NODE_TEXELS, 4), np.uint32)
         texels[:, 0:6:2] = tree.lower.view(np.uint32)
         texels[:, 1:6:2] = tree.upper.view(np.uint32)
@@ -171,7 +173,7 @@ class _Forest:
 def _moved_box(
     transforms: NDArray[np.float64], low: NDArray[np.float32], high: NDArray[np.float32]
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Boxes (n, 3) around a box under each of the matrices (n, 3, 4), and around how it is met in float32."""
+    """Boxes (n, 3) that hold a box transformed by each of the matrices (n, 3, 4), with `_SLACK` for float32."""
     matrices = transforms[:, :, :3]
     middle = matrices @ (0.5 * (low + high.astype(np.float64))) + transforms[:, :, 3]
     half = np.abs(matrices) @ (0.5 * (high.astype(np.float64) - low)) + _SLACK
@@ -179,10 +181,10 @@ def _moved_box(
 
 
 _SLACK = 1e-6
-"""A ray is taken to an instance in float32: some units in the last place of the scene's radius."""
+"""Rays are transformed to instances in float32. This is a few units in the last place of the scene's radius."""
 
 
 def _inverse(transforms: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(n, 3, 4) of (n, 3, 4)."""
+    """Inverses of affine matrices, (n, 3, 4) of (n, 3, 4)."""
     matrices = np.linalg.inv(transforms[:, :, :3])
     return np.concatenate([matrices, -matrices @ transforms[:, :, 3:]], axis=2)

@@ -1,9 +1,9 @@
-"""Trees whose nodes have up to four children, as the shader walks through them.
+"""Bounding volume hierarchies whose nodes have up to four children, as the shader traverses them.
 
-A binary tree is cut where a leaf of several primitives is cheaper, by the surface-area heuristic (J. Goldsmith, J.
-Salmon: Automatic Creation of Object Hierarchies for Ray Tracing, 1987), and then every other level is left out:
-a node takes its largest grandchildren for its children (I. Wald, C. Benthin, S. Boulos: Getting Rid of Packets, 2008).
-All is done for a whole level of the tree at a time.
+A binary tree is cut where the surface-area heuristic finds a leaf of several primitives cheaper (J. Goldsmith, J.
+Salmon: Automatic Creation of Object Hierarchies for Ray Tracing, 1987). Then every other level is removed: a node takes
+its largest grandchildren for its children (I. Wald, C. Benthin, S. Boulos: Getting Rid of Packets, 2008). Each step
+handles a whole level of the tree at once.
 """
 
 from __future__ import annotations
@@ -16,29 +16,30 @@ from numpy.typing import NDArray
 from .ploc import BinaryTree, cluster, half_area
 
 LEAF, LEAF_SHIFT = 1 << 31, 28
-"""A reference to a leaf: LEAF | (count - 1) << LEAF_SHIFT | first primitive. Others are numbers of nodes."""
+"""A reference to a leaf: LEAF | (count - 1) << LEAF_SHIFT | first primitive. Others are the numbers of nodes."""
 
 MAX_LEAF = 4
 
 NOTHING = 0xFFFFFFFF
-"""The reference where there is no child, or no tree."""
+"""The reference of a missing child, or of an empty tree."""
 
 NOWHERE = 1e30
-"""Where the boxes of children are that a node lacks: no ray gets that far."""
+"""The place of the boxes of missing children, which no ray reaches."""
 
 _NODE_COST = 1.0
-"""Of one step through the binary tree, the test of one primitive being 1."""
+"""The cost of one node of the binary tree, relative to the test of one primitive."""
 
 _MAX_STACK = 96
-"""More than four-wide nodes need over a binary tree of depth 26, that of 2^26 leaves when it is balanced."""
+"""Larger than the stack for a balanced binary tree of 2^26 leaves, whose depth is 26."""
 
 
 @dataclass
-class WideTree:
-    """Boxes and references of each node's children, (nodes, 3, 4) float32 `lower` and `upper`, (nodes, 4) uint32.
+class Bvh4:
+    """Boxes and references of each node's children: `lower` and `upper` (nodes, 3, 4) float32, `children` (nodes, 4)
+    uint32.
 
-    `order` (N,) says which primitive is the first, the second, ... for the leaves. `root` is the reference to start
-    with, `stack` how many references at most wait while walking through the tree.
+    `order` (N,) is the order of the primitives in the leaves. `root` is the reference of the root, `stack` the stack
+    size that a traversal needs.
     """
 
     lower: NDArray[np.float32]
@@ -49,18 +50,18 @@ class WideTree:
     stack: int
 
 
-def build(lower: NDArray[np.float32], upper: NDArray[np.float32], max_leaf: int = MAX_LEAF) -> WideTree:
-    """The tree over boxes (N, 3) each, with leaves of at most `max_leaf` (1 to 7) of them."""
+def build(lower: NDArray[np.float32], upper: NDArray[np.float32], max_leaf: int = MAX_LEAF) -> Bvh4:
+    """The tree over boxes, `lower` and `upper` (N, 3), with leaves of at most `max_leaf` (1 to 7) primitives."""
     if not len(lower):
         empty = np.empty((0, 3, 4), np.float32)
-        return WideTree(empty, empty, np.empty((0, 4), np.uint32), np.empty(0, np.intp), NOTHING, 0)
+        return Bvh4(empty, empty, np.empty((0, 4), np.uint32), np.empty(0, np.intp), NOTHING, 0)
     tree = _collapse(cluster(lower, upper), max_leaf)
-    if tree.stack > _MAX_STACK:  # boxes inside boxes inside boxes: take the halves of the curve, and their halves
-        tree = _collapse(cluster(lower, upper, patience=0), max_leaf)
+    if tree.stack > _MAX_STACK:  # deeply nested boxes: take the balanced tree along the curve
+        tree = _collapse(cluster(lower, upper, max_rounds=0), max_leaf)
     return tree
 
 
-def _collapse(tree: BinaryTree, max_leaf: int) -> WideTree:
+def _collapse(tree: BinaryTree, max_leaf: int) -> Bvh4:
     count, area = tree.count, half_area(tree.lower, tree.upper)
     size, is_leaf = _cut(tree, area, max_leaf)
     first = _places(tree, size)
@@ -74,9 +75,9 @@ def _collapse(tree: BinaryTree, max_leaf: int) -> WideTree:
     root = np.array([2 * count - 2], np.int32)
     if is_leaf[root[0]]:
         empty = np.empty((0, 3, 4), np.float32)
-        return WideTree(empty, empty, np.empty((0, 4), np.uint32), order, int(references(root, root)[0]), 1)
+        return Bvh4(empty, empty, np.empty((0, 4), np.uint32), order, int(references(root, root)[0]), 1)
     boxes_low, boxes_high, links = [], [], []
-    frontier, waiting, made, stack = root, np.ones(1, np.int64), 1, 1
+    frontier, pending, made, stack = root, np.ones(1, np.int64), 1, 1
     while len(frontier):
         children = _open(tree, area, is_leaf, frontier)
         present = children >= 0
@@ -85,15 +86,15 @@ def _collapse(tree: BinaryTree, max_leaf: int) -> WideTree:
         links.append(np.where(present, references(children, numbers), NOTHING).astype(np.uint32))
         boxes_low.append(np.where(present, tree.lower[:, children], NOWHERE).transpose(1, 0, 2))
         boxes_high.append(np.where(present, tree.upper[:, children], NOWHERE).transpose(1, 0, 2))
-        waiting = waiting + present.sum(axis=1) - 1  # the node itself is taken off, its children put on
-        stack = max(stack, int(waiting.max()))
+        pending = pending + present.sum(axis=1) - 1  # the node is popped, its children are pushed
+        stack = max(stack, int(pending.max()))
         made += int(inner.sum())
-        frontier, waiting = children[inner], np.repeat(waiting, inner.sum(axis=1))
-    return WideTree(np.concatenate(boxes_low), np.concatenate(boxes_high), np.concatenate(links), order, 0, stack)
+        frontier, pending = children[inner], np.repeat(pending, inner.sum(axis=1))
+    return Bvh4(np.concatenate(boxes_low), np.concatenate(boxes_high), np.concatenate(links), order, 0, stack)
 
 
 def _cut(tree: BinaryTree, area: NDArray[np.float32], max_leaf: int) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """For every node the number of primitives below, and whether it is to be a leaf."""
+    """For each node, the number of primitives below it and whether it becomes a leaf."""
     count = tree.count
     size = np.ones(2 * count - 1, np.int64)
     cost = area.copy()
@@ -110,7 +111,7 @@ def _cut(tree: BinaryTree, area: NDArray[np.float32], max_leaf: int) -> tuple[ND
 
 
 def _places(tree: BinaryTree, size: NDArray[np.int64]) -> NDArray[np.int64]:
-    """For every node the place of its first primitive when those of each node lie together."""
+    """For each node, the place of its first primitive, if the primitives of each node are contiguous."""
     first = np.zeros(2 * tree.count - 1, np.int64)
     for made in reversed(tree.rounds):
         left, right = tree.children[made].T
@@ -122,14 +123,14 @@ def _places(tree: BinaryTree, size: NDArray[np.int64]) -> NDArray[np.int64]:
 def _open(
     tree: BinaryTree, area: NDArray[np.float32], is_leaf: NDArray[np.bool_], nodes: NDArray[np.int32]
 ) -> NDArray[np.int32]:
-    """The children (nodes, 4) that each node gets, -1 for none: twice the largest that is no leaf makes way for its own
-    children."""
+    """The children (nodes, 4) of each node, -1 for none. Twice, the largest child that is not a leaf is replaced by its
+    own children."""
     children = np.full((len(nodes), 4), -1, np.int32)
     children[:, :2] = tree.children[nodes - tree.count]
-    for slot in (2, 3):
+    for new in (2, 3):
         sizes = np.where((children >= 0) & ~is_leaf[children], area[children], -1.0)
         largest = sizes.argmax(axis=1)
         (rows,) = np.nonzero(sizes[np.arange(len(nodes)), largest] >= 0)
         opened = children[rows, largest[rows]]
-        children[rows, largest[rows]], children[rows, slot] = tree.children[opened - tree.count].T
+        children[rows, largest[rows]], children[rows, new] = tree.children[opened - tree.count].T
     return children

@@ -1,4 +1,4 @@
-"""Rays through our own BVH, in a fragment shader: a pass over the wave, a slot a pixel."""
+"""Traces rays through our own BVH in a fragment shader, one pixel for each path of a wavefront."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ...gpu.programs import set_uniform
 from ..layout import shader_defines
 from .bvh import INSTANCE_TEXELS, NODE_TEXELS, TRIANGLE_TEXELS, Bvh, build_bvh
 from .bvh4 import LEAF_SHIFT
-from .intersect import SHADOW_REACH, Answer, Surfaces, WaveTextures
+from .intersect import SHADOW_REACH, Answer, Surfaces, WavefrontTextures
 
 if TYPE_CHECKING:
     from ..scene.geometry import TraceGeometry
@@ -25,7 +25,7 @@ _WIDTH = 4096
 
 
 class BvhIntersector:
-    """See `viewer.trace.intersect.Intersector`. What it counts is known a trace later, so that nothing waits for it.
+    """An `Intersector`, see viewer/trace/rays/intersect.py. It reports the rays of the trace before, so as not to wait.
 
     Raises ViewerError for a scene whose tree no texture holds.
     """
@@ -64,17 +64,17 @@ class BvhIntersector:
         self._query = context.gl.query(samples=True)
         self._is_counting = False
 
-    def fetch(self, wave: WaveTextures) -> WaveTextures:
-        return wave
+    def fetch(self, wavefront: WavefrontTextures) -> WavefrontTextures:
+        return wavefront
 
-    def trace(self, wave: WaveTextures) -> Answer:
+    def trace(self, wavefront: WavefrontTextures) -> Answer:
         rays = self._query.samples if self._is_counting else None
         for unit, name in enumerate(_STATE):
-            getattr(wave, name).use(unit)
+            getattr(wavefront, name).use(unit)
         self._bvh.use(_BVH_UNIT)
         if self._surfaces is not None:
             self._surfaces.bind(self._program)
-        target = self._gl.framebuffer([wave.hit])
+        target = self._gl.framebuffer([wavefront.hit])
         target.use()
         self._gl.enable_only(moderngl.NOTHING)
         fullscreen(self._gl, self._program).render(vertices=3)
@@ -88,8 +88,8 @@ class BvhIntersector:
         self._is_counting = True
         return Answer(None, rays)
 
-    def store(self, wave: WaveTextures, answer: Answer) -> None:
-        """The hits are there already."""
+    def store(self, wavefront: WavefrontTextures, answer: Answer) -> None:
+        """Nothing to do: `trace` has written the hits."""
 
     def release(self) -> None:
         for program in (self._program, self._counter):

@@ -1,8 +1,8 @@
-"""Rays through Embree, for where OpenGL is software anyway.
+"""Traces rays with Embree, where OpenGL runs in software anyway.
 
-embreex has no instances: every instance's triangles are put into tracer space in float64, rounded to float32 and kept
-by Embree once more (`viewer.trace.intersect.EMBREE_TRIANGLES` is the limit). Its robust mode is used, which costs a
-fifth of the speed: without it one ray in twenty that is aimed exactly at an edge slips through.
+embreex has no instances. So the triangles of every instance are transformed to tracer space in float64 and rounded to
+float32, and Embree copies them once more (the limit is `viewer.trace.rays.intersect.EMBREE_TRIANGLES`). We use its
+robust mode, which costs a fifth of the speed: without it, one in twenty rays that are aimed exactly at an edge misses.
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ from numpy.typing import NDArray
 from ...gpu.context import Context
 from ..layout import FREE, IDLE, IN_FLIGHT, INSTANCE_MASK, MISS
 from .flatten import flatten
-from .intersect import SHADOW_REACH, Answer, Surfaces, WaveTextures
+from .intersect import SHADOW_REACH, Answer, Surfaces, WavefrontTextures
 from .see_through import MAX_LAYERS, SeeThrough
 
 if TYPE_CHECKING:
     from ..scene.geometry import TraceGeometry
 
 _STEP = 1e-6
-"""From one see-through triangle to the next, in tracer units. To meet the same one again does no harm: it decides the
-same again."""
+"""Step behind a see-through triangle, in tracer units. Hitting the same triangle again does no harm, since the decision
+is the same."""
 
 
 @dataclass
 class Rays:
-    """A wave's rays on this side, (slots, 4) float32 each, as the textures have them."""
+    """The rays of a wavefront in memory, (paths, 4) float32 each, as the textures have them."""
 
     origin: NDArray[np.float32]
     direction: NDArray[np.float32]
@@ -41,7 +41,7 @@ class Rays:
 
 
 class EmbreeIntersector:
-    """See `viewer.trace.intersect.Intersector`."""
+    """An `Intersector`, see viewer/trace/rays/intersect.py."""
 
     def __init__(self, context: Context, geometry: TraceGeometry, surfaces: Surfaces | None = None) -> None:
         self.name = "embree " + ".".join(embreex.__version__.split(".")[:2])
@@ -54,58 +54,58 @@ class EmbreeIntersector:
             self._coverage = SeeThrough(context, surfaces)
         self._rays: Rays | None = None
 
-    def fetch(self, wave: WaveTextures) -> Rays:
-        slots = wave.origin.width * wave.origin.height
-        if self._rays is None or len(self._rays.origin) != slots:
-            self._rays = Rays(*(np.empty((slots, 4), np.float32) for _ in range(4)))
+    def fetch(self, wavefront: WavefrontTextures) -> Rays:
+        count = wavefront.origin.width * wavefront.origin.height
+        if self._rays is None or len(self._rays.origin) != count:
+            self._rays = Rays(*(np.empty((count, 4), np.float32) for _ in range(4)))
         rays = self._rays
-        wave.origin.read_into(rays.origin)
-        wave.direction.read_into(rays.direction)
-        wave.shadow_origin.read_into(rays.shadow_origin)
-        wave.shadow_vector.read_into(rays.shadow_vector)
+        wavefront.origin.read_into(rays.origin)
+        wavefront.direction.read_into(rays.direction)
+        wavefront.shadow_origin.read_into(rays.shadow_origin)
+        wavefront.shadow_vector.read_into(rays.shadow_vector)
         return rays
 
     def trace(self, rays: Rays) -> Answer:
-        words = np.zeros((len(rays.origin), 4), np.uint32)
-        words[:, 0] = MISS
-        state = rays.origin[:, 3]
-        moving = np.flatnonzero(state == IN_FLIGHT)
-        found = self._triangles.intersect(_rows(rays.origin, moving), _rows(rays.direction, moving))
-        self._triangles.put(found, words, moving)
+        hits = np.zeros((len(rays.origin), 4), np.uint32)
+        hits[:, 0] = MISS
+        status = rays.origin[:, 3]
+        in_flight = np.flatnonzero(status == IN_FLIGHT)
+        found = self._triangles.intersect(_rows(rays.origin, in_flight), _rows(rays.direction, in_flight))
+        self._triangles.write_hits(found, hits, in_flight)
         vector = rays.shadow_vector
-        shadowed = np.flatnonzero((state != IDLE) & ((vector[:, 0] != 0) | (vector[:, 1] != 0) | (vector[:, 2] != 0)))
-        free = np.zeros(len(words), np.uint32)
+        shadowed = np.flatnonzero((status != IDLE) & ((vector[:, 0] != 0) | (vector[:, 1] != 0) | (vector[:, 2] != 0)))
+        free = np.zeros(len(hits), np.uint32)
         free[shadowed] = self._free(_rows(rays.shadow_origin, shadowed), _rows(vector, shadowed))
-        words[:, 0] |= free * np.uint32(FREE)
-        return Answer(int(np.count_nonzero(state)), len(moving) + len(shadowed), words)
+        hits[:, 0] |= free * np.uint32(FREE)
+        return Answer(int(np.count_nonzero(status)), len(in_flight) + len(shadowed), hits)
 
-    def store(self, wave: WaveTextures, answer: Answer) -> None:
-        wave.hit.write(answer.words)
+    def store(self, wavefront: WavefrontTextures, answer: Answer) -> None:
+        wavefront.hit.write(answer.hits)
 
     def release(self) -> None:
         if self._coverage is not None:
             self._coverage.release()
 
     def _free(self, origins: NDArray, vectors: NDArray) -> NDArray[np.bool_]:
-        """Which shadow rays meet nothing."""
+        """Which shadow rays are unoccluded."""
         if self._coverage is None:
             return ~self._triangles.occluded(origins, vectors)
-        # Layer after layer: Embree gives the nearest triangle in the way, the shaders its coverage. (To look for what
-        # stops a ray for certain beforehand costs more than it saves.)
+        # One layer at a time: Embree finds the nearest triangle, and the shaders decide whether the ray passes it. (To
+        # test for opaque occluders first costs more time than it saves.)
         free = np.zeros(len(origins), bool)
         pending = np.arange(len(origins))
         start, vector, reach = origins, vectors, np.full(len(origins), SHADOW_REACH, np.float32)
         for _ in range(MAX_LAYERS):
             found = self._triangles.intersect(start, vector, reach.copy())
-            words = np.empty((len(pending), 4), np.uint32)
-            self._triangles.put(found, words, np.arange(len(pending)))
+            hits = np.empty((len(pending), 4), np.uint32)
+            self._triangles.write_hits(found, hits, np.arange(len(pending)))
             hit = found["primID"] >= 0
             free[pending[~hit]] = True
             (asked,) = np.nonzero(hit)
-            asked = asked[self._is_see_through[words[asked, 0] & INSTANCE_MASK]]
+            asked = asked[self._is_see_through[hits[asked, 0] & INSTANCE_MASK]]
             if not len(asked):
                 break
-            on = asked[self._coverage.passes(words[asked], vectors[pending[asked]])]
+            on = asked[self._coverage.pass_through(hits[asked], vectors[pending[asked]])]
             step = found["tfar"][on] + (_STEP / np.linalg.norm(vector[on], axis=1)).astype(np.float32)
             pending, vector, reach = pending[on], vector[on], reach[on] - step
             start = start[on] + step[:, None] * vector
@@ -113,37 +113,37 @@ class EmbreeIntersector:
 
 
 class _Triangles:
-    """All instances as one Embree scene, and the way back from its triangles to theirs."""
+    """All instances as one Embree scene, and the instance and triangle of each of its triangles."""
 
     def __init__(self, geometry: TraceGeometry) -> None:
-        vertices, triangles, words = flatten(geometry, list(enumerate(geometry.instances)))
-        self._pairs = words.view(np.uint64).ravel()  # faster to look up than two by two
+        vertices, triangles, pairs = flatten(geometry, list(enumerate(geometry.instances)))
+        self._pairs = pairs.view(np.uint64).ravel()  # one uint64 is faster to look up than two uint32
         self._count = len(triangles)
         if self._count:
             self._scene = EmbreeScene(robust=True)
             self._mesh = TriangleMesh(self._scene, vertices, triangles)
-            self.occluded(vertices[:1], vertices[:1])  # the first rays build it
+            self.occluded(vertices[:1], vertices[:1])  # Embree builds its tree for the first rays
 
     def intersect(self, origins: NDArray, directions: NDArray, reach: NDArray | None = None) -> dict[str, NDArray]:
-        """The nearest hits, (rays,) each of `primID` (-1: none), `u`, `v` and `tfar`, which is `reach` written over."""
+        """The nearest hits: `primID` (-1: none), `u`, `v` and `tfar`, (rays,) each. `tfar` overwrites `reach`."""
         if not self._count or not len(origins):
             nothing = np.zeros(len(origins), np.float32)
             return {"primID": np.full(len(origins), -1), "u": nothing, "v": nothing, "tfar": nothing + np.inf}
         return self._scene.run(origins, directions, reach, query="INTERSECT", output=True)
 
     def occluded(self, origins: NDArray, vectors: NDArray) -> NDArray[np.bool_]:
-        """Whether anything lies on the vectors, their ends left out."""
+        """Whether the vectors, without their ends, are occluded."""
         if not self._count or not len(origins):
             return np.zeros(len(origins), bool)
         return self._scene.run(origins, vectors, SHADOW_REACH, query="OCCLUDED") >= 0
 
-    def put(self, found: dict[str, NDArray], words: NDArray[np.uint32], slots: NDArray[np.intp]) -> None:
-        """Write hits as the hit texture has them to some of the slots' `words` (all slots, 4)."""
-        words.view(np.uint64)[slots, 0] = self._pairs.take(found["primID"], mode="wrap")  # -1: the last
-        words[slots, 2] = found["u"].view(np.uint32)
-        words[slots, 3] = found["v"].view(np.uint32)
+    def write_hits(self, found: dict[str, NDArray], hits: NDArray[np.uint32], texels: NDArray[np.intp]) -> None:
+        """Write to rows `texels` of `hits`, (paths, 4), what the hit texture has of what was found."""
+        hits.view(np.uint64)[texels, 0] = self._pairs.take(found["primID"], mode="wrap")  # -1 takes the last
+        hits[texels, 2] = found["u"].view(np.uint32)
+        hits[texels, 3] = found["v"].view(np.uint32)
 
 
-def _rows(texels: NDArray[np.float32], slots: NDArray[np.intp]) -> NDArray[np.float32]:
-    """xyz of some slots, (len(slots), 3); of all of them without a copy."""
-    return texels[:, :3] if len(slots) == len(texels) else texels.take(slots, axis=0)[:, :3]
+def _rows(texels: NDArray[np.float32], rows: NDArray[np.intp]) -> NDArray[np.float32]:
+    """The xyz of some rows, (len(rows), 3); all rows are not copied."""
+    return texels[:, :3] if len(rows) == len(texels) else texels.take(rows, axis=0)[:, :3]

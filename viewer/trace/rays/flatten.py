@@ -1,4 +1,4 @@
-"""Instances' triangles in tracer space, each a copy."""
+"""Copies the triangles of instances to tracer space."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ _CHUNK = 1 << 20  # vertices that are transformed at a time
 def flatten(
     geometry: TraceGeometry, instances: list[tuple[int, TraceInstance]]
 ) -> tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.uint32]]:
-    """Vertices (V, 3) in tracer space, triangles (T, 3), and (T + 1, 2) the first two words of a hit of each.
+    """Vertices (V, 3) in tracer space, triangles (T, 3), and (T + 1, 2) the x and y of each triangle's hits.
 
-    The last words are those of no hit, so that Embree's -1 finds them.
+    The last row is that of a miss, so that the index -1, with which Embree reports a miss, finds it.
     """
     by_mesh: dict[int, list[tuple[int, TraceInstance]]] = {}
     for index, instance in instances:
         by_mesh.setdefault(instance.mesh, []).append((index, instance))
-    vertices, triangles, words, first = [np.empty((0, 3), np.float32)], [np.empty((0, 3), np.int32)], [], 0
+    vertices, triangles, hits, first = [np.empty((0, 3), np.float32)], [np.empty((0, 3), np.int32)], [], 0
     for mesh_index, placed in by_mesh.items():
         mesh = geometry.meshes[mesh_index]
         size, count = len(mesh.positions), len(mesh.triangles)
@@ -40,7 +40,7 @@ def flatten(
         codes = np.array([instance.kind.number << KIND_SHIFT | index for index, instance in placed], np.uint32)
         pairs = np.empty((len(placed), count, 2), np.uint32)
         pairs[..., 0], pairs[..., 1] = codes[:, None], np.arange(count)
-        words.append(pairs.reshape(-1, 2))
+        hits.append(pairs.reshape(-1, 2))
         first += size * len(placed)
-    words.append(np.array([(MISS, 0)], np.uint32))
-    return np.concatenate(vertices), np.concatenate(triangles), np.concatenate(words)
+    hits.append(np.array([(MISS, 0)], np.uint32))
+    return np.concatenate(vertices), np.concatenate(triangles), np.concatenate(hits)

@@ -1,9 +1,9 @@
-"""Where rays meet triangles: one small interface, with Embree or a BVH in a shader behind it.
+"""Intersection of rays with triangles: a small interface that Embree and a BVH in a shader implement.
 
-A wave's rays are in its state textures and the answers go to its `hit` texture (RGBA32UI, a texel a slot):
-x = free << 31 | kind << KIND_SHIFT | instance, y = triangle within its mesh, z and w the float bits of the barycentrics
-u of vertex 1 and v of vertex 2. `free` says that the slot's shadow ray met nothing. A ray that met nothing has `MISS`.
-Nothing is culled.
+The rays of a wavefront are in its state textures. The results go to its `hit` texture (RGBA32UI, one texel for each
+path): x = free << 31 | kind << KIND_SHIFT | instance, y = triangle within its mesh, z and w = float bits of the
+barycentric coordinates u of vertex 1 and v of vertex 2. `free` means that the path's shadow ray is unoccluded. A ray
+that hits nothing has x = `MISS`. Both sides of triangles are hit.
 """
 
 from __future__ import annotations
@@ -20,34 +20,37 @@ if TYPE_CHECKING:
     from ..scene.geometry import TraceGeometry
 
 SHADOW_REACH = 1 - 1e-5
-"""How far along its vector a shadow ray looks: not as far as the light, whose own triangle must not hide it."""
+"""The part of its vector that a shadow ray tests. It ends before the light, whose own triangle must not occlude it."""
 
 EMBREE_TRIANGLES = 20_000_000
-"""Embree has every instance's triangles once more, at some 120 bytes each; above this many the BVH is taken."""
+"""Embree copies the triangles of every instance, at about 120 bytes each. Above this number the BVH is used."""
 
 
-class WaveTextures(Protocol):
-    """The textures of a wave, all of one size, that an intersector reads and, the last, writes."""
+class WavefrontTextures(Protocol):
+    """The textures of a wavefront, all of one size. An intersector reads the first four and writes `hit`."""
 
-    origin: moderngl.Texture  # xyz, and w: 0 idle, 1 a ray in flight, 2 only a shadow ray is pending
+    origin: moderngl.Texture  # xyz, and w: the status of viewer/trace/layout.py
     direction: moderngl.Texture
     shadow_origin: moderngl.Texture
-    shadow_vector: moderngl.Texture  # 0 where there is no shadow ray
+    shadow_vector: moderngl.Texture  # 0: there is no shadow ray
     hit: moderngl.Texture
 
 
 @dataclass
 class Answer:
-    """What a trace found. `alive` counts the slots that have any ray, `rays` the rays; None: not known yet."""
+    """The result of a trace.
+
+    `alive` is the number of paths that are not idle, `rays` the number of rays; None: unknown yet.
+    """
 
     alive: int | None
     rays: int | None
-    words: Any = None
-    """(slots, 4) uint32 for the hit texture, where it is not on the device already."""
+    hits: Any = None
+    """(paths, 4) uint32 for the hit texture, if they are not on the device already."""
 
 
 class Surfaces(Protocol):
-    """What `coverage_at` of shaders/trace/material.glsl needs: defines, and what to bind before it is used."""
+    """What `coverage_at` of shaders/trace/material.glsl needs: its defines, and its textures and uniforms."""
 
     switches: dict[str, int]
 
@@ -55,22 +58,22 @@ class Surfaces(Protocol):
 
 
 class Intersector(Protocol):
-    """Three steps, so that a driver that draws on this machine's processors can shade one wave while another is traced:
-    `rays = fetch(a)`, `store(b, ...)`, shade b, flush, `trace(rays)`. Rays are good until the next fetch."""
+    """Traces in three steps, so that software OpenGL can shade one wavefront while another is traced:
+    `rays = fetch(a)`, `store(b, ...)`, shade b, flush, `trace(rays)`. The rays are valid until the next fetch."""
 
     name: str
 
-    def fetch(self, wave: WaveTextures) -> Any:
-        """The rays of the wave's present state; waits for the device where it has to read them."""
+    def fetch(self, wavefront: WavefrontTextures) -> Any:
+        """The rays of the wavefront's present state. Waits for the device if it has to read them."""
 
     def trace(self, rays: Any) -> Answer:
-        """Find what they meet."""
+        """Find the hits of the rays."""
 
-    def store(self, wave: WaveTextures, answer: Answer) -> None:
-        """Put the answer into the wave's hit texture."""
+    def store(self, wavefront: WavefrontTextures, answer: Answer) -> None:
+        """Write the answer to the wavefront's hit texture."""
 
     def release(self) -> None:
-        """Free what it holds on the device."""
+        """Free its resources on the device."""
 
 
 def make_intersector(
@@ -78,9 +81,9 @@ def make_intersector(
 ) -> Intersector:
     """An intersector of the scene's triangles.
 
-    `kind` is embree, bvh or auto: Embree where OpenGL is software and Embree is installed, the BVH elsewhere.
-    `surfaces` is needed only where something is see-through. Raises UsageError where Embree is asked for and cannot be
-    had, ViewerError for a scene whose BVH no texture holds.
+    `kind` is embree, bvh or auto: Embree if OpenGL runs in software and Embree is installed, else the BVH. `surfaces`
+    is needed only for scenes with see-through surfaces. Raises UsageError if Embree is asked for and cannot be used,
+    ViewerError for a scene whose BVH no texture holds.
     """
     if kind not in ("auto", "embree", "bvh"):
         raise UsageError(f"no intersector {kind!r}; there are auto, embree, bvh")

@@ -1,10 +1,10 @@
-"""A tree of boxes that is cheap to trace through, built from the leaves up, all clusters at once.
+"""Builds a binary bounding volume hierarchy from the leaves up, by parallel locally-ordered clustering (PLOC).
 
-Parallel locally-ordered clustering: D. Meister, J. Bittner: Parallel Locally-Ordered Clustering for Bounding Volume
-Hierarchy Construction, IEEE TVCG 24(3), 2018. The boxes are put along a Morton curve; time and again every cluster
-looks for the one near it on the curve with which it makes the smallest box, and those that chose each other merge. Each
-round is a handful of numpy operations on whole arrays. The number of rounds, and with it the depth, is bounded: where
-hardly any chose each other, and after `_PATIENCE` rounds, neighbours merge two by two.
+D. Meister, J. Bittner: Parallel Locally-Ordered Clustering for Bounding Volume Hierarchy Construction, IEEE TVCG 24(3),
+2018. The boxes are sorted along a Morton curve. In each round, every cluster looks for the near cluster on the curve
+with which it has the smallest common box, and clusters that chose each other merge. A round is a few numpy operations
+on whole arrays. The number of rounds, and so the depth, is bounded: if hardly any clusters chose each other, and after
+`_MAX_ROUNDS` rounds, neighbours on the curve merge in pairs.
 """
 
 from __future__ import annotations
@@ -15,20 +15,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 _RADIUS = 8
-"""How far along the curve clusters look. Farther is slower and not better: the costs go up and down by some 3 %."""
+"""How far along the curve clusters search.
+
+A larger radius is slower and no better: costs change by about 3 % either way.
+"""
 
 _BLOCK = 1 << 15
-"""Clusters looked at together: few enough to stay in the cache."""
+"""Clusters that are searched at once, few enough to stay in the cache."""
 
-_PATIENCE = 48
+_MAX_ROUNDS = 48
 
 
 @dataclass
 class BinaryTree:
-    """Nodes 0 to N - 1 are the leaves along the curve, the following N - 1 the inner ones, children before parents.
+    """Nodes 0 to N - 1 are the leaves along the curve; the following N - 1 the inner nodes, children before parents.
 
-    `lower` and `upper` are (3, 2 N - 1) float32, `children` (N - 1, 2), `leaves` (N,) the box in each leaf. `rounds`
-    are slices of inner nodes none of which is below another of the same slice.
+    `lower` and `upper` are (3, 2 N - 1) float32, `children` is (N - 1, 2), `leaves` (N,) is the number of each leaf's
+    box. `rounds` are slices of inner nodes; no node is below another of the same slice.
     """
 
     lower: NDArray[np.float32]
@@ -42,8 +45,8 @@ class BinaryTree:
         return len(self.leaves)
 
 
-def cluster(lower: NDArray[np.float32], upper: NDArray[np.float32], patience: int = _PATIENCE) -> BinaryTree:
-    """A tree over boxes (N, 3) each, N >= 1; with `patience` 0 of depth ceil(log2 N)."""
+def cluster(lower: NDArray[np.float32], upper: NDArray[np.float32], max_rounds: int = _MAX_ROUNDS) -> BinaryTree:
+    """A tree over boxes, `lower` and `upper` (N, 3), N >= 1. With `max_rounds` 0 its depth is ceil(log2 N)."""
     count = len(lower)
     leaves = np.argsort(_morton(lower, upper), kind="stable")
     tree = BinaryTree(
@@ -61,7 +64,7 @@ def cluster(lower: NDArray[np.float32], upper: NDArray[np.float32], patience: in
         index = np.arange(len(nodes), dtype=np.int32)
         partner = _partners(low, high)
         merges = (partner[partner] == index) & (index < partner)
-        if len(tree.rounds) >= patience or 16 * np.count_nonzero(merges) < len(nodes):
+        if len(tree.rounds) >= max_rounds or 16 * np.count_nonzero(merges) < len(nodes):
             partner, merges = index ^ 1, (index % 2 == 0) & (index + 1 < len(nodes))
         left = np.flatnonzero(merges)
         right = partner[left]
@@ -80,13 +83,13 @@ def cluster(lower: NDArray[np.float32], upper: NDArray[np.float32], patience: in
 
 
 def half_area(lower: NDArray[np.float32], upper: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Half the surface of boxes (3, ...)."""
+    """Half the surface areas of boxes (3, ...)."""
     x, y, z = upper[0] - lower[0], upper[1] - lower[1], upper[2] - lower[2]
     return x * y + z * (x + y)
 
 
 def _partners(low: NDArray[np.float32], high: NDArray[np.float32]) -> NDArray[np.int32]:
-    """For each of the boxes (3, n) along the curve the one, at most `_RADIUS` away, that it would best merge with."""
+    """For each of the boxes (3, n) along the curve, the best partner for a merge at most `_RADIUS` away."""
     count = low.shape[1]
     partners = np.empty(count, np.int32)
     for start in range(0, count, _BLOCK):
@@ -105,7 +108,7 @@ def _nearest(low: NDArray[np.float32], high: NDArray[np.float32]) -> NDArray[np.
     for step in range(1, min(_RADIUS, count - 1) + 1):
         area = half_area(np.minimum(low[:, :-step], low[:, step:]), np.maximum(high[:, :-step], high[:, step:]))
         if step == 1:
-            area[::2] *= 1 - 2.0**-20  # where all are alike, as in a grid, let the same two choose each other
+            area[::2] *= 1 - 2.0**-20  # a tie-break for equal boxes, as in a grid: the same two choose each other
         for mine, other in ((slice(None, -step), slice(step, None)), (slice(step, None), slice(None, -step))):
             better = area < best[mine]
             np.copyto(best[mine], area, where=better)
@@ -114,7 +117,7 @@ def _nearest(low: NDArray[np.float32], high: NDArray[np.float32]) -> NDArray[np.
 
 
 def _morton(lower: NDArray[np.float32], upper: NDArray[np.float32]) -> NDArray[np.uint64]:
-    """Places of the boxes' centres along a Z-order curve, 21 bits an axis."""
+    """Morton codes of the boxes' centres, 21 bits for each axis."""
     centers = 0.5 * (lower.astype(np.float64) + upper)
     start = centers.min(axis=0)
     extent = (centers.max(axis=0) - start).max()
@@ -122,7 +125,7 @@ def _morton(lower: NDArray[np.float32], upper: NDArray[np.float32]) -> NDArray[n
     spread = np.zeros(len(cells), np.uint64)
     for axis in range(3):
         bits = cells[:, axis]
-        # Two zeros between any two bits, by halves.
+        # Put two zeros between any two bits, halving the groups of bits in each step.
         for shift, mask in _SPREAD:
             bits = (bits | bits << shift) & mask
         spread |= bits << np.uint64(axis)

@@ -1,4 +1,4 @@
-"""Which shadow rays go through the see-through triangles they meet: asked of the shaders, on lists of hits."""
+"""Decides, by a shader on a list of hits, which shadow rays pass the see-through triangles that they hit."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from ..layout import shader_defines
 from .intersect import Surfaces
 
 MAX_LAYERS = 64
-"""A shadow ray that got through this many see-through triangles is taken to be stopped."""
+"""A shadow ray that has passed this many see-through triangles counts as occluded."""
 
 HITS_UNIT = 15
-"""The texture unit of the list; those below are for what the surfaces need."""
+"""The texture unit of the list. The units below are for the textures of the surfaces."""
 
 _WIDTH = 256
 
 
 class SeeThrough:
-    """The program and the list of hits it is asked about."""
+    """The program and the texture for the list of hits."""
 
     def __init__(self, context: Context, surfaces: Surfaces) -> None:
         self._gl = context.gl
@@ -32,9 +32,9 @@ class SeeThrough:
             context, vertex="display/fullscreen.vert", fragment="trace/see_through.frag",
             defines=shader_defines(surfaces.switches),
         )
-        self._sized(1)
+        self._resize(1)
 
-    def _sized(self, rows: int) -> None:
+    def _resize(self, rows: int) -> None:
         self._rows = rows
         self._hits = self._gl.texture((2 * _WIDTH, rows), 4, dtype="u4")
         self._hits.filter = moderngl.NEAREST, moderngl.NEAREST
@@ -50,15 +50,15 @@ class SeeThrough:
         for thing in (self._target, self._hits, self._answers):
             thing.release()
 
-    def passes(self, words: NDArray[np.uint32], vectors: NDArray[np.float32]) -> NDArray[np.bool_]:
-        """(hits,) whether each goes on, for (hits, 4) words of the hit texture and (hits, 3) shadow vectors."""
-        count = len(words)
+    def pass_through(self, hits: NDArray[np.uint32], vectors: NDArray[np.float32]) -> NDArray[np.bool_]:
+        """Whether each shadow ray passes, (N,), for (N, 4) texels of the hit texture and (N, 3) shadow vectors."""
+        count = len(hits)
         rows = -(-count // _WIDTH)
         if rows > self._rows:
             self._release_list()
-            self._sized(rows)
+            self._resize(rows)
         texels = np.zeros((rows * _WIDTH, 2, 4), np.uint32)
-        texels[:count, 0] = words
+        texels[:count, 0] = hits
         texels[:count, 1, :3] = np.ascontiguousarray(vectors).view(np.uint32)
         self._hits.write(texels, viewport=(0, 0, 2 * _WIDTH, rows))
         self._target.use()

@@ -1,4 +1,4 @@
-"""All texture images of a scene as pages of one texture, which a shader that may meet any material can then read."""
+"""All texture images of a scene as pages of one texture, so that one program can read the maps of every material."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ Page = tuple[int, int, int, int]
 """x, y, width, height in texels."""
 
 MAX_TEXELS = 1 << 27
-"""Of an atlas: 1 GiB where a texel has eight bytes, which is what drivers give one texture."""
+"""Most texels of an atlas. With eight bytes a texel that is 1 GiB, the most that drivers allow for one texture."""
 
 _Format = Literal["srgb", "light", "data", "deep"]
-"""Colours in sRGB's 8 bits or as linear halves, data of 8 bits or of 16."""
+"""Colours as 8-bit sRGB or as linear half floats; data of 8 bits or of 16."""
 
 _SRGB8_ALPHA8 = 0x8C43
 _TEXTURES = {"srgb": ("f1", _SRGB8_ALPHA8), "light": ("f2", None), "data": ("f1", None), "deep": ("nu2", None)}
@@ -33,7 +33,7 @@ _TEXTURES = {"srgb": ("f1", _SRGB8_ALPHA8), "light": ("f2", None), "data": ("f1"
 
 @dataclass(frozen=True, eq=False)
 class AtlasLayout:
-    """`pages` has each image's place, `halvings` how many times its sides are halved to fit."""
+    """`pages` has the place of each image, `halvings` the number of times that its sides are halved to fit."""
 
     size: tuple[int, int]
     pages: dict[TextureImage, Page]
@@ -41,7 +41,7 @@ class AtlasLayout:
 
     @property
     def warnings(self) -> list[str]:
-        """In words, what is not at its full size."""
+        """A line for the user if images are not at full size."""
         shrunk = sum(1 for n in self.halvings.values() if n)
         if not shrunk:
             return []
@@ -50,21 +50,21 @@ class AtlasLayout:
 
 
 class Atlas:
-    """Begins at once to decode its images on other threads; `upload` waits for them."""
+    """Begins at once to decode the images on other threads; `upload` waits for them."""
 
     def __init__(self, context: Context, images: Iterable[TextureImage], is_srgb: bool) -> None:
         self._context = context
         self.layout = layout_atlas(images, context.gl.info["GL_MAX_TEXTURE_SIZE"])
         is_deep = any(image.bits == 16 for image in self.layout.pages)
         if is_srgb:
-            # Mesa's software rasteriser decodes sRGB by a polynomial that is up to 0.7 % off.
+            # Mesa's software rasterizer decodes sRGB by a polynomial with an error of up to 0.7 %.
             self._format: _Format = "light" if is_deep or context.is_software else "srgb"
         else:
             self._format = "deep" if is_deep else "data"
         self._decoder = Decoder(self.layout.halvings.items(), partial(_decode_page, format=self._format))
 
     def upload(self) -> moderngl.Texture:
-        """The texture, row 0 of each page the image's top. Raises InputError for an image that is broken."""
+        """The texture; row 0 of each page is the top of the image. Raises InputError for an image that is broken."""
         dtype, internal = _TEXTURES[self._format]
         texture = self._context.gl.texture(self.layout.size, 4, dtype=dtype, internal_format=internal)
         texture.filter = moderngl.NEAREST, moderngl.NEAREST
@@ -75,12 +75,15 @@ class Atlas:
         return texture
 
     def cancel(self) -> None:
-        """Decode no more."""
+        """Stop decoding."""
         self._decoder.cancel()
 
 
 def layout_atlas(images: Iterable[TextureImage], limit: int) -> AtlasLayout:
-    """Places for `images` in a texture of at most `limit` texels a side; the largest are halved until they fit."""
+    """Places for `images` in a texture of at most `limit` texels a side.
+
+    The largest images are halved until all fit.
+    """
     images = list(dict.fromkeys(images))
     halvings = dict.fromkeys(images, 0)
     while True:
@@ -100,7 +103,10 @@ def _halved(image: TextureImage, times: int) -> tuple[int, int]:
 
 
 def _pack(sizes: list[tuple[int, int]], limit: int) -> tuple[tuple[int, int], list[tuple[int, int]]] | None:
-    """The atlas's size and each rectangle's corner, in the smallest area of some widths; None if none will do."""
+    """The atlas's size and each rectangle's corner, for the one of several widths that needs the smallest area.
+
+    None if no width fits.
+    """
     if not sizes:
         return (1, 1), []
     widest, area = max(width for width, _ in sizes), sum(width * height for width, height in sizes)
@@ -117,12 +123,12 @@ def _pack(sizes: list[tuple[int, int]], limit: int) -> tuple[tuple[int, int], li
 
 
 def _skyline(sizes: list[tuple[int, int]], width: int) -> list[tuple[int, int]]:
-    """Bottom-left packing into a strip: each rectangle, the highest first, to where it lies lowest (Jylanki 2010)."""
+    """Bottom-left packing into a strip: each rectangle, the tallest first, goes to its lowest place (Jylanki 2010)."""
     corners = [(0, 0)] * len(sizes)
-    skyline = [(0, 0, width)]  # x, y and width of what is free from y upwards
+    skyline = [(0, 0, width)]  # x, y, width: free from y upwards
     for k in sorted(range(len(sizes)), key=lambda k: (-sizes[k][1], -sizes[k][0])):
         w, h = sizes[k]
-        y, x = min((_rest(skyline, x, w), x) for x, _, _ in skyline if x + w <= width)
+        y, x = min((_lowest_y(skyline, x, w), x) for x, _, _ in skyline if x + w <= width)
         corners[k] = x, y
         below = [(max(left, x + w), level, left + span - max(left, x + w)) for left, level, span in skyline
                  if left + span > x + w]
@@ -131,13 +137,13 @@ def _skyline(sizes: list[tuple[int, int]], width: int) -> list[tuple[int, int]]:
     return corners
 
 
-def _rest(skyline: list[tuple[int, int, int]], x: int, width: int) -> int:
-    """How low a rectangle of `width` can lie at x."""
+def _lowest_y(skyline: list[tuple[int, int, int]], x: int, width: int) -> int:
+    """The lowest y that a rectangle of `width` can have at x."""
     return max(level for left, level, span in skyline if left < x + width and left + span > x)
 
 
 def _decode_page(image: TextureImage, halvings: int, format: _Format) -> np.ndarray:
-    """(H, W, 4), as `_Format` says."""
+    """The pixels of a page, (H, W, 4), in the format of the atlas."""
     pixels = image.decode()
     is_color, full = format in ("srgb", "light"), np.iinfo(pixels.dtype).max
     count = pixels.shape[2]
@@ -147,14 +153,14 @@ def _decode_page(image: TextureImage, halvings: int, format: _Format) -> np.ndar
         page[..., 3] = pixels[..., -1]
     if format == "deep" and full == 255:
         page = page.astype(np.uint16) * 257
-    if format == "light" and full == 65535:  # in light before it is halved
-        page = _light(page)
+    if format == "light" and full == 65535:  # linear before it is halved
+        page = _linear(page)
     page = mip_levels(page, is_color and page.dtype == np.uint8)[halvings] if halvings else page
-    return _light(page) if format == "light" and page.dtype == np.uint8 else page
+    return _linear(page) if format == "light" and page.dtype == np.uint8 else page
 
 
-def _light(page: np.ndarray) -> np.ndarray:
-    """sRGB colours with alpha, of 8 or 16 bits, as linear halves."""
+def _linear(page: np.ndarray) -> np.ndarray:
+    """sRGB colours with alpha, of 8 or 16 bits, as linear half floats."""
     full = np.iinfo(page.dtype).max
     values = np.arange(full + 1) / full
     color, alpha = srgb_to_linear(values).astype(np.float16), values.astype(np.float16)

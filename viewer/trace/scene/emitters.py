@@ -1,4 +1,4 @@
-"""Emissive triangles as lights: which there are, and how much each gives."""
+"""Emissive triangles as lights: their records in the scene buffer and their powers."""
 
 from __future__ import annotations
 
@@ -12,16 +12,17 @@ from .geometry import TraceGeometry, TraceInstance
 from .materials import TraceMaterial
 
 _MAX_SIDE = 1024
-"""Texels of a summed-area table; those of a larger image are added up by blocks."""
+"""Side of a summed-area table. The texels of a larger image are summed in blocks."""
 
 
 def find_emitters(scene: Scene, geometry: TraceGeometry) -> tuple[np.ndarray, np.ndarray]:
-    """Words (N, 4) uint32 and powers (N,) float64 of the emissive triangles, in the order of their numbers.
+    """Records (N, 4) uint32 and powers (N,) float64 of the emissive triangles, in the order of their numbers.
 
-    A word is instance and triangle. The power is the area in tracer units times pi times the mean luminance, twice
-    that where both sides shine; 0 only where nothing shines. Raises InputError for a texture that does not decode.
+    A record has instance and triangle. The power is pi times the area in tracer units times the mean luminance, twice
+    that for a double-sided material; it is 0 only where no texel emits. Raises InputError for a texture that cannot be
+    decoded.
     """
-    words = np.zeros((geometry.emitters, 4), np.uint32)
+    records = np.zeros((geometry.emitters, 4), np.uint32)
     powers = np.zeros(geometry.emitters)
     tables: dict[tuple[int, tuple[float, ...]], _MeanLuminance] = {}
     for number, instance in enumerate(geometry.instances):
@@ -29,7 +30,7 @@ def find_emitters(scene: Scene, geometry: TraceGeometry) -> tuple[np.ndarray, np
             continue
         count = len(geometry.meshes[instance.mesh].triangles)
         run = slice(instance.first_emitter, instance.first_emitter + count)
-        words[run, 0], words[run, 1] = number, np.arange(count)
+        records[run, 0], records[run, 1] = number, np.arange(count)
         material = geometry.materials[instance.material]
         emissive = material.material.emissive
         texture = _emission_map(material)
@@ -41,7 +42,7 @@ def find_emitters(scene: Scene, geometry: TraceGeometry) -> tuple[np.ndarray, np
                 tables[key] = _MeanLuminance(texture, emissive)
             luminance = tables[key].of_triangles(texture, _texture_coordinates(scene, geometry, instance, texture))
         powers[run] = np.pi * _areas(geometry, instance) * luminance * (1 + material.material.double_sided)
-    return words, powers
+    return records, powers
 
 
 def _emission_map(material: TraceMaterial) -> Texture | None:
@@ -57,7 +58,7 @@ def _areas(geometry: TraceGeometry, instance: TraceInstance) -> np.ndarray:
 def _texture_coordinates(
     scene: Scene, geometry: TraceGeometry, instance: TraceInstance, texture: Texture
 ) -> np.ndarray:
-    """Of the corners, (M, 3, 2), as the texture is looked up."""
+    """Texture coordinates of the corners, (M, 3, 2), transformed as the texture says."""
     mesh = geometry.meshes[instance.mesh]
     uv = scene.meshes[mesh.source].uvs[texture.uv_set].astype(np.float64)
     if texture.transform is not None:
@@ -67,7 +68,7 @@ def _texture_coordinates(
 
 
 class _MeanLuminance:
-    """The mean luminance of an image times a colour over rectangles, by a summed-area table (Crow 1984)."""
+    """Mean luminance, over rectangles, of an image times a colour, by a summed-area table (Crow 1984)."""
 
     def __init__(self, texture: Texture, color: tuple[float, float, float]) -> None:
         pixels = texture.image.decode("RGB")
@@ -80,11 +81,14 @@ class _MeanLuminance:
         blocks = np.add.reduceat(blocks, np.arange(0, self._width, self._side), axis=1)
         self._sums = np.pad(blocks.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
         self._mean = self._sums[-1, -1] / luminance.size
-        # Differences of sums may leave digits where all texels are 0; those of counts do not.
+        # Differences of sums may have rounding errors where all texels are 0; differences of counts have none.
         self._lit = np.pad((blocks > 0).cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
 
     def of_triangles(self, texture: Texture, uv: np.ndarray) -> np.ndarray:
-        """(M,): over the blocks that a triangle's box, and a texel around it, touches; the image's where that wraps."""
+        """Mean luminance of triangles, (M,): over the blocks that touch the triangle's box and a texel around it.
+
+        If that box leaves the image, the mean of the whole image is taken.
+        """
         size = np.array([self._width, self._height])
         low, high = uv.min(axis=1), uv.max(axis=1)
         if texture.sampler.wrap_s == texture.sampler.wrap_t == "repeat":
@@ -94,7 +98,7 @@ class _MeanLuminance:
         last = -(-np.where(is_inside[:, None], np.ceil(high * size) + 1, 1).astype(int) // self._side)
         texels = (np.minimum(last * self._side, size) - first * self._side).prod(axis=1)
         lit = _rectangle(self._lit, first, last)
-        # What is left of the digits is no more than a texel of the mean.
+        # Differences below this are rounding errors of the sums.
         mean = np.maximum(_rectangle(self._sums, first, last) / texels, 1e-3 * self._mean)
         return np.where(is_inside, np.where(lit > 0, mean, 0.0), self._mean)
 

@@ -1,4 +1,4 @@
-"""A scene's triangles and materials as words, and the switches for what there is (shaders/trace/interaction.glsl)."""
+"""Writes a scene's triangles and materials to the scene buffer, and the switches of the programs that read them."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from ..layout import DOUBLE_SIDED, INSTANCE_TEXELS, MIRRORED, SEE_THROUGH, THIN,
 from .atlas import Page
 from .geometry import TraceGeometry, TraceInstance, TraceMesh
 from .glass import glass_switches
-from .materials import MapUse, TraceMaterial, map_words, material_words
-from .scene_buffer import WordsBuilder
+from .materials import MapUse, TraceMaterial, map_texels, material_texels
+from .scene_buffer import SceneBufferBuilder
 
 
 def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = False) -> dict[str, int]:
-    """The defines of shaders/trace/{words,atlas,interaction,material}.glsl; with `everything` as if all were there."""
+    """The defines that say which features the scene has; with `everything`, all of them are on."""
     materials = geometry.materials
     color = [use for m in materials for use in m.color_maps]
     data = [texture for m in materials for texture in m.data_textures]
@@ -47,13 +47,13 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
 
 
 def _metalness(materials: Sequence[TraceMaterial]) -> int:
-    """0 where all is dielectric, 1 where all is metal, else 2 (shaders/bsdf/surface.glsl)."""
+    """0 if all materials are dielectric, 1 if all are metal, else 2 (shaders/bsdf/surface.glsl)."""
     values = {metalness(m.material) for m in materials if not m.material.unlit}
     return values.pop() if len(values) == 1 else 2
 
 
 def unused_maps(scene: Scene, geometry: TraceGeometry) -> list[str]:
-    """In words, what maps of the materials in use are not decoded."""
+    """Lines for the user about maps of the materials in use that are not decoded."""
     used = {m.material for m in geometry.materials}
     sampled = {(m.material, texture.image) for m in geometry.materials
                for texture in (*(use.texture for use in m.color_maps), *m.data_textures)}
@@ -68,8 +68,10 @@ def unused_maps(scene: Scene, geometry: TraceGeometry) -> list[str]:
     return [*lines, f"{idle} material map{'s' * (idle > 1)}, not decoded: no path depends on {them}"]
 
 
-def add_geometry(words: WordsBuilder, scene: Scene, geometry: TraceGeometry, switches: Mapping[str, int]) -> None:
-    """Append the sections instances, triangles, vertices and, where there are any, media."""
+def add_geometry(
+    buffer: SceneBufferBuilder, scene: Scene, geometry: TraceGeometry, switches: Mapping[str, int]
+) -> None:
+    """Append the sections instances, triangles, vertices and, if the scene has media, media."""
     first_triangle = np.cumsum([0] + [len(mesh.triangles) for mesh in geometry.meshes])
     first_vertex = np.cumsum([0] + [len(mesh.positions) for mesh in geometry.meshes])
     instances = np.zeros((len(geometry.instances), INSTANCE_TEXELS, 4), np.uint32)
@@ -78,41 +80,41 @@ def add_geometry(words: WordsBuilder, scene: Scene, geometry: TraceGeometry, swi
         emitter = instance.first_emitter & 0xFFFFFFFF  # -1 in two's complement
         row[3] = first_triangle[instance.mesh], first_vertex[instance.mesh], instance.material, emitter
         row[4, :2] = _flags(instance, geometry), instance.medium
-    words.add("instances", instances.reshape(-1, 4))
+    buffer.add("instances", instances.reshape(-1, 4))
     triangles = np.zeros((first_triangle[-1], 4), np.uint32)
     for first, mesh in zip(first_triangle, geometry.meshes):
         triangles[first:first + len(mesh.triangles), :3] = mesh.triangles
-    words.add("triangles", triangles)
+    buffer.add("triangles", triangles)
     layout = vertex_layout(switches)
     vertices = np.zeros((first_vertex[-1], layout["VERTEX_TEXELS"], 4), np.float32)
     for first, mesh in zip(first_vertex, geometry.meshes):
         _fill_vertices(vertices[first:first + len(mesh.positions)], mesh, scene.meshes[mesh.source], switches, layout)
-    words.add("vertices", vertices.reshape(-1, 4))
+    buffer.add("vertices", vertices.reshape(-1, 4))
     if switches["HAS_VOLUME"]:
         media = np.zeros((len(geometry.media), 4), np.float32)
         media[:, :3] = np.array([medium.sigma_a for medium in geometry.media]) * scene.radius
-        words.add("media", media)
+        buffer.add("media", media)
 
 
 def add_materials(
-    words: WordsBuilder, geometry: TraceGeometry, color_pages: Mapping[TextureImage, Page],
+    buffer: SceneBufferBuilder, geometry: TraceGeometry, color_pages: Mapping[TextureImage, Page],
     data_pages: Mapping[TextureImage, Page],
 ) -> None:
-    """Append the sections materials and maps, given where in the atlases the images lie."""
+    """Append the sections materials and maps; the arguments have the places of the images in the atlases."""
     materials, maps = [np.zeros((0, 4), np.uint32)], [np.zeros((0, 4), np.uint32)]
 
     def add(uses: tuple[MapUse, ...], pages: Mapping[TextureImage, Page]) -> int:
-        """The number of the first one's record."""
+        """Append records of maps; returns the number of the first one."""
         first = len(maps) - 1
-        maps.extend(map_words(use.texture, use.roles, pages[use.texture.image]) for use in uses)
+        maps.extend(map_texels(use.texture, use.roles, pages[use.texture.image]) for use in uses)
         return first
 
     for material in geometry.materials:
         normal = -1 if material.normal_map is None else add((MapUse(material.normal_map, 0),), data_pages)
         color, data = add(material.color_maps, color_pages), add(material.data_maps, data_pages)
-        materials.append(material_words(material, color, data, normal))
-    words.add("materials", np.concatenate(materials))
-    words.add("maps", np.concatenate(maps))
+        materials.append(material_texels(material, color, data, normal))
+    buffer.add("materials", np.concatenate(materials))
+    buffer.add("maps", np.concatenate(maps))
 
 
 def _flags(instance: TraceInstance, geometry: TraceGeometry) -> int:
@@ -125,7 +127,7 @@ def _flags(instance: TraceInstance, geometry: TraceGeometry) -> int:
 def _fill_vertices(
     out: np.ndarray, mesh: TraceMesh, source: Mesh, switches: Mapping[str, int], layout: Mapping[str, int]
 ) -> None:
-    """`out` is (N, texels, 4), zero: a normal or tangent of 0 stands for one that is not there."""
+    """Fill `out`, (N, texels, 4) zeros. A missing normal or tangent stays 0."""
     out[:, 0, :3] = mesh.positions
     if source.normals is not None:
         out[:, 1, :3] = source.normals

@@ -1,4 +1,4 @@
-"""The environment as a light: its map in full, and a table that chooses directions by its radiance."""
+"""The environment as a light: its map, and a table that samples directions by its radiance."""
 
 from __future__ import annotations
 
@@ -15,32 +15,32 @@ from ...scene.equirect import texel_solid_angles
 from .alias import alias_table
 
 UNIT_ENVIRONMENT, UNIT_ENVIRONMENT_TABLE = 11, 10
-"""Texture units, next to those of viewer/trace/scene/scene_data.py."""
+"""Texture units, below those of viewer/trace/scene/scene_data.py."""
 MAX_CELLS = 2048, 1024
-"""Columns and rows of a table, 32 MiB; cells of a larger map are blocks of its texels.
+"""Most columns and rows of a table, 32 MiB. The cells of a larger map are blocks of its texels.
 
-On eight photographed maps of 1024 x 512, with the BSDF's samples of a white surface beside them, blocks of 2 x 2 texels
-make the standard deviation 1.01 to 1.6 times as large, those of 4 x 4 up to 3 times."""
+On eight photographed maps of 1024 x 512, combined with the BSDF samples of a white surface, blocks of 2 x 2 texels make
+the standard deviation 1.01 to 1.6 times as large, blocks of 4 x 4 up to 3 times."""
 FLOOR = 0.1
-"""Share of its radiance by which a direction is chosen at least.
+"""Least weight of a direction, relative to its radiance.
 
-On those maps it gives up at most 6 % of the standard deviation that 0.02 would have; without compensation, at 1, it is
-1.01 to 1.4 times as large."""
+On those maps the standard deviation is at most 6 % larger than with 0.02. Without compensation, which is the value 1,
+it is 1.01 to 1.4 times as large."""
 
 
 def cell_texels(height: int, width: int) -> int:
-    """Texels of a map along each side of a cell."""
+    """Side of a cell, in texels of the map."""
     return max(-(-width // MAX_CELLS[0]), -(-height // MAX_CELLS[1]))
 
 
 def cell_densities(radiance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Density by solid angle and solid angles of the cells of a map, both (rows, columns) float64.
 
-    radiance (H, W, 3), some of it positive. A texel counts with the mean of the bilinear look-up over its area, to
-    which its neighbours give an eighth each: it is 0 only where the look-up is. Of that the mean over the sphere is
-    taken away (Karlik et al. 2019, "MIS Compensation"): light from all around is found by the BSDF's samples well
-    enough. But a floor is kept, so that light samples alone would be right as well, if noisier; a map of one colour
-    is sampled evenly by it.
+    `radiance` is (H, W, 3), some of it positive. The weight of a texel begins as the mean of the bilinear look-up over
+    its area, in which each neighbour has a weight of 1/8. So it is 0 only where the look-up is 0. From that the mean
+    over the sphere is subtracted (Karlik et al. 2019, "MIS Compensation"), because BSDF samples find uniform light
+    well. The weight stays at least `FLOOR` times the luminance, so that light samples alone are unbiased, too. By that
+    floor a map of one colour is sampled uniformly.
     """
     height, width = radiance.shape[:2]
     luminance = radiance @ LUMINANCE.astype(np.float32)
@@ -59,9 +59,9 @@ def cell_densities(radiance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 class EnvironmentTable:
-    """Textures and uniforms of shaders/trace/environment.glsl, for an environment and its `radiance` decoded.
+    """Textures and uniforms of shaders/trace/environment.glsl, for an environment and its decoded `radiance`.
 
-    `environment` may be replaced by one that differs in rotation and intensity only.
+    `environment` may be replaced by one that differs only in rotation and intensity.
     """
 
     def __init__(self, gl: moderngl.Context, environment: Environment, radiance: np.ndarray) -> None:
@@ -74,20 +74,20 @@ class EnvironmentTable:
         densities, solid_angles = cell_densities(radiance)
         threshold, alias = alias_table((densities * solid_angles).ravel())
         density = densities.ravel().astype(np.float32)
-        words = np.empty((len(alias), 4), np.uint32)
-        words[:, 0] = threshold.astype(np.float32).view(np.uint32)
-        words[:, 1] = alias % densities.shape[1] | alias // densities.shape[1] << 16
-        words[:, 2] = density.view(np.uint32)
-        words[:, 3] = density[alias].view(np.uint32)
-        self._table = gl.texture(densities.shape[::-1], 4, words, dtype="u4")
+        texels = np.empty((len(alias), 4), np.uint32)
+        texels[:, 0] = threshold.astype(np.float32).view(np.uint32)
+        texels[:, 1] = alias % densities.shape[1] | alias // densities.shape[1] << 16
+        texels[:, 2] = density.view(np.uint32)
+        texels[:, 3] = density[alias].view(np.uint32)
+        self._table = gl.texture(densities.shape[::-1], 4, texels, dtype="u4")
         self._table.filter = moderngl.NEAREST, moderngl.NEAREST
 
     def holds(self, environment: Environment) -> bool:
-        """Whether this is that environment, turned and scaled at most."""
+        """Whether this is the map of that environment; rotation and intensity may differ."""
         return environment.source is self.environment.source
 
     def bind(self, program: moderngl.Program) -> None:
-        """Bind the textures and set the uniforms, but for the share of the light samples."""
+        """Bind the textures and set all uniforms except the share of light samples."""
         for unit, name, texture in ((UNIT_ENVIRONMENT, "u_environment", self._map),
                                     (UNIT_ENVIRONMENT_TABLE, "u_environment_table", self._table)):
             texture.use(unit)

@@ -1,7 +1,7 @@
-"""What a path tracer meets of a scene: its triangles, placed, and their materials.
+"""What the path tracer uses of a scene: its triangles, instances, materials and media.
 
-Tracer space has the world's axes, `scene.center` at the origin and `scene.radius` as the unit, so that all geometry
-lies in the unit ball; everything is worked out in float64 and rounded once. It does not depend on the camera.
+Tracer space has the axes of the world, `scene.center` at the origin and `scene.radius` as the unit. So all geometry
+lies in the unit ball. Everything is computed in float64 and rounded once. Tracer space does not depend on the camera.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from .materials import TraceMaterial, trace_material
 
 @dataclass(frozen=True, eq=False)
 class TraceMesh:
-    """Triangles about the middle of their box, divided by half its longest side.
+    """Triangles relative to the centre of their box, divided by half its longest side.
 
-    positions (N, 3) float32 in [-1, 1]; triangles (M, 3) uint32, numbers of vertices; `source` its number in
-    `scene.meshes`.
+    `positions` is (N, 3) float32 in [-1, 1]; `triangles` is (M, 3) uint32, numbers of vertices; `source` is the mesh's
+    number in `scene.meshes`.
     """
 
     positions: np.ndarray
@@ -38,10 +38,10 @@ class TraceMesh:
 class TraceInstance:
     """A mesh placed in tracer space by `transform`, (3, 4) float64, from the mesh's normalised positions.
 
-    `see_through`: rays may pass its triangles, as `coverage_at` says. `material` is a number in
-    `TraceGeometry.materials`, `medium`, of what is inside, in `TraceGeometry.media`; `source` its own in
-    `scene.instances`; `first_emitter` that of its first triangle among all emissive ones, the others following in their
-    order, or -1.
+    `see_through`: the coverage of its triangles may be below 1, so that rays may pass. `material` and `medium`, that of
+    the inside, are numbers in `TraceGeometry.materials` and `.media`; `source` is the instance's number in
+    `scene.instances`. `first_emitter` is the number of its first triangle among all emissive triangles, and its other
+    triangles follow in their order; it is -1 if the instance does not emit.
     """
 
     mesh: int
@@ -55,16 +55,16 @@ class TraceInstance:
 
     @property
     def is_mirrored(self) -> bool:
-        """Whether the transform turns counter-clockwise triangles into clockwise ones."""
+        """Whether the transform makes counter-clockwise triangles clockwise."""
         return handedness(self.transform) < 0
 
 
 @dataclass(frozen=True, eq=False)
 class TraceGeometry:
-    """Triangles alone.
+    """The scene's triangles. Lines and points are left out.
 
-    `media` are what instances are filled with, the vacuum first. `left_out_instances` counts the scene's lines and
-    points, `emitters` the emissive triangles.
+    `media` has the media of the instances' insides, the vacuum first. `emitters` is the number of emissive triangles,
+    `left_out_instances` the number of instances of lines or points.
     """
 
     meshes: list[TraceMesh]
@@ -76,16 +76,16 @@ class TraceGeometry:
 
     @property
     def triangle_count(self) -> int:
-        """Of all instances together."""
+        """Number of triangles of all instances."""
         return sum(len(self.meshes[instance.mesh].triangles) for instance in self.instances)
 
 
 def trace_geometry(scene: Scene) -> TraceGeometry:
-    """The triangles of `scene`, each mesh once however often it is placed; maps of one colour are factors."""
+    """The triangles of `scene`, each mesh once, however often it is placed. Maps of one colour become factors."""
     meshes: dict[int, tuple[TraceMesh, int, np.ndarray]] = {}
     materials: dict[tuple[int, int, bool], int] = {}
     placed: list[TraceInstance] = []
-    kept_materials: list[TraceMaterial] = []
+    used_materials: list[TraceMaterial] = []
     media = {VACUUM: 0}
     emitters = 0
     surfaces = [without_constant_maps(material) for material in scene.materials]
@@ -99,9 +99,9 @@ def trace_geometry(scene: Scene) -> TraceGeometry:
         normalised, index, to_mesh = meshes[instance.mesh]
         key = mesh.material, len(mesh.uvs), mesh.tangents is not None
         if key not in materials:
-            materials[key] = len(kept_materials)
-            kept_materials.append(trace_material(as_mesh_allows(surfaces[mesh.material], mesh), mesh))
-        material, traced = surfaces[mesh.material], kept_materials[materials[key]]
+            materials[key] = len(used_materials)
+            used_materials.append(trace_material(as_mesh_allows(surfaces[mesh.material], mesh), mesh))
+        material, traced = surfaces[mesh.material], used_materials[materials[key]]
         is_emitter = any(material.emissive) and not material.unlit
         placed.append(TraceInstance(
             mesh=index,
@@ -115,7 +115,7 @@ def trace_geometry(scene: Scene) -> TraceGeometry:
         ))
         emitters += len(normalised.triangles) if is_emitter else 0
     ordered = [mesh for mesh, _, _ in meshes.values()]
-    return TraceGeometry(ordered, placed, kept_materials, tuple(media), emitters, len(scene.instances) - len(placed))
+    return TraceGeometry(ordered, placed, used_materials, tuple(media), emitters, len(scene.instances) - len(placed))
 
 
 def triangles_of(mesh: Mesh) -> np.ndarray:
@@ -125,11 +125,11 @@ def triangles_of(mesh: Mesh) -> np.ndarray:
 
 
 def _normalise(mesh: Mesh, source: int) -> tuple[TraceMesh, np.ndarray]:
-    """The mesh about its box, and the (4, 4) matrix back. One factor for all axes, so that normals stay as they are."""
+    """The normalised mesh, and the (4, 4) matrix from it to the mesh. All axes have one factor, which keeps normals."""
     low, high = mesh.bounds
     half = float((high - low).max()) / 2 or 1.0
     center = (low + high) / 2
-    # Vertices that no triangle has may lie anywhere.
+    # Vertices that no triangle uses may lie outside of the box.
     positions = np.clip((mesh.positions - center) / half, -1, 1).astype(np.float32)
     to_mesh = np.diag([half, half, half, 1.0])
     to_mesh[:3, 3] = center
@@ -137,14 +137,17 @@ def _normalise(mesh: Mesh, source: int) -> tuple[TraceMesh, np.ndarray]:
 
 
 def _to_tracer(scene: Scene, transform: np.ndarray) -> np.ndarray:
-    """World = transform @ mesh, as (3, 4) from mesh to tracer space."""
+    """The (3, 4) matrix from mesh to tracer space, for a `transform` from mesh to world."""
     moved = transform[:3].copy()
     moved[:, 3] -= scene.center
     return moved / scene.radius
 
 
 def _is_see_through(material: Material, mesh: Mesh) -> bool:
-    """Whether the alpha of any point may be below 1, as far as can be told without decoding a texture."""
+    """Whether the coverage of any point may be below 1.
+
+    This decodes no texture: a texture with an alpha channel counts as varying.
+    """
     if material.alpha_mode == "opaque":
         return False
     texture = material.base_color_texture

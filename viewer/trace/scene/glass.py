@@ -1,4 +1,4 @@
-"""What glass a scene has: the switches of shaders/trace/glass.glsl and glass.frag."""
+"""The kinds of glass that a scene has, as switches of shaders/bsdf/glass.glsl and shaders/trace/glass.frag."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from .materials import TraceMaterial
 
 
 def glass_switches(materials: Iterable[TraceMaterial]) -> dict[str, int]:
-    """Solid or thin; partly opaque or metal; with an interface that is not its index's."""
+    """Switches for solid glass, for thin glass, for a mixture with an opaque part, and for a modified specular
+    interface."""
     glass = [m for m in materials if m.transmission > 0]
     return {
         "HAS_SOLID_GLASS": int(any(not m.is_thin for m in glass)),
@@ -20,7 +21,7 @@ def glass_switches(materials: Iterable[TraceMaterial]) -> dict[str, int]:
 
 
 def _is_partly_glass(m: TraceMaterial) -> bool:
-    # An index of 0 means that all is reflected (KHR_materials_ior).
+    # An index of 0 means that all light is reflected (KHR_materials_ior).
     varies = any(use.roles & DATA_ROLES["transmission"] for use in m.data_maps)
     return varies or m.transmission < 1 or m.material.metallic > 0 or m.material.ior < 1
 

@@ -1,4 +1,7 @@
-"""What shines on a scene, as shaders/trace/lights.glsl chooses among it: environment, punctual lights, emitters."""
+"""The lights of a scene and the tables by which shaders/trace/lights.glsl samples them.
+
+There are three kinds: the environment, punctual lights, and emissive triangles.
+"""
 
 from __future__ import annotations
 
@@ -18,30 +21,31 @@ from .alias import alias_table
 from .emitters import find_emitters
 from .environment import EnvironmentTable
 from .geometry import TraceGeometry
-from .punctual import light_powers, punctual_words
-from .scene_buffer import WordsBuilder
+from .punctual import light_powers, punctual_texels
+from .scene_buffer import SceneBufferBuilder
 
 LEAST_SHARE = 0.25
-"""Of the light samples that both the environment and the other lights get, where there are both.
+"""Least share of the light samples that the environment gets, and that the other lights get, if the scene has both.
 
-Power tells nothing of who is near, or shadowed: what is all of the light at some point may be little of it in all."""
+The share follows the power. But power says nothing about distance and shadows: a light with little power may be the
+only one that reaches some point."""
 
 
 class SceneLights:
-    """Adds its sections to `words` and makes the environment's textures.
+    """Adds its sections to `buffer` and makes the environment's textures.
 
-    `switches` are the defines of shaders/trace/lights.glsl; `left_out` says in words what is no light although it is
-    in the scene; without a context that is all it tells. Raises InputError for an environment or an emissive texture
-    that cannot be decoded.
+    `switches` are the defines of shaders/trace/lights.glsl. `left_out` has lines for the user about lights of the scene
+    that have no effect. Without a context these two are all that is made. Raises InputError for an environment or an
+    emissive texture that cannot be decoded.
     """
 
-    def __init__(self, context: Context | None, scene: Scene, geometry: TraceGeometry, words: WordsBuilder,
+    def __init__(self, context: Context | None, scene: Scene, geometry: TraceGeometry, buffer: SceneBufferBuilder,
                  settings: Settings, previous: SceneLights | None = None) -> None:
-        """`previous` is let go of: its environment is taken over if it is the same map, turned and scaled at most."""
+        """`previous` is released. If its environment has the same map, that is taken over."""
         self.left_out: list[str] = []
         environment = scene.environment
         self._environment: EnvironmentTable | None = None
-        self._unit_power = 0.0  # of the environment, were its intensity 1
+        self._unit_power = 0.0  # of the environment at intensity 1
         if environment is not None and environment.intensity > 0:
             if previous is not None and previous._environment is not None and previous._environment.holds(environment):
                 self._environment, previous._environment = previous._environment, None
@@ -60,16 +64,16 @@ class SceneLights:
         if environment is not None and not environment_power > 0:
             self.left_out.append("the environment: it is black")
 
-        given = light_powers(scene.lights, scene) if scene.lights else np.zeros(0)
-        lit = [light for light, power in zip(scene.lights, given) if power > 0]
-        if len(lit) < len(given):
-            self.left_out.append(f"{len(given) - len(lit)} of {len(given)} lights: nothing is lit by them")
+        all_powers = light_powers(scene.lights, scene) if scene.lights else np.zeros(0)
+        lit = [light for light, power in zip(scene.lights, all_powers) if power > 0]
+        if len(lit) < len(all_powers):
+            self.left_out.append(f"{len(all_powers) - len(lit)} of {len(all_powers)} lights: nothing is lit by them")
         emitters, emitted = find_emitters(scene, geometry)
         if settings.lobes != "all" or not emitted.any():
             emitters, emitted = emitters[:0], emitted[:0]
         radius = settings.light_radius / scene.radius
 
-        powers = np.concatenate([given[given > 0], emitted])
+        powers = np.concatenate([all_powers[all_powers > 0], emitted])
         has_environment = environment_power > 0
         share = float(has_environment)
         if has_environment and len(powers):
@@ -80,11 +84,11 @@ class SceneLights:
         self._uniforms: dict[str, object] = {"u_environment_share": share, "u_light_radius": radius}
         if len(powers):
             self._uniforms |= {"u_punctual_count": len(lit), "u_light_grid": _grid(len(powers))}
-            words.add("lights", light_table(powers, 1 - share))
+            buffer.add("lights", light_table(powers, 1 - share))
         if lit:
-            words.add("punctual", punctual_words(lit, scene))
+            buffer.add("punctual", punctual_texels(lit, scene))
         if len(emitters):
-            words.add("emitters", emitters)
+            buffer.add("emitters", emitters)
         self.switches = {
             "HAS_ENVIRONMENT": int(has_environment),
             "ENVIRONMENT_ROTATED": int(has_environment and environment is not None and environment.rotation != 0),
@@ -94,7 +98,7 @@ class SceneLights:
         }
 
     def bind(self, program: moderngl.Program) -> None:
-        """Bind the textures and set the uniforms, but for the places of the sections."""
+        """Bind the textures and set all uniforms except the first texels of the sections."""
         for name, value in self._uniforms.items():
             set_uniform(program, name, value)
         if self._environment is not None:
@@ -106,19 +110,19 @@ class SceneLights:
 
 
 def light_table(powers: np.ndarray, share: float) -> np.ndarray:
-    """(rows * columns, 4) uint32: see shaders/trace/lights.glsl. The probabilities add up to `share`."""
+    """The alias table of shaders/trace/lights.glsl, (rows * columns, 4) uint32. The probabilities sum to `share`."""
     columns, rows = _grid(len(powers))
     padded = np.zeros(rows * columns)
     padded[: len(powers)] = powers / powers.max()
     threshold, alias = alias_table(padded)
     probability = (share * padded / padded.sum()).astype(np.float32)
-    words = np.empty((len(padded), 4), np.uint32)
-    words[:, 0], words[:, 1] = threshold.astype(np.float32).view(np.uint32), alias
-    words[:, 2], words[:, 3] = probability.view(np.uint32), probability[alias].view(np.uint32)
-    return words
+    texels = np.empty((len(padded), 4), np.uint32)
+    texels[:, 0], texels[:, 1] = threshold.astype(np.float32).view(np.uint32), alias
+    texels[:, 2], texels[:, 3] = probability.view(np.uint32), probability[alias].view(np.uint32)
+    return texels
 
 
 def _grid(count: int) -> tuple[int, int]:
-    """Columns and rows, about as many of both, that hold `count`."""
+    """Columns and rows, of about equal number, for `count` entries."""
     rows = math.isqrt(count - 1) + 1
     return -(-count // rows), rows

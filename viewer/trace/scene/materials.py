@@ -1,7 +1,7 @@
-"""Materials as the tracer's shaders read them: factors in words, and the maps that make a difference.
+"""Materials as the tracer's shaders read them: texels of the scene buffer with factors and with records of maps.
 
-A material's maps are in two runs of records, those of colours (sRGB) and those of data; one record serves all the
-fields that read the same image in the same way, so that it is sampled once.
+The maps of a material are in two runs of records, one for colours (sRGB) and one for data. If several fields read the
+same texture, they share one record, so that the texture is sampled once.
 """
 
 from __future__ import annotations
@@ -17,16 +17,20 @@ from ...scene.material import Material, Sampler, Texture
 from ...scene.medium import VACUUM, Medium
 from ...scene.mesh import Mesh
 from ...scene.schema import MAPS
-
-_WRAPS = ("repeat", "clamp", "mirror")
-_NEAREST, _SECOND_UV, _TRANSFORMED, _ROLES = 1 << 4, 1 << 5, 1 << 6, 8
-
-MAP_WORDS = 3
+from ..layout import (
+    MAP_NEAREST,
+    MAP_ROLE_SHIFT,
+    MAP_SECOND_UV,
+    MAP_TEXELS,
+    MAP_TRANSFORMED,
+    MAP_WRAP_BITS,
+    WRAPS,
+)
 
 
 @dataclass(frozen=True)
 class MapUse:
-    """A texture and the fields that read it, as bits."""
+    """A texture and its roles: the fields that read it, as bits."""
 
     texture: Texture
     roles: int
@@ -34,7 +38,10 @@ class MapUse:
 
 @dataclass(frozen=True, eq=False)
 class TraceMaterial:
-    """A material on a mesh that has certain attributes; `medium` is what is behind its front."""
+    """A material on a mesh, without the maps that make no difference there.
+
+    `medium` is the one behind its front side.
+    """
 
     material: Material
     color_maps: tuple[MapUse, ...]
@@ -46,13 +53,13 @@ class TraceMaterial:
 
     @property
     def data_textures(self) -> list[Texture]:
-        """What is read from the data atlas."""
+        """The textures that are read from the data atlas."""
         normal = [self.normal_map] if self.normal_map is not None else []
         return [use.texture for use in self.data_maps] + normal
 
 
 def trace_material(material: Material, mesh: Mesh) -> TraceMaterial:
-    """What of `material` changes anything on `mesh`."""
+    """`material` on `mesh`, with those of its maps that make a difference."""
     names = [name for name in used_maps(material, mesh, "unlit" if material.unlit else "pbr") if MAPS[name].info.paths]
 
     def uses(roles: Mapping[str, int]) -> tuple[MapUse, ...]:
@@ -76,30 +83,30 @@ def trace_material(material: Material, mesh: Mesh) -> TraceMaterial:
     )
 
 
-def material_words(material: TraceMaterial, first_color: int, first_data: int, normal: int) -> np.ndarray:
-    """(RECORD_TEXELS, 4) uint32, the records of its maps being given by their numbers (`normal` -1 for none)."""
+def material_texels(material: TraceMaterial, first_color: int, first_data: int, normal: int) -> np.ndarray:
+    """(RECORD_TEXELS, 4) uint32. The last three arguments are numbers of records of maps; `normal` is -1 for none."""
     values = record(material.material, {"transmission": material.transmission})
     maps = (first_color | len(material.color_maps) << 24, first_data | len(material.data_maps) << 24, normal + 1, 0)
     return np.concatenate([values.view(np.uint32), np.array([maps], np.uint32)])
 
 
-def map_words(texture: Texture, roles: int, page: tuple[int, int, int, int]) -> np.ndarray:
-    """(MAP_WORDS, 4) uint32 of a texture whose image lies in an atlas at `page` (x, y, width, height)."""
+def map_texels(texture: Texture, roles: int, page: tuple[int, int, int, int]) -> np.ndarray:
+    """(MAP_TEXELS, 4) uint32: the record of a texture whose image is at `page` (x, y, width, height) of an atlas."""
     sampler: Sampler = texture.sampler
-    flags = _WRAPS.index(sampler.wrap_s) | _WRAPS.index(sampler.wrap_t) << 2 | roles << _ROLES
-    flags |= _NEAREST * (sampler.mag_filter == "nearest") | _SECOND_UV * (texture.uv_set == 1)
-    flags |= _TRANSFORMED * (texture.transform is not None)
-    words = np.zeros((MAP_WORDS, 4), np.uint32)
-    words[0] = (page[0] | page[1] << 16, page[2] | page[3] << 16, flags, 0)
+    flags = WRAPS[sampler.wrap_s] | WRAPS[sampler.wrap_t] << MAP_WRAP_BITS | roles << MAP_ROLE_SHIFT
+    flags |= MAP_NEAREST * (sampler.mag_filter == "nearest") | MAP_SECOND_UV * (texture.uv_set == 1)
+    flags |= MAP_TRANSFORMED * (texture.transform is not None)
+    texels = np.zeros((MAP_TEXELS, 4), np.uint32)
+    texels[0] = (page[0] | page[1] << 16, page[2] | page[3] << 16, flags, 0)
     if texture.transform is not None:
-        words[1:, :3] = texture.transform.matrix().astype(np.float32).view(np.uint32)
-    return words
+        texels[1:, :3] = texture.transform.matrix().astype(np.float32).view(np.uint32)
+    return texels
 
 
 def _emission_last(maps: tuple[MapUse, ...]) -> tuple[MapUse, ...]:
-    """Shaders look for the base colour in the first record and for emission in the last.
+    """Order the maps so that emission is in the last record; the base colour is in the first already.
 
-    Emission gets a record of its own where it would share one that has to come first.
+    Shaders look for them there. If emission shares a record that is not the last, it gets a record of its own.
     """
     emission = COLOR_ROLES["emissive"]
     own = next((use for use in maps if use.roles & emission), None)

@@ -1,4 +1,7 @@
-"""What the tracer's shaders read of a scene as one texture of 32-bit words (shaders/trace/words.glsl)."""
+"""The scene buffer: all arrays of a scene that the tracer's shaders read, in one texture.
+
+shaders/trace/scene_buffer.glsl reads it.
+"""
 
 from __future__ import annotations
 
@@ -9,49 +12,49 @@ from ...errors import InputError
 from ..layout import SCENE_WIDTH
 
 
-class WordsBuilder:
-    """Sections of words, one behind the other; `offsets` has each one's first word by its name."""
+class SceneBufferBuilder:
+    """Collects sections of texels, one after the other. `offsets` has the first texel of each section by its name."""
 
     def __init__(self) -> None:
         self.offsets: dict[str, int] = {}
         self.count = 0
         self._sections: list[np.ndarray] = []
 
-    def add(self, name: str, words: np.ndarray) -> int:
-        """Append a section of words, (n, 4) uint32, or float32 whose bits are kept; returns its first word.
+    def add(self, name: str, texels: np.ndarray) -> int:
+        """Append a section, (n, 4) uint32, or float32 whose bits are stored; returns its first texel.
 
-        Shaders have that as the uniform `u_<name>`.
+        Shaders get that number as the uniform `u_<name>`.
         """
-        if words.dtype.itemsize != 4 or words.ndim != 2 or words.shape[1] != 4:
-            raise ValueError(f"{name}: words are (n, 4) of 32 bits, not {words.shape} {words.dtype}")
+        if texels.dtype.itemsize != 4 or texels.ndim != 2 or texels.shape[1] != 4:
+            raise ValueError(f"{name}: texels are (n, 4) of 32 bits, not {texels.shape} {texels.dtype}")
         if name in self.offsets:
             raise ValueError(f"there is a section {name} already")
         self.offsets[name] = self.count
-        self._sections.append(np.ascontiguousarray(words).view(np.uint32))
-        self.count += len(words)
+        self._sections.append(np.ascontiguousarray(texels).view(np.uint32))
+        self.count += len(texels)
         return self.offsets[name]
 
-    def copy(self) -> WordsBuilder:
-        """Another with the same sections, to which more can be added."""
-        copy = WordsBuilder()
+    def copy(self) -> SceneBufferBuilder:
+        """Another builder with the same sections, to which more can be added."""
+        copy = SceneBufferBuilder()
         copy.offsets, copy.count, copy._sections = dict(self.offsets), self.count, list(self._sections)
         return copy
 
     def uniforms(self) -> dict[str, int]:
-        """Where each section begins, by the name that shaders have for it."""
+        """The first texel of each section, by the name of its uniform."""
         return {f"u_{name}": offset for name, offset in self.offsets.items()}
 
     def texture(self, gl: moderngl.Context, scene_name: str = "") -> moderngl.Texture:
-        """All sections as an RGBA32UI texture. Raises InputError for more than a texture of this OpenGL holds."""
+        """All sections as an RGBA32UI texture. Raises InputError if a texture of this OpenGL cannot hold them."""
         height = max(-(-self.count // SCENE_WIDTH), 1)
         limit = gl.info["GL_MAX_TEXTURE_SIZE"]
         if height > limit:
-            raise InputError(scene_name, "", f"too many triangles to trace here: {self.count} words of data, "
+            raise InputError(scene_name, "", f"too many triangles to trace here: {self.count} texels of data, "
                                              f"and a texture holds {SCENE_WIDTH * limit}")
         texture = gl.texture((SCENE_WIDTH, height), 4, dtype="u4")
         texture.filter = moderngl.NEAREST, moderngl.NEAREST
-        words = np.zeros((height * SCENE_WIDTH, 4), np.uint32)
+        texels = np.zeros((height * SCENE_WIDTH, 4), np.uint32)
         if self._sections:
-            np.concatenate(self._sections, out=words[: self.count])
-        texture.write(words)
+            np.concatenate(self._sections, out=texels[: self.count])
+        texture.write(texels)
         return texture

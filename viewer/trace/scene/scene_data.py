@@ -1,4 +1,5 @@
-"""One scene on the GPU as the tracer's programs read it: words, atlases, and the switches that say what is there."""
+"""One scene on the GPU as the tracer's programs read it: the scene buffer, the atlases, and the switches of the
+programs."""
 
 from __future__ import annotations
 
@@ -10,14 +11,14 @@ from ...scene.scene import Scene
 from .atlas import Atlas
 from .encode import add_geometry, add_materials, geometry_switches
 from .geometry import TraceGeometry
-from .scene_buffer import WordsBuilder
+from .scene_buffer import SceneBufferBuilder
 
-UNIT_WORDS, UNIT_COLOR_ATLAS, UNIT_DATA_ATLAS = 14, 13, 12
-"""Texture units of what all passes read; a pass's own textures are below."""
+UNIT_SCENE, UNIT_COLOR_ATLAS, UNIT_DATA_ATLAS = 14, 13, 12
+"""Texture units of the textures that all passes read. The own textures of a pass have lower units."""
 
 
 class SceneData:
-    """Begins to decode the textures. Others may add sections to `words` until `upload`, or to a copy of them."""
+    """Begins to decode the textures. Sections may be added to `buffer` until `upload`, or to a copy of it."""
 
     def __init__(self, context: Context, scene: Scene, geometry: TraceGeometry, everything: bool = False) -> None:
         self._context, self._name = context, scene.name
@@ -27,30 +28,30 @@ class SceneData:
         self._color = Atlas(context, color, True) if color else None
         self._data = Atlas(context, data, False) if data else None
         self.warnings = [line for atlas in (self._color, self._data) if atlas for line in atlas.layout.warnings]
-        self.words = WordsBuilder()
-        add_geometry(self.words, scene, geometry, self.switches)
+        self.buffer = SceneBufferBuilder()
+        add_geometry(self.buffer, scene, geometry, self.switches)
         pages = (atlas.layout.pages if atlas else {} for atlas in (self._color, self._data))
-        add_materials(self.words, geometry, *pages)
-        self._uploaded = self.words
+        add_materials(self.buffer, geometry, *pages)
+        self._uploaded = self.buffer
         self._textures: dict[str, tuple[int, moderngl.Texture]] = {}
 
-    def upload(self, words: WordsBuilder | None = None) -> None:
-        """Make the textures, with `words` in place of `self.words` if given; once more for others, maps stay.
+    def upload(self, buffer: SceneBufferBuilder | None = None) -> None:
+        """Make the textures, with `buffer` in place of `self.buffer` if it is given.
 
-        Raises InputError for an image that is broken.
+        A second call replaces the scene buffer; the atlases stay. Raises InputError for an image that is broken.
         """
-        self._uploaded = words or self.words
-        if "u_words" in self._textures:
-            self._textures.pop("u_words")[1].release()
-        self._textures["u_words"] = UNIT_WORDS, self._uploaded.texture(self._context.gl, self._name)
+        self._uploaded = buffer or self.buffer
+        if "u_scene" in self._textures:
+            self._textures.pop("u_scene")[1].release()
+        self._textures["u_scene"] = UNIT_SCENE, self._uploaded.texture(self._context.gl, self._name)
         for name, unit, atlas in (("u_color_atlas", UNIT_COLOR_ATLAS, self._color),
                                   ("u_data_atlas", UNIT_DATA_ATLAS, self._data)):
             if atlas and name not in self._textures:
                 self._textures[name] = unit, atlas.upload()
 
     def bind(self, program: moderngl.Program) -> None:
-        """Bind the textures and set the uniforms that shaders/trace/{words,atlas,interaction,material}.glsl read."""
-        # Also of an atlas that is not there: samplers of two types must not share a unit.
+        """Bind the textures and set the uniforms of the scene buffer, the atlases and the sections."""
+        # A missing atlas gets its unit, too: samplers of two types must not share a unit.
         for name, unit in (("u_color_atlas", UNIT_COLOR_ATLAS), ("u_data_atlas", UNIT_DATA_ATLAS)):
             set_uniform(program, name, unit)
         for name, (unit, texture) in self._textures.items():
@@ -61,7 +62,7 @@ class SceneData:
 
     @property
     def texture_bytes(self) -> int:
-        """What they take on the GPU."""
+        """Size of the textures on the GPU."""
         textures = [texture for _, texture in self._textures.values()]
         return sum(t.width * t.height * t.components * int(t.dtype[1]) for t in textures)
 

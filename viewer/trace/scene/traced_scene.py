@@ -1,4 +1,4 @@
-"""A scene made ready to be traced: its triangles, materials and lights on the device, and the intersector."""
+"""A scene that is ready to be traced: its triangles, materials and lights on the device, and the intersector."""
 
 from __future__ import annotations
 
@@ -12,51 +12,51 @@ from ..rays.intersect import make_intersector
 from .encode import geometry_switches
 from .geometry import trace_geometry
 from .lights import SceneLights
-from .scene_buffer import WordsBuilder
+from .scene_buffer import SceneBufferBuilder
 from .scene_data import SceneData
 
 
 class TracedScene:
-    """Ready for the lights of `scene` under `settings`; `relight` for others on the same triangles."""
+    """Begins with the lights of `scene` under `settings`. `relight` changes to other lights on the same triangles."""
 
     def __init__(self, context: Context, scene: Scene, settings: Settings, intersector: str) -> None:
         self._context = context
         self.geometry = trace_geometry(scene)
         self.is_everything = settings.plan == "everything"
         self._data = SceneData(context, scene, self.geometry, self.is_everything)
-        self._lit(scene, settings, None)
+        self._set_lights(scene, settings, None)
         self.intersector = make_intersector(context, self.geometry, self._data, intersector)
 
     def holds(self, scene: Scene) -> bool:
-        """Whether these are that scene's triangles and materials; its lights may be others."""
+        """Whether these are the triangles and materials of that scene. Its lights may differ."""
         return all(getattr(scene, name) is getattr(self._scene, name) for name in ("instances", "meshes", "materials"))
 
     def relight(self, scene: Scene, settings: Settings) -> None:
-        """Take the lights of a scene that is held."""
-        if _light_key(scene, settings) != self._lit_by:
-            self._lit(scene, settings, self._lights)
+        """Take the lights of a scene for which `holds` is true."""
+        if _light_key(scene, settings) != self._light_key:
+            self._set_lights(scene, settings, self._lights)
         self._scene = scene
 
-    def _lit(self, scene: Scene, settings: Settings, previous: SceneLights | None) -> None:
-        words = self._data.words.copy()
-        self._lights = SceneLights(self._context, scene, self.geometry, words, settings, previous)
-        self._data.upload(words)
+    def _set_lights(self, scene: Scene, settings: Settings, previous: SceneLights | None) -> None:
+        buffer = self._data.buffer.copy()
+        self._lights = SceneLights(self._context, scene, self.geometry, buffer, settings, previous)
+        self._data.upload(buffer)
         self._scene = scene
-        self._lit_by: tuple[object, ...] = _light_key(scene, settings)
+        self._light_key: tuple[object, ...] = _light_key(scene, settings)
 
     @property
     def switches(self) -> dict[str, int]:
-        """The defines that say what of surfaces and lights there is."""
+        """The defines that say which features of surfaces and lights the scene has."""
         return self._data.switches | self._lights.switches
 
     @property
-    def idle(self) -> list[str]:
-        """In words, what of lights and maps is not taken as it is."""
+    def left_out(self) -> list[str]:
+        """Lines for the user about lights that have no effect and maps at reduced size."""
         return [*self._lights.left_out, *self._data.warnings]
 
     @property
     def texture_bytes(self) -> int:
-        """About what the scene's textures take on the GPU."""
+        """About the size of the scene's textures on the GPU."""
         return self._data.texture_bytes
 
     def bind(self, program: moderngl.Program) -> None:
@@ -70,15 +70,15 @@ class TracedScene:
 
 
 def _light_key(scene: Scene, settings: Settings) -> tuple[object, ...]:
-    """What the lights depend on; environments are told apart by identity."""
+    """What the lights depend on. Environments are compared by identity."""
     return scene.environment, scene.lights, settings.light_radius, settings.lobes == "all"
 
 
 def plan_without_device(scene: Scene, settings: Settings) -> TracePlan:
-    """The plan of a picture without layers, before there is a context. Raises InputError as `SceneLights` does."""
+    """The plan of a picture without layers; it needs no context. Raises InputError as `SceneLights` does."""
     geometry = trace_geometry(scene)
     switches = geometry_switches(scene, geometry, settings.plan == "everything")
-    lights = SceneLights(None, scene, geometry, WordsBuilder(), settings)
+    lights = SceneLights(None, scene, geometry, SceneBufferBuilder(), settings)
     return plan_trace(scene, settings, geometry, switches | lights.switches, has_layers=settings.denoise != "off",
-                      idle=lights.left_out,
+                      left_out=lights.left_out,
                       intersector="Embree where OpenGL is software, a BVH in a shader elsewhere")

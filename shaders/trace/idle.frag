@@ -1,4 +1,4 @@
-// Slots that are idle stay so.
+// Copies the status of idle paths to the next state.
 layout(location = 0) out vec4 o_origin;
 
 void main() {

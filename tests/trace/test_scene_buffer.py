@@ -11,59 +11,59 @@ from harness import evaluate
 from viewer.errors import InputError
 from viewer.gpu.programs import set_uniform
 from viewer.trace.layout import SCENE_WIDTH as WIDTH
-from viewer.trace.scene.scene_buffer import WordsBuilder
+from viewer.trace.scene.scene_buffer import SceneBufferBuilder
 
 RANDOM = np.random.default_rng(3)
 
 
 def test_a_shader_finds_every_bit(context, tmp_path):
-    words = WordsBuilder()
+    buffer = SceneBufferBuilder()
     first = RANDOM.integers(0, 1 << 32, (WIDTH - 3, 4), dtype=np.uint32)
     # Bits of which a float texture may make others: signalling NaN, denormals, infinities.
     special = np.array([[0x7F800001, 0xFF812345, 1, 0x80000001], [0x7F800000, 0xFF800000, 0x007FFFFF, 0x7FFFFFFF]],
                        np.uint32)
     floats = RANDOM.normal(size=(2 * WIDTH, 4)).astype(np.float32)
-    offsets = [words.add("first", first), words.add("special", special), words.add("floats", floats)]
+    offsets = [buffer.add("first", first), buffer.add("special", special), buffer.add("floats", floats)]
     assert offsets == [0, WIDTH - 3, WIDTH - 1]
-    assert words.uniforms() == {"u_first": 0, "u_special": WIDTH - 3, "u_floats": WIDTH - 1}
-    texture = words.texture(context.gl)
+    assert buffer.uniforms() == {"u_first": 0, "u_special": WIDTH - 3, "u_floats": WIDTH - 1}
+    texture = buffer.texture(context.gl)
     everything = np.concatenate([first, special, floats.view(np.uint32)])
-    assert texture.size == (WIDTH, 3) and words.count == len(everything)
+    assert texture.size == (WIDTH, 3) and buffer.count == len(everything)
 
     def bind(program):
         texture.use(0)
-        set_uniform(program, "u_words", 0)
+        set_uniform(program, "u_scene", 0)
 
     asked = np.concatenate([RANDOM.integers(0, len(everything), 2000), np.arange(WIDTH - 5, WIDTH + 3)])
     # As two halves, which float targets hold exactly.
-    halves = evaluate(context, tmp_path, "trace/words.glsl",
-                      "uvec4 w = word(int(i0.x)); o0 = vec4(w & 0xffffu); o1 = vec4(w >> 16);",
+    halves = evaluate(context, tmp_path, "trace/scene_buffer.glsl",
+                      "uvec4 w = scene_uint4(int(i0.x)); o0 = vec4(w & 0xffffu); o1 = vec4(w >> 16);",
                       asked[:, None].astype(np.uint32), 2, bind=bind)
     np.testing.assert_array_equal(halves[:, 0] + 65536 * halves[:, 1], everything[asked])
     k = RANDOM.integers(0, len(floats), 500)
-    found = evaluate(context, tmp_path, "trace/words.glsl", "o0 = word_float(int(i0.x));",
+    found = evaluate(context, tmp_path, "trace/scene_buffer.glsl", "o0 = scene_float4(int(i0.x));",
                      (k[:, None] + offsets[2]).astype(np.uint32), bind=bind)
     np.testing.assert_array_equal(found[:, 0], floats[k])
 
 
 def test_nothing_at_all_is_a_texture_too(context):
-    words = WordsBuilder()
-    words.add("triangles", np.zeros((0, 4), np.uint32))
-    assert words.texture(context.gl).size == (WIDTH, 1)
+    buffer = SceneBufferBuilder()
+    buffer.add("triangles", np.zeros((0, 4), np.uint32))
+    assert buffer.texture(context.gl).size == (WIDTH, 1)
 
 
 def test_mistakes_are_told():
-    words = WordsBuilder()
-    words.add("lights", np.zeros((1, 4), np.float32))
+    buffer = SceneBufferBuilder()
+    buffer.add("lights", np.zeros((1, 4), np.float32))
     with pytest.raises(ValueError, match="already"):
-        words.add("lights", np.zeros((1, 4), np.float32))
+        buffer.add("lights", np.zeros((1, 4), np.float32))
     for wrong in (np.zeros((1, 3), np.float32), np.zeros((1, 4)), np.zeros(4, np.uint32)):
         with pytest.raises(ValueError, match="32 bits"):
-            words.add("wrong", wrong)
+            buffer.add("wrong", wrong)
 
 
 def test_more_than_a_texture_holds_is_one_clear_line():
-    words = WordsBuilder()
-    words.add("triangles", np.zeros((2 * WIDTH + 1, 4), np.uint32))
-    with pytest.raises(InputError, match="^city.glb: too many triangles to trace here: 8193 words"):
-        words.texture(SimpleNamespace(info={"GL_MAX_TEXTURE_SIZE": 2}), "city.glb")
+    buffer = SceneBufferBuilder()
+    buffer.add("triangles", np.zeros((2 * WIDTH + 1, 4), np.uint32))
+    with pytest.raises(InputError, match="^city.glb: too many triangles to trace here: 8193 texels"):
+        buffer.texture(SimpleNamespace(info={"GL_MAX_TEXTURE_SIZE": 2}), "city.glb")
