@@ -3,6 +3,7 @@
 #include "trace/clamp.glsl"
 #include "trace/mis.glsl"
 #include "trace/environment.glsl"
+#include "media/medium.glsl"
 #include "trace/is_finite.glsl"
 
 layout(location = 0) out vec4 o_sum;     // rgb, 1
@@ -17,7 +18,8 @@ void main() {
 #if HAS_ENVIRONMENT
     if (is_in_flight && (BACKGROUND == 1 || !is_empty)) {
         float weight = p.pdf > 0.0 ? bsdf_weight(p.pdf, environment_pdf(p.direction)) : 1.0;
-        p.radiance += clamped(p.throughput * environment_radiance(p.direction) * weight, p.depth);
+        vec3 throughput = p.throughput * transmittance(p.medium, FAR); // as for light samples of the environment
+        p.radiance += clamped(throughput * environment_radiance(p.direction) * weight, p.depth);
     }
 #endif
     // A sample that is not finite is left out of the sums and of the count, so that the missing count shows it.

@@ -1,8 +1,6 @@
 // Next-event estimation: samples one of all lights with the tables of viewer/trace/scene/lights.py. environment_pdf and
 // emitter_pdf give the density of sample_light for a direction that a BSDF sample has chosen.
 // HAS_ENVIRONMENT, HAS_PUNCTUAL, HAS_EMITTERS
-const float FAR = 4.0; // all geometry lies within |p| <= 1
-
 #include "trace/environment.glsl"
 #if HAS_PUNCTUAL
 #include "trace/punctual.glsl"

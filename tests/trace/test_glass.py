@@ -58,6 +58,17 @@ def test_a_slab_absorbs(tracer):
     assert found == pytest.approx(R + (1 - R) ** 2 * a / (1 - R * a), abs=2e-3)
 
 
+@pytest.mark.parametrize("sampling", ["bsdf", "lights"])
+def test_light_from_outside_of_an_open_mesh_is_absorbed_alike(tracer, sampling):
+    """Behind a single sheet of solid glass all is medium: light samples and directions both have come from afar in
+    it."""
+    glass = replace(GLASS, perceptual_roughness=0.5, thickness=1.0, attenuation_distance=1.0,
+                    attenuation_color=(0.9, 0.7, 0.4))
+    sheet = scene(plate(), materials=[glass], environment=constant())
+    expected = mean(tracer, sheet, spp=256)
+    assert mean(tracer, sheet, spp=256, sampling=sampling) == pytest.approx(expected, rel=0.01)
+
+
 def test_a_slab_is_tinted_once_on_the_way_through(tracer):
     slab = replace(GLASS, thickness=1.0, base_color=(0.64, 0.25, 1, 1))
     found = mean(tracer, scene(box(4, 4, 0.25), materials=[slab], environment=constant()), bounces=2)

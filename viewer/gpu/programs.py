@@ -14,7 +14,7 @@ from .context import Context
 from .program import compile_program
 from .source import source_files
 
-Key = tuple[str, str, tuple[tuple[str, int], ...]]
+Key = tuple[str, str, tuple[tuple[str, float], ...]]
 
 
 class Programs:
@@ -26,7 +26,7 @@ class Programs:
         self.generation = 0
         """Grows with every reload: what was built on a program is stale then."""
 
-    def get(self, vertex: str, fragment: str, switches: Mapping[str, int]) -> moderngl.Program:
+    def get(self, vertex: str, fragment: str, switches: Mapping[str, float]) -> moderngl.Program:
         key = (vertex, fragment, tuple(sorted(switches.items())))
         if key not in self._programs:
             self._programs[key] = self._compile(key)

@@ -22,6 +22,13 @@ INSTANCE_MASK = (1 << KIND_SHIFT) - 1
 FREE = 1 << 31
 MISS = NO_KIND << KIND_SHIFT | INSTANCE_MASK
 
+FAR = 4.0
+"""The distance, in tracer units, that a ray travels in its medium if it leaves the scene without a hit.
+
+Light samples of the environment and of directional lights travel as far, so that both techniques agree. All geometry
+lies within |p| <= 1.
+"""
+
 SCENE_WIDTH = 4096
 """Texels in a row of the scene buffer."""
 INSTANCE_TEXELS = 5
@@ -59,13 +66,13 @@ def vertex_layout(switches: Mapping[str, int]) -> dict[str, int]:
             "VERTEX_TEXELS": 2 + has_tangent + has_uv1 + has_color}
 
 
-_CONSTANTS = {
+_CONSTANTS: dict[str, float] = {
     "TILE": TILE,
     "IDLE": IDLE, "IN_FLIGHT": IN_FLIGHT, "ENDED": ENDED,
     "KIND_SHIFT": KIND_SHIFT, "NO_KIND": NO_KIND, **{f"KIND_{kind.name.upper()}": kind.number for kind in KINDS},
     "CLASS_IDLE": CLASS_IDLE, "CLASS_ENDED": CLASS_ENDED, "CLASS_FIRST_HIT": CLASS_FIRST_HIT,
     "CLASS_SHADE": CLASS_SHADE,
-    "SCENE_WIDTH": SCENE_WIDTH, "INSTANCE_TEXELS": INSTANCE_TEXELS,
+    "FAR": FAR, "SCENE_WIDTH": SCENE_WIDTH, "INSTANCE_TEXELS": INSTANCE_TEXELS,
     "FLAG_SEE_THROUGH": SEE_THROUGH, "FLAG_MIRRORED": MIRRORED, "FLAG_DOUBLE_SIDED": DOUBLE_SIDED, "FLAG_UNLIT": UNLIT,
     "FLAG_THIN": THIN,
     "MAP_TEXELS": MAP_TEXELS, "WRAP_REPEAT": WRAPS["repeat"], "WRAP_CLAMP": WRAPS["clamp"],
@@ -74,7 +81,7 @@ _CONSTANTS = {
 }
 
 
-def shader_defines(switches: Mapping[str, int] | None = None) -> dict[str, int]:
+def shader_defines(switches: Mapping[str, int] | None = None) -> dict[str, float]:
     """The defines of a program of shaders/trace: its own `switches`, and the numbers of this module."""
     switches = switches or {}
     return {**_CONSTANTS, **vertex_layout(switches), **switches}

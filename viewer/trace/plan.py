@@ -79,7 +79,7 @@ def plan_trace(
         switches |= dict.fromkeys((*_NEUTRAL, *emitters), 1)
     state = {"HAS_TRANSMISSION": switches["HAS_TRANSMISSION"]}
     first = state | {"RAYS": rays}
-    sky_names = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING")
+    sky_names = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING", "HAS_VOLUME")
     sky = {name: switches[name] for name in sky_names}
     programs = {
         "zero": _program("trace/zero.frag", {}),
