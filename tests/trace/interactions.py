@@ -10,7 +10,8 @@ from harness import evaluate
 
 from viewer.gpu.context import Context
 from viewer.scene.scene import Scene
-from viewer.trace.scene.geometry import TraceGeometry, trace_geometry, triangles_of
+from viewer.scene.triangles import triangles_of
+from viewer.trace.scene.geometry import TraceGeometry, trace_geometry
 from viewer.trace.scene.scene_data import SceneData
 
 _INTERACTION = """Hit hit = Hit(int(i0.x), int(i0.y), f0.zw);

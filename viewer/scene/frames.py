@@ -10,6 +10,7 @@ from .material import Texture
 from .mesh import Mesh
 from .normals import creased_normals, flat_normals, smooth_normals
 from .tangents import make_tangents
+from .triangles import triangles_of
 from .weld import weld
 
 
@@ -59,9 +60,3 @@ def with_tangents(mesh: Mesh, texture: Texture | None) -> Mesh:
         uvs = (uvs @ matrix[:, :2].T + matrix[:, 2]).astype(np.float32)
     source, tangents, triangles = make_tangents(mesh.positions, mesh.normals, uvs, triangles_of(mesh))
     return replace(picked(mesh, source), tangents=tangents, indices=triangles.ravel())
-
-
-def triangles_of(mesh: Mesh) -> np.ndarray:
-    """Vertex numbers, (T, 3)."""
-    indices = np.arange(len(mesh.positions)) if mesh.indices is None else mesh.indices
-    return indices.reshape(-1, 3)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..scene.scene import Scene
 from ..scene.transform import handedness, normal_matrix
-from .scene.geometry import triangles_of
+from ..scene.triangles import triangles_of
 
 MOST_POINTS = 1 << 21
 """Largest number of points. Each needs about 300 bytes during the fit."""

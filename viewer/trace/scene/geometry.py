@@ -17,6 +17,7 @@ from ...scene.medium import VACUUM, Medium
 from ...scene.mesh import Mesh
 from ...scene.scene import Scene
 from ...scene.transform import handedness
+from ...scene.triangles import triangles_of
 from ..kinds import SURFACE, Kind, kind_of
 from .materials import TraceMaterial, trace_material
 
@@ -116,12 +117,6 @@ def trace_geometry(scene: Scene) -> TraceGeometry:
         emitters += len(normalised.triangles) if is_emitter else 0
     ordered = [mesh for mesh, _, _ in meshes.values()]
     return TraceGeometry(ordered, placed, used_materials, tuple(media), emitters, len(scene.instances) - len(placed))
-
-
-def triangles_of(mesh: Mesh) -> np.ndarray:
-    """Vertex numbers, (M, 3) uint32."""
-    indices = np.arange(len(mesh.positions), dtype=np.uint32) if mesh.indices is None else mesh.indices
-    return np.ascontiguousarray(indices[: 3 * mesh.triangle_count].reshape(-1, 3), np.uint32)
 
 
 def _normalise(mesh: Mesh, source: int) -> tuple[TraceMesh, np.ndarray]:
