@@ -39,7 +39,7 @@ void main() {
     vec3 v = -normalize(surface.xyz);
 #endif
     vec3 n = bend_normal(from_octahedron(normals.xy), face, v);
-    vec3 t = any_tangent(n);
+    vec3 t = orthonormal_basis(n)[0];
     mat3 frame = mat3(t, cross(n, t), n);
     vec3 wo = v * frame;
     wo.z = max(wo.z, 1e-4);

@@ -125,7 +125,7 @@ Interaction interact(Hit hit, vec3 wo) {
     i.t = tangent_beside(i.n, tangent.xyz);
 #else
     i.n = bend_normal(n, i.n_geometric, wo);
-    i.t = any_tangent(i.n);
+    i.t = orthonormal_basis(i.n)[0];
 #endif
     i.b = cross(i.n, i.t);
     return i;

@@ -4,7 +4,7 @@
 #include "trace/scene_buffer.glsl"
 #if LIGHT_RADIUS
 #include "bsdf/constants.glsl"
-#include "trace/shading_normal.glsl"
+#include "sample/orthonormal_basis.glsl"
 
 uniform float u_light_radius; // tracer units
 #endif
@@ -36,7 +36,7 @@ vec3 punctual_irradiance(int i, vec3 p, vec2 u, out vec3 l, out float distance) 
     float half_max = 1.0 / (1.0 + sqrt(1.0 - sin2_max)); // (1 - cos theta_max) / sin^2 theta_max
     float q = u.x * sin2_max * half_max;                 // 1 - cos theta
     float sin2 = q * (2.0 - q);
-    vec3 t = any_tangent(l);
+    vec3 t = orthonormal_basis(l)[0];
     float phi = 2.0 * PI * u.y;
     distance = distance * (1.0 - q) - sqrt(max(u_light_radius * u_light_radius - d2 * sin2, 0.0));
     l = normalize((1.0 - q) * l + sqrt(sin2) * (cos(phi) * t + sin(phi) * cross(l, t)));

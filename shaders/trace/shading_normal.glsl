@@ -1,4 +1,5 @@
-// Shading normals that keep reflected directions above the surface, and frames around them.
+// Shading normals that keep reflected directions above the surface, and tangents beside them.
+#include "sample/orthonormal_basis.glsl"
 
 // Bends the normal n so that the mirror direction r of wo is at least `lift` above the surface: if r is lower, it is
 // raised to that height, and n' is the normal that mirrors wo to the raised r'. The function is continuous, even in n,
@@ -26,16 +27,9 @@ vec3 bend_normal(vec3 n, vec3 n_geometric, vec3 wo) {
     return normalize(bent + (0.5 * sum_length - dot(bent, wo)) * wo);
 }
 
-// Duff et al. 2017, "Building an Orthonormal Basis, Revisited"
-vec3 any_tangent(vec3 n) {
-    float s = n.z >= 0.0 ? 1.0 : -1.0;
-    float a = -1.0 / (s + n.z);
-    return vec3(1.0 + s * n.x * n.x * a, s * n.x * n.y * a, -s * n.x);
-}
-
 // The unit part of `tangent` that is perpendicular to n; any tangent if there is no such part
 vec3 tangent_beside(vec3 n, vec3 tangent) {
     vec3 t = tangent - dot(n, tangent) * n;
     float squared = dot(t, t);
-    return squared > 1e-12 * dot(tangent, tangent) ? t * inversesqrt(squared) : any_tangent(n);
+    return squared > 1e-12 * dot(tangent, tangent) ? t * inversesqrt(squared) : orthonormal_basis(n)[0];
 }

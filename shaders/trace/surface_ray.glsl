@@ -2,6 +2,7 @@
 // RAYS: 1 for rays from the surface into the hemisphere, with a density in proportion to the cosine; 2 for rays to the
 // surface, from just above it against its normal
 #include "sample/hemisphere.glsl"
+#include "sample/orthonormal_basis.glsl"
 #include "trace/offset_origin.glsl"
 
 uniform sampler2D u_ray_point;            // on the surface; w: 1, or 0 beyond the end of the list
@@ -14,11 +15,7 @@ bool surface_ray(ivec2 pixel, vec2 u, out vec3 o, out vec3 d) {
     vec3 n = texelFetch(u_ray_normal, pixel, 0).xyz, n_geometric = texelFetch(u_ray_normal_geometric, pixel, 0).xyz;
     o = offset_origin(point.xyz, n_geometric);
 #if RAYS == 1
-    vec3 local = sample_cosine_hemisphere(u);
-    // Duff et al. 2017, "Building an Orthonormal Basis, Revisited"
-    float s = n.z < 0.0 ? -1.0 : 1.0, a = -1.0 / (s + n.z), b = n.x * n.y * a;
-    d = local.x * vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x)
-      + local.y * vec3(b, s + n.y * n.y * a, -n.y) + local.z * n;
+    d = orthonormal_basis(n) * sample_cosine_hemisphere(u);
     d = normalize(d - 2.0 * min(dot(d, n_geometric), 0.0) * n_geometric); // mirrored if it would enter the surface
 #else
     d = -n;

@@ -7,6 +7,7 @@
 #include "bsdf/bsdf.glsl"
 #include "bsdf/phong.glsl"
 #include "sample/lattice.glsl"
+#include "sample/orthonormal_basis.glsl"
 
 struct Phong {
     vec3 specular; // k_s
@@ -29,10 +30,7 @@ vec3 phong_direction(Phong m, vec3 wo, vec2 u) {
     float sin2 = one_minus_exp(-2.0 * log(1.0 - u.x) / (m.shininess + 1.0));
     float phi = 2.0 * PI * u.y;
     vec3 local = vec3(sqrt(sin2) * vec2(cos(phi), sin(phi)), sqrt(1.0 - sin2));
-    // A frame about r, r.z > 0: Duff et al. 2017, "Building an Orthonormal Basis, Revisited"
-    vec3 r = phong_mirror(wo);
-    float a = -1.0 / (1.0 + r.z), b = r.x * r.y * a;
-    return mat3(vec3(1.0 + r.x * r.x * a, b, -r.x), vec3(b, 1.0 + r.y * r.y * a, -r.y), r) * local;
+    return orthonormal_basis(phong_mirror(wo)) * local;
 }
 
 vec3 phong_eval(Phong m, vec3 wo, vec3 wi) {

@@ -1,0 +1,8 @@
+// A right-handed orthonormal basis whose third vector is the unit vector n.
+// Duff et al. 2017, "Building an Orthonormal Basis, Revisited". They take the sign from copysign; here -0 counts as 0.
+mat3 orthonormal_basis(vec3 n) {
+    float s = n.z < 0.0 ? -1.0 : 1.0;
+    float a = -1.0 / (s + n.z);
+    return mat3(vec3(1.0 + s * n.x * n.x * a, s * n.x * n.y * a, -s * n.x),
+                vec3(n.x * n.y * a, s + n.y * n.y * a, -n.y), n);
+}
