@@ -11,19 +11,22 @@ _WIDTH = 4096
 _DTYPES = {"uint8": "f1", "float16": "f2", "float32": "f4", "int32": "i4", "uint32": "u4"}
 
 
-def row_texture(gl: moderngl.Context, texels: np.ndarray, too_many: str) -> moderngl.Texture:
+def row_texture(
+    gl: moderngl.Context, texels: np.ndarray, too_many: ViewerError, width: int | None = None
+) -> moderngl.Texture:
     """(N, C) texels, row after row of a texture: shaders find texel i at (i % width, i / width).
 
-    uint8 are read as [0, 1]. Raises ViewerError, in the words of `too_many`, for more than a texture of this OpenGL
-    holds.
+    `width` is the number of texels in a row; None: 4096, or as many more as `texels` need. uint8 are read as [0, 1].
+    Raises `too_many` for more texels than a texture of this OpenGL holds.
     """
     limit = gl.info["GL_MAX_TEXTURE_SIZE"]
-    width = min(_WIDTH, limit)
-    while len(texels) > width * limit and width < limit:
-        width *= 2
+    if width is None:
+        width = min(_WIDTH, limit)
+        while len(texels) > width * limit and width < limit:
+            width *= 2
     height = max(-(-len(texels) // width), 1)
     if height > limit:
-        raise ViewerError(too_many)
+        raise too_many
     texture = gl.texture((width, height), texels.shape[1], dtype=_DTYPES[texels.dtype.name], alignment=1)
     texture.filter = moderngl.NEAREST, moderngl.NEAREST
     whole = len(texels) // width

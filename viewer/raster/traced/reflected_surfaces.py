@@ -8,6 +8,7 @@ from dataclasses import replace
 import moderngl
 import numpy as np
 
+from ...errors import ViewerError
 from ...gpu.context import Context
 from ...gpu.row_texture import row_texture
 from ...scene.scene import Scene
@@ -109,5 +110,5 @@ def _textures(context: Context, vertices: Sequence[tuple[np.ndarray, np.ndarray]
     radiance, surface = (np.concatenate(parts) for parts in zip(nothing, *vertices))
     records = {"u_vertex_radiance": radiance, "u_vertex_surface": surface,
                "u_first_vertex": firsts[: max(len(vertices), 1), None].astype(np.int32)}
-    too_many = f"the scene has too many triangles for traced reflections, {len(radiance) // 3}"
+    too_many = ViewerError(f"the scene has too many triangles for traced reflections, {len(radiance) // 3}")
     return {name: row_texture(context.gl, texels, too_many) for name, texels in records.items()}

@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...errors import ViewerError
 from ...gpu.context import Context
 from ...gpu.row_texture import row_texture
 from ...scene.scene import Scene
@@ -41,8 +42,8 @@ class RefractingSurfaces:
         self._geometry = replace(geometry, instances=shown)
         self.intersector = make_intersector(context, self._geometry, kind=kind)
         texels = _texels(scene, self._geometry)
-        self._texture = row_texture(context.gl, texels, "the scene has too many triangles for traced refraction, "
-                                                        f"{len(texels) // _TRIANGLE}")
+        too_many = f"the scene has too many triangles for traced refraction, {len(texels) // _TRIANGLE}"
+        self._texture = row_texture(context.gl, texels, ViewerError(too_many))
 
     def holds(self, scene: Scene) -> bool:
         """Whether these are the triangles and materials of `scene`."""

@@ -11,8 +11,9 @@ from ...gpu.context import Context
 from ...gpu.fullscreen import fullscreen
 from ...gpu.program import compile_program
 from ...gpu.programs import set_uniform
+from ...gpu.row_texture import row_texture
 from ..layout import shader_defines
-from .bvh import INSTANCE_TEXELS, NODE_TEXELS, TRIANGLE_TEXELS, Bvh, build_bvh
+from .bvh import INSTANCE_TEXELS, NODE_TEXELS, TRIANGLE_TEXELS, build_bvh
 from .bvh4 import LEAF_SHIFT
 from .intersect import SHADOW_REACH, Answer, Surfaces, WavefrontTextures
 
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
 
 _STATE = ("origin", "direction", "shadow_origin", "shadow_vector")
 _BVH_UNIT = len(_STATE)
-_WIDTH = 4096
 
 
 class BvhIntersector:
@@ -38,7 +38,8 @@ class BvhIntersector:
         if bvh.has_see_through and surfaces is None:
             raise ValueError("see-through triangles need their surfaces")
         self._surfaces = surfaces if bvh.has_see_through else None
-        self._bvh = _texture(context, bvh)
+        too_many = ViewerError("the scene has too many triangles for a texture of this OpenGL")
+        self._bvh = row_texture(context.gl, bvh.texels, too_many)
         defines: dict[str, float] = {
             **shader_defines(None if self._surfaces is None else self._surfaces.switches),
             "BVH_WIDTH": self._bvh.width,
@@ -96,21 +97,3 @@ class BvhIntersector:
             fullscreen(self._gl, program).release()
             program.release()
         self._bvh.release()
-
-
-def _texture(context: Context, bvh: Bvh) -> moderngl.Texture:
-    limit = context.gl.info["GL_MAX_TEXTURE_SIZE"]
-    width = min(_WIDTH, limit)
-    while len(bvh.texels) > width * limit and width < limit:
-        width *= 2
-    rows = max(1, -(-len(bvh.texels) // width))
-    if rows > limit:
-        raise ViewerError(f"the scene has too many triangles for this OpenGL's textures, {limit} x {limit}")
-    texture = context.gl.texture((width, rows), 4, dtype="u4")
-    texture.filter = moderngl.NEAREST, moderngl.NEAREST
-    whole = len(bvh.texels) // width
-    for start, height in ((0, whole), (whole, 1)):  # the last row is not full
-        part = bvh.texels[start * width : (start + height) * width]
-        if len(part):
-            texture.write(part, viewport=(0, start, len(part) // height, height))
-    return texture

@@ -9,6 +9,7 @@ import moderngl
 import numpy as np
 
 from ...errors import InputError
+from ...gpu.row_texture import row_texture
 from ..layout import SCENE_WIDTH
 
 
@@ -46,15 +47,8 @@ class SceneBufferBuilder:
 
     def texture(self, gl: moderngl.Context, scene_name: str = "") -> moderngl.Texture:
         """All sections as an RGBA32UI texture. Raises InputError if a texture of this OpenGL cannot hold them."""
-        height = max(-(-self.count // SCENE_WIDTH), 1)
-        limit = gl.info["GL_MAX_TEXTURE_SIZE"]
-        if height > limit:
-            raise InputError(scene_name, "", f"too many triangles to trace here: {self.count} texels of data, "
-                                             f"and a texture holds {SCENE_WIDTH * limit}")
-        texture = gl.texture((SCENE_WIDTH, height), 4, dtype="u4")
-        texture.filter = moderngl.NEAREST, moderngl.NEAREST
-        texels = np.zeros((height * SCENE_WIDTH, 4), np.uint32)
-        if self._sections:
-            np.concatenate(self._sections, out=texels[: self.count])
-        texture.write(texels)
-        return texture
+        texels = np.concatenate([np.zeros((0, 4), np.uint32), *self._sections])
+        most = SCENE_WIDTH * gl.info["GL_MAX_TEXTURE_SIZE"]
+        return row_texture(gl, texels, InputError(
+            scene_name, "", f"too many triangles to trace here: {self.count} texels of data, and a texture holds {most}"
+        ), SCENE_WIDTH)
