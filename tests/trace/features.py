@@ -1,4 +1,4 @@
-"""One scene a feature, that the raster and the path tracer both draw, and how far apart they may be.
+"""One scene for each feature, drawn by the raster and by the path tracer, with bounds for their difference.
 
 As a script, writes docs/raster-against-path.md: python tests/trace/features.py
 """
@@ -33,8 +33,8 @@ VIEW = orthographic(0.4, 0.3, height=2.1)
 
 @dataclass(frozen=True)
 class Feature:
-    """`mean` bounds |mean path / mean raster - 1|; `blocks` the root mean square, over 8 x 8 parts of the picture, of
-    the difference of their means, over the mean. `why` says where a difference comes from that is not noise."""
+    """`mean` bounds |mean path / mean raster - 1|. `blocks` bounds the root mean square difference of the means of 8 x
+    8 parts of the picture, divided by the mean. `why` explains a difference that is not noise."""
 
     name: str
     make: Callable[[], tuple[Scene, Camera]]
@@ -63,7 +63,7 @@ def asset(name: str, environment: str | None) -> Callable[[], tuple[Scene, Camer
 
 
 def pane() -> tuple[Scene, Camera]:
-    """A blended pane before half of a wall far behind it; its shadow falls beside the picture."""
+    """A blended pane in front of half of a wall far behind it. The shadow of the pane falls outside of the picture."""
     tinted = Material(base_color=(0.2, 0.6, 0.9, 0.4), metallic=0.0, specular=0.0, perceptual_roughness=1.0,
                       alpha_mode="blend", double_sided=True)
     model = scene((plate(0, half=3.0), moved((0, 0, -3))), (plate(1), moved((0.6, 0, 0))), materials=[WHITE, tinted],
@@ -72,7 +72,7 @@ def pane() -> tuple[Scene, Camera]:
 
 
 def window(roughness: float = 0.0) -> Callable[[], tuple[Scene, Camera]]:
-    """A coloured wall of glass without thickness, at a slant before half of a wall that shines."""
+    """A coloured thin-walled pane of glass, tilted, in front of half of an emissive wall."""
     def make() -> tuple[Scene, Camera]:
         glass = Material(base_color=(0.9, 0.6, 0.3, 1), metallic=0.0, perceptual_roughness=roughness, transmission=1.0,
                          double_sided=True)
@@ -85,7 +85,7 @@ def window(roughness: float = 0.0) -> Callable[[], tuple[Scene, Camera]]:
 
 
 def hollow_ball() -> tuple[Scene, Camera]:
-    """A shell of glass, three tenths of its radius thick."""
+    """A glass shell whose thickness is 0.3 times its radius."""
     outer = sphere(segments=128)
     hole = replace(outer, indices=np.ascontiguousarray(outer.indices.reshape(-1, 3)[:, ::-1]).ravel(),
                    normals=-outer.normals)
@@ -94,7 +94,7 @@ def hollow_ball() -> tuple[Scene, Camera]:
 
 
 def shadows() -> tuple[Scene, Camera]:
-    """A black ball, which gives no light back, on a floor under a sun from the side."""
+    """A black ball, which reflects no light, on a floor with a directional light from the side."""
     black = replace(WHITE, base_color=(0, 0, 0, 1))
     model = scene((plate(0, half=3.0), facing_floor()), (sphere(1, 64), moved((0, 0.5, 0), 0.5)),
                   materials=[WHITE, black], lights=(Light.from_angles(0.8, 0.9, 3.0),))
@@ -163,7 +163,7 @@ class Distance:
 
 
 def distance(feature: Feature, renderer: Renderer, tracer: Tracer) -> Distance:
-    """How far the path-traced picture is from the raster's, over what the model covers."""
+    """The difference between the path-traced picture and the raster's, over the pixels that the model covers."""
     model, camera = feature.make()
     size = (feature.size, feature.size)
     settings = {"background": "none", "specular_aa": "off"} | feature.settings

@@ -1,4 +1,4 @@
-"""GLSL of the tracer run on rows of numbers: one pixel a row."""
+"""Runs GLSL of the tracer on rows of numbers, one pixel for each row."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from viewer.gpu.program import compile_sources
 from viewer.gpu.source import assemble
 from viewer.trace.layout import shader_defines
 
-_WIDTH = 4096  # rows of numbers in a row of the textures
+_WIDTH = 4096  # rows of numbers in one row of the textures
 
 
 def evaluate(

@@ -1,4 +1,4 @@
-"""shaders/trace/material.glsl asked about hits, and the same worked out in float64 from the scene itself."""
+"""Interactions by shaders/trace/material.glsl for given hits, and the same computed in float64 from the scene."""
 
 from __future__ import annotations
 
@@ -79,8 +79,8 @@ def ask(context: Context, folder: Path, scene: Scene, hits: Hits) -> dict[str, n
 
 
 def expect(scene: Scene, geometry: TraceGeometry, hits: Hits) -> dict[str, np.ndarray]:
-    """Interaction in float64 from the scene's own numbers, without normal maps; `front` and `shading` are the
-    geometric normal of the front and the interpolated one before it is bent."""
+    """The Interaction in float64, computed from the scene without normal maps. `front` is the geometric normal of the
+    front side, `shading` the interpolated normal before it is bent."""
     names = ("position", "front", "shading", "area", "uv0", "uv1", "color")
     out: dict[str, list] = {name: [] for name in names}
     for k, t, (u, v) in zip(hits.instance, hits.triangle, hits.barycentric.astype(np.float64)):

@@ -1,4 +1,4 @@
-"""Path-traced pictures for tests: rendered to their end, and nothing in them but finite numbers."""
+"""Path-traced pictures for tests. They have all their samples, and all numbers in them are finite."""
 
 from __future__ import annotations
 
@@ -26,6 +26,6 @@ def picture(tracer: Tracer, scene: Scene, camera: Camera, size: tuple[int, int] 
 
 def halves(tracer: Tracer, scene: Scene, camera: Camera, size: tuple[int, int] = (32, 32), *, spp: int = 16,
            **settings: object) -> Halves:
-    """Two pictures of spp / 2 samples each and different seeds; radiance alone."""
+    """Radiance of two pictures with different seeds and spp / 2 samples each."""
     return Halves(*(picture(tracer, scene, camera, size, spp=spp // 2, seed=seed, **settings)[..., :3]
                     for seed in (11, 12)))

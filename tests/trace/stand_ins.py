@@ -1,4 +1,4 @@
-"""Scenes and wavefronts as the intersectors see them, without the rest of the tracer."""
+"""Stand-ins for scenes and wavefronts that have only what intersectors use."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def mesh(positions: object, triangles: object) -> Mesh:
 
 
 def sphere(rings: int, segments: int, radius: float = 1.0) -> Mesh:
-    """A closed one, whose triangles share their vertices."""
+    """A closed sphere whose triangles share vertices."""
     polar, around = np.pi * np.arange(1, rings) / rings, np.arange(segments)
     theta, phi = np.meshgrid(polar, 2 * np.pi * around / segments, indexing="ij")
     ring = np.stack([np.sin(theta) * np.cos(phi), np.cos(theta), np.sin(theta) * np.sin(phi)], -1).reshape(-1, 3)
@@ -58,14 +58,14 @@ def sphere(rings: int, segments: int, radius: float = 1.0) -> Mesh:
 
 
 def soup(count: int, size: float, seed: int = 0) -> Mesh:
-    """Triangles here and there in the unit cube, none of them near another's edge but by chance."""
+    """Random triangles in the unit cube, which do not share edges."""
     rng = np.random.default_rng(seed)
     centers = rng.uniform(-1, 1, (count, 1, 3))
     return mesh(centers + size * rng.normal(size=(count, 3, 3)), np.arange(3 * count))
 
 
 def make_wavefront(gl: moderngl.Context, size: tuple[int, int]) -> SimpleNamespace:
-    """Nothing in flight."""
+    """A wavefront whose paths are all idle."""
     names, zeros = ("origin", "direction", "shadow_origin", "shadow_vector"), bytes(16 * size[0] * size[1])
     textures = {name: gl.texture(size, 4, zeros, dtype="f4") for name in names}
     wavefront = SimpleNamespace(**textures, hit=gl.texture(size, 4, dtype="u4"))
@@ -75,7 +75,7 @@ def make_wavefront(gl: moderngl.Context, size: tuple[int, int]) -> SimpleNamespa
 
 
 def fill(wavefront: SimpleNamespace, **states: np.ndarray) -> None:
-    """Write state textures from their first rows, (rays, 3 or 4) each; the rest is zero."""
+    """Write arrays (rays, 3 or 4) to the first texels of state textures; the others become 0."""
     for name, values in states.items():
         texture = getattr(wavefront, name)
         texels = np.zeros((texture.width * texture.height, 4), np.float32)

@@ -1,4 +1,4 @@
-"""viewer/trace/scene/alias.py: the probabilities a table gives are the weights, whatever they are."""
+"""viewer/trace/scene/alias.py: the probabilities of a table are in proportion to the weights."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def probabilities(threshold: np.ndarray, alias: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("name", CASES)
 def test_probabilities(name):
-    """Each to 1e-12 of all, and what has no weight is never chosen."""
+    """Each probability is right to 1e-12, and entries of weight 0 are never chosen."""
     weights = np.asarray(CASES[name], np.float64)
     threshold, alias = alias_table(weights)
     assert threshold.shape == alias.shape == weights.shape and alias.dtype == np.uint32

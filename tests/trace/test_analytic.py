@@ -1,4 +1,4 @@
-"""Scenes whose radiance can be worked out on paper."""
+"""Scenes whose radiance is known analytically."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ FURNACE = {
 
 @pytest.mark.parametrize("name", FURNACE)
 def test_white_vanishes_in_the_furnace(tracer, name):
-    """In light of radiance 1 from everywhere what absorbs nothing cannot be seen."""
+    """A white furnace: in uniform light of radiance 1, a surface that absorbs nothing has radiance 1."""
     material, settings = FURNACE[name]
     model = scene(sphere(segments=96), materials=[material], environment=constant())
     both = halves(tracer, model, FRONT, (32, 32), spp=64, **settings)
@@ -44,7 +44,7 @@ def test_white_vanishes_in_the_furnace(tracer, name):
 
 
 def box(half: float = 1.0, **material) -> Scene:
-    """A closed room seen from within, each wall facing inwards."""
+    """A closed room seen from inside. Its walls face inwards."""
     low, high = -half, half
     walls = []
     for axis in range(3):
@@ -74,7 +74,7 @@ def test_a_closed_glowing_box(tracer, albedo, bounces):
 
 
 def test_a_directional_light_on_a_plane(tracer):
-    """rho / pi E cos(theta), without noise: the light has no size and the paths end there."""
+    """rho / pi E cos(theta), without noise, because the light has no size and the paths end after it."""
     grey = replace(WHITE, base_color=(0.8, 0.5, 0.2, 1))
     sun = Light.from_angles(0.0, np.radians(40), 3.0)
     model = scene((plate(), facing_floor()), materials=[grey], lights=(sun,))
@@ -95,7 +95,7 @@ def test_a_point_light_falls_with_the_square(tracer):
 
 
 def panel(radiance: float, half: float, height: float, **camera: float) -> tuple[Scene, Camera]:
-    """A white floor under a glowing square that faces it, and a camera on the middle of the floor."""
+    """A white floor under an emissive square that faces it, with the camera on the middle of the floor."""
     glow = Material(base_color=(0, 0, 0, 1), metallic=0.0, specular=0.0, emissive=(radiance,) * 3)
     down = np.eye(4)
     down[:3, :3] = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]], float)
@@ -118,7 +118,7 @@ def test_a_glowing_square(tracer, sampling, half, height):
 
 @pytest.mark.parametrize("depth", [0.25, 2.0])
 def test_absorption_by_distance(tracer, depth):
-    """A slab of index 1 neither reflects nor bends: what passes it is colour^(thickness / distance)."""
+    """A slab of index 1 does not reflect or refract. Its transmittance is colour^(thickness / distance)."""
     tinted = replace(GLASS, ior=1.0, attenuation_color=(0.9, 0.5, 0.1), attenuation_distance=0.5)
     front = plate(0, half=3.0)
     back = np.diag([-1.0, 1.0, -1.0, 1.0])
@@ -129,7 +129,7 @@ def test_absorption_by_distance(tracer, depth):
 
 
 def test_a_blended_pane_lets_through_what_it_does_not_cover(tracer):
-    """Coverage 0.25 of black before light of radiance 1."""
+    """A black surface of coverage 0.25 in front of light of radiance 1."""
     pane = Material(base_color=(0, 0, 0, 0.25), metallic=0.0, specular=0.0, perceptual_roughness=1.0,
                     alpha_mode="blend")
     model = scene((plate(half=3.0), moved((0, 0, 0))), materials=[pane], environment=constant())

@@ -1,4 +1,5 @@
-"""The atlas of images (viewer/trace/scene/atlas.py, shaders/trace/atlas.glsl): texels at their places, filtered."""
+"""The atlas of images (viewer/trace/scene/atlas.py, shaders/trace/atlas.glsl): each texel is at its place, and
+filtering is right."""
 
 from __future__ import annotations
 
@@ -22,11 +23,11 @@ from viewer.trace.scene.scene_buffer import SceneBufferBuilder
 
 LIMIT = 4096
 HALF = 2.0**-11
-"""What a half float rounds by."""
+"""The relative rounding error of a half float."""
 
 
 def header(width: int, height: int) -> TextureImage:
-    """An image of which only the size is known."""
+    """An image that has only a size."""
     return TextureImage("header", b"", width, height, "PNG")
 
 
@@ -127,7 +128,7 @@ def test_a_reduced_image_is_the_mean_of_its_texels(context, monkeypatch, is_srgb
     value = pixels / np.iinfo(dtype).max
     if is_srgb:
         value[..., :3] = srgb_to_linear(value[..., :3])
-    # Half a step of what the mean is stored in: 8 bits, for sRGB 2.3 times as wide where it is brightest
+    # Half a step of the 8 bits that store the mean; for sRGB the step is up to 2.3 times as wide
     np.testing.assert_allclose(found, value.reshape(32, 2, 32, 2, 4).mean(axis=(1, 3)), atol=0.51 * 2.3 / 255)
 
 
@@ -139,7 +140,7 @@ def test_a_broken_image_raises_its_name(context):
 
 
 def evaluate_texels(context, texture, width: int, height: int) -> np.ndarray:
-    """All texels as a shader sees them, (H, W, 4), one row of the picture at a time."""
+    """All texels as a shader reads them, (H, W, 4), fetched one row at a time."""
     import moderngl
 
     program = context.gl.program(
@@ -187,7 +188,7 @@ SAMPLERS = [Sampler(s, t, mag) for s, t, mag in
 
 
 def binder(table: moderngl.Texture, atlas: moderngl.Texture) -> Callable[[moderngl.Program], None]:
-    """What binds a table of buffer that begins with its maps, and the atlas with their images."""
+    """A function that binds a scene buffer, whose first section is the maps, and the atlas with their images."""
     def bind(program: moderngl.Program) -> None:
         for unit, (name, bound) in enumerate({"u_scene": table, "u_data_atlas": atlas}.items()):
             bound.use(unit)
@@ -210,7 +211,7 @@ def test_filters_and_wraps_are_opengls(context, tmp_path, size):
     buffer.add("maps", np.concatenate([map_texels(record, 1, atlas.layout.pages[image]) for record in records]))
     bind = binder(buffer.texture(context.gl), texture)
     random = np.random.default_rng(4)
-    # Multiples of 1/64 are exact however they are worked out; nearest is then asked off the texels' edges only.
+    # Multiples of 1/64 are exact. The filter `nearest` is then tested away from the edges of texels only.
     uv = (random.integers(-200, 200, (len(records), 60, 4)) + 0.37) / 64
     number = np.repeat(np.arange(len(records), dtype=np.uint32), 60)
     rows = np.concatenate([number[:, None], np.zeros((len(number), 3), np.uint32),
@@ -225,7 +226,7 @@ def test_filters_and_wraps_are_opengls(context, tmp_path, size):
             at = at @ matrix[:, :2].T + matrix[:, 2]
         expected = filtered(pixels / 255, at, record.sampler)
         close = np.abs(texels - expected).max(axis=1) < 1e-5
-        if record.sampler.mag_filter == "nearest":  # within rounding of an edge either texel will do
+        if record.sampler.mag_filter == "nearest":  # near an edge, either texel is right
             edge = np.abs(at * size - np.rint(at * size)).min(axis=1)
             close |= edge < 1e-5
         assert close.all(), (record, at[~close][:3], texels[~close][:3], expected[~close][:3])

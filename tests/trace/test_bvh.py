@@ -1,4 +1,4 @@
-"""Trees over boxes: complete, cheap and shallow enough, whatever the boxes are."""
+"""Trees over boxes are complete, have a low cost and a bounded depth for any boxes."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ def boxes(shape: Mesh) -> tuple[np.ndarray, np.ndarray]:
 
 
 def sweep_cost(lower: np.ndarray, upper: np.ndarray) -> float:
-    """Areas of the inner nodes by that of the root, of the tree that the full sweep of the heuristic makes: every node
-    is split where areas times counts are least, over all places and axes."""
+    """The sum of the areas of inner nodes over the area of the root, for the tree of a full sweep with the surface-area
+    heuristic: every node is split at the place and axis where areas times counts are least."""
     lower, upper = lower.astype(np.float64), upper.astype(np.float64)
     total, todo = 0.0, [np.arange(len(lower))]
     while todo:
@@ -45,7 +45,7 @@ def sweep_cost(lower: np.ndarray, upper: np.ndarray) -> float:
 def check_binary(tree: BinaryTree, lower: np.ndarray, upper: np.ndarray) -> None:
     count = len(lower)
     assert sorted(tree.leaves) == list(range(count))
-    assert sorted(tree.children.ravel()) == list(range(2 * count - 2))  # every node but the root is one node's child
+    assert sorted(tree.children.ravel()) == list(range(2 * count - 2))  # all but the root are one node's child
     for node, (left, right) in enumerate(tree.children, start=count):
         assert max(left, right) < node
     np.testing.assert_array_equal(tree.lower[:, :count], lower[tree.leaves].T)
@@ -55,7 +55,7 @@ def check_binary(tree: BinaryTree, lower: np.ndarray, upper: np.ndarray) -> None
 
 
 def check_wide(tree: Bvh4, lower: np.ndarray, upper: np.ndarray, max_leaf: int = wide.MAX_LEAF) -> None:
-    """Every primitive is in one leaf, in boxes that hold it; no walk has more waiting than the tree says."""
+    """Every primitive is in one leaf, inside all its boxes. No traversal needs a larger stack than the tree says."""
     seen: list[int] = []
     todo = [(tree.root, np.full(3, -np.inf), np.full(3, np.inf), 1)]
     while todo:
@@ -91,7 +91,7 @@ def test_a_tree_costs_about_what_the_full_sweep_costs(shape: Mesh) -> None:
 
 
 def nested(count: int, ratio: float) -> tuple[np.ndarray, np.ndarray]:
-    """Boxes inside boxes, all with the same corner."""
+    """Nested boxes that share a corner."""
     upper = (ratio ** -np.arange(count))[:, None] * np.ones(3)
     return np.zeros((count, 3), np.float32), upper.astype(np.float32)
 

@@ -13,7 +13,7 @@ from viewer.scene.scene import Scene
 from viewer.trace.paths.camera_rays import camera_uniforms
 
 SIZE = (640, 480)
-SCENE = Scene("empty")  # a unit cube about the origin
+SCENE = Scene("empty")  # its bounds are a unit cube around the origin
 PIXELS = np.random.default_rng(3).uniform(0, SIZE, (2000, 2)).astype(np.float32)
 
 
@@ -31,7 +31,7 @@ def rays(context, tmp_path, camera: Camera, pixels: np.ndarray = PIXELS, size=SI
 
 
 def pixel_of(camera: Camera, points: np.ndarray, size=SIZE) -> np.ndarray:
-    """Where points of tracer space are in the picture, float64."""
+    """The pixel coordinates of points in tracer space, float64."""
     frame = Frame(SCENE, camera, size)
     relative = points - (camera.eye - SCENE.center) / SCENE.radius
     across = relative @ camera.pose[:3, :2] * SCENE.radius
@@ -45,7 +45,7 @@ def pixel_of(camera: Camera, points: np.ndarray, size=SIZE) -> np.ndarray:
 @pytest.mark.parametrize("distance", [1e-3, 0.5, 3.0, 10.0, 1e3, 1e6])
 @pytest.mark.parametrize("is_flat", [False, True])
 def test_rays_are_in_their_pixels(context, tmp_path, distance, is_flat):
-    """Points 1/4 to 4 units down each ray (5 to 8 from near eyes) project to within 1e-3 pixel of where it started."""
+    """Points 1/4 to 4 units along each ray (5 to 8 for near eyes) project to within 1e-3 pixel of the ray's pixel."""
     fov = 2 * np.arctan(1.2 / max(distance, 2.0))
     camera = Camera.orbit((0.01, 0.02, -0.03), distance, 0.7, 0.4, fov)
     if is_flat:
@@ -55,7 +55,7 @@ def test_rays_are_in_their_pixels(context, tmp_path, distance, is_flat):
     assert (np.linalg.norm(o, axis=1) < 4).all()
     for t in (0.25, 2.0, 4.0):
         assert np.abs(pixel_of(camera, o + t * d) - PIXELS).max() < 1e-3
-    # Nothing of |p| <= 1 that is in front of the eye is behind the origin.
+    # No point with |p| <= 1 that is in front of the eye is behind the ray's origin.
     entry = -(o * d).sum(axis=1) - np.sqrt(np.maximum((o * d).sum(axis=1) ** 2 - (o * o).sum(axis=1) + 1, 0))
     eye = (camera.eye - SCENE.center) / SCENE.radius
     at_eye = np.linalg.norm(o - eye, axis=1) < 1e-6
@@ -65,7 +65,7 @@ def test_rays_are_in_their_pixels(context, tmp_path, distance, is_flat):
 
 
 def test_turned_away(context, tmp_path):
-    """An eye far away that looks elsewhere sees nothing of the scene, and what it looks along is exact."""
+    """The rays of a far eye that looks away from the scene miss the scene, and their directions are exact."""
     camera = Camera.look_at((1e6, 0, 0), (2e6, 1e5, 0))
     o, d = rays(context, tmp_path, camera)
     assert (np.linalg.norm(o, axis=1) > 1e5).all() and ((o * d).sum(axis=1) > 0).all()

@@ -1,4 +1,4 @@
-"""The denoisers on noise of known truth: how much better, what they must leave alone, and what they must survive."""
+"""The denoisers on synthetic noise: how much they reduce the error, what they must preserve, and extreme input."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from viewer.trace.denoise.denoiser import make_denoiser
 
 SIZE = 96
 HITS = np.s_[30:, :]
-"""Above is background."""
+"""The rows above are background."""
 
 
 @dataclass
 class Truth:
-    """A checkered floor that recedes, a shadow's edge across it, and a sphere; (H, W, 3), (H, W)."""
+    """A chequered floor in perspective with the edge of a shadow, and a sphere; (H, W, 3), (H, W)."""
 
     light: np.ndarray
     albedo: np.ndarray
@@ -49,7 +49,7 @@ def truth() -> Truth:
 
 
 def noisy(truth: Truth, samples: int, spread: float = 1.0, seed: int = 1) -> dict[str, np.ndarray]:
-    """What a tracer's film would hold: log-normal samples of relative variance `spread`; none in the background."""
+    """The arrays of a film with log-normal samples of relative variance `spread`, and no samples in the background."""
     rng = np.random.default_rng(seed)
     factors = rng.lognormal(-np.log1p(spread) / 2, np.sqrt(np.log1p(spread)), (samples, SIZE, SIZE, 1))
     factors[:, :30] = 1
@@ -87,7 +87,7 @@ def denoise(request, context, programs):
 
 
 def error(pixels: np.ndarray, truth: Truth) -> float:
-    """Relative root mean square error where something is hit."""
+    """Relative root mean square error over the pixels with hits."""
     relative = (pixels[..., :3] - truth.radiance) / (truth.radiance + 0.05)
     return float(np.sqrt((relative[HITS] ** 2).mean()))
 
@@ -101,7 +101,7 @@ def test_the_error_shrinks_by_a_factor(denoise, truth, samples, spread, fast, oi
 
 
 def test_it_fades_out_as_the_picture_converges(denoise, truth):
-    """The wavelet filter keeps below the error there is; a network need not (measured: 0.05)."""
+    """The wavelet filter does not increase the error; a network may (measured: 0.05)."""
     arrays = noisy(truth, 512, 0.1)
     raw, after = error(arrays["radiance"], truth), error(denoise(arrays), truth)
     assert after < (raw if denoise.kind == "fast" else 0.1)
@@ -116,7 +116,7 @@ def test_what_is_no_surface_stays_as_it_was(denoise, truth):
 
 
 def test_an_edge_of_the_light_stays_where_it_is(denoise, truth):
-    """The shadow's edge on the floor's lower part, at 64 samples of moderate noise: no pixel beside it mixes much."""
+    """At 64 samples of moderate noise, the pixels beside the shadow's edge on the lower floor do not mix much."""
     result = denoise(noisy(truth, 64, 0.5))
     edge = int(np.argmax(truth.light[95] == 0.15))
     light = (result[85:, :, :3] / truth.albedo[85:]).mean((0, 2))
@@ -125,8 +125,8 @@ def test_an_edge_of_the_light_stays_where_it_is(denoise, truth):
 
 
 def test_a_lamp_does_not_shine_into_its_surroundings(denoise):
-    """A lamp of 100 whose outline runs through pixels, at 16 samples: what is around it gets none of its light, and its
-    own is as it was."""
+    """A lamp of radiance 100 whose outline crosses pixels, at 16 samples: its surroundings get none of its light, and
+    its own radiance does not change."""
     inside = np.clip(12.5 - np.hypot(*(np.mgrid[0:SIZE, 0:SIZE] - 55.0)), 0, 1)
     samples = np.random.default_rng(2).random((16, SIZE, SIZE)) < inside
     values = np.where(samples[..., None], 100, 0.5) * np.ones(3)
@@ -143,7 +143,7 @@ def test_a_lamp_does_not_shine_into_its_surroundings(denoise):
 
 
 def test_the_light_is_kept(denoise, truth):
-    """Its mean to 1 %; a network may lose some, more of heavy tails."""
+    """The mean stays the same to 1 %. A network may lose light, more if the noise has heavy tails."""
     for samples, spread in ((1, 1), (4, 10), (64, 10)):
         arrays = noisy(truth, samples, spread)
         ratio = denoise(arrays)[HITS][..., :3].mean() / arrays["radiance"][HITS][..., :3].mean()
@@ -162,8 +162,11 @@ def test_a_constant_stays_constant(denoise, truth):
 
 
 def test_fireflies_and_suns_leave_no_ring(denoise, truth):
-    """Light between the smallest and the largest that went in; nothing negative, no NaN, nothing lost."""
-    truth = replace(truth, albedo=0 * truth.albedo + 0.5)  # what passes from a bright texel to a dark one is dimmed
+    """The output lies between the smallest and the largest input.
+
+    It has no negative value and no NaN, and no light is lost.
+    """
+    truth = replace(truth, albedo=0 * truth.albedo + 0.5)  # light that moves to a darker texel is dimmed
     arrays = noisy(truth, 4)
     spots = np.random.default_rng(5).integers(32, SIZE, (40, 2))
     for number, (row, column) in enumerate(spots):

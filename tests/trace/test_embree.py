@@ -1,4 +1,4 @@
-"""Rays through Embree, as hits of instances."""
+"""Rays traced with Embree give hits of instances."""
 
 from __future__ import annotations
 
@@ -71,13 +71,13 @@ def test_many_instances_keep_their_numbers(context: Context) -> None:
     geometry = Geometry([sphere(4, 6), SQUARE], [Instance(i % 2, transform) for i, transform in enumerate(small)])
     embree = make_intersector(context, geometry, kind="embree")
     target = rng.permutation(3000)[:500]
-    # From just above, a little off the spheres' poles and the squares' diagonals.
+    # Rays start just above the surfaces, a little beside the spheres' poles and the squares' diagonals.
     hits = trace(context, embree, places[target] + (2e-4, 3e-4, 0.002), np.repeat(DOWN, 500, axis=0))
     np.testing.assert_array_equal(hits[:, 0], target)
 
 
 class Panes:
-    """In place of the shaders' answer: instance 0 lets all rays through, others none."""
+    """Stands for the shader's decision: all rays pass instance 0, none pass the others."""
 
     def __init__(self) -> None:
         self.asked = 0
@@ -95,7 +95,8 @@ def test_shadow_rays_go_through_what_lets_them(context: Context, monkeypatch: py
     origin = np.array([(0.3, 0.1, 1.0), (0.3, 0.1, 1.0), (0.3, 0.1, 1.0), (0.3, 0.1, -0.3)])
     vector = DOWN * [[0.4], [0.9], [1.2], [0.4]]
     hits = trace(context, embree, origin, np.repeat(DOWN, 4, axis=0), origin, vector)
-    # None in the way; the first pane; both panes; what is solid. The nearest hit is the first pane all the same.
+    # The vectors cross no pane, the first pane, both panes, and the opaque square. The nearest hit is always the first
+    # pane.
     np.testing.assert_array_equal(hits[:, 0], np.array([FREE, FREE, 0, 2], np.uint32))
     assert panes.asked == 3
 

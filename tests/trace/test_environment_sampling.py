@@ -1,4 +1,4 @@
-"""The environment as a light: its samples, their densities and what they add up to, against float64."""
+"""The environment as a light: samples, densities and estimates, compared with float64."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ CASES = [(name, angle) for name in MAPS for angle in (0.0, 1.1)]
 
 
 class Sampled:
-    """`environment` on the GPU; `samples` (N, 3) directions and (N,) pdf, `look` (N, 3) radiance and (N,) pdf."""
+    """`environment` on the GPU. `samples` gives directions (N, 3) and pdf (N,), `look` radiance (N, 3) and pdf (N,)."""
 
     def __init__(self, context, folder, radiance: np.ndarray, angle: float = 0.0, intensity: float = 1.0) -> None:
         self.context, self.folder = context, folder
@@ -72,13 +72,13 @@ def numbers(count: int, seed: int = 1) -> np.ndarray:
 
 
 def turned(d: np.ndarray, angle: float) -> np.ndarray:
-    """World to map."""
+    """Rotates directions from the world to the map."""
     c, s = np.cos(angle), np.sin(angle)
     return np.stack([c * d[:, 0] - s * d[:, 2], d[:, 1], s * d[:, 0] + c * d[:, 2]], axis=1)
 
 
 def bilinear(radiance: np.ndarray, d: np.ndarray) -> np.ndarray:
-    """(N, 3) float64: the map's look-up in directions of its own frame, wrapped in u and clamped in v."""
+    """(N, 3) float64: the bilinear look-up in directions of the map's frame, wrapped in u and clamped in v."""
     height, width = radiance.shape[:2]
     x = (0.5 + np.arctan2(d[:, 2], d[:, 0]) / (2 * np.pi)) * width - 0.5
     y = np.arctan2(np.hypot(d[:, 0], d[:, 2]), d[:, 1]) / np.pi * height - 0.5
@@ -102,7 +102,7 @@ def sphere_points(n: int) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize(("name", "angle"), CASES)
 def test_radiance_is_the_bilinear_map(context, tmp_path, name, angle):
-    """Everywhere, at the seam and the poles too: to 1e-5 of the map's brightest texel."""
+    """The radiance is right to 1e-5 of the map's brightest texel, also at the seam and the poles."""
     edges = [[0, 1, 0], [0, -1, 0], [-1, 0, 0], [-1, 0, 1e-9]]
     d = np.concatenate([np.random.default_rng(4).normal(size=(3000, 3)), edges])
     d /= np.linalg.norm(d, axis=1, keepdims=True)
@@ -113,7 +113,7 @@ def test_radiance_is_the_bilinear_map(context, tmp_path, name, angle):
 
 @pytest.mark.parametrize("name", MAPS)
 def test_samples_have_their_density(context, tmp_path, name):
-    """environment_pdf of a sample's direction is the sample's own, but for 1 in 1000 at the edges of cells."""
+    """environment_pdf of a sample's direction is the sample's pdf, except for 1 in 1000 at the edges of cells."""
     for angle in (0.0, 2.5):
         sampled = Sampled(context, tmp_path, MAPS[name], angle)
         d, pdf = sampled.samples(numbers(20000))
@@ -125,9 +125,9 @@ def test_samples_have_their_density(context, tmp_path, name):
 
 @pytest.mark.parametrize(("name", "angle"), CASES)
 def test_density(context, tmp_path, name, angle):
-    """It integrates to 1 over the sphere, and is positive wherever there is light."""
+    """The density integrates to 1 over the sphere and is positive wherever the map is not black."""
     sampled = Sampled(context, tmp_path, MAPS[name], angle)
-    points, solid_angles = sphere_points(560)  # divided by all the maps' sides
+    points, solid_angles = sphere_points(560)  # a multiple of all the maps' sides
     to_world = turned(points, -angle)
     radiance, pdf = sampled.look(to_world)
     assert (pdf * solid_angles).sum() == pytest.approx(1, abs=2e-4)
@@ -136,7 +136,7 @@ def test_density(context, tmp_path, name, angle):
 
 @pytest.mark.parametrize(("name", "angle"), CASES)
 def test_histogram(context, tmp_path, name, angle):
-    """Pearson's test over cells cut in four; exactly their share by solid angle."""
+    """Pearson's test over quarters of cells, whose expected shares follow from their solid angles."""
     sampled = Sampled(context, tmp_path, MAPS[name], angle)
     d = turned(sampled.samples(numbers(200000))[0], angle)
     densities, _ = cell_densities(MAPS[name])
@@ -153,7 +153,7 @@ def test_histogram(context, tmp_path, name, angle):
 
 @pytest.mark.parametrize("name", MAPS)
 def test_irradiance(context, tmp_path, name):
-    """Light samples alone estimate the irradiance of planes as quadrature in float64 has it: within 4.5 deviations."""
+    """Light samples estimate the irradiance of planes to within 4.5 standard deviations of quadrature in float64."""
     angle = 0.8
     sampled = Sampled(context, tmp_path, MAPS[name], angle)
     d, pdf = sampled.samples(numbers(400000))
@@ -169,7 +169,7 @@ def test_irradiance(context, tmp_path, name):
 
 
 def test_sun_is_chosen():
-    """A texel of 1e5 in a map of 1 gets nearly all samples; the rest keep the floor's share of their light."""
+    """A texel of 1e5 in a map of 1 gets nearly all samples. The others keep the density of the floor."""
     densities, solid_angles = cell_densities(sun_map(64, 128))
     shares = densities * solid_angles
     assert shares[15:18, 41:44].sum() > 0.99
@@ -177,19 +177,19 @@ def test_sun_is_chosen():
 
 
 def test_compensation():
-    """Light from all around is left to the BSDF's samples: its density is a tenth of what it is without."""
+    """The density of uniform light is a tenth of what it would be without MIS compensation."""
     radiance = np.full((32, 64, 3), 1.0, np.float32)
     radiance[8, 20] = 1000
     densities, solid_angles = cell_densities(radiance)
     mean = 1 + 999 * solid_angles[8, 20] / (4 * np.pi)
-    # The look-up's mean over the sun's texel is 9/16 of the way to its top.
+    # The mean of the bilinear look-up over the sun's texel is 9/16 of its peak.
     expected = 0.1 / (1 + 999 * 9 / 16 - mean)
     assert densities[30, 5] / densities[8, 20] == pytest.approx(expected, rel=1e-3)
 
 
 @pytest.mark.parametrize("limit", [(16, 4), (5, 3), (1, 1)])
 def test_large_map_in_blocks(context, tmp_path, monkeypatch, limit):
-    """Cells of several texels, cut off at the edges: densities integrate to 1 and samples have them."""
+    """For cells of several texels, cut off at the edges, densities integrate to 1 and samples follow them."""
     monkeypatch.setattr(module, "MAX_CELLS", limit)
     radiance = sun_map(14, 20)
     sampled = Sampled(context, tmp_path, radiance)

@@ -1,4 +1,4 @@
-"""The film: sums at their places, means, and how sure they are."""
+"""The film: sums at their places, means, and estimates of the error."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def programs(context) -> Programs:
 
 
 def film_of(context, programs, samples: np.ndarray) -> Film:
-    """A film that has gathered `samples`, (n, H, W, 3), all of them opaque; NaN is none."""
+    """A film with `samples`, (n, H, W, 3), all of them opaque; NaN stands for no sample."""
     height, width = samples.shape[1:3]
     film = Film(context.gl, programs, (width, height), has_layers=False)
     known = np.isfinite(samples).all(axis=-1)
@@ -30,7 +30,7 @@ def film_of(context, programs, samples: np.ndarray) -> Film:
 
 
 def test_a_waves_blocks_come_to_their_tiles(context, programs):
-    """Cut off at the picture's edge, added where a tile is in several blocks, and no other block is taken."""
+    """Blocks are cut off at the picture's edge, several blocks of one tile are added, and no other block is."""
     film = Film(context.gl, programs, (40, 20), has_layers=True)
     wavefront = Wavefront(context.gl, 4, 2, has_medium=False, has_layers=True)
     work = [Work(0, 0, 0, 1), Work(2, 1, 0, 1), Work(2, 1, 1, 1), Work(1, 0, 0, 1)]
@@ -73,7 +73,7 @@ def test_nothing_gathered_is_black_and_unsure(context, programs):
 
 
 def test_the_error_of_a_tile_is_its_pixels_variance(context, programs):
-    """Of an even picture, whose pixels' surroundings are as bright as they are."""
+    """The estimate for a uniform picture, in which every pixel is as bright as its neighbours."""
     samples = 5 + np.random.default_rng(2).normal(0, 0.5, (400, 20, 40, 3))
     film = film_of(context, programs, samples)
     tiles = film.tile_errors()
@@ -88,8 +88,8 @@ def test_the_error_of_a_tile_is_its_pixels_variance(context, programs):
 
 
 def test_a_lucky_pixel_does_not_vouch_for_itself(context, programs):
-    """One sample of a hundred is 1000, all others are 1: the deviation of that pixel's mean is 10, ten times what it
-    ought to be."""
+    """One sample of a hundred is 1000, all others are 1. The standard deviation of that pixel's mean is 10, ten times
+    its true mean."""
     samples = np.ones((100, 16, 16, 3))
     samples[7, 8, 8] = 1000
     film = film_of(context, programs, samples)
@@ -98,8 +98,8 @@ def test_a_lucky_pixel_does_not_vouch_for_itself(context, programs):
 
 
 def test_a_lamp_in_the_dark_does_not_look_uncertain(context, programs):
-    """A pixel that a quarter of 400 samples see at 1e4, and black around it: relative deviation sqrt(3 / 400) = 0.087
-    of its mean, 0.095 of its mean less the deviation."""
+    """A quarter of a pixel's 400 samples are 1e4, and its neighbours are black. Its standard deviation is sqrt(3 / 400)
+    = 0.087 of its mean, and 0.095 of its mean minus the deviation."""
     samples = np.zeros((400, 16, 16, 3))
     samples[::4, 8, 8] = 1e4
     film = film_of(context, programs, samples)

@@ -1,4 +1,4 @@
-"""viewer/trace/scene/geometry.py: which triangles there are, where, and what they are made of."""
+"""viewer/trace/scene/geometry.py: the triangles of a scene, their places and materials."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_all_lies_in_the_unit_ball_where_the_scene_has_it(scale, offset):
         mesh = shape.meshes[source.mesh]
         world = mesh.positions.astype(np.float64) @ source.transform[:3, :3].T + source.transform[:3, 3]
         expected = ((world - shape.center) / shape.radius)[mesh.indices.reshape(-1, 3)]
-        # Positions round to float32 by their mesh's size; places are known as float64 knows them.
+        # Positions are rounded to float32 relative to their mesh's size; transforms are float64.
         assert np.abs(placed(geometry, instance) - expected).max() < 2.0**-24 + 4 * offset / scale * 2.0**-52
         farthest = max(farthest, np.linalg.norm(placed(geometry, instance), axis=-1).max())
         assert instance.is_mirrored == (instance.source == 0)

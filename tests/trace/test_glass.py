@@ -1,4 +1,4 @@
-"""Glass whose pictures can be worked out on paper: walls and slabs seen along their normals, and mixtures."""
+"""Glass whose pictures are known analytically: panes and slabs seen along their normals, and mixtures."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ R = ((1.5 - 1) / (1.5 + 1)) ** 2
 
 
 def box(x: float, y: float, z: float) -> Mesh:
-    """Closed, its faces outwards, from -x to x and so on."""
+    """A closed box from (-x, -y, -z) to (x, y, z) whose faces point outwards."""
     points, normals = [], []
     for axis in range(3):
         for side in (-1.0, 1.0):
@@ -43,7 +43,7 @@ def mean(tracer, model: Scene, camera: Camera = FRONT, spp: int = 64, **settings
 
 
 def test_a_wall(tracer):
-    """2 R / (1 + R) comes back and the rest goes through, tinted once."""
+    """2 R / (1 + R) is reflected, and the rest is transmitted and tinted once."""
     wall = replace(GLASS, base_color=(0.9, 0.5, 0.1, 1), double_sided=True)
     found = mean(tracer, scene(plate(half=4.0), materials=[wall], environment=constant()))
     back = 2 * R / (1 + R)
@@ -51,7 +51,8 @@ def test_a_wall(tracer):
 
 
 def test_a_slab_absorbs(tracer):
-    """R + T^2 a / (1 - R a) of light from all around: all that goes to and fro, a of it left at each crossing."""
+    """The radiance is R + T^2 a / (1 - R a) in uniform light: the sum over internal reflections, with transmittance a
+    per crossing."""
     slab = replace(GLASS, thickness=1.0, attenuation_distance=0.25, attenuation_color=(0.8, 0.3, 0.01))
     found = mean(tracer, scene(box(4, 4, 0.25), materials=[slab], environment=constant()))
     a = np.array([0.8, 0.3, 0.01]) ** 2
@@ -60,8 +61,8 @@ def test_a_slab_absorbs(tracer):
 
 @pytest.mark.parametrize("sampling", ["bsdf", "lights"])
 def test_light_from_outside_of_an_open_mesh_is_absorbed_alike(tracer, sampling):
-    """Behind a single sheet of solid glass all is medium: light samples and directions both have come from afar in
-    it."""
+    """Behind a single sheet of solid glass there is only medium. Light samples and BSDF samples travel the same
+    distance in it."""
     glass = replace(GLASS, perceptual_roughness=0.5, thickness=1.0, attenuation_distance=1.0,
                     attenuation_color=(0.9, 0.7, 0.4))
     sheet = scene(plate(), materials=[glass], environment=constant())
@@ -76,7 +77,8 @@ def test_a_slab_is_tinted_once_on_the_way_through(tracer):
 
 
 def test_what_is_inside_is_seen_through_all_of_the_way(tracer):
-    """A lamp in a slab, behind a pane that alpha leaves open: absorbed from the front on, and spread by the index."""
+    """A lamp in a slab behind a pane of coverage 0: the slab absorbs all the way from its front, and radiance is
+    divided by the index squared."""
     slab = replace(GLASS, thickness=1.0, attenuation_distance=0.25, attenuation_color=(0.8, 0.3, 0.01))
     pane = Material(base_color=(1, 1, 1, 0), metallic=0.0, alpha_mode="blend")
     lamp = Material(base_color=(0, 0, 0, 1), metallic=0.0, specular=0.0, emissive=(4.0, 4.0, 4.0))
@@ -87,7 +89,7 @@ def test_what_is_inside_is_seen_through_all_of_the_way(tracer):
 
 
 def test_from_inside_a_ball_light_is_absorbed_on_the_way(tracer):
-    """From its middle every way out is a radius long, and meets the surface along the normal."""
+    """From the middle of the sphere, every way out is one radius long and crosses the surface along its normal."""
     ball = replace(GLASS, thickness=1.0, attenuation_distance=1.0, attenuation_color=(0.5, 0.2, 0.9))
     model = scene(sphere(segments=192), materials=[ball], environment=constant())
     camera = Camera.look_at((0, 0, 0), (0, 0.3, -1), fov_y=1.0)
@@ -98,7 +100,7 @@ def test_from_inside_a_ball_light_is_absorbed_on_the_way(tracer):
 
 @pytest.mark.parametrize("thickness", [0.0, 1.0])
 def test_a_mixture_is_the_sum_of_its_parts(tracer, thickness):
-    """transmission 0.4 and metallic 0.3: one bounce is linear in both."""
+    """With transmission 0.4 and metallic 0.3, one bounce is linear in both."""
     base = Material(base_color=(0.8, 0.4, 0.2, 1), perceptual_roughness=0.5, thickness=thickness, double_sided=True)
     model = scene(plate(half=4.0), materials=[base], environment=lit())
 
@@ -111,7 +113,7 @@ def test_a_mixture_is_the_sum_of_its_parts(tracer, thickness):
 
 
 def test_lights_and_lobes_agree(tracer):
-    """Rough glass in front of a small bright patch: found by the lobe, and by sampling the environment."""
+    """Rough glass in front of a small bright patch, which both BSDF samples and light samples find."""
     model = scene(plate(half=4.0), materials=[replace(GLASS, perceptual_roughness=0.6, double_sided=True)],
                   environment=lit(behind=True))
     both = halves(tracer, model, FRONT, (16, 16), spp=256)
@@ -130,7 +132,7 @@ def test_lights_and_lobes_agree(tracer):
 
 
 def test_without_specular_nothing_reflects(tracer):
-    """And f90 with it: at a slant, too."""
+    """The factor applies to f90, too, so that it also shows at grazing angles."""
     wall = replace(GLASS, specular=0.0, double_sided=True, base_color=(0.7, 0.7, 0.7, 1))
     model = scene(plate(half=40.0), materials=[wall], environment=constant())
     for camera in (FRONT, tilted()):
@@ -152,7 +154,7 @@ def tilted() -> Camera:
 
 
 def lit(behind: bool = False) -> Environment:
-    """A bright patch on the viewer's side, or beyond."""
+    """A bright patch on the viewer's side, or on the other side."""
     d = texel_directions(64, 128)
     axis = np.array([0.3, 0.2, -1.0 if behind else 1.0])
     patch = np.exp(60 * (d @ (axis / np.linalg.norm(axis)) - 1))

@@ -1,4 +1,4 @@
-"""shaders/trace/interaction.glsl against float64: positions to units in the last place, normals, frames, all scales."""
+"""shaders/trace/interaction.glsl against float64: positions, normals and frames at all scales."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from viewer.scene.tangents import any_tangents
 from viewer.trace.scene.geometry import trace_geometry
 
 ULP = 2.0**-23
-"""Of 1, tracer space's largest coordinate."""
+"""A unit in the last place of 1, the largest coordinate of tracer space."""
 COUNT = 4000
 RANDOM = np.random.default_rng(7)
 
 
 def turned(seed: int, scale=(1.0, 1.0, 1.0), offset=(0.0, 0.0, 0.0)) -> np.ndarray:
-    """A rotation after a scale, whose sign may mirror."""
+    """A rotation after a scale, which may be negative."""
     q, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
     matrix = np.eye(4)
     matrix[:3, :3] = q * np.sign(np.linalg.det(q)) @ np.diag(scale)
@@ -32,7 +32,7 @@ def turned(seed: int, scale=(1.0, 1.0, 1.0), offset=(0.0, 0.0, 0.0)) -> np.ndarr
 
 
 def soup(seed: int, offset: float = 0.0) -> Mesh:
-    """Triangles with smooth normals that are not far from theirs, two UV sets and colours."""
+    """Triangles with smooth normals near their geometric normals, two UV sets and colours."""
     random = np.random.default_rng(seed)
     positions = (random.uniform(-1, 1, (60, 3, 3)) + offset).astype(np.float32)
     face = np.cross(positions[:, 1] - positions[:, 0], positions[:, 2] - positions[:, 0])
@@ -69,10 +69,10 @@ def test_everything_agrees_with_float64(context, tmp_path):
     assert np.percentile(np.abs(found["n_geometric"] - side * expected["front"])[sure], 99) < 2e-6
     np.testing.assert_allclose(found["area"], expected["area"], rtol=2e-5, atol=1e-9)
     np.testing.assert_allclose(found["color"], expected["color"], atol=1e-6)
-    # Neither uv set is read by any map, so the second is not there.
+    # No map reads the second UV set, so it is left out.
     np.testing.assert_allclose(found["uv0"], expected["uv0"], atol=1e-6)
     bent = bend(expected["shading"], side * expected["front"], wo)
-    grazing = np.abs(facing) < 0.02  # where bending magnifies what the geometric normal is off
+    grazing = np.abs(facing) < 0.02  # where bending magnifies the error of the geometric normal
     assert np.abs(found["n"] - bent)[~grazing].max() < 1e-3
     assert np.percentile(np.abs(found["n"] - bent)[~grazing], 99) < 1e-5
 
@@ -107,7 +107,7 @@ def test_place_makes_no_difference(context, tmp_path, distance):
                                         for i in ALL.instances))
     hits = random_hits(trace_geometry(ALL), 500, 3)
     a, b = (ask(context, tmp_path, each, hits) for each in (ALL, away))
-    # What float64 itself can tell that far out
+    # The precision of float64 that far out
     assert np.abs(a["position"] - b["position"]).max() < ULP + 8 * distance * 2.0**-52
 
 
@@ -129,7 +129,7 @@ def test_flat_meshes_and_missing_normals_have_the_triangles_own(context, tmp_pat
     flat = scene((bare, tilted), (zero, tilted), (opposed, tilted))
     hits = random_hits(trace_geometry(flat), 600)
     last = hits.instance == 2
-    hits.barycentric[last] = (0.5, 0.0)  # where the first edge's normals cancel
+    hits.barycentric[last] = (0.5, 0.0)  # where the normals of the first edge cancel
     hits.triangle[last] = 0
     found = ask(context, tmp_path, flat, hits)
     side = np.sign(hits.wo @ tilted[:3, 2])[:, None]
@@ -147,7 +147,7 @@ def test_triangles_without_area_and_squashed_instances_give_numbers(context, tmp
         assert np.isfinite(found[name]).all(), name
     for name in ("n_geometric", "n", "t", "b"):
         np.testing.assert_allclose(np.linalg.norm(found[name], axis=1), 1, atol=1e-5)
-    flat = hits.instance == 1  # squashed along its normal it is the plate it was
+    flat = hits.instance == 1  # squashing a plate along its normal does not change it
     assert np.abs(np.abs(found["n"][flat]) - [0, 0, 1]).max() < 1e-6
 
 
@@ -162,7 +162,7 @@ def test_emitters_are_numbered_through(context, tmp_path):
 
 
 def cones(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Shading normals anywhere, geometric normals, and directions above those, many of them grazing."""
+    """Arbitrary shading normals, geometric normals, and directions above the surface, many of them grazing."""
     random = np.random.default_rng(11)
     n, g, o = (v / np.linalg.norm(v, axis=1, keepdims=True) for v in random.normal(size=(3, count, 3)))
     grazing = random.uniform(size=count) < 0.5
@@ -184,8 +184,8 @@ def test_bent_normals_in_float64():
     mirrored = 2 * cos[:, None] * bent - o
     assert (cos >= (cos_g + lift) / 2 - 1e-9).all()
     assert (np.einsum("ij,ij->i", mirrored, g) >= lift * (1 - 1e-6) - 1e-9).all()
-    np.testing.assert_allclose(bend(-n, g, o), bent, atol=1e-9)  # whichever way the normal was stored
-    np.testing.assert_allclose(bend(g, g, o), g, atol=1e-6)  # nothing is done where nothing need be
+    np.testing.assert_allclose(bend(-n, g, o), bent, atol=1e-9)  # the sign of the stored normal does not matter
+    np.testing.assert_allclose(bend(g, g, o), g, atol=1e-6)  # the geometric normal is not changed
     step = 1e-7 * np.roll(n, 1, axis=0)
     moved_n = (n + step) / np.linalg.norm(n + step, axis=1, keepdims=True)
     change = np.linalg.norm(bend(moved_n, g, o) - bent, axis=1)
@@ -202,7 +202,7 @@ def test_bent_normals_in_the_shader(context, tmp_path):
     height = np.einsum("ij,ij->i", mirrored, g.astype(np.float64))
     cos_g = np.einsum("ij,ij->i", g.astype(np.float64), o.astype(np.float64))
     assert cos.min() > 0
-    # Directions within 1e-6 of the horizon keep the geometric normal, to which float32 knows them to about 1e-7.
+    # Directions within 1e-6 of the horizon keep the geometric normal; float32 resolves their height to about 1e-7.
     assert (height > 0)[cos_g > 1e-6].all() and height.min() > -2e-7
     clear = cos_g > 0.03
     assert np.abs(found - bend(*(v.astype(np.float64) for v in (n, g, o))))[clear].max() < 1e-4
@@ -218,7 +218,7 @@ def test_new_origins_are_off_the_surface_and_close_to_it(context, tmp_path):
     rows = np.concatenate([p, n], axis=1)
     found = evaluate(context, tmp_path, "trace/offset_origin.glsl", body, rows)[:, 0, :3]
     step = np.einsum("ij,ij->i", found - p.astype(np.float64), n)
-    # Positions are off by 2 ulps of 1; 256 ulps of 1/32 are the least along an axis.
+    # The error of positions is 2 ulps of 1; the least offset along an axis is 256 ulps of 1/32.
     assert step.min() > 2 * ULP and step.max() < 2 * 256 * ULP
 
 
@@ -228,7 +228,7 @@ def test_directions_along_the_triangle_give_frames(context, tmp_path):
     mesh = grazing.meshes[0]
     corner = mesh.indices.reshape(-1, 3)[hits.triangle]
     edge = mesh.positions[corner[:, 1]] - mesh.positions[corner[:, 0]]
-    wo = edge + 1e-6 * hits.wo  # along the triangle, to within the last digits
+    wo = edge + 1e-6 * hits.wo  # along the triangle, up to the last digits
     length = np.linalg.norm(wo, axis=1, keepdims=True)
     wo = np.where(length > 1e-3, wo / np.maximum(length, 1e-9), hits.wo)
     found = ask(context, tmp_path, grazing, Hits(hits.instance, hits.triangle, hits.barycentric, wo.astype(np.float32)))

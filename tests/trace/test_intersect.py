@@ -1,4 +1,4 @@
-"""Both intersectors, with Embree as the judge of ours, and float64 of both."""
+"""Both intersectors: our BVH is compared with Embree, and both with float64."""
 
 from __future__ import annotations
 
@@ -38,7 +38,8 @@ def rotation(rng: np.random.Generator) -> np.ndarray:
 
 
 def placed() -> Geometry:
-    """Small and large, mirrored, sheared, turned; of a closed mesh, of a soup, of two triangles."""
+    """Instances of a closed mesh, of a triangle soup and of two triangles: small, large, mirrored, sheared and
+    rotated."""
     rng = np.random.default_rng(1)
     square = mesh([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], [(0, 1, 2), (0, 2, 3)])
     shapes = [sphere(20, 24), soup(300, 0.1, seed=2), square]
@@ -53,7 +54,8 @@ def placed() -> Geometry:
 
 
 def distances(geometry: Geometry, hits: np.ndarray, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
-    """How far the hits are, float64, from their instances, triangles and barycentrics; infinite where there is none."""
+    """Distances of the hits in float64, computed from their instances, triangles and barycentrics; infinite for a
+    miss."""
     t = np.full(len(hits), np.inf)
     for ray in np.flatnonzero(hits[:, 0] & ~np.uint32(FREE) != MISS):
         instance = geometry.instances[hits[ray, 0] & INSTANCE_MASK]
@@ -101,7 +103,7 @@ def test_the_nearest_is_what_float64_finds(context: Context, kind: str) -> None:
     nearest = t.argmin(axis=1)
     expected = np.where(np.isfinite(t.min(axis=1)), nearest, -1)
     found = np.where(hits[:, 0] == MISS, -1, hits[:, 1].astype(np.int64))
-    clear = (np.abs(inside) > 1e-5).all(axis=1)  # not within rounding of an edge
+    clear = (np.abs(inside) > 1e-5).all(axis=1)  # farther from an edge than the rounding error
     assert clear.mean() > 0.9
     np.testing.assert_array_equal(found[clear], expected[clear])
 
@@ -121,7 +123,7 @@ def closed(name: str) -> Geometry:
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", ["cube", "sphere", "instances"])
 def test_nothing_leaks_through_edges_and_corners(context: Context, name: str, kind: str) -> None:
-    """Rays from within a closed mesh, aimed at points on its edges and at its vertices as exactly as float32 can."""
+    """Rays from inside a closed mesh, aimed in float32 at points on its edges and at its vertices."""
     geometry = closed(name)
     shape, transform = geometry.meshes[0], geometry.instances[0].transform
     corners = shape.positions.astype(np.float64)[shape.triangles] @ transform[:, :3].T + transform[:, 3]
@@ -132,8 +134,8 @@ def test_nothing_leaks_through_edges_and_corners(context: Context, name: str, ki
     origin = (transform[:, 3] + 0.02 * rng.normal(size=(RAYS, 3)) * (rng.random((RAYS, 1)) < 0.5)).astype(np.float32)
     direction = (target - origin).astype(np.float32)
     hits = trace(context, make_intersector(context, geometry, kind=kind), origin, direction, origin, 1.5 * direction)
-    # Ours is watertight. Embree's robust mode has a gap at some vertices, of no size: one in some 10^4 of such rays
-    # finds it (and one in 20 an edge without that mode).
+    # Our BVH is watertight. With Embree's robust mode, about one in 10^4 of such rays misses at a vertex; without that
+    # mode, one in 20 misses at an edge.
     allowed = 1e-3 * RAYS if kind == "embree" else 0
     assert np.count_nonzero(hits[:, 0] & ~np.uint32(FREE) == MISS) <= allowed
     assert np.count_nonzero(hits[:, 0] & FREE) <= allowed
@@ -141,7 +143,7 @@ def test_nothing_leaks_through_edges_and_corners(context: Context, name: str, ki
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_rays_along_the_axes_and_in_the_planes_of_boxes(context: Context, kind: str) -> None:
-    """A floor of squares, hit from above and below exactly at their corners, where a direction has zeros."""
+    """A floor of squares, hit from above and below exactly at the corners. The directions have components of 0."""
     size = 16
     x, z = np.meshgrid(np.arange(size + 1), np.arange(size + 1), indexing="ij")
     corner = (np.arange(size)[:, None] * (size + 1) + np.arange(size)).ravel()
@@ -170,12 +172,12 @@ def test_the_smallest_and_the_slantest(context: Context, kind: str) -> None:
         target = instances[number].transform @ np.c_[spread, np.zeros(1000), np.ones(1000)].T
         origin = target.T + (0, 0, away)
         hits = trace(context, intersector, origin, np.repeat([(0, 0, -1.0)], 1000, axis=0))
-        assert (hits[:, 0] & INSTANCE_MASK == number).mean() > 0.98  # the origin's rounding moves a few past the rim
+        assert (hits[:, 0] & INSTANCE_MASK == number).mean() > 0.98  # rounding of the origin moves a few beyond the rim
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_waves_one_after_the_other(context: Context, kind: str) -> None:
-    """Rays fetched, answers stored, of two wavefronts in turn, as the integrator does it; idle paths are left alone."""
+    """Two wavefronts are traced in turn, as `PathRender` does it. Hits of idle paths are not changed."""
     intersector: Intersector = make_intersector(context, Geometry([sphere(8, 8)]), kind=kind)
     wavefronts = [make_wavefront(context.gl, (16, 16)) for _ in range(2)]
     up, down = np.array([(0.1, 1.0, 0.2)]), np.array([(0.1, -1.0, 0.2)])
@@ -199,7 +201,7 @@ def test_waves_one_after_the_other(context: Context, kind: str) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_zero_rays_and_strange_ones(context: Context, kind: str) -> None:
-    """Nothing hangs and nothing else goes wrong for rays that are not finite or go nowhere."""
+    """Rays that are not finite, or whose direction is 0, do not hang and do not change other rays."""
     intersector = make_intersector(context, Geometry([sphere(8, 8)]), kind=kind)
     odd = [np.nan, np.inf, -np.inf, 0.0, 1e38, 1e-38]
     origin, direction = np.zeros((49, 3)), np.repeat([(0.0, 1.0, 0.0)], 49, axis=0)
@@ -210,13 +212,13 @@ def test_zero_rays_and_strange_ones(context: Context, kind: str) -> None:
 
 
 def panes(alphas: list[float]) -> Scene:
-    """Plates that blend, one behind the other."""
+    """Blended plates, one behind the other."""
     materials = tuple(Material(base_color=(1, 1, 1, alpha), alpha_mode="blend") for alpha in alphas)
     return scene(*[(plate(k), moved((0, 0, 0.1 * k))) for k in range(len(alphas))], materials=materials)
 
 
 def shells(alpha: float, count: int) -> Scene:
-    """A sphere that blends, placed several times inside of itself."""
+    """A blended sphere, placed several times inside itself."""
     material = Material(base_color=(1, 1, 1, alpha), alpha_mode="blend")
     placed = tuple(SceneInstance(0, moved((0, 0, 0), 1 + 0.1 * k)) for k in range(count))
     return Scene("shells", (smooth_sphere(segments=24),), (material,), placed)
@@ -233,7 +235,7 @@ def test_shadow_rays_go_through_by_chance_and_both_by_the_same(context: Context,
     vector = np.c_[rng.uniform(-0.1, 0.1, (RAYS, 2)), np.full(RAYS, -2.0)]
     intersectors = [make_intersector(context, geometry, data, kind) for kind in KINDS]
     found = [trace(context, each, origin, vector, origin, vector)[:, 0] & FREE for each in intersectors]
-    assert (found[0] != found[1]).mean() < 1e-3  # barycentrics differ in the last places, the random numbers do not
+    assert (found[0] != found[1]).mean() < 1e-3  # barycentrics differ in the last digits; the random numbers are equal
     assert abs((found[0] != 0).mean() - free) < 4 * np.sqrt(free * (1 - free) / RAYS)
     data.release()
 

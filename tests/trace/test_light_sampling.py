@@ -1,4 +1,4 @@
-"""Light samples: what is chosen, how often, and that it adds up to the light there is, against float64."""
+"""Light samples: how often each light is chosen, and that estimates agree with float64."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ QUAD_INDICES = np.array([0, 1, 2, 0, 2, 3], np.uint32)
 
 
 def scene_of(*placed: tuple[Material, np.ndarray], **others) -> Scene:
-    """The quad with each material, placed by each (4, 4)."""
+    """The quad with each of the materials, placed by each of the (4, 4) matrices."""
     uv = np.array([[0.1, 0.1], [0.1, 0.9], [0.9, 0.9], [0.9, 0.1]], np.float32)
     normals = np.tile(np.array([0, 1, 0], np.float32), (4, 1))
     meshes = tuple(Mesh("quad", QUAD, k, indices=QUAD_INDICES, uvs=(uv,), normals=normals) for k in range(len(placed)))
@@ -66,7 +66,7 @@ class Lit:
                         bind)
 
     def samples(self, p, count: int = 100000, seed: int = 1) -> dict[str, np.ndarray]:
-        """Of one point (3,) in the world; distances in tracer units."""
+        """Light samples for one point (3,) in the world; distances are in tracer units."""
         x, y, z = self.to_tracer(np.asarray(p, np.float64))
         u = np.random.default_rng(seed).integers(0, 1 << 24, (count, 3)) / 2**24
         found = self.run(f"LightSample s = sample_light(vec3({x:.9f}, {y:.9f}, {z:.9f}), f0.xyz);"
@@ -78,7 +78,7 @@ class Lit:
         return (p - self.scene.center) / self.scene.radius
 
     def irradiance(self, p, normal, count: int = 200000) -> tuple[float, float]:
-        """Of a plane, green, and its standard deviation."""
+        """The irradiance of a plane (green channel), and its standard deviation."""
         s = self.samples(p, count)
         cos = np.maximum(s["direction"] @ np.asarray(normal, np.float64), 0)
         estimates = np.where(s["pdf"] > 0, s["radiance"][:, 1] * cos / np.where(s["pdf"] > 0, s["pdf"], 1), 0)
@@ -86,7 +86,7 @@ class Lit:
 
 
 def rectangle_irradiance(corners: np.ndarray, p: np.ndarray, normal: np.ndarray, radiance: float) -> float:
-    """Of a plane from a polygon above its horizon, by its edges' angles (Lambert 1760)."""
+    """The irradiance of a plane from a polygon above its horizon, by the angles of the edges (Lambert 1760)."""
     v = corners - p
     v = v / np.linalg.norm(v, axis=1, keepdims=True)
     following = np.roll(v, -1, axis=0)
@@ -98,7 +98,7 @@ def rectangle_irradiance(corners: np.ndarray, p: np.ndarray, normal: np.ndarray,
 
 @pytest.mark.parametrize("scale", [1.0, 1e-6, 1e6])
 def test_point_light(context, tmp_path, scale):
-    """I / d^2 at any scale, windowed by range."""
+    """Irradiance is I / d^2 at any scale, with the window of the range."""
     floor = Material("floor"), np.diag([scale, scale, scale, 1.0])
     light = Light("point", (1, 0.5, 0.25), 7 * scale**2, (0.3 * scale, 2 * scale, 0.1 * scale), range=5 * scale)
     lit = Lit(context, tmp_path, scene_of(floor, lights=(light,)))
@@ -130,7 +130,7 @@ def test_directional_and_spot(context, tmp_path):
 
 
 def test_no_lights(context, tmp_path):
-    """Nothing at all, or nothing that reaches the scene: no code, and a line that says so."""
+    """Without lights, or if none reaches the scene, their code is left out and a line says so."""
     lit = Lit(context, tmp_path, scene_of(FLOOR))
     assert not any(lit.lights.switches.values()) and not lit.lights.left_out
     far = Light("point", position=(100, 0, 0), range=10)
@@ -143,7 +143,7 @@ def test_no_lights(context, tmp_path):
 
 
 def test_many_lights(context, tmp_path):
-    """1e5 of all powers: each as often as its probability says; those add up to 1."""
+    """1e5 lights of many powers are each chosen as often as their probability says. The probabilities sum to 1."""
     random = np.random.default_rng(3)
     candela = random.exponential(size=100000) ** 3 + 1e-9
     positions = np.c_[(np.arange(100000) + 0.5) * 1e-5, np.full(100000, 2.0), np.zeros(100000)]
@@ -170,7 +170,8 @@ def test_light_table():
 
 @pytest.mark.parametrize("is_mirrored", [False, True])
 def test_emitter(context, tmp_path, is_mirrored):
-    """A lamp above a plane, scaled and turned: the irradiance of Lambert's formula, and emitter_pdf as sampled."""
+    """A lamp above a plane, scaled and rotated, gives the irradiance of Lambert's formula, and emitter_pdf is its
+    pdf."""
     lamp = place(0.5, 2, 0.2, (-0.7 if is_mirrored else 0.7, 1, 0.4), np.pi + 0.3)
     lit = Lit(context, tmp_path, scene_of(FLOOR, (Material("lamp", emissive=(3, 5, 2)), lamp)))
     assert lit.lights.switches["HAS_EMITTERS"] and not lit.lights.switches["HAS_PUNCTUAL"]
@@ -180,7 +181,7 @@ def test_emitter(context, tmp_path, is_mirrored):
     assert error < 0.01 * expected and abs(found - expected) < 4.5 * error
     s = lit.samples((0, 0, 0))
     assert not s["is_delta"].any()
-    # The density integrates to 1: the mean of 1 / pdf is the solid angle.
+    # As the density integrates to 1, the mean of 1 / pdf is the solid angle.
     omega = (1 / s["pdf"]).mean()
     p = s["direction"] * s["distance"][:, None]
     area = 4 * 0.7 * 0.4 / lit.scene.radius**2
@@ -194,8 +195,8 @@ def test_emitter(context, tmp_path, is_mirrored):
 
 
 def test_emitter_sides(context, tmp_path):
-    """The back is dark, unless the material is double sided; unlit ones and those of no area are no lights."""
-    up = place(0, 2, 0)  # shines upwards, away from the floor
+    """The back emits only for double-sided materials. Unlit triangles and those without area are no lights."""
+    up = place(0, 2, 0)  # emits upwards, away from the floor
     lamp, both = Material(emissive=(1, 1, 1)), Material(emissive=(1, 1, 1), double_sided=True)
     assert (Lit(context, tmp_path, scene_of(FLOOR, (lamp, up))).samples((0, 0, 0), 100)["pdf"] == 0).all()
     assert (Lit(context, tmp_path, scene_of(FLOOR, (both, up))).samples((0, 0, 0), 100)["pdf"] > 0).all()
@@ -207,7 +208,10 @@ def test_emitter_sides(context, tmp_path):
 
 
 def test_mixture(context, tmp_path):
-    """Environment, sun, point light and lamp together: the sum of each alone, and every density is that of all."""
+    """Environment, sun, point light and lamp together give the sum of each alone.
+
+    Densities include the choice of light.
+    """
     lamp = Material(emissive=(2, 2, 2)), place(0, 2, 0, (0.5, 1, 0.5), np.pi)
     sun = Light("directional", intensity=1.5, direction=(0, -1, 0))
     point = Light("point", intensity=4, position=(-1, 1, 0))
@@ -236,7 +240,10 @@ def test_share_of_a_weak_environment(context, tmp_path):
 
 @pytest.mark.parametrize("radius", [1e-3, 0.5])
 def test_light_radius(context, tmp_path, radius):
-    """A sphere: what faces it all has the irradiance of a point light; its samples are on its near side."""
+    """A light with a radius: a surface that faces all of it has the irradiance of a point light.
+
+    Samples are on its near side.
+    """
     light = Light("point", intensity=6, position=(0.0, 2.0, 0.0))
     lit = Lit(context, tmp_path, scene_of(FLOOR, lights=(light,)), light_radius=radius)
     assert lit.lights.switches["LIGHT_RADIUS"]
@@ -257,7 +264,7 @@ def picture(pixels: np.ndarray) -> Texture:
 
 @pytest.mark.parametrize("side", [64, 3000])
 def test_textured_emitters(side):
-    """A triangle counts with the texture about it: not at all where that is black, by the mean of its box elsewhere."""
+    """A triangle's power follows the texture: 0 where it is black, else by the mean over the triangle's box."""
     pixels = np.zeros((side, side, 3), np.uint8)
     pixels[: side // 2] = 255
     uv = np.array([[[0.1, 0.1], [0.4, 0.1], [0.1, 0.4]], [[0.1, 0.6], [0.4, 0.6], [0.1, 0.9]],
@@ -275,7 +282,7 @@ def test_textured_emitters(side):
 
 
 def test_million_emitters():
-    """Found without a loop over triangles: their powers add up to the area's."""
+    """Emitters are found without a loop over triangles. Their powers sum to that of the area."""
     n = 707
     x, y = np.meshgrid(np.linspace(-1, 1, n + 1), np.linspace(-1, 1, n + 1), indexing="ij")
     positions = np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3).astype(np.float32)
@@ -289,7 +296,10 @@ def test_million_emitters():
 
 
 def test_extreme_powers(context, tmp_path):
-    """Lights and scenes of any size give numbers; the brightest takes the samples, and a share is kept."""
+    """Lights and scenes of any size give finite numbers.
+
+    The brightest light gets the samples, the environment its share.
+    """
     lights = tuple(Light("point", intensity=i, position=(0, 2e-9, 0)) for i in (1e300, 1e-300, 1.0))
     floor = Material("floor"), np.diag([1e-9, 1e-9, 1e-9, 1.0])
     sky = Environment("sky", np.full((2, 4, 3), 1e-30, np.float32))

@@ -1,4 +1,4 @@
-"""The scenes of assets/noise: each renders, and shows what it was made to show."""
+"""The scenes of assets/noise: each renders and shows the effect for which it was made."""
 
 from __future__ import annotations
 

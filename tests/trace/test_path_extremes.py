@@ -1,4 +1,4 @@
-"""Scenes with little, nothing or far too much in them: a picture, every sample finite, and the right one."""
+"""Empty, tiny and extreme scenes: the picture is right and every sample is finite."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_one_triangle(tracer):
 
 
 def test_a_hundred_thousand_lights(tracer):
-    """In one place they are one light; one among them is as bright as all others together."""
+    """Many lights in one place equal one light, also if one of them is as bright as all others together."""
     floor = (plate(half=2.0), facing_floor())
     count = 100_000
     faint = [Light("point", intensity=1.0 / count, position=(0, 1, 0))] * count
@@ -70,7 +70,7 @@ def test_a_hundred_thousand_lights(tracer):
 
 
 def test_a_thousand_glowing_triangles(tracer):
-    """A finely cut panel is the panel."""
+    """An emissive panel gives the same light if it is tessellated finely."""
     glow = Material(base_color=(0, 0, 0, 1), metallic=0.0, specular=0.0, emissive=(3.0, 3.0, 3.0), double_sided=True)
     cut = sphere(1, 48)
     whole = scene((plate(0, half=4.0), facing_floor(y=-2.0)), cut, materials=[WHITE, glow])
@@ -86,7 +86,7 @@ def test_a_thousand_glowing_triangles(tracer):
 @pytest.mark.parametrize("roughness", [0.0, 0.5])
 @pytest.mark.parametrize("ior", [1.0, 1.5])
 def test_a_camera_inside_glass(tracer, ior, roughness):
-    """In the furnace nothing but what rough glass loses between its facets."""
+    """In the furnace, only the energy is missing that rough glass loses by multiple scattering."""
     model = scene(sphere(segments=96), materials=[replace(GLASS, ior=ior, perceptual_roughness=roughness)],
                   environment=constant())
     inside = Camera.look_at((0.2, 0.1, 0.3), (1, 0.3, -0.5), fov_y=np.radians(70))
@@ -97,12 +97,12 @@ def test_a_camera_inside_glass(tracer, ior, roughness):
 
 
 def test_a_sun_of_a_hundred_thousand(tracer):
-    """One texel holds nearly all light: the floor's radiance is its irradiance over pi, within noise."""
+    """One texel has nearly all the light. The floor's radiance is its irradiance over pi, within noise."""
     texels = np.zeros((64, 128, 3), np.float32)
     texels[16, 40] = 1e5
     model = scene((plate(half=4.0), facing_floor()), environment=Environment("sun", texels))
     both = halves(tracer, model, orthographic(0.0, 1.2, height=1.0), (16, 16), spp=64)
-    # Bilinear: a tent over the texel's neighbours, of the same weight.
+    # The bilinear filter is a tent over the neighbouring texels with the same integral.
     theta = (np.array([15, 16, 17]) + 0.5) / 64 * np.pi
     weight = np.array([1 / 8, 3 / 4, 1 / 8])
     solid_angle = weight * np.sin(theta) * (np.pi / 64) * (2 * np.pi / 128)
@@ -111,7 +111,7 @@ def test_a_sun_of_a_hundred_thousand(tracer):
 
 @pytest.mark.parametrize("scale", [1e-6, 1e-3, 1e3, 1e6])
 def test_the_same_picture_at_any_scale(tracer, scale):
-    """Metres or micrometres: the same samples meet the same triangles."""
+    """In metres or in micrometres, the same samples hit the same triangles."""
     def still_life(scale: float) -> tuple[Scene, Camera]:
         things = [(plate(0, half=3.0), facing_floor(scale)), (sphere(1, 48), moved((0, 0.8 * scale, 0), 0.6 * scale)),
                   (sphere(2, 48), moved((1.2 * scale, 0.5 * scale, 0.4 * scale), 0.5 * scale))]
@@ -154,7 +154,10 @@ def test_a_light_on_a_surface_and_an_eye_on_a_light(tracer):
 
 
 def test_what_no_path_can_find_is_said(tracer):
-    """Below smooth glass a point light leaves its shadow alone, and the plan says so; rough glass lets its light by."""
+    """Below smooth glass there is only the shadow of a point light, and the plan says so.
+
+    Rough glass transmits its light.
+    """
     lamp = Light("point", intensity=10.0, position=(0, 4, 0))
     for roughness, is_lost in ((0.0, True), (0.4, False)):
         glass = replace(GLASS, perceptual_roughness=roughness)

@@ -1,4 +1,4 @@
-"""The raster's picture of each feature is the path tracer's, within what features.py says and why."""
+"""The raster's picture of each feature equals the path tracer's within the bounds of features.py."""
 
 from __future__ import annotations
 

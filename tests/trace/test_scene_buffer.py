@@ -1,4 +1,4 @@
-"""viewer/trace/scene/scene_buffer.py: what is put in is what a shader finds at the offset, bit by bit."""
+"""viewer/trace/scene/scene_buffer.py: shaders read exactly the bits that were added."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ RANDOM = np.random.default_rng(3)
 def test_a_shader_finds_every_bit(context, tmp_path):
     buffer = SceneBufferBuilder()
     first = RANDOM.integers(0, 1 << 32, (WIDTH - 3, 4), dtype=np.uint32)
-    # Bits of which a float texture may make others: signalling NaN, denormals, infinities.
+    # Bits that a float texture might change: signalling NaN, denormals, infinities.
     special = np.array([[0x7F800001, 0xFF812345, 1, 0x80000001], [0x7F800000, 0xFF800000, 0x007FFFFF, 0x7FFFFFFF]],
                        np.uint32)
     floats = RANDOM.normal(size=(2 * WIDTH, 4)).astype(np.float32)
@@ -35,7 +35,7 @@ def test_a_shader_finds_every_bit(context, tmp_path):
         set_uniform(program, "u_scene", 0)
 
     asked = np.concatenate([RANDOM.integers(0, len(everything), 2000), np.arange(WIDTH - 5, WIDTH + 3)])
-    # As two halves, which float targets hold exactly.
+    # As two 16-bit halves, which float targets hold exactly.
     halves = evaluate(context, tmp_path, "trace/scene_buffer.glsl",
                       "uvec4 w = scene_uint4(int(i0.x)); o0 = vec4(w & 0xffffu); o1 = vec4(w >> 16);",
                       asked[:, None].astype(np.uint32), 2, bind=bind)

@@ -1,4 +1,4 @@
-"""Who gets how many samples, with films whose noise is known."""
+"""The numbers of samples of tiles, for films whose noise is known."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from viewer.trace.paths.wavefront import Work
 
 
 class NoisyFilm:
-    """Tiles whose pixels have a known relative variance a sample, as `viewer.trace.film.Film` reports them.
+    """Tiles whose samples have a known relative variance, as `viewer.trace.paths.film.Film` reports them.
 
     `scatter` is how uncertain the estimates are (relative, at one sample, falling with their root); `lost` the share of
     samples that are left out.
@@ -64,7 +64,7 @@ def run(film: NoisyFilm, settings: Settings, count: int = 64, most: float = 1e9)
 
 
 def rough(seed: int = 3, shape: tuple[int, int] = (9, 16)) -> np.ndarray:
-    """Variances over five orders of magnitude, neighbours alike."""
+    """Variances over five orders of magnitude; neighbours have similar ones."""
     rng = np.random.default_rng(seed)
     coarse = rng.uniform(-3, 2, (3, 4))
     return 10 ** np.kron(coarse, np.ones((3, 4)))[:shape[0], :shape[1]]
@@ -128,7 +128,7 @@ def test_films_without_noise_and_with_endless_noise_end(variance):
 @pytest.mark.parametrize("scatter", [0.0, 1.0])
 @pytest.mark.parametrize("variance", [rough(3), rough(4), np.ones((9, 16)), np.where(np.eye(9, 16) > 0, 50.0, 0.1)])
 def test_at_equal_cost_it_is_never_worse_than_uniform(variance, scatter):
-    """For 64 to 256 samples a pixel, with estimates that are 12 % uncertain at the pilot."""
+    """For 64 to 256 samples per pixel, with estimates whose error is 12 % after the pilot."""
     for mean in (70, 128, 256):
         film = NoisyFilm(variance, scatter=scatter)
         run(film, Settings(mode="path", time_budget=1.0), most=mean * variance.size * TILE * TILE)

@@ -36,7 +36,7 @@ def points(context, count: int, seed: int) -> np.ndarray:
 
 
 def test_sobol_without_table(context):
-    """The steps by blocks give what the recurrence of the direction numbers gives, over all 24 bits."""
+    """The evaluation by blocks equals the recurrence of the direction numbers, over all 24 bits."""
     index = np.concatenate([np.arange(256), 1 << np.arange(BITS), np.random.default_rng(1).integers(0, 1 << BITS, 500)])
     bits = index[:, None] >> np.arange(BITS) & 1
     expected = np.bitwise_xor.reduce(np.where(bits[:, None] > 0, direction_numbers(), 0), axis=2)
@@ -47,7 +47,7 @@ def test_sobol_without_table(context):
 
 @pytest.mark.parametrize("seed", [0, 1, 0xFFFFFFFF])
 def test_every_pair_is_a_net(context, seed):
-    """2^m points, 2^t in every elementary rectangle of 2^(t - m): t as it is for these pairs of Sobol's dimensions."""
+    """2^m points, 2^t in every elementary rectangle of 2^(t - m): t is known for these pairs of Sobol's dimensions."""
     m = 10
     found = points(context, 3 << m, seed).reshape(3, 1 << m, 4)  # also the second and third 2^m in a row
     quality = {(0, 1): 0, (0, 2): 1, (0, 3): 2, (1, 2): 1, (1, 3): 2, (2, 3): 3}
@@ -84,14 +84,14 @@ def test_sequences_are_independent(context):
 
 
 def test_shuffling(context):
-    """Two sequences paired by index, as two decisions of a path are: their errors do not go together."""
+    """Two sequences paired by index, like two decisions of a path, have uncorrelated errors."""
     a, b = points(context, 1 << 12, 7), points(context, 1 << 12, 8)
     correlation = np.corrcoef(a.T, b.T)[:4, 4:]
     assert np.abs(correlation).max() < 5 / np.sqrt(1 << 12)
 
 
 def test_integrates_better_than_random(context):
-    """A smooth integrand of all four dimensions at 256 points: a tenth of the error of random points."""
+    """For a smooth integrand of four dimensions, 256 points have a tenth of the error of random points."""
     x = call_glsl(FILE, "sobol_owen", index=np.arange(256), seed=np.arange(400)[:, None], context=context)
     f = np.prod(1 + (x.astype(np.float64) - 0.5), axis=2)
     error = np.sqrt(((f.mean(axis=1) - 1) ** 2).mean())

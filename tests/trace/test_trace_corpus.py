@@ -1,4 +1,4 @@
-"""Real models asked about random hits: numbers, frames, nothing under the surface."""
+"""Random hits of real models: finite numbers, orthonormal frames, no reflection below the surface."""
 
 from __future__ import annotations
 

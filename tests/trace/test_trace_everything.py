@@ -1,4 +1,4 @@
-"""The path tracer with all its code compiled in gives what it gives with what a scene needs."""
+"""The path tracer gives the same picture with all its code compiled in."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ NAMES = ["unlit", "specular-ior", "two-sided", "emissive", "glass", "alpha", "te
 @pytest.mark.parametrize(("name", "light"), [(name, light) for k, name in enumerate(NAMES)
                                              for light in list(LIGHTS)[k % 3:k % 3 + 2]])
 def test_same_samples(tracer, name, light):
-    """The same random numbers, so the same picture but for rounding, which may send paths elsewhere in a few pixels."""
+    """The random numbers are the same, so the pictures are equal except for rounding, which may redirect paths in a few
+    pixels."""
     environment, lights = LIGHTS[light]
     scene = viewer.load(resource_folder("assets") / "scenes" / f"{name}.glb", environment=None)
     scene = scene.relit(environment=environment(), lights=(*scene.lights, *lights))

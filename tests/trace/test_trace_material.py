@@ -170,7 +170,7 @@ def test_normal_maps(context, tmp_path, hand):
     assert found["is_front"].all()
     texel = texels("normal", found["uv0"])[:, :3] * (255 / 127.5) - 1
     texel[:, :2] *= 0.6
-    # bitangent = w cross(n, t) = -cross(+z, +y) = +x, which the mirror turns with the mesh
+    # bitangent = w cross(n, t) = -cross(+z, +y) = +x, which is mirrored with the mesh
     expected = texel[:, :1] * (0, 1, 0) + texel[:, 1:2] * (hand, 0, 0) + texel[:, 2:] * (0, 0, 1)
     expected /= np.linalg.norm(expected, axis=1, keepdims=True)
     expected = bend(expected, np.broadcast_to([0.0, 0.0, 1.0], expected.shape), hits.wo.astype(np.float64))
@@ -218,7 +218,7 @@ METAL = Material(metallic=1.0)
 @pytest.mark.parametrize("material, name, number", [
     (Material(emissive_texture=texture("base")), "color_maps", 0),  # the factor is 0
     (Material(emissive=(1, 0, 0), emissive_texture=texture("base")), "color_maps", 1),
-    (replace(METAL, specular_texture=texture("base")), "data_maps", 0),  # metals have no such thing
+    (replace(METAL, specular_texture=texture("base")), "data_maps", 0),  # metals have no such parameter
     (replace(METAL, metallic=0.5, specular_texture=texture("base")), "data_maps", 1),
     (replace(METAL, transmission=1.0, transmission_texture=texture("base")), "data_maps", 0),
     (Material(metallic=0.0, transmission_texture=texture("base")), "data_maps", 0),

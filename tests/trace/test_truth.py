@@ -1,4 +1,4 @@
-"""Our pictures against another renderer's of the same scenes: different by their noise, and by nothing else.
+"""Our pictures against those of another renderer: they differ only by noise.
 
 Every picture is made in two halves of different seeds, which tell its noise; the references come with theirs.
 """
@@ -26,11 +26,11 @@ CASES = {"diffuse-sphere": (32, 0.005), "mirror-0.16": (48, 0.007), "cornell-box
 
 def check(both: Halves, reference: np.ndarray, reference_floor: float, mean: float) -> None:
     found = both.against(reference, reference_floor)
-    assert found.mean_sigma < mean / 2.5  # so that noise alone is not to blame
+    assert found.mean_sigma < mean / 2.5  # so that the noise is smaller than the bound
     assert abs(found.mean_ratio - 1) < mean
     assert found.excess < 1.5
     scores = both.block_scores(reference, reference_floor, BLOCK)
-    # A normal distribution's 90th percentile is 1.64; what few bright paths make has longer tails.
+    # The 90th percentile of a normal distribution is 1.64; noise of few bright paths has longer tails.
     assert np.percentile(np.abs(scores), 90) < 2.8
     assert abs(np.median(scores)) < 0.4
 
@@ -47,7 +47,7 @@ def test_a_scene_that_another_renderer_solved(tracer, name):
 
 @pytest.mark.skipif(not mitsuba_scene.is_installed(), reason="Mitsuba is not installed")
 def test_a_scene_of_everything_against_mitsuba(tracer):
-    """Balls of metal, of rough glass and one that glows, under a lopsided environment and a lamp, rendered by both."""
+    """A metal, a rough glass and an emissive ball in an asymmetric environment with a lamp, by both renderers."""
     materials = [WHITE, Material(perceptual_roughness=0.4),
                  Material(metallic=0.0, perceptual_roughness=0.5, transmission=1.0, thickness=1.0, ior=1.4),
                  replace(WHITE, base_color=(0, 0, 0, 1), emissive=(4.0, 2.0, 1.0))]

@@ -1,4 +1,4 @@
-"""Light found at vertices: against form factors worked out on paper, and where there is none."""
+"""Interreflection at vertices, compared with analytic form factors; it is 0 where no light arrives."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SETTINGS = Settings()
 
 
 def grid(side: int) -> Mesh:
-    """A unit square of side x side quads about the origin, facing +Z."""
+    """A unit square of side x side quads around the origin that faces +Z."""
     at = np.linspace(-0.5, 0.5, side + 1)
     x, y = np.meshgrid(at, at)
     positions = np.float32(np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3))
@@ -32,14 +32,14 @@ def grid(side: int) -> Mesh:
 
 def rectangle_above(a: np.ndarray, b: np.ndarray, height: float) -> np.ndarray:
     """Form factor of a parallel rectangle with a corner above a point (Howell, "Radiation Configuration Factors", B-4);
-    signed, so that others are sums of it."""
+    signed, so that it can be summed for other places."""
     a, b = a / height, b / height
     p, q = np.sqrt(1 + a * a), np.sqrt(1 + b * b)
     return (a / p * np.arctan(b / p) + b / q * np.arctan(a / q)) / (2 * np.pi)
 
 
 def plates(gap: float, far_emits: float) -> Scene:
-    """A fine unit square that faces a shining one."""
+    """A finely tessellated unit square that faces an emissive one."""
     lower = Mesh(**{**vars_of(grid(8)), "material": 0})
     upper = Mesh(**{**vars_of(grid(1)), "material": 1})
     shining = Material(base_color=(0.0, 0.0, 0.0, 1.0), specular=0.0, emissive=(far_emits,) * 3)
@@ -73,8 +73,7 @@ def test_a_scene_of_any_size_and_place_gives_the_same(context: Context, scale: f
 
 
 def test_in_a_corner_walls_cover_half_and_leak_nothing(context: Context) -> None:
-    """The seam between two walls at right angles has its vertices in both; outside there is a light that must not come
-    through."""
+    """Two walls meet at a right angle, and vertices lie on the edge. Light from outside must not leak through it."""
     floor, wall = (grid(4), facing_floor()), (grid(4), moved((0, 0.5, -0.5)))
     model = scene(floor, wall)
     below, beside = bake_incoming(context, model, SETTINGS, samples=1 << 17).per_instance
@@ -82,7 +81,7 @@ def test_in_a_corner_walls_cover_half_and_leak_nothing(context: Context) -> None
     x = grid(4).positions[:, 0]
     middle = np.abs(x) < 0.3
     in_corner, open_end = below[(z < -0.49) & middle, 3], below[(z > 0.49) & middle, 3]
-    # Between parallel edges, from a strip of height h at distance d: (1 - d / sqrt(d^2 + h^2)) / 2 if it were endless
+    # An infinite strip of height h at distance d has the form factor (1 - d / sqrt(d^2 + h^2)) / 2.
     assert np.all(in_corner > 0.38) and np.all(in_corner < 0.51)
     assert np.all(open_end < 0.15)
     assert not below[:, :3].any() and not beside[:, :3].any(), "there is no light"

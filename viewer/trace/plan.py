@@ -123,7 +123,7 @@ def _left_out(
     lines = []
     if geometry.left_out_instances:
         count = geometry.left_out_instances
-        lines.append(f"{count} mesh{'es' * (count > 1)} of lines or points: paths meet triangles only")
+        lines.append(f"{count} mesh{'es' * (count > 1)} of lines or points: the path tracer shows triangles only")
     if not geometry.instances:
         return [*lines, "everything but the background: there are no triangles"]
     if not switches["HAS_LIGHTS"]:
@@ -139,7 +139,8 @@ def _left_out(
     if GLASS.name not in programs:
         lines.append("the pass for glass: nothing transmits light")
     elif switches["HAS_PUNCTUAL"] and any(_is_smooth_glass(geometry, instance) for instance in geometry.instances):
-        lines.append("light from points, spots or afar through smooth glass: no path from the camera can meet it")
+        lines.append("light from point, spot or directional lights through smooth glass: no path from the camera can "
+                     "hit them")
     if not has_layers:
         lines.append("the pass for layers (albedo, normal, depth): nobody asked for them")
     if not switches["CLAMP"]:
@@ -153,7 +154,7 @@ def _is_smooth_glass(geometry: TraceGeometry, instance: TraceInstance) -> bool:
 
 _LIGHTS = {
     "HAS_ENVIRONMENT": "light from an environment",
-    "HAS_PUNCTUAL": "light from points, spots or afar",
+    "HAS_PUNCTUAL": "light from point, spot or directional lights",
     "HAS_EMITTERS": "light from emissive triangles",
 }
 _SURFACES = {
