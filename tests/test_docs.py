@@ -1,0 +1,84 @@
+"""The pages name files that exist and links that lead somewhere; what is written from the code agrees with it."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from viewer.material.document import table
+from viewer.material.glsl import files
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = [*sorted((ROOT / "docs").glob("*.md")),
+         *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "benchmarks/README.md", "examples/README.md"))]
+TOP = r"(?:viewer|shaders|tests|docs|assets|benchmarks|examples)/[\w./-]*"
+SHADER = r"(?:bsdf|material|media|light|sample|raster|trace|display)/[\w./]+\.(?:glsl|frag|vert)"
+LINK = r"\]\(([^)\s]+)\)"
+
+
+def named_files(text: str) -> Iterator[str]:
+    """Paths as they are written, from the root or, of shaders, from shaders/."""
+    for found in re.finditer(rf"(?<![\w./-])(?:{TOP}|{SHADER})", text):
+        yield found.group().rstrip(".")
+
+
+def anchors(text: str) -> set[str]:
+    """Those of the headings: lower case, without punctuation, dashes for spaces."""
+    titles = re.findall(r"^#+ (.+)$", text, re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", title).lower().replace(" ", "-") for title in titles}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_named_files_exist(page: Path) -> None:
+    names = set(named_files(page.read_text(encoding="utf-8")))
+    assert [name for name in sorted(names) if not any((at / name).exists() for at in (ROOT, ROOT / "shaders"))] == []
+
+
+@pytest.mark.parametrize("page", [*PAGES, ROOT / "CHANGELOG.md"], ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_links_lead_somewhere(page: Path) -> None:
+    broken = []
+    for link in re.findall(LINK, page.read_text(encoding="utf-8")):
+        name, _, anchor = link.partition("#")
+        if "://" in link:
+            continue
+        target = page.parent / name if name else page
+        if not target.exists() or (anchor and anchor not in anchors(target.read_text(encoding="utf-8"))):
+            broken.append(link)
+    assert broken == []
+
+
+def test_what_follows_from_the_declaration_of_materials_is_current() -> None:
+    """Else run `python -m viewer.material`."""
+    assert (ROOT / "docs" / "materials.md").read_text(encoding="utf-8") == table()
+    for name, text in files().items():
+        assert (ROOT / "shaders" / "material" / name).read_text(encoding="utf-8") == text, name
+
+
+EXCEPTIONS = {("viewer/budget/maker.py", "jobs")}
+"""The page names them."""
+
+
+def imported_folders(file: Path) -> Iterator[str]:
+    """The folders of viewer/ from which a file imports, inside of functions, too."""
+    here = file.relative_to(ROOT).parent.parts
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            path = [*here[:len(here) - node.level + 1], *(node.module or "").split(".")]
+            names = [path[1]] if len(path) > 1 and path[1] else [alias.name for alias in node.names]
+            yield from (name for name in names if (ROOT / "viewer" / name).is_dir())
+
+
+def test_folders_import_from_those_above_them_in_the_table() -> None:
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    order = re.findall(r"^\| `viewer/(\w+)/` \|", page, re.MULTILINE)
+    assert sorted(order) == sorted(p.name for p in (ROOT / "viewer").iterdir() if (p / "__init__.py").exists())
+    upward = set()
+    for k, folder in enumerate(order):
+        for file in (ROOT / "viewer" / folder).rglob("*.py"):
+            upward |= {(file.relative_to(ROOT).as_posix(), name)
+                       for name in imported_folders(file) if name not in order[:k + 1]}
+    assert upward == EXCEPTIONS
