@@ -15,8 +15,9 @@ from benchmarks.shader_code import lines_left
 from viewer.errors import ContextError, UsageError
 from viewer.gpu.context import open_context
 from viewer.gpu.programs import Programs
-from viewer.plan.planner import MAX_LIGHTS, MAX_SHADOW_LAYERS, environment_use, foreseen, plan_scene
+from viewer.plan.planner import MAX_LIGHTS, MAX_SHADOW_LAYERS, environment_use, plan_scene
 from viewer.plan.sharing import OWN_PROGRAMS
+from viewer.plan.warnings import foreseen
 from viewer.scene.environment import Environment
 from viewer.scene.light import Light
 from viewer.scene.material import Material, Sampler, Texture, UVTransform

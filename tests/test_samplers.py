@@ -42,7 +42,7 @@ def test_no_program_samples_too_many_textures(context, material, settings):
 def test_glass_with_every_map_is_not_traced_and_says_so():
     found = planned(GLASS, refraction="traced")
     assert not found.has_traced_refraction
-    assert "traced refraction in 1 surface: with their maps a program would sample more than 16 textures" \
+    assert "traced refraction of 1 surface: with their maps a program would sample more than 16 textures" \
         in found.left_out
     fewer = Material(metallic=0.0, transmission=0.5, thickness=1.0, base_color_texture=MAP)
     assert planned(fewer, refraction="traced").has_traced_refraction

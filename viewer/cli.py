@@ -349,7 +349,7 @@ def _leaves_mode_open(settings: Any) -> bool:
 def _warn(model: str, scene: Any, options: dict[str, Any]) -> None:
     if options["quiet"]:
         return
-    from .plan.planner import foreseen
+    from .plan.warnings import foreseen
 
     for warning in [*scene.warnings, *foreseen(scene, options.get("mode", "pbr"))]:
         say(f"{model}: warning: {warning}")

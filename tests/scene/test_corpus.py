@@ -14,6 +14,7 @@ import pytest
 from viewer.errors import InputError
 from viewer.scene.gltf.extensions import _WITHOUT_EFFECT, SUPPORTED
 from viewer.scene.load import load_scene
+from viewer.scene.schema import needs_tangents
 
 CORPUS = Path(__file__).parents[3] / "shared" / "corpus"
 INDEX = json.loads((CORPUS / "INDEX.json").read_text()) if CORPUS.is_dir() else {}
@@ -37,7 +38,7 @@ def test_model(model):
         assert all(uv.shape == (count, 2) and np.isfinite(uv).all() for uv in mesh.uvs)
         if mesh.topology == "triangles":
             np.testing.assert_allclose(np.linalg.norm(mesh.normals, axis=1), 1, atol=1e-3)
-            assert (mesh.tangents is not None) == (scene.materials[mesh.material].normal_texture is not None)
+            assert (mesh.tangents is not None) == needs_tangents(scene.materials[mesh.material])
         if mesh.tangents is not None:
             np.testing.assert_allclose(np.linalg.norm(mesh.tangents[:, :3], axis=1), 1, atol=1e-3)
             assert set(np.unique(mesh.tangents[:, 3])) <= {-1, 1}

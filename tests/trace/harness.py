@@ -11,7 +11,7 @@ import numpy as np
 from viewer.gpu.context import Context
 from viewer.gpu.program import compile_sources
 from viewer.gpu.source import assemble
-from viewer.trace.layout import shader_defines
+from viewer.trace.defines import shader_defines
 
 _WIDTH = 4096  # rows of numbers in one row of the textures
 

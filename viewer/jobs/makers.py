@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 def make_picture_maker(request: RenderRequest) -> PictureMaker:
     if request.chooses:
-        from ..budget.maker import ChoosingMaker
+        from .choosing_maker import ChoosingMaker
 
         return ChoosingMaker(request)
     return PathMaker(request) if request.settings.mode == "path" else RasterMaker(request)

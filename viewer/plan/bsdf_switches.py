@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+from ..scene.material import ANISOTROPY
 from ..settings import MASKINGS, NDFS, Settings
+
+
+def feature_switches_shown(switches: Mapping[str, int], settings: Settings) -> dict[str, int]:
+    """The switches of a material's features, without those that the settings cannot show: only GGX is stretched."""
+    off = [] if settings.ndf == "ggx" else [ANISOTROPY.switch]
+    return {**switches, **dict.fromkeys(off, 0)}
 
 
 def bsdf_switches(settings: Settings) -> dict[str, int]:

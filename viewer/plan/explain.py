@@ -14,7 +14,7 @@ from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.schema import MAPS
 from ..settings import Settings
-from .model import SOLID, Draw, Plan
+from .model import Draw, Plan
 from .samplers import MAX_SAMPLERS
 
 _LEVELS_MB = sum((512 >> k) * (1024 >> k) * 6 for k in range(6)) / 1e6  # three half floats a texel
@@ -106,10 +106,11 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
     if plan.environment and scene.environment is not None and not plan.has_traced_reflections:
         reason = "not asked for" if settings.reflections == "environment" else "no opaque surface is smooth enough"
         lines.append(f"traced reflections: {reason}")
-    limited = sum(draw.transmits == SOLID and not draw.traces_refraction for draw in draws)
-    if limited and settings.refraction == "traced" and settings.lobes in ("all", "specular"):
-        lines.append(f"traced refraction in {_many(limited, 'surface')}: with their maps a program would sample more "
-                     f"than {MAX_SAMPLERS} textures")
+    for switch, what in _GIVEN_UP.items():
+        surfaces = sum(switch in draw.given_up for draw in draws)
+        if surfaces:
+            lines.append(f"{what} of {_many(surfaces, 'surface')}: with their maps a program would sample more than "
+                         f"{MAX_SAMPLERS} textures")
     lines += isotropic_instead(scene, settings)
     if any_lit and not plan.has_indirect and settings.mode == "pbr":
         reason = "not asked for" if settings.indirect == "off" else "the scene is convex: no surface sees another"
@@ -143,6 +144,11 @@ def isotropic_instead(scene: Scene, settings: Settings) -> list[str]:
     return [f"anisotropy of {_many(lacking, 'surface')} {reason}"] if lacking else []
 
 
+_GIVEN_UP = {
+    "TRACED_REFRACTION": "traced refraction",
+    "TRACED_REFLECTION": "traced reflections",
+    "VISIBILITY": "visibility of the environment",
+}
 _ATTRIBUTES = {
     "a_tangent": "tangents: no surface needs them",
     "a_color": "vertex colours: there are none",

@@ -42,6 +42,8 @@ class Draw:
     alpha_mode: str
     transmits: int
     blank_maps: tuple[str, ...] = ()
+    given_up: tuple[str, ...] = ()
+    """Switches that are off because the program would sample too many textures."""
 
     @property
     def uses_visibility(self) -> bool:

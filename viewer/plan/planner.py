@@ -17,9 +17,9 @@ from ..scene.light import Light
 from ..scene.material import ANISOTROPY, Material, Texture
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
-from ..scene.schema import MAP_SWITCHES, MAPS
+from ..scene.schema import MAP_SWITCHES, MAPS, SWITCHED
 from ..settings import Settings
-from .bsdf_switches import bsdf_switches
+from .bsdf_switches import bsdf_switches, feature_switches_shown
 from .explain import explain
 from .model import Draw, Plan, Program
 from .samplers import within_limit
@@ -37,28 +37,6 @@ _ALPHA_MODES = ("opaque", "mask", "blend")
 def is_lit(mesh: Mesh, material: Material) -> bool:
     """Lines and points without normals are not shaded (glTF 2.0, section 3.7.2.1), nor are unlit materials."""
     return mesh.normals is not None and not material.unlit
-
-
-def is_dark(scene: Scene) -> bool:
-    """Whether no light falls on anything and nothing shines by itself: the picture will be black."""
-    if scene.environment is not None and scene.environment.intensity > 0:
-        return False
-    if not scene.instances or any(light.intensity * max(light.color) > 0 for light in scene.lights):
-        return False
-    meshes = (scene.meshes[instance.mesh] for instance in scene.instances)
-    shown = ((mesh, scene.materials[mesh.material]) for mesh in meshes)
-    return not any(any(material.emissive) or not is_lit(mesh, material) for mesh, material in shown)
-
-
-def foreseen(scene: Scene, mode: str) -> list[str]:
-    """What will be amiss with the picture, in words for the user."""
-    lines = []
-    if is_dark(scene):
-        lines.append("nothing lights it and it does not shine: the picture will be black; try --env or --light")
-    lights = sum(light.intensity * max(light.color) > 0 for light in scene.lights)
-    if lights > MAX_LIGHTS and mode != "path":
-        lines.append(f"of its {lights} lights the {MAX_LIGHTS} brightest are shown; mode path takes them all")
-    return lines
 
 
 def environment_use(scene: Scene, settings: Settings) -> tuple[bool, bool]:
@@ -177,16 +155,15 @@ def _draw(
     maps = tuple(name for name in used_maps(material, mesh, model, settings.plan == "everything")
                  if _is_shown(name, lit, common))
     textures = {name: texture for name in maps if (texture := MAPS[name].texture(material))}
-    features = feature_switches(material, model)
-    if settings.ndf != "ggx":
-        features["ANISOTROPIC"] = 0  # the others are isotropic
+    features = feature_switches_shown(feature_switches(material, model), settings)
     switches = {
         "ALPHA_MODE": _ALPHA_MODES.index(material.alpha_mode),
         "HAS_COLOR": int(mesh.colors is not None),
         "IS_POINTS": int(mesh.topology == "points"),
         "UV_SETS": sum(1 << uv_set for uv_set in {texture.uv_set for texture in textures.values()}),
         "HAS_NORMAL": int(lit),
-        "HAS_TANGENT": int(features["ANISOTROPIC"] or any(MAPS[name].info.needs_tangents for name in maps)),
+        "HAS_TANGENT": int(any(features[f.switch] for f in SWITCHED if f.needs_tangents)
+                           or any(MAPS[name].info.needs_tangents for name in maps)),
         "INDIRECT": common["INDIRECT"] * lit,
         **features,
         **{name: common[name] for name in ("HALF_TARGET", "SAMPLES")},
@@ -196,11 +173,11 @@ def _draw(
     if lit:
         switches |= common | {"DOUBLE_SIDED": int(material.double_sided)}
         switches |= _pbr_switches(material, settings) if settings.mode == "pbr" else _phong_switches(material, settings)
-    switches = within_limit(switches)
+    wanted, switches = switches, within_limit(switches)
     program = Program(f"raster/{model}.frag", tuple(sorted(switches.items())))
     transmits = features["HAS_TRANSMISSION"] + features["IS_SOLID"]
     return Draw(index, mesh_index, mesh.material, material, program, maps, attributes_of(switches), material.alpha_mode,
-                transmits)
+                transmits, given_up=tuple(name for name in switches if switches[name] != wanted[name]))
 
 
 def _is_shown(name: str, lit: bool, common: dict[str, int]) -> bool:

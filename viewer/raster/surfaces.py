@@ -17,7 +17,7 @@ from ..scene.frame import Frame
 from ..scene.material import Material, UVTransform
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
-from ..scene.schema import MAP_SWITCHES, MAPS, no_switches
+from ..scene.schema import MAP_SWITCHES, MAPS, Value, no_switches
 from ..scene.transform import handedness, normal_matrix
 from .geometry import MeshBuffers
 from .textures import Textures
@@ -47,6 +47,7 @@ class Surfaces:
         self.scene = Scene("nothing")
         self._meshes: dict[Mesh, MeshBuffers] = {}
         self._indirect: list[moderngl.Buffer] = []
+        self._uniforms: dict[int, tuple[Material, list[tuple[str, Value]]]] = {}
         self._generation = programs.generation
         self.textures = Textures(context)
 
@@ -61,6 +62,7 @@ class Surfaces:
         `ahead` has begun to decode some of its images.
         """
         self.scene = scene
+        self._uniforms.clear()
         for mesh in self._meshes.keys() - set(scene.meshes):
             self._meshes.pop(mesh).release()
         if self._indirect:
@@ -185,7 +187,7 @@ class Surfaces:
 
     def _set_material(self, program: moderngl.Program, draw: Draw) -> None:
         material = draw.surface
-        for name, value in uniforms(material):
+        for name, value in self._uniforms_of(material):
             set_uniform(program, name, value)
         if draw.transmits:
             set_uniform(program, "u_absorption", tuple(material.absorption * self.scene.radius))
@@ -193,6 +195,13 @@ class Surfaces:
         set_uniform(program, "u_shininess", material.shininess or 0.0)
         for name in (*draw.maps, *draw.blank_maps):
             self._bind_map(program, draw, name)
+
+    def _uniforms_of(self, material: Material) -> list[tuple[str, Value]]:
+        """The uniforms of a material, which are found once for as long as the scene is shown."""
+        known = self._uniforms.get(id(material))
+        if known is None or known[0] is not material:
+            known = self._uniforms[id(material)] = material, list(uniforms(material))
+        return known[1]
 
     def _bind_map(self, program: moderngl.Program, draw: Draw, name: str) -> None:
         unit = (*draw.maps, *draw.blank_maps).index(name)

@@ -1,4 +1,4 @@
-"""The kinds of surfaces that the path tracer shades, each by a program of its own, and the classes of paths."""
+"""The kinds of surfaces that the path tracer shades, each by a program of its own."""
 
 from __future__ import annotations
 
@@ -28,16 +28,6 @@ SURFACE = Kind("surface", 0, "trace/surface.frag", lambda material: material.tra
 GLASS = Kind("glass", 1, "trace/glass.frag", lambda material: material.transmission > 0)
 KINDS = (SURFACE, GLASS)
 """All kinds. A material is of the kind whose `when` holds."""
-
-NO_KIND = 7
-"""The number in the hit of a ray that missed."""
-
-CLASS_IDLE, CLASS_ENDED, CLASS_FIRST_HIT, CLASS_SHADE = range(4)
-"""The classes of paths. Each pass shades the paths of one class.
-
-A path is idle; or it has ended; or its camera ray has hit a surface, for the pass that collects layers; or it has hit a
-surface of kind k, which is class CLASS_SHADE + k.
-"""
 
 
 def kind_of(material: TraceMaterial) -> Kind:

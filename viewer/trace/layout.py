@@ -1,13 +1,11 @@
 """Numbers that Python and the path tracer's GLSL share: how hits, wavefronts and the scene buffer are laid out.
 
-They are defined here only. GLSL gets each of them as a define of the same name, by `shader_defines`.
+They are defined here only. GLSL gets each of them as a define (viewer/trace/defines.py).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-
-from .kinds import CLASS_ENDED, CLASS_FIRST_HIT, CLASS_IDLE, CLASS_SHADE, KINDS, NO_KIND
 
 TILE = 16
 """Side of a block of paths in a wavefront, and of a tile of pixels in the picture."""
@@ -15,6 +13,16 @@ TILE = 16
 IDLE, IN_FLIGHT, ENDED = 0, 1, 2
 """The status of a path, in w of its origin: it has no ray; it has a ray; it has ended and at most a shadow ray is
 pending."""
+
+CLASS_IDLE, CLASS_ENDED, CLASS_FIRST_HIT, CLASS_SHADE = range(4)
+"""The classes of paths. Each pass shades the paths of one class.
+
+A path is idle; or it has ended; or its camera ray has hit a surface, for the pass that collects layers; or it has hit a
+surface of kind k, which is class CLASS_SHADE + k.
+"""
+
+NO_KIND = 7
+"""The kind of surface in the hit of a ray that missed; see viewer/trace/kinds.py."""
 
 # x of a hit: shadow ray is unoccluded << 31 | kind << KIND_SHIFT | instance (shaders/trace/hit.glsl)
 KIND_SHIFT = 28
@@ -64,24 +72,3 @@ def vertex_layout(switches: Mapping[str, int]) -> dict[str, int]:
     has_tangent, has_uv1, has_color = (switches.get(name, 0) for name in ("HAS_TANGENT", "HAS_UV1", "HAS_COLOR"))
     return {"VERTEX_TANGENT": 2, "VERTEX_UV1": 2 + has_tangent, "VERTEX_COLOR": 2 + has_tangent + has_uv1,
             "VERTEX_TEXELS": 2 + has_tangent + has_uv1 + has_color}
-
-
-_CONSTANTS: dict[str, float] = {
-    "TILE": TILE,
-    "IDLE": IDLE, "IN_FLIGHT": IN_FLIGHT, "ENDED": ENDED,
-    "KIND_SHIFT": KIND_SHIFT, "NO_KIND": NO_KIND, **{f"KIND_{kind.name.upper()}": kind.number for kind in KINDS},
-    "CLASS_IDLE": CLASS_IDLE, "CLASS_ENDED": CLASS_ENDED, "CLASS_FIRST_HIT": CLASS_FIRST_HIT,
-    "CLASS_SHADE": CLASS_SHADE,
-    "FAR": FAR, "SCENE_WIDTH": SCENE_WIDTH, "INSTANCE_TEXELS": INSTANCE_TEXELS,
-    "FLAG_SEE_THROUGH": SEE_THROUGH, "FLAG_MIRRORED": MIRRORED, "FLAG_DOUBLE_SIDED": DOUBLE_SIDED, "FLAG_UNLIT": UNLIT,
-    "FLAG_THIN": THIN,
-    "MAP_TEXELS": MAP_TEXELS, "WRAP_REPEAT": WRAPS["repeat"], "WRAP_CLAMP": WRAPS["clamp"],
-    "MAP_WRAP_BITS": MAP_WRAP_BITS, "MAP_NEAREST": MAP_NEAREST, "MAP_SECOND_UV": MAP_SECOND_UV,
-    "MAP_TRANSFORMED": MAP_TRANSFORMED, "MAP_ROLE_SHIFT": MAP_ROLE_SHIFT,
-}
-
-
-def shader_defines(switches: Mapping[str, int] | None = None) -> dict[str, float]:
-    """The defines of a program of shaders/trace: its own `switches`, and the numbers of this module."""
-    switches = switches or {}
-    return {**_CONSTANTS, **vertex_layout(switches), **switches}

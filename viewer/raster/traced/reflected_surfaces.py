@@ -13,8 +13,8 @@ from ...gpu.context import Context
 from ...gpu.row_texture import row_texture
 from ...scene.scene import Scene
 from ...settings import Settings
+from ...trace.defines import shader_defines
 from ...trace.kinds import GLASS
-from ...trace.layout import shader_defines
 from ...trace.rays.intersect import make_intersector
 from ...trace.scene.geometry import TraceGeometry, TraceInstance, trace_geometry
 from ...trace.vertex_light import VertexLight, bake_outgoing

@@ -19,7 +19,7 @@ from ...gpu.context import Context
 from ...gpu.row_texture import row_texture
 from ...scene.scene import Scene
 from ...scene.transform import normal_matrix
-from ...trace.layout import shader_defines
+from ...trace.defines import shader_defines
 from ...trace.rays.intersect import make_intersector
 from ...trace.scene.geometry import TraceGeometry, TraceInstance, trace_geometry
 

@@ -10,7 +10,8 @@ import numpy as np
 from ...errors import UsageError
 from ...gpu.fullscreen import fullscreen
 from ...gpu.programs import Programs, set_uniform
-from ..layout import TILE, shader_defines
+from ..defines import shader_defines
+from ..layout import TILE
 from .wavefront import LAYERS, SUMS, UNIT_BLOCKS, Sums, Wavefront, float_target
 
 

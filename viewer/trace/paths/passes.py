@@ -10,8 +10,9 @@ import numpy as np
 from ...gpu.context import Context
 from ...gpu.fullscreen import fullscreen
 from ...gpu.programs import Programs, set_uniform
-from ..kinds import CLASS_ENDED, CLASS_FIRST_HIT, CLASS_IDLE, CLASS_SHADE, KINDS
-from ..layout import shader_defines
+from ..defines import shader_defines
+from ..kinds import KINDS
+from ..layout import CLASS_ENDED, CLASS_FIRST_HIT, CLASS_IDLE, CLASS_SHADE
 from ..plan import TracePlan
 from .wavefront import UNITS, Wavefront
 

@@ -12,7 +12,7 @@ from ...gpu.fullscreen import fullscreen
 from ...gpu.program import compile_program
 from ...gpu.programs import set_uniform
 from ...gpu.row_texture import row_texture
-from ..layout import shader_defines
+from ..defines import shader_defines
 from .bvh import INSTANCE_TEXELS, NODE_TEXELS, TRIANGLE_TEXELS, build_bvh
 from .bvh4 import LEAF_SHIFT
 from .intersect import SHADOW_REACH, Answer, Surfaces, WavefrontTextures

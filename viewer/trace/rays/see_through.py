@@ -10,7 +10,7 @@ from ...gpu.context import Context
 from ...gpu.fullscreen import fullscreen
 from ...gpu.program import compile_program
 from ...gpu.programs import set_uniform
-from ..layout import shader_defines
+from ..defines import shader_defines
 from .intersect import Surfaces
 
 MAX_LAYERS = 64

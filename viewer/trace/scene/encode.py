@@ -33,7 +33,8 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
         "HAS_COLOR_MAPS": bool(color),
         "HAS_DATA_MAPS": bool(data),
         "HAS_NORMAL_MAP": has_normal_map,
-        "HAS_TANGENT": has_normal_map or any(f["ANISOTROPIC"] for f in features),
+        "HAS_TANGENT": has_normal_map or any(
+            f[feature.switch] for f in features for feature in SWITCHED if feature.needs_tangents),
         "HAS_UV1": any(texture.uv_set == 1 for texture in textures),
         "HAS_UV_TRANSFORM": any(texture.transform is not None for texture in textures),
         "HAS_COLOR": any(scene.meshes[mesh.source].colors is not None for mesh in geometry.meshes),

@@ -1,4 +1,4 @@
-"""How a `RenderJob` makes its pictures when the method is chosen for each."""
+"""The picture maker that chooses the method for each picture, by its time budget or error."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from pathlib import Path
 from ..base.messages import say
 from ..base.progress import Progress
 from ..base.signals import Stopped, postponed
+from ..budget.chooser import Chooser
+from ..budget.contention import Stopwatch
 from ..image.image import Image
-from ..jobs.picture_maker import PictureMaker, RenderRequest
 from ..raster.renderer import Renderer
 from ..scene.camera import Camera
 from ..scene.scene import Scene
 from ..trace.tracer import Tracer
-from .chooser import Chooser
-from .contention import Stopwatch
+from .picture_maker import PictureMaker, RenderRequest
 
 
 class ChoosingMaker(PictureMaker):

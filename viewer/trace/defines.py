@@ -1,0 +1,29 @@
+"""The defines by which GLSL gets the numbers of viewer/trace/layout.py and viewer/trace/kinds.py."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from . import layout
+from .kinds import KINDS
+
+_CONSTANTS: dict[str, float] = {
+    "TILE": layout.TILE,
+    "IDLE": layout.IDLE, "IN_FLIGHT": layout.IN_FLIGHT, "ENDED": layout.ENDED,
+    "KIND_SHIFT": layout.KIND_SHIFT, "NO_KIND": layout.NO_KIND,
+    **{f"KIND_{kind.name.upper()}": kind.number for kind in KINDS},
+    "CLASS_IDLE": layout.CLASS_IDLE, "CLASS_ENDED": layout.CLASS_ENDED, "CLASS_FIRST_HIT": layout.CLASS_FIRST_HIT,
+    "CLASS_SHADE": layout.CLASS_SHADE,
+    "FAR": layout.FAR, "SCENE_WIDTH": layout.SCENE_WIDTH, "INSTANCE_TEXELS": layout.INSTANCE_TEXELS,
+    "FLAG_SEE_THROUGH": layout.SEE_THROUGH, "FLAG_MIRRORED": layout.MIRRORED,
+    "FLAG_DOUBLE_SIDED": layout.DOUBLE_SIDED, "FLAG_UNLIT": layout.UNLIT, "FLAG_THIN": layout.THIN,
+    "MAP_TEXELS": layout.MAP_TEXELS, "WRAP_REPEAT": layout.WRAPS["repeat"], "WRAP_CLAMP": layout.WRAPS["clamp"],
+    "MAP_WRAP_BITS": layout.MAP_WRAP_BITS, "MAP_NEAREST": layout.MAP_NEAREST, "MAP_SECOND_UV": layout.MAP_SECOND_UV,
+    "MAP_TRANSFORMED": layout.MAP_TRANSFORMED, "MAP_ROLE_SHIFT": layout.MAP_ROLE_SHIFT,
+}
+
+
+def shader_defines(switches: Mapping[str, int] | None = None) -> dict[str, float]:
+    """The defines of a program of shaders/trace: its own `switches`, and the shared numbers."""
+    switches = switches or {}
+    return {**_CONSTANTS, **layout.vertex_layout(switches), **switches}
