@@ -21,14 +21,13 @@ struct Glass {
 // The base colour tints what passes through a body once, half of it on the way in and half on the way out, so it is
 // the same both ways; a wall has it all.
 Glass glass_of(MaterialInputs m, bool is_thin, bool is_front) {
-    float ior = max(m.ior, 1.0); // 0 is for what reflects all, and is no glass
-    Glass g = Glass(ior, both_alphas(surface_of(m)), is_thin, m.base_color.rgb, vec3(0.0), vec3(1.0));
+    Glass g = Glass(m.ior, both_alphas(surface_of(m)), is_thin, m.base_color.rgb, vec3(0.0), vec3(1.0));
     if (!is_thin) {
         g.tint = sqrt(max(m.base_color.rgb, vec3(0.0)));
-        if (!is_front) g.eta = 1.0 / ior;
+        if (!is_front) g.eta = 1.0 / m.ior;
     }
 #if HAS_SPECULAR_GLASS
-    g.f0 = min(f0_from_eta(ior) * m.specular_color, vec3(1.0)) * m.specular;
+    g.f0 = min(f0_from_eta(m.ior) * m.specular_color, vec3(1.0)) * m.specular;
     g.f90 = vec3(m.specular);
 #endif
     return g;

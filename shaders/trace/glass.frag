@@ -21,7 +21,7 @@ Bsdf bsdf_at(Interaction i, SurfaceMaterial m, float NoV) {
     Bsdf b;
     b.glass = glass_of(m.inputs, m.is_thin, i.is_front);
 #if HAS_PARTLY_GLASS
-    b.share = m.inputs.ior < 1.0 ? 0.0 : m.inputs.transmission * (1.0 - m.inputs.metallic);
+    b.share = m.inputs.transmission * (1.0 - m.inputs.metallic);
     b.surface = surface_of(m.inputs);
     b.surface.metallic = min(m.inputs.metallic / max(1.0 - b.share, 1e-6), 1.0); // of the opaque part
     b.view = surface_view(b.surface, NoV, u_dfg);

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,12 +58,9 @@ def uniforms(material: Material) -> Iterator[tuple[str, Value]]:
         yield f"u_{parameter.name}", parameter.value(material)
 
 
-def record(material: Material, changed: Mapping[str, Value]) -> np.ndarray:
-    """(MAPS_TEXEL, 4) float32: the values of a material; `changed` are those that are others than its own.
-
-    Where alpha blends, the cutoff is -1.
-    """
-    values = {name: PARAMETERS[name].value(material) for name in RECORD} | dict(changed)
+def record(material: Material) -> np.ndarray:
+    """(MAPS_TEXEL, 4) float32: the values of a material. Where alpha blends, the cutoff is -1."""
+    values = {name: PARAMETERS[name].value(material) for name in RECORD}
     if material.alpha_mode == "blend":
         values["alpha_cutoff"] = -1.0
     texels = np.zeros((MAPS_TEXEL, 4), np.float32)

@@ -24,8 +24,8 @@ class Kind:
     when: Callable[[TraceMaterial], bool]
 
 
-SURFACE = Kind("surface", 0, "trace/surface.frag", lambda material: material.transmission == 0)
-GLASS = Kind("glass", 1, "trace/glass.frag", lambda material: material.transmission > 0)
+SURFACE = Kind("surface", 0, "trace/surface.frag", lambda material: not material.transmits)
+GLASS = Kind("glass", 1, "trace/glass.frag", lambda material: material.transmits)
 KINDS = (SURFACE, GLASS)
 """All kinds. A material is of the kind whose `when` holds."""
 

@@ -61,7 +61,7 @@ class RefractingSurfaces:
 
 def _is_shown(scene: Scene, geometry: TraceGeometry, instance: TraceInstance) -> bool:
     material = scene.materials[scene.meshes[scene.instances[instance.source].mesh].material]
-    is_thin_walled = geometry.materials[instance.material].transmission > 0 and material.thickness == 0
+    is_thin_walled = geometry.materials[instance.material].transmits and material.thickness == 0
     return material.alpha_mode != "blend" and not is_thin_walled
 
 
@@ -72,7 +72,7 @@ def _texels(scene: Scene, geometry: TraceGeometry) -> NDArray[np.float32]:
     for head, instance in zip(heads, geometry.instances):
         traced = geometry.materials[instance.material]
         head[0] = *np.multiply(geometry.media[instance.medium].sigma_a, scene.radius), first
-        if traced.transmission > 0:
+        if traced.transmits:
             head[1] = *np.sqrt(np.maximum(traced.material.base_color[:3], 0)), max(traced.material.ior, 1.0)
         parts.append(_triangles(scene, geometry, instance))
         first += len(parts[-1]) // _TRIANGLE

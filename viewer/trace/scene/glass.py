@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ...material.pack import COLOR_ROLES, DATA_ROLES
+from ...material.pack import DATA_ROLES
+from ...scene.material import SPECULAR_TINT
 from .materials import TraceMaterial
 
 
 def glass_switches(materials: Iterable[TraceMaterial]) -> dict[str, int]:
     """Switches for solid glass, for thin glass, for a mixture with an opaque part, and for a modified specular
     interface."""
-    glass = [m for m in materials if m.transmission > 0]
+    glass = [m for m in materials if m.transmits]
     return {
         "HAS_SOLID_GLASS": int(any(not m.is_thin for m in glass)),
         "HAS_THIN_GLASS": int(any(m.is_thin for m in glass)),
@@ -21,12 +22,10 @@ def glass_switches(materials: Iterable[TraceMaterial]) -> dict[str, int]:
 
 
 def _is_partly_glass(m: TraceMaterial) -> bool:
-    # An index of 0 means that all light is reflected (KHR_materials_ior).
     varies = any(use.roles & DATA_ROLES["transmission"] for use in m.data_maps)
-    return varies or m.transmission < 1 or m.material.metallic > 0 or m.material.ior < 1
+    return varies or m.material.transmission < 1 or m.material.metallic > 0
 
 
 def _has_own_interface(m: TraceMaterial) -> bool:
-    plain = m.material.specular == 1 and m.material.specular_color == (1.0, 1.0, 1.0)
-    return not plain or any(use.roles & COLOR_ROLES["specular_color"] for use in m.color_maps) \
-        or any(use.roles & DATA_ROLES["specular"] for use in m.data_maps)
+    varies = any(use.roles & DATA_ROLES["specular"] for use in m.data_maps)
+    return varies or m.material.specular != 1 or SPECULAR_TINT.is_on(m.material)

@@ -47,7 +47,7 @@ class TraceMaterial:
     color_maps: tuple[MapUse, ...]
     data_maps: tuple[MapUse, ...]
     normal_map: Texture | None
-    transmission: float
+    transmits: bool
     medium: Medium
     is_thin: bool
 
@@ -77,7 +77,7 @@ def trace_material(material: Material, mesh: Mesh) -> TraceMaterial:
         _emission_last(uses(COLOR_ROLES)),
         uses(DATA_ROLES),
         material.normal_texture if "normal" in names else None,
-        material.transmission if transmits else 0.0,
+        transmits,
         VACUUM if is_thin or not transmits else Medium(tuple(material.absorption.tolist())),
         is_thin,
     )
@@ -85,7 +85,7 @@ def trace_material(material: Material, mesh: Mesh) -> TraceMaterial:
 
 def material_texels(material: TraceMaterial, first_color: int, first_data: int, normal: int) -> np.ndarray:
     """(RECORD_TEXELS, 4) uint32. The last three arguments are numbers of records of maps; `normal` is -1 for none."""
-    values = record(material.material, {"transmission": material.transmission})
+    values = record(material.material)
     maps = (first_color | len(material.color_maps) << 24, first_data | len(material.data_maps) << 24, normal + 1, 0)
     return np.concatenate([values.view(np.uint32), np.array([maps], np.uint32)])
 
