@@ -11,6 +11,7 @@ import pytest
 
 from viewer.material.document import table
 from viewer.material.glsl import files
+from viewer.scene.gltf.extensions import SUPPORTED
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [*sorted((ROOT / "docs").glob("*.md")),
@@ -82,3 +83,9 @@ def test_folders_import_from_those_above_them_in_the_table() -> None:
             upward |= {(file.relative_to(ROOT).as_posix(), name)
                        for name in imported_folders(file) if name not in order[:k + 1]}
     assert upward == EXCEPTIONS
+
+
+def test_the_readme_lists_every_extension_that_is_read() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    short = {name: "_" + name.removeprefix("KHR_materials_") for name in SUPPORTED}
+    assert [name for name in sorted(SUPPORTED) if f"`{name}`" not in text and f"`{short[name]}`" not in text] == []
