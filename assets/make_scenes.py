@@ -205,6 +205,31 @@ def glass() -> Glb:
     return glb
 
 
+def anisotropy() -> Glb:
+    """Brushed balls. Above: strength 0.5, 1, turned by 45 degrees, and mirrored by a negative scale. Below: directions
+    and strength by a texture, that texture turned by 90 degrees, a dielectric, and a mesh without tangents."""
+    glb, ball = Glb(), sphere(0.45)
+    angles = np.linspace(0, np.pi, 8, endpoint=False)[None, :] * np.ones((8, 1))
+    strength = np.linspace(1.0, 0.3, 8)[:, None] * np.ones((1, 8))
+    texture = glb.texture(np.stack([np.cos(angles) / 2 + 0.5, np.sin(angles) / 2 + 0.5, strength], -1))
+    full = {"anisotropyStrength": 1.0}
+    cases = [
+        ({"anisotropyStrength": 0.5}, 1.0, ball), (full, 1.0, ball),
+        (full | {"anisotropyRotation": float(np.pi / 4)}, 1.0, ball),
+        (full | {"anisotropyRotation": float(np.pi / 4)}, 1.0, ball),
+        (full | {"anisotropyTexture": texture}, 1.0, ball),
+        (full | {"anisotropyTexture": texture, "anisotropyRotation": float(np.pi / 2)}, 1.0, ball),
+        (full, 0.0, ball), (full, 1.0, without(ball, "TANGENT")),
+    ]
+    for place, (fields, metallic, shape) in enumerate(cases):
+        material = glb.material((0.9, 0.75, 0.5), metallic, 0.35, extensions={"KHR_materials_anisotropy": fields})
+        glb.node(glb.mesh(shape, material), translation=[place % 4 * 1.1 - 1.65, 0.55 - place // 4 * 1.1, 0],
+                 scale=[-1.0 if place == 3 else 1.0, 1.0, 1.0])
+    glb.light("directional", (1, 2, 2), intensity=2.0)
+    glb.camera((0, 0, 8.6))
+    return glb
+
+
 def two_sided() -> Glb:
     """Open bowls, double-sided and not, upright and mirrored by a negative scale, one with a normal map."""
     glb = Glb()
@@ -278,8 +303,8 @@ def huge() -> Glb:
     return _group(1e6, (3e7, 1e7, -2e7))
 
 
-SCENES = [spheres, normal_map, textures, alpha, lights, vertex_colors, emissive, unlit, specular_ior, glass, two_sided,
-          lines_points, occlusion, tiny, huge]
+SCENES = [spheres, normal_map, textures, alpha, lights, vertex_colors, emissive, unlit, specular_ior, glass,
+          anisotropy, two_sided, lines_points, occlusion, tiny, huge]
 
 if __name__ == "__main__":
     save_scenes(SCENES, Path(__file__).parent / "scenes")

@@ -51,6 +51,9 @@ MUTATIONS = [
              "return coverage_of(alpha, tri.material, tri.flags);", "return 1.0;"),
     Mutation("roughness from the wrong channel", "material/records.glsl", "m.perceptual_roughness *= texel.g;",
              "m.perceptual_roughness *= texel.b;"),
+    Mutation("stretched across the tangent in paths", "bsdf/facets.glsl", "return vec2(s.alpha_t, s.alpha);",
+             "return vec2(s.alpha, s.alpha_t);"),
+    Mutation("direction of anisotropy ignored", "trace/shade.glsl", "d.x * i.tangent + d.y * i.bitangent", "i.tangent"),
     Mutation("normal map's scale ignored", "trace/interaction.glsl", "texel.xy *= normal_scale_factor(i.material);",
              ""),
 ]

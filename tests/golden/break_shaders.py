@@ -104,6 +104,15 @@ MUTATIONS = [
              "0.0 * seen.rgb *"),
     Mutation("transmission scatters, too", "raster/pbr.frag", "s.base_color *= 1.0 - m.transmission;",
              "s.base_color *= 1.0;"),
+    Mutation("stretched across the tangent", "bsdf/facets.glsl", "return vec2(s.alpha_t, s.alpha);",
+             "return vec2(s.alpha, s.alpha_t);"),
+    Mutation("anisotropy turned the other way", "bsdf/surface_of.glsl", "s * d.x + c * d.y", "-s * d.x + c * d.y"),
+    Mutation("anisotropy's strength not squared", "bsdf/surface_of.glsl",
+             "m.anisotropy_strength * m.anisotropy_strength", "m.anisotropy_strength"),
+    Mutation("mirrored bitangent for anisotropy", "raster/normal.glsl",
+             "vec3 b = cross(normalize(v_normal), t) * v_tangent.w;", "vec3 b = cross(normalize(v_normal), t);"),
+    Mutation("the stretched lobe is one narrow lobe", "raster/shade_environment.glsl",
+             "float a = sqrt(max(alpha.x * alpha.x - alpha_narrow * alpha_narrow, 0.0));", "float a = 0.0;"),
     Mutation("exposure ignored", "display/display.frag", "straight * u_exposure", "straight"),
 ]
 

@@ -71,6 +71,7 @@ CASES = [
     Case("emissive", "emissive", settings={"exposure": -2.5, "tonemap": "aces"}),
     Case("occlusion", "occlusion", settings={"background": "none"}),
     Case("specular-ior", "specular-ior"),
+    Case("anisotropy", "anisotropy"),
     Case("glass", "glass"),
     Case("glass-alone", "glass", view="close", settings={"background": "none"}),
     Case("glass-traced", "glass", settings={"refraction": "traced"}),

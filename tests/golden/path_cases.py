@@ -166,9 +166,19 @@ def punctual() -> tuple[Scene, Camera]:
     return scene((plate(0, 3.0), facing_floor()), *_row(1, 2, 3), materials=materials, lights=lights), VIEW
 
 
+def brushed() -> tuple[Scene, Camera]:
+    """A brushed plate of metal, its direction by a map and turned, half of its glare from a light."""
+    directions = smooth_noise(3, 9)
+    material = Material(base_color=(0.9, 0.8, 0.6, 1), perceptual_roughness=0.35, anisotropy_strength=0.9,
+                        anisotropy_rotation=0.5, anisotropy_texture=Texture(image_of(directions)))
+    return scene(plate(0), materials=[material], lights=(SUN,), environment=sides()), Camera.look_at(
+        (1.2, 0.9, 2.2), (0, 0, 0), fov_y=np.radians(42))
+
+
 CASES = [
     PathCase("maps", maps),
     PathCase("metal", metal),
+    PathCase("brushed", brushed),
     PathCase("glass-smooth", glass_smooth),
     PathCase("glass-rough", glass_rough),
     PathCase("glass-absorbing", glass_absorbing),
