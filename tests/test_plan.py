@@ -112,6 +112,16 @@ def test_maps_that_change_no_pixel_are_not_sampled(change, sampled):
     assert any(f"{idle} material map" in line for line in found.left_out) == bool(idle)
 
 
+def test_only_brushed_surfaces_have_narrow_lobes_the_more_the_farther_they_are_stretched():
+    def lobes(**fields):
+        return plan(scene(Material(**fields), environment=ENVIRONMENT)).programs[0]["STRETCHED_LOBES"]
+
+    assert lobes(perceptual_roughness=0.3) == lobes(perceptual_roughness=0.3, metallic_roughness_texture=MAP) == 0
+    brushed = {"anisotropy_strength": 0.5}
+    assert [lobes(perceptual_roughness=r, **brushed) for r in (0.7, 0.5, 0.3, 0.1)] == [4, 4, 8, 32]
+    assert lobes(metallic_roughness_texture=MAP, **brushed) == 16
+
+
 def test_maps_without_coordinates_or_tangents_are_not_sampled():
     material = Material(base_color_texture=MAP, normal_texture=MAP, occlusion_texture=replace(MAP, uv_set=1))
     model = scene(material, uvs=1, tangents=False, environment=ENVIRONMENT)

@@ -207,8 +207,12 @@ def _mirrors(material: Material) -> bool:
 def stretched_lobes(material: Material) -> int:
     """How many narrow lobes stand for a stretched one under an environment: 2 alpha_t / alpha, as a power of 2.
 
+    It is 0 for what is not stretched.
+
     docs/choices.md has the error of each number. Where a map varies the roughness, the ratio is not known.
     """
+    if not ANISOTROPY.is_on(material):
+        return 0
     if material.metallic_roughness_texture is not None:
         return 16
     alpha = material.perceptual_roughness**2
