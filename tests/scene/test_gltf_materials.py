@@ -50,6 +50,25 @@ def test_transmission_and_volume():
     assert read({"extensions": {"KHR_materials_transmission": {}, "KHR_materials_volume": {}}})[0] == Material()
 
 
+def test_anisotropy():
+    builder = GltfBuilder()
+    texture = builder.texture()
+    material, warnings = read({"extensions": {"KHR_materials_anisotropy": {
+        "anisotropyStrength": 0.6, "anisotropyRotation": -1.5, "anisotropyTexture": {"index": texture}}}}, builder)
+    assert (material.anisotropy_strength, material.anisotropy_rotation) == (0.6, -1.5)
+    assert material.anisotropy_texture is not None
+    assert warnings == (
+        "meshes[0].primitives[0].attributes: the material needs TEXCOORD_0, which is missing; 0, 0 is used",)
+    assert read({"extensions": {"KHR_materials_anisotropy": {}}}) == (Material(), ())
+
+
+def test_anisotropy_without_tangents_or_coordinates_is_left_out_and_said():
+    _, warnings = read({"extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 2}}})
+    assert warnings == (
+        "materials[0].extensions.KHR_materials_anisotropy.anisotropyStrength: 2 is out of range; 1 is used",
+        "meshes[0].primitives[0].attributes: anisotropy needs tangents or texture coordinates; it is left out")
+
+
 @pytest.mark.parametrize("volume, place", [
     ({"attenuationDistance": 0}, "attenuationDistance"), ({"attenuationColor": [0, 2, 0]}, "attenuationColor"),
     ({"thicknessFactor": -1}, "thicknessFactor")])

@@ -147,4 +147,7 @@ def _complete(mesh: Mesh, material: Material, primitive: Element) -> Mesh:
         return replace(mesh, tangents=None)
     if mesh.tangents is not None and np.isfinite(mesh.tangents).all():
         return mesh
-    return with_tangents(mesh, tangent_texture(material))
+    mesh = with_tangents(mesh, tangent_texture(material))
+    if mesh.tangents is None:
+        primitive.warn("anisotropy needs tangents or texture coordinates; it is left out", "attributes")
+    return mesh
