@@ -12,7 +12,7 @@ pytestmark = pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="the C
 
 COMMON = """
 import threading
-from viewer.base.heap import give_back, share_one_heap
+from viewer.base.heap import trim_heap, share_one_heap
 
 def resident_mb():
     return int(open("/proc/self/statm").read().split()[1]) * 4096 / 1e6
@@ -39,7 +39,7 @@ def megabytes(code: str) -> float:
 
 
 def test_what_is_free_goes_back():
-    assert megabytes("fill(); before = resident_mb(); give_back(); print(before - resident_mb())") > 80
+    assert megabytes("fill(); before = resident_mb(); trim_heap(); print(before - resident_mb())") > 80
 
 
 def test_what_a_thread_left_free_serves_another():

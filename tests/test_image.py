@@ -190,7 +190,7 @@ def test_links_and_pipes_stay_what_they_are(tmp_path):
 def test_output_errors_are_one_line_that_says_what_is_wrong(image, tmp_path):
     (tmp_path / "folder.png").mkdir()
     (tmp_path / "file").write_text("")
-    for path, words in [("a.gif", "cannot write .gif; there are .png, .jpg, .jpeg, .webp, .exr"),
+    for path, words in [("a.gif", "cannot write .gif; choose one of .png, .jpg, .jpeg, .webp, .exr"),
                         ("a", "without extension"), ("none/a.png", "does not exist"), ("folder.png", "is a folder"),
                         ("file/a.png", "does not exist")]:
         with pytest.raises(OutputError, match=words) as caught:
@@ -216,7 +216,7 @@ def test_broken_inputs_are_one_line_errors(image, tmp_path):
     with pytest.raises(InputError, match="is a folder"):
         Image.open(tmp_path)
     (tmp_path / "text.png").write_text("hello")
-    with pytest.raises(InputError, match="not a picture we know"):
+    with pytest.raises(InputError, match="is not a picture in a supported format"):
         Image.open(tmp_path / "text.png")
 
 

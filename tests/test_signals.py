@@ -29,13 +29,13 @@ def test_a_signal_ends_the_block_and_its_handler_comes_back(name, status, text):
         signal.signal(number, before)
 
 
-def test_the_first_signal_is_a_wish_and_the_second_an_order():
+def test_the_first_signal_is_recorded_and_the_second_raises():
     with stoppable():
         handler = signal.getsignal(signal.SIGINT)
-        with postponed() as wish:
-            assert wish.number is None
+        with postponed() as request:
+            assert request.number is None
             os.kill(os.getpid(), signal.SIGINT)
-            assert wish.number == signal.SIGINT
+            assert request.number == signal.SIGINT
             with pytest.raises(Stopped):
                 os.kill(os.getpid(), signal.SIGTERM)
                 threading.Event().wait(5)
@@ -43,10 +43,10 @@ def test_the_first_signal_is_a_wish_and_the_second_an_order():
 
 
 def test_outside_of_our_own_program_signals_do_what_they_did():
-    with postponed() as wish, pytest.raises(KeyboardInterrupt):
+    with postponed() as request, pytest.raises(KeyboardInterrupt):
         os.kill(os.getpid(), signal.SIGINT)
         threading.Event().wait(5)
-    assert wish.number is None
+    assert request.number is None
 
 
 def test_what_is_ignored_stays_ignored():

@@ -148,14 +148,15 @@ def test_relative_path(own, monkeypatch):
 
 
 @pytest.mark.parametrize(("function", "arrays", "message"), [
-    ("nope", {}, r"own\.frag: there is no function nope of values; there are bits, both, five"),
-    ("square", {"x": 1}, r"several functions fit, say which by its types, square\(\.\.\.\): square\(float x\); square"),
+    ("nope", {}, r"own\.frag: there is no function nope that can be called; there are bits, both, five"),
+    ("square", {"x": 1}, r"several functions fit; name the types of one, square\(\.\.\.\): square\(float x\); square"),
     ("square(int)", {"x": 1}, r"there is no function square\(int\)"),
-    ("pick", {"chosen": 1}, r"pick is given chosen but is pick\(float chosen, vec4 a, vec4 b, vec4 idle\)"),
+    ("pick", {"chosen": 1},
+     r"pick was given chosen, but its parameters are pick\(float chosen, vec4 a, vec4 b, vec4 idle\)"),
     ("bits", {"x": "a"}, r"x: float takes numbers"),
     ("square(vec3)", {"x": [1, 2]}, r"x: vec3 takes a number or arrays that end in \(3,\), not the shape \(2,\)"),
     ("pick", {"chosen": [1, 2], "a": np.ones((3, 4)), "b": 0, "idle": 0},
-     r"do not go together.* chosen \(2,\), a \(3,\)"),
+     r"cannot be broadcast together.* chosen \(2,\), a \(3,\)"),
     ("both", {"inner": {"a": 1}, "v": 0, "m": np.zeros((3, 2)), "ok": 1, "z": 0}, r"inner: Inner has the members a, b"),
     ("both", {"inner": [1, 2], "v": 0, "m": np.zeros((3, 2)), "ok": 1, "z": 0}, r"inner: Inner takes a dict, or"),
     ("both", {"inner": [1, 2, 3], "v": 0, "m": np.zeros((3, 2)), "ok": 1, "z": 2**31}, r"z: int takes whole numbers"),

@@ -85,7 +85,7 @@ def test_comments_are_not_directives(write: Write) -> None:
         ({"a.vert": '\n#include "b.glsl"\n'}, r"shaders/a\.vert:2: there is no shader file b\.glsl"),
         (
             {"a.vert": '#include "b.glsl"\n', "b.glsl": '#include "c.glsl"\n', "c.glsl": '#include "b.glsl"\n'},
-            r"goes in a circle: shaders/b\.glsl -> shaders/c\.glsl -> shaders/b\.glsl",
+            r"is circular: shaders/b\.glsl -> shaders/c\.glsl -> shaders/b\.glsl",
         ),
         ({"a.vert": '#include "a.vert"\n'}, r"shaders/a\.vert -> shaders/a\.vert"),
         ({"a.vert": "#include <b.glsl>\n"}, r"shaders/a\.vert:1: expected #include \"file\""),

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..base.heap import give_back
+from ..base.heap import trim_heap
 from ..scene.environment import Environment
 from ..scene.equirect import shrink
 from ..scene.light import Light
@@ -56,7 +56,7 @@ def bake_environment(
             if stored is not None:
                 return _from_arrays(stored)
     arrays = _bake(environment, ndf, levels)
-    give_back()  # 40 MB that nothing else will want
+    trim_heap()  # 40 MB that nothing else will want
     if names:
         disk.store(names[-1], arrays)
     return _from_arrays(arrays)

@@ -1,1 +1,1 @@
-"""What knows nothing of pictures: files, messages, progress, signals."""
+"""Utilities that do not depend on rendering: files, messages, progress, signals."""

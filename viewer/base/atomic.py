@@ -16,11 +16,11 @@ from ..errors import OutputError
 
 @contextmanager
 def atomic_write(path: str | PathLike[str]) -> Iterator[Path]:
-    """Yields a temporary path, of the same extension, to write to; when the block ends well it takes `path`'s place.
+    """Yields a temporary path with the same extension. If the block succeeds, the temporary file replaces `path`.
 
-    The temporary file lies in the same folder, so that the last step is one rename. Whatever ends the block early,
-    KeyboardInterrupt included, removes it and leaves an older file at `path` as it was. A link keeps pointing where
-    it did; a pipe or device (`/dev/stdout`) gets the whole content at the end.
+    The temporary file is in the same folder, so the last step is one rename. If any exception ends the block,
+    KeyboardInterrupt included, the temporary file is removed and an older file at `path` stays as it was. A symbolic
+    link at `path` stays a link. A pipe or device (`/dev/stdout`) gets the whole content at the end.
 
     Raises OutputError where the file cannot be written, and for every OSError inside the block.
     """
@@ -33,7 +33,7 @@ def atomic_write(path: str | PathLike[str]) -> Iterator[Path]:
         raise OutputError(f"{path}: the folder {target.parent} does not exist")
     temporary = folder / f".pbr-viewer-{os.getpid()}-{os.urandom(4).hex()}{Path(path).suffix}"
     try:
-        # Not mkstemp, whose files only their owner may read: open() leaves the mode to the user's umask.
+        # mkstemp would make a file that only its owner may read; open() follows the user's umask.
         temporary.open("xb").close()
         yield temporary
         if replaceable:
@@ -49,18 +49,18 @@ def atomic_write(path: str | PathLike[str]) -> Iterator[Path]:
 
 
 def write_json(path: str | PathLike[str], content: object) -> None:
-    """`content` as a JSON file, whole or not at all. Raises OutputError."""
+    """Write `content` as a JSON file, whole or not at all. Raises OutputError."""
     text = json.dumps(content, indent=1, allow_nan=False) + "\n"
     with atomic_write(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 
 def make_folder(folder: Path) -> None:
-    """Makes it where it is missing, but not the one above that. Raises OutputError."""
+    """Make `folder` if it does not exist; its parent must exist. Raises OutputError."""
     try:
         folder.mkdir(exist_ok=True)
     except FileNotFoundError as error:
-        raise OutputError(f"{folder}: there is no folder {folder.parent}") from error
+        raise OutputError(f"{folder}: the folder {folder.parent} does not exist") from error
     except FileExistsError as error:
         raise OutputError(f"{folder}: is a file, not a folder") from error
     except OSError as error:

@@ -1,4 +1,4 @@
-"""What a result depends on, as a short name: equal names mean that it need not be computed again."""
+"""Short digests of everything that a result depends on: if two digests are equal, the result can be reused."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from .resources import resource_folder
 
 _SIZE = 12
 _PARTS = ("scene", "bake", "gpu", "image", "material", "plan", "raster", "trace", "settings.py")
-"""Of the package, beside its shaders: what makes pictures."""
+"""The parts of the package, beside the shaders, that pictures depend on."""
 
 
 def digest(*things: Any) -> str:
-    """Of dataclasses, arrays, containers and plain values, by their content.
+    """The digest of the content of dataclasses, arrays, containers and plain values.
 
-    The `name` of a dataclass does not count. A class whose fields do not tell its content has `digest_parts()`, which
-    returns what does.
+    The `name` of a dataclass is not included. A class whose fields do not describe its content defines
+    `digest_parts()`, which returns the values to include instead.
     """
     state = hashlib.blake2b(digest_size=_SIZE)
     for thing in things:
@@ -32,7 +32,7 @@ def digest(*things: Any) -> str:
 
 
 def files_digest(paths: Iterable[Path]) -> str:
-    """Of the names and the content of files."""
+    """The digest of the names and the content of files."""
     state = hashlib.blake2b(digest_size=_SIZE)
     for path in paths:
         state.update(path.name.encode() + path.read_bytes())
@@ -41,7 +41,7 @@ def files_digest(paths: Iterable[Path]) -> str:
 
 @lru_cache(maxsize=1)
 def code_digest() -> str:
-    """Of all code that a picture comes from."""
+    """The digest of all code that pictures depend on."""
     package = Path(__file__).resolve().parents[1]
     files = [path for part in _PARTS for path in sorted([package / part, *(package / part).rglob("*.py")])]
     files += sorted(resource_folder("shaders").rglob("*"))
@@ -49,7 +49,7 @@ def code_digest() -> str:
 
 
 def _add(state: Any, thing: Any, seen: dict[int, int]) -> None:
-    """`seen` numbers the dataclasses met before, so that a texture which many materials share is read once."""
+    """Add `thing` to the hash. `seen` numbers the dataclasses added before, so that a shared texture is read once."""
     state.update(type(thing).__name__.encode())
     if isinstance(thing, np.ndarray):
         state.update(f"{thing.dtype}{thing.shape}".encode() + np.ascontiguousarray(thing).tobytes())

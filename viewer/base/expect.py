@@ -1,4 +1,4 @@
-"""Arguments of the wrong type, told in one line where they come in."""
+"""Checks the types of arguments where they enter the package, with errors of one line."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from ..errors import UsageError
 
 
 def expect(value: object, kind: type | tuple[type, ...], name: str, wanted: str) -> None:
-    """Raises UsageError where `value`, the argument called `name`, is not of `kind`, which `wanted` says in words."""
+    """Raises UsageError if `value`, the argument called `name`, is not of type `kind`; `wanted` names it in words."""
     if not isinstance(value, kind):
         raise UsageError(f"{name} is of type {type(value).__name__}, not {wanted}")
 
 
 def expect_path(value: object, name: str) -> None:
-    """Raises UsageError where `value` is no path, that is, neither text nor `os.PathLike`."""
+    """Raises UsageError if `value` is not a path, that is, neither text nor `os.PathLike`."""
     expect(value, (str, PathLike), name, "a path")

@@ -1,4 +1,4 @@
-"""How the C library hands out memory."""
+"""Settings of the C library's memory allocator."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ _ARENA_MAX = -8  # M_ARENA_MAX of glibc's malloc.h
 
 
 def share_one_heap() -> None:
-    """Have all threads allocate from one heap, where the C library is glibc; before the second thread does.
+    """Make all threads allocate from one heap, if the C library is glibc. Call it before a second thread starts.
 
-    Each would get a heap of its own, and what one thread leaves free is lost to the others: with images decoded on two
-    threads and uploaded by a third, 30 MB at the peak, and the time it takes the system to provide them.
+    By default glibc gives each thread a heap of its own, and no thread can use the free memory in another's heap. Two
+    threads decode images and a third uploads them, so this costs 30 MB at the peak and the time to allocate them.
     """
     with suppress(AttributeError, OSError, TypeError):
         ctypes.CDLL(None).mallopt(_ARENA_MAX, 1)
 
 
-def give_back() -> None:
-    """Return to the system what is free in the heap, where the C library is glibc."""
+def trim_heap() -> None:
+    """Return the free memory of the heap to the system, if the C library is glibc."""
     with suppress(AttributeError, OSError, TypeError):
         ctypes.CDLL(None).malloc_trim(0)

@@ -1,4 +1,4 @@
-"""What is said on a terminal: one line at a time, and nothing in it that a terminal would obey."""
+"""Messages on the terminal: one line at a time, with control characters escaped."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from ..errors import ContextError
 
 
 def one_line(text: str) -> str:
-    """`text` with its white space as single spaces and control characters (of a file's name, say) as escapes."""
+    """`text` with single spaces for white space, and escapes for control characters, for example in a file name."""
     text = " ".join(text.split())
     return text if text.isprintable() else "".join(c if c.isprintable() else _escape(c) for c in text)
 
 
 def say(text: str) -> None:
-    """A line on stderr; nowhere to write it is no error."""
+    """Write a line to stderr. It is no error if stderr cannot be written."""
     with suppress(OSError):
         click.echo(one_line(text), err=True)
 
 
 def say_error(error: BaseException | str) -> None:
-    """`pbr-viewer: ` and what went wrong, in a line; of contexts, a line for each that was tried."""
+    """Write `pbr-viewer: ` and the error in one line; a ContextError has one line for each back end that was tried."""
     lines = str(error).splitlines() if isinstance(error, ContextError) else [str(error)]
     for number, line in enumerate(lines):
         say(line if number else f"pbr-viewer: {line}")

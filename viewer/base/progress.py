@@ -1,4 +1,4 @@
-"""A progress bar on stderr for what takes longer than a second, on a terminal only."""
+"""A progress bar on stderr for work that takes longer than a second. It is shown only on a terminal."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ DELAY_S = 1.0
 
 
 class Progress:
-    """`step` begins the next of `total` pieces of work, `say` changes the words beside the bar, `part` tells how much
-    of the piece is done.
+    """`step` begins the next of `total` pieces of work, `say` changes the text beside the bar, and `part` sets how much
+    of the current piece is done.
 
-    What is written to stderr meanwhile appears above the bar, which is gone at the end.
+    Other output to stderr appears above the bar. The bar is removed at the end.
     """
 
     def __init__(self, total: int, enabled: bool = True) -> None:
@@ -35,13 +35,13 @@ class Progress:
         self.say(text)
 
     def part(self, fraction: float, text: str) -> None:
-        """`fraction` from 0 to 1 of the piece is done."""
+        """Show that `fraction` of the current piece, from 0 to 1, is done."""
         self._done = math.floor(self._done) + min(fraction, 0.999)
         self.say(text)
 
     @property
     def is_shown(self) -> bool:
-        """Whether there is a bar now; what is costly to tell need not be told otherwise."""
+        """Whether the bar is visible; if it is not, a text that is costly to compute can be skipped."""
         return self._bar is not None
 
     def say(self, text: str) -> None:
@@ -57,10 +57,10 @@ class Progress:
         with self._lock:
             if self._timer is None:  # closed while we waited
                 return
-            words = TextColumn("{task.description}", markup=False)
-            columns = words, BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+            description = TextColumn("{task.description}", markup=False)
+            columns = description, BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
             self._bar = Progress(*columns, console=Console(stderr=True), transient=True)
-            done: Any = max(self._done, 0)  # rich takes parts of a step, although it says int
+            done: Any = max(self._done, 0)  # rich accepts fractions, although its type hint says int
             self._task = self._bar.add_task(self._text, total=self._total, completed=done)
             self._bar.start()
 

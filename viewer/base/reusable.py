@@ -1,4 +1,4 @@
-"""A resource that is reused as long as it fits."""
+"""A GPU resource that is kept and reused as long as it fits what is asked for."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ T = TypeVar("T", bound=Releasable)
 
 
 class Reusable(Generic[T]):
-    """Holds at most one `T`. The old one is released before a new one is made, so that both need not fit in memory."""
+    """Holds at most one `T`. The old one is released before a new one is made, so the two never use memory at once."""
 
     def __init__(self) -> None:
         self.held: T | None = None
 
     def get(self, fits: Callable[[T], bool], make: Callable[[], T]) -> T:
-        """What is held if there is something and it `fits`; else what `make` returns, which is held from now on."""
+        """The held resource if there is one and it `fits`. Otherwise the result of `make`, which is then held."""
         if self.held is None or not fits(self.held):
             self.release()
             self.held = make()

@@ -1,4 +1,7 @@
-"""Being asked to stop, by Ctrl-C or another process, ends the work by an exception: no half-written file is left."""
+"""Signals that ask the process to stop (Ctrl-C, or sent by another process), turned into an exception.
+
+An exception ends the work in an orderly way, so that no half-written file is left.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ from typing import Any
 
 
 class Stopped(BaseException):
-    """Raised wherever the work is when the signal `number` comes."""
+    """Raised in the running code when the signal `number` arrives."""
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
@@ -17,7 +20,7 @@ class Stopped(BaseException):
 
     @property
     def exit_status(self) -> int:
-        """As a shell reports it: 130 for Ctrl-C."""
+        """The exit status as a shell reports it: 128 plus the signal's number, 130 for Ctrl-C."""
         return 128 + self.number
 
     def __str__(self) -> str:
@@ -25,34 +28,36 @@ class Stopped(BaseException):
 
 
 class StopRequest:
-    """Whether somebody has asked to stop: the `number` of the signal, or None."""
+    """`number` is the signal that has asked to stop, or None as long as there was none."""
 
     number: int | None = None
 
 
 @contextmanager
 def postponed() -> Iterator[StopRequest]:
-    """In the block the first signal to stop is only noted, for work that can end tidily; the next raises Stopped.
+    """In the block the first signal to stop is only recorded, so that the work can end by itself; the next raises
+    Stopped.
 
-    That is so within `stoppable`; elsewhere, as in a program that uses this package, signals do what they did.
+    This works inside a `stoppable` block. Elsewhere, for example in a program that uses this package, the handlers of
+    signals are not changed.
     """
-    wish = StopRequest()
-    before = {number: handler for number in _asked() if isinstance(handler := signal.getsignal(number), _Stop)}
+    request = StopRequest()
+    before = {number: handler for number in _stop_signals() if isinstance(handler := signal.getsignal(number), _Stop)}
 
-    def note(number: int, frame: object) -> None:
-        if wish.number is not None:
+    def record(number: int, frame: object) -> None:
+        if request.number is not None:
             raise Stopped(number)
-        wish.number = number
+        request.number = number
 
-    with _handlers(dict.fromkeys(before, note)):
-        yield wish
+    with _handlers(dict.fromkeys(before, record)):
+        yield request
 
 
 @contextmanager
 def stoppable() -> Iterator[None]:
-    """Raises Stopped in the block for SIGINT, SIGTERM and SIGHUP, where they are not ignored (as under nohup)."""
+    """In the block SIGINT, SIGTERM and SIGHUP raise Stopped, unless the process ignores them (as under nohup)."""
     defaults = (signal.SIG_DFL, signal.default_int_handler)
-    with _handlers({number: _Stop() for number in _asked() if signal.getsignal(number) in defaults}):
+    with _handlers({number: _Stop() for number in _stop_signals() if signal.getsignal(number) in defaults}):
         yield
 
 
@@ -61,8 +66,8 @@ class _Stop:
         raise Stopped(number)
 
 
-def _asked() -> list[int]:
-    """The signals that ask to stop."""
+def _stop_signals() -> list[int]:
+    """The signals that ask a process to stop, as far as this system has them."""
     return [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 

@@ -1,4 +1,4 @@
-"""Names of files for libraries that take UTF-8 alone, where the file system takes any bytes."""
+"""UTF-8 file names for libraries that accept nothing else; a file system may allow names of any bytes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pathlib import Path
 
 @contextmanager
 def utf8_name(path: str | PathLike[str]) -> Iterator[str]:
-    """A name, valid in the block, of the existing file `path`: its own, or a link's where its own is no UTF-8."""
+    """A UTF-8 name of the existing file `path`: its own, or that of a temporary link that exists during the block."""
     name = fspath(path)
     try:
         name.encode()

@@ -1,4 +1,4 @@
-"""The only code that knows the driver: contexts and shader programs. It does not know what a material is."""
+"""OpenGL: contexts, shader programs, textures. Nothing here depends on scenes or materials."""
 
 from .context import Context, open_context
 from .program import compile_program

@@ -1,4 +1,4 @@
-"""GLSL functions called from Python, on arrays: what a shader computes, as numbers."""
+"""Calls GLSL functions from Python on arrays, so that shader code can be tested and plotted."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from .marshal import broadcast_shape, from_words, to_words
 from .program import compile_sources
 from .source import ProgramSource, assemble, display_name
 
-_CHUNK = 1 << 18  # evaluations between two transfers: buffers of 64 MiB at most, whatever the arrays' length
-_MAX_WORDS = 64  # 16 attributes and 64 captured components are what OpenGL 3.3 grants
+_CHUNK = 1 << 18  # evaluations per transfer; it limits the buffers to 64 MiB for arrays of any length
+_MAX_WORDS = 64  # OpenGL 3.3 guarantees 16 attributes of 4 components, and 64 captured components
 
 _MAIN = re.compile(r"\bvoid\s+main\s*\(\s*(?:void)?\s*\)\s*\{")
 
@@ -38,24 +38,24 @@ def call_glsl(
     context: Context | None = None,
     **arrays: Any,
 ) -> Any:
-    """What a function of a GLSL file returns, for each element of `arrays`, computed on the GPU in its float32.
+    """Call a function of a GLSL file on the GPU, in float32, for each element of `arrays`.
 
-    `file` is one of the shaders folder ("bsdf/ggx.glsl") or else a path of your own; `defines` its switches.
-    `function` is a name; where several functions have it, the one whose parameters are called as `arrays` are, or that
-    of the types named: "square(vec3)".
+    `file` is in the shaders folder ("bsdf/ggx.glsl") or a path to a file of your own. `defines` are the switches to
+    compile it with. `function` is the function's name. If several functions have that name, the one whose parameters
+    have the names of `arrays` is called; the parameter types may be given too: "square(vec3)".
 
-    Each of `arrays` is named as a parameter. Its shape ends in that of the parameter's type, (), (3,) for a vec3,
-    (rows, columns) for a matrix; the axes before that broadcast against one another. A plain number serves for all
-    components. A struct takes a dict of its members, or an array with all their components on its last axis. int, uint
-    and bool travel exactly. A sampler2D takes a picture (H, W) or (H, W, 1 to 4), filtered linearly, clamped at its
-    edges; row 0 is at texture coordinate 0.
+    Each of `arrays` has the name of a parameter. Its shape ends in the shape of the parameter's type: () for a scalar,
+    (3,) for a vec3, (rows, columns) for a matrix. The axes before that broadcast against one another. A plain number
+    is used for all components. A struct takes a dict of its members, or an array with all their components on its last
+    axis. int, uint and bool are passed exactly. A sampler2D takes a picture (H, W) or (H, W, 1 to 4), which is filtered
+    linearly and clamped at its edges; row 0 is at texture coordinate 0.
 
-    Returns the result with the same leading axes: float32, int32, uint32 or bool; for a struct a dict; and for a
-    function with out parameters a dict of those, in which "return" is what it returns.
+    Returns the result with the same leading axes as float32, int32, uint32 or bool; a struct is returned as a dict. For
+    a function with out parameters it returns a dict of those, and "return" is the function's return value.
 
-    `context` is where to compute (`viewer.gpu.context.open_context`), by default one that this thread's calls share.
-    Raises ShaderError for a file that does not compile, with file and line, and UsageError for a function or an
-    argument that does not fit.
+    `context` is the context to compute in (`viewer.gpu.context.open_context`). By default all calls of a thread share
+    one. Raises ShaderError, with file and line, for a file that does not compile, and UsageError for a function that
+    does not exist or an argument that does not fit.
     """
     expect_path(file, "file")
     expect(function, str, "function", "the name of one")
@@ -66,7 +66,7 @@ def call_glsl(
     words = [(parameter.name, leaf) for parameter in chosen.inputs if not isinstance(parameter.type, Sampler)
              for leaf in to_words(parameter.type, arrays[parameter.name], parameter.name)]
     shape = broadcast_shape(words)
-    # What is the same for all goes as a uniform, for it would cost as much as an array of it.
+    # A value that is the same for all elements is passed as a uniform: as an attribute it would need an array.
     constant = tuple(leaf.ndim == 1 for _, leaf in words)
     layout = _Layout.of(chosen, [leaf.shape[-1] for _, leaf in words], constant)
     with _current(context) as gl_context:
@@ -87,7 +87,10 @@ def call_glsl(
 
 @dataclass(frozen=True)
 class _Layout:
-    """How a call's values lie in words: `widths` of each leaf, and whether it is `constant`."""
+    """How a call's arguments and results are stored as 32-bit words.
+
+    `widths` has the number of words of each leaf of the arguments, and `constant` whether that leaf is a uniform.
+    """
 
     function: Function
     widths: tuple[int, ...]
@@ -96,10 +99,10 @@ class _Layout:
     @classmethod
     def of(cls, function: Function, widths: Sequence[int], constant: tuple[bool, ...]) -> _Layout:
         layout = cls(function, tuple(widths), constant)
-        for words, what in ((layout.inputs, "takes"), (layout.outputs, "gives")):
+        for words, verb in ((layout.inputs, "takes"), (layout.outputs, "returns")):
             if words > _MAX_WORDS:
-                raise UsageError(f"{function}: it {what} {words} components that differ from one call to the next, and "
-                                 f"OpenGL passes {_MAX_WORDS} at most")
+                raise UsageError(f"{function}: it {verb} {words} components that vary; OpenGL 3.3 passes at most "
+                                 f"{_MAX_WORDS}")
         if not layout.results:
             raise UsageError(f"{function}: it returns nothing")
         return layout
@@ -153,7 +156,7 @@ class _Layout:
 
 
 def _sizes(words: int) -> list[int]:
-    """Words by vectors of four."""
+    """The sizes of the vectors, of up to four components, that hold so many words."""
     return [min(4, words - first) for first in range(0, words, 4)]
 
 
@@ -163,18 +166,18 @@ def _vector(size: int) -> str:
 
 def _run(gl: moderngl.Context, program: moderngl.Program, layout: _Layout, varying: list[np.ndarray],
          count: int) -> list[np.ndarray]:
-    """The results' leaves, (count, n) uint32 each, from those of the arguments that vary."""
+    """Run the program: from the leaves of the varying arguments to those of the results, each (count, n) uint32."""
     columns = [np.empty((count, width), np.uint32) for width in layout.result_widths]
     length = min(count, _CHUNK)
     if not length:
         return columns
     rows = np.empty((length, layout.inputs), np.uint32)
-    # Without a framebuffer OpenGL runs no vertex, although none is drawn to.
+    # OpenGL needs a complete framebuffer even though transform feedback draws nothing into it.
     target, drawn_to = gl.simple_framebuffer((1, 1)), gl.fbo
     target.use()
     captured = gl.buffer(reserve=4 * length * layout.outputs)
     attributes = gl.buffer(reserve=max(rows.nbytes, 4))
-    # An argument that makes no difference is not in the program.
+    # The driver removes an attribute from the program if the result does not depend on it.
     sizes = _sizes(layout.inputs)
     names = [f"call_in_{i}" for i in range(len(sizes)) if f"call_in_{i}" in program]
     formats = " ".join(f"{size}u" if f"call_in_{i}" in program else f"{4 * size}x" for i, size in enumerate(sizes))
@@ -211,18 +214,18 @@ def _choose(functions: list[Function], asked: str, arrays: Mapping[str, Any], fi
         named = [function for function in named if function.types == wanted]
     if not named:
         names = ", ".join(sorted({function.name for function in functions if function.name != "main"})) or "none"
-        raise UsageError(f"{file}: there is no function {asked} of values; there are {names}")
+        raise UsageError(f"{file}: there is no function {asked} that can be called; there are {names}")
     fitting = [function for function in named if {p.name for p in function.inputs} == set(arrays)]
     if len(fitting) == 1:
         return fitting[0]
     listed = "; ".join(map(str, named))
     if fitting:
-        raise UsageError(f"{file}: several functions fit, say which by its types, {name}(...): {listed}")
-    raise UsageError(f"{file}: {asked} is given {', '.join(arrays) or 'nothing'} but is {listed}")
+        raise UsageError(f"{file}: several functions fit; name the types of one, {name}(...): {listed}")
+    raise UsageError(f"{file}: {asked} was given {', '.join(arrays) or 'nothing'}, but its parameters are {listed}")
 
 
 def _without_main(source: ProgramSource) -> ProgramSource:
-    """Without the `main` of a whole shader, which has a stage's own variables in it; every line keeps its number."""
+    """The source without the `main` of a whole shader, which uses variables of its stage. Line numbers stay as is."""
     match = _MAIN.search(source.text)
     if match is None:
         return source
@@ -251,7 +254,7 @@ def _program(context: Context, source: ProgramSource, layout: _Layout) -> modern
 
 @contextmanager
 def _current(context: Context | None) -> Iterator[Context]:
-    """`context`, or the thread's own, made current for a while."""
+    """Makes `context`, or the one that this thread's calls share, current in the block."""
     if context is None:
         if getattr(_shared, "context", None) is None:
             previous = current_context()
@@ -274,7 +277,7 @@ def _bind(gl: moderngl.Context, program: moderngl.Program, unit: int, parameter:
         pixels = pixels[..., None]
     if pixels.ndim != 3 or not 1 <= pixels.shape[2] <= 4 or not pixels.size:
         raise UsageError(f"{parameter.name}: sampler2D takes a picture (H, W) or (H, W, 1 to 4), "
-                         f"not the shape {np.shape(picture)}")
+                         f"not an array of shape {np.shape(picture)}")
     if f"call_{parameter.name}" in program:
         height, width, channels = pixels.shape
         texture = gl.texture((width, height), channels, np.ascontiguousarray(pixels), dtype="f4")

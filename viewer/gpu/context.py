@@ -1,4 +1,4 @@
-"""OpenGL contexts: where pictures are drawn, with or without a screen."""
+"""OpenGL contexts, with or without a screen."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import moderngl
 from ..errors import ContextError, UsageError
 
 MINIMUM_VERSION = 330
-"""OpenGL 3.3 core is the floor of everything the package draws."""
+"""All rendering needs OpenGL 3.3 core, and nothing newer."""
 
 FIX = (
     "fix: install a graphics driver, or Mesa's software OpenGL: "
@@ -24,7 +24,8 @@ FIX = (
 
 
 class Loader(Protocol):
-    """What moderngl asks of the owner of a native context; `__enter__` makes it current, `__exit__` makes none so."""
+    """The interface of a native context that moderngl expects. `__enter__` makes the context current; `__exit__` makes
+    no context current."""
 
     def load_opengl_function(self, name: str) -> int: ...
     def __enter__(self) -> Any: ...
@@ -33,12 +34,12 @@ class Loader(Protocol):
 
 
 class Context:
-    """An OpenGL context of one back end, current from its creation on.
+    """An OpenGL context of one back end. Creating it makes it current.
 
-    OpenGL draws into the context that is current on the thread, so after another one was opened or made current call
-    `make_current` before going on with this. Textures, buffers and programs that Python has dropped are freed then, or
-    at once by their own `release`; releasing the context frees all it holds. `with open_context() as context:` does so
-    at the end.
+    OpenGL draws into the context that is current on the thread. After another context was opened or made current, call
+    `make_current` before using this one again. `make_current` also frees the textures, buffers and programs that Python
+    has garbage-collected; their own `release` frees them at once. Releasing the context frees everything in it;
+    `with open_context() as context:` does so at the end.
     """
 
     backend = ""
@@ -52,7 +53,7 @@ class Context:
             self._loader = create()
             self._enter()
             try:
-                # Finds out what the current context can do.
+                # This queries the limits and extensions of the current context.
                 loader: Any = _Interned(self._loader)  # moderngl's own type for it, a dict, is wrong
                 self.gl = moderngl.create_context(require=MINIMUM_VERSION, context=loader)
             except Exception as error:
@@ -63,8 +64,9 @@ class Context:
             if previous is not None:
                 previous._enter()
             raise
-        # moderngl's default is never to free what is not released by hand. "auto" would free it the moment Python
-        # drops it, into whichever context is current then; so it is only listed, and freed by _free_dropped.
+        # By default moderngl frees no object that is not released explicitly. Mode "auto" would free an object when
+        # Python garbage-collects it, in whichever context is current then. Mode "context_gc" only lists such objects,
+        # and _free_dropped frees them.
         self.gl.gc_mode = "context_gc"
         _processes.add(os.getpid())
         self._process = os.getpid()
@@ -75,15 +77,16 @@ class Context:
 
     @property
     def is_software(self) -> bool:
-        """Whether a processor draws, not a graphics card."""
+        """Whether the CPU renders (Mesa's llvmpipe, for example), not a graphics card."""
         return any(name in self.renderer.lower() for name in ("llvmpipe", "softpipe", "swrast", "swiftshader"))
 
     def function(self, name: str, *arguments: type) -> Callable[..., None]:
-        """An OpenGL function that returns nothing and that moderngl lacks, by the ctypes of its arguments."""
+        """The OpenGL function `name`, for functions that moderngl does not have. It returns nothing; `arguments` are
+        the ctypes of its arguments."""
         return ctypes.CFUNCTYPE(None, *arguments)(self._loader.load_opengl_function(name))
 
     def make_current(self) -> None:
-        """Direct this thread's OpenGL calls to this context, and free what of it Python has dropped."""
+        """Direct this thread's OpenGL calls to this context, and free its objects that Python has garbage-collected."""
         self._enter()
         self._free_dropped()
 
@@ -95,15 +98,15 @@ class Context:
         self._loader.__enter__()
 
     def release(self) -> None:
-        """Destroy the context; harmless when done twice."""
+        """Destroy the context. A second call does nothing."""
         if isinstance(self.gl.mglo, moderngl.InvalidObject) or self._process != os.getpid():
             return
         previous = current_context()
         self._enter()
-        # The framebuffer drawn into last, which this may be all that keeps.
+        # The framebuffer that was last drawn into may have no other reference.
         self.gl.fbo = None  # type: ignore[assignment]
         self._free_dropped()
-        self.gl.extensions.clear()  # moderngl leaks the set
+        self.gl.extensions.clear()  # moderngl never frees this set
         # A context that is still current is only marked for destruction, so it has to be left first (EGL 1.5, 3.7.2).
         _leave_current()
         self.gl.release()
@@ -111,7 +114,7 @@ class Context:
             previous._enter()
 
     def _free_dropped(self) -> None:
-        # As moderngl's Context.gc, which stumbles over what was released by hand before it was dropped.
+        # This does what moderngl's Context.gc does, which fails on an object that was already released explicitly.
         while self.gl.objects:
             dropped = self.gl.objects.popleft()
             if not isinstance(dropped, moderngl.InvalidObject):
@@ -129,14 +132,17 @@ class Context:
 
 _current = threading.local()
 _processes: set[int] = set()
-"""This one, once it has had a context; the one it was forked off, if that had."""
+"""The processes that have opened a context: this one, or the one that it was forked from."""
 
 
 def _check_process() -> None:
-    """A fork copies a driver's state but not its threads, for which it would wait forever: raises ContextError."""
+    """Raises ContextError in a process that was forked from one that has used OpenGL.
+
+    A fork copies the driver's state but not its threads, so the driver would wait for them forever.
+    """
     if _processes and os.getpid() not in _processes:
-        raise ContextError("no OpenGL context: this process was forked off one that has used OpenGL; start it another "
-                           'way, as by multiprocessing.set_start_method("spawn")')
+        raise ContextError("no OpenGL context: this process was forked from one that has used OpenGL; start it in "
+                           'another way, for example with multiprocessing.set_start_method("spawn")')
 
 
 def current_context() -> Context | None:
@@ -147,8 +153,9 @@ def current_context() -> Context | None:
 def _leave_current() -> Context | None:
     """Make no context current on this thread, and return the one that was.
 
-    EGL, GLX and OSMesa each remember a current context of their own and skip a call that seems to change nothing, and
-    creating or entering a context of one of them fails while another's is current: always leave by the door one came.
+    EGL, GLX and OSMesa each remember which of their contexts is current, and they ignore a call that seems to change
+    nothing. While a context of one of them is current, creating or entering a context of another one fails. So each
+    context must be left through the library that it was entered with.
     """
     context = current_context()
     if context is not None:
@@ -161,7 +168,10 @@ _addresses: dict[int, int] = {}
 
 
 class _Interned:
-    """A loader for moderngl, which leaks the number it gets for each of some 900 functions: let it be the same one."""
+    """A loader for moderngl that returns the same integer object for the same address each time.
+
+    moderngl leaks a reference to the integer of each of about 900 functions, for every context.
+    """
 
     def __init__(self, loader: Loader) -> None:
         self._loader = loader
@@ -179,14 +189,14 @@ class _Interned:
 
 
 def open_context(backend: str = "auto", device: int | None = None) -> Context:
-    """A context to draw off screen with.
+    """Opens a context for rendering off screen.
 
-    `backend` is egl, osmesa, window (a hidden one) or auto: the first that works. `device` is an index into the EGL
-    devices that `pbr-viewer doctor` lists, and implies egl; by default the first that works is taken.
-    Raises ContextError, whose text gives one line per attempt and a last one with the fix.
+    `backend` is egl, osmesa, window (a hidden window) or auto, which takes the first of them that works. `device` is an
+    index into the EGL devices that `pbr-viewer doctor` lists, and implies egl; by default the first device that works
+    is used. Raises ContextError, with one line for each attempt and a last line that says how to fix it.
     """
     if backend not in ("auto", "egl", "osmesa", "window"):
-        raise UsageError(f"no backend {backend!r}; there are auto, egl, osmesa, window")
+        raise UsageError(f"there is no backend {backend!r}; choose auto, egl, osmesa or window")
     _check_process()
     if device is not None and backend not in ("auto", "egl"):
         raise UsageError(f"a device can be chosen for the egl backend only, not for {backend}")
@@ -204,13 +214,13 @@ def open_context(backend: str = "auto", device: int | None = None) -> Context:
 
 
 def auto_backends() -> tuple[str, ...]:
-    """The back ends in the order `auto` tries them: only Linux has EGL and need do without a desktop."""
+    """The back ends in the order in which `auto` tries them. Only Linux has EGL, and often runs without a desktop."""
     return ("egl", "osmesa", "window") if sys.platform.startswith("linux") else ("window", "osmesa")
 
 
 def create_context(name: str, device: int | None = None) -> Context:
-    """A context of the back end `name`, not auto. Raises ContextError with the one reason."""
-    # Imported here so that a picture through EGL does not pay for loading GLFW.
+    """Opens a context of the back end `name` (egl, osmesa or window). Raises ContextError with the reason."""
+    # These imports are here so that rendering through EGL does not load GLFW.
     if name == "egl":
         from .egl import EGLContext
 

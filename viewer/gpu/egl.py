@@ -8,13 +8,13 @@ from functools import cache
 from ..errors import ContextError
 from .context import MINIMUM_VERSION, Context, Loader
 
-# The name of the installed library. find_library("EGL") would need a compiler or a development package's link, and
-# starts a process or two to look for them.
+# The file name of the installed library. ctypes.util.find_library("EGL") would start other processes, and would need a
+# compiler or a development package.
 LIBRARY = "libEGL.so.1"
 
 
 class EGLContext(Context):
-    """`device` counts as `device_count` does; None takes the first device that gives a context."""
+    """`device` is an index below `device_count()`; None takes the first device that gives a context."""
 
     backend = "egl"
 
@@ -25,17 +25,17 @@ class EGLContext(Context):
         try:
             from glcontext import egl
         except ImportError as error:
-            raise ContextError("egl: only Linux has it") from error
+            raise ContextError("egl: is available only on Linux") from error
         count = device_count()
         if count == 0:
-            raise ContextError("egl: no devices: the EGL library is there but no driver for it")
+            raise ContextError("egl: no devices: the EGL library is installed, but no driver for it")
         if device is not None and not 0 <= device < count:
-            raise ContextError(f"egl: no device {device}: there are {count}, counted from 0")
+            raise ContextError(f"egl: there is no device {device}; there are {count}, counted from 0")
         failures = []
         for index in range(count) if device is None else (device,):
             self.device_index = index
             try:
-                # eglGetProcAddress finds OpenGL's functions as well, so libGL (and with it X11) is not needed.
+                # eglGetProcAddress also finds OpenGL's functions, so libGL (and with it X11) is not needed.
                 return egl.create_context(libgl=LIBRARY, libegl=LIBRARY, glversion=MINIMUM_VERSION, device_index=index)
             except Exception as error:
                 failures.append(f"device {index}: {error}")
@@ -43,7 +43,7 @@ class EGLContext(Context):
 
 
 def device_count() -> int:
-    """How many devices EGL's drivers offer; Mesa's software rasteriser is one. Raises ContextError without EGL."""
+    """The number of EGL devices; Mesa's software rasteriser counts as one. Raises ContextError if there is no EGL."""
     library = _library()
     library.eglGetProcAddress.restype = ctypes.c_void_p
     address = library.eglGetProcAddress(b"eglQueryDevicesEXT")

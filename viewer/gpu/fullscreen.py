@@ -1,4 +1,4 @@
-"""Passes over all of a target: one triangle, whose corners a vertex shader makes of their numbers."""
+"""Full-screen passes: one triangle, whose corners the vertex shader computes from gl_VertexID."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import moderngl
 
 
 def fullscreen(gl: moderngl.Context, program: moderngl.Program) -> moderngl.VertexArray:
-    """The vertex array, without attributes, that display/fullscreen.vert wants."""
+    """A vertex array without attributes, for shaders/display/fullscreen.vert. It is made once for each program."""
     if program.extra is None:
         program.extra = gl.vertex_array(program, [])
     return program.extra

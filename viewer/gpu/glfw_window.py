@@ -1,4 +1,4 @@
-"""GLFW's state, which is one per process: the platform it runs on and the windows that keep it there."""
+"""GLFW's state, which exists once per process: its platform, and the windows that are open on it."""
 
 from __future__ import annotations
 
@@ -22,12 +22,13 @@ def create_window(
     size: tuple[int, int],
     title: str,
 ) -> Any:
-    """A GLFW window with a core context of the first of `versions` (major, minor) that the driver gives.
+    """Opens a GLFW window with a core context of the first of `versions` (major, minor) that the driver supports.
 
-    The null platform has no display and serves OSMesa; the other is the desktop's. GLFW runs on one of them at a
-    time, so asking for one while windows of the other live raises ContextError, as does any failure of GLFW's.
+    With `null_platform` GLFW uses no display; OSMesa needs only that. Otherwise it uses the desktop. GLFW can use only
+    one of the two at a time. Raises ContextError if a window of the other platform is open, and for any failure of
+    GLFW.
     """
-    reporting, glfw.ERROR_REPORTING = glfw.ERROR_REPORTING, "ignore"  # failures are raised below, not warned of
+    reporting, glfw.ERROR_REPORTING = glfw.ERROR_REPORTING, "ignore"  # failures are raised below, not printed
     try:
         _use_platform(backend, null_platform)
         for major, minor in versions:
@@ -51,7 +52,7 @@ def _use_platform(backend: str, null_platform: bool) -> None:
     if _null_platform is not None and _null_platform != null_platform:
         if _windows:
             raise ContextError(
-                f"{backend}: GLFW cannot serve OSMesa and the desktop at once; release the other context first"
+                f"{backend}: GLFW cannot use OSMesa and the desktop at once; release the other context first"
             )
         glfw.terminate()
         _null_platform = None
@@ -67,12 +68,12 @@ def _address(window: Any) -> int:
 
 
 def _last_error() -> str:
-    text: Any = glfw.get_error()[1]  # bytes, although the stubs say str
+    text: Any = glfw.get_error()[1]  # bytes, although the type stubs say str
     return " ".join(text.decode(errors="replace").split()) if text else "GLFW gives no reason"
 
 
 class GLFWLoader:
-    """moderngl's way to the context of a GLFW window."""
+    """The loader (viewer/gpu/context.py) of a GLFW window's context."""
 
     def __init__(self, window: Any) -> None:
         self.window = window
@@ -84,7 +85,7 @@ class GLFWLoader:
         glfw.make_context_current(self.window)
 
     def __exit__(self, *exc: object) -> None:
-        glfw.make_context_current(None)  # type: ignore[arg-type]  # the stubs know no None
+        glfw.make_context_current(None)  # type: ignore[arg-type]  # the type stubs do not allow None
 
     def release(self) -> None:
         if self.window is not None:

@@ -1,7 +1,7 @@
-"""GLSL's value types as numpy sees them, and the functions that a GLSL text defines.
+"""GLSL's value types and their numpy shapes, and a parser for the functions that a GLSL text defines.
 
-A value is a tree of leaves, each a scalar, vector or matrix; on its way to the GPU and back it is a row of 32-bit
-words.
+A value is a tree (structs) whose leaves are scalars, vectors or matrices. It is passed to the GPU and back as a row of
+32-bit words, one word per component.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class Basic:
 
     @property
     def size(self) -> int:
-        """Its number of words, which is that of its components."""
+        """The number of words, which equals the number of components."""
         size = 1
         for extent in self.shape:
             size *= extent
@@ -35,17 +35,17 @@ class Basic:
         return [self]
 
     def build(self, words: Iterator[str]) -> str:
-        """A GLSL expression of the value, from one of each of its words."""
+        """A GLSL expression that builds the value; `words` yields the expressions of its words."""
         parts = [_FROM_WORD[self.kind].format(next(words)) for _ in range(self.size)]
         if not self.shape:
             return parts[0]
-        if len(self.shape) == 2:  # numpy goes by rows, GLSL by columns
+        if len(self.shape) == 2:  # numpy stores rows, GLSL columns
             rows, columns = self.shape
             parts = [parts[row * columns + column] for column in range(columns) for row in range(rows)]
         return f"{self.name}({', '.join(parts)})"
 
     def words(self, value: str) -> list[str]:
-        """GLSL expressions of the value's words."""
+        """The GLSL expressions of the words of the value that the expression `value` denotes."""
         if not self.shape:
             parts = [value]
         elif len(self.shape) == 1:
@@ -72,7 +72,7 @@ class Struct:
 
 @dataclass(frozen=True)
 class Sampler:
-    """sampler2D, which is passed as a picture and not as a value."""
+    """sampler2D, which is passed as a texture and not as words."""
 
     name: str = "sampler2D"
 
@@ -90,7 +90,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Function:
-    """`result` is None for void; `line` is that of the text, from 0."""
+    """`result` is None for void; `line` is the line of the definition in the text, counted from 0."""
 
     name: str
     result: Type | None
@@ -128,14 +128,15 @@ BASIC_TYPES = _basic_types()
 
 _STRUCT = re.compile(r"\bstruct\s+(\w+)\s*\{([^{}]*)\}")
 _FUNCTION = re.compile(r"\b(\w+)\s+(\w+)\s*\(([^(){};]*)\)\s*\{")
-_PARAMETER = re.compile(r"(?:(?:const|highp|mediump|lowp|(?P<way>inout|in|out))\s+)*(?P<type>\w+)\s+(?P<name>\w+)$")
+_PARAMETER = re.compile(
+    r"(?:(?:const|highp|mediump|lowp|(?P<direction>inout|in|out))\s+)*(?P<type>\w+)\s+(?P<name>\w+)$")
 _PRECISION = re.compile(r"\b(?:highp|mediump|lowp)\b")
 
 
 def find_functions(text: str) -> list[Function]:
-    """The functions that GLSL `text` (without comments) defines, in its order, whose types are those of this module.
+    """The functions that GLSL `text` (without comments) defines, in order, as far as this module has their types.
 
-    Both branches of an `#if` are seen; of several definitions with the same types the first is kept.
+    Both branches of an `#if` are read. If several definitions have the same name and types, the first one counts.
     """
     text = re.sub(r"^\s*#.*$", "", text, flags=re.MULTILINE)
     types = _structs(text)
@@ -172,6 +173,7 @@ def _parameters(listed: str, types: Mapping[str, Type]) -> tuple[Parameter, ...]
         match = _PARAMETER.match(" ".join(declaration.split()))
         if match is None or (match["type"] not in types and match["type"] != "sampler2D"):
             return None
-        way = match["way"] or "in"
-        parameters.append(Parameter(match["name"], types.get(match["type"], Sampler()), way != "out", way != "in"))
+        direction = match["direction"] or "in"
+        type_ = types.get(match["type"], Sampler())
+        parameters.append(Parameter(match["name"], type_, is_in=direction != "out", is_out=direction != "in"))
     return tuple(parameters)

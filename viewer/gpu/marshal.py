@@ -1,4 +1,4 @@
-"""numpy values for GLSL parameters as 32-bit words, and GLSL results as numpy values."""
+"""Converts numpy values to the 32-bit words of GLSL parameters, and the words of GLSL results to numpy values."""
 
 from __future__ import annotations
 
@@ -14,16 +14,17 @@ _DTYPES: dict[str, Any] = {"float": np.float32, "int": np.int32, "uint": np.uint
 
 
 def to_words(type_: Type, value: Any, place: str) -> list[np.ndarray]:
-    """One uint32 array (..., n) for each leaf of `type_`, n its number of words and the rest as in `value`.
+    """One uint32 array (..., n) for each leaf of `type_`, with the leading axes of `value`; n is the leaf's number of
+    words.
 
-    `place` names the parameter in the UsageError raised where `value` does not fit.
+    Raises UsageError, which names the parameter as `place`, if `value` does not fit the type.
     """
     if isinstance(type_, Basic):
         return [_leaf_words(type_, value, place)]
     if isinstance(value, Mapping):
         names = [name for name, _ in type_.members]
         if set(value) != set(names):
-            raise UsageError(f"{place}: {type_.name} has the members {', '.join(names)}; given are {', '.join(value)}")
+            raise UsageError(f"{place}: {type_.name} has the members {', '.join(names)}, not {', '.join(value)}")
         return [words for name, member in type_.members for words in to_words(member, value[name], f"{place}.{name}")]
     array, leaves = _array(value, place), type_.leaves()
     width = sum(leaf.size for leaf in leaves)
@@ -47,7 +48,7 @@ def _leaf_words(leaf: Basic, value: Any, place: str) -> np.ndarray:
     if array.dtype.kind not in "biuf":
         raise UsageError(f"{place}: {leaf.name} takes numbers, not {array.dtype}")
     if leaf.kind == "float":
-        with np.errstate(over="ignore"):  # what float32 cannot hold is infinite there too
+        with np.errstate(over="ignore"):  # values beyond float32 become infinite, as they would on the GPU
             array = array.astype(np.float32, copy=False)
     else:
         array = _integers(leaf, array, place)
@@ -86,4 +87,4 @@ def broadcast_shape(leaves: Sequence[tuple[str, np.ndarray]]) -> tuple[int, ...]
         return np.broadcast_shapes(*(words.shape[:-1] for _, words in leaves))
     except ValueError:
         shapes = ", ".join(f"{name} {words.shape[:-1]}" for name, words in leaves)
-        raise UsageError(f"the arrays do not go together, their shapes are {shapes}") from None
+        raise UsageError(f"the arrays cannot be broadcast together: their shapes are {shapes}") from None

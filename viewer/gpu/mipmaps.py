@@ -1,7 +1,7 @@
-"""Textures whose mip levels are given one by one, which moderngl can only have OpenGL make.
+"""Uploads textures with all their mip levels. moderngl can only let OpenGL generate the levels.
 
-Mesa's software rasteriser compiles a program to make them, in each process and for each format anew (50 to 100 ms),
-and what becomes of odd sizes is left to every driver.
+Mesa's software rasteriser compiles a program to generate them, for each format and again in each process (50 to
+100 ms). OpenGL also does not define how levels of odd sizes are filtered, so drivers differ.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from .context import Context
 
 _TEXTURE_2D, _UNPACK_ALIGNMENT, _TEXTURE_MAX_LEVEL = 0x0DE1, 0x0CF5, 0x813D
 _FORMATS = (0x1903, 0x8227, 0x1907, 0x1908)  # RED, RG, RGB, RGBA
-# moderngl's name of the element, OpenGL's, and the internal formats of one to four components.
+# For each numpy type: moderngl's name, OpenGL's type, and the internal formats of one to four components.
 _TYPES = {
     "uint8": ("f1", 0x1401, (0x8229, 0x822B, 0x8051, 0x8058)),
     "uint16": ("nu2", 0x1403, (0x822A, 0x822C, 0x8054, 0x805B)),
@@ -29,15 +29,15 @@ _SRGB_FORMATS = {3: 0x8C41, 4: 0x8C43}
 def mipmapped_texture(context: Context, levels: Sequence[np.ndarray], srgb: bool = False) -> moderngl.Texture:
     """A texture of `levels`, (H, W, C) arrays of one type, each half the size (rounded down) of the one before.
 
-    uint8 and uint16 stand for [0, 1], or with `srgb` for sRGB colours (uint8 of 3 or 4 components); float16 and float32
-    for themselves. Row 0 is at v = 0. Trilinear and repeated until set otherwise. moderngl, which knows nothing of what
-    is done here, gives its size as 1x1.
+    Shaders read uint8 and uint16 as [0, 1]; with `srgb` they read uint8 of 3 or 4 components as sRGB colours, decoded.
+    They read float16 and float32 unchanged. Row 0 is at v = 0. The texture is trilinear and repeats, until the caller
+    changes that. moderngl reports its size as 1x1, since the levels are uploaded without moderngl.
     """
     components = levels[0].shape[2]
     dtype, type_, internal_formats = _TYPES[levels[0].dtype.name]
     internal_format = _SRGB_FORMATS[components] if srgb else internal_formats[components - 1]
     texture = context.gl.texture((1, 1), components, dtype=dtype, internal_format=internal_format)
-    # Before the first level, or Mesa allocates for that alone and has to copy it later.
+    # Set the filter before the first level: otherwise Mesa allocates only that level and has to copy it later.
     texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
     texture.use(context.gl.default_texture_unit)
     integer, pointer = ctypes.c_int, ctypes.c_void_p

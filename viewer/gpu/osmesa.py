@@ -1,4 +1,4 @@
-"""Contexts in plain memory: Mesa's OSMesa, reached through GLFW's null platform."""
+"""Contexts that render into main memory: Mesa's OSMesa, opened through GLFW's null platform."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .glfw_window import GLFWLoader, create_window
 
 
 class OSMesaContext(Context):
-    """Needs neither a screen nor a graphics device; always the software rasteriser."""
+    """A context of Mesa's software rasteriser. It needs neither a screen nor a graphics device."""
 
     backend = "osmesa"
 

@@ -1,6 +1,6 @@
-"""Whether one back end works, asked in a process of its own: `python -m viewer.gpu.probe egl 0` answers in JSON.
+"""Tests in a separate process whether a back end works: `python -m viewer.gpu.probe egl 0` answers in JSON.
 
-A driver may crash, hang or print; only the process that tries it comes to harm.
+A broken driver may crash, hang or print; in a separate process it does no harm.
 """
 
 from __future__ import annotations
@@ -27,7 +27,11 @@ void main() { color = vec4(0.0, 0.2, 1.0, 1.0); }
 
 
 def probe(backend: str, device: int | None = None) -> dict[str, Any]:
-    """Try `backend` in a child process. `problem` is "" if it drew a triangle right, else one line of why not."""
+    """Try `backend` in a child process, by drawing a triangle.
+
+    Returns a dict. `problem` is "" if the back end works, else the reason in one line; if it works, `device`,
+    `renderer`, `vendor` and `version` describe it.
+    """
     arguments = [backend] if device is None else [backend, str(device)]
     path = os.pathsep.join([str(Path(__file__).resolve().parents[2]), os.environ.get("PYTHONPATH", "")])
     try:
@@ -41,12 +45,12 @@ def probe(backend: str, device: int | None = None) -> dict[str, Any]:
         )
     except subprocess.TimeoutExpired:
         return {"problem": f"the driver does not answer within {_TIMEOUT} s"}
-    answer = child.stdout.strip().rpartition("\n")[2]  # the last line, should a driver print as well
+    answer = child.stdout.strip().rpartition("\n")[2]  # the last line; the driver may have printed others
     if child.returncode == 0 and answer.startswith("{"):
         return json.loads(answer)
     if child.returncode < 0:
         return {"problem": f"the driver crashed ({signal.Signals(-child.returncode).name})"}
-    return {"problem": child.stderr.strip().rpartition("\n")[2] or f"the driver ended it ({child.returncode})"}
+    return {"problem": child.stderr.strip().rpartition("\n")[2] or f"the process ended with status {child.returncode}"}
 
 
 def _draw(backend: str, device: int | None) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from ..errors import ShaderError
 from .context import Context
 from .source import ProgramSource, assemble, display_name
 
-# An error in a driver's log: line and text, after a source-string number that says nothing here.
+# An error in a driver's log: a source-string number, which is always the same here, then the line and the text.
 _MESSAGE = re.compile(
     r"""^\s*(?:
         \d+:(\d+)\(\d+\):\s*(?:preprocessor\s)?error:\s*  # Mesa:              0:12(5): error: ...
@@ -37,8 +37,8 @@ def compile_program(
 ) -> moderngl.Program:
     """Compile and link shader files, each assembled with the same `defines` (see `viewer.gpu.source`).
 
-    `varyings` are the vertex (or geometry) shader's outputs to capture by transform feedback. Raises ShaderError,
-    ``shaders/bsdf/ggx.glsl:12: ...``, when the driver refuses.
+    `varyings` are the vertex (or geometry) shader's outputs to capture by transform feedback. Raises ShaderError with
+    file and line, such as ``shaders/bsdf/ggx.glsl:12: ...``, if the driver rejects the program.
     """
     stages = {"vertex": vertex, "fragment": fragment, "geometry": geometry}
     sources = {stage: assemble(path, defines, version) for stage, path in stages.items() if path is not None}
@@ -48,7 +48,7 @@ def compile_program(
 def compile_sources(
     context: Context, sources: Mapping[str, ProgramSource], varyings: Sequence[str] = ()
 ) -> moderngl.Program:
-    """As `compile_program`, for shaders by stage (vertex, geometry, fragment) that are assembled already."""
+    """As `compile_program`, for assembled shaders; the keys are the stages vertex, geometry and fragment."""
     context.make_current()
     try:
         shaders: dict[str, Any] = {f"{stage}_shader": source.text for stage, source in sources.items()}
@@ -58,7 +58,7 @@ def compile_sources(
 
 
 def _explain(log: str, sources: Mapping[str, ProgramSource]) -> str:
-    """The first error of moderngl's report of a driver's log, in terms of the files."""
+    """The first error in the driver's log, as moderngl reports it, with the file and line that it is in."""
     stage = _STAGE.search(log)
     message = _MESSAGE.search(log)
     if stage and message and stage[1] in sources:

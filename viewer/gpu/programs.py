@@ -1,4 +1,4 @@
-"""The shader programs of a renderer, each compiled once, and reloaded when its files change."""
+"""The shader programs of a renderer. Each is compiled once, and again when its files have changed."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ Key = tuple[str, str, tuple[tuple[str, float], ...]]
 
 
 class Programs:
-    """Programs by vertex file, fragment file and switches."""
+    """Compiled programs; the key is vertex file, fragment file and switches."""
 
     def __init__(self, context: Context) -> None:
         self._context = context
         self._programs: dict[Key, moderngl.Program] = {}
         self.generation = 0
-        """Grows with every reload: what was built on a program is stale then."""
+        """The number of reloads so far. Vertex arrays that were made for a program are invalid after a reload."""
 
     def get(self, vertex: str, fragment: str, switches: Mapping[str, float]) -> moderngl.Program:
         key = (vertex, fragment, tuple(sorted(switches.items())))
@@ -36,11 +36,11 @@ class Programs:
         return len(self._programs)
 
     def files(self) -> set[Path]:
-        """Every shader file in use: what to watch."""
+        """Every shader file in use, for watching them."""
         return {file for key in self._programs for file in source_files(key[0], key[1])}
 
     def reload(self) -> str | None:
-        """Compile everything again. On an error nothing changes and its text is returned; else None."""
+        """Compile everything again and return None. On an error the programs stay as they are; returns its text."""
         fresh: dict[Key, moderngl.Program] = {}
         try:
             for key in self._programs:
@@ -67,8 +67,8 @@ class Programs:
 
 
 def set_uniform(program: moderngl.Program, name: str, value: object) -> None:
-    """Set a uniform the driver kept; one that no pixel depends on is optimised away and skipped."""
-    member: Any = program.get(name, None)  # a uniform, not one of what else a program has
+    """Set a uniform. A uniform that the driver has removed, because no pixel depends on it, is skipped."""
+    member: Any = program.get(name, None)  # the type stubs also allow attributes, varyings and blocks
     if member is None:
         return
     if isinstance(value, bytes):
@@ -78,5 +78,5 @@ def set_uniform(program: moderngl.Program, name: str, value: object) -> None:
 
 
 def matrix_uniform(matrix: np.ndarray) -> bytes:
-    """A matrix as a float32 uniform, column by column."""
+    """A matrix as the bytes of a float32 uniform, which are in column order."""
     return np.ascontiguousarray(matrix.T, np.float32).tobytes()

@@ -1,10 +1,11 @@
-"""Shader sources put together from files: `#include`, switches, and the way back from a line to its file.
+"""Assembles shader sources from files: `#include`, switches, and a map from each line back to its file.
 
     #include "bsdf/ggx.glsl"
 
-takes a file of the shaders folder, once per program however often it is named. A user's own shader, outside that
-folder, may also include what lies in its folder, and may name the `#version` it needs. Features are chosen by switches,
-numbers that every program gets as `#define`s and asks for with `#if`; one that is misspelt is an error, not off.
+includes a file of the shaders folder, at most once per program. A user's own shader outside that folder may also
+include files of its own folder, and may declare the `#version` that it needs. Switches choose the features of a
+program: they are numbers, defined by `#define` at its top and tested with `#if`. Testing a switch that is not defined
+is an error, so that a misspelt one is noticed.
 """
 
 from __future__ import annotations
@@ -28,10 +29,10 @@ _PREDEFINED = re.compile(r"GL_\w+|__\w+__|defined")
 
 @dataclass
 class ProgramSource:
-    """One shader ready to compile: its text, the files it is from, and for each line of the text its file and line.
+    """One shader ready to compile: its text, its files, and for each line of the text the file and line it comes from.
 
-    The lines are kept here because `#line` cannot say it: Mesa (22.3) forgets the source-string number in expressions,
-    and before GLSL 3.30 the directive numbers from the line after the next.
+    `#line` directives cannot replace `origins`: Mesa (22.3) loses the source-string number in expressions, and before
+    GLSL 3.30 the directive is off by one line.
     """
 
     text: str
@@ -40,17 +41,17 @@ class ProgramSource:
 
 
 def assemble(path: str | Path, defines: Mapping[str, float] | None = None, version: int = 330) -> ProgramSource:
-    """The shader in `path`, relative to the shaders folder or absolute, with its includes and a header of `defines`.
+    """The shader in `path` with its includes, after a header with `defines`.
 
-    Raises ShaderError, naming file and line, for an include that is missing, malformed or goes in a circle, and for a
-    switch that neither `defines` nor a `#define` in the sources knows.
+    `path` is absolute or relative to the shaders folder. Raises ShaderError, with file and line, for an include that is
+    missing, malformed or circular, and for a switch that neither `defines` nor a `#define` in the sources defines.
     """
     defines = defines or {}
     file = _find(path)
     assembly = _Assembly()
     assembly.emit(f"#version {version} core", file, 1)
     for name, value in defines.items():
-        assembly.emit(f"#define {name} {value + 0}", file, 1)  # + 0 makes numbers of True and False
+        assembly.emit(f"#define {name} {value + 0}", file, 1)  # + 0 turns True and False into numbers
     assembly.add(file, [], conditional=False)
     assembly.lines[0] = f"#version {max(version, assembly.version)} core"
     assembly.check_switches(defines)
@@ -58,7 +59,7 @@ def assemble(path: str | Path, defines: Mapping[str, float] | None = None, versi
 
 
 def source_files(*paths: str | Path) -> list[Path]:
-    """Every file that goes into the shaders in `paths`, themselves among them: what to watch for a reload."""
+    """The files in `paths` and every file that they include, directly or indirectly, for watching them."""
     assembly = _Assembly()
     for path in paths:
         assembly.add(_find(path), [], conditional=False)
@@ -66,7 +67,7 @@ def source_files(*paths: str | Path) -> list[Path]:
 
 
 def display_name(file: Path) -> str:
-    """A source file's name for messages: from `shaders/` on for our own, in full for others."""
+    """A source file's name for messages: relative ("shaders/...") inside the shaders folder, else the full path."""
     folder = resource_folder("shaders")
     return file.relative_to(folder.parent).as_posix() if file.is_relative_to(folder) else str(file)
 
@@ -76,28 +77,29 @@ class _Assembly:
     lines: list[str] = field(default_factory=list)
     origins: list[tuple[Path, int]] = field(default_factory=list)
     files: list[Path] = field(default_factory=list)
-    complete: set[Path] = field(default_factory=set)  # what is in the text whatever the switches are
+    complete: set[Path] = field(default_factory=set)  # files that are in the text for any values of the switches
     defined: set[str] = field(default_factory=set)
-    used: dict[str, str] = field(default_factory=dict)  # switch -> where it is first asked for
-    version: int = 0  # that a user's own shader names; OpenGL ES counts its own way
+    used: dict[str, str] = field(default_factory=dict)  # switch -> the place that first tests it
+    version: int = 0  # the #version of a user's own shader; 0 for OpenGL ES, which has other numbers
 
     def emit(self, text: str, file: Path, line: int) -> None:
         self.lines.append(text)
         self.origins.append((file, line))
 
     def add(self, file: Path, chain: list[Path], conditional: bool) -> None:
-        """Append `file`, which `chain` of files led to; `conditional` is true inside an #if of one of them."""
+        """Append `file`. `chain` are the files that include it, outermost first; `conditional` is true if one of them
+        includes it inside an #if."""
         if file in self.complete:
             return
         if file in chain:
             circle = [*chain[chain.index(file) :], file]
-            raise ShaderError(f"#include goes in a circle: {' -> '.join(map(display_name, circle))}")
+            raise ShaderError(f"#include is circular: {' -> '.join(map(display_name, circle))}")
         if len(chain) == _MAX_DEPTH:
             raise ShaderError(f"{display_name(chain[-1])}: #include is nested more than {_MAX_DEPTH} deep")
         if file not in self.files:
             self.files.append(file)
-        # Inside an #if this copy may be skipped and a later one needed, so there may be several of which the first
-        # that the switches reach counts.
+        # A copy inside an #if may be skipped by the preprocessor, so a later copy is needed too. The guard makes the
+        # first copy that is compiled the only one.
         guard = f"INCLUDED_{self.files.index(file)}"
         self.emit(f"#ifndef {guard}", file, 1)
         self.emit(f"#define {guard}", file, 1)
@@ -118,7 +120,7 @@ class _Assembly:
                 self.emit("", file, line)
                 continue
             if name == "version":
-                raise ShaderError(f"{place}: #version is not for the file to say, it comes before all includes")
+                raise ShaderError(f"{place}: #version is not allowed here; it is set for the whole program")
             depth += name in ("if", "ifdef", "ifndef")
             depth -= name == "endif"
             self._note_switches(name, rest, place)

@@ -1,4 +1,4 @@
-"""Contexts of a window on the desktop (X11, Wayland, macOS, Windows), through GLFW."""
+"""Contexts of a desktop window (X11, Wayland, macOS, Windows), opened through GLFW."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .glfw_window import GLFWLoader, create_window
 
 
 class WindowContext(Context):
-    """A window, visible or not; `window` is GLFW's handle of it, for events and for swapping buffers.
+    """A context with a window, which may be hidden. `window` is GLFW's handle, for events and for swapping buffers.
 
     `size` is in screen coordinates; the framebuffer may have more pixels (`glfw.get_framebuffer_size`).
     """
@@ -23,9 +23,9 @@ class WindowContext(Context):
         self.window = create_window(
             self.backend,
             null_platform=False,
-            # macOS gives a core context only as a forward compatible one.
+            # macOS has core contexts only with the forward-compatible flag.
             hints={glfw.VISIBLE: int(visible), glfw.OPENGL_FORWARD_COMPAT: glfw.TRUE},
-            versions=((4, 1), (3, 3)),  # 4.1 is macOS' last; elsewhere drivers give their newest for either
+            versions=((4, 1), (3, 3)),  # 4.1 is the newest of macOS; elsewhere drivers return their newest for either
             size=size,
             title=title,
         )

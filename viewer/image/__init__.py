@@ -1,1 +1,1 @@
-"""From radiance to a file or a screen."""
+"""Pictures: tone mapping and display, image files, OpenEXR."""

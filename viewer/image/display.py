@@ -1,4 +1,4 @@
-"""The display pass: radiance to what a screen shows."""
+"""The display pass: exposure, tone map and sRGB encoding of a picture of radiance."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ class DisplayPass:
         self._target: moderngl.Framebuffer | None = None
 
     def draw(self, radiance: moderngl.Texture, settings: Settings, target: moderngl.Framebuffer, unit: int) -> None:
-        """Draw `radiance` (associated alpha) into `target` as sRGB with straight alpha, through texture `unit`.
+        """Draw `radiance` (associated alpha) into `target` as sRGB with straight alpha, using texture unit `unit`.
 
-        A background colour is what the user wants to see, so it is laid behind after exposure and tone map.
+        A background colour shall be displayed unchanged, so it is composited after exposure and tone map.
         """
         program = self._programs.get(
             "display/fullscreen.vert", "display/display.frag", {"TONEMAP": _TONEMAPS.index(settings.tonemap)}
@@ -34,7 +34,7 @@ class DisplayPass:
         fullscreen(self._gl, program).render(vertices=3)
 
     def target(self, size: tuple[int, int]) -> moderngl.Framebuffer:
-        """An 8-bit target of our own, for reading back."""
+        """An 8-bit framebuffer of `size`, for reading back."""
         if self._target is None or self._target.size != size:
             if self._target is not None:
                 self.release()

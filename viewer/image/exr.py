@@ -1,4 +1,4 @@
-"""Writing OpenEXR: the picture and, beside it, its layers, in channels named as the field names them."""
+"""Writes OpenEXR files: the picture and its layers, with the usual channel names."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import numpy as np
 from ..base.utf8_name import utf8_name
 
 _CHANNELS = {"normal": "XYZ", "depth": "Z"}
-"""What is not a colour or a plain number: "normal.X", "depth.Z"."""
+"""The channel names of layers that are neither colours nor plain numbers: "normal.X", "depth.Z"."""
 
 
 def write_exr(path: Path, linear: np.ndarray, layers: Mapping[str, np.ndarray], attributes: Mapping[str, str]) -> None:
-    """Write float32 channels R, G, B, A of `linear` (H, W, 4), and those of every layer after a dot behind its name.
+    """Write float32 channels R, G, B, A of `linear` (H, W, 4), and the channels of every layer.
 
-    Layers are (H, W, 3), as "albedo.R", or (H, W), as "samples.Y" (OpenEXR's "Standard channel names"). `attributes` go
-    into the header. Raises OSError where that fails.
+    A layer (H, W, 3) has channels such as "albedo.R", a layer (H, W) one such as "samples.Y" (OpenEXR's "Standard
+    channel names"). `attributes` go into the header. Raises OSError if the file cannot be written.
     """
     import OpenImageIO as oiio
 

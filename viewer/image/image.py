@@ -1,4 +1,4 @@
-"""A picture: what a render returns, and what is compared."""
+"""A picture as a render returns it: linear radiance, displayed values, layers and statistics."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from ..errors import InputError, OutputError
 from ..scene.color import linear_to_srgb, srgb_to_linear
 from .exr import write_exr
 
-# zlib level 1 takes 7-11 ms at 512x512 and 20-36 ms at 1280x720 on one slow core; Pillow's own choice, 6, takes three
-# times that and is 8 % smaller.
+# zlib level 1 takes 7-11 ms at 512x512 and 20-36 ms at 1280x720 on one slow core. Pillow's default, level 6, takes
+# three times as long for files that are 8 % smaller.
 _PNG = {"format": "PNG", "compress_level": 1}
 _ENCODERS: dict[str, dict[str, Any]] = {
     ".png": _PNG,
@@ -35,13 +35,13 @@ _DECODED = srgb_to_linear(np.arange(256) / 255).astype(np.float32)
 
 @dataclass(frozen=True, eq=False)
 class Image:
-    """A picture as light and as it is displayed. Row 0 is the top.
+    """A picture as linear radiance and as displayed values. Row 0 is the top.
 
-    `linear` (H, W, 4) float32 is Rec. 709 radiance with associated (premultiplied) alpha, as EXR has it; `srgb`
-    (H, W, 4) uint8 is what a screen shows, after exposure and tone map, with straight alpha, as PNG has it.
-    `stats` holds times and the plan of the render. `layers` are what a path tracer knows beside the colour, such as
-    "albedo", "depth": (H, W, 3) or (H, W) float32. `attributes` are what a file should say of the picture, for instance
-    that it was denoised. `numpy.asarray(image)` is `linear`.
+    `linear` (H, W, 4) float32 is Rec. 709 radiance with associated (premultiplied) alpha, as in EXR files. `srgb`
+    (H, W, 4) uint8 is what a screen shows, after exposure and tone map, with straight alpha, as in PNG files.
+    `stats` holds the times and the plan of the render. `layers` are further outputs of the path tracer, such as
+    "albedo" and "depth": (H, W, 3) or (H, W) float32. `attributes` are texts to store in the picture's file, for
+    example that it was denoised. `numpy.asarray(image)` is `linear`.
     """
 
     linear: np.ndarray
@@ -64,7 +64,8 @@ class Image:
     @classmethod
     def from_srgb(cls, pixels: np.ndarray) -> Image:
         """From displayed values, (H, W, 3 or 4) uint8 with straight alpha; `linear` is their exact sRGB decoding."""
-        image = cls.__new__(cls)  # without `linear`, which most never ask for: it takes as long as a PNG
+        # `linear` is computed on first access (__getattr__): it takes as long as a PNG, and few callers need it.
+        image = cls.__new__(cls)
         vars(image).update(srgb=_with_alpha(np.asarray(pixels, np.uint8), 255), stats={}, layers={}, attributes={})
         return image
 
@@ -79,7 +80,8 @@ class Image:
 
     @classmethod
     def from_linear(cls, pixels: np.ndarray) -> Image:
-        """From radiance, (H, W, 3 or 4) with associated alpha; `srgb` clamps it to [0, 1] without a tone map."""
+        """From radiance, (H, W, 3 or 4) with associated alpha. `srgb` is the radiance clamped to [0, 1], without a
+        tone map."""
         linear = _with_alpha(np.asarray(pixels, np.float32), 1)
         finite = np.nan_to_num(linear, nan=0.0)
         alpha = np.clip(finite[..., 3:], 0, 1)
@@ -89,9 +91,10 @@ class Image:
 
     @classmethod
     def open(cls, path: str | PathLike[str]) -> Image:
-        """Reads PNG, JPEG, WebP (displayed values) or EXR, HDR (linear); the other half is derived from what is there.
+        """Reads a PNG, JPEG or WebP file (displayed values) or an EXR or HDR file (linear), and derives `linear` or
+        `srgb` from it.
 
-        Raises InputError for a file that is missing, broken, of another kind, or over 2**27 pixels.
+        Raises InputError for a file that is missing, broken, of another format, or larger than 2**27 pixels.
         """
         expect_path(path, "path")
         file = Path(path)
@@ -108,16 +111,17 @@ class Image:
         return width, height
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Writes .png, .jpg, .jpeg, .webp (displayed) or .exr (linear float32, with the layers), whole or not at all.
+        """Writes a .png, .jpg, .jpeg or .webp file (displayed values) or an .exr file (linear float32, with the
+        layers). The file is written whole or not at all.
 
-        EXR and PNG hold the `attributes` too. JPEG has no alpha: the picture is laid over white, as a page would show
-        it. WebP is lossless. Raises OutputError, in one line, where that fails.
+        EXR and PNG hold the `attributes` too. JPEG has no alpha, so the picture is composited over white, as a web page
+        would show it. WebP is lossless. Raises OutputError if the file cannot be written.
         """
         expect_path(path, "path")
         suffix = Path(path).suffix.lower()
         if suffix not in WRITABLE:
             raise OutputError(f"{fspath(path)}: cannot write {suffix or 'a file without extension'}; "
-                              f"there are {', '.join(WRITABLE)}")
+                              f"choose one of {', '.join(WRITABLE)}")
         with atomic_write(path) as temporary:
             if suffix == ".exr":
                 write_exr(temporary, self.linear, self.layers, self.attributes)
@@ -138,9 +142,9 @@ class Image:
         if options["format"] == "PNG" and self.attributes:
             from PIL.PngImagePlugin import PngInfo
 
-            options["pnginfo"] = words = PngInfo()
+            options["pnginfo"] = info = PngInfo()
             for name, value in self.attributes.items():
-                words.add_text(name, value)
+                info.add_text(name, value)
         encoded = io.BytesIO()
         try:
             Pillow.fromarray(pixels).save(encoded, **options)
@@ -161,7 +165,7 @@ class Image:
 
 
 def _with_alpha(pixels: np.ndarray, opaque: float) -> np.ndarray:
-    """(H, W, 3 or 4) to contiguous (H, W, 4), opaque where there was no alpha."""
+    """(H, W, 3 or 4) to contiguous (H, W, 4); pixels without alpha become opaque."""
     if pixels.ndim != 3 or pixels.shape[2] not in (3, 4):
         raise ValueError(f"pixels are {pixels.shape}, not (H, W, 3 or 4)")
     if pixels.shape[2] == 3:
@@ -182,7 +186,7 @@ def _read_displayed(file: Path) -> np.ndarray:
                     return np.repeat(grey.astype(np.uint8)[..., None], 3, axis=-1)
                 return np.asarray(picture.convert("RGBA"))
     except Pillow.UnidentifiedImageError:
-        raise InputError(file, "", "not a picture we know (PNG, JPEG, WebP, EXR, HDR)") from None
+        raise InputError(file, "", "is not a picture in a supported format (PNG, JPEG, WebP, EXR, HDR)") from None
     except (OSError, SyntaxError, ValueError, Pillow.DecompressionBombError) as error:
         raise InputError(file, "", f"cannot be read: {error}") from error
 

@@ -175,7 +175,7 @@ def check_output(path: str | Path) -> None:
     if path.is_dir():
         raise OutputError(f"{path}: is a folder; a file name is needed")
     if not path.parent.is_dir():
-        raise OutputError(f"{path}: there is no folder {path.parent}")
+        raise OutputError(f"{path}: the folder {path.parent} does not exist")
 
 
 def peak_memory_mb() -> float | None:

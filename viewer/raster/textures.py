@@ -5,7 +5,7 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 
-from ..base.heap import give_back
+from ..base.heap import trim_heap
 from ..gpu.context import Context
 from ..gpu.float_texture import float_texture
 from ..gpu.mipmaps import mipmapped_texture
@@ -74,7 +74,7 @@ class Textures:
                     self._textures[key] = _upload(self._context, levels, key[2])
                     self._sizes[key] = sum(level.nbytes for level in levels)
                 del levels
-                give_back()  # OpenGL has its own copy now
+                trim_heap()  # OpenGL has its own copy now
 
     def bind(self, texture: Texture, name: str, unit: int) -> None:
         """Bind a map of a material that a prefetched plan samples to a texture unit, with its sampler."""

@@ -110,7 +110,7 @@ def test_several_models_have_a_folder_each_and_a_page_that_leads_there(run, fold
 
 
 @pytest.mark.parametrize("arguments, status, words", [
-    (["-o", "missing/out"], 1, "missing/out: there is no folder missing"),
+    (["-o", "missing/out"], 1, "missing/out: the folder missing does not exist"),
     (["-o", "file"], 1, "file: is a file, not a folder"),
     (["-o", "out", "--within", "0"], 2, "0 is not from 0.1"),
     (["-o", "out", "--mode", "path"], 2, "No such option"),

@@ -42,7 +42,7 @@ def test_what_cannot_be_trusted_is_not_there(tmp_path, harm):
 
 
 def test_a_folder_that_cannot_be_made_is_told_in_one_line(tmp_path):
-    with pytest.raises(OutputError, match="there is no folder .*missing$"):
+    with pytest.raises(OutputError, match="the folder .*missing does not exist"):
         Store(tmp_path / "missing" / "new")
     (tmp_path / "file").write_text("")
     with pytest.raises(OutputError, match="file: is a file, not a folder"):

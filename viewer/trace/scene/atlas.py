@@ -11,7 +11,7 @@ from typing import Literal
 import moderngl
 import numpy as np
 
-from ...base.heap import give_back
+from ...base.heap import trim_heap
 from ...gpu.context import Context
 from ...scene.color import srgb_to_linear
 from ...scene.decoding import Decoder
@@ -71,7 +71,7 @@ class Atlas:
         for key, pixels in self._decoder.results():
             texture.write(pixels, viewport=self.layout.pages[key[0]])
             del pixels
-            give_back()  # OpenGL has its own copy now
+            trim_heap()  # OpenGL has its own copy now
         return texture
 
     def cancel(self) -> None:
