@@ -1,1 +1,1 @@
-"""What of a material counts, and how shaders get it."""
+"""Derived from the material declaration: which maps are used, and uniforms, records and GLSL for the shaders."""

@@ -1,4 +1,5 @@
-"""`python -m viewer.material` writes what follows from the declaration of materials: shaders/material and a table."""
+"""`python -m viewer.material` writes the files generated from the declaration of materials: shaders/material/*.glsl and
+docs/materials.md."""
 
 from __future__ import annotations
 

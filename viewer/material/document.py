@@ -1,4 +1,4 @@
-"""docs/materials.md: the parameters and maps of a material, as a table made from the declaration."""
+"""Writes docs/materials.md: tables of a material's parameters, maps and features, from their declaration."""
 
 from __future__ import annotations
 

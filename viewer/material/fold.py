@@ -1,7 +1,7 @@
-"""Maps of one colour: multiplied into the material's factors, they need neither texture nor sampler.
+"""Folds maps of one constant colour into the material's factors, so that they need neither texture nor sampler.
 
-Which images they are is found by decoding them, so only small ones are looked at: a larger one costs more to decode
-before the plan is made than it could save.
+An image must be decoded to find whether it is constant, so only small images are tested. Decoding a large one before
+the plan is made would cost more than it could save.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from ..scene.material import Material
 from ..scene.schema import MAPS, Map, Value, multiplied_by
 from ..scene.texture_image import TextureImage
 
-MOST_TEXELS = 64
+MAX_TEXELS = 64
 
 RGBA = tuple[float, float, float, float]
 
 
 def without_constant_maps(material: Material) -> Material:
-    """`material` as it looks, with those of its maps that have one colour in its factors.
+    """An equal-looking material, in which maps of one colour are multiplied into the factors.
 
-    A map with channels that multiply no factor goes only where those are neutral. Normal maps always stay, for 8 bits
-    cannot hold a normal that leans nowhere.
+    A map with channels that multiply no factor is folded only if those channels are neutral. Normal maps always stay:
+    8 bits cannot represent the neutral normal exactly.
     """
     changes: dict[str, Any] = {}
     for name, source in MAPS.items():
@@ -47,8 +47,8 @@ def without_constant_maps(material: Material) -> Material:
 
 
 def constant_color(image: TextureImage) -> RGBA | None:
-    """The RGBA of all texels, as stored and in [0, 1]; None where they differ or are too many to look at."""
-    return _decoded(image) if image.width * image.height <= MOST_TEXELS else None
+    """The RGBA that all texels have, as stored and in [0, 1]; None if they differ or are too many to test."""
+    return _decoded(image) if image.width * image.height <= MAX_TEXELS else None
 
 
 @lru_cache(maxsize=256)
@@ -56,7 +56,7 @@ def _decoded(image: TextureImage) -> RGBA | None:
     try:
         pixels = image.decode("RGBA")
     except InputError:
-        return None  # whoever needs it will say so
+        return None  # the error is raised again if the map is decoded for drawing
     texels = pixels.reshape(-1, 4)
     return tuple((texels[0] / np.iinfo(pixels.dtype).max).tolist()) if (texels == texels[0]).all() else None
 
@@ -66,7 +66,7 @@ def _is_neutral(source: Map, color: RGBA, channels: Iterable[str]) -> bool:
 
 
 def _linear(source: Map, color: RGBA, channels: str) -> tuple[float, ...]:
-    """The named channels; colours of sRGB maps decoded, alpha is linear."""
+    """The values of `channels`, in linear light; the alpha of an sRGB map is linear already."""
     values = dict(zip("RGBA", color, strict=True))
     if source.info.srgb:
         values |= zip("RGB", srgb_to_linear(np.array(color[:3])).tolist(), strict=True)

@@ -25,8 +25,8 @@ def _inputs() -> str:
     members = [p for p in PARAMETERS.values() if p.info.role == "input"]
     lines = [f"    {_type(p)} {p.name};{' ' * max(30 - len(_type(p)) - len(p.name), 1)}// {p.info.meaning}{_unit(p)}"
              for p in members]
-    kept = [m for m in MAPS.values() if m.info.keeps]
-    lines += [f"    {_TYPES[len(m.info.keeps)]} {m.name}_texel; // {m.info.keeps} of its map" for m in kept]
+    kept = [m for m in MAPS.values() if m.info.raw_channels]
+    lines += [f"    {_TYPES[len(m.info.raw_channels)]} {m.name}_texel; // {m.info.raw_channels} of its map" for m in kept]
     defaults = ", ".join([*map(_literal, members), *map(_neutral, kept)])
     return "\n".join([
         "// What a material is at one point: its parameters, with maps and vertex colours multiplied in.",
@@ -77,7 +77,7 @@ def _records() -> str:
               "// `color` is the vertices'.",
               "MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {",
               "    MaterialInputs m = DEFAULT_INPUTS;"]
-    shown = [p for p in PARAMETERS.values() if p.info.role == "input" and p.info.paths]
+    shown = [p for p in PARAMETERS.values() if p.info.role == "input" and p.info.path_traced]
     lines += _guarded(shown, "    m.{name} = {name}_factor(material);", has_unlit=False)
     lines.append("    m.base_color *= color;")
     lines += ["#if HAS_TEXTURES", "    uvec4 maps = map_records(material);", "#endif"]
@@ -116,12 +116,12 @@ def _guard(p: Parameter, conditions: Mapping[bool, str]) -> str:
 def _products(source: Map) -> list[str]:
     """What becomes of a texel: it multiplies parameters, or is kept as it is."""
     lines = [f"m.{p.name} *= texel.{_swizzle(p)};" for p in multiplied_by(source.name)]
-    return lines + ([f"m.{source.name}_texel = texel.{source.info.keeps.lower()};"] if source.info.keeps else [])
+    return lines + ([f"m.{source.name}_texel = texel.{source.info.raw_channels.lower()};"] if source.info.raw_channels else [])
 
 
 def _neutral(source: Map) -> str:
-    values = ", ".join(f"{source.info.neutral['RGBA'.index(c)]}" for c in source.info.keeps)
-    return f"{_TYPES[len(source.info.keeps)]}({values})"
+    values = ", ".join(f"{source.info.neutral['RGBA'.index(c)]}" for c in source.info.raw_channels)
+    return f"{_TYPES[len(source.info.raw_channels)]}({values})"
 
 
 def _swizzle(p: Parameter) -> str:

@@ -1,4 +1,4 @@
-"""A material's numbers as shaders get them: uniforms of the raster, texels of the path tracer's scene buffer."""
+"""Packs a material's values for shaders: uniforms for the raster, texels of the scene buffer for the path tracer."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..scene.schema import MAPS, PARAMETERS, Value
 
 @dataclass(frozen=True)
 class Place:
-    """Where a value lies in a material's record: which texel, its first component, and how many components."""
+    """The position of a value in a material's record: its texel, its first component and its number of components."""
 
     texel: int
     component: int
@@ -24,10 +24,9 @@ class Place:
         return "xyzw"[self.component : self.component + self.size]
 
 
-
 def _layout() -> dict[str, Place]:
-    """Each value goes to the first texel that has room for it; those that every material needs go first."""
-    shown = [p for p in PARAMETERS.values() if p.info.paths and p.info.role != "python"]
+    """Places each value in the first texel with enough free components. Values that all materials need come first."""
+    shown = [p for p in PARAMETERS.values() if p.info.path_traced and p.info.role != "python"]
     shown.sort(key=lambda p: p.info.role == "argument" or p.info.feature.switch != "")
     sizes = {p.name: p.size for p in shown}
     room: list[int] = []
@@ -43,23 +42,23 @@ def _layout() -> dict[str, Place]:
 
 RECORD = _layout()
 MAPS_TEXEL = max(place.texel for place in RECORD.values()) + 1
-"""The texel behind the values, which says where the records of the material's maps are."""
+"""The texel after the values, which points to the records of the material's maps."""
 RECORD_TEXELS = MAPS_TEXEL + 1
 
-COLOR_ROLES = {m.name: 1 << k for k, m in enumerate(m for m in MAPS.values() if m.info.paths and m.info.srgb)}
+COLOR_ROLES = {m.name: 1 << k for k, m in enumerate(m for m in MAPS.values() if m.info.path_traced and m.info.srgb)}
 DATA_ROLES = {m.name: 1 << k for k, m in enumerate(
-    m for m in MAPS.values() if m.info.paths and not m.info.srgb and m.name != "normal")}
-"""Bits that say which maps a record of a texture serves; the normal map has a record of its own."""
+    m for m in MAPS.values() if m.info.path_traced and not m.info.srgb and m.name != "normal")}
+"""Bits in the record of a texture: the maps that it is used as. The normal map has its own record."""
 
 
 def uniforms(material: Material) -> Iterator[tuple[str, Value]]:
-    """The uniforms `u_<parameter>` of a material."""
+    """The name `u_<parameter>` and the value of each uniform of a material."""
     for parameter in PARAMETERS.values():
         yield f"u_{parameter.name}", parameter.value(material)
 
 
 def record(material: Material) -> np.ndarray:
-    """(MAPS_TEXEL, 4) float32: the values of a material. Where alpha blends, the cutoff is -1."""
+    """The values of a material, (MAPS_TEXEL, 4) float32. If alpha_mode is blend, the cutoff is -1."""
     values = {name: PARAMETERS[name].value(material) for name in RECORD}
     if material.alpha_mode == "blend":
         values["alpha_cutoff"] = -1.0

@@ -1,4 +1,4 @@
-"""What of a material can change a pixel: the one rule that the raster and the path tracer go by."""
+"""The maps and features of a material that can change a pixel, for the raster and the path tracer alike."""
 
 from __future__ import annotations
 
@@ -11,33 +11,33 @@ from ..scene.schema import MAPS, PARAMETERS, SWITCHED
 from ..scene.texture_image import TextureImage
 
 
-def used_maps(material: Material, mesh: Mesh, model: str, leave_nothing_out: bool = False) -> tuple[str, ...]:
-    """The maps of `material` that can change how `mesh` looks to a `model` of shading: unlit, phong or pbr.
+def used_maps(material: Material, mesh: Mesh, model: str, include_ineffective: bool = False) -> tuple[str, ...]:
+    """The maps of `material` that can change how `mesh` looks with the shading model `model`: unlit, phong or pbr.
 
-    `leave_nothing_out` takes those, too, whose factors make them harmless.
+    `include_ineffective` also includes maps that have no effect because of their factors.
     """
-    return tuple(name for name in MAPS if _is_used(name, material, mesh, model, leave_nothing_out))
+    return tuple(name for name in MAPS if _is_used(name, material, mesh, model, include_ineffective))
 
 
-def _is_used(name: str, material: Material, mesh: Mesh, model: str, leave_nothing_out: bool) -> bool:
+def _is_used(name: str, material: Material, mesh: Mesh, model: str, include_ineffective: bool) -> bool:
     texture, info = MAPS[name].texture(material), MAPS[name].info
     if texture is None or texture.uv_set >= len(mesh.uvs) or model not in info.models:
         return False
     if info.needs_tangents and mesh.tangents is None:
         return False
-    has_factor = name not in ("normal", "occlusion")  # else nothing could make it harmless
-    return (leave_nothing_out and has_factor) or info.counts(material)
+    has_factor = name not in ("normal", "occlusion")  # without a factor the map would always change pixels
+    return (include_ineffective and has_factor) or info.has_effect(material)
 
 
-def as_mesh_allows(material: Material, mesh: Mesh) -> Material:
-    """`material` without the features that need tangents, where `mesh` has none."""
-    lost = [f for f in SWITCHED if f.needs_tangents and mesh.tangents is None and f.is_on(material)]
-    defaults: dict[str, Any] = {p.name: p.default for p in PARAMETERS.values() if p.info.feature in lost}
-    return replace(material, **defaults) if lost else material
+def supported_by_mesh(material: Material, mesh: Mesh) -> Material:
+    """`material` without the features that `mesh` does not support: those that need tangents, if it has none."""
+    dropped = [f for f in SWITCHED if f.needs_tangents and mesh.tangents is None and f.is_on(material)]
+    defaults: dict[str, Any] = {p.name: p.default for p in PARAMETERS.values() if p.info.feature in dropped}
+    return replace(material, **defaults) if dropped else material
 
 
 def feature_switches(material: Material, model: str) -> dict[str, int]:
-    """The switches of the features that `material` has and `model` knows."""
+    """The switches of all features: on if `material` uses the feature and the shading model implements it."""
     return {f.switch: int(model in f.models and f.is_on(material)) for f in SWITCHED}
 
 
@@ -49,6 +49,6 @@ def metalness(material: Material) -> int:
 
 
 def texture_bytes(image: TextureImage) -> float:
-    """About what an image takes on a GPU, all channels that it has, with mipmaps."""
+    """About how many bytes an image takes on a GPU, with all its channels and mipmaps."""
     components = (1 if image.grey else 3) + image.has_alpha
     return image.width * image.height * components * (image.bits // 8) * 4 / 3

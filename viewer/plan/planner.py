@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from ..errors import UsageError
 from ..material.fold import without_constant_maps
-from ..material.use import as_mesh_allows, feature_switches, metalness, used_maps
+from ..material.use import supported_by_mesh, feature_switches, metalness, used_maps
 from ..scene.convex import is_convex
 from ..scene.light import Light
 from ..scene.material import ANISOTROPY, Material, Texture
@@ -145,7 +145,7 @@ def _draw(
     material = materials[mesh.material]
     if settings.plan == "needed":
         material = without_constant_maps(material)
-    material = as_mesh_allows(material, mesh)
+    material = supported_by_mesh(material, mesh)
     lit = is_lit(mesh, material)
     if material.alpha_mode == "blend" or material.transmits:
         common = common | {"VISIBILITY": 0, "TRACED_REFLECTION": 0}  # the G-buffer holds the opaque surface behind

@@ -1,4 +1,4 @@
-"""Where the picture is taken from. Column vectors, right-handed, float64; the camera looks along its own -Z."""
+"""Cameras. Vectors are columns, spaces are right-handed, numbers are float64; a camera looks along its own -Z."""
 
 from __future__ import annotations
 
@@ -17,8 +17,9 @@ DEFAULT_ELEVATION = math.radians(15.0)
 class Camera:
     """A rigid pose and a projection.
 
-    `pose` (4, 4) float64 takes camera space to world space, rotation and translation only. `fov_y` is the vertical
-    field of view in radians; where `height` (world units seen from bottom to top) is given the camera is orthographic.
+    `pose` (4, 4) float64 takes camera space to world space and contains only rotation and translation. `fov_y` is the
+    vertical field of view in radians. If `height` is given, the camera is orthographic and shows `height` world units
+    from bottom to top.
     """
 
     pose: np.ndarray
@@ -37,7 +38,7 @@ class Camera:
     @classmethod
     def look_at(cls, eye: ArrayLike, target: ArrayLike, up: ArrayLike = (0.0, 1.0, 0.0), fov_y: float = DEFAULT_FOV,
                 name: str = "") -> Camera:
-        """A perspective camera at `eye` that looks at `target`; an `up` along the view is replaced by another axis."""
+        """A perspective camera at `eye` that looks at `target`. An `up` parallel to the view is replaced by an axis."""
         eye, target, up = (np.asarray(v, np.float64) for v in (eye, target, up))
         back = eye - target
         length = np.linalg.norm(back)
@@ -53,18 +54,19 @@ class Camera:
     @classmethod
     def orbit(cls, center: ArrayLike, distance: float, azimuth: float = DEFAULT_AZIMUTH,
               elevation: float = DEFAULT_ELEVATION, fov_y: float = DEFAULT_FOV) -> Camera:
-        """On a sphere about `center`: azimuth 0 looks from +Z and grows towards +X, elevation upwards; in radians."""
+        """A camera on a sphere about `center`. Azimuth 0 is at +Z and grows towards +X; elevation grows upwards. Both
+        are in radians."""
         center = np.asarray(center, np.float64)
         cos_el = math.cos(elevation)
         back = np.array([cos_el * math.sin(azimuth), math.sin(elevation), cos_el * math.cos(azimuth)])
-        # The derivative of `back` by elevation is a valid "up" even at the poles, where +Y is not.
+        # The derivative of `back` with respect to elevation is a valid "up" even at the poles, where +Y is not.
         up = np.array([-math.sin(elevation) * math.sin(azimuth), cos_el, -math.sin(elevation) * math.cos(azimuth)])
         return cls.look_at(center + distance * back, center, up, fov_y)
 
     @classmethod
     def framing(cls, center: ArrayLike, radius: float, aspect: float, azimuth: float = DEFAULT_AZIMUTH,
                 elevation: float = DEFAULT_ELEVATION, fov_y: float = DEFAULT_FOV) -> Camera:
-        """An orbit camera whose narrower field of view is filled by the sphere (center, radius)."""
+        """An orbit camera at the distance at which the sphere (center, radius) fills its narrower field of view."""
         return cls.orbit(center, framing_distance(radius, aspect, fov_y), azimuth, elevation, fov_y)
 
     def view(self) -> np.ndarray:
@@ -87,7 +89,7 @@ class Camera:
         return out
 
     def depth_range(self, center: ArrayLike, radius: float) -> tuple[float, float]:
-        """Near and far that hold the sphere (center, radius), the near plane pushed out as far as it will go."""
+        """Near and far planes that enclose the sphere (center, radius), with the near plane as far away as possible."""
         depth = float((np.asarray(center, np.float64) - self.eye) @ self.forward)
         far = max(depth + radius, radius * 1e-3) * 1.001
         near = depth - radius
@@ -97,6 +99,6 @@ class Camera:
 
 
 def framing_distance(radius: float, aspect: float, fov_y: float) -> float:
-    """How far the eye stands from the centre of a sphere that fills the narrower field of view."""
+    """The distance from the eye to the centre of a sphere that fills the narrower field of view."""
     half = fov_y / 2 if aspect >= 1 else math.atan(math.tan(fov_y / 2) * aspect)
     return radius / math.sin(half)

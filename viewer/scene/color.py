@@ -1,11 +1,11 @@
-"""Rec. 709 light and sRGB's transfer function, exact (IEC 61966-2-1:1999), in float64."""
+"""Luminance of Rec. 709 light and the exact sRGB transfer function (IEC 61966-2-1:1999), in float64."""
 
 from __future__ import annotations
 
 import numpy as np
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-"""Of linear Rec. 709 light: its weights of red, green and blue."""
+"""The luminance weights of linear Rec. 709 red, green and blue."""
 
 
 def srgb_to_linear(encoded: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Images decoded on other threads while this one does what needs OpenGL."""
+"""Decodes images on other threads, while the calling thread uses OpenGL."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from ..scene.mip_levels import mip_levels
 from ..scene.texture_image import TextureImage
 
 Key = tuple[TextureImage, str, bool]
-"""An image, the channels of it that are read (R, RGB or RGBA), and whether its colours are sRGB."""
+"""An image, the channels to read (R, RGB or RGBA), and whether its colours are sRGB."""
 
 _THREADS = 2
-_ROOM = 4
-"""Images in work or waiting to be fetched, 17 MB each where they have 2048 texels a side."""
+_MAX_PENDING = 4
+"""The most images that are being decoded or wait to be fetched. One of 2048 x 2048 texels takes 17 MB."""
 
 
 class Decoder:
-    """Begins at once to decode `keys`, the largest first; `results` gives each when it is ready.
+    """Begins at once to decode `keys`, the largest file first; `results` yields each when it is ready.
 
-    A key begins with the image; `decode` makes of its parts what is asked for.
+    A key is a tuple whose first element is the image. `decode(*key)` decodes it, by default `decode_levels`.
     """
 
     def __init__(self, keys: Iterable[tuple[Any, ...]], decode: Callable[..., Any] | None = None) -> None:
@@ -33,32 +33,32 @@ class Decoder:
         self._waiting = deque(sorted(keys, key=lambda key: -len(key[0].data)))
         self.keys = frozenset(self._waiting)
         self._ready: SimpleQueue[tuple[Any, Any]] = SimpleQueue()
-        self._room = threading.Semaphore(_ROOM)
+        self._slots = threading.Semaphore(_MAX_PENDING)
         for _ in range(min(_THREADS, len(self.keys))):
             threading.Thread(target=self._work, daemon=True).start()
 
     def results(self) -> Iterator[tuple[Any, Any]]:
-        """Each key with what was made of it, by default its mip levels, once, in the order they become ready.
+        """Yields each key once with its decoded image, by default the mip levels, in the order they become ready.
 
         Raises InputError for broken images.
         """
         for _ in self.keys:
             key, levels = self._ready.get()
-            self._room.release()
+            self._slots.release()
             if isinstance(levels, BaseException):
                 self.cancel()
                 raise levels
             yield key, levels
-            del levels  # before the next one is waited for
+            del levels  # free the memory before waiting for the next image
 
     def cancel(self) -> None:
-        """Begin no more."""
+        """Start no further images."""
         self._waiting.clear()
-        self._room.release(_THREADS)
+        self._slots.release(_THREADS)
 
     def _work(self) -> None:
         while True:
-            self._room.acquire()
+            self._slots.acquire()
             try:
                 key = self._waiting.popleft()
             except IndexError:
@@ -70,9 +70,9 @@ class Decoder:
 
 
 def decode_levels(image: TextureImage, channels: str, srgb: bool) -> list[np.ndarray]:
-    """The mip levels, (H, W, C), in the least channels that hold what is read.
+    """The mip levels of `image`, (H, W, C) each, with the fewest channels that contain `channels`.
 
-    uint8 (sRGB if asked for), uint16, or where sRGB has 16 bits float16, linear.
+    They are uint8 (encoded as sRGB if `srgb`) or uint16. sRGB images with 16 bits are decoded to linear float16.
     """
     pixels = _pixels(image, channels, srgb)
     return mip_levels(pixels, srgb and pixels.dtype == np.uint8)
@@ -89,7 +89,7 @@ def _pixels(image: TextureImage, channels: str, srgb: bool) -> np.ndarray:
         color = slice(None) if pixels.shape[2] in (1, 3) else slice(None, -1)
         linear[..., color] = srgb_to_linear(linear[..., color])
         return linear.astype(np.float16)
-    if srgb and pixels.shape[2] < 3:  # OpenGL's sRGB formats have three colours
+    if srgb and pixels.shape[2] < 3:  # OpenGL has sRGB formats only for three and four channels
         grey, alpha = pixels[..., :1], pixels[..., 1:]
         pixels = np.concatenate([grey, grey, grey, alpha], axis=2)
     return pixels

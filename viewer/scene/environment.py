@@ -1,6 +1,7 @@
-"""Light from all around, as an equirectangular radiance map.
+"""Environments: light from all directions, as an equirectangular radiance map.
 
-Direction to texture: u = 1/2 + atan2(z, x) / 2 pi, v = acos(y) / pi from the top row.
+A direction (x, y, z) maps to the texture coordinates u = 1/2 + atan2(z, x) / 2 pi and v = acos(y) / pi; v = 0 is the
+top row.
 """
 
 from __future__ import annotations
@@ -13,11 +14,11 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class Environment:
-    """A radiance map, or the function that decodes it when somebody first asks for its pixels.
+    """An environment map. `source` is its radiance, (H, W, 3) float32, or a function that decodes it on first access.
 
-    `rotation` turns it about +Y, in radians, counter-clockwise seen from above (towards the map's smaller u);
-    `intensity` multiplies it. `digest` names the content: equal digests mean equal texels, so that what was baked
-    from them can be found again without decoding; "" where nobody computed one.
+    `rotation` turns it about +Y, in radians, counter-clockwise seen from above (towards smaller u). `intensity`
+    multiplies it. `digest` identifies the content: equal digests mean equal texels, so a cached bake can be found
+    without decoding the file. It is "" if none was computed.
     """
 
     name: str
@@ -27,13 +28,14 @@ class Environment:
     digest: str = ""
 
     def digest_parts(self) -> tuple[object, ...]:
-        """What its light depends on, for `base.digest`: the file is not decoded where its digest is known."""
+        """The values that its light depends on, for `base.digest`. If `digest` is known, no file is decoded."""
         return self.rotation, self.intensity, self.digest or self.radiance
 
     @property
     def radiance(self) -> np.ndarray:
-        """Linear Rec. 709 radiance, (H, W, 3) float32, finite and not negative. A broken file raises InputError.
+        """Linear Rec. 709 radiance, (H, W, 3) float32, finite and not negative. Raises InputError for a broken file.
 
-        A file is decoded again where nobody holds the array: 100 MB, for a large map, that a picture does not need.
+        The array is not kept: if no caller holds it, the next access decodes the file again. A large map takes 100 MB,
+        which rendering does not need once the environment is baked.
         """
         return self.source() if callable(self.source) else self.source

@@ -18,23 +18,24 @@ from .environment_presets import PRESETS, make_preset
 from .equirect import texel_solid_angles
 
 FORMATS = {".hdr": "hdr", ".exr": "openexr", ".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg"}
-MAX_WIDTH = 4096  # wider maps are averaged down: 11 texels to a degree, 100 MB of radiance
-MAX_TEXELS = 1 << 29  # of a file; a 32k map, and seconds of decoding
-MAX_RADIANCE = 1e12  # the sun's disk is 2e9 cd/m2
+MAX_WIDTH = 4096  # wider maps are averaged down to it: 11 texels per degree, 100 MB of radiance
+MAX_TEXELS = 1 << 29  # of a file: a map of 32768 x 16384, which takes seconds to decode
+MAX_RADIANCE = 1e12  # the luminance of the sun's disk is 2e9 cd/m2
 HALF_MAX = 65504.0
-BAND = 1 << 20  # texels decoded at once
+BAND = 1 << 20  # texels decoded per step
 
 
 def load_environment(spec: str | Path | None) -> Environment | None:
-    """An environment from a file, or a built-in one: 'studio', 'sky', 'furnace'; None and 'none' are no environment.
+    """An environment from a file, or a built-in one: 'studio', 'sky' or 'furnace'. None and 'none' return None.
 
-    A name that is also a file's is the built-in one; write ./studio for the file. The file is read, to know its
-    content, but decoded only when its radiance is asked for. Maps wider than 4096 are then reduced by a whole factor,
-    as solid angles have it. Negative values (colours outside Rec. 709) become 0 and infinite ones 65504, what
-    overflowed a half float; alpha is ignored, grey is repeated, and so is Radiance's EXPOSURE, as viewers do.
+    A name that is also the name of a file means the built-in environment; write ./studio for the file. The file is read
+    at once to compute its digest, but it is decoded only when `radiance` is accessed. Maps wider than 4096 texels are
+    then reduced by a whole factor, by means weighted with solid angle. Negative values (colours outside Rec. 709)
+    become 0. Infinite values, which overflowed a half float, become 65504. Grey becomes RGB. Alpha and Radiance's
+    EXPOSURE are ignored, as other viewers do.
 
-    Raises InputError, here or when the radiance is first asked for, where the file is not a whole image of its format,
-    holds NaN or values over 1e12, or claims more than 2^29 texels.
+    Raises InputError, at once or when `radiance` is first accessed, for a file that is not a complete image of its
+    format, contains NaN or values over 1e12, or declares more than 2^29 texels.
     """
     if spec is None or spec == "none":
         return None
@@ -42,28 +43,32 @@ def load_environment(spec: str | Path | None) -> Environment | None:
         return make_preset(str(spec))
     path = Path(spec)
     if path.suffix.lower() not in FORMATS:
-        problem = "is no environment: " + (f"cannot read {path.suffix} files" if path.is_file() else "no such file")
-        raise InputError(path, "", f"{problem}; a {', '.join(FORMATS)} file, or one of none, {', '.join(PRESETS)}")
-    return Environment(path.stem, _while_held(partial(_decode, path)), digest=_file_digest(path))
+        problem = f"{path.suffix} files cannot be read" if path.is_file() else "no such file"
+        raise InputError(path, "", f"is not an environment: {problem}; use a {', '.join(FORMATS)} file, or one of "
+                                   f"none, {', '.join(PRESETS)}")
+    return Environment(path.stem, _cached_while_in_use(partial(_decode, path)), digest=_file_digest(path))
 
 
-def _while_held(decode: Callable[[], np.ndarray]) -> Callable[[], np.ndarray]:
-    """One decoded copy for all copies of an environment (dataclasses.replace), for as long as somebody holds it."""
-    held: Callable[[], np.ndarray | None] = lambda: None  # noqa: E731
+def _cached_while_in_use(decode: Callable[[], np.ndarray]) -> Callable[[], np.ndarray]:
+    """`decode` with a weak cache: as long as a caller holds the array, later calls return the same one.
+
+    Copies of an environment (dataclasses.replace) share it.
+    """
+    cached: Callable[[], np.ndarray | None] = lambda: None  # noqa: E731
 
     def shared() -> np.ndarray:
-        nonlocal held
-        radiance = held()
+        nonlocal cached
+        radiance = cached()
         if radiance is None:
             radiance = decode()
-            held = weakref.ref(radiance)
+            cached = weakref.ref(radiance)
         return radiance
 
     return shared
 
 
 def _file_digest(path: Path) -> str:
-    digest = hashlib.blake2b(Path(__file__).read_bytes(), digest_size=20)  # how it is decoded counts, too
+    digest = hashlib.blake2b(Path(__file__).read_bytes(), digest_size=20)  # the radiance also depends on this code
     try:
         with path.open("rb") as file:
             hashlib.file_digest(file, lambda: digest)
@@ -87,9 +92,9 @@ def _decode(path: Path) -> np.ndarray:
     try:
         spec, found, wanted = source.spec(), source.format_name(), FORMATS[path.suffix.lower()]
         if found != wanted:
-            raise InputError(path, "", f"is a {found} file, by its extension it should be {wanted}")
+            raise InputError(path, "", f"is a {found} file, but its extension says {wanted}")
         if spec.depth > 1 or spec.nchannels < 1 or spec.deep:
-            raise InputError(path, "", "is no flat image")
+            raise InputError(path, "", "is not a flat image")
         if spec.width * spec.height > MAX_TEXELS:
             raise InputError(path, "", f"{spec.width} x {spec.height} texels are more than {MAX_TEXELS}")
         bands = list(_bands(path, source, encoded=str(spec.format) in ("uint8", "uint16")))
@@ -99,7 +104,7 @@ def _decode(path: Path) -> np.ndarray:
 
 
 def _bands(path: Path, source: Any, encoded: bool) -> Iterator[np.ndarray]:
-    """The map from the top in pieces (h, W, 3) float32, each reduced to MAX_WIDTH as it comes: memory stays bounded."""
+    """Yields the map from the top in bands (h, W, 3) float32. Each is reduced to MAX_WIDTH at once, to bound memory."""
     spec = source.spec()
     factor = -(-max(spec.width, 2 * spec.height) // MAX_WIDTH)
     unit = factor * max(1, spec.tile_height)
@@ -129,7 +134,8 @@ def _color_channels(names: list[str]) -> list[int]:
 
 
 def _reduce(texels: np.ndarray, factor: int, first: int, height: int) -> np.ndarray:
-    """Means over factor x factor texels weighted by solid angle; the rest at the right and bottom is smaller blocks."""
+    """Means over blocks of factor x factor texels, weighted by solid angle. Blocks at the right and bottom edge may be
+    smaller."""
     if factor == 1:
         return texels
     weights = texel_solid_angles(height, 1)[first:first + len(texels)].astype(np.float32)
@@ -142,11 +148,11 @@ def _reduce(texels: np.ndarray, factor: int, first: int, height: int) -> np.ndar
 
 
 def _clean(path: Path, first: int, texels: np.ndarray) -> np.ndarray:
-    peak = texels.max(initial=0)  # NaN where there is any
+    peak = texels.max(initial=0)  # NaN if any texel is
     if not peak <= MAX_RADIANCE:
         if np.isnan(texels).any():
             row, column = np.argwhere(np.isnan(texels).any(axis=2))[0]
-            raise InputError(path, f"row {first + row}, column {column}", "is not a number")
+            raise InputError(path, f"row {first + row}, column {column}", "the value is not a number (NaN)")
         texels = np.where(np.isposinf(texels), np.float32(HALF_MAX), texels)
         if texels.max() > MAX_RADIANCE:
             row, column = np.argwhere((texels > MAX_RADIANCE).any(axis=2))[0]
@@ -160,7 +166,7 @@ def _linear(encoded: np.ndarray) -> np.ndarray:
 
 
 def _upright(texels: np.ndarray, orientation: int) -> np.ndarray:
-    """Undo Exif's orientation 1..8 (Radiance's +Y and X-major files carry one)."""
+    """Undo the Exif orientation 1..8. OpenImageIO reports one also for Radiance files with another scanline order."""
     if orientation >= 5:
         texels = texels.swapaxes(0, 1)
     if orientation in (3, 4, 7, 8):

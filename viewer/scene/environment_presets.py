@@ -1,4 +1,4 @@
-"""Environments made by formula: a studio, a sky with its sun, and the white furnace. Deterministic, in milliseconds."""
+"""Built-in environments, computed from formulas: a studio, a sky with its sun, and the white furnace."""
 
 from __future__ import annotations
 
@@ -25,25 +25,25 @@ def make_preset(name: str) -> Environment:
 
 @lru_cache(maxsize=1)
 def furnace() -> np.ndarray:
-    """Radiance 1 from everywhere: whatever conserves energy and absorbs none vanishes in it."""
+    """Radiance 1 from all directions, in which a surface that neither absorbs nor loses light is invisible."""
     return np.ones((32, 64, 3), np.float32)
 
 
-# Soft boxes of the studio: azimuth (0 = +Z, towards +X) and elevation of the centre in degrees, width and height as
-# seen from the object in degrees, radiance. The default camera stands at azimuth 30, elevation 15.
+# Soft boxes of the studio: azimuth (0 = +Z, towards +X) and elevation of the centre in degrees, width and height in
+# degrees as seen from the object, radiance. The default camera is at azimuth 30, elevation 15.
 _SOFT_BOXES = (
     (-25.0, 42.0, 56.0, 50.0, 5.6),  # key: large, to the camera's left and above
     (105.0, 22.0, 44.0, 70.0, 1.7),  # fill: to the right, a third as bright
-    (205.0, 38.0, 70.0, 22.0, 6.0),  # rim: a strip behind, parts the outline from the ground
+    (205.0, 38.0, 70.0, 22.0, 6.0),  # rim: a strip behind the object, separates its outline from the backdrop
     (0.0, 90.0, 44.0, 44.0, 1.2),  # overhead, for top faces
 )
 
 
 @lru_cache(maxsize=1)
 def studio() -> np.ndarray:
-    """Neutral light for looking at things: four soft boxes over a ground that fades from dark grey to black-grey."""
+    """Neutral light for inspecting models: four soft boxes before a grey backdrop that is darker below."""
     y = np.cos(np.pi * (np.arange(HEIGHT, dtype=np.float32) + 0.5) / HEIGHT)
-    # Backdrop: 0.10 below, 0.40 above, and the step between them spread over the horizon.
+    # Backdrop: radiance 0.10 below and 0.40 above, with a smooth transition about the horizon.
     grey = 0.10 + 0.30 * _smoothstep((y + 0.35) / 0.9)
     grey = np.repeat(grey[:, None], WIDTH, axis=1)
     for azimuth, elevation, wide, high, radiance in _SOFT_BOXES:
@@ -54,7 +54,7 @@ def studio() -> np.ndarray:
 def _add_soft_box(
     grey: np.ndarray, radiance: float, azimuth: float, elevation: float, wide: float, high: float
 ) -> None:
-    """In place: a rectangle on the plane facing the origin, a little brighter in its middle, with soft edges."""
+    """Add a rectangular light to `grey`, in place. It faces the origin, has soft edges and a brighter middle."""
     sin_az, cos_az, sin_el, cos_el = math.sin(azimuth), math.cos(azimuth), math.sin(elevation), math.cos(elevation)
     frame = np.array([  # right, up, ahead
         [cos_az, 0, -sin_az], [-sin_el * sin_az, cos_el, -sin_el * cos_az], [cos_el * sin_az, sin_el, cos_el * cos_az]
@@ -79,9 +79,9 @@ _SOLAR_ILLUMINANCE = 128.0  # klx outside the atmosphere
 
 @lru_cache(maxsize=1)
 def sky() -> np.ndarray:
-    """A clear sky by Preetham, Shirley and Smits 1999 over a grey ground, with the sun's disk of 0.53 degrees.
+    """A clear sky (Preetham, Shirley and Smits 1999) over a grey ground, with a sun disk of 0.53 degrees.
 
-    Scaled so that a white surface lying on the ground has radiance 1 in the light of sky and sun together.
+    It is scaled so that a horizontal white surface has radiance 1 under sky and sun together.
     """
     sun = _sun_direction()
     radiance = np.zeros((HEIGHT, WIDTH, 3), np.float32)
@@ -103,15 +103,16 @@ def _sun_direction() -> np.ndarray:
 
 
 def _sun_illuminance(elevation: float) -> np.ndarray:
-    """On a surface facing the sun, klx, linear Rec. 709, after Rayleigh and aerosols (Preetham 1999, appendix 1)."""
-    wavelength = np.array([0.610, 0.550, 0.465])  # micrometres, where the primaries weigh most
+    """Illuminance of a surface facing the sun, klx, linear Rec. 709, after Rayleigh and aerosol extinction (Preetham
+    1999, appendix 1)."""
+    wavelength = np.array([0.610, 0.550, 0.465])  # micrometres, near the peaks of the three primaries
     air_mass = 1 / (math.sin(elevation) + 0.15 * (math.degrees(elevation) + 3.885) ** -1.253)
     beta = 0.04608 * TURBIDITY - 0.04586
     return _SOLAR_ILLUMINANCE * np.exp(-air_mass * (0.008735 * wavelength**-4.08 + beta * wavelength**-1.3))
 
 
 def _sun_disk(sun: np.ndarray) -> np.ndarray:
-    """The share of each texel that the disk covers, scaled to integrate to 1 over the sphere, (H, W) float32."""
+    """The fraction of each texel that the disk covers, scaled to integrate to 1 over the sphere, (H, W) float32."""
     fine = 8
     row = int(math.acos(sun[1]) / math.pi * HEIGHT)
     rows = slice((row - 2) * fine, (row + 3) * fine)
@@ -123,7 +124,8 @@ def _sun_disk(sun: np.ndarray) -> np.ndarray:
 
 
 def _preetham(cos_zenith: np.ndarray, cos_gamma: np.ndarray, elevation: float) -> np.ndarray:
-    """Linear Rec. 709 radiance (klx/sr), (h, W, 3), by zenith angle of the rows and angle to the sun."""
+    """Linear Rec. 709 radiance (klx/sr), (h, W, 3), from the cosines of the rows' zenith angles (h,) and of the angles
+    to the sun (h, W)."""
     t, sun_zenith = TURBIDITY, math.pi / 2 - elevation
     gamma = np.arccos(np.clip(cos_gamma, -1, 1))
     low = 1 / np.maximum(cos_zenith, 0.01)[:, None].astype(np.float32)

@@ -1,7 +1,7 @@
-"""The geometry of equirectangular maps: which direction a texel looks in, and how much of the sphere it holds.
+"""The geometry of equirectangular maps: the directions and solid angles of their texels, and resampling.
 
-Texel (row i, column j) of an (H, W) map is centred on theta = pi (i + 1/2) / H from +Y and
-phi = 2 pi ((j + 1/2) / W - 1/2) = atan2(z, x); it holds the solid angle between its edges.
+The centre of texel (row i, column j) of an (H, W) map has theta = pi (i + 1/2) / H, measured from +Y, and
+phi = 2 pi ((j + 1/2) / W - 1/2) = atan2(z, x).
 """
 
 from __future__ import annotations
@@ -10,13 +10,13 @@ import numpy as np
 
 
 def texel_solid_angles(height: int, width: int) -> np.ndarray:
-    """Steradians of one texel of each row, (H,) float64; they add up to 4 pi over the map."""
+    """The solid angle of one texel of each row in steradians, (H,) float64. All texels together have 4 pi."""
     edges = np.cos(np.pi * np.arange(height + 1) / height)
     return (edges[:-1] - edges[1:]) * (2 * np.pi / width)
 
 
 def texel_directions(height: int, width: int, rows: slice = slice(None)) -> np.ndarray:
-    """Unit vectors through the texel centres, (H, W, 3) float64, or of some rows only."""
+    """Unit vectors through the texel centres, (H, W, 3) float64; `rows` selects some rows only."""
     theta = (np.pi * (np.arange(height) + 0.5) / height)[rows, None]
     phi = 2 * np.pi * ((np.arange(width) + 0.5) / width - 0.5)
     return np.stack([np.sin(theta) * np.cos(phi), np.cos(theta) + 0 * phi, np.sin(theta) * np.sin(phi)], axis=-1)
@@ -25,13 +25,15 @@ def texel_directions(height: int, width: int, rows: slice = slice(None)) -> np.n
 def sphere_integral(radiance: np.ndarray) -> np.ndarray:
     """The integral over the sphere of an (H, W, C) map, (C,) float64."""
     height, width = radiance.shape[:2]
-    # Rows in float64 by way of their means: a float32 sum over a whole map would lose the dark under a sun.
+    # Row means are computed in float64: a float32 sum over a map with a sun would round dark texels away.
     return width * (texel_solid_angles(height, width) @ radiance.mean(axis=1, dtype=np.float64))
 
 
 def shrink(radiance: np.ndarray, height: int, width: int) -> np.ndarray:
-    """Means over square blocks of texels, weighted by solid angle, that stay at least (height, width); the map itself
-    where no whole factor does that."""
+    """The map reduced by a whole factor to at least (height, width), by means weighted by solid angle.
+
+    If no whole factor divides both sides, the map itself is returned.
+    """
     old_height, old_width, channels = radiance.shape
     factor = min(old_height // height, old_width // width)
     if factor <= 1 or old_height % factor or old_width % factor:
@@ -44,7 +46,7 @@ def shrink(radiance: np.ndarray, height: int, width: int) -> np.ndarray:
 
 
 def resample(radiance: np.ndarray, height: int, width: int) -> np.ndarray:
-    """The map at another size: areas are averaged where it shrinks, texels interpolated where it grows."""
+    """The map at another size. An axis that shrinks is averaged by area; one that grows is interpolated linearly."""
     radiance = shrink(radiance, height, width)
     old_height, old_width = radiance.shape[:2]
     if height != old_height:
@@ -57,15 +59,15 @@ def resample(radiance: np.ndarray, height: int, width: int) -> np.ndarray:
 
 
 def _colatitude_edges(rows: int) -> np.ndarray:
-    """Where rows begin and end, in the measure -cos(theta) in which equal steps are equal solid angles."""
+    """The edges of the rows as -cos(theta), in which equal steps are equal solid angles, (rows + 1,)."""
     return -np.cos(np.pi * np.arange(rows + 1) / rows)
 
 
-def _axis_weights(theirs: np.ndarray, ours: np.ndarray, wraps: bool) -> np.ndarray:
-    """(new, old) float32: each new texel as a mean of old ones, given the old and the new texels' edges."""
-    old, new = len(theirs) - 1, len(ours) - 1
+def _axis_weights(old_edges: np.ndarray, new_edges: np.ndarray, wraps: bool) -> np.ndarray:
+    """(new, old) float32: the weights of the old texels in each new one, from the edges of the old and new texels."""
+    old, new = len(old_edges) - 1, len(new_edges) - 1
     if new < old:
-        overlap = np.minimum(ours[1:, None], theirs[1:]) - np.maximum(ours[:-1, None], theirs[:-1])
+        overlap = np.minimum(new_edges[1:, None], old_edges[1:]) - np.maximum(new_edges[:-1, None], old_edges[:-1])
         overlap = np.maximum(overlap, 0)
         return (overlap / overlap.sum(axis=1, keepdims=True)).astype(np.float32)
     position = (np.arange(new) + 0.5) * old / new - 0.5

@@ -1,4 +1,4 @@
-"""Reading files, and only those a model may name: regular files inside its own folder."""
+"""Reads files. A model may refer only to regular files inside its own folder."""
 
 from __future__ import annotations
 
@@ -11,11 +11,15 @@ from urllib.parse import unquote
 from ..errors import InputError
 
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.\-]*:")
-"""Of a URI (http:, file:), and a Windows drive letter as well."""
+"""The scheme of a URI (http:, file:), or a Windows drive letter."""
 
 
 def read_file(path: str | PathLike[str], name: str = "", place: str = "") -> bytes:
-    """All of a regular file's bytes. Raises InputError about `name` at `place`, or about the file itself."""
+    """All bytes of a regular file.
+
+    Raises InputError if it cannot be read. The error names the file `name` and the place in it that refers to `path`,
+    or `path` itself if there is no `name`.
+    """
     path = Path(path)
     try:
         mode = path.stat().st_mode
@@ -32,18 +36,18 @@ def read_file(path: str | PathLike[str], name: str = "", place: str = "") -> byt
 
 
 def path_inside(model: Path, uri: str, place: str) -> Path:
-    """The file a relative URI in `model` names. Raises InputError where it would leave the model's folder.
+    """The file that a relative URI in `model` refers to. Raises InputError for a file outside the model's folder.
 
-    The check is made on the percent-decoded path with symbolic links followed, so no spelling of `..` gets past it.
+    The check uses the percent-decoded path with all symbolic links resolved, so `..` cannot be disguised.
     """
     folder = model.parent.resolve()
     for text in dict.fromkeys((unquote(uri), uri)):
         if not text or "\0" in text:
             raise InputError(model, place, f"not a file name: {uri[:80]!r}")
         if _SCHEME.match(text) or text.startswith(("/", "\\")):
-            raise InputError(model, place, f"{text[:80]!r} is not relative; only files by the model are read")
+            raise InputError(model, place, f"{text[:80]!r} is not relative; only files in the model's folder are read")
         if "\\" in text:
-            raise InputError(model, place, f"{text[:80]!r} has backslashes; a URI separates folders by /")
+            raise InputError(model, place, f"{text[:80]!r} contains backslashes; a URI separates folders by /")
         try:
             path = (folder / text).resolve()
         except (OSError, RuntimeError, ValueError) as error:
@@ -60,7 +64,7 @@ def path_inside(model: Path, uri: str, place: str) -> Path:
 def _exists(path: Path) -> bool:
     try:
         return path.exists()
-    except OSError:  # a name that is too long, a folder that cannot be searched
+    except OSError:  # for example a name that is too long, or a folder without permission
         return False
 
 

@@ -1,8 +1,8 @@
-"""The numbers of one frame: matrices relative to the eye, in units of the scene's radius.
+"""The matrices and positions of one frame, in eye-relative space.
 
-All positions a shader sees are world axes with the eye at the origin and the scene's bounding radius as the unit,
-worked out in float64 and only then rounded. A scene of a micron and one of a thousand kilometres, at the origin or a
-million units away, give the same float32 numbers and so the same picture.
+Eye-relative space has the axes of the world, the eye at the origin and the scene's bounding radius as its unit. All
+positions in shaders are in this space. They are computed in float64 and rounded last. So a scene of a micron and one of
+a thousand kilometres, at the origin or a million units away, give the same float32 numbers and the same picture.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class Frame:
 
     @property
     def unit(self) -> float:
-        """World units in one unit of the shaders."""
+        """The length of one eye-relative unit in world units."""
         return self.scene.radius
 
     @property
@@ -45,7 +45,7 @@ class Frame:
         return self._to_eye @ transform
 
     def scale(self, transform: np.ndarray) -> float:
-        """The mean scale of the mesh in eye-relative space: the cube root of what a volume is multiplied by."""
+        """The mean scale of `transform` in eye-relative space: the cube root of the factor by which volumes change."""
         return float(np.cbrt(abs(np.linalg.det(transform[:3, :3] / self.unit))))
 
     def position(self, point: ArrayLike) -> np.ndarray:
@@ -54,7 +54,7 @@ class Frame:
 
     @cached_property
     def view_projection(self) -> np.ndarray:
-        """Eye-relative space to clip space, (4, 4) float64; near and far fit what is in the scene."""
+        """Eye-relative space to clip space, (4, 4) float64. Near and far planes enclose the scene."""
         near, far = self.depth_range
         camera = self.camera
         if camera.height is not None:
@@ -65,7 +65,7 @@ class Frame:
 
     @cached_property
     def depth_range(self) -> tuple[float, float]:
-        """Near and far in eye-relative units, as tight about the instances as their boxes allow."""
+        """Near and far planes in eye-relative units, as close to the bounding boxes of the instances as possible."""
         depths = (self.scene.corners.reshape(-1, 3) - self.camera.eye) @ self.camera.forward / self.unit
         if not len(depths):
             return 0.01, 1.0
@@ -75,14 +75,15 @@ class Frame:
         if self.camera.height is not None:
             return low, high
         high = max(high, 1e-3)
-        # At 1e5:1 24 bits of depth tell surfaces apart at the far end that are 0.6 % of their distance from each other.
+        # At a ratio of 1e5, 24 bits of depth distinguish surfaces at the far plane that are 0.6 % of their distance
+        # apart.
         low = max(low, high * 1e-5)
-        # z / w at the far end differs from 1 by parts of low / high, and float32 must not round it beyond.
+        # Near the far plane z / w comes close to 1. The margin keeps float32 from rounding it above 1.
         return low, high * (1 + 2.0**-21 * high / low)
 
     @cached_property
     def visible(self) -> np.ndarray:
-        """For each instance whether its box may be in the picture, (N,) bool."""
+        """Whether the bounding box of each instance may be in the picture, (N,) bool (frustum culling)."""
         corners = (self.scene.corners - self.camera.eye) / self.unit
         clip = np.concatenate([corners, np.ones((*corners.shape[:2], 1))], axis=2) @ self.view_projection.T
         w = clip[..., 3:]
@@ -90,7 +91,8 @@ class Frame:
 
     @cached_property
     def ray(self) -> np.ndarray:
-        """(x, y, 1) in normalised device coordinates to a world direction, not normalised, (3, 3) float64."""
+        """The (3, 3) float64 matrix from (x, y, 1), normalised device coordinates, to the world direction of the ray
+        through that point, which is not normalised."""
         if self.camera.height is not None:
             basis = np.stack([np.zeros(3), np.zeros(3), self.camera.forward], axis=1)
         else:
@@ -101,5 +103,5 @@ class Frame:
 
     @property
     def pixel_angle(self) -> float:
-        """Of the middle pixel, in radians (0 for an orthographic camera)."""
+        """The angle that the central pixel subtends, in radians (0 for an orthographic camera)."""
         return 0.0 if self.camera.height is not None else 2 * np.tan(self.camera.fov_y / 2) / self.size[1]

@@ -1,4 +1,4 @@
-"""Meshes given the normals and tangents that they lack."""
+"""Adds missing normals and tangents to meshes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .weld import weld
 
 
 def picked(mesh: Mesh, source: np.ndarray) -> Mesh:
-    """The mesh with vertex k a copy of vertex source[k]; the indices are left as they are."""
+    """The mesh with each vertex k replaced by a copy of vertex source[k]. The indices are not changed."""
     def pick(array: np.ndarray | None) -> np.ndarray | None:
         return None if array is None else array[source]
     return replace(mesh, positions=mesh.positions[source], normals=pick(mesh.normals), tangents=pick(mesh.tangents),
@@ -23,33 +23,34 @@ def picked(mesh: Mesh, source: np.ndarray) -> Mesh:
 
 
 def with_flat_normals(mesh: Mesh) -> Mesh:
-    """Every triangle with corners and a normal of its own; tangents, which belonged to other normals, are dropped."""
+    """The mesh with flat normals and no shared vertices. Tangents are dropped, since they belong to other normals."""
     if mesh.indices is not None:
         mesh = replace(picked(mesh, mesh.indices), indices=None)
     return replace(mesh, normals=flat_normals(mesh.positions), tangents=None)
 
 
 def with_creased_normals(mesh: Mesh) -> Mesh:
-    """Smooth but for sharp edges, where vertices are split; see `creased_normals`."""
+    """The mesh with smooth normals except at sharp edges, where vertices are split; see `creased_normals`."""
     triangles = triangles_of(mesh)
     vertex = triangles.ravel()
     normals = creased_normals(mesh.positions, triangles).reshape(-1, 3)
     first = weld(vertex[:, None].astype(np.uint32).view(np.float32), normals)
-    kept, indices = np.unique(first, return_inverse=True)
-    return replace(picked(mesh, vertex[kept]), normals=normals[kept], indices=indices.astype(np.uint32), tangents=None)
+    unique, indices = np.unique(first, return_inverse=True)
+    return replace(picked(mesh, vertex[unique]), normals=normals[unique], indices=indices.astype(np.uint32),
+                   tangents=None)
 
 
-def with_mended_normals(mesh: Mesh, bad: np.ndarray) -> Mesh:
-    """Smooth normals in place of those that are `bad` (N,), of a mesh that has normals."""
+def with_repaired_normals(mesh: Mesh, bad: np.ndarray) -> Mesh:
+    """The mesh with smooth normals in place of those that `bad` (N,) bool marks. The mesh must have normals."""
     assert mesh.normals is not None
     computed = smooth_normals(mesh.positions, triangles_of(mesh))
     return replace(mesh, normals=np.where(bad[:, None], computed, mesh.normals))
 
 
 def with_tangents(mesh: Mesh, texture: Texture | None) -> Mesh:
-    """Tangents along the coordinates that `texture` is read at, or else along the first UV set.
+    """The mesh with tangents for the texture coordinates of `texture`, or for the first UV set if it is None.
 
-    Vertices are split where they must be. A mesh without the coordinates gets no tangents.
+    Vertices at mirrored seams of the texture are split. A mesh without these coordinates gets no tangents.
     """
     uv_set = texture.uv_set if texture is not None else 0
     if mesh.normals is None or uv_set >= len(mesh.uvs):

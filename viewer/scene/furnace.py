@@ -1,4 +1,4 @@
-"""A scene as a white furnace: white, and lit alike from everywhere, so that a surface that loses no light vanishes."""
+"""The white furnace test: a white scene under constant light, in which a surface that loses no light is invisible."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from .scene import Scene
 
 
 def in_furnace(scene: Scene) -> Scene:
-    """`scene` under radiance 1 from all around, without lights of its own; no surface absorbs light or emits any.
+    """`scene` under radiance 1 from all directions, without other lights; its surfaces neither absorb nor emit light.
 
-    Roughness, metalness, index of refraction, transmission and normals stay: they are what is tested.
+    Roughness, metalness, index of refraction, transmission and normals stay, since the test is about them.
     """
     return replace(
         scene,
@@ -26,7 +26,7 @@ def in_furnace(scene: Scene) -> Scene:
 
 
 def whitened(material: Material) -> Material:
-    """`material` with every colour 1: neither the surface nor the volume behind it absorbs light."""
+    """`material` with all colours 1, so that neither the surface nor the volume behind it absorbs light."""
     return replace(
         material, base_color=(1.0, 1.0, 1.0, material.base_color[3]), base_color_texture=None, emissive=(0.0, 0.0, 0.0),
         emissive_texture=None, occlusion_texture=None, specular_color=(1.0, 1.0, 1.0), specular_color_texture=None,

@@ -1,4 +1,4 @@
-"""Punctual lights in physical units, in world space (KHR_lights_punctual)."""
+"""Punctual lights in world space and physical units (KHR_lights_punctual)."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ RGB = tuple[float, float, float]
 class Light:
     """A light without size.
 
-    `intensity` is illuminance in lux for a directional light and luminous intensity in candela for point and spot.
-    As in glTF viewers, one unit of luminous flux is one unit of radiance here: a white Lambertian surface facing a
-    directional light of pi lux has radiance 1. `direction` is where the light travels to. `range` None is unlimited.
-    Cone angles are measured from the axis, in radians. `angular_radius`, of a directional light, is that of the sun it
-    stands in for, in radians: no highlight of it is brighter than that sun was; 0: any may be. `casts_shadow` is off
-    for one that stands in for a wide source.
+    `intensity` is the illuminance in lux for a directional light, and the luminous intensity in candela for point and
+    spot lights. As in other glTF viewers, photometric units are used as radiometric ones: a white Lambertian surface
+    that faces a directional light of pi lux has radiance 1. `direction` is the direction in which the light travels.
+    `range` None means unlimited. Cone angles are measured from the axis, in radians. `angular_radius` is for a
+    directional light that represents a sun: the sun's angular radius in radians, which limits the brightness of
+    highlights to that of the sun; 0 means no limit. `casts_shadow` is False for a light that represents a wide source.
     """
 
     kind: Literal["directional", "point", "spot"]

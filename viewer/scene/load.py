@@ -1,4 +1,4 @@
-"""From a file to a Scene, whatever its format."""
+"""Loads a model file of any supported format as a Scene."""
 
 from __future__ import annotations
 
@@ -14,20 +14,21 @@ from .gltf import load_gltf
 from .scene import Scene
 
 MAX_EXTENT = 1e18
-"""Its square must fit a float32, in which shaders compute distances."""
+"""The largest coordinate. Its square must fit in a float32, in which shaders compute distances."""
 
 _SIGNATURES = {b"glTF": "gltf", b"ply\n": "ply", b"ply\r": "ply", b"OFF": "off", b"solid ": "stl"}
 
 
 def load_scene(path: str | PathLike[str], scene_index: int | None = None) -> Scene:
-    """Read a model by what it is before what it is called; `scene_index` picks one of a glTF's scenes.
+    """Load a model file. `scene_index` selects one of the scenes of a glTF file, by default the file's default scene.
 
-    Raises InputError for files that are missing, empty, of no known format or broken. No environment is loaded.
+    The content determines the format; the file's extension is used only if the content does not. No environment is
+    loaded. Raises InputError for files that are missing, empty, broken or of an unknown format.
     """
     path = Path(path)
     data = read_file(path)
     kind = _format(path, data)
-    # Numbers that overflow are found by checks of their own, not by numpy's warnings on stderr.
+    # Explicit checks find numbers that overflow; numpy would also print warnings.
     with np.errstate(all="ignore"):
         if kind == "gltf":
             scene = load_gltf(path, data, scene_index)
@@ -36,12 +37,12 @@ def load_scene(path: str | PathLike[str], scene_index: int | None = None) -> Sce
 
             scene = load_mesh_file(path, data, kind)
         if not np.abs(scene.bounds).max() < MAX_EXTENT:
-            raise InputError(path, "", f"the model reaches beyond {MAX_EXTENT:g}; nothing that large can be drawn")
+            raise InputError(path, "", f"the model has coordinates beyond {MAX_EXTENT:g}, which cannot be drawn")
     return scene
 
 
 def _format(path: Path, data: bytes) -> str:
-    """"gltf", or trimesh's name of another format."""
+    """The file's format: "gltf", or trimesh's name of another one."""
     if not data:
         raise InputError(path, "", "the file is empty")
     for signature, kind in _SIGNATURES.items():
@@ -57,5 +58,5 @@ def _format(path: Path, data: bytes) -> str:
     known = mesh_formats()
     if suffix not in known:
         names = ", ".join(sorted({"gltf", "glb"} | known))
-        raise InputError(path, "", f"not a model in a format that is known here ({names})")
+        raise InputError(path, "", f"is not a model in a supported format ({names})")
     return suffix

@@ -1,7 +1,7 @@
-"""What surfaces are made of: one declaration of every parameter and texture map.
+"""Materials: the one declaration of every parameter and texture map.
 
-Colours are linear Rec. 709. Texture *files* stay encoded until somebody asks for their pixels, so that a texture no
-shader samples is never decoded.
+Colours are linear Rec. 709. Texture files stay encoded until their pixels are needed, so a texture that no shader
+samples is never decoded.
 """
 
 from __future__ import annotations
@@ -43,14 +43,14 @@ class UVTransform:
     def matrix(self) -> np.ndarray:
         """The (2, 3) float64 matrix M of uv' = M[:, :2] @ uv + M[:, 2]."""
         cosine, sine = math.cos(self.rotation), math.sin(self.rotation)
-        # As Khronos' TextureTransformTest wants it; the GLSL in the extension's text turns the other way.
+        # The sign follows Khronos' TextureTransformTest; the GLSL in the extension's text rotates the other way.
         rotation = np.array([[cosine, sine], [-sine, cosine]])
         return np.column_stack([rotation * self.scale, self.offset])
 
 
 @dataclass(frozen=True)
 class Texture:
-    """An image as a material uses it. `uv_set` picks one of the mesh's UV sets."""
+    """An image with its sampler and transform. `uv_set` is the number of the mesh's UV set that it is read with."""
 
     image: TextureImage
     sampler: Sampler = Sampler()
@@ -84,10 +84,10 @@ _ALL, _LIT = ("unlit", "phong", "pbr"), ("phong", "pbr")
 class Material:
     """A surface: glTF 2.0's metallic-roughness model and its extensions. The fields below declare everything.
 
-    Colours are linear Rec. 709. `emissive` already holds its strength (KHR_materials_emissive_strength). `ior` is at
-    least 1, or 0: KHR_materials_ior's word for f0 = 1 before the specular parameters are applied. `thickness` 0 means
-    a thin wall; else the surface bounds a volume. `shininess` is the exponent of a Phong material's file (MTL `Ns`),
-    None where the file gave roughness instead.
+    Colours are linear Rec. 709. `emissive` is already multiplied by its strength (KHR_materials_emissive_strength).
+    `ior` is at least 1, or 0, by which KHR_materials_ior means f0 = 1 before the specular parameters are applied. With
+    `thickness` 0 the surface is thin-walled; otherwise it bounds a volume. `shininess` is the exponent of a Phong
+    material (MTL `Ns`), or None if the file has a roughness instead.
     """
 
     name: str = ""
@@ -104,92 +104,94 @@ class Material:
         times="metallic_roughness.G")
     metallic_roughness_texture: Texture | None = texture_map(
         "metallicRoughnessTexture", "roughness in G, metallic in B", of=METALLIC_ROUGHNESS, channels="GB", models=_LIT,
-        counts=lambda m: m.metallic > 0 or (m.perceptual_roughness > 0 and m.has_interface))
+        has_effect=lambda m: m.metallic > 0 or (m.perceptual_roughness > 0 and m.has_interface))
     normal_texture: Texture | None = texture_map(
         "normalTexture", "shading normal in tangent space, +Y up", of=CORE, channels="RGB", models=_LIT,
-        neutral=(0.5, 0.5, 1.0, 1.0), counts=lambda m: m.normal_scale != 0, needs_tangents=True)
+        neutral=(0.5, 0.5, 1.0, 1.0), has_effect=lambda m: m.normal_scale != 0, needs_tangents=True)
     normal_scale: float = parameter(
         1.0, "normalTexture.scale", "scales the mapped normal's x and y", of=CORE, role="argument",
         switch="NORMAL_MAP")
     occlusion_texture: Texture | None = texture_map(
-        "occlusionTexture", "how much of the environment's light arrives", of=CORE, channels="R", models=_LIT,
-        paths=False, counts=lambda m: m.occlusion_strength > 0)
+        "occlusionTexture", "ambient occlusion: fraction of the environment's light that arrives", of=CORE,
+        channels="R", models=_LIT,
+        path_traced=False, has_effect=lambda m: m.occlusion_strength > 0)
     occlusion_strength: float = parameter(
-        1.0, "occlusionTexture.strength", "how far the occlusion map counts", of=CORE, low=0.0, high=1.0, paths=False,
-        role="argument", switch="OCCLUSION_MAP")
+        1.0, "occlusionTexture.strength", "strength of the occlusion map; 0: no occlusion", of=CORE, low=0.0, high=1.0,
+        path_traced=False, role="argument", switch="OCCLUSION_MAP")
     emissive: RGB = parameter(
-        (0.0, 0.0, 0.0), "emissiveFactor", "emitted radiance, its strength multiplied in", of=EMISSION, low=0.0,
+        (0.0, 0.0, 0.0), "emissiveFactor", "emitted radiance, multiplied by its strength", of=EMISSION, low=0.0,
         high=1.0, times="emissive.RGB", unit="W/(sr m^2)", unlit=True)
     emissive_texture: Texture | None = texture_map(
         "emissiveTexture", "emitted radiance", of=EMISSION, channels="RGB", srgb=True, models=_ALL,
-        counts=lambda m: any(m.emissive))
+        has_effect=lambda m: any(m.emissive))
     ior: float = parameter(1.5, "ior", "index of refraction of the dielectric", of=IOR, low=1.0, special=0.0)
     specular: float = parameter(
         1.0, "specularFactor", "weight of the dielectric's reflection", of=SPECULAR, low=0.0, high=1.0,
         times="specular.A")
     specular_texture: Texture | None = texture_map(
         "specularTexture", "weight of the dielectric's reflection", of=SPECULAR, channels="A",
-        counts=lambda m: m.is_dielectric and m.specular > 0)
+        has_effect=lambda m: m.is_dielectric and m.specular > 0)
     specular_color: RGB = parameter(
         (1.0, 1.0, 1.0), "specularColorFactor", "tints the dielectric's f0", of=SPECULAR_TINT, low=0.0,
         times="specular_color.RGB")
     specular_color_texture: Texture | None = texture_map(
         "specularColorTexture", "tints the dielectric's f0", of=SPECULAR_TINT, channels="RGB", srgb=True,
-        counts=lambda m: m.is_dielectric and m.specular > 0 and any(m.specular_color))
+        has_effect=lambda m: m.is_dielectric and m.specular > 0 and any(m.specular_color))
     transmission: float = parameter(
-        0.0, "transmissionFactor", "share of what enters the dielectric that is refracted on", of=TRANSMISSION,
-        low=0.0, high=1.0, times="transmission.R")
+        0.0, "transmissionFactor", "fraction of the light entering the dielectric that is transmitted",
+        of=TRANSMISSION, low=0.0, high=1.0, times="transmission.R")
     transmission_texture: Texture | None = texture_map(
-        "transmissionTexture", "share of what enters that is refracted on", of=TRANSMISSION, channels="R",
-        counts=lambda m: m.is_dielectric and m.transmits)
+        "transmissionTexture", "fraction of the light entering the dielectric that is transmitted", of=TRANSMISSION,
+        channels="R", has_effect=lambda m: m.is_dielectric and m.transmits)
     thickness: float = parameter(
-        0.0, "thicknessFactor", "thickness of the volume; 0: a thin wall", of=VOLUME, low=0.0, times="thickness.G",
-        unit="mesh units", paths=False)
+        0.0, "thicknessFactor", "thickness of the volume; 0: thin-walled", of=VOLUME, low=0.0, times="thickness.G",
+        unit="mesh units", path_traced=False)
     thickness_texture: Texture | None = texture_map(
-        "thicknessTexture", "thickness of the volume", of=VOLUME, channels="G", paths=False,
-        counts=lambda m: m.is_dielectric and m.transmits and m.thickness > 0)
+        "thicknessTexture", "thickness of the volume", of=VOLUME, channels="G", path_traced=False,
+        has_effect=lambda m: m.is_dielectric and m.transmits and m.thickness > 0)
     attenuation_distance: float = parameter(
-        math.inf, "attenuationDistance", "distance over which light keeps attenuation_color", of=VOLUME, low=1e-9,
-        unit="world units", role="python")
+        math.inf, "attenuationDistance", "distance at which the transmittance is attenuation_color", of=VOLUME,
+        low=1e-9, unit="world units", role="python")
     attenuation_color: RGB = parameter(
-        (1.0, 1.0, 1.0), "attenuationColor", "what is left after attenuation_distance", of=VOLUME, low=0.0, high=1.0,
+        (1.0, 1.0, 1.0), "attenuationColor", "transmittance over attenuation_distance", of=VOLUME, low=0.0, high=1.0,
         role="python")
     anisotropy_strength: float = parameter(
         0.0, "anisotropyStrength", "stretches highlights along the tangent", of=ANISOTROPY, low=0.0, high=1.0,
         times="anisotropy.B")
     anisotropy_rotation: float = parameter(
-        0.0, "anisotropyRotation", "turns the direction of stretching, counter-clockwise", of=ANISOTROPY,
+        0.0, "anisotropyRotation", "rotates the direction of stretching, counter-clockwise", of=ANISOTROPY,
         unit="radians")
     anisotropy_texture: Texture | None = texture_map(
-        "anisotropyTexture", "direction of stretching in RG, from [0, 1] to [-1, 1], and its strength in B",
-        of=ANISOTROPY, channels="RGB", neutral=(1.0, 0.5, 1.0, 1.0), needs_tangents=True, keeps="RG",
-        counts=lambda m: m.anisotropy_strength > 0 and m.has_interface)
+        "anisotropyTexture", "direction of stretching in RG, encoded from [-1, 1] to [0, 1], and its strength in B",
+        of=ANISOTROPY, channels="RGB", neutral=(1.0, 0.5, 1.0, 1.0), needs_tangents=True, raw_channels="RG",
+        has_effect=lambda m: m.anisotropy_strength > 0 and m.has_interface)
     alpha_mode: AlphaMode = "opaque"
     alpha_cutoff: float = parameter(
-        0.5, "alphaCutoff", "alpha below it is a hole, where alpha_mode is mask", of=CORE, low=0.0, role="argument",
-        switch="ALPHA_MODE == 1", unlit=True)
+        0.5, "alphaCutoff", "if alpha_mode is mask, alpha below the cutoff is a hole", of=CORE, low=0.0,
+        role="argument", switch="ALPHA_MODE == 1", unlit=True)
     double_sided: bool = False
     unlit: bool = False
     shininess: float | None = None
 
     @property
     def is_dielectric(self) -> bool:
-        """Whether any of it may be dielectric."""
+        """Whether any point of it may be dielectric."""
         return self.metallic < 1 or self.metallic_roughness_texture is not None
 
     @property
     def transmits(self) -> bool:
-        """Whether light passes. Metals let none through, and what has ior 0 reflects all."""
+        """Whether it transmits light. Metals transmit none, and a surface with ior 0 reflects everything."""
         return self.transmission > 0 and self.is_dielectric and self.ior >= 1
 
     @property
     def has_interface(self) -> bool:
-        """Whether anything is reflected or refracted at the surface; else it is Lambertian."""
+        """Whether light is reflected or refracted at a specular interface; otherwise the surface is Lambertian."""
         return self.specular > 0 or self.metallic > 0 or self.transmits
 
     @property
     def absorption(self) -> np.ndarray:
-        """Beer's sigma of the volume, (3,) float64 per world unit: -ln(color) / distance (KHR_materials_volume)."""
+        """The absorption coefficient sigma_a of the volume, (3,) float64 per world unit: -ln(color) / distance (Beer's
+        law, KHR_materials_volume)."""
         if not math.isfinite(self.attenuation_distance):
             return np.zeros(3)
         return -np.log(np.clip(self.attenuation_color, 1e-6, 1.0)) / self.attenuation_distance

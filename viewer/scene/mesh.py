@@ -1,4 +1,4 @@
-"""Geometry as the renderers take it: triangles, lines or points with flat arrays of attributes."""
+"""Meshes: triangles, lines or points, with arrays of vertex attributes."""
 
 from __future__ import annotations
 
@@ -13,11 +13,12 @@ Topology = Literal["triangles", "lines", "points"]
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """One draw's worth of geometry with one material. Readers turn strips, fans and loops into these three topologies.
+    """Geometry with one material, drawn by one call. Readers convert strips, fans and loops to one of three topologies.
 
-    positions (N, 3) float32, finite; normals (N, 3) float32 unit or None (points and lines need none);
-    tangents (N, 4) float32 with w = +-1, or None; uvs: up to two (N, 2) float32 arrays, v downwards as in glTF;
-    colors (N, 4) float32 linear or None; indices (M,) uint32, every one < N, or None for 0..N-1.
+    `positions` (N, 3) float32, finite. `normals` (N, 3) float32 of unit length, or None (for points and lines).
+    `tangents` (N, 4) float32 with w = +-1, or None. `uvs`: up to two (N, 2) float32 arrays, v downwards as in glTF.
+    `colors` (N, 4) float32, linear, or None. `indices` (M,) uint32, all less than N, or None for 0..N-1. `material` is
+    an index into the scene's materials.
     """
 
     name: str
@@ -32,7 +33,7 @@ class Mesh:
 
     @cached_property
     def bounds(self) -> np.ndarray:
-        """Lowest and highest corner, (2, 3) float64, of the vertices that are drawn."""
+        """The lowest and highest corner of the bounding box of all drawn vertices, (2, 3) float64."""
         used = self.positions
         if self.indices is not None:
             drawn = np.zeros(len(self.positions), bool)
@@ -42,7 +43,7 @@ class Mesh:
 
     @property
     def element_count(self) -> int:
-        """Vertices drawn (an index used twice counts twice)."""
+        """The number of vertices drawn; a vertex that two indices refer to counts twice."""
         return len(self.positions) if self.indices is None else len(self.indices)
 
     @property

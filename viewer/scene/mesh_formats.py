@@ -1,4 +1,4 @@
-"""OBJ, PLY, STL, OFF and whatever else trimesh reads, as a Scene."""
+"""Loads OBJ, PLY, STL, OFF and all other formats that trimesh reads as a Scene."""
 
 from __future__ import annotations
 
@@ -34,17 +34,17 @@ _LINEAR = srgb_to_linear(np.arange(256) / 255).astype(np.float32)
 
 
 def mesh_formats() -> set[str]:
-    """The file extensions, without dot, that trimesh reads here."""
+    """The file extensions, without dot, of the formats that are read through trimesh."""
     from trimesh.exchange.load import mesh_formats
 
     return set(mesh_formats()) - _OTHER_READERS - _ARCHIVES
 
 
 def load_mesh_file(path: Path, data: bytes, kind: str) -> Scene:
-    """Read a file's content as the format `kind`, one of `mesh_formats()`, in the units it is in.
+    """Read `data`, the content of `path`, as the format `kind`, one of `mesh_formats()`. Units are not converted.
 
-    Raises InputError where trimesh cannot make sense of it or it holds nothing to draw. Textures and material files
-    are read from the model's folder only; one that is missing is left out with a warning.
+    Textures and material files are read only from the model's folder; a missing one is left out with a warning. Raises
+    InputError if trimesh cannot read the file or it contains nothing to draw.
     """
     _check_counts(path, data, kind)
     with _as_input_error(path, kind):
@@ -52,12 +52,12 @@ def load_mesh_file(path: Path, data: bytes, kind: str) -> Scene:
 
         reader = _Reader(path, data, kind)
         loaded = trimesh.load_scene(io.BytesIO(reader.data), file_type=kind, process=False,
-                                    resolver=reader)  # type: ignore[arg-type]  # it has `get`, all that is called
+                                    resolver=reader)  # type: ignore[arg-type]  # trimesh calls only `get`
         return reader.scene(loaded)
 
 
 class _Reader:
-    """Turns what trimesh loaded into ours, and hands trimesh the files it asks for."""
+    """Converts what trimesh has loaded to a Scene, and gives trimesh the other files that it asks for."""
 
     def __init__(self, path: Path, data: bytes, kind: str) -> None:
         self.path, self.kind = path, kind
@@ -75,9 +75,9 @@ class _Reader:
         return _absolute_indices(data) if re.search(rb"^f[^\n-]*-", data, re.MULTILINE) else data
 
     def get(self, name: str) -> bytes:
-        """What trimesh calls to read another file."""
+        """The content of another file; trimesh calls this."""
         if self.kind == "obj":
-            # Materials were read by ourselves; trimesh need only know their names to keep them apart.
+            # MaterialLibrary has read the materials; trimesh needs only their names, to keep the faces apart.
             return "".join(f"newmtl {name}\nd 1\n" for name in self._library.materials).encode()
         try:
             self._assets[name] = read_file(path_inside(self.path, name.replace("\\", "/"), ""))
@@ -102,7 +102,7 @@ class _Reader:
             if name in numbers:
                 instances.append(Instance(numbers[name], np.array(transform, np.float64), Path(str(node)).name))
         if not instances:
-            raise InputError(self.path, "", "there is nothing in it to draw")
+            raise InputError(self.path, "", "the file contains nothing to draw")
         images = [{"name": image.name, "format": image.format, "width": image.width, "height": image.height,
                    "bits": image.bits} for image in self._library.images]
         facts = {"format": self.kind.upper(), "meshes": len(self.meshes), "materials": len(self.materials),
@@ -111,7 +111,7 @@ class _Reader:
                      warnings=tuple(self.warnings), facts=facts)
 
     def _mesh(self, name: str, geometry: Any) -> Mesh | None:
-        """Of a trimesh.Trimesh or PointCloud; None for one with nothing in it."""
+        """The mesh of a trimesh.Trimesh or PointCloud; None if it is empty."""
         positions = np.asarray(geometry.vertices, np.float64)
         if not np.isfinite(positions).all():
             raise InputError(self.path, name, "the positions must be finite numbers")
@@ -129,7 +129,7 @@ class _Reader:
         uv = getattr(visual, "uv", None)
         uvs: tuple[np.ndarray, ...] = ()
         if uv is not None and np.shape(uv) == (len(positions), 2):
-            # trimesh has v upwards, as these formats do; ours is glTF's.
+            # In trimesh and these formats v points upwards; in a Mesh it points downwards, as in glTF.
             uvs = ((np.nan_to_num(np.asarray(uv, np.float64)) * (1, -1) + (0, 1)).astype(np.float32),)
         colors = _vertex_colors(visual.vertex_colors, len(positions)) if visual.kind == "vertex" else None
         mesh = Mesh(name, positions.astype(np.float32), 0, "triangles", faces.ravel().astype(np.uint32), uvs=uvs,
@@ -137,7 +137,7 @@ class _Reader:
         if visual.kind == "face":
             mesh = replace(picked(mesh, faces.ravel()), indices=None,
                            colors=_vertex_colors(np.repeat(visual.face_colors, 3, axis=0), faces.size))
-        # trimesh makes normals up on demand; only those in its cache come from the file.
+        # trimesh computes missing normals on access; only normals that are already in its cache come from the file.
         given = geometry.vertex_normals if "vertex_normals" in geometry._cache else None
         mesh = self._with_normals(mesh, None if mesh.indices is None else given)
         mesh = replace(mesh, material=self._material(visual, mesh))
@@ -149,7 +149,7 @@ class _Reader:
             length = np.linalg.norm(given, axis=1, keepdims=True)
             if (length > 0).all() and np.isfinite(length).all():
                 return replace(mesh, normals=(given / length).astype(np.float32))
-        # The normals of an STL are its facets'.
+        # STL files are faceted.
         return with_flat_normals(mesh) if self.kind == "stl" else with_creased_normals(mesh)
 
     def _material(self, visual: object, mesh: Mesh) -> int:
@@ -162,7 +162,7 @@ class _Reader:
         return self._add(material, None)
 
     def _plain(self, visual: object, mesh: Mesh) -> Material:
-        """Without a material of its own, but perhaps with the one picture that the file named."""
+        """The material of a mesh without one. If the file refers to exactly one picture, that is its base colour."""
         if self.kind == "obj" or not mesh.uvs or len(self._assets) != 1:
             return PLAIN
         (name, data), = self._assets.items()
@@ -170,9 +170,10 @@ class _Reader:
         return replace(PLAIN, base_color=(1.0, 1.0, 1.0, 1.0), base_color_texture=Texture(image))
 
     def _add(self, material: Material, colors: np.ndarray | None) -> int:
-        """The material's number; a vertex colour is all the colour there is, and may be translucent."""
+        """Add a material and return its index. Vertex colours replace its base colour, and make it blend if any is
+        translucent."""
         if colors is not None:
-            # 254 of 255 is rounding, not glass.
+            # Alpha 254/255 comes from rounding and does not mean a translucent surface.
             mode: AlphaMode = "blend" if colors[:, 3].min() < 0.99 else "opaque"
             material = replace(material, base_color=(1.0, 1.0, 1.0, 1.0), alpha_mode=mode)
         if material not in self.materials:
@@ -181,7 +182,7 @@ class _Reader:
 
 
 def _vertex_colors(rgba: np.ndarray | None, count: int) -> np.ndarray | None:
-    """8-bit sRGB with linear alpha, (N, 3 or 4), to (N, 4) float32 linear; None where it does not fit."""
+    """8-bit sRGB with linear alpha, (N, 3 or 4), to (N, 4) float32 linear; None for arrays of another type or shape."""
     rgba = None if rgba is None else np.asarray(rgba)
     if rgba is None or rgba.shape not in ((count, 3), (count, 4)) or rgba.dtype != np.uint8:
         return None
@@ -193,9 +194,9 @@ def _vertex_colors(rgba: np.ndarray | None, count: int) -> np.ndarray | None:
 
 
 def _absolute_indices(data: bytes) -> bytes:
-    """An OBJ with indices that count back from the line they stand on turned to absolute ones.
+    """An OBJ file with its negative indices, which count back from the current line, replaced by absolute ones.
 
-    trimesh takes them to count back from the end of the file.
+    trimesh would count them back from the end of the file.
     """
     counts = {b"v": 0, b"vt": 0, b"vn": 0}
     order = (b"v", b"vt", b"vn")
@@ -218,7 +219,7 @@ def _absolute_indices(data: bytes) -> bytes:
 
 
 def _check_counts(path: Path, data: bytes, kind: str) -> None:
-    """Refuse a PLY that claims more elements than it has bytes, before anybody allocates them."""
+    """Reject a PLY file that declares more elements than it has bytes, before memory for them is allocated."""
     if kind != "ply":
         return
     end = data.find(b"end_header")
@@ -233,7 +234,7 @@ def _check_counts(path: Path, data: bytes, kind: str) -> None:
 
 @contextmanager
 def _as_input_error(path: Path, kind: str) -> Iterator[None]:
-    """Turn whatever trimesh raises into an InputError, and keep its notes off the terminal."""
+    """Turn any exception from trimesh into an InputError, and suppress its log and warnings."""
     log = logging.getLogger("trimesh")
     level = log.level
     log.setLevel(logging.CRITICAL + 1)
@@ -243,8 +244,8 @@ def _as_input_error(path: Path, kind: str) -> Iterator[None]:
             yield
     except InputError:
         raise
-    except Exception as error:  # its readers raise whatever a broken file makes them trip over
+    except Exception as error:  # for a broken file trimesh's readers raise exceptions of any type
         text = str(error) or type(error).__name__
-        raise InputError(path, "", f"not readable as {kind.upper()}: {text[:200]}") from error
+        raise InputError(path, "", f"cannot be read as {kind.upper()}: {text[:200]}") from error
     finally:
         log.setLevel(level)

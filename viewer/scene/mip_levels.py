@@ -1,4 +1,4 @@
-"""Mip levels on the processor: every texel the mean of what it covers, colours as light."""
+"""Computes mip levels on the CPU with a box filter. sRGB colours are averaged in linear light."""
 
 from __future__ import annotations
 
@@ -8,14 +8,15 @@ import numpy as np
 
 from .color import linear_to_srgb, srgb_to_linear
 
-_BAND = 64  # rows at once, so that what is in between stays in the processor's cache
-_FULL = 16383  # four of it are the most that 16 bits hold
+_BAND = 64  # rows per step, so that intermediate arrays stay in the processor's cache
+_FULL = 16383  # linear light 1 as an integer; the sum of four such values fits in 16 bits
 
 
 def mip_levels(pixels: np.ndarray, srgb: bool = False) -> list[np.ndarray]:
-    """`pixels`, (H, W, C), and all smaller levels down to 1x1, each half as wide and as high, rounded down.
+    """`pixels`, (H, W, C) uint8, uint16 or float, and all smaller levels down to 1x1.
 
-    uint8, uint16 or floats. With `srgb` the first three channels, of uint8, are sRGB and averaged in linear light.
+    Each level has half the width and height of the one before, rounded down. With `srgb` the pixels must be uint8, and
+    their first three channels are decoded from sRGB, averaged in linear light and encoded again.
     """
     levels = [pixels]
     while max(levels[-1].shape[:2]) > 1:
@@ -37,7 +38,7 @@ def _half(pixels: np.ndarray, srgb: bool) -> np.ndarray:
 
 
 def _half_of_even(pixels: np.ndarray, srgb: bool) -> np.ndarray:
-    """Of uint8, in integers: a sum of four pixels keeps two bits more than each had, and light fourteen."""
+    """The half level of uint8 pixels with even sides, in integers. Linear light has 14 bits; four pixels sum to 16."""
     height, width, components = pixels.shape
     decode, encode = _tables()
     half = np.empty((height // 2, width // 2, components), np.uint8)
@@ -48,7 +49,7 @@ def _half_of_even(pixels: np.ndarray, srgb: bool) -> np.ndarray:
             light[..., 3] = band[..., 3]
         pairs = np.add(light[0::2], light[1::2], dtype=np.uint16)
         sums = np.empty((len(pairs), width // 2, components), np.uint16)
-        for channel in range(components):  # numpy is several times slower where the last axis is short
+        for channel in range(components):  # numpy is several times slower if the last axis is short
             np.add(pairs[:, 0::2, channel], pairs[:, 1::2, channel], out=sums[..., channel])
         means = encode.take(sums, mode="clip") if srgb else _quarter(sums)
         if srgb and components == 4:
@@ -58,7 +59,10 @@ def _half_of_even(pixels: np.ndarray, srgb: bool) -> np.ndarray:
 
 
 def _quarter(sums: np.ndarray) -> np.ndarray:
-    """In place: a fourth, halves to even. Always upwards, a normal map's last levels would lean by more than 1."""
+    """A quarter of `sums`, in place, with halves rounded to even.
+
+    If halves were always rounded up, the last levels of a normal map would be off by more than one code value.
+    """
     odd = sums >> 2
     odd &= 1
     sums += odd
@@ -68,7 +72,8 @@ def _quarter(sums: np.ndarray) -> np.ndarray:
 
 
 def _means_of_columns(pixels: np.ndarray) -> np.ndarray:
-    """Half as many columns; where they are odd in number each new one covers two and a bit (Guthe & Heckbert 2005)."""
+    """Half as many columns, rounded down. If their number is odd, each new column is a weighted mean of three (Guthe &
+    Heckbert 2005)."""
     width = pixels.shape[1]
     half = width // 2
     if width == 1:
@@ -82,7 +87,7 @@ def _means_of_columns(pixels: np.ndarray) -> np.ndarray:
 
 @cache
 def _tables() -> tuple[np.ndarray, np.ndarray]:
-    """sRGB to light of 14 bits, and the sum of four such values to the sRGB of their mean."""
+    """Two tables: 8-bit sRGB to 14-bit linear light, and the sum of four such values to the sRGB of their mean."""
     decode = np.rint(srgb_to_linear(np.arange(256) / 255) * _FULL).astype(np.uint16)
     encode = np.rint(linear_to_srgb(np.arange(4 * _FULL + 1) / (4 * _FULL)) * 255).astype(np.uint8)
     return decode, encode

@@ -1,4 +1,4 @@
-"""Wavefront MTL: the Phong materials that belong to OBJ files."""
+"""Reads Wavefront MTL files, which hold the Phong materials of OBJ files."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from .material import RGB, Material, Sampler, Texture, Wrap
 from .texture_image import MESH_FORMATS, TextureImage, open_texture_image
 
 PLAIN = Material(base_color=(0.8, 0.8, 0.8, 1.0), metallic=0.0, perceptual_roughness=0.5, double_sided=True)
-"""For meshes without a material: light grey, both sides drawn, for nobody promises that they wind alike."""
+"""The material of meshes without one. It is light grey and double-sided, since triangles may be wound either way."""
 
 _OPTIONS = {"-blendu": 1, "-blendv": 1, "-boost": 1, "-mm": 2, "-texres": 1, "-clamp": 1, "-bm": 1, "-imfchan": 1,
             "-type": 1, "-cc": 1, "-o": 3, "-s": 3, "-t": 3}
-"""Of texture maps, with how many arguments each takes; the last three may have fewer."""
+"""The options of texture maps and how many arguments each takes; the last three may have fewer."""
 
 
 class MaterialLibrary:
-    """The materials of any number of MTL files. What cannot be used is left out, with a line in `warnings`."""
+    """The materials of any number of MTL files. Files and textures that cannot be used are left out, with a warning."""
 
     def __init__(self, model: Path, warnings: list[str]) -> None:
         self.materials: dict[str, Material] = {}
@@ -43,17 +43,21 @@ class MaterialLibrary:
         return path_inside(self._model, name.replace("\\", "/"), "")
 
     def _material(self, block: dict[str, str]) -> Material:
-        """Colours are taken as sRGB, as the renderers of MTL's time showed them; Ks scales the 4 % of a dielectric."""
+        """The material of one `newmtl` block.
+
+        Colours are decoded from sRGB, since the renderers of MTL's time displayed them without conversion. Ks becomes
+        specular_color, which scales the reflectance f0 = 4 % of a dielectric.
+        """
         shininess = _number(block.get("ns"))
         roughness = PLAIN.perceptual_roughness
         if shininess is not None:
             shininess = min(max(shininess, 0.0), 1e6)
-            # alpha = sqrt(2 / (Ns + 2)) (Walter et al. 2007, section 5.2), and alpha is the perceptual one's square.
+            # alpha = sqrt(2 / (Ns + 2)) (Walter et al. 2007, section 5.2), and alpha = perceptual roughness^2.
             roughness = (2 / (shininess + 2)) ** 0.25
         opacity = _number(block.get("d"))
         if opacity is None:
             opacity = 1 - (_number(block.get("tr")) or 0.0)
-        # Writers disagree on what Tr is, and nobody means a surface that cannot be seen.
+        # Exporters disagree on the meaning of Tr. Opacity 0 is read as 1, since nobody exports invisible surfaces.
         opacity = min(max(opacity, 0.0), 1.0) or 1.0
         color_map, _ = self._texture(block, "map_kd")
         emissive_map, _ = self._texture(block, "map_ke")
@@ -68,11 +72,12 @@ class MaterialLibrary:
                         alpha_mode="blend" if opacity < 1 else "opaque", double_sided=True, shininess=shininess)
 
     def _normal_map(self, block: dict[str, str]) -> tuple[Texture | None, float]:
-        """`norm` is a normal map; `map_Bump` is one in practice, unless it is grey: then it is a height map."""
+        """The normal map and its scale. `norm` is a normal map; `map_Bump` is one in practice, unless it is grey, which
+        means a height map."""
         key = next((key for key in ("norm", "map_bump", "bump") if key in block), "norm")
         texture, scale = self._texture(block, key)
         if texture is not None and texture.image.grey:
-            self._warnings.append(f"{texture.image.name}: a height map; only normal maps are supported; it is left out")
+            self._warnings.append(f"{texture.image.name}: is a height map, which is not supported; it is left out")
             return None, 1.0
         return texture, scale
 
@@ -98,7 +103,7 @@ class MaterialLibrary:
 
 
 def _blocks(text: str) -> list[dict[str, str]]:
-    """One dictionary per material: the statements, in lower case, and the rest of their lines."""
+    """One dictionary per material, from each statement's keyword in lower case to the rest of its line."""
     blocks: list[dict[str, str]] = []
     for line in text.splitlines():
         words = line.split(None, 1)
@@ -134,7 +139,7 @@ def _number(text: str | None) -> float | None:
 
 
 def _color(text: str | None, default: RGB) -> RGB:
-    """Three sRGB values, or one for all, as linear ones; `default` for anything else, such as a spectral curve."""
+    """The linear colour of three sRGB values, or of one grey value; `default` for anything else, such as a spectrum."""
     words = (text or "").split()[:3]
     values = [value for value in map(_number, words) if value is not None]
     if len(values) != len(words) or len(values) not in (1, 3):

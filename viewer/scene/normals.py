@@ -1,4 +1,4 @@
-"""Normals made from the geometry where a file has none, or none that can be used."""
+"""Computes normals from the geometry, for files without usable normals."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ from .weld import weld
 CREASE = np.pi / 4
 MAX_VALENCE = 64
 
+
 def flat_normals(positions: np.ndarray) -> np.ndarray:
-    """One normal per triangle: (3 T, 3) unindexed positions to (3 T, 3) float32; +Z where a triangle has no area."""
+    """One normal per triangle: from (3 T, 3) unindexed positions, (3 T, 3) float32; +Z for a triangle without area."""
     return np.repeat(_unit(_face_normals(positions.reshape(-1, 3, 3))), 3, axis=0)
 
 
 def smooth_normals(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """The normal of each vertex as the mean over its triangles, weighted by the angle there (Thurmer & Wuthrich 1998).
+    """The normal of each vertex: the mean over its triangles, weighted by their angle at it (Thurmer & Wuthrich 1998).
 
-    (N, 3) positions and (T, 3) vertex numbers to (N, 3) float32; +Z for a vertex without a triangle that has area.
+    From (N, 3) positions and (T, 3) vertex indices, (N, 3) float32; +Z for a vertex whose triangles all have no area.
     """
     corners = positions[triangles]
     weighted = corner_angles(corners)[..., None] * _unit(_face_normals(corners))[:, None, :]
@@ -25,10 +26,12 @@ def smooth_normals(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 
 def creased_normals(positions: np.ndarray, triangles: np.ndarray, crease: float = CREASE) -> np.ndarray:
-    """The normal of each corner as the mean over the triangles there that lie within `crease` radians of its own.
+    """The normal of each triangle corner: the mean over the triangles at that position whose normals differ from its
+    own triangle's by less than `crease` radians.
 
-    (N, 3) positions, (T, 3) vertex numbers to (T, 3, 3) float32. Corners meet where positions agree, whatever their
-    numbers, so that a seam in the texture leaves no mark. Where more than MAX_VALENCE triangles meet, all count.
+    From (N, 3) positions and (T, 3) vertex indices, (T, 3, 3) float32. Corners with equal positions count as one vertex
+    even if their indices differ, so a seam in the texture coordinates is not visible. Where more than MAX_VALENCE
+    triangles meet, all of them are averaged.
     """
     corners = positions[triangles]
     face = _unit(_face_normals(corners)).astype(np.float64)
@@ -37,7 +40,8 @@ def creased_normals(positions: np.ndarray, triangles: np.ndarray, crease: float 
     vertex = weld(positions)[triangles].ravel()
     normals = _normalised(sum_by(vertex, weighted, len(positions)))[vertex]
 
-    # Triangles that all lie within half the crease of their mean lie within the crease of each other: nothing to do.
+    # If all triangles at a vertex are within half the crease angle of their mean, every two of them are within the
+    # crease angle, and the mean is their normal already.
     creased = np.zeros(len(positions), bool)
     creased[vertex[np.einsum("ij,ij->i", normals, own) < np.cos(crease / 2)]] = True
     size = np.bincount(vertex, minlength=len(positions))
@@ -55,7 +59,7 @@ def creased_normals(positions: np.ndarray, triangles: np.ndarray, crease: float 
 
 
 def corner_angles(corners: np.ndarray) -> np.ndarray:
-    """Interior angles of triangles in radians: (T, 3, 3) corners to (T, 3); 0 where an edge has no length."""
+    """The interior angles of triangles in radians: from (T, 3, 3) corners, (T, 3); 0 if an edge has no length."""
     to_next = _normalised(np.roll(corners, -1, axis=1) - corners)
     to_previous = -np.roll(to_next, 1, axis=1)
     return np.arccos(np.clip(np.einsum("tki,tki->tk", to_next, to_previous), -1, 1)) * to_next.any(axis=2)
@@ -67,19 +71,19 @@ def sum_by(group: np.ndarray, vectors: np.ndarray, count: int) -> np.ndarray:
 
 
 def _face_normals(corners: np.ndarray) -> np.ndarray:
-    """(T, 3, 3) corners to (T, 3) float64 normals as long as twice the area."""
+    """From (T, 3, 3) corners, (T, 3) float64 normals whose length is twice the triangle's area."""
     corners = corners.astype(np.float64)
     return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
 def _normalised(vectors: np.ndarray) -> np.ndarray:
-    """Unit vectors, or zero where they have no length."""
+    """Unit vectors; vectors without length stay zero."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return vectors / np.where(length > 0, length, 1)
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:
-    """Unit vectors as float32, +Z where they have no length."""
+    """Unit vectors as float32; vectors without length become +Z."""
     out = _normalised(vectors).astype(np.float32)
     out[~vectors.any(axis=-1)] = (0, 0, 1)
     return out

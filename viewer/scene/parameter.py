@@ -1,7 +1,7 @@
-"""How a material declares its parameters and texture maps: one annotated field each, from which all else follows.
+"""The declaration of a material's parameters and texture maps: one annotated dataclass field for each.
 
-`viewer/material/` reads the declarations: the glTF reader, the folding of constant maps, the shaders' inputs, their
-uniforms and records, and the table of docs/materials.md are made from them.
+Everything else is derived from these declarations: the glTF reader, the folding of constant maps, the inputs of the
+shaders, their uniforms and records, and the tables of docs/materials.md.
 """
 
 from __future__ import annotations
@@ -17,13 +17,14 @@ Role = Literal["input", "argument", "python"]
 
 @dataclass(frozen=True)
 class Feature:
-    """A part of the material model that a material may lack.
+    """A part of the material model that a material may or may not use.
 
-    `extension` is the glTF extension that has its parameters, "" for glTF 2.0 itself; `place` the JSON object in which
-    they stand, "" for the material or the extension itself. Shaders have the code of a feature where the switch
-    `switch` is on, always where it is "". `is_on` says whether a material has it; where it has not, its parameters have
-    their defaults. `models` are the fragment files of the raster that know it. `is_shareable` says that its code, with
-    its parameters at their defaults, is cheap and changes nothing, so that materials may share a program that has it.
+    `extension` is the glTF extension that defines its parameters, "" for glTF 2.0 itself. `place` is the JSON object
+    that contains them, "" for the material or the extension itself. Shaders compile the feature's code if the switch
+    `switch` is on, or always if it is "". `is_on` tests whether a material uses the feature; if not, its parameters
+    have their defaults. `models` are the shading models (the raster's fragment files) that implement it. If
+    `is_shareable`, its code is cheap and changes nothing when its parameters have their defaults, so a program that
+    has it may be shared by materials that do not use it. `needs_tangents`: a mesh must have tangents for it.
     """
 
     title: str
@@ -38,14 +39,14 @@ class Feature:
 
 @dataclass(frozen=True)
 class ParameterInfo:
-    """What is declared of a parameter.
+    """The declaration of a parameter.
 
-    `key` is its name in glTF, "a.b" for b of the object a. A number outside `low` and `high` is clamped, but for
-    `special`. `times` names the map and the channels ("metallic_roughness.G") that it is multiplied by. `paths` says
-    whether path tracing reads it, too. Its `role` is "input" where shaders have it as a member of `MaterialInputs`,
-    "argument" where hand-written GLSL asks for it by name, and "python" where no shader reads it. `switch` is the
-    condition under which the raster's shaders have it, by default that of the feature; `unlit` says whether surfaces
-    without light have it.
+    `key` is its name in glTF; "a.b" means b in the object a. A number outside `low`..`high` is clamped, except
+    `special`. `times` names the map and its channels ("metallic_roughness.G") that multiply the parameter.
+    `path_traced` tells whether the path tracer reads it, too. `role` is "input" if it is a member of the shaders'
+    `MaterialInputs`, "argument" if hand-written GLSL uses its uniform by name, and "python" if no shader reads it.
+    `switch` is the preprocessor condition under which the raster's shaders declare it, by default the switch of its
+    feature. `unlit` tells whether unlit surfaces use it.
     """
 
     feature: Feature
@@ -56,7 +57,7 @@ class ParameterInfo:
     times: str
     unit: str
     meaning: str
-    paths: bool
+    path_traced: bool
     role: Role
     switch: str
     unlit: bool
@@ -64,13 +65,14 @@ class ParameterInfo:
 
 @dataclass(frozen=True)
 class MapInfo:
-    """What is declared of a texture map.
+    """The declaration of a texture map.
 
-    `channels` are those that are read. With `srgb` the colours are sRGB-encoded. `neutral`, RGBA in [0, 1], is the
-    texel that changes nothing. `counts` says whether, by the material's factors, the map can change a pixel of a lit
-    surface. `models` are the fragment files of the raster that read it; "unlit" also means: of surfaces without light.
-    With `needs_tangents` it is read in tangent space. `keeps` are channels that multiply no parameter: hand-written
-    GLSL finds them in `MaterialInputs` as they are stored, in `<map>_texel`.
+    `channels` are the channels that are read. With `srgb` its colours are encoded as sRGB. `neutral`, RGBA in [0, 1],
+    is the texel that changes nothing. `has_effect` tests whether the map can change a pixel of a lit surface, given the
+    material's factors: a map that is multiplied by 0 cannot. `models` are the shading models (the raster's fragment
+    files) that read it. `path_traced` tells whether the path tracer reads it, too. With `needs_tangents` it is read in
+    tangent space. `raw_channels` are the channels that multiply no parameter: hand-written GLSL reads them, as stored,
+    from the member `<map>_texel` of `MaterialInputs`.
     """
 
     feature: Feature
@@ -78,26 +80,31 @@ class MapInfo:
     channels: str
     srgb: bool
     neutral: tuple[float, float, float, float]
-    counts: Callable[[Any], bool]
+    has_effect: Callable[[Any], bool]
     models: tuple[str, ...]
-    paths: bool
+    path_traced: bool
     needs_tangents: bool
-    keeps: str
+    raw_channels: str
     meaning: str
 
 
 def parameter(default: Any, key: str, meaning: str, *, of: Feature, low: float = -math.inf, high: float = math.inf,
-              special: float | None = None, times: str = "", unit: str = "", paths: bool = True,
+              special: float | None = None, times: str = "", unit: str = "", path_traced: bool = True,
               role: Role = "input", switch: str = "", unlit: bool = False) -> Any:
-    """A dataclass field that holds a parameter; see ParameterInfo."""
-    info = ParameterInfo(of, key, low, high, special, times, unit, meaning, paths, role, switch or of.switch, unlit)
+    """A dataclass field that holds a parameter of the feature `of`; see ParameterInfo."""
+    info = ParameterInfo(of, key, low, high, special, times, unit, meaning, path_traced, role, switch or of.switch,
+                         unlit)
     return field(default=default, metadata={"parameter": info})
 
 
 def texture_map(key: str, meaning: str, *, of: Feature, channels: str, srgb: bool = False,
                 neutral: tuple[float, float, float, float] = WHITE,
-                counts: Callable[[Any], bool] = lambda material: True, models: tuple[str, ...] = ("pbr",),
-                paths: bool = True, needs_tangents: bool = False, keeps: str = "") -> Any:
-    """A dataclass field, called `<map>_texture`, that holds a texture map or None; see MapInfo."""
-    info = MapInfo(of, key, channels, srgb, neutral, counts, models, paths, needs_tangents, keeps, meaning)
+                has_effect: Callable[[Any], bool] = lambda material: True, models: tuple[str, ...] = ("pbr",),
+                path_traced: bool = True, needs_tangents: bool = False, raw_channels: str = "") -> Any:
+    """A dataclass field that holds a texture map of the feature `of`, or None; see MapInfo.
+
+    The field must be called `<map>_texture`.
+    """
+    info = MapInfo(of, key, channels, srgb, neutral, has_effect, models, path_traced, needs_tangents, raw_channels,
+                   meaning)
     return field(default=None, metadata={"map": info})

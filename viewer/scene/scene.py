@@ -1,4 +1,4 @@
-"""A scene: everything there is to show, as plain data. Nothing here knows OpenGL."""
+"""A scene: meshes, materials, instances, lights, cameras and an environment, as plain data without OpenGL."""
 
 from __future__ import annotations
 
@@ -26,7 +26,10 @@ class Instance:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Meshes share materials by index; instances share meshes by index. `warnings` are lines for the user."""
+    """Everything that is shown. Meshes refer to materials by index, and instances to meshes.
+
+    `warnings` are lines for the user about what of the file is not supported.
+    """
 
     name: str
     meshes: tuple[Mesh, ...] = ()
@@ -37,18 +40,19 @@ class Scene:
     environment: Environment | None = None
     warnings: tuple[str, ...] = ()
     facts: dict[str, object] = field(default_factory=dict)
-    """What the file says of itself, for `info`: format, generator, extensions used."""
+    """Metadata of the file, for `pbr-viewer info`: format, generator, extensions used."""
 
     @cached_property
     def bounds(self) -> np.ndarray:
-        """Lowest and highest corner of all instances, (2, 3) float64; a unit cube about the origin when empty."""
+        """The lowest and highest corner of all instances' boxes, (2, 3) float64; a unit cube about the origin if there
+        are none."""
         if not self.instances:
             return np.array([[-0.5] * 3, [0.5] * 3])
         return np.stack([self.corners.min(axis=(0, 1)), self.corners.max(axis=(0, 1))])
 
     @cached_property
     def corners(self) -> np.ndarray:
-        """The corners of each instance's box in the world, (instances, 8, 3) float64."""
+        """The corners of each instance's bounding box in world space, (instances, 8, 3) float64."""
         if not self.instances:
             return np.zeros((0, 8, 3))
         boxes = np.stack([_box_corners(self.meshes[i.mesh].bounds) for i in self.instances])
@@ -61,12 +65,12 @@ class Scene:
 
     @cached_property
     def radius(self) -> float:
-        """Of the bounding sphere about `center`, from the vertices; never 0, so that it can be divided by."""
+        """The radius of the sphere about `center` that encloses all vertices. It is never 0, so it can be a divisor."""
         center, radius = self.center, 0.0
-        reach = np.linalg.norm(self.corners - center, axis=2).max(axis=1, initial=0.0)
-        for k in np.argsort(-reach):
-            if reach[k] <= radius:
-                break  # no vertex of this box, or of those after it, is farther out than what was found
+        distance = np.linalg.norm(self.corners - center, axis=2).max(axis=1, initial=0.0)
+        for k in np.argsort(-distance):
+            if distance[k] <= radius:
+                break  # no vertex in this box or in the remaining ones is farther away than `radius`
             instance = self.instances[k]
             mesh = self.meshes[instance.mesh]
             used = np.full(len(mesh.positions), mesh.indices is None)
@@ -79,7 +83,7 @@ class Scene:
         return radius or max(1e-6, float(np.abs(center).max()) * 1e-6)
 
     def relit(self, **changes: Any) -> Scene:
-        """A copy with other `environment` or `lights`; what was worked out from the geometry is not lost."""
+        """A copy with another `environment` or other `lights`. It keeps the cached bounds of the geometry."""
         copy = replace(self, **changes)
         for name in ("bounds", "corners", "center", "radius"):
             if name in self.__dict__:
@@ -87,9 +91,9 @@ class Scene:
         return copy
 
     def digest_parts(self) -> dict[str, object]:
-        """What pictures of the scene depend on, for `base.digest`."""
-        told = ("name", "warnings", "facts")
-        return {item.name: getattr(self, item.name) for item in fields(self) if item.name not in told}
+        """The fields that pictures of the scene depend on, for `base.digest`."""
+        texts = ("name", "warnings", "facts")
+        return {item.name: getattr(self, item.name) for item in fields(self) if item.name not in texts}
 
     @property
     def triangle_count(self) -> int:
@@ -97,6 +101,6 @@ class Scene:
 
 
 def _box_corners(bounds: np.ndarray) -> np.ndarray:
-    """The eight corners, (8, 3), of a box given by (2, 3) bounds."""
+    """The eight corners, (8, 3), of the box with `bounds` (2, 3)."""
     pick = np.array([[(k >> axis) & 1 for axis in range(3)] for k in range(8)])
     return bounds[pick, [0, 1, 2]]

@@ -13,7 +13,7 @@ Value = float | tuple[float, ...]
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter: a number, or a tuple of 3 or 4."""
+    """A parameter: a number, or a tuple of 3 or 4 numbers."""
 
     name: str
     default: Value
@@ -21,17 +21,17 @@ class Parameter:
 
     @property
     def size(self) -> int:
-        """How many numbers it has."""
+        """How many numbers it has: 1, 3 or 4."""
         return len(self.default) if isinstance(self.default, tuple) else 1
 
     @property
     def map_and_channels(self) -> tuple[str, str]:
-        """The map that multiplies it and the channels that do, or two empty strings."""
+        """The map that multiplies it and that map's channels, or two empty strings."""
         name, _, channels = self.info.times.partition(".")
         return name, channels
 
     def value(self, material: Material) -> Value:
-        """What shaders are given: the material's, or the default where the material lacks the feature."""
+        """The value for shaders: the material's, or the default if the material does not use the feature."""
         return getattr(material, self.name) if self.info.feature.is_on(material) else self.default
 
 
@@ -55,9 +55,10 @@ MAPS: dict[str, Map] = {name: Map(name, f.metadata["map"])
 FEATURES: tuple[Feature, ...] = tuple(dict.fromkeys(
     [p.info.feature for p in PARAMETERS.values()] + [m.info.feature for m in MAPS.values()]))
 SWITCHED = tuple(feature for feature in FEATURES if feature.switch)
-"""The features that shaders may lack."""
+"""The features whose code a switch compiles into shaders."""
 MAP_SWITCHES = ("MAP", "UV", "TRANSFORM", "MIRROR")
-"""Of a map NORMAL the switches NORMAL_MAP, NORMAL_UV and so on: shaders/raster/attributes.glsl."""
+"""The endings of a map's switches; the map "normal" has NORMAL_MAP, NORMAL_UV and so on. Their meaning is in
+shaders/raster/attributes.glsl."""
 
 
 def multiplied_by(name: str) -> tuple[Parameter, ...]:
@@ -66,13 +67,13 @@ def multiplied_by(name: str) -> tuple[Parameter, ...]:
 
 
 def no_switches() -> dict[str, int]:
-    """The switches of a program that reads no map and has no feature."""
+    """The switches of a program that reads no map and has no feature: all 0."""
     off = {feature.switch: 0 for feature in SWITCHED}
-    return off | {f"{name.upper()}_{word}": 0 for name in MAPS for word in MAP_SWITCHES}
+    return off | {f"{name.upper()}_{ending}": 0 for name in MAPS for ending in MAP_SWITCHES}
 
 
 def tangent_texture(material: Material) -> Texture | None:
-    """The texture along whose coordinates tangents are made; None: along the first UV set."""
+    """The texture whose coordinates define the tangents; None means the first UV set."""
     textures = (m.texture(material) for m in MAPS.values() if m.info.needs_tangents)
     return next((texture for texture in textures if texture is not None), None)
 
@@ -82,4 +83,5 @@ def needs_tangents(material: Material) -> bool:
     if material.unlit:
         return False
     maps = (m for m in MAPS.values() if m.info.needs_tangents and m.texture(material) is not None)
-    return any(m.info.counts(material) for m in maps) or any(f.needs_tangents and f.is_on(material) for f in SWITCHED)
+    return (any(m.info.has_effect(material) for m in maps)
+            or any(f.needs_tangents and f.is_on(material) for f in SWITCHED))

@@ -1,9 +1,10 @@
-"""Tangents for normal maps, in the manner of MikkTSpace (Mikkelsen 2008), vectorised.
+"""Computes tangents for normal maps by the rules of MikkTSpace (Mikkelsen 2008), vectorised.
 
-As there: a face's tangent follows the texture's u; at a vertex it is projected onto the normal's plane and averaged
-over the faces around, weighted by the angle, but never between mirrored and unmirrored faces, nor between vertices
-that differ in position, normal or texture coordinates. Faces without texture area take their neighbours' tangent.
-Unlike there, faces that meet in a vertex alone, sharing no edge, are averaged as well.
+As in MikkTSpace, a face's tangent points along the texture's u axis. At a vertex the tangents of the adjacent faces are
+projected onto the plane perpendicular to the normal and averaged, weighted by the faces' angles. Mirrored and
+unmirrored faces are never averaged, and neither are vertices that differ in position, normal or texture coordinates.
+Faces without area in texture space take their neighbours' tangent. Unlike in MikkTSpace, faces that share only a vertex
+and no edge are averaged as well.
 """
 
 from __future__ import annotations
@@ -16,12 +17,12 @@ from .weld import weld
 
 def make_tangents(positions: np.ndarray, normals: np.ndarray, uvs: np.ndarray,
                   triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Tangents for an indexed mesh; vertices are split where mirrored and unmirrored faces share them.
+    """Tangents for an indexed mesh. A vertex that mirrored and unmirrored faces share is split.
 
-    positions, normals (N, 3) and uvs (N, 2) float32, v downwards; triangles (T, 3) integers. Returns
-    (source, tangents, triangles): vertex k of the new mesh is a copy of old vertex source[k], (N',) with
-    source[:N] == arange(N); tangents (N', 4) float32; triangles (T, 3) uint32. The bitangent is w * cross(normal,
-    tangent) and points up in the picture.
+    `positions`, `normals` (N, 3) and `uvs` (N, 2) are float32, with v downwards; `triangles` (T, 3) are integers.
+    Returns (source, tangents, triangles). Vertex k of the new mesh is a copy of the old vertex source[k]; source is
+    (N',) with source[:N] == arange(N). tangents is (N', 4) float32, triangles (T, 3) uint32. The bitangent is
+    w * cross(normal, tangent) and points up in the texture image.
     """
     count = len(positions)
     face_tangent, mirrored, usable = _face_tangents(positions, uvs, triangles)
@@ -38,11 +39,11 @@ def make_tangents(positions: np.ndarray, normals: np.ndarray, uvs: np.ndarray,
     group = 2 * welded[vertex] + side
     total = sum_by(group[usable], (tangent * weight[:, None])[usable], 2 * count)
 
-    # Corners of unusable faces join whichever side their vertex has.
+    # Corners of faces without a tangent take the side (mirrored or not) that their vertex has.
     has = np.zeros((count, 2), bool)
     has[vertex[usable], side[usable]] = True
     side = np.where(usable, side, ~has[vertex, 0] & has[vertex, 1])
-    # A vertex of both sides keeps the unmirrored one; its mirrored corners move to a copy behind the last vertex.
+    # A vertex with both sides stays unmirrored; its mirrored corners get a copy of it after the last vertex.
     split = np.flatnonzero(has.all(axis=1))
     copy_of = np.arange(count)
     copy_of[split] = count + np.arange(len(split))
@@ -55,7 +56,7 @@ def make_tangents(positions: np.ndarray, normals: np.ndarray, uvs: np.ndarray,
 
 
 def any_tangents(normals: np.ndarray) -> np.ndarray:
-    """A unit vector perpendicular to each (N, 3) unit normal, continuous but for a seam (Duff et al. 2017)."""
+    """A unit vector perpendicular to each (N, 3) unit normal, continuous except at z = 0 (Duff et al. 2017)."""
     x, y, z = normals.T
     sign = np.where(z >= 0, 1.0, -1.0)
     a = -1.0 / (sign + z)
@@ -64,7 +65,8 @@ def any_tangents(normals: np.ndarray) -> np.ndarray:
 
 def _face_tangents(positions: np.ndarray, uvs: np.ndarray,
                    triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Per triangle: the direction of growing u (T, 3), whether the texture is mirrored, whether it has an area."""
+    """For each triangle: the direction of growing u (T, 3), whether the texture is mirrored (T,), and whether the
+    tangent is defined (T,)."""
     p, uv = positions[triangles].astype(np.float64), uvs[triangles].astype(np.float64)
     edge1, edge2 = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
     (u1, v1), (u2, v2) = (uv[:, 1] - uv[:, 0]).T, (uv[:, 2] - uv[:, 0]).T
@@ -79,7 +81,7 @@ def _face_tangents(positions: np.ndarray, uvs: np.ndarray,
 
 
 def _finish(total: np.ndarray, normals: np.ndarray, mirrored: np.ndarray) -> np.ndarray:
-    """Unit tangents with their handedness, (N, 4) float32, from sums; any perpendicular one where a sum is nothing."""
+    """Unit tangents with their handedness, (N, 4) float32, from sums. If a sum is zero, any perpendicular vector."""
     length = np.linalg.norm(total, axis=1)
     good = length > 1e-6
     out = np.empty((len(total), 4), np.float32)

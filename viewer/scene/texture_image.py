@@ -1,4 +1,4 @@
-"""An image file a texture refers to, decoded only when its pixels are asked for."""
+"""An image file of a texture, which is decoded only when its pixels are needed."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ MAX_SIDE = 1 << 14
 MAX_PIXELS = 1 << 27
 GLTF_FORMATS = ("PNG", "JPEG", "WEBP")
 MESH_FORMATS = (*GLTF_FORMATS, "BMP", "GIF", "TGA", "TIFF")
-"""What materials of the older mesh formats may name as well."""
+"""The image formats that materials of other mesh formats than glTF may use."""
 
 Buffer = bytes | memoryview
-_ROWS = 256  # copied at once
+_ROWS = 256  # copied per step
 
 
 @dataclass(frozen=True, eq=False)
 class TextureImage:
-    """Encoded bytes whose header was checked by `open_texture_image`; `name` says where they came from.
+    """An encoded image whose header `open_texture_image` has checked; `name` is its file or place, for messages.
 
-    `bits` is the depth of a channel, 8 or 16; `format` is Pillow's name ("PNG", "JPEG", "WEBP", ...); `grey` is true
-    where there is no colour, `has_alpha` where any texel may be transparent.
+    `bits` is the depth of a channel, 8 or 16. `format` is Pillow's name ("PNG", "JPEG", "WEBP", ...). `grey` is True if
+    the image has no colour, and `has_alpha` if texels may be transparent.
     """
 
     name: str
@@ -43,11 +43,11 @@ class TextureImage:
     has_alpha: bool = True
 
     def decode(self, channels: str | None = None) -> np.ndarray:
-        """The pixels, (H, W, C) uint8 or uint16, row 0 the top, as stored: no colour space is applied.
+        """The pixels as stored, (H, W, C) uint8 or uint16, row 0 at the top. No colour space is applied.
 
-        C is what the file has: grey 1, grey and alpha 2, RGB 3, RGBA 4 (palettes and CMYK become RGB or RGBA).
-        `channels`, some of "RGBA" such as "GB", gives just those, in that order: grey stands for each of R, G and B,
-        and alpha is full where there is none. Raises InputError for data that does not decode.
+        By default C follows the file: grey 1, grey and alpha 2, RGB 3, RGBA 4 (palettes and CMYK become RGB or RGBA).
+        `channels` selects some of "RGBA", such as "GB", in that order. In a grey image R, G and B are all the grey
+        channel, and in an image without alpha A is opaque. Raises InputError for data that cannot be decoded.
         """
         if self.bits == 16:
             with _as_input_error(self.name):
@@ -63,14 +63,15 @@ class TextureImage:
 def open_texture_image(data: Buffer, name: str, formats: tuple[str, ...] = GLTF_FORMATS) -> TextureImage:
     """Check the header of an encoded image without decoding it.
 
-    Raises InputError for what is none of `formats`, and for more than MAX_SIDE texels a side or MAX_PIXELS in all:
-    a few kilobytes can claim gigabytes of pixels.
+    Raises InputError if the image has none of `formats`, or more than MAX_SIDE texels per side or MAX_PIXELS in all. A
+    file of a few kilobytes can declare gigabytes of pixels.
     """
     with _as_input_error(name), Image.open(io.BytesIO(data), formats=formats) as image:
         width, height, kind, mode = *image.size, str(image.format), image.mode
         has_alpha = image.has_transparency_data
     if min(width, height) < 1 or max(width, height) > MAX_SIDE or width * height > MAX_PIXELS:
-        raise InputError(name, "", f"{width} x {height} texels; at most {MAX_SIDE} a side and {MAX_PIXELS} in all")
+        raise InputError(name, "", f"has {width} x {height} texels; the limit is {MAX_SIDE} per side and {MAX_PIXELS} "
+                                   "in all")
     # Byte 24 of a PNG is the bit depth in IHDR, which always comes first.
     bits = 16 if kind == "PNG" and data[24] == 16 else 8
     return TextureImage(name, data, width, height, kind, bits, mode[0] in "1LIF" and mode != "LAB", has_alpha)
@@ -86,7 +87,7 @@ def _plain_mode(image: Image.Image) -> Image.Image:
 
 
 def _pixels(image: Image.Image) -> np.ndarray:
-    """All bands; a few rows at a time, because Pillow would make a second copy of the whole on the way."""
+    """All bands of the image, copied a few rows at a time: for all rows Pillow would make a second copy in memory."""
     out = np.empty((image.height, image.width, len(image.getbands())), np.uint8)
     for top in range(0, image.height, _ROWS):
         rows = out[top:top + _ROWS]
@@ -95,7 +96,7 @@ def _pixels(image: Image.Image) -> np.ndarray:
 
 
 def _pick_bands(image: Image.Image, channels: str) -> np.ndarray:
-    """Single bands, without ever holding all of the image's channels as an array."""
+    """Some bands of the image, copied one by one so that there is never an array of all channels."""
     bands = image.getbands()
     out = np.empty((image.height, image.width, len(channels)), np.uint8)
     for k, channel in enumerate(channels):
@@ -119,7 +120,10 @@ def _pick(pixels: np.ndarray, channels: str | None) -> np.ndarray:
 
 
 def _decode_16_bit(image: TextureImage) -> np.ndarray:
-    """Through OpenImageIO, for Pillow reduces 16-bit colour to 8 bits; its Python API reads from files alone."""
+    """The pixels of a 16-bit PNG, decoded by OpenImageIO, since Pillow reduces 16-bit colour to 8 bits.
+
+    OpenImageIO's Python API reads only files, so the data is written to a temporary one.
+    """
     import OpenImageIO as oiio
 
     with Image.open(io.BytesIO(image.data), formats=("PNG",)) as png:
@@ -142,17 +146,17 @@ def _decode_16_bit(image: TextureImage) -> np.ndarray:
 
 @contextmanager
 def _as_input_error(name: str) -> Iterator[None]:
-    """Turn whatever an image decoder raises into an InputError about `name`."""
+    """Turn any exception of an image decoder into an InputError about `name`."""
     try:
         with warnings.catch_warnings():
-            # Pillow's own limit is below ours, and its complaints about metadata are not for the user.
+            # Pillow warns of images below MAX_PIXELS, and of broken metadata; neither matters to the user.
             warnings.simplefilter("ignore")
             yield
     except Image.UnidentifiedImageError as error:
-        raise InputError(name, "", "not an image in a supported format, or its header is broken") from error
+        raise InputError(name, "", "is not an image in a supported format, or its header is broken") from error
     except InputError:
         raise
     except Image.DecompressionBombError as error:
-        raise InputError(name, "", f"more texels than can be held; at most {MAX_PIXELS}") from error
+        raise InputError(name, "", f"has too many texels; the limit is {MAX_PIXELS}") from error
     except Exception as error:  # decoders raise OSError, SyntaxError, struct.error, EOFError, zlib.error, ...
         raise InputError(name, "", f"cannot be decoded: {error}") from error

@@ -1,4 +1,4 @@
-"""Finding vertices that are the same but for their number."""
+"""Finds vertices with equal attributes."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import numpy as np
 
 
 def weld(*attributes: np.ndarray) -> np.ndarray:
-    """For each vertex the number of the first one with the same attributes, (N,) from (N, C) float32 arrays.
+    """For each vertex the index of the first one with the same attributes, (N,), from (N, C) float32 arrays.
 
-    Compared by a 64-bit hash of the bits (-0 counts as 0): among a million vertices two different ones are taken
-    for the same with a chance of about 3e-8.
+    The attributes are compared by a 64-bit hash of their bits; -0 equals 0. Among a million vertices the probability
+    that two different ones have the same hash is about 3e-8.
     """
     words = np.concatenate([a.astype(np.float32, copy=False) + np.float32(0) for a in attributes], axis=1)
     mixed = np.zeros(len(words), np.uint64)

@@ -1,4 +1,4 @@
-"""Our own reader of glTF 2.0, over json and numpy."""
+"""A reader of glTF 2.0 that uses only json and numpy."""
 
 from .reader import load_gltf
 

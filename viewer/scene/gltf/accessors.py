@@ -1,4 +1,4 @@
-"""Typed arrays out of buffers: glTF's accessors."""
+"""glTF's accessors: typed arrays in buffers."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ _COMPONENTS: dict[int, np.dtype] = {
 _COUNTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 
 MIN_CLAIM, MAX_SHARING = 1 << 24, 4
-"""Elements that may be asked of us in all: this many, or so many for each byte of the buffers if that is more."""
+"""A file may make us allocate MIN_CLAIM elements in all, or MAX_SHARING elements per byte of its buffers, whichever is
+more."""
 
 
 class Accessors:
@@ -27,21 +28,24 @@ class Accessors:
         self._claimed = 0
 
     def count(self, index: int) -> int:
-        """The number of elements the file claims, before anything is read."""
+        """The number of elements that the file declares for an accessor; nothing is read."""
         return self.items[index].integer("count", low=1)
 
     def claim(self, place: Element, count: int) -> None:
-        """Book `count` elements of our own memory; raise InputError at `place` when the file asks for too many.
+        """Count `count` elements that are allocated for the file. Raises InputError at `place` if they are too many.
 
-        Zeros take no bytes, and the same bytes may serve any number of primitives: what a file asks for is bounded by
-        its size alone.
+        An accessor without a buffer view (all zeros) takes no bytes in the file, and any number of primitives may use
+        the same bytes. So a small file could demand any amount of memory; the limit depends on the file's size.
         """
         self._claimed += count
         if self._claimed > max(MIN_CLAIM, MAX_SHARING * self._buffers.size):
             raise place.error(f"{self._claimed} elements in all are too many for {self._buffers.size} bytes of buffers")
 
     def raw(self, index: int, *types: str) -> np.ndarray:
-        """(count, components) in the stored component type. Raises InputError unless it is one of `types`."""
+        """The elements, (count, components), in the stored component type.
+
+        Raises InputError unless the accessor's type (such as "VEC3") is one of `types`.
+        """
         accessor = self.items[index]
         kind = accessor.string("type")
         if kind not in types:
@@ -51,7 +55,7 @@ class Accessors:
         return self._raw[index]
 
     def floats(self, index: int, *types: str) -> np.ndarray:
-        """(count, components) float32, normalised integers in 0..1 or -1..1 (glTF 2.0, 3.6.2.2)."""
+        """The elements, (count, components) float32. Normalised integers become 0..1 or -1..1 (glTF 2.0, 3.6.2.2)."""
         raw = self.raw(index, *types)
         if index not in self._floats:
             if raw.dtype != np.float32:
@@ -74,7 +78,7 @@ class Accessors:
         return self._substitute(array, sparse, dtype)
 
     def _strided(self, place: Element, dtype: np.dtype, count: int, components: int) -> np.ndarray:
-        """A view of the buffer view that `place` names, without a copy."""
+        """The elements in the buffer view that `place` refers to, as a view without a copy."""
         index = place.index("bufferView", len(self._buffers.views))
         data = self._buffers.view(index)
         size = dtype.itemsize * components
@@ -88,7 +92,7 @@ class Accessors:
         return np.ndarray((count, components), dtype, data, offset, (stride, dtype.itemsize))
 
     def _substitute(self, base: np.ndarray, sparse: Element, dtype: np.dtype) -> np.ndarray:
-        """The base array with the sparse values put in."""
+        """A copy of the base array with the sparse values inserted."""
         count = sparse.integer("count", low=1)
         if count > len(base):
             raise sparse.error(f"{count} values for an accessor of {len(base)}", "count")

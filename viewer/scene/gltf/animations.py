@@ -1,4 +1,4 @@
-"""Animations are not played; what they claim is checked all the same, so that a broken file is known for one."""
+"""Checks animations. They are not played, but a broken file should be reported as broken."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from .element import Element
 
 
 def check_animations(root: Element, accessors: Accessors) -> None:
-    """Raise InputError where a sampler lacks key frames, or has fewer values than key frames."""
+    """Raise InputError if a sampler has no key frames, or fewer values than key frames."""
     for animation in root.array("animations"):
         samplers = animation.array("samplers")
         for channel in animation.array("channels"):
@@ -16,6 +16,6 @@ def check_animations(root: Element, accessors: Accessors) -> None:
             frames = accessors.count(sampler.index("input", len(accessors.items)))
             values = accessors.count(sampler.index("output", len(accessors.items)))
             per_frame = 3 if sampler.string("interpolation", "LINEAR") == "CUBICSPLINE" else 1
-            # Morph weights have several values per frame, so only "too few" is always wrong.
+            # Morph weights have several values per frame, so more values than frames may be right.
             if values < frames * per_frame:
                 raise sampler.error(f"{values} values for {frames} key frames", "output")

@@ -1,4 +1,4 @@
-"""Bytes: buffers, buffer views and data URIs."""
+"""glTF's buffers, buffer views and data URIs."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .element import Element
 
 
 class Buffers:
-    """The file's buffers, each read once and only when something in it is used."""
+    """The file's buffers. Each is read once, when something in it is first used."""
 
     def __init__(self, root: Element) -> None:
         self._buffers = root.array("buffers")
@@ -20,7 +20,7 @@ class Buffers:
         self._read: dict[int, memoryview] = {}
 
     def view(self, index: int) -> memoryview:
-        """The bytes of a buffer view. Raises InputError where it reaches past its buffer."""
+        """The bytes of a buffer view. Raises InputError if it ends after its buffer."""
         view = self.views[index]
         number = view.index("buffer", len(self._buffers))
         length, offset = view.integer("byteLength", low=1), view.integer("byteOffset", 0)
@@ -31,7 +31,7 @@ class Buffers:
 
     @property
     def size(self) -> int:
-        """Bytes in the buffers that were read so far."""
+        """The number of bytes in the buffers that were read so far."""
         return sum(map(len, self._read.values()))
 
     def _buffer(self, index: int) -> memoryview:
@@ -48,12 +48,12 @@ class Buffers:
         if "uri" in buffer:
             return read_uri(buffer, "uri")[0]
         if index != 0 or buffer.document.binary is None:
-            raise buffer.error("is missing, and there is no binary chunk for it", "uri")
+            raise buffer.error("is missing, and the file has no binary chunk for it", "uri")
         return buffer.document.binary
 
 
 def read_uri(element: Element, key: str) -> tuple[memoryview, Path | None]:
-    """The bytes a data URI holds or a file beside the model has, and that file's path."""
+    """The bytes of the URI at `key`, and the path of its file; None for a data URI."""
     uri = element.string(key)
     if uri[:5].lower() == "data:":
         return memoryview(_decode_data_uri(element, key, uri)), None
@@ -64,12 +64,12 @@ def read_uri(element: Element, key: str) -> tuple[memoryview, Path | None]:
 def _decode_data_uri(element: Element, key: str, uri: str) -> bytes:
     header, comma, body = uri.partition(",")
     if not comma:
-        raise element.error("a data URI without data", key)
+        raise element.error("the data URI contains no data", key)
     if not header.lower().endswith(";base64"):
         return unquote_to_bytes(body)
     try:
         raw = unquote_to_bytes(body) if "%" in body else body.encode("ascii")
-        # Writers exist that leave the padding out; RFC 4648 3.2 lets a reader accept that.
+        # Some exporters omit the padding; RFC 4648, 3.2, allows readers to accept that.
         return base64.b64decode(raw + b"=" * (-len(raw) % 4), validate=True)
     except (binascii.Error, UnicodeEncodeError, ValueError) as error:
         raise element.error("the data URI is not valid base64", key) from error

@@ -1,4 +1,4 @@
-"""Cameras, posed by the nodes that hold them."""
+"""glTF's cameras, which the nodes that refer to them place."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from .element import Element
 
 
 def read_camera(element: Element, world: np.ndarray, name: str) -> Camera | None:
-    """A camera at a node whose world matrix is `world`; None, with a warning, where it could show nothing.
+    """The camera of a node with the world matrix `world` (4, 4); None, with a warning, if it could show nothing.
 
-    The node's scale and shear do not belong to a rigid pose: its -Z is the view and its +Y the upward direction.
-    The aspect ratio is the picture's, and near and far are fitted to the scene, whatever the file says.
+    Scale and shear of the node are ignored: its -Z is the view direction, and its +Y defines "up". The file's aspect
+    ratio, near and far planes are ignored too: the picture defines the first, and the scene the others.
     """
     eye, back, up = world[:3, 3], _unit(world[:3, 2]), _unit(world[:3, 1])
     pose = Camera.look_at(eye, eye - back, up).pose

@@ -1,4 +1,4 @@
-"""The two wrappings of glTF 2.0: a JSON text, or a GLB with a JSON and a binary chunk."""
+"""The two container formats of glTF 2.0: a JSON text, or a GLB with a JSON chunk and a binary chunk."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ _BIN_CHUNK = 0x004E4942
 
 
 def read_container(path: Path, data: bytes) -> tuple[dict, memoryview | None, str]:
-    """The JSON object, the binary chunk or None, and the format's name. Raises InputError for any other content."""
+    """The JSON object, the binary chunk or None, and the format's name (GLB or glTF).
+
+    Raises InputError for any other content.
+    """
     if data[:4] == GLB_MAGIC:
         text, binary = _split_glb(path, memoryview(data))
         return _parse_json(path, bytes(text)), binary, "GLB"

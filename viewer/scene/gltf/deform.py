@@ -1,4 +1,4 @@
-"""Morph targets and skins, applied on the CPU in the pose the file rests in."""
+"""Morph targets and skins, applied on the CPU in the static pose of the file."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .nodes import Nodes
 
 
 def morph(base: np.ndarray, deltas: list[np.ndarray], weights: list[float]) -> np.ndarray:
-    """base + sum of weight * delta over the targets (glTF 2.0, 3.7.2.2); all are (N, C) float32."""
+    """base + the sum of weight * delta over the targets (glTF 2.0, 3.7.2.2); all arrays are (N, C) float32."""
     out = base.astype(np.float64)
     for delta, weight in zip(deltas, weights):
         out[:, :delta.shape[1]] += weight * delta
@@ -18,7 +18,7 @@ def morph(base: np.ndarray, deltas: list[np.ndarray], weights: list[float]) -> n
 
 
 class Skins:
-    """The file's skins; a skin's joint matrices are made once."""
+    """The file's skins. The joint matrices of a skin are computed once."""
 
     def __init__(self, root: Element, nodes: Nodes, accessors: Accessors) -> None:
         self.items = root.array("skins")
@@ -26,7 +26,8 @@ class Skins:
         self._matrices: dict[int, np.ndarray] = {}
 
     def joint_matrices(self, index: int) -> np.ndarray:
-        """(J, 4, 4) float64: a joint's world matrix times its inverse bind matrix. The mesh's own node has no say."""
+        """Each joint's world matrix times its inverse bind matrix, (J, 4, 4) float64. The transform of the mesh's node
+        is ignored (glTF 2.0, 3.7.3.3)."""
         if index not in self._matrices:
             skin = self.items[index]
             joints = skin.indices("joints", len(self._nodes.items))
@@ -46,9 +47,9 @@ class Skins:
 
 
 def blend_matrices(joints: np.ndarray, weights: np.ndarray, matrices: np.ndarray) -> np.ndarray:
-    """Linear blend skinning: per vertex sum_k w_k M_k, (N, 3, 4) float64, from (N, K) joints and weights.
+    """Linear blend skinning: for each vertex sum_k w_k M_k, (N, 3, 4) float64, from (N, K) joints and weights.
 
-    The weights are made to sum to 1; a vertex without weight follows its first joint.
+    The weights are normalised to sum to 1. A vertex whose weights are all 0 follows its first joint.
     """
     weights = np.maximum(weights.astype(np.float64), 0.0)
     total = weights.sum(axis=1, keepdims=True)
@@ -62,19 +63,19 @@ def blend_matrices(joints: np.ndarray, weights: np.ndarray, matrices: np.ndarray
 
 
 def skin_positions(positions: np.ndarray, blend: np.ndarray) -> np.ndarray:
-    """(N, 3) float32 points through (N, 3, 4) matrices."""
+    """(N, 3) float32 points transformed by (N, 3, 4) matrices."""
     return (np.einsum("nij,nj->ni", blend[..., :3], positions) + blend[..., 3]).astype(np.float32)
 
 
 def skin_directions(directions: np.ndarray, blend: np.ndarray) -> np.ndarray:
-    """(N, 3) float32 unit tangents through (N, 3, 4) matrices."""
+    """(N, 3) float32 unit tangents transformed by (N, 3, 4) matrices."""
     return _unit(np.einsum("nij,nj->ni", blend[..., :3], directions))
 
 
 def skin_normals(normals: np.ndarray, blend: np.ndarray) -> np.ndarray:
-    """(N, 3) float32 unit normals through the inverse transpose of (N, 3, 4) matrices."""
+    """(N, 3) float32 unit normals transformed by the inverse transpose of (N, 3, 4) matrices."""
     a = blend[..., :3]
-    # det * inverse-transpose is the cofactor matrix, which exists for singular matrices too.
+    # The matrix of cofactors equals det * inverse transpose, and also exists for singular matrices.
     cofactor = np.stack([np.cross(a[:, 1], a[:, 2]), np.cross(a[:, 2], a[:, 0]), np.cross(a[:, 0], a[:, 1])], axis=1)
     sign = np.where(np.einsum("ni,ni->n", a[:, 0], cofactor[:, 0]) < 0, -1.0, 1.0)
     return _unit(np.einsum("nij,nj->ni", cofactor, normals) * sign[:, None])

@@ -1,4 +1,4 @@
-"""Checked access to glTF's JSON: every value is what the schema says it is, or an InputError names its place."""
+"""Access to glTF's JSON with checks: a value has the type that the schema demands, or an InputError names its place."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from ...errors import InputError
 T = TypeVar("T")
 _MISSING: Any = object()
 MAX_WARNINGS = 32
-"""A file with a thousand bad materials is not worth a thousand lines."""
+"""The most warnings for one file; a file may have thousands of equal mistakes."""
 
 
 @dataclass(eq=False)
 class Document:
-    """What is shared by all elements of one file."""
+    """The state that all elements of one file share."""
 
     path: Path
     binary: memoryview | None = None
@@ -31,7 +31,8 @@ class Document:
 class Element:
     """A JSON object and its place in the file, such as ``materials[2].pbrMetallicRoughness``.
 
-    Readers take `key` of the object; a missing one gives `default`, or an InputError where there is no default.
+    The methods read the value at `key` of the object. If the key is missing they return `default`, or raise InputError
+    if no default is given.
     """
 
     __slots__ = ("document", "place", "value")
@@ -53,7 +54,7 @@ class Element:
         return key in self.value
 
     def _typed(self, value: Any, types: type | tuple[type, ...], what: str, place: str) -> Any:
-        # bool is an int to Python, not to JSON.
+        # In Python a bool is an int; in JSON it is not.
         if not isinstance(value, types) or (isinstance(value, bool) and types is not bool):
             raise InputError(self.document.path, place, f"must be {what}, not {_json_type(value)}")
         return value
@@ -90,7 +91,7 @@ class Element:
         return value
 
     def indices(self, key: str, count: int) -> list[int]:
-        """An array of indices into an array of `count` elements; empty where it is missing."""
+        """An array of indices into an array of `count` elements; empty if it is missing."""
         values = self._get(key, list, "an array", [])
         for k, value in enumerate(values):
             self._typed(value, int, "an integer", f"{self.at(key)}[{k}]")
@@ -99,13 +100,13 @@ class Element:
         return values
 
     def number(self, key: str, default: Any = _MISSING, low: float = -math.inf, high: float = math.inf) -> float:
-        """A finite number; one outside low..high is clamped, with a warning."""
+        """A finite number. A number outside low..high is clamped, with a warning."""
         value = self._get(key, (int, float), "a number", default)
         return value if value is default else self._clamped(value, key, low, high)
 
     def vector(self, key: str, size: int, default: Any = _MISSING, low: float = -math.inf,
                high: float = math.inf) -> Any:
-        """A tuple of `size` finite numbers; those outside low..high are clamped, with a warning."""
+        """A tuple of `size` finite numbers. Numbers outside low..high are clamped, with a warning."""
         values = self._get(key, list, f"an array of {size} numbers", default)
         if values is default:
             return values
@@ -115,12 +116,12 @@ class Element:
                      for k, v in enumerate(values))
 
     def numbers(self, key: str) -> list[float] | None:
-        """Any count of finite numbers, or None where there are none."""
+        """An array of any length of finite numbers; None if it is missing."""
         values = self._get(key, list, "an array of numbers", None)
         return None if values is None else list(self.vector(key, len(values)))
 
     def choice(self, key: str, choices: dict[Any, T], default: Any) -> T:
-        """One of the named values, as `choices` maps them; an unknown one gives `default`'s, with a warning."""
+        """The value mapped by `choices`. An unknown value is replaced by `default`, with a warning."""
         value = self._get(key, type(default), f"a {type(default).__name__}", default)
         if value not in choices:
             self.warn(f"{value!r} is unknown; {default!r} is used", key)
@@ -128,11 +129,11 @@ class Element:
         return choices[value]
 
     def object(self, key: str) -> Element:
-        """The object at `key`; an empty one where it is missing."""
+        """The object at `key`; an empty one if it is missing."""
         return Element(self.document, self.value.get(key, {}), self.at(key))
 
     def array(self, key: str) -> list[Element]:
-        """The array of objects at `key`; empty where it is missing."""
+        """The array of objects at `key`; empty if it is missing."""
         place = self.at(key)
         return [Element(self.document, value, f"{place}[{k}]")
                 for k, value in enumerate(self._get(key, list, "an array", []))]

@@ -1,4 +1,4 @@
-"""Which glTF extensions are read, which are ignored by right, and what is said about the rest."""
+"""The glTF extensions that are supported, those that can be ignored, and warnings and errors about all others."""
 
 from __future__ import annotations
 
@@ -19,16 +19,17 @@ _WITHOUT_EFFECT = ("FB_ngon_encoding", "KHR_interactivity", "KHR_xmp", "KHR_xmp_
 
 
 def check_asset(root: Element) -> None:
-    """Raise InputError unless this is a glTF 2 that asks for no more than we have; warn of extensions left out."""
+    """Raise InputError unless the file is glTF 2.0 and requires only supported extensions. Warn of other extensions
+    that it uses."""
     if "asset" not in root:
-        raise root.error("is missing: not a glTF", "asset")
+        raise root.error("is missing; the file is not a glTF", "asset")
     asset = root.object("asset")
     version = asset.string("version")
     needed = asset.string("minVersion", version.split(".")[0] + ".0")
     if version.split(".")[0] != "2":
-        raise asset.error(f"glTF {version[:20]} is not supported; only 2.0", "version")
+        raise asset.error(f"glTF {version[:20]} is not supported; only 2.0 is supported", "version")
     if needed != "2.0":
-        raise asset.error(f"needs glTF {needed[:20]}; only 2.0 is supported", "minVersion")
+        raise asset.error(f"the file needs glTF {needed[:20]}; only 2.0 is supported", "minVersion")
     used, required = extension_names(root, "extensionsUsed"), extension_names(root, "extensionsRequired")
     for k, name in enumerate(required):
         if name not in SUPPORTED and name not in _WITHOUT_EFFECT:

@@ -1,4 +1,4 @@
-"""KHR_lights_punctual: lights, placed by the nodes that hold them."""
+"""KHR_lights_punctual: lights, which the nodes that refer to them place."""
 
 from __future__ import annotations
 
@@ -12,14 +12,15 @@ from .element import Element
 
 
 class Lights:
-    """The lights the file defines."""
+    """The lights that the file defines."""
 
     def __init__(self, root: Element) -> None:
         extension = root.extension("KHR_lights_punctual")
         self._items = [] if extension is None else extension.array("lights")
 
     def at_node(self, node: Element, world: np.ndarray) -> Light | None:
-        """The light a node holds, with the node's world matrix applied; scale does not touch intensity or range."""
+        """The light of a node, or None, with the node's world matrix applied. Scale does not change intensity or range
+        (KHR_lights_punctual)."""
         extension = node.extension("KHR_lights_punctual")
         if extension is None or "light" not in extension:
             return None
@@ -32,14 +33,14 @@ class Lights:
         length = float(np.linalg.norm(direction))
         if not length > 0:
             direction, length = np.array([0.0, 0.0, -1.0]), 1.0
-        reach = element.number("range", None, 0.0)
+        range_ = element.number("range", None, 0.0)
         return Light(kind, element.vector("color", 3, (1.0, 1.0, 1.0), 0.0), element.number("intensity", 1.0, 0.0),
-                     tuple(world[:3, 3].tolist()), tuple((direction / length).tolist()), reach or None,
+                     tuple(world[:3, 3].tolist()), tuple((direction / length).tolist()), range_ or None,
                      *_cone(element), name=element.string("name", node.string("name", "")))
 
 
 def _cone(element: Element) -> tuple[float, float]:
-    """Inner and outer angle; the extension wants 0 <= inner < outer <= pi / 2."""
+    """The inner and outer cone angle in radians; the extension requires 0 <= inner < outer <= pi / 2."""
     spot = element.object("spot")
     outer = spot.number("outerConeAngle", math.pi / 4, 1e-4, math.pi / 2)
     inner = spot.number("innerConeAngle", 0.0, 0.0, math.pi / 2)

@@ -1,4 +1,4 @@
-"""Materials: metallic-roughness with the extensions that are supported."""
+"""glTF's materials: metallic-roughness and the supported extensions."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _ALPHA_MODES: dict[str, AlphaMode] = {"OPAQUE": "opaque", "MASK": "mask", "BLEND
 
 
 class Materials:
-    """The materials that are in use, in the order of their first use."""
+    """The materials that meshes use, in the order of their first use."""
 
     def __init__(self, root: Element, textures: Textures) -> None:
         self._items = root.array("materials")
@@ -23,7 +23,7 @@ class Materials:
         self.used: list[Material] = []
 
     def number(self, primitive: Element) -> int:
-        """The place in `used` of a primitive's material, or of the default material where it names none."""
+        """The index in `used` of a primitive's material, or of the default material if it has none."""
         index = primitive.index("material", len(self._items), None)
         if index not in self._number:
             self._number[index] = len(self.used)
@@ -32,7 +32,7 @@ class Materials:
 
 
 def read_material(element: Element, textures: Textures) -> Material:
-    """One element of `materials`: every parameter and map as viewer/scene/material.py declares it."""
+    """Reads one element of `materials`: all parameters and maps that viewer/scene/material.py declares."""
     places: dict[Feature, Element | None] = {feature: _place(element, feature) for feature in FEATURES}
     values: dict[str, Any] = {}
     for parameter in PARAMETERS.values():
@@ -57,7 +57,7 @@ def read_material(element: Element, textures: Textures) -> Material:
 
 
 def _place(element: Element, feature: Feature) -> Element | None:
-    """The object with a feature's parameters; None where the material lacks the extension."""
+    """The JSON object with a feature's parameters; None if the material does not have the extension."""
     place = element.extension(feature.extension) if feature.extension else element
     return place.object(feature.place) if place is not None and feature.place else place
 

@@ -1,4 +1,4 @@
-"""The node hierarchy, in its static pose. No recursion: files may nest as deep as they like."""
+"""The node hierarchy in its static pose. It is traversed without recursion, so files may nest nodes to any depth."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from .element import Element
 
 
 class Nodes:
-    """`items` are the nodes; `world` (N, 4, 4) float64 takes each node's space to the world's."""
+    """The nodes are `items`. `world` (N, 4, 4) float64 takes each node's space to world space."""
 
     def __init__(self, root: Element) -> None:
         self.items = root.array("nodes")
@@ -16,7 +16,7 @@ class Nodes:
         self.world = self._world_matrices()
 
     def reachable(self, roots: list[int], place: Element) -> list[int]:
-        """The nodes under `roots`, parents first. Raises InputError where one is reached twice."""
+        """The nodes under `roots`, parents first. Raises InputError if a node is reached twice."""
         seen: dict[int, None] = {}
         stack = roots[::-1]
         while stack:
@@ -28,7 +28,7 @@ class Nodes:
         return list(seen)
 
     def roots(self) -> list[int]:
-        """The nodes that are nobody's child."""
+        """The nodes without a parent."""
         children = {child for node in self._children for child in node}
         return [node for node in range(len(self.items)) if node not in children]
 
@@ -41,13 +41,13 @@ class Nodes:
                     problem = f"nodes[{child}] is a child of nodes[{parent[child]}] already"
                     raise self.items[node].error(problem, "children")
                 parent[child] = node
-        # Every node has at most one parent, so what cannot be reached from a root is on a cycle, or hangs on one.
+        # Every node has at most one parent, so a node that no root reaches is on a cycle or below one.
         order = [node for node, above in enumerate(parent) if above < 0]
         for node in order:
             order.extend(self._children[node])
         if len(order) < len(self.items):
             node = next(iter(set(range(len(self.items))) - set(order)))
-            raise self.items[node].error("the node is its own ancestor, or is under one that is")
+            raise self.items[node].error("the node is its own ancestor, or is below a node that is its own ancestor")
         for node in order:
             local = local_matrix(self.items[node])
             world[node] = local if parent[node] < 0 else world[parent[node]] @ local
@@ -58,7 +58,7 @@ class Nodes:
 
 
 def local_matrix(node: Element) -> np.ndarray:
-    """A node's own transformation, (4, 4) float64 for column vectors."""
+    """A node's local transform, (4, 4) float64 for column vectors."""
     if "matrix" in node:
         matrix = np.array(node.vector("matrix", 16)).reshape(4, 4).T
         if not np.allclose(matrix[3], (0, 0, 0, 1), rtol=0, atol=1e-6):
@@ -78,9 +78,9 @@ def _rotation(node: Element) -> np.ndarray:
     quaternion = np.array(node.vector("rotation", 4))
     peak = np.abs(quaternion).max()
     if peak == 0:
-        node.warn("a quaternion of zeros; no rotation is used", "rotation")
+        node.warn("the quaternion is zero; no rotation is used", "rotation")
         return np.eye(3)
-    quaternion /= peak  # so that the square can neither overflow nor vanish
+    quaternion /= peak  # so that squares neither overflow nor underflow
     x, y, z, w = quaternion / np.linalg.norm(quaternion)
     return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
                      [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],

@@ -1,4 +1,4 @@
-"""Mesh primitives as the renderers take them: attributes read, pose applied, normals and tangents made."""
+"""Reads mesh primitives: their attributes, with the pose applied and missing normals and tangents computed."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..frames import with_flat_normals, with_mended_normals, with_tangents
+from ..frames import with_flat_normals, with_repaired_normals, with_tangents
 from ..material import Material
 from ..mesh import Mesh
 from ..schema import MAPS, needs_tangents, tangent_texture
@@ -23,7 +23,7 @@ _ATTRIBUTES = {"POSITION": ("VEC3",), "NORMAL": ("VEC3",), "TANGENT": ("VEC4",),
 
 @dataclass(frozen=True)
 class Pose:
-    """What deforms a mesh: morph weights, and the joint matrices (J, 4, 4) of a skin."""
+    """The deformation of a mesh: morph weights, and the joint matrices (J, 4, 4) of a skin."""
 
     weights: tuple[float, ...] = ()
     joints: np.ndarray | None = None
@@ -31,11 +31,11 @@ class Pose:
 
 def read_primitive(accessors: Accessors, primitive: Element, name: str, material: int, materials: list[Material],
                    pose: Pose) -> Mesh | None:
-    """One primitive in its pose; None, with a warning, where there is nothing to draw."""
+    """One primitive in its pose; None, with a warning, if it contains nothing to draw."""
     attributes = primitive.object("attributes")
     mode = primitive.integer("mode", 4)
     if mode not in MODES:
-        raise primitive.error(f"{mode} is not a mode of drawing", "mode")
+        raise primitive.error(f"{mode} is not a primitive mode", "mode")
     if "POSITION" not in attributes:
         primitive.warn("there are no positions; nothing is drawn", "attributes")
         return None
@@ -59,12 +59,12 @@ def read_primitive(accessors: Accessors, primitive: Element, name: str, material
 def _morph(primitive: Element, vertices: Vertices, values: dict[str, np.ndarray], weights: tuple[float, ...]) -> None:
     targets = primitive.array("targets")
     if len(weights) > len(targets):
-        primitive.warn(f"{len(weights)} weights for {len(targets)} targets; the others are not used", "targets")
+        primitive.warn(f"{len(weights)} weights for {len(targets)} targets; surplus weights are not used", "targets")
     active = [(target, weight) for target, weight in zip(targets, weights) if weight]
     for key, base in values.items():
         moved = [(target, weight) for target, weight in active if key in target]
         if moved:
-            # Deltas of tangents have no w (3.7.2.2); those of colours may lack alpha.
+            # Deltas of tangents have no w (glTF 2.0, 3.7.2.2); deltas of colours may have no alpha.
             kinds = ("VEC3",) if key == "TANGENT" else _ATTRIBUTES[key]
             deltas = [vertices.floats(target, key, *kinds) for target, _ in moved]
             values[key] = deform.morph(base, deltas, [weight for _, weight in moved])
@@ -105,7 +105,7 @@ def _colors(colors: np.ndarray | None) -> np.ndarray | None:
 
 
 def _unit(normals: np.ndarray | None) -> np.ndarray | None:
-    """Unit length where there is one; zero and non-finite vectors stay, to be found and mended."""
+    """The normals at unit length. Zero and non-finite vectors stay as they are; `_complete` replaces them."""
     if normals is None:
         return None
     length = np.sqrt(np.einsum("ij,ij->i", normals, normals))[:, None]
@@ -122,7 +122,7 @@ def _unit_tangents(tangents: np.ndarray | None) -> np.ndarray | None:
 
 
 def _with_uv_sets(mesh: Mesh, material: Material, primitive: Element) -> Mesh:
-    """The mesh with zeros for the UV sets that its material asks for and it lacks."""
+    """The mesh with zeros for the UV sets that its material uses and it does not have."""
     textures = [source.texture(material) for source in MAPS.values()]
     needed = max((texture.uv_set + 1 for texture in textures if texture), default=0)
     missing = needed - len(mesh.uvs)
@@ -133,16 +133,16 @@ def _with_uv_sets(mesh: Mesh, material: Material, primitive: Element) -> Mesh:
 
 
 def _complete(mesh: Mesh, material: Material, primitive: Element) -> Mesh:
-    """A triangle mesh with normals, and with tangents where there is a normal map for them."""
+    """The triangle mesh with normals, and with tangents if its material needs them."""
     if mesh.normals is None:
-        # Flat, and given tangents are then not to be used (3.7.2.1).
+        # Normals must be flat then, and the file's tangents must be ignored (glTF 2.0, 3.7.2.1).
         mesh = with_flat_normals(mesh)
     else:
         bad = ~(np.abs(np.einsum("ij,ij->i", mesh.normals, mesh.normals) - 1) < 0.1)
         if bad.any():
-            problem = f"{np.count_nonzero(bad)} normals are zero or not finite; they are computed"
+            problem = f"{np.count_nonzero(bad)} normals are zero or not finite; smooth normals replace them"
             primitive.warn(problem, "attributes.NORMAL")
-            mesh = with_mended_normals(mesh, bad)
+            mesh = with_repaired_normals(mesh, bad)
     if not needs_tangents(material):
         return replace(mesh, tangents=None)
     if mesh.tangents is not None and np.isfinite(mesh.tangents).all():

@@ -1,4 +1,4 @@
-"""A glTF 2.0 file as a Scene."""
+"""Reads a glTF 2.0 file as a Scene."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ MAX_INSTANCES = 1 << 20
 
 
 def load_gltf(path: Path, data: bytes, scene_index: int | None = None) -> Scene:
-    """Read the content of a .gltf or .glb: the scene of that index, or the file's default one, in its static pose.
+    """Read a scene of a .gltf or .glb file in its static pose, by default the file's default scene.
 
-    `path` is where it came from: for messages, and to find the files it names.
-    Raises InputError for whatever is not as glTF 2.0 has it and cannot be passed over with a warning.
+    `data` is the file's content. `path` is for messages and to find the files that it refers to. Raises InputError for
+    a violation of glTF 2.0; violations that can be ignored become warnings of the scene.
     """
     value, binary, kind = read_container(path, data)
     document = Document(path, binary)
@@ -73,7 +73,7 @@ class _Reader:
                     cameras.append(camera)
         check_animations(self.root, self.accessors)
         if not self.instances:
-            self.root.document.warn("there is nothing to draw in this scene")
+            self.root.document.warn("the scene contains nothing to draw")
         return Scene(name or self.root.document.path.stem, tuple(self.meshes), tuple(self.materials.used),
                      tuple(self.instances), tuple(lights), tuple(cameras),
                      warnings=tuple(self.root.document.warnings), facts=self._facts())
@@ -105,7 +105,7 @@ class _Reader:
         if key not in self._known:
             self._known[key] = self._read_mesh(mesh, skin, weights)
         if skin is not None:
-            world = np.eye(4)  # the joints alone place a skinned mesh (3.7.3.3)
+            world = np.eye(4)  # only the joints place a skinned mesh (glTF 2.0, 3.7.3.3)
         name = node.string("name", "")
         self.instances += [Instance(number, world, name) for number in self._known[key]]
         if len(self.instances) > MAX_INSTANCES:
@@ -116,7 +116,7 @@ class _Reader:
         return all("JOINTS_0" in primitive.object("attributes") for primitive in primitives)
 
     def _read_mesh(self, index: int, skin: int | None, weights: tuple[float, ...]) -> list[int]:
-        """Read the primitives of a mesh in a pose; their places in `meshes`."""
+        """Read the primitives of a mesh in a pose. Returns their indices in `meshes`."""
         element = self.mesh_items[index]
         name = element.string("name", "") or element.place
         pose = Pose(weights, None if skin is None else self.skins.joint_matrices(skin))

@@ -1,4 +1,4 @@
-"""Images, samplers, and how a material refers to them."""
+"""glTF's images, samplers and textures."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MAX_UV_SETS = 2
 
 
 class Textures:
-    """The file's textures; an image is opened when a material that is used refers to it, and shared from then on."""
+    """The file's textures. An image is opened when a used material first refers to it; textures share images."""
 
     def __init__(self, root: Element, buffers: Buffers) -> None:
         self._textures, self._samplers = root.array("textures"), root.array("samplers")
@@ -25,7 +25,8 @@ class Textures:
         self.opened: dict[int, TextureImage] = {}
 
     def read(self, owner: Element, key: str) -> Texture | None:
-        """The texture that the texture info at `owner.key` describes; None, perhaps with a warning, without one."""
+        """The texture of the texture info at `owner.key`; None if there is none, or, with a warning, if it cannot be
+        used."""
         if key not in owner:
             return None
         info = owner.object(key)
@@ -41,7 +42,7 @@ class Textures:
             transform = UVTransform(extension.vector("offset", 2, (0.0, 0.0)), extension.number("rotation", 0.0),
                                     extension.vector("scale", 2, (1.0, 1.0)))
         if uv_set >= MAX_UV_SETS:
-            info.warn(f"UV set {uv_set} is left out, with the texture: only sets 0 and 1 are supported", "texCoord")
+            info.warn(f"the texture is left out: it uses UV set {uv_set}, and only 0 and 1 are supported", "texCoord")
             return None
         return Texture(self._image(image), self._sampler(texture), uv_set, transform)
 
@@ -52,8 +53,8 @@ class Textures:
         if "source" in texture:
             return texture.index("source", len(self._images))
         extensions = ", ".join(texture.object("extensions").value)
-        texture.warn(f"only has an image for {extensions}, which is not supported; it is left out" if extensions else
-                     "has no image; it is left out")
+        texture.warn(f"the texture is left out: its only image is for {extensions}, which is not supported"
+                     if extensions else "the texture is left out: it has no image")
         return None
 
     def _sampler(self, texture: Element) -> Sampler:

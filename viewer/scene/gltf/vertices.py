@@ -1,4 +1,4 @@
-"""Which vertices a primitive draws, and in what order."""
+"""The vertices that a primitive draws, and their order."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from .topology import MODES, to_list
 
 
 class Vertices:
-    """The vertices of one primitive; where its indices reach less than half of those it refers to, only these.
+    """The vertices of one primitive. If its indices use less than half of its vertex buffer, the others are dropped.
 
-    Exporters let hundreds of primitives share one large vertex buffer. `count` vertices are left, and `indices`
-    (M,) uint32 put them together to points, lines or triangles; None stands for 0, 1, 2, ... .
+    Some exporters let hundreds of primitives share one large vertex buffer. `count` is the number of vertices that
+    remain. `indices` (M,) uint32 connect them to points, lines or triangles; None means 0, 1, 2, ...
     """
 
     def __init__(self, accessors: Accessors, primitive: Element, mode: int) -> None:
@@ -26,11 +26,11 @@ class Vertices:
             self._drop_unused(self.indices)
 
     def raw(self, owner: Element, key: str, *types: str) -> np.ndarray:
-        """The values that `owner.key` names for these vertices, (count, components) as stored."""
+        """The values of the accessor at `owner.key` for these vertices, (count, components), as stored."""
         return self._pick(self._accessors.raw(self._accessor(owner, key), *types))
 
     def floats(self, owner: Element, key: str, *types: str) -> np.ndarray:
-        """The same as float32."""
+        """As `raw`, converted to float32."""
         return self._pick(self._accessors.floats(self._accessor(owner, key), *types))
 
     def _pick(self, values: np.ndarray) -> np.ndarray:
@@ -51,7 +51,7 @@ class Vertices:
                 raise primitive.error("must be of an unsigned integer type", "indices")
             highest = int(raw.max())
             if highest == np.iinfo(raw.dtype).max:
-                raise primitive.error(f"{highest} would restart the primitive, which glTF does not allow", "indices")
+                raise primitive.error(f"{highest} is the primitive restart value, which glTF does not allow", "indices")
             if highest >= self._stored:
                 raise primitive.error(f"index {highest}, but there are {self._stored} vertices", "indices")
             self._accessors.claim(primitive, len(raw))
@@ -62,13 +62,13 @@ class Vertices:
         if len(indices) < size:
             return indices[:0]
         if mode in (1, 4) and len(indices) % size:
-            primitive.warn(f"{len(indices)} vertices do not make whole {kind}; the last ones are left out")
+            primitive.warn(f"{len(indices)} vertices do not form complete {kind}; the last ones are left out")
         elif "indices" not in primitive and mode in (0, 1, 4):
             return None
         return to_list(mode, indices)
 
     def _drop_unused(self, indices: np.ndarray) -> None:
-        # The mask costs a byte a vertex; with few indices for many vertices sorting them is cheaper.
+        # A mask takes one byte per vertex; for few indices into many vertices sorting the indices is cheaper.
         if len(indices) < self._stored // 8:
             used, indices = np.unique(indices, return_inverse=True)
             self.indices = indices.astype(np.uint32)

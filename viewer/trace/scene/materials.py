@@ -60,7 +60,8 @@ class TraceMaterial:
 
 def trace_material(material: Material, mesh: Mesh) -> TraceMaterial:
     """`material` on `mesh`, with those of its maps that make a difference."""
-    names = [name for name in used_maps(material, mesh, "unlit" if material.unlit else "pbr") if MAPS[name].info.paths]
+    model = "unlit" if material.unlit else "pbr"
+    names = [name for name in used_maps(material, mesh, model) if MAPS[name].info.path_traced]
 
     def uses(roles: Mapping[str, int]) -> tuple[MapUse, ...]:
         found: dict[Texture, int] = {}
