@@ -1,5 +1,5 @@
 // Written by `python -m viewer.material` from viewer/scene/material.py; change it there.
-// A material's parameters and maps as the path tracer has them (viewer/material/pack.py).
+// Reads a material for the path tracer, from the scene buffer (viewer/material/pack.py).
 #include "material/inputs.glsl"
 #include "trace/scene_buffer.glsl"
 #if HAS_TEXTURES
@@ -63,12 +63,13 @@ float alpha_cutoff_factor(int material) {
     return scene_float4(material_texel(material, 4)).z;
 }
 
-// Where the material's maps are: runs of colours and of data, first | count << 24; the normal map + 1
+// The records of the material's maps: x colour maps and y data maps, as index of the first record |
+// number of records << 24; z the normal map's record + 1, or 0
 uvec4 map_records(int material) {
     return scene_uint4(material_texel(material, 5));
 }
 
-// `color` is the vertices'.
+// `color` is the interpolated vertex colour.
 MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
     MaterialInputs m = DEFAULT_INPUTS;
     m.base_color = base_color_factor(material);

@@ -1,5 +1,5 @@
 // Written by `python -m viewer.material` from viewer/scene/material.py; change it there.
-// A material's parameters as uniforms, and its maps as samplers (raster/attributes.glsl).
+// Reads a material for the raster, from uniforms and samplers (raster/attributes.glsl).
 #include "material/inputs.glsl"
 #include "raster/attributes.glsl"
 

@@ -16,12 +16,13 @@ vec3 reflected_along(Point p, vec3 h, float t, float perceptual_roughness) {
 }
 
 #if ANISOTROPIC
-// The stretched lobe as the sum of STRETCHED_LOBES narrow ones, whose facets lean along the tangent as those of the wide one do: slopes
-// x of GGX, which have the cumulative distribution (1 + x / sqrt(a^2 + x^2)) / 2 (Walter et al. 2007; Heitz 2014), a^2
-// being what the narrow lobe lacks. Each counts by the area that the eye sees of it and by how far light reaches it.
+// The anisotropic lobe as a weighted sum of STRETCHED_LOBES narrower isotropic lobes. Their facets are tilted along the
+// tangent with the slopes x of a GGX distribution of width a, whose cumulative distribution is
+// (1 + x / sqrt(a^2 + x^2)) / 2 (Walter et al. 2007; Heitz 2014). a^2 = alpha_t^2 - alpha_narrow^2 is the width that the
+// narrow lobes lack. A lobe's weight is the projected area of its facets towards the eye times their shadowing, G1(l).
 vec3 stretched_reflection(Point p, Surface s) {
     vec2 alpha = both_alphas(s);
-    float alpha_narrow = max(alpha.y, 0.5 * alpha.x / float(STRETCHED_LOBES)); // no gaps between them
+    float alpha_narrow = max(alpha.y, 0.5 * alpha.x / float(STRETCHED_LOBES)); // so that neighbouring lobes overlap
     SplitSum narrow = dfg_lookup(u_dfg, p.NoV, sqrt(alpha_narrow));
     float a = sqrt(max(alpha.x * alpha.x - alpha_narrow * alpha_narrow, 0.0));
     vec3 sum = vec3(0.0);

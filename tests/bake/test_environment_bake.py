@@ -75,5 +75,5 @@ def test_switched_off_nothing_is_written(own_cache):
 
 
 def test_an_unknown_lobe_is_refused():
-    with pytest.raises(ValueError, match="no lobe 'gxx'"):
+    with pytest.raises(ValueError, match="there is no distribution 'gxx'"):
         bake_environment(load_environment("furnace"), ndf="gxx")

@@ -47,7 +47,7 @@ def test_byte_order_mark_is_passed_over():
 
 
 @pytest.mark.parametrize("uri, problem", [
-    ("data:application/octet-stream;base64,!!!", "base64"), ("data:;base64", "without data"),
+    ("data:application/octet-stream;base64,!!!", "base64"), ("data:;base64", "no data"),
     ("data:;base64,AAAA", "3")])
 def test_bad_data_uris(uri, problem):
     builder = GltfBuilder(buffers=[{"byteLength": 36, "uri": uri}])

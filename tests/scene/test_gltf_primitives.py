@@ -37,7 +37,7 @@ def test_strip_of_indices():
 def test_left_over_vertices_are_dropped_with_a_warning():
     scene = load(4)
     assert scene.meshes[0].indices.tolist() == [0, 1, 2]
-    assert any("whole triangles" in line for line in scene.warnings)
+    assert any("complete triangles" in line for line in scene.warnings)
 
 
 @pytest.mark.parametrize("indices, problem", [([0, 1, 5], "index 5, but there are 5"), ([0, 1, 65535], "restart")])

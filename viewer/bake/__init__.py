@@ -1,1 +1,1 @@
-"""What is worked out once from an environment or a BRDF and then only looked up. numpy alone, no OpenGL."""
+"""Precomputation for shading: prefiltered environments, irradiance, suns, DFG tables. It uses numpy, not OpenGL."""

@@ -1,11 +1,11 @@
-"""What was expensive to prepare, kept on disk by content.
+"""A cache on disk for precomputed data.
 
-An entry's key is a hash of the input's content, the parameters and the source of this folder, so nothing ever has to be
-invalidated: what changes gets another key. Entries are written to a temporary file and renamed, carry a checksum, and
-are dropped, the least recently used first, when all together pass LIMIT. A folder that cannot be written, a damaged
-entry, another process at work: each only means that the thing is made again.
+The key of an entry is a hash of the input's content, the parameters and the source code of this folder. So no entry has
+to be invalidated: changed input or code has another key. An entry is written to a temporary file, which is then
+renamed, and has a checksum. If all entries together exceed LIMIT, the least recently used ones are deleted. If the
+folder cannot be written, an entry is damaged or another process deletes it, the data is only computed again.
 
-$PBR_VIEWER_CACHE names another folder, or is `off`.
+The environment variable PBR_VIEWER_CACHE names another folder, or is `off`.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from ..base.digest import files_digest
 LIMIT = 512 << 20  # bytes
 _MAGIC = b"PBRV\x00\x01"
 _HEADER = struct.Struct("<6sIQI")  # magic, bytes of JSON, bytes of data, CRC-32 of JSON and data
-_ABANDONED = 3600.0  # seconds after which another process's temporary file is nobody's
+_ABANDONED = 3600.0  # age in seconds from which a temporary file of another process is deleted
 
 
 def cache_folder() -> Path | None:
-    """Where entries lie, whether or not it exists yet; None when the cache is switched off."""
+    """The folder of the cache, which may not exist yet; None if the cache is switched off."""
     chosen = os.environ.get("PBR_VIEWER_CACHE", "")
     if chosen.lower() == "off":
         return None
@@ -43,13 +43,13 @@ def cache_folder() -> Path | None:
 
 
 def key(*parts: object) -> str:
-    """A name for what `parts` (strings and numbers) determine together with this folder's code."""
+    """The key of data that is computed from `parts` (strings and numbers) by this folder's code."""
     text = json.dumps([_code_digest(), *parts])
     return hashlib.blake2b(text.encode(), digest_size=20).hexdigest()
 
 
 def load(name: str) -> dict[str, np.ndarray] | None:
-    """The arrays stored under `name`, read-only; None where there is no such entry, or not a whole one."""
+    """The arrays stored under `name`, read-only; None if there is no such entry or it is damaged."""
     path = _path(name)
     if path is None:
         return None
@@ -63,13 +63,13 @@ def load(name: str) -> dict[str, np.ndarray] | None:
 
 
 def has(name: str) -> bool:
-    """Whether there is an entry `name`, whole or not."""
+    """Whether there is an entry `name`; it is not checked for damage."""
     path = _path(name)
     return path is not None and path.is_file()
 
 
 def store(name: str, arrays: dict[str, np.ndarray]) -> None:
-    """Keep arrays under `name`. Failing to is no error."""
+    """Store `arrays` under `name`. If that fails, nothing happens."""
     path = _path(name)
     if path is None:
         return
@@ -86,7 +86,7 @@ def store(name: str, arrays: dict[str, np.ndarray]) -> None:
 
 
 def cache_size() -> int:
-    """Bytes all entries take."""
+    """The size of all entries in bytes."""
     folder, size = cache_folder(), 0
     for path in _entries(folder) if folder else []:
         with suppress(OSError):  # another process may have removed it
@@ -95,7 +95,7 @@ def cache_size() -> int:
 
 
 def clear_cache() -> int:
-    """Remove every entry; the bytes freed."""
+    """Delete all entries. Returns the number of bytes freed."""
     folder = cache_folder()
     return sum(_remove(path) for path in _entries(folder)) if folder else 0
 
@@ -120,7 +120,7 @@ def _remove(path: Path) -> int:
 
 
 def _trim(folder: Path) -> None:
-    """Down to LIMIT, the least recently used first; temporary files that nobody will finish go too."""
+    """Delete the least recently used entries until LIMIT is kept, and abandoned temporary files."""
     found = []
     for path in _entries(folder):
         with suppress(OSError):
@@ -161,6 +161,6 @@ def _unpack(blob: bytes) -> dict[str, np.ndarray]:
 
 @lru_cache(maxsize=1)
 def _code_digest() -> str:
-    """Of the sources that make the entries: a change to any of them makes all old entries unreachable."""
+    """A digest of the source files that compute the entries. If one changes, no old entry is found any more."""
     here = Path(__file__).resolve().parent
     return files_digest([*sorted(here.glob("*.py")), here.parent / "scene" / "equirect.py"])

@@ -1,4 +1,4 @@
-"""An environment boiled down to what Phong's model knows: one directional light and an ambient term."""
+"""Reduces an environment to what Phong's model uses: one directional light and an ambient term."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from .prefilter import row_angles
 
 
 def ambient_and_key(irradiance: np.ndarray) -> tuple[np.ndarray, Light]:
-    """The ambient irradiance, (3,), and the key light that share the first two bands of an irradiance.
+    """The ambient irradiance, (3,), and a directional light that together have the same first two bands of spherical
+    harmonics as `irradiance`.
 
-    `irradiance` is the map of it, over pi, that `prefilter` gives. A directional light of E lux makes E/4 + E/2 n.d
-    plus higher bands (Ramamoorthi & Hanrahan 2001). So d points along the luminance of the linear band, E follows from
-    it, and what the mean has beyond E/4 is ambient.
+    `irradiance` is the map of irradiance / pi from `prefilter`. A directional light of E lux from direction d has the
+    irradiance E/4 + E/2 n.d plus higher bands (Ramamoorthi & Hanrahan 2001). So d is the direction of the luminance of
+    the linear band, and E follows from its length. The rest of the mean, beyond E/4, is ambient.
     """
     height, width = irradiance.shape[:2]
     theta, phi = row_angles(height), 2 * np.pi * ((np.arange(width) + 0.5) / width - 0.5)
@@ -23,7 +24,7 @@ def ambient_and_key(irradiance: np.ndarray) -> tuple[np.ndarray, Light]:
     rows = np.pi * irradiance[inside].astype(np.float64)
     weights = sine / sine.sum()  # of the rows, in solid angle
     mean = weights @ rows.mean(axis=1)
-    # E(n) = mean + g.n + ...: over the sphere the average of E n is g / 3
+    # E(n) = mean + g.n + higher bands, so the average of E n over the sphere is g / 3.
     x = (weights * sine) @ (rows * np.cos(phi)[:, None]).mean(axis=1)
     y = (weights * cosine) @ rows.mean(axis=1)
     z = (weights * sine) @ (rows * np.sin(phi)[:, None]).mean(axis=1)

@@ -1,4 +1,4 @@
-"""Everything the shaders need of an environment, baked once and kept."""
+"""Bakes an environment for image-based lighting, with a cache on disk."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from . import cache as disk
 from .prefilter import HEIGHT, LEVEL_ROUGHNESS, WIDTH, irradiance_map, prefilter
 from .sun import extract_sun
 
-HALF_CEILING = 32768.0  # levels are scaled to peak below this: all of half's range, whatever the map's units
+HALF_CEILING = 32768.0  # levels are scaled so that their maximum is below it and fits a half float, in any units
 
 
 @dataclass(frozen=True, eq=False)
 class BakedEnvironment:
-    """An environment prepared for image-based light, before its rotation and intensity.
+    """An environment baked for image-based lighting, without its rotation and intensity.
 
-    `levels`: the mip chain of `prefiltered.glsl`'s texture, six arrays (512, 1024, 3) to (16, 32, 3) float16, top row
-    first, wrap repeat in u and clamp in v; none where nobody asked for them. `irradiance`: over pi, (64, 128, 3)
-    float16, laid out alike. Both are in units of `scale` (a power of two): multiply what the shader looks up by it,
-    along with the intensity. `suns` are directional lights in true units that were taken out of the levels and the
-    irradiance. `background` is the map as it is, suns and all: see `background_map`.
+    `levels` is the prefiltered mip chain (shaders/light/prefiltered.glsl), six arrays (512, 1024, 3) to (16, 32, 3)
+    float16, top row first, for wrap modes repeat in u and clamp in v. It is empty if it was not requested. `irradiance`
+    is irradiance / pi, (64, 128, 3) float16, with the same layout. Both are divided by `scale` (a power of two), so
+    shaders multiply what they read by it. `suns` are directional lights, in units of the environment, that were removed
+    from the levels and the irradiance. `background` is the map with its suns, see `background_map`.
     """
 
     levels: tuple[np.ndarray, ...]
@@ -40,13 +40,14 @@ class BakedEnvironment:
 def bake_environment(
     environment: Environment, ndf: str = "ggx", cache: bool = True, levels: bool = True
 ) -> BakedEnvironment:
-    """The environment filtered for the lobes of `ndf` (one of NDFS), from the cache where that has it.
+    """The environment prefiltered for the lobes of the distribution `ndf` (one of NDFS), from the cache if possible.
 
-    A cached bake does not touch the environment's pixels, so its file is not even decoded. `cache=False` neither reads
-    nor writes the cache. Without `levels`, four fifths of the work, it serves for all but reflections.
+    A cached bake does not access the environment's pixels, so its file is not decoded. `cache=False` neither reads nor
+    writes the cache. Without `levels`, which take four fifths of the time, the result serves everything except
+    reflections. Raises InputError for an environment file that cannot be decoded.
     """
     if ndf not in NDFS:
-        raise ValueError(f"no lobe {ndf!r}; there are {', '.join(NDFS)}")
+        raise ValueError(f"there is no distribution {ndf!r}; choose one of {', '.join(NDFS)}")
     names = []
     if cache and disk.cache_folder() is not None:
         digest = environment.digest or _digest(environment.radiance)
@@ -56,29 +57,29 @@ def bake_environment(
             if stored is not None:
                 return _from_arrays(stored)
     arrays = _bake(environment, ndf, levels)
-    trim_heap()  # 40 MB that nothing else will want
+    trim_heap()  # baking leaves 40 MB of free memory that nothing else uses
     if names:
         disk.store(names[-1], arrays)
     return _from_arrays(arrays)
 
 
 def is_baked(environment: Environment, ndf: str = "ggx") -> bool:
-    """Whether the cache has all of it. Pixels are not touched for that: where only they tell, it has not."""
+    """Whether the cache has the whole bake. If the environment has no digest this is False; pixels are not hashed."""
     return bool(environment.digest) and disk.has(disk.key("environment", environment.digest, ndf))
 
 
 def background_map(radiance: np.ndarray) -> np.ndarray:
-    """The map in half floats where they reach; one with a sun above their range keeps its single ones."""
+    """The map as float16, or as float32 if its values (a sun's) exceed the range of float16."""
     return radiance.astype(np.float16) if radiance.max() < 65504 else radiance
 
 
 def _bake(environment: Environment, ndf: str, with_levels: bool) -> dict[str, np.ndarray]:
     radiance = environment.radiance
     arrays = {"background": background_map(radiance)}
-    # A map far larger than the levels is shrunk first: the sun is compact in those, too, and found much sooner.
-    rest, suns = extract_sun(replace(environment, source=shrink(radiance, HEIGHT, WIDTH)))
+    # A map much larger than the levels is reduced first. A sun is still compact then, and found much faster.
+    sunless, suns = extract_sun(replace(environment, source=shrink(radiance, HEIGHT, WIDTH)))
     del radiance
-    levels, irradiance = prefilter(rest.radiance, ndf) if with_levels else ([], irradiance_map(rest.radiance))
+    levels, irradiance = prefilter(sunless.radiance, ndf) if with_levels else ([], irradiance_map(sunless.radiance))
     peak = max(float(level.max()) for level in [*levels, irradiance])
     scale = 2.0 ** np.ceil(np.log2(peak / HALF_CEILING)) if peak > 0 else 1.0
     arrays |= {f"level{k}": (level * np.float32(1 / scale)).astype(np.float16) for k, level in enumerate(levels)}
@@ -93,7 +94,7 @@ def _from_arrays(arrays: dict[str, np.ndarray]) -> BakedEnvironment:
     suns = (row.tolist() for row in arrays["suns"])
     return BakedEnvironment(
         levels=tuple(arrays[f"level{k}"] for k in range(len(LEVEL_ROUGHNESS)) if f"level{k}" in arrays),
-        irradiance=arrays["irradiance"].copy(),  # a view of it would keep all that was read with it
+        irradiance=arrays["irradiance"].copy(),  # a view would keep the whole cache entry in memory
         scale=float(arrays["scale"][0]),
         suns=tuple(Light("directional", tuple(r[3:6]), r[6], direction=tuple(r[:3]), angular_radius=r[7], name="sun")
                    for r in suns),

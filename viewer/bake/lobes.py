@@ -1,8 +1,9 @@
-"""The lobes an environment is filtered with, as functions of the angle from the mirror direction, and their spectra.
+"""The lobes that an environment is prefiltered with, as functions of the angle from the mirror direction, and their
+spectra.
 
-With the viewer on the normal and on the mirror direction (n = v = r, Karis 2013 "Real Shading in Unreal Engine 4") a
-microfacet lobe weighs light from an angle theta by D(theta / 2) cos(theta) and nothing else: the Jacobian
-1 / (4 VoH) cancels against VoH, and masking is left to the DFG table.
+For a view along the normal (n = v = r; Karis 2013, "Real Shading in Unreal Engine 4") a microfacet lobe weights light
+at an angle theta by D(theta / 2) cos(theta). The Jacobian 1 / (4 VoH) cancels against VoH, and the DFG table accounts
+for masking.
 """
 
 from __future__ import annotations
@@ -13,10 +14,10 @@ from ..settings import NDFS
 
 
 def lobe(ndf: str, alpha: float, theta: np.ndarray) -> np.ndarray:
-    """The weight of light from `theta` (radians from the mirror direction), not normalised; 0 past the horizon.
+    """The weight of light at the angle `theta` from the mirror direction, in radians. It is 0 below the horizon.
 
-    D as in Walter 2007, without its normalisation; Blinn-Phong's exponent is 2 / alpha^2 - 2. (Phong's own lobe,
-    cos^s about the mirror direction, is close to Blinn-Phong's with half the alpha.)
+    It is not normalised. D is as in Walter 2007, without its normalisation; Blinn-Phong's exponent is
+    2 / alpha^2 - 2. (Phong's lobe, cos^s about the mirror direction, is close to Blinn-Phong's with half the alpha.)
     """
     cos_half, tan_half, cos_light = np.cos(theta / 2), np.tan(theta / 2), np.cos(theta)
     if ndf == "ggx":
@@ -26,15 +27,15 @@ def lobe(ndf: str, alpha: float, theta: np.ndarray) -> np.ndarray:
     elif ndf == "blinn-phong":
         density = cos_half ** (2 / alpha**2 - 2)
     else:
-        raise ValueError(f"no lobe {ndf!r}; there are {', '.join(NDFS)}")
+        raise ValueError(f"there is no distribution {ndf!r}; choose one of {', '.join(NDFS)}")
     return density * np.maximum(cos_light, 0)
 
 
 def lobe_spectrum(ndf: str, alpha: float, degree: int) -> np.ndarray:
-    """lambda_0 .. lambda_degree of the lobe normalised to integrate to 1 over the sphere (so lambda_0 = 1), float64.
+    """lambda_0 .. lambda_degree of the lobe, normalised to integrate to 1 over the sphere (so lambda_0 = 1), float64.
 
-    Gauss-Legendre quadrature in panels that grow with the distance from the peak, 48 nodes each, enough for twelve
-    waves of P_255 across the widest.
+    The integrals use Gauss-Legendre quadrature in panels that grow with the distance from the peak. Each panel has 48
+    nodes, enough for the twelve oscillations of P_255 in the widest one.
     """
     edges = [0.0, 0.5 * alpha]
     while edges[-1] < np.pi / 2:

@@ -1,4 +1,4 @@
-"""An environment as directional lights: directions drawn from it by importance, which add up to it.
+"""Approximates an environment by directional lights, whose directions are importance-sampled from it.
 
 Agarwal et al. 2003, "Structured Importance Sampling of Environment Maps".
 """
@@ -12,32 +12,33 @@ import numpy as np
 from ..scene.color import LUMINANCE
 from .prefilter import MARGIN
 
-EVEN = 0.3
-"""Share of the lights spread evenly over the sphere: surfaces that see only the map's dark side need some, too."""
+UNIFORM_FRACTION = 0.3
+"""The fraction of the lights that is spread uniformly over the sphere, for surfaces that see only dark parts of the
+map."""
 _GOLDEN = (np.sqrt(5) - 1) / 2
 
 
 @dataclass(frozen=True, eq=False)
 class ManyLights:
     directions: np.ndarray
-    """To the lights, (N, 3) float64, unit length, before the environment's rotation."""
+    """Unit vectors to the lights, (N, 3) float64, without the environment's rotation."""
     irradiance: np.ndarray
-    """Of a surface facing each, (N, 3) float64: the radiance over its density, over N."""
+    """The irradiance of a surface that faces the light, (N, 3) float64: radiance / (probability density * N)."""
 
 
 def many_lights(level: np.ndarray, count: int) -> ManyLights:
-    """`count` lights from a level of an environment's mip chain (H, W, 3), with its margin.
+    """`count` lights sampled from a level of an environment's mip chain (H, W, 3), which has a margin at the poles.
 
-    They are the same wherever they are asked for: a golden-ratio lattice warped by the map's luminance, first over its
-    rows, then along each.
+    The sampling is deterministic: a golden-ratio lattice is warped by the map's luminance, first over the rows and then
+    within a row.
     """
     height, width = level.shape[:2]
     radiance = level.astype(np.float64)
     edges = np.pi * np.clip((np.arange(height + 1) / height - MARGIN) / (1 - 2 * MARGIN), 0, 1)
-    heights = np.cos(edges[:-1]) - np.cos(edges[1:])  # none beyond the poles
+    heights = np.cos(edges[:-1]) - np.cos(edges[1:])  # 0 for rows beyond the poles
     luminance = radiance @ LUMINANCE
     mean = heights @ luminance.mean(axis=1) / heights.sum()
-    density = (1 - EVEN) * luminance + EVEN * mean if mean > 0 else np.ones_like(luminance)
+    density = ((1 - UNIFORM_FRACTION) * luminance + UNIFORM_FRACTION * mean) if mean > 0 else np.ones_like(luminance)
     rows = heights * density.mean(axis=1)
     _, row, rest = _warp(rows[None], np.zeros(count, int), (np.arange(count) + 0.5) / count)
     x, column, _ = _warp(density, row, (np.arange(count) + 0.5) * _GOLDEN % 1)
@@ -50,7 +51,10 @@ def many_lights(level: np.ndarray, count: int) -> ManyLights:
 
 
 def _warp(weights: np.ndarray, row: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Where u in (0, 1) falls by the weights of `row`: the place in cells, the cell, and how far into it."""
+    """Inverts the cumulative distribution of the weights of `row` (N,) at `u` (N,) in (0, 1).
+
+    Returns the position in cells, the cell, and the position within the cell in [0, 1], each (N,).
+    """
     sums = np.cumsum(weights, axis=1)[row]
     target = u * sums[:, -1]
     cell = np.minimum((sums <= target[:, None]).sum(axis=1), weights.shape[1] - 1)

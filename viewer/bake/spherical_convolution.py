@@ -1,14 +1,15 @@
-"""Convolution of an equirectangular map with kernels that depend only on the angle, by spherical harmonics.
+"""Convolves an equirectangular map with rotationally symmetric (zonal) kernels, by spherical harmonics.
 
-Such a kernel scales every harmonic of degree l by one number (Funk-Hecke; Driscoll and Healy 1994):
+Such a kernel scales all harmonics of degree l by one number (Funk-Hecke; Driscoll and Healy 1994):
 
     f = sum_lm a_lm Y_lm   =>   (K * f) = sum_lm lambda_l a_lm Y_lm,
     lambda_l = 2 pi integral K(theta) P_l(cos theta) sin theta dtheta
 
-so the cost does not grow with the width of the kernel, and a filter for a rough surface is as exact as one for a
-smooth surface. The harmonics are taken about +Y, the maps' own axis: Y_lm = P_lm(cos theta) e^(i m phi) / sqrt(2 pi)
-with the integral of P_lm^2 over cos theta equal to 1. Longitude is then a Fourier transform, and latitude one small
-matrix product per order m. Rows i and H-1-i share their Legendre values up to the sign (-1)^(l-m).
+So the cost does not depend on the width of the kernel, and a filter for a rough surface is as exact as one for a smooth
+surface. The axis of the harmonics is +Y, as that of the maps: Y_lm = P_lm(cos theta) e^(i m phi) / sqrt(2 pi), where
+the integral of P_lm^2 over cos theta is 1. The transform along longitude is then a Fourier transform, and along
+latitude one small matrix product for each order m. Rows i and H-1-i have the same Legendre values up to the sign
+(-1)^(l-m).
 """
 
 from __future__ import annotations
@@ -20,15 +21,15 @@ import numpy as np
 
 from ..scene.equirect import sphere_integral, texel_solid_angles
 
-ORDERS_AT_ONCE = 16  # bounds the Legendre table: 16 x 256 degrees x 480 rows in float32 is 8 MB
+ORDERS_AT_ONCE = 16  # limits the Legendre table: 16 orders x 256 degrees x 480 rows in float32 take 8 MB
 
 
 @dataclass(frozen=True)
 class Filter:
-    """A kernel by its `spectrum` (lambda_0 .. lambda_L), and the map wanted of it by its rows.
+    """A kernel, given by its `spectrum` lambda_0 .. lambda_L, and the rows of the map that it shall produce.
 
-    `theta` is that of the upper half; the lower half mirrors it, and the map is twice as wide as high. A theta
-    below 0 lies beyond the pole, and gets what is there: the values at -theta half a turn on.
+    `theta` has the polar angles of the rows of the upper half; the lower half mirrors them, and the map is twice as
+    wide as high. A negative theta is beyond the pole: its row has the values at -theta, rotated by half a turn.
     """
 
     theta: np.ndarray
@@ -40,11 +41,12 @@ class Filter:
 
 
 def convolve(radiance: np.ndarray, filters: Sequence[Filter]) -> list[np.ndarray]:
-    """The maps, (h, 2h, 3) float32, one per filter.
+    """One filtered map, (h, 2h, 3) float32, for each filter.
 
-    `radiance` (H, W, 3) has an even height above every filter's degree. Texels count as constant over their solid
-    angle, and the mean is taken out before the transform, so a constant map comes back exactly and no kernel with
-    lambda_0 = 1 changes the total. Degrees from a filter's height upwards are dropped: its map could not show them.
+    `radiance` (H, W, 3) must have an even height greater than the degree of every filter. Texels are taken as constant
+    over their solid angle. The mean is removed before the transform, so a constant map is reproduced exactly, and a
+    kernel with lambda_0 = 1 does not change the total. Degrees at or above a filter's height are dropped, since its map
+    could not represent them.
     """
     height = len(radiance)
     half = height // 2
@@ -76,12 +78,14 @@ def convolve(radiance: np.ndarray, filters: Sequence[Filter]) -> list[np.ndarray
 
 
 def legendre_tables(degree: int, theta: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
-    """Normalised P_lm(cos theta) for m <= l <= degree: yields (first m, (orders, degree + 1, N) float32) blockwise.
+    """Normalised P_lm(cos theta) for m <= l <= degree, in blocks of orders: yields (first m, table), where the table is
+    (orders, degree + 1, N) float32.
 
-    Each block takes the place of the one before; its rows l < first are not set.
+    Each block overwrites the one before. Its rows l < first are not set.
 
-    Three-term recurrence in l from P_mm = sqrt((2m+1)/2m) sin(theta) P_(m-1)(m-1), stable upwards; kept in float64,
-    because rounding grows with l, and stored in float32, because afterwards it is only summed.
+    The values follow from a three-term recurrence in l that starts with
+    P_mm = sqrt((2m+1)/2m) sin(theta) P_(m-1)(m-1) and is stable for increasing l. It runs in float64, because rounding
+    errors grow with l. The table is float32, because the values are only summed afterwards.
     """
     sines, cosines = np.sin(theta), np.cos(theta)
     sectoral = np.full(len(theta), np.sqrt(0.5))
@@ -91,8 +95,8 @@ def legendre_tables(degree: int, theta: np.ndarray) -> Iterator[tuple[int, np.nd
         table = whole[:len(orders)]
         table[:, first:first + len(orders)] = 0  # where l < m
         last, older, scratch = (np.zeros((len(orders), len(theta))) for _ in range(3))
-        for l in range(first, degree + 1):  # noqa: E741  its name wherever harmonics are written about
-            begun = min(l - first, len(orders))  # orders m < l go by the recurrence; m = l starts
+        for l in range(first, degree + 1):  # noqa: E741  the usual name for the degree of a harmonic
+            begun = min(l - first, len(orders))  # orders m < l follow the recurrence; m = l starts
             if begun:
                 m2 = (orders[:begun, None] ** 2).astype(np.float64)
                 lead = np.sqrt((4.0 * l * l - 1) / (l * l - m2))
@@ -119,7 +123,7 @@ def _longitude_waves(radiance: np.ndarray, mean: np.ndarray, degree: int) -> np.
     m = np.arange(degree + 1)
     phase = np.exp(-1j * m * (np.pi / width - np.pi))
     waves = np.empty((2, degree + 1, half, 3), np.complex64)
-    for channel in range(3):  # one at a time: the transform's own copies are the peak of the bake's memory
+    for channel in range(3):  # one by one: the copies made by the transform are the bake's peak of memory
         upper = radiance[:half, :, channel] - np.float32(mean[channel])
         lower = radiance[:half - 1:-1, :, channel] - np.float32(mean[channel])
         for parity, rows in enumerate((upper + lower, upper - lower)):

@@ -1,7 +1,8 @@
-"""A sun in an environment, taken out and made a directional light.
+"""Extracts suns from an environment as directional lights.
 
-A sun holds most of an outdoor map's energy in a handful of texels: no filtered map or low-order irradiance shows it
-well, half floats cannot hold it, and it should cast a shadow. Energy is booked: what leaves the map is the light's.
+A sun contains most of an outdoor map's energy in a few texels. Filtered maps and low-order irradiance represent it
+badly, half floats cannot store it, and it should cast a shadow. Energy is conserved: what is removed from the map
+becomes the light.
 """
 
 from __future__ import annotations
@@ -15,36 +16,37 @@ from ..scene.environment import Environment
 from ..scene.equirect import texel_directions, texel_solid_angles
 from ..scene.light import Light
 
-SHARE = 0.15  # of the whole map's energy: the suns of real skies hold 0.5 and more, single lamps 0.1 and less
-CORE, DISK, RING = np.radians([1.5, 2.5, 5.0])  # half angles; a sun with its glare in a camera's lens is 1 degree wide
-MOST = 3
+MIN_FRACTION = 0.15  # of the map's energy: suns of real skies have 0.5 or more, single lamps 0.1 or less
+CORE, DISK, RING = np.radians([1.5, 2.5, 5.0])  # half angles; a photographed sun with its lens glare is 1 degree wide
+MAX_SUNS = 3
 
 
 def extract_sun(environment: Environment) -> tuple[Environment, list[Light]]:
-    """The environment without its suns, and those as directional lights, before its rotation and intensity.
+    """The environment without its suns, and the suns as directional lights, without its rotation and intensity.
 
-    A sun is a spot of DISK's size that outshines the ring around it by SHARE of all energy on the map, nine tenths of
-    that within CORE; soft boxes, windows and strings of lamps are none. It is lowered to the ring's median radiance;
-    the light's `intensity` is the integral of what was removed over solid angle (lux: irradiance facing it), its
-    direction that integral's centroid, its `angular_radius` that of a disk of the sun's mean radiance, each part of it
-    weighed by the light it sends. Without a sun the same environment comes back.
+    A sun is a spot within the angle DISK whose energy above the ring around it (up to RING) is at least MIN_FRACTION of
+    the map's energy, with nine tenths of that within CORE. Soft boxes, windows and strings of lamps do not count. Its
+    texels are lowered to the ring's median radiance. The light's `intensity` is the integral of the removed radiance
+    over solid angle (in lux, the irradiance of a surface facing it), and its direction is the centroid of that
+    integral. Its `angular_radius` is that of a disk with the same energy and with the sun's mean radiance, weighted by
+    energy. Without a sun the same environment is returned.
     """
     radiance = environment.radiance
     height, width = radiance.shape[:2]
     lights: list[Light] = []
-    if width * CORE < 2 * np.pi:  # a texel wider than a sun says nothing about compactness
+    if width * CORE < 2 * np.pi:  # with texels wider than a sun, compactness cannot be judged
         return environment, lights
     solid_angles = texel_solid_angles(height, width)
     luminance = radiance @ LUMINANCE.astype(np.float32)
     total = width * float(solid_angles @ luminance.mean(axis=1, dtype=np.float64))
-    for _ in range(MOST):
+    for _ in range(MAX_SUNS):
         peak = divmod(int(luminance.argmax()), width)
-        # No spot of this size can hold the share unless its peak could, spread over all of it.
-        if luminance[peak] * np.pi * DISK**2 <= SHARE * total:
+        # The peak's luminance over the whole spot is an upper bound of the spot's energy.
+        if luminance[peak] * np.pi * DISK**2 <= MIN_FRACTION * total:
             break
         spot = _Spot(radiance, peak, solid_angles)
         excess = spot.removed @ LUMINANCE
-        if excess.sum() < SHARE * total or excess[spot.angle < CORE].sum() < 0.9 * excess.sum():
+        if excess.sum() < MIN_FRACTION * total or excess[spot.angle < CORE].sum() < 0.9 * excess.sum():
             break
         if not lights:
             radiance = radiance.copy()
@@ -55,7 +57,8 @@ def extract_sun(environment: Environment) -> tuple[Environment, list[Light]]:
 
 
 class _Spot:
-    """The texels within DISK of the brightest: where they are, what is removed (radiance x solid angle), what stays."""
+    """The texels within DISK of the brightest one: their positions, the energy removed from each (radiance x solid
+    angle, `removed`), and the radiance that remains (`lowered`)."""
 
     def __init__(self, radiance: np.ndarray, peak: tuple[int, int], solid_angles: np.ndarray) -> None:
         height, width = radiance.shape[:2]

@@ -1,4 +1,4 @@
-"""Arrays of records as textures, for shaders that read them by index."""
+"""Uploads arrays of records as textures, for shaders that read them by index."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ _DTYPES = {"uint8": "f1", "float16": "f2", "float32": "f4", "int32": "i4", "uint
 def row_texture(
     gl: moderngl.Context, texels: np.ndarray, too_many: ViewerError, width: int | None = None
 ) -> moderngl.Texture:
-    """(N, C) texels, row after row of a texture: shaders find texel i at (i % width, i / width).
+    """A texture that holds (N, C) `texels` row by row: texel i is at (i % width, i / width).
 
-    `width` is the number of texels in a row; None: 4096, or as many more as `texels` need. uint8 are read as [0, 1].
-    Raises `too_many` for more texels than a texture of this OpenGL holds.
+    `width` is the number of texels per row. None means 4096, or more if `texels` need it. Shaders read uint8 as [0, 1].
+    Raises the exception `too_many` if the texels exceed OpenGL's maximum texture size.
     """
     limit = gl.info["GL_MAX_TEXTURE_SIZE"]
     if width is None:

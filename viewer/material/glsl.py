@@ -1,6 +1,6 @@
-"""The GLSL by which shaders read a material, written from its declaration into shaders/material/.
+"""Generates the GLSL code that reads a material, shaders/material/*.glsl, from the declaration of materials.
 
-`python -m viewer.material` writes the files; a test compares them with what this makes.
+`python -m viewer.material` writes the files. A test checks that they are up to date.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ _HEAD = "// Written by `python -m viewer.material` from viewer/scene/material.py
 
 
 def files() -> dict[str, str]:
-    """The text of each file of shaders/material, by its name."""
+    """The name and the text of each file of shaders/material."""
     return {"inputs.glsl": _HEAD + _inputs(), "uniforms.glsl": _HEAD + _uniforms(), "records.glsl": _HEAD + _records()}
 
 
@@ -25,19 +25,20 @@ def _inputs() -> str:
     members = [p for p in PARAMETERS.values() if p.info.role == "input"]
     lines = [f"    {_type(p)} {p.name};{' ' * max(30 - len(_type(p)) - len(p.name), 1)}// {p.info.meaning}{_unit(p)}"
              for p in members]
-    kept = [m for m in MAPS.values() if m.info.raw_channels]
-    lines += [f"    {_TYPES[len(m.info.raw_channels)]} {m.name}_texel; // {m.info.raw_channels} of its map" for m in kept]
-    defaults = ", ".join([*map(_literal, members), *map(_neutral, kept)])
+    raw_maps = [m for m in MAPS.values() if m.info.raw_channels]
+    lines += [f"    {_TYPES[len(m.info.raw_channels)]} {m.name}_texel; // channels {m.info.raw_channels} of the map"
+              for m in raw_maps]
+    defaults = ", ".join([*map(_literal, members), *map(_neutral, raw_maps)])
     return "\n".join([
-        "// What a material is at one point: its parameters, with maps and vertex colours multiplied in.",
+        "// A material's parameters at one point of a surface, multiplied by its maps and vertex colours.",
         "struct MaterialInputs {", *lines, "};", "",
         "const MaterialInputs DEFAULT_INPUTS = MaterialInputs(",
         *fill(f"{defaults});", 110, initial_indent="    ", subsequent_indent="    ").splitlines(), ""])
 
 
 def _uniforms() -> str:
-    """The raster's: a uniform for each parameter, a sampler for each map that the program's switches name."""
-    lines = ["// A material's parameters as uniforms, and its maps as samplers (raster/attributes.glsl).",
+    """The raster's file: a uniform for each parameter, and a sampler for each map that the program's switches name."""
+    lines = ["// Reads a material for the raster, from uniforms and samplers (raster/attributes.glsl).",
              '#include "material/inputs.glsl"', '#include "raster/attributes.glsl"', ""]
     shown = [p for p in PARAMETERS.values() if p.info.role != "python"]
     lines += _guarded(shown, "uniform {type} u_{name};")
@@ -59,8 +60,8 @@ def _uniforms() -> str:
 
 
 def _records() -> str:
-    """The path tracer's: values and maps from the scene buffer, maps in two runs of records."""
-    lines = ["// A material's parameters and maps as the path tracer has them (viewer/material/pack.py).",
+    """The path tracer's file: parameters come from the scene buffer, maps from two atlases of textures."""
+    lines = ["// Reads a material for the path tracer, from the scene buffer (viewer/material/pack.py).",
              '#include "material/inputs.glsl"', '#include "trace/scene_buffer.glsl"', "#if HAS_TEXTURES",
              '#include "trace/atlas.glsl"', "#endif", "", "uniform int u_materials;", ""]
     for roles in (COLOR_ROLES, DATA_ROLES):
@@ -71,10 +72,11 @@ def _records() -> str:
     for name, place in RECORD.items():
         lines += [f"{_TYPES[place.size]} {name}_factor(int material) {{",
                   f"    return scene_float4(material_texel(material, {place.texel})).{place.swizzle};", "}", ""]
-    lines += ["// Where the material's maps are: runs of colours and of data, first | count << 24; the normal map + 1",
+    lines += ["// The records of the material's maps: x colour maps and y data maps, as index of the first record |",
+              "// number of records << 24; z the normal map's record + 1, or 0",
               "uvec4 map_records(int material) {",
               f"    return scene_uint4(material_texel(material, {MAPS_TEXEL}));", "}", "",
-              "// `color` is the vertices'.",
+              "// `color` is the interpolated vertex colour.",
               "MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {",
               "    MaterialInputs m = DEFAULT_INPUTS;"]
     shown = [p for p in PARAMETERS.values() if p.info.role == "input" and p.info.path_traced]
@@ -96,9 +98,9 @@ def _records() -> str:
 
 
 def _guarded(parameters: Iterable[Parameter], text: str, has_unlit: bool = True) -> list[str]:
-    """A line for each parameter, under #if where only some programs have it.
+    """A line for each parameter, inside an #if if only some programs declare it.
 
-    With `has_unlit` there are programs without light, HAS_NORMAL 0, which have few of them.
+    With `has_unlit` there are unlit programs (HAS_NORMAL is 0), which declare only few parameters.
     """
     lines: list[str] = []
     conditions = {True: "", False: "HAS_NORMAL"} if has_unlit else {True: "", False: ""}
@@ -114,9 +116,10 @@ def _guard(p: Parameter, conditions: Mapping[bool, str]) -> str:
 
 
 def _products(source: Map) -> list[str]:
-    """What becomes of a texel: it multiplies parameters, or is kept as it is."""
+    """The lines that apply a texel: it multiplies parameters, and its raw channels are stored."""
     lines = [f"m.{p.name} *= texel.{_swizzle(p)};" for p in multiplied_by(source.name)]
-    return lines + ([f"m.{source.name}_texel = texel.{source.info.raw_channels.lower()};"] if source.info.raw_channels else [])
+    raw = source.info.raw_channels
+    return lines + ([f"m.{source.name}_texel = texel.{raw.lower()};"] if raw else [])
 
 
 def _neutral(source: Map) -> str:

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from ..errors import UsageError
 from ..material.fold import without_constant_maps
-from ..material.use import supported_by_mesh, feature_switches, metalness, used_maps
+from ..material.use import feature_switches, metalness, supported_by_mesh, used_maps
 from ..scene.convex import is_convex
 from ..scene.light import Light
 from ..scene.material import ANISOTROPY, Material, Texture

@@ -144,7 +144,7 @@ class Material:
         "transmissionTexture", "fraction of the light entering the dielectric that is transmitted", of=TRANSMISSION,
         channels="R", has_effect=lambda m: m.is_dielectric and m.transmits)
     thickness: float = parameter(
-        0.0, "thicknessFactor", "thickness of the volume; 0: thin-walled", of=VOLUME, low=0.0, times="thickness.G",
+        0.0, "thicknessFactor", "thickness of the volume (0: thin-walled)", of=VOLUME, low=0.0, times="thickness.G",
         unit="mesh units", path_traced=False)
     thickness_texture: Texture | None = texture_map(
         "thicknessTexture", "thickness of the volume", of=VOLUME, channels="G", path_traced=False,
