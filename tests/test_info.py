@@ -42,7 +42,7 @@ def test_the_plan_follows_the_settings():
     lit = scene.relit(environment=load_environment("furnace"))
     assert "background" in describe_scene(lit, Settings())["plan"]["passes"]
     left_out = describe_scene(lit, Settings(background="none"))["plan"]["left_out"]
-    assert "the environment as background: not asked for" in left_out
+    assert "the environment as background: not requested" in left_out
 
 
 def test_text_has_a_line_for_each_fact():

@@ -16,8 +16,8 @@ from viewer.errors import ContextError, UsageError
 from viewer.gpu.context import open_context
 from viewer.gpu.programs import Programs
 from viewer.plan.planner import MAX_LIGHTS, MAX_SHADOW_LAYERS, environment_use, plan_scene
-from viewer.plan.sharing import OWN_PROGRAMS
-from viewer.plan.warnings import foreseen
+from viewer.plan.sharing import MIN_PROGRAMS_TO_SHARE
+from viewer.plan.warnings import picture_warnings
 from viewer.scene.environment import Environment
 from viewer.scene.light import Light
 from viewer.scene.material import Material, Sampler, Texture, UVTransform
@@ -303,18 +303,18 @@ def test_many_programs_are_shared():
     found = plan(many)
     assert len(kinds) == 16 and len(found.programs) == 1 and "shared" in found.used[0]
     assert {draw.blank_maps for draw in found.draws} == {(), ("base_color",)}
-    few = replace(many, instances=many.instances[:OWN_PROGRAMS])
-    assert len(plan(few).programs) == OWN_PROGRAMS
+    few = replace(many, instances=many.instances[:MIN_PROGRAMS_TO_SHARE - 1])
+    assert len(plan(few).programs) == MIN_PROGRAMS_TO_SHARE - 1
 
 
 def test_lights_that_do_not_fit_are_told():
     many = plan(scene(lights=(Light("point"),) * (MAX_LIGHTS + 7)))
-    assert f"7 of {MAX_LIGHTS + 7} lights, the faintest: a program holds no more" in many.left_out
+    assert f"the 7 faintest of {MAX_LIGHTS + 7} lights: a program can have no more" in many.left_out
     crowd = scene(lights=(Light("point"),) * (MAX_LIGHTS + 7))
-    [warning] = foreseen(crowd, "pbr")
-    assert f"of its {MAX_LIGHTS + 7} lights the {MAX_LIGHTS} brightest are shown" in warning
-    assert not foreseen(crowd, "path") and not foreseen(scene(lights=(SUN,)), "pbr")
-    assert "will be black" in foreseen(scene(), "pbr")[0]
+    [warning] = picture_warnings(crowd, "pbr")
+    assert f"only the {MAX_LIGHTS} brightest of {MAX_LIGHTS + 7} lights are shown" in warning
+    assert not picture_warnings(crowd, "path") and not picture_warnings(scene(lights=(SUN,)), "pbr")
+    assert "will be black" in picture_warnings(scene(), "pbr")[0]
 
 
 def test_what_is_saved_is_counted():

@@ -349,9 +349,9 @@ def _leaves_mode_open(settings: Any) -> bool:
 def _warn(model: str, scene: Any, options: dict[str, Any]) -> None:
     if options["quiet"]:
         return
-    from .plan.warnings import foreseen
+    from .plan.warnings import picture_warnings
 
-    for warning in [*scene.warnings, *foreseen(scene, options.get("mode", "pbr"))]:
+    for warning in [*scene.warnings, *picture_warnings(scene, options.get("mode", "pbr"))]:
         say(f"{model}: warning: {warning}")
 
 

@@ -168,5 +168,5 @@ def test_the_plan_says_what_is_traced():
     assert any("a ray from each shaded point" in line for line in smooth.used)
     assert "reflections" in smooth.to_json()["passes"]
     assert "traced reflections: no opaque surface is smooth enough" in rough.left_out
-    assert "traced reflections: not asked for" in off.left_out
+    assert "traced reflections: not requested" in off.left_out
     assert not rough.has_traced_reflections and not off.has_traced_reflections

@@ -113,7 +113,7 @@ def test_what_is_no_environment_is_one_line(tmp_path):
     (tmp_path / "notes.txt").write_text("hello")
     png = write(tmp_path / "a.png", random_map(), "uint8")
     png.rename(tmp_path / "png.hdr")
-    for name, text in {"absent.hdr": "no such file", "folder.hdr": "is a folder", "notes.txt": ".txt files cannot be read",
+    for name, text in {"absent.hdr": "no such file", "folder.hdr": "is a folder", "notes.txt": ".txt files cannot be",
                        "stduio": "studio, sky, furnace", "png.hdr": "is a png file"}.items():
         with pytest.raises(InputError, match=text) as error:
             load_environment(tmp_path / name).radiance  # noqa: B018

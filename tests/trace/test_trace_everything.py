@@ -29,7 +29,7 @@ def test_same_samples(tracer, name, light):
     camera = Camera.framing(scene.center, scene.radius, 1.0)
     needed, all_on = (tracer.render(scene, camera, Settings(mode="path", plan=plan, spp=4, bounces=4), SIZE)
                       for plan in ("needed", "everything"))
-    assert all_on.stats["plan"]["left_out"] == ["nothing, as was asked for"]
+    assert all_on.stats["plan"]["left_out"] == ["nothing, as requested"]
     difference = np.abs(needed.linear - all_on.linear) / (np.abs(needed.linear) + 1e-2)
     assert np.isfinite(all_on.linear).all() and (difference.max(axis=2) > 1e-3).mean() <= 0.02
     assert abs(needed.linear.mean() - all_on.linear.mean()) <= 0.01 * needed.linear.mean()

@@ -1,1 +1,1 @@
-"""What of a scene is needed to show it: programs, maps and passes, and what was left out."""
+"""The plan of a picture: the shader programs, maps and passes that a scene needs, and what is left out."""

@@ -1,4 +1,4 @@
-"""The switches of shaders/bsdf that the settings give, the same for both renderers."""
+"""The switches of shaders/bsdf that follow from the settings, the same for both renderers."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from ..settings import MASKINGS, NDFS, Settings
 
 
 def feature_switches_shown(switches: Mapping[str, int], settings: Settings) -> dict[str, int]:
-    """The switches of a material's features, without those that the settings cannot show: only GGX is stretched."""
+    """The switches of a material's features, without those that the settings exclude: only GGX can be anisotropic."""
     off = [] if settings.ndf == "ggx" else [ANISOTROPY.switch]
     return {**switches, **dict.fromkeys(off, 0)}
 
 
 def bsdf_switches(settings: Settings) -> dict[str, int]:
-    """The Cook-Torrance factors D, G and F, multiple scattering, and which contributions are shown."""
+    """The switches for the Cook-Torrance factors D, G and F, multiple scattering, and the contributions to show."""
     return {
         "NDF": NDFS.index(settings.ndf),
         "MASKING": MASKINGS.index(settings.masking),

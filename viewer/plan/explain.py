@@ -1,4 +1,4 @@
-"""Explains a plan in words: what of the scene is used, what was left out and why, and what that saved."""
+"""Explains a plan in text: what of the scene is used, what is left out and why, and what that saves."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from ..settings import Settings
 from .model import Draw, Plan
 from .samplers import MAX_SAMPLERS
 
-_LEVELS_MB = sum((512 >> k) * (1024 >> k) * 6 for k in range(6)) / 1e6  # three half floats a texel
+_LEVELS_MB = sum((512 >> k) * (1024 >> k) * 6 for k in range(6)) / 1e6  # three half floats per texel
 _LEVELS_BAKE_S = 0.11
-"""Seconds of one core, with the map in memory; needed once where the cache is on."""
+"""Seconds on one core, with the map in memory. With the cache on disk it is needed only once."""
 _DFG_MB = 64 * 128 * 16 / 1e6
 _TILE_MB = 2048 * 2048 * 4 / 1e6
 _ATTRIBUTE_BYTES = {"a_normal": 12, "a_tangent": 16, "a_color": 16, "a_uv0": 8, "a_uv1": 8}
@@ -33,14 +33,14 @@ class Explanation(TypedDict):
 
 
 def explain(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Light]) -> Explanation:
-    """The fields of `plan` that explain the others; `lights` are all lights, those that were left out included."""
+    """The fields `used`, `left_out` and `saved` of the plan. `lights` are all lights, including those left out."""
     if plan.is_everything:
-        return {"used": _used(plan), "left_out": ("nothing, as was asked for",), "saved": {}}
-    images, left_out = _idle_images(plan, scene)
-    bakes = _missing_bakes(plan, settings)
+        return {"used": _used(plan), "left_out": ("nothing, as requested",), "saved": {}}
+    images, left_out = _unused_images(plan, scene)
+    bakes = _skipped_bakes(plan, settings)
     saved = {
         "texture_mb": round(sum(map(texture_bytes, images)) / 1e6 + sum(mb for _, mb, _ in bakes), 3),
-        "buffer_mb": round(_idle_attributes(plan, scene) / 1e6, 3),
+        "buffer_mb": round(_unused_attributes(plan, scene) / 1e6, 3),
         "bake_s": round(sum(seconds for _, _, seconds in bakes), 2),
     }
     return {"used": _used(plan), "saved": saved,
@@ -51,36 +51,36 @@ def _used(plan: Plan) -> tuple[str, ...]:
     lines = []
     if plan.draws:
         shared = sum(bool(draw.blank_maps) for draw in plan.draws) and not plan.is_everything
-        lines.append(f"{_many(len(plan.draws), 'draw')} by {_many(len(plan.programs), 'program')}"
-                     + ", shared because there would be many" * bool(shared))
+        lines.append(f"{_count(len(plan.draws), 'draw')} with {_count(len(plan.programs), 'program')}"
+                     + ", some shared to compile fewer" * bool(shared))
     if plan.lights:
         kinds = Counter(light.kind for light in plan.lights)
-        tiles = f"; {_many(plan.shadow_layer_count, 'tile')} of shadow map" * bool(plan.shadow_layer_count)
+        tiles = f"; {_count(plan.shadow_layer_count, 'shadow map tile')}" * bool(plan.shadow_layer_count)
         lines.append("lights: " + ", ".join(f"{count} {kind}" for kind, count in kinds.items()) + tiles)
     if plan.environment or plan.ambient:
-        parts = ["its filtered levels"] * plan.reflections + ["its irradiance"] * plan.environment
+        parts = ["prefiltered levels"] * plan.reflections + ["irradiance map"] * plan.environment
         lines.append("light from the environment: " + ", ".join(parts or ["an ambient colour"]))
     if plan.has_visibility and plan.ambient_occlusion:
-        lines.append("ambient occlusion from the depths in the picture")
+        lines.append("ambient occlusion, from the depth buffer")
     elif plan.has_visibility:
-        lines.append(f"shadows of the environment, by {_many(plan.environment_shadows, 'light')} sampled from it")
+        lines.append(f"shadows of the environment, from {_count(plan.environment_shadows, 'light')} sampled from it")
     if plan.has_traced_reflections:
-        lines.append("traced reflections of the model, a ray from each shaded point, lit by light baked at vertices")
+        lines.append("traced reflections of the model: one ray per shaded point, lit by light baked at the vertices")
     if plan.has_traced_refraction:
-        lines.append("traced refraction in solid glass, by two paths from each shaded point")
+        lines.append("traced refraction in solid glass: two paths per shaded point")
     if plan.has_indirect:
         lines.append("indirect light, path traced once at the vertices")
     textures = {(draw.material, name): texture for draw in plan.draws for name in draw.maps
                 if (texture := MAPS[name].texture(draw.surface))}
     if textures:
         images = {texture.image for texture in textures.values()}
-        lines.append(f"{_many(len(textures), 'map')} from {_many(len(images), 'image')}, about "
+        lines.append(f"{_count(len(textures), 'map')} from {_count(len(images), 'image')}, about "
                      f"{sum(map(texture_bytes, images)) / 1e6:.3g} MB with mipmaps")
     return tuple(lines)
 
 
 def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Light]) -> list[str]:
-    """What the scene or the settings made unnecessary, in words."""
+    """One line for each thing that the scene or the settings make unnecessary."""
     lines, draws = [], plan.draws
     if not scene.instances:
         return ["everything but the background: the scene is empty"]
@@ -88,35 +88,35 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
     if not any_lit:
         lines.append("all lighting: every surface is unlit")
     elif scene.environment is None:
-        lines.append("image-based light, its bake and textures: there is no environment")
+        lines.append("image-based lighting, its bake and textures: there is no environment")
     faint = sum(light.intensity * max(light.color) > 0 for light in lights) - len(plan.lights)
     if any_lit and not plan.lights:
         lines.append("code for point, spot and directional lights: there are none")
     elif any_lit and faint > 0:
-        lines.append(f"{faint} of {faint + len(plan.lights)} lights, the faintest: a program holds no more")
+        lines.append(f"the {faint} faintest of {faint + len(plan.lights)} lights: a program can have no more")
     if plan.lights and not plan.shadow_layer_count:
-        reason = "switched off" if settings.shadows == "off" else "no light casts any"
-        lines.append(f"shadow maps: {reason}; saves {_TILE_MB:.0f} MB a tile")
+        reason = "they are switched off" if settings.shadows == "off" else "no light casts shadows"
+        lines.append(f"shadow maps: {reason}; saves {_TILE_MB:.0f} MB per tile")
     for kind in _KINDS:
         if plan.lights and not any(light.kind == kind for light in plan.lights):
             lines.append(f"code for {kind} lights: there are none")
     if plan.environment and scene.environment is not None and not plan.has_visibility:
-        reason = "not asked for" if settings.environment_shadows == "off" else "all surfaces are transparent"
+        reason = "not requested" if settings.environment_shadows == "off" else "all surfaces are transparent"
         lines.append(f"shadows of the environment: {reason}")
     if plan.environment and scene.environment is not None and not plan.has_traced_reflections:
-        reason = "not asked for" if settings.reflections == "environment" else "no opaque surface is smooth enough"
+        reason = "not requested" if settings.reflections == "environment" else "no opaque surface is smooth enough"
         lines.append(f"traced reflections: {reason}")
     for switch, what in _GIVEN_UP.items():
         surfaces = sum(switch in draw.given_up for draw in draws)
         if surfaces:
-            lines.append(f"{what} of {_many(surfaces, 'surface')}: with their maps a program would sample more than "
+            lines.append(f"{what} of {_count(surfaces, 'surface')}: with their maps a program would sample more than "
                          f"{MAX_SAMPLERS} textures")
-    lines += isotropic_instead(scene, settings)
+    lines += omitted_anisotropy(scene, settings)
     if any_lit and not plan.has_indirect and settings.mode == "pbr":
-        reason = "not asked for" if settings.indirect == "off" else "the scene is convex: no surface sees another"
+        reason = "not requested" if settings.indirect == "off" else "the scene is convex: no surface sees another"
         lines.append(f"indirect light: {reason}")
     if settings.background != "env" or scene.environment is None:
-        reason = "there is none" if scene.environment is None else "not asked for"
+        reason = "there is none" if scene.environment is None else "not requested"
         lines.append(f"the environment as background: {reason}")
     if not plan.has_blended:
         lines.append("the sorted pass for blending: no surface blends")
@@ -124,24 +124,24 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
         is_glass = settings.mode == "phong" and any(material.transmits for material in scene.materials)
         reason = "in mode phong glass is opaque" if is_glass else "no surface transmits light"
         lines.append(f"the blurred picture behind transmissive surfaces: {reason}")
-    for attribute, words in _ATTRIBUTES.items():
+    for attribute, text in _ATTRIBUTES.items():
         if not any(attribute in draw.attributes for draw in draws):
-            saved = _ATTRIBUTE_BYTES[attribute] * sum(len(mesh.positions) for mesh in _shown(plan, scene)) / 1e6
-            lines.append(f"{words}; saves {saved:.3g} MB")
+            saved = _ATTRIBUTE_BYTES[attribute] * sum(len(mesh.positions) for mesh in _drawn(plan, scene)) / 1e6
+            lines.append(f"{text}; saves {saved:.3g} MB")
     return lines
 
 
-def isotropic_instead(scene: Scene, settings: Settings) -> list[str]:
-    """In words, why surfaces that are declared anisotropic are not shown so."""
+def omitted_anisotropy(scene: Scene, settings: Settings) -> list[str]:
+    """Lines that say why surfaces with an anisotropic material are shown without anisotropy."""
     if settings.mode == "phong":
         return []
     placed = [scene.meshes[instance.mesh] for instance in scene.instances]
     meshes = [mesh for mesh in placed if ANISOTROPY.is_on(scene.materials[mesh.material])]
     if meshes and settings.ndf != "ggx":
-        return ["anisotropy: of the distributions of normals only ggx is stretched"]
-    lacking = sum(mesh.tangents is None for mesh in meshes)
-    reason = "without tangents or texture coordinates to make them from"
-    return [f"anisotropy of {_many(lacking, 'surface')} {reason}"] if lacking else []
+        return ["anisotropy: only the distribution ggx can be anisotropic"]
+    without_tangents = sum(mesh.tangents is None for mesh in meshes)
+    reason = "without tangents, and without texture coordinates to compute them"
+    return [f"anisotropy of {_count(without_tangents, 'surface')} {reason}"] if without_tangents else []
 
 
 _GIVEN_UP = {
@@ -156,8 +156,8 @@ _ATTRIBUTES = {
 }
 
 
-def _missing_bakes(plan: Plan, settings: Settings) -> list[tuple[str, float, float]]:
-    """The tables of image-based light that were not made: each in words, with MB of texture and seconds of baking."""
+def _skipped_bakes(plan: Plan, settings: Settings) -> list[tuple[str, float, float]]:
+    """The tables for image-based lighting that are not baked: a line, MB of texture and seconds of baking for each."""
     if not _any_lit(plan.draws) or (plan.reflections and plan.dfg):
         return []
     if settings.mode == "phong":
@@ -173,27 +173,27 @@ def _missing_bakes(plan: Plan, settings: Settings) -> list[tuple[str, float, flo
     return [(line + f" and about {seconds:g} s of baking" * bool(seconds), megabytes, seconds)]
 
 
-def _idle_images(plan: Plan, scene: Scene) -> tuple[set, list[str]]:
-    """The images that no texture is made of; and the maps that are not sampled, in words."""
+def _unused_images(plan: Plan, scene: Scene) -> tuple[set, list[str]]:
+    """The images that no program samples, and lines about the maps that are not sampled."""
     sampled = {(draw.material, name) for draw in plan.draws for name in draw.maps}
-    there = {(k, name): texture.image for k, m in enumerate(scene.materials) for name in MAPS
-             if (texture := MAPS[name].texture(m))}
-    plain = {k: without_constant_maps(scene.materials[k]) for k, _ in there.keys() - sampled}
-    constant = {(k, name) for k, name in there.keys() - sampled if MAPS[name].texture(plain[k]) is None}
-    idle = there.keys() - sampled - constant
-    images = {there[key] for key in idle | constant} - {there[key] for key in sampled}
+    all_maps = {(k, name): texture.image for k, m in enumerate(scene.materials) for name in MAPS
+                if (texture := MAPS[name].texture(m))}
+    folded = {k: without_constant_maps(scene.materials[k]) for k, _ in all_maps.keys() - sampled}
+    constant = {(k, name) for k, name in all_maps.keys() - sampled if MAPS[name].texture(folded[k]) is None}
+    unused = all_maps.keys() - sampled - constant
+    images = {all_maps[key] for key in unused | constant} - {all_maps[key] for key in sampled}
     lines = []
-    if idle:
+    if unused:
         saved = sum(map(texture_bytes, images)) / 1e6
-        lines.append(f"{_many(len(idle), 'material map')}, not decoded: no pixel depends on "
-                     f"{'them' if len(idle) > 1 else 'it'}; saves {saved:.3g} MB")
+        lines.append(f"{_count(len(unused), 'material map')}, not decoded: no pixel depends on "
+                     f"{'them' if len(unused) > 1 else 'it'}; saves {saved:.3g} MB")
     if constant:
-        lines.append(f"{_many(len(constant), 'material map')} of one colour: folded into factors")
+        lines.append(f"{_count(len(constant), 'material map')} of one colour: folded into factors")
     return images, lines
 
 
-def _idle_attributes(plan: Plan, scene: Scene) -> int:
-    """Bytes of those vertex attributes that a program could read and none does."""
+def _unused_attributes(plan: Plan, scene: Scene) -> int:
+    """The bytes of the vertex attributes that no program reads, of the meshes that are drawn."""
     read: dict[int, set[str]] = {}
     for draw in plan.draws:
         read.setdefault(draw.mesh, set()).update(draw.attributes)
@@ -201,7 +201,7 @@ def _idle_attributes(plan: Plan, scene: Scene) -> int:
                for name, size in _ATTRIBUTE_BYTES.items() if name not in names)
 
 
-def _shown(plan: Plan, scene: Scene) -> list[Mesh]:
+def _drawn(plan: Plan, scene: Scene) -> list[Mesh]:
     return [scene.meshes[mesh] for mesh in dict.fromkeys(draw.mesh for draw in plan.draws)]
 
 
@@ -209,5 +209,5 @@ def _any_lit(draws: Sequence[Draw]) -> bool:
     return any(draw.program["HAS_NORMAL"] for draw in draws)
 
 
-def _many(count: int, noun: str) -> str:
+def _count(count: int, noun: str) -> str:
     return f"{count} {noun}{'s' * (count != 1)}"

@@ -1,4 +1,4 @@
-"""The plan of a frame: its draws, their programs, the lights and the passes."""
+"""The data of a plan: draws, their shader programs, lights and passes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ THIN_WALLED, SOLID = 1, 2
 
 @dataclass(frozen=True)
 class Program:
-    """A shader program: its fragment file and its switches, sorted, so that equal programs compare equal."""
+    """A shader program, given by its fragment file and switches. The switches are sorted, so equal programs compare
+    equal."""
 
     fragment: str
     switches: tuple[tuple[str, int], ...]
@@ -25,11 +26,11 @@ class Program:
 
 @dataclass(frozen=True)
 class Draw:
-    """One instance and what it is drawn with.
+    """One instance with the material, program, maps and attributes that it is drawn with.
 
-    `surface` is its material, number `material` in the scene, with maps of one colour folded into its factors. `maps`
-    are the maps that its program samples; for `blank_maps`, which the program can sample and the material lacks, a
-    texture that changes nothing is bound.
+    `material` is the index of its material in the scene, and `surface` that material with maps of one colour folded
+    into its factors. `maps` are the maps that its program samples. `blank_maps` are maps that a shared program samples
+    but the material does not have; a neutral texture is bound for them.
     """
 
     instance: int
@@ -47,17 +48,17 @@ class Draw:
 
     @property
     def uses_visibility(self) -> bool:
-        """Whether the environment's light on it is multiplied by its visibility, which a pass finds beforehand."""
+        """Whether the environment's light on it is multiplied by the visibility, which an earlier pass computes."""
         return dict(self.program.switches).get("VISIBILITY", 0) == 1
 
     @property
     def traces_reflections(self) -> bool:
-        """Whether it reflects the model, by rays that a pass traces beforehand."""
+        """Whether it reflects the model, by rays that an earlier pass traces."""
         return dict(self.program.switches).get("TRACED_REFLECTION", 0) == 1
 
     @property
     def traces_refraction(self) -> bool:
-        """Whether paths through the model, traced beforehand, find the light that it transmits."""
+        """Whether earlier passes trace paths through the model for the light that it transmits."""
         return dict(self.program.switches).get("TRACED_REFRACTION", 0) == 1
 
     @property
@@ -68,7 +69,11 @@ class Draw:
 
 @dataclass(frozen=True)
 class Plan:
-    """`lights` are in the order that the shaders expect; `shadow_layers` has the first layer of each, or -1."""
+    """Everything that is drawn in a frame.
+
+    `lights` are in the order that the shaders expect. `shadow_layers` has the first shadow map layer of each light, or
+    -1. `used`, `left_out` and `saved` explain the plan; see viewer/plan/explain.py.
+    """
 
     draws: tuple[Draw, ...]
     lights: tuple[Light, ...]
@@ -79,7 +84,7 @@ class Plan:
     ambient: bool
     dfg: bool
     environment_shadows: int
-    """How many directional lights are sampled from the environment for its shadows; 0: none."""
+    """The number of directional lights sampled from the environment for its shadows; 0: no shadows."""
     ambient_occlusion: bool
     background: bool
     used: tuple[str, ...] = ()
@@ -97,7 +102,7 @@ class Plan:
 
     @property
     def has_visibility(self) -> bool:
-        """Whether a pass finds the visibility of the environment before the surfaces are shaded."""
+        """Whether a pass computes the visibility of the environment before the surfaces are shaded."""
         return any(draw.uses_visibility for draw in self.draws)
 
     @property
@@ -112,7 +117,7 @@ class Plan:
 
     @property
     def has_indirect(self) -> bool:
-        """Whether surfaces get indirect light, baked at their vertices."""
+        """Whether surfaces are lit by indirect light that is baked at their vertices."""
         return any(dict(draw.program.switches).get("INDIRECT", 0) for draw in self.draws)
 
     @property

@@ -1,7 +1,7 @@
-"""Plans what is needed to show a scene: the exact programs, textures and passes; and what was left out and why.
+"""Plans what is needed to show a scene: the programs, textures and passes, and what is left out and why.
 
-The plan is made from scene and settings before anything is compiled or uploaded. A shader program is a fragment file
-plus a set of switches; nothing is in it that the mesh, its material, the lights and the settings do not ask for.
+The plan follows from the scene and the settings, before anything is compiled or uploaded. A shader program is a
+fragment file with switches. It contains only what the mesh, its material, the lights and the settings need.
 """
 
 from __future__ import annotations
@@ -23,24 +23,27 @@ from .bsdf_switches import bsdf_switches, feature_switches_shown
 from .explain import explain
 from .model import Draw, Plan, Program
 from .samplers import within_limit
-from .sharing import attributes_of, leave_nothing_out, share_programs
+from .sharing import attributes_of, include_everything, share_programs
 
 MAX_LIGHTS = 128
-"""What a uniform block of 16 KiB, the least OpenGL 3.3 grants, holds with room to spare."""
+"""The most lights in one program. They fit in a uniform block of 16 KiB, the least that OpenGL 3.3 guarantees."""
 MAX_SHADOW_LAYERS = 24
 TRACED_ROUGHNESS = 1.0
-"""Perceptual roughness from which on reflections are not traced: traced_share() of traced_reflection.glsl is 0."""
+"""Surfaces of this perceptual roughness or more trace no reflections: traced_share() in
+shaders/raster/traced_reflection.glsl is 0 there."""
 
 _ALPHA_MODES = ("opaque", "mask", "blend")
 
 
 def is_lit(mesh: Mesh, material: Material) -> bool:
-    """Lines and points without normals are not shaded (glTF 2.0, section 3.7.2.1), nor are unlit materials."""
+    """Whether the mesh is shaded. Lines and points without normals are not (glTF 2.0, section 3.7.2.1), and neither are
+    unlit materials."""
     return mesh.normals is not None and not material.unlit
 
 
 def environment_use(scene: Scene, settings: Settings) -> tuple[bool, bool]:
-    """Whether the environment lights any surface, and whether any reflects it, which takes its filtered levels."""
+    """Whether the environment lights any surface, and whether any surface reflects it and needs its prefiltered
+    levels."""
     if settings.plan == "everything":
         return True, True
     if scene.environment is None:
@@ -54,13 +57,14 @@ def environment_use(scene: Scene, settings: Settings) -> tuple[bool, bool]:
 def plan_scene(
     scene: Scene, settings: Settings, lights: Sequence[Light], *, samples: int, half_target: bool, orthographic: bool
 ) -> Plan:
-    """The plan for `scene` under `settings`.
+    """The plan for rasterising `scene` with `settings`.
 
-    `lights` are all there are, those taken out of the environment included; `samples` the multisampling the target
-    has; `half_target` whether it holds half floats. Raises UsageError for mode path, which is not the raster's.
+    `lights` are all lights, including the suns extracted from the environment. `samples` is the number of samples per
+    pixel of the render target (MSAA), and `half_target` tells whether it stores half floats. `orthographic` tells
+    whether the camera is orthographic. Raises UsageError for mode path, which the raster cannot draw.
     """
     if settings.mode == "path":
-        raise UsageError("mode path is not the raster's to draw")
+        raise UsageError("the raster cannot draw mode path")
     lit = [is_lit(scene.meshes[i.mesh], scene.materials[scene.meshes[i.mesh].material]) for i in scene.instances]
     shown_lights = _ordered_lights(lights) if any(lit) else ()
     layers, layer_count = _shadow_layers(shown_lights, settings)
@@ -102,12 +106,13 @@ def plan_scene(
         background=settings.background == "env" and scene.environment is not None,
     )
     if settings.plan == "everything":
-        plan = leave_nothing_out(plan, scene)
+        plan = include_everything(plan, scene)
     return replace(plan, **explain(plan, scene, settings, lights))
 
 
 def _ordered_lights(lights: Sequence[Light]) -> tuple[Light, ...]:
-    """Directional, point, spot; unlit ones dropped; beyond MAX_LIGHTS the brightest stay."""
+    """The lights that shaders get: directional, point, then spot lights. Lights without intensity are dropped, and so
+    are all but the MAX_LIGHTS brightest."""
     bright = [light for light in lights if light.intensity * max(light.color) > 0]
     if len(bright) > MAX_LIGHTS:
         bright = sorted(bright, key=lambda light: -light.intensity * max(light.color))[:MAX_LIGHTS]
@@ -116,7 +121,7 @@ def _ordered_lights(lights: Sequence[Light]) -> tuple[Light, ...]:
 
 
 def _shadow_layers(lights: Sequence[Light], settings: Settings) -> tuple[tuple[int, ...], int]:
-    """First shadow layer of each light, -1 for those that get none, and how many layers there are."""
+    """The first shadow layer of each light, or -1 if it has none, and the number of layers."""
     first, used = [], 0
     for light in lights:
         needed = 6 if light.kind == "point" else 1
@@ -129,9 +134,9 @@ def _shadow_layers(lights: Sequence[Light], settings: Settings) -> tuple[tuple[i
 
 
 def _has_indirect(scene: Scene, settings: Settings) -> bool:
-    """Whether indirect light is asked for, and some surface may receive light from another."""
-    is_asked = settings.indirect == "baked" and settings.mode == "pbr"
-    return is_asked and (settings.plan == "everything" or not is_convex(scene))
+    """Whether indirect light is requested, and some surface may receive light from another."""
+    is_requested = settings.indirect == "baked" and settings.mode == "pbr"
+    return is_requested and (settings.plan == "everything" or not is_convex(scene))
 
 
 def _environment_shadows(settings: Settings) -> int:
@@ -149,7 +154,7 @@ def _draw(
     lit = is_lit(mesh, material)
     if material.alpha_mode == "blend" or material.transmits:
         common = common | {"VISIBILITY": 0, "TRACED_REFLECTION": 0}  # the G-buffer holds the opaque surface behind
-    if not _mirrors(material):
+    if not _can_trace_reflections(material):
         common = common | {"TRACED_REFLECTION": 0}
     model = settings.mode if lit else "unlit"
     maps = tuple(name for name in used_maps(material, mesh, model, settings.plan == "everything")
@@ -181,35 +186,35 @@ def _draw(
 
 
 def _is_shown(name: str, lit: bool, common: dict[str, int]) -> bool:
-    """Whether the settings show what a map that counts is for."""
+    """Whether the settings show the contribution of a map."""
     if name == "emissive":
         return common["SHOW_EMISSION"] == 1 or not lit
-    if name == "occlusion":  # with the other two it is known what is hidden
+    if name == "occlusion":  # visibility and indirect light replace the occlusion map
         return common["HAS_ENVIRONMENT"] == 1 and common["VISIBILITY"] == common["INDIRECT"] == 0
     return True
 
 
 def _map_switches(macro: str, texture: Texture | None) -> dict[str, int]:
-    """Those of shaders/raster/attributes.glsl; mirrored repetition is done in the shader."""
+    """The switches of a map, whose meaning is in shaders/raster/attributes.glsl. Shaders do mirrored repetition."""
     if texture is None:
-        return {f"{macro}_{word}": 0 for word in MAP_SWITCHES}
+        return {f"{macro}_{ending}": 0 for ending in MAP_SWITCHES}
     mirror = (texture.sampler.wrap_s == "mirror") | (texture.sampler.wrap_t == "mirror") << 1
     return {f"{macro}_MAP": 1, f"{macro}_UV": texture.uv_set, f"{macro}_TRANSFORM": int(texture.transform is not None),
             f"{macro}_MIRROR": mirror}
 
 
-def _mirrors(material: Material) -> bool:
-    """Whether any of its surface may be smooth enough for traced reflections."""
+def _can_trace_reflections(material: Material) -> bool:
+    """Whether any point of its surface may be smooth enough for traced reflections."""
     is_rough = material.metallic_roughness_texture is None and material.perceptual_roughness >= TRACED_ROUGHNESS
-    return material.has_interface and not is_rough and not ANISOTROPY.is_on(material)  # one ray knows no tangent
+    # One ray cannot represent an anisotropic lobe.
+    return material.has_interface and not is_rough and not ANISOTROPY.is_on(material)
 
 
 def stretched_lobes(material: Material) -> int:
-    """How many narrow lobes stand for a stretched one under an environment: 2 alpha_t / alpha, as a power of 2.
+    """The number of isotropic lobes that approximate an anisotropic one under an environment.
 
-    It is 0 for what is not stretched.
-
-    docs/choices.md has the error of each number. Where a map varies the roughness, the ratio is not known.
+    It is 0 for an isotropic material, else 2 alpha_t / alpha, rounded up to a power of 2. docs/choices.md has the error
+    of each number. If a map varies the roughness, the ratio is not known and the number is 16.
     """
     if not ANISOTROPY.is_on(material):
         return 0

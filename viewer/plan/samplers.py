@@ -1,4 +1,5 @@
-"""How many textures a program of the raster samples: OpenGL 3.3 grants a fragment shader 16, and macOS no more."""
+"""Counts the textures that a program of the raster samples. OpenGL 3.3 guarantees 16 per fragment shader, and macOS has
+no more."""
 
 from __future__ import annotations
 
@@ -8,11 +9,11 @@ from ..scene.schema import MAPS
 
 MAX_SAMPLERS = 16
 _OPTIONAL = ("TRACED_REFRACTION", "TRACED_REFLECTION", "VISIBILITY")
-"""Switches that bring samplers and can be off, in the order in which a program does without them."""
+"""Switches that need samplers and may be turned off, in the order in which they are turned off."""
 
 
 def sampler_count(switches: Mapping[str, int]) -> int:
-    """The samplers of a program with these switches: its maps, and those of shaders/raster and shaders/light."""
+    """The number of samplers of a program with these switches: those of its maps, of tables and of earlier passes."""
     on = {name: int(switches.get(name, 0) > 0) for name in (
         "REFLECTS", "HAS_ENVIRONMENT", "SHADOW_LAYERS", "HAS_TRANSMISSION", *_OPTIONAL)}
     is_pbr = int("REFLECTS" in switches)
@@ -22,9 +23,9 @@ def sampler_count(switches: Mapping[str, int]) -> int:
 
 
 def within_limit(switches: Mapping[str, int]) -> dict[str, int]:
-    """The switches without those that would bring more samplers than there may be."""
-    kept = dict(switches)
+    """The switches, with optional ones turned off until the program needs at most MAX_SAMPLERS samplers."""
+    reduced = dict(switches)
     for name in _OPTIONAL:
-        if sampler_count(kept) > MAX_SAMPLERS and kept.get(name):
-            kept[name] = 0
-    return kept
+        if sampler_count(reduced) > MAX_SAMPLERS and reduced.get(name):
+            reduced[name] = 0
+    return reduced

@@ -1,12 +1,13 @@
-"""Programs that can do more than a draw needs, and are fed with what changes no pixel: white maps, black lights.
+"""Programs with more features than a draw needs. Unneeded inputs are neutral and change no pixel: white maps, black
+lights.
 
-Two have a use for them: the plan that leaves nothing out, which shows what leaving out saves, and a scene whose
-materials would need more programs than are worth compiling.
+They have two uses. In a scene with many different materials fewer programs are compiled if draws share them. The other
+use is the setting `plan` = everything, which turns all features on to show what planning saves.
 
-Some switches are no feature to be had and not used, and stay: what the user chose (the microfacet model, the samples),
-how a surface is composed (ALPHA_MODE), which UV set a map reads and whether it is mirrored, METALNESS 1 (a pure metal
-looks the environment up once, a mixture twice), the features that are not shareable (viewer/scene/material.py), and the
-fragment file: unlit code knows no light.
+Some switches cannot be turned on for a draw that does not need them. They are the user's choices (the microfacet model,
+the samples), the blending (ALPHA_MODE), the UV set of a map and its mirroring, METALNESS 1 (a pure metal looks up the
+environment once, a mixture twice), features that are not shareable (viewer/scene/material.py), and the fragment file
+(unlit.frag has no lights).
 """
 
 from __future__ import annotations
@@ -21,44 +22,45 @@ from ..scene.schema import MAPS, SWITCHED
 from .model import Draw, Plan, Program
 from .samplers import MAX_SAMPLERS, sampler_count
 
-OWN_PROGRAMS = 4
-"""Of one fragment file: so many are never shared."""
+MIN_PROGRAMS_TO_SHARE = 5
+"""Programs of one fragment file are shared only if there are at least so many."""
 
 _SWITCHES = {
     "raster/unlit.frag": ("HAS_COLOR", "IS_POINTS"),
     "raster/phong.frag": ("HAS_COLOR", "IS_POINTS", "HAS_TANGENT", "DOUBLE_SIDED"),
     "raster/pbr.frag": ("HAS_COLOR", "IS_POINTS", "HAS_TANGENT", "DOUBLE_SIDED", "REFLECTS"),
 }
-"""Those of each fragment file, beside the material's, that may be on for a draw that has no need of it."""
+"""The switches of each fragment file, beside those of the material, that may be on for a draw that does not need
+them."""
 
 
 def _model(fragment: str) -> str:
-    """The model of shading in a fragment file: unlit, phong or pbr."""
+    """The shading model of a fragment file: unlit, phong or pbr."""
     return PurePosixPath(fragment).stem
 
 
 def _maps(fragment: str) -> list[str]:
-    """The maps that a fragment file knows, as they are called in switches."""
+    """The maps that a fragment file may sample, as they are called in switches."""
     return [name.upper() for name, m in MAPS.items() if _model(fragment) in m.info.models]
 
 
 def attributes_of(switches: Mapping[str, int]) -> tuple[str, ...]:
-    """What a program with these switches reads of each vertex."""
+    """The vertex attributes that a program with these switches reads."""
     names = {"a_normal": switches["HAS_NORMAL"], "a_tangent": switches["HAS_TANGENT"], "a_color": switches["HAS_COLOR"],
              "a_indirect": switches["INDIRECT"], "a_uv0": switches["UV_SETS"] & 1, "a_uv1": switches["UV_SETS"] & 2}
     return ("a_position", *(name for name, is_read in names.items() if is_read))
 
 
-def leave_nothing_out(plan: Plan, scene: Scene) -> Plan:
-    """The plan that draws the same pixels with every feature compiled in and every texture, buffer and bake made."""
+def include_everything(plan: Plan, scene: Scene) -> Plan:
+    """A plan for the same picture in which all features are compiled, and all textures, buffers and bakes are made."""
     lights, layers = list(plan.lights), list(plan.shadow_layers)
     for kind in ("directional", "point", "spot"):
         if not any(light.kind == kind for light in lights):
             behind = (k for k, light in enumerate(lights) if _ORDER.index(light.kind) > _ORDER.index(kind))
             at = next(behind, len(lights))
-            # Outside the scene: at a point of it the light would be 0 times infinity.
-            place = tuple((scene.center + 2 * scene.radius).tolist())
-            lights.insert(at, Light(kind, intensity=0.0, position=place, name="black"))
+            # The light is outside the scene: at the position of a light the irradiance would be 0 times infinity.
+            position = tuple((scene.center + 2 * scene.radius).tolist())
+            lights.insert(at, Light(kind, intensity=0.0, position=position, name="black"))
             layers.insert(at, -1)
     layer_count = plan.shadow_layer_count
     if not layer_count:
@@ -66,29 +68,29 @@ def leave_nothing_out(plan: Plan, scene: Scene) -> Plan:
     counts = {kind: sum(light.kind == kind for light in lights) for kind in _ORDER}
     common = {"LIGHT_COUNT": len(lights), "DIRECTIONAL_COUNT": counts["directional"], "POINT_COUNT": counts["point"],
               "SUNS": 1, "SHADOW_LAYERS": layer_count, "HAS_ENVIRONMENT": 1, "ENVIRONMENT_ROTATED": 1}
-    draws = tuple(_widened(draw, _full(draw.program, common)) for draw in plan.draws)
+    draws = tuple(_with_switches(draw, _all_on(draw.program, common)) for draw in plan.draws)
     return replace(plan, draws=draws, lights=tuple(lights), shadow_layers=tuple(layers), shadow_layer_count=layer_count,
                    environment=True, reflections=True, ambient=True, dfg=True, is_everything=True)
 
 
 def share_programs(draws: Sequence[Draw], always: bool = False) -> tuple[Draw, ...]:
-    """The same draws; those of a fragment file in as few programs as can do the same, `always` or if that saves time.
+    """The same draws, where the draws of a fragment file share as few programs as possible if that saves time.
 
-    On llvmpipe a program of a draw's own takes 0.2 s of a processor until it has drawn, a shared one 0.45 s; frames
-    then take up to 10 % longer.
+    `always` shares programs in any case. With llvmpipe, compiling and first using a draw's own program takes 0.2 s of
+    one core, and a shared one 0.45 s. Frames with shared programs take up to 10 % longer.
     """
-    wide: dict[Program, dict[str, int]] = {}
+    shared: dict[Program, dict[str, int]] = {}
     for fragment in dict.fromkeys(draw.program.fragment for draw in draws):
         programs = list(dict.fromkeys(draw.program for draw in draws if draw.program.fragment == fragment))
-        if always or len(programs) > OWN_PROGRAMS:
+        if always or len(programs) >= MIN_PROGRAMS_TO_SHARE:
             groups = _grouped(programs, fragment)
             if always or len(programs) > 2 * len(groups):
-                wide |= {program: switches for switches, members in groups for program in members}
-    return tuple(_widened(draw, wide[draw.program]) if draw.program in wide else draw for draw in draws)
+                shared |= {program: switches for switches, members in groups for program in members}
+    return tuple(_with_switches(draw, shared[draw.program]) if draw.program in shared else draw for draw in draws)
 
 
 def _grouped(programs: Sequence[Program], fragment: str) -> list[tuple[dict[str, int], list[Program]]]:
-    """The switches of programs that can do what those given can, each with these."""
+    """Groups of programs that one program can replace: its switches, and the programs of the group."""
     groups: list[tuple[dict[str, int], list[Program]]] = []
     for program in programs:
         switches = dict(program.switches)
@@ -105,13 +107,13 @@ def _grouped(programs: Sequence[Program], fragment: str) -> list[tuple[dict[str,
 _ORDER = ("directional", "point", "spot")
 
 
-def _full(program: Program, common: Mapping[str, int]) -> dict[str, int]:
-    """The program's switches with every feature on that can be, and as many maps as there are samplers left."""
+def _all_on(program: Program, common: Mapping[str, int]) -> dict[str, int]:
+    """The program's switches with all features on that may be, and as many maps as there are free samplers."""
     switches, fragment = dict(program.switches), program.fragment
-    switches |= {name: 1 for name in _free(fragment) if name in switches} | {"UV_SETS": 3}
+    switches |= {name: 1 for name in _combinations(fragment) if name in switches} | {"UV_SETS": 3}
     if fragment != "raster/unlit.frag":
         switches |= common
-    if fragment == "raster/pbr.frag" and switches["METALNESS"] != 1:  # no surface transmits and is traced as a mirror
+    if fragment == "raster/pbr.frag" and switches["METALNESS"] != 1:  # transmissive surfaces trace no reflections
         switches |= {"METALNESS": 2,
                      "HAS_TRANSMISSION": max(switches["HAS_TRANSMISSION"], 1 - switches["TRACED_REFLECTION"])}
     for name in _maps(fragment):
@@ -121,25 +123,25 @@ def _full(program: Program, common: Mapping[str, int]) -> dict[str, int]:
     return switches
 
 
-def _free(fragment: str) -> dict[str, Callable[[int, int], int]]:
-    """Switches that may be raised, each with what two programs' values make together."""
+def _combinations(fragment: str) -> dict[str, Callable[[int, int], int]]:
+    """The switches that may be on without need, each with the function that combines the values of two programs."""
     features = [f.switch for f in SWITCHED if f.is_shareable and _model(fragment) in f.models]
     return dict.fromkeys((*_SWITCHES[fragment], *features), max) | {"UV_SETS": int.__or__}
 
 
 def _union(a: Mapping[str, int], b: Mapping[str, int], fragment: str) -> dict[str, int] | None:
-    """The switches of a program that can do what two of the same fragment file do; None where there is none."""
-    free = _free(fragment)
+    """The switches of a program that can replace two programs of the same fragment file; None if no program can."""
+    combinations = _combinations(fragment)
     both = dict(a)
     for name in _maps(fragment):
-        switch, words = f"{name}_MAP", (f"{name}_UV", f"{name}_MIRROR")
-        if a[switch] and b[switch] and any(a[word] != b[word] for word in words):
+        switch, fixed = f"{name}_MAP", (f"{name}_UV", f"{name}_MIRROR")
+        if a[switch] and b[switch] and any(a[other] != b[other] for other in fixed):
             return None
-        both |= {word: (a if a[switch] else b)[word] for word in words}
-        free |= {switch: max, f"{name}_TRANSFORM": max}
+        both |= {other: (a if a[switch] else b)[other] for other in fixed}
+        combinations |= {switch: max, f"{name}_TRANSFORM": max}
     for name, value in b.items():
-        if name in free:
-            both[name] = free[name](a[name], value)
+        if name in combinations:
+            both[name] = combinations[name](a[name], value)
         elif name == "METALNESS" and {a[name], value} == {0, 2}:
             both[name] = 2
         elif both[name] != value and not name.endswith(("_UV", "_MIRROR")):
@@ -147,7 +149,8 @@ def _union(a: Mapping[str, int], b: Mapping[str, int], fragment: str) -> dict[st
     return both if sampler_count(both) <= MAX_SAMPLERS else None
 
 
-def _widened(draw: Draw, switches: Mapping[str, int]) -> Draw:
+def _with_switches(draw: Draw, switches: Mapping[str, int]) -> Draw:
+    """The draw by a program with these switches; maps that its material does not have become blank maps."""
     program = replace(draw.program, switches=tuple(sorted(switches.items())))
     names = (name.lower() for name in _maps(program.fragment) if switches[f"{name}_MAP"])
     return replace(draw, program=program, attributes=attributes_of(switches),

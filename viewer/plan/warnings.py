@@ -1,4 +1,4 @@
-"""What will be amiss with a picture, said before it is drawn."""
+"""Warnings about a picture that can be given before it is rendered."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from .planner import MAX_LIGHTS, is_lit
 
 
 def is_dark(scene: Scene) -> bool:
-    """Whether no light falls on anything and nothing shines by itself: the picture will be black."""
+    """Whether the picture will be black: there is no light, and no surface is emissive or unlit."""
     if scene.environment is not None and scene.environment.intensity > 0:
         return False
     if not scene.instances or any(light.intensity * max(light.color) > 0 for light in scene.lights):
@@ -17,12 +17,12 @@ def is_dark(scene: Scene) -> bool:
     return not any(any(material.emissive) or not is_lit(mesh, material) for mesh, material in shown)
 
 
-def foreseen(scene: Scene, mode: str) -> list[str]:
-    """What will be amiss with the picture, in words for the user."""
+def picture_warnings(scene: Scene, mode: str) -> list[str]:
+    """Warnings for the user about a picture of `scene` in `mode`, one line each."""
     lines = []
     if is_dark(scene):
-        lines.append("nothing lights it and it does not shine: the picture will be black; try --env or --light")
+        lines.append("there is no light and nothing is emissive: the picture will be black; try --env or --light")
     lights = sum(light.intensity * max(light.color) > 0 for light in scene.lights)
     if lights > MAX_LIGHTS and mode != "path":
-        lines.append(f"of its {lights} lights the {MAX_LIGHTS} brightest are shown; mode path takes them all")
+        lines.append(f"only the {MAX_LIGHTS} brightest of {lights} lights are shown; mode path shows them all")
     return lines

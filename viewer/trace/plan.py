@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ..plan.bsdf_switches import bsdf_switches
-from ..plan.explain import isotropic_instead
+from ..plan.explain import omitted_anisotropy
 from ..plan.model import Program
 from ..scene.scene import Scene
 from ..settings import Settings, setting_choices
@@ -96,7 +96,7 @@ def plan_trace(
                      "layers": _program("trace/layers.frag", switches)}
     lines = [*_left_out(scene, settings, geometry, switches, programs, has_layers), *left_out]
     return TracePlan(programs, intersector, geometry.triangle_count, len(geometry.instances), _used(geometry, switches),
-                     ("nothing, as was asked for",) if settings.plan == "everything" else tuple(lines))
+                     ("nothing, as requested",) if settings.plan == "everything" else tuple(lines))
 
 
 def _used(geometry: TraceGeometry, switches: Mapping[str, int]) -> tuple[str, ...]:
@@ -131,11 +131,11 @@ def _left_out(
     else:
         lines += [f"code for {what}: there is none" for name, what in _LIGHTS.items() if not switches[name]]
     if switches["BACKGROUND"] == 0:
-        reason = "there is none" if not switches["HAS_ENVIRONMENT"] else "not asked for"
+        reason = "there is none" if not switches["HAS_ENVIRONMENT"] else "not requested"
         lines.append(f"the environment as background: {reason}")
     lines += [f"{what}: there is none" for name, what in _SURFACES.items() if not switches[name]]
     lines += unused_maps(scene, geometry)
-    lines += isotropic_instead(scene, settings)
+    lines += omitted_anisotropy(scene, settings)
     if GLASS.name not in programs:
         lines.append("the pass for glass: nothing transmits light")
     elif switches["HAS_PUNCTUAL"] and any(_is_smooth_glass(geometry, instance) for instance in geometry.instances):
@@ -144,7 +144,7 @@ def _left_out(
     if not has_layers:
         lines.append("the pass for layers (albedo, normal, depth): nobody asked for them")
     if not switches["CLAMP"]:
-        lines.append("the clamp on indirect light: not asked for")
+        lines.append("the clamp on indirect light: not requested")
     return lines
 
 
