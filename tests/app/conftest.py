@@ -59,7 +59,7 @@ class Driver:
         while quiet < 2:
             assert time.monotonic() < deadline, "the window does not come to rest"
             self.window.step(timeout=0.02)
-            quiet = quiet + 1 if self.window.is_idle and self.window.picture.is_refined else 0
+            quiet = quiet + 1 if not self.window.needs_redraw and self.window.picture.is_refined else 0
 
     def until(self, condition: Callable[[], object], seconds: float = 5.0) -> None:
         deadline = time.monotonic() + seconds

@@ -46,7 +46,7 @@ class Hand:
     def rest(self) -> None:
         """Until there is nothing left to do."""
         self.follow()
-        self.until(lambda: self.paths.patience == np.inf)
+        self.until(lambda: self.paths.seconds_until_work == np.inf)
 
     def shown(self) -> np.ndarray:
         """The picture as displayed, (H, W, 4) uint8, row 0 at the top."""
@@ -66,7 +66,7 @@ def _hand(context, scene) -> Iterator[Hand]:
 def hand(_hand, scene, monkeypatch) -> Hand:
     """Of a window just opened, but for what the tracer has prepared."""
     monkeypatch.setattr(convergence, "REST_SECONDS", 0.0)
-    _hand.paths.leave()
+    _hand.paths.discard()
     vars(_hand.state).update(vars(ViewState(scene, PLAIN)))
     _hand.camera, _hand.size = Camera.framing(scene.center, scene.radius, SIZE[0] / SIZE[1]), SIZE
     return _hand
@@ -87,7 +87,7 @@ def test_converges_to_what_render_makes(hand, context, scene, denoise):
 
 def test_nothing_is_shown_before_every_pixel_has_a_sample(hand, monkeypatch):
     monkeypatch.setattr(convergence, "SLICE_SECONDS", 0.0)
-    monkeypatch.setattr(convergence, "LOOK_SECONDS", (0.0, 0.0))
+    monkeypatch.setattr(convergence, "UPDATE_SECONDS", (0.0, 0.0))
     seen = []
 
     def condition() -> bool:
@@ -102,14 +102,14 @@ def test_nothing_is_shown_before_every_pixel_has_a_sample(hand, monkeypatch):
 def test_it_waits_until_the_view_rests(hand, monkeypatch):
     monkeypatch.setattr(convergence, "REST_SECONDS", 1e3)
     hand.follow()
-    assert not hand.paths.step() and 0 < hand.paths.patience <= 1e3 and hand.paths.status() == ""
+    assert not hand.paths.step() and 0 < hand.paths.seconds_until_work <= 1e3 and hand.paths.status() == ""
 
 
 @pytest.mark.parametrize("mode", ["pbr", "phong"])
 def test_other_modes_trace_nothing(hand, mode):
     hand.state.show_mode(mode)
     hand.follow()
-    assert hand.paths.patience == np.inf and not hand.paths.step() and hand.paths.status() == ""
+    assert hand.paths.seconds_until_work == np.inf and not hand.paths.step() and hand.paths.status() == ""
 
 
 def test_what_the_display_makes_of_the_samples_leaves_them(hand):
@@ -158,7 +158,7 @@ def test_a_pause_keeps_the_picture_as_it_is(hand):
     assert hand.paths._path_render.rays == rays and np.array_equal(hand.shown(), picture)
     hand.camera = replace(hand.camera, fov_y=0.5)
     hand.follow()
-    assert hand.paths.patience == np.inf and hand.paths.status() == "Paused"
+    assert hand.paths.seconds_until_work == np.inf and hand.paths.status() == "Paused"
     hand.state.paused = False
     hand.until(lambda: hand.paths.picture is not None)
 

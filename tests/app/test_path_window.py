@@ -30,7 +30,7 @@ def rendered(scene, settings: Settings, camera: Camera | None = None) -> np.ndar
 
 
 def is_done(hands) -> bool:
-    return hands.window.picture.paths.is_done and hands.window.picture.patience > 1
+    return hands.window.picture.paths.is_done and hands.window.picture.seconds_until_work > 1
 
 
 def test_begins_with_the_raster_converges_and_lets_the_camera_go(open_window, scene):
@@ -77,7 +77,7 @@ def test_keys_pause_and_filter(open_window, scene):
     paths = hands.window.picture.paths
     hands.until(lambda: paths.picture is not None)
     hands.key("space")
-    hands.until(lambda: hands.window.picture.patience > 1)
+    hands.until(lambda: hands.window.picture.seconds_until_work > 1)
     progress = paths.progress
     for _ in range(3):
         hands.window.step(0.02)

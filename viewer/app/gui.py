@@ -1,4 +1,4 @@
-"""Dear ImGui in our window: its style, its input and its triangles drawn by moderngl."""
+"""Dear ImGui in the window: its style, its input, and drawing its triangles with moderngl."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..gpu.program import compile_program
 
 FONT_SIZE = 15.0
 _UNIT = 0
-_KEYS = {  # what text fields need
+_KEYS = {  # the keys that text fields need
     glfw.KEY_TAB: imgui.Key.tab, glfw.KEY_BACKSPACE: imgui.Key.backspace, glfw.KEY_ENTER: imgui.Key.enter,
     glfw.KEY_KP_ENTER: imgui.Key.keypad_enter, glfw.KEY_ESCAPE: imgui.Key.escape, glfw.KEY_DELETE: imgui.Key.delete,
     glfw.KEY_LEFT: imgui.Key.left_arrow, glfw.KEY_RIGHT: imgui.Key.right_arrow, glfw.KEY_UP: imgui.Key.up_arrow,
@@ -31,13 +31,13 @@ _MODIFIERS = (
 
 
 class Gui:
-    """One ImGui context for one window. Between `begin` and `draw` the panel says what is in it."""
+    """The ImGui context of one window. Between `begin` and `draw` the panel and the overlays submit their widgets."""
 
     def __init__(self, context: Context, window) -> None:
         self._gl, self._window = context.gl, window
         self._imgui = imgui.create_context()
         self.io = imgui.get_io()
-        self.io.set_ini_filename("")  # nothing is written into the user's folder
+        self.io.set_ini_filename("")  # ImGui shall not write a file into the current folder
         self.io.set_log_filename("")
         self.io.backend_flags |= imgui.BackendFlags_.renderer_has_textures
         self.io.fonts.add_font_from_file_ttf(_font_file(), FONT_SIZE)
@@ -58,7 +58,7 @@ class Gui:
         self._fit_scale()
 
     def begin(self) -> None:
-        """Start a frame of the panel."""
+        """Start a frame of ImGui."""
         imgui.set_current_context(self._imgui)
         width, height = glfw.get_window_size(self._window)
         pixels = glfw.get_framebuffer_size(self._window)
@@ -70,7 +70,7 @@ class Gui:
         imgui.new_frame()
 
     def draw(self, target: moderngl.Framebuffer) -> None:
-        """Finish the frame and draw it over what is in `target`."""
+        """Finish the frame and draw it over the content of `target`."""
         imgui.render()
         data = imgui.get_draw_data()
         for texture in imgui.get_platform_io().textures:
@@ -113,7 +113,7 @@ class Gui:
         return self.io.want_capture_keyboard or self.io.want_text_input
 
     def _fit_scale(self) -> None:
-        """Letters as large as the desktop wants them, where its window coordinates are not scaled already (macOS)."""
+        """Scale text and widgets by the desktop's scale. On macOS window coordinates are scaled already."""
         width, pixels = glfw.get_window_size(self._window)[0], glfw.get_framebuffer_size(self._window)[0]
         scale = glfw.get_window_content_scale(self._window)[0] * max(width, 1) / max(pixels, 1)
         if pixels and scale != self.scale:
@@ -121,7 +121,7 @@ class Gui:
             imgui.get_style().font_scale_dpi = self.scale = scale
 
     def _upload(self, commands: imgui.ImDrawList) -> None:
-        """The list's triangles; buffers only ever grow."""
+        """Upload the triangles of a draw list. The buffers grow if needed and never shrink."""
         for buffer, source, element in ((self._vertices, commands.vtx_buffer, imgui.VERTEX_SIZE),
                                         (self._indices, commands.idx_buffer, imgui.INDEX_SIZE)):
             size = source.size() * element
@@ -137,9 +137,9 @@ class Gui:
             texture.set_status(status.destroyed)
             return
         if texture.status == status.want_create:
-            ours = self._gl.texture((texture.width, texture.height), 4)
-            self._textures[ours.glo] = ours
-            texture.set_tex_id(ours.glo)
+            created = self._gl.texture((texture.width, texture.height), 4)
+            self._textures[created.glo] = created
+            texture.set_tex_id(created.glo)
         if texture.status in (status.want_create, status.want_updates):
             self._textures[texture.tex_id].write(np.ascontiguousarray(texture.get_pixels_array()))
             texture.set_status(status.ok)
@@ -165,7 +165,7 @@ def _clipboard(window) -> str:
 
 
 def _set_style(style: imgui.Style) -> None:
-    """Dark and neutral, so that no colour stands beside the picture's."""
+    """Set a dark and neutral style, so that the panel does not change how the picture's colours look."""
     style.window_rounding = style.window_border_size = 0.0
     style.frame_rounding = style.grab_rounding = style.popup_rounding = 3.0
     style.window_padding, style.frame_padding = imgui.ImVec2(12, 10), imgui.ImVec2(7, 3)

@@ -1,4 +1,4 @@
-"""What GLFW reports, given to the panel, the split's line or the camera."""
+"""Input events of GLFW, passed on to the panel, the split line or the camera."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ CLICK_DISTANCE = 4.0
 DOUBLE_CLICK_SECONDS = 0.35
 GRAB_DISTANCE = 6.0
 THROW_SECONDS = 0.1
-"""What the hand did in this time before it let go is what inertia carries on."""
+"""Inertia takes the mouse's mean velocity over this time before the button was released."""
 WHEEL_STEP = 0.88
-"""The distance is multiplied by this for one notch of a wheel; a trackpad gives fractions of one."""
+"""One notch of the wheel multiplies the distance by this; a trackpad sends fractions of a notch."""
 SCROLL_HEIGHTS = 0.03
-"""Window heights that one notch pans or orbits by."""
+"""One notch of the wheel pans or orbits by so many window heights."""
 _NAMES = {
     getattr(glfw, f"KEY_{name}"): name
     for name in ("ESCAPE", "TAB", "HOME", "SPACE", *(f"F{k}" for k in range(1, 13)), *(f"KP_{k}" for k in range(10)),
@@ -35,9 +35,10 @@ _NAMES = {
 
 
 class Input:
-    """Turns events of one window into changes of `state` and `orbit`; keys go to `do(action)`.
+    """Turns the events of one window into changes of `state` and `orbit`, and calls `do(action)` for keys and
+    `drop(paths)` for dropped files.
 
-    `changed` is set by every event: the window shall be drawn again.
+    Every event sets `changed`, which means that the window must be drawn again.
     """
 
     def __init__(self, window, state: ViewState, orbit: OrbitController, gui: Gui, do: Callable[[str], None],
@@ -70,10 +71,10 @@ class Input:
         self._gui.on_key(key, action, modifiers)
         if action != glfw.PRESS or self._gui.wants_keyboard:
             return
-        meaning = action_of(_key_name(key, scancode), bool(modifiers & glfw.MOD_SHIFT),
+        command = action_of(_key_name(key, scancode), bool(modifiers & glfw.MOD_SHIFT),
                             bool(modifiers & (glfw.MOD_CONTROL | glfw.MOD_SUPER)))
-        if meaning is not None:
-            self._do(meaning)
+        if command is not None:
+            self._do(command)
 
     def _on_character(self, _window, codepoint: int) -> None:
         self.changed = True
@@ -151,7 +152,7 @@ class Input:
             self._orbit.dolly(WHEEL_STEP**dy, self._grabbed[1])
 
     def _grab(self) -> None:
-        """Find the point under the cursor; one that is there still, as after coming closer, is not looked for again."""
+        """Find the point under the cursor. If the last one is still under it, as after a dolly, it is kept."""
         camera, scene = self._orbit.camera, self._state.scene
         if self._grabbed is not None and self._grabbed[0] is scene.instances:
             origin, direction = cursor_ray(camera, self._size(), tuple(self._cursor))
@@ -184,7 +185,7 @@ class Input:
 
 
 def _key_name(key: int, scancode: int) -> str:
-    """The letter on the user's own keyboard, or the key's place on an American one."""
+    """The letter that the key has in the user's keyboard layout, or else its name in the US layout."""
     name = glfw.get_key_name(key, scancode) if glfw.KEY_A <= key <= glfw.KEY_Z else None
     return name.upper() if name and len(name) == 1 and name.isascii() and name.isalpha() else _NAMES.get(key, "")
 

@@ -1,4 +1,4 @@
-"""What is drawn over the picture beside the panel: the split's line, how far path tracing is, a message, the help."""
+"""Overlays on the picture: the split line, the progress of path tracing, a message, the help."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _HINT = imgui.ImVec4(0.62, 0.74, 0.90, 1.0)
 
 
 def draw_split(position: float, sides: Sequence[str], scale: float) -> None:
-    """The line at `position` (a fraction of the width), its handle, and which mode is on which side."""
+    """Draw the split line at `position` (a fraction of the width), its handle, and the names of the modes."""
     width, height = imgui.get_io().display_size
     draw, x = imgui.get_background_draw_list(), round(position * width) + 0.5
     draw.add_line((x, 0), (x, height), _SHADOW, 3 * scale)
@@ -30,12 +30,12 @@ def draw_split(position: float, sides: Sequence[str], scale: float) -> None:
 
 
 def draw_status(text: str, scale: float) -> None:
-    """One line at the top left, below the names of a split's sides."""
+    """Draw one line at the top left, below the names of a split's modes."""
     _label(imgui.get_background_draw_list(), 14 * scale, 38 * scale, text, _SHADOW, scale)
 
 
 def draw_message(state: ViewState, scale: float, width: float) -> None:
-    """One line at the bottom left, broken where it is wider than `width`."""
+    """Draw the message at the bottom left, wrapped at `width`."""
     margin, padding = 14 * scale, imgui.get_style().window_padding
     wrap = max(width - 2 * (margin + padding.x), 60.0)
     size = imgui.calc_text_size(state.message, wrap_width=wrap)
@@ -54,7 +54,7 @@ def draw_message(state: ViewState, scale: float, width: float) -> None:
 
 
 def draw_help(state: ViewState, scale: float) -> None:
-    """All keys and gestures, in two columns where there is room."""
+    """Draw the list of all keys and gestures, in two columns if the window is wide enough."""
     width, height = imgui.get_io().display_size
     imgui.set_next_window_pos((width / 2, height / 2), 0, (0.5, 0.5))
     imgui.set_next_window_size_constraints((0, 0), (width, height))

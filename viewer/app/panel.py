@@ -1,4 +1,4 @@
-"""The panel at the window's right: everything that can be set, and what is known of model and frame."""
+"""The panel at the right of the window: all settings, and information about model and frame."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ _LABELS = {
     "exact": "Exact", "phong": "Phong", "all": "All", "uniform-diffuse": "Uniform diffuse", "specular": "Specular",
     "directional-diffuse": "Directional diffuse", "neutral": "Khronos PBR Neutral", "agx": "AgX", "aces": "ACES (Hill)",
     "auto": "Automatic", "msaa-2": "2 samples", "msaa-4": "4 samples", "msaa-8": "8 samples",
-    "off": "As it is", "fast": "Filtered, for the eye", "mis": "Both ways (MIS)", "bsdf": "By surfaces alone",
-    "lights": "By lights alone", "environment": "Of the environment", "screen": "Of the picture", "traced": "Traced",
+    "off": "Off", "fast": "Fast", "mis": "Both (MIS)", "bsdf": "BSDF sampling only",
+    "lights": "Light sampling only", "environment": "Environment only", "screen": "Screen space", "traced": "Traced",
     "baked": "Baked",
 }
 _MODES = ((("pbr",), ("phong",), ("path",)), (("phong", "pbr"), ("pbr", "path")))
@@ -40,7 +40,7 @@ _WARNING = imgui.ImVec4(0.95, 0.75, 0.35, 1.0)
 
 @dataclass
 class Readings:
-    """What the window tells the panel: milliseconds of the last frames, the plan's omissions, the device."""
+    """Information for the panel: the device, milliseconds of the last frames, and what the plan has left out."""
 
     device: str = ""
     frame_ms: deque[float] = field(default_factory=lambda: deque(maxlen=120))
@@ -48,7 +48,7 @@ class Readings:
 
 
 class Panel:
-    """`open_file` opens what the user names, a model or an environment."""
+    """`open_file` opens a path that the user has entered: a model or an environment."""
 
     def __init__(self, state: ViewState, readings: Readings, open_file: Callable[[str], None]) -> None:
         self._state, self._readings, self._open_file = state, readings, open_file
@@ -56,7 +56,7 @@ class Panel:
         self._scale = 1.0
 
     def draw(self, scale: float) -> float:
-        """Draw it; its width in window coordinates."""
+        """Draw the panel. Returns its width in window coordinates."""
         self._scale = scale
         width, height = imgui.get_io().display_size
         panel_width = min(WIDTH * scale, width)
@@ -96,14 +96,14 @@ class Panel:
                     state.show_split(*modes) if len(modes) > 1 else state.show_mode(*modes, state.settings.lobes)
                 imgui.same_line(spacing=14 * self._scale)
             imgui.new_line()
-        self._choice("Shows", "lobes")
-        if imgui.checkbox("White furnace", state.unheated is not None)[0]:
+        self._choice("Show", "lobes")
+        if imgui.checkbox("White furnace", state.before_furnace is not None)[0]:
             state.toggle_furnace()
         self._choice("Distribution D", "ndf")
         self._choice("Masking G", "masking")
         self._choice("Fresnel F", "fresnel")
         self._switch("Multiple scattering", "multiscatter")
-        self._choice("Environment's shadows", "environment_shadows")
+        self._choice("Environment shadows", "environment_shadows")
         self._choice("Ambient occlusion", "ambient_occlusion")
         self._choice("Indirect light", "indirect")
         self._choice("Reflections", "reflections")
@@ -113,8 +113,8 @@ class Panel:
 
     def _path_tracing(self) -> None:
         state = self._state
-        self._combo("Noise", "denoise", ("off", "fast"))
-        self._choice("Light is found", "sampling")
+        self._combo("Denoising", "denoise", ("off", "fast"))
+        self._choice("Sampling", "sampling")
         self._row("Bounces")
         changed, bounces = imgui.slider_int("##bounces", state.settings.bounces, 1, 64, "%d",
                                             imgui.SliderFlags_.logarithmic | imgui.SliderFlags_.always_clamp)
@@ -231,14 +231,14 @@ class Panel:
         _wrapped(self._readings.device, imgui.get_style_color_vec4(imgui.Col_.text_disabled))
 
     def _row(self, label: str) -> None:
-        """A label, and the cursor where its widget goes."""
+        """Draw a label, and put ImGui's cursor where its widget goes."""
         imgui.align_text_to_frame_padding()
         imgui.text(label)
         imgui.same_line(imgui.get_style().window_padding.x + _LABEL_WIDTH * self._scale)
         imgui.set_next_item_width(-1)
 
     def _choice(self, label: str, name: str) -> None:
-        """A row for a setting of words, if a mode that is shown uses it."""
+        """A row for a setting with choices, if a mode that is shown uses it."""
         if name not in ignored(*self._state.modes):
             self._combo(label, name, _choices()[name])
 
@@ -277,7 +277,7 @@ def _logarithmic(label: str, value: float, low: float, high: float) -> tuple[boo
 
 
 def _color(label: str, linear) -> tuple[bool, tuple[float, float, float]]:
-    """A colour shown in sRGB, kept in linear Rec. 709."""
+    """A colour picker, which shows sRGB, for a value in linear Rec. 709."""
     shown = [float(c) for c in linear_to_srgb(np.clip(linear, 0, 1))]
     changed, shown = imgui.color_edit3(label, shown)
     return changed, tuple(float(c) for c in srgb_to_linear(np.array(shown))) if changed else linear

@@ -1,4 +1,4 @@
-"""Shaders taken up again when their files change."""
+"""Reloads shaders when their files change."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from ..errors import ShaderError
 from ..gpu.programs import Programs
 
 INTERVAL = 0.5
-"""Seconds between two looks at the files."""
+"""Seconds between two checks of the files."""
 
 
 class ShaderWatch:
-    """Looks at the files of all programs in use. A program that fails to compile leaves the one before in place."""
+    """Watches the files of all programs in use. If a program fails to compile, the one before stays in use."""
 
     def __init__(self, programs: Programs) -> None:
         self._programs = programs
@@ -22,7 +22,10 @@ class ShaderWatch:
         self._next = 0.0
 
     def poll(self) -> str | None:
-        """Reload what has changed, at most every `INTERVAL`: None if nothing has, "" if it went well, or the error."""
+        """Reload the programs if a file has changed; it is checked at most every `INTERVAL`.
+
+        Returns None if nothing has changed, "" after a successful reload, or the error.
+        """
         self._note_files()
         if time.monotonic() < self._next:
             return None
@@ -34,26 +37,27 @@ class ShaderWatch:
         return self.reload()
 
     def reload(self) -> str:
-        """Compile all programs again; the error, or "" when it went well."""
+        """Compile all programs again. Returns the error, or "" after success."""
         error = self._programs.reload()
         self._note_files()
         return error or ""
 
     def _note_files(self) -> None:
-        """Which files there are to watch changes with the programs only; those already watched keep their stamps."""
+        """Update the list of watched files, which changes only with the programs. Files watched before keep their
+        stamps."""
         in_use = (len(self._programs), self._programs.generation)
         if in_use == self._in_use:
             return
         try:
             files = self._programs.files()
-        except ShaderError:  # an editor is between deleting a file and writing it anew
+        except ShaderError:  # an editor may have deleted a file and not written the new one yet
             return
         self._stamps = {file: self._stamps.get(file) or _stamp(file) for file in files}
         self._in_use = in_use
 
 
 def _stamp(file: Path) -> tuple[int, int]:
-    """What changes when a file is written: its time and size; zeros while it is away."""
+    """The time and size of a file, which change when it is written; zeros if it does not exist."""
     try:
         status = file.stat()
     except OSError:

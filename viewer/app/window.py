@@ -1,4 +1,4 @@
-"""The desktop window: it waits for something to happen, draws it, and waits again."""
+"""The desktop window: its event loop, which draws only when something has changed."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from .panel import Panel, Readings
 from .watch import INTERVAL, ShaderWatch
 
 SETTLING_FRAMES = 3
-"""Frames of the panel after an event: what ImGui lays out in one it shows in the next."""
+"""The number of frames drawn after an event. ImGui needs more than one to lay out the panel."""
 PANEL_FROM_WIDTH = 900
 _CLEAR = (0.08, 0.08, 0.08, 1.0)
 _VIEWS = {
@@ -46,10 +46,10 @@ def run(
     size: tuple[int, int] = (1280, 720),
     use_cache: bool = True,
 ) -> None:
-    """Open a window of `size` (in the desktop's coordinates) on `scene`, and return when it is closed.
+    """Open a window of `size` (in screen coordinates) on `scene`, and return when it is closed.
 
-    Without `camera` the scene is framed. `use_cache` allows prepared environments to be kept on disk. Raises
-    ContextError where no window can be opened, and what the renderer raises for a scene that cannot be drawn.
+    Without `camera` the scene is framed. `use_cache` allows the cache on disk to be used. Raises ContextError if no
+    window can be opened, and the renderer's errors for a scene that cannot be drawn.
     """
     with ViewerWindow(scene, settings, camera, size, use_cache) as window:
         while not window.is_closed:
@@ -86,23 +86,24 @@ class ViewerWindow:
         return bool(glfw.window_should_close(self.window))
 
     @property
-    def is_idle(self) -> bool:
-        """Whether nothing is left to draw at once; a picture at rest may yet be refined, and paths traced."""
-        return not (self._frames_left or self._to_open or self.orbit.velocity.any())
+    def needs_redraw(self) -> bool:
+        """Whether something must be drawn at once. If not, the picture may still be refined or path traced."""
+        return bool(self._frames_left or self._to_open or self.orbit.velocity.any())
 
     def step(self, timeout: float = INTERVAL) -> None:
-        """Wait for an event, `timeout` seconds at most, and draw if there is anything new, or trace paths."""
-        patience = min(timeout, self.picture.patience) if self.is_idle else 0.0
-        if patience > 0:
-            glfw.wait_events_timeout(patience)
+        """Wait for an event, at most `timeout` seconds. Then draw if there is anything new, and continue path
+        tracing."""
+        wait = 0.0 if self.needs_redraw else min(timeout, self.picture.seconds_until_work)
+        if wait > 0:
+            glfw.wait_events_timeout(wait)
         else:
             glfw.poll_events()
         if self._to_open:
-            self._draw()  # the message
+            self._draw()  # shows the message "Opening ..."
             self._open_now()
         reloaded = self._watch.poll()
         if reloaded is not None:
-            self._tell_reload(reloaded)
+            self._report_reload(reloaded)
         now = time.monotonic()
         coasting = self.orbit.coast(min(now - self._coasted_at, 0.1))
         self._coasted_at = now
@@ -116,7 +117,7 @@ class ViewerWindow:
             self._frames_left = max(self._frames_left, 1)
 
     def do(self, action: str) -> None:
-        """What a key stands for; `viewer.app.keys.KEYS` lists the actions."""
+        """Execute the action of a key; `viewer.interact.keys.KEYS` lists the actions."""
         state, orbit = self.state, self.orbit
         if action in ("pbr", "phong", "path"):
             state.show_mode(action)
@@ -136,7 +137,7 @@ class ViewerWindow:
              "close": self._close}[action]()
 
     def open(self, paths: list[str]) -> None:
-        """Open models and environments, told apart by their names, once it was said on screen."""
+        """Open models and environments, which differ by their extension, after a message was shown."""
         self._to_open = list(paths)
         self.state.say(f"Opening {Path(paths[0]).name} …")
         self._input.changed = True
@@ -178,7 +179,7 @@ class ViewerWindow:
             try:
                 if Path(path).suffix.lower() in FORMATS:
                     environment = load_environment(Path(path))
-                    environment.radiance  # noqa: B018  decoded here, where an error can be told
+                    environment.radiance  # noqa: B018  decode it here, where an error can be shown
                     self.state.relight(environment)
                 else:
                     self._open_scene(load_scene(path))
@@ -209,7 +210,7 @@ class ViewerWindow:
         self.state.say(f"Camera {number + 1} of {len(cameras)} {cameras[number].name}")
 
     def _follow(self, camera: Camera) -> None:
-        """Take over a camera, to turn about what it looks at."""
+        """Take over a camera. The orbit's target becomes the point that it looks at."""
         scene = self.state.scene
         point = pick(scene, camera, (2, 2), (1, 1))
         depth = float(((scene.center if point is None else point) - camera.eye) @ camera.forward)
@@ -220,9 +221,9 @@ class ViewerWindow:
             self.picture.save(self._pixels)
 
     def _reload(self) -> None:
-        self._tell_reload(self._watch.reload())
+        self._report_reload(self._watch.reload())
 
-    def _tell_reload(self, error: str) -> None:
+    def _report_reload(self, error: str) -> None:
         self.state.say(error or "Shaders reloaded", is_error=bool(error))
         self._input.changed = True
 
@@ -235,7 +236,7 @@ class ViewerWindow:
             glfw.set_window_should_close(self.window, True)
 
     def _show_notice(self, text: str) -> None:
-        """A message alone, before the first picture, which may take its time."""
+        """Show a message without a picture: the first picture may take long."""
         self._gui.begin()
         draw_message(replace(self.state, message=text), self._gui.scale, glfw.get_window_size(self.window)[0])
         screen = self._screen()

@@ -1,1 +1,1 @@
-"""What any interactive view needs, whatever its toolkit: orbit, state, picture, convergence, picking, keys."""
+"""The parts of an interactive view that do not depend on a GUI toolkit: camera, state, picture, picking, keys."""

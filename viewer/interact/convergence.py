@@ -1,4 +1,5 @@
-"""The path-traced picture in the window: begun when the view rests, gone on with in slices, looked at now and then."""
+"""The path-traced picture in the window: it starts when the view is at rest, is traced in short slices of time, and is
+shown at intervals as it converges."""
 
 from __future__ import annotations
 
@@ -23,25 +24,25 @@ if TYPE_CHECKING:
     from ..trace.tracer import Tracer
 
 REST_SECONDS = 0.15
-"""A view that has not changed for so long is traced."""
+"""Tracing starts when the view has not changed for so long."""
 SLICE_SECONDS = 0.03
-"""Of tracing between two looks at mouse and keyboard."""
-LOOK_SHARE = 0.2
-"""Of the time that goes into estimating the error, filtering and showing, at most."""
-LOOK_SECONDS = 0.1, 2.0
-"""Between two looks: the first ones, and the last ones of a picture that hardly changes any more."""
+"""The time of tracing after which input events are handled."""
+UPDATE_FRACTION = 0.2
+"""The most of the time that is used for updates: estimating the error, denoising and showing the picture."""
+UPDATE_SECONDS = 0.1, 2.0
+"""The time between two updates: at first, and later, when the picture hardly changes any more."""
 CONVERGED = 0.01
-"""Relative error from which on samples are shown as they are: what noise is left, nobody sees."""
-UNTIL = {"spp": MAX_SPP, "error": 0.002}
-"""When a picture is done, where the settings do not say."""
+"""Below this relative error the samples are shown without denoising, since the noise is no longer visible."""
+DEFAULT_STOPPING = {"spp": MAX_SPP, "error": 0.002}
+"""The rules that end a picture if the settings have none."""
+_UNUSED_SETTINGS = ("exposure", "tonemap", "denoise", *ignored("path"))
+"""The settings that do not change the samples: those of the display, and those that mode path ignores."""
 _UNIT = 0
-_NOT_TRACED = ("exposure", "tonemap", "denoise", *ignored("path"))
-"""Settings on which the samples do not depend: those of the display, and those that mode path ignores."""
 
 
 @dataclass(frozen=True)
 class Progress:
-    """As of the last look: mean samples a pixel, seconds of work, rays, estimated relative error."""
+    """The state at the last update: mean samples per pixel, seconds of work, rays, estimated relative error."""
 
     samples: float
     seconds: float
@@ -58,15 +59,15 @@ class Progress:
 
 
 class Convergence:
-    """Traces what `state` shows as long as it shows a path-traced picture; nothing is prepared before.
+    """Path traces the view of `state` as long as the state shows mode path. Nothing is prepared before that.
 
-    `picture` (RGBA32F, associated alpha) is there from the moment on that every pixel has a sample.
+    `picture` (RGBA32F, associated alpha) is None until every pixel has a sample.
     """
 
     def __init__(self, context: Context, programs: Programs, state: ViewState) -> None:
         self.picture: moderngl.Texture | None = None
         self.is_denoised = False
-        """Whether the picture is, so far as there is one."""
+        """Whether `picture` is denoised."""
         self.progress: Progress | None = None
         self._context, self._programs, self._state = context, programs, state
         self._display = DisplayPass(context.gl, programs)
@@ -75,18 +76,18 @@ class Convergence:
         self._path_render: PathRender | None = None
         self._view: tuple[Camera, tuple[int, int]] | None = None
         self._key: tuple[object, ...] | None = None
-        self._announced: object = None
-        self._prepared: object = None
+        self._announced_meshes: object = None
+        self._prepared_meshes: object = None
         self._begins_at: float | None = None
         self._has_layers = False
         self._filter: Iterator[None] | None = None
-        self._looked: tuple[float, str] = 0.0, ""
-        self._look_at = 0.0
-        self._look_cost = 0.0
+        self._updated: tuple[float, str] = 0.0, ""
+        self._update_at = 0.0
+        self._update_cost = 0.0
 
     @property
     def is_done(self) -> bool:
-        """Whether nothing will be added to the picture."""
+        """Whether the picture is finished: no more samples will be added."""
         if self._path_render is None:
             return False
         budget = self._settings().time_budget
@@ -98,27 +99,28 @@ class Convergence:
 
     @property
     def attributes(self) -> dict[str, str]:
-        """What a file has to say of the picture, as `PathRender.attributes`."""
+        """The texts to store in a file of the picture, as `PathRender.attributes` has them."""
         if self._path_render is None or self.picture is None:
             return {}
         return self._path_render.attributes("fast" if self.is_denoised else "off")
 
     @property
-    def patience(self) -> float:
-        """Seconds until it has something to do; none now, endless while there is nothing."""
+    def seconds_until_work(self) -> float:
+        """The seconds until `step` has something to do: 0 if it has now, infinite if it has nothing."""
         if self._view is None or (self._path_render is None and self._state.paused):
             return math.inf
         if self._path_render is None:
             return REST_SECONDS if self._begins_at is None else max(self._begins_at - time.monotonic(), 0.0)
         rests = self._state.paused or self.is_done
-        return math.inf if rests and self._filter is None and not self._wants_look else 0.0
+        return math.inf if rests and self._filter is None and not self._update_is_due else 0.0
 
     def status(self) -> str:
-        """What to tell of it, one line; empty where nothing is traced."""
+        """The state of the picture in one line for the user; empty if nothing is traced."""
         if self._view is None:
             return ""
         if self._path_render is None and not self._state.paused:
-            return "" if self.patience or self._prepared is self._state.scene.meshes else "Preparing to trace paths …"
+            is_prepared = self._prepared_meshes is self._state.scene.meshes
+            return "" if self.seconds_until_work or is_prepared else "Preparing to trace paths …"
         parts = [str(self.progress)] if self.progress else ["First samples …"] if self._path_render else []
         if self.picture is not None and self.is_denoised:
             parts.append("denoised")
@@ -130,57 +132,57 @@ class Convergence:
         return text[0].upper() + text[1:]
 
     def follow(self, camera: Camera, size: tuple[int, int]) -> None:
-        """What to trace from now on. What differs from what there was begins anew, when it has rested."""
+        """Set the view to trace. If it differs from the current one, tracing starts again after REST_SECONDS."""
         if not self._state.shows("path"):
-            self.leave()
+            self.discard()
             return
         key = (self._state.scene, self._settings(), camera.pose.tobytes(), camera.fov_y, camera.height, size,
                self._programs.generation)
         if key != self._key or self._lacks_layers:
-            self.leave()
+            self.discard()
             self._key, self._view = key, (camera, size)
             self._begins_at = None
 
-    def leave(self) -> None:
-        """Forget the picture; what was prepared for the scene stays."""
+    def discard(self) -> None:
+        """Discard the picture. The tracer and what it has prepared for the scene stay."""
         if self._path_render is not None:
             self._path_render.release()
         self._path_render = self._view = self._key = self._filter = self.picture = self.progress = None
 
     def step(self) -> bool:
-        """Go on for about SLICE_SECONDS; whether there is something new to show.
+        """Continue tracing for about SLICE_SECONDS. Returns whether there is something new to show.
 
-        Raises what `viewer.trace.tracer.Tracer.begin` does.
+        Raises the errors of `viewer.trace.tracer.Tracer.begin`.
         """
-        if self._begins_at is None:  # from when the frame is drawn, which may take longer than a rest
+        if self._begins_at is None:  # REST_SECONDS count from here, after the frame was drawn, which may take longer
             self._begins_at = time.monotonic() + REST_SECONDS
-        if self.patience > 0:
+        if self.seconds_until_work > 0:
             return False
         if self._path_render is None:
             meshes = self._state.scene.meshes
-            is_told, self._announced = self._announced is meshes, meshes
-            if is_told:  # on screen, for it may take its time
+            is_announced, self._announced_meshes = self._announced_meshes is meshes, meshes
+            if is_announced:  # "Preparing ..." is on screen by now; preparing the scene may take long
                 self._begin()
-                self._prepared = meshes
+                self._prepared_meshes = meshes
             return True
         if self._filter is not None:
-            return self._go_on_filtering()
+            return self._continue_filter()
         if not (self._state.paused or self.is_done):
             self._path_render.step(SLICE_SECONDS)
-        return self._wants_look and self._look()
+        return self._update_is_due and self._update()
 
     def present(self, settings: Settings, framebuffer: moderngl.Framebuffer) -> None:
-        """Draw the picture into `framebuffer`, as displayed."""
+        """Draw the picture into `framebuffer`, with exposure and tone map."""
         assert self.picture is not None
         self._display.draw(self.picture, settings, framebuffer, _UNIT)
 
     def _settings(self) -> Settings:
-        """Those of the samples, whatever the display makes of them."""
+        """The settings to trace with. Settings that do not change the samples have their defaults."""
         settings, plain = self._state.settings, Settings()
         background: Background = "env" if settings.background == "env" else "none"
-        ends: dict[str, Any] = {} if any(getattr(settings, name) is not None for name in STOPPING) else UNTIL
+        ends: dict[str, Any] = {} if any(getattr(settings, name) is not None for name in STOPPING) else DEFAULT_STOPPING
         return replace(settings, mode="path", background=background, **ends,
-                       **{name: getattr(plain, name) for name in _NOT_TRACED})
+                       **{name: getattr(plain, name) for name in _UNUSED_SETTINGS})
 
     def _begin(self) -> None:
         from ..trace.denoise.wavelet import Wavelet
@@ -194,31 +196,31 @@ class Convergence:
         layers = ("albedo", "normal") if self._has_layers else ()
         camera, size = self._view
         self._path_render = self._tracer.begin(self._state.scene, camera, self._settings(), size, layers)
-        self._looked, self._look_at, self._look_cost = (0.0, ""), 0.0, 0.0
+        self._updated, self._update_at, self._update_cost = (0.0, ""), 0.0, 0.0
 
     @property
     def _lacks_layers(self) -> bool:
-        """Whether there are no layers and they are wanted now."""
+        """Whether the denoiser needs layers that are not traced."""
         return self._path_render is not None and not self._has_layers and self._state.settings.denoise != "off"
 
     @property
-    def _wants_look(self) -> bool:
+    def _update_is_due(self) -> bool:
         assert self._path_render is not None
-        if self._path_render.seconds >= self._look_at:
+        if self._path_render.seconds >= self._update_at:
             return True
-        is_new = self._looked != (self._path_render.seconds, self._state.settings.denoise)
-        return is_new and (self._state.paused or self.is_done or self._looked[1] != self._state.settings.denoise)
+        is_new = self._updated != (self._path_render.seconds, self._state.settings.denoise)
+        return is_new and (self._state.paused or self.is_done or self._updated[1] != self._state.settings.denoise)
 
-    def _look(self) -> bool:
-        """See how far the picture has come, and show it as soon as it is whole."""
+    def _update(self) -> bool:
+        """Estimate the error, and show the picture if every pixel has a sample. Returns whether there is a new one."""
         from ..trace.paths.film import relative_error
 
         path_render = self._path_render
         assert path_render is not None
         start = time.perf_counter()
         tiles = path_render.film.tile_errors()
-        self._looked = path_render.seconds, self._state.settings.denoise
-        self._look_cost = time.perf_counter() - start
+        self._updated = path_render.seconds, self._state.settings.denoise
+        self._update_cost = time.perf_counter() - start
         is_whole = self.is_done or bool((tiles[..., 2] >= tiles[..., 3]).all())
         if is_whole:
             samples = float(tiles[..., 2].sum(dtype=float) / tiles[..., 3].sum(dtype=float))
@@ -229,36 +231,36 @@ class Convergence:
                 self._filter = self._wavelet.steps(path_render.film)
             else:
                 self.picture, self.is_denoised = radiance, False
-        self._plan_look()
+        self._schedule_update()
         return self._filter is None and is_whole
 
-    def _go_on_filtering(self) -> bool:
-        """Some passes of the filter; whether they were the last ones."""
+    def _continue_filter(self) -> bool:
+        """Run some passes of the denoising filter. Returns whether it is finished."""
         assert self._filter is not None and self._wavelet is not None
         start = time.perf_counter()
         while time.perf_counter() - start < SLICE_SECONDS:
             if next(self._filter, "end") == "end":
                 self._filter, self.picture, self.is_denoised = None, self._wavelet.result, True
                 break
-            self._context.gl.finish()  # or a slow device would be given all passes at once
-        self._look_cost += time.perf_counter() - start
-        self._plan_look()
+            self._context.gl.finish()  # otherwise all passes would be queued at once on a slow device
+        self._update_cost += time.perf_counter() - start
+        self._schedule_update()
         return self._filter is None
 
-    def _plan_look(self) -> None:
+    def _schedule_update(self) -> None:
         assert self._path_render is not None
-        first, last = LOOK_SECONDS
+        first, last = UPDATE_SECONDS
         seconds = self._path_render.seconds
-        pause = max(first, min(seconds / 20, last), self._look_cost * (1 / LOOK_SHARE - 1))
-        self._look_at = seconds + pause
+        pause = max(first, min(seconds / 20, last), self._update_cost * (1 / UPDATE_FRACTION - 1))
+        self._update_at = seconds + pause
 
     def release(self) -> None:
-        self.leave()
+        self.discard()
         for thing in (self._wavelet, self._tracer, self._display):
             if thing is not None:
                 thing.release()
 
 
 def _short(number: float) -> str:
-    """Two digits, and all of those before the point."""
+    """The number with two significant digits, or all digits before the point."""
     return f"{number:.2g}" if number < 10 else f"{number:.0f}"

@@ -1,4 +1,4 @@
-"""Keys, mouse gestures and what they do: the one table behind the bindings, the help overlay and docs/window.md."""
+"""Keys and mouse gestures and their actions. The bindings, the help overlay and docs/window.md use this table."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Binding:
-    """`keys` do `action`. A key is a letter, a digit or a name of GLFW's (F1, TAB, KP_7), after Shift+ or Ctrl+."""
+    """Each of `keys` does `action`. A key is a letter, a digit or a GLFW name (F1, TAB, KP_7), perhaps with Shift+ or
+    Ctrl+ before it."""
 
     group: str
     keys: tuple[str, ...]
@@ -22,12 +23,12 @@ KEYS = (
     Binding("Shading", ("4",), "uniform_diffuse", "Uniform diffuse light alone"),
     Binding("Shading", ("5",), "specular", "Specular light alone"),
     Binding("Shading", ("6",), "directional_diffuse", "Directional diffuse light alone (multiple scattering)"),
-    Binding("Shading", ("7",), "furnace", "White furnace: what keeps all light vanishes"),
-    Binding("Shading", ("8",), "path", "Path-traced: the right answer, as it converges"),
+    Binding("Shading", ("7",), "furnace", "White furnace: surfaces that lose no light are invisible"),
+    Binding("Shading", ("8",), "path", "Path-traced: converges to the exact picture"),
     Binding("Shading", ("9",), "path_split", "PBR | path-traced"),
-    Binding("Shading", ("SPACE",), "pause", "Path tracing: pause, go on"),
-    Binding("Shading", ("N",), "denoise", "Path tracing: filter the noise, or show it"),
-    Binding("Camera", ("F", "HOME"), "frame_all", "Frame all"),
+    Binding("Shading", ("SPACE",), "pause", "Path tracing: pause or continue"),
+    Binding("Shading", ("N",), "denoise", "Path tracing: denoise, or show the noise"),
+    Binding("Camera", ("F", "HOME"), "frame_all", "Frame the whole model"),
     Binding("Camera", ("V",), "view_default", "Three-quarter view"),
     Binding("Camera", ("Z", "KP_1"), "view_front", "Front view"),
     Binding("Camera", ("Shift+Z", "Ctrl+KP_1"), "view_back", "Back view"),
@@ -48,18 +49,18 @@ KEYS = (
 MOUSE = (
     ("Drag", "Orbit"),
     ("Right, middle or Shift + drag", "Pan"),
-    ("Wheel, two fingers", "Come closer to what is under the cursor, or go away"),
+    ("Wheel, two fingers", "Move closer to the point under the cursor, or away from it"),
     ("Shift + wheel", "Pan"),
     ("Ctrl + wheel", "Orbit"),
-    ("Double click, Shift + click", "Centre on what is under the cursor"),
-    ("Drop a file", "Open a model; light it by an HDR or EXR picture"),
+    ("Double click, Shift + click", "Centre on the point under the cursor"),
+    ("Drop a file", "Open a model, or an HDR or EXR picture as environment"),
 )
 
 _LABELS = {"ESCAPE": "Esc", "TAB": "Tab", "HOME": "Home", "SPACE": "Space"}
 
 
 def action_of(key: str, shift: bool = False, control: bool = False) -> str | None:
-    """What a key does with these modifiers held; None for a key without a meaning."""
+    """The action of a key with these modifiers; None for a key without an action."""
     name = "Ctrl+" * control + "Shift+" * shift + key
     return _BY_NAME.get(name)
 
@@ -68,13 +69,13 @@ _BY_NAME = {key: binding.action for binding in KEYS for key in binding.keys}
 
 
 def label(key: str) -> str:
-    """A key as people call it: `Ctrl+KP_7` is `Ctrl+Num 7`."""
+    """The name of a key for users: `Ctrl+Num 7` for `Ctrl+KP_7`."""
     *modifiers, name = key.split("+")
     return "+".join([*modifiers, _LABELS.get(name, name.replace("KP_", "Num "))])
 
 
 def help_groups() -> list[tuple[str, list[tuple[str, str]]]]:
-    """Groups of lines: keys or gesture, and what it does."""
+    """Groups of lines; each line has the keys or the gesture, and what it does."""
     groups: dict[str, list[tuple[str, str]]] = {}
     for binding in KEYS:
         groups.setdefault(binding.group, []).append((", ".join(map(label, binding.keys)), binding.text))

@@ -1,4 +1,4 @@
-"""The camera under the hand: orbit, pan and dolly about a target. Pure mathematics, no window."""
+"""The orbit camera: orbit, pan and dolly about a target. It does not depend on a window."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ QUARTER = math.pi / 2
 NEAREST, FARTHEST = 1e-4, 50.0
 """Bounds of the distance to the target, in units of the distance that frames the scene."""
 COAST_SECONDS = 0.35
-"""The time in which inertia loses all but 1/e of its speed."""
+"""The time in which the speed of inertia falls to 1/e."""
 COAST_END = 0.02
 """The speed, in window heights per second, at which it stops."""
 
@@ -21,26 +21,26 @@ COAST_END = 0.02
 class OrbitController:
     """A camera on a sphere about `target`; angles in radians, distances in world units.
 
-    `roll` is the camera's own turn about its view; only a file's camera brings one. An orthographic view shows what the
-    perspective one shows at the target's depth. Movements of the hand are in window heights, x to the right and y
-    downwards, so that they mean the same in every window and for every size of scene.
+    `roll` is the camera's rotation about its view direction; only cameras from a file have one. An orthographic view
+    shows as much as the perspective one at the target's depth. Mouse movements are in window heights, x to the right
+    and y downwards, so they do not depend on the size of the window or the scene.
     """
 
     def __init__(self, center: ArrayLike, radius: float, aspect: float, fov_y: float = DEFAULT_FOV) -> None:
         self.fov_y = fov_y
         self.is_orthographic = False
         self.velocity = np.zeros(2)
-        """Of the orbit, in window heights per second, where it goes on by itself."""
+        """The velocity of inertia, in window heights per second, (2,)."""
         self.azimuth, self.elevation = DEFAULT_AZIMUTH, DEFAULT_ELEVATION
         self.set_scene(center, radius)
         self.frame_all(aspect)
 
     def set_scene(self, center: ArrayLike, radius: float) -> None:
-        """The sphere that `frame_all` frames and that bounds how far the camera goes; the camera stays."""
+        """Set the sphere that `frame_all` frames and that limits the camera's distance. The camera does not move."""
         self.center, self.radius = np.asarray(center, np.float64), float(radius)
 
     def frame_all(self, aspect: float, azimuth: float | None = None, elevation: float | None = None) -> None:
-        """Fill the view with the scene, seen from where it was or from the given angles."""
+        """Fill the view with the scene, from the current direction or from the given angles."""
         self.target = self.center.copy()
         self.distance = framing_distance(self.radius, aspect, self.fov_y)
         self.azimuth = self.azimuth if azimuth is None else azimuth
@@ -49,18 +49,18 @@ class OrbitController:
         self.velocity = np.zeros(2)
 
     def look_from(self, azimuth: float, elevation: float) -> None:
-        """A standard view of the same target from the same distance, upright."""
+        """Look at the same target from the same distance and a given direction, without roll."""
         self.azimuth, self.elevation, self.roll = azimuth, elevation, 0.0
         self.velocity = np.zeros(2)
 
     def follow(self, camera: Camera, depth: float) -> None:
-        """Take over a camera as it is; the target is `depth` in front of it."""
+        """Take over the pose and projection of `camera`. The target is `depth` in front of it."""
         rotation = camera.pose[:3, :3]
         back, up = rotation[:, 2], rotation[:, 1]
         self.elevation = math.atan2(back[1], math.hypot(back[0], back[2]))
         if math.hypot(back[0], back[2]) > 1e-6:
             self.azimuth = math.atan2(back[0], back[2])
-        else:  # straight up or down, "up" tells the azimuth
+        else:  # straight up or down, the camera's "up" determines the azimuth
             sign = -math.copysign(1.0, back[1])
             self.azimuth = math.atan2(sign * up[0], sign * up[2])
         reference = self._rotation(0.0)
@@ -74,7 +74,7 @@ class OrbitController:
 
     @property
     def camera(self) -> Camera:
-        """Where it stands now."""
+        """The current camera."""
         pose = np.eye(4)
         pose[:3, :3] = self._rotation(self.roll)
         pose[:3, 3] = self.target + self.distance * pose[:3, 2]
@@ -82,12 +82,13 @@ class OrbitController:
         return Camera(pose, self.fov_y, height)
 
     def orbit(self, dx: float, dy: float) -> None:
-        """Turn by half a circle per window height; the scene follows the hand. It ends at the poles, without a flip."""
+        """Rotate by half a turn per window height, so that the scene follows the mouse. The elevation stops at the
+        poles."""
         self.azimuth = math.remainder(self.azimuth - math.pi * dx, 2 * math.pi)
         self.elevation = min(max(self.elevation + math.pi * dy, -QUARTER), QUARTER)
 
     def pan(self, dx: float, dy: float, depth: float | None = None) -> None:
-        """Shift in the plane of the screen: what is `depth` away (the target by default) stays under the hand."""
+        """Move parallel to the screen. A point at `depth` (by default the target's) stays under the cursor."""
         if depth is None or self.is_orthographic:
             depth = self.distance
         rotation = self._rotation(self.roll)
@@ -95,7 +96,8 @@ class OrbitController:
         self._set_target(self.target + height * (-dx * rotation[:, 0] + dy * rotation[:, 1]))
 
     def dolly(self, factor: float, point: ArrayLike | None = None) -> None:
-        """Multiply the distance to `point` (the target by default), which stays where it is in the picture."""
+        """Multiply the distance to `point` (by default the target) by `factor`. The point stays where it is in the
+        picture."""
         nearest, farthest = self._limits()
         distance = min(max(self.distance * factor, min(nearest, self.distance)), max(farthest, self.distance))
         if point is not None:
@@ -104,7 +106,7 @@ class OrbitController:
         self.distance = distance
 
     def center_on(self, point: ArrayLike) -> None:
-        """Look at `point` from the same direction, no farther from it than it was."""
+        """Look at `point` from the same direction, without changing its depth."""
         point = np.asarray(point, np.float64)
         if not self.is_orthographic:
             back = self._rotation(0.0)[:, 2]
@@ -114,7 +116,7 @@ class OrbitController:
         self.velocity = np.zeros(2)
 
     def coast(self, seconds: float) -> bool:
-        """Let inertia carry the orbit on; whether there was any left."""
+        """Move the orbit by inertia for `seconds`. Returns whether it has moved."""
         if math.hypot(*self.velocity) < COAST_END:
             self.velocity = np.zeros(2)
             return False
@@ -127,13 +129,14 @@ class OrbitController:
         return NEAREST * framing, FARTHEST * framing
 
     def _set_target(self, target: np.ndarray) -> None:
-        """Not farther from the scene than the camera may go, so that it is always found again."""
+        """Set the target, at most as far from the scene as the camera may be, so that the scene is not lost."""
         offset = target - self.center
         length, limit = float(np.linalg.norm(offset)), self._limits()[1]
         self.target = self.center + offset * min(1.0, limit / length) if length > 0 else target
 
     def _rotation(self, roll: float) -> np.ndarray:
-        """Right, up and back as columns, (3, 3). Written out in angles it needs no "up" and holds at the poles."""
+        """Right, up and back as columns, (3, 3). It follows from the angles without an "up" vector, so it is also valid
+        at the poles."""
         sa, ca = math.sin(self.azimuth), math.cos(self.azimuth)
         se, ce = math.sin(self.elevation), math.cos(self.elevation)
         right, up = np.array([ca, 0.0, -sa]), np.array([-se * sa, ce, -se * ca])

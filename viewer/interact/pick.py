@@ -1,4 +1,4 @@
-"""What is under the cursor, by casting a ray at the triangles in float64."""
+"""Picking: finds the surface under the cursor by ray casting in float64."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from ..scene.scene import Scene
 
 
 def cursor_ray(camera: Camera, size: tuple[int, int], cursor: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
-    """Origin and unit direction in the world of the ray through `cursor`, in the units of `size`, y downwards."""
+    """The world-space origin and unit direction of the ray through `cursor`, which is in the units of `size`, y
+    downwards."""
     x, y = 2 * cursor[0] / size[0] - 1, 1 - 2 * cursor[1] / size[1]
     right, up = camera.pose[:3, 0], camera.pose[:3, 1]
     aspect = size[0] / size[1]
@@ -21,9 +22,10 @@ def cursor_ray(camera: Camera, size: tuple[int, int], cursor: tuple[float, float
 
 
 def pick(scene: Scene, camera: Camera, size: tuple[int, int], cursor: tuple[float, float]) -> np.ndarray | None:
-    """The nearest point of a surface under the cursor, (3,) float64 in the world, or None.
+    """The nearest point of a surface under the cursor, (3,) float64 in world space, or None.
 
-    Sides that are not drawn are not hit. An orthographic camera sees behind its eye too, and so does its ray.
+    Back faces of single-sided surfaces are not hit. An orthographic camera also shows what is behind its eye, so its
+    ray starts at minus infinity.
     """
     origin, direction = cursor_ray(camera, size, cursor)
     start = -np.inf if camera.height is not None else 0.0
@@ -38,7 +40,7 @@ def pick(scene: Scene, camera: Camera, size: tuple[int, int], cursor: tuple[floa
         mesh, linear = scene.meshes[instance.mesh], instance.transform[:3, :3]
         if mesh.topology != "triangles" or np.linalg.matrix_rank(linear) < 3:
             continue
-        # In the mesh's own space, where t means what it means in the world.
+        # In the mesh's local space the ray parameter t is the same as in world space.
         inverse = np.linalg.inv(linear)
         local_origin, local_direction = inverse @ (origin - instance.transform[:3, 3]), inverse @ direction
         double_sided = scene.materials[mesh.material].double_sided
@@ -47,23 +49,25 @@ def pick(scene: Scene, camera: Camera, size: tuple[int, int], cursor: tuple[floa
 
 
 def plane_point(camera: Camera, size: tuple[int, int], cursor: tuple[float, float], depth: float) -> np.ndarray:
-    """The point under the cursor that lies `depth` in front of the eye: what to use where nothing is."""
+    """The point under the cursor at `depth` in front of the eye, for pixels without a surface."""
     origin, direction = cursor_ray(camera, size, cursor)
     return origin + direction * (depth / float(direction @ camera.forward))
 
 
 def box_intervals(boxes: np.ndarray, origin: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where a ray enters and leaves boxes (N, 2, 3), as multiples of `direction`; it misses where enter > leave."""
+    """The ray parameters at which a ray enters and leaves boxes (N, 2, 3), each (N,). It misses a box if enter >
+    leave."""
     margin = 1e-9 * (boxes[:, 1] - boxes[:, 0]).max(axis=1)[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):
         a = (boxes[:, 0] - margin - origin) / direction
         b = (boxes[:, 1] + margin - origin) / direction
-    a, b = np.where(np.isnan(a), -np.inf, a), np.where(np.isnan(b), np.inf, b)  # in the plane of a side
+    # 0 / 0 is NaN: the ray lies in the plane of a side.
+    a, b = np.where(np.isnan(a), -np.inf, a), np.where(np.isnan(b), np.inf, b)
     return np.minimum(a, b).max(axis=1), np.maximum(a, b).min(axis=1)
 
 
 def ray_mesh(mesh: Mesh, origin: np.ndarray, direction: np.ndarray, start: float, double_sided: bool) -> float:
-    """The least t > `start` at which the ray meets the mesh from a side that is drawn; inf where it does not."""
+    """The least t > `start` at which the ray hits a visible side of the mesh; inf if there is no hit."""
     triangles = _triangles_about(mesh, origin, direction)
     a, b, c = (mesh.positions[triangles[:, k]].astype(np.float64) for k in range(3))
     # Moeller and Trumbore 1997.
@@ -81,7 +85,8 @@ def ray_mesh(mesh: Mesh, origin: np.ndarray, direction: np.ndarray, start: float
 
 
 def _triangles_about(mesh: Mesh, origin: np.ndarray, direction: np.ndarray) -> np.ndarray:
-    """The triangles, (N, 3) indices, whose box in the plane across the ray holds the ray: few, found cheaply."""
+    """The triangles, (N, 3) indices, whose bounding box in a plane perpendicular to the ray contains the ray. This
+    quick test leaves few triangles."""
     along = direction / np.linalg.norm(direction)
     side = np.cross(along, np.eye(3)[np.abs(along).argmin()])
     indices = np.arange(len(mesh.positions)) if mesh.indices is None else mesh.indices

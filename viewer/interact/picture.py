@@ -1,4 +1,4 @@
-"""The picture in the window: drawn when something in it changes, refined at rest, saved when asked."""
+"""The picture in the window. It is drawn when something changes, refined at rest, and saved on request."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from .orbit import OrbitController
 from .state import ViewState, free_path
 
 REST_SECONDS = 0.3
-"""A picture that has not changed for so long is drawn again with the samples of one that is kept, if those are more."""
+"""A picture that has not changed for so long is drawn again with the samples of a still picture, if they are more."""
 
 
 class Picture:
-    """What `renderer` last drew of `state` seen from `orbit`, and what `paths` traces of it."""
+    """The picture of `state` from the camera of `orbit`, as `renderer` last drew it and as `paths` traces it."""
 
     def __init__(self, renderer: Renderer, state: ViewState, orbit: OrbitController) -> None:
         self._renderer, self._state, self._orbit = renderer, state, orbit
@@ -36,32 +36,34 @@ class Picture:
 
     @property
     def is_refined(self) -> bool:
-        """Whether the picture has the samples of one that is kept; one that is soon replaced by paths needs no more."""
+        """Whether the picture has all samples of a still picture. In mode path it needs no more, since the path-traced
+        picture soon replaces it."""
         return self._samples == self._wanted_samples(still=True) or self._state.modes == ("path",)
 
     @property
     def wants_refinement(self) -> bool:
-        """Whether it has rested long enough to be refined, and is not."""
+        """Whether it shall be refined now: it is not, and it has been at rest long enough."""
         return not self.is_refined and time.monotonic() - self._drawn_at > REST_SECONDS
 
     @property
-    def patience(self) -> float:
-        """Seconds until it has something to do without being asked; endless while there is nothing."""
-        return min(self.paths.patience, math.inf if self.is_refined else REST_SECONDS)
+    def seconds_until_work(self) -> float:
+        """The seconds until there is something to do without user input; infinite if there is nothing."""
+        return min(self.paths.seconds_until_work, math.inf if self.is_refined else REST_SECONDS)
 
     @property
     def left_out(self) -> Sequence[str]:
-        """What the plan of what is shown has left out."""
+        """What the plan of the current picture has left out, in lines."""
         return self.paths.left_out or (self._renderer.plan.left_out if self._renderer.plan else ())
 
     def update(self, size: tuple[int, int]) -> bool:
-        """Draw what changed, at `size` pixels; whether anything had.
+        """Draw the picture at `size` pixels if something has changed. Returns whether it has.
 
-        What cannot be drawn gives way to what was there before, with a message; where nothing was, its error is raised.
+        If it cannot be drawn, the last state that could be drawn is restored, with a message. If there is none, the
+        error is raised.
         """
         state, camera = self._state, self._orbit.camera
         settings = state.on_screen()
-        # A colour is laid behind by the display pass.
+        # The display pass composites a background colour.
         background: Background = "env" if settings.background == "env" else "none"
         shading = replace(settings, exposure=0.0, tonemap="none", background=background)
         wanted = (state.scene, state.shots(shading, size), camera.pose.tobytes(), camera.fov_y, camera.height, size,
@@ -80,23 +82,23 @@ class Picture:
         return True
 
     def converge(self) -> bool:
-        """Go on tracing paths, for a moment; whether there is something new to show.
+        """Continue path tracing for a slice of time. Returns whether there is something new to show.
 
-        A scene that cannot be traced is shown as the raster draws it, with a message.
+        If the scene cannot be traced, mode pbr is shown instead, with a message.
         """
         try:
             return self.paths.step()
         except (ViewerError, moderngl.Error, MemoryError) as error:
             self._state.say(str(error) or "out of memory", is_error=True)
             self._state.show_mode("pbr")
-            self.paths.leave()
+            self.paths.discard()
             return True
 
     def present(self, framebuffer: moderngl.Framebuffer) -> None:
         self._present(self._state.on_screen(), framebuffer)
 
     def save(self, size: tuple[int, int]) -> None:
-        """Save it as PNG in the current folder, under a name that is free, and say so."""
+        """Save the picture as PNG in the current folder, under a free name, and show a message."""
         settings = self._state.settings
         try:
             path = free_path(Path.cwd(), Path(self._state.scene.name).stem)
@@ -123,16 +125,16 @@ class Picture:
         if self.paths.picture is not None:
             for mode, part in self._state.parts(size):
                 if mode == "path":
-                    framebuffer.scissor = part  # type: ignore[assignment]  # None is all of it
+                    framebuffer.scissor = part  # type: ignore[assignment]  # None means all of it
                     self.paths.present(settings, framebuffer)
                     framebuffer.scissor = None  # type: ignore[assignment]
 
     def _is_all_paths(self, size: tuple[int, int]) -> bool:
-        """Whether nothing of the raster is seen."""
+        """Whether the path-traced picture covers everything, so that the raster need not be shown."""
         return self.paths.picture is not None and all(mode == "path" for mode, _ in self._state.parts(size))
 
     def _read(self, settings: Settings, size: tuple[int, int]) -> np.ndarray:
-        """The picture as displayed, (H, W, 4) uint8."""
+        """The displayed picture, (H, W, 4) uint8, row 0 at the top."""
         color = self._renderer.context.gl.renderbuffer(size, 4)
         framebuffer = self._renderer.context.gl.framebuffer([color])
         self._present(settings, framebuffer)
@@ -145,7 +147,8 @@ class Picture:
         return self._state.settings.samples(self._renderer.context.is_software, still)
 
     def _go_back(self, error: Exception) -> None:
-        """To what could be drawn last, saying why; where that is what now fails, there is nothing left to show."""
+        """Restore the last state that could be drawn, and show the error. Raises it if there is no such state, or if
+        drawing that state has failed, too."""
         if self._good is None:
             raise error
         self._state.say(str(error) or "out of memory", is_error=True)

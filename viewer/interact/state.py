@@ -1,4 +1,4 @@
-"""What the window shows, as plain data: changed by keys, mouse and panel, drawn by the window."""
+"""The state of the window as plain data. Keys, mouse and panel change it, and the window draws it."""
 
 from __future__ import annotations
 
@@ -16,19 +16,21 @@ from ..settings import Lobes, Mode, Settings, ignored
 Part = tuple[int, int, int, int]
 
 CLEAR_GREY = (0.03, 0.03, 0.03)
-"""What stands behind a model without background on screen, in linear Rec. 709: a window has no alpha."""
+"""The colour behind a model without background, in linear Rec. 709, since a window has no alpha."""
 MESSAGE_SECONDS = 4.0
 ADDED_LIGHT = "--light"
-"""The name of lights the user added: they stay when another model is opened."""
+"""The name of lights that the user has added. They stay when another model is opened."""
 FURNACE: dict[str, Any] = {"exposure": -1.0, "tonemap": "none", "background": "env"}
-"""Settings of the furnace view: radiance 1 is mid grey, so that a surface too bright shows as well as one too dark."""
+"""The settings of the white furnace. Radiance 1 is displayed as mid grey, so too bright surfaces are as visible as too
+dark ones."""
 
 
 @dataclass
 class ViewState:
-    """`split` is where the line between the modes `sides` stands, as a fraction of the width, or None.
+    """`split` is the position of the line between the modes `sides`, as a fraction of the width; None without a split.
 
-    `unheated` is the scene, with its settings in FURNACE's terms, to come back to from the furnace view; else None.
+    `before_furnace` is None except in the white furnace. There it is the original scene, and the original values of the
+    settings in FURNACE.
     """
 
     scene: Scene
@@ -36,18 +38,18 @@ class ViewState:
     split: float | None = None
     sides: tuple[Mode, Mode] = ("phong", "pbr")
     paused: bool = False
-    """Whether the path-traced picture shall stay as it is."""
+    """Whether path tracing is paused."""
     panel: bool = True
     help: bool = False
     inertia: bool = False
     message: str = ""
     is_error: bool = False
     expires: float = 0.0
-    unheated: tuple[Scene, dict[str, Any]] | None = None
+    before_furnace: tuple[Scene, dict[str, Any]] | None = None
 
     @property
     def modes(self) -> tuple[Mode, ...]:
-        """What is shown, from left to right."""
+        """The modes that are shown, from left to right."""
         return self.sides if self.split is not None else (self.settings.mode,)
 
     def shows(self, mode: Mode) -> bool:
@@ -58,7 +60,7 @@ class ViewState:
         self.settings = replace(self.settings, mode=mode, lobes=lobes)
 
     def show_lobes(self, lobes: Lobes) -> None:
-        """One contribution alone, in a mode that has them."""
+        """Show one contribution alone, in mode path if that is shown, else in mode pbr."""
         self.show_mode("path" if self.modes == ("path",) else "pbr", lobes)
 
     def show_split(self, left: Mode = "phong", right: Mode = "pbr") -> None:
@@ -70,41 +72,41 @@ class ViewState:
         if self.shows("path"):
             self.paused = not self.paused
         else:
-            self.say("Nothing to pause: this picture is not path-traced")
+            self.say("There is nothing to pause: this picture is not path-traced")
 
     def toggle_denoise(self) -> None:
         self.settings = replace(self.settings, denoise="fast" if self.settings.denoise == "off" else "off")
-        self.say(f"Path tracing: noise {'is filtered away' if self.settings.denoise == 'fast' else 'is left as it is'}")
+        self.say(f"Path tracing: denoising {'on' if self.settings.denoise == 'fast' else 'off'}")
 
     def toggle_furnace(self) -> None:
-        """The model white and in a white furnace, where what keeps all light vanishes; or back."""
-        if self.unheated is None:
-            self.unheated = self.scene, {name: getattr(self.settings, name) for name in FURNACE}
+        """Show the scene in the white furnace (viewer/scene/furnace.py), or leave the furnace."""
+        if self.before_furnace is None:
+            self.before_furnace = self.scene, {name: getattr(self.settings, name) for name in FURNACE}
             self.scene, self.settings = in_furnace(self.scene), replace(self.settings, **FURNACE)
-            self.say("White furnace: what keeps all light vanishes")
+            self.say("White furnace: surfaces that lose no light are invisible")
         else:
-            self.scene, settings = self.unheated
-            self.settings, self.unheated = replace(self.settings, **settings), None
+            self.scene, settings = self.before_furnace
+            self.settings, self.before_furnace = replace(self.settings, **settings), None
 
     def shown(self) -> dict[str, object]:
-        """The fields that decide what the picture shows, as they are now."""
+        """The current values of the fields that determine the picture."""
         return {"scene": self.scene, "settings": self.settings, "split": self.split, "sides": self.sides,
-                "unheated": self.unheated}
+                "before_furnace": self.before_furnace}
 
     def say(self, text: str, is_error: bool = False) -> None:
-        """One line over the picture: for some seconds, or until the next one or Esc where it is an error."""
+        """Show one line over the picture: for some seconds, or, for an error, until the next message or Esc."""
         self.message, self.is_error = " ".join(text.split()), is_error
         self.expires = float("inf") if is_error else time.monotonic() + MESSAGE_SECONDS
 
     def forget_message(self) -> bool:
-        """Drop a message whose time is over; whether there was one."""
+        """Remove an expired message. Returns whether there was one."""
         if self.message and time.monotonic() > self.expires:
             self.message = ""
             return True
         return False
 
     def relight(self, environment: Environment | None) -> None:
-        """Another environment, turned and scaled as the one before."""
+        """Replace the environment, and keep the rotation and intensity of the one before."""
         old = self.scene.environment
         if environment is not None and old is not None:
             environment = replace(environment, rotation=old.rotation, intensity=old.intensity)
@@ -114,22 +116,24 @@ class ViewState:
         self.scene = self.scene.relit(lights=lights)
 
     def open(self, scene: Scene) -> None:
-        """Another model under the same environment and the lights that were added by hand."""
-        if self.unheated is not None:
+        """Show another model, with the same environment and the lights that the user has added."""
+        if self.before_furnace is not None:
             self.toggle_furnace()
         added = tuple(light for light in self.scene.lights if light.name == ADDED_LIGHT)
         self.scene = scene.relit(environment=self.scene.environment, lights=(*scene.lights, *added))
 
     def on_screen(self) -> Settings:
-        """The settings as a window can show them."""
+        """The settings for display in a window, which has no alpha: a background of `none` becomes CLEAR_GREY."""
         if self.settings.background != "none":
             return self.settings
         return replace(self.settings, background=CLEAR_GREY)
 
     def shots(self, settings: Settings, size: tuple[int, int]) -> list[tuple[Settings, Part | None]]:
-        """What the raster draws for a picture of `size` pixels: settings, and the part of the picture or None for all.
+        """What the raster draws for a picture of `size` pixels: pairs of settings and a part of the picture, or None
+        for the whole picture.
 
-        Where paths are traced it draws all of what stands beside them or, until they have a picture, in their place.
+        If mode path is shown, the raster draws the whole picture in the mode beside it, or in mode pbr. The path-traced
+        picture covers its part as soon as there is one.
         """
         plain = Settings()
         settings = replace(settings, **{name: getattr(plain, name) for name in ignored("pbr", "phong")})
@@ -139,7 +143,7 @@ class ViewState:
         return [(replace(settings, mode=mode), part) for mode, part in self.parts(size)]
 
     def parts(self, size: tuple[int, int]) -> list[tuple[Mode, Part | None]]:
-        """The modes that are seen, and where: None is all of the picture."""
+        """The visible modes, each with its part of the picture (x, y, width, height); None means the whole picture."""
         if self.split is None:
             return [(self.settings.mode, None)]
         width, height = size
@@ -149,7 +153,8 @@ class ViewState:
 
 
 def free_path(folder: Path, name: str, suffix: str = ".png") -> Path:
-    """`name-1.png`, or the first number that no file there has; characters no file system wants become `_`."""
+    """The first of `name-1.png`, `name-2.png`, ... that does not exist in `folder`. Characters that some file system
+    does not allow become `_`."""
     stem = "".join(c if c.isalnum() or c in "-_. " else "_" for c in name).strip(" .") or "picture"
     number = 1
     while (path := folder / f"{stem}-{number}{suffix}").exists():
@@ -158,7 +163,7 @@ def free_path(folder: Path, name: str, suffix: str = ".png") -> Path:
 
 
 def scene_facts(scene: Scene) -> list[tuple[str, str]]:
-    """Name and value of what there is to know about a model at a glance."""
+    """A summary of a model: pairs of a name and a value."""
     extent = scene.bounds[1] - scene.bounds[0]
     textures = {id(t.image) for m in scene.materials for t in vars(m).values() if hasattr(t, "image")}
     facts = [
@@ -169,9 +174,9 @@ def scene_facts(scene: Scene) -> list[tuple[str, str]]:
         ("Lights", str(len(scene.lights))),
         ("Cameras", str(len(scene.cameras))),
     ]
-    told = {name.lower() for name, _ in facts}
+    names = {name.lower() for name, _ in facts}
     return facts + [(name.replace("_", " ").capitalize(), _text(value)) for name, value in scene.facts.items()
-                    if value and name not in told]
+                    if value and name not in names]
 
 
 def _text(value: object) -> str:
