@@ -126,9 +126,9 @@ def test_the_python_api_shares_a_context_with_the_raster():
 
 
 @pytest.mark.parametrize("arguments, words", [
-    ({"aov": ["depth"]}, "aov does nothing in mode pbr"),
-    ({"mode": "path", "aov": ["z"]}, "no layer 'z'; there are albedo"),
-    ({"spp": 4}, "spp does nothing in mode pbr"),
+    ({"aov": ["depth"]}, "aov has no effect in mode pbr"),
+    ({"mode": "path", "aov": ["z"]}, "there is no layer 'z'; choose from albedo"),
+    ({"spp": 4}, "spp has no effect in mode pbr"),
 ])
 def test_the_python_api_refuses_what_does_nothing(arguments, words):
     with pytest.raises(UsageError, match=words):

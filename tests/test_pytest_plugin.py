@@ -130,12 +130,12 @@ def test_another_size_fails_in_words(pytester):
 
 
 WRONG = {
-    "golden('name', picture())": "the picture comes first",
+    "golden('name', picture())": "the picture must be the first argument",
     "golden(None)": "the picture is of type NoneType, not an Image or an array",
     "golden(picture()[0])": "the picture is an array (24, 3), not (H, W, 3 or 4)",
     "golden(picture().astype(int))": "not uint8 (as displayed) or floating (linear)",
     "golden(picture(), 5)": "name is of type int",
-    "golden(picture(), '../x')": "'../x' is no name of a golden image beside the test",
+    "golden(picture(), '../x')": "'../x' is not a name for a golden image beside the test",
     "golden(picture(), flop=1)": "there is no limit 'flop', but flip, maximum, rounding",
     "golden(picture(), flip='1')": "flip='1': it is a number from 0 on",
 }
@@ -160,7 +160,7 @@ def test_a_gl_error_left_pending_fails_the_test(pytester):
     """)
     result = pytester.runpytest()
     result.assert_outcomes(failed=1, passed=1)
-    result.stdout.fnmatch_lines(["*OpenGL error pending: GL_INVALID_ENUM*"])
+    result.stdout.fnmatch_lines(["*an OpenGL error is pending: GL_INVALID_ENUM*"])
 
 
 def test_each_test_gets_a_context_of_its_own(pytester):

@@ -46,19 +46,19 @@ def test_settings_that_are_numbers():
 def test_what_a_mode_ignores_is_refused():
     Settings.of(mode="path", spp=3, clamp=9).check_used()
     Settings.of(mode="phong", seed=0, denoise="off").check_used()
-    with pytest.raises(UsageError, match="^spp and clamp do nothing in mode pbr, only in mode path$"):
+    with pytest.raises(UsageError, match="^spp and clamp have no effect in mode pbr, only in mode path$"):
         Settings.of(spp=3, clamp=9).check_used()
-    with pytest.raises(UsageError, match="^denoise does nothing in mode phong"):
+    with pytest.raises(UsageError, match="^denoise has no effect in mode phong"):
         Settings.of(mode="phong", denoise="fast").check_used()
-    with pytest.raises(UsageError, match="^shadows does nothing in mode path, only in modes pbr and phong$"):
+    with pytest.raises(UsageError, match="^shadows has no effect in mode path, only in modes pbr and phong$"):
         Settings.of(mode="path", shadows="off").check_used()
-    with pytest.raises(UsageError, match="^ndf and fresnel do nothing in mode phong, only in modes pbr and path$"):
+    with pytest.raises(UsageError, match="^ndf and fresnel have no effect in mode phong, only in modes pbr and path$"):
         Settings.of(mode="phong", ndf="beckmann", fresnel="exact").check_used()
-    with pytest.raises(UsageError, match="^indirect and reflections do nothing in mode phong, only in mode pbr$"):
+    with pytest.raises(UsageError, match="^indirect and reflections have no effect in mode phong, only in mode pbr$"):
         Settings.of(mode="phong", indirect="baked", reflections="traced").check_used()
-    with pytest.raises(UsageError, match="^phong does nothing in mode pbr, only in mode phong$"):
+    with pytest.raises(UsageError, match="^phong has no effect in mode pbr, only in mode phong$"):
         Settings.of(phong="blinn-phong").check_used()
-    with pytest.raises(UsageError, match="^spp and phong do nothing in mode pbr$"):
+    with pytest.raises(UsageError, match="^spp and phong have no effect in mode pbr$"):
         Settings.of(phong="blinn-phong", spp=3).check_used()
 
 
@@ -76,14 +76,14 @@ def test_the_most_samples_follow_the_rules_given():
 
 
 @pytest.mark.parametrize("assignment, words", [
-    ("bounces=0", "--set bounces=0: bounces is a whole number from 1 to 255"),
+    ("bounces=0", "--set bounces=0: bounces must be a whole number from 1 to 255"),
     ("bounces=2.5", "a whole number from 1 to 255"),
     ("bounces=", "a whole number from 1 to 255"),
-    ("clamp=nan", "clamp is a number from 0 to 1e[+]09"),
+    ("clamp=nan", "clamp must be a number from 0 to 1e[+]09"),
     ("spp=4", "no setting 'spp'"),
-    ("ndf", "--set ndf: ndf is one of ggx, beckmann, blinn-phong"),
-    ("ndf=GGX", "ndf is one of"),
-    ("mode=phong", "no setting 'mode'; there are ndf, "),
+    ("ndf", "--set ndf: ndf must be one of ggx, beckmann, blinn-phong"),
+    ("ndf=GGX", "ndf must be one of"),
+    ("mode=phong", "there is no setting 'mode'; choose from ndf, "),
     ("=", "no setting ''"),
 ])
 def test_a_wrong_assignment_says_what_there_is(assignment, words):
@@ -92,20 +92,20 @@ def test_a_wrong_assignment_says_what_there_is(assignment, words):
 
 
 @pytest.mark.parametrize("values, words", [
-    ({"mood": "dark"}, "no setting 'mood'; there are mode, background"),
-    ({"mode": "ray"}, "mode='ray': mode is one of pbr, phong, path"),
-    ({"spp": 0}, "spp=0: it is a whole number from 1 to 65536"),
+    ({"mood": "dark"}, "there is no setting 'mood'; choose from mode, background"),
+    ({"mode": "ray"}, "mode='ray': mode must be one of pbr, phong, path"),
+    ({"spp": 0}, "spp=0: it must be a whole number from 1 to 65536"),
     ({"spp": 1.5}, "a whole number"),
-    ({"error": -1}, "error=-1: it is a number from 1e-05 to 1"),
-    ({"seed": None}, "seed=None: it is a whole number from 0 to 4294967295"),
-    ({"denoise": "on"}, "denoise is one of off, fast, oidn"),
-    ({"tonemap": None}, "tonemap is one of neutral, agx, aces, none"),
-    ({"exposure": "bright"}, "exposure='bright': it is a number from -64 to 64"),
+    ({"error": -1}, "error=-1: it must be a number from 1e-05 to 1"),
+    ({"seed": None}, "seed=None: it must be a whole number from 0 to 4294967295"),
+    ({"denoise": "on"}, "denoise must be one of off, fast, oidn"),
+    ({"tonemap": None}, "tonemap must be one of neutral, agx, aces, none"),
+    ({"exposure": "bright"}, "exposure='bright': it must be a number from -64 to 64"),
     ({"exposure": float("nan")}, "a number from -64 to 64"),
     ({"exposure": 65}, "a number from -64 to 64"),
-    ({"background": "red"}, "background='red': it is env, none, #rrggbb or three linear numbers"),
+    ({"background": "red"}, "background='red': it must be env, none, #rrggbb or three linear numbers"),
     ({"background": (0, 1)}, "three linear numbers"),
-    ({"background": (0, 1, 2)}, "background=2: it is a number from 0 to 1"),
+    ({"background": (0, 1, 2)}, "background=2: it must be a number from 0 to 1"),
 ])
 def test_wrong_values_are_refused_in_words(values, words):
     with pytest.raises(UsageError, match=words):

@@ -1,4 +1,4 @@
-"""Show 3D models physically based, from Python.
+"""Show 3D models with physically based shading, from Python.
 
     import viewer
     scene = viewer.load("helmet.glb", environment="studio.hdr")
@@ -55,7 +55,7 @@ _MODULES = {
 
 
 def __getattr__(name: str) -> object:
-    # Imported when asked for: pytest loads this package in every project where it is installed, for its plugin.
+    # Modules are imported on first access, because pytest loads this package for its plugin in every project.
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f".{_MODULES.get(name, 'errors')}", __name__), name)

@@ -1,7 +1,8 @@
-"""The Python API: load a scene, render it, show it.
+"""The Python API: load a scene, render it, show it in a window.
 
-Each thread has an OpenGL context of its own, opened when it first renders and released when it ends, so any thread may
-render. A process forked off after that cannot: start others by "spawn" (`multiprocessing.set_start_method`).
+Any thread may render. Each has its own OpenGL context, which is opened when the thread first renders and released when
+it ends. A process that is forked after that cannot render; start processes with the method "spawn"
+(`multiprocessing.set_start_method`).
 """
 
 from __future__ import annotations
@@ -30,12 +31,12 @@ DEFAULT_SIZE = (1280, 720)
 
 
 def load(path: str | PathLike[str], environment: str | PathLike[str] | None = "studio") -> Scene:
-    """A scene from a model file, under an environment.
+    """Load a model file as a scene, lit by an environment.
 
-    `environment` is an HDR or EXR file, the name of a built-in one (studio, sky, furnace) or None. What of the file
-    is not supported is named in the scene's `warnings`. Raises InputError for a file that cannot be used; an
-    environment's pixels are decoded when they are first needed, so that its InputError may come from `render`. Raises
-    UsageError for what is no path.
+    `environment` is an HDR or EXR file, the name of a built-in environment (studio, sky, furnace) or None. The scene's
+    `warnings` list what of the file is not supported. Raises InputError for a file that cannot be used. The pixels of
+    an environment are decoded when they are first needed, so `render` may raise its InputError. Raises UsageError for
+    an argument that is not a path.
     """
     from .scene.environment_files import load_environment
     from .scene.load import load_scene
@@ -56,16 +57,16 @@ def render(
     aov: Sequence[str] = (),
     **settings: Any,
 ) -> Image:
-    """A picture of `scene`, `size` = (width, height) pixels.
+    """Render a picture of `scene`; `size` is (width, height) in pixels.
 
-    Without `camera` the one that frames the scene. `settings` are the fields of `viewer.Settings`, for instance
+    By default a camera that frames the scene is used. `settings` are fields of `viewer.Settings`, for instance
     ``mode="phong", exposure=1.0, background="#336699"`` or ``mode="path", spp=256``. `backend` is auto, egl, osmesa or
-    window (a hidden one). Mode path can add layers (`Image.layers`): `aov` names albedo, normal, depth, variance,
-    samples. With a `time_budget` or `error` and no `mode`, the method is chosen (docs/budget.md), and `Image.stats`
-    tells which.
+    window (a hidden window). In mode path `aov` selects layers to add to `Image.layers`: albedo, normal, depth,
+    variance, samples. With a `time_budget` or `error` and without `mode`, the best method is chosen (docs/budget.md);
+    `Image.stats` names it.
 
-    Raises UsageError for arguments of the wrong type, a size that cannot be drawn and a setting that does not exist,
-    InputError for textures and environments that cannot be decoded, ContextError where there is no OpenGL.
+    Raises UsageError for arguments of the wrong type, an invalid size or a setting that does not exist, InputError for
+    textures and environments that cannot be decoded, and ContextError if there is no OpenGL.
     """
     _expect_scene(scene, camera)
     chosen, size = Settings.of(**settings), _checked(size)
@@ -81,18 +82,18 @@ def render(
     if chosen.mode == "path":
         return shared_tracer(backend).render(scene, camera, chosen, size, _checked_layers(aov))
     if aov:
-        raise UsageError(f"aov does nothing in mode {chosen.mode}, only in mode path")
+        raise UsageError(f"aov has no effect in mode {chosen.mode}, only in mode path")
     return shared_renderer(backend).render(scene, camera, chosen, size)
 
 
 def show(
     scene: Scene, size: tuple[int, int] = DEFAULT_SIZE, camera: Camera | None = None, **settings: Any
 ) -> Image | None:
-    """Open a window on `scene` and wait until it is closed; in a notebook return a picture, which shows itself.
+    """Show `scene` in a window and wait until it is closed. In a notebook, return a picture, which displays itself.
 
-    The arguments are those of `render`, but the window filters noise if not told otherwise (`denoise="off"`), and
-    traces paths until they converge or `spp`, `time_budget` or `error` is met. Raises ContextError where no window can
-    be opened.
+    The arguments are those of `render`, but the window denoises path-traced pictures by default (`denoise="off"`
+    prevents it). It traces until the picture has converged or until `spp`, `time_budget` or `error` is reached. Raises
+    ContextError if no window can be opened.
     """
     _expect_scene(scene, camera)
     if _in_notebook():
@@ -104,7 +105,7 @@ def show(
 
 
 def shared_renderer(backend: str = "auto") -> Renderer:
-    """This thread's renderer for `backend`, made on first use. Raises ContextError."""
+    """This thread's renderer for `backend`, which is created on first use. Raises ContextError."""
     from .gpu.context import open_context
     from .raster.renderer import Renderer
 
@@ -115,7 +116,7 @@ def shared_renderer(backend: str = "auto") -> Renderer:
 
 
 def shared_tracer(backend: str = "auto") -> Tracer:
-    """Likewise this thread's path tracer, which shares the renderer's context."""
+    """This thread's path tracer for `backend`, which shares the renderer's context. Raises ContextError."""
     from .trace.tracer import Tracer
 
     renderer = shared_renderer(backend)
@@ -126,8 +127,10 @@ def shared_tracer(backend: str = "auto") -> Tracer:
 
 
 def shared_chooser(backend: str = "auto") -> Chooser:
-    """Likewise what chooses between the two; it measures the device when it is first used, for some seconds, and keeps
-    that on disk."""
+    """This thread's chooser between renderer and path tracer for `backend`. Raises ContextError.
+
+    It measures the device for some seconds when it is first used, and stores the result in the cache on disk.
+    """
     from .budget.chooser import Chooser
 
     tracer = shared_tracer(backend)
@@ -138,10 +141,10 @@ def shared_chooser(backend: str = "auto") -> Chooser:
 
 
 class _Renderers(dict[str, "Renderer"]):
-    """A thread's renderers, which go with it."""
+    """A thread's renderers, which are released when the thread ends."""
 
     def __del__(self) -> None:
-        if not sys.is_finalizing():  # the process takes its contexts along
+        if not sys.is_finalizing():  # at the end of the process its contexts end anyway
             for renderer in self.values():
                 renderer.context.release()
 
@@ -160,7 +163,7 @@ def _checked(size: object) -> tuple[int, int]:
     except (TypeError, ValueError):
         width = height = 0
     if width < 1 or height < 1:
-        raise UsageError(f"size={size!r}: it is (width, height), two whole numbers of pixels")
+        raise UsageError(f"size={size!r}: it must be (width, height), two positive whole numbers of pixels")
     return width, height
 
 
@@ -168,11 +171,11 @@ def _checked_layers(names: Sequence[str]) -> Sequence[str]:
     expect(names, (list, tuple), "aov", "a list of layers' names")
     for name in names:
         if name not in LAYERS:
-            raise UsageError(f"aov={names!r}: no layer {name!r}; there are {', '.join(LAYERS)}")
+            raise UsageError(f"aov={names!r}: there is no layer {name!r}; choose from {', '.join(LAYERS)}")
     return names
 
 
 def _in_notebook() -> bool:
-    """Whether this runs in a Jupyter kernel (a terminal's IPython has none)."""
+    """Whether this runs in a Jupyter kernel. IPython in a terminal does not."""
     shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
     return getattr(shell, "kernel", None) is not None

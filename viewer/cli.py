@@ -1,7 +1,7 @@
 """The command line: pbr-viewer view, render, info, check, report, diff, doctor, cache.
 
-Exit status: 0 done; 1 the input is bad or the output cannot be written; 2 wrong usage; 3 no OpenGL context;
-130 interrupted. What goes wrong is told in one line on stderr.
+Exit status: 0 success; 1 the input is bad or the output cannot be written; 2 wrong usage; 3 no OpenGL context;
+130 interrupted. An error is reported in one line on stderr.
 """
 
 from __future__ import annotations
@@ -48,12 +48,12 @@ def _print_version(context: click.Context, _: click.Parameter, wanted: bool) -> 
 @click.option("--version", is_flag=True, expose_value=False, is_eager=True, callback=_print_version,
               help="Show the version and exit.")
 def cli() -> None:
-    """Look at 3D models, physically based: in a window, as pictures, as numbers.
+    """Show 3D models with physically based shading: in a window, as pictures, and as measurements.
 
-    `pbr-viewer COMMAND --help` tells the options of a command.
+    `pbr-viewer COMMAND --help` lists the options of a command.
 
-    Exit status: 0 done; 1 the input is bad or the output cannot be written; 2 wrong usage; 3 no OpenGL context.
-    What goes wrong is told in one line.
+    Exit status: 0 success; 1 the input is bad or the output cannot be written; 2 wrong usage; 3 no OpenGL context. An
+    error is reported in one line on stderr.
     """
 
 
@@ -61,7 +61,7 @@ def cli() -> None:
 @click.argument("model")
 @with_options([*SCENE_OPTIONS, *PATH_OPTIONS, *CAMERA_OPTIONS, *COMMON_OPTIONS])
 def view(model: str, **options: Any) -> None:
-    """Open MODEL in a window: drag to turn it, scroll to come closer, press H for all keys.
+    """Open MODEL in a window. Drag to orbit, scroll to move closer, press H for a list of all keys.
 
     MODEL is a glTF file (.gltf, .glb), an OBJ, PLY, STL or OFF, or another mesh that trimesh reads.
     """
@@ -77,19 +77,20 @@ def view(model: str, **options: Any) -> None:
     open_window(scene, settings, camera, options["size"], use_cache=not options["no_cache"])
 
 
-@cli.command(short_help="Make pictures of models, without a screen.")
+@cli.command(short_help="Render pictures of models, without a screen.")
 @click.argument("models", metavar="MODEL...", nargs=-1, required=True)
 @click.option("-o", "--output", required=True, metavar="OUT",
-              help="The picture: .png .jpg .webp (as displayed), .exr (linear light). For several models a folder, or "
+              help="The picture: .png .jpg .webp (as displayed), .exr (linear light). For several models: a folder, or "
                    "a pattern such as out/{name}.png.")
 @BACKEND_OPTION
-@click.option("--stats", metavar="FILE.json", help="Write times, the plan and memory; for several models a list.")
+@click.option("--stats", metavar="FILE.json",
+              help="Write times, plan and memory as JSON; for several models a list of them.")
 @with_options([*SCENE_OPTIONS, *PATH_OPTIONS, AOV_OPTION, *CAMERA_OPTIONS, *COMMON_OPTIONS])
 def render(models: tuple[str, ...], output: str, backend: str, stats: str | None, **options: Any) -> None:
-    """Make a picture of each MODEL, without a screen.
+    """Render a picture of each MODEL, without a screen.
 
-    MODEL is a glTF file (.gltf, .glb), an OBJ, PLY, STL or OFF, or another mesh that trimesh reads. Of several models,
-    one that cannot be shown is told on stderr, the others are made all the same, and the exit status is not 0.
+    MODEL is a glTF file (.gltf, .glb), an OBJ, PLY, STL or OFF, or another mesh that trimesh reads. If one of several
+    models cannot be rendered, it is reported on stderr, the others are still rendered, and the exit status is not 0.
 
     \b
     pbr-viewer render helmet.glb -o helmet.png
@@ -111,7 +112,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
         check_output(stats)
     environment = make_environment(options)
     if environment is not None and len(work) > 1:
-        environment.radiance  # noqa: B018  decoded here: broken, it is told once, not for every model
+        environment.radiance  # noqa: B018  decode it here, so that an error is reported once, not for every model
 
     def load(model: str) -> Any:
         scene = make_scene(model, environment, options)
@@ -123,15 +124,15 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     sys.exit(job.run(work, load, lambda model, scene: make_camera(model, scene, options), stats))
 
 
-@cli.command(short_help="Tell what is in a model and how it will be shown.")
+@cli.command(short_help="Show what is in a model and how it will be rendered.")
 @click.argument("model", required=False)
 @JSON_OPTION
 @click.option("--settings", "list_settings", is_flag=True, help="List what --set takes.")
 @with_options([*SCENE_OPTIONS, QUIET_OPTION])
 def info(model: str | None, json_file: str | None, list_settings: bool, **options: Any) -> None:
-    """Tell what is in MODEL, what will be done to show it, and what is left out and why.
+    """Show what MODEL contains, what is needed to render it, and what is left out and why.
 
-    Without MODEL: what this program knows and where it keeps its cache. No OpenGL is needed.
+    Without MODEL: show the supported formats and the folder of the cache. No OpenGL is needed.
     """
     from .jobs.info import describe_package, describe_scene, format_settings, settings_table
 
@@ -150,24 +151,25 @@ def info(model: str | None, json_file: str | None, list_settings: bool, **option
         scene = make_scene(model, make_environment(options), options)
         _warn(model, scene, options)
         facts = describe_scene(scene, settings)
-    _tell(facts, json_file)
+    _report(facts, json_file)
 
 
-@cli.command(short_help="Check the shaders: energy, and what float32 makes of them.")
+@cli.command(short_help="Check the shaders: energy conservation and float32 precision.")
 @click.argument("what", type=click.Choice(["energy", "stability", "all"]), default="all")
 @click.argument("model", required=False)
 @click.option("--shader", metavar="FILE", help="Check a lobe of your own GLSL file.")
-@click.option("--lobe", metavar="NAME", help="Its name: the file has NAME_eval, and may have NAME_sample, NAME_pdf.")
+@click.option("--lobe", metavar="NAME",
+              help="The lobe's name: the file defines NAME_eval, and may define NAME_sample and NAME_pdf.")
 @JSON_OPTION
 @click.option("-o", "--output", metavar="DIR", help="Write index.html, with plots, and check.json.")
-@click.option("--set", "assignments", multiple=True, metavar="NAME=VALUE", help="A setting the MODEL is shaded with.")
+@click.option("--set", "assignments", multiple=True, metavar="NAME=VALUE", help="A setting to shade the MODEL with.")
 @QUIET_OPTION
 def check(what: str, model: str | None, shader: str | None, lobe: str | None, json_file: str | None,
           output: str | None, assignments: tuple[str, ...], quiet: bool) -> None:
-    """Prove the shaders: that none makes or loses light, and that float32 computes what the formulas say.
+    """Check that no shader creates or loses light, and that float32 computes the formulas precisely enough.
 
-    With MODEL: the energy of each of its materials. Exit status 1 if a bound is broken; a model that is known to fail
-    is reported, and is no reason.
+    With MODEL: check the energy of each of its materials. The exit status is 1 if a bound is exceeded. Shading models
+    that are known to fail are reported, and do not change the exit status.
 
     \b
     pbr-viewer check -o report/
@@ -175,11 +177,11 @@ def check(what: str, model: str | None, shader: str | None, lobe: str | None, js
     pbr-viewer check energy --shader mine.glsl --lobe velvet
     """
     if (shader is None) != (lobe is None):
-        raise UsageError("--shader and --lobe go together")
+        raise UsageError("--shader and --lobe must be used together")
     if model and shader:
         raise UsageError("check either a MODEL or a --shader")
     if what != "energy" and (model or shader):
-        raise UsageError("of a MODEL or a --shader there is `check energy`")
+        raise UsageError("for a MODEL or a --shader there is only `check energy`")
     from .measure.check.checks import exit_status
     from .measure.check.run import run_checks, run_model_checks, run_shader_checks
     from .measure.check.table import print_table
@@ -189,7 +191,7 @@ def check(what: str, model: str | None, shader: str | None, lobe: str | None, js
 
         from .base.atomic import make_folder
 
-        make_folder(Path(output))  # what cannot be written is told before the wait
+        make_folder(Path(output))  # an error is reported before the checks run
     if shader and lobe:
         checks = run_shader_checks(shader, lobe, quiet)
     elif model:
@@ -253,24 +255,25 @@ def report(models: tuple[str, ...], output: str, limit: float, backend: str, **o
 @click.argument("a")
 @click.argument("b")
 @JSON_OPTION
-@click.option("-o", "--output", metavar="DIFF.png", help="Write the FLIP map: black where they agree.")
+@click.option("-o", "--output", metavar="DIFF.png", help="Write the FLIP map, black where the pictures agree.")
 def diff(a: str, b: str, json_file: str | None, output: str | None) -> None:
-    """Compare picture B with the reference A: FLIP (how different they look), root mean square error, maximum.
+    """Compare picture B with the reference A by FLIP (the perceived difference), RMS error and maximum error.
 
-    Two .exr or .hdr files are compared as light, others as displayed. The exit status does not depend on the result.
+    Two .exr or .hdr files are compared as linear light, others as displayed. The exit status does not depend on the
+    result.
     """
     from .measure.compare.difference import compare_files
 
     result = compare_files(a, b)
     if output:
         result.save_map(output)
-    _tell(result.to_json(), json_file)
+    _report(result.to_json(), json_file)
 
 
-@cli.command(short_help="Tell which OpenGL contexts work here.")
+@cli.command(short_help="Show which OpenGL contexts work here.")
 @JSON_OPTION
 def doctor(json_file: str | None) -> None:
-    """Tell which OpenGL contexts work here, and what to do about those that don't. Exit status 3: none works."""
+    """Show which OpenGL contexts work here, and how to fix those that do not. Exit status 3: none works."""
     from .jobs.doctor import calibration_line, diagnose, exit_status, format_findings
 
     findings = diagnose()
@@ -281,12 +284,12 @@ def doctor(json_file: str | None) -> None:
     sys.exit(exit_status(findings))
 
 
-@cli.command(short_help="Tell what is kept on disk to be faster.")
-@click.option("--clear", is_flag=True, help="Empty it.")
+@cli.command(short_help="Show or clear the cache on disk.")
+@click.option("--clear", is_flag=True, help="Delete all entries of the cache.")
 def cache(clear: bool) -> None:
-    """Tell where prepared environments, and what is known of this device, are kept, and how much room they take.
+    """Show the folder and size of the cache, which holds prepared environments and measurements of this device.
 
-    The variable PBR_VIEWER_CACHE names another folder, or is `off`.
+    The environment variable PBR_VIEWER_CACHE names another folder, or is `off`.
     """
     from .bake.cache import cache_folder, cache_size, clear_cache
 
@@ -300,16 +303,16 @@ def cache(clear: bool) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command line on `arguments`, or on those of the process; ends in SystemExit."""
+    """Run the command line with `arguments`, by default those of the process. It ends by raising SystemExit."""
     for stream in (sys.stdout, sys.stderr):
         with suppress(AttributeError, ValueError, OSError):
-            stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]  # a file's name may be no text
+            stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]  # file names may not be valid text
     share_one_heap()
     sys.exit(_run(arguments))
 
 
 def _run(arguments: Sequence[str] | None) -> int:
-    """The exit status; never a traceback for what a user did."""
+    """Run the command line and return the exit status. No error that a user can cause prints a traceback."""
     try:
         with stoppable():
             cli.main(args=arguments, prog_name="pbr-viewer", standalone_mode=False)
@@ -324,13 +327,13 @@ def _run(arguments: Sequence[str] | None) -> int:
         click.echo(error.format_message(), err=True)
     except click.ClickException as error:
         command = error.ctx.command_path if isinstance(error, click.UsageError) and error.ctx else "pbr-viewer"
-        say_error(f"{error.format_message()} (`{command} --help` tells more)")
+        say_error(f"{error.format_message()} (see `{command} --help`)")
     except MemoryError:
         say_error("out of memory")
         return 1
     except OSError as error:
         say_error(f"{error.filename or 'standard output'}: {error.strerror or error}")
-        # What could not be written waits in the stream, to be tried again, and to fail again, at exit.
+        # At exit Python would flush the rest of the output again and report another error; redirect it to nowhere.
         with suppress(OSError, ValueError, AttributeError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
@@ -338,7 +341,10 @@ def _run(arguments: Sequence[str] | None) -> int:
 
 
 def _leaves_mode_open(settings: Any) -> bool:
-    """Whether the method is to be chosen. Raises UsageError where what is set leaves nothing to choose from."""
+    """Whether the method shall be chosen: there is a time budget or an error, and no --mode.
+
+    Raises UsageError if no method supports all settings.
+    """
     source = click.get_current_context().get_parameter_source("mode")
     if source is not click.core.ParameterSource.DEFAULT or (settings.time_budget is None and settings.error is None):
         return False
@@ -355,7 +361,8 @@ def _warn(model: str, scene: Any, options: dict[str, Any]) -> None:
         say(f"{model}: warning: {warning}")
 
 
-def _tell(facts: dict[str, object], json_file: str | None) -> None:
+def _report(facts: dict[str, object], json_file: str | None) -> None:
+    """Write `facts` to the JSON file, or print them."""
     if json_file:
         _write_json(json_file, facts)
         return

@@ -1,7 +1,7 @@
-"""The errors a user can mend.
+"""The errors that a user can fix.
 
-Each one is a single line that says what is wrong and where; the command line prints it on stderr and exits with
-`exit_status`. Anything else that escapes is a bug of ours.
+The text of each is a single line that says what is wrong and where. The command line prints it on stderr and exits with
+`exit_status`. Any other exception that reaches the user is a bug.
 """
 
 from __future__ import annotations
@@ -10,15 +10,15 @@ from os import PathLike
 
 
 class ViewerError(Exception):
-    """Base of everything pbr-viewer raises on purpose."""
+    """The base class of all errors that pbr-viewer raises on purpose."""
 
     exit_status = 1
 
 
 class InputError(ViewerError):
-    """A file that cannot be used: which one, the place in it, and what is wrong there.
+    """A file that cannot be used. The text names the file, the place in it and the problem.
 
-    `place` is a path into the file in its own terms (``accessors[3].count``, ``line 12``), or "" for the whole file.
+    `place` is in terms of the file's format (``accessors[3].count``, ``line 12``), or "" for the whole file.
     """
 
     def __init__(self, file: str | PathLike[str], place: str, problem: str) -> None:
@@ -32,16 +32,17 @@ class OutputError(ViewerError):
 
 
 class UsageError(ViewerError):
-    """Options that contradict each other or name something that does not exist."""
+    """Arguments or options that contradict each other, have wrong values or name something that does not exist."""
 
     exit_status = 2
 
 
 class ContextError(ViewerError):
-    """No OpenGL context: the text lists what was tried, why each failed and what to install."""
+    """No OpenGL context. The text has one line for each back end tried, with the reason, and one about what to
+    install."""
 
     exit_status = 3
 
 
 class ShaderError(ViewerError):
-    """A shader that does not compile or link; the text names the real file and line."""
+    """A shader that does not compile or link. The text names the source file and line."""

@@ -1,6 +1,6 @@
-"""The pytest plugin: the fixtures `golden` (is the picture still the stored one?) and `gl` (a clean OpenGL context).
+"""The pytest plugin with the fixtures `golden` (compares a picture with a stored one) and `gl` (an OpenGL context).
 
-pytest loads this module in every project where the package is installed, so nothing heavy is imported up here.
+pytest loads this module in every project where the package is installed, so nothing slow is imported at its top.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ if TYPE_CHECKING:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     group = parser.getgroup("pbr-viewer", "golden images and OpenGL contexts (pbr-viewer)")
-    group.addoption("--golden-update", action="store_true", help="store what is drawn as the new golden images")
+    group.addoption("--golden-update", action="store_true", help="store the test's pictures as new golden images")
     group.addoption("--golden-report", metavar="DIR",
                     help="folder for the page and pictures of failures (default: golden-failures in the root folder)")
     group.addoption("--gl-backend", choices=("auto", "egl", "osmesa", "window"), default="auto",
-                    help="where the `gl` fixture draws (default: auto)")
+                    help="how the `gl` fixture opens OpenGL (default: auto)")
 
 
 class Golden:
-    """Compares pictures with those stored in the folder `golden` beside the test's file."""
+    """Compares pictures with golden images, which are stored in the folder `golden` beside the test's file."""
 
     def __init__(self, request: pytest.FixtureRequest) -> None:
         self._node = request.node.nodeid
@@ -44,12 +44,12 @@ class Golden:
         self._calls = 0
 
     def __call__(self, picture: Image | np.ndarray, name: str | None = None, **limits: float | None) -> None:
-        """Fails the test where `picture` is not the golden image `name`.
+        """Fails the test if `picture` differs from the golden image `name`.
 
-        `picture` is an `Image`, or an array (H, W, 3 or 4): uint8 displayed values, or floating linear ones. `name`
-        is the test's own by default; one that ends in .exr compares radiance, any other is a PNG of the displayed
-        picture. `limits` are the fields of `viewer.measure.golden.Limits`: flip, maximum, rounding. Raises UsageError
-        for arguments that are none of this.
+        `picture` is an `Image`, or an array (H, W, 3 or 4) of displayed values (uint8) or linear ones (float). `name`
+        is derived from the test by default. If it ends in .exr, radiance is compared; otherwise displayed values, with
+        a PNG. `limits` are fields of `viewer.measure.compare.golden.Limits`: flip, maximum, rounding. Raises UsageError
+        for other arguments.
         """
         __tracebackhide__ = True
         from .measure.compare.difference import not_finite
@@ -57,7 +57,7 @@ class Golden:
 
         self._calls += 1
         if isinstance(picture, str):
-            raise UsageError("golden(picture, name): the picture comes first, and its name after it")
+            raise UsageError("golden(picture, name): the picture must be the first argument, and its name the second")
         image = as_image(picture)
         path = self.path(name)
         within = Limits.of(**limits)
@@ -70,23 +70,23 @@ class Golden:
             return
         folder = self._report / _slug(f"{self._node}-{self._calls}")
         failure.write(folder)
-        pytest.fail(f"{path}: {failure.problem}\nlook at {folder}, and if the picture is right:\n"
+        pytest.fail(f"{path}: {failure.problem}\nlook at {folder}; if the picture is right, update the golden image:\n"
                     f"    pytest '{self._node}' --golden-update", pytrace=False)
 
     def path(self, name: str | None = None) -> Path:
-        """Where the golden image of that name lies. Raises UsageError for a name that is none, or leads elsewhere."""
+        """The path of the golden image `name`. Raises UsageError for an invalid name, or one outside the folder."""
         __tracebackhide__ = True
         if name is None:
             name = f"{self._file.stem}-{_slug(self._node.partition('::')[2])}"
             name += f"-{self._calls}" if self._calls > 1 else ""
         expect(name, str, "name", "the name of a golden image")
         if not name or Path(name).is_absolute() or ".." in Path(name).parts:
-            raise UsageError(f"{name!r} is no name of a golden image beside the test")
+            raise UsageError(f"{name!r} is not a name for a golden image beside the test")
         return self._file.parent / "golden" / (name if name.endswith((".png", ".exr")) else f"{name}.png")
 
 
 class GL:
-    """A clean OpenGL context, current; `ctx` is its `moderngl.Context`."""
+    """A new OpenGL context, which is current; `ctx` is its `moderngl.Context`."""
 
     def __init__(self, context: Context) -> None:
         self.context = context
@@ -97,13 +97,13 @@ class GL:
 
     def call(self, file: str | Path, function: str, /, *, defines: Mapping[str, float] | None = None,
              **arrays: Any) -> Any:
-        """What a GLSL function returns for `arrays`, computed in this context: see `viewer.call_glsl`."""
+        """Calls a GLSL function on `arrays` in this context; see `viewer.call_glsl`."""
         from .gpu.call import call_glsl
 
         return call_glsl(file, function, defines=defines, context=self.context, **arrays)
 
     def check(self, picture: Image | np.ndarray) -> None:
-        """Fails the test on a NaN or infinite pixel, and on an OpenGL error that is pending."""
+        """Fails the test if a pixel is NaN or infinite, or if an OpenGL error is pending."""
         from .measure.compare.difference import not_finite
         from .measure.compare.golden import as_image
 
@@ -114,11 +114,11 @@ class GL:
         self.check_errors()
 
     def check_errors(self) -> None:
-        """Fails the test where OpenGL has an error pending, as happens at the end of every test with this fixture."""
+        """Fails the test if an OpenGL error is pending. This is also checked at the end of every test with `gl`."""
         self.context.make_current()
         error = self.ctx.error
         if error != "GL_NO_ERROR":
-            pytest.fail(f"OpenGL error pending: {error}", pytrace=False)
+            pytest.fail(f"an OpenGL error is pending: {error}", pytrace=False)
 
 
 @pytest.fixture
@@ -129,7 +129,7 @@ def golden(request: pytest.FixtureRequest) -> Callable[..., None]:
 
 @pytest.fixture
 def gl(request: pytest.FixtureRequest) -> Iterator[GL]:
-    """A fresh OpenGL context (`--gl-backend`) for this test alone, which fails on an OpenGL error left pending."""
+    """A new OpenGL context (`--gl-backend`) for this test only. The test fails if an OpenGL error is left pending."""
     from .errors import ContextError
     from .gpu.context import open_context
 
@@ -143,7 +143,7 @@ def gl(request: pytest.FixtureRequest) -> Iterator[GL]:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
-    # Here and not when the fixture ends, for there it would be an error beside a test that passed.
+    # Checked here and not in the fixture's teardown, where it would be an error of a test that has passed.
     result = yield
     fixture = getattr(item, "funcargs", {}).get("gl")
     if isinstance(fixture, GL):
@@ -175,11 +175,11 @@ def _report_folder(config: pytest.Config) -> Path:
 
 
 def _in_charge(config: pytest.Config) -> bool:
-    """Not a worker of pytest-xdist, which only adds its failures to the folder."""
+    """Whether this process writes the report. A worker of pytest-xdist does not; it only adds its failures."""
     return not hasattr(config, "workerinput")
 
 
 def _slug(name: str) -> str:
-    """A name that serves as a file's on every system, of at most 120 characters."""
+    """`name` as a file name that is valid on every system, with at most 120 characters."""
     slug = re.sub(r"[^\w.]+", "-", name).strip("-.")
     return slug if len(slug) <= 120 else f"{slug[:111]}-{zlib.crc32(slug.encode()):08x}"

@@ -1,4 +1,4 @@
-"""How a scene is to be shown. A render is a pure function of (scene, camera, settings, size)."""
+"""The settings of a render. A picture is a function of (scene, camera, settings, size) only."""
 
 from __future__ import annotations
 
@@ -23,30 +23,30 @@ NDFS: tuple[Ndf, ...] = get_args(Ndf)
 MASKINGS: tuple[Masking, ...] = get_args(Masking)
 """In the order of the shaders' switch MASKING."""
 LAYERS = ("albedo", "normal", "depth", "variance", "samples")
-"""What mode path can tell of a picture beside its colour; see `viewer.trace.layers`."""
+"""The layers that mode path can add to a picture's colour; see `viewer.trace.paths.layers`."""
 MAX_EXPOSURE = 64.0
-"""In stops; 2**64 times any radiance a half float holds is still a float32."""
+"""In EV. 2**64 times the largest half float still fits in a float32."""
 DEFAULT_SPP = 64
 MAX_SPP = 1 << 16
-"""A float32 sum of so many samples is off by 0.4 % at worst, were each rounded the same way."""
+"""The error of a float32 sum of so many samples is at most 0.4 %, even if all are rounded in the same direction."""
 
 
 @dataclass(frozen=True)
 class Range:
-    """The numbers a setting can have, both ends among them."""
+    """The numbers that a setting can have, from `low` to `high`, both included."""
 
     low: float
     high: float
     is_whole: bool = False
 
     def number(self, value: object, prefix: str) -> float:
-        """`value` as such a number, an int where it is whole; else UsageError, which begins with `prefix`."""
+        """`value` as a number in this range, an int if `is_whole`. Raises UsageError, which starts with `prefix`."""
         try:
             number = self._whole(value) if self.is_whole else float(value)  # type: ignore[arg-type]
         except (TypeError, ValueError):
             number = math.nan
         if not self.low <= number <= self.high:
-            raise UsageError(f"{prefix} is {self}")
+            raise UsageError(f"{prefix} must be {self}")
         return number
 
     @staticmethod
@@ -79,72 +79,75 @@ def _option(default: str | float, meaning: str) -> Any:
 
 @dataclass(frozen=True)
 class Settings:
-    """Everything that is not scene, camera or size. The fields below `# --set` are reached by `--set NAME=VALUE`."""
+    """All settings of a render. The fields below `# --set` can be set on the command line by `--set NAME=VALUE`."""
 
     mode: Mode = "pbr"
     background: Background = "env"
-    """The environment itself, nothing (alpha 0), or a colour in linear Rec. 709.
+    """The environment, nothing (alpha 0), or a colour in linear Rec. 709.
 
-    A colour is shown as it is, whatever the exposure and the tone map."""
+    Exposure and tone map do not change a background colour."""
     exposure: float = 0.0
     """In EV: radiance is multiplied by 2**exposure before the tone map."""
     tonemap: Tonemap = "neutral"
 
-    # Of mode path. It ends by whichever of spp, time_budget and error comes first; where none is given, after 64 spp.
+    # For mode path, which stops when the first of spp, time_budget and error is reached; if none is given, at 64 spp.
     spp: int | None = None
-    """Samples a pixel: exactly so many where no other rule is given, else the most that a pixel gets."""
+    """Samples per pixel. If a time budget or error is given, the most samples per pixel."""
     time_budget: float | None = None
-    """In seconds, for one picture, preparing it included."""
+    """In seconds, for one picture, including its preparation."""
     error: float | None = None
-    """The relative error to reach, estimated from the samples themselves."""
+    """The relative error to reach, which is estimated from the samples."""
     seed: int = 0
+    """The seed of the random numbers."""
     denoise: Denoise = "off"
 
     # --set
-    ndf: Ndf = _option("ggx", "how the normals of microfacets are spread, D")
+    ndf: Ndf = _option("ggx", "distribution of microfacet normals, D")
     masking: Masking = _option(
-        "smith", "how microfacets hide one another, G; smith is height-correlated")
-    fresnel: Literal["schlick", "exact"] = _option("schlick", "how reflection grows towards grazing angles, F")
-    multiscatter: Literal["on", "off"] = _option("on", "give back the light that bounces between microfacets")
+        "smith", "masking and shadowing of microfacets, G; smith: height-correlated")
+    fresnel: Literal["schlick", "exact"] = _option("schlick", "Fresnel reflectance, F")
+    multiscatter: Literal["on", "off"] = _option("on", "add the light that is scattered several times by microfacets")
     lobes: Lobes = _option("all", "show one contribution alone")
     phong: Literal["phong", "blinn-phong"] = _option("phong", "the highlight of --mode phong")
     shadows: Literal["on", "off"] = _option("on", "shadows of the lights")
     environment_shadows: Literal["off", "16", "64", "256", "1024"] = _option(
-        "off", "lights drawn from the environment to find what of it is hidden")
+        "off", "shadows of the environment, from so many directional lights sampled from it")
     ambient_occlusion: Literal["off", "gtao"] = _option(
-        "off", "darken what the picture itself shows to be hidden; nothing beside environment-shadows")
+        "off", "ambient occlusion computed from the depth buffer; no effect together with environment-shadows")
     indirect: Literal["off", "baked"] = _option(
-        "off", "light that surfaces throw on one another; baked: path traced at the vertices, once")
+        "off", "indirect light from other surfaces; baked: path traced once at the vertices")
     reflections: Literal["environment", "traced"] = _option(
-        "environment", "what surfaces mirror; traced: also of the model itself, by a ray from each point shaded")
+        "environment", "what is reflected; traced: also the model itself, by one ray from each shaded point")
     refraction: Literal["screen", "traced"] = _option(
-        "screen", "refraction in solid glass; traced: from surface to surface, by two paths from each shaded point")
+        "screen", "refraction in solid glass: in screen space, or traced by two paths from each shaded point")
     specular_aa: Literal["on", "off"] = _option(
-        "off", "widen highlights that are finer than a pixel: calmer in motion, but farther from the truth")
+        "off", "specular antialiasing: widen highlights smaller than a pixel, which flicker less but are less exact")
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8", "ssaa-4", "ssaa-9", "ssaa-16"] = _option(
-        "auto", "samples a pixel, shaded once (msaa) or each (ssaa); auto: four, shaded once, but one while the camera "
-        "moves and a processor draws")
+        "auto", "samples per pixel, which are shaded once (msaa) or each (ssaa); auto: msaa-4, but none while the "
+        "camera moves and the CPU renders")
     plan: Literal["needed", "everything"] = _option(
-        "needed", "everything: leave nothing out, for the same picture; shows what is saved")
-    sampling: Literal["mis", "bsdf", "lights"] = _option("mis", "mode path: how light is found; mis weighs both ways")
-    bounces: int = _option(32, "mode path: the most often light is reflected or refracted on its way")
+        "needed", "everything: compile and upload also what is not needed, for the same picture; shows what is saved")
+    sampling: Literal["mis", "bsdf", "lights"] = _option(
+        "mis", "mode path: sample the BSDF, the lights, or both (mis: multiple importance sampling)")
+    bounces: int = _option(32, "mode path: the maximum number of reflections and refractions of a path")
     light_radius: float = _option(0.0, "mode path: radius of point and spot lights, in the scene's unit")
-    clamp: float = _option(0.0, "mode path: most luminance of one indirect sample; 0: none; what it takes is lost")
+    clamp: float = _option(
+        0.0, "mode path: maximum luminance of an indirect sample, which removes bright noise but loses light; 0: none")
 
     @classmethod
     def of(cls, **values: Any) -> Settings:
-        """Settings with some fields given; a colour may be written "#rrggbb", as sRGB.
+        """Settings with the given fields; the others have their defaults. The background may be "#rrggbb" (sRGB).
 
-        Raises UsageError for a field that does not exist or a value it cannot have.
+        Raises UsageError for a field that does not exist or a value that it cannot have.
         """
         names = [f.name for f in fields(cls)]
         choices = setting_choices() | {"mode": get_args(Mode), "tonemap": get_args(Tonemap),
                                        "denoise": get_args(Denoise)}
         for name, value in values.items():
             if name not in names:
-                raise UsageError(f"no setting {name!r}; there are {', '.join(names)}")
+                raise UsageError(f"there is no setting {name!r}; choose from {', '.join(names)}")
             if name in choices and value not in choices[name]:
-                raise UsageError(f"{name}={value!r}: {name} is one of {', '.join(choices[name])}")
+                raise UsageError(f"{name}={value!r}: {name} must be one of {', '.join(choices[name])}")
         if "background" in values:
             values["background"] = parse_background(values["background"])
         for name in values.keys() & RANGES.keys():
@@ -153,18 +156,18 @@ class Settings:
         return cls(**values)
 
     def check_used(self) -> None:
-        """Raises UsageError where a setting that this mode ignores is not the default."""
-        idle = ignored(self.mode)
-        unused = [f.name for f in fields(self) if f.name in idle and getattr(self, f.name) != f.default]
+        """Raises UsageError if a setting that this mode ignores does not have its default."""
+        ignored_names = ignored(self.mode)
+        unused = [f.name for f in fields(self) if f.name in ignored_names and getattr(self, f.name) != f.default]
         if unused:
-            verb = "does" if len(unused) == 1 else "do"
+            verb = "has" if len(unused) == 1 else "have"
             modes = [mode for mode in get_args(Mode) if all(mode in _USED_BY[name] for name in unused)]
             where = f", only in mode{'s' * (len(modes) > 1)} {' and '.join(modes)}" if modes else ""
-            raise UsageError(f"{' and '.join(unused)} {verb} nothing in mode {self.mode}{where}")
+            raise UsageError(f"{' and '.join(unused)} {verb} no effect in mode {self.mode}{where}")
 
     @property
     def is_used(self) -> bool:
-        """Whether `check_used` has nothing to say."""
+        """Whether `check_used` raises no error."""
         try:
             self.check_used()
         except UsageError:
@@ -172,49 +175,56 @@ class Settings:
         return True
 
     def check_open(self) -> tuple[Settings | None, Settings | None]:
-        """Where the mode is left open: these settings in mode pbr and in mode path, each None where it ignores one of
-        them. Raises UsageError where both do."""
-        ways = replace(self, mode="pbr", time_budget=None, error=None), replace(self, mode="path")
-        found = [settings if settings.is_used else None for settings in ways]
-        if found == [None, None]:
-            raise UsageError("neither mode pbr nor mode path uses all that is set: give a mode")
-        return found[0], found[1]
+        """These settings in mode pbr and in mode path, for choosing between them; None for a mode that ignores some.
+
+        Raises UsageError if both modes ignore some of them.
+        """
+        modes = replace(self, mode="pbr", time_budget=None, error=None), replace(self, mode="path")
+        usable = [settings if settings.is_used else None for settings in modes]
+        if usable == [None, None]:
+            raise UsageError("neither mode pbr nor mode path uses all of these settings: give a mode")
+        return usable[0], usable[1]
 
     @property
     def most_spp(self) -> int:
-        """The most samples a pixel can get in mode path."""
+        """The maximum number of samples per pixel in mode path."""
         if self.spp is not None:
             return self.spp
         return DEFAULT_SPP if self.time_budget is None and self.error is None else MAX_SPP
 
     def samples(self, is_software: bool, is_still: bool) -> int:
-        """Samples a pixel on such a device, for a picture that is kept or one of a moving camera."""
+        """Samples per pixel (MSAA) on a software or hardware device, for a still picture or a moving camera."""
         if self.antialias == "auto":
             return 1 if is_software and not is_still else 4
         return int(self.antialias[5:]) if self.antialias.startswith("msaa") else 1
 
     @property
     def supersampling(self) -> int:
-        """Points along each side of a pixel that are shaded."""
+        """The number of shaded points along each side of a pixel (SSAA)."""
         return math.isqrt(int(self.antialias[5:])) if self.antialias.startswith("ssaa") else 1
 
     def with_option(self, assignment: str) -> Settings:
-        """A copy with one `NAME=VALUE` of `--set` applied; dashes in the name may be written for underscores."""
+        """A copy with one `NAME=VALUE` of `--set` applied. The name may have dashes instead of underscores.
+
+        Raises UsageError for a name or value that does not exist.
+        """
         name, _, value = assignment.partition("=")
         name = name.strip().replace("-", "_")
         choices = setting_choices()
         if name not in setting_meanings():
-            raise UsageError(f"--set {assignment}: no setting {name!r}; there are {', '.join(setting_meanings())}")
+            raise UsageError(f"--set {assignment}: there is no setting {name!r}; choose from "
+                             f"{', '.join(setting_meanings())}")
         if name in RANGES:
             change: dict[str, Any] = {name: RANGES[name].number(value, f"--set {assignment}: {name}")}
         elif value in choices[name]:
             change = {name: value}
         else:
-            raise UsageError(f"--set {assignment}: {name} is one of {', '.join(choices[name])}")
+            raise UsageError(f"--set {assignment}: {name} must be one of {', '.join(choices[name])}")
         return replace(self, **change)
 
 
 STOPPING = ("spp", "time_budget", "error")
+"""The settings that end a path-traced picture."""
 _USED_BY: dict[str, tuple[Mode, ...]] = {
     **dict.fromkeys(("ndf", "masking", "fresnel", "multiscatter"), ("pbr", "path")),
     "phong": ("phong",),
@@ -223,7 +233,7 @@ _USED_BY: dict[str, tuple[Mode, ...]] = {
                      "specular_aa"), ("pbr",)),
     **dict.fromkeys((*STOPPING, "seed", "denoise", "sampling", "bounces", "light_radius", "clamp"), ("path",)),
 }
-"""The modes that use a setting, of those that not all modes use."""
+"""The modes that use a setting, for the settings that not all modes use."""
 
 
 def ignored(*modes: Mode) -> tuple[str, ...]:
@@ -232,7 +242,10 @@ def ignored(*modes: Mode) -> tuple[str, ...]:
 
 
 def parse_background(value: object) -> Background:
-    """What `Settings.background` holds, from "env", "none", "#rrggbb" (sRGB) or linear (r, g, b); else UsageError."""
+    """A value of `Settings.background` from "env", "none", "#rrggbb" (sRGB) or linear (r, g, b).
+
+    Raises UsageError for anything else.
+    """
     if isinstance(value, str) and value in ("env", "none"):
         return value  # type: ignore[return-value]
     if isinstance(value, str) and re.fullmatch("#?[0-9a-fA-F]{6}", value):
@@ -246,15 +259,15 @@ def parse_background(value: object) -> Background:
     if isinstance(value, (tuple, list)) and len(value) == 3:
         red, green, blue = (Range(0, 1).number(part, f"background={part!r}: it") for part in value)
         return red, green, blue
-    raise UsageError(f"background={value!r}: it is env, none, #rrggbb or three linear numbers from 0 to 1")
+    raise UsageError(f"background={value!r}: it must be env, none, #rrggbb or three linear numbers from 0 to 1")
 
 
 def setting_choices() -> dict[str, tuple[str, ...]]:
-    """The settings of words that `--set` reaches, each with its allowed values; those of numbers are in `RANGES`."""
+    """The `--set` settings with choices, each with its allowed values. Numbers are in `RANGES`."""
     hints = get_type_hints(Settings)
     return {name: get_args(hints[name]) for name in setting_meanings() if name not in RANGES}
 
 
 def setting_meanings() -> dict[str, str]:
-    """The settings `--set` reaches and what each is for, in the order they are documented."""
+    """The names and meanings of the `--set` settings, in the order in which they are documented."""
     return {f.name: f.metadata["meaning"] for f in fields(Settings) if "meaning" in f.metadata}

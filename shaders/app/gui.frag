@@ -1,4 +1,4 @@
-// The panel's colours and letters, sRGB as they are.
+// Dear ImGui's triangles: vertex colour times font texture. Colours are sRGB values, written unchanged.
 in vec2 v_uv;
 in vec4 v_color;
 

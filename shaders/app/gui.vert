@@ -1,4 +1,4 @@
-// The panel's triangles: positions in window coordinates, y downwards.
+// Dear ImGui's triangles: positions are in window coordinates, y downwards.
 in vec2 a_position;
 in vec2 a_uv;
 in vec4 a_color;

@@ -1,6 +1,6 @@
-// Functions that keep their digits near 0, where the plain expression subtracts nearly equal numbers.
+// Functions that stay precise near 0, where the plain expression subtracts nearly equal numbers.
 
-// log(1 + x), x >= 0: 2 artanh(t), t = x / (2 + x), by its series; its rest is 1.3e-8 at x = 1/2.
+// log(1 + x), x >= 0: 2 artanh(t), t = x / (2 + x), by its series, whose remainder is 1.3e-8 at x = 1/2.
 float log_1_plus(float x) {
     float t = x / (2.0 + x);
     float t2 = t * t;
@@ -8,7 +8,7 @@ float log_1_plus(float x) {
     return x < 0.5 ? series : log(1.0 + x);
 }
 
-// 1 - exp(-x), x >= 0, by Taylor's series under 0.05, whose rest is 3e-9 there
+// 1 - exp(-x), x >= 0. Below x = 0.05 by its Taylor series, whose remainder is at most 3e-9.
 float one_minus_exp(float x) {
     return x < 0.05 ? x * (1.0 - x * (0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x / 120.0)))) : 1.0 - exp(-x);
 }

@@ -1,17 +1,17 @@
 // Euler's beta function B(x, y) = integral_0^1 t^(x-1) (1 - t)^(y-1) dt, for x, y >= 1.
 #include "bsdf/accurate.glsl"
 
-// Rest of Stirling's series for log Gamma: 1 / (12 x) - 1 / (360 x^3) + 1 / (1260 x^5), to 3e-7 at x >= 3
-// (Abramowitz & Stegun 1964, 6.1.41)
+// The correction terms of Stirling's series for log Gamma: 1 / (12 x) - 1 / (360 x^3) + 1 / (1260 x^5). Their error is
+// at most 3e-7 for x >= 3 (Abramowitz & Stegun 1964, 6.1.41).
 float stirling_rest(float x) {
     float r = 1.0 / x;
     float r2 = r * r;
     return r * (1.0 / 12.0 - r2 * (1.0 / 360.0 - r2 / 1260.0));
 }
 
-// B(x, y) = B(p, q) s (s+1) (s+2) (s+3) / (x (x+1) y (y+1)),  p = x + 2, q = y + 2, s = x + y, takes both to 3 or more,
-// where Stirling's series with the large terms cancelled by hand gives
-//   log B(p, q) = log(2 pi) / 2 - log(p q / (p + q)) / 2 - p log(1 + q/p) - q log(1 + p/q) + rests
+// B(x, y) = B(p, q) s (s+1) (s+2) (s+3) / (x (x+1) y (y+1)),  p = x + 2, q = y + 2, s = x + y. Both p and q are at
+// least 3, and there Stirling's series, in which the large terms cancel analytically, gives
+//   log B(p, q) = log(2 pi) / 2 - log(p q / (p + q)) / 2 - p log(1 + q/p) - q log(1 + p/q) + corrections
 float beta(float x, float y) {
     float s = x + y;
     float p = x + 2.0, q = y + 2.0;

@@ -7,8 +7,8 @@ float shininess_from_alpha(float alpha) {
 }
 
 // D(h) = (s + 2) / (2 pi) NoH^s, NoH^s = exp(s/2 log(1 - s2)) with s2 = |n x h|^2.
-// 1 - s2 would round, and s multiplies what is lost: at alpha = 0.01, s is 2e4 and NoH alone has lost its digits. So
-// log(1 - s2) = -2 artanh(t), t = s2 / (2 - s2), by its series, whose rest is below a unit in the last place here.
+// Rounding 1 - s2 (or NoH) would cause an error that s multiplies: at alpha = 0.01, s is 2e4. So log(1 - s2) is
+// computed as -2 artanh(t), t = s2 / (2 - s2), by its series, whose remainder is below the rounding error here.
 float d_blinn_phong(float NoH, float s2, float alpha) {
     float s = shininess_from_alpha(alpha);
     float t = s2 / (2.0 - s2);

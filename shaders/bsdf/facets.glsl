@@ -1,5 +1,5 @@
-// The microfacets of a surface. They are isotropic, with the factors that microfacet.glsl has chosen, or (ANISOTROPIC)
-// GGX stretched along the tangent, for which the other distributions have no counterpart here.
+// The microfacets of a surface. They are isotropic, with the factors that the switches of microfacet.glsl choose, or
+// (ANISOTROPIC) anisotropic GGX. The other distributions are isotropic only.
 #include "bsdf/bsdf.glsl"
 #include "bsdf/half_vector.glsl"
 #if ANISOTROPIC
@@ -12,21 +12,21 @@ struct Surface {
     float metallic;
     vec3 f0;       // of the dielectric
     float f90;
-    float ior;     // f0 without weight and tint, for FRESNEL = 1
-    float alpha;   // below DELTA_ALPHA a mirror; across the tangent, where ANISOTROPIC
-    float alpha_t; // along the tangent, where ANISOTROPIC
+    float ior;     // index of refraction for FRESNEL = 1, where f0 also contains weight and tint
+    float alpha;   // below DELTA_ALPHA a mirror; if ANISOTROPIC, the alpha along the bitangent
+    float alpha_t; // if ANISOTROPIC, the alpha along the tangent
 };
 
-// The cosines of one reflection, which the microfacets' factors are functions of
+// The cosines of one reflection; D, G and F are functions of them.
 struct Angles {
     float NoV, NoL, NoH, VoH;
     float s2; // |n x h|^2
 #if ANISOTROPIC
-    vec3 wo, wi, h; // x the tangent, z the normal
+    vec3 wo, wi, h; // in the local frame: x is the tangent, z the normal
 #endif
 };
 
-// wo and wi in the frame of the tangent and the normal
+// From wo and wi in the local frame
 Angles local_angles(vec3 wo, vec3 wi) {
     vec3 h = normalize(wo + wi);
     float VoH = clamp(dot(wo, h), 0.0, 1.0);
@@ -45,7 +45,7 @@ vec2 both_alphas(Surface s) {
 #endif
 }
 
-// Of the isotropic lobe that stands for a stretched one: D along the normal is the same.
+// alpha of the isotropic lobe that replaces an anisotropic one: both have the same D along the normal.
 float mean_alpha(Surface s) {
 #if ANISOTROPIC
     return sqrt(s.alpha_t * s.alpha);
@@ -58,7 +58,7 @@ bool is_mirror(Surface s) {
     return is_delta(both_alphas(s));
 }
 
-// By which the tables are read
+// The perceptual roughness with which the DFG table is read
 float table_roughness(Surface s) {
     return is_mirror(s) ? 0.0 : sqrt(mean_alpha(s));
 }
@@ -89,7 +89,7 @@ vec3 sample_facet(Surface s, vec3 wo, vec2 u) {
 #endif
 }
 
-// Of the direction that is reflected at h
+// Density of the direction reflected at h, with respect to solid angle
 float pdf_facet_reflection(Surface s, vec3 wo, vec3 h) {
 #if ANISOTROPIC
     vec2 a = finite_alpha(both_alphas(s));

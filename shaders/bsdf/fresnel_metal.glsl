@@ -1,7 +1,8 @@
 // Fresnel reflectance of metals.
 #include "bsdf/fresnel.glsl"
 
-// F82-tint: Schlick's curve with a dip that gives tint F_S at mu = 1/7 (82 degrees), where metals are darkest.
+// F82-tint: Schlick's curve F_S minus a term that makes F = tint F_S at mu = 1/7 (82 degrees), where metals are
+// darkest.
 //   b = F_S(1/7) (1 - tint) / (1/7 (6/7)^6),  F = F_S(mu) - b mu (1 - mu)^6
 // Hoffman 2019, "Fresnel Equations Considered Harmful"; Kutz, Hasan & Edmondson 2021, "Novel aspects of the Adobe
 // Standard Material"
@@ -11,11 +12,11 @@ vec3 f82_dip(vec3 f0, vec3 tint) {
 
 vec3 f_f82_tint(vec3 f0, vec3 tint, float mu) {
     float m = clamp(1.0 - mu, 0.0, 1.0);
-    // A dark f0 with a dark tint would dip below 0.
+    // For a dark f0 with a dark tint the difference would be negative.
     return max(f_schlick(f0, vec3(1.0), mu) - f82_dip(f0, tint) * (mu * pow5(m) * m), 0.0);
 }
 
-// 2 int F mu dmu = F_S mean - b / 126
+// The hemispherical mean 2 int F mu dmu = mean of F_S - b / 126
 vec3 f_f82_tint_mean(vec3 f0, vec3 tint) {
     return max(f_schlick_mean(f0, vec3(1.0)) - f82_dip(f0, tint) / 126.0, 0.0);
 }
@@ -24,9 +25,10 @@ vec3 f_f82_tint_mean(vec3 f0, vec3 tint) {
 //   t = eta^2 - k^2 - s2,  w = sqrt(t^2 + 4 eta^2 k^2),  a^2 = (w + t) / 2,  b^2 = (w - t) / 2,  s2 = 1 - mu^2
 //   F_s = ((a - mu)^2 + b^2) / ((a + mu)^2 + b^2)
 //   F_p = F_s ((a mu - s2)^2 + b^2 mu^2) / ((a mu + s2)^2 + b^2 mu^2),   F = (F_s + F_p) / 2
-// Born & Wolf 1999, section 14.2. Sums of squares; of a^2 and b^2 the small one comes from a^2 b^2 = eta^2 k^2.
+// Born & Wolf 1999, section 14.2. All terms are sums of squares, so nothing cancels. The smaller one of a^2 and b^2 is
+// computed from a^2 b^2 = eta^2 k^2.
 float f_conductor(float mu, float eta, float k) {
-    k = min(k, 1e4); // 1 - F is 4 eta 1e-8 there; k^2 must stay well within range
+    k = min(k, 1e4); // keeps k^2 within float32; there 1 - F is only 4 eta 1e-8
     float s2 = 1.0 - mu * mu;
     float t = (eta - 1.0) * (eta + 1.0) + mu * mu - k * k; // eta^2 - s2 would cancel at eta = 1
     float product = eta * k;
@@ -37,7 +39,7 @@ float f_conductor(float mu, float eta, float k) {
     float b2 = t > 0.0 ? small : large;
     float near_s = (a - mu) * (a - mu) + b2, far_s = (a + mu) * (a + mu) + b2;
     float near_p = (a * mu - s2) * (a * mu - s2) + b2 * mu * mu, far_p = (a * mu + s2) * (a * mu + s2) + b2 * mu * mu;
-    if (far_s <= 0.0) return 0.0; // grazing on nothing: eta = 1, k = 0
+    if (far_s <= 0.0) return 0.0; // grazing angle with eta = 1, k = 0: no interface
     float F_s = near_s / far_s;
     return 0.5 * (F_s + F_s * (far_p > 0.0 ? near_p / far_p : 1.0));
 }

@@ -3,7 +3,8 @@
 
 // D(h) = alpha^2 / (pi (1 + NoH^2 (alpha^2 - 1))^2), written with s2 = |n x h|^2 = 1 - NoH^2 (Lagrange's identity):
 //   k = alpha / (s2 + alpha^2 NoH^2),  D = k^2 / pi
-// The textbook denominator cancels near NoH = 1: at alpha = 1e-3 it is 42 % wrong in float32, this one 0.04 % at 1e-4.
+// In float32 the textbook denominator cancels near NoH = 1: its error is 42 % at alpha = 1e-3. The error of this form
+// is 0.04 % at alpha = 1e-4.
 float d_ggx(float NoH, float s2, float alpha) {
     float k = alpha / (s2 + alpha * alpha * NoH * NoH);
     return k * k * INV_PI;
@@ -18,7 +19,7 @@ float v_smith_ggx(float NoV, float NoL, float alpha) {
     return 0.5 / (NoL * t_v + NoV * t_l);
 }
 
-// Smith with masking and shadowing taken as independent, G2 = G1(v) G1(l): loses light, for comparison.
+// Smith with independent masking and shadowing, G2 = G1(v) G1(l). It is for comparison, since it loses light.
 float v_smith_separable_ggx(float NoV, float NoL, float alpha) {
     float a2 = alpha * alpha;
     float t_v = sqrt(a2 + (1.0 - a2) * NoV * NoV);

@@ -1,11 +1,11 @@
-// Light reflected once by GGX facets, without their Fresnel reflectance: what every metal and glass has in common.
+// Single reflection by GGX facets without the Fresnel reflectance, which the metals and glasses share.
 //   D V = D(h) G2(wo, wi) / (4 NoV NoL),   h = norm(wo + wi)                     Walter et al. 2007, eq. 20
-// Sampled by bounded visible normals. alpha = (alpha_t, alpha_b), under DELTA_ALPHA a mirror.
+// Sampled by bounded visible normals. alpha = (alpha_t, alpha_b); below DELTA_ALPHA it is a mirror.
 #include "bsdf/bsdf.glsl"
 #include "bsdf/visible_normal.glsl"
 #include "light/dfg.glsl"
 
-// Of the isotropic lobe that stands for an anisotropic one in the table of albedos
+// Perceptual roughness of the isotropic lobe that replaces an anisotropic one in lookups of the DFG table
 float mean_perceptual_roughness(vec2 alpha) {
     return is_delta(alpha) ? 0.0 : pow(alpha.x * alpha.y, 0.25);
 }
@@ -26,7 +26,7 @@ float ggx_reflection_pdf(vec2 alpha, vec3 wo, vec3 wi) {
     return pdf_visible_reflection(wo, normalize(wo + wi), a, cap_bound(wo, a));
 }
 
-// weight = D V NoL / pdf = NoL (k NoV + T_o) / (T_o NoL + T_i NoV), at most 1: D is never formed and divided by
+// weight = D V NoL / pdf = NoL (k NoV + T_o) / (T_o NoL + T_i NoV), at most 1. D cancels and is not evaluated.
 BsdfSample ggx_reflection_sample(vec2 alpha, vec3 wo, vec2 u, out float VoH) {
     VoH = wo.z;
     if (wo.z <= 0.0) return NO_SAMPLE;
@@ -42,7 +42,7 @@ BsdfSample ggx_reflection_sample(vec2 alpha, vec3 wo, vec2 u, out float VoH) {
     return BsdfSample(wi, vec3(weight), pdf_visible_reflection(wo, h, a, bound), REFLECTION, 1.0);
 }
 
-// The mean of F over the facets that wo sees needs their VoH: point i of n, with the weight it has in the albedo.
+// One sample of the facets visible from wo: their VoH, and their weight in the albedo. For means of F over the facets.
 float ggx_visible_point(float alpha, float NoV, vec2 u, out float VoH) {
     vec3 wo = vec3(sqrt(max(1.0 - NoV * NoV, 0.0)), 0.0, NoV);
     return ggx_reflection_sample(vec2(alpha), wo, u, VoH).weight.x;

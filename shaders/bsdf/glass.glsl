@@ -1,4 +1,4 @@
-// What glass does with light at an interaction: a solid, into and out of which light is refracted, or a thin wall.
+// The BSDF of glass at one interaction: the interface of a solid, which refracts light, or a thin-walled surface.
 // KHR_materials_transmission, KHR_materials_volume, KHR_materials_specular.
 #include "bsdf/bsdf.glsl"
 #include "bsdf/fresnel.glsl"
@@ -11,15 +11,15 @@
 #endif
 
 struct Glass {
-    float eta;    // index beyond the surface over that on wo's side; of a wall, over what is about it
+    float eta;    // index on the far side over that on wo's side; if thin-walled, of the wall over its surroundings
     vec2 alpha;
     bool is_thin;
-    vec3 tint;    // of what goes through
-    vec3 f0, f90; // of the front
+    vec3 tint;    // of transmitted light
+    vec3 f0, f90; // for light from outside
 };
 
-// The base colour tints what passes through a body once, half of it on the way in and half on the way out, so it is
-// the same both ways; a wall has it all.
+// The base colour tints light that passes through a solid once in all: each of its two interfaces applies the square
+// root, so the tint is the same in both directions. A thin-walled surface applies the base colour at once.
 Glass glass_of(MaterialInputs m, bool is_thin, bool is_front) {
     Glass g = Glass(m.ior, both_alphas(surface_of(m)), is_thin, m.base_color.rgb, vec3(0.0), vec3(1.0));
     if (!is_thin) {
@@ -33,15 +33,16 @@ Glass glass_of(MaterialInputs m, bool is_thin, bool is_front) {
     return g;
 }
 
-// What `specular` and `specular_color` make of the light that the lobe sends to wi: Fresnel's curve from f0 to f90 in
-// place of its own, which goes to 1. What is reflected totally stays.
+// The factor by which `specular` and `specular_color` (KHR_materials_specular) change the light that the lobe scatters
+// to wi. It replaces the lobe's Fresnel reflectance R, which goes from f0 of the index to 1, by the same curve scaled
+// to go from g.f0 to g.f90. Total internal reflection does not change.
 vec3 interface_tint(Glass g, vec3 wo, vec3 wi) {
 #if HAS_SPECULAR_GLASS
-    float own_f0 = f0_from_eta(g.eta);
-    vec3 across = wo + (g.is_thin || wi.z > 0.0 ? vec3(wi.xy, abs(wi.z)) : g.eta * wi);
-    float R = f_dielectric(min(abs(dot(wo, across)) / max(length(across), 1e-18), 1.0), g.eta);
+    float eta_f0 = f0_from_eta(g.eta);
+    vec3 half_vector = wo + (g.is_thin || wi.z > 0.0 ? vec3(wi.xy, abs(wi.z)) : g.eta * wi); // not normalised
+    float R = f_dielectric(min(abs(dot(wo, half_vector)) / max(length(half_vector), 1e-18), 1.0), g.eta);
     if (R >= 1.0) return vec3(1.0);
-    vec3 tinted = mix(g.f0, g.f90, clamp((R - own_f0) / max(1.0 - own_f0, 1e-6), 0.0, 1.0));
+    vec3 tinted = mix(g.f0, g.f90, clamp((R - eta_f0) / max(1.0 - eta_f0, 1e-6), 0.0, 1.0));
     if (g.is_thin) {
         R = 2.0 * R / (1.0 + R);
         tinted = 2.0 * tinted / (1.0 + tinted);
@@ -56,7 +57,7 @@ vec3 glass_tint(Glass g, vec3 wo, vec3 wi) {
     return interface_tint(g, wo, wi) * (wi.z < 0.0 ? g.tint : vec3(1.0)) * float(SHOW_SPECULAR);
 }
 
-// f and the sampling's pdf, without what is smooth
+// rgb: f, a: the pdf of glass_sample. Delta lobes are not included.
 vec4 glass_eval_pdf(Glass g, vec3 wo, vec3 wi, sampler2D dfg) {
     vec4 f = vec4(0.0);
 #if HAS_SOLID_GLASS

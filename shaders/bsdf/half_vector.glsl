@@ -1,5 +1,5 @@
-// Half vectors for the lobe of microfacet.glsl, whatever its NDF: GGX by bounded visible normals, the others by
-// p(h) = D NoH, a density by solid angle since the facets' projected area is 1 (Walter et al. 2007, eqs. 28 to 31).
+// Samples half vectors for the distribution NDF of microfacet.glsl: GGX by bounded visible normals, the others with
+// p(h) = D NoH, a density with respect to solid angle, since it integrates to 1 (Walter et al. 2007, eqs. 28 to 31).
 #include "bsdf/accurate.glsl"
 #include "bsdf/microfacet.glsl"
 #if NDF == 0
@@ -23,7 +23,7 @@ vec3 sample_half(vec3 wo, float alpha, vec2 u) {
 #endif
 }
 
-// Of the direction that is reflected at h
+// Density of the direction reflected at h, with respect to solid angle
 float pdf_half_reflection(vec3 wo, vec3 h, float alpha) {
 #if NDF == 0
     return pdf_visible_reflection(wo, h, vec2(alpha), cap_bound(wo, vec2(alpha)));

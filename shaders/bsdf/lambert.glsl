@@ -1,4 +1,4 @@
-// Lambert 1760: f = rho / pi, the uniform diffuse contribution.
+// The diffuse BRDF f = rho / pi (Lambert 1760).
 #include "bsdf/constants.glsl"
 
 vec3 f_lambert(vec3 albedo) {

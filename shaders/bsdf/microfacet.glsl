@@ -1,4 +1,4 @@
-// The Cook-Torrance lobe f = D V F with its factors chosen when the program is assembled.
+// The factors D and V of the Cook-Torrance lobe f = D V F, which switches choose.
 //   NDF:     0 GGX, 1 Beckmann, 2 Blinn-Phong
 //   MASKING: 0 Smith height-correlated, 1 Smith separable, 2 V-cavity, 3 none
 #if NDF == 0
@@ -24,8 +24,8 @@ float d_microfacet(float NoH, float s2, float alpha) {
 #endif
 }
 
-// V = G2 / (4 NoV NoL). Blinn-Phong has no Smith function of its own and takes Beckmann's, which it resembles
-// (Walter et al. 2007, section 5.2).
+// V = G2 / (4 NoV NoL). Blinn-Phong has no Smith function in closed form; it uses that of Beckmann, a similar
+// distribution (Walter et al. 2007, section 5.2).
 float v_microfacet(float NoV, float NoL, float NoH, float VoH, float alpha) {
 #if MASKING == 2
     return v_cavity(NoV, NoL, NoH, VoH);

@@ -1,26 +1,27 @@
-// Light that leaves a rough surface only after several bounces between its microfacets. Single scattering alone loses
-// 8, 31 and 69 % of it (white GGX, normal view, alpha 0.25, 0.5, 1).
+// Multiple scattering: light that leaves a rough surface after several bounces between its microfacets. Single
+// scattering alone loses 8, 31 and 69 % of the light (white GGX, normal view, alpha 0.25, 0.5, 1).
 #include "bsdf/fresnel.glsl"
 
-// E_w is the directional albedo of the lobe with F = 1 (a + b of the split sum), f0 and f90 Schlick's. Without masking
-// it passes 1, and nothing is missing.
+// E_w is the directional albedo of the lobe with F = 1 (a + b of the split sum); f0 and f90 are those of Schlick's F.
+// Without masking E_w may exceed 1, and no light is missing.
 
-// Direct light, both sides alike: what of the light lost gets out again, with mean_loss = 1 - E_mean,
+// For direct light: the fraction of the light missing in single scattering that leaves after several bounces, with
+// mean_loss = 1 - E_mean. It is the same for both directions, so the lobe is reciprocal.
 //   F_mean^2 E_mean / (1 - F_mean (1 - E_mean))       Kulla & Conty 2017, with the Fresnel factor of Hill 2018
 vec3 kulla_conty_fresnel(vec3 F_mean, float mean_loss) {
     return F_mean * F_mean * (1.0 - mean_loss) / (1.0 - F_mean * mean_loss);
 }
 
-// The same as a factor that knows the viewer's side alone: f_total = f * turquin_factor
+// Multiple scattering as a factor that depends only on the viewer's direction: f_total = f * turquin_factor
 // Turquin 2019, "Practical multiple scattering compensation"
 vec3 turquin_factor(vec3 f0, float E_w) {
     return 1.0 + f0 * (max(1.0 - E_w, 0.0) / max(E_w, 1e-3));
 }
 
-// Image-based light: the share that scattered more than once, E_ms, lit by the irradiance.
+// For image-based lighting: the albedo E_ms of multiple scattering, which is lit by the irradiance.
 // Fdez-Aguera 2019, "A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting", eq. 18:
 //   E_ms = E_ss F_mean (1 - E_w) / (1 - F_mean (1 - E_w))
-// Nonlinear in F: evaluate dielectric and metal apart and mix the results, never their f0.
+// It is not linear in F. So dielectric and metal must be evaluated separately and their results mixed, not their f0.
 vec3 fdez_aguera_albedo(vec3 E_ss, vec3 f0, vec3 f90, float E_w) {
     vec3 lost = f_schlick_mean(f0, f90) * max(1.0 - E_w, 0.0);
     return E_ss * lost / (1.0 - lost);

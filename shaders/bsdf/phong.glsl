@@ -1,4 +1,4 @@
-// Phong's and Blinn's highlights, normalised so that a lobe of any width reflects about as much.
+// Phong's and Blinn's highlights, normalised so that lobes of any width reflect about the same amount of light.
 #include "bsdf/constants.glsl"
 
 // f = (s + 2) / (2 pi) max(r.v, 0)^s, r the light mirrored at n   (Phong 1975; Lafortune & Willems 1994)

@@ -1,9 +1,9 @@
-// What a surface does with light: the one place that says how its layers lie over one another, for lights, for the
-// environment and for paths alike.
+// The BSDF of an opaque surface: the only place that composes its layers. Lights, the environment and the path tracer
+// all use it.
 //   f = (1 - metallic) (dielectric + throughput of the dielectric * diffuse base) + metallic * metal
 // Khronos Group 2021, "glTF 2.0 Specification", appendix B; KHR_materials_specular, _ior, _anisotropy.
-// METALNESS: 0 all dielectric, 1 all metal, 2 a mixture. Dielectric and metal are evaluated apart and mixed last, for
-// what they scatter more than once is not linear in f0.
+// METALNESS: 0 dielectric, 1 metal, 2 a mixture. Dielectric and metal are evaluated separately and mixed last, because
+// multiple scattering is not linear in f0.
 #include "bsdf/facets.glsl"
 #include "bsdf/layer/dielectric.glsl"
 #include "bsdf/layer/diffuse.glsl"
@@ -12,7 +12,7 @@
 #include "sample/hemisphere.glsl"
 #include "sample/luminance.glsl"
 
-// What is the same for every wi
+// The terms that do not depend on wi
 struct SurfaceView {
 #if METALNESS != 1
     Interface dielectric;
@@ -20,17 +20,17 @@ struct SurfaceView {
 #if METALNESS != 0
     Interface metal;
 #endif
-    vec2 dfg;                   // (a, b) of the split sum, from where it is seen
-    float perceptual_roughness; // by which the table is read
+    vec2 dfg;                   // (a, b) of the split sum for NoV
+    float perceptual_roughness; // for reading the DFG table
 };
 
-// A macro, so that what the surface is not made of is not even compiled
+// This is a macro so that the unused branch is not compiled.
 #if METALNESS == 0
-#define MIX_METAL(s, of_dielectric, of_metal) (of_dielectric)
+#define MIX_METAL(s, dielectric_value, metal_value) (dielectric_value)
 #elif METALNESS == 1
-#define MIX_METAL(s, of_dielectric, of_metal) (of_metal)
+#define MIX_METAL(s, dielectric_value, metal_value) (metal_value)
 #else
-#define MIX_METAL(s, of_dielectric, of_metal) mix(of_dielectric, of_metal, s.metallic)
+#define MIX_METAL(s, dielectric_value, metal_value) mix(dielectric_value, metal_value, s.metallic)
 #endif
 
 SurfaceView view_surface(Surface s, float perceptual_roughness, vec2 dfg, vec2 dfg_mean) {
@@ -46,7 +46,7 @@ SurfaceView view_surface(Surface s, float perceptual_roughness, vec2 dfg, vec2 d
     return v;
 }
 
-// dv = D V of the facets, dfg_light = (a, b) from where it is lit
+// f for a light direction. dv = D V of the facets, dfg_light = (a, b) of the split sum for NoL
 vec3 surface_response(Surface s, SurfaceView v, float VoH, float dv, vec2 dfg_light) {
     return MIX_METAL(s,
         dielectric_response(v.dielectric, s.ior, VoH, dv, dfg_light)
@@ -54,7 +54,7 @@ vec3 surface_response(Surface s, SurfaceView v, float VoH, float dv, vec2 dfg_li
         metal_response(v.metal, VoH, dv, dfg_light));
 }
 
-// In light from all around; see interface_environment.
+// Radiance reflected from an environment; the arguments are those of interface_environment.
 vec3 surface_environment(Surface s, SurfaceView v, mat2x3 specular, vec3 mean_light) {
     return MIX_METAL(s,
         interface_environment(v.dielectric, v.dfg, specular, mean_light)
@@ -62,28 +62,29 @@ vec3 surface_environment(Surface s, SurfaceView v, mat2x3 specular, vec3 mean_li
         interface_environment(v.metal, v.dfg, specular, mean_light));
 }
 
-// Share of what the dielectric lets in
+// The fraction of light from the viewer's direction that enters the dielectric
 float surface_throughput(Surface s, SurfaceView v) {
-    return MIX_METAL(s, transmitted(v.dielectric, v.dfg), 0.0);
+    return MIX_METAL(s, transmittance(v.dielectric, v.dfg), 0.0);
 }
 
-// ---- As a lobe, by the contract of bsdf/bsdf.glsl, wo and wi in the local frame. A sample is one of the facets or of
-// what leaves diffuse, by what each reflects.
+// ---- The surface as a lobe, as bsdf/bsdf.glsl defines it, with wo and wi in the local frame. A sample is taken from
+// the facets or from the diffuse part, with probabilities in proportion to their albedos.
 
 SurfaceView surface_view(Surface s, float NoV, sampler2D dfg) {
     float roughness = table_roughness(s);
     return view_surface(s, roughness, dfg_albedo(dfg, NoV, roughness), dfg_mean(dfg, roughness));
 }
 
-// Of what the facets send on at once
+// The albedo of single scattering by the facets
 vec3 single_albedo(Surface s, SurfaceView v) {
     return MIX_METAL(s, v.dielectric.E_ss, v.metal.E_ss) * float(SHOW_SPECULAR);
 }
 
-// Of what comes out diffuse: after several facets, or from the base, whose albedo is (1 - s(o)) rho
+// The albedo of the diffuse part: multiple scattering by the facets, and the base, whose albedo is (1 - s(o)) rho with
+// the albedo s(o) of the interface
 vec3 multiple_albedo(Surface s, SurfaceView v) {
-    vec3 multiple = MIX_METAL(s, v.dielectric.F_ms, v.metal.F_ms) * lost(v.dfg);
-    vec3 base = MIX_METAL(s, transmitted(v.dielectric, v.dfg) * diffuse_albedo(s.base_color), vec3(0.0));
+    vec3 multiple = MIX_METAL(s, v.dielectric.F_ms, v.metal.F_ms) * energy_loss(v.dfg);
+    vec3 base = MIX_METAL(s, transmittance(v.dielectric, v.dfg) * diffuse_albedo(s.base_color), vec3(0.0));
     return multiple * float(SHOW_MULTISCATTER) + base;
 }
 
@@ -92,7 +93,7 @@ float facet_probability(Surface s, SurfaceView v) {
     return multiple > 0.0 ? single / (single + multiple) : 1.0;
 }
 
-// f, and in w the pdf
+// xyz: f, w: the pdf
 vec4 surface_eval_pdf(Surface s, SurfaceView v, vec3 wo, vec3 wi, sampler2D dfg) {
     if (wo.z <= 0.0 || wi.z <= 0.0) return vec4(0.0);
     Angles a = local_angles(wo, wi);

@@ -1,14 +1,15 @@
-// Radiance to what a screen shows: exposure, tone curve, sRGB, dither. Alpha leaves straight, as PNG has it.
+// The display pass: exposure, tone map, sRGB encoding and dithering. The output has straight alpha, as PNG.
 #include "display/tonemap.glsl"
 #include "display/srgb.glsl"
 
 uniform sampler2D u_radiance; // associated alpha
 uniform float u_exposure;     // factor, 2^EV
-uniform vec4 u_backdrop;      // linear display light behind the picture, and 1; or alpha 0
+uniform vec4 u_backdrop;      // background colour in linear display light, with alpha 1; alpha 0: none
 
 out vec4 o_color;
 
-// Interleaved gradient noise in [0, 1) (Jimenez 2014): error spread evenly over neighbouring pixels, same every frame.
+// Interleaved gradient noise in [0, 1) (Jimenez 2014): it spreads the rounding error over neighbouring pixels, and is
+// the same in every frame.
 float dither(vec2 pixel) {
     return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
 }
@@ -18,12 +19,12 @@ void main() {
     float alpha = clamp(c.a, 0.0, 1.0);
     vec3 straight = alpha > 0.0 ? c.rgb / alpha : vec3(0.0);
     vec3 light = clamp(tonemap(straight * u_exposure), 0.0, 1.0);
-    if (u_backdrop.a > 0.0) { // coverage mixes light, not code values
+    if (u_backdrop.a > 0.0) { // alpha is coverage, so it mixes linear light, not encoded values
         light = mix(u_backdrop.rgb, light, alpha);
         alpha = 1.0;
     }
     vec3 shown = srgb_from_linear(light);
-    // Round up or down as often as the fraction says; a code value that is exact stays what it is.
+    // Round up with a probability equal to the fraction. Exact code values are not dithered.
     vec3 code = shown * 255.0;
     bvec3 exact = lessThan(abs(code - round(code)), vec3(1e-3));
     shown = floor(code + mix(vec3(dither(gl_FragCoord.xy)), vec3(0.5), exact)) / 255.0;

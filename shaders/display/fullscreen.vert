@@ -1,4 +1,4 @@
-// One triangle over the whole target, from the vertex number alone, on the far plane.
+// One triangle that covers the whole target, on the far plane. Its corners follow from gl_VertexID.
 out vec2 v_ndc;
 
 void main() {

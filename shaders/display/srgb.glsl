@@ -1,4 +1,5 @@
-// Linear light to sRGB's code values, piecewise as IEC 61966-2-1 has it. A pow(x, 1/2.2) is wrong by up to 0.03.
+// Linear light to sRGB values in [0, 1], by the piecewise function of IEC 61966-2-1. pow(x, 1/2.2) would have errors of
+// up to 0.03.
 vec3 srgb_from_linear(vec3 c) {
     c = clamp(c, 0.0, 1.0);
     vec3 low = 12.92 * c;

@@ -1,8 +1,8 @@
-// Tone curves: linear scene radiance (exposed) to linear display light in [0, 1].
+// Tone maps: from linear radiance after exposure to linear display light in [0, 1].
 //   TONEMAP: 0 none, 1 Khronos PBR Neutral, 2 AgX, 3 ACES
 
 #if TONEMAP == 1
-// Khronos PBR Neutral (2024): base colours under grey-scale light survive unchanged, only highlights are compressed.
+// Khronos PBR Neutral (2024): base colours under grey light do not change; only highlights are compressed.
 vec3 tonemap(vec3 c) {
     const float start = 0.8 - 0.04;
     const float desaturation = 0.15;
@@ -17,8 +17,9 @@ vec3 tonemap(vec3 c) {
     return mix(vec3(new_peak), c, g);
 }
 #elif TONEMAP == 2
-// AgX (Sobotka 2022): log2 encoding between -12.47 and +4.03 EV of Rec. 709 rotated inwards, a sigmoid, and back out.
-// Sixth-order fit of the sigmoid: Wrensch 2023, "Minimal AgX Implementation".
+// AgX (Sobotka 2022): Rec. 709 colours are transformed to a wider gamut (inset), encoded by log2 between -12.47 and
+// +4.03 EV, mapped by a sigmoid, and transformed back (outset). The sigmoid is a sixth-order fit: Wrensch 2023,
+// "Minimal AgX Implementation".
 vec3 tonemap(vec3 c) {
     const mat3 inset = mat3(0.842479062253094, 0.0423282422610123, 0.0423756549057051,
                             0.0784335999999992, 0.878468636469772, 0.0784336,
@@ -30,14 +31,14 @@ vec3 tonemap(vec3 c) {
     c = clamp((log2(max(inset * max(c, 0.0), 1e-10)) - min_ev) / (max_ev - min_ev), 0.0, 1.0);
     vec3 x2 = c * c, x4 = x2 * x2;
     c = 15.5 * x4 * x2 - 40.14 * x4 * c + 31.96 * x4 - 6.868 * x2 * c + 0.4298 * x2 + 0.1191 * c - 0.00232;
-    return pow(clamp(outset * c, 0.0, 1.0), vec3(2.2)); // the curve's output is encoded with 2.2
+    return pow(clamp(outset * c, 0.0, 1.0), vec3(2.2)); // the sigmoid's output is encoded with gamma 2.2
 }
 #elif TONEMAP == 3
-// ACES filmic in Stephen Hill's fit of RRT + ODT, with the pre-exposure of 1 / 0.6 that three.js gives it.
+// ACES filmic: Stephen Hill's fit of RRT + ODT, with the pre-exposure 1 / 0.6 that three.js uses.
 vec3 tonemap(vec3 c) {
     const mat3 to_rrt = mat3(0.59719, 0.07600, 0.02840, 0.35458, 0.90834, 0.13383, 0.04823, 0.01566, 0.83777);
     const mat3 from_odt = mat3(1.60475, -0.10208, -0.00327, -0.53108, 1.10813, -0.07276, -0.07367, -0.00605, 1.07602);
-    c = to_rrt * (min(c, 1e6) / 0.6); // the fit is a ratio of squares: 1e6 keeps them inside float32
+    c = to_rrt * (min(c, 1e6) / 0.6); // the limit keeps the squares of the fit within float32
     c = (c * (c + 0.0245786) - 0.000090537) / (c * (0.983729 * c + 0.4329510) + 0.238081);
     return clamp(from_odt * c, 0.0, 1.0);
 }

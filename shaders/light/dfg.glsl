@@ -1,15 +1,16 @@
-// The split sum's table (Karis 2013), made by viewer/bake/dfg.py: directional albedo = f0 * a + f90 * b, and for each of
-// the two parts where the filtered environment is to be looked up: along mix(n, r, t), with which roughness. And the
-// means of a and b over the hemisphere, 2 int a mu dmu.
+// The DFG table of the split sum (Karis 2013), made by viewer/bake/dfg.py. The directional albedo is f0 * a + f90 * b.
+// For each of the two parts the table also has the direction and roughness to look up the prefiltered environment with;
+// the direction is mix(n, r, t). It also has the hemispherical means of a and b, 2 int a mu dmu.
 #define DFG_SIZE 64.0
 
 struct SplitSum {
     vec2 albedo;    // a, b
-    vec2 t;         // share of the mirror direction, of a and of b
-    vec2 roughness; // perceptual
+    vec2 t;         // for a and b; see above
+    vec2 roughness; // perceptual roughness for a and b
 };
 
-// u = perceptual roughness, v = sqrt(NoV), from the first texel's centre to the last one's, in either half of the table.
+// u = perceptual roughness, v = sqrt(NoV), between the centres of the first and last texel, in the upper half of the
+// table.
 vec2 dfg_uv(float NoV, float perceptual_roughness) {
     vec2 uv = vec2(perceptual_roughness, sqrt(max(NoV, 0.0))) * ((DFG_SIZE - 1.0) / DFG_SIZE) + 0.5 / DFG_SIZE;
     return uv * vec2(1.0, 0.5);
@@ -29,8 +30,8 @@ SplitSum dfg_lookup(sampler2D table, float NoV, float perceptual_roughness) {
     return SplitSum(upper.rg, upper.ba, textureLod(table, uv + vec2(0.0, 0.5), 0.0).rg);
 }
 
-// Where to look up both parts at once, by what each weighs: t and the roughness.
-vec2 common_look_up(SplitSum s, float f0) {
+// t and roughness for one common lookup of both parts: the means weighted by the parts' albedos.
+vec2 common_lookup(SplitSum s, float f0) {
     float second = s.albedo.y / max(f0 * s.albedo.x + s.albedo.y, 1e-4);
     return mix(vec2(s.t.x, s.roughness.x), vec2(s.t.y, s.roughness.y), second);
 }

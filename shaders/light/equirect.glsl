@@ -1,7 +1,7 @@
 // Direction to equirectangular texture: u = 1/2 + atan2(z, x) / 2 pi, v = acos(y) / pi, v = 0 the top row.
 
-// atan2(z, x) in turns, -1/2 .. 1/2. Odd polynomial on the octant, below 1e-4 rad off: a sixtieth of a texel of a
-// 1024-wide map. At the poles, where x = z = 0, it is 0.
+// atan2(z, x) in turns, -1/2 .. 1/2, by an odd polynomial on one octant. Its error is below 1e-4 rad, a sixtieth of a
+// texel of a map 1024 texels wide. At the poles, where x = z = 0, it is 0.
 float turns(float z, float x) {
     float ax = abs(x), az = abs(z);
     float t = min(ax, az) / max(max(ax, az), 1e-20);
@@ -12,7 +12,8 @@ float turns(float z, float x) {
     return z < 0.0 ? -a : a;
 }
 
-// acos(y) / pi. sqrt(1 - |y|) carries the slope at the poles (as in Abramowitz & Stegun 4.4.45), below 4e-5 rad off.
+// acos(y) / pi. The factor sqrt(1 - |y|) has the infinite slope at the poles (as in Abramowitz & Stegun 4.4.45). The
+// error is below 4e-5 rad.
 float colatitude(float y) {
     float a = min(abs(y), 1.0);
     float c = sqrt(1.0 - a) * (0.49998793 + a * (-0.06776048 + a * (0.02447766 + a * -0.00665043)));
@@ -24,7 +25,7 @@ vec2 equirect_uv(vec3 d) {
     return vec2(0.5 + turns(d.z, d.x), colatitude(d.y));
 }
 
-// The same in a map whose rows run over both poles, a thirty-second of its height each: see viewer/bake/prefilter.py.
+// The same for a map with a margin beyond each pole, of 1/32 of its height: see viewer/bake/prefilter.py.
 vec2 equirect_uv_with_margin(vec3 d) {
     vec2 uv = equirect_uv(d);
     return vec2(uv.x, uv.y * 0.9375 + 0.03125);

@@ -1,4 +1,4 @@
-// The environment as a Lambertian surface sees it: a small map made by viewer/bake/irradiance.py.
+// The irradiance map of an environment, made by viewer/bake/irradiance.py.
 #include "light/equirect.glsl"
 
 // Irradiance / pi. n: unit length, in the environment's frame.

@@ -1,9 +1,10 @@
-// The environment filtered for rough surfaces: a mip chain made by viewer/bake/prefilter.py, lobe by lobe.
+// The prefiltered environment: a mip chain made by viewer/bake/prefilter.py, with one level for each of six
+// roughnesses.
 #include "light/equirect.glsl"
 
-// Linear between the levels in x = alpha / (alpha + 0.4), by one ramp per level: close everywhere to the blend of two
-// lobes that is nearest to the lobe in between. The levels are filtered for perceptual roughness 0, 0.12, 0.22, 0.36,
-// 0.58, 1 (LEVEL_ROUGHNESS in prefilter.py; a test holds the two together).
+// The level is piecewise linear in x = alpha / (alpha + 0.4), with one ramp per level. The resulting blend of two
+// levels is close to the best one for a roughness in between. The levels are filtered for perceptual roughness 0, 0.12,
+// 0.22, 0.36, 0.58, 1 (LEVEL_ROUGHNESS in prefilter.py; a test compares the two).
 float lod_of_roughness(float perceptual_roughness) {
     float alpha = perceptual_roughness * perceptual_roughness;
     float x = alpha / (alpha + 0.4);

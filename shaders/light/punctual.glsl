@@ -1,10 +1,10 @@
-// Lights without size: LIGHT_COUNT of them, first DIRECTIONAL_COUNT directional, then POINT_COUNT point, the rest spot.
-// All positions are relative to the eye and in scene units (see viewer/scene/frame.py).
+// Punctual lights: LIGHT_COUNT in all, first DIRECTIONAL_COUNT directional ones, then POINT_COUNT point lights, then
+// spots. Positions are in eye-relative space (viewer/scene/frame.py).
 #include "light/attenuation.glsl"
 
 struct PunctualLight {
     vec4 position;  // xyz; w = 1 / range^2, 0 where unlimited
-    vec4 direction; // xyz: where the light travels to; w = first shadow layer, -1 without shadow
+    vec4 direction; // xyz: direction in which the light travels; w = first shadow layer, or -1 without shadow
     vec4 intensity; // rgb: lux (directional) or candela; w: square of a sun's radius in radians, else 0
     vec4 cone;      // x scale, y offset of the spot's angular attenuation
 };
@@ -13,7 +13,7 @@ layout(std140) uniform Lights {
     PunctualLight u_lights[LIGHT_COUNT];
 };
 
-// Direction to light i from p, and the irradiance it would give a surface facing it, without shadow.
+// The irradiance of light i at p on a surface that faces it, without shadow. l is the direction from p to the light.
 vec3 punctual_irradiance(int i, vec3 p, out vec3 l) {
     PunctualLight light = u_lights[i];
 #if DIRECTIONAL_COUNT > 0

@@ -1,7 +1,7 @@
-// Shadow maps in one atlas: a tile of depth for a directional or spot light, six (the faces of a cube) for a point light.
+// Shadow maps in one atlas: one tile for a directional or spot light, six (the faces of a cube) for a point light.
 struct ShadowTile {
     mat4 matrix;  // eye-relative position to (u, v, depth, 1) * w within the tile
-    vec4 texel;   // x: a texel's size in scene units, y: the same per unit of distance; zw: the tile's corner in texels
+    vec4 texel;   // x + y * distance: the size of a texel in eye-relative units; zw: the tile's corner in atlas texels
 };
 layout(std140) uniform Shadows {
     ShadowTile u_shadow_tiles[SHADOW_LAYERS];
@@ -31,8 +31,9 @@ float filtered_shadow(vec2 texel, float depth) {
     return sum / 16.0;
 }
 
-// Share of the light that arrives at p (geometric normal n, direction l to the light). The point is moved off its
-// surface by the filter's footprint, more at grazing angles: nothing to tune with the scene's scale.
+// The fraction of the light that arrives at p; n is the geometric normal, l the direction to the light. To avoid
+// self-shadowing, p is moved off its surface by the filter's footprint, and farther at grazing angles, so no bias
+// depends on the scale of the scene.
 float shadow_visibility(int first_layer, bool is_point, vec3 p, vec3 n, vec3 l, vec3 light_position) {
     vec3 from_light = p - light_position;
     ShadowTile tile = u_shadow_tiles[first_layer + (is_point ? cube_face(from_light) : 0)];

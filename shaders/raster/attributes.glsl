@@ -1,6 +1,6 @@
-// What a fragment gets from its vertices, and where its maps are read. A map M reads the UV set M_UV, through the affine
-// map u_M_transform where M_TRANSFORM is 1 (KHR_texture_transform); M_MIRROR has bits for mirrored repetition along s
-// and t. UV_SETS has a bit for each UV set that the program reads.
+// Vertex attributes of a fragment, and the texture coordinates of its maps. A map M is read with the UV set M_UV, which
+// u_M_transform transforms if M_TRANSFORM is 1 (KHR_texture_transform). M_MIRROR has a bit each for mirrored repetition
+// along s and t. UV_SETS has a bit for each UV set that the program reads.
 #if HAS_COLOR
 in vec4 v_color;
 #endif

@@ -1,12 +1,13 @@
-// The material at a fragment, how much of the fragment it covers, and what the fragment writes.
+// The material at a fragment, its coverage by alpha, and the output of the fragment.
 #include "material/uniforms.glsl"
 
 in vec3 v_position; // relative to the eye
 
 layout(location = 0) out vec4 o_color; // radiance with associated alpha
 
-// ALPHA_MODE: 0 opaque, 1 mask, 2 blend. A mask's alpha becomes the share of the pixel's samples that are covered, one
-// pixel of transition about the cutoff (Golus 2017, "Anti-aliased Alpha Test"): the multisample target does the rest.
+// ALPHA_MODE: 0 opaque, 1 mask, 2 blend. In mode mask, alpha becomes the fraction of the pixel's samples that is
+// covered, with a transition of one pixel about the cutoff (Golus 2017, "Anti-aliased Alpha Test"). Alpha to coverage
+// uses it.
 float coverage(float alpha) {
 #if ALPHA_MODE == 0
     return 1.0;
@@ -22,10 +23,10 @@ float coverage(float alpha) {
 #endif
 }
 
-// With a mask alpha only selects samples (alpha to coverage); the radiance itself is whole.
+// In mode mask, alpha only selects samples (alpha to coverage), so radiance is not multiplied by it.
 void write_radiance(vec3 radiance, float covered) {
 #if HALF_TARGET
-    radiance = min(radiance, vec3(65504.0)); // the largest half float; beyond it lies infinity
+    radiance = min(radiance, vec3(65504.0)); // the largest finite half float
 #endif
 #if ALPHA_MODE == 1
     o_color = vec4(radiance, covered);

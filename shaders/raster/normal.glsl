@@ -1,4 +1,4 @@
-// Geometric and shading normal at a fragment, both on the side the eye is on.
+// The geometric normal and the shading normal of a fragment, both on the eye's side of the surface.
 in vec3 v_normal;
 #if HAS_TANGENT
 in vec4 v_tangent;
@@ -14,7 +14,7 @@ vec3 geometric_normal() {
 
 vec3 shading_normal(vec3 n) {
 #if NORMAL_MAP && HAS_TANGENT
-    // Tangent space as MikkTSpace lays it down: bitangent = w cross(n, t), the interpolated vectors as they are.
+    // Tangent space as in MikkTSpace: bitangent = w cross(n, t), without orthogonalisation of the interpolated vectors.
     vec3 texel = normal_texel().xyz * (255.0 / 127.5) - 1.0;
     texel.xy *= u_normal_scale;
     vec3 t = normalize(v_tangent.xyz);
@@ -31,7 +31,7 @@ vec3 shading_normal(vec3 n) {
 }
 
 #if ANISOTROPIC
-// The tangent along which highlights are stretched, its bitangent, and n
+// The frame of an anisotropic lobe: the tangent along which highlights are stretched, the bitangent, and n
 mat3 anisotropy_frame(MaterialInputs m, vec3 n) {
     vec3 t = normalize(v_tangent.xyz);
     vec3 b = cross(normalize(v_normal), t) * v_tangent.w;

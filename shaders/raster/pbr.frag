@@ -30,10 +30,10 @@
 uniform vec3 u_view_direction; // towards the eye
 #endif
 
-// REFLECTS: 0 for a Lambertian surface, without any interface.
+// REFLECTS: 0 for a Lambertian surface without an interface.
 uniform sampler2D u_dfg;
 
-// Where the surface is and how it lies to the eye
+// The normals of the surface, and the direction v to the eye
 struct Point {
     vec3 n, n_geometric, v;
     float NoV;
@@ -105,10 +105,10 @@ void main() {
     radiance += m.emissive;
 #endif
 #if HAS_TRANSMISSION
-    vec3 arriving = light_from_behind(m, p.n, p.n_geometric, p.v, blur);
-    float passes = surface_throughput(s, view) * m.transmission;
-    radiance += passes * entering_tint(m.base_color.rgb) * arriving * float(SHOW_SPECULAR);
-    s.base_color *= 1.0 - m.transmission; // what is left to scatter
+    vec3 transmitted = transmitted_light(m, p.n, p.n_geometric, p.v, blur);
+    float throughput = surface_throughput(s, view) * m.transmission;
+    radiance += throughput * entering_tint(m.base_color.rgb) * transmitted * float(SHOW_SPECULAR);
+    s.base_color *= 1.0 - m.transmission; // the rest is scattered diffusely
 #endif
 #if HAS_ENVIRONMENT || INDIRECT
     float occlusion = 1.0;

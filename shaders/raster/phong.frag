@@ -1,4 +1,4 @@
-// Phong's model: ambient + diffuse + a cosine power, under the same lights and maps as the physically based mode.
+// Phong's model: ambient, diffuse and a cosine-power highlight, with the same lights and maps as mode pbr.
 //   L = k_a (k_d + k_s) + sum over lights of (k_d / pi + k_s f(shininess)) E NoL
 // k_d = base colour (1 - metalness), k_s = base colour for metal, f0 otherwise; k_a is the ambient irradiance / pi.
 #include "raster/material.glsl"

@@ -1,5 +1,5 @@
-// A surface of pbr.frag under what shines from all around, the environment and other surfaces: the split sum, each of
-// its parts looked up on its own.
+// Radiance that a surface of pbr.frag reflects from the environment and from other surfaces, by the split sum. Its two
+// parts are looked up separately.
 
 #include "raster/specular_occlusion.glsl"
 #if INDIRECT
@@ -7,10 +7,10 @@
 #endif
 
 #if HAS_ENVIRONMENT && REFLECTS
-// The environment about the mirror direction of a facet whose normal is h, between h and that direction by t
+// The prefiltered environment for a facet with the normal h, along mix(h, mirror direction, t)
 vec3 reflected_along(Point p, vec3 h, float t, float perceptual_roughness) {
     vec3 d = mix(h, reflect(-p.v, h), t);
-    // A mapped normal may send the reflection under the surface, where it would meet the surface itself.
+    // With a normal map the reflected direction may be below the surface; it is mirrored to the upper side.
     d -= 2.0 * min(dot(d, p.n_geometric), 0.0) * p.n_geometric;
     return environment_specular(normalize(d), perceptual_roughness);
 }
@@ -49,8 +49,8 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
 #if ANISOTROPIC
     specular[0] = specular[1] = stretched_reflection(p, s);
 #elif METALNESS == 1
-    vec2 both = common_look_up(split_sum, max3(view.metal.f0)); // of a metal b is a small part
-    specular[0] = specular[1] = reflected_along(p, p.n, both.x, both.y);
+    vec2 lookup = common_lookup(split_sum, max3(view.metal.f0)); // one lookup suffices, since b is small for metals
+    specular[0] = specular[1] = reflected_along(p, p.n, lookup.x, lookup.y);
 #else
     specular[0] = reflected_along(p, p.n, split_sum.t.x, split_sum.roughness.x);
     specular[1] = reflected_along(p, p.n, split_sum.t.y, split_sum.roughness.y);
@@ -59,7 +59,7 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
     mean_light = environment_irradiance_over_pi(p.n);
 #endif
 #if TRACED_REFLECTION
-    mat2x3 open = specular; // what nothing hides
+    mat2x3 unoccluded = specular;
 #endif
 #if OCCLUSION_MAP
     mean_light *= occlusion;
@@ -73,14 +73,15 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
     add_indirect(p.NoV, mean_alpha(s), specular, mean_light);
 #endif
 #if TRACED_REFLECTION
-    vec4 met = traced_reflection(v_position, p.n_geometric);
+    vec4 hit = traced_reflection(v_position, p.n_geometric); // rgb: radiance, a: fraction of rays that hit
     float traced = traced_share(view.perceptual_roughness);
-    for (int k = 0; k < 2; ++k) specular[k] = mix(specular[k], (1.0 - met.a) * open[k] + met.rgb, traced);
+    for (int k = 0; k < 2; ++k) specular[k] = mix(specular[k], (1.0 - hit.a) * unoccluded[k] + hit.rgb, traced);
 #endif
 #if TRACED_REFRACTION
     vec4 mirrored = traced_light(u_mirrored, p.n_geometric);
-    float share = mirrored.a >= 0.0 ? 1.0 - smoothstep(0.2, 0.5, view.perceptual_roughness) : 0.0; // of a lobe one ray is
-    for (int k = 0; k < 2; ++k) specular[k] = mix(specular[k], mirrored.rgb, share);
+    // One ray represents a smooth lobe well; with growing roughness it is faded out.
+    float weight = mirrored.a >= 0.0 ? 1.0 - smoothstep(0.2, 0.5, view.perceptual_roughness) : 0.0;
+    for (int k = 0; k < 2; ++k) specular[k] = mix(specular[k], mirrored.rgb, weight);
 #endif
     return surface_environment(s, view, specular, mean_light);
 }

@@ -1,4 +1,4 @@
-// A surface of pbr.frag under a light that has no size, or a sun's: Cook-Torrance over the base, and its shadow.
+// Radiance that a surface of pbr.frag reflects from one punctual light or sun, including its shadow.
 
 vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
     vec3 l;
@@ -6,7 +6,7 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
     float NoL = dot(p.n, l);
     vec3 h = normalize(p.v + l);
 #if SUNS
-    vec3 slopes_x = dFdx(h - p.n), slopes_y = dFdy(h - p.n); // before any of four fragments returns
+    vec3 slopes_x = dFdx(h - p.n), slopes_y = dFdy(h - p.n); // derivatives are undefined after a fragment returns
 #endif
     if (NoL <= 0.0) return vec3(0.0);
 #if SHADOW_LAYERS > 0
@@ -26,7 +26,7 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
     float d = facet_d(s, a);
 #if SUNS
     float radius2 = u_lights[i].intensity.w;
-    if (radius2 > 0.0) d = min(d, most_of_sun(mean_alpha(s), radius2, a.VoH, slopes_x, slopes_y));
+    if (radius2 > 0.0) d = min(d, max_sun_d(mean_alpha(s), radius2, a.VoH, slopes_x, slopes_y));
 #endif
 #if REFLECTS
     vec2 dfg = dfg_albedo(u_dfg, NoL, view.perceptual_roughness);

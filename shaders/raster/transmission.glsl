@@ -11,7 +11,7 @@
 #endif
 
 #if IS_SOLID
-uniform vec3 u_absorption; // Beer's sigma
+uniform vec3 u_absorption; // absorption coefficient sigma_a, per eye-relative unit
 #endif
 
 // Reflectance of both faces of a thin wall together, with all reflections between them: R' = 2 R / (1 + R)
@@ -32,9 +32,9 @@ float curvature(vec3 n, vec3 p) {
     return (dot(nx, px) + dot(ny, py)) / max(dot(px, px) + dot(py, py), 1e-18);
 }
 
-// Direction in which light leaves after it has gone `thickness` along d inside. The far side is unknown; we take it to
-// be concentric with the front: the other half of a sphere, the inner face of a vase, or, where the front is flat, a
-// parallel plane.
+// The direction of a view ray after it has left the solid, having travelled `thickness` along d inside. The far side is
+// unknown. It is assumed to be concentric with the front: the other half of a sphere, the inner face of a vase, or, if
+// the front is flat, a parallel plane.
 vec3 leaving_direction(vec3 n, vec3 d, float thickness, float ior) {
     vec3 out_n = normalize(n + curvature(n, v_position) * thickness * d);
     out_n *= dot(out_n, d) > 0.0 ? -1.0 : 1.0;
@@ -52,13 +52,13 @@ vec3 entering_tint(vec3 base_color) {
 #endif
 }
 
-// Where the picture shows nothing, and outside of it, we use the environment.
-vec3 light_from_behind(MaterialInputs m, vec3 n, vec3 n_geometric, vec3 v, float blur) {
+// The transmitted radiance. Where the picture shows nothing, and outside of it, the environment is used.
+vec3 transmitted_light(MaterialInputs m, vec3 n, vec3 n_geometric, vec3 v, float blur) {
 #if TRACED_REFRACTION
-    vec4 found = traced_light(u_refracted, n_geometric);
-    if (found.a >= 0.0) return found.rgb;
+    vec4 traced = traced_light(u_refracted, n_geometric);
+    if (traced.a >= 0.0) return traced.rgb;
 #endif
-    vec3 exit = v_position, d = -v;
+    vec3 exit = v_position, d = -v; // where the light leaves the solid, and its direction seen from the eye
     vec3 transmittance = vec3(1.0);
 #if IS_SOLID
     d = refract(-v, n, 1.0 / m.ior);

@@ -1,4 +1,4 @@
-// A surface shown as it is (KHR_materials_unlit; lines and points without normals).
+// Surfaces without lighting (KHR_materials_unlit; lines and points without normals).
 #include "raster/material.glsl"
 
 void main() {

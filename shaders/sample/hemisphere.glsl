@@ -1,18 +1,19 @@
-// Directions from uniform numbers u in [0, 1)^2, z the normal, and their densities by solid angle.
+// Samples directions about the normal z from uniform random numbers u in [0, 1)^2. Densities are per solid angle.
 #include "bsdf/constants.glsl"
 
-// The unit disk by concentric squares: area to area, and neighbours stay neighbours.
-// Shirley & Chiu 1997, "A Low Distortion Map Between Disk and Square"
+// A uniform point in the unit disk, by the area-preserving and continuous concentric mapping: Shirley & Chiu 1997,
+// "A Low Distortion Map Between Disk and Square"
 vec2 sample_disk(vec2 u) {
     vec2 p = 2.0 * u - 1.0;
-    bool wide = abs(p.x) > abs(p.y);
-    float r = wide ? p.x : p.y;
+    bool x_dominates = abs(p.x) > abs(p.y);
+    float r = x_dominates ? p.x : p.y;
     if (r == 0.0) return vec2(0.0);
-    float phi = wide ? 0.25 * PI * (p.y / p.x) : 0.5 * PI - 0.25 * PI * (p.x / p.y);
+    float phi = x_dominates ? 0.25 * PI * (p.y / p.x) : 0.5 * PI - 0.25 * PI * (p.x / p.y);
     return r * vec2(cos(phi), sin(phi));
 }
 
-// p = cos / pi: points of the disk lifted to the hemisphere (Malley's method; Pharr et al., "PBRT", section A.5.3)
+// Density cos / pi: points of the disk are projected up to the hemisphere (Malley's method; Pharr et al., "PBRT",
+// section A.5.3).
 vec3 sample_cosine_hemisphere(vec2 u) {
     vec2 p = sample_disk(u);
     return vec3(p, sqrt(max(1.0 - dot(p, p), 0.0)));

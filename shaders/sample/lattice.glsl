@@ -1,6 +1,7 @@
-// Points that fill the unit square evenly, for integrals of smooth functions by a fixed number of them.
+// Low-discrepancy points in the unit square, for integrals of smooth functions with a fixed number of points.
 
-// Point i of n: Hammersley 1960, (i + 1/2) / n and i with its bits mirrored at the binary point.
+// Point i of n of the Hammersley set (Hammersley 1960): (i + 1/2) / n, and i with its bits mirrored at the binary
+// point.
 vec2 hammersley(uint i, uint n) {
     uint bits = (i << 16u) | (i >> 16u);
     bits = ((bits & 0x55555555u) << 1u) | ((bits & 0xAAAAAAAAu) >> 1u);

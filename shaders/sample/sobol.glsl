@@ -1,6 +1,6 @@
-// Four dimensions of Sobol's sequence, shuffled and Owen-scrambled by hashes: Burley 2020, "Practical Hash-based Owen
-// Scrambling". Every seed is a sequence of its own; its first 2^k points are stratified, whatever the k.
-// Fractions are held with their bits mirrored (the lowest is worth 1/2): in that order no step has to turn them.
+// Four dimensions of the Sobol sequence, shuffled and Owen-scrambled by hashes: Burley 2020, "Practical Hash-based Owen
+// Scrambling". Each seed gives another sequence. For every k its first 2^k points are stratified.
+// Fractions are stored with mirrored bits (the lowest bit is 1/2), so that the steps need not mirror them.
 
 // Wellons 2018, "Prospecting for Hash Functions" (lowbias32)
 uint hash(uint x) {
@@ -25,7 +25,7 @@ uvec4 mirror_bits(uvec4 x) {
     return ((x & 0x55555555u) << 1u) | ((x >> 1u) & 0x55555555u);
 }
 
-// Owen's scrambling of mirrored fractions: a bit is flipped by a hash of the bits below it alone. Laine & Karras 2011,
+// Owen scrambling of mirrored fractions: each bit is flipped by a hash of only the bits below it. Laine & Karras 2011,
 // "Stratified Sampling for Stochastic Transparency"; constants by Vegdahl 2021, "Building a Better LK Hash".
 uvec4 owen_scramble(uvec4 x, uvec4 seed) {
     x ^= x * 0x3d20adeau;
@@ -35,10 +35,11 @@ uvec4 owen_scramble(uvec4 x, uvec4 seed) {
     return x ^ (x * 0x53a22864u);
 }
 
-// Point `index` < 2^24, mirrored, with the primitive polynomials and first numbers of Joe & Kuo 2008 for dimensions
-// 1 to 4. The direction numbers v obey p(v) = 0, so also p^(2^k)(v) = 0, the same recurrence with 2^k times the stride:
-// a step of it takes a whole block of the index's bits to bits further down, and what it shifts by the polynomial's
-// degree stays where it is. So 24 bits need log2(24) such steps and no table.
+// Point `index` < 2^24 of dimensions 1 to 4, as mirrored fractions, with the primitive polynomials p and initial
+// numbers of Joe & Kuo 2008. The direction numbers v satisfy the recurrence p(v) = 0. So they also satisfy p^(2^k)(v) =
+// 0, the same recurrence with 2^k times the stride. One step with it moves a whole block of the index's bits to lower
+// bits; the bits that it would shift by the polynomial's degree stay in place. So 24 bits need log2(24) steps and no
+// table.
 uvec4 sobol(uint index) {
     uint x = index; // 1 + x: v[j] = v[j-1] + v[j-1] >> 1
     x ^= (x & 0xFFFF0000u) >> 16u;

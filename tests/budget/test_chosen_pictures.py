@@ -66,9 +66,9 @@ def test_nothing_is_told_where_quiet_is_wanted(run, known, tmp_path):
 
 
 @pytest.mark.parametrize("options, problem", [
-    (("--mode", "pbr", "--time-budget", "1"), "time_budget does nothing in mode pbr"),
+    (("--mode", "pbr", "--time-budget", "1"), "time_budget has no effect in mode pbr"),
     (("--time-budget", "1", "--seed", "3", "--set", "shadows=off"), "give a mode"),
-    (("--spp", "3"), "spp does nothing in mode pbr"),
+    (("--spp", "3"), "spp has no effect in mode pbr"),
 ])
 def test_what_cannot_be_is_told_before_anything_is_loaded(run, options, problem, tmp_path):
     done = run("render", "none.glb", "-o", tmp_path / "a.png", *options)
@@ -94,7 +94,7 @@ def test_what_only_one_kind_of_method_can_is_chosen_from_that_kind(known):
     balls = viewer.load(MODEL)
     assert viewer.render(balls, (8, 8), error=0.9, aov=["depth"]).layers["depth"].shape == (8, 8)
     assert viewer.render(balls, (8, 8), time_budget=5, antialias="none").stats["choice"]["method"] == "image"
-    with pytest.raises(UsageError, match="time_budget does nothing in mode pbr"):
+    with pytest.raises(UsageError, match="time_budget has no effect in mode pbr"):
         viewer.render(balls, (8, 8), mode="pbr", time_budget=1)
 
 

@@ -1,1 +1,1 @@
-"""What the command line does, as plain calls: options, render requests, picture makers, info, doctor."""
+"""The commands of the command line as plain functions: options, render requests, picture makers, info, doctor."""

@@ -1,4 +1,4 @@
-"""What the command line's options stand for: settings, the scene under its light, the camera."""
+"""Makes settings, environment, scene and camera from the options of the command line."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _SETTINGS = ("mode", "background", "exposure", "tonemap", "spp", "time_budget", 
 
 
 def make_settings(options: dict[str, Any]) -> Settings:
-    """Raises UsageError for a --set that does not exist."""
+    """The settings that the options describe. Raises UsageError for an invalid --set."""
     given = {name: options[name] for name in _SETTINGS if name in options}
     settings = Settings(**given)
     for assignment in options["assignments"]:
@@ -30,7 +30,7 @@ def make_settings(options: dict[str, Any]) -> Settings:
 
 
 def make_environment(options: dict[str, Any]) -> Environment | None:
-    """Raises InputError for a file that cannot be used."""
+    """The environment that the options describe, or None. Raises InputError for a file that cannot be used."""
     environment = load_environment(options["env"])
     if environment is None:
         return None
@@ -38,21 +38,21 @@ def make_environment(options: dict[str, Any]) -> Environment | None:
 
 
 def make_scene(model: str, environment: Environment | None, options: dict[str, Any]) -> Scene:
-    """`model` under `environment` and the lights the options add. Raises InputError."""
+    """The scene of the file `model`, with `environment` and the lights that the options add. Raises InputError."""
     scene = load_scene(model)
     return scene.relit(environment=environment, lights=(*scene.lights, *map(make_light, options["lights"])))
 
 
 def make_light(numbers: tuple[float, float, float]) -> Light:
-    """A directional light from azimuth and elevation in degrees, and lux."""
+    """A directional light from (azimuth, elevation, illuminance), in degrees and lux."""
     azimuth, elevation, lux = numbers
     return Light.from_angles(math.radians(azimuth), math.radians(elevation), lux)
 
 
 def make_camera(model: str, scene: Scene, options: dict[str, Any]) -> Camera:
-    """The camera the options ask for; without any the one that frames the scene.
+    """The camera that the options describe; without such options, one that frames the scene.
 
-    Raises InputError where `model` lacks the camera asked for, UsageError where the eye is where it looks at.
+    Raises InputError if `model` does not have the requested camera, and UsageError if eye and target are the same.
     """
     number, fov, orbit = options["camera"], options["fov"], options["orbit"]
     if number is not None:
@@ -61,7 +61,7 @@ def make_camera(model: str, scene: Scene, options: dict[str, Any]) -> Camera:
     center = scene.center if options["target"] is None else np.array(options["target"])
     if options["eye"] is not None:
         if np.array_equal(options["eye"], center):
-            raise UsageError(f"--eye is the middle of {model}: give a --target to look at")
+            raise UsageError(f"--eye is the centre of {model}: give a --target to look at")
         return Camera.look_at(options["eye"], center, fov_y=fov_y)
     azimuth, elevation = DEFAULT_AZIMUTH, DEFAULT_ELEVATION
     if orbit is not None:

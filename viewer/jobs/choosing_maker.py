@@ -24,28 +24,31 @@ class ChoosingMaker(PictureMaker):
         self._watch = Stopwatch()
 
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
-        """As `PictureMaker.make`; the time budget begins when the device is open and known. The choice is told."""
-        request, tell = self._request, (lambda _: None) if self._request.quiet else say
+        """As `PictureMaker.make`. The choice is printed.
+
+        The time budget starts after the device has been opened and calibrated.
+        """
+        request, report_line = self._request, (lambda _: None) if self._request.quiet else say
         if self._chooser is None:
             context = request.open()
             self._renderer = Renderer(context, request.use_cache, request.measure)
             self._tracer = Tracer(context, request.use_cache)
             self._chooser = Chooser(context, self._renderer, self._tracer, request.use_cache, self._watch)
-        self._chooser.calibrate(tell)
+        self._chooser.calibrate(report_line)
 
         def report(fraction: float, seconds_left: float) -> None:
             progress.part(fraction, f"{path.name}: path traced, {seconds_left:.0f} s left")
 
         self._renderer.times.clear()
         self._renderer.pass_ms.clear()
-        with postponed() as wish:
+        with postponed() as stop_request:
             image, choice = self._chooser.make(scene, camera, request.settings, request.size, request.layers, report,
-                                               lambda: wish.number is not None)
-        self.stopped = wish.number
+                                               lambda: stop_request.number is not None)
+        self.stopped = stop_request.number
         if self.stopped is not None and choice.samples == 0:
             raise Stopped(self.stopped)
-        if self.stopped is None:  # else it is told with that
-            tell(f"{path}: {choice}")
+        if self.stopped is None:  # a stopped picture has a message of its own, which includes the choice
+            report_line(f"{path}: {choice}")
         self.summary = str(choice)
         self.stats = {"choice": choice.to_json(), "prepare_s": dict(self._renderer.times),
                       "pass_ms": dict(self._renderer.pass_ms), **image.stats, "stopped": self.stopped is not None}

@@ -1,4 +1,4 @@
-"""Which OpenGL contexts work on this machine, and what to do about those that do not."""
+"""Finds which OpenGL contexts work on this machine, and how to fix those that do not."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ _PACKAGES = {
 
 @dataclass(frozen=True)
 class Finding:
-    """One back end tried: `problem` is "" if it works, else what went wrong, and `fix` what to do about it."""
+    """The result for one back end. If it works, `problem` is ""; else `problem` says what failed and `fix` how to fix
+    it."""
 
     backend: str
     device: int | None
@@ -39,7 +40,7 @@ class Finding:
 
 
 def diagnose() -> list[Finding]:
-    """Try every back end of this system, EGL once per device, each in a process of its own; takes a second or two."""
+    """Try every back end of this system, and EGL once per device. Each runs in its own process; all take 1 to 2 s."""
     findings = []
     for backend in auto_backends():
         devices: Sequence[int | None] = [None]
@@ -50,7 +51,8 @@ def diagnose() -> list[Finding]:
 
 
 def calibration_line(findings: Sequence[Finding]) -> str:
-    """Whether what chooses a picture's method knows the device that `--backend auto` takes; "" where there is none."""
+    """A line that says whether the device of `--backend auto` is calibrated, which choosing a picture's method needs;
+    "" if no back end works."""
     working = next((finding for finding in findings if finding.works), None)
     if working is None:
         return ""
@@ -58,16 +60,16 @@ def calibration_line(findings: Sequence[Finding]) -> str:
 
     is_known = load_calibration(working.renderer) is not None
     return f"--time-budget, --error: {working.backend} " + (
-        "is measured, in the cache" if is_known else "will be measured when one is first used without --mode")
+        "is measured, in the cache" if is_known else "will be measured when one of them is first used without --mode")
 
 
 def exit_status(findings: Sequence[Finding]) -> int:
-    """0 if pictures can be made without a screen, or with the desktop where there is one; else 3."""
+    """0 if any back end works, so that pictures can be made; else 3."""
     return 0 if any(finding.works for finding in findings) else 3
 
 
 def format_findings(findings: Sequence[Finding]) -> str:
-    """The findings as text, a line or two each."""
+    """The findings as text: a line for each, or two if it does not work."""
     lines = []
     for finding in findings:
         name = finding.backend if finding.device is None else f"{finding.backend}, device {finding.device}"
@@ -92,7 +94,7 @@ def _finding(backend: str, device: int | None) -> Finding:
 def _fix(backend: str) -> str:
     if backend == "window":
         if sys.platform.startswith("linux") and not {"DISPLAY", "WAYLAND_DISPLAY"} & os.environ.keys():
-            return "needed only to look at models in a window: start it from a desktop session, or under xvfb-run"
+            return "it is needed only to view models in a window: run it in a desktop session, or under xvfb-run"
         return "update the graphics driver: OpenGL 3.3 is needed"
     fix = f"install Mesa's software OpenGL: {_PACKAGES[backend]}"
     if backend == "egl":

@@ -1,4 +1,4 @@
-"""What `pbr-viewer info` tells: of a model and the plan to show it, or of the package itself."""
+"""The information that `pbr-viewer info` prints: about a model and its plan, or about the package."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Facts = dict[str, object]
 
 
 def describe_scene(scene: Scene, settings: Settings) -> Facts:
-    """The scene's content and its plan, without opening an OpenGL context; JSON-able."""
+    """The content of the scene and its plan, in types that JSON can store. No OpenGL context is opened."""
     low, high = scene.bounds
     plan = _plan(scene, settings)
     environment = scene.environment
@@ -44,7 +44,7 @@ def describe_scene(scene: Scene, settings: Settings) -> Facts:
 
 
 def describe_package() -> Facts:
-    """What this program reads and writes, and where it keeps its cache; JSON-able."""
+    """The formats that this program reads and writes, and the folder of its cache, in types that JSON can store."""
     from ..bake.cache import cache_folder
     from ..image.image import WRITABLE
     from ..scene.environment_files import FORMATS
@@ -61,7 +61,7 @@ def describe_package() -> Facts:
 
 
 def settings_table() -> list[dict[str, object]]:
-    """What --set takes: each name with its values, words or the range of a number; the default; what it is for."""
+    """The settings for --set: name, choices or the range of a number, default and meaning of each."""
     default, choices = Settings(), setting_choices()
     return [{"name": name, **({"choices": list(choices[name])} if name in choices else _range(name)),
              "default": getattr(default, name), "meaning": meaning} for name, meaning in setting_meanings().items()]
@@ -82,7 +82,7 @@ def format_settings() -> str:
 
 
 def format_facts(facts: Facts, indent: str = "") -> str:
-    """The facts as text: a line each, lists and tables below their name."""
+    """The facts as text: one line for each; lists and nested facts follow below their name."""
     lines = []
     for name, value in facts.items():
         label = indent + name.replace("_", " ")
@@ -107,7 +107,7 @@ def _one_line(value: object) -> str:
 
 
 def _plan(scene: Scene, settings: Settings) -> Plan | TracePlan:
-    """As it is made for a picture, with a perspective camera and all the samples that are asked for."""
+    """The plan as for a picture, with a perspective camera and the samples of a still picture."""
     if settings.mode == "path":
         from ..trace.scene.traced_scene import plan_without_device
 

@@ -38,7 +38,7 @@ class RasterMaker(PictureMaker):
 
         request = self._request
         if self._renderer is None:
-            ahead = decode_ahead(scene, request.settings)  # on other threads, while this one opens OpenGL
+            ahead = decode_ahead(scene, request.settings)  # other threads decode while this one opens OpenGL
             self._renderer = Renderer(request.open(), use_cache=request.use_cache, measure=request.measure)
             self._renderer.expect(ahead)
         renderer = self._renderer
@@ -60,7 +60,7 @@ class PathMaker(PictureMaker):
         self._tracer: Tracer | None = None
 
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
-        """As `PictureMaker.make`. A first signal to stop ends it with the picture as it is by then."""
+        """As `PictureMaker.make`. The first signal to stop ends the picture early, with the samples so far."""
         from ..trace.paths.run import how_far, run
         from ..trace.tracer import Tracer
 
@@ -73,13 +73,13 @@ class PathMaker(PictureMaker):
 
         def report(fraction: float, seconds_left: float) -> None:
             if progress.is_shown:
-                words = f"{path_render.samples:.3g} spp, error {path_render.error:.2g}, {seconds_left:.0f} s left"
-                progress.part(fraction, f"{path.name}: {words}")
+                state = f"{path_render.samples:.3g} spp, error {path_render.error:.2g}, {seconds_left:.0f} s left"
+                progress.part(fraction, f"{path.name}: {state}")
 
         try:
-            with postponed() as wish:
-                run(path_render, started, report, wants_to_stop=lambda: wish.number is not None)
-            self.stopped = _answered(wish, path_render.samples)
+            with postponed() as stop_request:
+                run(path_render, started, report, wants_to_stop=lambda: stop_request.number is not None)
+            self.stopped = _stop_signal(stop_request, path_render.samples)
             image = path_render.image()
             self.stats = {"prepare_s": {"scene": prepared}, **image.stats, "stopped": self.stopped is not None}
             self.texture_bytes = self._tracer.texture_bytes
@@ -90,8 +90,8 @@ class PathMaker(PictureMaker):
         return image
 
 
-def _answered(wish: StopRequest, samples: float) -> int | None:
-    """The signal that stopped a picture; raises Stopped where there is no picture yet."""
-    if wish.number is not None and samples == 0:
-        raise Stopped(wish.number)
-    return wish.number
+def _stop_signal(request: StopRequest, samples: float) -> int | None:
+    """The number of the signal that stopped a picture, or None. Raises Stopped if the picture has no samples yet."""
+    if request.number is not None and samples == 0:
+        raise Stopped(request.number)
+    return request.number

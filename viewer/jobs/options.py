@@ -1,6 +1,6 @@
-"""The command line's options that several commands share, and the types of their values.
+"""The options that several commands of the command line share, and the types of their values.
 
-Nothing heavy is imported here, so that `--help` and a wrong word answer at once.
+Nothing slow is imported here, so that `--help` and errors about options appear at once.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from ..errors import UsageError
 from ..settings import DEFAULT_SPP, LAYERS, MAX_EXPOSURE, RANGES, Background, Denoise, Mode, parse_background
 
 MAX_NUMBER = 1e18
-"""Of metres and lux; models reach no farther, and its square is still a float32."""
+"""The largest number of metres or lux. Models have no larger coordinates, and its square still fits in a float32."""
 
 
 class Number(click.ParamType):
-    """A finite number from `low` to `high`, both allowed."""
+    """A finite number from `low` to `high`, both included."""
 
     name = "number"
 
@@ -40,7 +40,7 @@ class Number(click.ParamType):
 
 
 class Numbers(click.ParamType):
-    """Numbers with commas between, as many as `counts` allows; `check` gives the problem with them, or ""."""
+    """Numbers separated by commas. Their count must be one of `counts`; `check` returns a problem with them, or ""."""
 
     name = "numbers"
 
@@ -53,9 +53,9 @@ class Numbers(click.ParamType):
         except ValueError:
             numbers = ()
         if len(numbers) not in self.counts or not all(map(math.isfinite, numbers)):
-            self.fail(f"{value!r} is not {self.form}, numbers with commas between.", param, ctx)
+            self.fail(f"{value!r} is not {self.form}, numbers separated by commas.", param, ctx)
         if max(map(abs, numbers)) > MAX_NUMBER:
-            self.fail(f"{value!r} goes beyond {MAX_NUMBER:g}.", param, ctx)
+            self.fail(f"{value!r} has a number beyond {MAX_NUMBER:g}.", param, ctx)
         problem = self.check(numbers) if self.check else ""
         if problem:
             self.fail(problem, param, ctx)
@@ -66,7 +66,7 @@ class Numbers(click.ParamType):
 
 
 class Size(click.ParamType):
-    """WxH in pixels, or one number for a square."""
+    """A size WxH in pixels, or one number for a square."""
 
     name = "size"
 
@@ -81,7 +81,7 @@ class Size(click.ParamType):
 
 
 class BackgroundColor(click.ParamType):
-    """env, none or #rrggbb (sRGB) to what Settings.background holds."""
+    """env, none or #rrggbb (sRGB), converted to a value of Settings.background."""
 
     name = "background"
 
@@ -96,7 +96,7 @@ class BackgroundColor(click.ParamType):
 
 
 class Layers(click.ParamType):
-    """Names of layers with commas between, as a tuple in which each is once."""
+    """Names of layers separated by commas, as a tuple without repetitions."""
 
     name = "layers"
 
@@ -104,7 +104,7 @@ class Layers(click.ParamType):
         names = value.split(",") if isinstance(value, str) else value
         unknown = [name for name in names if name not in LAYERS]
         if unknown:
-            self.fail(f"no layer {unknown[0]!r}; there are {', '.join(LAYERS)}.", param, ctx)
+            self.fail(f"there is no layer {unknown[0]!r}; choose from {', '.join(LAYERS)}.", param, ctx)
         return tuple(dict.fromkeys(names))
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
@@ -125,76 +125,77 @@ def _ends(name: str) -> tuple[Any, Any]:
 
 MODE_OPTION = click.option(
     "--mode", type=click.Choice(get_args(Mode)), default="pbr", show_default=True,
-    help="Physically based shading, Phong's, or light followed along its paths: the right answer, slowly.")
+    help="pbr: physically based shading; phong: Phong's model; path: path tracing, exact but slow.")
 LOOK_OPTIONS = [
     click.option("--env", default="studio", metavar="FILE|NAME|none", show_default=True,
-                 help="Light from all around: a panorama (.hdr, .exr), or studio, sky, furnace, none."),
+                 help="The environment that lights the model: a panorama (.hdr, .exr), or studio, sky, furnace, none."),
     click.option("--env-rotation", type=Number(), default=0.0, metavar="DEG",
-                 help="Turn it about the vertical axis, counter-clockwise seen from above."),
-    click.option("--env-intensity", type=Number(0, 1e6), default=1.0, metavar="X", help="Multiply its light."),
+                 help="Rotate the environment about the vertical axis, counter-clockwise seen from above."),
+    click.option("--env-intensity", type=Number(0, 1e6), default=1.0, metavar="X",
+                 help="Multiply the light of the environment."),
     click.option("--background", type=BackgroundColor(), default="env", show_default=True,
-                 help="Behind the model: the environment, nothing (alpha 0), or a colour, which is shown exactly so; "
-                      "an .exr holds the colour as linear light."),
+                 help="Behind the model: the environment, nothing (alpha 0), or a colour, which exposure and tone map "
+                      "do not change; an .exr stores it as linear light."),
     click.option("--exposure", type=Number(-MAX_EXPOSURE, MAX_EXPOSURE), default=0.0, metavar="EV",
-                 help="Make the picture 2^EV times as bright; an .exr is left as it is."),
+                 help="Make the picture 2^EV times as bright; this does not change an .exr."),
     click.option("--tonemap", type=click.Choice(["neutral", "agx", "aces", "none"]), default="neutral",
-                 show_default=True, help="How bright light is brought into the range of a screen."),
+                 show_default=True, help="The tone map, which compresses bright light to the range of a screen."),
     click.option("--light", "lights", type=Numbers("AZ,EL,LUX", 3, check=_light_problem), multiple=True,
-                 help="Add a distant light that shines from azimuth and elevation (degrees); repeatable."),
+                 help="Add a directional light that shines from azimuth and elevation (degrees); can be repeated."),
     click.option("--set", "assignments", multiple=True, metavar="NAME=VALUE",
-                 help="Any other setting; `pbr-viewer info --settings` lists them; repeatable."),
+                 help="Change any other setting; `pbr-viewer info --settings` lists them; can be repeated."),
 ]
 SCENE_OPTIONS = [MODE_OPTION, *LOOK_OPTIONS]
 CAMERA_OPTIONS = [
     click.option("--orbit", type=Numbers("AZ,EL[,DIST]", 2, 3, check=_orbit_problem),
-                 help="Look from azimuth and elevation (degrees; 0,0 is the front) and a distance; without one, or "
-                      "without any option for the camera, the model fills the picture. Default: 30,15."),
+                 help="Look from this azimuth and elevation (degrees; 0,0 is the front) and distance. Without a "
+                      "distance the model fills the picture. Default: 30,15."),
     click.option("--eye", type=Numbers("X,Y,Z", 3), help="Look from this point."),
-    click.option("--target", type=Numbers("X,Y,Z", 3), help="Look at this point; default: the model's middle."),
+    click.option("--target", type=Numbers("X,Y,Z", 3), help="Look at this point; default: the model's centre."),
     click.option("--fov", type=Number(0.01, 179), metavar="DEG", help="Vertical field of view; default: 45."),
-    click.option("--camera", type=click.IntRange(0), metavar="N", help="The file's own camera N, counted from 0."),
+    click.option("--camera", type=click.IntRange(0), metavar="N", help="Use camera N of the file, counted from 0."),
 ]
 PATH_OPTIONS = [
     click.option("--spp", type=click.IntRange(*_ends("spp")), metavar="N",
-                 help=f"Mode path: samples a pixel; with one of the next two options the most it gets. Default: "
-                      f"{DEFAULT_SPP}, or no end with one of them."),
+                 help=f"Mode path: samples per pixel. With one of the next two options it is the most samples. "
+                      f"Default: {DEFAULT_SPP}, or unlimited with one of them."),
     click.option("--time-budget", type=Number(*_ends("time_budget")), metavar="SECONDS",
-                 help="Make the best picture there is time for, by the method that suits; with --mode path by that."),
+                 help="Make the best picture within this time. The best method is chosen; with --mode path it is path "
+                      "tracing."),
     click.option("--error", type=Number(*_ends("error")), metavar="TARGET",
-                 help="Make a picture of at most this relative error, 0.02 for 2 %, in the least time; with "
-                      "--mode path by that, as estimated from the samples."),
+                 help="Make a picture with at most this relative error (0.02 is 2 %) in the least time. The best "
+                      "method is chosen; with --mode path it is path tracing, which estimates its error."),
     click.option("--seed", type=click.IntRange(*_ends("seed")), default=0, metavar="N",
-                 help="Mode path: another N, another noise; the same N, the same picture."),
+                 help="Mode path: the seed of the random numbers; the same N gives the same noise."),
     click.option("--denoise", type=click.Choice(get_args(Denoise)), default="off", show_default=True,
-                 help="Mode path: take the noise away, and some truth with it: fast (a filter of our own), oidn (Intel "
-                      "Open Image Denoise, an extra)."),
+                 help="Mode path: remove noise, which also blurs some detail: fast (a wavelet filter) or oidn (Intel "
+                      "Open Image Denoise, an optional dependency)."),
 ]
 AOV_OPTION = click.option("--aov", type=Layers(), default=(), help=(
-    f"Mode path: put these layers into the .exr, of {', '.join(LAYERS)}, with commas between."))
-QUIET_OPTION = click.option("-q", "--quiet", is_flag=True, help="No warnings and no progress bar.")
+    f"Mode path: add these layers to the .exr, separated by commas: {', '.join(LAYERS)}."))
+QUIET_OPTION = click.option("-q", "--quiet", is_flag=True, help="Show no warnings and no progress bar.")
 NO_CACHE_OPTION = click.option("--no-cache", is_flag=True,
-                               help="Neither read nor write what `pbr-viewer cache` tells of.")
+                               help="Neither read nor write the cache on disk (`pbr-viewer cache`).")
 BACKEND_OPTION = click.option("--backend", type=click.Choice(["auto", "egl", "osmesa", "window"]), default="auto",
-                              show_default=True, help="Where OpenGL comes from; `pbr-viewer doctor` tells what works "
-                                                      "here.")
+                              show_default=True, help="How to open OpenGL; `pbr-viewer doctor` shows what works here.")
 
 
 def size_option(default: str) -> Callable[[Any], Any]:
     return click.option("--size", type=Size(), default=default, show_default=True,
-                        help="In pixels; one number: a square.")
+                        help="Size in pixels; one number means a square.")
 
 
 COMMON_OPTIONS = [
     size_option("1280x720"),
     NO_CACHE_OPTION,
     QUIET_OPTION,
-    click.option("-v", "--verbose", is_flag=True, help="Tell what is done and how long it takes."),
+    click.option("-v", "--verbose", is_flag=True, help="Print what is done and how long it takes."),
 ]
 JSON_OPTION = click.option("--json", "json_file", metavar="FILE", help="Write JSON to FILE ('-': standard output).")
 
 
 def with_options(options: Sequence[Callable[[Any], Any]]) -> Callable[[Any], Any]:
-    """A decorator that adds them all, to be listed in this order."""
+    """A decorator that adds `options` to a command, listed in this order in its help."""
 
     def decorate(command: Any) -> Any:
         for option in reversed(options):
@@ -208,8 +209,8 @@ def check_camera_options(options: dict[str, Any]) -> None:
     """Raises UsageError for options that contradict each other, before anything is loaded."""
     given = [f"--{name}" for name in ("orbit", "eye", "camera") if options[name] is not None]
     if len(given) > 1:
-        raise UsageError(f"{' and '.join(given)} exclude one another")
+        raise UsageError(f"{' and '.join(given)} cannot be used together")
     if options["target"] is not None and options["camera"] is not None:
-        raise UsageError("--target does not go with --camera")
+        raise UsageError("--target and --camera cannot be used together")
     if options["eye"] is not None and options["eye"] == options["target"]:
         raise UsageError("--eye and --target are the same point")

@@ -1,4 +1,4 @@
-"""What makes a render job's pictures: the request and the interface that every picture maker has."""
+"""The interface of picture makers, which make the pictures of a render job, and the request that they get."""
 
 from __future__ import annotations
 
@@ -20,7 +20,10 @@ if TYPE_CHECKING:
 
 @dataclass
 class RenderRequest:
-    """What all pictures of a job have in common; `open` opens the OpenGL context, once."""
+    """What all pictures of a job have in common.
+
+    `open` returns the OpenGL context, which the first call opens. `measure` requests the GPU time of each pass.
+    """
 
     open: Opener
     settings: Settings
@@ -30,7 +33,7 @@ class RenderRequest:
     measure: bool
     quiet: bool = True
     chooses: bool = False
-    """The method is chosen for each picture by its time budget or error; `settings.mode` is ignored."""
+    """Whether the method is chosen for each picture by its time budget or error; `settings.mode` is ignored then."""
 
 
 class Opener(Protocol):
@@ -38,22 +41,22 @@ class Opener(Protocol):
 
 
 class PictureMaker(ABC):
-    """Makes pictures with one OpenGL context, opened with the first."""
+    """Makes pictures with one OpenGL context, which is opened for the first picture."""
 
     def __init__(self, request: RenderRequest) -> None:
         self._request = request
         self.stats: dict[str, object] = {}
-        """What `--stats` says of the last picture."""
+        """The statistics of the last picture, for `--stats`."""
         self.summary = ""
-        """What `-v` says of the last picture, in one line."""
+        """A line about the last picture, for `-v`."""
         self.texture_bytes = 0
-        """About how much memory the scene's textures take on the GPU."""
+        """About how many bytes the scene's textures take on the GPU."""
         self.stopped: int | None = None
-        """The number of the signal that stopped the last picture early; None: it is complete."""
+        """The number of the signal that stopped the last picture early; None if the picture is complete."""
 
     @abstractmethod
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
-        """The picture that goes to `path`. `progress` has been told of the model.
+        """Make the picture for the file `path`, which is not written here. `progress` shows the model already.
 
         Raises ContextError, InputError, UsageError.
         """

@@ -1,4 +1,4 @@
-"""`pbr-viewer render`: pictures of models, one after the other, with one OpenGL context."""
+"""`pbr-viewer render`: renders pictures of models one after the other, with one OpenGL context."""
 
 from __future__ import annotations
 
@@ -30,8 +30,12 @@ Record = dict[str, object]
 
 @dataclass
 class RenderJob:
-    """`aov` are the layers of `viewer.settings.LAYERS` to add; `measure` waits for each pass to know its time; `quiet`
-    shows no progress bar; `verbose` tells the times. `chooses`: the method is chosen for each picture."""
+    """Renders pictures with the same settings.
+
+    `aov` are the layers to add, of `viewer.settings.LAYERS`. With `measure` each pass is timed, which waits for its
+    end. With `quiet` there is no progress bar, and with `verbose` times are printed. With `chooses` the method is
+    chosen for each picture.
+    """
 
     backend: str
     settings: Settings
@@ -51,12 +55,12 @@ class RenderJob:
         camera: Callable[[str, Scene], Camera],
         stats: str | None = None,
     ) -> int:
-        """Render each (model, path); the exit status: 0, or 1 where some model could not be shown.
+        """Render each (model, path). Returns the exit status: 0, or 1 if some model could not be rendered.
 
-        That one is told on stderr, and the others are rendered all the same. `stats` names a JSON file for times,
-        plan and memory, or the error, of each. While paths are traced, a signal to stop ends all with the picture as it
-        is by then and with the status that shells have for that signal; elsewhere it raises Stopped. Raises
-        ContextError and UsageError, which would hold for all.
+        A model that cannot be rendered is reported on stderr, and the others are still rendered. `stats` names a JSON
+        file for the times, plan and memory, or the error, of each picture. A signal to stop during path tracing saves
+        the picture with its samples so far and ends the job; the exit status is then the shell's for that signal. At
+        other times the signal raises Stopped. Raises ContextError and UsageError, which concern all models.
         """
         records: list[Record] = []
         status = 0
@@ -103,7 +107,7 @@ class RenderJob:
 
     @contextmanager
     def _opened(self) -> Iterator[None]:
-        """Release at the end what `_open` opened, if it did."""
+        """Release the context at the end of the block, if `_open` has opened one."""
         try:
             yield
         finally:
@@ -133,9 +137,10 @@ class RenderJob:
 
 
 def output_paths(models: Sequence[str], output: str) -> list[Path]:
-    """Where each model's picture goes: OUT itself, OUT with {name} filled in, or OUT/name.png in a folder.
+    """The path of each model's picture: OUT itself, OUT with {name} replaced, or OUT/name.png if OUT is a folder.
 
-    Raises UsageError for names that are no pictures' or are wanted twice, OutputError for folders that do not exist.
+    Raises UsageError for a path that is not a picture's or that two models have, and OutputError for a folder that does
+    not exist.
     """
     names = [Path(model).stem for model in models]
     folder = Path(output)
@@ -151,7 +156,7 @@ def output_paths(models: Sequence[str], output: str) -> list[Path]:
         paths = [folder]
     for path in paths:
         if path.suffix.lower() not in WRITABLE:
-            raise UsageError(f"-o {path}: a picture's name ends in {', '.join(WRITABLE)}")
+            raise UsageError(f"-o {path}: the name of a picture must end in one of {', '.join(WRITABLE)}")
         check_output(path)
     twice = {str(path) for path in paths if paths.count(path) > 1}
     if twice:
@@ -160,17 +165,19 @@ def output_paths(models: Sequence[str], output: str) -> list[Path]:
 
 
 def check_layers(names: Sequence[str], settings: Settings, paths: Sequence[Path], chooses: bool = False) -> None:
-    """Raises UsageError for layers that are not made or that no file could hold; where the method is chosen, it is one
-    that makes them."""
+    """Raises UsageError for layers that the mode does not make or that a file cannot store.
+
+    With `chooses`, a method that makes the layers is chosen.
+    """
     if names and settings.mode != "path" and not chooses:
-        raise UsageError(f"aov does nothing in mode {settings.mode}, only in mode path")
+        raise UsageError(f"aov has no effect in mode {settings.mode}, only in mode path")
     other = [path for path in paths if path.suffix.lower() != ".exr"]
     if names and other:
-        raise UsageError(f"--aov with -o {other[0]}: only an .exr holds layers")
+        raise UsageError(f"--aov with -o {other[0]}: only an .exr can store layers")
 
 
 def check_output(path: str | Path) -> None:
-    """Raises OutputError for a file that could not be written, before the work for it is done."""
+    """Raises OutputError if `path` cannot be written, before any work is done for it."""
     path = Path(path)
     if path.is_dir():
         raise OutputError(f"{path}: is a folder; a file name is needed")
@@ -179,7 +186,7 @@ def check_output(path: str | Path) -> None:
 
 
 def peak_memory_mb() -> float | None:
-    """The most this process has held so far, or None where the system does not tell."""
+    """The peak memory of this process in MB, or None if the system does not report it."""
     try:
         import resource
     except ImportError:  # Windows

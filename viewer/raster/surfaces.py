@@ -1,4 +1,4 @@
-"""The passes that draw meshes: opaque and masked ones, then what blends, from back to front."""
+"""The passes that draw meshes: opaque and masked surfaces, and blended ones, sorted from back to front."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from .textures import Textures
 if TYPE_CHECKING:
     from ..trace.vertex_light import VertexLight
 
-# Texture units: the maps that a program samples come first, in their order, then what programs share. A program has 16
-# samplers at most, but their units may be any of the 48 that OpenGL 3.3 grants.
+# Texture units. The maps that a program samples have the first ones. The units from 16 on are for textures that all
+# programs share. A program has at most 16 samplers, but may use any of the 48 units that OpenGL 3.3 guarantees.
 (UNIT_DFG, UNIT_PREFILTERED, UNIT_IRRADIANCE, UNIT_SHADOW, UNIT_BACKGROUND, UNIT_RADIANCE, UNIT_VISIBILITY,
  UNIT_REFLECTED, UNIT_RAY_POSITIONS, UNIT_REFRACTED, UNIT_MIRRORED, UNIT_PATH_POSITIONS) = range(16, 28)
 
@@ -39,7 +39,8 @@ _GBUFFER_SWITCHES = ("ALPHA_MODE", "DOUBLE_SIDED", "HALF_TARGET", "HAS_COLOR", "
 class Surfaces:
     """The meshes and textures of a scene on the GPU, and the passes that draw them.
 
-    Buffers belong to a mesh and textures to an image, by identity, so they stay for the next scene that shares these.
+    Buffers belong to a mesh and textures to an image, by identity. If the next scene has the same meshes or images,
+    their buffers and textures are kept.
     """
 
     def __init__(self, context: Context, programs: Programs) -> None:
@@ -52,14 +53,15 @@ class Surfaces:
         self.textures = Textures(context)
 
     def holds(self, scene: Scene) -> bool:
-        """Whether `scene` has the same meshes, materials and places, and differs in other things only."""
-        ours = self.scene
-        return ours.meshes is scene.meshes and ours.materials is scene.materials and ours.instances is scene.instances
+        """Whether `scene` has the same meshes, materials and instances as the current scene."""
+        current = self.scene
+        return (current.meshes is scene.meshes and current.materials is scene.materials
+                and current.instances is scene.instances)
 
     def take(self, scene: Scene, ahead: Decoder | None = None) -> None:
-        """Draw `scene` from now on, and release what it does not share with the one before.
+        """Make `scene` the current scene, and release what it does not share with the one before.
 
-        `ahead` has begun to decode some of its images.
+        `ahead` is a decoder that has already started with some of its images.
         """
         self.scene = scene
         self._uniforms.clear()
@@ -73,7 +75,7 @@ class Surfaces:
         self.textures.keep({texture.image for texture in maps if texture is not None}, ahead)
 
     def prepare(self, plan: Plan) -> None:
-        """Compile and upload what `plan` draws, so that the first frame costs what every other does."""
+        """Compile and upload everything that `plan` draws, so that the first frame takes no longer than others."""
         if self._generation != self._programs.generation:
             self._generation = self._programs.generation
             for mesh in self._meshes.values():
@@ -85,7 +87,7 @@ class Surfaces:
         self.textures.upload()
 
     def light_vertices(self, light: VertexLight) -> None:
-        """Take the indirect light of all vertices."""
+        """Upload the indirect light of all vertices."""
         if not self._indirect:
             self._indirect = [self._gl.buffer(reserve=max(values.nbytes, 16)) for values in light.per_instance]
         for buffer, values in zip(self._indirect, light.per_instance, strict=True):
@@ -103,11 +105,14 @@ class Surfaces:
                          frame_uniforms)
 
     def draw_opaque(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
-        """Draw what neither blends nor transmits light; returns how many instances were drawn."""
+        """Draw the surfaces that neither blend nor transmit light. Returns how many instances were drawn."""
         return self._draw_solid([d for d in plan.draws if not d.transmits], frame, plan, frame_uniforms)
 
     def draw_transmissive(self, kind: int, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
-        """Draw the THIN_WALLED or SOLID surfaces that do not blend; the uniforms have the picture behind them."""
+        """Draw the THIN_WALLED or SOLID surfaces (`kind`) that do not blend. Returns how many instances were drawn.
+
+        `frame_uniforms` refer to the picture behind them.
+        """
         return self._draw_solid([d for d in plan.draws if d.transmits == kind], frame, plan, frame_uniforms)
 
     def _draw_solid(self, draws: list[Draw], frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
@@ -119,23 +124,26 @@ class Surfaces:
         return len(draws)
 
     def draw_blended(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
-        """Draw what blends, farthest first; instances at one depth in an order that only depends on what they are."""
+        """Draw the blended surfaces, farthest first. Returns how many instances were drawn.
+
+        The order of instances at the same depth depends only on their position, mesh and material.
+        """
         draws = [d for d in plan.draws if d.alpha_mode == "blend" and (plan.is_everything or frame.visible[d.instance])]
         if not draws:
             return 0
         forward, centers = frame.camera.forward, self.scene.corners.mean(axis=1)
-        places = [instance.transform.ravel() for instance in self.scene.instances]
+        transforms = [instance.transform.ravel() for instance in self.scene.instances]
         draws.sort(key=lambda d: (-round(float(centers[d.instance] @ forward) / frame.unit, 6),
-                                  *centers[d.instance], *places[d.instance], d.mesh, d.material))
+                                  *centers[d.instance], *transforms[d.instance], d.mesh, d.material))
         self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND | moderngl.PROGRAM_POINT_SIZE)
         self._gl.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
         self._draw(draws, frame, frame_uniforms, is_sorted=True)
         return len(draws)
 
     def draw_depth(self, draw: Draw, matrix: np.ndarray) -> None:
-        """Draw a mesh into a depth map; `matrix` takes its instance's local space to clip space."""
+        """Draw a mesh into a shadow map. `matrix` takes the local space of its instance to clip space."""
         mask = draw.alpha_mode == "mask"
-        names = ["ALPHA_MODE", "HAS_COLOR", *(f"BASE_COLOR_{word}" for word in ("MAP", "UV", "TRANSFORM", "MIRROR"))]
+        names = ["ALPHA_MODE", "HAS_COLOR", *(f"BASE_COLOR_{ending}" for ending in MAP_SWITCHES)]
         switches = no_switches() | {"HAS_NORMAL": 0} | {name: draw.program[name] if mask else 0 for name in names}
         switches["UV_SETS"] = 1 << switches["BASE_COLOR_UV"] if switches["BASE_COLOR_MAP"] else 0
         program = self._programs.get("raster/shadow.vert", "raster/shadow.frag", switches)
@@ -197,11 +205,11 @@ class Surfaces:
             self._bind_map(program, draw, name)
 
     def _uniforms_of(self, material: Material) -> list[tuple[str, Value]]:
-        """The uniforms of a material, which are found once for as long as the scene is shown."""
-        known = self._uniforms.get(id(material))
-        if known is None or known[0] is not material:
-            known = self._uniforms[id(material)] = material, list(uniforms(material))
-        return known[1]
+        """The uniforms of a material, which are cached as long as the scene does not change."""
+        cached = self._uniforms.get(id(material))
+        if cached is None or cached[0] is not material:
+            cached = self._uniforms[id(material)] = material, list(uniforms(material))
+        return cached[1]
 
     def _bind_map(self, program: moderngl.Program, draw: Draw, name: str) -> None:
         unit = (*draw.maps, *draw.blank_maps).index(name)
@@ -246,16 +254,16 @@ def _path_program(program: Program) -> Program:
 
 
 def _geometry_switches(program: Program) -> tuple[tuple[str, int], ...]:
-    """The switches on which position, normal and roughness depend, so that many materials share one program."""
+    """The switches that position, normal and roughness depend on. With only these, many materials share one program."""
     switches = dict(program.switches)
     maps = {"normal", "metallic_roughness"} | ({"base_color"} if switches["ALPHA_MODE"] else set())
     switches = no_switches() | {name: switches[name] for name in _GBUFFER_SWITCHES} | {"INDIRECT": 0} | {
-        f"{name.upper()}_{word}": switches[f"{name.upper()}_{word}"] for name in maps for word in MAP_SWITCHES}
+        f"{name.upper()}_{ending}": switches[f"{name.upper()}_{ending}"] for name in maps for ending in MAP_SWITCHES}
     return tuple(sorted(switches.items()))
 
 
 def phong_specular(material: Material) -> tuple[float, float, float]:
-    """k_s of a dielectric: its reflectance at normal incidence."""
+    """k_s of a dielectric for Phong's model: its reflectance at normal incidence, linear RGB."""
     f0 = ((material.ior - 1.0) / (material.ior + 1.0)) ** 2
     return tuple(min(f0 * c, 1.0) * material.specular for c in material.specular_color)
 

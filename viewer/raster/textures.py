@@ -1,4 +1,4 @@
-"""Material maps on the GPU: each image is decoded once, when it is first sampled, in the channels that are read."""
+"""Material maps on the GPU. An image is decoded when a plan first samples it, with only the channels that are read."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ _FILTERS = {
     ("nearest", "linear"): moderngl.NEAREST_MIPMAP_LINEAR,
     ("linear", "linear"): moderngl.LINEAR_MIPMAP_LINEAR,
 }
-# Grey stands for red, green and blue; alpha is last.
+# With one or two channels the first is grey, which becomes red, green and blue, and the second is alpha.
 _SWIZZLES = {1: "RRR1", 2: "RRRG", 3: "RGB1", 4: "RGBA"}
 
 
 class Textures:
-    """The textures of a scene's images. They stay for the next scene as far as it has the same images."""
+    """The textures of a scene's images. Textures of images that the next scene has too are kept."""
 
     def __init__(self, context: Context) -> None:
         self._context = context
@@ -44,11 +44,12 @@ class Textures:
 
     @property
     def bytes(self) -> int:
-        """About how much memory the textures take, with their mipmaps."""
+        """About how many bytes the textures take, with their mipmaps."""
         return sum(self._sizes.values())
 
     def keep(self, images: set[TextureImage], ahead: Decoder | None = None) -> None:
-        """Release the textures of all other images; `ahead` has begun to decode some that are new."""
+        """Release the textures of all images except `images`. `ahead` is a decoder that has already started with some
+        of the new ones."""
         self._cancel()
         self._decoders = [ahead] if ahead is not None else []
         self._channels = {key: letters for key, letters in self._channels.items() if key[0] in images}
@@ -56,34 +57,34 @@ class Textures:
         self._release_unread()
 
     def prefetch(self, plan: Plan) -> None:
-        """Begin to decode what `plan` samples, on other threads, while shaders compile on this one."""
+        """Start decoding the images that `plan` samples on other threads, while this thread compiles shaders."""
         self._channels = channels_read(plan, self._channels)
         self._release_unread()
         for draw in plan.draws:
             for name in draw.maps:
                 image, srgb = MAPS[name].texture(draw.surface).image, MAPS[name].info.srgb
                 self._examples.setdefault(name, (image, self._channels[image, srgb], srgb))
-        begun = set(self._textures).union(*(decoder.keys for decoder in self._decoders))
-        self._decoders.append(Decoder(sampled_images(plan, self._channels) - begun))
+        known = set(self._textures).union(*(decoder.keys for decoder in self._decoders))
+        self._decoders.append(Decoder(sampled_images(plan, self._channels) - known))
 
     def upload(self) -> None:
-        """Make textures of all that was prefetched, each as it comes."""
+        """Upload all prefetched images as textures, in the order in which they are decoded."""
         while self._decoders:
             for key, levels in self._decoders.pop(0).results():
-                if key not in self._textures:  # an earlier scene may have had it
+                if key not in self._textures:  # the texture may exist already, from an earlier scene
                     self._textures[key] = _upload(self._context, levels, key[2])
                     self._sizes[key] = sum(level.nbytes for level in levels)
                 del levels
                 trim_heap()  # OpenGL has its own copy now
 
     def bind(self, texture: Texture, name: str, unit: int) -> None:
-        """Bind a map of a material that a prefetched plan samples to a texture unit, with its sampler."""
+        """Bind a map of a material to a texture unit, with its sampler. A prefetched plan must sample the map."""
         srgb = MAPS[name].info.srgb
         self._textures[texture.image, self._channels[texture.image, srgb], srgb].use(unit)
         self._sampler(texture.sampler).use(unit)
 
     def bind_blank(self, name: str, unit: int) -> None:
-        """Bind, for a map that a material lacks, its neutral colour, which changes nothing."""
+        """Bind a texture of the map's neutral colour, for a map that a material does not have."""
         if name not in self._blanks:
             self._blanks[name] = self._blank(name)
         self._blanks[name].use(unit)
@@ -91,9 +92,9 @@ class Textures:
 
     def _blank(self, name: str) -> moderngl.Texture:
         neutral = MAPS[name].info.neutral
-        if neutral != WHITE:  # which 8 bits cannot hold
+        if neutral != WHITE:  # 8 bits cannot represent it exactly
             return float_texture(self._context.gl, np.float32([[neutral]]))
-        # Like the scene's own maps: Mesa's software rasteriser compiles a program for every format it samples.
+        # Use the format of the scene's maps: Mesa's software rasteriser compiles a program for each format it samples.
         srgb = MAPS[name].info.srgb
         key = self._examples.get(name)
         components = self._textures[key].components if key in self._textures else 3
@@ -102,7 +103,7 @@ class Textures:
 
     def _sampler(self, sampler: Sampler) -> moderngl.Sampler:
         if sampler not in self._samplers:
-            # Mirrored repetition is folded in the shader (map_uv), where [0, 1] is all that is left.
+            # The shader does mirrored repetition (map_uv); its coordinates are then in [0, 1].
             self._samplers[sampler] = self._context.gl.sampler(
                 repeat_x=sampler.wrap_s == "repeat",
                 repeat_y=sampler.wrap_t == "repeat",
@@ -111,7 +112,7 @@ class Textures:
         return self._samplers[sampler]
 
     def _release_unread(self) -> None:
-        """Release textures whose images, or whose choice of channels, no map reads any more."""
+        """Release the textures that no map reads any more: their image or their set of channels is not in use."""
         for image, channels, srgb in [key for key in self._textures if self._channels.get((key[0], key[2])) != key[1]]:
             self._textures.pop((image, channels, srgb)).release()
             del self._sizes[image, channels, srgb]

@@ -52,7 +52,7 @@ vec3 reflected_by_first_part(sampler2D map, sampler2D dfg, vec3 n, vec3 v, float
 // Both along the mean of the two directions, by what each part weighs, as the renderer does for metals:
 vec3 reflected_by_whole(sampler2D map, sampler2D dfg, vec3 n, vec3 v, float perceptual_roughness, float f0) {
     SplitSum s = dfg_lookup(dfg, dot(n, v), perceptual_roughness);
-    vec2 both = common_look_up(s, f0);
+    vec2 both = common_lookup(s, f0);
     vec3 d = normalize(mix(n, reflect(-v, n), both.x));
     return (f0 * s.albedo.x + s.albedo.y) * prefiltered_radiance(map, d, both.y);
 }

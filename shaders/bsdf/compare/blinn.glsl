@@ -3,7 +3,7 @@
 //                     up to 7 % too bright.
 //   normalized_blinn: f = k_s (s + 2) (s + 4) / (8 pi (2^(-s/2) + s)) NoH^s, which reflects all at normal incidence and
 //                     never more. Giesen 2009, "Phong and Blinn-Phong normalization factors".
-// Half vectors are sampled by (s + 1) / (2 pi) NoH^s, directions so by a 4 VoH-th of it.
+// Half vectors are sampled with the density (s + 1) / (2 pi) NoH^s, so directions have that density / (4 VoH).
 #include "bsdf/accurate.glsl"
 #include "bsdf/bsdf.glsl"
 #include "bsdf/phong.glsl"
@@ -14,7 +14,7 @@ struct Blinn {
     float shininess;
 };
 
-// The normalisation's 8 pi-fold
+// 8 pi times the normalisation factor
 float blinn_factor(float s) {
     return s + 8.0;
 }
@@ -49,7 +49,7 @@ BsdfSample blinn_sample_scaled(Blinn m, vec3 wo, vec3 u, float factor) {
     return BsdfSample(wi, weight, blinn_pdf(m, wo, wi), REFLECTION, 1.0);
 }
 
-// By 64 of its own samples, to 0.02
+// Directional albedo from 64 samples; the error is at most 0.02.
 vec3 blinn_albedo_scaled(Blinn m, float NoV, float factor) {
     vec3 wo = vec3(sqrt(max(1.0 - NoV * NoV, 0.0)), 0.0, NoV);
     vec3 sum = vec3(0.0);

@@ -1,6 +1,6 @@
 // f = rho / pi (1 + X (1 - NoL)^5) (1 + X (1 - NoV)^5),  X = F90 - 1 = 2 r LoH^2 - 1/2,  r perceptual roughness
-// Burley 2012, "Physically Based Shading at Disney", section 5.3. Does not conserve energy: its albedo is 1.5 at r = 1,
-// grazing, and 0.5 at r = 0.
+// Burley 2012, "Physically Based Shading at Disney", section 5.3. It does not conserve energy: at grazing angles its
+// albedo is 1.5 for r = 1 and 0.5 for r = 0.
 #include "bsdf/bsdf.glsl"
 #include "bsdf/fresnel.glsl"
 #include "sample/hemisphere.glsl"
@@ -27,7 +27,7 @@ BsdfSample burley_sample(Burley m, vec3 wo, vec3 u) {
     return BsdfSample(wi, PI * burley_eval(m, wo, wi), pdf_cosine_hemisphere(wi), REFLECTION, 1.0);
 }
 
-// A polynomial in the cosines: with c = NoV, a = NoL, s = (1 - .)^5, and over the azimuth
+// The albedo is a polynomial in the cosines. With c = NoV, a = NoL, s = (1 - .)^5, and averages over the azimuth:
 //   <X> = r (1 + a c) - 1/2,   <X^2> = r^2 ((1 + a c)^2 + (1 - a^2)(1 - c^2) / 2) - r (1 + a c) + 1/4,
 //   E = rho int (1 + <X> (s_a + s_c) + <X^2> s_a s_c) 2 a da
 // with int 2 a s_a = 1/21, int 2 a^2 s_a = 1/84, int 2 a^3 s_a = 1/252, int 2 a = 1, int 2 a^2 = 2/3.

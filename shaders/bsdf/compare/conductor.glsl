@@ -1,4 +1,5 @@
-// A metal as it is measured: f = D V F + f_ms, GGX, height-correlated Smith, exact Fresnel for eta + i k, Kulla-Conty.
+// A metal given by its measured complex index eta + i k: f = D V F + f_ms with GGX, height-correlated Smith, exact
+// Fresnel reflectance and Kulla-Conty multiple scattering.
 #include "bsdf/fresnel_metal.glsl"
 #include "bsdf/kulla_conty.glsl"
 #include "sample/lattice.glsl"
@@ -9,7 +10,7 @@ struct Conductor {
     vec2 alpha; // along the tangent, across it
 };
 
-// 2 int F mu dmu by Gauss-Legendre with 4 nodes, to 0.002
+// 2 int F mu dmu by Gauss-Legendre quadrature with 4 nodes; the error is at most 0.002.
 vec3 conductor_mean(Conductor m) {
     return 0.0241539 * f_conductor(0.0694318442, m.eta, m.k) + 0.2152133 * f_conductor(0.330009478, m.eta, m.k)
          + 0.4369311 * f_conductor(0.669990522, m.eta, m.k) + 0.3237018 * f_conductor(0.930568156, m.eta, m.k);
@@ -36,7 +37,8 @@ BsdfSample conductor_sample(Conductor m, vec3 wo, vec3 u, sampler2D dfg) {
     return s;
 }
 
-// F averaged over 32 of the facets seen, times the albedo at F = 1 from the table, to 0.005
+// The mean of F over 32 samples of the visible facets, times the albedo for F = 1 from the table; the error is at most
+// 0.005.
 vec3 conductor_albedo(Conductor m, float NoV, sampler2D dfg) {
     float r = mean_perceptual_roughness(m.alpha);
     vec3 F = vec3(0.0);

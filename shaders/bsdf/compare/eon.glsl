@@ -1,9 +1,9 @@
-// Energy-conserving Oren-Nayar, sigma in [0, 1]: rough diffuse with all its bounces between the facets.
+// Energy-preserving Oren-Nayar (EON), sigma in [0, 1]: a rough diffuse surface with multiple scattering.
 //   f_ss = rho / pi A (1 + sigma s / t),   A = 1 / (1 + (1/2 - 2 / (3 pi)) sigma)
 //   s = wi.wo - NoL NoV,   t = s > 0 ? max(NoL, NoV) : 1
 //   f_ms = rho_ms / pi (1 - E(o)) (1 - E(i)) / (1 - E_mean),   rho_ms = rho^2 E_mean / (1 - rho (1 - E_mean))
-// Portsmouth, Kutz & Hill 2024, "EON: A Practical Energy-Preserving Rough Diffuse BRDF", eqs. 13 to 29. Its
-// furnace is 1 at rho = 1.
+// Portsmouth, Kutz & Hill 2024, "EON: A Practical Energy-Preserving Rough Diffuse BRDF", eqs. 13 to 29. For rho = 1 its
+// albedo is 1.
 #include "bsdf/bsdf.glsl"
 #include "sample/hemisphere.glsl"
 
@@ -17,7 +17,7 @@ float eon_scale(float sigma) {
 }
 
 // E(mu) = A (1 + sigma G / pi),  G = sin (theta - sin cos) + 2/3 (tan (1 - sin^3) - sin).
-// tan (1 - sin^3) = sin cos (1 + sin + sin^2) / (1 + sin), for tan has no value at grazing.
+// It is computed with tan (1 - sin^3) = sin cos (1 + sin + sin^2) / (1 + sin), since tan is infinite at grazing angles.
 float eon_single_albedo(float mu, float sigma) {
     float s = sqrt(max(1.0 - mu * mu, 0.0));
     float theta = atan(s, mu);
@@ -39,7 +39,7 @@ vec3 eon_eval(Eon m, vec3 wo, vec3 wi) {
     float s = dot(wo.xy, wi.xy);
     float s_over_t = s > 0.0 ? s / max(wo.z, wi.z) : s;
     vec3 f = m.albedo * eon_scale(m.sigma) * (1.0 + m.sigma * s_over_t);
-    if (m.sigma > 1e-4) { // or 1 - E_mean has no digits; f_ms is under 1e-5 there
+    if (m.sigma > 1e-4) { // below that 1 - E_mean is too inexact, and f_ms is less than 1e-5
         float lost_o = 1.0 - eon_single_albedo(wo.z, m.sigma), lost_i = 1.0 - eon_single_albedo(wi.z, m.sigma);
         f += eon_multiple_albedo(m) * max(lost_o * lost_i / (1.0 - eon_mean_albedo(m.sigma)), 0.0);
     }

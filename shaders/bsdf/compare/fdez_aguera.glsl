@@ -1,6 +1,6 @@
-// GGX with what it loses spread evenly, f_ss + E_ms(o) / pi: what the split sum of image-based light makes of it.
-// Fdez-Aguera 2019, "A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting". E_ms knows only wo, so
-// the lobe is not reciprocal.
+// GGX with diffuse multiple scattering, f_ss + E_ms(o) / pi: the lobe that image-based lighting by the split sum uses.
+// Fdez-Aguera 2019, "A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting". E_ms depends only on
+// wo, so the lobe is not reciprocal.
 #include "bsdf/kulla_conty.glsl"
 #include "bsdf/compare/ggx.glsl"
 #include "bsdf/multiscatter.glsl"

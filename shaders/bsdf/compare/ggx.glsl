@@ -1,5 +1,5 @@
-// A rough mirror of one scattering, f = D V F: GGX, height-correlated Smith, Schlick. What scatters more than once is
-// lost: 8, 31 and 69 % of a white one at alpha 0.25, 0.5 and 1, seen along the normal.
+// Single scattering, f = D V F with GGX, height-correlated Smith and Schlick's F. The light of multiple scattering is
+// lost: 8, 31 and 69 % for a white surface of alpha 0.25, 0.5 and 1, seen along the normal.
 #include "bsdf/fresnel.glsl"
 #include "bsdf/ggx_reflection.glsl"
 

@@ -1,11 +1,12 @@
-// A metal as artists give it: f = D V F + f_ms, GGX, height-correlated Smith, F82-tint, Kulla-Conty.
+// A metal given by colours: f = D V F + f_ms with GGX, height-correlated Smith, F82-tint and Kulla-Conty multiple
+// scattering.
 #include "bsdf/fresnel_metal.glsl"
 #include "bsdf/kulla_conty.glsl"
 #include "sample/lattice.glsl"
 
 struct Metal {
     vec3 f0;
-    vec3 tint;  // of Schlick's reflectance at 82 degrees; 1 leaves Schlick's curve as it is
+    vec3 tint;  // factor on Schlick's reflectance at 82 degrees; 1 does not change Schlick's curve
     vec2 alpha; // along the tangent, across it
 };
 
@@ -31,7 +32,8 @@ BsdfSample metal_sample(Metal m, vec3 wo, vec3 u, sampler2D dfg) {
     return s;
 }
 
-// F averaged over 32 of the facets seen, times the albedo at F = 1 from the table, to 0.005
+// The mean of F over 32 samples of the visible facets, times the albedo for F = 1 from the table; the error is at most
+// 0.005.
 vec3 metal_albedo(Metal m, float NoV, sampler2D dfg) {
     float r = mean_perceptual_roughness(m.alpha);
     vec3 F = vec3(0.0);

@@ -1,5 +1,5 @@
-// f = D V F, isotropic, of one scattering, with any of microfacet.glsl's distributions and maskings (NDF, MASKING) and
-// Schlick's Fresnel: for comparison, with the light that scatters more than once lost.
+// Isotropic single scattering, f = D V F, with any distribution and masking of microfacet.glsl (NDF, MASKING) and
+// Schlick's F. It is for comparison; the light of multiple scattering is lost.
 #include "bsdf/bsdf.glsl"
 #include "bsdf/fresnel.glsl"
 #include "bsdf/half_vector.glsl"

@@ -1,8 +1,8 @@
 // Phong's highlight about the mirror direction r of wo, as first published and as a BRDF.
-//   plain_phong: f = k_s (r.wi)^s / NoL: the light reflected is k_s (r.wi)^s, whatever the slant. Phong 1975,
-//                "Illumination for Computer Generated Pictures". Not reciprocal, and brighter than the light for s < 5.
+//   plain_phong: f = k_s (r.wi)^s / NoL: the reflected light is k_s (r.wi)^s for any angle of incidence. Phong 1975,
+//                "Illumination for Computer Generated Pictures". Not reciprocal, and for s < 5 its albedo exceeds 1.
 //   phong:       f = k_s (s + 2) / (2 pi) (r.wi)^s. Lafortune & Willems 1994, "Using the Modified Phong
-//                Reflectance Model for Physically Based Rendering". Loses what the horizon cuts off.
+//                Reflectance Model for Physically Based Rendering". The part of the lobe below the horizon is lost.
 #include "bsdf/accurate.glsl"
 #include "bsdf/bsdf.glsl"
 #include "bsdf/phong.glsl"
@@ -45,7 +45,7 @@ BsdfSample phong_sample(Phong m, vec3 wo, vec3 u) {
     return BsdfSample(wi, weight, phong_pdf(m, wo, wi), REFLECTION, 1.0);
 }
 
-// By 64 of its own samples, to 0.01
+// Directional albedo from 64 samples; the error is at most 0.01.
 vec3 phong_albedo(Phong m, float NoV) {
     vec3 wo = vec3(sqrt(max(1.0 - NoV * NoV, 0.0)), 0.0, NoV);
     float sum = 0.0;
@@ -69,7 +69,8 @@ BsdfSample plain_phong_sample(Phong m, vec3 wo, vec3 u) {
     return s;
 }
 
-// The share above the horizon, by 64 of its own samples, to 0.01 of the whole
+// Directional albedo, from the fraction of 64 samples that is above the horizon; the error of the fraction is at most
+// 0.01.
 vec3 plain_phong_albedo(Phong m, float NoV) {
     vec3 wo = vec3(sqrt(max(1.0 - NoV * NoV, 0.0)), 0.0, NoV);
     float sum = 0.0;

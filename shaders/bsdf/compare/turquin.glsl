@@ -1,6 +1,6 @@
-// GGX made as bright as if nothing were lost, f (1 + f0 (1 - E(o)) / E(o)).
-// Turquin 2019, "Practical multiple scattering compensation for microfacet models". The factor knows only wo, so the
-// lobe is not reciprocal.
+// GGX scaled to include multiple scattering, f (1 + f0 (1 - E(o)) / E(o)).
+// Turquin 2019, "Practical multiple scattering compensation for microfacet models". The factor depends only on wo, so
+// the lobe is not reciprocal.
 #include "bsdf/compare/ggx.glsl"
 #include "bsdf/multiscatter.glsl"
 

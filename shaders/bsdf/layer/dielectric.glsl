@@ -1,7 +1,8 @@
 // The dielectric: an interface over the diffuse base.
 #include "bsdf/layer/interface.glsl"
 
-// Reflectance of its facets. FRESNEL = 1 (exact) takes Fresnel's curve at this index for Schlick's from f0 to f90.
+// Fresnel reflectance of the facets. FRESNEL = 1 (exact) replaces Schlick's curve from f0 to f90 by the exact one of
+// ior, scaled to the same ends.
 vec3 dielectric_fresnel(Interface face, float mu, float ior) {
 #if FRESNEL == 1
     float f0 = (ior - 1.0) / (ior + 1.0);

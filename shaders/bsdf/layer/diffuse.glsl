@@ -1,4 +1,4 @@
-// The base below a dielectric: the uniform diffuse contribution, which SHOW_DIFFUSE shows or leaves out.
+// The diffuse base below a dielectric interface. SHOW_DIFFUSE = 0 hides it.
 #include "bsdf/lambert.glsl"
 
 vec3 diffuse_response(vec3 base_color) {

@@ -1,46 +1,47 @@
-// The interface of a dielectric or a metal: microfacets that send light back at once, D V F (Cook & Torrance 1982), or
-// after several bounces between them (Kulla & Conty 2017). MULTISCATTER: the latter is there. SHOW_SPECULAR and
-// SHOW_MULTISCATTER show or leave out the two contributions.
+// The interface of a dielectric or a metal. Its microfacets reflect light once, D V F (Cook & Torrance 1982), or after
+// several bounces between them (Kulla & Conty 2017), which the switch MULTISCATTER compiles. SHOW_SPECULAR and
+// SHOW_MULTISCATTER show or hide the two contributions.
 //
-// A layer has, as MaterialX's layers do, two answers, of which a stack of layers is made:
-//   <layer>_response    f of the light that it sends back itself
-//   <layer>_throughput  the share of the light that reaches what lies below and of that which comes back from there
-//   f of the stack = response + throughput * f of what lies below
+// As in MaterialX, a layer has two functions, from which a stack of layers is composed:
+//   <layer>_response    f of the light that the layer itself scatters back
+//   <layer>_throughput  the fraction of light that passes the layer on its way to the layers below and back again
+//   f of the stack = response + throughput * f of the layers below
 #include "bsdf/constants.glsl"
 #include "bsdf/fresnel.glsl"
 #include "bsdf/multiscatter.glsl"
 
-// What is the same for all light that falls on it, once it is known from where it is seen
+// The terms that depend on the direction of the viewer but not on that of the light. T is the transmittance.
 struct Interface {
     vec3 f0;
     vec3 f90;
-    vec3 E_ss;      // directional albedo of single scattering
-    vec3 E_ms;      // of what scatters more than once, in light from all around
-    vec3 F_ms;      // what a point light loses in single scattering and gets out again, as a part
-    vec3 multiple;  // f_ms over what is lost on the light's side
-    float through;  // what reaches the base over what gets in on the light's side
+    vec3 E_ss;                  // directional albedo of single scattering
+    vec3 E_ms;                  // directional albedo of multiple scattering under an environment
+    vec3 F_ms;                  // fraction of the light missing in single scattering that leaves after several bounces
+    vec3 f_ms_view;             // f of multiple scattering / (1 - E(l)), l the direction to the light
+    float scaled_transmittance; // T(v) / T_mean
 };
 
 float max3(vec3 c) {
     return max(c.r, max(c.g, c.b));
 }
 
-// Of the lobe with F = 1, from its (a, b). Without masking a + b passes 1, and nothing is missing.
-float lost(vec2 dfg) {
+// 1 - E, the light missing in single scattering with F = 1, from (a, b) of the split sum. Without masking a + b may
+// exceed 1, and no light is missing.
+float energy_loss(vec2 dfg) {
     return max(1.0 - dfg.x - dfg.y, 0.0);
 }
 
-// All that the interface reflects, once or more often
+// The directional albedo of the interface: single and multiple scattering
 vec3 interface_albedo(Interface face, vec2 dfg) {
-    return face.f0 * dfg.x + face.f90 * dfg.y + face.F_ms * lost(dfg);
+    return face.f0 * dfg.x + face.f90 * dfg.y + face.F_ms * energy_loss(dfg);
 }
 
-// By its largest channel: what lies below keeps its colour
-float transmitted(Interface face, vec2 dfg) {
+// The fraction T of light that enters. It uses the albedo's largest channel, so that it does not tint the layers below.
+float transmittance(Interface face, vec2 dfg) {
     return max(1.0 - max3(interface_albedo(face, dfg)), 0.0);
 }
 
-// dfg = (a, b) of the split sum, from where it is seen; mean, over the hemisphere
+// dfg = (a, b) of the split sum for NoV, mean = their means over the hemisphere
 Interface make_interface(vec3 f0, vec3 f90, vec2 dfg, vec2 mean) {
     Interface face;
     face.f0 = f0;
@@ -48,35 +49,35 @@ Interface make_interface(vec3 f0, vec3 f90, vec2 dfg, vec2 mean) {
     face.E_ss = f0 * dfg.x + f90 * dfg.y;
 #if MULTISCATTER
     face.E_ms = fdez_aguera_albedo(face.E_ss, f0, f90, dfg.x + dfg.y);
-    float mean_loss = lost(mean);
-    bool is_lossless = mean_loss < 1e-4; // less than the table's error
+    float mean_loss = energy_loss(mean);
+    bool is_lossless = mean_loss < 1e-4; // a loss below 1e-4 is an error of the table
     face.F_ms = is_lossless ? vec3(0.0) : kulla_conty_fresnel(f_schlick_mean(f0, f90), mean_loss);
-    face.multiple = face.F_ms * (lost(dfg) * INV_PI / max(mean_loss, 1e-4));
+    face.f_ms_view = face.F_ms * (energy_loss(dfg) * INV_PI / max(mean_loss, 1e-4));
 #else
-    face.E_ms = face.F_ms = face.multiple = vec3(0.0);
+    face.E_ms = face.F_ms = face.f_ms_view = vec3(0.0);
 #endif
-    face.through = transmitted(face, dfg) / max(transmitted(face, mean), 1e-4);
+    face.scaled_transmittance = transmittance(face, dfg) / max(transmittance(face, mean), 1e-4);
     return face;
 }
 
-// dv = D V, F the reflectance of the facets, dfg_light = (a, b) from where it is lit
+// f of the interface. dv = D V, F = the Fresnel reflectance of the facets, dfg_light = (a, b) of the split sum for NoL
 vec3 interface_response(Interface face, vec3 F, float dv, vec2 dfg_light) {
-    return dv * F * float(SHOW_SPECULAR) + face.multiple * (lost(dfg_light) * float(SHOW_MULTISCATTER));
+    return dv * F * float(SHOW_SPECULAR) + face.f_ms_view * (energy_loss(dfg_light) * float(SHOW_MULTISCATTER));
 }
 
-// T(o) T(i) / T_mean, T being `transmitted`: reciprocal, and never more than what came. Kelemen & Szirmay-Kalos 2001,
-// "A Microfacet Based Coupled Specular-Matte BRDF Model"
+// T(v) T(l) / T_mean. It is reciprocal and conserves energy. Kelemen & Szirmay-Kalos 2001, "A Microfacet Based Coupled
+// Specular-Matte BRDF Model"
 float interface_throughput(Interface face, vec2 dfg_light) {
-    return face.through * transmitted(face, dfg_light);
+    return face.scaled_transmittance * transmittance(face, dfg_light);
 }
 
-// In light from all around: `specular` is the radiance that the split sum's parts a and b see, mean_light the
-// irradiance over pi.
+// Radiance reflected from an environment. specular[0] and specular[1] are its radiance, filtered for the parts a and b
+// of the split sum; mean_light is irradiance / pi.
 vec3 interface_environment(Interface face, vec2 dfg, mat2x3 specular, vec3 mean_light) {
     vec3 single = face.f0 * (dfg.x * specular[0]) + face.f90 * (dfg.y * specular[1]);
     return single * float(SHOW_SPECULAR) + mean_light * face.E_ms * float(SHOW_MULTISCATTER);
 }
 
 float interface_environment_throughput(Interface face) {
-    return max(1.0 - max3(face.E_ss + face.E_ms), 0.0); // < 0 without masking
+    return max(1.0 - max3(face.E_ss + face.E_ms), 0.0); // without masking the difference may be negative
 }

@@ -1,4 +1,4 @@
-// The metal: an interface with nothing below. Files give metals only f0, so that Schlick's curve is what there is.
+// The metal: an interface with no layer below. glTF specifies metals only by f0, so Schlick's curve is used.
 #include "bsdf/layer/interface.glsl"
 
 vec3 metal_fresnel(Interface face, float mu) {

@@ -1,9 +1,9 @@
-// Rough glass of one scattering: GGX facets that reflect the share F and refract the rest.
+// Rough glass with single scattering: GGX facets that reflect the fraction F of the light and refract the rest.
 //   reflected:   f_r = D G2 F / (4 NoV NoL)
 //   transmitted: f_t = (1 - F) D G2 |VoH LoH| / (NoV |NoL| (LoH + VoH/eta)^2) / eta^2,  h along -(wo + eta wi)
-// Walter et al. 2007, eqs. 20, 21 and 16, eta the index beyond the surface over that on wo's side; the last factor is
-// for radiance, which is denser in the medium of the higher index. G2 is that of ggx_masking.glsl. F is exact whatever
-// is chosen elsewhere: Schlick's knows no critical angle.
+// Walter et al. 2007, eqs. 20, 21 and 16. eta is the index on the far side over that on wo's side. The factor 1 / eta^2
+// is for radiance, which is greater in the medium with the higher index. G2 is that of ggx_masking.glsl. F is always
+// exact, since Schlick's approximation has no critical angle.
 #include "bsdf/bsdf.glsl"
 #include "bsdf/fresnel.glsl"
 #include "bsdf/ggx_masking.glsl"
@@ -15,13 +15,14 @@ struct Dielectric {
     vec2 alpha; // along the tangent, across it
 };
 
-// What alpha |eta - 1| under DELTA_ALPHA blurs is too narrow for float32 directions: light goes on as through a smooth
-// surface. At eta = 1 that is straight on. Divided by the lower index, it says the same from either side.
+// Whether transmission is treated as smooth. The transmitted lobe has a width of about alpha |eta - 1|; below
+// DELTA_ALPHA it is too narrow for float32 directions. Dividing by the lower index gives the same answer from both
+// sides.
 bool transmits_straight(Dielectric m) {
     return max(m.alpha.x, m.alpha.y) * abs(m.eta - 1.0) < DELTA_ALPHA * min(m.eta, 1.0);
 }
 
-// wo refracted at h, VoH >= 0; false when all is reflected
+// wi = wo refracted at h, VoH >= 0. Returns false for total internal reflection.
 bool refract_at(vec3 wo, vec3 h, float eta, out vec3 wi) {
     float c = dot(wo, h);
     float cos2_t = 1.0 - (1.0 - c * c) / (eta * eta);
@@ -29,7 +30,7 @@ bool refract_at(vec3 wo, vec3 h, float eta, out vec3 wi) {
     return cos2_t > 0.0;
 }
 
-// Facet between wo and wi, turned to +z
+// The half vector of refraction, oriented towards +z
 vec3 refracting_half(vec3 wo, vec3 wi, float eta) {
     vec3 h = wo + eta * wi;
     return h * (h.z < 0.0 ? -1.0 : 1.0) / max(length(h), 1e-18);
@@ -47,7 +48,7 @@ vec3 dielectric_eval(Dielectric m, vec3 wo, vec3 wi, sampler2D dfg) {
     vec3 h = refracting_half(wo, wi, m.eta);
     float VoH = dot(wo, h), LoH = dot(wi, h);
     if (VoH <= 0.0 || LoH >= 0.0) return vec3(0.0);
-    float g2 = g2_through_ggx(lambda_ggx_local(wo, a), lambda_ggx_local(wi, a));
+    float g2 = g2_transmission_ggx(lambda_ggx_local(wo, a), lambda_ggx_local(wi, a));
     float jacobian = m.eta * LoH + VoH;
     return vec3((1.0 - f_dielectric(VoH, m.eta)) * d_ggx_local(h, a) * g2 * (VoH / wo.z) * (LoH / wi.z)
                 / (jacobian * jacobian));
@@ -68,7 +69,8 @@ float dielectric_pdf(Dielectric m, vec3 wo, vec3 wi, sampler2D dfg) {
     return (1.0 - f_dielectric(VoH, m.eta)) * pdf_visible_normal(wo, h, a) * -LoH / (jacobian * jacobian);
 }
 
-// weight = G2 / G1(o), through the surface times 1 / eta^2; the facet's F chooses.
+// F of the sampled facet is the probability of reflection. weight = G2 / G1(o), and for transmission G2 / G1(o) /
+// eta^2.
 BsdfSample dielectric_sample(Dielectric m, vec3 wo, vec3 u, sampler2D dfg) {
     if (wo.z <= 0.0) return NO_SAMPLE;
     bool is_smooth = is_delta(m.alpha);
@@ -87,13 +89,13 @@ BsdfSample dielectric_sample(Dielectric m, vec3 wo, vec3 u, sampler2D dfg) {
     bool is_straight = is_smooth || transmits_straight(m);
     if (!refract_at(wo, is_straight ? vec3(0.0, 0.0, 1.0) : h, m.eta, wi) || wi.z >= 0.0) return NO_SAMPLE;
     float lambda_o = lambda_ggx_local(wo, a);
-    float weight = is_smooth ? 1.0 : (1.0 + lambda_o) * g2_through_ggx(lambda_o, lambda_ggx_local(wi, a));
+    float weight = is_smooth ? 1.0 : (1.0 + lambda_o) * g2_transmission_ggx(lambda_o, lambda_ggx_local(wi, a));
     weight /= m.eta * m.eta;
     if (is_straight) return BsdfSample(wi, vec3(weight), 1.0 - F, TRANSMISSION | DELTA, m.eta);
     return BsdfSample(wi, vec3(weight), dielectric_pdf(m, wo, wi, dfg), TRANSMISSION, m.eta);
 }
 
-// Of power, reflected and transmitted: by 64 of its own samples of both, to 0.01
+// Fractions of power that are reflected and transmitted, from 64 samples of each; the error is at most 0.01.
 vec2 dielectric_shares(Dielectric m, float NoV, sampler2D dfg) {
     vec3 wo = vec3(sqrt(max(1.0 - NoV * NoV, 0.0)), 0.0, NoV);
     m.alpha = vec2(sqrt(m.alpha.x * m.alpha.y));

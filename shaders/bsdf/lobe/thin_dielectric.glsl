@@ -1,18 +1,18 @@
-// A wall of glass so thin that it only has two faces: what enters by one leaves by the other in the same direction.
-// Light goes to and fro between them until it leaves, R' = R + T^2 R (1 + R^2 + ...) = 2 R / (1 + R), T' = 1 - R'.
-// Rough, it sends on to the far side the mirror image of what it would reflect (KHR_materials_transmission):
+// Thin-walled glass: two parallel interfaces without a distance between them, so transmitted light keeps its direction.
+// Including all reflections between the interfaces, R' = R + T^2 R (1 + R^2 + ...) = 2 R / (1 + R), T' = 1 - R'.
+// The transmitted lobe of a rough wall is the mirror image of the reflected one (KHR_materials_transmission):
 //   f_r(o, i) = R'(VoH) D V(o, i),   f_t(o, i) = T'(VoH) D V(o, i*),   i* is i mirrored through the plane
 #include "bsdf/fresnel.glsl"
 #include "bsdf/ggx_masking.glsl"
 #include "bsdf/ggx_reflection.glsl"
 
 struct ThinDielectric {
-    float eta;  // index of the wall over that of what is about it, >= 1
+    float eta;  // index of the wall over that of the surrounding medium, >= 1
     vec2 alpha; // along the tangent, across it
 };
 
 // R'
-float f_wall(float mu, float eta) {
+float f_thin(float mu, float eta) {
     float R = f_dielectric(mu, eta);
     return 2.0 * R / (1.0 + R);
 }
@@ -21,9 +21,9 @@ vec3 to_upper_side(vec3 w) {
     return vec3(w.xy, abs(w.z));
 }
 
-// Share of the light at the facet h that goes to wi's side
-float wall_share(ThinDielectric m, vec3 wo, vec3 wi, vec3 h) {
-    float R = f_wall(clamp(dot(wo, h), 0.0, 1.0), m.eta);
+// The fraction of light that the facet h scatters to wi's side: R' or T'
+float thin_fraction(ThinDielectric m, vec3 wo, vec3 wi, vec3 h) {
+    float R = f_thin(clamp(dot(wo, h), 0.0, 1.0), m.eta);
     return wi.z > 0.0 ? R : 1.0 - R;
 }
 
@@ -31,14 +31,14 @@ vec3 thin_dielectric_eval(ThinDielectric m, vec3 wo, vec3 wi, sampler2D dfg) {
     if (wo.z <= 0.0 || wi.z == 0.0 || is_delta(m.alpha)) return vec3(0.0);
     vec2 a = finite_alpha(m.alpha);
     vec3 up = to_upper_side(wi), h = normalize(wo + up);
-    return vec3(wall_share(m, wo, wi, h) * d_ggx_local(h, a) * v_masked_ggx(wo, up, a));
+    return vec3(thin_fraction(m, wo, wi, h) * d_ggx_local(h, a) * v_masked_ggx(wo, up, a));
 }
 
 float thin_dielectric_pdf(ThinDielectric m, vec3 wo, vec3 wi, sampler2D dfg) {
     if (wo.z <= 0.0 || wi.z == 0.0 || is_delta(m.alpha)) return 0.0;
     vec2 a = finite_alpha(m.alpha);
     vec3 h = normalize(wo + to_upper_side(wi));
-    return wall_share(m, wo, wi, h) * pdf_visible_reflection(wo, h, a, cap_bound(wo, a));
+    return thin_fraction(m, wo, wi, h) * pdf_visible_reflection(wo, h, a, cap_bound(wo, a));
 }
 
 BsdfSample thin_dielectric_sample(ThinDielectric m, vec3 wo, vec3 u, sampler2D dfg) {
@@ -48,7 +48,7 @@ BsdfSample thin_dielectric_sample(ThinDielectric m, vec3 wo, vec3 u, sampler2D d
     float bound = cap_bound(wo, a);
     vec3 h = is_smooth ? vec3(0.0, 0.0, 1.0) : sample_visible_normal(wo, a, bound, u.xy);
     float VoH = clamp(dot(wo, h), 0.0, 1.0);
-    float R = f_wall(VoH, m.eta);
+    float R = f_thin(VoH, m.eta);
     bool is_reflected = u.z < R;
     float share = is_reflected ? R : 1.0 - R;
     uint side = is_reflected ? REFLECTION : TRANSMISSION;
@@ -60,7 +60,7 @@ BsdfSample thin_dielectric_sample(ThinDielectric m, vec3 wo, vec3 u, sampler2D d
     return BsdfSample(wi, vec3(weight), share * pdf_visible_reflection(wo, h, a, bound), side, 1.0);
 }
 
-// Reflected and transmitted together are what facets without absorption reflect.
+// R' + T' = 1, so the albedo is that of facets with F = 1.
 vec3 thin_dielectric_albedo(ThinDielectric m, float NoV, sampler2D dfg) {
     vec2 ab = dfg_albedo(dfg, NoV, mean_perceptual_roughness(m.alpha));
     return vec3(ab.x + ab.y);
