@@ -71,7 +71,7 @@ def test_bad_files_are_input_errors(tmp_path):
     (tmp_path / "bad.hdr").write_text("#?RADIANCE\n")
     with pytest.raises(viewer.InputError, match="no such file"):
         viewer.load(tmp_path / "none.glb")
-    with pytest.raises(viewer.InputError, match="no environment"):
+    with pytest.raises(viewer.InputError, match="is not an environment"):
         viewer.load(MODEL, environment="moon")
     with pytest.raises(viewer.InputError, match=r"bad\.hdr"):
         viewer.render(viewer.load(MODEL, environment=tmp_path / "bad.hdr"), SIZE)

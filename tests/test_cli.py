@@ -92,7 +92,7 @@ def test_options_change_what_they_are_named_for(run, folder):
     (["render", "a.glb", "-o", "a.png", "--mode", "path", "--spp", "0"], "0 is not in the range 1<=x<=65536"),
     (["render", "a.glb", "-o", "a.png", "--mode", "path", "--error", "0"], "0 is not from 1e-05 to 1"),
     (["render", "a.glb", "-o", "a.exr", "--aov", "depth"], "aov has no effect in mode pbr, only in mode path"),
-    (["render", "a.glb", "-o", "a.png", "--mode", "path", "--aov", "depth"], "--aov with -o a.png: only an .exr holds"),
+    (["render", "a.glb", "-o", "a.png", "--mode", "path", "--aov", "depth"], "--aov with -o a.png: only an .exr can store"),
     (["render", "a.glb", "-o", "a.exr", "--mode", "path", "--aov", "depth,z"],
      "there is no layer 'z'; choose from albedo, normal"),
     (["info", "a.glb", "--set", "colour=red"], "there is no setting 'colour'; choose from ndf, masking"),
