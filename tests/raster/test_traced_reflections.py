@@ -165,7 +165,7 @@ def test_the_plan_says_what_is_traced():
         for scene_in, of in ((HALL, settings), (hall(floor=replace(MIRROR, perceptual_roughness=1.0)), settings),
                              (HALL, Settings())))
     assert [draw.traces_reflections for draw in smooth.draws] == [True, False]  # the wall has no interface
-    assert any("a ray from each shaded point" in line for line in smooth.used)
+    assert any("one ray per shaded point" in line for line in smooth.used)
     assert "reflections" in smooth.to_json()["passes"]
     assert "traced reflections: no opaque surface is smooth enough" in rough.left_out
     assert "traced reflections: not requested" in off.left_out
