@@ -19,7 +19,7 @@ MINIMUM_VERSION = 330
 FIX = (
     "fix: install a graphics driver, or Mesa's software OpenGL: "
     "Debian, Ubuntu: apt-get install libegl1 libgl1-mesa-dri libosmesa6; "
-    "Fedora: dnf install mesa-libEGL mesa-dri-drivers mesa-libOSMesa; `pbr-viewer doctor` tells what works here"
+    "Fedora: dnf install mesa-libEGL mesa-dri-drivers mesa-libOSMesa; `pbr-viewer doctor` shows what works here"
 )
 
 
