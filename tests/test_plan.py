@@ -122,6 +122,18 @@ def test_only_brushed_surfaces_have_narrow_lobes_the_more_the_farther_they_are_s
     assert lobes(metallic_roughness_texture=MAP, **brushed) == 16
 
 
+def test_what_settings_or_surfaces_cannot_show_of_anisotropy_is_left_out_and_said_truly():
+    brushed = Material(perceptual_roughness=0.2, anisotropy_strength=0.8, anisotropy_texture=MAP)
+    beckmann = plan(scene(brushed, environment=ENVIRONMENT), ndf="beckmann")
+    program = beckmann.programs[0]
+    assert all(program[name] == 0 for name in ("ANISOTROPIC", "ANISOTROPY_MAP", "HAS_TANGENT", "STRETCHED_LOBES"))
+    assert "anisotropy: only the distribution ggx can be anisotropic" in beckmann.left_out
+    unlit = plan(scene(replace(brushed, unlit=True), tangents=False, environment=ENVIRONMENT))
+    assert not any("anisotropy" in line for line in unlit.left_out)
+    traced = plan(scene(brushed, environment=ENVIRONMENT), reflections="traced")
+    assert "traced reflections: no opaque surface is smooth and isotropic" in traced.left_out
+
+
 def test_maps_without_coordinates_or_tangents_are_not_sampled():
     material = Material(base_color_texture=MAP, normal_texture=MAP, occlusion_texture=replace(MAP, uv_set=1))
     model = scene(material, uvs=1, tangents=False, environment=ENVIRONMENT)

@@ -2,7 +2,7 @@
 // KHR_materials_transmission, KHR_materials_volume, KHR_materials_specular.
 #include "bsdf/bsdf.glsl"
 #include "bsdf/fresnel.glsl"
-#include "bsdf/surface_of.glsl"
+#include "bsdf/anisotropy.glsl"
 #if HAS_SOLID_GLASS
 #include "bsdf/lobe/dielectric.glsl"
 #endif
@@ -21,7 +21,7 @@ struct Glass {
 // The base colour tints light that passes through a solid once in all: each of its two interfaces applies the square
 // root, so the tint is the same in both directions. A thin-walled surface applies the base colour at once.
 Glass glass_of(MaterialInputs m, bool is_thin, bool is_front) {
-    Glass g = Glass(m.ior, both_alphas(surface_of(m)), is_thin, m.base_color.rgb, vec3(0.0), vec3(1.0));
+    Glass g = Glass(m.ior, alphas_of(m), is_thin, m.base_color.rgb, vec3(0.0), vec3(1.0));
     if (!is_thin) {
         g.tint = sqrt(max(m.base_color.rgb, vec3(0.0)));
         if (!is_front) g.eta = 1.0 / m.ior;

@@ -64,7 +64,7 @@ vec3 surface_environment(Surface s, SurfaceView v, mat2x3 specular, vec3 mean_li
 
 // The fraction of light from the viewer's direction that enters the dielectric
 float surface_throughput(Surface s, SurfaceView v) {
-    return MIX_METAL(s, transmittance(v.dielectric, v.dfg), 0.0);
+    return MIX_METAL(s, interface_transmittance(v.dielectric, v.dfg), 0.0);
 }
 
 // ---- The surface as a lobe, as bsdf/bsdf.glsl defines it, with wo and wi in the local frame. A sample is taken from
@@ -84,7 +84,7 @@ vec3 single_albedo(Surface s, SurfaceView v) {
 // the albedo s(o) of the interface
 vec3 multiple_albedo(Surface s, SurfaceView v) {
     vec3 multiple = MIX_METAL(s, v.dielectric.F_ms, v.metal.F_ms) * energy_loss(v.dfg);
-    vec3 base = MIX_METAL(s, transmittance(v.dielectric, v.dfg) * diffuse_albedo(s.base_color), vec3(0.0));
+    vec3 base = MIX_METAL(s, interface_transmittance(v.dielectric, v.dfg) * diffuse_albedo(s.base_color), vec3(0.0));
     return multiple * float(SHOW_MULTISCATTER) + base;
 }
 

@@ -4,14 +4,14 @@ struct MaterialInputs {
     vec4 base_color;                // albedo of the diffuse base, f0 of metal, and alpha
     float metallic;                 // share of metal; the rest is dielectric
     float perceptual_roughness;     // square root of the microfacets' alpha
-    vec3 emissive;                  // emitted radiance, multiplied by its strength (W/(sr m^2))
+    vec3 emissive;                  // emitted radiance, multiplied by its strength
     float ior;                      // index of refraction of the dielectric
     float specular;                 // weight of the dielectric's reflection
     vec3 specular_color;            // tints the dielectric's f0
     float transmission;             // fraction of the light entering the dielectric that is transmitted
-    float thickness;                // thickness of the volume (0: thin-walled) (mesh units)
+    float thickness;                // thickness of the volume (0: thin-walled)
     float anisotropy_strength;      // stretches highlights along the tangent
-    float anisotropy_rotation;      // rotates the direction of stretching, counter-clockwise (radians)
+    float anisotropy_rotation;      // rotates the direction of stretching, counter-clockwise
     vec2 anisotropy_texel; // channels RG of the map
 };
 

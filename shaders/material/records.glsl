@@ -102,12 +102,16 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
         if (has_role(map, BASE_COLOR_ROLE)) {
             m.base_color *= texel.rgba;
         }
+#if HAS_EMISSION
         if (has_role(map, EMISSIVE_ROLE)) {
             m.emissive *= texel.rgb;
         }
+#endif
+#if SPECULAR_TINTED
         if (has_role(map, SPECULAR_COLOR_ROLE)) {
             m.specular_color *= texel.rgb;
         }
+#endif
     }
 #endif
 #if HAS_DATA_MAPS
@@ -122,13 +126,17 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
         if (has_role(map, SPECULAR_ROLE)) {
             m.specular *= texel.a;
         }
+#if HAS_TRANSMISSION
         if (has_role(map, TRANSMISSION_ROLE)) {
             m.transmission *= texel.r;
         }
+#endif
+#if ANISOTROPIC
         if (has_role(map, ANISOTROPY_ROLE)) {
             m.anisotropy_strength *= texel.b;
             m.anisotropy_texel = texel.rg;
         }
+#endif
     }
 #endif
     return m;

@@ -2,6 +2,14 @@
 in vec3 v_normal;
 #if HAS_TANGENT
 in vec4 v_tangent;
+
+// Zero where the model matrix flattens the tangent
+vec3 mesh_tangent() {
+    return v_tangent.xyz * inversesqrt(max(dot(v_tangent.xyz, v_tangent.xyz), 1e-36));
+}
+#endif
+#if ANISOTROPIC
+#include "sample/orthonormal_basis.glsl"
 #endif
 
 vec3 geometric_normal() {
@@ -17,7 +25,7 @@ vec3 shading_normal(vec3 n) {
     // Tangent space as in MikkTSpace: bitangent = w cross(n, t), without orthogonalisation of the interpolated vectors.
     vec3 texel = normal_texel().xyz * (255.0 / 127.5) - 1.0;
     texel.xy *= u_normal_scale;
-    vec3 t = normalize(v_tangent.xyz);
+    vec3 t = mesh_tangent();
     vec3 front = normalize(v_normal);
     vec3 b = cross(front, t) * v_tangent.w;
     vec3 mapped = normalize(texel.x * t + texel.y * b + texel.z * front);
@@ -33,12 +41,10 @@ vec3 shading_normal(vec3 n) {
 #if ANISOTROPIC
 // The frame of an anisotropic lobe: the tangent along which highlights are stretched, the bitangent, and n
 mat3 anisotropy_frame(MaterialInputs m, vec3 n) {
-    vec3 t = normalize(v_tangent.xyz);
+    vec3 t = mesh_tangent();
     vec3 b = cross(normalize(v_normal), t) * v_tangent.w;
     vec2 d = anisotropy_direction(m);
-    vec3 x = d.x * t + d.y * b;
-    x -= dot(n, x) * n;
-    x *= inversesqrt(max(dot(x, x), 1e-12));
+    vec3 x = tangent_beside(n, d.x * t + d.y * b);
     return mat3(x, cross(n, x), n);
 }
 #endif

@@ -72,7 +72,7 @@ void main() {
 #endif
 
 #if HAS_TRANSMISSION
-    float blur = transmitted_roughness(m.perceptual_roughness, m.ior);
+    float blur = transmitted_roughness(mean_roughness(m), m.ior);
 #endif
     m.perceptual_roughness = clamp(m.perceptual_roughness, MIN_PERCEPTUAL_ROUGHNESS, 1.0);
     Surface s = surface_of(m);

@@ -77,7 +77,7 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
     float traced = traced_share(view.perceptual_roughness);
     for (int k = 0; k < 2; ++k) specular[k] = mix(specular[k], (1.0 - hit.a) * unoccluded[k] + hit.rgb, traced);
 #endif
-#if TRACED_REFRACTION
+#if TRACED_REFRACTION && !ANISOTROPIC // one ray cannot stand for a stretched lobe
     vec4 mirrored = traced_light(u_mirrored, p.n_geometric);
     // One ray represents a smooth lobe well; with growing roughness it is faded out.
     float weight = mirrored.a >= 0.0 ? 1.0 - smoothstep(0.2, 0.5, view.perceptual_roughness) : 0.0;

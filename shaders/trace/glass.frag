@@ -1,7 +1,9 @@
 // Surfaces that transmit light. The BSDF is a mixture: glass with the weight `transmission`, and an opaque surface with
 // the remaining weight. Both have the same dielectric interface, so the mixture is exact.
 #include "bsdf/glass.glsl"
+#if HAS_PARTLY_GLASS
 #include "bsdf/surface_of.glsl"
+#endif
 #include "trace/material.glsl"
 
 #define TRANSMITS 1

@@ -26,10 +26,3 @@ vec3 bend_normal(vec3 n, vec3 n_geometric, vec3 wo) {
     // Where wo and r' nearly cancel, n' has few correct digits. This corrects it along wo by n'.o = |o + r'| / 2.
     return normalize(bent + (0.5 * sum_length - dot(bent, wo)) * wo);
 }
-
-// The unit part of `tangent` that is perpendicular to n; any tangent if there is no such part
-vec3 tangent_beside(vec3 n, vec3 tangent) {
-    vec3 t = tangent - dot(n, tangent) * n;
-    float squared = dot(t, t);
-    return squared > 1e-12 * dot(tangent, tangent) ? t * inversesqrt(squared) : orthonormal_basis(n)[0];
-}

@@ -59,7 +59,7 @@ WRONG_FORMULAS = [
     WrongFormula("separable for correlated G in the lobes", "bsdf/ggx_local.glsl", _V_LOCAL,
              "return 1.0 / ((wo.z + smith_t(wo, alpha)) * (wi.z + smith_t(wi, alpha)));", energy("metal")),
     WrongFormula("(1 - E) forgotten in the blend", "bsdf/layer/interface.glsl",
-             "face.scaled_transmittance * transmittance(face, dfg_light)", "1.0", energy("standard")),
+             "face.scaled_transmittance * interface_transmittance(face, dfg_light)", "1.0", energy("standard")),
     WrongFormula("V clamped at 1", "bsdf/ggx.glsl", _V, "return min(0.5 / (NoL * t_v + NoV * t_l), 1.0);",
              values("v_smith_ggx")),
     WrongFormula("sample and pdf with different probabilities", "bsdf/kulla_conty.glsl",

@@ -102,6 +102,18 @@ def test_two_uv_sets_and_a_missing_one():
     assert any("TEXCOORD_1" in line for line in scene.warnings)
 
 
+def test_tangents_of_no_length_are_made_anew():
+    builder = GltfBuilder()
+    position = builder.accessor([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    normal, tangent = builder.accessor([[0, 0, 1]] * 3), builder.accessor([[0, 0, 0, 1]] * 3)
+    uv = builder.accessor([[0, 0], [1, 0], [0, 1]])
+    material = builder.add("materials", {"normalTexture": {"index": builder.texture()}})
+    builder.node(mesh=builder.mesh({"POSITION": position, "NORMAL": normal, "TANGENT": tangent, "TEXCOORD_0": uv},
+                                   material=material))
+    (mesh,) = builder.load().meshes
+    np.testing.assert_allclose(np.linalg.norm(mesh.tangents[:, :3], axis=1), 1, atol=1e-6)
+
+
 def test_tangents_are_made_for_a_normal_map_alone():
     builder = GltfBuilder()
     material = builder.add("materials", {"normalTexture": {"index": builder.texture()}})

@@ -244,7 +244,8 @@ def test_switches_say_what_is_there():
     assert switches(Material(normal_texture=texture("base")), replace(plate(), tangents=None)) == set()
     assert switches(Material(emissive=(0, 0, 1), unlit=True)) == {"HAS_EMISSION", "HAS_UNLIT"}
     assert switches(Material(alpha_mode="blend", base_color=(1, 1, 1, 0.5))) == {"HAS_SEE_THROUGH"}
-    assert switches(Material(specular_color=(1, 0, 0))) == {"SPECULAR_TINTED"}
+    assert switches(Material(metallic=0.5, specular_color=(1, 0, 0))) == {"SPECULAR_TINTED"}
+    assert switches(Material(specular_color=(1, 0, 0))) == set()  # metal has no such reflection
     assert switches(Material(), replace(plate(), colors=np.ones((4, 4), np.float32))) == {"HAS_COLOR"}
     uvs = plate().uvs * 2
     moved_map = texture("base", uv_set=1, transform=UVTransform((0.5, 0)))

@@ -27,8 +27,8 @@ RGBA = tuple[float, float, float, float]
 def without_constant_maps(material: Material) -> Material:
     """An equal-looking material, in which maps of one colour are multiplied into the factors.
 
-    A map with channels that multiply no factor is folded only if those channels are neutral. Normal maps always stay:
-    8 bits cannot represent the neutral normal exactly.
+    A map with channels that multiply no factor is folded only if those channels are neutral. Normal maps and maps of
+    anisotropy always stay, because 8 bits cannot represent their neutral directions exactly.
     """
     changes: dict[str, Any] = {}
     for name, source in MAPS.items():

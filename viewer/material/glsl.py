@@ -23,7 +23,7 @@ def files() -> dict[str, str]:
 
 def _inputs() -> str:
     members = [p for p in PARAMETERS.values() if p.info.role == "input"]
-    lines = [f"    {_type(p)} {p.name};{' ' * max(30 - len(_type(p)) - len(p.name), 1)}// {p.info.meaning}{_unit(p)}"
+    lines = [f"    {_type(p)} {p.name};{' ' * max(30 - len(_type(p)) - len(p.name), 1)}// {p.info.meaning}"
              for p in members]
     raw_maps = [m for m in MAPS.values() if m.info.raw_channels]
     lines += [f"    {_TYPES[len(m.info.raw_channels)]} {m.name}_texel; // channels {m.info.raw_channels} of the map"
@@ -91,7 +91,9 @@ def _records() -> str:
                   f"        vec4 texel = sample_atlas(u_{kind}_atlas, map);"]
         for name in roles:
             products = ["            " + line for line in _products(MAPS[name])]
-            lines += [f"        if (has_role(map, {name.upper()}_ROLE)) {{", *products, "        }"]
+            branch = [f"        if (has_role(map, {name.upper()}_ROLE)) {{", *products, "        }"]
+            switch = MAPS[name].info.feature.switch
+            lines += [f"#if {switch}", *branch, "#endif"] if switch else branch
         lines += ["    }", "#endif"]
     lines += ["    return m;", "}", ""]
     return "\n".join(lines)
@@ -133,10 +135,6 @@ def _swizzle(p: Parameter) -> str:
 
 def _type(p: Parameter) -> str:
     return _TYPES[p.size]
-
-
-def _unit(p: Parameter) -> str:
-    return f" ({p.info.unit})" if p.info.unit else ""
 
 
 def _literal(p: Parameter) -> str:

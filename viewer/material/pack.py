@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..scene.material import Material
-from ..scene.schema import MAPS, PARAMETERS, Value
+from ..scene.schema import MAPS, PARAMETERS, Value, multiplied_by
 
 
 @dataclass(frozen=True)
@@ -47,14 +47,17 @@ RECORD_TEXELS = MAPS_TEXEL + 1
 
 COLOR_ROLES = {m.name: 1 << k for k, m in enumerate(m for m in MAPS.values() if m.info.path_traced and m.info.srgb)}
 DATA_ROLES = {m.name: 1 << k for k, m in enumerate(
-    m for m in MAPS.values() if m.info.path_traced and not m.info.srgb and m.name != "normal")}
-"""Bits in the record of a texture: the maps that it is used as. The normal map has its own record."""
+    m for m in MAPS.values()
+    if m.info.path_traced and not m.info.srgb and (multiplied_by(m.name) or m.info.raw_channels))}
+"""Bits in the record of a texture: the maps that it is used as. The normal map, which is neither multiplied nor kept in
+the inputs, has its own record."""
 
 
 def uniforms(material: Material) -> Iterator[tuple[str, Value]]:
     """The name `u_<parameter>` and the value of each uniform of a material."""
     for parameter in PARAMETERS.values():
-        yield f"u_{parameter.name}", parameter.value(material)
+        if parameter.info.role != "python":
+            yield f"u_{parameter.name}", parameter.value(material)
 
 
 def record(material: Material) -> np.ndarray:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from ..scene.material import Material
+from ..scene.material import ANISOTROPY, Material
 from ..scene.mesh import Mesh
-from ..scene.schema import MAPS, PARAMETERS, SWITCHED
+from ..scene.schema import MAPS, PARAMETERS, SWITCHED, multiplied_by
 from ..scene.texture_image import TextureImage
 
 
@@ -25,13 +25,18 @@ def _is_used(name: str, material: Material, mesh: Mesh, model: str, include_inef
         return False
     if info.needs_tangents and mesh.tangents is None:
         return False
-    has_factor = name not in ("normal", "occlusion")  # without a factor the map would always change pixels
+    has_factor = bool(multiplied_by(name))  # without a factor the map would always change pixels
     return (include_ineffective and has_factor) or info.has_effect(material)
 
 
-def supported_by_mesh(material: Material, mesh: Mesh) -> Material:
-    """`material` without the features that `mesh` does not support: those that need tangents, if it has none."""
-    dropped = [f for f in SWITCHED if f.needs_tangents and mesh.tangents is None and f.is_on(material)]
+def supported(material: Material, mesh: Mesh, ndf: str = "ggx") -> Material:
+    """`material` without the features that cannot be shown.
+
+    A feature that needs tangents is dropped if `mesh` has none. Anisotropy is dropped if the distribution of normals,
+    `ndf`, is not GGX.
+    """
+    dropped = [f for f in SWITCHED if f.is_on(material) and (
+        (f.needs_tangents and mesh.tangents is None) or (f is ANISOTROPY and ndf != "ggx"))]
     defaults: dict[str, Any] = {p.name: p.default for p in PARAMETERS.values() if p.info.feature in dropped}
     return replace(material, **defaults) if dropped else material
 

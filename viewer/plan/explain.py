@@ -104,7 +104,8 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
         reason = "not requested" if settings.environment_shadows == "off" else "all surfaces are transparent"
         lines.append(f"shadows of the environment: {reason}")
     if plan.environment and scene.environment is not None and not plan.has_traced_reflections:
-        reason = "not requested" if settings.reflections == "environment" else "no opaque surface is smooth enough"
+        is_off = settings.reflections == "environment"
+        reason = "not requested" if is_off else "no opaque surface is smooth and isotropic"
         lines.append(f"traced reflections: {reason}")
     for switch, what in _GIVEN_UP.items():
         surfaces = sum(switch in draw.given_up for draw in draws)
@@ -136,7 +137,8 @@ def omitted_anisotropy(scene: Scene, settings: Settings) -> list[str]:
     if settings.mode == "phong":
         return []
     placed = [scene.meshes[instance.mesh] for instance in scene.instances]
-    meshes = [mesh for mesh in placed if ANISOTROPY.is_on(scene.materials[mesh.material])]
+    meshes = [mesh for mesh in placed if mesh.normals is not None
+              and ANISOTROPY.is_on(material := scene.materials[mesh.material]) and not material.unlit]
     if meshes and settings.ndf != "ggx":
         return ["anisotropy: only the distribution ggx can be anisotropic"]
     without_tangents = sum(mesh.tangents is None for mesh in meshes)

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from ..errors import UsageError
 from ..material.fold import without_constant_maps
-from ..material.use import feature_switches, metalness, supported_by_mesh, used_maps
+from ..material.use import feature_switches, metalness, supported, used_maps
 from ..scene.convex import is_convex
 from ..scene.light import Light
 from ..scene.material import ANISOTROPY, Material, Texture
@@ -19,7 +19,7 @@ from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.schema import MAP_SWITCHES, MAPS, SWITCHED
 from ..settings import Settings
-from .bsdf_switches import bsdf_switches, feature_switches_shown
+from .bsdf_switches import bsdf_switches
 from .explain import explain
 from .model import Draw, Plan, Program
 from .samplers import within_limit
@@ -150,7 +150,7 @@ def _draw(
     material = materials[mesh.material]
     if settings.plan == "needed":
         material = without_constant_maps(material)
-    material = supported_by_mesh(material, mesh)
+    material = supported(material, mesh, settings.ndf)
     lit = is_lit(mesh, material)
     if material.alpha_mode == "blend" or material.transmits:
         common = common | {"VISIBILITY": 0, "TRACED_REFLECTION": 0}  # the G-buffer holds the opaque surface behind
@@ -160,7 +160,7 @@ def _draw(
     maps = tuple(name for name in used_maps(material, mesh, model, settings.plan == "everything")
                  if _is_shown(name, lit, common))
     textures = {name: texture for name in maps if (texture := MAPS[name].texture(material))}
-    features = feature_switches_shown(feature_switches(material, model), settings)
+    features = feature_switches(material, model)
     switches = {
         "ALPHA_MODE": _ALPHA_MODES.index(material.alpha_mode),
         "HAS_COLOR": int(mesh.colors is not None),

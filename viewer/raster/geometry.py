@@ -6,6 +6,7 @@ import moderngl
 import numpy as np
 
 from ..scene.mesh import Mesh
+from ..scene.triangles import triangles_of
 
 _FORMATS = {"a_position": "3f", "a_normal": "3f", "a_tangent": "4f", "a_color": "4f", "a_uv0": "2f", "a_uv1": "2f"}
 _INDIRECT = "a_indirect"
@@ -47,16 +48,10 @@ class MeshBuffers:
         """Triangle indices, (3 M,), farthest first, for a mesh seen through `model` (eye-relative) along `forward`."""
         if self._mesh.topology != "triangles":
             return None
-        triangles = self._triangles()
+        triangles = triangles_of(self._mesh)
         along = (forward @ model[:3, :3]).astype(np.float32)
         depth = (self._mesh.positions @ along)[triangles].sum(axis=1)
         return triangles[np.argsort(-depth, kind="stable")].ravel()
-
-    def _triangles(self) -> np.ndarray:
-        indices = self._mesh.indices
-        if indices is None:
-            indices = np.arange(len(self._mesh.positions), dtype=np.uint32)
-        return indices[: len(indices) // 3 * 3].reshape(-1, 3)
 
     def _array(self, program: moderngl.Program, is_sorted: bool,
                indirect: moderngl.Buffer | None) -> moderngl.VertexArray:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 _SAMPLE_ALPHA_TO_COVERAGE, _SAMPLE_ALPHA_TO_ONE = 0x809E, 0x809F
 _VERTEX = "raster/surface.vert"
-_GBUFFER_SWITCHES = ("ALPHA_MODE", "DOUBLE_SIDED", "HALF_TARGET", "HAS_COLOR", "HAS_NORMAL", "HAS_TANGENT", "IS_POINTS",
+_GBUFFER_SWITCHES = ("ALPHA_MODE", "DOUBLE_SIDED", "HALF_TARGET", "HAS_COLOR", "HAS_NORMAL", "IS_POINTS",
                      "SAMPLES", "UV_SETS")
 
 
@@ -64,7 +64,6 @@ class Surfaces:
         `ahead` is a decoder that has already started with some of its images.
         """
         self.scene = scene
-        self._uniforms.clear()
         for mesh in self._meshes.keys() - set(scene.meshes):
             self._meshes.pop(mesh).release()
         if self._indirect:
@@ -80,6 +79,7 @@ class Surfaces:
             self._generation = self._programs.generation
             for mesh in self._meshes.values():
                 mesh.drop_arrays()
+        self._uniforms.clear()
         for program in plan.programs:
             self._program(program.fragment, dict(program.switches))
         for draw in plan.draws:
@@ -159,7 +159,7 @@ class Surfaces:
     def _draw(
         self, draws: list[Draw], frame: Frame, frame_uniforms: dict[str, object], is_sorted: bool = False
     ) -> None:
-        bound: tuple[object, object] = (None, None)
+        bound: tuple[object, ...] = (None,)
         scene, gl = self.scene, self._gl
         for draw in draws:
             material = draw.surface
@@ -168,9 +168,10 @@ class Surfaces:
                 for name, value in frame_uniforms.items():
                     set_uniform(program, name, value)
                 _bind_blocks(program)
-            if bound != (draw.program, draw.material):
+            wanted = (draw.program, draw.material, draw.maps, draw.blank_maps)  # a mesh may lack a map's coordinates
+            if bound != wanted:
                 self._set_material(program, draw)
-            bound = (draw.program, draw.material)
+            bound = wanted
             mesh = self._mesh(draw.mesh)
             transform = scene.instances[draw.instance].transform
             model = frame.model(transform @ mesh.to_mesh)
@@ -205,7 +206,7 @@ class Surfaces:
             self._bind_map(program, draw, name)
 
     def _uniforms_of(self, material: Material) -> list[tuple[str, Value]]:
-        """The uniforms of a material, which are cached as long as the scene does not change."""
+        """The uniforms of a material, which are cached as long as the plan does not change."""
         cached = self._uniforms.get(id(material))
         if cached is None or cached[0] is not material:
             cached = self._uniforms[id(material)] = material, list(uniforms(material))
@@ -257,7 +258,8 @@ def _geometry_switches(program: Program) -> tuple[tuple[str, int], ...]:
     """The switches that position, normal and roughness depend on. With only these, many materials share one program."""
     switches = dict(program.switches)
     maps = {"normal", "metallic_roughness"} | ({"base_color"} if switches["ALPHA_MODE"] else set())
-    switches = no_switches() | {name: switches[name] for name in _GBUFFER_SWITCHES} | {"INDIRECT": 0} | {
+    fixed = {"INDIRECT": 0, "HAS_TANGENT": switches["NORMAL_MAP"]}
+    switches = no_switches() | {name: switches[name] for name in _GBUFFER_SWITCHES} | fixed | {
         f"{name.upper()}_{ending}": switches[f"{name.upper()}_{ending}"] for name in maps for ending in MAP_SWITCHES}
     return tuple(sorted(switches.items()))
 

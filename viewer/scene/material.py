@@ -67,7 +67,8 @@ IOR = Feature("index of refraction", "KHR_materials_ior")
 SPECULAR = Feature("specular weight", "KHR_materials_specular")
 SPECULAR_TINT = Feature(
     "specular colour", "KHR_materials_specular", switch="SPECULAR_TINTED", is_shareable=True,
-    is_on=lambda m: m.specular_color_texture is not None or m.specular_color != (1.0, 1.0, 1.0))
+    is_on=lambda m: m.is_dielectric and m.specular > 0 and (
+        m.specular_color_texture is not None or m.specular_color != (1.0, 1.0, 1.0)))
 TRANSMISSION = Feature(
     "transmission", "KHR_materials_transmission", switch="HAS_TRANSMISSION", is_on=lambda m: m.transmits)
 VOLUME = Feature(
@@ -120,7 +121,7 @@ class Material:
         path_traced=False, role="argument", switch="OCCLUSION_MAP")
     emissive: RGB = parameter(
         (0.0, 0.0, 0.0), "emissiveFactor", "emitted radiance, multiplied by its strength", of=EMISSION, low=0.0,
-        high=1.0, times="emissive.RGB", unit="W/(sr m^2)", unlit=True)
+        high=1.0, times="emissive.RGB", unit="cd/m^2", unlit=True)
     emissive_texture: Texture | None = texture_map(
         "emissiveTexture", "emitted radiance", of=EMISSION, channels="RGB", srgb=True, models=_ALL,
         has_effect=lambda m: any(m.emissive))

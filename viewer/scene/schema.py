@@ -56,6 +56,9 @@ FEATURES: tuple[Feature, ...] = tuple(dict.fromkeys(
     [p.info.feature for p in PARAMETERS.values()] + [m.info.feature for m in MAPS.values()]))
 SWITCHED = tuple(feature for feature in FEATURES if feature.switch)
 """The features whose code a switch compiles into shaders."""
+PATH_TRACED = tuple(feature for feature in SWITCHED if any(
+    p.info.feature is feature and p.info.path_traced and p.info.role != "python" for p in PARAMETERS.values()))
+"""The features among SWITCHED that have parameters in the path tracer's records."""
 MAP_SWITCHES = ("MAP", "UV", "TRANSFORM", "MIRROR")
 """The endings of a map's switches; the map "normal" has NORMAL_MAP, NORMAL_UV and so on. Their meaning is in
 shaders/raster/attributes.glsl."""

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from ..plan.bsdf_switches import bsdf_switches
+from ..plan.bsdf_switches import bsdf_switches, feature_switches_shown
 from ..plan.explain import omitted_anisotropy
 from ..plan.model import Program
+from ..scene.material import ANISOTROPY
 from ..scene.scene import Scene
 from ..settings import Settings, setting_choices
 from .kinds import GLASS, KINDS
@@ -64,8 +65,7 @@ def plan_trace(
     """
     sampling = setting_choices()["sampling"].index(settings.sampling)
     switches = dict(switches) | bsdf_switches(settings) | {"SAMPLING": sampling}
-    if settings.ndf != "ggx":
-        switches["ANISOTROPIC"] = 0  # the other distributions are isotropic
+    switches = feature_switches_shown(switches, settings)
     shows_emission = settings.lobes == "all"
     for name in ("HAS_EMISSION", "HAS_EMITTERS"):
         switches[name] = int(switches[name] and shows_emission)
@@ -133,9 +133,11 @@ def _left_out(
     if switches["BACKGROUND"] == 0:
         reason = "there is none" if not switches["HAS_ENVIRONMENT"] else "not requested"
         lines.append(f"the environment as background: {reason}")
-    lines += [f"{what}: there is none" for name, what in _SURFACES.items() if not switches[name]]
+    omitted = omitted_anisotropy(scene, settings)
+    lines += [f"{what}: there is none" for name, what in _SURFACES.items()
+              if not switches[name] and not (omitted and name == ANISOTROPY.switch)]
     lines += unused_maps(scene, geometry)
-    lines += omitted_anisotropy(scene, settings)
+    lines += omitted
     if GLASS.name not in programs:
         lines.append("the pass for glass: nothing transmits light")
     elif switches["HAS_PUNCTUAL"] and any(_is_smooth_glass(geometry, instance) for instance in geometry.instances):
@@ -149,7 +151,8 @@ def _left_out(
 
 
 def _is_smooth_glass(geometry: TraceGeometry, instance: TraceInstance) -> bool:
-    return instance.kind == GLASS and geometry.materials[instance.material].material.perceptual_roughness == 0.0
+    material = geometry.materials[instance.material].material
+    return instance.kind == GLASS and material.perceptual_roughness == 0.0 and not ANISOTROPY.is_on(material)
 
 
 _LIGHTS = {

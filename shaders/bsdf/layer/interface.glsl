@@ -37,7 +37,7 @@ vec3 interface_albedo(Interface face, vec2 dfg) {
 }
 
 // The fraction T of light that enters. It uses the albedo's largest channel, so that it does not tint the layers below.
-float transmittance(Interface face, vec2 dfg) {
+float interface_transmittance(Interface face, vec2 dfg) {
     return max(1.0 - max3(interface_albedo(face, dfg)), 0.0);
 }
 
@@ -56,7 +56,7 @@ Interface make_interface(vec3 f0, vec3 f90, vec2 dfg, vec2 mean) {
 #else
     face.E_ms = face.F_ms = face.f_ms_view = vec3(0.0);
 #endif
-    face.scaled_transmittance = transmittance(face, dfg) / max(transmittance(face, mean), 1e-4);
+    face.scaled_transmittance = interface_transmittance(face, dfg) / max(interface_transmittance(face, mean), 1e-4);
     return face;
 }
 
@@ -68,7 +68,7 @@ vec3 interface_response(Interface face, vec3 F, float dv, vec2 dfg_light) {
 // T(v) T(l) / T_mean. It is reciprocal and conserves energy. Kelemen & Szirmay-Kalos 2001, "A Microfacet Based Coupled
 // Specular-Matte BRDF Model"
 float interface_throughput(Interface face, vec2 dfg_light) {
-    return face.scaled_transmittance * transmittance(face, dfg_light);
+    return face.scaled_transmittance * interface_transmittance(face, dfg_light);
 }
 
 // Radiance reflected from an environment. specular[0] and specular[1] are its radiance, filtered for the parts a and b

@@ -145,7 +145,7 @@ def _complete(mesh: Mesh, material: Material, primitive: Element) -> Mesh:
             mesh = with_repaired_normals(mesh, bad)
     if not needs_tangents(material):
         return replace(mesh, tangents=None)
-    if mesh.tangents is not None and np.isfinite(mesh.tangents).all():
+    if mesh.tangents is not None and (np.abs(np.linalg.norm(mesh.tangents[:, :3], axis=1) - 1) < 0.1).all():
         return mesh
     mesh = with_tangents(mesh, tangent_texture(material))
     if mesh.tangents is None:

@@ -10,7 +10,7 @@ from ...material.fold import without_constant_maps
 from ...material.use import feature_switches, metalness
 from ...scene.mesh import Mesh
 from ...scene.scene import Scene
-from ...scene.schema import MAPS, SWITCHED
+from ...scene.schema import MAPS, PATH_TRACED, SWITCHED
 from ...scene.texture_image import TextureImage
 from ..layout import DOUBLE_SIDED, INSTANCE_TEXELS, MIRRORED, SEE_THROUGH, THIN, UNLIT, vertex_layout
 from .atlas import Page
@@ -38,7 +38,7 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
         "HAS_UV1": any(texture.uv_set == 1 for texture in textures),
         "HAS_UV_TRANSFORM": any(texture.transform is not None for texture in textures),
         "HAS_COLOR": any(scene.meshes[mesh.source].colors is not None for mesh in geometry.meshes),
-        **{feature.switch: any(f[feature.switch] for f in features) for feature in SWITCHED},
+        **{feature.switch: any(f[feature.switch] for f in features) for feature in PATH_TRACED},
         "HAS_SEE_THROUGH": any(instance.see_through for instance in geometry.instances),
         "HAS_UNLIT": any(m.material.unlit for m in materials),
         "HAS_VOLUME": len(geometry.media) > 1,
@@ -55,13 +55,15 @@ def _metalness(materials: Sequence[TraceMaterial]) -> int:
 
 def unused_maps(scene: Scene, geometry: TraceGeometry) -> list[str]:
     """Lines for the user about maps of the materials in use that are not decoded."""
-    used = {m.material for m in geometry.materials}
-    sampled = {(m.material, texture.image) for m in geometry.materials
+    number = {instance.material: scene.meshes[scene.instances[instance.source].mesh].material
+              for instance in geometry.instances}
+    sampled = {(number[k], texture.image) for k, m in enumerate(geometry.materials)
                for texture in (*(use.texture for use in m.color_maps), *m.data_textures)}
-    surfaces = [(m, plain) for m in scene.materials if (plain := without_constant_maps(m)) in used]
-    named = [(plain, MAPS[name].texture(plain)) for _, plain in surfaces for name in MAPS]
-    idle = sum(texture is not None and (m, texture.image) not in sampled for m, texture in named)
-    constant = sum(MAPS[name].texture(m) != MAPS[name].texture(plain) for m, plain in surfaces for name in MAPS)
+    surfaces = {k: (scene.materials[k], without_constant_maps(scene.materials[k])) for k in set(number.values())}
+    named = [(k, MAPS[name].texture(plain)) for k, (_, plain) in surfaces.items() for name in MAPS]
+    idle = sum(texture is not None and (k, texture.image) not in sampled for k, texture in named)
+    constant = sum(MAPS[name].texture(m) != MAPS[name].texture(plain)
+                   for m, plain in surfaces.values() for name in MAPS)
     lines = [f"{constant} material map{'s' * (constant > 1)} of one colour: folded into factors"] * bool(constant)
     if not idle:
         return lines

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...material.fold import without_constant_maps
-from ...material.use import supported_by_mesh
+from ...material.use import supported
 from ...scene.material import Material
 from ...scene.medium import VACUUM, Medium
 from ...scene.mesh import Mesh
@@ -101,7 +101,7 @@ def trace_geometry(scene: Scene) -> TraceGeometry:
         key = mesh.material, len(mesh.uvs), mesh.tangents is not None
         if key not in materials:
             materials[key] = len(used_materials)
-            used_materials.append(trace_material(supported_by_mesh(surfaces[mesh.material], mesh), mesh))
+            used_materials.append(trace_material(supported(surfaces[mesh.material], mesh), mesh))
         material, traced = surfaces[mesh.material], used_materials[materials[key]]
         is_emitter = any(material.emissive) and not material.unlit
         placed.append(TraceInstance(
