@@ -1,0 +1,136 @@
+"""Polygons cut into triangles: convex ones as fans, others by clipping ears."""
+
+from __future__ import annotations
+
+import numpy as np
+
+MAX_WORK = 1 << 25
+"""How often ear clipping may look at a corner in one file, a few seconds; what is beyond it is cut in any way."""
+_BATCH = 1 << 20
+_ROUND = 1000  # what one round costs besides, in such looks
+
+
+def triangulate(positions: np.ndarray, corners: np.ndarray, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
+    """Cut polygons into triangles, a polygon of n corners into n - 2.
+
+    positions (N, 3) float64; corners (C,) the vertex of each corner, polygon after polygon; sizes (P,) corners of each
+    polygon, at least 3. Returns the triangles (T, 3) as numbers of corners 0..C-1, in the order and with the winding of
+    the polygons, the polygon of each triangle (T,), and the number of concave polygons that were too large to be cut
+    by ears. Exact for polygons that are plane and do not cut themselves.
+    """
+    if (sizes == 3).all():
+        return np.arange(len(corners)).reshape(-1, 3), np.arange(len(sizes)), 0
+    first = np.cumsum(sizes) - sizes
+    at = np.cumsum(sizes - 2) - (sizes - 2)
+    polygon = np.repeat(np.arange(len(sizes)), sizes - 2)
+    step = np.arange(len(polygon)) - at[polygon]
+    fan = first[polygon]
+    triangles = np.stack([fan, fan + step + 1, fan + step + 2], axis=1)
+
+    work, uncut = 0, 0
+    for size in np.unique(sizes[sizes > 3]):
+        group = np.flatnonzero(sizes == size)
+        for some in np.array_split(group, max(1, len(group) * int(size) // _BATCH)):
+            points = _flattened(positions[corners[first[some, None] + np.arange(size)]])
+            concave = ~_is_convex(points)
+            some, points = some[concave], points[concave]
+            if len(some) == 0:
+                continue
+            if size == 4:
+                # A quad has two diagonals; where the fan's leaves it, the other one does not.
+                outside = (_area(points[:, 0], points[:, 1], points[:, 2]) < 0) | (
+                    _area(points[:, 0], points[:, 2], points[:, 3]) < 0)
+                some = some[outside]
+                triangles[at[some, None] + np.arange(2)] = first[some, None, None] + [[0, 1, 3], [1, 2, 3]]
+            elif work > MAX_WORK:
+                uncut += len(some)
+            else:
+                cut, looked_at = _clip_ears(points, MAX_WORK - work)
+                work += looked_at
+                triangles[at[some, None] + np.arange(size - 2)] = first[some, None, None] + cut
+    return triangles, polygon, uncut
+
+
+def _flattened(points: np.ndarray) -> np.ndarray:
+    """(P, n, 3) polygons to (P, n, 2), counter-clockwise: along the axis that their normals are nearest to."""
+    points = points - points[:, :1]
+    # Newell's normal, twice the area long: the sum of the cross products of successive corners.
+    normal = np.cross(points, np.roll(points, -1, axis=1)).sum(axis=1)
+    axis = np.abs(normal).argmax(axis=1)
+    negative = normal[np.arange(len(points)), axis] < 0
+    u, v = (axis + 1) % 3, (axis + 2) % 3
+    kept = np.stack([np.where(negative, v, u), np.where(negative, u, v)], axis=1)
+    return np.take_along_axis(points, kept[:, None, :], axis=2)
+
+
+def _area(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
+    """Twice the signed area of triangles of (..., 2) points, positive counter-clockwise."""
+    return (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (c[..., 0] - a[..., 0])
+
+
+def _is_convex(points: np.ndarray) -> np.ndarray:
+    """Which of (P, n, 2) counter-clockwise polygons turn right nowhere, but for rounding."""
+    turn = _area(np.roll(points, 1, axis=1), points, np.roll(points, -1, axis=1))
+    extent = np.ptp(points, axis=1).max(axis=1, keepdims=True)
+    convex: np.ndarray = (turn >= -1e-9 * extent**2).all(axis=1)
+    return convex
+
+
+def _clip_ears(points: np.ndarray, budget: int) -> tuple[np.ndarray, int]:
+    """Ear clipping (Meisters 1975) of (P, n, 2) polygons side by side: (P, n - 2, 3) corners, and the work done.
+
+    Every round looks at one corner of each polygon. A polygon of which no corner is an ear cuts itself: from then on
+    any corner that turns left is cut off, and once there is none, every one. So it is beyond the budget.
+    """
+    count, size, _ = points.shape
+    before = np.tile(np.roll(np.arange(size), 1), (count, 1))
+    after = np.tile(np.roll(np.arange(size), -1), (count, 1))
+    # Only corners that turn right at first can ever lie in an ear. Each polygon's come first in its row of `right`.
+    turns_right = _area(np.roll(points, 1, axis=1), points, np.roll(points, -1, axis=1)) <= 0
+    right = np.argsort(~turns_right, axis=1, kind="stable")[:, :max(1, int(turns_right.sum(axis=1).max()))]
+    alive = turns_right.copy()
+    out = np.empty((count, size - 2, 3), np.int64)
+    left = np.full(count, size)
+    tries = np.zeros(count, np.int64)
+    cuts_itself, is_hopeless = np.zeros(count, bool), np.zeros(count, bool)
+    current = np.zeros(count, np.int64)
+    here = np.arange(count)
+    work = 0
+    while len(here):
+        b = current[here]
+        a, c = before[here, b], after[here, b]
+        pa, pb, pc = points[here, a], points[here, b], points[here, c]
+        cut = _area(pa, pb, pc) > 0
+        test = np.flatnonzero(cut & ~cuts_itself[here])
+        if work > budget:
+            is_hopeless[:] = True
+        else:
+            row, others = here[test, None], right[here[test]]
+            inside = _is_inside(points[row, others], pa[test], pb[test], pc[test]) & alive[row, others]
+            cut[test] = ~inside.any(axis=1)
+            work += inside.size + _ROUND
+        cuts_itself[here] |= tries[here] >= left[here]
+        is_hopeless[here] |= tries[here] >= 2 * left[here]
+        cut |= is_hopeless[here]
+        done, kept = here[cut], here[~cut]
+        out[done, size - left[done]] = np.stack([a, b, c], axis=1)[cut]
+        alive[done, b[cut]] = False
+        after[done, a[cut]], before[done, c[cut]] = c[cut], a[cut]
+        left[done] -= 1
+        tries[done] = 0
+        tries[kept] += 1
+        current[done], current[kept] = c[cut], c[~cut]
+        here = here[left[here] > 2]
+    return out, work
+
+
+def _is_inside(points: np.ndarray, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
+    """Which of (P, m, 2) points lie in or on the triangle a, b, c, (P, 2) each.
+
+    Points at the place of a, b or c do not: bridges to holes pass the same point twice.
+    """
+    a, b, c = a[:, None], b[:, None], c[:, None]
+    inside = (_area(a, b, points) >= 0) & (_area(b, c, points) >= 0) & (_area(c, a, points) >= 0)
+    for corner in (a, b, c):
+        inside &= (points != corner).any(axis=2)
+    return inside
