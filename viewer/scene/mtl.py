@@ -1,4 +1,4 @@
-"""Reads Wavefront MTL files, which hold the Phong materials of OBJ files, and roughness and metallic as Blender does."""
+"""Reads Wavefront MTL files: the Phong materials of OBJ files, and roughness and metallic as Blender writes them."""
 
 from __future__ import annotations
 
