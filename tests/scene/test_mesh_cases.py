@@ -273,3 +273,14 @@ def test_damaged_files_are_read_or_named(load):
                 load(name, bytes(bad), m_mtl="newmtl m\nKd 1 1 1\n")
             except InputError as error:
                 assert "\n" not in str(error)
+
+
+def test_corners_of_all_kinds_in_one_file(load):
+    """Each with its own part of v, v/vt, v//vn and v/vt/vn, and one that ends the file."""
+    text = QUAD + "vt 0.25 0.5\nvt 1 1\nvn 0 0 1\nvn 0 1 0\n"
+    text += "f 1 2 3\nf 1//2 2//2 3//2\nf 1/1 2/1 3/1\nf 1/2/1 2/2/1 3/2/1"
+    plain, normals, uvs, both = load("m.obj", text).meshes
+    assert not plain.uvs and plain.normals.tolist() == [[0, 0, 1]] * 3
+    assert not normals.uvs and normals.normals.tolist() == [[0, 1, 0]] * 3
+    assert uvs.uvs[0].tolist() == [[0.25, 0.5]] * 3 and uvs.normals.tolist() == [[0, 0, 1]] * 3
+    assert both.uvs[0].tolist() == [[1, 0]] * 3 and both.normals.tolist() == [[0, 0, 1]] * 3

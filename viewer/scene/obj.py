@@ -144,27 +144,32 @@ class _Reader:
         line has; the number of each line's material."""
         block = self._block(keyword)
         lines = self._lines_of(keyword)
-        if b"/" in block:
+        has_parts = b"/" in block
+        if has_parts:
             block = block.replace(b"//", b"/0/")
             block = re.sub(rb"/(?=[ \n])", b"/0", block)
-        characters = np.frombuffer(b"\n" + block, np.uint8)
-        is_word = characters > 32
-        is_number = is_word & (characters != ord("/"))
-        begins = np.flatnonzero(is_number[1:] & ~is_number[:-1])
-        is_corner = characters[begins] != ord("/")
         rows = number_rows(self.path, block.replace(b"/", b" "), lambda row: self._place(keyword, row), np.int64)
         # Every line begins with the 0 that its keyword was turned into.
-        slot = np.arange(len(begins)) - np.maximum.accumulate(np.where(is_corner, np.arange(len(begins)), 0))
-        corner_rows = np.repeat(np.arange(len(lines)), rows.counts)
-        corner = np.cumsum(is_corner) - 1
-        numbers = np.zeros((int(is_corner.sum()), 3), np.int64)
-        for k in range(3):
-            here = slot == k
-            numbers[corner[here], k] = rows.values[here]
-        owner = corner_rows[is_corner]
-        keep = np.ones(len(owner), bool)
-        keep[np.searchsorted(owner, np.arange(len(lines)))] = False
-        numbers, owner = numbers[keep], owner[keep]
+        is_corner = np.ones(len(rows.values), bool)
+        owner = np.repeat(np.arange(len(lines)), rows.counts)
+        if has_parts:
+            characters = np.frombuffer(b"\n" + block, np.uint8)
+            is_number = (characters > ord(" ")) & (characters != ord("/"))
+            is_corner = characters[np.flatnonzero(is_number[1:] & ~is_number[:-1])] != ord("/")
+        is_corner[rows.starts[:-1]] = False
+        at = np.flatnonzero(is_corner)
+        owner = owner[at]
+        numbers = np.zeros((len(at), 3), np.int64)
+        numbers[:, 0] = rows.values[at]
+        if has_parts:
+            # Up to the next corner, or the 0 of the next line, follow the numbers of vt and vn.
+            begins = is_corner.copy()
+            begins[rows.starts[:-1]] = True
+            ends_here = np.concatenate([begins, [True, True]])
+            values = np.concatenate([rows.values, [0, 0]])
+            has_second = ~ends_here[at + 1]
+            numbers[:, 1] = np.where(has_second, values[at + 1], 0)
+            numbers[:, 2] = np.where(has_second & ~ends_here[at + 2], values[at + 2], 0)
         counts = np.bincount(owner, minlength=len(lines))
         for k, (name, table) in enumerate([("v", self.positions), ("vt", self.uvs), ("vn", self.normals)]):
             count = len(table)
@@ -178,9 +183,9 @@ class _Reader:
             is_named = (column != 0) | (k == 0)
             wrong = is_named & ((absolute < 1) | (absolute > count))
             if wrong.any() and k == 0:
-                at = int(wrong.argmax())
-                problem = f"vertex {column[at]}, and there are {count}, which count from 1"
-                raise InputError(self.path, self._place(keyword, int(owner[at])), problem)
+                which = int(wrong.argmax())
+                problem = f"vertex {column[which]}, and there are {count}, which count from 1"
+                raise InputError(self.path, self._place(keyword, int(owner[which])), problem)
             if wrong.any():
                 self.warnings.append(f"{np.count_nonzero(wrong)} corners name a {name} that does not exist; "
                                      "it is left out")

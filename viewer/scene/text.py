@@ -71,7 +71,8 @@ def number_rows(path: Path, text: bytes, place: Callable[[int], str], dtype: typ
     characters = np.frombuffer(b"\n" + text + b"\n", np.uint8)
     is_word = characters > _BLANK
     words = np.flatnonzero(is_word[1:] & ~is_word[:-1])
-    starts = np.unique(np.searchsorted(words, np.flatnonzero(characters == 10)))
+    starts = np.searchsorted(words, np.flatnonzero(characters == 10))
+    starts = starts[np.concatenate([[True], starts[1:] > starts[:-1]])]
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # older versions of numpy warn where newer ones raise ValueError
