@@ -124,7 +124,7 @@ def test_the_tree_in_a_shader_finds_what_embree_finds(renderer):
     model, camera = hollow_ball(attenuation_distance=1.0, attenuation_color=(0.5, 0.7, 0.9)), orthographic(height=2.2)
     own, pictures = renderer._refraction, []
     for kind in ("embree", "bvh"):
-        renderer._refraction = TracedRefraction(renderer.context, renderer.programs, kind)
+        renderer._refraction = TracedRefraction(renderer.context, renderer.programs, renderer._depth, kind)
         pictures.append(renderer.render(model, camera, Settings.of(**TRACED), SIZE).linear)
         renderer._refraction.release()
     renderer._refraction = own

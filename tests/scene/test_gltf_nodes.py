@@ -79,6 +79,7 @@ def test_cameras_are_rigid():
     builder.node(camera=perspective, scale=[2, -3, 4], translation=[1, 2, 3], name="eye")
     builder.node(camera=orthographic)
     first, second = builder.load().cameras
+    assert first.near == 0.1 and second.near is None
     rotation = first.pose[:3, :3]
     np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-12)
     assert np.linalg.det(rotation) == pytest.approx(1)

@@ -22,6 +22,7 @@ from ..scene.frame import Frame
 from ..scene.light import Light
 from ..scene.mip_levels import mip_levels
 from ..settings import Settings
+from .depth import Depth
 from .surfaces import UNIT_BACKGROUND, UNIT_IRRADIANCE, UNIT_PREFILTERED
 
 
@@ -102,7 +103,7 @@ class EnvironmentLight:
             values["u_prefiltered"] = UNIT_PREFILTERED
         return values
 
-    def draw_background(self, programs: Programs, frame: Frame, half_target: bool) -> None:
+    def draw_background(self, programs: Programs, depth: Depth, frame: Frame, half_target: bool) -> None:
         program = programs.get("display/fullscreen.vert", "raster/background.frag", {"HALF_TARGET": int(half_target)})
         background = self._background_seen_at(frame.pixel_angle)
         background.texture.use(UNIT_BACKGROUND)
@@ -111,9 +112,8 @@ class EnvironmentLight:
         set_uniform(program, "u_lod", background.lod(frame.pixel_angle))
         set_uniform(program, "u_environment_intensity", self.environment.intensity)
         self._gl.enable_only(moderngl.DEPTH_TEST)
-        self._gl.depth_func = "<="
-        fullscreen(self._gl, program).render(vertices=3)
-        self._gl.depth_func = "<"
+        with depth.behind_surfaces():
+            fullscreen(self._gl, program).render(vertices=3)
 
     def _background_seen_at(self, pixel_angle: float) -> _Background:
         """The map itself. It gets mip levels when it is first minified."""

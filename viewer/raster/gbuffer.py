@@ -12,6 +12,7 @@ from contextlib import contextmanager
 import moderngl
 
 from ..scene.frame import Frame
+from .depth import Depth
 
 UNIT_POSITIONS, UNIT_NORMALS = range(2)
 
@@ -19,22 +20,22 @@ UNIT_POSITIONS, UNIT_NORMALS = range(2)
 class GBuffer:
     """The targets of one size, with the surfaces of the last frame."""
 
-    def __init__(self, gl: moderngl.Context, size: tuple[int, int]) -> None:
-        self._gl, self.size = gl, size
+    def __init__(self, gl: moderngl.Context, depth: Depth, size: tuple[int, int]) -> None:
+        self._gl, self._depth, self.size = gl, depth, size
         self.positions, self._normals = (nearest_texture(gl, size, "f4") for _ in range(2))
-        self.depth = gl.depth_renderbuffer(size)
-        self._framebuffer = gl.framebuffer([self.positions, self._normals], self.depth)
+        self._buffer = depth.renderbuffer(size)
+        self._framebuffer = gl.framebuffer([self.positions, self._normals], self._buffer)
 
     def draw(self, draw_surfaces: Callable[[], object]) -> None:
         """Store the surfaces that `draw_surfaces()` draws. Leaves a framebuffer of its own in use."""
         self._framebuffer.use()
-        self._framebuffer.clear(depth=1.0)
+        self._framebuffer.clear(depth=self._depth.far)
         draw_surfaces()
         self._gl.clear_samplers()
 
     def target(self, *textures: moderngl.Texture) -> moderngl.Framebuffer:
         """A framebuffer of textures of this size, with the depth of the surfaces, read-only."""
-        framebuffer = self._gl.framebuffer(textures, self.depth)
+        framebuffer = self._gl.framebuffer(textures, self._buffer)
         framebuffer.depth_mask = False  # not cleared either
         return framebuffer
 
@@ -47,14 +48,13 @@ class GBuffer:
 
     @contextmanager
     def on_surfaces(self, also: int = moderngl.NOTHING) -> Iterator[None]:
-        """Restrict a full-screen triangle, which lies on the far plane, to the pixels that have a surface."""
+        """Restrict a full-screen triangle to the pixels that have a surface."""
         self._gl.enable_only(moderngl.DEPTH_TEST | also)
-        self._gl.depth_func = ">"
-        yield
-        self._gl.depth_func = "<"
+        with self._depth.on_surfaces():
+            yield
 
     def release(self) -> None:
-        for thing in (self._framebuffer, self.positions, self._normals, self.depth):
+        for thing in (self._framebuffer, self.positions, self._normals, self._buffer):
             thing.release()
 
 

@@ -26,6 +26,7 @@ from ..scene.frame import Frame
 from ..scene.light import Light
 from ..scene.scene import Scene
 from ..settings import Settings
+from .depth import Depth
 from .environment import EnvironmentLight
 from .gbuffer import GBuffer
 from .lights import pack_lights
@@ -63,13 +64,14 @@ class Renderer:
         self._measure = measure
         self._gl = context.gl
         self._use_cache = use_cache
+        self._depth = Depth(context)
         self._display = DisplayPass(self._gl, self.programs)
         self._target: Target | None = None
         self._backdrop: Reusable[Backdrop] = Reusable()
         self._gbuffers: dict[tuple[int, int], GBuffer] = {}
         self._visibility = VisibilityPass(self._gl, self.programs)
         self._reflections = TracedReflections(context, self.programs)
-        self._refraction = TracedRefraction(context, self.programs)
+        self._refraction = TracedRefraction(context, self.programs, self._depth)
         self._surfaces = Surfaces(context, self.programs)
         self._indirect_key: tuple[object, ...] | None = None
         self._environment: EnvironmentLight | None = None
@@ -147,10 +149,19 @@ class Renderer:
         samples = settings.samples(self.context.is_software, still)
         target = self._sized_target(size, samples, half, settings.supersampling)
         plan = self._prepare(scene, settings, target, camera.height is not None)
-        frame = Frame(scene, camera, target.drawn_size)
-        pixels = Frame(scene, camera, size)
+        frame = Frame(scene, camera, target.drawn_size, self._depth.is_reversed)
+        pixels = Frame(scene, camera, size, self._depth.is_reversed)
         uniforms = self._frame_uniforms(plan, frame, settings)
+        target.set_part(part)
+        with self._depth.test():
+            self._draw_passes(plan, frame, pixels, target, uniforms)
+        self._gl.clear_samplers()
+        with self._pass("resolve"):
+            target.resolve(self.programs, UNIT_RADIANCE)
 
+    def _draw_passes(self, plan: Plan, frame: Frame, pixels: Frame, target: Target,
+                     uniforms: dict[str, object]) -> None:
+        """Draw the frame into `target`, with `pixels` the same view at one sample a pixel."""
         # Under supersampling visibility is found once a pixel, reflections at each point that is shaded.
         views = [pixels] * plan.has_visibility + [frame] * plan.has_traced_reflections
         if views:
@@ -162,9 +173,8 @@ class Renderer:
         if plan.has_traced_reflections:
             with self._pass("reflections"):
                 uniforms |= self._reflections.find(frame, gbuffers[frame.size], uniforms)
-        target.set_part(part)
         target.framebuffer.use()
-        target.framebuffer.clear(depth=1.0)  # alpha 0: the display pass adds the background colour
+        target.framebuffer.clear(depth=self._depth.far)  # alpha 0: the display pass adds the background colour
         with self._pass("surfaces"):
             self._surfaces.draw_opaque(frame, plan, uniforms)
         if plan.has_solid_transmission:  # before the background: they refract the environment themselves
@@ -177,7 +187,7 @@ class Renderer:
                 self._surfaces.draw_transmissive(SOLID, frame, plan, uniforms)
         if plan.background:
             with self._pass("background"):
-                self._environment.draw_background(self.programs, frame, half)
+                self._environment.draw_background(self.programs, self._depth, frame, target.half)
         if plan.has_thin_transmission:
             with self._pass("thin-walled transmission"):
                 uniforms |= self._take_backdrop(target)
@@ -185,16 +195,13 @@ class Renderer:
         if plan.has_blended:
             with self._pass("blend"):
                 self._surfaces.draw_blended(frame, plan, uniforms)
-        self._gl.clear_samplers()
-        with self._pass("resolve"):
-            target.resolve(self.programs, UNIT_RADIANCE)
 
     def _sized_target(self, size: tuple[int, int], samples: int, half: bool, supersampling: int) -> Target:
         samples = min(samples, max(self._gl.max_samples, 1))
         if self._target is None or not self._target.fits(size, samples, half, supersampling):
             self._release(self._target)
             self._target = None  # should the next one fail
-            self._target = Target(self._gl, size, samples, half, supersampling)
+            self._target = Target(self._gl, self._depth, size, samples, half, supersampling)
         return self._target
 
     def _drawn_gbuffers(
@@ -204,7 +211,7 @@ class Renderer:
         self._release(*(self._gbuffers.pop(size) for size in self._gbuffers.keys() - views.keys()))
         for size, view in views.items():
             if size not in self._gbuffers:
-                self._gbuffers[size] = GBuffer(self._gl, size)
+                self._gbuffers[size] = GBuffer(self._gl, self._depth, size)
             self._gbuffers[size].draw(lambda view=view: self._surfaces.draw_gbuffer(view, plan, uniforms))
         return self._gbuffers
 

@@ -7,6 +7,7 @@ import moderngl
 from ..errors import UsageError
 from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
+from .depth import Depth
 
 
 class Target:
@@ -16,7 +17,8 @@ class Target:
     """
 
     def __init__(
-        self, gl: moderngl.Context, size: tuple[int, int], samples: int, half: bool, supersampling: int = 1
+        self, gl: moderngl.Context, depth: Depth, size: tuple[int, int], samples: int, half: bool,
+        supersampling: int = 1,
     ) -> None:
         limit = gl.info["GL_MAX_TEXTURE_SIZE"]
         self.size, self.samples, self.half, self.supersampling = size, samples, half, supersampling
@@ -26,12 +28,12 @@ class Target:
             raise UsageError(f"a picture of {size[0]}x{size[1]}: this OpenGL draws from 1x1 to {limit}x{limit}")
         self._gl = gl
         try:
-            self._make()
+            self._make(depth)
         except moderngl.Error as error:
             raise UsageError(f"a picture of {size[0]}x{size[1]} with {samples} samples a pixel is more than this "
                              f"OpenGL can hold ({error})") from error
 
-    def _make(self) -> None:
+    def _make(self, depth: Depth) -> None:
         gl, size, drawn, samples = self._gl, self.size, self.drawn_size, self.samples
         dtype = "f2" if self.half else "f4"
         self.radiance = gl.texture(size, 4, dtype=dtype)
@@ -39,11 +41,11 @@ class Target:
         self._resolved = gl.framebuffer([self.radiance])
         if samples > 1 or drawn != size:
             self._color = gl.texture(drawn, 4, samples=samples if samples > 1 else 0, dtype=dtype)
-            self._depth = gl.depth_renderbuffer(drawn, samples=samples if samples > 1 else 0)
+            self._depth = depth.renderbuffer(drawn, samples if samples > 1 else 0)
             self.framebuffer = gl.framebuffer([self._color], self._depth)
         else:
             self._color = None
-            self._depth = gl.depth_renderbuffer(size)
+            self._depth = depth.renderbuffer(size)
             self.framebuffer = gl.framebuffer([self.radiance], self._depth)
 
     def fits(self, size: tuple[int, int], samples: int, half: bool, supersampling: int = 1) -> bool:

@@ -19,13 +19,16 @@ class Camera:
 
     `pose` (4, 4) float64 takes camera space to world space and contains only rotation and translation. `fov_y` is the
     vertical field of view in radians. If `height` is given, the camera is orthographic and shows `height` world units
-    from bottom to top.
+    from bottom to top. `near`, in world units, is the nearest distance that has to be visible. It is used only if
+    OpenGL cannot reverse depth (viewer/raster/depth.py): near things are then cut off so that far ones can be
+    distinguished.
     """
 
     pose: np.ndarray
     fov_y: float = DEFAULT_FOV
     height: float | None = None
     name: str = ""
+    near: float | None = None
 
     @property
     def eye(self) -> np.ndarray:

@@ -22,6 +22,8 @@ class Frame:
     scene: Scene
     camera: Camera
     size: tuple[int, int]
+    is_depth_reversed: bool = False
+    """Whether clip space goes from z = w at the near plane to 0 at the far one, not from -w to w."""
 
     @property
     def unit(self) -> float:
@@ -61,7 +63,10 @@ class Frame:
             camera = Camera(camera.pose, camera.fov_y, camera.height / self.unit)
         rotation = np.eye(4)
         rotation[:3, :3] = camera.pose[:3, :3].T
-        return camera.projection(self.aspect, near, far) @ rotation
+        projection = camera.projection(self.aspect, near, far)
+        if self.is_depth_reversed:
+            projection[2] = (projection[3] - projection[2]) / 2
+        return projection @ rotation
 
     @cached_property
     def depth_range(self) -> tuple[float, float]:
@@ -75,9 +80,12 @@ class Frame:
         if self.camera.height is not None:
             return low, high
         high = max(high, 1e-3)
-        # At a ratio of 1e5, 24 bits of depth distinguish surfaces at the far plane that are 0.6 % of their distance
-        # apart.
-        low = max(low, high * 1e-5)
+        if self.is_depth_reversed:  # a small near costs no precision, and closer to the eye float32 positions have none
+            return max(low, high * 1e-8), high
+        # 24 bits of depth distinguish surfaces z^2 / (near 2^24) apart. At a ratio of 1e5 that is 0.6 % of the distance
+        # at the far plane.
+        near = self.camera.near
+        low = max(low, high * 1e-5 if near is None else min(near / self.unit, high / 2))
         # Near the far plane z / w comes close to 1. The margin keeps float32 from rounding it above 1.
         return low, high * (1 + 2.0**-21 * high / low)
 
@@ -87,7 +95,8 @@ class Frame:
         corners = (self.scene.corners - self.camera.eye) / self.unit
         clip = np.concatenate([corners, np.ones((*corners.shape[:2], 1))], axis=2) @ self.view_projection.T
         w = clip[..., 3:]
-        return ~((clip[..., :3] < -w).all(axis=1).any(axis=1) | (clip[..., :3] > w).all(axis=1).any(axis=1))
+        low = -w * (1, 1, not self.is_depth_reversed)
+        return ~((clip[..., :3] < low).all(axis=1).any(axis=1) | (clip[..., :3] > w).all(axis=1).any(axis=1))
 
     @cached_property
     def ray(self) -> np.ndarray:

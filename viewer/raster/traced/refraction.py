@@ -16,6 +16,7 @@ from ...gpu.programs import Programs, set_uniform
 from ...plan.model import Plan
 from ...scene.frame import Frame
 from ...scene.scene import Scene
+from ..depth import Depth
 from ..gbuffer import nearest_texture
 from ..surfaces import UNIT_MIRRORED, UNIT_PATH_POSITIONS, UNIT_REFRACTED
 
@@ -38,8 +39,8 @@ class TracedRefraction:
     `kind` of intersector as `viewer.trace.rays.intersect.make_intersector` takes it.
     """
 
-    def __init__(self, context: Context, programs: Programs, kind: str = "auto") -> None:
-        self._context, self._programs, self._kind = context, programs, kind
+    def __init__(self, context: Context, programs: Programs, depth: Depth, kind: str = "auto") -> None:
+        self._context, self._programs, self._depth, self._kind = context, programs, depth, kind
         self._surfaces: Reusable[RefractingSurfaces] = Reusable()
         self._paths: Reusable[_Paths] = Reusable()
 
@@ -55,7 +56,8 @@ class TracedRefraction:
 
         `uniforms` are those of the frame, the backdrop among them. Leaves a framebuffer of its own in use.
         """
-        paths = self._paths.get(lambda held: held.size == frame.size, lambda: _Paths(self._context.gl, frame.size))
+        paths = self._paths.get(lambda held: held.size == frame.size,
+                                lambda: _Paths(self._context.gl, self._depth, frame.size))
         environment = frame.scene.environment
         program = self._programs.get("display/fullscreen.vert", "raster/refraction_step.frag", {
             "HAS_ENVIRONMENT": int(plan.reflections), "REFLECTS": 1,
@@ -90,17 +92,17 @@ class _Paths:
     """The textures that `viewer.trace.rays.intersect.WavefrontTextures` describes, a path for each pixel, and the
     state of each path: twice, to be read and written in turn. The light of each kind of path stays."""
 
-    def __init__(self, gl: moderngl.Context, size: tuple[int, int]) -> None:
-        self._gl, self.size = gl, size
+    def __init__(self, gl: moderngl.Context, depth: Depth, size: tuple[int, int]) -> None:
+        self._gl, self._depth, self.size = gl, depth, size
         self.positions, self.shadow_vector = (nearest_texture(gl, size, "f4") for _ in range(2))
         self.shadow_origin = self.shadow_vector
         self.hit = nearest_texture(gl, size, "u4")
-        self._depth = gl.depth_renderbuffer(size)
+        self._buffer = depth.renderbuffer(size)
         self._rays = [[nearest_texture(gl, size, "f4") for _ in _STATE[:-1]] for _ in range(2)]
         self._lights = [[nearest_texture(gl, size, "f4") for _ in range(2)] for _ in _KINDS]
-        self._firsts = [gl.framebuffer([self.positions, *self._rays[0], light[0]], self._depth)
+        self._firsts = [gl.framebuffer([self.positions, *self._rays[0], light[0]], self._buffer)
                         for light in self._lights]
-        self._nexts = [[gl.framebuffer([*rays, texture], self._depth) for rays, texture in zip(self._rays, light)]
+        self._nexts = [[gl.framebuffer([*rays, texture], self._buffer) for rays, texture in zip(self._rays, light)]
                        for light in self._lights]
         for framebuffer in sum(self._nexts, []):
             framebuffer.depth_mask = False
@@ -125,7 +127,7 @@ class _Paths:
         """Begin the paths that `draw_rays()` draws."""
         self._kind, self._now[kind] = kind, 0
         self._firsts[kind].use()
-        self._firsts[kind].clear(depth=1.0)
+        self._firsts[kind].clear(depth=self._depth.far)
         draw_rays()
         self._gl.clear_samplers()
         self._nexts[kind][1].clear()
@@ -140,9 +142,8 @@ class _Paths:
         self._now[self._kind] ^= 1
         self._nexts[self._kind][self._now[self._kind]].use()
         self._gl.enable_only(moderngl.DEPTH_TEST)
-        self._gl.depth_func = ">"  # the triangle lies on the far plane: it runs where a path began
-        fullscreen(self._gl, program).render(vertices=3)
-        self._gl.depth_func = "<"
+        with self._depth.on_surfaces():  # where a path began
+            fullscreen(self._gl, program).render(vertices=3)
 
     def bind(self) -> dict[str, object]:
         """The uniforms of shaders/raster/traced_refraction.glsl."""
@@ -152,6 +153,6 @@ class _Paths:
         return _KINDS | {"u_path_positions": UNIT_PATH_POSITIONS}
 
     def release(self) -> None:
-        for thing in (*self._firsts, *sum(self._nexts, []), self._no_shadow, self._depth, self.positions,
+        for thing in (*self._firsts, *sum(self._nexts, []), self._no_shadow, self._buffer, self.positions,
                       self.shadow_vector, self.hit, *sum(self._rays, []), *sum(self._lights, [])):
             thing.release()

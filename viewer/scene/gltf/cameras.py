@@ -14,16 +14,18 @@ def read_camera(element: Element, world: np.ndarray, name: str) -> Camera | None
     """The camera of a node with the world matrix `world` (4, 4); None, with a warning, if it could show nothing.
 
     Scale and shear of the node are ignored: its -Z is the view direction, and its +Y defines "up". The file's aspect
-    ratio, near and far planes are ignored too: the picture defines the first, and the scene the others.
+    ratio and far plane are ignored too: the picture defines the first, and the scene the second. The file's near plane
+    becomes `Camera.near`.
     """
     eye, back, up = world[:3, 3], _unit(world[:3, 2]), _unit(world[:3, 1])
     pose = Camera.look_at(eye, eye - back, up).pose
     pose[:3, 3] = eye
     kind = element.string("type")
     if kind == "perspective":
-        fov = element.object("perspective").number("yfov")
+        perspective = element.object("perspective")
+        fov, near = perspective.number("yfov"), perspective.number("znear", 0.0)
         if 0 < fov < math.pi:
-            return Camera(pose, fov, name=name)
+            return Camera(pose, fov, name=name, near=near if near > 0 else None)
         element.warn(f"a vertical field of view of {fov:g} shows nothing; the camera is left out", "perspective.yfov")
     elif kind == "orthographic":
         ymag = abs(element.object("orthographic").number("ymag"))

@@ -1,0 +1,83 @@
+"""How the depth of what the camera sees is stored and compared.
+
+A perspective depth is near / z up to scale and offset. Stored in 24 bits from 0 to 1, neighbouring values at a distance
+z are z^2 / (near 2^24) apart. A float has its finest steps about 0: with 0 at the far plane and 1 at the near one they
+shrink as near / z does, and neighbours are about z 2^-24 apart, wherever near is (Reed 2015, "Depth Precision
+Visualized"). This takes glClipControl, because OpenGL's usual map from [-1, 1] to [0, 1] would round these steps away.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import moderngl
+
+from ..gpu.context import Context
+
+_RENDERBUFFER, _DEPTH_COMPONENT32F = 0x8D41, 0x8CAC
+_LOWER_LEFT, _NEGATIVE_ONE_TO_ONE, _ZERO_TO_ONE = 0x8CA1, 0x935E, 0x935F
+
+
+def can_reverse(gl: moderngl.Context) -> bool:
+    """Whether glClipControl is there, from OpenGL 4.5 or from the extension."""
+    return gl.version_code >= 450 or "GL_ARB_clip_control" in gl.extensions
+
+
+class Depth:
+    """The depth test of one context: reversed and in floats where OpenGL 4.5 or GL_ARB_clip_control allows it."""
+
+    def __init__(self, context: Context) -> None:
+        gl = self._gl = context.gl
+        self.is_reversed = can_reverse(gl)
+        self.far = 0.0 if self.is_reversed else 1.0
+        """The depth of the far plane, to which buffers are cleared."""
+        self._nearer = ">" if self.is_reversed else "<"
+        integer, double = ctypes.c_int, ctypes.c_double
+        self._set_range = context.function("glDepthRange", double, double)
+        self._bind = context.function("glBindRenderbuffer", integer, integer)
+        self._allocate = context.function("glRenderbufferStorageMultisample", *[integer] * 5)
+        if self.is_reversed:
+            self._clip_control = context.function("glClipControl", integer, integer)
+
+    def renderbuffer(self, size: tuple[int, int], samples: int = 0) -> moderngl.Renderbuffer:
+        """A depth buffer, of 32-bit floats where depth is reversed and of 24 bits elsewhere."""
+        buffer = self._gl.depth_renderbuffer(size, samples=samples)
+        if self.is_reversed:  # moderngl makes no other kind than 24 bits, but lets a buffer be allocated anew
+            self._bind(_RENDERBUFFER, buffer.glo)
+            self._allocate(_RENDERBUFFER, samples, _DEPTH_COMPONENT32F, *size)
+        return buffer
+
+    @contextmanager
+    def test(self) -> Iterator[None]:
+        """Let what is drawn within be clipped and compared so; shadow maps and the path tracer draw outside."""
+        if self.is_reversed:
+            self._clip_control(_LOWER_LEFT, _ZERO_TO_ONE)
+        self._gl.depth_func = self._nearer
+        try:
+            yield
+        finally:
+            if self.is_reversed:
+                self._clip_control(_LOWER_LEFT, _NEGATIVE_ONE_TO_ONE)
+            self._gl.depth_func = "<"
+
+    @contextmanager
+    def on_surfaces(self) -> Iterator[None]:
+        """Restrict a full-screen triangle to the pixels that have a surface, within `test()`."""
+        with self._at_far_plane("<" if self.is_reversed else ">"):
+            yield
+
+    @contextmanager
+    def behind_surfaces(self) -> Iterator[None]:
+        """Restrict a full-screen triangle to the pixels that have none, within `test()`."""
+        with self._at_far_plane(">=" if self.is_reversed else "<="):
+            yield
+
+    @contextmanager
+    def _at_far_plane(self, compare: str) -> Iterator[None]:
+        self._set_range(self.far, self.far)
+        self._gl.depth_func = compare
+        yield
+        self._gl.depth_func = self._nearer
+        self._set_range(0.0, 1.0)
