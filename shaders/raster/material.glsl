@@ -7,14 +7,16 @@ layout(location = 0) out vec4 o_color; // radiance with associated alpha
 
 // ALPHA_MODE: 0 opaque, 1 mask, 2 blend. In mode mask, alpha becomes the fraction of the pixel's samples that is
 // covered, with a transition of one pixel about the cutoff (Golus 2017, "Anti-aliased Alpha Test"). Alpha to coverage
-// uses it.
+// uses it. Where alpha is constant, or cannot cross the cutoff, alpha >= cutoff is opaque (glTF 2.0, 3.9.4).
 float coverage(float alpha) {
 #if ALPHA_MODE == 0
     return 1.0;
 #elif ALPHA_MODE == 1
-    float covered = clamp((alpha - u_alpha_cutoff) / max(fwidth(alpha), 1e-4) + 0.5, 0.0, 1.0);
-#if SAMPLES == 1
-    covered = alpha < u_alpha_cutoff ? 0.0 : 1.0;
+    float covered = alpha < u_alpha_cutoff ? 0.0 : 1.0;
+#if SAMPLES > 1
+    float width = fwidth(alpha);
+    if (width > 1e-4 && u_alpha_cutoff > 0.0 && u_alpha_cutoff <= 1.0)
+        covered = clamp((alpha - u_alpha_cutoff) / width + 0.5, 0.0, 1.0);
 #endif
     if (covered <= 0.0) discard;
     return covered;
