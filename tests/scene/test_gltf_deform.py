@@ -65,6 +65,66 @@ def test_normals_turn_against_a_stretch():
     np.testing.assert_allclose(builder.load().meshes[0].normals, [expected] * 3, atol=1e-6)
 
 
+MIRRORED = {"scale": [-1, 1, 1]}
+
+
+def winding(mesh):
+    """Whether each triangle winds counter-clockwise about the mean of its normals."""
+    corners = np.arange(len(mesh.positions)) if mesh.indices is None else mesh.indices
+    corners = corners.reshape(-1, 3)
+    a, b, c = (mesh.positions[corners[:, k]] for k in range(3))
+    return np.einsum("ij,ij->i", np.cross(b - a, c - a), mesh.normals[corners].sum(axis=1)) > 0
+
+
+@pytest.mark.parametrize("indexed", [False, True])
+def test_a_mirrored_joint_keeps_the_outside_outside(indexed):
+    builder = skinned([MIRRORED], [[1, 0, 0, 0]] * 3, [[0] * 4] * 3)
+    if indexed:
+        builder.json["meshes"][0]["primitives"][0]["indices"] = builder.accessor([0, 1, 2], "uint16")
+    mesh = builder.load().meshes[0]
+    np.testing.assert_allclose(mesh.positions, TRIANGLE * (-1, 1, 1))
+    np.testing.assert_allclose(mesh.normals, [[0, 0, 1]] * 3)
+    assert winding(mesh).all()
+
+
+def test_joints_and_not_the_node_of_the_mesh_say_what_is_mirrored():
+    """The node of the mesh mirrors, its joint does not."""
+    assert winding(skinned([{}], [[1, 0, 0, 0]] * 3, [[0] * 4] * 3, **MIRRORED).load().meshes[0]).all()
+
+
+@pytest.mark.parametrize("joint", [{}, MIRRORED])
+def test_an_inverse_bind_matrix_may_mirror(joint):
+    builder = skinned([joint], [[1, 0, 0, 0]] * 3, [[0] * 4] * 3)
+    builder.json["skins"][0]["inverseBindMatrices"] = builder.accessor([np.diag([-1.0, 1, 1, 1]).ravel()])
+    mesh = builder.load().meshes[0]
+    assert winding(mesh).all()
+    np.testing.assert_allclose(mesh.normals, [[0, 0, 1]] * 3)
+
+
+def test_each_triangle_follows_its_own_joints():
+    builder = GltfBuilder()
+    joints = [builder.node(), builder.node(**MIRRORED)]
+    skin = builder.add("skins", {"joints": joints})
+    chosen = [0, 0, 0, 1, 1, 1, 0, 1, 1]
+    attributes = {"POSITION": builder.accessor(np.tile(TRIANGLE, (3, 1)) + np.float32([2, 0, 0])),
+                  "NORMAL": builder.accessor([[0, 0, 1]] * 9),
+                  "JOINTS_0": builder.accessor([[k, 0, 0, 0] for k in chosen], "uint8"),
+                  "WEIGHTS_0": builder.accessor([[1, 0, 0, 0]] * 9)}
+    builder.node(mesh=builder.mesh(attributes), skin=skin)
+    mesh = builder.load().meshes[0]
+    np.testing.assert_array_equal(mesh.indices, [0, 1, 2, 3, 5, 4, 6, 8, 7])
+    assert winding(mesh)[:2].all()
+
+
+def test_a_mirrored_joint_turns_the_bitangent():
+    builder = skinned([MIRRORED], [[1, 0, 0, 0]] * 3, [[0] * 4] * 3)
+    primitive = builder.json["meshes"][0]["primitives"][0]
+    primitive["attributes"] |= {"TANGENT": builder.accessor([[1, 0, 0, 1]] * 3),
+                                "TEXCOORD_0": builder.accessor([[0, 0], [1, 0], [0, 1]])}
+    primitive["material"] = builder.add("materials", {"normalTexture": {"index": builder.texture()}})
+    np.testing.assert_allclose(builder.load().meshes[0].tangents, [[-1, 0, 0, -1]] * 3)
+
+
 @pytest.mark.parametrize("dtype, one", [("float32", 1), ("uint8", 255), ("uint16", 65535)])
 def test_eight_influences(dtype, one):
     nodes = [{"translation": [k, 0, 0]} for k in range(8)]

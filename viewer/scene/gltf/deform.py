@@ -77,8 +77,27 @@ def skin_normals(normals: np.ndarray, blend: np.ndarray) -> np.ndarray:
     a = blend[..., :3]
     # The matrix of cofactors equals det * inverse transpose, and also exists for singular matrices.
     cofactor = np.stack([np.cross(a[:, 1], a[:, 2]), np.cross(a[:, 2], a[:, 0]), np.cross(a[:, 0], a[:, 1])], axis=1)
-    sign = np.where(np.einsum("ni,ni->n", a[:, 0], cofactor[:, 0]) < 0, -1.0, 1.0)
-    return _unit(np.einsum("nij,nj->ni", cofactor, normals) * sign[:, None])
+    return _unit(np.einsum("nij,nj->ni", cofactor, normals) * blend_sides(blend)[:, None])
+
+
+def blend_sides(blend: np.ndarray) -> np.ndarray:
+    """-1 where a (N, 3, 4) matrix mirrors, else 1, (N,) float32."""
+    return np.where(np.linalg.det(blend[..., :3]) < 0, np.float32(-1), np.float32(1))
+
+
+def rewound(count: int, indices: np.ndarray | None, sides: np.ndarray) -> np.ndarray | None:
+    """The (M,) uint32 corners of triangles (None: 0..count-1), those turned round that the skin mirrors.
+
+    A mirrored triangle winds clockwise as seen from outside (3.7.4). The joints decide and not the mesh's node, which
+    has no say in where a skinned mesh lies; of three corners that differ, two outvote one.
+    """
+    if (sides > 0).all():
+        return indices
+    corners = (np.arange(count, dtype=np.uint32) if indices is None else indices)
+    triangles = corners[:len(corners) // 3 * 3].reshape(-1, 3).copy()
+    mirrored = sides[triangles].sum(axis=1) < 0
+    triangles[mirrored] = triangles[mirrored][:, [0, 2, 1]]
+    return triangles.ravel()
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:

@@ -42,11 +42,14 @@ def read_primitive(accessors: Accessors, primitive: Element, name: str, material
     vertices = Vertices(accessors, primitive, mode)
     values = {key: vertices.floats(attributes, key, *_ATTRIBUTES[key]) for key in _ATTRIBUTES if key in attributes}
     _morph(primitive, vertices, values, pose.weights)
+    indices = vertices.indices
     if pose.joints is not None:
-        _skin(attributes, vertices, values, pose.joints)
+        sides = _skin(attributes, vertices, values, pose.joints)
+        if MODES[mode][1] == "triangles":
+            indices = deform.rewound(vertices.count, indices, sides)
     if not np.isfinite(values["POSITION"]).all():
         raise attributes.error("the positions must be finite numbers", "POSITION")
-    mesh = Mesh(name, values["POSITION"], material, MODES[mode][1], vertices.indices,
+    mesh = Mesh(name, values["POSITION"], material, MODES[mode][1], indices,
                 _unit(values.get("NORMAL")), _unit_tangents(values.get("TANGENT")), _uvs(values, vertices.count),
                 _colors(values.get("COLOR_0")))
     if not mesh.element_count:
@@ -70,7 +73,8 @@ def _morph(primitive: Element, vertices: Vertices, values: dict[str, np.ndarray]
             values[key] = deform.morph(base, deltas, [weight for _, weight in moved])
 
 
-def _skin(attributes: Element, vertices: Vertices, values: dict[str, np.ndarray], matrices: np.ndarray) -> None:
+def _skin(attributes: Element, vertices: Vertices, values: dict[str, np.ndarray], matrices: np.ndarray) -> np.ndarray:
+    """Put the vertices where their joints take them; -1 for each vertex that they mirror and 1 for the others, (N,)."""
     sets = [k for k in range(2) if f"JOINTS_{k}" in attributes]
     joints = np.concatenate([vertices.raw(attributes, f"JOINTS_{k}", "VEC4") for k in sets], axis=1)
     weights = np.concatenate([vertices.floats(attributes, f"WEIGHTS_{k}", "VEC4") for k in sets], axis=1)
@@ -79,13 +83,16 @@ def _skin(attributes: Element, vertices: Vertices, values: dict[str, np.ndarray]
     if joints.max() >= len(matrices):
         raise attributes.error(f"joint {joints.max()}, but the skin has {len(matrices)}", "JOINTS_0")
     blend = deform.blend_matrices(joints, weights, matrices)
+    sides = deform.blend_sides(blend)
     values["POSITION"] = deform.skin_positions(values["POSITION"], blend)
     if "NORMAL" in values:
         values["NORMAL"] = deform.skin_normals(values["NORMAL"], blend)
     if "TANGENT" in values:
         tangents = values["TANGENT"].copy()
         tangents[:, :3] = deform.skin_directions(tangents[:, :3], blend)
+        tangents[:, 3] *= sides
         values["TANGENT"] = tangents
+    return sides
 
 
 def _uvs(values: dict[str, np.ndarray], count: int) -> tuple[np.ndarray, ...]:
