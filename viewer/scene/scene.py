@@ -45,10 +45,15 @@ class Scene:
     @cached_property
     def bounds(self) -> np.ndarray:
         """The lowest and highest corner of all instances' boxes, (2, 3) float64; a unit cube about the origin if there
-        are none."""
+        are none.
+
+        Triangles and lines that a scale of 0 shrinks to a point draw nothing, and are left out if anything else is
+        there.
+        """
         if not self.instances:
             return np.array([[-0.5] * 3, [0.5] * 3])
-        return np.stack([self.corners.min(axis=(0, 1)), self.corners.max(axis=(0, 1))])
+        corners = self.corners[self._has_extent]
+        return np.stack([corners.min(axis=(0, 1)), corners.max(axis=(0, 1))])
 
     @cached_property
     def corners(self) -> np.ndarray:
@@ -60,6 +65,13 @@ class Scene:
         return boxes @ transforms[:, :3, :3].transpose(0, 2, 1) + transforms[:, None, :3, 3]
 
     @cached_property
+    def _has_extent(self) -> np.ndarray:
+        """For each instance whether it may draw something, (instances,) bool; all of them if none does."""
+        is_points = np.array([self.meshes[i.mesh].topology == "points" for i in self.instances])
+        has = is_points | (np.ptp(self.corners, axis=1) > 0).any(axis=1)
+        return has if has.any() else ~has
+
+    @cached_property
     def center(self) -> np.ndarray:
         return self.bounds.mean(axis=0)
 
@@ -68,6 +80,8 @@ class Scene:
         """The radius of the sphere about `center` that encloses all vertices. It is never 0, so it can be a divisor."""
         center, radius = self.center, 0.0
         distance = np.linalg.norm(self.corners - center, axis=2).max(axis=1, initial=0.0)
+        if self.instances:
+            distance *= self._has_extent
         for k in np.argsort(-distance):
             if distance[k] <= radius:
                 break  # no vertex in this box or in the remaining ones is farther away than `radius`
