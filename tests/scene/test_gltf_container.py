@@ -54,3 +54,16 @@ def test_bad_data_uris(uri, problem):
     builder.node(mesh=builder.triangle())
     with pytest.raises(InputError, match=rf"buffers\[0\].*{problem}"):
         builder.load()
+
+
+@pytest.mark.parametrize("padding", [b" ", b"\0"])
+def test_the_json_of_a_glb_may_be_padded_by_nul(padding):
+    builder = GltfBuilder()
+    builder.node(mesh=builder.triangle(), name="x" * 1)
+    for _ in range(4):  # one length of four needs no padding
+        builder.json["nodes"][0]["name"] += "x"
+        data = builder.glb()
+        length = int.from_bytes(data[12:16], "little")
+        text = data[20:20 + length].rstrip(b" ")
+        padded = data[:20] + text + padding * (length - len(text)) + data[20 + length:]
+        assert load(padded, "model.glb").triangle_count == 1

@@ -111,3 +111,30 @@ def test_punctual_lights():
     assert (spot.inner_cone, spot.outer_cone, spot.position) == (0, 0.5, (1, 2, 3))
     np.testing.assert_allclose(spot.direction, [0, 1, 0], atol=1e-12)
     assert (sun.kind, sun.intensity, sun.range, sun.direction) == ("directional", 1, None, (0, 0, -1))
+
+
+@pytest.mark.parametrize("noise, warned", [(3e-8, False), (3.6e-6, True), (-9e-4, True)])
+def test_rounding_in_the_last_row_of_a_matrix_is_mended(noise, warned):
+    builder = GltfBuilder()
+    matrix = np.eye(4)
+    matrix[3] += noise
+    builder.node(mesh=builder.triangle(), matrix=matrix.T.ravel().tolist())
+    scene = builder.load()
+    assert np.array_equal(scene.instances[0].transform, np.eye(4))
+    assert [line.split(":")[0] for line in scene.warnings] == ["nodes[0].matrix"] * warned
+
+
+def test_a_projection_is_no_transformation():
+    builder = GltfBuilder()
+    builder.node(mesh=builder.triangle(), matrix=[1, 0, 0, 0.1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1])
+    with pytest.raises(InputError, match=r"nodes\[0\].matrix: the last row must be 0 0 0 1"):
+        builder.load()
+
+
+def test_animations_are_said_not_to_be_played():
+    builder = GltfBuilder()
+    builder.node(mesh=builder.triangle())
+    sampler = {"input": builder.accessor([0.0, 1.0]), "output": builder.accessor([[0, 0, 0], [1, 0, 0]])}
+    builder.add("animations", {"samplers": [sampler],
+                               "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]})
+    assert builder.load().warnings == ("animations: they are not played; the model is shown in its static pose",)

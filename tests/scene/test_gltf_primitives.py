@@ -67,11 +67,27 @@ def test_bad_normals_are_computed_with_a_warning():
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])
-def test_positions_must_be_finite(value):
+@pytest.mark.parametrize("mode, kept, of", [(0, 4, "1 of 5 points"), (1, 2, "1 of 2 lines"), (3, 4, "2 of 4 lines"),
+                                            (4, 0, "1 of 1 triangles"), (5, 0, "3 of 3 triangles")])
+def test_what_is_not_at_finite_positions_is_left_out(mode, kept, of, value):
     builder = GltfBuilder()
-    builder.node(mesh=builder.mesh({"POSITION": builder.accessor([[0, 0, 0], [1, 0, 0], [0, value, 0]])}))
-    with pytest.raises(InputError, match="POSITION: .*finite"):
-        builder.load()
+    points = [[0, 0, 0], [1, 0, 0], [0, value, 0], [1, 1, 0], [2, 1, 0]]
+    builder.node(mesh=builder.mesh({"POSITION": builder.accessor(points)}, mode=mode))
+    scene = builder.load()
+    assert any(f"attributes.POSITION: {of} are not at finite positions; they are left out" in line
+               for line in scene.warnings)
+    assert sum(mesh.element_count for mesh in scene.meshes) == kept and np.isfinite(scene.bounds).all()
+
+
+def test_a_vertex_that_nothing_uses_may_be_anywhere():
+    builder = GltfBuilder()
+    points = builder.accessor([[0, 0, 0], [1, 0, 0], [np.nan, 0, 0], [0, 1, 0]])
+    normals = builder.accessor([[0, 0, 1]] * 4)
+    indices = builder.accessor([0, 1, 3], "uint16")
+    builder.node(mesh=builder.mesh({"POSITION": points, "NORMAL": normals}, indices=indices))
+    scene = builder.load()
+    assert not scene.warnings and scene.triangle_count == 1 and np.isfinite(scene.meshes[0].positions).all()
+    assert scene.bounds.tolist() == [[0, 0, 0], [1, 1, 0]]
 
 
 @pytest.mark.parametrize("dtype, columns", [("uint8", 3), ("uint16", 4), ("float32", 3), ("float32", 4)])

@@ -7,8 +7,11 @@ from .element import Element
 
 
 def check_animations(root: Element, accessors: Accessors) -> None:
-    """Raise InputError if a sampler has no key frames, or fewer values than key frames."""
-    for animation in root.array("animations"):
+    """Warn that they are not played. Raise InputError if a sampler has no key frames or too few values."""
+    animations = root.array("animations")
+    if animations:
+        root.warn("they are not played; the model is shown in its static pose", "animations")
+    for animation in animations:
         samplers = animation.array("samplers")
         for channel in animation.array("channels"):
             channel.index("sampler", len(samplers))

@@ -20,7 +20,8 @@ def read_container(path: Path, data: bytes) -> tuple[dict, memoryview | None, st
     """
     if data[:4] == GLB_MAGIC:
         text, binary = _split_glb(path, memoryview(data))
-        return _parse_json(path, bytes(text)), binary, "GLB"
+        # Padding should be spaces, but writers exist that pad with NUL.
+        return _parse_json(path, bytes(text).rstrip(b"\0")), binary, "GLB"
     if path.suffix.lower() == ".glb" and data.lstrip()[:1] != b"{":
         raise InputError(path, "header", "not a GLB file: it does not begin with 'glTF'")
     return _parse_json(path, data), None, "glTF"

@@ -8,13 +8,13 @@ import numpy as np
 
 from ..frames import with_flat_normals, with_repaired_normals, with_tangents
 from ..material import Material
-from ..mesh import Mesh
+from ..mesh import Mesh, Topology
 from ..schema import MAPS, needs_tangents, tangent_texture
 from . import deform
 from .accessors import Accessors
 from .element import Element
 from .textures import MAX_UV_SETS
-from .topology import MODES
+from .topology import ELEMENT_SIZES, MODES
 from .vertices import Vertices
 
 _ATTRIBUTES = {"POSITION": ("VEC3",), "NORMAL": ("VEC3",), "TANGENT": ("VEC4",), "COLOR_0": ("VEC3", "VEC4"),
@@ -42,14 +42,13 @@ def read_primitive(accessors: Accessors, primitive: Element, name: str, material
     vertices = Vertices(accessors, primitive, mode)
     values = {key: vertices.floats(attributes, key, *_ATTRIBUTES[key]) for key in _ATTRIBUTES if key in attributes}
     _morph(primitive, vertices, values, pose.weights)
-    indices = vertices.indices
+    topology, indices = MODES[mode][1], vertices.indices
     if pose.joints is not None:
         sides = _skin(attributes, vertices, values, pose.joints)
-        if MODES[mode][1] == "triangles":
+        if topology == "triangles":
             indices = deform.rewound(vertices.count, indices, sides)
-    if not np.isfinite(values["POSITION"]).all():
-        raise attributes.error("the positions must be finite numbers", "POSITION")
-    mesh = Mesh(name, values["POSITION"], material, MODES[mode][1], indices,
+    positions, indices = _finite_part(attributes, values["POSITION"], indices, topology)
+    mesh = Mesh(name, positions, material, topology, indices,
                 _unit(values.get("NORMAL")), _unit_tangents(values.get("TANGENT")), _uvs(values, vertices.count),
                 _colors(values.get("COLOR_0")))
     if not mesh.element_count:
@@ -57,6 +56,22 @@ def read_primitive(accessors: Accessors, primitive: Element, name: str, material
         return None
     mesh = _with_uv_sets(mesh, materials[material], primitive)
     return _complete(mesh, materials[material], primitive) if mesh.topology == "triangles" else mesh
+
+
+def _finite_part(attributes: Element, positions: np.ndarray, indices: np.ndarray | None,
+                 topology: Topology) -> tuple[np.ndarray, np.ndarray | None]:
+    """Positions that are all finite, and the indices without the triangles, lines or points that were not."""
+    bad = ~np.isfinite(positions).all(axis=1)
+    if not bad.any():
+        return positions, indices
+    if indices is None:
+        indices = np.arange(len(positions), dtype=np.uint32)
+    elements = indices.reshape(-1, ELEMENT_SIZES[topology])
+    whole = ~bad[elements].any(axis=1)
+    if not whole.all():
+        problem = f"{np.count_nonzero(~whole)} of {len(whole)} {topology} are not at finite positions"
+        attributes.warn(f"{problem}; they are left out", "POSITION")
+    return np.where(bad[:, None], np.float32(0), positions), elements[whole].ravel()
 
 
 def _morph(primitive: Element, vertices: Vertices, values: dict[str, np.ndarray], weights: tuple[float, ...]) -> None:

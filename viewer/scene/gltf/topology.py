@@ -11,6 +11,9 @@ MODES: dict[int, tuple[str, Topology, int]] = {
     4: ("triangles", "triangles", 3), 5: ("triangle strip", "triangles", 3), 6: ("triangle fan", "triangles", 3)}
 """For each `mode` of a primitive: its name, the topology it becomes, and the least vertices for one element."""
 
+ELEMENT_SIZES: dict[Topology, int] = {"points": 1, "lines": 2, "triangles": 3}
+"""The vertices of one element."""
+
 
 def to_list(mode: int, indices: np.ndarray) -> np.ndarray:
     """Converts (M,) uint32 indices of a glTF mode to (M',) uint32 indices of separate points, lines or triangles."""
