@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sys
 import threading
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from operator import index
@@ -34,7 +35,7 @@ def load(path: str | PathLike[str], environment: str | PathLike[str] | None = "s
     """Load a model file as a scene, lit by an environment.
 
     `environment` is an HDR or EXR file, the name of a built-in environment (studio, sky, furnace) or None. The scene's
-    `warnings` list what of the file is not supported. Raises InputError for a file that cannot be used. The pixels of
+    `all_warnings` list what of the file is not supported. Raises InputError for a file that cannot be used. The pixels of
     an environment are decoded when they are first needed, so `render` may raise its InputError. Raises UsageError for
     an argument that is not a path.
     """
@@ -65,10 +66,21 @@ def render(
     variance, samples. With a `time_budget` or `error` and without `mode`, the best method is chosen (docs/budget.md);
     `Image.stats` names it.
 
-    Raises UsageError for arguments of the wrong type, an invalid size or a setting that does not exist, InputError for
-    textures and environments that cannot be decoded, and ContextError if there is no OpenGL.
+    A texture that cannot be decoded is left out, with a UserWarning. Raises UsageError for arguments of the wrong type,
+    an invalid size or a setting that does not exist, InputError for an environment that cannot be decoded, and
+    ContextError if there is no OpenGL.
     """
     _expect_scene(scene, camera)
+    known = scene.all_warnings
+    image = _rendered(scene, size, camera, backend, aov, settings)
+    for line in scene.all_warnings:
+        if line not in known:
+            warnings.warn(line, stacklevel=2)
+    return image
+
+
+def _rendered(scene: Scene, size: tuple[int, int], camera: Camera | None, backend: str, aov: Sequence[str],
+              settings: dict[str, Any]) -> Image:
     chosen, size = Settings.of(**settings), _checked(size)
     is_open = "mode" not in settings and not (chosen.time_budget is None and chosen.error is None)
     if not is_open:

@@ -357,7 +357,7 @@ def _warn(model: str, scene: Any, options: dict[str, Any]) -> None:
         return
     from .plan.warnings import picture_warnings
 
-    for warning in [*scene.warnings, *picture_warnings(scene, options.get("mode", "pbr"))]:
+    for warning in [*scene.all_warnings, *picture_warnings(scene, options.get("mode", "pbr"))]:
         say(f"{model}: warning: {warning}")
 
 

@@ -62,10 +62,15 @@ def test_no_more_than_a_few_are_held_at_once(pixels, monkeypatch):
     assert len(list(decoder.results())) == 9
 
 
-def test_a_broken_image_is_an_error_where_results_are_asked_for(pixels):
-    whole = encoded(pixels, "broken.png")
-    broken = replace(whole, data=whole.data[: len(whole.data) // 2])
-    decoder = Decoder([(broken, "RGB", False), *((encoded(pixels), "RGB", False) for _ in range(6))])
+def test_an_error_is_raised_where_results_are_asked_for(pixels):
+    broken = encoded(pixels, "broken.png")
+
+    def decode(image, channels, srgb):
+        if image is broken:
+            raise InputError(image.name, "", "cannot be decoded")
+        return decode_levels(image, channels, srgb)
+
+    decoder = Decoder([(broken, "RGB", False), *((encoded(pixels), "RGB", False) for _ in range(6))], decode)
     with pytest.raises(InputError, match="broken.png"):
         list(decoder.results())
 

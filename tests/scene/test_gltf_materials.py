@@ -114,7 +114,7 @@ def test_textures_samplers_and_transforms():
     assert normal.sampler == Sampler("clamp", "mirror", "nearest", "linear", "nearest")
     assert normal.transform == UVTransform((0.1, 0.2), 0.3, (2, 3)) and normal.uv_set == 0
     assert (material.normal_scale, material.occlusion_strength) == (0.5, 0.25)
-    assert material.occlusion_texture.image is normal.image
+    assert material.occlusion_texture.image.data is normal.image.data
 
 
 def test_texture_transform_turns_as_in_the_khronos_test_model():

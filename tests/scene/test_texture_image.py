@@ -81,11 +81,16 @@ def test_bombs_are_refused_by_their_header():
 
 
 @pytest.mark.parametrize("bits", [8, 16])
-def test_truncated_data_names_the_image(bits, capfd):
+def test_truncated_data_is_the_neutral_colour_and_a_line(bits, capfd):
     noise = np.random.default_rng(2).integers(0, 256, (8, 8 * 3 * bits // 8), dtype=np.uint8)
     data = png(8, 8, bits, 2, np.pad(noise, ((0, 0), (1, 0))).tobytes())[:150]
-    with pytest.raises(InputError, match="^wall.png: "):
-        open_texture_image(data, "wall.png").decode()
+    image = open_texture_image(data, "wall.png", neutral=(0.0, 1.0, 0.2, 1.0))
+    for channels, texel in ((None, [0, 1, 0.2, 1]), ("GB", [1, 0.2]), ("R", [0])):
+        pixels = image.decode(channels)
+        assert pixels.dtype == (np.uint8 if bits == 8 else np.uint16) and pixels.shape == (8, 8, len(texel))
+        assert (pixels == [value * np.iinfo(pixels.dtype).max for value in texel]).all()
+    [problem] = image.problems
+    assert problem.startswith("wall.png: ") and "\n" not in problem
     assert capfd.readouterr().err == ""
 
 

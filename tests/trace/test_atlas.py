@@ -12,7 +12,6 @@ import pytest
 from harness import evaluate
 from images import image_of, noise
 
-from viewer.errors import InputError
 from viewer.gpu.programs import set_uniform
 from viewer.scene.color import srgb_to_linear
 from viewer.scene.material import Sampler, Texture, UVTransform
@@ -132,11 +131,12 @@ def test_a_reduced_image_is_the_mean_of_its_texels(context, monkeypatch, is_srgb
     np.testing.assert_allclose(found, value.reshape(32, 2, 32, 2, 4).mean(axis=(1, 3)), atol=0.51 * 2.3 / 255)
 
 
-def test_a_broken_image_raises_its_name(context):
+def test_a_broken_image_is_its_neutral_colour(context):
     good = image_of(noise(64, 64), "wood.png")
-    broken = TextureImage("wood.png", good.data[:len(good.data) // 2], 64, 64, "PNG")
-    with pytest.raises(InputError, match="^wood.png: cannot be decoded"):
-        Atlas(context, [broken], False).upload()
+    broken = TextureImage("wood.png", good.data[:len(good.data) // 2], 64, 64, "PNG", neutral=(0.0, 1.0, 0.2, 1.0))
+    found = evaluate_texels(context, Atlas(context, [broken], False).upload(), 64, 64)
+    np.testing.assert_allclose(found, np.full((64, 64, 4), broken.neutral), atol=1e-6)
+    assert broken.problems[0].startswith("wood.png: cannot be decoded")
 
 
 def evaluate_texels(context, texture, width: int, height: int) -> np.ndarray:

@@ -72,7 +72,7 @@ class Panel:
             ("Picture", True, self._picture), ("Model", False, self._model),
             ("Left out", False, self._left_out), ("Frame time", True, self._frame_time),
         ):
-            if (name == "Warnings" and not self._state.scene.warnings) or (
+            if (name == "Warnings" and not self._state.scene.all_warnings) or (
                     name == "Path tracing" and not self._state.shows("path")):
                 continue
             imgui.push_id(name)
@@ -84,7 +84,7 @@ class Panel:
         return panel_width
 
     def _warnings(self) -> None:
-        for line in self._state.scene.warnings:
+        for line in self._state.scene.all_warnings:
             _wrapped(line, _WARNING)
 
     def _shading(self) -> None:

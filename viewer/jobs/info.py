@@ -38,7 +38,7 @@ def describe_scene(scene: Scene, settings: Settings) -> Facts:
                    for light in scene.lights],
         "cameras": [camera.name or "(unnamed)" for camera in scene.cameras],
         "environment": _environment_line(environment) if environment is not None else "none",
-        "warnings": list(scene.warnings),
+        "warnings": list(scene.all_warnings),
         "plan": plan.to_json(),
     }
 

@@ -92,7 +92,12 @@ class RenderJob:
         view = camera(model, scene)
         loaded = time.perf_counter()
         progress.say(f"{Path(model).name}: rendering")
+        known = scene.all_warnings
         image = maker.make(scene, view, path, progress)
+        if not self.quiet:  # of textures, what is wrong is known only when they are decoded
+            for warning in scene.all_warnings:
+                if warning not in known:
+                    say(f"{model}: warning: {warning}")
         rendered = time.perf_counter()
         image.save(path)
         saved = time.perf_counter()
@@ -131,7 +136,7 @@ class RenderJob:
         return {
             "model": model, "output": str(path), "size": list(self.size), "triangles": scene.triangle_count,
             "device": context.renderer, "opengl": context.version, "backend": context.backend,
-            "wall_s": seconds, **maker.stats,
+            "wall_s": seconds, **maker.stats, "warnings": list(scene.all_warnings),
             "memory": {"peak_rss_mb": peak_memory_mb(), "textures_mb": maker.texture_bytes / 1e6},
         }
 

@@ -26,6 +26,8 @@ class Environment:
     rotation: float = 0.0
     intensity: float = 1.0
     digest: str = ""
+    warnings: tuple[str, ...] = ()
+    """Lines for the user about what of the file is not as it might be expected."""
 
     def digest_parts(self) -> tuple[object, ...]:
         """The values that its light depends on, for `base.digest`. If `digest` is known, no file is decoded."""

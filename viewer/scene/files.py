@@ -35,8 +35,12 @@ def read_file(path: str | PathLike[str], name: str = "", place: str = "") -> byt
         raise InputError(name or path, place, _problem(f"cannot be read: {reason}", path, name)) from error
 
 
+class OutsideError(InputError):
+    """A model names a file that is not in its own folder."""
+
+
 def path_inside(model: Path, uri: str, place: str) -> Path:
-    """The file that a relative URI in `model` refers to. Raises InputError for a file outside the model's folder.
+    """The file that a relative URI in `model` refers to. Raises InputError; OutsideError for a file outside the folder.
 
     The check uses the percent-decoded path with all symbolic links resolved, so `..` cannot be disguised.
     """
@@ -45,7 +49,7 @@ def path_inside(model: Path, uri: str, place: str) -> Path:
         if not text or "\0" in text:
             raise InputError(model, place, f"not a file name: {uri[:80]!r}")
         if _SCHEME.match(text) or text.startswith(("/", "\\")):
-            raise InputError(model, place, f"{text[:80]!r} is not relative; only files in the model's folder are read")
+            raise OutsideError(model, place, f"{text[:80]!r} is not relative; only files in the model's folder are read")
         if "\\" in text:
             raise InputError(model, place, f"{text[:80]!r} contains backslashes; a URI separates folders by /")
         try:
@@ -53,7 +57,7 @@ def path_inside(model: Path, uri: str, place: str) -> Path:
         except (OSError, RuntimeError, ValueError) as error:
             raise InputError(model, place, f"{text[:80]!r} cannot be resolved") from error
         if not path.is_relative_to(folder):
-            raise InputError(model, place, f"{text[:80]!r} lies outside the model's folder")
+            raise OutsideError(model, place, f"{text[:80]!r} lies outside the model's folder")
         if path == model.resolve():
             raise InputError(model, place, "names the model file itself")
         if _exists(path):

@@ -15,6 +15,8 @@ from ..errors import InputError
 from .color import srgb_to_linear
 from .files import path_inside, read_file
 from .material import RGB, Material, Sampler, Texture, UVTransform, Wrap
+from .parameter import RGBA, WHITE
+from .schema import MAPS
 from .text import decoded, plain_text
 from .texture_image import MESH_FORMATS, TextureImage, open_texture_image
 
@@ -36,7 +38,7 @@ class MaterialLibrary:
     def __init__(self, model: Path, warnings: list[str]) -> None:
         self.materials: dict[str, Material] = {}
         self._model, self._warnings = model, warnings
-        self._images: dict[Path, TextureImage] = {}
+        self._images: dict[tuple[Path, RGBA], TextureImage] = {}
 
     def add_all(self, names: str) -> None:
         """Read the MTL files that one statement names: a file whose name holds spaces, or several files."""
@@ -144,14 +146,15 @@ class MaterialLibrary:
         name, options = _split_options(block[key])
         try:
             path = self._find(name)
-            if path not in self._images:
-                self._images[path] = open_texture_image(read_file(path), str(path), MESH_FORMATS)
+            neutral = MAPS["normal"].info.neutral if key in ("norm", "map_bump", "bump") else WHITE
+            if (path, neutral) not in self._images:
+                self._images[path, neutral] = open_texture_image(read_file(path), str(path), MESH_FORMATS, neutral)
         except InputError as error:
             self._warnings.append(f"{block['newmtl']}: {key}: {error.problem}; the texture is left out")
             return None, 1.0
         wrap: Wrap = "clamp" if options.get("-clamp", "off").lower() == "on" else "repeat"
         scale = _number(options.get("-bm"))
-        texture = Texture(self._images[path], Sampler(wrap, wrap), transform=_uv_transform(options))
+        texture = Texture(self._images[path, neutral], Sampler(wrap, wrap), transform=_uv_transform(options))
         return texture, 1.0 if scale is None else scale
 
     @property

@@ -11,7 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-WHITE = (1.0, 1.0, 1.0, 1.0)
+RGBA = tuple[float, float, float, float]
+WHITE: RGBA = (1.0, 1.0, 1.0, 1.0)
 Role = Literal["input", "argument", "python"]
 
 
@@ -79,7 +80,7 @@ class MapInfo:
     key: str
     channels: str
     srgb: bool
-    neutral: tuple[float, float, float, float]
+    neutral: RGBA
     has_effect: Callable[[Any], bool]
     models: tuple[str, ...]
     path_traced: bool
@@ -98,7 +99,7 @@ def parameter(default: Any, key: str, meaning: str, *, of: Feature, low: float =
 
 
 def texture_map(key: str, meaning: str, *, of: Feature, channels: str, srgb: bool = False,
-                neutral: tuple[float, float, float, float] = WHITE,
+                neutral: RGBA = WHITE,
                 has_effect: Callable[[Any], bool] = lambda material: True, models: tuple[str, ...] = ("pbr",),
                 path_traced: bool = True, needs_tangents: bool = False, raw_channels: str = "") -> Any:
     """A dataclass field that holds a texture map of the feature `of`, or None; see MapInfo.

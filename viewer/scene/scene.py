@@ -13,6 +13,7 @@ from .environment import Environment
 from .light import Light
 from .material import Material
 from .mesh import Mesh
+from .schema import MAPS
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +64,15 @@ class Scene:
         boxes = np.stack([_box_corners(self.meshes[i.mesh].bounds) for i in self.instances])
         transforms = np.stack([i.transform for i in self.instances])
         return boxes @ transforms[:, :3, :3].transpose(0, 2, 1) + transforms[:, None, :3, 3]
+
+    @property
+    def all_warnings(self) -> tuple[str, ...]:
+        """`warnings`, those of the environment, and of each texture that did not decode when it was drawn."""
+        textures = (m.texture(material) for material in self.materials for m in MAPS.values())
+        images = dict.fromkeys(texture.image for texture in textures if texture is not None)
+        lost = (f"{problem}; the texture is left out" for image in images for problem in image.problems)
+        environment = self.environment.warnings if self.environment is not None else ()
+        return tuple(dict.fromkeys((*self.warnings, *environment, *lost)))
 
     @cached_property
     def _has_extent(self) -> np.ndarray:

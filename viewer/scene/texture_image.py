@@ -14,6 +14,7 @@ import numpy as np
 from PIL import Image
 
 from ..errors import InputError
+from .parameter import RGBA, WHITE
 
 MAX_SIDE = 1 << 14
 MAX_PIXELS = 1 << 27
@@ -30,7 +31,8 @@ class TextureImage:
     """An encoded image whose header `open_texture_image` has checked; `name` is its file or place, for messages.
 
     `bits` is the depth of a channel, 8 or 16. `format` is Pillow's name ("PNG", "JPEG", "WEBP", ...). `grey` is True if
-    the image has no colour, and `has_alpha` if texels may be transparent.
+    the image has no colour, and `has_alpha` if texels may be transparent. `neutral`, RGBA in [0, 1], is the colour of
+    all texels if the data cannot be decoded.
     """
 
     name: str
@@ -41,14 +43,34 @@ class TextureImage:
     bits: int = 8
     grey: bool = False
     has_alpha: bool = True
+    neutral: RGBA = WHITE
+    problems: list[str] = field(default_factory=list, init=False, repr=False, compare=False)
+    """Why the data does not decode, once that was tried; empty otherwise."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "data", bytes(self.data))  # plain, so that it can be copied and sent to processes
+
+    def digest_parts(self) -> tuple[object, ...]:
+        """What the pixels depend on, for `base.digest`."""
+        return self.data, self.neutral
 
     def decode(self, channels: str | None = None) -> np.ndarray:
         """The pixels as stored, (H, W, C) uint8 or uint16, row 0 at the top. No colour space is applied.
 
         By default C follows the file: grey 1, grey and alpha 2, RGB 3, RGBA 4 (palettes and CMYK become RGB or RGBA).
         `channels` selects some of "RGBA", such as "GB", in that order. In a grey image R, G and B are all the grey
-        channel, and in an image without alpha A is opaque. Raises InputError for data that cannot be decoded.
+        channel, and in an image without alpha A is opaque. Data that cannot be
+        decoded gives `neutral`, and `problems` says why.
         """
+        try:
+            return self._decode(channels)
+        except InputError as error:
+            self.problems[:] = [str(error)]
+            full = 65535 if self.bits == 16 else 255
+            texel = [round(self.neutral["RGBA".index(c)] * full) for c in channels or "RGBA"]
+            return np.full((self.height, self.width, len(texel)), texel, np.uint16 if self.bits == 16 else np.uint8)
+
+    def _decode(self, channels: str | None) -> np.ndarray:
         if self.bits == 16:
             with _as_input_error(self.name):
                 return _pick(_decode_16_bit(self), channels)
@@ -60,8 +82,9 @@ class TextureImage:
             return _pick_bands(plain, channels)
 
 
-def open_texture_image(data: Buffer, name: str, formats: tuple[str, ...] = GLTF_FORMATS) -> TextureImage:
-    """Check the header of an encoded image without decoding it.
+def open_texture_image(data: Buffer, name: str, formats: tuple[str, ...] = GLTF_FORMATS,
+                       neutral: RGBA = WHITE) -> TextureImage:
+    """Check the header of an encoded image without decoding it. `neutral` is as in TextureImage.
 
     Raises InputError if the image has none of `formats`, or more than MAX_SIDE texels per side or MAX_PIXELS in all. A
     file of a few kilobytes can declare gigabytes of pixels.
@@ -74,7 +97,8 @@ def open_texture_image(data: Buffer, name: str, formats: tuple[str, ...] = GLTF_
                                    "in all")
     # Byte 24 of a PNG is the bit depth in IHDR, which always comes first.
     bits = 16 if kind == "PNG" and data[24] == 16 else 8
-    return TextureImage(name, data, width, height, kind, bits, mode[0] in "1LIF" and mode != "LAB", has_alpha)
+    return TextureImage(name, data, width, height, kind, bits, mode[0] in "1LIF" and mode != "LAB", has_alpha,
+                        neutral)
 
 
 def _plain_mode(image: Image.Image) -> Image.Image:

@@ -42,7 +42,7 @@ def read_material(element: Element, textures: Textures) -> Material:
     for source in MAPS.values():
         place = places[source.info.feature]
         if place is not None:
-            values[f"{source.name}_texture"] = textures.read(place, source.info.key)
+            values[f"{source.name}_texture"] = textures.read(place, source.info.key, source.info.neutral)
     strength = element.extension("KHR_materials_emissive_strength")
     if strength is not None:
         factor = strength.number("emissiveStrength", 1.0, 0.0)

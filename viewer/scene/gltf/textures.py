@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+from ...errors import InputError
+from ..files import OutsideError
 from ..material import Filter, Sampler, Texture, UVTransform, Wrap
+from ..parameter import RGBA
 from ..texture_image import TextureImage, open_texture_image
 from .buffers import Buffers, read_uri
 from .element import Element
@@ -23,16 +28,21 @@ class Textures:
         self._images = root.array("images")
         self._buffers = buffers
         self.opened: dict[int, TextureImage] = {}
+        self._otherwise_neutral: dict[tuple[int, RGBA], TextureImage] = {}
+        self._lost: set[int] = set()
 
-    def read(self, owner: Element, key: str) -> Texture | None:
+    def read(self, owner: Element, key: str, neutral: RGBA) -> Texture | None:
         """The texture of the texture info at `owner.key`; None if there is none, or, with a warning, if it cannot be
-        used."""
+        used.
+
+        If its image turns out to be broken when it is decoded, `neutral` is the colour of all texels.
+        """
         if key not in owner:
             return None
         info = owner.object(key)
         texture = self._textures[info.index("index", len(self._textures))]
-        image = self._image_index(texture)
-        if image is None:
+        source = self._image_index(texture)
+        if source is None:
             return None
         uv_set = info.integer("texCoord", 0)
         transform = None
@@ -44,7 +54,8 @@ class Textures:
         if uv_set >= MAX_UV_SETS:
             info.warn(f"the texture is left out: it uses UV set {uv_set}, and only 0 and 1 are supported", "texCoord")
             return None
-        return Texture(self._image(image), self._sampler(texture), uv_set, transform)
+        image = self._image(info, source, neutral)
+        return None if image is None else Texture(image, self._sampler(texture), uv_set, transform)
 
     def _image_index(self, texture: Element) -> int | None:
         webp = texture.extension("EXT_texture_webp")
@@ -65,14 +76,30 @@ class Textures:
         return Sampler(sampler.choice("wrapS", _WRAPS, 10497), sampler.choice("wrapT", _WRAPS, 10497),
                        sampler.choice("magFilter", _MAG_FILTERS, 9729), min_filter, mip_filter)
 
-    def _image(self, index: int) -> TextureImage:
+    def _image(self, info: Element, index: int, neutral: RGBA) -> TextureImage | None:
+        """Raises OutsideError for a file that is not the model's."""
+        if index in self._lost:
+            return None
         if index not in self.opened:
-            image = self._images[index]
-            name = f"{image.document.path}: {image.place}"
-            if "uri" in image:
-                data, path = read_uri(image, "uri")
-                name = name if path is None else str(path)
-            else:
-                data = self._buffers.view(image.index("bufferView", len(self._buffers.views)))
-            self.opened[index] = open_texture_image(data, name)
-        return self.opened[index]
+            try:
+                self.opened[index] = self._open(self._images[index], neutral)
+            except OutsideError:
+                raise
+            except InputError as error:
+                problem = str(error).removeprefix(f"{info.document.path}: ")
+                info.warn(f"{problem}; the texture is left out")
+                self._lost.add(index)
+                return None
+        image = self.opened[index]
+        if image.neutral == neutral:
+            return image
+        return self._otherwise_neutral.setdefault((index, neutral), replace(image, neutral=neutral))
+
+    def _open(self, image: Element, neutral: RGBA) -> TextureImage:
+        name = f"{image.document.path}: {image.place}"
+        if "uri" in image:
+            data, path = read_uri(image, "uri")
+            name = name if path is None else str(path)
+        else:
+            data = self._buffers.view(image.index("bufferView", len(self._buffers.views)))
+        return open_texture_image(data, name, neutral=neutral)
