@@ -29,7 +29,7 @@ from viewer.settings import Settings, setting_choices
 
 ENVIRONMENT = Environment("grey", np.ones((16, 32, 3), np.float32))
 SUN = Light.from_angles(0.0, 0.5, 1.0)
-MAP = Texture(TextureImage("none", b"", 1, 1, "PNG"))  # never decoded: nothing is drawn here
+MAP = Texture(TextureImage("none", b"", 16, 16, "PNG"))  # never decoded: nothing is drawn here
 PLAIN = Material()
 
 

@@ -75,8 +75,9 @@ def test_a_thousand_glowing_triangles(tracer):
     cut = sphere(1, 48)
     whole = scene((plate(0, half=4.0), facing_floor(y=-2.0)), cut, materials=[WHITE, glow])
     above = orthographic(0.0, 1.2, height=1.0)
-    above = replace(above, pose=above.pose.copy())
-    above.pose[:3, 3] += (3, -2, 0)
+    pose = above.pose.copy()
+    pose[:3, 3] += (3, -2, 0)
+    above = replace(above, pose=pose)
     both = halves(tracer, whole, above, (16, 16), spp=64)
     # A ball of radiance L and radius 1 at distance d, seen from a floor: E = pi L cos(theta) / d^2.
     x = 3.0

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError
 from ..scene.color import srgb_to_linear
 from ..scene.material import Material
 from ..scene.schema import MAPS, Map, Value, multiplied_by
@@ -53,10 +52,7 @@ def constant_color(image: TextureImage) -> RGBA | None:
 
 @lru_cache(maxsize=256)
 def _decoded(image: TextureImage) -> RGBA | None:
-    try:
-        pixels = image.decode("RGBA")
-    except InputError:
-        return None  # the error is raised again if the map is decoded for drawing
+    pixels = image.decode("RGBA")
     texels = pixels.reshape(-1, 4)
     return tuple((texels[0] / np.iinfo(pixels.dtype).max).tolist()) if (texels == texels[0]).all() else None
 

@@ -8,6 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..errors import UsageError
+from .arrays import scene_array
+
 DEFAULT_FOV = math.radians(45.0)
 DEFAULT_AZIMUTH = math.radians(30.0)
 DEFAULT_ELEVATION = math.radians(15.0)
@@ -30,6 +33,18 @@ class Camera:
     name: str = ""
     near: float | None = None
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "pose", scene_array(self.pose, "Camera.pose", np.float64, 4, 4))
+        if self.height is None and not 0 < self.fov_y < math.pi:
+            hint = "; it is in radians: math.radians(45), say" if self.fov_y >= math.pi else ""
+            raise UsageError(f"Camera.fov_y is {self.fov_y:g}, which is not between 0 and pi{hint}")
+        if self.height is not None and not 0 < self.height < math.inf:
+            raise UsageError(f"Camera.height is {self.height:g}, not a length")
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()
+
     @property
     def eye(self) -> np.ndarray:
         return self.pose[:3, 3]
@@ -42,7 +57,8 @@ class Camera:
     def look_at(cls, eye: ArrayLike, target: ArrayLike, up: ArrayLike = (0.0, 1.0, 0.0), fov_y: float = DEFAULT_FOV,
                 name: str = "") -> Camera:
         """A perspective camera at `eye` that looks at `target`. An `up` parallel to the view is replaced by an axis."""
-        eye, target, up = (np.asarray(v, np.float64) for v in (eye, target, up))
+        eye, target, up = (scene_array(v, name, np.float64, 3) for v, name in (
+            (eye, "eye"), (target, "target"), (up, "up")))
         back = eye - target
         length = np.linalg.norm(back)
         back = back / length if length > 0 else np.array([0.0, 0.0, 1.0])
@@ -59,7 +75,9 @@ class Camera:
               elevation: float = DEFAULT_ELEVATION, fov_y: float = DEFAULT_FOV) -> Camera:
         """A camera on a sphere about `center`. Azimuth 0 is at +Z and grows towards +X; elevation grows upwards. Both
         are in radians."""
-        center = np.asarray(center, np.float64)
+        center = scene_array(center, "center", np.float64, 3)
+        if not (math.isfinite(azimuth) and math.isfinite(elevation) and math.isfinite(distance)):
+            raise UsageError(f"distance {distance:g}, azimuth {azimuth:g}, elevation {elevation:g}: not all are finite")
         cos_el = math.cos(elevation)
         back = np.array([cos_el * math.sin(azimuth), math.sin(elevation), cos_el * math.cos(azimuth)])
         # The derivative of `back` with respect to elevation is a valid "up" even at the poles, where +Y is not.

@@ -6,10 +6,14 @@ top row.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+
+from ..errors import UsageError
+from .arrays import scene_array
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +32,19 @@ class Environment:
     digest: str = ""
     warnings: tuple[str, ...] = ()
     """Lines for the user about what of the file is not as it might be expected."""
+
+    def __post_init__(self) -> None:
+        if not callable(self.source):
+            radiance = scene_array(self.source, "Environment.source", np.float32, None, None, 3)
+            if not radiance.size or radiance.min() < 0:
+                raise UsageError(f"Environment.source {radiance.shape}: it must have texels, and none below 0")
+            object.__setattr__(self, "source", radiance)
+        if not (math.isfinite(self.rotation) and 0 <= self.intensity < math.inf):
+            raise UsageError(f"Environment: rotation {self.rotation:g}, intensity {self.intensity:g} are not finite")
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()
 
     def digest_parts(self) -> tuple[object, ...]:
         """The values that its light depends on, for `base.digest`. If `digest` is known, no file is decoded."""

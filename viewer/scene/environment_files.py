@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import weakref
 from collections.abc import Callable, Iterator
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -46,25 +45,30 @@ def load_environment(spec: str | Path | None) -> Environment | None:
         problem = f"{path.suffix} files cannot be read" if path.is_file() else "no such file"
         raise InputError(path, "", f"is not an environment: {problem}; use a {', '.join(FORMATS)} file, or one of "
                                    f"none, {', '.join(PRESETS)}")
-    return Environment(path.stem, _cached_while_in_use(partial(_decode, path)), digest=_file_digest(path))
+    return Environment(path.stem, _RadianceFile(path), digest=_file_digest(path))
 
 
-def _cached_while_in_use(decode: Callable[[], np.ndarray]) -> Callable[[], np.ndarray]:
-    """`decode` with a weak cache: as long as a caller holds the array, later calls return the same one.
+class _RadianceFile:
+    """Decodes a file, with a weak cache: as long as a caller holds the array, later calls return the same one.
 
     Copies of an environment (dataclasses.replace) share it.
     """
-    cached: Callable[[], np.ndarray | None] = lambda: None  # noqa: E731
 
-    def shared() -> np.ndarray:
-        nonlocal cached
-        radiance = cached()
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._cached: Callable[[], np.ndarray | None] = lambda: None
+
+    def __call__(self) -> np.ndarray:
+        radiance = self._cached()
         if radiance is None:
-            radiance = decode()
-            cached = weakref.ref(radiance)
+            radiance = _decode(self._path)
+            radiance.flags.writeable = False
+            self._cached = weakref.ref(radiance)
         return radiance
 
-    return shared
+    def __reduce__(self) -> tuple[type[_RadianceFile], tuple[Path]]:
+        """A copy, or one in another process, decodes the file itself."""
+        return _RadianceFile, (self._path,)
 
 
 def _file_digest(path: Path) -> str:

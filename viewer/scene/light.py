@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
+
+from ..errors import UsageError
+from .arrays import scene_numbers
 
 RGB = tuple[float, float, float]
+Kind = Literal["directional", "point", "spot"]
 
 
 @dataclass(frozen=True)
@@ -21,7 +25,7 @@ class Light:
     highlights to that of the sun; 0 means no limit. `casts_shadow` is False for a light that represents a wide source.
     """
 
-    kind: Literal["directional", "point", "spot"]
+    kind: Kind
     color: RGB = (1.0, 1.0, 1.0)
     intensity: float = 1.0
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -32,6 +36,15 @@ class Light:
     angular_radius: float = 0.0
     casts_shadow: bool = True
     name: str = ""
+
+    def __post_init__(self) -> None:
+        if self.kind not in get_args(Kind):
+            raise UsageError(f"Light.kind is {self.kind!r}, not one of {', '.join(get_args(Kind))}")
+        for name in ("color", "position", "direction"):
+            object.__setattr__(self, name, scene_numbers(getattr(self, name), f"Light.{name}", 3))
+        for name in ("intensity", "inner_cone", "outer_cone", "angular_radius"):
+            if not math.isfinite(getattr(self, name)):
+                raise UsageError(f"Light.{name} is {getattr(self, name)}, not a finite number")
 
     @classmethod
     def from_angles(cls, azimuth: float, elevation: float, lux: float) -> Light:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
+
+from ..errors import UsageError
+from .arrays import scene_array
 
 Topology = Literal["triangles", "lines", "points"]
 
@@ -17,8 +20,11 @@ class Mesh:
 
     `positions` (N, 3) float32, finite. `normals` (N, 3) float32 of unit length, or None (for points and lines).
     `tangents` (N, 4) float32 with w = +-1, or None. `uvs`: up to two (N, 2) float32 arrays, v downwards as in glTF.
-    `colors` (N, 4) float32, linear, or None. `indices` (M,) uint32, all less than N, or None for 0..N-1. `material` is
-    an index into the scene's materials.
+    `colors` (N, 4) float32, linear, or None; they may be given as (N, 3), and as uint8 or uint16 for 0 to 1.
+    `indices` (M,) uint32, all less than N, or None for 0..N-1. `material` is an index into the scene's materials.
+
+    Arrays of other number types are converted, and all are held read-only (see `scene_array`). Raises UsageError for
+    what cannot be converted.
     """
 
     name: str
@@ -30,6 +36,35 @@ class Mesh:
     tangents: np.ndarray | None = None
     uvs: tuple[np.ndarray, ...] = ()
     colors: np.ndarray | None = None
+
+    def __post_init__(self) -> None:
+        if self.topology not in get_args(Topology):
+            raise UsageError(f"Mesh.topology is {self.topology!r}, not one of {', '.join(get_args(Topology))}")
+        positions = scene_array(self.positions, "Mesh.positions", np.float32, None, 3)
+        count = len(positions)
+        self._set("positions", positions)
+        for name, columns in (("normals", 3), ("tangents", 4)):
+            if getattr(self, name) is not None:
+                self._set(name, scene_array(getattr(self, name), f"Mesh.{name}", np.float32, count, columns))
+        if self.colors is not None:
+            self._set("colors", scene_array(_as_rgba(self.colors), "Mesh.colors", np.float32, count, 4))
+        if len(self.uvs) > 2:
+            raise UsageError(f"Mesh.uvs is a tuple of at most two arrays, not of {len(self.uvs)}")
+        self._set("uvs", tuple(scene_array(uv, f"Mesh.uvs[{k}]", np.float32, count, 2)
+                               for k, uv in enumerate(self.uvs)))
+        if self.indices is not None:
+            indices = scene_array(self.indices, "Mesh.indices", np.uint32, None)
+            if indices.size and indices.max() >= count:
+                raise UsageError(f"Mesh.indices: index {indices.max()}, but there are {count} positions")
+            self._set("indices", indices)
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        """Of a copy or from another process: numpy's copies of read-only arrays are writable."""
+        self.__dict__.update(state)
+        self.__post_init__()
+
+    def _set(self, name: str, value: object) -> None:
+        object.__setattr__(self, name, value)
 
     @cached_property
     def bounds(self) -> np.ndarray:
@@ -49,3 +84,14 @@ class Mesh:
     @property
     def triangle_count(self) -> int:
         return self.element_count // 3 if self.topology == "triangles" else 0
+
+
+def _as_rgba(colors: np.ndarray) -> np.ndarray:
+    """With alpha, and 8 or 16 bits scaled to [0, 1]; what else is wrong with them is for `scene_array` to say."""
+    if not isinstance(colors, np.ndarray):
+        return colors
+    if colors.dtype in (np.uint8, np.uint16):
+        colors = colors / np.float32(np.iinfo(colors.dtype).max)
+    if colors.ndim == 2 and colors.shape[1] == 3:
+        colors = np.concatenate([colors, np.ones((len(colors), 1), np.float32)], axis=1)
+    return colors

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import UsageError
+from .arrays import scene_array
 from .camera import Camera
 from .environment import Environment
 from .light import Light
@@ -23,6 +25,13 @@ class Instance:
     mesh: int
     transform: np.ndarray
     name: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "transform", scene_array(self.transform, "Instance.transform", np.float64, 4, 4))
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +51,14 @@ class Scene:
     warnings: tuple[str, ...] = ()
     facts: dict[str, object] = field(default_factory=dict)
     """Metadata of the file, for `pbr-viewer info`: format, generator, extensions used."""
+
+    def __post_init__(self) -> None:
+        for k, mesh in enumerate(self.meshes):
+            if not 0 <= mesh.material < len(self.materials):
+                raise UsageError(f"Scene.meshes[{k}]: material {mesh.material}, but there are {len(self.materials)}")
+        for k, instance in enumerate(self.instances):
+            if not 0 <= instance.mesh < len(self.meshes):
+                raise UsageError(f"Scene.instances[{k}]: mesh {instance.mesh}, but there are {len(self.meshes)}")
 
     @cached_property
     def bounds(self) -> np.ndarray:

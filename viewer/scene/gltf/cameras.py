@@ -19,7 +19,6 @@ def read_camera(element: Element, world: np.ndarray, name: str) -> Camera | None
     """
     eye, back, up = world[:3, 3], _unit(world[:3, 2]), _unit(world[:3, 1])
     pose = Camera.look_at(eye, eye - back, up).pose
-    pose[:3, 3] = eye
     kind = element.string("type")
     if kind == "perspective":
         perspective = element.object("perspective")

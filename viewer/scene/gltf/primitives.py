@@ -127,15 +127,16 @@ def _colors(colors: np.ndarray | None) -> np.ndarray | None:
 
 
 def _unit(normals: np.ndarray | None) -> np.ndarray | None:
-    """The normals at unit length. Zero and non-finite vectors stay as they are; `_complete` replaces them."""
+    """The normals at unit length. Non-finite vectors become zero; `_complete` replaces zeros."""
     if normals is None:
         return None
+    normals = np.where(np.isfinite(normals).all(axis=1)[:, None], normals, np.float32(0))
     length = np.sqrt(np.einsum("ij,ij->i", normals, normals))[:, None]
     return normals / np.where(length > 0, length, 1)
 
 
 def _unit_tangents(tangents: np.ndarray | None) -> np.ndarray | None:
-    if tangents is None:
+    if tangents is None or not np.isfinite(tangents).all():
         return None
     out = np.empty_like(tangents)
     out[:, :3] = _unit(tangents[:, :3])

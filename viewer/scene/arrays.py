@@ -1,0 +1,44 @@
+"""Arrays as a scene holds them: of one type and shape, of finite numbers, and read-only."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..errors import UsageError
+
+
+def scene_array(values: Any, name: str, dtype: type, *shape: int | None) -> np.ndarray:
+    """`values` as a read-only array of `dtype` and `shape`, in which None is any length.
+
+    An array that is read-only already is taken as it is, a writable one is copied: whoever holds it may change it, and
+    what a renderer keeps is found again by identity. Raises UsageError, which begins with `name`, for other shapes, for
+    what is not real numbers, is not finite, or does not fit `dtype`.
+    """
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError):  # rows of different lengths
+        array = np.array(None)
+    wanted = f"({', '.join('N' if n is None else str(n) for n in shape)}{',' * (len(shape) == 1)}) {np.dtype(dtype)}"
+    found = f"{array.shape} {array.dtype}"
+    if array.dtype.kind not in "biuf":
+        raise UsageError(f"{name}: {type(values).__name__} is no array of numbers {wanted}")
+    if array.ndim != len(shape) or any(n is not None and n != size for n, size in zip(shape, array.shape)):
+        raise UsageError(f"{name} is {found}, not {wanted}")
+    if np.dtype(dtype).kind == "u":
+        if array.dtype.kind not in "iu" and array.size:
+            raise UsageError(f"{name} is {found}, not whole numbers {wanted}")
+        if array.size and (array.min() < 0 or array.max() > np.iinfo(dtype).max):
+            raise UsageError(f"{name} {found}: {array.min()} to {array.max()} do not fit {np.dtype(dtype)}")
+    with np.errstate(over="ignore"):
+        result: np.ndarray = array.astype(dtype, order="C", copy=array.flags.writeable)
+    if result.dtype.kind == "f" and result.size and not (np.isfinite(result.min()) and np.isfinite(result.max())):
+        raise UsageError(f"{name} {found}: holds NaN or what is no finite {np.dtype(dtype)}")
+    result.flags.writeable = False
+    return result
+
+
+def scene_numbers(values: Any, name: str, count: int) -> tuple[float, ...]:
+    """`count` finite numbers. Raises UsageError as `scene_array` does."""
+    return tuple(scene_array(values, name, np.float64, count).tolist())
