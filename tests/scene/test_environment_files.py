@@ -24,7 +24,7 @@ def write(path: Path, pixels: np.ndarray, kind: str = "float", **attributes) -> 
     output = oiio.ImageOutput.create(str(path))
     assert output.open(str(path), spec), output.geterror()
     if attributes.get("tile_width"):
-        assert output.write_tiles(0, pixels.shape[1], 0, pixels.shape[0], 0, 1, pixels)
+        assert output.write_tiles(spec.x, spec.x + pixels.shape[1], spec.y, spec.y + pixels.shape[0], 0, 1, pixels)
     else:
         assert output.write_image(pixels)
     output.close()
@@ -118,6 +118,128 @@ def test_what_is_no_environment_is_one_line(tmp_path):
         with pytest.raises(InputError, match=text) as error:
             load_environment(tmp_path / name).radiance  # noqa: B018
         assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("tiled", [False, True])
+@pytest.mark.parametrize("x, y", [(8, 0), (0, 3), (-4, -2), (40, 0), (-3, 5)])
+def test_the_display_window_of_an_exr_is_the_map(tmp_path, x, y, tiled):
+    pixels = random_map(16, 32) + 1
+    tiles = {"tile_width": 16, "tile_height": 16} if tiled else {}
+    window = {"x": x, "y": y, "full_x": 0, "full_y": 0, "full_width": 24, "full_height": 12}
+    expected = np.zeros((12, 24, 3), np.float32)
+    for row in range(12):
+        for column in range(24):
+            if 0 <= row - y < 16 and 0 <= column - x < 32:
+                expected[row, column] = pixels[row - y, column - x]
+    path = write(tmp_path / "a.exr", pixels, **tiles, **window)
+    assert np.array_equal(load_environment(path).radiance, expected)
+
+
+def test_a_display_window_that_is_too_large(tmp_path):
+    window = {"full_width": 60000, "full_height": 30000}
+    with pytest.raises(InputError, match=r"a\.exr: 60000 x 30000 texels are more than"):
+        load_environment(write(tmp_path / "a.exr", random_map(), **window)).radiance  # noqa: B018
+
+
+AP1 = (0.713, 0.293, 0.165, 0.83, 0.128, 0.044, 0.32168, 0.33767)
+"""The primaries of ACEScg and the white of ACES, S-2014-004."""
+
+
+@pytest.mark.parametrize("color, expected", [
+    ((0.2, 0.5, 0.2), (0.0135, 0.5422, 0.1613)), ((0, 1, 0), (0, 1.1408, 0)), ((1, 1, 1), (1, 1, 1))])
+def test_chromaticities_of_an_exr_are_converted(tmp_path, color, expected):
+    import OpenImageIO as oiio
+
+    spec = oiio.ImageSpec(16, 8, 3, "float")
+    spec.attribute("chromaticities", oiio.TypeDesc("float[8]"), AP1)
+    output = oiio.ImageOutput.create("a.exr")
+    assert output.open(str(tmp_path / "a.exr"), spec)
+    assert output.write_image(np.full((8, 16, 3), color, np.float32))
+    output.close()
+    radiance = load_environment(tmp_path / "a.exr").radiance
+    np.testing.assert_allclose(radiance, np.broadcast_to(expected, (8, 16, 3)), atol=2e-4)
+
+
+def hdr(path: Path, body: bytes, width: int = 16, height: int = 8, kind: str = "rgbe", header: str = "") -> Path:
+    path.write_bytes(f"#?RADIANCE\nFORMAT=32-bit_rle_{kind}\n{header}\n-Y {height} +X {width}\n".encode() + body)
+    return path
+
+
+def coded(rgbe: np.ndarray) -> bytes:
+    """Rows of (H, W, 4) uint8 in the second run-length code, by literals alone; W < 128."""
+    width = rgbe.shape[1]
+    return b"".join(bytes([2, 2, 0, width]) + b"".join(bytes([width]) + row[:, k].tobytes() for k in range(4))
+                    for row in rgbe)
+
+
+GREEN = np.full((8, 16, 4), (64, 128, 32, 129), np.uint8)
+
+
+@pytest.mark.parametrize("encode", [np.ndarray.tobytes, coded])
+@pytest.mark.parametrize("numbers, matrix", [
+    ("0.64 0.33 0.30 0.60 0.15 0.06 0.3127 0.329", np.eye(3)), ("nonsense", np.eye(3)),
+    # Rec. 2020 to Rec. 709, ITU-R BT.2087-0.
+    ("0.708 0.292 0.170 0.797 0.131 0.046 0.3127 0.329",
+     [[1.6605, -0.5876, -0.0728], [-0.1246, 1.1329, -0.0083], [-0.0182, -0.1006, 1.1187]])])
+def test_primaries_of_a_radiance_file_are_converted(tmp_path, encode, numbers, matrix):
+    path = hdr(tmp_path / "a.hdr", encode(GREEN), header=f"PRIMARIES={numbers}\n")
+    radiance = load_environment(path).radiance
+    expected = np.maximum(np.array(matrix) @ (0.5, 1, 0.25), 0)
+    np.testing.assert_allclose(radiance, np.broadcast_to(expected, radiance.shape), atol=1e-3)
+
+
+def test_primaries_that_are_no_triangle(tmp_path):
+    for numbers in ("0.3 0.3 0.3 0.3 0.3 0.3 0.3 0.3", "0.6 0.3 0.3 0 0.1 0.1 0.3 0.3"):
+        path = hdr(tmp_path / "a.hdr", GREEN.tobytes(), header=f"PRIMARIES={numbers}\n")
+        with pytest.raises(InputError, match=r"a\.hdr: PRIMARIES: are no colours: "):
+            load_environment(path).radiance  # noqa: B018
+
+
+@pytest.mark.parametrize("encode", [np.ndarray.tobytes, coded])
+def test_xyze(tmp_path, encode):
+    white = np.full((8, 16, 4), (122, 128, 139, 129), np.uint8)  # D65 is X 0.9505, Y 1, Z 1.0891
+    radiance = load_environment(hdr(tmp_path / "a.hdr", encode(white), kind="xyze")).radiance
+    assert radiance == pytest.approx(1, abs=0.015)
+
+
+@pytest.mark.parametrize("width", [4, 16, 400])
+def test_the_first_run_length_code(tmp_path, width):
+    rows = np.full((8, width, 4), 130, np.uint8)
+    rows[..., :3] = np.arange(8)[:, None, None] * 20 + (10, 20, 30)
+    rest = width - 1
+    runs = bytes([1, 1, 1, rest & 255]) + (bytes([1, 1, 1, rest >> 8]) if rest > 255 else b"")
+    body = b"".join(row[0].tobytes() + runs for row in rows)
+    flat = load_environment(hdr(tmp_path / "flat.hdr", rows.tobytes(), width)).radiance
+    assert np.array_equal(load_environment(hdr(tmp_path / "runs.hdr", body, width)).radiance, flat)
+    assert flat[3, 0] == pytest.approx(np.array((70, 80, 90)) * 2.0 ** (130 - 136))
+
+
+@pytest.mark.parametrize("body", [GREEN.tobytes()[:-4], GREEN[0, 0].tobytes() + bytes([1, 1, 1, 126]), b"", b"xyz"])
+def test_pixels_that_are_too_few(tmp_path, body):
+    with pytest.raises(InputError, match=r"a\.hdr: ends too early: \d+ pixels of 16 x 8"):
+        load_environment(hdr(tmp_path / "a.hdr", body)).radiance  # noqa: B018
+
+
+def test_a_run_that_claims_billions_is_bounded(tmp_path):
+    body = GREEN[0, 0].tobytes() + bytes([1, 1, 1, 255]) * 9
+    radiance = load_environment(hdr(tmp_path / "a.hdr", body)).radiance
+    assert radiance.shape == (8, 16, 3) and (radiance == radiance[0, 0]).all()
+
+
+def test_flat_pixels_that_look_coded(tmp_path):
+    rows = GREEN.copy()
+    rows[0, 0] = 2, 2, 0, 16
+    radiance = load_environment(hdr(tmp_path / "a.hdr", rows.tobytes())).radiance
+    assert (radiance[0, 1:] == (0.5, 1, 0.25)).all() and radiance[0, 0].max() < 1e-30
+
+
+@pytest.mark.parametrize("suffix, kind", [("hdr", "float"), ("exr", "float"), ("png", "uint8")])
+def test_a_map_that_is_no_equirectangular_one_is_warned_about(tmp_path, suffix, kind):
+    for height, width, is_warned in ((8, 16, False), (16, 16, True), (12, 16, True), (16, 12, True)):
+        path = write(tmp_path / f"{height}-{width}.{suffix}", random_map(height, width), kind)
+        warnings = load_environment(path).warnings
+        assert len(warnings) == is_warned
+        assert not is_warned or f"{width} x {height} is not twice as wide as high" in warnings[0]
 
 
 def malformed() -> list:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+import struct
+import tempfile
 import weakref
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +14,12 @@ import numpy as np
 
 from ..base.utf8_name import utf8_name
 from ..errors import InputError
+from .chromaticities import to_rec_709, xyz_to_rec_709
 from .environment import Environment
 from .environment_presets import PRESETS, make_preset
 from .equirect import texel_solid_angles
+from .files import read_file
+from .radiance_hdr import decoded, plain_pixels, read_hdr_header
 
 FORMATS = {".hdr": "hdr", ".exr": "openexr", ".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg"}
 MAX_WIDTH = 4096  # wider maps are averaged down to it: 11 texels per degree, 100 MB of radiance
@@ -22,6 +27,8 @@ MAX_TEXELS = 1 << 29  # of a file: a map of 32768 x 16384, which takes seconds t
 MAX_RADIANCE = 1e12  # the luminance of the sun's disk is 2e9 cd/m2
 HALF_MAX = 65504.0
 BAND = 1 << 20  # texels decoded per step
+_DISPLAY_WINDOW = b"displayWindow\0box2i\0\x10\0\0\0"  # of an EXR's header: name, type and size of the attribute
+_CODE = ("environment_files.py", "radiance_hdr.py", "chromaticities.py")
 
 
 def load_environment(spec: str | Path | None) -> Environment | None:
@@ -29,7 +36,9 @@ def load_environment(spec: str | Path | None) -> Environment | None:
 
     A name that is also the name of a file means the built-in environment; write ./studio for the file. The file is read
     at once to compute its digest, but it is decoded only when `radiance` is accessed. Maps wider than 4096 texels are
-    then reduced by a whole factor, by means weighted with solid angle. Negative values (colours outside Rec. 709)
+    then reduced by a whole factor, by means weighted with solid angle. The map of an EXR is its display window. Colours
+    of other primaries (`chromaticities` of an EXR, PRIMARIES of Radiance) are converted to Rec. 709 with Bradford's
+    adaptation of white, and XYZE of Radiance without adaptation. Negative values (colours outside Rec. 709)
     become 0. Infinite values, which overflowed a half float, become 65504. Grey becomes RGB. Alpha and Radiance's
     EXPOSURE are ignored, as other viewers do.
 
@@ -45,7 +54,28 @@ def load_environment(spec: str | Path | None) -> Environment | None:
         problem = f"{path.suffix} files cannot be read" if path.is_file() else "no such file"
         raise InputError(path, "", f"is not an environment: {problem}; use a {', '.join(FORMATS)} file, or one of "
                                    f"none, {', '.join(PRESETS)}")
-    return Environment(path.stem, _RadianceFile(path), digest=_file_digest(path))
+    digest = _file_digest(path)
+    return Environment(path.stem, _RadianceFile(path), digest=digest, warnings=_warnings(path))
+
+
+def _warnings(path: Path) -> tuple[str, ...]:
+    """Of a map that is no equirectangular one by its shape, as far as the first bytes tell."""
+    with path.open("rb") as file:
+        head = file.read(1 << 16)
+    size = None
+    window = head.find(_DISPLAY_WINDOW)
+    if path.suffix.lower() == ".hdr":
+        header = read_hdr_header(head)
+        size = header.size if header is not None else None
+    elif path.suffix.lower() == ".exr" and 0 <= window < len(head) - len(_DISPLAY_WINDOW) - 16:
+        left, top, right, bottom = struct.unpack_from("<4i", head, window + len(_DISPLAY_WINDOW))
+        size = right - left + 1, bottom - top + 1
+    elif head.startswith(b"\x89PNG") and len(head) >= 24:
+        size = struct.unpack_from(">2I", head, 16)
+    if size is None or size[1] < 1 or abs(size[0] / size[1] - 2) < 0.05:
+        return ()
+    return (f"{path}: {size[0]} x {size[1]} is not twice as wide as high; it is spread over the sphere all the same: "
+            "light probes and cubes are not known here",)
 
 
 class _RadianceFile:
@@ -72,7 +102,8 @@ class _RadianceFile:
 
 
 def _file_digest(path: Path) -> str:
-    digest = hashlib.blake2b(Path(__file__).read_bytes(), digest_size=20)  # the radiance also depends on this code
+    code = b"".join(Path(__file__).with_name(name).read_bytes() for name in _CODE)  # the radiance also depends on it
+    digest = hashlib.blake2b(code, digest_size=20)
     try:
         with path.open("rb") as file:
             hashlib.file_digest(file, lambda: digest)
@@ -87,9 +118,36 @@ def _file_digest(path: Path) -> str:
 
 def _decode(path: Path) -> np.ndarray:
     """Radiance (H, W, 3) float32, W at most MAX_WIDTH."""
+    if path.suffix.lower() != ".hdr":
+        return _decode_by_library(path, path)
+    data = read_file(path)
+    header = read_hdr_header(data)
+    if header is None:
+        return _decode_by_library(path, path)
+    matrix = xyz_to_rec_709() if header.is_xyz else _matrix(path, "PRIMARIES", header.primaries)
+    if header.size is not None:
+        width, height = header.size
+        _check_size(path, width, height)
+        try:
+            pixels = plain_pixels(data, header)
+        except ValueError as error:
+            raise InputError(path, "", f"ends too early: {error}") from None
+        if pixels is not None:
+            whole = pixels
+            return _joined(_bands(path, lambda first, end: decoded(whole[first:end]), width, height, 1, False, matrix))
+    if not header.is_xyz:
+        return _decode_by_library(path, path, matrix)
+    with tempfile.TemporaryDirectory() as folder:  # the library knows the code of the pixels, but not the name
+        copy = Path(folder, "copy.hdr")
+        copy.write_bytes(data[:header.start].replace(b"_xyze", b"_rgbe") + data[header.start:])
+        return _decode_by_library(path, copy, matrix)
+
+
+def _decode_by_library(path: Path, readable: Path, matrix: np.ndarray | None = None) -> np.ndarray:
+    """What OpenImageIO finds in the file `readable`, in messages called `path`."""
     import OpenImageIO as oiio
 
-    with utf8_name(path) as name:
+    with utf8_name(readable) as name:
         source = oiio.ImageInput.open(name)
     if source is None:
         raise InputError(path, "", _first_line(oiio.geterror()) or "not an image")
@@ -99,24 +157,29 @@ def _decode(path: Path) -> np.ndarray:
             raise InputError(path, "", f"is a {found} file, but its extension says {wanted}")
         if spec.depth > 1 or spec.nchannels < 1 or spec.deep:
             raise InputError(path, "", "is not a flat image")
-        if spec.width * spec.height > MAX_TEXELS:
-            raise InputError(path, "", f"{spec.width} x {spec.height} texels are more than {MAX_TEXELS}")
-        bands = list(_bands(path, source, encoded=str(spec.format) in ("uint8", "uint16")))
+        _check_size(path, spec.width, spec.height)
+        if matrix is None and found == "openexr":
+            matrix = _matrix(path, "chromaticities", spec.getattribute("chromaticities"))
+        read, width, height = _rows_of(path, source)
+        unit = max(1, spec.tile_height)
+        is_encoded = str(spec.format) in ("uint8", "uint16")
+        texels = _joined(_bands(path, read, width, height, unit, is_encoded, matrix))
     finally:
         source.close()
-    return _upright(bands[0] if len(bands) == 1 else np.concatenate(bands), spec.get_int_attribute("Orientation", 1))
+    return _upright(texels, spec.get_int_attribute("Orientation", 1))
 
 
-def _bands(path: Path, source: Any, encoded: bool) -> Iterator[np.ndarray]:
-    """Yields the map from the top in bands (h, W, 3) float32. Each is reduced to MAX_WIDTH at once, to bound memory."""
+def _rows_of(path: Path, source: Any) -> tuple[Callable[[int, int], np.ndarray], int, int]:
+    """A function that reads rows [first, end) of the map as (h, W, 3) float32, and the map's width and height.
+
+    The map is the display window: what of it the data window lacks is black, and the rest of the data is not shown
+    (OpenEXR, "Technical Introduction").
+    """
     spec = source.spec()
-    factor = -(-max(spec.width, 2 * spec.height) // MAX_WIDTH)
-    unit = factor * max(1, spec.tile_height)
-    step = max(1, BAND // spec.width // unit) * unit
     channels = _color_channels(list(spec.channelnames))
     last = channels[-1] + 1
-    for first in range(0, spec.height, step):
-        end = min(first + step, spec.height)
+
+    def read(first: int, end: int) -> np.ndarray:
         top, bottom = spec.y + first, spec.y + end
         if spec.tile_width:
             texels = source.read_tiles(spec.x, spec.x + spec.width, top, bottom, spec.z, spec.z + 1, 0, last, "float")
@@ -125,10 +188,58 @@ def _bands(path: Path, source: Any, encoded: bool) -> Iterator[np.ndarray]:
         if texels is None:
             raise InputError(path, f"row {first}", _first_line(source.geterror()) or "cannot be decoded")
         texels = texels.reshape(end - first, spec.width, last)
-        if channels != [0, 1, 2]:
-            texels = np.ascontiguousarray(texels[:, :, channels])
+        return texels if channels == [0, 1, 2] else np.ascontiguousarray(texels[:, :, channels])
+
+    left, top = spec.x - spec.full_x, spec.y - spec.full_y
+    if (left, top, spec.full_width, spec.full_height) == (0, 0, spec.width, spec.height):
+        return read, spec.width, spec.height
+    _check_size(path, spec.full_width, spec.full_height)
+    whole = np.zeros((spec.full_height, spec.full_width, 3), np.float32)
+    rows = slice(max(top, 0), max(min(top + spec.height, spec.full_height), 0))
+    columns = slice(max(left, 0), max(min(left + spec.width, spec.full_width), 0))
+    if rows.start < rows.stop and columns.start < columns.stop:
+        data = read(0, spec.height)
+        whole[rows, columns] = data[rows.start - top:rows.stop - top, columns.start - left:columns.stop - left]
+    return (lambda first, end: whole[first:end]), spec.full_width, spec.full_height
+
+
+def _bands(path: Path, read: Callable[[int, int], np.ndarray], width: int, height: int, unit: int, encoded: bool,
+           matrix: np.ndarray | None) -> Iterator[np.ndarray]:
+    """The map from the top in pieces (h, W, 3) float32, each reduced to MAX_WIDTH as it comes: memory stays bounded.
+
+    Pieces begin at multiples of `unit` rows.
+    """
+    factor = -(-max(width, 2 * height) // MAX_WIDTH)
+    unit *= factor
+    step = max(1, BAND // width // unit) * unit
+    for first in range(0, height, step):
+        texels = read(first, min(first + step, height))
         texels = _linear(texels) if encoded else _clean(path, first, texels)
-        yield _reduce(texels, factor, first, spec.height)
+        if matrix is not None:
+            texels = texels @ matrix.T.astype(np.float32)
+        yield _reduce(np.maximum(texels, 0), factor, first, height)
+
+
+def _joined(bands: Iterator[np.ndarray]) -> np.ndarray:
+    pieces = list(bands)
+    return pieces[0] if len(pieces) == 1 else np.concatenate(pieces)
+
+
+def _check_size(path: Path, width: int, height: int) -> None:
+    if width < 1 or height < 1:
+        raise InputError(path, "", f"{width} x {height} texels are not an image")
+    if width * height > MAX_TEXELS:
+        raise InputError(path, "", f"{width} x {height} texels are more than {MAX_TEXELS}")
+
+
+def _matrix(path: Path, place: str, chromaticities: Sequence[float] | None) -> np.ndarray | None:
+    """To Rec. 709, or None where there is nothing to do."""
+    if chromaticities is None:
+        return None
+    try:
+        return to_rec_709(chromaticities)
+    except ValueError as error:
+        raise InputError(path, place, f"are no colours: {error}") from None
 
 
 def _color_channels(names: list[str]) -> list[int]:
@@ -161,7 +272,7 @@ def _clean(path: Path, first: int, texels: np.ndarray) -> np.ndarray:
         if texels.max() > MAX_RADIANCE:
             row, column = np.argwhere((texels > MAX_RADIANCE).any(axis=2))[0]
             raise InputError(path, f"row {first + row}, column {column}", f"radiance {texels.max():.3g} is over 1e12")
-    return np.maximum(texels, 0)
+    return texels
 
 
 def _linear(encoded: np.ndarray) -> np.ndarray:
