@@ -35,9 +35,9 @@ def load(path: str | PathLike[str], environment: str | PathLike[str] | None = "s
     """Load a model file as a scene, lit by an environment.
 
     `environment` is an HDR or EXR file, the name of a built-in environment (studio, sky, furnace) or None. The scene's
-    `all_warnings` list what of the file is not supported. Raises InputError for a file that cannot be used. The pixels of
-    an environment are decoded when they are first needed, so `render` may raise its InputError. Raises UsageError for
-    an argument that is not a path.
+    `all_warnings` list what of the file is not supported. Raises InputError for a file that cannot be used. The pixels
+    of an environment are decoded when they are first needed, so `render` may raise its InputError. Raises UsageError
+    for an argument that is not a path.
     """
     from .scene.environment_files import load_environment
     from .scene.load import load_scene

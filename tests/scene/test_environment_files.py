@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from viewer.errors import InputError
+from viewer.scene.chromaticities import to_rec_709
 from viewer.scene.environment_files import MAX_WIDTH, load_environment
 from viewer.scene.equirect import sphere_integral
 
@@ -156,8 +157,17 @@ def test_chromaticities_of_an_exr_are_converted(tmp_path, color, expected):
     assert output.open(str(tmp_path / "a.exr"), spec)
     assert output.write_image(np.full((8, 16, 3), color, np.float32))
     output.close()
-    radiance = load_environment(tmp_path / "a.exr").radiance
+    environment = load_environment(tmp_path / "a.exr")
+    assert not environment.warnings
+    radiance = environment.radiance
     np.testing.assert_allclose(radiance, np.broadcast_to(expected, (8, 16, 3)), atol=2e-4)
+
+
+def test_primaries_may_be_imaginary():
+    """ACES 2065-1 to Rec. 709 (S-2014-004 annex; the matrix of the ACES configuration of OpenColorIO)."""
+    matrix = to_rec_709((0.7347, 0.2653, 0, 1, 0.0001, -0.077, 0.32168, 0.33767))
+    expected = [[2.5217, -1.1341, -0.3876], [-0.2765, 1.3727, -0.0962], [-0.0154, -0.1530, 1.1684]]
+    np.testing.assert_allclose(matrix, expected, atol=1e-3)
 
 
 def hdr(path: Path, body: bytes, width: int = 16, height: int = 8, kind: str = "rgbe", header: str = "") -> Path:
@@ -188,11 +198,14 @@ def test_primaries_of_a_radiance_file_are_converted(tmp_path, encode, numbers, m
     np.testing.assert_allclose(radiance, np.broadcast_to(expected, radiance.shape), atol=1e-3)
 
 
-def test_primaries_that_are_no_triangle(tmp_path):
-    for numbers in ("0.3 0.3 0.3 0.3 0.3 0.3 0.3 0.3", "0.6 0.3 0.3 0 0.1 0.1 0.3 0.3"):
-        path = hdr(tmp_path / "a.hdr", GREEN.tobytes(), header=f"PRIMARIES={numbers}\n")
-        with pytest.raises(InputError, match=r"a\.hdr: PRIMARIES: are no colours: "):
-            load_environment(path).radiance  # noqa: B018
+@pytest.mark.parametrize("numbers, is_warned", [
+    ("0 0 0 0 0 0 0 0", False),  # written by tools that knew none
+    ("0.3 0.3 0.3 0.3 0.3 0.3 0.3 0.3", True), ("0.6 0.3 0.3 0 0.1 0.1 0.3 0.3", True), ("nan 0 0 0 0 0 0 0", True),
+    ("1e300 1e-300 0.3 0.6 0.15 0.06 0.3 0.3", True), ("0.6 0.3 0.3 0.6 0.1 1e-300 0.3 0.3", True)])
+def test_primaries_that_are_no_colours_are_ignored(tmp_path, numbers, is_warned):
+    environment = load_environment(hdr(tmp_path / "a.hdr", GREEN.tobytes(), header=f"PRIMARIES={numbers}\n"))
+    assert (environment.radiance == (0.5, 1, 0.25)).all()
+    assert len(environment.warnings) == is_warned and all("primaries are ignored" in w for w in environment.warnings)
 
 
 @pytest.mark.parametrize("encode", [np.ndarray.tobytes, coded])

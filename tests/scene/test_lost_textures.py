@@ -59,7 +59,7 @@ def picture(scene: Scene, mode: str) -> np.ndarray:
 
 @pytest.mark.parametrize("image, problem", [
     ({"uri": "gone.png"}, "no such file: 'gone.png'"), ({"uri": ""}, "not a file name"),
-    ({"uri": "empty.png"}, r"empty\.png: not an image"), ({"uri": "page.png"}, r"page\.png: not an image"),
+    ({"uri": "empty.png"}, r"empty\.png: is not an image"), ({"uri": "page.png"}, r"page\.png: is not an image"),
     ({"uri": "folder"}, "is a folder"), ({"uri": "data:image/png;base64,!!!"}, "not valid base64"),
     ({"bufferView": 99}, r"images\[0\]\.bufferView: index 99"), ({}, r"images\[0\]\.bufferView: is missing"),
 ])

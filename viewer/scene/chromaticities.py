@@ -15,17 +15,16 @@ _BRADFORD = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0
 def to_rec_709(chromaticities: Sequence[float]) -> np.ndarray | None:
     """The (3, 3) matrix from linear RGB of eight `chromaticities` to Rec. 709; None where they are those of Rec. 709.
 
-    White becomes white: the white point is adapted by Bradford's transform. Raises ValueError for primaries that are
-    no triangle.
+    White becomes white: the white point is adapted by Bradford's transform. Raises ValueError for what are no
+    primaries.
     """
+    if not np.abs(chromaticities).max() < 10:  # of imaginary primaries, too, the coordinates are about 1
+        raise ValueError("chromaticities have to be small numbers")
     if np.abs(np.subtract(chromaticities, REC_709)).max() < 1e-3:
         return None
     cones = _BRADFORD @ np.stack([_xyz(*chromaticities[6:8]), _xyz(*REC_709[6:8])], axis=1)
     adapted = np.linalg.inv(_BRADFORD) @ np.diag(cones[:, 1] / cones[:, 0]) @ _BRADFORD
-    matrix = xyz_to_rec_709() @ adapted @ _rgb_to_xyz(chromaticities)
-    if not np.isfinite(matrix).all():
-        raise ValueError("not finite")
-    return matrix
+    return xyz_to_rec_709() @ adapted @ _rgb_to_xyz(chromaticities)
 
 
 def xyz_to_rec_709() -> np.ndarray:
@@ -44,6 +43,6 @@ def _rgb_to_xyz(chromaticities: Sequence[float]) -> np.ndarray:
 
 def _xyz(x: float, y: float) -> np.ndarray:
     """Of chromaticity x, y; Y is 1."""
-    if not y > 0:
-        raise ValueError(f"y = {y:g}")
+    if abs(y) < 1e-3:
+        raise ValueError(f"a chromaticity y of {y:g}")
     return np.array([x / y, 1.0, (1 - x - y) / y])

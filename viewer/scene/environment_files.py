@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import struct
 import tempfile
 import weakref
 from collections.abc import Callable, Iterator, Sequence
@@ -19,6 +18,7 @@ from .environment import Environment
 from .environment_presets import PRESETS, make_preset
 from .equirect import texel_solid_angles
 from .files import read_file
+from .map_warnings import map_warnings
 from .radiance_hdr import decoded, plain_pixels, read_hdr_header
 
 FORMATS = {".hdr": "hdr", ".exr": "openexr", ".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg"}
@@ -27,7 +27,6 @@ MAX_TEXELS = 1 << 29  # of a file: a map of 32768 x 16384, which takes seconds t
 MAX_RADIANCE = 1e12  # the luminance of the sun's disk is 2e9 cd/m2
 HALF_MAX = 65504.0
 BAND = 1 << 20  # texels decoded per step
-_DISPLAY_WINDOW = b"displayWindow\0box2i\0\x10\0\0\0"  # of an EXR's header: name, type and size of the attribute
 _CODE = ("environment_files.py", "radiance_hdr.py", "chromaticities.py")
 
 
@@ -55,27 +54,7 @@ def load_environment(spec: str | Path | None) -> Environment | None:
         raise InputError(path, "", f"is not an environment: {problem}; use a {', '.join(FORMATS)} file, or one of "
                                    f"none, {', '.join(PRESETS)}")
     digest = _file_digest(path)
-    return Environment(path.stem, _RadianceFile(path), digest=digest, warnings=_warnings(path))
-
-
-def _warnings(path: Path) -> tuple[str, ...]:
-    """Of a map that is no equirectangular one by its shape, as far as the first bytes tell."""
-    with path.open("rb") as file:
-        head = file.read(1 << 16)
-    size = None
-    window = head.find(_DISPLAY_WINDOW)
-    if path.suffix.lower() == ".hdr":
-        header = read_hdr_header(head)
-        size = header.size if header is not None else None
-    elif path.suffix.lower() == ".exr" and 0 <= window < len(head) - len(_DISPLAY_WINDOW) - 16:
-        left, top, right, bottom = struct.unpack_from("<4i", head, window + len(_DISPLAY_WINDOW))
-        size = right - left + 1, bottom - top + 1
-    elif head.startswith(b"\x89PNG") and len(head) >= 24:
-        size = struct.unpack_from(">2I", head, 16)
-    if size is None or size[1] < 1 or abs(size[0] / size[1] - 2) < 0.05:
-        return ()
-    return (f"{path}: {size[0]} x {size[1]} is not twice as wide as high; it is spread over the sphere all the same: "
-            "light probes and cubes are not known here",)
+    return Environment(path.stem, _RadianceFile(path), digest=digest, warnings=tuple(map_warnings(path)))
 
 
 class _RadianceFile:
@@ -124,7 +103,7 @@ def _decode(path: Path) -> np.ndarray:
     header = read_hdr_header(data)
     if header is None:
         return _decode_by_library(path, path)
-    matrix = xyz_to_rec_709() if header.is_xyz else _matrix(path, "PRIMARIES", header.primaries)
+    matrix = xyz_to_rec_709() if header.is_xyz else _matrix(header.primaries)
     if header.size is not None:
         width, height = header.size
         _check_size(path, width, height)
@@ -159,7 +138,7 @@ def _decode_by_library(path: Path, readable: Path, matrix: np.ndarray | None = N
             raise InputError(path, "", "is not a flat image")
         _check_size(path, spec.width, spec.height)
         if matrix is None and found == "openexr":
-            matrix = _matrix(path, "chromaticities", spec.getattribute("chromaticities"))
+            matrix = _matrix(spec.getattribute("chromaticities"))
         read, width, height = _rows_of(path, source)
         unit = max(1, spec.tile_height)
         is_encoded = str(spec.format) in ("uint8", "uint16")
@@ -232,14 +211,12 @@ def _check_size(path: Path, width: int, height: int) -> None:
         raise InputError(path, "", f"{width} x {height} texels are more than {MAX_TEXELS}")
 
 
-def _matrix(path: Path, place: str, chromaticities: Sequence[float] | None) -> np.ndarray | None:
-    """To Rec. 709, or None where there is nothing to do."""
-    if chromaticities is None:
-        return None
+def _matrix(chromaticities: Sequence[float] | None) -> np.ndarray | None:
+    """To Rec. 709, or None if there is nothing to convert; `map_warnings` tells of primaries that are no colours."""
     try:
-        return to_rec_709(chromaticities)
-    except ValueError as error:
-        raise InputError(path, place, f"are no colours: {error}") from None
+        return None if chromaticities is None else to_rec_709(chromaticities)
+    except ValueError:
+        return None
 
 
 def _color_channels(names: list[str]) -> list[int]:

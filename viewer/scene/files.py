@@ -49,7 +49,8 @@ def path_inside(model: Path, uri: str, place: str) -> Path:
         if not text or "\0" in text:
             raise InputError(model, place, f"not a file name: {uri[:80]!r}")
         if _SCHEME.match(text) or text.startswith(("/", "\\")):
-            raise OutsideError(model, place, f"{text[:80]!r} is not relative; only files in the model's folder are read")
+            problem = f"{text[:80]!r} is not relative; only files in the model's folder are read"
+            raise OutsideError(model, place, problem)
         if "\\" in text:
             raise InputError(model, place, f"{text[:80]!r} contains backslashes; a URI separates folders by /")
         try:
