@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import warnings
 from dataclasses import dataclass, field
 from os import PathLike, fspath
 from pathlib import Path
@@ -13,6 +12,7 @@ import numpy as np
 
 from ..base.atomic import atomic_write
 from ..base.expect import expect_path
+from ..base.quiet import without_warnings
 from ..base.utf8_name import utf8_name
 from ..errors import InputError, OutputError
 from ..scene.color import linear_to_srgb, srgb_to_linear
@@ -177,14 +177,13 @@ def _read_displayed(file: Path) -> np.ndarray:
     from PIL import Image as Pillow
 
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Pillow.DecompressionBombWarning)
-            with Pillow.open(file, formats=("PNG", "JPEG", "WEBP")) as picture:
-                _check_size(file, *picture.size)
-                if picture.mode.startswith("I"):  # 16-bit grey, which Pillow would clamp to 255
-                    grey = (np.asarray(picture).astype(np.uint32) + 128) // 257
-                    return np.repeat(grey.astype(np.uint8)[..., None], 3, axis=-1)
-                return np.asarray(picture.convert("RGBA"))
+        # Pillow warns of pictures that are large, though not too large.
+        with without_warnings(), Pillow.open(file, formats=("PNG", "JPEG", "WEBP")) as picture:
+            _check_size(file, *picture.size)
+            if picture.mode.startswith("I"):  # 16-bit grey, which Pillow would clamp to 255
+                grey = (np.asarray(picture).astype(np.uint32) + 128) // 257
+                return np.repeat(grey.astype(np.uint8)[..., None], 3, axis=-1)
+            return np.asarray(picture.convert("RGBA"))
     except Pillow.UnidentifiedImageError:
         raise InputError(file, "", "is not a picture in a supported format (PNG, JPEG, WebP, EXR, HDR)") from None
     except (OSError, SyntaxError, ValueError, Pillow.DecompressionBombError) as error:

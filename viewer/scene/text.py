@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import NoReturn
 
 import numpy as np
 
+from ..base.quiet import without_warnings
 from ..errors import InputError
 
 _BLANK = 32
@@ -74,8 +74,7 @@ def number_rows(path: Path, text: bytes, place: Callable[[int], str], dtype: typ
     starts = np.searchsorted(words, np.flatnonzero(characters == 10))
     starts = starts[np.concatenate([[True], starts[1:] > starts[:-1]])]
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # older versions of numpy warn where newer ones raise ValueError
+        with without_warnings():  # older versions of numpy warn where newer ones raise ValueError
             values: np.ndarray = np.fromstring(text, dtype, sep=" ") if len(words) else np.zeros(0, dtype)
     except ValueError:
         values = np.zeros(0, dtype)

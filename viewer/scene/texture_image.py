@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import tempfile
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -13,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from ..base.quiet import without_warnings
 from ..errors import InputError
 from .parameter import RGBA, WHITE
 
@@ -172,9 +172,8 @@ def _decode_16_bit(image: TextureImage) -> np.ndarray:
 def _as_input_error(name: str) -> Iterator[None]:
     """Turn any exception of an image decoder into an InputError about `name`."""
     try:
-        with warnings.catch_warnings():
-            # Pillow warns of images below MAX_PIXELS, and of broken metadata; neither matters to the user.
-            warnings.simplefilter("ignore")
+        # Pillow warns of images below MAX_PIXELS, and of broken metadata; neither matters to the user.
+        with without_warnings():
             yield
     except Image.UnidentifiedImageError as error:
         raise InputError(name, "", "is not an image in a supported format, or its header is broken") from error

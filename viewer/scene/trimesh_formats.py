@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import logging
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -13,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ..base.quiet import without_warnings
 from ..errors import InputError
 from .files import path_inside, read_file
 from .mtl import PLAIN
@@ -119,8 +119,7 @@ def _as_input_error(path: Path, kind: str) -> Iterator[None]:
     level = log.level
     log.setLevel(logging.CRITICAL + 1)
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
+        with without_warnings():
             yield
     except InputError:
         raise
