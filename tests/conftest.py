@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from command_line import Run, runner
 from contexts import open_or_skip
+from needs import in_words, require, skip
 
 from viewer.gpu.context import Context
 
@@ -21,12 +22,25 @@ if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """Say in the last lines of the run what was not tested and for want of what."""
+    skipped = terminalreporter.stats.get("skipped", [])
+    if not skipped and not any(terminalreporter.stats.get(outcome) for outcome in ("passed", "failed", "error")):
+        return  # nothing was run
+    lines = in_words(report.longrepr[2].removeprefix("Skipped: ") for report in skipped)
+
+    def tell() -> None:
+        for line in lines or ["every selected test had what it needs"]:
+            terminalreporter.write_line(line)
+
+    config.add_cleanup(tell)  # after pytest's own last line
+
+
 @pytest.fixture(scope="session")
 def display() -> Iterator[str]:
     """A display to open windows on: a virtual one, so that nobody's desktop is disturbed, or else the desktop's."""
+    require("display")
     if not sys.platform.startswith("linux") or not shutil.which("Xvfb"):
-        if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
-            pytest.skip("there is no display, nor Xvfb to make one")
         yield os.environ.get("DISPLAY", "")
         return
     reading, writing = os.pipe()
@@ -39,7 +53,7 @@ def display() -> Iterator[str]:
     with os.fdopen(reading) as pipe:
         number = pipe.readline().strip()  # the server writes it when it is ready, or ends
     if not number:
-        pytest.skip("Xvfb does not start")
+        skip("display")
     desktop = {name: os.environ.pop(name) for name in ("DISPLAY", "WAYLAND_DISPLAY") if name in os.environ}
     os.environ["DISPLAY"] = f":{number}"
     yield os.environ["DISPLAY"]

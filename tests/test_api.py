@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from command_line import SCENES
 from moderngl import InvalidObject
+from needs import needs
 
 import viewer
 from viewer import api
@@ -103,7 +104,7 @@ def test_each_thread_renders_with_a_context_that_goes_with_it(scene):
     assert np.array_equal(viewer.render(scene, SIZE).srgb, expected)
 
 
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
+@needs("posix")
 @pytest.mark.filterwarnings("ignore:.*multi-threaded.*fork:DeprecationWarning")
 def test_after_a_fork_there_is_an_error_and_no_hang(scene):
     viewer.render(scene, SIZE)

@@ -5,6 +5,7 @@ import signal
 import sys
 
 import pytest
+from needs import needs
 
 from viewer.errors import ContextError
 from viewer.gpu import probe
@@ -42,7 +43,7 @@ def test_missing_device_has_a_reason() -> None:
     assert "Traceback" not in problem and "\n" not in problem
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+@needs("posix")
 def test_a_crash_of_the_driver_is_a_finding(monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
     crashing = tmp_path / "python"
     crashing.write_text(f"#!/bin/sh\nkill -{signal.SIGSEGV.value} $$\n")

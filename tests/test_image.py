@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import OpenImageIO as oiio
 import pytest
 from PIL import Image as Pillow
 
@@ -101,7 +102,6 @@ def test_linear_values_beyond_the_screen_are_clamped():
 
 
 def test_rgb_and_grey_exr_and_hdr_open(tmp_path):
-    oiio = pytest.importorskip("OpenImageIO")
     for name, channels in (("rgb.exr", 3), ("grey.exr", 1), ("rgb.hdr", 3)):
         pixels = np.full((4, 5, channels), 0.5, np.float32)
         spec = oiio.ImageSpec(5, 4, channels, "float")

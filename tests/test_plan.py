@@ -9,11 +9,11 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from contexts import open_or_skip
 from PIL import Image
 
 from benchmarks.shader_code import lines_left
-from viewer.errors import ContextError, UsageError
-from viewer.gpu.context import open_context
+from viewer.errors import UsageError
 from viewer.gpu.programs import Programs
 from viewer.plan.planner import MAX_LIGHTS, MAX_SHADOW_LAYERS, environment_use, plan_scene
 from viewer.plan.sharing import MIN_PROGRAMS_TO_SHARE
@@ -223,11 +223,7 @@ def pairwise(choices: dict[str, list], seed: int = 1) -> list[dict[str, object]]
 
 @pytest.fixture(scope="module")
 def programs():
-    try:
-        context = open_context()
-    except ContextError as error:
-        pytest.skip(str(error))
-    with context:
+    with open_or_skip() as context:
         yield Programs(context)
 
 

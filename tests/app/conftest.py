@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 import time
 from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
+from needs import require
 
 from viewer.base.resources import resource_folder
 from viewer.settings import Settings
@@ -87,8 +87,7 @@ class Driver:
 @pytest.fixture
 def open_window(display) -> Iterator[Callable[..., Driver]]:
     """`open_window(scene, settings, **keywords)` gives a Driver of a window that is closed after the test."""
-    if not shutil.which("xdotool") or not shutil.which("Xvfb"):
-        pytest.skip("xdotool drives the window on a display of Xvfb's; one of them is missing")
+    require("xvfb", "xdotool")
     from viewer.app.window import ViewerWindow
 
     windows = []

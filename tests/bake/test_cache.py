@@ -1,12 +1,12 @@
 from __future__ import annotations
 
 import os
-import sys
 import time
 from pathlib import Path
 
 import numpy as np
 import pytest
+from needs import needs
 
 from viewer.bake import cache
 
@@ -83,7 +83,7 @@ def test_it_can_be_switched_off(own_cache, monkeypatch):
     assert not own_cache.exists()
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="XDG is Linux's")
+@needs("linux")  # XDG
 def test_it_lies_in_the_users_cache_folder(monkeypatch, tmp_path):
     monkeypatch.delenv("PBR_VIEWER_CACHE")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from maps import bilinear, irradiance_of, random_directions
+from needs import CORPUS, needs
 
 from viewer.bake.dominant import ambient_and_key
 from viewer.bake.irradiance import cosine_spectrum
@@ -15,7 +14,7 @@ from viewer.bake.sun import extract_sun
 from viewer.scene.environment_files import load_environment
 from viewer.scene.equirect import sphere_integral, texel_directions
 
-ENVIRONMENTS = Path(__file__).resolve().parents[2].parent / "shared" / "corpus" / "environments"
+ENVIRONMENTS = CORPUS / "environments"
 NORMALS = np.concatenate([random_directions(12), np.eye(3), -np.eye(3)])
 
 
@@ -44,11 +43,10 @@ def test_a_single_light():
 
 
 # The largest error over all normals, relative to the mean irradiance; 0.0031 was measured.
+@needs("corpus")
 @pytest.mark.parametrize("name", ["lightroom_14b_from_ktx", "chinese_garden", "noon_grass", "studio_small_05"])
 def test_real_environments_without_their_sun(name):
     path = ENVIRONMENTS / f"{name}_1k.hdr"
-    if not path.is_file():
-        pytest.skip("the corpus is not here")
     radiance = extract_sun(load_environment(path))[0].radiance
     error = np.abs(looked_up(radiance) - irradiance_of(radiance, NORMALS))
     assert error.max() < 0.004 * sphere_integral(radiance).mean() / 4  # pi times the mean radiance

@@ -1,10 +1,9 @@
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from maps import bilinear, convolved, noise_with_sun, random_directions
+from needs import CORPUS, needs
 
 from viewer.bake.prefilter import LEVEL_ROUGHNESS, MARGIN, level_integral, prefilter, row_angles
 from viewer.bake.sun import extract_sun
@@ -12,7 +11,7 @@ from viewer.gpu.call import call_glsl
 from viewer.scene.environment_files import load_environment
 from viewer.scene.equirect import sphere_integral, texel_directions
 
-ENVIRONMENTS = Path(__file__).resolve().parents[2].parent / "shared" / "corpus" / "environments"
+ENVIRONMENTS = CORPUS / "environments"
 
 
 def test_levels_are_a_mip_chain():
@@ -71,11 +70,10 @@ def test_levels_against_direct_quadrature():
         assert np.abs(found - exact).mean() < 0.004 * exact.mean()
 
 
+@needs("corpus")
 @pytest.mark.parametrize("name", ["lightroom_14b_from_ktx", "noon_grass"])
 def test_between_the_levels_a_lookup_is_near_the_exact_lobe(context, name):
     path = ENVIRONMENTS / f"{name}_1k.hdr"
-    if not path.is_file():
-        pytest.skip("the corpus is not here")
     radiance = extract_sun(load_environment(path))[0].radiance
     levels, _ = prefilter(radiance)
     directions = random_directions(6)

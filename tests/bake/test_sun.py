@@ -1,16 +1,15 @@
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from needs import CORPUS, needs
 
 from viewer.bake.sun import extract_sun
 from viewer.scene.environment import Environment
 from viewer.scene.environment_files import load_environment
 from viewer.scene.equirect import sphere_integral, texel_directions
 
-ENVIRONMENTS = Path(__file__).resolve().parents[2].parent / "shared" / "corpus" / "environments"
+ENVIRONMENTS = CORPUS / "environments"
 
 
 def flux(lights) -> np.ndarray:
@@ -61,6 +60,7 @@ def test_what_is_no_sun_stays(environment):
     assert rest is environment
 
 
+@needs("corpus")
 @pytest.mark.parametrize(
     ("name", "suns"),
     [
@@ -70,8 +70,6 @@ def test_what_is_no_sun_stays(environment):
 )  # fmt: skip
 def test_real_environments(name, suns):
     path = ENVIRONMENTS / f"{name}_1k.hdr"
-    if not path.is_file():
-        pytest.skip("the corpus is not here")
     environment = load_environment(path)
     rest, lights = extract_sun(environment)
     assert len(lights) == suns

@@ -12,6 +12,7 @@ import pytest
 from break_path_shaders import MUTATIONS
 from contexts import open_or_skip
 from mutations import Mutation
+from needs import require
 from path_cases import CASES, SIZE, PathCase
 from path_golden import FOLDER, PathGolden
 
@@ -25,7 +26,7 @@ CHOSEN = [("embree", case) for case in CASES] + [("bvh", case) for case in CASES
 
 @pytest.fixture(scope="module")
 def tracers() -> Iterator[dict[str, Tracer]]:
-    pytest.importorskip("embreex")
+    require("embree")
     with open_or_skip() as context:
         tracers = {name: Tracer(context, use_cache=False, intersector=name) for name in ("embree", "bvh")}
         yield tracers

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from contexts import open_or_skip
+from needs import needs
 
 import viewer.gpu.egl
 from viewer.errors import ContextError, UsageError
@@ -158,7 +159,7 @@ def test_wrong_usage() -> None:
         open_context("osmesa", device=0)
 
 
-@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="reads the resident size from /proc")
+@needs("linux")  # reads the resident size from /proc
 @pytest.mark.parametrize("backend", ["egl", "osmesa"])
 def test_no_leak(backend: str) -> None:
     """200 rounds of a 1 MiB picture each: a leak of the context or its picture would come to 200 MiB.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import flip_evaluator as flip
 import numpy as np
 import pytest
 
@@ -27,7 +28,6 @@ def test_a_picture_does_not_differ_from_itself(pair, kind):
 
 @pytest.mark.parametrize("kind", ["ldr", "hdr"])
 def test_flip_is_the_evaluator_s_own(pair, kind):
-    flip = pytest.importorskip("flip_evaluator")
     arrays = [image.over(1) if kind == "ldr" else image.linear[..., :3].copy() for image in pair]
     expected, mean, _ = flip.evaluate(*arrays, kind.upper(), applyMagma=False)
     difference = compare(*pair, kind)
@@ -70,7 +70,6 @@ def test_a_mostly_black_reference_has_a_finite_hdr_flip(lit):
 def test_the_map_is_magma(pair, tmp_path):
     black, white = (Image.from_srgb(np.full((8, 8, 3), value, np.uint8)) for value in (0, 255))
     compare(black, white).save_map(tmp_path / "map.png")
-    flip = pytest.importorskip("flip_evaluator")
     expected = flip.evaluate(black.over(1), white.over(1), "LDR", applyMagma=True)[0]
     assert np.abs(Image.open(tmp_path / "map.png").srgb[..., :3] / 255 - expected).max() < 0.03
     assert (compare(black, black).map_image().srgb[..., :3] <= 1).all()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from contexts import open_or_skip
 from mutations import planted
 from wrong_formulas import WRONG_FORMULAS, furnace_of_lights
 
@@ -99,14 +100,7 @@ def test_the_right_formulas_pass_the_furnace_of_lights():
 
 @pytest.fixture(scope="module")
 def renderer():
-    from viewer.errors import ContextError
-    from viewer.gpu.context import open_context
-
-    try:
-        context = open_context()
-    except ContextError as error:
-        pytest.skip(str(error))
-    with context:
+    with open_or_skip() as context:
         yield Renderer(context, use_cache=False)
 
 

@@ -7,6 +7,7 @@ from decimal import Context, Decimal, localcontext
 
 import numpy as np
 import pytest
+from contexts import open_or_skip
 
 from viewer.measure.check import reference
 from viewer.measure.check.extremes import check_extremes, not_finite
@@ -101,15 +102,9 @@ def test_reference_masking(NoV, alpha):
 
 
 def test_extremes():
-    from viewer.errors import ContextError
-    from viewer.gpu.context import open_context
     from viewer.raster.renderer import Renderer
 
-    try:
-        context = open_context()
-    except ContextError as error:
-        pytest.skip(str(error))
-    with context:
+    with open_or_skip() as context:
         checks = list(check_extremes(Renderer(context, use_cache=False)))
     assert not [check for check in checks if check.is_defect]
     assert {check.check for check in checks} == {"no NaN, no Inf", "light kept", "linear in light", "same picture",

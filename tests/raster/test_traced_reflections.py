@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from importlib.util import find_spec
 
 import numpy as np
 import pytest
+from needs import needs
 from shapes import WHITE, constant, facing_floor, lopsided, moved, orthographic, plate, scene, seen_plane, sphere
 
 import viewer.raster.traced.reflected_surfaces as reflected_surfaces
@@ -102,7 +102,7 @@ def test_it_is_near_the_path_tracer(context, radiance, roughness, bound):
     assert errors[1] < bound < 0.5 * errors[0]
 
 
-@pytest.mark.skipif(find_spec("embreex") is None, reason="Embree is not installed")
+@needs("embree")
 def test_bvh_and_embree_agree(context, renderer, radiance, monkeypatch):
     pictures = []
     for kind in ("embree", "bvh"):

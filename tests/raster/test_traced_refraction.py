@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from needs import needs
 from shapes import WHITE, constant, lopsided, moved, orthographic, plate, scene, sphere
 
 from viewer.plan.planner import plan_scene
@@ -119,8 +120,8 @@ def test_nearer_to_the_path_tracer(renderer):
     assert error("traced") < 0.02 and error("traced") < 0.2 * error("screen")
 
 
+@needs("embree")
 def test_the_tree_in_a_shader_finds_what_embree_finds(renderer):
-    pytest.importorskip("embreex")
     model, camera = hollow_ball(attenuation_distance=1.0, attenuation_color=(0.5, 0.7, 0.9)), orthographic(height=2.2)
     own, pictures = renderer._refraction, []
     for kind in ("embree", "bvh"):

@@ -7,13 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from needs import CORPUS, needs
 
 from viewer.errors import InputError
 from viewer.scene.chromaticities import to_rec_709
 from viewer.scene.environment_files import MAX_WIDTH, load_environment
 from viewer.scene.equirect import sphere_integral
-
-CORPUS = Path(__file__).resolve().parents[2].parent / "shared" / "corpus"
 
 
 def write(path: Path, pixels: np.ndarray, kind: str = "float", **attributes) -> Path:
@@ -263,6 +262,7 @@ def malformed() -> list:
     return [pytest.param(e, id=Path(e["path"]).name) for e in entries if Path(e["path"]).name.startswith("hdr-")]
 
 
+@needs("corpus")
 @pytest.mark.parametrize("entry", malformed())
 def test_malformed_files(entry):
     environment = None

@@ -8,9 +8,8 @@ from pathlib import Path
 import moderngl
 import numpy as np
 import pytest
+from contexts import open_or_skip
 
-from viewer.errors import ContextError
-from viewer.gpu.context import create_context
 from viewer.gpu.source import assemble
 
 VERTEX = """#version 330 core
@@ -20,11 +19,7 @@ void main() { gl_Position = vec4(vec2(gl_VertexID == 1, gl_VertexID == 2) * 4.0 
 
 @pytest.fixture(scope="module")
 def gl() -> Iterator[moderngl.Context]:
-    try:
-        context = create_context("egl")
-    except ContextError as error:
-        pytest.skip(str(error))
-    with context:
+    with open_or_skip("egl") as context:
         yield context.gl
 
 

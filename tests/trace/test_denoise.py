@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from needs import require
 
 from viewer.errors import UsageError
 from viewer.gpu.programs import Programs
@@ -71,7 +72,7 @@ def programs(context):
 @pytest.fixture(scope="module", params=["fast", "oidn"])
 def denoise(request, context, programs):
     if request.param == "oidn":
-        pytest.importorskip("pyoidn")
+        require("oidn")
     denoiser = make_denoiser(context, programs, request.param)
 
     def run(arrays: dict[str, np.ndarray]) -> np.ndarray:

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from needs import needs
 from stand_ins import Geometry, Instance, fill, make_wavefront, mesh, sphere, trace
 
 from viewer.gpu.context import Context
@@ -13,7 +14,7 @@ from viewer.trace.kinds import GLASS
 from viewer.trace.layout import FREE, INSTANCE_MASK, KIND_SHIFT, MISS
 from viewer.trace.rays.intersect import make_intersector
 
-pytest.importorskip("embreex")
+pytestmark = needs("embree")
 
 SQUARE = mesh([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], [(0, 1, 2), (0, 2, 3)])
 DOWN = np.array([(0.0, 0.0, -1.0)])

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from needs import needs
 from shapes import moved, plate, scene
 from shapes import sphere as smooth_sphere
 from stand_ins import Geometry, Instance, fill, make_wavefront, mesh, soup, sphere, trace
@@ -22,7 +23,7 @@ from viewer.trace.rays.intersect import Intersector, make_intersector
 from viewer.trace.scene.geometry import trace_geometry
 from viewer.trace.scene.scene_data import SceneData
 
-pytest.importorskip("embreex")
+pytestmark = needs("embree")
 
 KINDS = ["embree", "bvh"]
 RAYS = 16384

@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from interactions import ask, random_hits
+from needs import CORPUS, needs
 
 from viewer.scene.load import load_scene
 from viewer.trace.scene.geometry import trace_geometry
 
-MODELS = Path(__file__).parents[2].parent / "shared" / "corpus" / "models"
+MODELS = CORPUS / "models"
 NAMES = ("AlphaBlendModeTest/AlphaBlendModeTest.glb", "FlightHelmet/FlightHelmet.gltf", "MultiUVTest/MultiUVTest.glb",
          "TextureTransformTest/TextureTransformTest.gltf", "TransmissionTest/TransmissionTest.glb",
          "UnlitTest/UnlitTest.glb", "VertexColorTest/VertexColorTest.glb")
 
 
+@needs("corpus")
 @pytest.mark.parametrize("name", NAMES)
 def test_hits_give_numbers(context, tmp_path, name):
-    if not (MODELS / name).is_file():
-        pytest.skip("the corpus is not here")
     scene = load_scene(MODELS / name)
     hits = random_hits(trace_geometry(scene), 2000)
     found = ask(context, tmp_path, scene, hits)

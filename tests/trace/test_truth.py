@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from needs import needs
 from pictures import halves
 from shapes import WHITE, facing_floor, lopsided, moved, plate, scene, sphere
 
@@ -35,7 +36,7 @@ def check(both: Halves, reference: np.ndarray, reference_floor: float, mean: flo
     assert abs(np.median(scores)) < 0.4
 
 
-@pytest.mark.skipif(not truth_cases.names(), reason="there is no folder of solved scenes")
+@needs("truth")
 @pytest.mark.parametrize("name", CASES)
 def test_a_scene_that_another_renderer_solved(tracer, name):
     whole = truth_cases.load_case(name)
@@ -45,7 +46,7 @@ def test_a_scene_that_another_renderer_solved(tracer, name):
     check(both, case.reference, case.floor, mean)
 
 
-@pytest.mark.skipif(not mitsuba_scene.is_installed(), reason="Mitsuba is not installed")
+@needs("mitsuba")
 def test_a_scene_of_everything_against_mitsuba(tracer):
     """A metal, a rough glass and an emissive ball in an asymmetric environment with a lamp, by both renderers."""
     materials = [WHITE, Material(perceptual_roughness=0.4),

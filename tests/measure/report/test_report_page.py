@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from browser import Browser, find_browser
+from needs import needs
 from PIL import Image as Pillow
 
 PROGRAM = find_browser()
-pytestmark = pytest.mark.skipif(PROGRAM is None, reason="there is no Chromium")
+pytestmark = needs("chromium")
 
 
 @pytest.fixture(scope="module")
