@@ -6,16 +6,22 @@ import os
 import subprocess
 import sys
 
-import pytest
+from needs import needs
 
-pty = pytest.importorskip("pty")
+pytestmark = needs("posix")
+# What the terminal can do: the environment of the tests may say that it can do nothing (TERM=dumb, NO_COLOR, CI).
+TERMINAL = {name: value for name, value in os.environ.items() if name in ("PATH", "HOME", "PYTHONPATH", "VIRTUAL_ENV")}
+TERMINAL |= {"TERM": "xterm", "COLUMNS": "100", "LINES": "25", "PYTHONIOENCODING": "utf-8"}
 START = "import sys, time, viewer.base.progress as p\n"
 
 
-def on_terminal(code: str) -> bytes:
+def on_terminal(code: str, **environment: str) -> bytes:
     """What Python code writes to stderr when that is a terminal."""
+    import pty  # Windows has none
+
     terminal, end = pty.openpty()
-    process = subprocess.Popen([sys.executable, "-c", START + code], stderr=end, stdout=subprocess.PIPE)
+    process = subprocess.Popen([sys.executable, "-c", START + code], stderr=end, stdout=subprocess.PIPE,
+                               env=TERMINAL | environment)
     os.close(end)
     shown = b""
     while True:
@@ -46,6 +52,10 @@ def test_what_takes_long_shows_a_bar_that_goes_again():
     assert b"one [b]" in shown and b"0/2" in shown and b"1/2" in shown and b"t\\x1bwo" in shown
     assert b"a warning\r\n" in shown
     assert shown.endswith(b"\x1b[2K")  # the line is erased
+
+
+def test_a_terminal_that_cannot_move_its_cursor_gets_no_bar():
+    assert on_terminal(LONG, TERM="dumb") == b"a warning\r\n"
 
 
 def test_a_part_of_a_piece_moves_the_bar_and_not_the_count():
