@@ -5,18 +5,19 @@ from __future__ import annotations
 import os
 import signal
 import threading
+from contextlib import nullcontext
 
 import pytest
+from needs import needs
 
-from viewer.base.signals import Stopped, postponed, stoppable
+from viewer.base.signals import Stopped, postponed, stoppable, unbroken
 
 
-@pytest.mark.parametrize("name, status, text", [("SIGINT", 130, "interrupted"), ("SIGTERM", 143, "terminated"),
-                                                ("SIGHUP", 129, "terminated")])
+@pytest.mark.parametrize("name, status, text", [
+    ("SIGINT", 130, "interrupted"), ("SIGTERM", 143, "terminated"),
+    pytest.param("SIGHUP", 129, "terminated", marks=needs("posix"))])
 def test_a_signal_ends_the_block_and_its_handler_comes_back(name, status, text):
-    number = getattr(signal, name, None)
-    if number is None:
-        pytest.skip(f"no {name} here")
+    number = getattr(signal, name)
     default = signal.default_int_handler if name == "SIGINT" else signal.SIG_DFL
     before = signal.signal(number, default)  # under nohup it is ignored
     try:
@@ -40,6 +41,27 @@ def test_the_first_signal_is_recorded_and_the_second_raises():
                 os.kill(os.getpid(), signal.SIGTERM)
                 threading.Event().wait(5)
         assert signal.getsignal(signal.SIGINT) is handler
+
+
+def test_in_a_block_that_may_not_be_broken_a_signal_waits_for_its_end():
+    for scope, error in ((stoppable, Stopped), (nullcontext, KeyboardInterrupt)):
+        ended = False
+        with pytest.raises(error), scope(), unbroken():
+            os.kill(os.getpid(), signal.SIGINT)
+            threading.Event().wait(0.01)
+            ended = True
+        assert ended
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_a_signal_while_a_class_is_being_made_is_a_signal():
+    class Member:
+        def __set_name__(self, owner, name):
+            os.kill(os.getpid(), signal.SIGINT)
+            threading.Event().wait(5)
+
+    with pytest.raises(Stopped), stoppable():
+        type("Owner", (), {"member": Member()})
 
 
 def test_outside_of_our_own_program_signals_do_what_they_did():

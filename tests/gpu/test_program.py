@@ -1,7 +1,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +12,7 @@ from contexts import open_or_skip
 
 import viewer.gpu.source
 from viewer.errors import ShaderError
-from viewer.gpu.context import Context, open_context
+from viewer.gpu.context import Context
 from viewer.gpu.program import _explain, compile_program
 from viewer.gpu.source import ProgramSource, assemble, source_files
 
@@ -30,12 +32,6 @@ def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Write:
         return folder
 
     return write_files
-
-
-@pytest.fixture(scope="module")
-def context() -> Iterator[Context]:
-    with open_context() as context:
-        yield context
 
 
 MAIN = "void main() { gl_Position = vec4(f()); }\n"
@@ -205,3 +201,27 @@ def test_logs_of_drivers(log: str) -> None:
     report = f"GLSL Compiler failed\n\nfragment_shader\n===============\n{log}\n"
     sources = {"vertex": ProgramSource("", [], []), "fragment": ProgramSource("", [], origins)}
     assert re.match(r"^/two\.glsl:12: .*y.*$", _explain(report, sources))
+
+
+INTERRUPTED = """
+import os, signal, _moderngl
+from viewer.gpu.context import open_context
+from viewer.gpu.program import compile_program
+make = _moderngl.make_uniform
+def interrupt(*arguments):
+    os.kill(os.getpid(), signal.SIGINT)
+    return make(*arguments)
+_moderngl.make_uniform = interrupt
+signal.signal(signal.SIGINT, signal.default_int_handler)
+with open_context() as context:
+    try:
+        compile_program(context, vertex="display/fullscreen.vert", fragment="raster/visibility.frag")
+    except KeyboardInterrupt:
+        print("interrupted")
+"""
+
+
+def test_ctrl_c_while_a_program_is_made_is_no_crash(context: Context) -> None:
+    """In a process of its own: moderngl's C code would crash on the exception."""
+    process = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True)
+    assert (process.returncode, process.stdout) == (0, "interrupted\n"), process.stderr

@@ -57,8 +57,29 @@ def postponed() -> Iterator[StopRequest]:
 def stoppable() -> Iterator[None]:
     """In the block SIGINT, SIGTERM and SIGHUP raise Stopped, unless the process ignores them (as under nohup)."""
     defaults = (signal.SIG_DFL, signal.default_int_handler)
-    with _handlers({number: _Stop() for number in _stop_signals() if signal.getsignal(number) in defaults}):
-        yield
+    try:
+        with _handlers({number: _Stop() for number in _stop_signals() if signal.getsignal(number) in defaults}):
+            yield
+    except RuntimeError as error:
+        if isinstance(error.__cause__, Stopped):  # Python 3.11 wraps so what is raised while a class is being made
+            raise error.__cause__ from None
+        raise
+
+
+@contextmanager
+def unbroken() -> Iterator[None]:
+    """In the block no signal raises an exception; one that came is handled at its end.
+
+    For calls of C code that itself calls Python, does not check whether that raised, and then crashes.
+    """
+    came: list[int] = []
+    before = {number: handler for number in _stop_signals() if callable(handler := signal.getsignal(number))}
+    try:
+        with _handlers(dict.fromkeys(before, lambda number, frame: came.append(number))):
+            yield
+    finally:
+        for number in came[:1]:
+            before[number](number, None)
 
 
 class _Stop:

@@ -11,6 +11,7 @@ from typing import Any, Protocol, Self
 
 import moderngl
 
+from ..base.signals import unbroken
 from ..errors import ContextError, UsageError
 
 MINIMUM_VERSION = 330
@@ -55,7 +56,8 @@ class Context:
             try:
                 # This queries the limits and extensions of the current context.
                 loader: Any = _Interned(self._loader)  # moderngl's own type for it, a dict, is wrong
-                self.gl = moderngl.create_context(require=MINIMUM_VERSION, context=loader)
+                with unbroken():  # it calls the loader from C
+                    self.gl = moderngl.create_context(require=MINIMUM_VERSION, context=loader)
             except Exception as error:
                 _leave_current()
                 self._loader.release()

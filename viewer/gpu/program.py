@@ -9,6 +9,7 @@ from typing import Any
 
 import moderngl
 
+from ..base.signals import unbroken
 from ..errors import ShaderError
 from .context import Context
 from .source import ProgramSource, assemble, display_name
@@ -52,7 +53,8 @@ def compile_sources(
     context.make_current()
     try:
         shaders: dict[str, Any] = {f"{stage}_shader": source.text for stage, source in sources.items()}
-        return context.gl.program(**shaders, varyings=tuple(varyings))
+        with unbroken():  # moderngl 5.13 makes the uniforms' objects in Python, from C that crashes where that raises
+            return context.gl.program(**shaders, varyings=tuple(varyings))
     except moderngl.Error as error:
         raise ShaderError(_explain(str(error), sources)) from error
 
