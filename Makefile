@@ -5,6 +5,7 @@ PICTURE ?= demo.png
 ARGS ?=
 
 READY := .venv/.ready
+READY_TESTS := .venv/.ready-tests
 BIN := .venv/bin
 
 .PHONY: help demo view test lint bench clean
@@ -19,7 +20,7 @@ demo: $(READY) ## render MODEL (assets/demo.glb) to PICTURE (demo.png)
 view: $(READY) ## look at MODEL in a window
 	@$(BIN)/pbr-viewer view "$(MODEL)" $(ARGS)
 
-test: lint ## check the code, then run the tests; ARGS="-k egl" goes to pytest
+test: lint $(READY_TESTS) ## check the code, then run the tests; ARGS="-k egl" goes to pytest
 	@$(BIN)/python -m pytest $(ARGS)
 
 lint: $(READY) ## check the code without running it: ruff, mypy
@@ -36,3 +37,7 @@ clean: ## remove what make has made
 # Made anew when what the package depends on has changed.
 $(READY): pyproject.toml .ci/setup.sh
 	@.ci/setup.sh
+
+# Once; what cannot be installed costs the tests that need it.
+$(READY_TESTS): $(READY)
+	@.ci/setup.sh tests

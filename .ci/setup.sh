@@ -2,6 +2,8 @@
 # Makes .venv with the package in it, and sees to it that OpenGL works; `make` calls it when it has to.
 # It may be interrupted and run again at any point: what is half made is made anew.
 #
+#   .ci/setup.sh             what rendering needs
+#   .ci/setup.sh tests       what the tests need besides, where it may install it; without it, tests are skipped
 #   PYTHON=/path/to/python   the Python to use instead of the first that is new enough
 set -eu
 cd "$(dirname "$0")/.."
@@ -79,10 +81,51 @@ install_mesa() {
     say "no OpenGL driver works here: $command"
     if command -v apt-get >/dev/null; then
         apt_update
-        as_root env $APT libosmesa6 >/dev/null 2>&1 || true  # a second way to draw, which newer releases lack
     fi
     as_root env DEBIAN_FRONTEND=noninteractive $command >/dev/null || fail "this failed: $command"
 }
+
+is_any_here() {
+    for program in "$@"; do
+        if command -v "$program" >/dev/null; then return 0; fi
+    done
+    return 1
+}
+
+osmesa_works() {
+    $VENV/bin/python -c 'from viewer.gpu.context import create_context; create_context("osmesa").release()' \
+        >/dev/null 2>&1
+}
+
+# The packages, by their names in Debian, that the tests need and this system lacks.
+missing_for_tests() {
+    is_any_here Xvfb || echo xvfb
+    is_any_here xdotool || echo xdotool
+    is_any_here chromium chromium-browser google-chrome chrome || echo chromium
+    osmesa_works || echo libosmesa6
+}
+
+# Nothing here fails: what cannot be had is said at the end of the tests.
+install_for_tests() {
+    $VENV/bin/python -m pip install -q --disable-pip-version-check -e '.[test,oidn]' >/dev/null 2>&1 || true
+    missing=$(missing_for_tests)
+    [ -n "$missing" ] || return 0
+    if command -v apt-get >/dev/null && as_root true; then
+        say "installing what the tests need:" $missing
+        apt_update
+        for package in $missing; do  # one at a time: newer releases of Debian have no libosmesa6
+            as_root env $APT "$package" >/dev/null 2>&1 || true
+        done
+        missing=$(missing_for_tests)
+    fi
+    [ -z "$missing" ] || say "some tests will be skipped for want of (by Debian's names):" $missing
+}
+
+if [ "${1:-}" = tests ]; then
+    install_for_tests
+    touch $VENV/.ready-tests
+    exit
+fi
 
 if ! venv_works; then
     python=$(find_python)
