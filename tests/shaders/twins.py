@@ -84,28 +84,35 @@ def ggx_albedo(NoV, alpha: float, f0=1.0, f90=1.0):
 
     On a Fibonacci lattice, to 3e-4.
     """
+    white, grazing = _ggx_albedos(tuple(np.asarray(NoV, float).ravel()), alpha)
+    return f0 * (white - grazing) + f90 * grazing  # Schlick's F is linear in f0 and f90
+
+
+@lru_cache(maxsize=256)
+def _ggx_albedos(cosines: tuple[float, ...], alpha: float):
+    """The albedo at F = 1, and at f0 = 0, f90 = 1."""
     i = np.arange(17711)
     u1, u2 = (i + 0.5) / len(i), (i * 10946 / len(i)) % 1
-    NoV = np.asarray(NoV, float).ravel()
-    wo = np.stack([np.sqrt(1 - NoV**2), 0 * NoV, NoV], axis=-1)
-    out = np.empty(len(wo))
-    for i, o in enumerate(wo):
+    r, phi = np.sqrt(u1), 2 * np.pi * u2
+    p1, across = r * np.cos(phi), r * np.sin(phi)
+    side = np.sqrt(np.maximum(1 - p1**2, 0))
+    out = np.empty((2, len(cosines)))
+    for k, NoV in enumerate(cosines):
+        o = np.array([np.sqrt(1 - NoV**2), 0.0, NoV])
         v = unit(o * [alpha, alpha, 1])
         t1 = np.array([0.0, 1.0, 0.0])
         t2 = np.cross(v, t1)
-        r, phi = np.sqrt(u1), 2 * np.pi * u2
-        p1, p2 = r * np.cos(phi), r * np.sin(phi)
         s = (1 + v[2]) / 2
-        p2 = (1 - s) * np.sqrt(np.maximum(1 - p1**2, 0)) + s * p2
+        p2 = (1 - s) * side + s * across
         n = p1[:, None] * t1 + p2[:, None] * t2 + np.sqrt(np.maximum(1 - p1**2 - p2**2, 0))[:, None] * v
         h = unit(np.stack([alpha * n[:, 0], alpha * n[:, 1], np.maximum(n[:, 2], 1e-9)], axis=-1))
-        wi = 2 * dot(o, h)[:, None] * h - o
+        OoH = dot(o, h)
+        wi = 2 * OoH[:, None] * h - o
         up = wi[:, 2] > 1e-12
-        wi = wi[up]
         lambda_o = ggx_lambda(o, np.array([alpha, alpha]))
-        F = f0 + (f90 - f0) * (1 - np.clip(dot(o, h[up]), 0, 1)) ** 5
-        out[i] = (F * (1 + lambda_o) / (1 + lambda_o + ggx_lambda(wi, np.array([alpha, alpha])))).sum() / len(u1)
-    return out
+        share = (1 + lambda_o) / (1 + lambda_o + ggx_lambda(wi[up], np.array([alpha, alpha])))
+        out[:, k] = share.sum(), (share * (1 - np.clip(OoH[up], 0, 1)) ** 5).sum()
+    return out / len(i)
 
 
 @lru_cache
