@@ -107,3 +107,20 @@ def test_the_command_line_says_it_once_for_each_image(tmp_path, capsys):
     assert outcome.status == 0
     [line] = outcome.err.splitlines()
     assert line.startswith(f"{path}: warning: {path}: images[0]: cannot be decoded: ")
+
+
+def test_of_an_obj_a_broken_image_leaves_the_factors_and_the_other_map(tmp_path):
+    (tmp_path / "a.obj").write_text("mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+                                    "usemtl m\nf 1/1 2/2 3/3\n")
+    (tmp_path / "a.mtl").write_text("newmtl m\nPr 0.5\nPm 1\nmap_Pr bad.png\nmap_Pm good.png\nmap_Kd bad.png\n"
+                                    "norm bad.png\n")
+    (tmp_path / "bad.png").write_bytes(BROKEN)
+    (tmp_path / "good.png").write_bytes(png_bytes(np.full((16, 16, 3), 51, np.uint8)))
+    scene = load_scene(tmp_path / "a.obj")
+    [material] = scene.materials
+    assert (material.perceptual_roughness, material.metallic) == (0.5, 1.0)
+    assert material.metallic_roughness_texture.image.decode()[3, 3].tolist() == [255, 255, 51]
+    assert material.normal_texture.image.decode()[3, 3].tolist() == [128, 128, 255, 255]
+    assert material.base_color_texture.image.decode()[3, 3].tolist() == [255] * 4
+    assert any("bad.png" in line and "left out" in line for line in scene.warnings)
+    assert all("bad.png" in line for line in scene.all_warnings)

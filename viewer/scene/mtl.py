@@ -118,12 +118,11 @@ class MaterialLibrary:
             return None
         first = next(iter(textures.values()))
         size = (first.image.width, first.image.height)
-        try:
-            bands = [_band(textures[key].image, block[key], size) if key in textures else Image.new("L", size, 255)
-                     for key in ("map_pr", "map_pm")]
-        except InputError as error:
-            self._warnings.append(f"{block['newmtl']}: {error.problem}; map_Pr and map_Pm are left out")
-            return None
+        bands = [_band(textures[key].image, block[key], size) if key in textures else Image.new("L", size, 255)
+                 for key in ("map_pr", "map_pm")]
+        for texture in textures.values():
+            for problem in texture.image.problems:
+                self._warnings.append(f"{block['newmtl']}: {problem}; the texture is left out")
         file = io.BytesIO()
         Image.merge("RGB", (Image.new("L", size, 255), *bands)).save(file, "PNG")
         name = " and ".join(dict.fromkeys(texture.image.name for texture in textures.values()))
