@@ -167,6 +167,6 @@ def test_the_plan_says_what_is_traced():
     assert [draw.traces_reflections for draw in smooth.draws] == [True, False]  # the wall has no interface
     assert any("one ray per shaded point" in line for line in smooth.used)
     assert "reflections" in smooth.to_json()["passes"]
-    assert "traced reflections: no opaque surface is smooth enough" in rough.left_out
+    assert "traced reflections: no opaque surface is smooth and isotropic" in rough.left_out
     assert "traced reflections: not requested" in off.left_out
     assert not rough.has_traced_reflections and not off.has_traced_reflections
