@@ -140,3 +140,10 @@ def test_a_scene_from_files_goes_to_another_process(tmp_path):
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         found = pool.apply(viewer.render, (shown, (16, 16), CAMERA))
     assert np.array_equal(found.srgb, viewer.render(shown, (16, 16), CAMERA).srgb)
+
+
+def test_a_scene_is_told_in_a_line():
+    shown = scene(square())
+    assert repr(shown) == "<Scene 'square': 1 meshes, 1 materials, 1 instances, environment 'furnace'>"
+    assert repr(shown.meshes[0]) == "<Mesh 'square': triangles, 4 positions, indices, normals>"
+    assert repr(viewer.Scene("none")) == "<Scene 'none': empty, environment None>"

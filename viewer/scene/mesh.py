@@ -14,7 +14,7 @@ from .arrays import scene_array
 Topology = Literal["triangles", "lines", "points"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Mesh:
     """Geometry with one material, drawn by one call. Readers convert strips, fans and loops to one of three topologies.
 
@@ -57,6 +57,13 @@ class Mesh:
             if indices.size and indices.max() >= count:
                 raise UsageError(f"Mesh.indices: index {indices.max()}, but there are {count} positions")
             self._set("indices", indices)
+
+    def __repr__(self) -> str:
+        """In one line: the arrays would fill pages."""
+        given = [name for name in ("indices", "normals", "tangents", "colors") if getattr(self, name) is not None]
+        given += [f"{len(self.uvs)} uvs"] * bool(self.uvs)
+        words = ", ".join([self.topology, f"{len(self.positions)} positions", *given])
+        return f"<Mesh {self.name!r}: {words}>"
 
     def __setstate__(self, state: dict[str, object]) -> None:
         """Of a copy or from another process: numpy's copies of read-only arrays are writable."""

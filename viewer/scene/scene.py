@@ -34,7 +34,7 @@ class Instance:
         self.__post_init__()
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Scene:
     """Everything that is shown. Meshes refer to materials by index, and instances to meshes.
 
@@ -59,6 +59,13 @@ class Scene:
         for k, instance in enumerate(self.instances):
             if not 0 <= instance.mesh < len(self.meshes):
                 raise UsageError(f"Scene.instances[{k}]: mesh {instance.mesh}, but there are {len(self.meshes)}")
+
+    def __repr__(self) -> str:
+        """In one line: the arrays would fill pages."""
+        counts = {name: len(getattr(self, name)) for name in ("meshes", "materials", "instances", "lights", "cameras")}
+        words = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
+        light = self.environment.name if self.environment is not None else None
+        return f"<Scene {self.name!r}: {words or 'empty'}, environment {light!r}>"
 
     @cached_property
     def bounds(self) -> np.ndarray:
