@@ -149,8 +149,8 @@ def info(model: str | None, json_file: str | None, list_settings: bool, **option
 
         settings = make_settings(options)
         scene = make_scene(model, make_environment(options), options)
-        _warn(model, scene, options)
         facts = describe_scene(scene, settings)
+        _warn(model, scene, options)  # of images that do not decode, too
     _report(facts, json_file)
 
 

@@ -1,4 +1,5 @@
 import math
+import re
 
 import numpy as np
 import pytest
@@ -52,6 +53,35 @@ def test_broken_hierarchies(nodes, problem):
     builder = GltfBuilder(nodes=nodes, scenes=[{"nodes": [0]}])
     with pytest.raises(InputError, match=rf"nodes\[\d\].*{problem}"):
         builder.load()
+
+
+INDEX_SITES = {"scene": ("scene",), "scenes[0].nodes[0]": ("scenes", 0, "nodes", 0), "nodes[0].mesh": ("nodes", 0, "mesh"),
+               "nodes[0].children[0]": ("nodes", 0, "children", 0), "nodes[0].camera": ("nodes", 0, "camera"),
+               "meshes[0].primitives[0].material": ("meshes", 0, "primitives", 0, "material")}
+
+
+@pytest.mark.parametrize("place", INDEX_SITES)
+def test_an_index_is_an_integer(place):
+    *path, last = INDEX_SITES[place]
+
+    def load(value):
+        builder = GltfBuilder(materials=[{}], cameras=[{"type": "perspective", "perspective": {"yfov": 1, "znear": 1}}])
+        builder.node(mesh=builder.triangle(material=0), children=[1], camera=0)
+        builder.node(root=False)
+        builder.json["scene"] = 0
+        at = builder.json
+        for key in path:
+            at = at[key]
+        at[last] = value
+        return builder.load()
+
+    right = 1 if place == "nodes[0].children[0]" else 0
+    assert load(float(right)).triangle_count == load(right).triangle_count == 1
+    for value, problem in ((1.5, "not 1.5"), (True, "not true or false"), ("0", "not a string"), (None, "not null"),
+                           (-1, ""), (7, "index 7, but there"), (10**400, r"below 2\^53"), (1e300, r"below 2\^53")):
+        with pytest.raises(InputError, match=re.escape(f"{place}: ") + f".*{problem}") as caught:
+            load(value)
+        assert len(str(caught.value)) < 100
 
 
 def test_node_twice_in_a_scene():

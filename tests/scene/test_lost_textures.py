@@ -103,10 +103,13 @@ def test_an_image_that_does_not_decode_leaves_the_factors(mode):
 def test_the_command_line_says_it_once_for_each_image(tmp_path, capsys):
     path = tmp_path / "quad.glb"
     path.write_bytes(broken_at_decoding().glb())
-    outcome = runner(capsys)("render", path, "-o", tmp_path / "quad.png", "--size", "16")
-    assert outcome.status == 0
-    [line] = outcome.err.splitlines()
-    assert line.startswith(f"{path}: warning: {path}: images[0]: cannot be decoded: ")
+    run = runner(capsys)
+    for arguments in (["render", path, "-o", tmp_path / "quad.png", "--size", "16"], ["info", path]):
+        outcome = run(*arguments)
+        assert outcome.status == 0
+        [line] = outcome.err.splitlines()
+        assert line.startswith(f"{path}: warning: {path}: images[0]: cannot be decoded: ")
+    assert f"warnings:\n  - {path}: images[0]: cannot be decoded: " in outcome.out
 
 
 def test_of_an_obj_a_broken_image_leaves_the_factors_and_the_other_map(tmp_path):

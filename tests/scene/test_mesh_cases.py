@@ -238,6 +238,7 @@ def test_off_faces_with_colours(load):
     ("m.obj", QUAD + "f 1 2 9\n", r"line 5 \(f\): vertex 9, and there are 4"),
     ("m.obj", QUAD + "f -9 2 3\n", r"line 5 \(f\): vertex -9"),
     ("m.obj", QUAD + "f 0 2 3\n", r"line 5 \(f\): vertex 0"),
+    ("m.obj", QUAD + f"f 1 2 3\nf 1/{10**20} 2//7 -{10**20} 3\n", rf"line 6 \(f\): vertex -{10**20}, and there are 4,"),
     ("m.obj", QUAD + "v 1 2\n", r"line 5 \(v\): 2 numbers"), ("m.obj", "v 1 2,5 3\n", r"line 1 \(v\): '2,5'"),
     ("m.off", "OFF BINARY\n", "binary OFF"),
     ("m.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n9 0 1 2\n", "face 0: 9 corners"),

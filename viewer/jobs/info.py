@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from ..bake.environment import bake_environment
 from ..plan.model import Plan
 from ..plan.planner import environment_use, plan_scene
+from ..scene.decoding import Decoder
 from ..scene.environment import Environment
 from ..scene.scene import Scene
 from ..settings import RANGES, Settings, setting_choices, setting_meanings
@@ -20,7 +21,12 @@ Facts = dict[str, object]
 
 
 def describe_scene(scene: Scene, settings: Settings) -> Facts:
-    """The content of the scene and its plan, in types that JSON can store. No OpenGL context is opened."""
+    """The content of the scene and its plan, in types that JSON can store. No OpenGL context is opened.
+
+    Images are decoded to find out whether they can be; `scene.all_warnings` says of those that cannot.
+    """
+    for _ in Decoder(((image,) for image in scene.images), lambda image: image.decode("R")).results():
+        pass
     low, high = scene.bounds
     plan = _plan(scene, settings)
     environment = scene.environment

@@ -184,14 +184,21 @@ class _Reader:
             wrong = is_named & ((absolute < 1) | (absolute > count))
             if wrong.any() and k == 0:
                 which = int(wrong.argmax())
-                problem = f"vertex {column[which]}, and there are {count}, which count from 1"
-                raise InputError(self.path, self._place(keyword, int(owner[which])), problem)
+                row = int(owner[which])
+                word = self._corner(int(lines[row]), which - int(np.searchsorted(owner, row)))
+                problem = f"vertex {word}, and there are {count}, which count from 1"
+                raise InputError(self.path, self._place(keyword, row), problem)
             if wrong.any():
                 self.warnings.append(f"{np.count_nonzero(wrong)} corners name a {name} that does not exist; "
                                      "it is left out")
             numbers[:, k] = np.where(is_named & ~wrong, absolute, 0) - 1
         materials = self.use_names[np.searchsorted(self.use_lines, lines)]
         return numbers, counts, materials
+
+    def _corner(self, line: int, number: int) -> str:
+        """The vertex of a corner as the file writes it: int64 ends where its digits may not."""
+        text = self.text[self.starts[line]:self.starts[line + 1]]
+        return decoded(re.findall(rb"(?<![\d/+-])[-+]?\d+", text)[number][:40])
 
     def _faces(self) -> list[RawMesh]:
         if not len(self._lines_of("f")):

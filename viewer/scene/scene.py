@@ -16,6 +16,7 @@ from .light import Light
 from .material import Material
 from .mesh import Mesh
 from .schema import MAPS
+from .texture_image import TextureImage
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,11 +91,15 @@ class Scene:
         return boxes @ transforms[:, :3, :3].transpose(0, 2, 1) + transforms[:, None, :3, 3]
 
     @property
+    def images(self) -> tuple[TextureImage, ...]:
+        """The images of all materials, each once."""
+        textures = (m.texture(material) for material in self.materials for m in MAPS.values())
+        return tuple(dict.fromkeys(texture.image for texture in textures if texture is not None))
+
+    @property
     def all_warnings(self) -> tuple[str, ...]:
         """`warnings`, those of the environment, and of each texture that did not decode when it was drawn."""
-        textures = (m.texture(material) for material in self.materials for m in MAPS.values())
-        images = dict.fromkeys(texture.image for texture in textures if texture is not None)
-        lost = (f"{problem}; the texture is left out" for image in images for problem in image.problems)
+        lost = (f"{problem}; the texture is left out" for image in self.images for problem in image.problems)
         environment = self.environment.warnings if self.environment is not None else ()
         return tuple(dict.fromkeys((*self.warnings, *environment, *lost)))
 

@@ -59,12 +59,20 @@ def _parse_json(path: Path, text: bytes) -> dict:
         raise InputError(path, f"byte {error.start}", "the JSON is not valid UTF-8") from error
     except json.JSONDecodeError as error:
         raise InputError(path, f"line {error.lineno}", f"not valid JSON: {error.msg}") from error
-    except (ValueError, RecursionError) as error:
-        raise InputError(path, "", f"not valid JSON: {error}") from error
+    except RecursionError as error:
+        raise InputError(path, "", "not valid JSON: nested too deeply") from error
+    except _WrongConstant as error:
+        raise InputError(path, "", f"not valid JSON: {error} is not a number") from error
+    except ValueError as error:  # of CPython, which limits the digits that it converts
+        raise InputError(path, "", "not valid JSON: a number has thousands of digits") from error
     if not isinstance(root, dict):
         raise InputError(path, "", "the JSON of a glTF must be an object")
     return root
 
 
+class _WrongConstant(ValueError):
+    """NaN or Infinity, which Python's parser takes."""
+
+
 def _reject_constant(name: str) -> None:
-    raise ValueError(f"{name} is not a JSON number")
+    raise _WrongConstant(name)

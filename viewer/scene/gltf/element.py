@@ -75,10 +75,8 @@ class Element:
 
     def integer(self, key: str, default: Any = _MISSING, low: int = 0) -> int:
         value = self._get(key, (int, float), "an integer", default)
-        if isinstance(value, float):
-            if not value.is_integer():
-                raise self.error(f"must be an integer, not {value}", key)
-            value = int(value)
+        if value is not default:
+            value = self._whole(value, key)
         if value is not default and value < low:
             raise self.error(f"must be at least {low}, not {value}", key)
         return value
@@ -92,9 +90,9 @@ class Element:
 
     def indices(self, key: str, count: int) -> list[int]:
         """An array of indices into an array of `count` elements; empty if it is missing."""
-        values = self._get(key, list, "an array", [])
+        values = [self._whole(self._typed(value, (int, float), "an integer", f"{self.at(key)}[{k}]"), f"{key}[{k}]")
+                  for k, value in enumerate(self._get(key, list, "an array", []))]
         for k, value in enumerate(values):
-            self._typed(value, int, "an integer", f"{self.at(key)}[{k}]")
             if not 0 <= value < count:
                 raise self.error(f"index {value}, but there are {count}", f"{key}[{k}]")
         return values
@@ -141,6 +139,14 @@ class Element:
     def extension(self, name: str) -> Element | None:
         extensions = self.object("extensions")
         return extensions.object(name) if name in extensions else None
+
+    def _whole(self, value: float, key: str) -> int:
+        """`value`, which may be written as 1.0, as an integer that JSON's readers agree about (RFC 8259, 6)."""
+        if not -(1 << 53) < value < 1 << 53:
+            raise self.error("must be an integer below 2^53", key)
+        if value != int(value):
+            raise self.error(f"must be an integer, not {value}", key)
+        return int(value)
 
     def _clamped(self, value: float, key: str, low: float, high: float) -> float:
         try:
