@@ -16,7 +16,7 @@ MODEL = Path(__file__).parents[1] / "assets" / "demo.glb"
 
 def main(out: str = "model.png", model: str | Path = MODEL, *, size: tuple[int, int] = (1280, 720)) -> None:
     scene = viewer.load(model, environment="sky")
-    camera = viewer.Camera.framing(scene.center, scene.radius, size[0] / size[1], azimuth=math.radians(-20))
+    camera = scene.framing_camera(size[0] / size[1], azimuth=math.radians(-20))
     image = viewer.render(scene, size, camera, exposure=0.5, tonemap="agx", environment_shadows="64")
     image.save(out)  # .png, .jpg and .webp hold the displayed picture, .exr linear light
     for warning in scene.warnings:

@@ -52,17 +52,18 @@ def test_words_that_are_not(kind, word):
 def test_without_options_the_model_is_framed(scene):
     plain = camera(scene)
     assert plain.fov_y == pytest.approx(math.radians(45))
-    distance = np.linalg.norm(plain.eye - scene.center)
-    assert distance == pytest.approx(scene.radius / math.sin(math.radians(22.5)), rel=1e-9)
     azimuth, elevation = math.radians(30), math.radians(15)
     back = [math.cos(elevation) * math.sin(azimuth), math.sin(elevation), math.cos(elevation) * math.cos(azimuth)]
-    assert (plain.eye - scene.center) / distance == pytest.approx(back, abs=1e-12)
+    assert -plain.forward == pytest.approx(back, abs=1e-12)
+    np.testing.assert_array_equal(plain.pose, scene.framing_camera(2.0).pose)
 
 
-def test_a_tall_picture_is_filled_by_its_width(scene):
-    tall = camera(scene, size=(100, 200))
-    half = math.atan(math.tan(math.radians(22.5)) / 2)
-    assert np.linalg.norm(tall.eye - scene.center) == pytest.approx(scene.radius / math.sin(half), rel=1e-9)
+def test_direction_field_of_view_and_shape_of_the_picture_are_framed(scene):
+    tall = camera(scene, orbit=(-20, 40), fov=20, size=(100, 200))
+    expected = scene.framing_camera(0.5, math.radians(-20), math.radians(40), math.radians(20))
+    np.testing.assert_array_equal(tall.pose, expected.pose)
+    aimed = camera(scene, target=(1, 2, 0))
+    np.testing.assert_array_equal(aimed.pose, scene.framing_camera(2.0, target=(1, 2, 0)).pose)
 
 
 def test_orbit_eye_and_target(scene):

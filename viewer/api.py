@@ -86,7 +86,7 @@ def _rendered(scene: Scene, size: tuple[int, int], camera: Camera | None, backen
     if not is_open:
         chosen.check_used()
     if camera is None:
-        camera = Camera.framing(scene.center, scene.radius, size[0] / size[1])
+        camera = scene.framing_camera(size[0] / size[1])
     if is_open:
         chosen.check_open()
         image, choice = shared_chooser(backend).make(scene, camera, chosen, size, _checked_layers(aov))

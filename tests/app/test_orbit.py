@@ -6,9 +6,12 @@ import math
 
 import numpy as np
 import pytest
+from shapes import moved, scene, sphere
 
 from viewer.interact.orbit import FARTHEST, NEAREST, QUARTER, OrbitController
-from viewer.scene.camera import Camera
+from viewer.scene.camera import Camera, framing_distance
+from viewer.scene.framing import MARGIN
+from viewer.scene.scene import Scene
 
 ASPECT = 4 / 3
 SCALES = [1e-6, 1.0, 1e6]
@@ -22,13 +25,35 @@ def project(camera: Camera, point) -> np.ndarray:
 
 @pytest.fixture(params=SCALES)
 def orbit(request) -> OrbitController:
-    return OrbitController(np.array([3.0, -2.0, 5.0]) * request.param, request.param, ASPECT)
+    return OrbitController(ball(request.param), ASPECT)
 
 
-def test_starts_as_the_framing_camera(orbit):
-    expected = Camera.framing(orbit.center, orbit.radius, ASPECT)
+def ball(scale: float) -> Scene:
+    return scene((sphere(segments=24), moved(np.array([3.0, -2.0, 5.0]) * scale, scale)))
+
+
+@pytest.mark.parametrize("scale", SCALES)
+def test_starts_as_the_camera_that_the_scene_fills(scale):
+    model = ball(scale)
+    orbit, expected = OrbitController(model, ASPECT), model.framing_camera(ASPECT)
     assert np.allclose(orbit.camera.pose[:3, :3], expected.pose[:3, :3], atol=1e-14)
     assert np.allclose(orbit.camera.eye, expected.eye, rtol=0, atol=1e-12 * orbit.distance)
+
+
+@pytest.mark.parametrize("orthographic", [False, True])
+def test_frame_all_fills_the_view_from_where_it_looks(orbit, orthographic):
+    orbit.is_orthographic = orthographic
+    orbit.orbit(0.3, 0.2)
+    orbit.pan(0.4, 0.3)
+    orbit.dolly(0.01)
+    back = orbit.camera.pose[:3, 2]
+    orbit.frame_all(ASPECT)
+    assert np.allclose(orbit.camera.pose[:3, 2], back, atol=1e-12)
+    assert abs((orbit.target - orbit.center) @ back) < 1e-9 * orbit.radius  # as deep as the centre: turns about it
+    half = orbit.distance * math.tan(orbit.fov_y / 2)
+    seen = orbit.radius / half if orthographic else math.tan(math.asin(orbit.radius / orbit.distance)) / half \
+        * orbit.distance
+    assert seen == pytest.approx(1 - 2 * MARGIN, rel=0.01)  # the ball has facets
 
 
 def test_elevation_ends_at_the_poles_and_the_pose_stays_rigid(orbit):
@@ -85,7 +110,7 @@ def test_dolly_keeps_the_point_under_the_cursor(orbit, factor, orthographic):
 
 
 def test_distance_is_bounded_relative_to_the_scene(orbit):
-    framing = orbit.distance
+    framing = framing_distance(orbit.radius, 1.0, orbit.fov_y)
     orbit.dolly(1e-30)
     assert orbit.distance == pytest.approx(NEAREST * framing, rel=1e-12)
     orbit.dolly(1e30)
@@ -109,7 +134,7 @@ def test_follow_takes_a_camera_as_it_is(elevation, roll, height):
     pose = Camera.orbit([1, 2, 3], 4.0, 2.2, elevation).pose.copy()
     c, s = math.cos(roll), math.sin(roll)
     pose[:3, :2] = pose[:3, :2] @ np.array([[c, -s], [s, c]])
-    orbit = OrbitController([0, 0, 0], 1.0, ASPECT)
+    orbit = OrbitController(ball(1.0), ASPECT)
     orbit.follow(Camera(pose, 0.6, height), depth=2.5)
     camera = orbit.camera
     assert np.allclose(camera.pose[:3, :3], pose[:3, :3], atol=1e-9)

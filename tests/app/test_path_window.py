@@ -23,7 +23,7 @@ BELOW = slice(60, None)
 
 
 def rendered(scene, settings: Settings, camera: Camera | None = None) -> np.ndarray:
-    camera = camera or Camera.framing(scene.center, scene.radius, SIZE[0] / SIZE[1])
+    camera = camera or scene.framing_camera(SIZE[0] / SIZE[1])
     # Of no use there, but a window's settings are for all its modes.
     settings = replace(settings, antialias="auto") if settings.mode == "path" else replace(settings, spp=None)
     return viewer.render(scene, SIZE, camera, **vars(settings)).srgb[..., :3]

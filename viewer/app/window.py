@@ -65,7 +65,7 @@ class ViewerWindow:
         self.context = WindowContext(size, _title(scene), visible=True)
         self.renderer = Renderer(self.context, use_cache)
         self.window = self.context.window
-        self.orbit = OrbitController(scene.center, scene.radius, size[0] / size[1])
+        self.orbit = OrbitController(scene, size[0] / size[1])
         if camera is not None:
             self._follow(camera)
         self.picture = Picture(self.renderer, self.state, self.orbit)
@@ -188,7 +188,7 @@ class ViewerWindow:
 
     def _open_scene(self, scene: Scene) -> None:
         self.state.open(scene)
-        self.orbit.set_scene(scene.center, scene.radius)
+        self.orbit.set_scene(scene)
         self._frame_all()
         self._next_camera = 0
 

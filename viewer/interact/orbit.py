@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, DEFAULT_FOV, Camera, framing_distance
+from ..scene.framing import fit
+from ..scene.scene import Scene
 
 QUARTER = math.pi / 2
 NEAREST, FARTHEST = 1e-4, 50.0
@@ -26,26 +28,25 @@ class OrbitController:
     and y downwards, so they do not depend on the size of the window or the scene.
     """
 
-    def __init__(self, center: ArrayLike, radius: float, aspect: float, fov_y: float = DEFAULT_FOV) -> None:
+    def __init__(self, scene: Scene, aspect: float, fov_y: float = DEFAULT_FOV) -> None:
         self.fov_y = fov_y
         self.is_orthographic = False
         self.velocity = np.zeros(2)
         """The velocity of inertia, in window heights per second, (2,)."""
         self.azimuth, self.elevation = DEFAULT_AZIMUTH, DEFAULT_ELEVATION
-        self.set_scene(center, radius)
+        self.set_scene(scene)
         self.frame_all(aspect)
 
-    def set_scene(self, center: ArrayLike, radius: float) -> None:
-        """Set the sphere that `frame_all` frames and that limits the camera's distance. The camera does not move."""
-        self.center, self.radius = np.asarray(center, np.float64), float(radius)
+    def set_scene(self, scene: Scene) -> None:
+        """Set what `frame_all` frames and what limits the camera's distance. The camera does not move."""
+        self._scene = scene
+        self.center, self.radius = scene.center, scene.radius
 
-    def frame_all(self, aspect: float, azimuth: float | None = None, elevation: float | None = None) -> None:
-        """Fill the view with the scene, from the current direction or from the given angles."""
-        self.target = self.center.copy()
-        self.distance = framing_distance(self.radius, aspect, self.fov_y)
-        self.azimuth = self.azimuth if azimuth is None else azimuth
-        self.elevation = self.elevation if elevation is None else elevation
+    def frame_all(self, aspect: float) -> None:
+        """Fill the view with the scene, from the current direction. The target is as deep as the scene's centre."""
         self.roll = 0.0
+        self.target, self.distance = fit(
+            self._scene, self._rotation(0.0), aspect, self.fov_y, is_orthographic=self.is_orthographic)
         self.velocity = np.zeros(2)
 
     def look_from(self, azimuth: float, elevation: float) -> None:

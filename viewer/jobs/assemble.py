@@ -69,7 +69,7 @@ def make_camera(model: str, scene: Scene, options: dict[str, Any]) -> Camera:
     if orbit is not None and len(orbit) == 3:
         return Camera.orbit(center, orbit[2], azimuth, elevation, fov_y)
     width, height = options["size"]
-    return Camera.framing(center, scene.radius, width / height, azimuth, elevation, fov_y)
+    return scene.framing_camera(width / height, azimuth, elevation, fov_y, options["target"])
 
 
 def _own_camera(model: str, scene: Scene, number: int, fov: float | None) -> Camera:

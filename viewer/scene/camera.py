@@ -87,7 +87,11 @@ class Camera:
     @classmethod
     def framing(cls, center: ArrayLike, radius: float, aspect: float, azimuth: float = DEFAULT_AZIMUTH,
                 elevation: float = DEFAULT_ELEVATION, fov_y: float = DEFAULT_FOV) -> Camera:
-        """An orbit camera at the distance at which the sphere (center, radius) fills its narrower field of view."""
+        """An orbit camera at the distance at which the sphere (center, radius) fills its narrower field of view.
+
+        From every direction it is the same distance, and nothing is cut off, as a turntable needs.
+        `Scene.framing_camera` is the one that the scene itself fills.
+        """
         return cls.orbit(center, framing_distance(radius, aspect, fov_y), azimuth, elevation, fov_y)
 
     def view(self) -> np.ndarray:

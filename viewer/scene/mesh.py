@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, get_args
@@ -12,6 +13,8 @@ from ..errors import UsageError
 from .arrays import scene_array
 
 Topology = Literal["triangles", "lines", "points"]
+_CHUNK = 1 << 14
+"""Vertices per piece."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -74,14 +77,23 @@ class Mesh:
         object.__setattr__(self, name, value)
 
     @cached_property
+    def drawn(self) -> np.ndarray:
+        """The positions that are drawn, each once, (K, 3) float32."""
+        if self.indices is None:
+            return self.positions
+        is_drawn = np.zeros(len(self.positions), bool)
+        is_drawn[self.indices] = True
+        return self.positions if is_drawn.all() else self.positions[is_drawn]
+
+    def drawn_chunks(self) -> Iterator[np.ndarray]:
+        """`drawn` in (n, 3) float64, a piece at a time, so that what is computed of a piece stays in the cache."""
+        for first in range(0, len(self.drawn), _CHUNK):
+            yield self.drawn[first:first + _CHUNK].astype(np.float64)
+
+    @cached_property
     def bounds(self) -> np.ndarray:
         """The lowest and highest corner of the bounding box of all drawn vertices, (2, 3) float64."""
-        used = self.positions
-        if self.indices is not None:
-            drawn = np.zeros(len(self.positions), bool)
-            drawn[self.indices] = True
-            used = used[drawn]
-        return np.stack([used.min(axis=0), used.max(axis=0)]).astype(np.float64)
+        return np.stack([self.drawn.min(axis=0), self.drawn.max(axis=0)]).astype(np.float64)
 
     @property
     def element_count(self) -> int:

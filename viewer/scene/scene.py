@@ -7,11 +7,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..errors import UsageError
 from .arrays import scene_array
-from .camera import Camera
+from .camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, DEFAULT_FOV, Camera
 from .environment import Environment
+from .framing import fit
 from .light import Light
 from .material import Material
 from .mesh import Mesh
@@ -124,16 +126,42 @@ class Scene:
         for k in np.argsort(-distance):
             if distance[k] <= radius:
                 break  # no vertex in this box or in the remaining ones is farther away than `radius`
-            instance = self.instances[k]
-            mesh = self.meshes[instance.mesh]
-            used = np.full(len(mesh.positions), mesh.indices is None)
-            if mesh.indices is not None:
-                used[mesh.indices] = True
-            points = mesh.positions[used] @ instance.transform[:3, :3].T + (instance.transform[:3, 3] - center)
-            radius = max(radius, float(np.sqrt(np.einsum("ij,ij->i", points, points).max())))
+            linear, offset = self.instances[k].transform[:3, :3].T, self.instances[k].transform[:3, 3] - center
+            for chunk in self.meshes[self.instances[k].mesh].drawn_chunks():
+                points = chunk @ linear + offset
+                radius = max(radius, float(np.sqrt(np.einsum("ij,ij->i", points, points).max())))
         if not self.instances:
             return float(np.sqrt(0.75))
         return radius or max(1e-6, float(np.abs(center).max()) * 1e-6)
+
+    def farthest(self, direction: np.ndarray) -> np.ndarray:
+        """The drawn vertex that lies farthest along `direction`, relative to `center`, (3,) float64."""
+        if not self.instances:
+            return np.copysign(0.5, direction)
+        bounds = ((self.corners - self.center) @ direction).max(axis=1)
+        bounds[~self._has_extent] = -np.inf
+        best, vertex = -np.inf, np.zeros(3)
+        for k in np.argsort(-bounds, kind="stable"):
+            if bounds[k] <= best:
+                break  # no vertex in this box or in the remaining ones is farther
+            linear, offset = self.instances[k].transform[:3, :3], self.instances[k].transform[:3, 3] - self.center
+            for chunk in self.meshes[self.instances[k].mesh].drawn_chunks():
+                point = linear @ chunk[(chunk @ (direction @ linear)).argmax()] + offset
+                if (along := float(point @ direction)) > best:
+                    best, vertex = along, point
+        return vertex
+
+    def framing_camera(self, aspect: float, azimuth: float = DEFAULT_AZIMUTH, elevation: float = DEFAULT_ELEVATION,
+                       fov_y: float = DEFAULT_FOV, target: ArrayLike | None = None) -> Camera:
+        """The camera that the scene fills, seen from `azimuth` and `elevation` (radians, see `Camera.orbit`).
+
+        `aspect` is width / height of the picture. At each side, 5 % of the width or of the height stay free. A
+        `target`, (3,) in world space, is in the middle of the picture. The distance depends on the direction; for a
+        camera that turns about the scene at one distance, take `Camera.framing(scene.center, scene.radius, ...)`.
+        """
+        rotation = Camera.orbit((0.0, 0.0, 0.0), 1.0, azimuth, elevation).pose[:3, :3]
+        target, distance = fit(self, rotation, aspect, fov_y, target=target)
+        return Camera.orbit(target, distance, azimuth, elevation, fov_y)
 
     def relit(self, **changes: Any) -> Scene:
         """A copy with another `environment` or other `lights`. It keeps the cached bounds of the geometry."""
