@@ -98,6 +98,7 @@ def test_exit_status_and_files(run, folder, quick):
 def test_the_page_stands_alone(run, folder):
     outcome = run("check", "energy", "--shader", chalk(folder, "0.2"), "--lobe", "chalk", "-o", "report")
     assert outcome.status == 1 and names(folder / "report") == ["check.json", "index.html"]
+    assert outcome.err == f"the page: {Path('report', 'index.html')}\n"
     page = (folder / "report" / "index.html").read_text()
     assert "white furnace" in page and 'class="FAIL"' in page
     assert "http" not in page.replace("http://www.w3.org/2000/svg", "")
@@ -117,3 +118,5 @@ def test_a_page_that_cannot_be_written(run, folder, quick):
     (folder / "file").write_text("")
     outcome = run("check", "-o", "file/report")
     assert outcome.status == 1 and "file/report" in outcome.error
+    outcome = run("check", "energy", "none.glb", "-o", "report")
+    assert outcome.status == 1 and outcome.error == "none.glb: no such file" and names(folder) == ["file"]

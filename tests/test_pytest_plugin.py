@@ -69,6 +69,23 @@ def test_a_change_fails_and_is_shown_until_it_is_mended(pytester):
     assert not page(pytester).exists() and not folder.exists()
 
 
+def test_what_runs_no_test_leaves_the_page_alone(pytester):
+    write_test(pytester, "def test_a(golden): golden(picture())")
+    assert pytester.runpytest().ret == pytest.ExitCode.TESTS_FAILED
+    kept = sorted(page(pytester).parent.rglob("*.*"))
+    for option in ("--fixtures", "--fixtures-per-test", "--collect-only", "--setup-plan", "--setup-only", "--markers",
+                   "--help", "--version"):
+        result = pytester.runpytest(option)
+        assert sorted(page(pytester).parent.rglob("*.*")) == kept != [], option
+        assert "golden images:" not in result.stdout.str(), option
+    write_test(pytester, "import no_such_module")
+    assert pytester.runpytest().ret == pytest.ExitCode.INTERRUPTED
+    assert sorted(page(pytester).parent.rglob("*.*")) == kept
+    write_test(pytester, "def test_a(): pass")
+    assert pytester.runpytest().ret == pytest.ExitCode.OK
+    assert not page(pytester).exists()
+
+
 def test_the_page_holds_every_failure_of_the_session(pytester):
     write_test(pytester, "def test_a(golden): golden(picture())\ndef test_b(golden): golden(picture(), 'b<i>')")
     pytester.runpytest("--golden-report", "pages").assert_outcomes(failed=2)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from command_line import SCENES, names
 
-from viewer.errors import OutputError, UsageError
+from viewer.errors import UsageError
 from viewer.image.image import Image
 from viewer.jobs.render_job import output_paths
 
@@ -18,19 +18,39 @@ SMALL = ("--size", "24")
 
 def test_a_picture_goes_where_out_says(folder):
     (folder / "out").mkdir()
-    cases = [("a.png", ["x/m.glb"], ["a.png"]), ("out", ["x/m.glb"], ["out/m.png"]), ("out/", ["m", "n"],
-             ["out/m.png", "out/n.png"]), ("out/{name}-s.EXR", ["x/m.v2.glb", "n"], ["out/m.v2-s.EXR", "out/n-s.EXR"])]
-    for output, models, expected in cases:
-        assert output_paths(models, output) == [Path(path) for path in expected]
+    cases = [("a.png", ["x/m.glb"], ["a.png"], []), ("no/a.png", ["m.glb"], ["no/a.png"], []),
+             ("out", ["x/m.glb"], ["out/m.png"], ["out"]), ("new/", ["m"], ["new/m.png"], ["new"]),
+             ("new/", ["m", "n"], ["new/m.png", "new/n.png"], ["new"]),
+             ("new/{name}-s.EXR", ["x/m.v2.glb", "n"], ["new/m.v2-s.EXR", "new/n-s.EXR"], ["new"]),
+             ("{name}/a.png", ["m", "n"], ["m/a.png", "n/a.png"], ["m", "n"])]
+    for output, models, paths, folders in cases:
+        assert output_paths(models, output) == ([Path(path) for path in paths], [Path(path) for path in folders])
 
 
-@pytest.mark.parametrize("output, error", [
-    ("a.png", UsageError), ("a", UsageError), ("{name}.bmp", UsageError), ("same-{name}.png", UsageError),
-    ("none/", OutputError), ("none/{name}.png", OutputError),
-])
-def test_a_place_that_does_not_fit_is_refused_before_any_work(folder, output, error):
-    with pytest.raises(error):
+@pytest.mark.parametrize("output", ["a.png", "a", "{name}.bmp", "same-{name}.png"])
+def test_a_place_that_does_not_fit_is_refused_before_any_work(folder, output):
+    with pytest.raises(UsageError):
         output_paths(["x/m.glb", "y/m.glb"] if "same" in output else ["m.glb", "n.glb"], output)
+
+
+@pytest.mark.parametrize("output", ["shots/", "shots/{name}.png"])
+def test_a_folder_is_made_for_pictures_alone(run, folder, output):
+    models = [SCENES / "unlit.glb", SCENES / "emissive.glb"]
+    outcome = run("render", *models, "-o", output, *SMALL, "--stats", "shots/stats.json")
+    assert (outcome.status, outcome.err) == (0, "")
+    assert names(folder) == ["shots"] and names(folder / "shots") == ["emissive.png", "stats.json", "unlit.png"]
+    assert run("render", *models, "-o", output, *SMALL).status == 0
+
+
+@pytest.mark.parametrize("arguments, error", [
+    (["none.glb"], "none.glb: no such file"),
+    ([MODEL, "--env", "none.hdr"], "none.hdr: no such file"),
+    ([MODEL, "--stats", "no/s.json"], "no/s.json: the folder no does not exist"),
+])
+def test_no_folder_is_left_where_nothing_was_made(run, folder, arguments, error):
+    outcome = run("render", *arguments, "-o", "shots/", *SMALL)
+    assert (outcome.status, outcome.error) == (1, error)
+    assert names(folder) == []
 
 
 def test_of_several_models_a_bad_one_does_not_stop_the_others(run, folder):

@@ -10,6 +10,7 @@ import os
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 import click
@@ -80,8 +81,8 @@ def view(model: str, **options: Any) -> None:
 @cli.command(short_help="Render pictures of models, without a screen.")
 @click.argument("models", metavar="MODEL...", nargs=-1, required=True)
 @click.option("-o", "--output", required=True, metavar="OUT",
-              help="The picture: .png .jpg .webp (as displayed), .exr (linear light). For several models: a folder, or "
-                   "a pattern such as out/{name}.png.")
+              help="The picture: .png .jpg .webp (as displayed), .exr (linear light). For several models: a folder, "
+                   "which ends in / and is made if it is missing, or a pattern such as out/{name}.png.")
 @BACKEND_OPTION
 @click.option("--stats", metavar="FILE.json",
               help="Write times, plan and memory as JSON; for several models a list of them.")
@@ -99,6 +100,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     pbr-viewer render room.glb -o room.png --mode path --spp 256 --denoise fast
     """
     check_camera_options(options)
+    from .base.atomic import made_folders
     from .jobs.assemble import make_camera, make_environment, make_scene, make_settings
     from .jobs.render_job import RenderJob, check_layers, check_output, output_paths
 
@@ -106,13 +108,8 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     chooses = _leaves_mode_open(settings)
     if not chooses:
         settings.check_used()
-    work = list(zip(models, output_paths(models, output), strict=True))
-    check_layers(options["aov"], settings, [path for _, path in work], chooses)
-    if stats is not None:
-        check_output(stats)
-    environment = make_environment(options)
-    if environment is not None and len(work) > 1:
-        environment.radiance  # noqa: B018  decode it here, so that an error is reported once, not for every model
+    paths, folders = output_paths(models, output)
+    check_layers(options["aov"], settings, paths, chooses)
 
     def load(model: str) -> Any:
         scene = make_scene(model, environment, options)
@@ -121,7 +118,17 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
 
     job = RenderJob(backend, settings, options["size"], options["aov"], use_cache=not options["no_cache"],
                     measure=stats is not None, quiet=options["quiet"], verbose=options["verbose"], chooses=chooses)
-    sys.exit(job.run(work, load, lambda model, scene: make_camera(model, scene, options), stats))
+    with made_folders(*folders):
+        for path in paths:
+            check_output(path)
+        if stats is not None:
+            check_output(stats)
+        environment = make_environment(options)
+        if environment is not None and len(models) > 1:
+            environment.radiance  # noqa: B018  decode it here, so that an error is reported once, not for every model
+        status = job.run(list(zip(models, paths, strict=True)), load,
+                         lambda model, scene: make_camera(model, scene, options), stats)
+    sys.exit(status)
 
 
 @cli.command(short_help="Show what is in a model and how it will be rendered.")
@@ -182,36 +189,34 @@ def check(what: str, model: str | None, shader: str | None, lobe: str | None, js
         raise UsageError("check either a MODEL or a --shader")
     if what != "energy" and (model or shader):
         raise UsageError("for a MODEL or a --shader there is only `check energy`")
+    from .base.atomic import made_folders
     from .measure.check.checks import exit_status
     from .measure.check.run import run_checks, run_model_checks, run_shader_checks
     from .measure.check.table import print_table
 
-    if output:
-        from pathlib import Path
+    with made_folders(*([Path(output)] if output else [])):  # so that an error is reported before the checks run
+        if shader and lobe:
+            checks = run_shader_checks(shader, lobe, quiet)
+        elif model:
+            from .scene.load import load_scene
+            from .settings import Settings
 
-        from .base.atomic import make_folder
+            settings = Settings()
+            for assignment in assignments:
+                settings = settings.with_option(assignment)
+            checks = run_model_checks(load_scene(model), settings, quiet)
+        else:
+            checks = run_checks(what, quiet)
+        if output:
+            from .measure.check.page import write_page
 
-        make_folder(Path(output))  # an error is reported before the checks run
-    if shader and lobe:
-        checks = run_shader_checks(shader, lobe, quiet)
-    elif model:
-        from .scene.load import load_scene
-        from .settings import Settings
-
-        settings = Settings()
-        for assignment in assignments:
-            settings = settings.with_option(assignment)
-        checks = run_model_checks(load_scene(model), settings, quiet)
-    else:
-        checks = run_checks(what, quiet)
-    if output:
-        from .measure.check.page import write_page
-
-        write_page(output, checks, with_plots=not (model or shader))
+            write_page(output, checks, with_plots=not (model or shader))
     if json_file:
         _write_json(json_file, [check.to_json() for check in checks])
     if json_file != "-":
         print_table(checks)
+    if output and not quiet:
+        say(f"the page: {Path(output) / 'index.html'}")
     sys.exit(exit_status(checks))
 
 
@@ -233,8 +238,6 @@ def report(models: tuple[str, ...], output: str, limit: float, backend: str, **o
     pbr-viewer report helmet.glb -o report/
     pbr-viewer report *.glb -o reports/ --env studio.hdr --within 60
     """
-    from pathlib import Path
-
     check_camera_options(options)
     from .jobs.assemble import make_camera, make_environment, make_scene, make_settings
     from .measure.report.job import ReportJob

@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from .image.image import Image
 
 
+_RUNS_TESTS = pytest.StashKey[bool]()
+"""Whether this process is in charge of a session whose tests run."""
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     group = parser.getgroup("pbr-viewer", "golden images and OpenGL contexts (pbr-viewer)")
     group.addoption("--golden-update", action="store_true", help="store the test's pictures as new golden images")
@@ -151,17 +155,22 @@ def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
     return result
 
 
-def pytest_sessionstart(session: pytest.Session) -> None:
-    folder = _report_folder(session.config)
-    if folder.is_dir() and _in_charge(session.config):
-        from .measure.compare.golden_report import clear_report
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtestloop(session: pytest.Session) -> None:
+    # Not when the session starts: --fixtures, --collect-only and a test file that cannot be imported run no test.
+    config = session.config
+    broken = session.testsfailed and not config.option.continue_on_collection_errors
+    if broken or config.option.collectonly or config.option.setuponly or not _in_charge(config):
+        return
+    from .measure.compare.golden_report import clear_report
 
-        clear_report(folder)
+    clear_report(_report_folder(config))
+    config.stash[_RUNS_TESTS] = True
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
     folder = _report_folder(config)
-    if folder.is_dir() and _in_charge(config):
+    if folder.is_dir() and config.stash.get(_RUNS_TESTS, False):
         from .measure.compare.golden_report import write_report
 
         page = write_report(folder)

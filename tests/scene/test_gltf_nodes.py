@@ -55,8 +55,9 @@ def test_broken_hierarchies(nodes, problem):
         builder.load()
 
 
-INDEX_SITES = {"scene": ("scene",), "scenes[0].nodes[0]": ("scenes", 0, "nodes", 0), "nodes[0].mesh": ("nodes", 0, "mesh"),
-               "nodes[0].children[0]": ("nodes", 0, "children", 0), "nodes[0].camera": ("nodes", 0, "camera"),
+INDEX_SITES = {"scene": ("scene",), "scenes[0].nodes[0]": ("scenes", 0, "nodes", 0),
+               "nodes[0].mesh": ("nodes", 0, "mesh"), "nodes[0].children[0]": ("nodes", 0, "children", 0),
+               "nodes[0].camera": ("nodes", 0, "camera"),
                "meshes[0].primitives[0].material": ("meshes", 0, "primitives", 0, "material")}
 
 

@@ -7,7 +7,7 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from os import PathLike
 from pathlib import Path
 
@@ -53,6 +53,26 @@ def write_json(path: str | PathLike[str], content: object) -> None:
     text = json.dumps(content, indent=1, allow_nan=False) + "\n"
     with atomic_write(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
+
+
+@contextmanager
+def made_folders(*folders: Path) -> Iterator[None]:
+    """Make those of the folders that do not exist; at the end of the block, remove those of them that are empty.
+
+    Raises OutputError, as `make_folder` does.
+    """
+    with ExitStack() as stack:
+        for folder in folders:
+            is_new = not folder.exists()
+            make_folder(folder)
+            if is_new:
+                stack.callback(_remove_if_empty, folder)
+        yield
+
+
+def _remove_if_empty(folder: Path) -> None:
+    with suppress(OSError):
+        folder.rmdir()
 
 
 def make_folder(folder: Path) -> None:

@@ -141,32 +141,31 @@ class RenderJob:
         }
 
 
-def output_paths(models: Sequence[str], output: str) -> list[Path]:
-    """The path of each model's picture: OUT itself, OUT with {name} replaced, or OUT/name.png if OUT is a folder.
+def output_paths(models: Sequence[str], output: str) -> tuple[list[Path], list[Path]]:
+    """The path of each model's picture, and the folders that are made for them where they are missing.
 
-    Raises UsageError for a path that is not a picture's or that two models have, and OutputError for a folder that does
-    not exist.
+    A picture is OUT itself, OUT with {name} replaced, or OUT/name.png if OUT is a folder or ends in "/". No folder is
+    made for OUT itself. Raises UsageError for a path that is not a picture's or that two models have.
     """
     names = [Path(model).stem for model in models]
-    folder = Path(output)
-    if "{name}" in output:
+    is_pattern = "{name}" in output
+    is_folder = output.endswith(("/", "\\")) or Path(output).is_dir()
+    if is_pattern:
         paths = [Path(output.replace("{name}", name)) for name in names]
-    elif folder.is_dir() or output.endswith(("/", "\\")):
-        if not folder.is_dir():
-            raise OutputError(f"{output}: no such folder")
-        paths = [folder / f"{name}.png" for name in names]
+    elif is_folder:
+        paths = [Path(output) / f"{name}.png" for name in names]
     elif len(models) > 1:
-        raise UsageError(f"-o {output}: several models need a folder or a pattern with {{name}}")
+        raise UsageError(f"-o {output}: several models need a folder, {output}/, or a pattern with {{name}}")
     else:
-        paths = [folder]
+        paths = [Path(output)]
     for path in paths:
         if path.suffix.lower() not in WRITABLE:
-            raise UsageError(f"-o {path}: the name of a picture must end in one of {', '.join(WRITABLE)}")
-        check_output(path)
+            raise UsageError(f"-o {path}: the name of a picture must end in one of {', '.join(WRITABLE)}; that of a "
+                             "folder in /")
     twice = {str(path) for path in paths if paths.count(path) > 1}
     if twice:
         raise UsageError(f"-o {output}: several models would be written to {', '.join(sorted(twice))}")
-    return paths
+    return paths, list(dict.fromkeys(path.parent for path in paths)) if is_pattern or is_folder else []
 
 
 def check_layers(names: Sequence[str], settings: Settings, paths: Sequence[Path], chooses: bool = False) -> None:

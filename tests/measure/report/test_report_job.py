@@ -75,7 +75,10 @@ def test_nothing_is_measured_again_that_has_not_changed(run, report_folder, tmp_
     folder = tmp_path / "copy"
     shutil.copytree(report_folder, folder)
     measured = counted(monkeypatch)
-    assert run("report", MODEL, "-o", folder, *QUICK).status == 0 and measured == []
+    *options, quiet = QUICK
+    outcome = run("report", MODEL, "-o", folder, *options)
+    assert outcome.status == 0 and measured == [] and quiet == "--quiet"
+    assert outcome.err == f"the report: {folder / 'index.html'}\n"
     assert json.loads((folder / "report.json").read_text())["points"] == \
         json.loads((report_folder / "report.json").read_text())["points"]
     (folder / "measured" / "phong-antialias-none.json").unlink()

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ...base.atomic import make_folder
+from ...base.atomic import made_folders
 from ...base.messages import say, say_error
 from ...base.progress import Progress
 from ...base.signals import Stopped
@@ -49,7 +48,7 @@ class ReportJob:
         folders = report_folders(models, self.folder)
         status = 0
         reports: dict[Path, Document] = {}
-        with (_made(self.folder), open_context(self.backend) as context,
+        with (made_folders(self.folder), open_context(self.backend) as context,
               Progress(len(models), enabled=not self.quiet) as progress):
             for model, folder in zip(models, folders):
                 try:
@@ -61,6 +60,8 @@ class ReportJob:
                     status = 1
             if len(folders) > 1 and reports:
                 write_summary(self.folder, reports)
+        if reports and not self.quiet:
+            say(f"the report: {self.folder / 'index.html'}")
         return status
 
     def _one(self, context: Context, model: str, folder: Path, load: Callable[[str], Scene],
@@ -72,7 +73,7 @@ class ReportJob:
         use_cache = not self.options["no_cache"]
         bench = Bench(context, scene, camera(model, scene), self.settings, self.options["size"], use_cache,
                       self.limit)
-        with _made(folder), _made(folder / "measured"):
+        with made_folders(folder, folder / "measured"):
             surveyor = Surveyor(bench, Store(folder / "measured"), name, progress, use_cache)
             survey = surveyor.survey
             try:
@@ -96,19 +97,6 @@ class ReportJob:
                                  lambda method: command_line(model, self.options, method), facts)
         write_report(folder, findings)
         return findings.document
-
-
-@contextmanager
-def _made(folder: Path) -> Iterator[None]:
-    """Make the folder for the block; remove it again if it is still empty. Raises OutputError."""
-    is_new = not folder.exists()
-    make_folder(folder)
-    try:
-        yield
-    finally:
-        if is_new:
-            with suppress(OSError):
-                folder.rmdir()
 
 
 def report_folders(models: Sequence[str], folder: Path) -> list[Path]:
