@@ -5,6 +5,7 @@ import pytest
 from PIL import Image
 
 from viewer.errors import InputError
+from viewer.scene.color import srgb_to_linear
 from viewer.scene.load import load_scene
 
 OBJ = """mtllib m.mtl
@@ -104,6 +105,19 @@ def test_off(write):
     scene = load_scene(write("m.off", "OFF\n3 1 0\n0 0 0\n2 0 0\n0 2 0\n3 0 1 2\n"))
     assert scene.triangle_count == 1 and scene.name == "m"
     np.testing.assert_array_equal(scene.bounds, [[0, 0, 0], [2, 2, 0]])
+
+
+@pytest.mark.parametrize("name, content", [
+    ("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), ("m.xyz", "0 0 0\n1 0 0\n"),
+    ("m.off", "OFF\n3 1 0\n0 0 0\n2 0 0\n0 2 0\n3 0 1 2\n"),
+    ("m.stl", "solid\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"),
+    ("m.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+              "end_header\n0 0 0\n")])
+def test_what_has_no_material_is_grey(write, name, content):
+    """0.6 in sRGB; a default material of glTF is white (tests/scene/test_gltf_materials.py)."""
+    material, = load_scene(write(name, content)).materials
+    np.testing.assert_allclose(material.base_color, (*srgb_to_linear(np.full(3, 0.6)), 1), atol=0.005)
+    assert material.metallic == 0
 
 
 @pytest.mark.parametrize("name, content", [

@@ -20,8 +20,9 @@ from .schema import MAPS
 from .text import decoded, plain_text
 from .texture_image import MESH_FORMATS, TextureImage, open_texture_image
 
-PLAIN = Material(base_color=(0.8, 0.8, 0.8, 1.0), metallic=0.0, perceptual_roughness=0.5, double_sided=True)
-"""The material of meshes without one. It is light grey and double-sided, since triangles may be wound either way."""
+PLAIN = Material(base_color=(0.32, 0.32, 0.32, 1.0), metallic=0.0, perceptual_roughness=0.5, double_sided=True)
+"""The material of meshes without one: double-sided, since triangles may be wound either way, and grey (0.6 in sRGB),
+since white has little form under a bright environment. glTF defines a default material of its own, which is white."""
 
 _OPTIONS = {"-blendu": 1, "-blendv": 1, "-boost": 1, "-mm": 2, "-texres": 1, "-clamp": 1, "-bm": 1, "-imfchan": 1,
             "-type": 1, "-cc": 1, "-o": 3, "-s": 3, "-t": 3}
