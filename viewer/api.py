@@ -54,23 +54,27 @@ def render(
     size: tuple[int, int] = DEFAULT_SIZE,
     camera: Camera | None = None,
     *,
+    time: float | None = None,
+    animation: str | int | None = None,
     backend: str = "auto",
     aov: Sequence[str] = (),
     **settings: Any,
 ) -> Image:
     """Render a picture of `scene`; `size` is (width, height) in pixels.
 
-    By default a camera that frames the scene is used. `settings` are fields of `viewer.Settings`, for instance
-    ``mode="phong", exposure=1.0, background="#336699"`` or ``mode="path", spp=256``. `backend` is auto, egl, osmesa or
-    window (a hidden window). In mode path `aov` selects layers to add to `Image.layers`: albedo, normal, depth,
-    variance, samples. With a `time_budget` or `error` and without `mode`, the best method is chosen (docs/budget.md);
-    `Image.stats` names it.
+    With a `time` in seconds the scene is shown as an animation moves it: the first one, or the one of this name or
+    number (`Scene.at`); a scene without animations stands still. By default a camera that frames the scene is used.
+    `settings` are fields of `viewer.Settings`, for instance ``mode="phong", exposure=1.0, background="#336699"`` or
+    ``mode="path", spp=256``. `backend` is auto, egl, osmesa or window (a hidden window). In mode path `aov` selects
+    layers to add to `Image.layers`: albedo, normal, depth, variance, samples. With a `time_budget` or `error` and
+    without `mode`, the best method is chosen (docs/budget.md); `Image.stats` names it.
 
     A texture that cannot be decoded is left out, with a UserWarning. Raises UsageError for arguments of the wrong type,
     an invalid size or a setting that does not exist, InputError for an environment that cannot be decoded, and
     ContextError if there is no OpenGL.
     """
     _expect_scene(scene, camera)
+    scene = _at(scene, time, animation)
     known = scene.all_warnings
     image = _rendered(scene, size, camera, backend, aov, settings)
     for line in scene.all_warnings:
@@ -162,6 +166,14 @@ class _Renderers(dict[str, "Renderer"]):
 
 
 _local = threading.local()
+
+
+def _at(scene: Scene, time: float | None, animation: str | int | None) -> Scene:
+    expect(time, (int, float, type(None)), "time", "a number of seconds")
+    expect(animation, (str, int, type(None)), "animation", "an animation's name or number")
+    if time is None and animation is None:
+        return scene
+    return scene.at(time or 0.0, 0 if animation is None else animation)
 
 
 def _expect_scene(scene: object, camera: object) -> None:

@@ -30,6 +30,7 @@ from .jobs.options import (
     PATH_OPTIONS,
     QUIET_OPTION,
     SCENE_OPTIONS,
+    TIME_OPTIONS,
     Number,
     check_camera_options,
     size_option,
@@ -86,7 +87,7 @@ def view(model: str, **options: Any) -> None:
 @BACKEND_OPTION
 @click.option("--stats", metavar="FILE.json",
               help="Write times, plan and memory as JSON; for several models a list of them.")
-@with_options([*SCENE_OPTIONS, *PATH_OPTIONS, AOV_OPTION, *CAMERA_OPTIONS, *COMMON_OPTIONS])
+@with_options([*SCENE_OPTIONS, *TIME_OPTIONS, *PATH_OPTIONS, AOV_OPTION, *CAMERA_OPTIONS, *COMMON_OPTIONS])
 def render(models: tuple[str, ...], output: str, backend: str, stats: str | None, **options: Any) -> None:
     """Render a picture of each MODEL, without a screen.
 
@@ -98,6 +99,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     pbr-viewer render *.glb -o thumbnails/ --size 256 --background none
     pbr-viewer render car.obj -o car.exr --env studio.hdr --orbit -30,15
     pbr-viewer render room.glb -o room.png --mode path --spp 256 --denoise fast
+    pbr-viewer render fox.glb -o fox.png --animation Run --time 0.4
     """
     check_camera_options(options)
     from .base.atomic import made_folders

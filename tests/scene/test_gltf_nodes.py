@@ -160,12 +160,3 @@ def test_a_projection_is_no_transformation():
     builder.node(mesh=builder.triangle(), matrix=[1, 0, 0, 0.1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1])
     with pytest.raises(InputError, match=r"nodes\[0\].matrix: the last row must be 0 0 0 1"):
         builder.load()
-
-
-def test_animations_are_said_not_to_be_played():
-    builder = GltfBuilder()
-    builder.node(mesh=builder.triangle())
-    sampler = {"input": builder.accessor([0.0, 1.0]), "output": builder.accessor([[0, 0, 0], [1, 0, 0]])}
-    builder.add("animations", {"samplers": [sampler],
-                               "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]})
-    assert builder.load().warnings == ("animations: they are not played; the model is shown in its static pose",)

@@ -173,6 +173,7 @@ def scene_facts(scene: Scene) -> list[tuple[str, str]]:
         ("Size", " × ".join(f"{side:.3g}" for side in extent) + " m"),
         ("Lights", str(len(scene.lights))),
         ("Cameras", str(len(scene.cameras))),
+        ("Animations", str(len(scene.animations))),
     ]
     names = {name.lower() for name, _ in facts}
     return facts + [(name.replace("_", " ").capitalize(), _text(value)) for name, value in scene.facts.items()

@@ -38,9 +38,29 @@ def make_environment(options: dict[str, Any]) -> Environment | None:
 
 
 def make_scene(model: str, environment: Environment | None, options: dict[str, Any]) -> Scene:
-    """The scene of the file `model`, with `environment` and the lights that the options add. Raises InputError."""
+    """The scene of the file `model`, with `environment` and the lights that the options add, at the time they name.
+
+    Raises InputError for a file that cannot be used or that does not have the animation.
+    """
     scene = load_scene(model)
-    return scene.relit(environment=environment, lights=(*scene.lights, *map(make_light, options["lights"])))
+    scene = scene.relit(environment=environment, lights=(*scene.lights, *map(make_light, options["lights"])))
+    time = options.get("time")
+    if options.get("animation") is None and time is None:
+        return scene
+    return scene.at(time or 0.0, find_animation(model, scene, options["animation"]))
+
+
+def find_animation(model: str, scene: Scene, wanted: str | None) -> int:
+    """The number of the animation `wanted`, a name or a number in digits; None is the first. Raises InputError."""
+    names = [animation.name for animation in scene.animations]
+    if wanted in names:
+        return names.index(wanted)
+    number = 0 if wanted is None else int(wanted) if wanted.isdecimal() else len(names)
+    if number >= len(names):
+        option = "--time" if wanted is None else f"--animation {wanted}"
+        known = f"{', '.join(names)}, counted from 0" if names else "none"
+        raise InputError(model, "animations", f"{option}: the file has {known}")
+    return number
 
 
 def make_light(numbers: tuple[float, float, float]) -> Light:

@@ -146,6 +146,12 @@ LOOK_OPTIONS = [
                  help="Change any other setting; `pbr-viewer info --settings` lists them; can be repeated."),
 ]
 SCENE_OPTIONS = [MODE_OPTION, *LOOK_OPTIONS]
+TIME_OPTIONS = [
+    click.option("--animation", metavar="NAME|N", help="The animation to show, by its name or its number, counted from "
+                                                       "0; `pbr-viewer info` lists them. Default: 0 with --time."),
+    click.option("--time", type=Number(0, 1e9), metavar="SECONDS",
+                 help="Show the animation at this time; default: 0 with --animation, else the model at rest."),
+]
 CAMERA_OPTIONS = [
     click.option("--orbit", type=Numbers("AZ,EL[,DIST]", 2, 3, check=_orbit_problem),
                  help="Look from this azimuth and elevation (degrees; 0,0 is the front) and distance. Without a "

@@ -52,12 +52,17 @@ def with_tangents(mesh: Mesh, texture: Texture | None) -> Mesh:
 
     Vertices at mirrored seams of the texture are split. A mesh without these coordinates gets no tangents.
     """
+    return split_for_tangents(mesh, texture)[0]
+
+
+def split_for_tangents(mesh: Mesh, texture: Texture | None) -> tuple[Mesh, np.ndarray | None]:
+    """As `with_tangents`; and the vertex of `mesh` that each of the new vertices is a copy of, None for the same."""
     uv_set = texture.uv_set if texture is not None else 0
     if mesh.normals is None or uv_set >= len(mesh.uvs):
-        return replace(mesh, tangents=None)
+        return replace(mesh, tangents=None), None
     uvs = mesh.uvs[uv_set]
     if texture is not None and texture.transform is not None:
         matrix = texture.transform.matrix()
         uvs = (uvs @ matrix[:, :2].T + matrix[:, 2]).astype(np.float32)
     source, tangents, triangles = make_tangents(mesh.positions, mesh.normals, uvs, triangles_of(mesh))
-    return replace(picked(mesh, source), tangents=tangents, indices=triangles.ravel())
+    return replace(picked(mesh, source), tangents=tangents, indices=triangles.ravel()), source

@@ -11,10 +11,7 @@ import numpy as np
 from ..errors import InputError
 from .files import read_file
 from .gltf import load_gltf
-from .scene import Scene
-
-MAX_EXTENT = 1e18
-"""The largest coordinate. Its square must fit in a float32, in which shaders compute distances."""
+from .scene import MAX_EXTENT, Scene
 
 _SIGNATURES = {b"glTF": "gltf", b"ply\n": "ply", b"ply\r": "ply", b"OFF": "off", b"solid ": "stl"}
 

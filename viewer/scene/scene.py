@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import UsageError
+from .animation import Animation
 from .arrays import scene_array
 from .camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, DEFAULT_FOV, Camera
 from .environment import Environment
@@ -17,8 +19,12 @@ from .framing import fit
 from .light import Light
 from .material import Material
 from .mesh import Mesh
+from .rig import Rig
 from .schema import MAPS
 from .texture_image import TextureImage
+
+MAX_EXTENT = 1e18
+"""The largest coordinate. Its square must fit in a float32, in which shaders compute distances."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +47,8 @@ class Instance:
 class Scene:
     """Everything that is shown. Meshes refer to materials by index, and instances to meshes.
 
-    `warnings` are lines for the user about what of the file is not supported.
+    `warnings` are lines for the user about what of the file is not supported. `rig` has what `animations` move, None if
+    there are none; `at` is the scene at another time.
     """
 
     name: str
@@ -54,6 +61,8 @@ class Scene:
     warnings: tuple[str, ...] = ()
     facts: dict[str, object] = field(default_factory=dict)
     """Metadata of the file, for `pbr-viewer info`: format, generator, extensions used."""
+    animations: tuple[Animation, ...] = ()
+    rig: Rig | None = None
 
     def __post_init__(self) -> None:
         for k, mesh in enumerate(self.meshes):
@@ -89,7 +98,7 @@ class Scene:
         if not self.instances:
             return np.zeros((0, 8, 3))
         boxes = np.stack([_box_corners(self.meshes[i.mesh].bounds) for i in self.instances])
-        transforms = np.stack([i.transform for i in self.instances])
+        transforms = self.transforms
         return boxes @ transforms[:, :3, :3].transpose(0, 2, 1) + transforms[:, None, :3, 3]
 
     @property
@@ -171,10 +180,43 @@ class Scene:
                 copy.__dict__[name] = self.__dict__[name]
         return copy
 
+    def at(self, time: float, animation: str | int = 0) -> Scene:
+        """The scene as it is `time` seconds into an animation, given by its name or its number.
+
+        Before its first key frame and after its last one it stands still. What does not move, meshes and tuples
+        included, is the same object as in this scene, so that renderers keep what they have of it. A scene without
+        animations is returned as it is.
+
+        Raises UsageError if there is no such animation, and InputError if it takes something where nothing can be
+        drawn.
+        """
+        from .pose import posed
+
+        if not math.isfinite(time):
+            raise UsageError(f"time={time}: not a number of seconds")
+        if self.rig is None and animation == 0:
+            return self
+        return posed(self, self.animation(animation), time)
+
+    def animation(self, key: str | int) -> Animation:
+        """The animation of this name or number. Raises UsageError if there is none."""
+        if isinstance(key, int) and 0 <= key < len(self.animations):
+            return self.animations[key]
+        found = next((animation for animation in self.animations if animation.name == key), None)
+        if found is None:
+            names = ", ".join(animation.name for animation in self.animations)
+            raise UsageError(f"there is no animation {key!r}; " + (f"there are {names}" if names else "there are none"))
+        return found
+
     def digest_parts(self) -> dict[str, object]:
         """The fields that pictures of the scene depend on, for `base.digest`."""
-        texts = ("name", "warnings", "facts")
-        return {item.name: getattr(self, item.name) for item in fields(self) if item.name not in texts}
+        others = ("name", "warnings", "facts", "animations", "rig")
+        return {item.name: getattr(self, item.name) for item in fields(self) if item.name not in others}
+
+    @cached_property
+    def transforms(self) -> np.ndarray:
+        """Those of the instances, (instances, 4, 4) float64."""
+        return np.stack([instance.transform for instance in self.instances]) if self.instances else np.zeros((0, 4, 4))
 
     @property
     def triangle_count(self) -> int:

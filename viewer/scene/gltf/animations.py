@@ -1,24 +1,82 @@
-"""Checks animations. They are not played, but a broken file should be reported as broken."""
+"""Reads animations. What is no animation at all is an error; what only cannot be played is left out, with a warning."""
 
 from __future__ import annotations
 
+import numpy as np
+
+from ..animation import Animation, Interpolation, Target, Track
 from .accessors import Accessors
 from .element import Element
+from .nodes import Nodes
+
+_INTERPOLATIONS: dict[str, Interpolation] = {"LINEAR": "linear", "STEP": "step", "CUBICSPLINE": "cubic"}
+_COMPONENTS = {"translation": ("VEC3", 3), "rotation": ("VEC4", 4), "scale": ("VEC3", 3), "weights": ("SCALAR", 0)}
+"""The type of a channel's values by its path, and how many numbers each has; weights have one a morph target."""
 
 
-def check_animations(root: Element, accessors: Accessors) -> None:
-    """Warn that they are not played. Raise InputError if a sampler has no key frames or too few values."""
-    animations = root.array("animations")
-    if animations:
-        root.warn("they are not played; the model is shown in its static pose", "animations")
-    for animation in animations:
+def read_animations(root: Element, accessors: Accessors, nodes: Nodes) -> tuple[Animation, ...]:
+    """All animations of the file. Raises InputError for references and counts that are wrong."""
+    animations = []
+    for number, animation in enumerate(root.array("animations")):
         samplers = animation.array("samplers")
+        tracks = []
         for channel in animation.array("channels"):
-            channel.index("sampler", len(samplers))
-        for sampler in samplers:
-            frames = accessors.count(sampler.index("input", len(accessors.items)))
-            values = accessors.count(sampler.index("output", len(accessors.items)))
-            per_frame = 3 if sampler.string("interpolation", "LINEAR") == "CUBICSPLINE" else 1
-            # Morph weights have several values per frame, so more values than frames may be right.
-            if values < frames * per_frame:
-                raise sampler.error(f"{values} values for {frames} key frames", "output")
+            sampler = samplers[channel.index("sampler", len(samplers))]
+            track = _track(channel, sampler, accessors, nodes)
+            if track is not None:
+                tracks.append(track)
+        if tracks:
+            animations.append(Animation(animation.string("name", "") or f"animation {number}", tuple(tracks)))
+    return tuple(animations)
+
+
+def _track(channel: Element, sampler: Element, accessors: Accessors, nodes: Nodes) -> Track | None:
+    target = channel.object("target")
+    node = target.index("node", len(nodes.items), None)
+    path = target.string("path")
+    if node is None:
+        target.warn(f"{path[:20]!r} of no node; the channel is left out")
+    elif path not in _COMPONENTS:
+        target.warn(f"{path[:20]!r} is unknown; the channel is left out", "path")
+    elif node in nodes.hierarchy.matrices and path != "weights":
+        target.warn(f"nodes[{node}] has a matrix, which cannot be animated; the channel is left out", "node")
+    else:
+        return read_sampler(sampler, accessors, Target("node", node, path), *_COMPONENTS[path])
+    _checked_counts(sampler, accessors)
+    return None
+
+
+def read_sampler(sampler: Element, accessors: Accessors, target: Target, kind: str, size: int) -> Track | None:
+    """The key frames of a sampler, whose values are of the accessor's type `kind` and have `size` numbers, or any
+    number if it is 0. None, with a warning, if the key frames are in no order or not finite.
+
+    Raises InputError for counts that do not fit.
+    """
+    interpolation = sampler.choice("interpolation", _INTERPOLATIONS, "LINEAR")
+    first, second, per_frame = _checked_counts(sampler, accessors)
+    times = accessors.floats(first, "SCALAR")[:, 0]
+    stored = accessors.floats(second, kind)
+    if size == 0:
+        size = len(stored) // (len(times) * per_frame)
+    else:
+        size = stored.shape[1]
+    values = stored.reshape(-1)[:len(times) * per_frame * size]
+    if not np.isfinite(times).all() or (np.diff(times) < 0).any():
+        sampler.warn("times must be finite, each after the one before; what it moves stands still", "input")
+        return None
+    if not np.isfinite(values).all():
+        sampler.warn("values must be finite; what it moves stands still", "output")
+        return None
+    shape = (len(times), 3, size) if interpolation == "cubic" else (len(times), size)
+    return Track(target, times, values.reshape(shape), interpolation)
+
+
+def _checked_counts(sampler: Element, accessors: Accessors) -> tuple[int, int, int]:
+    """The accessors of times and of values, and how many values a key frame has at least."""
+    first = sampler.index("input", len(accessors.items))
+    second = sampler.index("output", len(accessors.items))
+    frames, values = accessors.count(first), accessors.count(second)
+    per_frame = 3 if sampler.string("interpolation", "LINEAR") == "CUBICSPLINE" else 1
+    if values < frames * per_frame:
+        raise sampler.error(f"{values} values for {frames} key frames", "output")
+    return first, second, per_frame

@@ -7,18 +7,17 @@ import math
 import numpy as np
 
 from ..camera import Camera
+from ..rig import camera_pose
 from .element import Element
 
 
 def read_camera(element: Element, world: np.ndarray, name: str) -> Camera | None:
     """The camera of a node with the world matrix `world` (4, 4); None, with a warning, if it could show nothing.
 
-    Scale and shear of the node are ignored: its -Z is the view direction, and its +Y defines "up". The file's aspect
-    ratio and far plane are ignored too: the picture defines the first, and the scene the second. The file's near plane
-    becomes `Camera.near`.
+    The file's aspect ratio and far plane are ignored: the picture defines the first, and the scene the second. The
+    file's near plane becomes `Camera.near`.
     """
-    eye, back, up = world[:3, 3], _unit(world[:3, 2]), _unit(world[:3, 1])
-    pose = Camera.look_at(eye, eye - back, up).pose
+    pose = camera_pose(world)
     kind = element.string("type")
     if kind == "perspective":
         perspective = element.object("perspective")
@@ -34,8 +33,3 @@ def read_camera(element: Element, world: np.ndarray, name: str) -> Camera | None
     else:
         element.warn(f"{kind[:20]!r} is unknown; the camera is left out", "type")
     return None
-
-
-def _unit(vector: np.ndarray) -> np.ndarray:
-    peak = np.abs(vector).max()
-    return vector / peak / np.linalg.norm(vector / peak) if peak > 0 else vector

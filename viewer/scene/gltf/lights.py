@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..light import Light
+from ..rig import light_direction
 from .element import Element
 
 
@@ -29,13 +30,9 @@ class Lights:
         if kind not in ("directional", "point", "spot"):
             element.warn(f"{kind[:20]!r} is unknown; the light is left out", "type")
             return None
-        direction = -world[:3, 2]
-        length = float(np.linalg.norm(direction))
-        if not length > 0:
-            direction, length = np.array([0.0, 0.0, -1.0]), 1.0
         range_ = element.number("range", None, 0.0)
         return Light(kind, element.vector("color", 3, (1.0, 1.0, 1.0), 0.0), element.number("intensity", 1.0, 0.0),
-                     tuple(world[:3, 3].tolist()), tuple((direction / length).tolist()), range_ or None,
+                     tuple(world[:3, 3].tolist()), light_direction(world), range_ or None,
                      *_cone(element), name=element.string("name", node.string("name", "")))
 
 

@@ -1,9 +1,11 @@
-"""The node hierarchy in its static pose. It is traversed without recursion, so files may nest nodes to any depth."""
+"""The node hierarchy at rest. It is traversed without recursion, so files may nest nodes to any depth."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from .. import rig
+from ..animation import unit_quaternion
 from .element import Element
 
 MAX_ROW_ERROR = 1e-3
@@ -11,11 +13,12 @@ MAX_ROW_ERROR = 1e-3
 
 
 class Nodes:
-    """The nodes are `items`. `world` (N, 4, 4) float64 takes each node's space to world space."""
+    """The nodes are `items`. `world` (N, 4, 4) float64 takes each node's space to world space, at rest."""
 
     def __init__(self, root: Element) -> None:
         self.items = root.array("nodes")
         self._children = [node.indices("children", len(self.items)) for node in self.items]
+        self.hierarchy = self._hierarchy()
         self.world = self._world_matrices()
 
     def reachable(self, roots: list[int], place: Element) -> list[int]:
@@ -35,8 +38,8 @@ class Nodes:
         children = {child for node in self._children for child in node}
         return [node for node in range(len(self.items)) if node not in children]
 
-    def _world_matrices(self) -> np.ndarray:
-        world = np.empty((len(self.items), 4, 4))
+    def _order(self) -> tuple[list[int], list[int]]:
+        """Each node's parent, -1 for none, and all nodes, parents first."""
         parent = [-1] * len(self.items)
         for node, children in enumerate(self._children):
             for child in children:
@@ -51,44 +54,51 @@ class Nodes:
         if len(order) < len(self.items):
             node = next(iter(set(range(len(self.items))) - set(order)))
             raise self.items[node].error("the node is its own ancestor, or is below a node that is its own ancestor")
+        return parent, order
+
+    def _hierarchy(self) -> rig.Nodes:
+        parent, order = self._order()
+        count = len(self.items)
+        depth = [0] * count
         for node in order:
-            local = local_matrix(self.items[node])
-            world[node] = local if parent[node] < 0 else world[parent[node]] @ local
+            depth[node] = depth[parent[node]] + 1 if parent[node] >= 0 else 0
+        translations, rotations, scales = np.zeros((count, 3)), np.tile([0.0, 0.0, 0.0, 1.0], (count, 1)), \
+            np.ones((count, 3))
+        matrices: dict[int, np.ndarray] = {}
+        for k, item in enumerate(self.items):
+            if "matrix" in item:
+                matrices[k] = _matrix(item)
+                continue
+            if "translation" in item:
+                translations[k] = item.vector("translation", 3)
+            if "rotation" in item:
+                rotations[k] = _rotation(item)
+            if "scale" in item:
+                scales[k] = item.vector("scale", 3)
+        return rig.Nodes(np.array(parent, np.intp), np.array(depth, np.intp), translations, rotations, scales, matrices)
+
+    def _world_matrices(self) -> np.ndarray:
+        world = self.hierarchy.world(self.hierarchy.at_rest)
         broken = np.flatnonzero(~np.isfinite(world).all(axis=(1, 2)))
         if len(broken):
             raise self.items[broken[0]].error("the transformation overflows")
         return world
 
 
-def local_matrix(node: Element) -> np.ndarray:
-    """A node's local transform, (4, 4) float64 for column vectors."""
-    if "matrix" in node:
-        matrix = np.array(node.vector("matrix", 16)).reshape(4, 4).T
-        error = np.abs(matrix[3] - (0, 0, 0, 1)).max()
-        if error > MAX_ROW_ERROR:
-            raise node.error("the last row must be 0 0 0 1", "matrix")
-        if error > 1e-6:
-            node.warn(f"the last row is off by {error:.2g}; 0 0 0 1 is used", "matrix")
-        matrix[3] = 0, 0, 0, 1
-        return matrix
-    matrix = np.eye(4)
-    if "rotation" in node:
-        matrix[:3, :3] = _rotation(node)
-    if "scale" in node:
-        matrix[:3, :3] *= node.vector("scale", 3)
-    if "translation" in node:
-        matrix[:3, 3] = node.vector("translation", 3)
+def _matrix(node: Element) -> np.ndarray:
+    """A node's matrix, (4, 4) float64 for column vectors."""
+    matrix = np.array(node.vector("matrix", 16)).reshape(4, 4).T
+    error = np.abs(matrix[3] - (0, 0, 0, 1)).max()
+    if error > MAX_ROW_ERROR:
+        raise node.error("the last row must be 0 0 0 1", "matrix")
+    if error > 1e-6:
+        node.warn(f"the last row is off by {error:.2g}; 0 0 0 1 is used", "matrix")
+    matrix[3] = 0, 0, 0, 1
     return matrix
 
 
 def _rotation(node: Element) -> np.ndarray:
     quaternion = np.array(node.vector("rotation", 4))
-    peak = np.abs(quaternion).max()
-    if peak == 0:
+    if not quaternion.any():
         node.warn("the quaternion is zero; no rotation is used", "rotation")
-        return np.eye(3)
-    quaternion /= peak  # so that squares neither overflow nor underflow
-    x, y, z, w = quaternion / np.linalg.norm(quaternion)
-    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                     [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                     [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
+    return unit_quaternion(quaternion)

@@ -1,16 +1,17 @@
-"""Reads mesh primitives: their attributes, with the pose applied and missing normals and tangents computed."""
+"""Reads mesh primitives: their attributes at rest, with missing normals and tangents computed, and how they deform."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from ..frames import with_flat_normals, with_repaired_normals, with_tangents
+from ..deform import Deformation, MorphTarget, influences
+from ..frames import split_for_tangents, with_flat_normals, with_repaired_normals
 from ..material import Material
 from ..mesh import Mesh, Topology
 from ..schema import MAPS, needs_tangents, tangent_texture
-from . import deform
 from .accessors import Accessors
 from .element import Element
 from .textures import MAX_UV_SETS
@@ -19,19 +20,17 @@ from .vertices import Vertices
 
 _ATTRIBUTES = {"POSITION": ("VEC3",), "NORMAL": ("VEC3",), "TANGENT": ("VEC4",), "COLOR_0": ("VEC3", "VEC4"),
                **{f"TEXCOORD_{k}": ("VEC2",) for k in range(MAX_UV_SETS)}}
-
-
-@dataclass(frozen=True)
-class Pose:
-    """The deformation of a mesh: morph weights, and the joint matrices (J, 4, 4) of a skin."""
-
-    weights: tuple[float, ...] = ()
-    joints: np.ndarray | None = None
+MAX_INFLUENCE_SETS = 64
+"""The most pairs of JOINTS_n and WEIGHTS_n, four influences each. glTF sets no limit; files have one or two."""
 
 
 def read_primitive(accessors: Accessors, primitive: Element, name: str, material: int, materials: list[Material],
-                   pose: Pose) -> Mesh | None:
-    """One primitive in its pose; None, with a warning, if it contains nothing to draw."""
+                   weights: Sequence[float], joints: int) -> tuple[Mesh, Deformation | None] | None:
+    """One primitive at rest, and how it deforms, if it does; None, with a warning, if it contains nothing to draw.
+
+    `weights` are those of its morph targets; a target of weight 0 is not read. `joints` is the number of its skin's
+    joints, 0 without a skin.
+    """
     attributes = primitive.object("attributes")
     mode = primitive.integer("mode", 4)
     if mode not in MODES:
@@ -41,13 +40,9 @@ def read_primitive(accessors: Accessors, primitive: Element, name: str, material
         return None
     vertices = Vertices(accessors, primitive, mode)
     values = {key: vertices.floats(attributes, key, *_ATTRIBUTES[key]) for key in _ATTRIBUTES if key in attributes}
-    _morph(primitive, vertices, values, pose.weights)
-    topology, indices = MODES[mode][1], vertices.indices
-    if pose.joints is not None:
-        sides = _skin(attributes, vertices, values, pose.joints)
-        if topology == "triangles":
-            indices = deform.rewound(vertices.count, indices, sides)
-    positions, indices = _finite_part(attributes, values["POSITION"], indices, topology)
+    deformation = _deformation(primitive, vertices, values, weights, joints)
+    topology = MODES[mode][1]
+    positions, indices = _finite_part(attributes, values["POSITION"], vertices.indices, topology)
     mesh = Mesh(name, positions, material, topology, indices,
                 _unit(values.get("NORMAL")), _unit_tangents(values.get("TANGENT")), _uvs(values, vertices.count),
                 _colors(values.get("COLOR_0")))
@@ -55,7 +50,9 @@ def read_primitive(accessors: Accessors, primitive: Element, name: str, material
         primitive.warn("there are too few vertices; nothing is drawn")
         return None
     mesh = _with_uv_sets(mesh, materials[material], primitive)
-    return _complete(mesh, materials[material], primitive) if mesh.topology == "triangles" else mesh
+    if mesh.topology == "triangles":
+        mesh, deformation = _complete(mesh, materials[material], primitive, deformation)
+    return mesh, deformation
 
 
 def _finite_part(attributes: Element, positions: np.ndarray, indices: np.ndarray | None,
@@ -74,40 +71,48 @@ def _finite_part(attributes: Element, positions: np.ndarray, indices: np.ndarray
     return np.where(bad[:, None], np.float32(0), positions), elements[whole].ravel()
 
 
-def _morph(primitive: Element, vertices: Vertices, values: dict[str, np.ndarray], weights: tuple[float, ...]) -> None:
-    targets = primitive.array("targets")
-    if len(weights) > len(targets):
-        primitive.warn(f"{len(weights)} weights for {len(targets)} targets; surplus weights are not used", "targets")
-    active = [(target, weight) for target, weight in zip(targets, weights) if weight]
-    for key, base in values.items():
-        moved = [(target, weight) for target, weight in active if key in target]
-        if moved:
-            # Deltas of tangents have no w (glTF 2.0, 3.7.2.2); deltas of colours may have no alpha.
-            kinds = ("VEC3",) if key == "TANGENT" else _ATTRIBUTES[key]
-            deltas = [vertices.floats(target, key, *kinds) for target, _ in moved]
-            values[key] = deform.morph(base, deltas, [weight for _, weight in moved])
+def _deformation(primitive: Element, vertices: Vertices, values: dict[str, np.ndarray], weights: Sequence[float],
+                 joint_count: int) -> Deformation | None:
+    items = primitive.array("targets")
+    if len(weights) > len(items):
+        primitive.warn(f"{len(weights)} weights for {len(items)} targets; surplus weights are not used", "targets")
+    targets = tuple(_target(target, vertices, values) if weight else MorphTarget()
+                    for target, weight in zip(items, weights))
+    joints, influence = None, None
+    if joint_count:
+        joints, influence = _influences(primitive.object("attributes"), vertices, joint_count)
+    return Deformation(targets, joints, influence) if joint_count or (any(weights) and targets) else None
 
 
-def _skin(attributes: Element, vertices: Vertices, values: dict[str, np.ndarray], matrices: np.ndarray) -> np.ndarray:
-    """Put the vertices where their joints take them; -1 for each vertex that they mirror and 1 for the others, (N,)."""
-    sets = [k for k in range(2) if f"JOINTS_{k}" in attributes]
+def _target(target: Element, vertices: Vertices, values: dict[str, np.ndarray]) -> MorphTarget:
+    """The differences of the attributes that the primitive has. What is not finite adds nothing."""
+    def read(key: str) -> np.ndarray | None:
+        if key not in values or key not in target:
+            return None
+        # Deltas of tangents have no w (glTF 2.0, 3.7.2.2); deltas of colours may have no alpha.
+        delta = vertices.floats(target, key, *(("VEC3",) if key == "TANGENT" else _ATTRIBUTES[key]))
+        bad = ~np.isfinite(delta).all(axis=1)
+        if not bad.any():
+            return delta
+        target.warn(f"{np.count_nonzero(bad)} values are not finite; they add nothing", key)
+        return np.where(bad[:, None], np.float32(0), delta)
+
+    return MorphTarget(read("POSITION"), read("NORMAL"), read("TANGENT"),
+                       tuple(read(f"TEXCOORD_{k}") for k in range(MAX_UV_SETS)), read("COLOR_0"))
+
+
+def _influences(attributes: Element, vertices: Vertices, joint_count: int) -> tuple[np.ndarray, np.ndarray]:
+    """The joints and the weights of each vertex, (N, K) of both, of all sets that the primitive has."""
+    sets = [k for k in range(MAX_INFLUENCE_SETS) if f"JOINTS_{k}" in attributes]
     joints = np.concatenate([vertices.raw(attributes, f"JOINTS_{k}", "VEC4") for k in sets], axis=1)
     weights = np.concatenate([vertices.floats(attributes, f"WEIGHTS_{k}", "VEC4") for k in sets], axis=1)
     if joints.dtype.kind != "u" or not np.isfinite(weights).all():
         raise attributes.error("joints must be unsigned integers and weights finite", "JOINTS_0")
-    if joints.max() >= len(matrices):
-        raise attributes.error(f"joint {joints.max()}, but the skin has {len(matrices)}", "JOINTS_0")
-    blend = deform.blend_matrices(joints, weights, matrices)
-    sides = deform.blend_sides(blend)
-    values["POSITION"] = deform.skin_positions(values["POSITION"], blend)
-    if "NORMAL" in values:
-        values["NORMAL"] = deform.skin_normals(values["NORMAL"], blend)
-    if "TANGENT" in values:
-        tangents = values["TANGENT"].copy()
-        tangents[:, :3] = deform.skin_directions(tangents[:, :3], blend)
-        tangents[:, 3] *= sides
-        values["TANGENT"] = tangents
-    return sides
+    if joints.max() >= joint_count:
+        raise attributes.error(f"joint {joints.max()}, but the skin has {joint_count}", "JOINTS_0")
+    weights = influences(joints, weights)
+    used = weights.any(axis=0)
+    return joints[:, used].astype(np.intp), weights[:, used]
 
 
 def _uvs(values: dict[str, np.ndarray], count: int) -> tuple[np.ndarray, ...]:
@@ -155,10 +160,14 @@ def _with_uv_sets(mesh: Mesh, material: Material, primitive: Element) -> Mesh:
     return replace(mesh, uvs=mesh.uvs + (np.zeros((len(mesh.positions), 2), np.float32),) * missing)
 
 
-def _complete(mesh: Mesh, material: Material, primitive: Element) -> Mesh:
-    """The triangle mesh with normals, and with tangents if its material needs them."""
+def _complete(mesh: Mesh, material: Material, primitive: Element,
+              deformation: Deformation | None) -> tuple[Mesh, Deformation | None]:
+    """The triangle mesh with normals, and with tangents if its material needs them; and how its vertices deform."""
     if mesh.normals is None:
         # Normals must be flat then, and the file's tangents must be ignored (glTF 2.0, 3.7.2.1).
+        if deformation is not None:
+            deformation = replace(deformation, is_faceted=True)
+            deformation = deformation if mesh.indices is None else deformation.picked(mesh.indices)
         mesh = with_flat_normals(mesh)
     else:
         bad = ~(np.abs(np.einsum("ij,ij->i", mesh.normals, mesh.normals) - 1) < 0.1)
@@ -167,10 +176,12 @@ def _complete(mesh: Mesh, material: Material, primitive: Element) -> Mesh:
             primitive.warn(problem, "attributes.NORMAL")
             mesh = with_repaired_normals(mesh, bad)
     if not needs_tangents(material):
-        return replace(mesh, tangents=None)
+        return replace(mesh, tangents=None), deformation
     if mesh.tangents is not None and (np.abs(np.linalg.norm(mesh.tangents[:, :3], axis=1) - 1) < 0.1).all():
-        return mesh
-    mesh = with_tangents(mesh, tangent_texture(material))
+        return mesh, deformation
+    mesh, source = split_for_tangents(mesh, tangent_texture(material))
+    if deformation is not None and source is not None:
+        deformation = deformation.picked(source)
     if mesh.tangents is None:
         primitive.warn("anisotropy needs tangents or texture coordinates; it is left out", "attributes")
-    return mesh
+    return mesh, deformation

@@ -2,33 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
+from ...errors import UsageError
 from ..camera import Camera
 from ..light import Light
 from ..mesh import Mesh
+from ..rig import Deformed, Rig
 from ..scene import Instance, Scene
 from .accessors import Accessors
-from .animations import check_animations
+from .animations import read_animations
 from .buffers import Buffers
 from .cameras import read_camera
 from .container import read_container
-from .deform import Skins
 from .element import Document, Element
 from .extensions import check_asset, extension_names
 from .lights import Lights
 from .materials import Materials
 from .nodes import Nodes
-from .primitives import Pose, read_primitive
+from .primitives import read_primitive
+from .skins import Skins
 from .textures import Textures
 
 MAX_INSTANCES = 1 << 20
 
 
 def load_gltf(path: Path, data: bytes, scene_index: int | None = None) -> Scene:
-    """Read a scene of a .gltf or .glb file in its static pose, by default the file's default scene.
+    """Read a scene of a .gltf or .glb file at rest, with its animations, by default the file's default scene.
 
     `data` is the file's content. `path` is for messages and to find the files that it refers to. Raises InputError for
     a violation of glTF 2.0; violations that can be ignored become warnings of the scene.
@@ -53,30 +56,40 @@ class _Reader:
         self.lights = Lights(root)
         self.meshes: list[Mesh] = []
         self.instances: list[Instance] = []
+        self.animations = read_animations(root, self.accessors, self.nodes)
+        self._weighted = {track.target.number for animation in self.animations for track in animation.tracks
+                          if track.target.name == "weights"}
+        self._placed_by: list[int] = []
+        self._deformed: dict[int, Deformed] = {}
         self._known: dict[tuple, list[int]] = {}
 
     def scene(self, index: int | None) -> Scene:
         name, nodes = self._scene_nodes(index)
         lights: list[Light] = []
         cameras: list[Camera] = []
+        light_nodes, camera_nodes = [], []
         for number in nodes:
             node, world = self.nodes.items[number], self.nodes.world[number]
             if "mesh" in node:
-                self._add_instances(node, world)
+                self._add_instances(number, node, world)
             light = self.lights.at_node(node, world) if "extensions" in node else None
             if light is not None:
                 lights.append(light)
+                light_nodes.append(number)
             if "camera" in node:
                 element = self.camera_items[node.index("camera", len(self.camera_items))]
                 camera = read_camera(element, world, node.string("name", "") or element.string("name", ""))
                 if camera is not None:
                     cameras.append(camera)
-        check_animations(self.root, self.accessors)
+                    camera_nodes.append(number)
         if not self.instances:
             self.root.document.warn("the scene contains nothing to draw")
+        rig = Rig(self.nodes.hierarchy, np.array(self._placed_by, np.intp), tuple(light_nodes), tuple(camera_nodes),
+                  self._deformed)
         return Scene(name or self.root.document.path.stem, tuple(self.meshes), tuple(self.materials.used),
                      tuple(self.instances), tuple(lights), tuple(cameras),
-                     warnings=tuple(self.root.document.warnings), facts=self._facts())
+                     warnings=tuple(self.root.document.warnings), facts=self._facts(), animations=self.animations,
+                     rig=rig if self.animations else None)
 
     def _scene_nodes(self, index: int | None) -> tuple[str, list[int]]:
         """The name of the scene to show and its nodes, parents first."""
@@ -91,23 +104,25 @@ class _Reader:
         roots = scene.indices("nodes", len(self.nodes.items))
         return scene.string("name", ""), self.nodes.reachable(roots, scene)
 
-    def _add_instances(self, node: Element, world: np.ndarray) -> None:
+    def _add_instances(self, number: int, node: Element, world: np.ndarray) -> None:
         mesh = node.index("mesh", len(self.mesh_items))
         skin: int | None = node.index("skin", len(self.skins.items), None)
         if skin is not None:
-            self.skins.joint_matrices(skin)
+            self.skins.skin(skin)
             if not self._has_joints(mesh):
                 node.warn("the mesh has no joints; the skin is not used", "skin")
                 skin = None
         given = node.numbers("weights")
         weights = tuple(given if given is not None else self.mesh_items[mesh].numbers("weights") or ())
-        key = (mesh, skin, weights)
+        # Nodes share the vertices of a mesh unless these come to differ.
+        key = (mesh, skin, weights, number if number in self._weighted else None)
         if key not in self._known:
-            self._known[key] = self._read_mesh(mesh, skin, weights)
+            self._known[key] = self._read_mesh(mesh, skin, weights, number)
         if skin is not None:
             world = np.eye(4)  # only the joints place a skinned mesh (glTF 2.0, 3.7.3.3)
         name = node.string("name", "")
-        self.instances += [Instance(number, world, name) for number in self._known[key]]
+        self.instances += [Instance(index, world, name) for index in self._known[key]]
+        self._placed_by += [number if skin is None else -1] * len(self._known[key])
         if len(self.instances) > MAX_INSTANCES:
             raise node.error(f"more than {MAX_INSTANCES} instances of primitives")
 
@@ -115,18 +130,30 @@ class _Reader:
         primitives = self.mesh_items[mesh].array("primitives")
         return all("JOINTS_0" in primitive.object("attributes") for primitive in primitives)
 
-    def _read_mesh(self, index: int, skin: int | None, weights: tuple[float, ...]) -> list[int]:
-        """Read the primitives of a mesh in a pose. Returns their indices in `meshes`."""
+    def _read_mesh(self, index: int, skin: int | None, weights: tuple[float, ...], node: int) -> list[int]:
+        """Read the primitives of a mesh, as the node deforms it at rest. Returns their indices in `meshes`."""
         element = self.mesh_items[index]
         name = element.string("name", "") or element.place
-        pose = Pose(weights, None if skin is None else self.skins.joint_matrices(skin))
+        bound = None if skin is None else self.skins.skin(skin)
         numbers = []
         for primitive in element.array("primitives"):
             material = self.materials.number(primitive)
-            mesh = read_primitive(self.accessors, primitive, name, material, self.materials.used, pose)
-            if mesh is not None:
-                numbers.append(len(self.meshes))
-                self.meshes.append(mesh)
+            wanted: Sequence[float] = [1.0] * len(primitive.array("targets")) if node in self._weighted else weights
+            read = read_primitive(self.accessors, primitive, name, material, self.materials.used, wanted,
+                                  0 if bound is None else len(bound.joints))
+            if read is None:
+                continue
+            mesh, deformation = read
+            if deformation is not None:
+                deformed = Deformed(mesh, deformation, node, weights, bound)
+                try:
+                    mesh = deformed.at(weights, self.nodes.world)
+                except UsageError as error:
+                    raise primitive.error(str(error)) from error
+                if self.animations:
+                    self._deformed[len(self.meshes)] = deformed
+            numbers.append(len(self.meshes))
+            self.meshes.append(mesh)
         return numbers
 
     def _facts(self) -> dict[str, object]:
@@ -136,7 +163,7 @@ class _Reader:
         facts["extensions_used"] = extension_names(root, "extensionsUsed")
         facts["extensions_required"] = extension_names(root, "extensionsRequired")
         facts["scenes"] = [scene.string("name", "") for scene in root.array("scenes")]
-        for key in ("nodes", "meshes", "materials", "animations", "skins"):
+        for key in ("nodes", "meshes", "materials", "skins"):
             facts[key] = len(root.array(key))
         facts["images"] = [{"name": image.name, "format": image.format, "width": image.width, "height": image.height,
                             "bits": image.bits} for image in self.textures.opened.values()]

@@ -1,0 +1,117 @@
+"""A scene at a time: works out what an animation moves, and shares everything else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError, UsageError
+from .animation import Animation, Target
+from .camera import Camera
+from .light import Light
+from .mesh import Mesh
+from .rig import Nodes, Rig, camera_pose, compose, light_direction
+from .scene import MAX_EXTENT, Instance, Scene
+
+_SHAPE = "deformed by"
+"""The attribute of a posed scene with what each of its deformed meshes was made from."""
+
+
+@dataclass(frozen=True)
+class _Made:
+    """What a deformed mesh was made from: the weights, and the bytes of its joints' matrices."""
+
+    weights: tuple[float, ...]
+    joints: bytes
+
+
+def posed(scene: Scene, animation: Animation, time: float) -> Scene:
+    """`scene` at `time` seconds of `animation`; see `Scene.at`."""
+    rig = scene.rig
+    if rig is None:
+        return scene
+    values = {track.target: track.at(time) for track in animation.tracks}
+    try:
+        with np.errstate(all="ignore"):
+            world = _world(rig.nodes, values)
+            meshes, made = _meshes(scene, rig, values, world)
+            changes: dict[str, Any] = {
+                "meshes": meshes, "instances": _instances(scene, rig, world), "lights": _lights(scene, rig, world),
+                "cameras": _cameras(scene, rig, world)}
+            changes = {name: value for name, value in changes.items() if value is not getattr(scene, name)}
+            moved = replace(scene, **changes) if changes else scene
+            if changes.keys() & {"meshes", "instances"} and not np.abs(moved.bounds).max() < MAX_EXTENT:
+                raise UsageError(f"it has coordinates beyond {MAX_EXTENT:g}")
+    except UsageError as error:
+        raise InputError(scene.name, f"animation {animation.name!r}",
+                         f"at {time:g} s the model cannot be drawn: {error}") from error
+    moved.__dict__[_SHAPE] = made
+    return moved
+
+
+def _world(nodes: Nodes, values: dict[Target, np.ndarray]) -> np.ndarray:
+    """Each node's matrix to the world, (N, 4, 4)."""
+    tracks = [target for target in values if target.kind == "node" and target.name in _PROPERTIES]
+    if not tracks:
+        return nodes.world(nodes.at_rest)
+    moved = np.array(sorted({target.number for target in tracks}))
+    place = {int(node): k for k, node in enumerate(moved)}
+    parts = {"translation": nodes.translations[moved], "rotation": nodes.rotations[moved],
+             "scale": nodes.scales[moved]}
+    for target in tracks:
+        parts[target.name][place[target.number]] = values[target]
+    local = nodes.at_rest.copy()
+    local[moved] = compose(parts["translation"], parts["rotation"], parts["scale"])
+    world = nodes.world(local)
+    if not np.isfinite(world).all():
+        raise UsageError("the transformation of a node overflows")
+    return world
+
+
+_PROPERTIES = ("translation", "rotation", "scale")
+
+
+def _meshes(scene: Scene, rig: Rig, values: dict[Target, np.ndarray],
+            world: np.ndarray) -> tuple[tuple[Mesh, ...], dict[int, _Made]]:
+    """The meshes, and what those were made from that deform."""
+    before: dict[int, _Made] = scene.__dict__.get(_SHAPE, {})
+    made, meshes = {}, list(scene.meshes)
+    for number, deformed in rig.deformed.items():
+        value = values.get(Target("node", deformed.node, "weights"))
+        weights = deformed.weights if value is None else tuple(value.tolist())
+        joints = b"" if deformed.skin is None else world[deformed.skin.joints].tobytes()
+        made[number] = _Made(weights, joints)
+        if made[number] != before.get(number):
+            meshes[number] = deformed.at(weights, world)
+    return (scene.meshes if made == before else tuple(meshes)), made
+
+
+def _instances(scene: Scene, rig: Rig, world: np.ndarray) -> tuple[Instance, ...]:
+    placed = np.flatnonzero(rig.instances >= 0)
+    wanted = world[rig.instances[placed]]
+    moved = (wanted != scene.transforms[placed]).any(axis=(1, 2))
+    if not moved.any():
+        return scene.instances
+    instances = list(scene.instances)
+    for k, transform in zip(placed[moved], wanted[moved]):
+        instances[k] = replace(instances[k], transform=transform)
+    return tuple(instances)
+
+
+def _lights(scene: Scene, rig: Rig, world: np.ndarray) -> tuple[Light, ...]:
+    lights = list(scene.lights)
+    for k, node in enumerate(rig.lights):
+        x, y, z = world[node, :3, 3].tolist()
+        lights[k] = replace(lights[k], position=(x, y, z), direction=light_direction(world[node]))
+    return scene.lights if tuple(lights) == scene.lights else tuple(lights)
+
+
+def _cameras(scene: Scene, rig: Rig, world: np.ndarray) -> tuple[Camera, ...]:
+    cameras = list(scene.cameras)
+    for k, node in enumerate(rig.cameras):
+        pose = camera_pose(world[node])
+        if not np.array_equal(pose, cameras[k].pose):
+            cameras[k] = replace(cameras[k], pose=pose)
+    return scene.cameras if all(a is b for a, b in zip(cameras, scene.cameras)) else tuple(cameras)
