@@ -8,20 +8,47 @@ from pathlib import Path
 from urllib.parse import unquote_to_bytes
 
 from ..files import path_inside, read_file
+from . import meshopt
 from .element import Element
+
+MIN_DECODED, MAX_EXPANSION = 1 << 26, 32
+"""Compressed views may decode to MIN_DECODED bytes in all, or to MAX_EXPANSION times the buffers, whichever is more.
+Constant attributes may shrink to a thousandth, meshes to a tenth."""
+TYPICAL_EXPANSION = 8
 
 
 class Buffers:
-    """The file's buffers. Each is read once, when something in it is first used."""
+    """The file's buffers. Each is read once, and each compressed view decoded once, when it is first used."""
 
     def __init__(self, root: Element) -> None:
         self._buffers = root.array("buffers")
         self.views = root.array("bufferViews")
         self._read: dict[int, memoryview] = {}
+        self._decoded: dict[int, memoryview] = {}
+        self._compressed = 0
 
     def view(self, index: int) -> memoryview:
-        """The bytes of a buffer view. Raises InputError if it ends after its buffer."""
+        """The bytes of a buffer view, decoded if it is compressed. Raises InputError if it ends after its buffer, or
+        if it is broken or too large when it is decoded."""
         view = self.views[index]
+        compressed = meshopt.compression(view)
+        if compressed is None:
+            return self._slice(view)
+        # The buffer of the view itself is for readers without the extension, and may have no bytes.
+        if index not in self._decoded:
+            self._decoded[index] = self._decode(view, compressed)
+        return self._decoded[index]
+
+    def _decode(self, view: Element, compressed: Element) -> memoryview:
+        data = self._slice(compressed)
+        self._compressed += len(data)
+        size = meshopt.decoded_size(view, compressed)
+        total = size + sum(map(len, self._decoded.values()))
+        if total > max(MIN_DECODED, MAX_EXPANSION * sum(map(len, self._read.values()))):
+            raise compressed.error(f"{total} decoded bytes in all are too many for buffers of this size", "count")
+        return meshopt.decode(compressed, data)
+
+    def _slice(self, view: Element) -> memoryview:
         number = view.index("buffer", len(self._buffers))
         length, offset = view.integer("byteLength", low=1), view.integer("byteOffset", 0)
         data = self._buffer(number)
@@ -31,8 +58,9 @@ class Buffers:
 
     @property
     def size(self) -> int:
-        """The number of bytes in the buffers that were read so far."""
-        return sum(map(len, self._read.values()))
+        """The number of bytes in the buffers that were read so far. A compressed one counts TYPICAL_EXPANSION times."""
+        stored = sum(map(len, self._read.values()))
+        return stored + (TYPICAL_EXPANSION - 1) * min(self._compressed, stored)
 
     def _buffer(self, index: int) -> memoryview:
         if index not in self._read:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..schema import FEATURES
+from . import meshopt
 from .element import Element
 
 SUPPORTED = frozenset({
@@ -12,6 +13,7 @@ SUPPORTED = frozenset({
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
+    *meshopt.EXTENSIONS,
     *(feature.extension for feature in FEATURES if feature.extension),
 })
 _WITHOUT_EFFECT = ("FB_ngon_encoding", "KHR_interactivity", "KHR_xmp", "KHR_xmp_json_ld", "MSFT_lod")
