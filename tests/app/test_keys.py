@@ -37,7 +37,7 @@ def test_help_has_every_binding():
 
 def test_documentation_is_in_step():
     text = DOCS.read_text(encoding="utf-8")
-    start, end = "<!-- keys: made by viewer.app.keys.markdown() -->\n", "<!-- end of keys -->"
+    start, end = "<!-- keys: made by viewer.interact.keys.markdown() -->\n", "<!-- end of keys -->"
     assert text[text.index(start) + len(start):text.index(end)].strip() == markdown().strip()
 
 

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from viewer.interact.state import ViewState, free_path, scene_facts
+from viewer.interact.keys import KEYS
+from viewer.interact.state import FURNACE, VIEWS, ViewState, free_path, scene_facts
 from viewer.scene.environment import Environment
 from viewer.scene.light import Light
 from viewer.scene.material import Material
@@ -134,8 +135,67 @@ def test_a_free_path_is_never_one_that_exists(tmp_path):
     assert free_path(tmp_path, "..").name == "picture-1.png"
 
 
-def test_facts(state):
-    assert dict(scene_facts(state.scene))["Triangles"] == "1"
+def test_facts_are_words_and_numbers(state):
+    """Whatever a reader says of a file: names, of which some are empty, counts, and images."""
+    images = [{"name": "wood", "format": "jpeg", "width": 640, "height": 480, "bits": 8},
+              {"name": "", "format": "png", "width": 2, "height": 1, "bits": 16}]
+    facts = {"format": "GLB 2.0", "scenes": ["main", ""], "images": images, "textures": 0}
+    shown = dict(scene_facts(replace(state.scene, facts=facts)))
+    assert shown["Triangles"] == "1" and shown["Format"] == "GLB 2.0" and shown["Scenes"] == "main, (unnamed)"
+    assert shown["Images"] == "wood, 640 × 480, jpeg\n(unnamed), 2 × 1, png"
+    assert "Textures" not in shown and not any(set(text) & set("{}[]'") for text in shown.values())
+
+
+def shown(state: ViewState) -> dict[str, object]:
+    """What a view decides: the modes, the contribution, the furnace, and the settings that the furnace changes."""
+    return {"modes": state.modes, "in furnace": state.before_furnace is not None,
+            **{name: getattr(state.settings, name) for name in FURNACE}}
+
+
+SHOWS = {
+    "pbr": {"modes": ("pbr",)}, "phong": {"modes": ("phong",)}, "split": {"modes": ("phong", "pbr")},
+    "uniform_diffuse": {"lobes": "uniform-diffuse"}, "specular": {"lobes": "specular"},
+    "directional_diffuse": {"lobes": "directional-diffuse"}, "furnace": {"in furnace": True, **FURNACE},
+    "path": {"modes": ("path",)}, "path_split": {"modes": ("pbr", "path")},
+}
+"""What the table of keys says of each view. The modes that it does not name may be those of the view before."""
+OWN = Settings(exposure=1.5, tonemap="agx", background=(0.1, 0.2, 0.3))
+
+
+def test_the_views_are_keys_of_the_table():
+    keys = [binding.keys for binding in KEYS if binding.action in VIEWS]
+    assert keys == [(str(k),) for k in range(1, 10)] and set(SHOWS) == set(VIEWS)
+
+
+@pytest.mark.parametrize("first", VIEWS)
+@pytest.mark.parametrize("before", ["key", "panel"])
+def test_every_key_shows_its_view_from_every_other_view(first, before):
+    """All ordered pairs; before the second key, the panel may have put any mode or contribution into the furnace."""
+    scene = triangle(environment=Environment("grey", GREY), lights=(Light("point"),))
+    for second in VIEWS:
+        state = ViewState(scene, OWN)
+        state.show_view(first)
+        if before == "panel" and state.before_furnace is None:
+            state.toggle_furnace()
+            state.show_mode("phong", "specular")
+        was_in_furnace = state.before_furnace is not None
+        state.show_view(second)
+        if second == "furnace" and was_in_furnace:
+            assert state.before_furnace is None and state.scene is scene and state.settings.exposure == 1.5
+            continue
+        plain = {name: getattr(OWN, name) for name in FURNACE} | {"in furnace": False, "modes": state.modes}
+        assert shown(state) == plain | SHOWS[second], (first, second)
+        assert (state.scene is scene) == (second != "furnace")
+        assert state.modes in [("pbr",), ("path",)] or SHOWS[second].get("modes") or second == "furnace"
+
+
+def test_another_light_leaves_the_furnace_for_the_model_that_it_lights(state):
+    scene = state.scene
+    state.toggle_furnace()
+    state.relight(Environment("other", GREY))
+    assert state.before_furnace is None and state.scene.meshes is scene.meshes
+    assert state.scene.environment.name == "other" and state.scene.environment.rotation == 0.5
+    assert state.settings == Settings()
 
 
 def test_the_furnace_view_makes_white_and_comes_back():

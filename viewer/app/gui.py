@@ -104,6 +104,15 @@ class Gui:
     def on_character(self, codepoint: int) -> None:
         self.io.add_input_character(codepoint)
 
+    def close_popups(self) -> bool:
+        """Close the lists and colour pickers that are open. Returns whether there were any."""
+        imgui.set_current_context(self._imgui)
+        flags = imgui.PopupFlags_
+        is_open = imgui.is_popup_open("", flags.any_popup_id | flags.any_popup_level)
+        if is_open:
+            imgui.internal.close_popup_to_level(0, True)
+        return is_open
+
     @property
     def wants_mouse(self) -> bool:
         return self.io.want_capture_mouse
@@ -172,14 +181,15 @@ def _set_style(style: imgui.Style) -> None:
     style.item_spacing, style.item_inner_spacing = imgui.ImVec2(8, 5), imgui.ImVec2(6, 4)
     style.scrollbar_size, style.grab_min_size = 10.0, 10.0
     accent, accent_hover = (0.26, 0.46, 0.70), (0.33, 0.56, 0.84)
+    knob, knob_active = (0.17, 0.30, 0.46), (0.20, 0.35, 0.53)  # dark: a slider's number stands on it
     colors = {
         "text": (0.90, 0.90, 0.90, 1.0), "text_disabled": (0.58, 0.58, 0.58, 1.0),
-        "window_bg": (0.11, 0.11, 0.11, 0.94), "popup_bg": (0.14, 0.14, 0.14, 0.98), "border": (0.26, 0.26, 0.26, 1.0),
+        "window_bg": (0.11, 0.11, 0.11, 1.0), "popup_bg": (0.14, 0.14, 0.14, 0.98), "border": (0.26, 0.26, 0.26, 1.0),
         "frame_bg": (0.20, 0.20, 0.20, 1.0), "frame_bg_hovered": (0.25, 0.25, 0.25, 1.0),
         "frame_bg_active": (0.28, 0.28, 0.28, 1.0), "header": (0.18, 0.18, 0.18, 1.0),
         "header_hovered": (0.24, 0.24, 0.24, 1.0), "header_active": (0.27, 0.27, 0.27, 1.0),
         "button": (0.24, 0.24, 0.24, 1.0), "button_hovered": (0.30, 0.30, 0.30, 1.0), "button_active": (*accent, 1.0),
-        "slider_grab": (*accent, 1.0), "slider_grab_active": (*accent_hover, 1.0), "check_mark": (*accent_hover, 1.0),
+        "slider_grab": (*knob, 1.0), "slider_grab_active": (*knob_active, 1.0), "check_mark": (*accent_hover, 1.0),
         "plot_lines": (*accent_hover, 1.0), "scrollbar_bg": (0.0, 0.0, 0.0, 0.0), "separator": (0.26, 0.26, 0.26, 1.0),
     }
     for name, color in colors.items():

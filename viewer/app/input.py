@@ -36,14 +36,16 @@ _NAMES = {
 
 class Input:
     """Turns the events of one window into changes of `state` and `orbit`, and calls `do(action)` for keys and
-    `drop(paths)` for dropped files.
+    `drop(paths)` for dropped files. The picture has `picture_size()` of the window's coordinates, at its upper left.
 
     Every event sets `changed`, which means that the window must be drawn again.
     """
 
-    def __init__(self, window, state: ViewState, orbit: OrbitController, gui: Gui, do: Callable[[str], None],
+    def __init__(self, window, state: ViewState, orbit: OrbitController, gui: Gui,
+                 picture_size: Callable[[], tuple[int, int]], do: Callable[[str], None],
                  drop: Callable[[list[str]], None]) -> None:
         self._window, self._state, self._orbit, self._gui, self._do = window, state, orbit, gui, do
+        self._picture_size = picture_size
         self.changed = True
         self._drag: str | None = None
         self._cursor = np.zeros(2)
@@ -177,7 +179,7 @@ class Input:
         return position is not None and abs(cursor[0] - position * self._size()[0]) <= GRAB_DISTANCE * self._gui.scale
 
     def _size(self) -> tuple[int, int]:
-        width, height = glfw.get_window_size(self._window)
+        width, height = self._picture_size()
         return max(width, 1), max(height, 1)
 
     def _held(self, *keys: int) -> bool:

@@ -15,9 +15,10 @@ _INFO, _ERROR = 0xE61E1E1E, 0xF0202890
 _HINT = imgui.ImVec4(0.62, 0.74, 0.90, 1.0)
 
 
-def draw_split(position: float, sides: Sequence[str], scale: float) -> None:
-    """Draw the split line at `position` (a fraction of the width), its handle, and the names of the modes."""
-    width, height = imgui.get_io().display_size
+def draw_split(position: float, sides: Sequence[str], scale: float, width: float) -> None:
+    """Draw the split line at `position` (a fraction of the picture's `width`), its handle, and the names of the
+    modes."""
+    height = imgui.get_io().display_size.y
     draw, x = imgui.get_background_draw_list(), round(position * width) + 0.5
     draw.add_line((x, 0), (x, height), _SHADOW, 3 * scale)
     draw.add_line((x, 0), (x, height), _WHITE, scale)
@@ -53,9 +54,9 @@ def draw_message(state: ViewState, scale: float, width: float) -> None:
     imgui.pop_style_color()
 
 
-def draw_help(state: ViewState, scale: float) -> None:
-    """Draw the list of all keys and gestures, in two columns if the window is wide enough."""
-    width, height = imgui.get_io().display_size
+def draw_help(state: ViewState, scale: float, width: float) -> None:
+    """Draw the list of all keys and gestures over a picture of `width`, in two columns if it is wide enough."""
+    height = imgui.get_io().display_size.y
     imgui.set_next_window_pos((width / 2, height / 2), 0, (0.5, 0.5))
     imgui.set_next_window_size_constraints((0, 0), (width, height))
     imgui.push_style_var(imgui.StyleVar_.window_rounding, 6 * scale)

@@ -12,22 +12,23 @@ import numpy as np
 from imgui_bundle import imgui
 
 from ..interact.state import ViewState, scene_facts
-from ..scene.color import linear_to_srgb, srgb_to_linear
 from ..scene.environment_files import load_environment
 from ..scene.environment_presets import PRESETS
 from ..scene.light import Light
 from ..settings import ignored, setting_choices
 from .overlay import MODE_NAMES
+from .widgets import color_edit, combo, logarithmic, row, wrapped
 
-WIDTH = 310.0
+WIDTH = 344.0
 """In window coordinates, before the desktop's scale."""
-_LABEL_WIDTH = 104.0
 _LABELS = {
     "ggx": "GGX", "beckmann": "Beckmann", "blinn-phong": "Blinn–Phong", "smith": "Smith, height-correlated",
     "smith-separable": "Smith, separable", "v-cavity": "V-cavity", "none": "None", "schlick": "Schlick",
     "exact": "Exact", "phong": "Phong", "all": "All", "uniform-diffuse": "Uniform diffuse", "specular": "Specular",
     "directional-diffuse": "Directional diffuse", "neutral": "Khronos PBR Neutral", "agx": "AgX", "aces": "ACES (Hill)",
-    "auto": "Automatic", "msaa-2": "2 samples", "msaa-4": "4 samples", "msaa-8": "8 samples",
+    "auto": "Automatic", "msaa-2": "MSAA 2×", "msaa-4": "MSAA 4×", "msaa-8": "MSAA 8×", "ssaa-4": "SSAA 4×",
+    "ssaa-9": "SSAA 9×", "ssaa-16": "SSAA 16×", "gtao": "GTAO",
+    **{count: f"{count} lights" for count in ("16", "64", "256", "1024")},
     "off": "Off", "fast": "Fast", "mis": "Both (MIS)", "bsdf": "BSDF sampling only",
     "lights": "Light sampling only", "environment": "Environment only", "screen": "Screen space", "traced": "Traced",
     "baked": "Baked",
@@ -47,6 +48,16 @@ class Readings:
     left_out: Sequence[str] = ()
 
 
+@dataclass(frozen=True)
+class Section:
+    """A part of the panel below a title; `is_open` at first, and only there where `is_there` says so."""
+
+    title: str
+    draw: Callable[[], None]
+    is_open: bool = True
+    is_there: Callable[[], bool] = lambda: True
+
+
 class Panel:
     """`open_file` opens a path that the user has entered: a model or an environment."""
 
@@ -54,43 +65,49 @@ class Panel:
         self._state, self._readings, self._open_file = state, readings, open_file
         self._path = ""
         self._scale = 1.0
+        self._sections = (
+            Section("Warnings", self._warnings, is_there=lambda: bool(state.scene.all_warnings)),
+            Section("Shading", self._shading),
+            Section("Path tracing", self._path_tracing, is_there=lambda: state.shows("path")),
+            Section("Environment", self._environment, is_there=lambda: state.before_furnace is None),
+            Section("Lights", self._lights, is_open=False, is_there=lambda: state.before_furnace is None),
+            Section("Picture", self._picture),
+            Section("Model", self._model, is_open=False),
+            Section("Left out", self._left_out, is_open=False),
+            Section("Frame time", self._frame_time),
+        )
 
-    def draw(self, scale: float) -> float:
-        """Draw the panel. Returns its width in window coordinates."""
+    def width(self, window_width: float, scale: float) -> float:
+        """The width of the panel in window coordinates, and 0 if it is closed."""
+        return min(WIDTH * scale, window_width) if self._state.panel else 0.0
+
+    def draw(self, scale: float) -> None:
+        """Draw the panel at the right of the window."""
         self._scale = scale
         width, height = imgui.get_io().display_size
-        panel_width = min(WIDTH * scale, width)
+        panel_width = self.width(width, scale)
         imgui.set_next_window_pos(imgui.ImVec2(width - panel_width, 0))
         imgui.set_next_window_size(imgui.ImVec2(panel_width, height))
         flags = imgui.WindowFlags_
         imgui.begin("##panel", None, flags.no_decoration & ~flags.no_scrollbar | flags.no_move | flags.no_nav
                     | flags.no_saved_settings)
-        for name, is_open, section in (
-            ("Warnings", True, self._warnings), ("Shading", True, self._shading),
-            ("Path tracing", True, self._path_tracing), ("Environment", True, self._environment),
-            ("Lights", False, self._lights),
-            ("Picture", True, self._picture), ("Model", False, self._model),
-            ("Left out", False, self._left_out), ("Frame time", True, self._frame_time),
-        ):
-            if (name == "Warnings" and not self._state.scene.all_warnings) or (
-                    name == "Path tracing" and not self._state.shows("path")):
-                continue
-            imgui.push_id(name)
-            if imgui.collapsing_header(name, imgui.TreeNodeFlags_.default_open if is_open else 0):
-                section()
-                imgui.spacing()
-            imgui.pop_id()
+        for section in self._sections:
+            if section.is_there():
+                imgui.push_id(section.title)
+                if imgui.collapsing_header(section.title, imgui.TreeNodeFlags_.default_open if section.is_open else 0):
+                    section.draw()
+                    imgui.spacing()
+                imgui.pop_id()
         imgui.end()
-        return panel_width
 
     def _warnings(self) -> None:
         for line in self._state.scene.all_warnings:
-            _wrapped(line, _WARNING)
+            wrapped(line, _WARNING)
 
     def _shading(self) -> None:
         state = self._state
-        for row in _MODES:
-            for modes in row:
+        for line in _MODES:
+            for modes in line:
                 if imgui.radio_button(" | ".join(MODE_NAMES[m] for m in modes), state.modes == modes) and (
                         state.modes != modes):
                     state.show_split(*modes) if len(modes) > 1 else state.show_mode(*modes, state.settings.lobes)
@@ -131,13 +148,11 @@ class Panel:
         if current not in names:
             names.append(current)
         self._row("Environment")
-        if imgui.begin_combo("##environment", current):
-            for name in names:
-                if imgui.selectable(name, name == current)[0] and name != current:
-                    state.relight(load_environment(name))
-            imgui.end_combo()
+        index = combo("environment", names.index(current), names)
+        if index is not None and names[index] != current:
+            state.relight(load_environment(names[index]))
         self._row("File")
-        entered, self._path = imgui.input_text_with_hint("##file", "HDR or EXR, or drop it", self._path,
+        entered, self._path = imgui.input_text_with_hint("##file", "path, or drop a file", self._path,
                                                          imgui.InputTextFlags_.enter_returns_true)
         if entered and self._path.strip():
             self._open_file(self._path.strip())
@@ -146,7 +161,7 @@ class Panel:
         self._row("Rotation")
         turned, rotation = imgui.slider_angle("##rotation", environment.rotation, -180, 180, "%.0f°")
         self._row("Intensity")
-        scaled, intensity = _logarithmic("##intensity", environment.intensity, 0.01, 100.0)
+        scaled, intensity = logarithmic("##intensity", environment.intensity, 0.01, 100.0)
         if turned or scaled:
             changed = replace(environment, rotation=rotation, intensity=intensity)
             state.scene = state.scene.relit(environment=changed)
@@ -182,11 +197,11 @@ class Panel:
             if turned or raised:
                 light = replace(light, direction=Light.from_angles(azimuth, elevation, 1.0).direction)
         self._row("Lux" if light.kind == "directional" else "Candela")
-        changed, intensity = _logarithmic("##intensity", light.intensity, 0.001, 1e5)
+        changed, intensity = logarithmic("##intensity", light.intensity, 0.001, 1e5)
         if changed:
             light = replace(light, intensity=intensity)
         self._row("Colour")
-        changed, color = _color("##color", light.color)
+        changed, color = color_edit("##color", light.color)
         return replace(light, color=color) if changed else light
 
     def _picture(self) -> None:
@@ -200,13 +215,13 @@ class Panel:
         self._row("Background")
         kinds = ("env", "none", "color")
         kind = settings.background if isinstance(settings.background, str) else "color"
-        chosen, index = imgui.combo("##background", kinds.index(kind), ["Environment", "None", "Colour"])
-        if chosen:
+        index = combo("background", kinds.index(kind), ["Environment", "None", "Colour"])
+        if index is not None:
             background = _FIRST_COLOR if kinds[index] == "color" else kinds[index]
             state.settings = replace(state.settings, background=background)
         if kind == "color":
             self._row("")
-            changed, color = _color("##background color", settings.background)
+            changed, color = color_edit("##background color", settings.background)
             if changed:
                 state.settings = replace(state.settings, background=color)
         self._choice("Antialiasing", "antialias")
@@ -215,11 +230,11 @@ class Panel:
     def _model(self) -> None:
         for name, value in scene_facts(self._state.scene):
             self._row(name)
-            _wrapped(value)
+            wrapped(value)
 
     def _left_out(self) -> None:
         for line in self._readings.left_out:
-            _wrapped(line[:1].upper() + line[1:], imgui.get_style_color_vec4(imgui.Col_.text_disabled))
+            wrapped(line[:1].upper() + line[1:], imgui.get_style_color_vec4(imgui.Col_.text_disabled))
 
     def _frame_time(self) -> None:
         times = np.array(self._readings.frame_ms, np.float32)
@@ -228,14 +243,10 @@ class Panel:
             size = imgui.ImVec2(-1, 46 * self._scale)
             imgui.plot_lines("##ms", times, 0, None, 0.0, float(times.max()) * 1.2, size)
             imgui.text(text)
-        _wrapped(self._readings.device, imgui.get_style_color_vec4(imgui.Col_.text_disabled))
+        wrapped(self._readings.device, imgui.get_style_color_vec4(imgui.Col_.text_disabled))
 
     def _row(self, label: str) -> None:
-        """Draw a label, and put ImGui's cursor where its widget goes."""
-        imgui.align_text_to_frame_padding()
-        imgui.text(label)
-        imgui.same_line(imgui.get_style().window_padding.x + _LABEL_WIDTH * self._scale)
-        imgui.set_next_item_width(-1)
+        row(label, self._scale)
 
     def _choice(self, label: str, name: str) -> None:
         """A row for a setting with choices, if a mode that is shown uses it."""
@@ -245,8 +256,8 @@ class Panel:
     def _combo(self, label: str, name: str, values: Sequence[str]) -> None:
         self._row(label)
         current = values.index(getattr(self._state.settings, name))
-        changed, index = imgui.combo(f"##{name}", current, [_LABELS.get(value, value) for value in values])
-        if changed:
+        index = combo(name, current, [_LABELS.get(value, value) for value in values])
+        if index is not None:
             self._state.settings = replace(self._state.settings, **{name: values[index]})
 
     def _switch(self, label: str, name: str) -> None:
@@ -259,25 +270,3 @@ class Panel:
 
 
 _choices = cache(setting_choices)
-
-
-def _wrapped(text: str, color: imgui.ImVec4 | None = None) -> None:
-    if color is not None:
-        imgui.push_style_color(imgui.Col_.text, color)
-    imgui.push_text_wrap_pos(0.0)
-    imgui.text_unformatted(text)
-    imgui.pop_text_wrap_pos()
-    if color is not None:
-        imgui.pop_style_color()
-
-
-def _logarithmic(label: str, value: float, low: float, high: float) -> tuple[bool, float]:
-    flags = imgui.SliderFlags_.logarithmic | imgui.SliderFlags_.no_round_to_format
-    return imgui.slider_float(label, value, low, high, "%.3g", flags)
-
-
-def _color(label: str, linear) -> tuple[bool, tuple[float, float, float]]:
-    """A colour picker, which shows sRGB, for a value in linear Rec. 709."""
-    shown = [float(c) for c in linear_to_srgb(np.clip(linear, 0, 1))]
-    changed, shown = imgui.color_edit3(label, shown)
-    return changed, tuple(float(c) for c in srgb_to_linear(np.array(shown))) if changed else linear

@@ -16,7 +16,7 @@ from ..gpu.window import WindowContext
 from ..interact.orbit import QUARTER, OrbitController
 from ..interact.pick import pick
 from ..interact.picture import Picture
-from ..interact.state import ViewState
+from ..interact.state import VIEWS, ViewState
 from ..raster.renderer import Renderer
 from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, Camera
 from ..scene.environment_files import FORMATS, load_environment
@@ -33,7 +33,7 @@ SETTLING_FRAMES = 3
 """The number of frames drawn after an event. ImGui needs more than one to lay out the panel."""
 PANEL_FROM_WIDTH = 900
 _CLEAR = (0.08, 0.08, 0.08, 1.0)
-_VIEWS = {
+_DIRECTIONS = {
     "view_front": (0.0, 0.0), "view_back": (math.pi, 0.0), "view_right": (QUARTER, 0.0), "view_left": (-QUARTER, 0.0),
     "view_top": (0.0, QUARTER), "view_bottom": (0.0, -QUARTER), "view_default": (DEFAULT_AZIMUTH, DEFAULT_ELEVATION),
 }
@@ -65,15 +65,15 @@ class ViewerWindow:
         self.context = WindowContext(size, _title(scene), visible=True)
         self.renderer = Renderer(self.context, use_cache)
         self.window = self.context.window
-        self.orbit = OrbitController(scene, size[0] / size[1])
+        self._gui = Gui(self.context, self.window)
+        self.readings = Readings(f"{self.context.renderer}, OpenGL {self.context.version}")
+        self._panel = Panel(self.state, self.readings, lambda path: self.open([path]))
+        self.orbit = OrbitController(scene, self._aspect)
         if camera is not None:
             self._follow(camera)
         self.picture = Picture(self.renderer, self.state, self.orbit)
-        self.readings = Readings(f"{self.context.renderer}, OpenGL {self.context.version}")
-        self._gui = Gui(self.context, self.window)
-        self._panel = Panel(self.state, self.readings, lambda path: self.open([path]))
         self._watch = ShaderWatch(self.renderer.programs)
-        self._input = Input(self.window, self.state, self.orbit, self._gui, self.do, self.open)
+        self._input = Input(self.window, self.state, self.orbit, self._gui, self._picture_size, self.do, self.open)
         self._next_camera = 0
         self._to_open: list[str] = []
         self._frames_left = SETTLING_FRAMES
@@ -119,19 +119,16 @@ class ViewerWindow:
     def do(self, action: str) -> None:
         """Execute the action of a key; `viewer.interact.keys.KEYS` lists the actions."""
         state, orbit = self.state, self.orbit
-        if action in ("pbr", "phong", "path"):
-            state.show_mode(action)
-        elif action in ("uniform_diffuse", "specular", "directional_diffuse"):
-            state.show_lobes(action.replace("_", "-"))
-        elif action in _VIEWS:
-            orbit.look_from(*_VIEWS[action])
+        if action in VIEWS:
+            state.show_view(action)
+        elif action in _DIRECTIONS:
+            orbit.look_from(*_DIRECTIONS[action])
         elif action in ("panel", "help", "inertia"):
             setattr(state, action, not getattr(state, action))
             if action == "inertia":
                 state.say(f"Inertia {'on' if state.inertia else 'off'}")
         else:
-            {"split": state.show_split, "path_split": lambda: state.show_split("pbr", "path"),
-             "furnace": state.toggle_furnace, "pause": state.toggle_pause, "denoise": state.toggle_denoise,
+            {"pause": state.toggle_pause, "denoise": state.toggle_denoise,
              "frame_all": self._frame_all, "orthographic": self._toggle_orthographic,
              "next_camera": self._show_next_camera, "screenshot": self._save, "reload": self._reload,
              "close": self._close}[action]()
@@ -150,20 +147,20 @@ class ViewerWindow:
         is_new = self.picture.update(self._pixels)
         self.readings.left_out = self.picture.left_out
         self._gui.begin()
-        scale = self._gui.scale
+        scale, width = self._gui.scale, self._picture_size()[0]
         if self.state.split is not None:
-            draw_split(self.state.split, self.state.sides, scale)
+            draw_split(self.state.split, self.state.sides, scale, width)
         if status := self.picture.paths.status():
             draw_status(status, scale)
-        free_width = glfw.get_window_size(self.window)[0]
-        if self.state.panel and not self.state.help:
-            free_width -= self._panel.draw(scale)
+        if self.state.panel:
+            self._panel.draw(scale)
         if self.state.message:
-            draw_message(self.state, scale, free_width)
+            draw_message(self.state, scale, width)
         if self.state.help:
-            draw_help(self.state, scale)
-        screen = self._screen()
+            draw_help(self.state, scale, width)
+        screen = self._screen(self._pixels)
         self.picture.present(screen)
+        screen.viewport = (0, 0, *glfw.get_framebuffer_size(self.window))
         self._gui.draw(screen)
         self.context.gl.finish()
         if is_new:
@@ -193,8 +190,7 @@ class ViewerWindow:
         self._next_camera = 0
 
     def _frame_all(self) -> None:
-        width, height = self._pixels
-        self.orbit.frame_all(width / max(height, 1))
+        self.orbit.frame_all(self._aspect)
 
     def _toggle_orthographic(self) -> None:
         self.orbit.is_orthographic = not self.orbit.is_orthographic
@@ -228,7 +224,9 @@ class ViewerWindow:
         self._input.changed = True
 
     def _close(self) -> None:
-        if self.state.help:
+        if self._gui.close_popups():
+            pass
+        elif self.state.help:
             self.state.help = False
         elif self.state.message and self.state.is_error:
             self.state.message = ""
@@ -238,21 +236,36 @@ class ViewerWindow:
     def _show_notice(self, text: str) -> None:
         """Show a message without a picture: the first picture may take long."""
         self._gui.begin()
-        draw_message(replace(self.state, message=text), self._gui.scale, glfw.get_window_size(self.window)[0])
-        screen = self._screen()
+        draw_message(replace(self.state, message=text), self._gui.scale, self._picture_size()[0])
+        screen = self._screen(glfw.get_framebuffer_size(self.window))
         screen.clear(*_CLEAR)
         self._gui.draw(screen)
         glfw.swap_buffers(self.window)
 
-    def _screen(self) -> moderngl.Framebuffer:
+    def _screen(self, pixels: tuple[int, int]) -> moderngl.Framebuffer:
         screen = self.context.gl.screen
-        screen.viewport = (0, 0, *self._pixels)
+        screen.viewport = (0, 0, *pixels)
         screen.scissor = None
         return screen
 
+    def _picture_size(self) -> tuple[int, int]:
+        """The size of the picture in window coordinates. It stands at the left of the panel, or below it in a window
+        that is too narrow for both."""
+        width, height = glfw.get_window_size(self.window)
+        panel = math.ceil(self._panel.width(width, self._gui.scale))
+        return width - panel if width >= 2 * panel else width, height
+
+    @property
+    def _aspect(self) -> float:
+        width, height = self._pixels
+        return max(width, 1) / max(height, 1)
+
     @property
     def _pixels(self) -> tuple[int, int]:
-        return glfw.get_framebuffer_size(self.window)
+        """The size of the picture in pixels."""
+        width, height = glfw.get_framebuffer_size(self.window)
+        window_width = glfw.get_window_size(self.window)[0]
+        return round(width * self._picture_size()[0] / max(window_width, 1)), height
 
     def __enter__(self) -> Self:
         return self

@@ -23,7 +23,7 @@ KEYS = (
     Binding("Shading", ("4",), "uniform_diffuse", "Uniform diffuse light alone"),
     Binding("Shading", ("5",), "specular", "Specular light alone"),
     Binding("Shading", ("6",), "directional_diffuse", "Directional diffuse light alone (multiple scattering)"),
-    Binding("Shading", ("7",), "furnace", "White furnace: surfaces that lose no light are invisible"),
+    Binding("Shading", ("7",), "furnace", "White furnace on or off: in it, surfaces that lose no light are invisible"),
     Binding("Shading", ("8",), "path", "Path-traced: converges to the exact picture"),
     Binding("Shading", ("9",), "path_split", "PBR | path-traced"),
     Binding("Shading", ("SPACE",), "pause", "Path tracing: pause or continue"),
@@ -43,7 +43,7 @@ KEYS = (
     Binding("Window", ("H", "F1"), "help", "This help"),
     Binding("Window", ("S", "Ctrl+S", "F12"), "screenshot", "Save the picture as PNG in the current folder"),
     Binding("Window", ("R",), "reload", "Reload the shaders now"),
-    Binding("Window", ("Q", "ESCAPE"), "close", "Close: the help, an error, the window"),
+    Binding("Window", ("Q", "ESCAPE"), "close", "Close: a list, the help, an error, the window"),
 )
 
 MOUSE = (

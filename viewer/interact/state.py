@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from ..scene.environment import Environment
 from ..scene.furnace import in_furnace
@@ -20,9 +20,12 @@ CLEAR_GREY = (0.03, 0.03, 0.03)
 MESSAGE_SECONDS = 4.0
 ADDED_LIGHT = "--light"
 """The name of lights that the user has added. They stay when another model is opened."""
-FURNACE: dict[str, Any] = {"exposure": -1.0, "tonemap": "none", "background": "env"}
+FURNACE: dict[str, Any] = {"exposure": -1.0, "tonemap": "none", "background": "env", "lobes": "all"}
 """The settings of the white furnace. Radiance 1 is displayed as mid grey, so too bright surfaces are as visible as too
-dark ones."""
+dark ones. One contribution alone is no test of it: what the others reflect would be missing."""
+
+VIEWS = ("pbr", "phong", "split", "uniform_diffuse", "specular", "directional_diffuse", "furnace", "path", "path_split")
+"""The actions of keys that choose what is shown; viewer/interact/keys.py says it in words."""
 
 
 @dataclass
@@ -55,6 +58,25 @@ class ViewState:
     def shows(self, mode: Mode) -> bool:
         return mode in self.modes
 
+    def show_view(self, view: str) -> None:
+        """Show one of VIEWS, whatever was shown before.
+
+        The key of the white furnace also leaves it, and those of the other views do, too. The panel's choice of a mode
+        keeps it.
+        """
+        if view == "furnace":
+            self.toggle_furnace()
+            return
+        self.leave_furnace()
+        if view == "split":
+            self.show_split()
+        elif view == "path_split":
+            self.show_split("pbr", "path")
+        elif view in get_args(Mode):
+            self.show_mode(view)  # type: ignore[arg-type]
+        else:
+            self.show_lobes(view.replace("_", "-"))  # type: ignore[arg-type]
+
     def show_mode(self, mode: Mode, lobes: Lobes = "all") -> None:
         self.split, self.paused = None, False
         self.settings = replace(self.settings, mode=mode, lobes=lobes)
@@ -85,6 +107,11 @@ class ViewState:
             self.scene, self.settings = in_furnace(self.scene), replace(self.settings, **FURNACE)
             self.say("White furnace: surfaces that lose no light are invisible")
         else:
+            self.leave_furnace()
+
+    def leave_furnace(self) -> None:
+        """Show the scene in its own materials and light again, if it is in the furnace."""
+        if self.before_furnace is not None:
             self.scene, settings = self.before_furnace
             self.settings, self.before_furnace = replace(self.settings, **settings), None
 
@@ -106,7 +133,8 @@ class ViewState:
         return False
 
     def relight(self, environment: Environment | None) -> None:
-        """Replace the environment, and keep the rotation and intensity of the one before."""
+        """Replace the environment, and keep the rotation and intensity of the one before. This leaves the furnace."""
+        self.leave_furnace()
         old = self.scene.environment
         if environment is not None and old is not None:
             environment = replace(environment, rotation=old.rotation, intensity=old.intensity)
@@ -117,8 +145,7 @@ class ViewState:
 
     def open(self, scene: Scene) -> None:
         """Show another model, with the same environment and the lights that the user has added."""
-        if self.before_furnace is not None:
-            self.toggle_furnace()
+        self.leave_furnace()
         added = tuple(light for light in self.scene.lights if light.name == ADDED_LIGHT)
         self.scene = scene.relit(environment=self.scene.environment, lights=(*scene.lights, *added))
 
@@ -181,4 +208,8 @@ def scene_facts(scene: Scene) -> list[tuple[str, str]]:
 
 
 def _text(value: object) -> str:
-    return ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
+    if isinstance(value, (list, tuple)):
+        return ("\n" if any(isinstance(item, dict) for item in value) else ", ").join(map(_text, value))
+    if isinstance(value, dict):  # an image, as the readers describe it
+        return f"{_text(value['name'])}, {value['width']} × {value['height']}, {value['format']}"
+    return str(value) or "(unnamed)"

@@ -1,0 +1,201 @@
+"""The panel, driven by real events: what it says, and that it leaves the picture to be seen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import viewer
+from viewer.base.resources import resource_folder
+from viewer.image.image import Image
+from viewer.scene.color import LUMINANCE, srgb_to_linear
+from viewer.settings import setting_choices
+
+from .conftest import PLAIN
+from .test_window import SAME, flip
+
+
+class Widgets:
+    """Where the panel's widgets stand, and what they say, as of the last frame."""
+
+    def __init__(self) -> None:
+        self.places: dict[str, tuple[int, int]] = {}
+        """The middle of each list, field and button, by its name."""
+        self.too_wide: set[str] = set()
+        """Labels that reach into their widget, and texts of lists that are cut."""
+        self.texts: dict[str, list[str]] = {}
+        """What each list has to choose from."""
+
+    def note(self, name: str) -> None:
+        from imgui_bundle import imgui
+
+        low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+        self.places[name] = round((low.x + high.x) / 2), round((low.y + high.y) / 2)
+
+
+@pytest.fixture
+def widgets(monkeypatch) -> Iterator[Widgets]:
+    from imgui_bundle import imgui
+
+    from viewer.app import panel
+
+    seen, row, combo, field = Widgets(), panel.row, panel.combo, panel.imgui.input_text_with_hint
+
+    def seen_row(label: str, scale: float) -> None:
+        start = imgui.get_cursor_pos_x()
+        row(label, scale)
+        if imgui.calc_text_size(label).x > imgui.get_cursor_pos_x() - start:
+            seen.too_wide.add(label)
+
+    def seen_combo(name: str, current: int, texts) -> int | None:
+        room = imgui.calc_item_width() - imgui.get_frame_height() - 2 * imgui.get_style().frame_padding.x
+        seen.too_wide |= {text for text in texts if imgui.calc_text_size(text).x > room}
+        seen.texts[name] = list(texts)
+        chosen = combo(name, current, texts)
+        seen.note(name)
+        return chosen
+
+    def seen_field(label: str, *arguments: object) -> tuple[bool, str]:
+        result = field(label, *arguments)
+        seen.note(label)
+        return result
+
+    monkeypatch.setattr(panel, "row", seen_row)
+    monkeypatch.setattr(panel, "combo", seen_combo)
+    monkeypatch.setattr(panel.imgui, "input_text_with_hint", seen_field)
+    yield seen
+
+
+def test_panel_takes_the_mouse_and_changes_the_picture(open_window, scene):
+    hands = open_window(scene, size=(640, 480))
+    azimuth = hands.window.orbit.azimuth
+    hands.key("Tab")
+    before = hands.screen()
+    assert before[:, 400:].mean() < 90 and hands.window.state.panel
+    hands.drag((350, 420), (430, 420))
+    hands.click(384, 47)  # the second button: Phong
+    state = hands.window.state
+    assert hands.window.orbit.azimuth == azimuth
+    assert state.settings.mode == "phong"
+    hands.key("Tab")
+    assert not state.panel
+
+
+def test_every_section_draws_uncut_and_lights_are_added_and_removed(open_window, monkeypatch, widgets):
+    """All sections open; the buttons are pressed by answering for them, for where they stand depends on the font."""
+    from viewer.app import panel
+
+    hands = open_window(viewer.load(resource_folder("assets") / "scenes" / "lights.glb"), size=(640, 480))
+    window, pressed = hands.window, []
+    count, before = len(window.state.scene.lights), hands.screen()
+    monkeypatch.setattr(panel.imgui, "collapsing_header", lambda *_: True)
+    button = panel.imgui.button
+
+    def press(label: str, size) -> bool:
+        button(label, size)
+        return label in pressed and not pressed.remove(label)
+
+    monkeypatch.setattr(panel.imgui, "button", press)
+    window.state.scene = replace(window.state.scene, warnings=("something is not drawn",))
+    hands.key("Tab")
+    for view in ("phong", "path_split", "furnace", "pbr"):
+        window.do(view)
+        window._draw()
+    assert widgets.too_wide == set()
+    words = {text for name, texts in widgets.texts.items() if name != "environment" for text in texts}
+    assert {*setting_choices()} - {"multiscatter", "shadows", "specular_aa", "plan", "bounces"} <= set(widgets.texts)
+    assert not {text for text in words if text[0].islower()}  # of the command line, but for people
+    for label, change in (("Add a directional light", 1), ("Remove", -1)):
+        lights = len(window.state.scene.lights)
+        pressed.append(label)
+        hands.move(500, 300 + change)
+        assert pressed == [] and len(window.state.scene.lights) == lights + change
+    hands.key("Tab")
+    assert len(window.state.scene.lights) == count and count == 3
+    assert flip(hands.screen(), before) > SAME  # the first of the file's own went, the added one stayed
+    assert [light.kind for light in window.state.scene.lights] == ["spot", "directional", "directional"]
+
+
+def test_the_panel_grows_with_the_desktops_scale(open_window, scene, monkeypatch):
+    from viewer.app import panel
+
+    monkeypatch.setattr("glfw.get_window_content_scale", lambda _: (1.5, 1.5))
+    hands = open_window(scene, size=(800, 300))
+    plain = hands.screen().astype(int)
+    hands.key("Tab")
+    changed = np.argwhere(np.abs(hands.screen() - plain).sum(axis=2) > 60)
+    assert abs(changed[:, 1].min() - (800 - 1.5 * panel.WIDTH)) <= 2
+
+
+def test_the_picture_is_centred_in_what_the_panel_leaves(open_window, scene, tmp_path, monkeypatch):
+    """Its size, what the mouse does on it and what is saved are those of the part that is seen."""
+    from viewer.app.panel import WIDTH
+    from viewer.interact.pick import pick
+
+    monkeypatch.chdir(tmp_path)
+    hands = open_window(scene, size=(1000, 240))
+    window, free = hands.window, (1000 - int(WIDTH), 240)
+    assert window.state.panel and window._pixels == free
+    framed = scene.framing_camera(free[0] / free[1])
+    assert np.allclose(window.orbit.camera.pose, framed.pose, atol=1e-9 * scene.radius)
+    expected = viewer.render(scene, free, framed, **vars(PLAIN)).srgb[..., :3]
+    screen = hands.screen()
+    assert screen.shape == (240, 1000, 3) and flip(screen[:, :free[0]], expected) < SAME
+    assert screen[:, free[0] + 5:].mean() < 90
+    point = pick(scene, framed, free, (free[0] // 2, 100))
+    hands.move(free[0] // 2, 100)
+    hands.xdotool("keydown", "shift", "click", 1, "keyup", "shift")
+    assert np.allclose(window.orbit.target, point, atol=1e-9 * scene.radius)
+    window.do("split")
+    hands.drag((free[0] // 2, 100), (free[0] // 4, 100))
+    assert window.state.split == 0.25
+    window.do("screenshot")
+    assert Image.open(f"{scene.name}-1.png").size == free
+    hands.key("Tab")
+    assert window._pixels == (1000, 240)
+
+
+def test_escape_closes_a_list_leaves_a_field_and_only_then_the_window(open_window, scene, widgets):
+    from imgui_bundle import imgui
+
+    def is_open() -> bool:
+        return imgui.is_popup_open("", imgui.PopupFlags_.any_popup_id | imgui.PopupFlags_.any_popup_level)
+
+    hands = open_window(scene, size=(640, 560))
+    window = hands.window
+    hands.key("Tab")
+    for key in ("Escape", "q"):
+        hands.click(*widgets.places["lobes"])
+        assert is_open()
+        hands.key(key)
+        assert not is_open() and not window.is_closed and window.state.settings == PLAIN
+    hands.click(*widgets.places["##file"])
+    hands.key("2", "q", "Escape")
+    assert not window._gui.wants_keyboard and not window.is_closed and window._panel._path == ""
+    hands.click(*widgets.places["##file"])
+    hands.key("2", "q", "3")
+    assert window.state.settings.mode == "pbr" and window._panel._path == "2q3"
+    hands.key("Return")
+    assert window.state.is_error and "2q3" in window.state.message
+    hands.key("Escape")
+    assert window.state.message == "" and not window.is_closed
+    hands.key("Escape")
+    assert window.is_closed
+
+
+def test_numbers_are_readable_on_the_knobs_of_sliders(open_window, scene):
+    """By the contrast that WCAG 2.1 asks of text at least, 4.5 : 1."""
+    from imgui_bundle import imgui
+
+    open_window(scene)
+    style = imgui.get_style()
+
+    def luminance(name: str) -> float:
+        color = style.color_(getattr(imgui.Col_, name))
+        return float(srgb_to_linear(np.array([color.x, color.y, color.z])) @ LUMINANCE)
+
+    for knob in ("slider_grab", "slider_grab_active"):
+        assert (luminance("text") + 0.05) / (luminance(knob) + 0.05) > 4.5, knob
