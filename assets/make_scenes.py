@@ -230,6 +230,37 @@ def anisotropy() -> Glb:
     return glb
 
 
+def specular_glossiness() -> Glb:
+    """Old materials. Above: plastic, rough copper, a mirror, and without any factor. Below: f0 and glossiness by a
+    texture of RGBA, the texture with factors, the diffuse colour and holes by a texture, and both."""
+    glb, ball = Glb(), without(sphere(0.45), "TANGENT")
+    f0 = np.linspace([0.04, 0.04, 0.04], [0.9, 0.6, 0.2], 8)[:, None, :] * np.ones((1, 16, 1))
+    glossiness = np.where(np.arange(16) % 4 < 2, 0.9, 0.4)[None, :, None] * np.ones((8, 1, 1))
+    gloss = glb.texture(np.concatenate([f0 ** (1 / 2.2), glossiness], -1), magFilter=9729)
+    y, x = np.mgrid[:8, :8]
+    holes = np.stack([0.2 + 0.08 * x, 0.8 - 0.08 * y, 0.5 + 0 * x, np.where((x + y) % 4, 1.0, 0.0)], -1)
+    diffuse = glb.texture(holes, magFilter=9728, minFilter=9728)
+    cases = [
+        {"diffuseFactor": [0.1, 0.3, 0.6, 1], "specularFactor": [0.05, 0.05, 0.05], "glossinessFactor": 0.7},
+        {"diffuseFactor": [0, 0, 0, 1], "specularFactor": [0.95, 0.64, 0.54], "glossinessFactor": 0.5},
+        {"diffuseFactor": [0.8, 0.8, 0.8, 1], "specularFactor": [1, 1, 1]}, {},
+        {"diffuseFactor": [0.6, 0.6, 0.6, 1], "specularGlossinessTexture": gloss},
+        {"diffuseFactor": [0.6, 0.2, 0.2, 1], "specularGlossinessTexture": gloss, "specularFactor": [0.2, 0.6, 0.9],
+         "glossinessFactor": 0.6},
+        {"diffuseTexture": diffuse, "specularFactor": [0.2, 0.2, 0.2], "glossinessFactor": 0.8},
+        {"diffuseTexture": diffuse, "specularGlossinessTexture": gloss},
+    ]
+    for place, fields in enumerate(cases):
+        alpha = {"alphaMode": "MASK", "doubleSided": True} if "diffuseTexture" in fields else {}
+        # What readers without the extension see is wrong on purpose.
+        extensions = {"KHR_materials_pbrSpecularGlossiness": fields}
+        material = glb.material((1, 0, 1), 1.0, 1.0, extensions=extensions, **alpha)
+        glb.node(glb.mesh(ball, material), translation=[place % 4 * 1.1 - 1.65, 0.55 - place // 4 * 1.1, 0])
+    glb.light("directional", (1, 2, 2), intensity=2.0)
+    glb.camera((0, 0, 8.6))
+    return glb
+
+
 def two_sided() -> Glb:
     """Open bowls, double-sided and not, upright and mirrored by a negative scale, one with a normal map."""
     glb = Glb()
@@ -304,7 +335,7 @@ def huge() -> Glb:
 
 
 SCENES = [spheres, normal_map, textures, alpha, lights, vertex_colors, emissive, unlit, specular_ior, glass,
-          anisotropy, two_sided, lines_points, occlusion, tiny, huge]
+          anisotropy, specular_glossiness, two_sided, lines_points, occlusion, tiny, huge]
 
 if __name__ == "__main__":
     save_scenes(SCENES, Path(__file__).parent / "scenes")

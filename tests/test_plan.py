@@ -134,6 +134,17 @@ def test_what_settings_or_surfaces_cannot_show_of_anisotropy_is_left_out_and_sai
     assert "traced reflections: no opaque surface is smooth and isotropic" in traced.left_out
 
 
+@pytest.mark.parametrize("mode", ["pbr", "phong"])
+def test_only_a_map_of_specular_and_glossiness_is_converted(mode):
+    old = Material(metallic=0.0, specular_glossiness_texture=MAP)
+    found = plan(scene(old, environment=ENVIRONMENT), mode=mode)
+    assert "apply_specular_glossiness" in code(found) and "u_specular_glossiness_map" in code(found)
+    other = Material(metallic=0.0, specular_color=(2, 1, 1), perceptual_roughness=0.3)
+    assert "specular_glossiness" not in code(plan(scene(other, environment=ENVIRONMENT), mode=mode))
+    # A program that both share would convert the other, too.
+    assert not any(draw.program["SPECULAR_GLOSSINESS"] for draw in plan(scene(other), plan="everything").draws)
+
+
 def test_maps_without_coordinates_or_tangents_are_not_sampled():
     material = Material(base_color_texture=MAP, normal_texture=MAP, occlusion_texture=replace(MAP, uv_set=1))
     model = scene(material, uvs=1, tangents=False, environment=ENVIRONMENT)
@@ -289,7 +300,8 @@ def test_maps_of_one_colour_are_factors():
         return Texture(open_texture_image(data.getvalue(), "texture"))
 
     flat, varied = texture(*[(188, 128, 255, 51)] * 4), texture((0, 0, 0, 255), (9, 9, 9, 255))
-    full = Material(metallic=0.5, emissive=(2, 2, 2), **{f"{name}_texture": flat for name in MAPS})
+    full = Material(metallic=0.5, emissive=(2, 2, 2), **{
+        f"{name}_texture": flat for name, m in MAPS.items() if not m.info.is_applied})
     [draw] = plan(scene(full, environment=ENVIRONMENT)).draws
     assert draw.maps == ("normal", "occlusion")
     assert draw.surface.base_color == pytest.approx((0.5029, 0.2159, 1.0, 0.2), abs=1e-4)

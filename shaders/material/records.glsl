@@ -5,10 +5,13 @@
 #if HAS_TEXTURES
 #include "trace/atlas.glsl"
 #endif
+#if SPECULAR_GLOSSINESS
+#include "bsdf/specular_glossiness.glsl"
+#endif
 
 uniform int u_materials;
 
-const uint BASE_COLOR_ROLE = 1u, EMISSIVE_ROLE = 2u, SPECULAR_COLOR_ROLE = 4u;
+const uint BASE_COLOR_ROLE = 1u, EMISSIVE_ROLE = 2u, SPECULAR_COLOR_ROLE = 4u, SPECULAR_GLOSSINESS_ROLE = 8u;
 const uint METALLIC_ROUGHNESS_ROLE = 1u, SPECULAR_ROLE = 2u, TRANSMISSION_ROLE = 4u, ANISOTROPY_ROLE = 8u;
 
 int material_texel(int material, int part) {
@@ -110,6 +113,11 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
 #if SPECULAR_TINTED
         if (has_role(map, SPECULAR_COLOR_ROLE)) {
             m.specular_color *= texel.rgb;
+        }
+#endif
+#if SPECULAR_GLOSSINESS
+        if (has_role(map, SPECULAR_GLOSSINESS_ROLE)) {
+            apply_specular_glossiness(m, texel);
         }
 #endif
     }

@@ -2,6 +2,9 @@
 // Reads a material for the raster, from uniforms and samplers (raster/attributes.glsl).
 #include "material/inputs.glsl"
 #include "raster/attributes.glsl"
+#if SPECULAR_GLOSSINESS
+#include "bsdf/specular_glossiness.glsl"
+#endif
 
 uniform vec4 u_base_color;
 #if ALPHA_MODE == 1
@@ -99,6 +102,15 @@ vec4 specular_color_texel() {
 }
 #endif
 
+#if SPECULAR_GLOSSINESS_MAP
+uniform sampler2D u_specular_glossiness_map;
+uniform mat3x2 u_specular_glossiness_transform;
+vec4 specular_glossiness_texel() {
+    return texture(u_specular_glossiness_map, map_uv(SPECULAR_GLOSSINESS_UV, SPECULAR_GLOSSINESS_TRANSFORM,
+        u_specular_glossiness_transform, SPECULAR_GLOSSINESS_MIRROR));
+}
+#endif
+
 #if TRANSMISSION_MAP
 uniform sampler2D u_transmission_map;
 uniform mat3x2 u_transmission_transform;
@@ -180,6 +192,12 @@ MaterialInputs read_inputs() {
     {
         vec4 texel = specular_color_texel();
         m.specular_color *= texel.rgb;
+    }
+#endif
+#if SPECULAR_GLOSSINESS_MAP && SPECULAR_GLOSSINESS
+    {
+        vec4 texel = specular_glossiness_texel();
+        apply_specular_glossiness(m, texel);
     }
 #endif
 #if TRANSMISSION_MAP

@@ -3,6 +3,7 @@
 // k_d = base colour (1 - metalness), k_s = base colour for metal, f0 otherwise; k_a is the ambient irradiance / pi.
 #include "raster/material.glsl"
 #include "raster/normal.glsl"
+#include "bsdf/fresnel.glsl"
 #include "bsdf/lambert.glsl"
 #include "bsdf/phong.glsl"
 #if LIGHT_COUNT > 0
@@ -15,7 +16,6 @@
 uniform vec3 u_view_direction; // towards the eye
 #endif
 
-uniform vec3 u_phong_specular; // reflectance of a dielectric at normal incidence
 #if HAS_ENVIRONMENT
 uniform vec3 u_ambient; // irradiance
 #endif
@@ -41,7 +41,7 @@ void main() {
     float shininess = max(2.0 / (alpha * alpha) - 2.0, 0.0);
 #endif
     vec3 k_d = m.base_color.rgb * (1.0 - m.metallic);
-    vec3 k_s = mix(u_phong_specular, m.base_color.rgb, m.metallic);
+    vec3 k_s = mix(min(f0_from_eta(m.ior) * m.specular_color, 1.0) * m.specular, m.base_color.rgb, m.metallic);
 
     vec3 radiance = vec3(0.0);
 #if SHOW_EMISSION

@@ -54,6 +54,8 @@ MUTATIONS = [
     Mutation("stretched across the tangent in paths", "bsdf/facets.glsl", "return vec2(s.alpha_t, s.alpha);",
              "return vec2(s.alpha, s.alpha_t);"),
     Mutation("direction of anisotropy ignored", "trace/shade.glsl", "d.x * i.tangent + d.y * i.bitangent", "i.tangent"),
+    Mutation("f0 of every texel the same in paths", "bsdf/specular_glossiness.glsl", "m.specular_color *= texel.rgb;",
+             ""),
     Mutation("normal map's scale ignored", "trace/interaction.glsl", "texel.xy *= normal_scale_factor(i.material);",
              ""),
 ]

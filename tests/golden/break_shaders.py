@@ -115,6 +115,10 @@ MUTATIONS = [
              "vec3 b = cross(normalize(v_normal), t) * v_tangent.w;", "vec3 b = cross(normalize(v_normal), t);"),
     Mutation("the stretched lobe is one narrow lobe", "raster/shade_environment.glsl",
              "float a = sqrt(max(alpha.x * alpha.x - alpha_narrow * alpha_narrow, 0.0));", "float a = 0.0;"),
+    Mutation("diffuse not scaled by 1 - max(f0)", "bsdf/specular_glossiness.glsl", "m.base_color.rgb *= 1.0 - max",
+             "m.base_color.rgb *= 1.0 - 0.0 * max"),
+    Mutation("glossiness for roughness", "bsdf/specular_glossiness.glsl",
+             "1.0 - (1.0 - m.perceptual_roughness) * texel.a", "(1.0 - m.perceptual_roughness) * texel.a"),
     Mutation("exposure ignored", "display/display.frag", "straight * u_exposure", "straight"),
 ]
 

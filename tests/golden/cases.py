@@ -72,6 +72,7 @@ CASES = [
     Case("occlusion", "occlusion", settings={"background": "none"}),
     Case("specular-ior", "specular-ior"),
     Case("anisotropy", "anisotropy"),
+    Case("specular-glossiness", "specular-glossiness"),
     Case("glass", "glass"),
     Case("glass-alone", "glass", view="close", settings={"background": "none"}),
     Case("glass-traced", "glass", settings={"refraction": "traced"}),

@@ -175,10 +175,20 @@ def brushed() -> tuple[Scene, Camera]:
         (1.2, 0.9, 2.2), (0, 0, 0), fov_y=np.radians(42))
 
 
+def specular_glossiness() -> tuple[Scene, Camera]:
+    """A slanted plate of KHR_materials_pbrSpecularGlossiness with all its maps."""
+    gloss = Material(base_color=(0.8, 0.7, 0.6, 1), base_color_texture=Texture(image_of(smooth_noise(3, 2))),
+                     metallic=0.0, perceptual_roughness=0.2, specular_color=(22.0, 15.0, 10.0),
+                     specular_glossiness_texture=Texture(image_of(smooth_noise(4, 12))))
+    return scene(plate(0), materials=[gloss], lights=(SUN,), environment=sides()), Camera.look_at(
+        (1.2, 0.9, 2.2), (0, 0, 0), fov_y=np.radians(42))
+
+
 CASES = [
     PathCase("maps", maps),
     PathCase("metal", metal),
     PathCase("brushed", brushed),
+    PathCase("specular-glossiness", specular_glossiness),
     PathCase("glass-smooth", glass_smooth),
     PathCase("glass-rough", glass_rough),
     PathCase("glass-absorbing", glass_absorbing),

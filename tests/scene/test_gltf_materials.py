@@ -3,6 +3,7 @@ import pytest
 from gltf_builder import GltfBuilder, png_bytes
 
 from viewer.errors import InputError
+from viewer.material.fold import without_constant_maps
 from viewer.scene.material import Material, Sampler, UVTransform
 
 
@@ -48,6 +49,39 @@ def test_transmission_and_volume():
     assert warnings == (
         "meshes[0].primitives[0].attributes: the material needs TEXCOORD_1, which is missing; 0, 0 is used",)
     assert read({"extensions": {"KHR_materials_transmission": {}, "KHR_materials_volume": {}}})[0] == Material()
+
+
+def test_specular_glossiness():
+    """It replaces metallic-roughness. Without its map it is a dielectric of that model; with it shaders convert."""
+    fields = {"diffuseFactor": [0.5, 0.4, 0.3, 0.2], "specularFactor": [0.2, 0.5, 0.1], "glossinessFactor": 0.7}
+    other = {"baseColorFactor": [1, 0, 1, 1], "metallicFactor": 1, "roughnessFactor": 0.9}
+    material, warnings = read({"pbrMetallicRoughness": other,
+                               "extensions": {"KHR_materials_pbrSpecularGlossiness": fields}})
+    assert not warnings and material.metallic == 0
+    np.testing.assert_allclose(material.base_color, (0.25, 0.2, 0.15, 0.2))
+    np.testing.assert_allclose(material.perceptual_roughness, 0.3)
+    np.testing.assert_allclose(np.multiply(0.04, material.specular_color), fields["specularFactor"])
+    builder = GltfBuilder()
+    textures = {name: {"index": builder.texture()} for name in ("diffuseTexture", "specularGlossinessTexture")}
+    material, _ = read({"extensions": {"KHR_materials_pbrSpecularGlossiness": fields | textures}}, builder)
+    assert material.base_color_texture is not None and material.specular_glossiness_texture is not None
+    np.testing.assert_allclose(material.base_color, fields["diffuseFactor"])
+    folded = without_constant_maps(material)
+    np.testing.assert_allclose(folded.base_color, (0.25, 0.2, 0.15, 0.2))
+    assert folded.specular_glossiness_texture is None
+    plain = read({"extensions": {"KHR_materials_pbrSpecularGlossiness": {}}})[0]
+    assert plain.base_color == (0, 0, 0, 1) and plain.perceptual_roughness == 0
+    np.testing.assert_allclose(np.multiply(0.04, plain.specular_color), 1)
+
+
+@pytest.mark.parametrize("fields, problem", [
+    ({"diffuseFactor": [1, 1, 1]}, "diffuseFactor: must have 4 numbers"),
+    ({"specularFactor": "1"}, "specularFactor"), ({"glossinessFactor": None}, "glossinessFactor: must be a number"),
+    ({"specularGlossinessTexture": {"index": 3}}, "specularGlossinessTexture.index")])
+def test_broken_specular_glossiness_is_one_line(fields, problem):
+    with pytest.raises(InputError) as caught:
+        read({"extensions": {"KHR_materials_pbrSpecularGlossiness": fields}})
+    assert problem in str(caught.value) and "\n" not in str(caught.value)
 
 
 def test_anisotropy():

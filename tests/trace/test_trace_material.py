@@ -74,6 +74,28 @@ def test_all_maps_are_multiplied_out(context, tmp_path):
     assert not found["is_unlit"].any() and found["is_thin"].all() and not found["is_double_sided"].any()
 
 
+def test_specular_and_glossiness_are_converted(context, tmp_path):
+    """Appendix B of KHR_materials_pbrSpecularGlossiness, in float64; other materials of the scene stay as they are."""
+    old = Material(base_color=(0.9, 0.8, 0.7, 1), base_color_texture=texture("base"), metallic=0.0,
+                   perceptual_roughness=0.25, specular_color=(20.0, 5.0, 10.0),
+                   specular_glossiness_texture=texture("specular"))
+    new = Material(base_color=(0.9, 0.8, 0.7, 1), metallic=0.0, perceptual_roughness=0.25)
+    one = scene((plate(0), moved((-3, 0, 0))), (plate(1), moved((3, 0, 0))), materials=(old, new))
+    hits = random_hits(trace_geometry(one), COUNT)
+    hits.wo[:] = FRONT
+    found = ask(context, tmp_path, one, hits)
+    here = hits.instance == 0
+    uv = found["uv0"][here]
+    texel = texels("specular", uv, True)
+    f0 = np.array([0.8, 0.2, 0.4]) * texel[:, :3]
+    close(found["specular_color"][here] * 0.04, f0)
+    close(found["perceptual_roughness"][here], 1 - 0.75 * texel[:, 3])
+    diffuse = texels("base", uv, True)[:, :3] * (0.9, 0.8, 0.7)
+    np.testing.assert_allclose(found["base_color"][here], diffuse * (1 - f0.max(axis=1))[:, None], rtol=2e-3)
+    close(found["base_color"][~here], (0.9, 0.8, 0.7))
+    close(found["perceptual_roughness"][~here], 0.25)
+
+
 def test_an_image_is_sampled_once_for_all_that_read_it(context, tmp_path):
     shared = texture("base")
     material = Material(base_color_texture=shared, emissive=(1, 1, 1), emissive_texture=shared, metallic=0.5,

@@ -16,6 +16,7 @@ import numpy as np
 from ..scene.color import srgb_to_linear
 from ..scene.material import Material
 from ..scene.schema import MAPS, Map, Value, multiplied_by
+from ..scene.specular_glossiness import with_glossiness
 from ..scene.texture_image import TextureImage
 
 MAX_TEXELS = 64
@@ -29,8 +30,11 @@ def without_constant_maps(material: Material) -> Material:
     A map with channels that multiply no factor is folded only if those channels are neutral. Normal maps and maps of
     anisotropy always stay, because 8 bits cannot represent their neutral directions exactly.
     """
+    material = _without_constant_glossiness(material)
     changes: dict[str, Any] = {}
     for name, source in MAPS.items():
+        if source.info.is_applied:
+            continue
         texture = source.texture(material)
         color = constant_color(texture.image) if texture is not None else None
         parameters = multiplied_by(name)
@@ -43,6 +47,12 @@ def without_constant_maps(material: Material) -> Material:
             channels = _linear(source, color, parameter.map_and_channels[1])
             changes[parameter.name] = _times(getattr(material, parameter.name), channels)
     return replace(material, **changes) if changes else material
+
+
+def _without_constant_glossiness(material: Material) -> Material:
+    texture, source = material.specular_glossiness_texture, MAPS["specular_glossiness"]
+    color = constant_color(texture.image) if texture is not None else None
+    return material if color is None else with_glossiness(material, _linear(source, color, "RGBA"))
 
 
 def constant_color(image: TextureImage) -> RGBA | None:

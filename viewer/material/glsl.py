@@ -39,7 +39,7 @@ def _inputs() -> str:
 def _uniforms() -> str:
     """The raster's file: a uniform for each parameter, and a sampler for each map that the program's switches name."""
     lines = ["// Reads a material for the raster, from uniforms and samplers (raster/attributes.glsl).",
-             '#include "material/inputs.glsl"', '#include "raster/attributes.glsl"', ""]
+             '#include "material/inputs.glsl"', '#include "raster/attributes.glsl"', *_includes(), ""]
     shown = [p for p in PARAMETERS.values() if p.info.role != "python"]
     lines += _guarded(shown, "uniform {type} u_{name};")
     for source in MAPS.values():
@@ -53,7 +53,9 @@ def _uniforms() -> str:
     for source in MAPS.values():
         products = ["        " + line for line in _products(source)]
         if products:
-            lines += [f"#if {source.name.upper()}_MAP", "    {", f"        vec4 texel = {source.name}_texel();",
+            # A program that several materials share may have the map but not the feature.
+            switch = f" && {source.info.feature.switch}" if source.info.is_applied else ""
+            lines += [f"#if {source.name.upper()}_MAP{switch}", "    {", f"        vec4 texel = {source.name}_texel();",
                       *products, "    }", "#endif"]
     lines += ["#if HAS_COLOR", "    m.base_color *= v_color;", "#endif", "    return m;", "}", ""]
     return "\n".join(lines)
@@ -63,7 +65,7 @@ def _records() -> str:
     """The path tracer's file: parameters come from the scene buffer, maps from two atlases of textures."""
     lines = ["// Reads a material for the path tracer, from the scene buffer (viewer/material/pack.py).",
              '#include "material/inputs.glsl"', '#include "trace/scene_buffer.glsl"', "#if HAS_TEXTURES",
-             '#include "trace/atlas.glsl"', "#endif", "", "uniform int u_materials;", ""]
+             '#include "trace/atlas.glsl"', "#endif", *_includes(), "", "uniform int u_materials;", ""]
     for roles in (COLOR_ROLES, DATA_ROLES):
         listed = ", ".join(f"{name.upper()}_ROLE = {bit}u" for name, bit in roles.items())
         lines += [f"const uint {listed};"]
@@ -99,6 +101,12 @@ def _records() -> str:
     return "\n".join(lines)
 
 
+def _includes() -> list[str]:
+    """The lines that include the functions of maps that are applied by one."""
+    return [line for m in MAPS.values() if m.info.is_applied
+            for line in (f"#if {m.info.feature.switch}", f'#include "bsdf/{m.name}.glsl"', "#endif")]
+
+
 def _guarded(parameters: Iterable[Parameter], text: str, has_unlit: bool = True) -> list[str]:
     """A line for each parameter, inside an #if if only some programs declare it.
 
@@ -118,8 +126,9 @@ def _guard(p: Parameter, conditions: Mapping[bool, str]) -> str:
 
 
 def _products(source: Map) -> list[str]:
-    """The lines that apply a texel: it multiplies parameters, and its raw channels are stored."""
+    """The lines that apply a texel: it multiplies parameters or changes them, and its raw channels are stored."""
     lines = [f"m.{p.name} *= texel.{_swizzle(p)};" for p in multiplied_by(source.name)]
+    lines += [f"apply_{source.name}(m, texel);"] * source.info.is_applied
     raw = source.info.raw_channels
     return lines + ([f"m.{source.name}_texel = texel.{raw.lower()};"] if raw else [])
 

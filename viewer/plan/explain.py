@@ -150,6 +150,7 @@ _GIVEN_UP = {
     "TRACED_REFRACTION": "traced refraction",
     "TRACED_REFLECTION": "traced reflections",
     "VISIBILITY": "visibility of the environment",
+    **{f"{name.upper()}_MAP": f"the map {name}" for name in MAPS},
 }
 _ATTRIBUTES = {
     "a_tangent": "tangents: no surface needs them",

@@ -179,6 +179,7 @@ def _draw(
         switches |= common | {"DOUBLE_SIDED": int(material.double_sided)}
         switches |= _pbr_switches(material, settings) if settings.mode == "pbr" else _phong_switches(material, settings)
     wanted, switches = switches, within_limit(switches)
+    maps = tuple(name for name in maps if switches[f"{name.upper()}_MAP"])
     program = Program(f"raster/{model}.frag", tuple(sorted(switches.items())))
     transmits = features["HAS_TRANSMISSION"] + features["IS_SOLID"]
     return Draw(index, mesh_index, mesh.material, material, program, maps, attributes_of(switches), material.alpha_mode,

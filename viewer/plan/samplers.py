@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..scene.schema import MAPS
+from ..scene.schema import MAP_SWITCHES, MAPS
 
 MAX_SAMPLERS = 16
 _OPTIONAL = ("TRACED_REFRACTION", "TRACED_REFLECTION", "VISIBILITY")
@@ -23,9 +23,13 @@ def sampler_count(switches: Mapping[str, int]) -> int:
 
 
 def within_limit(switches: Mapping[str, int]) -> dict[str, int]:
-    """The switches, with optional ones turned off until the program needs at most MAX_SAMPLERS samplers."""
+    """The switches, with optional ones turned off until the program needs at most MAX_SAMPLERS samplers, and then maps
+    from the last in the declaration of materials on: extensions before what glTF 2.0 itself has."""
     reduced = dict(switches)
     for name in _OPTIONAL:
         if sampler_count(reduced) > MAX_SAMPLERS and reduced.get(name):
             reduced[name] = 0
+    for name in reversed(MAPS):
+        if sampler_count(reduced) > MAX_SAMPLERS and reduced[f"{name.upper()}_MAP"]:
+            reduced |= {f"{name.upper()}_{ending}": 0 for ending in MAP_SWITCHES}
     return reduced

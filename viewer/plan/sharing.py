@@ -114,8 +114,9 @@ def _all_on(program: Program, common: Mapping[str, int]) -> dict[str, int]:
     if fragment != "raster/unlit.frag":
         switches |= common
     if fragment == "raster/pbr.frag" and switches["METALNESS"] != 1:  # transmissive surfaces trace no reflections
-        switches |= {"METALNESS": 2,
-                     "HAS_TRANSMISSION": max(switches["HAS_TRANSMISSION"], 1 - switches["TRACED_REFLECTION"])}
+        more = switches | {"METALNESS": 2, "HAS_TRANSMISSION": 1}
+        may_transmit = not switches["TRACED_REFLECTION"] and sampler_count(more) <= MAX_SAMPLERS
+        switches = more if may_transmit else switches | {"METALNESS": 2}
     for name in _maps(fragment):
         more = switches | {f"{name}_MAP": 1, f"{name}_TRANSFORM": 1}
         if switches[f"{name}_MAP"] or sampler_count(more) <= MAX_SAMPLERS:

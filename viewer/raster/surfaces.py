@@ -200,7 +200,6 @@ class Surfaces:
             set_uniform(program, name, value)
         if draw.transmits:
             set_uniform(program, "u_absorption", tuple(material.absorption * self.scene.radius))
-        set_uniform(program, "u_phong_specular", phong_specular(material))
         set_uniform(program, "u_shininess", material.shininess or 0.0)
         for name in (*draw.maps, *draw.blank_maps):
             self._bind_map(program, draw, name)
@@ -259,15 +258,12 @@ def _geometry_switches(program: Program) -> tuple[tuple[str, int], ...]:
     switches = dict(program.switches)
     maps = {"normal", "metallic_roughness"} | ({"base_color"} if switches["ALPHA_MODE"] else set())
     fixed = {"INDIRECT": 0, "HAS_TANGENT": switches["NORMAL_MAP"]}
+    if switches["SPECULAR_GLOSSINESS"]:
+        maps.add("specular_glossiness")
+        fixed["SPECULAR_GLOSSINESS"] = 1
     switches = no_switches() | {name: switches[name] for name in _GBUFFER_SWITCHES} | fixed | {
         f"{name.upper()}_{ending}": switches[f"{name.upper()}_{ending}"] for name in maps for ending in MAP_SWITCHES}
     return tuple(sorted(switches.items()))
-
-
-def phong_specular(material: Material) -> tuple[float, float, float]:
-    """k_s of a dielectric for Phong's model: its reflectance at normal incidence, linear RGB."""
-    f0 = ((material.ior - 1.0) / (material.ior + 1.0)) ** 2
-    return tuple(min(f0 * c, 1.0) * material.specular for c in material.specular_color)
 
 
 def _bind_blocks(program: moderngl.Program) -> None:

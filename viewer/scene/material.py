@@ -58,15 +58,16 @@ class Texture:
     transform: UVTransform | None = None
 
 
+_ALL, _LIT = ("unlit", "phong", "pbr"), ("phong", "pbr")
+
 CORE = Feature("glTF 2.0")
 METALLIC_ROUGHNESS = Feature("metallic-roughness", place="pbrMetallicRoughness")
 EMISSION = Feature(
-    "emission", switch="HAS_EMISSION", is_on=lambda m: any(m.emissive), models=("unlit", "phong", "pbr"),
-    is_shareable=True)
+    "emission", switch="HAS_EMISSION", is_on=lambda m: any(m.emissive), models=_ALL, is_shareable=True)
 IOR = Feature("index of refraction", "KHR_materials_ior")
 SPECULAR = Feature("specular weight", "KHR_materials_specular")
 SPECULAR_TINT = Feature(
-    "specular colour", "KHR_materials_specular", switch="SPECULAR_TINTED", is_shareable=True,
+    "specular colour", "KHR_materials_specular", switch="SPECULAR_TINTED", is_shareable=True, models=_LIT,
     is_on=lambda m: m.is_dielectric and m.specular > 0 and (
         m.specular_color_texture is not None or m.specular_color != (1.0, 1.0, 1.0)))
 TRANSMISSION = Feature(
@@ -78,7 +79,9 @@ ANISOTROPY = Feature(
     "anisotropy", "KHR_materials_anisotropy", switch="ANISOTROPIC", needs_tangents=True,
     is_on=lambda m: m.anisotropy_strength > 0 and m.has_interface)
 
-_ALL, _LIT = ("unlit", "phong", "pbr"), ("phong", "pbr")
+SPECULAR_GLOSSINESS = Feature(
+    "specular and glossiness", "KHR_materials_pbrSpecularGlossiness", switch="SPECULAR_GLOSSINESS", models=_LIT,
+    is_on=lambda m: m.specular_glossiness_texture is not None)
 
 
 @dataclass(frozen=True)
@@ -138,6 +141,10 @@ class Material:
     specular_color_texture: Texture | None = texture_map(
         "specularColorTexture", "tints the dielectric's f0", of=SPECULAR_TINT, channels="RGB", srgb=True,
         has_effect=lambda m: m.is_dielectric and m.specular > 0 and any(m.specular_color))
+    specular_glossiness_texture: Texture | None = texture_map(
+        "specularGlossinessTexture", "f0 in RGB, which multiplies that of specular_color; glossiness in A, which "
+        "multiplies 1 - perceptual_roughness; base_color is then the diffuse colour before it is scaled by 1 - max(f0)",
+        of=SPECULAR_GLOSSINESS, channels="RGBA", srgb=True, models=_LIT, is_applied=True)
     transmission: float = parameter(
         0.0, "transmissionFactor", "fraction of the light entering the dielectric that is transmitted",
         of=TRANSMISSION, low=0.0, high=1.0, times="transmission.R")

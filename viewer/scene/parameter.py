@@ -73,7 +73,8 @@ class MapInfo:
     material's factors: a map that is multiplied by 0 cannot. `models` are the shading models (the raster's fragment
     files) that read it. `path_traced` tells whether the path tracer reads it, too. With `needs_tangents` it is read in
     tangent space. `raw_channels` are the channels that multiply no parameter: hand-written GLSL reads them, as stored,
-    from the member `<map>_texel` of `MaterialInputs`.
+    from the member `<map>_texel` of `MaterialInputs`. If `is_applied`, the map multiplies no parameter either, but
+    apply_<map>(inout MaterialInputs, vec4 texel) of shaders/bsdf/<map>.glsl changes the inputs.
     """
 
     feature: Feature
@@ -86,6 +87,7 @@ class MapInfo:
     path_traced: bool
     needs_tangents: bool
     raw_channels: str
+    is_applied: bool
     meaning: str
 
 
@@ -101,11 +103,12 @@ def parameter(default: Any, key: str, meaning: str, *, of: Feature, low: float =
 def texture_map(key: str, meaning: str, *, of: Feature, channels: str, srgb: bool = False,
                 neutral: RGBA = WHITE,
                 has_effect: Callable[[Any], bool] = lambda material: True, models: tuple[str, ...] = ("pbr",),
-                path_traced: bool = True, needs_tangents: bool = False, raw_channels: str = "") -> Any:
+                path_traced: bool = True, needs_tangents: bool = False, raw_channels: str = "",
+                is_applied: bool = False) -> Any:
     """A dataclass field that holds a texture map of the feature `of`, or None; see MapInfo.
 
     The field must be called `<map>_texture`.
     """
     info = MapInfo(of, key, channels, srgb, neutral, has_effect, models, path_traced, needs_tangents, raw_channels,
-                   meaning)
+                   is_applied, meaning)
     return field(default=None, metadata={"map": info})

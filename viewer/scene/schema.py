@@ -57,8 +57,9 @@ FEATURES: tuple[Feature, ...] = tuple(dict.fromkeys(
 SWITCHED = tuple(feature for feature in FEATURES if feature.switch)
 """The features whose code a switch compiles into shaders."""
 PATH_TRACED = tuple(feature for feature in SWITCHED if any(
-    p.info.feature is feature and p.info.path_traced and p.info.role != "python" for p in PARAMETERS.values()))
-"""The features among SWITCHED that have parameters in the path tracer's records."""
+    p.info.feature is feature and p.info.path_traced and p.info.role != "python" for p in PARAMETERS.values()) or any(
+    m.info.feature is feature and m.info.path_traced for m in MAPS.values()))
+"""The features among SWITCHED that have parameters or maps in the path tracer's records."""
 MAP_SWITCHES = ("MAP", "UV", "TRANSFORM", "MIRROR")
 """The endings of a map's switches; the map "normal" has NORMAL_MAP, NORMAL_UV and so on. Their meaning is in
 shaders/raster/attributes.glsl."""

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..material import AlphaMode, Material
+from ..material import METALLIC_ROUGHNESS, SPECULAR_GLOSSINESS, AlphaMode, Material
 from ..parameter import Feature
 from ..schema import FEATURES, MAPS, PARAMETERS, Parameter, Value
+from ..specular_glossiness import with_glossiness
 from .element import Element
+from .specular_glossiness import read_specular_glossiness
 from .textures import Textures
 
 _ALPHA_MODES: dict[str, AlphaMode] = {"OPAQUE": "opaque", "MASK": "mask", "BLEND": "blend"}
@@ -33,27 +35,34 @@ class Materials:
 
 def read_material(element: Element, textures: Textures) -> Material:
     """Reads one element of `materials`: all parameters and maps that viewer/scene/material.py declares."""
-    places: dict[Feature, Element | None] = {feature: _place(element, feature) for feature in FEATURES}
+    glossy = element.extension(SPECULAR_GLOSSINESS.extension)
+    other = METALLIC_ROUGHNESS if glossy is not None else None  # what the file has for readers without the extension
+    places: dict[Feature, Element | None] = {feature: _place(element, feature) for feature in FEATURES
+                                             if feature is not other}
     values: dict[str, Any] = {}
     for parameter in PARAMETERS.values():
-        place = places[parameter.info.feature]
+        place = places.get(parameter.info.feature)
         if place is not None:
             values[parameter.name] = _read_parameter(place, parameter)
     for source in MAPS.values():
-        place = places[source.info.feature]
+        place = places.get(source.info.feature)
         if place is not None:
             values[f"{source.name}_texture"] = textures.read(place, source.info.key, source.info.neutral)
     strength = element.extension("KHR_materials_emissive_strength")
     if strength is not None:
         factor = strength.number("emissiveStrength", 1.0, 0.0)
         values["emissive"] = tuple(channel * factor for channel in values["emissive"])
-    return Material(
+    if glossy is not None:
+        values |= read_specular_glossiness(glossy, textures)
+    material = Material(
         name=element.string("name", ""),
         alpha_mode=element.choice("alphaMode", _ALPHA_MODES, "OPAQUE"),
         double_sided=element.boolean("doubleSided", False),
         unlit=element.extension("KHR_materials_unlit") is not None,
         **values,
     )
+    has_map = material.specular_glossiness_texture is not None
+    return material if glossy is None or has_map else with_glossiness(material)
 
 
 def _place(element: Element, feature: Feature) -> Element | None:
