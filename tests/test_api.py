@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import sys
@@ -32,6 +33,24 @@ def test_a_picture_is_light_and_display(scene):
     assert image.size == SIZE and np.asarray(image).shape == (24, 32, 4) and image.srgb[..., :3].std() > 10
     assert image._repr_png_().startswith(b"\x89PNG") and image.stats["plan"]["draws"] > 0
     assert np.array_equal(viewer.render(scene, SIZE).linear, image.linear)
+
+
+def test_a_scene_that_nothing_lights_is_warned_of():
+    scene = viewer.load(SCENES / "spheres.glb", environment=None)
+    with pytest.warns(UserWarning, match="the picture will be black"):
+        assert not viewer.render(scene, SIZE).srgb[..., :3].any()
+
+
+@pytest.mark.parametrize("settings", [{}, {"mode": "path", "spp": 1}])
+def test_stats_tell_the_times_and_the_plan(settings):
+    scene = viewer.load(MODEL)
+    first, second = (viewer.render(scene, SIZE, **settings).stats for _ in range(2))
+    for stats in (first, second):
+        assert json.loads(json.dumps(stats)) == stats and stats["plan"]["passes"]
+        assert 0 <= sum(stats["prepare_s"].values()) <= stats["wall_s"]["render"] < 60
+    assert sum(first["prepare_s"].values()) > 0
+    if not settings:
+        assert "compile and upload" not in second["prepare_s"]
 
 
 def test_settings_and_camera_count(scene):

@@ -230,5 +230,6 @@ def test_linear_is_worked_out_when_asked_for_and_kept():
     image = Image.from_srgb(np.full((2, 2, 4), 255, np.uint8))
     for one in (image, copy.copy(image), pickle.loads(pickle.dumps(image)), replace(image, stats={"a": 1})):
         assert one.linear is one.linear and (one.linear == 1).all() and one.size == (2, 2)
-    with pytest.raises(AttributeError, match="lineal"):
-        image.lineal  # noqa: B018
+    with pytest.raises(AttributeError, match=r"no attribute 'pixels'; .* in `linear` .* and `srgb` ") as caught:
+        image.pixels  # noqa: B018
+    assert (caught.value.name, caught.value.obj) == ("pixels", image)

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from operator import index
 from os import PathLike, fspath
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from .base.expect import expect, expect_path
@@ -67,19 +68,24 @@ def render(
     `settings` are fields of `viewer.Settings`, for instance ``mode="phong", exposure=1.0, background="#336699"`` or
     ``mode="path", spp=256``. `backend` is auto, egl, osmesa or window (a hidden window). In mode path `aov` selects
     layers to add to `Image.layers`: albedo, normal, depth, variance, samples. With a `time_budget` or `error` and
-    without `mode`, the best method is chosen (docs/budget.md); `Image.stats` names it.
+    without `mode`, the best method is chosen (docs/budget.md); `Image.stats` names it. The first such call on a machine
+    measures its device, which takes half a minute or more.
 
-    A texture that cannot be decoded is left out, with a UserWarning. Raises UsageError for arguments of the wrong type,
-    an invalid size or a setting that does not exist, InputError for an environment that cannot be decoded, and
-    ContextError if there is no OpenGL.
+    A texture that cannot be decoded is left out, with a UserWarning. Another one says that the picture will be black
+    because nothing lights the scene. Raises UsageError for arguments of the wrong type, an invalid size or a setting
+    that does not exist, InputError for an environment that cannot be decoded, and ContextError if there is no OpenGL.
     """
+    from .plan.warnings import picture_warnings
+
     _expect_scene(scene, camera)
     scene = _at(scene, time, animation)
     known = scene.all_warnings
+    started = perf_counter()
     image = _rendered(scene, size, camera, backend, aov, settings)
-    for line in scene.all_warnings:
-        if line not in known:
-            warnings.warn(line, stacklevel=2)
+    image = replace(image, stats={"wall_s": {"render": perf_counter() - started}, **image.stats})
+    lost = [line for line in scene.all_warnings if line not in known]
+    for line in [*lost, *picture_warnings(scene, settings.get("mode", "pbr"))]:
+        warnings.warn(line, stacklevel=2)
     return image
 
 
@@ -99,7 +105,10 @@ def _rendered(scene: Scene, size: tuple[int, int], camera: Camera | None, backen
         return shared_tracer(backend).render(scene, camera, chosen, size, _checked_layers(aov))
     if aov:
         raise UsageError(f"aov has no effect in mode {chosen.mode}, only in mode path")
-    return shared_renderer(backend).render(scene, camera, chosen, size)
+    renderer = shared_renderer(backend)
+    renderer.times.clear()
+    image = renderer.render(scene, camera, chosen, size)
+    return replace(image, stats={"prepare_s": dict(renderer.times), **image.stats})
 
 
 def show(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -58,6 +59,16 @@ def test_the_command_line_tells_what_it_chose(run, known, tmp_path):
     assert [one["method"] for one in choice["candidates"]][:3] == ["Phong", "image", "shadows"]
     expected = viewer.render(viewer.load(MODEL), (16, 16), antialias="msaa-4")
     assert np.array_equal(viewer.Image.open(output).srgb, expected.srgb)
+
+
+def test_a_device_that_is_not_known_is_measured_and_that_is_said_before(run, known, monkeypatch, tmp_path):
+    known(None)
+    monkeypatch.setattr(chooser, "store_calibration", lambda renderer, calibration: None)
+    monkeypatch.setattr("viewer.budget.start.measure", lambda context: print("measures", file=sys.stderr) or QUICK)
+    done = run("render", MODEL, "-o", tmp_path / "a.png", "--size", "8", "--error", "0.3")
+    said, measures, chosen = done.err.splitlines()
+    assert said.startswith("measuring how fast ") and said.endswith("; this takes half a minute or more")
+    assert measures == "measures" and chosen.startswith(f"{tmp_path / 'a.png'}: error 0.3: ")
 
 
 def test_nothing_is_told_where_quiet_is_wanted(run, known, tmp_path):

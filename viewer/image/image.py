@@ -39,9 +39,10 @@ class Image:
 
     `linear` (H, W, 4) float32 is Rec. 709 radiance with associated (premultiplied) alpha, as in EXR files. `srgb`
     (H, W, 4) uint8 is what a screen shows, after exposure and tone map, with straight alpha, as in PNG files.
-    `stats` holds the times and the plan of the render. `layers` are further outputs of the path tracer, such as
-    "albedo" and "depth": (H, W, 3) or (H, W) float32. `attributes` are texts to store in the picture's file, for
-    example that it was denoised. `numpy.asarray(image)` is `linear`.
+    `stats` has the plan and the times of a render, named as in `--stats`: seconds in all (`wall_s`), and those of
+    preparing what was not drawn before (`prepare_s`). `layers` are further outputs of the path tracer, such as "albedo"
+    and "depth": (H, W, 3) or (H, W) float32. `attributes` are texts to store in the picture's file, for example that it
+    was denoised. `numpy.asarray(image)` is `linear`.
     """
 
     linear: np.ndarray
@@ -71,7 +72,8 @@ class Image:
 
     def __getattr__(self, name: str) -> np.ndarray:
         if name != "linear":
-            raise AttributeError(name)
+            raise AttributeError(f"'Image' object has no attribute {name!r}; its pixels are in `linear` (radiance) and "
+                                 "`srgb` (as displayed)", name=name, obj=self)
         linear = _DECODED[self.srgb]
         linear[..., 3] = self.srgb[..., 3] / np.float32(255)
         linear[..., :3] *= linear[..., 3:]

@@ -34,7 +34,7 @@ class ChoosingMaker(PictureMaker):
             self._renderer = Renderer(context, request.use_cache, request.measure)
             self._tracer = Tracer(context, request.use_cache)
             self._chooser = Chooser(context, self._renderer, self._tracer, request.use_cache, self._watch)
-        self._chooser.calibrate(report_line)
+        self._chooser.calibrate(lambda text: report_line(f"{text}; this takes half a minute or more"))
 
         def report(fraction: float, seconds_left: float) -> None:
             progress.part(fraction, f"{path.name}: path traced, {seconds_left:.0f} s left")

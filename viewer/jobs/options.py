@@ -128,7 +128,8 @@ MODE_OPTION = click.option(
     help="pbr: physically based shading; phong: Phong's model; path: path tracing, exact but slow.")
 LOOK_OPTIONS = [
     click.option("--env", default="studio", metavar="FILE|NAME|none", show_default=True,
-                 help="The environment that lights the model: a panorama (.hdr, .exr), or studio, sky, furnace, none."),
+                 help="The environment that lights the model: a panorama (.hdr, .exr, .png, .jpg), or studio, sky, "
+                      "furnace, none."),
     click.option("--env-rotation", type=Number(), default=0.0, metavar="DEG",
                  help="Rotate the environment about the vertical axis, counter-clockwise seen from above."),
     click.option("--env-intensity", type=Number(0, 1e6), default=1.0, metavar="X",
@@ -141,7 +142,8 @@ LOOK_OPTIONS = [
     click.option("--tonemap", type=click.Choice(["neutral", "agx", "aces", "none"]), default="neutral",
                  show_default=True, help="The tone map, which compresses bright light to the range of a screen."),
     click.option("--light", "lights", type=Numbers("AZ,EL,LUX", 3, check=_light_problem), multiple=True,
-                 help="Add a directional light that shines from azimuth and elevation (degrees); can be repeated."),
+                 help="Add a directional light that shines from azimuth and elevation (degrees), in lux; can be "
+                      "repeated. White that faces 3.14 lux has radiance 1; 1000 lux need an --exposure of -8."),
     click.option("--set", "assignments", multiple=True, metavar="NAME=VALUE",
                  help="Change any other setting; `pbr-viewer info --settings` lists them; can be repeated."),
 ]
@@ -154,9 +156,9 @@ TIME_OPTIONS = [
 ]
 CAMERA_OPTIONS = [
     click.option("--orbit", type=Numbers("AZ,EL[,DIST]", 2, 3, check=_orbit_problem),
-                 help="Look from this azimuth and elevation (degrees; 0,0 is the front) and distance. Without a "
-                      "distance the model fills the picture. Default: 30,15."),
-    click.option("--eye", type=Numbers("X,Y,Z", 3), help="Look from this point."),
+                 help="Look from this azimuth and elevation (degrees; 0,0 is the front, where the camera looks along "
+                      "-Z) and distance. Without a distance the model fills the picture. Default: 30,15."),
+    click.option("--eye", type=Numbers("X,Y,Z", 3), help="Look from this point (metres; +Y is up)."),
     click.option("--target", type=Numbers("X,Y,Z", 3), help="Look at this point; default: the model's centre."),
     click.option("--fov", type=Number(0.01, 179), metavar="DEG", help="Vertical field of view; default: 45."),
     click.option("--camera", type=click.IntRange(0), metavar="N", help="Use camera N of the file, counted from 0."),
@@ -167,7 +169,7 @@ PATH_OPTIONS = [
                       f"Default: {DEFAULT_SPP}, or unlimited with one of them."),
     click.option("--time-budget", type=Number(*_ends("time_budget")), metavar="SECONDS",
                  help="Make the best picture within this time. The best method is chosen; with --mode path it is path "
-                      "tracing."),
+                      "tracing. The first choice on a machine measures it, which takes half a minute or more."),
     click.option("--error", type=Number(*_ends("error")), metavar="TARGET",
                  help="Make a picture with at most this relative error (0.02 is 2 %) in the least time. The best "
                       "method is chosen; with --mode path it is path tracing, which estimates its error."),

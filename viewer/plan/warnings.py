@@ -21,7 +21,8 @@ def picture_warnings(scene: Scene, mode: str) -> list[str]:
     """Warnings for the user about a picture of `scene` in `mode`, one line each."""
     lines = []
     if is_dark(scene):
-        lines.append("there is no light and nothing is emissive: the picture will be black; try --env or --light")
+        lines.append("there is no light and nothing is emissive: the picture will be black. An environment "
+                     "(--env) or a light (--light) is needed")
     lights = sum(light.intensity * max(light.color) > 0 for light in scene.lights)
     if lights > MAX_LIGHTS and mode != "path":
         lines.append(f"only the {MAX_LIGHTS} brightest of {lights} lights are shown; mode path shows them all")

@@ -58,8 +58,10 @@ class Tracer:
         started = time.perf_counter()
         path_render = self.begin(scene, camera, settings, size, layers)
         try:
+            prepared = time.perf_counter() - started
             run(path_render, started)
-            return path_render.image()
+            image = path_render.image()
+            return replace(image, stats={"prepare_s": {"scene": prepared}, **image.stats})
         finally:
             path_render.release()
 
