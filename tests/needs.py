@@ -70,6 +70,8 @@ NEEDS = {
                      lambda: any(map(shutil.which, BROWSERS))),
     "embree": Need("rays traced by Embree", "embreex is not installed", "it is not built for every machine",
                    _has_package("embreex")),
+    "formats": Need("3MF and COLLADA", "the packages for them are not installed", "pip install 'pbr-viewer[formats]'",
+                    lambda: all(map(find_spec, ("collada", "lxml", "networkx")))),
     "oidn": Need("Intel's denoiser", "pyoidn is not installed", "pip install 'pbr-viewer[oidn]'",
                  _has_package("pyoidn")),
     "mitsuba": Need("pictures against Mitsuba's", "Mitsuba, or the LLVM 19 or newer that it needs, is not installed",

@@ -51,8 +51,12 @@ def _format(path: Path, data: bytes) -> str:
     if len(data) >= 84 and len(data) == 84 + 50 * struct.unpack_from("<I", data, 80)[0]:
         return "stl"
     from .mesh_formats import mesh_formats
+    from .trimesh_formats import OPTIONAL
 
     known = mesh_formats()
+    if suffix in OPTIONAL - known:
+        raise InputError(path, "", f"{suffix.upper()} needs packages that are not installed: "
+                                   "pip install 'pbr-viewer[formats]'")
     if suffix not in known:
         names = ", ".join(sorted({"gltf", "glb"} | known))
         raise InputError(path, "", f"is not a model in a supported format ({names})")

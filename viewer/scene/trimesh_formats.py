@@ -1,9 +1,10 @@
-"""Mesh formats that are read by trimesh: XYZ, and what optional packages add."""
+"""Mesh formats that are read by trimesh: XYZ, and those of the optional packages `pbr-viewer[formats]`."""
 
 from __future__ import annotations
 
 import io
 import logging
+import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -21,6 +22,9 @@ from .texture_image import MESH_FORMATS, TextureImage, open_texture_image
 
 _NOT_BY_TRIMESH = {"glb", "gltf", "obj", "off", "ply", "stl", "stl_ascii"}
 _ARCHIVES = {"zip", "bz2", "tar.bz2", "tar.gz"}
+OPTIONAL = {"3mf", "dae", "zae", "3dxml", "xaml"}
+"""Formats that need the packages of the extra `formats`."""
+_MOST_UNPACKED = 1 << 31
 
 
 def trimesh_formats() -> set[str]:
@@ -35,6 +39,8 @@ def read_by_trimesh(path: Path, data: bytes, kind: str, warnings: list[str]) -> 
     with _as_input_error(path, kind):
         import trimesh
 
+        _check_archive(path, data)
+
         files = _Files(path, warnings)
         loaded = trimesh.load_scene(io.BytesIO(data), file_type=kind, process=False,
                                     resolver=files)  # type: ignore[arg-type]  # trimesh calls only `get`
@@ -47,6 +53,14 @@ def read_by_trimesh(path: Path, data: bytes, kind: str, warnings: list[str]) -> 
             if mesh is not None:
                 meshes.append(mesh)
         return RawModel(meshes, files.images)
+
+
+def _check_archive(path: Path, data: bytes) -> None:
+    """Raises InputError about a zip file, as 3MF and ZAE are, of a few kilobytes that declares gigabytes."""
+    if zipfile.is_zipfile(io.BytesIO(data)):
+        size = sum(item.file_size for item in zipfile.ZipFile(io.BytesIO(data)).infolist())
+        if size > _MOST_UNPACKED:
+            raise InputError(path, "", f"unpacks to {size} bytes; the limit is {_MOST_UNPACKED}")
 
 
 class _Files:
@@ -101,6 +115,10 @@ def _mesh(path: Path, name: str, geometry: Any, transform: np.ndarray, files: _F
         (file, data), = files.contents.items()
         files.images[:] = [open_texture_image(data, str(path.parent / file), MESH_FORMATS)]
         return replace(mesh, material=textured(PLAIN, files.images[0]))
+    factor = getattr(getattr(visual, "material", None), "baseColorFactor", None)
+    if factor is not None:  # of COLLADA, as 8-bit sRGB
+        color = linear_colors(np.asarray(factor)[None], 255)
+        return replace(mesh, material=replace(colored(PLAIN, color), base_color=tuple(color[0].tolist())))
     return replace(mesh, colors=colors, material=colored(PLAIN, colors))
 
 
