@@ -7,7 +7,6 @@ import os
 import signal
 import sys
 import threading
-import time
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,6 +14,7 @@ import pytest
 from command_line import SCENES
 from moderngl import InvalidObject
 from needs import needs
+from waiting import wait_until
 
 import viewer
 from viewer import api
@@ -116,10 +116,8 @@ def test_each_thread_renders_with_a_context_that_goes_with_it(scene):
     assert len(pictures) == 4 and all(np.array_equal(picture, expected) for picture in pictures)
     own = api.shared_renderer().context
     assert len({id(context) for context in [own, *contexts]}) == 5
-    deadline = time.monotonic() + 10  # a thread may be joined a moment before what it held is gone
-    while not all(isinstance(context.gl.mglo, InvalidObject) for context in contexts):
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    # A thread may be joined a moment before what it held is gone.
+    wait_until(lambda: all(isinstance(context.gl.mglo, InvalidObject) for context in contexts))
     assert np.array_equal(viewer.render(scene, SIZE).srgb, expected)
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import subprocess
-import time
 from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
 from needs import require
+from waiting import PATIENCE_S, wait_until
 
 from viewer.base.resources import resource_folder
 from viewer.settings import Settings
@@ -32,7 +32,7 @@ class Driver:
 
     def xdotool(self, *arguments: object) -> None:
         """Do something with mouse and keyboard, then let the window answer."""
-        subprocess.run(["xdotool", *map(str, arguments)], check=True, timeout=10)
+        subprocess.run(["xdotool", *map(str, arguments)], check=True, timeout=PATIENCE_S)
         self.settle()
 
     def key(self, *keys: str) -> None:
@@ -54,18 +54,17 @@ class Driver:
 
     def settle(self) -> None:
         """Run the window until it waits for something to happen."""
-        deadline = time.monotonic() + 20
         quiet = 0
-        while quiet < 2:
-            assert time.monotonic() < deadline, "the window does not come to rest"
+
+        def step() -> None:
+            nonlocal quiet
             self.window.step(timeout=0.02)
             quiet = quiet + 1 if not self.window.needs_redraw and self.window.picture.is_refined else 0
 
-    def until(self, condition: Callable[[], object], seconds: float = 5.0) -> None:
-        deadline = time.monotonic() + seconds
-        while not condition():
-            assert time.monotonic() < deadline, "it does not happen"
-            self.window.step(timeout=0.05)
+        wait_until(lambda: quiet == 2, step, what="rest of the window")
+
+    def until(self, condition: Callable[[], object]) -> None:
+        wait_until(condition, lambda: self.window.step(timeout=0.05))
         self.settle()
 
     def screen(self) -> np.ndarray:

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from needs import needs
+from waiting import PATIENCE_S
 
 import viewer
 from viewer.base.resources import resource_folder
@@ -350,10 +351,10 @@ def test_the_command_opens_it_and_a_key_closes_it(display, scene, tmp_path):
                                 "--background", "#777777", "--set", "antialias=none"], cwd=tmp_path)
     try:
         find = ["xdotool", "search", "--sync", "--onlyvisible", "--pid", str(process.pid)]
-        window = subprocess.run(find, capture_output=True, text=True, timeout=20, check=True).stdout.split()[0]
-        subprocess.run(["xdotool", "windowfocus", "--sync", window], check=True, timeout=10)
-        subprocess.run(["xdotool", "key", "s", "q"], check=True, timeout=10)
-        assert process.wait(timeout=20) == 0
+        window = subprocess.run(find, capture_output=True, text=True, timeout=PATIENCE_S, check=True).stdout.split()[0]
+        subprocess.run(["xdotool", "windowfocus", "--sync", window], check=True, timeout=PATIENCE_S)
+        subprocess.run(["xdotool", "key", "s", "q"], check=True, timeout=PATIENCE_S)
+        assert process.wait(timeout=PATIENCE_S) == 0
     finally:
         process.kill()
     camera = scene.framing_camera(160 / 120)
@@ -367,6 +368,6 @@ def test_the_command_without_a_display_says_so_in_one_line(tmp_path):
     environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
     model = resource_folder("assets") / "scenes" / "spheres.glb"
     done = subprocess.run([sys.executable, "-m", "viewer", "view", model], env=environment, capture_output=True,
-                          text=True, timeout=30)
+                          text=True, timeout=PATIENCE_S)
     assert done.returncode == 3 and done.stdout == ""
     assert done.stderr.startswith("pbr-viewer: window: ") and done.stderr.count("\n") == 1

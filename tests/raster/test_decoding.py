@@ -9,6 +9,7 @@ import time
 import numpy as np
 import pytest
 from PIL import Image
+from waiting import wait_until
 
 import viewer
 from viewer.base.resources import resource_folder
@@ -53,10 +54,8 @@ def test_no_more_than_a_few_are_held_at_once(pixels, monkeypatch):
     begun = []
     monkeypatch.setattr("viewer.scene.decoding.decode_levels", lambda *key: begun.append(key) or [pixels])
     decoder = Decoder([(encoded(pixels), "RGB", False) for _ in range(9)])
-    deadline = time.monotonic() + 5
-    while len(begun) < 4 and time.monotonic() < deadline:
-        time.sleep(0.01)
-    time.sleep(0.05)
+    wait_until(lambda: len(begun) >= 4)
+    time.sleep(0.05)  # for more, if there were more
     assert len(begun) == 4
     assert len(list(decoder.results())) == 9
 
@@ -78,10 +77,7 @@ def test_cancelled_threads_end(pixels):
     before = threading.active_count()
     decoder = Decoder([(encoded(pixels), "RGB", False) for _ in range(9)])
     decoder.cancel()
-    deadline = time.monotonic() + 5
-    while threading.active_count() > before and time.monotonic() < deadline:
-        time.sleep(0.01)
-    assert threading.active_count() <= before
+    wait_until(lambda: threading.active_count() <= before)
 
 
 @pytest.mark.parametrize("settings", [Settings(), Settings(mode="phong"), Settings(lobes="specular")])

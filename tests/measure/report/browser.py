@@ -10,14 +10,13 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
 from needs import BROWSERS
+from waiting import PATIENCE_S, wait_until
 
-WAIT_S = 20.0
 # A browser reads its orders from descriptor 3 and answers on 4.
 _START = """
 import fcntl, os, sys
@@ -72,10 +71,7 @@ class Browser:
 
     def wait(self, expression: str) -> None:
         """Until it is true."""
-        end = time.monotonic() + WAIT_S
-        while not self.value(expression):
-            assert time.monotonic() < end, f"never: {expression}"
-            time.sleep(0.02)
+        wait_until(lambda: self.value(expression), what=expression)
 
     def place(self, selector: str) -> tuple[float, float, float, float]:
         """Left, top, width and height of an element, once it is scrolled into view."""
@@ -137,7 +133,7 @@ class Browser:
 
     def _next_message(self) -> dict[str, Any]:
         while b"\0" not in self._buffer:
-            ready, _, _ = select.select([self._in], [], [], WAIT_S)
+            ready, _, _ = select.select([self._in], [], [], PATIENCE_S)
             more = os.read(self._in, 1 << 16) if ready else b""
             assert more, "the browser has gone or says nothing"
             self._buffer += more
