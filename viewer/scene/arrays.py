@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -20,25 +21,33 @@ def scene_array(values: Any, name: str, dtype: type, *shape: int | None) -> np.n
         array = np.asarray(values)
     except (TypeError, ValueError):  # rows of different lengths
         array = np.array(None)
-    wanted = f"({', '.join('N' if n is None else str(n) for n in shape)}{',' * (len(shape) == 1)}) {np.dtype(dtype)}"
-    found = f"{array.shape} {array.dtype}"
     if array.dtype.kind not in "biuf":
-        raise UsageError(f"{name}: {type(values).__name__} is no array of numbers {wanted}")
+        raise UsageError(f"{name}: {type(values).__name__} is no array of numbers {_words(shape, dtype)}")
     if array.ndim != len(shape) or any(n is not None and n != size for n, size in zip(shape, array.shape)):
-        raise UsageError(f"{name} is {found}, not {wanted}")
+        raise UsageError(f"{name} is {_found(array)}, not {_words(shape, dtype)}")
     if np.dtype(dtype).kind == "u":
         if array.dtype.kind not in "iu" and array.size:
-            raise UsageError(f"{name} is {found}, not whole numbers {wanted}")
+            raise UsageError(f"{name} is {_found(array)}, not whole numbers {_words(shape, dtype)}")
         if array.size and (array.min() < 0 or array.max() > np.iinfo(dtype).max):
-            raise UsageError(f"{name} {found}: {array.min()} to {array.max()} do not fit {np.dtype(dtype)}")
+            raise UsageError(f"{name} {_found(array)}: {array.min()} to {array.max()} do not fit {np.dtype(dtype)}")
     with np.errstate(over="ignore"):
         result: np.ndarray = array.astype(dtype, order="C", copy=array.flags.writeable)
     if result.dtype.kind == "f" and result.size and not (np.isfinite(result.min()) and np.isfinite(result.max())):
-        raise UsageError(f"{name} {found}: holds NaN or what is no finite {np.dtype(dtype)}")
+        raise UsageError(f"{name} {_found(array)}: holds NaN or what is no finite {np.dtype(dtype)}")
     result.flags.writeable = False
     return result
 
 
 def scene_numbers(values: Any, name: str, count: int) -> tuple[float, ...]:
     """`count` finite numbers. Raises UsageError as `scene_array` does."""
+    if type(values) is tuple and len(values) == count and all(type(v) is float and isfinite(v) for v in values):
+        return values  # what a scene of many lights holds; an array for each would take most of its time
     return tuple(scene_array(values, name, np.float64, count).tolist())
+
+
+def _words(shape: tuple[int | None, ...], dtype: type) -> str:
+    return f"({', '.join('N' if n is None else str(n) for n in shape)}{',' * (len(shape) == 1)}) {np.dtype(dtype)}"
+
+
+def _found(array: np.ndarray) -> str:
+    return f"{array.shape} {array.dtype}"
