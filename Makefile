@@ -21,7 +21,7 @@ view: $(READY) ## look at MODEL in a window
 	@$(BIN)/pbr-viewer view "$(MODEL)" $(ARGS)
 
 test: lint $(READY_TESTS) ## check the code, then run the tests; ARGS="-k egl" goes to pytest
-	@$(BIN)/python -m pytest $(ARGS)
+	@$(BIN)/python -m pytest -n auto --maxprocesses 8 --dist loadfile $(ARGS)
 
 lint: $(READY) ## check the code without running it: ruff, mypy
 	@$(BIN)/ruff check .
