@@ -6,6 +6,7 @@ import ctypes
 import io
 from collections import Counter
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -156,6 +157,8 @@ def changed_scenes() -> dict[str, tuple[Scene, dict[str, int]]]:
     turned = [replace(instance, transform=instance.transform @ np.diag([1.0, -1.0, 1.0, 1.0]))
               for instance in before.instances]
     new_mesh = {"attributes": 4}  # positions, normals, texture coordinates, indices
+    bent = before.meshes[0].positions * np.float32([1, 0.5, 1]) + np.float32([0, 0, 0.2])
+    pose = replace(before.meshes[0], positions=bent, normals=np.float32([[0.6, 0, 0.8]] * 4))
     return {
         "before": (before, {}),
         "lights": (replace(before, lights=()), {"programs": 1}),  # one without code for lights
@@ -163,13 +166,14 @@ def changed_scenes() -> dict[str, tuple[Scene, dict[str, int]]]:
         "order": (replace(before, instances=before.instances[::-1]), {}),
         "transforms": (replace(before, instances=tuple(turned)), {}),
         "mesh": (replace(before, meshes=(plate(0, 0.5), before.meshes[1])), new_mesh),
+        "pose": (replace(before, meshes=(pose, before.meshes[1]), instances=tuple(turned)), {"attributes": 2}),
         "factor": (replace(before, materials=(replace(before.materials[0], perceptual_roughness=0.2),
                                               before.materials[1])), {}),
         "image": (replace(before, materials=(before.materials[0], textured(2))), {"decoded": 1, "textures": 1}),
     }
 
 
-@pytest.mark.parametrize("change", ["lights", "instances", "order", "transforms", "mesh", "factor", "image"])
+@pytest.mark.parametrize("change", ["lights", "instances", "order", "transforms", "mesh", "pose", "factor", "image"])
 def test_what_two_scenes_share_is_neither_decoded_nor_uploaded_nor_compiled_again(context, work, change):
     scenes = changed_scenes()
     camera, (before, _), (after, allowed) = orthographic(height=5.0), scenes["before"], scenes[change]
@@ -186,6 +190,29 @@ def test_what_two_scenes_share_is_neither_decoded_nor_uploaded_nor_compiled_agai
     assert renderer.texture_bytes == held
     renderer.release()
     fresh.release()
+
+
+@pytest.mark.parametrize("settings", [
+    {}, {"environment_shadows": "16"}, {"ambient_occlusion": "gtao"}, {"mode": "phong"}])
+def test_shadows_follow_what_moves(renderer, context, settings):
+    """A ball over a floor, in three poses, under a directional light, a spot light and an environment."""
+    chosen = Settings.of(antialias="none", **settings)
+    lamp = Light("spot", intensity=9.0, position=(0.0, 3.0, 0.0), direction=(0.0, -1.0, 0.0), outer_cone=1.0)
+    first = scene((sphere(0, 24), moved((0, 0.5, 0), 0.4)), (plate(0, 2.0), facing_floor()),
+                  lights=(Light.from_angles(0.6, 0.8, 2.0), lamp), environment=lopsided())
+    poses = [first]
+    for k in (1, 2):
+        ball = replace(first.meshes[0], positions=first.meshes[0].positions * np.float32([1 + k, 1, 1]))
+        placed = replace(first.instances[0], transform=moved((0.3 * k, 0.6, 0), 0.4))
+        poses.append(replace(first, meshes=(ball, first.meshes[1]), instances=(placed, first.instances[1]),
+                             lights=(first.lights[0], replace(lamp, position=(0.2 * k, 3.0, 0.0)))))
+    camera = orthographic(0.4, 0.7, height=4.0)
+    pictures = [renderer.render(pose, camera, chosen, SIZE).linear for pose in poses]
+    for pose, picture in zip([*poses, poses[1]], [*pictures, renderer.render(poses[1], camera, chosen, SIZE).linear]):
+        one = Renderer(context)
+        assert np.array_equal(picture, one.render(pose, camera, chosen, SIZE).linear)
+        one.release()
+    assert not any(np.array_equal(a, b) for a, b in pairwise(pictures))
 
 
 def test_indirect_light_follows_the_instances(context):

@@ -36,26 +36,36 @@ BINDING = 2
 class EnvironmentShadows:
     """The shadow maps of many lights, in batches. They do not depend on the camera."""
 
-    def __init__(self, gl: moderngl.Context, scene: Scene, plan: Plan, lights: ManyLights, draw_depth: DrawDepth):
-        self._gl, self._count = gl, len(lights.directions)
-        self._environment = scene.environment
+    def __init__(self, gl: moderngl.Context, environment: Environment, lights: ManyLights, draw_depth: DrawDepth):
+        self._gl, self._lights, self._count = gl, lights, len(lights.directions)
+        self._environment, self._draw_depth = environment, draw_depth
         tile_size = min(math.isqrt(ROOM // self._count), MAX_TILE)
-        casters = [d for d in plan.draws if d.alpha_mode != "blend" and not d.transmits]
+        firsts = range(0, self._count, BATCH)
+        self._atlases = [Atlas(gl, min(BATCH, self._count - first), tile_size) for first in firsts]
         self._batches: list[tuple[Atlas, np.ndarray, np.ndarray]] = []
-        for first in range(0, len(lights.directions), BATCH):
+        self._scene: Scene | None = None
+
+    def show(self, scene: Scene, plan: Plan) -> None:
+        """Draw the maps, unless they show this scene already."""
+        if self._scene is not None and scene.has_surfaces_of(self._scene):
+            return
+        casters = [d for d in plan.draws if d.alpha_mode != "blend" and not d.transmits]
+        lights = self._lights
+        self._batches = []
+        for first, atlas in zip(range(0, self._count, BATCH), self._atlases, strict=True):
             part = slice(first, first + BATCH)
-            atlas = Atlas(gl, len(lights.directions[part]), tile_size)
             tiles = [light_tiles(Light("directional", direction=tuple(-direction)), scene, atlas.tile_size)[0]
                      for direction in lights.directions[part]]
-            atlas.draw(scene, tiles, casters, draw_depth)
+            atlas.draw(scene, tiles, casters, self._draw_depth)
             matrices = np.stack([_to_atlas(atlas, k) @ tile.matrix for k, tile in enumerate(tiles)])
             rows = np.zeros((len(tiles), 5, 4))
             rows[:, 3, :3], rows[:, 3, 3] = lights.directions[part], [tile.texel for tile in tiles]
             rows[:, 4, :3] = lights.irradiance[part] / max(lights.irradiance.max(), 1e-300)
             self._batches.append((atlas, matrices, rows))
+        self._scene = scene
 
     def holds(self, environment: Environment, plan: Plan) -> bool:
-        """Whether these are the lights that `plan` needs of `environment`, the meshes being the same."""
+        """Whether these are the lights that `plan` needs of `environment`."""
         ours = self._environment
         return (ours.source is environment.source and ours.rotation == environment.rotation
                 and self._count == plan.environment_shadows)
@@ -80,7 +90,7 @@ class EnvironmentShadows:
             block.release()
 
     def release(self) -> None:
-        for atlas, _, _ in self._batches:
+        for atlas in self._atlases:
             atlas.release()
 
 

@@ -28,9 +28,16 @@ class MeshBuffers:
         self._buffers: dict[str, moderngl.Buffer] = {}
         self._arrays: dict[tuple[int, bool, int], moderngl.VertexArray] = {}
         self._sorted: moderngl.Buffer | None = None
-        center = mesh.bounds.mean(axis=0)
-        self.to_mesh = np.eye(4)
-        self.to_mesh[:3, 3] = center
+        self.to_mesh = _to_mesh(mesh)
+
+    def move(self, mesh: Mesh) -> None:
+        """Take the vertices of another mesh of the same layout. Only the arrays that differ are uploaded."""
+        before = self._sources(self._mesh)
+        self._mesh, self.to_mesh = mesh, _to_mesh(mesh)
+        after = self._sources(mesh)
+        for name, buffer in self._buffers.items():
+            if after[name] is not before[name]:
+                buffer.write(self._data(name))
 
     def draw(self, program: moderngl.Program, order: np.ndarray | None = None,
              indirect: moderngl.Buffer | None = None) -> None:
@@ -75,13 +82,19 @@ class MeshBuffers:
             self._buffers[name] = self._gl.buffer(self._data(name))
         return self._buffers[name]
 
+    @staticmethod
+    def _sources(mesh: Mesh) -> dict[str, np.ndarray | None]:
+        """The mesh's array for each buffer; None for what it lacks."""
+        sources = dict.fromkeys(_FORMATS) | {
+            "a_position": mesh.positions, "a_normal": mesh.normals, "a_tangent": mesh.tangents, "a_color": mesh.colors,
+            "indices": mesh.indices}
+        return sources | {f"a_uv{k}": uv for k, uv in enumerate(mesh.uvs)}
+
     def _data(self, name: str) -> np.ndarray:
         mesh = self._mesh
         if name == "a_position":
             return (mesh.positions - self.to_mesh[:3, 3]).astype(np.float32)
-        data = {"a_normal": mesh.normals, "a_tangent": mesh.tangents, "a_color": mesh.colors, "indices": mesh.indices}
-        data |= {f"a_uv{k}": uv for k, uv in enumerate(mesh.uvs)}
-        array = data.get(name)
+        array = self._sources(mesh)[name]
         if array is None:
             array = np.full((len(mesh.positions), len(_BLANK[name])), _BLANK[name], np.float32)
         return np.ascontiguousarray(array)
@@ -97,3 +110,9 @@ class MeshBuffers:
         for buffer in (*self._buffers.values(), self._sorted):
             if buffer is not None:
                 buffer.release()
+
+
+def _to_mesh(mesh: Mesh) -> np.ndarray:
+    matrix = np.eye(4)
+    matrix[:3, 3] = mesh.bounds.mean(axis=0)
+    return matrix

@@ -6,6 +6,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -90,7 +91,7 @@ class Renderer:
 
     def holds(self, scene: Scene) -> bool:
         """Whether the last frame showed this scene, perhaps under other lights."""
-        return self._surfaces.holds(scene)
+        return self._surfaces.scene.has_surfaces_of(scene)
 
     def render(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> Image:
         """The picture in full precision: linear radiance in single floats, and as displayed."""
@@ -231,8 +232,12 @@ class Renderer:
         self._prepare_surfaces(scene)
         background = settings.background if settings.background == "env" else "none"
         shading = replace(settings, exposure=0.0, tonemap="none", background=background)
-        key = (scene, shading, target.samples, target.half, orthographic)
-        self.plan = next((plan for k, plan in self._plans if k == key), None) or self._make_plan(key)
+        shape = scene if settings.indirect == "baked" else None  # which is left out of what is convex
+        key = (scene.layout, scene.lights, scene.environment, shape, shading, target.samples, target.half, orthographic)
+        self.plan = next((plan for k, plan in self._plans if k == key), None) or self._make_plan(scene, key)
+        if self.plan.shadow_layer_count:
+            with self._timed("shadows"):
+                self._prepare_shadows(scene, self.plan)
         if self.plan.environment_shadows and self.plan.has_visibility:
             with self._timed("environment shadows"):
                 self._visibility.prepare(scene, self.plan, self._environment, self._surfaces.draw_depth)
@@ -257,18 +262,20 @@ class Renderer:
             self._indirect_key = key
 
     def _prepare_surfaces(self, scene: Scene) -> None:
-        is_new = not self._surfaces.holds(scene)
-        if is_new:
+        """Take what is drawn. A pose of the scene before keeps its plan, and maps that are drawn anew."""
+        is_alike = self._generation == self.programs.generation
+        if not self.holds(scene):
+            is_alike &= scene.layout == self._surfaces.scene.layout
             self._surfaces.take(scene, self._ahead)
             self._ahead = self._indirect_key = None
-        if is_new or self._generation != self.programs.generation:
+        if not is_alike:
             self._release(*self._shadows)
             self._visibility.drop_shadows()
             self._generation, self._shadows, self._plans = self.programs.generation, [], []
         self._surfaces.scene = scene
 
-    def _make_plan(self, key: tuple[object, ...]) -> Plan:
-        scene, settings, samples, half, orthographic = key
+    def _make_plan(self, scene: Scene, key: tuple[Any, ...]) -> Plan:
+        settings, samples, half, orthographic = key[-4:]
         is_lit, is_reflected = environment_use(scene, settings)
         if is_lit:
             with self._timed("environment"):
@@ -278,8 +285,6 @@ class Renderer:
         self._surfaces.textures.prefetch(plan)
         with self._timed("compile and upload"):
             self._surfaces.prepare(plan)
-        with self._timed("shadows"):
-            self._prepare_shadows(scene, plan)
         self._plans = [(key, plan), *self._plans][:_KEPT]
         return plan
 
@@ -300,10 +305,13 @@ class Renderer:
         return [*scene.lights, *from_environment]
 
     def _prepare_shadows(self, scene: Scene, plan: Plan) -> None:
-        if plan.shadow_layer_count and self._shadows_of(plan) is None:
+        maps = self._shadows_of(plan)
+        if maps is None:
             self._shadows, dropped = self._shadows[:_KEPT - 1], self._shadows[_KEPT - 1:]
             self._release(*dropped)
-            self._shadows.insert(0, ShadowMaps(self._gl, scene, plan, self._surfaces.draw_depth))
+            maps = ShadowMaps(self._gl, plan, self._surfaces.draw_depth)
+            self._shadows.insert(0, maps)
+        maps.show(scene, plan)
 
     def _shadows_of(self, plan: Plan) -> ShadowMaps | None:
         return next((maps for maps in self._shadows if maps.holds(plan)), None)

@@ -1,4 +1,4 @@
-"""Shadow maps: one atlas of depth tiles, drawn again only when scene or lights change.
+"""Shadow maps: one atlas of depth tiles, drawn again only when the scene moves or its lights change.
 
 A directional or a spot light has one tile, a point light the six faces of a cube. Each tile is fitted to the scene.
 """
@@ -76,14 +76,23 @@ class Atlas:
 class ShadowMaps:
     """The atlas for one plan. `draw_depth(draw, matrix)` draws a mesh's depth; it belongs to the surfaces."""
 
-    def __init__(self, gl: moderngl.Context, scene: Scene, plan: Plan, draw_depth: DrawDepth):
-        self._key = _key(plan)
+    def __init__(self, gl: moderngl.Context, plan: Plan, draw_depth: DrawDepth):
+        self._key, self._draw_depth = _key(plan), draw_depth
         self._atlas = Atlas(gl, plan.shadow_layer_count, MAX_TILE)
         self.texture, self.tile_size = self._atlas.texture, self._atlas.tile_size
+        self._tiles: list[Tile] = []
+        self._scene: Scene | None = None
+        self._lights: tuple[Light, ...] = ()
+
+    def show(self, scene: Scene, plan: Plan) -> None:
+        """Draw the maps, unless they show this scene, and these lights, already."""
+        if self._scene is not None and scene.has_surfaces_of(self._scene) and plan.lights == self._lights:
+            return
         self._tiles = [tile for light, layer in zip(plan.lights, plan.shadow_layers, strict=True) if layer >= 0
                        for tile in light_tiles(light, scene, self.tile_size)]
         casters = [d for d in plan.draws if d.alpha_mode != "blend"]
-        self._atlas.draw(scene, self._tiles, casters, draw_depth)
+        self._atlas.draw(scene, self._tiles, casters, self._draw_depth)
+        self._scene, self._lights = scene, plan.lights
 
     def pack(self, frame: Frame) -> np.ndarray:
         """The uniform block of shaders/light/shadow.glsl, (tiles, 20) float32."""
@@ -98,7 +107,7 @@ class ShadowMaps:
         return rows
 
     def holds(self, plan: Plan) -> bool:
-        """Whether these are the maps that `plan` needs, the meshes being the same."""
+        """Whether these have the tiles that `plan` needs."""
         return _key(plan) == self._key
 
     def release(self) -> None:
@@ -106,7 +115,7 @@ class ShadowMaps:
 
 
 def _key(plan: Plan) -> tuple[object, ...]:
-    return plan.lights, plan.shadow_layers
+    return tuple(light.kind for light in plan.lights), plan.shadow_layers
 
 
 def light_tiles(light: Light, scene: Scene, size: int) -> list[Tile]:

@@ -52,26 +52,29 @@ class Surfaces:
         self._generation = programs.generation
         self.textures = Textures(context)
 
-    def holds(self, scene: Scene) -> bool:
-        """Whether `scene` has the same meshes, materials and instances as the current scene."""
-        current = self.scene
-        return (current.meshes is scene.meshes and current.materials is scene.materials
-                and current.instances is scene.instances)
-
     def take(self, scene: Scene, ahead: Decoder | None = None) -> None:
         """Make `scene` the current scene, and release what it does not share with the one before.
 
-        `ahead` is a decoder that has already started with some of its images.
+        Of meshes that have only moved, as those of another pose, what has moved is uploaded. `ahead` is a decoder that
+        has already started with some of its images.
         """
-        self.scene = scene
-        for mesh in self._meshes.keys() - set(scene.meshes):
-            self._meshes.pop(mesh).release()
+        before, self.scene = self.scene, scene
+        self._take_meshes(before, scene)
         if self._indirect:
             for mesh_buffers in self._meshes.values():
                 mesh_buffers.drop_arrays()  # some read the indirect light of an instance
             self._release_indirect()
-        maps = (entry.texture(material) for material in scene.materials for entry in MAPS.values())
-        self.textures.keep({texture.image for texture in maps if texture is not None}, ahead)
+        if ahead is not None or scene.materials is not before.materials:
+            self.textures.keep(set(scene.images), ahead)
+
+    def _take_meshes(self, before: Scene, scene: Scene) -> None:
+        kept = set(scene.meshes)
+        for old, new in zip(before.meshes, scene.meshes):
+            if old in self._meshes and old not in kept and new not in self._meshes and old.layout == new.layout:
+                self._meshes[new] = self._meshes.pop(old)
+                self._meshes[new].move(new)
+        for mesh in self._meshes.keys() - kept:
+            self._meshes.pop(mesh).release()
 
     def prepare(self, plan: Plan) -> None:
         """Compile and upload everything that `plan` draws, so that the first frame takes no longer than others."""

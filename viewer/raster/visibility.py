@@ -29,11 +29,11 @@ class VisibilityPass:
 
     def prepare(self, scene: Scene, plan: Plan, environment: EnvironmentLight, draw_depth: DrawDepth) -> None:
         """Draw the shadow maps that `plan` needs, unless they are there."""
-        def draw_shadows() -> EnvironmentShadows:
+        def make() -> EnvironmentShadows:
             lights = environment.many_lights(plan.environment_shadows)
-            return EnvironmentShadows(self._gl, scene, plan, lights, draw_depth)
+            return EnvironmentShadows(self._gl, environment.environment, lights, draw_depth)
 
-        self._shadows.get(lambda shadows: shadows.holds(scene.environment, plan), draw_shadows)
+        self._shadows.get(lambda shadows: shadows.holds(environment.environment, plan), make).show(scene, plan)
 
     def drop_shadows(self) -> None:
         """Release the shadow maps, for when meshes or programs have changed."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, NamedTuple, get_args
@@ -65,26 +66,13 @@ class Track:
     def at(self, time: float) -> np.ndarray:
         """The value at `time` seconds, (C,) float64; before the first key frame and after the last one, theirs.
 
-        A rotation is a unit quaternion. Formulas: glTF 2.0, appendix C.
+        A rotation is a unit quaternion.
         """
-        times, values = self._seconds, self.values
-        middle = values[:, 1] if self.interpolation == "cubic" else values
-        k = bisect_right(times, time) - 1
-        if k < 0 or k + 1 >= len(times) or self.interpolation == "step":
-            value = middle[max(k, 0)].astype(np.float64)
-        else:
-            length = times[k + 1] - times[k]  # above 0: `time` is at or after times[k], and before times[k + 1]
-            u = (time - times[k]) / length
-            a, b = middle[k].astype(np.float64), middle[k + 1].astype(np.float64)
-            if self.interpolation == "cubic":
-                value = hermite(a, length * values[k, 2].astype(np.float64), b,
-                                length * values[k + 1, 0].astype(np.float64), u)
-            else:
-                value = slerp(a, b, u) if self.is_rotation else a + u * (b - a)
-        return unit_quaternion(value) if self.is_rotation else value
+        return _sampled([self], time)[0]
 
     @cached_property
-    def _seconds(self) -> list[float]:
+    def seconds(self) -> list[float]:
+        """`times` as Python's numbers, which are found faster."""
         return self.times.tolist()
 
 
@@ -95,10 +83,26 @@ class Animation:
     name: str
     tracks: tuple[Track, ...]
 
-    @property
+    @cached_property
     def duration(self) -> float:
         """The time of the last key frame, in seconds; 0 if there is one time only."""
         return max((float(track.times[-1]) for track in self.tracks), default=0.0)
+
+    def at(self, time: float) -> dict[Target, np.ndarray]:
+        """The values of all targets at `time` seconds, as `Track.at` has them."""
+        values: dict[Target, np.ndarray] = {}
+        for tracks in self._alike:
+            values.update(zip([track.target for track in tracks], _sampled(tracks, time)))
+        return values
+
+    @cached_property
+    def _alike(self) -> list[list[Track]]:
+        """Tracks that are sampled together: most files have the same times for all of them, or a few."""
+        groups: dict[tuple[object, ...], list[Track]] = {}
+        for track in self.tracks:
+            key = track.times.tobytes(), track.interpolation, track.is_rotation, track.values.shape
+            groups.setdefault(key, []).append(track)
+        return list(groups.values())
 
     @property
     def moves(self) -> str:
@@ -110,32 +114,53 @@ class Animation:
                          for (name, kind), count in sorted(counts.items())) or "nothing"
 
 
+def _sampled(tracks: Sequence[Track], time: float) -> np.ndarray:
+    """The values of T tracks of the same times, shape and interpolation, (T, C) float64 (glTF 2.0, appendix C)."""
+    first = tracks[0]
+    times, is_cubic = first.seconds, first.interpolation == "cubic"
+    k = bisect_right(times, time) - 1
+    is_between = 0 <= k < len(times) - 1 and first.interpolation != "step"
+    k = max(k, 0)
+    keys = np.array([track.values[k:k + 1 + is_between] for track in tracks], np.float64)
+    if not is_between:
+        value = keys[:, 0, 1] if is_cubic else keys[:, 0]
+    else:
+        length = times[k + 1] - times[k]  # above 0: `time` is at or after times[k], and before times[k + 1]
+        u = (time - times[k]) / length
+        if is_cubic:
+            value = hermite(keys[:, 0, 1], length * keys[:, 0, 2], keys[:, 1, 1], length * keys[:, 1, 0], u)
+        elif first.is_rotation:
+            value = slerp(keys[:, 0], keys[:, 1], u)
+        else:
+            value = keys[:, 0] + u * (keys[:, 1] - keys[:, 0])
+    return unit_quaternions(value) if first.is_rotation else value
+
+
 def hermite(a: np.ndarray, out_of_a: np.ndarray, b: np.ndarray, into_b: np.ndarray, u: float) -> np.ndarray:
     """The cubic from `a` at u = 0 to `b` at u = 1 with these derivatives by u at its ends."""
     u2, u3 = u * u, u * u * u
-    return ((2 * u3 - 3 * u2 + 1) * a + (u3 - 2 * u2 + u) * out_of_a + (3 * u2 - 2 * u3) * b + (u3 - u2) * into_b)
+    return (2 * u3 - 3 * u2 + 1) * a + (u3 - 2 * u2 + u) * out_of_a + (3 * u2 - 2 * u3) * b + (u3 - u2) * into_b
 
 
 def slerp(a: np.ndarray, b: np.ndarray, u: float) -> np.ndarray:
-    """From quaternion `a` to `b` on the shorter great circle, (4,); u is 0 to 1.
+    """From quaternions `a` to `b`, (T, 4), on the shorter great circle; u is 0 to 1.
 
     sin((1 - u) x) / sin x and sin(u x) / sin x weight the two, x being the angle between them (Shoemake 1985). At a
     small x, where this is 0 / 0, the weights 1 - u and u are right to x^2.
     """
-    a, b = unit_quaternion(a), unit_quaternion(b)
-    cosine = float(a @ b)
-    if cosine < 0:  # -b is the same rotation
-        b, cosine = -b, -cosine
-    if cosine > 1 - 1e-9:
-        return (1 - u) * a + u * b
-    angle = np.arccos(cosine)
-    return (np.sin((1 - u) * angle) * a + np.sin(u * angle) * b) / np.sin(angle)
+    a, b = unit_quaternions(a), unit_quaternions(b)
+    cosine = np.einsum("ij,ij->i", a, b)[:, None]
+    b, cosine = np.where(cosine < 0, -b, b), np.abs(cosine)  # -b is the same rotation
+    angle = np.arccos(np.minimum(cosine, 1.0))
+    is_small = cosine > 1 - 1e-9
+    sine = np.where(is_small, 1.0, np.sin(angle))
+    return (np.where(is_small, 1 - u, np.sin((1 - u) * angle) / sine) * a
+            + np.where(is_small, u, np.sin(u * angle) / sine) * b)
 
 
-def unit_quaternion(value: np.ndarray) -> np.ndarray:
-    """The quaternion at length 1; the identity if it has no length."""
-    peak = float(np.abs(value).max())
-    if not peak > 0:
-        return np.array([0.0, 0.0, 0.0, 1.0])
-    value = value / peak  # so that squares neither overflow nor underflow
-    return value / np.sqrt(value @ value)
+def unit_quaternions(values: np.ndarray) -> np.ndarray:
+    """Quaternions (T, 4) at length 1; the identity for those without length."""
+    peak = np.abs(values).max(axis=1, keepdims=True)
+    scaled = values / np.where(peak > 0, peak, 1.0)  # so that squares neither overflow nor underflow
+    scaled[:, 3:][~(peak > 0)] = 1.0
+    return scaled / np.sqrt(np.einsum("ij,ij->i", scaled, scaled))[:, None]

@@ -26,7 +26,7 @@ class MorphTarget:
 class Deformation:
     """How the vertices of a mesh move.
 
-    `joints` (N, K) integers and `weights` (N, K) float64, which sum to 1 at each vertex, say which matrices move it;
+    `joints` (K, N) integers and `weights` (K, N) float64, which sum to 1 at each vertex, say which matrices move it;
     they are None without a skin. With `is_faceted` the normals are those of the facets, whatever their shape.
     """
 
@@ -39,9 +39,14 @@ class Deformation:
         """Of a mesh whose vertex k is a copy of vertex source[k]."""
         def pick(array: np.ndarray | None) -> np.ndarray | None:
             return None if array is None else array[source]
+
+        def pick_columns(array: np.ndarray | None) -> np.ndarray | None:
+            return None if array is None else np.ascontiguousarray(array[:, source])
+
         targets = tuple(MorphTarget(pick(t.positions), pick(t.normals), pick(t.tangents), tuple(map(pick, t.uvs)),
                                     pick(t.colors)) for t in self.targets)
-        return replace(self, targets=targets, joints=pick(self.joints), weights=pick(self.weights))
+        return replace(self, targets=targets, joints=pick_columns(self.joints),
+                       weights=pick_columns(self.weights))
 
     def applied(self, rest: Mesh, weights: tuple[float, ...], matrices: np.ndarray | None) -> Mesh:
         """`rest` deformed by these weights of the targets, and by the matrices of the joints, (J, 4, 4) float64.
@@ -85,20 +90,27 @@ class Deformation:
         return replace(rest, **changes) if active else rest
 
 
-def influences(joints: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """(N, K) weights as float64 that sum to 1. A vertex whose weights are all 0 follows its first joint."""
-    weights = np.maximum(weights.astype(np.float64), 0.0)
-    total = weights.sum(axis=1, keepdims=True)
-    weights[:, :1] = np.where(total > 0, weights[:, :1], 1.0)
-    return weights / np.where(total > 0, total, 1.0)
+def influences(joints: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """`Deformation.joints` and `.weights` of (N, K) joints and weights as a file has them.
+
+    A vertex whose weights are all 0 follows its first joint. What has no weight at any vertex is dropped.
+    """
+    weights = np.maximum(weights.T.astype(np.float64), 0.0)
+    total = weights.sum(axis=0)
+    weights[0] = np.where(total > 0, weights[0], 1.0)
+    weights /= np.where(total > 0, total, 1.0)
+    used = weights.any(axis=1)
+    return np.ascontiguousarray(joints.T[used], np.intp), weights[used]
 
 
 def blend_matrices(joints: np.ndarray, weights: np.ndarray, matrices: np.ndarray) -> np.ndarray:
-    """Linear blend skinning: for each vertex sum_k w_k M_k, as (3, 4, N) float64, from (N, K) joints and weights."""
+    """Linear blend skinning: for each vertex sum_k w_k M_k, as (3, 4, N) float64, from (K, N) joints and weights."""
     entries = np.ascontiguousarray(matrices[:, :3].reshape(-1, 12).T)
-    out = np.zeros((12, len(joints)))
-    for k in range(joints.shape[1]):
-        out += entries[:, joints[:, k]] * weights[:, k]
+    out = np.zeros((12, joints.shape[1]))
+    for joint, weight in zip(joints, weights):
+        part = entries.take(joint, axis=1, mode="clip")  # "raise", the default, takes twice the time
+        part *= weight
+        out += part
     return out.reshape(3, 4, -1)
 
 
@@ -115,7 +127,7 @@ def _skinned(mesh: Mesh, blend: np.ndarray, is_faceted: bool) -> Mesh:
         turned[:, :3] = unit_or(_times(blend[:, :3], tangents[:, :3]).T, tangents[:, :3])
         turned[:, 3] = tangents[:, 3] * sides
         tangents = turned
-    positions = (_times(blend[:, :3], mesh.positions) + blend[:, 3]).T.astype(np.float32)
+    positions = (_times(blend[:, :3], mesh.positions) + blend[:, 3]).T.astype(np.float32, order="C")
     return replace(mesh, positions=positions, indices=indices, normals=normals, tangents=tangents)
 
 

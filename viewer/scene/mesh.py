@@ -96,6 +96,12 @@ class Mesh:
         return np.stack([self.drawn.min(axis=0), self.drawn.max(axis=0)]).astype(np.float64)
 
     @property
+    def layout(self) -> tuple[object, ...]:
+        """All that programs and the sizes of buffers depend on. Poses of one mesh have the same layout."""
+        return (self.material, self.topology, len(self.positions), self.element_count, self.indices is None,
+                self.normals is None, self.tangents is None, len(self.uvs), self.colors is None)
+
+    @property
     def element_count(self) -> int:
         """The number of vertices drawn; a vertex that two indices refer to counts twice."""
         return len(self.positions) if self.indices is None else len(self.indices)

@@ -32,7 +32,7 @@ def posed(scene: Scene, animation: Animation, time: float) -> Scene:
     rig = scene.rig
     if rig is None:
         return scene
-    values = {track.target: track.at(time) for track in animation.tracks}
+    values = animation.at(time)
     try:
         with np.errstate(all="ignore"):
             world = _world(rig.nodes, values)

@@ -213,6 +213,16 @@ class Scene:
         others = ("name", "warnings", "facts", "animations", "rig")
         return {item.name: getattr(self, item.name) for item in fields(self) if item.name not in others}
 
+    def has_surfaces_of(self, other: Scene) -> bool:
+        """Whether it has the very meshes, materials and instances of another scene, under other lights perhaps."""
+        return (self.meshes is other.meshes and self.materials is other.materials
+                and self.instances is other.instances)
+
+    @cached_property
+    def layout(self) -> tuple[object, ...]:
+        """What is drawn, without where it is: scenes that differ in vertices or transforms only are equal in it."""
+        return self.materials, tuple(i.mesh for i in self.instances), tuple(mesh.layout for mesh in self.meshes)
+
     @cached_property
     def transforms(self) -> np.ndarray:
         """Those of the instances, (instances, 4, 4) float64."""

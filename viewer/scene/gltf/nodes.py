@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .. import rig
-from ..animation import unit_quaternion
+from ..animation import unit_quaternions
 from .element import Element
 
 MAX_ROW_ERROR = 1e-3
@@ -101,4 +101,4 @@ def _rotation(node: Element) -> np.ndarray:
     quaternion = np.array(node.vector("rotation", 4))
     if not quaternion.any():
         node.warn("the quaternion is zero; no rotation is used", "rotation")
-    return unit_quaternion(quaternion)
+    return unit_quaternions(quaternion[None])[0]

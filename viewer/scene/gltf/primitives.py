@@ -102,7 +102,7 @@ def _target(target: Element, vertices: Vertices, values: dict[str, np.ndarray]) 
 
 
 def _influences(attributes: Element, vertices: Vertices, joint_count: int) -> tuple[np.ndarray, np.ndarray]:
-    """The joints and the weights of each vertex, (N, K) of both, of all sets that the primitive has."""
+    """The joints and the weights of each vertex, (K, N) of both, of all sets that the primitive has."""
     sets = [k for k in range(MAX_INFLUENCE_SETS) if f"JOINTS_{k}" in attributes]
     joints = np.concatenate([vertices.raw(attributes, f"JOINTS_{k}", "VEC4") for k in sets], axis=1)
     weights = np.concatenate([vertices.floats(attributes, f"WEIGHTS_{k}", "VEC4") for k in sets], axis=1)
@@ -110,9 +110,7 @@ def _influences(attributes: Element, vertices: Vertices, joint_count: int) -> tu
         raise attributes.error("joints must be unsigned integers and weights finite", "JOINTS_0")
     if joints.max() >= joint_count:
         raise attributes.error(f"joint {joints.max()}, but the skin has {joint_count}", "JOINTS_0")
-    weights = influences(joints, weights)
-    used = weights.any(axis=0)
-    return joints[:, used].astype(np.intp), weights[:, used]
+    return influences(joints, weights)
 
 
 def _uvs(values: dict[str, np.ndarray], count: int) -> tuple[np.ndarray, ...]:
