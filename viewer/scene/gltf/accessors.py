@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections import ChainMap
+from collections.abc import Mapping, MutableMapping
+from copy import copy
+
 import numpy as np
 
 from .buffers import Buffers
@@ -10,11 +14,7 @@ from .element import Element
 _COMPONENTS: dict[int, np.dtype] = {
     5120: np.dtype("i1"), 5121: np.dtype("u1"), 5122: np.dtype("<i2"), 5123: np.dtype("<u2"), 5125: np.dtype("<u4"),
     5126: np.dtype("<f4")}
-_COUNTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
-
-MIN_CLAIM, MAX_SHARING = 1 << 24, 4
-"""A file may make us allocate MIN_CLAIM elements in all, or MAX_SHARING elements per byte of its buffers, whichever is
-more."""
+COMPONENT_COUNTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 
 
 class Accessors:
@@ -22,24 +22,26 @@ class Accessors:
 
     def __init__(self, root: Element, buffers: Buffers) -> None:
         self.items = root.array("accessors")
-        self._buffers = buffers
-        self._raw: dict[int, np.ndarray] = {}
+        self.buffers = buffers
+        self._raw: MutableMapping[int, np.ndarray] = {}
         self._floats: dict[int, np.ndarray] = {}
-        self._claimed = 0
+        self._decoded: Mapping[int, np.ndarray] = {}
+
+    def decoded(self, arrays: dict[int, np.ndarray]) -> Accessors:
+        """These accessors, of which some have the elements that a compressed primitive holds for them."""
+        other = copy(self)
+        other._decoded, other._raw, other._floats = arrays, ChainMap(dict(arrays), self._raw), {}
+        return other
 
     def count(self, index: int) -> int:
-        """The number of elements that the file declares for an accessor; nothing is read."""
+        """The number of elements that an accessor has, or that the file declares for it; nothing is read."""
+        if index in self._decoded:
+            return len(self._decoded[index])
         return self.items[index].integer("count", low=1)
 
     def claim(self, place: Element, count: int) -> None:
-        """Count `count` elements that are allocated for the file. Raises InputError at `place` if they are too many.
-
-        An accessor without a buffer view (all zeros) takes no bytes in the file, and any number of primitives may use
-        the same bytes. So a small file could demand any amount of memory; the limit depends on the file's size.
-        """
-        self._claimed += count
-        if self._claimed > max(MIN_CLAIM, MAX_SHARING * self._buffers.size):
-            raise place.error(f"{self._claimed} elements in all are too many for {self._buffers.size} bytes of buffers")
+        """As Buffers.claim."""
+        self.buffers.claim(place, count)
 
     def raw(self, index: int, *types: str) -> np.ndarray:
         """The elements, (count, components), in the stored component type.
@@ -51,7 +53,7 @@ class Accessors:
         if kind not in types:
             raise accessor.error(f"must be {' or '.join(types)} here, not {kind[:20]!r}", "type")
         if index not in self._raw:
-            self._raw[index] = self._read(accessor, _COUNTS[kind])
+            self._raw[index] = self._read(accessor, COMPONENT_COUNTS[kind])
         return self._raw[index]
 
     def floats(self, index: int, *types: str) -> np.ndarray:
@@ -64,7 +66,7 @@ class Accessors:
         return self._floats[index]
 
     def _read(self, accessor: Element, components: int) -> np.ndarray:
-        dtype = _component_type(accessor)
+        dtype = component_type(accessor)
         count = accessor.integer("count", low=1)
         sparse = accessor.object("sparse") if "sparse" in accessor else None
         if "bufferView" in accessor:
@@ -79,13 +81,13 @@ class Accessors:
 
     def _strided(self, place: Element, dtype: np.dtype, count: int, components: int) -> np.ndarray:
         """The elements in the buffer view that `place` refers to, as a view without a copy."""
-        index = place.index("bufferView", len(self._buffers.views))
-        data = self._buffers.view(index)
+        index = place.index("bufferView", len(self.buffers.views))
+        data = self.buffers.view(index)
         size = dtype.itemsize * components
         offset = place.integer("byteOffset", 0)
-        stride = self._buffers.views[index].integer("byteStride", size)
+        stride = self.buffers.views[index].integer("byteStride", size)
         if stride < size:
-            raise self._buffers.views[index].error(f"{stride} bytes cannot hold elements of {size}", "byteStride")
+            raise self.buffers.views[index].error(f"{stride} bytes cannot hold elements of {size}", "byteStride")
         end = offset + stride * (count - 1) + size
         if end > len(data):
             raise place.error(f"{count} elements end at byte {end}, but bufferViews[{index}] has {len(data)}", "count")
@@ -97,7 +99,7 @@ class Accessors:
         if count > len(base):
             raise sparse.error(f"{count} values for an accessor of {len(base)}", "count")
         place = sparse.object("indices")
-        index_type = _component_type(place)
+        index_type = component_type(place)
         if index_type.kind != "u":
             raise place.error("must be an unsigned integer type", "componentType")
         indices = self._strided(place, index_type, count, 1)[:, 0].astype(np.int64)
@@ -111,7 +113,7 @@ class Accessors:
         return array
 
 
-def _component_type(element: Element) -> np.dtype:
+def component_type(element: Element) -> np.dtype:
     number = element.integer("componentType")
     if number not in _COMPONENTS:
         raise element.error(f"{number} is not a component type", "componentType")

@@ -16,6 +16,10 @@ MIN_DECODED, MAX_EXPANSION = 1 << 26, 32
 Constant attributes may shrink to a thousandth, meshes to a tenth."""
 TYPICAL_EXPANSION = 8
 
+MIN_CLAIM, MAX_SHARING = 1 << 24, 4
+"""A file may make us allocate MIN_CLAIM elements in all, or MAX_SHARING elements per byte of its buffers, whichever is
+more."""
+
 
 class Buffers:
     """The file's buffers. Each is read once, and each compressed view decoded once, when it is first used."""
@@ -25,7 +29,7 @@ class Buffers:
         self.views = root.array("bufferViews")
         self._read: dict[int, memoryview] = {}
         self._decoded: dict[int, memoryview] = {}
-        self._compressed = 0
+        self._compressed = self._claimed = 0
 
     def view(self, index: int) -> memoryview:
         """The bytes of a buffer view, decoded if it is compressed. Raises InputError if it ends after its buffer, or
@@ -38,6 +42,22 @@ class Buffers:
         if index not in self._decoded:
             self._decoded[index] = self._decode(view, compressed)
         return self._decoded[index]
+
+    def claim(self, place: Element, count: int) -> None:
+        """Count `count` elements that are allocated for the file. Raises InputError at `place` if they are too many.
+
+        An accessor without a buffer view (all zeros) takes no bytes in the file, and any number of primitives may use
+        the same bytes. So a small file could demand any amount of memory; the limit depends on the file's size.
+        """
+        self._claimed += count
+        if self._claimed > max(MIN_CLAIM, MAX_SHARING * self.size):
+            raise place.error(f"{self._claimed} elements in all are too many for {self.size} bytes of buffers")
+
+    def compressed(self, index: int) -> memoryview:
+        """The bytes of a buffer view that holds compressed elements of accessors."""
+        data = self.view(index)
+        self._compressed += len(data)
+        return data
 
     def _decode(self, view: Element, compressed: Element) -> memoryview:
         data = self._slice(compressed)

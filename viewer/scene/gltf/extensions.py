@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..schema import FEATURES
-from . import meshopt
+from . import draco, meshopt
 from .element import Element
 
 SUPPORTED = frozenset({
@@ -13,6 +13,7 @@ SUPPORTED = frozenset({
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
+    draco.EXTENSION,
     *meshopt.EXTENSIONS,
     *(feature.extension for feature in FEATURES if feature.extension),
 })

@@ -12,6 +12,7 @@ from ..frames import split_for_tangents, with_flat_normals, with_repaired_normal
 from ..material import Material
 from ..mesh import Mesh, Topology
 from ..schema import MAPS, needs_tangents, tangent_texture
+from . import draco
 from .accessors import Accessors
 from .element import Element
 from .textures import MAX_UV_SETS
@@ -38,6 +39,7 @@ def read_primitive(accessors: Accessors, primitive: Element, name: str, material
     if "POSITION" not in attributes:
         primitive.warn("there are no positions; nothing is drawn", "attributes")
         return None
+    accessors, mode = draco.decoded(accessors, primitive, mode)
     vertices = Vertices(accessors, primitive, mode)
     values = {key: vertices.floats(attributes, key, *_ATTRIBUTES[key]) for key in _ATTRIBUTES if key in attributes}
     deformation = _deformation(primitive, vertices, values, weights, joints)

@@ -1,0 +1,20 @@
+"""The decoders that run in another process (viewer/base/apart.py): libraries in C++ whose input may be hostile."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def draco(data: bytes) -> dict[str, np.ndarray]:
+    """The "faces" (F, 3) uint32 of a Draco mesh, and each attribute (N, C) by its unique id in decimal digits.
+
+    Raises ValueError for data that is broken, or no mesh.
+    """
+    import DracoPy
+
+    try:
+        mesh = DracoPy.decode(data)
+        arrays = {str(attribute["unique_id"]): np.asarray(attribute["data"]) for attribute in mesh.attributes}
+        return {"faces": np.asarray(mesh.faces, np.uint32).reshape(-1, 3), **arrays}
+    except Exception as error:  # of several classes, none of them the library's own
+        raise ValueError("is broken") from error
