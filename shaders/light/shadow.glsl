@@ -1,4 +1,5 @@
 // Shadow maps in one atlas: one tile for a directional or spot light, six (the faces of a cube) for a point light.
+// SHADOW_PATTERN: blended surfaces cast shadows.
 struct ShadowTile {
     mat4 matrix;  // eye-relative position to (u, v, depth, 1) * w within the tile
     vec4 texel;   // x + y * distance: the size of a texel in eye-relative units; zw: the tile's corner in atlas texels
@@ -31,6 +32,22 @@ float filtered_shadow(vec2 texel, float depth) {
     return sum / 16.0;
 }
 
+#if SHADOW_PATTERN
+// What repeats every four texels (raster/shadow.frag) leaves no pattern here: in one axis the filter above weighs texels
+// by (1 - s, 2 - s, 1 + s, s) / 4, and the sum of two such filters that lie two texels apart weighs each of four
+// residues alike.
+const float REACH = 2.5;
+
+float smoothed_shadow(vec2 texel, float depth) {
+    float sum = 0.0;
+    for (int k = 0; k < 4; ++k) sum += filtered_shadow(texel + vec2(k & 1, k >> 1) * 2.0 - 1.0, depth);
+    return 0.25 * sum;
+}
+#else
+const float REACH = 1.5;
+#define smoothed_shadow filtered_shadow
+#endif
+
 // The fraction of the light that arrives at p; n is the geometric normal, l the direction to the light. To avoid
 // self-shadowing, p is moved off its surface by the filter's footprint, and farther at grazing angles, so no bias
 // depends on the scale of the scene.
@@ -39,12 +56,12 @@ float shadow_visibility(int first_layer, bool is_point, vec3 p, vec3 n, vec3 l, 
     ShadowTile tile = u_shadow_tiles[first_layer + (is_point ? cube_face(from_light) : 0)];
     float footprint = tile.texel.x + tile.texel.y * length(from_light);
     float NoL = clamp(dot(n, l), 0.0, 1.0);
-    vec3 offset = n * (footprint * 2.0 * sqrt(1.0 - NoL * NoL)) + l * (footprint * 0.5);
+    vec3 offset = n * (footprint * (REACH + 0.5) * sqrt(1.0 - NoL * NoL)) + l * (footprint * 0.5);
     vec4 q = tile.matrix * vec4(p + offset, 1.0);
     if (q.w <= 0.0) return 1.0;
     vec3 c = q.xyz / q.w;
     if (c.z >= 1.0 || min(c.x, c.y) < 0.0 || max(c.x, c.y) > 1.0) return 1.0; // nothing between here and the light
-    // The filter reaches a texel and a half to each side and must not reach the neighbouring tile.
-    vec2 texel = clamp(c.xy * u_shadow_tile_size, 1.5, u_shadow_tile_size - 1.5);
-    return filtered_shadow(tile.texel.zw + texel, c.z);
+    // The filter reaches so many texels to each side and must not reach the neighbouring tile.
+    vec2 texel = clamp(c.xy * u_shadow_tile_size, REACH, u_shadow_tile_size - REACH);
+    return smoothed_shadow(tile.texel.zw + texel, c.z);
 }

@@ -18,7 +18,7 @@ vec3 punctual_irradiance(int i, vec3 p, vec2 u, out vec3 l, out float distance) 
     vec4 intensity = scene_float4(u_punctual + 3 * i + 1); // candela or lux, scale of the cone
     if (position.w < 0.0) {
         l = position.xyz;
-        distance = FAR;
+        distance = FAR * (1.0 + 0.01 * u.x); // no two rays are the same to shadow_ray_passes()
         return intensity.rgb;
     }
     vec4 axis = scene_float4(u_punctual + 3 * i + 2);      // direction of its light, offset of the cone

@@ -64,7 +64,7 @@ MUTATIONS = [
     Mutation("vertex colours ignored", "material/uniforms.glsl", "m.base_color *= v_color;", ""),
     Mutation("emission left out", "raster/pbr.frag", "radiance += m.emissive;", ""),
     Mutation("shadow bias reversed", "light/shadow.glsl", "vec4(p + offset, 1.0)", "vec4(p - offset, 1.0)"),
-    Mutation("no shadow", "light/shadow.glsl", "return filtered_shadow(tile.texel.zw + texel, c.z);", "return 1.0;"),
+    Mutation("no shadow", "light/shadow.glsl", "return smoothed_shadow(tile.texel.zw + texel, c.z);", "return 1.0;"),
     Mutation("cube faces swapped", "light/shadow.glsl", "return d.y > 0.0 ? 2 : 3;", "return d.y > 0.0 ? 3 : 2;"),
     Mutation("nothing hides the environment", "raster/shade_environment.glsl", "mean_light *= visible.rgb;", ""),
     Mutation("lights fall off with 1/d", "light/attenuation.glsl", "/ max(d2, 1e-8);", "/ sqrt(max(d2, 1e-8));"),

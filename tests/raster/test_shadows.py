@@ -13,6 +13,7 @@ from viewer.scene.environment import Environment
 from viewer.scene.equirect import texel_directions, texel_solid_angles
 from viewer.scene.light import Light
 from viewer.scene.material import Material
+from viewer.scene.mesh import Mesh
 
 SIZE = (96, 96)
 TEXELS = 3.0
@@ -102,20 +103,58 @@ def test_no_acne_on_a_coarse_ball(radiance):
     assert (shaded[lit] / bare[lit]).min() > 0.95
 
 
-def test_a_mask_lets_light_through_its_holes_and_glass_casts_none(radiance):
-    light = Light("directional", intensity=np.pi, direction=(0, -1, 0))
-    card, points = (plate(1, half=0.5), facing_floor(y=1.0)), seen_plane(CAMERA, SIZE, (0, 1, 0))
-    under = (np.abs(points[..., [0, 2]]) < 0.45).all(axis=-1)
-    for mode, alpha, expected in (("opaque", 0.0, 0.0), ("mask", 0.2, 1.0), ("mask", 0.8, 0.0), ("blend", 0.8, 1.0)):
-        material = Material(base_color=(1, 1, 1, alpha), alpha_mode=mode, double_sided=True)
-        model = scene((plate(0, half=3.0), facing_floor()), card, materials=[WHITE, material], lights=(light,))
-        picture = radiance(model, CAMERA, SIZE)[..., 0]
-        start, forward = pixel_points(CAMERA, SIZE), CAMERA.forward
-        on_card = start + ((1 - start[..., 1]) / forward[1])[..., None] * forward
-        hidden = (np.abs(on_card[..., [0, 2]]) < 0.55).all(axis=-1)
-        seen = picture[under & ~hidden]
-        assert len(seen) > 30
-        assert np.abs(seen - expected).max() < 1e-4
+def light_under(radiance, light: Light, *cards, **material) -> np.ndarray:
+    """The radiance of a white floor under cards of one material, where none is in view."""
+    points = seen_plane(CAMERA, SIZE, (0, 1, 0))
+    under = (np.abs(points[..., [0, 2]]) < 0.4).all(axis=-1)
+    material = Material(double_sided=True, **material)
+    floor = (plate(0, half=3.0), facing_floor())
+    model = scene(floor, *((plate(1, half=0.5), facing_floor(y=y)) for y in cards), materials=[WHITE, material],
+                  lights=(light,))
+    start, forward = pixel_points(CAMERA, SIZE), CAMERA.forward
+    for y in cards:
+        on_card = start + ((y - start[..., 1]) / forward[1])[..., None] * forward
+        under &= (np.abs(on_card[..., [0, 2]]) > 0.55).any(axis=-1)
+    seen = radiance(model, CAMERA, SIZE)[under][..., 0]
+    assert len(seen) > 30
+    return seen
+
+
+ABOVE = Light("directional", intensity=np.pi, direction=(0, -1, 0))
+
+
+@pytest.mark.parametrize("mode, alpha, expected", [("opaque", 0.0, 0.0), ("mask", 0.2, 1.0), ("mask", 0.8, 0.0)])
+def test_a_mask_lets_light_through_its_holes(radiance, mode, alpha, expected):
+    seen = light_under(radiance, ABOVE, 1.0, base_color=(1, 1, 1, alpha), alpha_mode=mode)
+    assert np.abs(seen - expected).max() < 1e-4
+
+
+@pytest.mark.parametrize("light", [ABOVE, Light("point", intensity=np.pi * 16, position=(0, 4, 0))],
+                         ids=lambda light: light.kind)
+@pytest.mark.parametrize("alpha", [0.0, 0.2, 0.5, 0.85, 1.0])
+def test_a_blended_surface_lets_through_the_share_that_it_does_not_cover(radiance, light, alpha):
+    """Its shadow has 16 steps and no pattern."""
+    seen = light_under(radiance, light, 1.0, base_color=(1, 1, 1, alpha), alpha_mode="blend")
+    seen = seen / light_under(radiance, light, 1.0, base_color=(1, 1, 1, 0), alpha_mode="blend")
+    assert seen.mean() == pytest.approx(1 - alpha, abs=0.02 + 1 / 32 * (0 < alpha < 1))
+    assert seen.std() < 1e-3
+
+
+def test_the_shadows_of_blended_surfaces_add_up(radiance):
+    seen = light_under(radiance, ABOVE, 1.0, 2.0, 3.0, base_color=(1, 1, 1, 0.5), alpha_mode="blend")
+    assert seen.mean() == pytest.approx(1 / 8, abs=1 / 16)
+
+
+def test_both_walls_of_a_blended_box_cast_shadows(radiance):
+    """One of them faces the light and one does not."""
+    walls = plate(1, half=0.5)
+    box = Mesh("box", np.concatenate([walls.positions, walls.positions * (1, 1, 0) + (0, 0, 0.3)]), 1,
+               indices=np.concatenate([walls.indices, walls.indices[::-1] + 4]))
+    pane = Material(base_color=(0, 0, 0, 0.5), alpha_mode="blend", double_sided=True)
+    model = scene((plate(0, half=3.0), facing_floor()), (box, facing_floor(y=2.0)), materials=[WHITE, pane],
+                  lights=(ABOVE,))
+    camera = orthographic(0.0, np.pi / 12, height=0.2, distance=10.0)  # it looks under the box
+    assert radiance(model, camera, (16, 16))[..., 0].mean() == pytest.approx(0.25, abs=0.07)
 
 
 def sun_environment(direction, lux: float, around: float) -> Environment:

@@ -71,6 +71,15 @@ def pane() -> tuple[Scene, Camera]:
     return model, orthographic(0.0, 0.0, height=2.0)
 
 
+def pane_shadows() -> tuple[Scene, Camera]:
+    """Two black blended panes beside the picture. Their shadows fall on the wall in it and overlap."""
+    black = Material(base_color=(0, 0, 0, 0.4), metallic=0.0, specular=0.0, alpha_mode="blend", double_sided=True)
+    model = scene((plate(0, half=3.0), moved((0, 0, -3))), (plate(1, half=0.6), moved((3.8, 0.2, 0))),
+                  (plate(1, half=0.6), moved((4.2, -0.2, 0.2))), materials=[WHITE, black],
+                  lights=(Light("directional", intensity=4.0, direction=(-0.8, 0, -0.6)),))
+    return model, orthographic(0.0, 0.0, height=2.0)
+
+
 def window(roughness: float = 0.0) -> Callable[[], tuple[Scene, Camera]]:
     """A coloured thin-walled pane of glass, tilted, in front of half of an emissive wall."""
     def make() -> tuple[Scene, Camera]:
@@ -137,6 +146,7 @@ FEATURES = [
     Feature("unlit", ball("studio", base_color=(0.9, 0.4, 0.1, 1), unlit=True), 0.004, 0.012),
     Feature("shadow of a sun", shadows, 0.004, 0.015),
     Feature("blended pane", pane, 0.015, 0.02, "The path tracer includes interreflection between pane and wall."),
+    Feature("shadows of blended panes", pane_shadows, 0.015, 0.04, "A shadow map has 16 steps of transparency."),
     Feature("furnace, glass ball", ball(constant(), **GLASS), 0.004, 0.012),
     Feature("furnace, rough thin glass", ball(constant(), **(GLASS | {"thickness": 0.0, "perceptual_roughness": 0.5})),
             0.25, 0.28, "The path tracer loses the light that microfacets scatter more than once, at four interfaces."),

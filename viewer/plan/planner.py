@@ -84,6 +84,7 @@ def plan_scene(
         "POINT_COUNT": sum(light.kind == "point" for light in shown_lights),
         "SUNS": int(any(light.angular_radius > 0 for light in shown_lights)),
         "SHADOW_LAYERS": layer_count,
+        "SHADOW_PATTERN": int(layer_count > 0 and any(material.alpha_mode == "blend" for material in scene.materials)),
         "HAS_ENVIRONMENT": int(environment),
         "ENVIRONMENT_ROTATED": int(scene.environment is not None and scene.environment.rotation != 0),
         "SHOW_EMISSION": int(settings.lobes == "all"),

@@ -49,7 +49,7 @@ class EnvironmentShadows:
         """Draw the maps, unless they show this scene already."""
         if self._scene is not None and scene.has_surfaces_of(self._scene):
             return
-        casters = [d for d in plan.draws if d.alpha_mode != "blend" and not d.transmits]
+        casters = [d for d in plan.draws if not d.transmits]
         lights = self._lights
         self._batches = []
         for first, atlas in zip(range(0, self._count, BATCH), self._atlases, strict=True):

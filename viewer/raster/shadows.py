@@ -90,8 +90,7 @@ class ShadowMaps:
             return
         self._tiles = [tile for light, layer in zip(plan.lights, plan.shadow_layers, strict=True) if layer >= 0
                        for tile in light_tiles(light, scene, self.tile_size)]
-        casters = [d for d in plan.draws if d.alpha_mode != "blend"]
-        self._atlas.draw(scene, self._tiles, casters, self._draw_depth)
+        self._atlas.draw(scene, self._tiles, plan.draws, self._draw_depth)
         self._scene, self._lights = scene, plan.lights
 
     def pack(self, frame: Frame) -> np.ndarray:

@@ -145,16 +145,18 @@ class Surfaces:
 
     def draw_depth(self, draw: Draw, matrix: np.ndarray) -> None:
         """Draw a mesh into a shadow map. `matrix` takes the local space of its instance to clip space."""
-        mask = draw.alpha_mode == "mask"
+        reads_alpha = draw.alpha_mode != "opaque"
         names = ["ALPHA_MODE", "HAS_COLOR", *(f"BASE_COLOR_{ending}" for ending in MAP_SWITCHES)]
-        switches = no_switches() | {"HAS_NORMAL": 0} | {name: draw.program[name] if mask else 0 for name in names}
+        chosen = {name: draw.program[name] if reads_alpha else 0 for name in names}
+        switches = no_switches() | {"HAS_NORMAL": 0} | chosen
         switches["UV_SETS"] = 1 << switches["BASE_COLOR_UV"] if switches["BASE_COLOR_MAP"] else 0
         program = self._programs.get("raster/shadow.vert", "raster/shadow.frag", switches)
         mesh = self._mesh(draw.mesh)
         set_uniform(program, "u_model_to_light", matrix_uniform(matrix @ mesh.to_mesh))
-        if mask:
+        if reads_alpha:
             set_uniform(program, "u_base_color", draw.surface.base_color)
             set_uniform(program, "u_alpha_cutoff", draw.surface.alpha_cutoff)
+            set_uniform(program, "u_caster", draw.instance)
             if switches["BASE_COLOR_MAP"]:
                 self._bind_map(program, draw, "base_color")
         mesh.draw(program)
