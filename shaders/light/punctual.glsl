@@ -16,13 +16,16 @@ layout(std140) uniform Lights {
 // The irradiance of light i at p on a surface that faces it, without shadow. l is the direction from p to the light.
 vec3 punctual_irradiance(int i, vec3 p, out vec3 l) {
     PunctualLight light = u_lights[i];
+#if LIGHT_COUNT == DIRECTIONAL_COUNT
+    l = -light.direction.xyz;
+    return light.intensity.rgb;
+#else
 #if DIRECTIONAL_COUNT > 0
     if (i < DIRECTIONAL_COUNT) {
         l = -light.direction.xyz;
         return light.intensity.rgb;
     }
 #endif
-#if LIGHT_COUNT > DIRECTIONAL_COUNT
     vec3 d = light.position.xyz - p;
     float d2 = dot(d, d);
     l = d * inversesqrt(max(d2, 1e-30));

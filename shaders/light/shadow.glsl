@@ -17,7 +17,8 @@ int cube_face(vec3 d) {
     return d.z > 0.0 ? 4 : 5;
 }
 
-// 3 x 3 tent filter from four bilinear comparisons (Castano 2013, "Shadow Mapping Summary"); texel in atlas texels.
+// 3 x 3 tent filter from four bilinear comparisons (Castano 2013, "Shadow Mapping Summary"); texel in atlas texels. The
+// level is given, since there are no derivatives where a light is skipped.
 float filtered_shadow(vec2 texel, float depth) {
     vec2 size = vec2(textureSize(u_shadow_map, 0));
     vec2 base = floor(texel + 0.5);
@@ -25,10 +26,10 @@ float filtered_shadow(vec2 texel, float depth) {
     base -= 0.5;
     vec2 w0 = 3.0 - 2.0 * st, w1 = 1.0 + 2.0 * st;
     vec2 o0 = base + (2.0 - st) / w0 - 1.0, o1 = base + st / w1 + 1.0;
-    float sum = w0.x * w0.y * texture(u_shadow_map, vec3(vec2(o0.x, o0.y) / size, depth));
-    sum += w1.x * w0.y * texture(u_shadow_map, vec3(vec2(o1.x, o0.y) / size, depth));
-    sum += w0.x * w1.y * texture(u_shadow_map, vec3(vec2(o0.x, o1.y) / size, depth));
-    sum += w1.x * w1.y * texture(u_shadow_map, vec3(vec2(o1.x, o1.y) / size, depth));
+    float sum = w0.x * w0.y * textureLod(u_shadow_map, vec3(vec2(o0.x, o0.y) / size, depth), 0.0);
+    sum += w1.x * w0.y * textureLod(u_shadow_map, vec3(vec2(o1.x, o0.y) / size, depth), 0.0);
+    sum += w0.x * w1.y * textureLod(u_shadow_map, vec3(vec2(o0.x, o1.y) / size, depth), 0.0);
+    sum += w1.x * w1.y * textureLod(u_shadow_map, vec3(vec2(o1.x, o1.y) / size, depth), 0.0);
     return sum / 16.0;
 }
 

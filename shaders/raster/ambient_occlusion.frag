@@ -29,7 +29,7 @@ float horizon(vec3 p, vec3 v, vec2 along, float reach, float lowest) {
         float weight = occluder.w == 0.0 || tap != inside ? 0.0 : clamp(2.0 - 2.0 * distance, 0.0, 1.0);
         highest = max(highest, mix(lowest, dot(d, v) / max(distance, 1e-6), weight));
     }
-    return highest;
+    return min(highest, 1.0); // acos is undefined beyond
 }
 
 void main() {

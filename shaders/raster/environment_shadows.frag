@@ -51,7 +51,7 @@ void main() {
         // Offset along the normal by the footprint of the shadow filter, which grows at grazing angles
         float offset = light.direction.w * (1.5 * sqrt(max(1.0 - facing * facing, 0.0)) + 0.5);
         vec4 p = vec4(surface.xyz + offset * n_geometric, 1.0);
-        float visible = texture(u_atlas, vec3(dot(light.u, p), dot(light.v, p), dot(light.depth, p)));
+        float visible = textureLod(u_atlas, vec3(dot(light.u, p), dot(light.v, p), dot(light.depth, p)), 0.0);
         o_unshadowed += unshadowed;
         o_shadowed += facing > 0.0 ? visible * unshadowed : vec4(0.0);
     }

@@ -7,11 +7,12 @@ layout(location = 1) out vec4 o_normals; // shading normal in xy, the triangle's
 
 void main() {
     MaterialInputs m = read_inputs();
-    coverage(m.base_color.a);
+    float covered = coverage(m.base_color.a);
     vec3 n = geometric_normal();
     o_color = vec4(v_position, max(m.perceptual_roughness, 1e-3)); // w = 0 marks an empty pixel
     // The face normal: a triangle occludes light behind its own plane, whatever its shading normal.
     vec3 face = cross(dFdx(v_position), dFdy(v_position));
     face *= sign(dot(face, n)) / max(length(face), 1e-30);
     o_normals = vec4(to_octahedron(shading_normal(n)), to_octahedron(face == vec3(0.0) ? n : face));
+    drop_uncovered(covered);
 }

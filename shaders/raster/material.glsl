@@ -18,10 +18,17 @@ float coverage(float alpha) {
     if (width > 1e-4 && u_alpha_cutoff > 0.0 && u_alpha_cutoff <= 1.0)
         covered = clamp((alpha - u_alpha_cutoff) / width + 0.5, 0.0, 1.0);
 #endif
-    if (covered <= 0.0) discard;
     return covered;
 #else
     return clamp(alpha, 0.0, 1.0);
+#endif
+}
+
+// Ends a fragment that nothing covers. It is the last that a shader does: after a discard, derivatives and the texture
+// lookups that take their level from them are undefined in the neighbouring pixels (GLSL 3.30, 6.4).
+void drop_uncovered(float covered) {
+#if ALPHA_MODE == 1
+    if (covered <= 0.0) discard;
 #endif
 }
 
@@ -35,4 +42,5 @@ void write_radiance(vec3 radiance, float covered) {
 #else
     o_color = vec4(radiance * covered, covered);
 #endif
+    drop_uncovered(covered);
 }

@@ -20,7 +20,7 @@ const float OFFSET = 2e-5;
 
 void main() {
     MaterialInputs m = read_inputs();
-    coverage(m.base_color.a);
+    float covered = coverage(m.base_color.a);
     float perceptual_roughness = m.perceptual_roughness;
     if (!u_is_mirrored) perceptual_roughness *= clamp(2.0 * m.ior - 2.0, 0.0, 1.0); // raster/transmission.glsl
     vec3 face = geometric_normal(), n = shading_normal(face);
@@ -41,4 +41,5 @@ void main() {
     o_direction = vec4(normalize(d), (dot(px, dx) + dot(py, dy)) / max(squared, 1e-30) * width);
     o_throughput = vec4(vec3(1.0), width);
     o_light = vec4(vec3(0.0), perceptual_roughness * perceptual_roughness);
+    drop_uncovered(covered);
 }

@@ -4,11 +4,12 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
     vec3 l;
     vec3 irradiance = punctual_irradiance(i, v_position, l);
     float NoL = dot(p.n, l);
-    vec3 h = normalize(p.v + l);
+    vec3 between = p.v + l;
+    vec3 h = between * inversesqrt(max(dot(between, between), 1e-30));
 #if SUNS
     vec3 slopes_x = dFdx(h - p.n), slopes_y = dFdy(h - p.n); // derivatives are undefined after a fragment returns
 #endif
-    if (NoL <= 0.0) return vec3(0.0);
+    if (NoL <= 0.0 || h == vec3(0.0)) return vec3(0.0); // straight from behind there is no half vector
 #if SHADOW_LAYERS > 0
     float layer = u_lights[i].direction.w;
     if (layer >= 0.0) {

@@ -35,8 +35,8 @@ float curvature(vec3 n, vec3 p) {
 // The direction of a view ray after it has left the solid, having travelled `thickness` along d inside. The far side is
 // unknown. It is assumed to be concentric with the front: the other half of a sphere, the inner face of a vase, or, if
 // the front is flat, a parallel plane.
-vec3 leaving_direction(vec3 n, vec3 d, float thickness, float ior) {
-    vec3 out_n = normalize(n + curvature(n, v_position) * thickness * d);
+vec3 leaving_direction(vec3 n, float curved, vec3 d, float thickness, float ior) {
+    vec3 out_n = normalize(n + curved * thickness * d);
     out_n *= dot(out_n, d) > 0.0 ? -1.0 : 1.0;
     vec3 refracted = refract(d, out_n, ior);
     return refracted == vec3(0.0) ? reflect(d, out_n) : refracted;
@@ -54,6 +54,9 @@ vec3 entering_tint(vec3 base_color) {
 
 // The transmitted radiance. Where the picture shows nothing, and outside of it, the environment is used.
 vec3 transmitted_light(MaterialInputs m, vec3 n, vec3 n_geometric, vec3 v, float blur) {
+#if IS_SOLID
+    float curved = curvature(n_geometric, v_position); // derivatives are undefined after a fragment returns
+#endif
 #if TRACED_REFRACTION
     vec4 traced = traced_light(u_refracted, n_geometric);
     if (traced.a >= 0.0) return traced.rgb;
@@ -64,7 +67,7 @@ vec3 transmitted_light(MaterialInputs m, vec3 n, vec3 n_geometric, vec3 v, float
     d = refract(-v, n, 1.0 / m.ior);
     exit += m.thickness * d; // eye-relative units
     transmittance = exp(-u_absorption * m.thickness);
-    d = leaving_direction(n_geometric, d, m.thickness, m.ior);
+    d = leaving_direction(n_geometric, curved, d, m.thickness, m.ior);
 #endif
     vec4 behind = backdrop_at(exit, blur);
 #if HAS_ENVIRONMENT

@@ -3,8 +3,10 @@
 //
 // The test is watertight: no ray passes through an edge or a corner that triangles share. S. Woop, C. Benthin, I. Wald:
 // Watertight Ray/Triangle Intersection, JCGT 2(1), 2013; T. Ize: Robust BVH Ray Traversal, JCGT 2(2), 2013.
+#if __VERSION__ < 400
 #extension GL_ARB_gpu_shader5 : enable
-#ifdef GL_ARB_gpu_shader5
+#endif
+#if __VERSION__ >= 400 || defined(GL_ARB_gpu_shader5)
 #define PRECISE precise
 #else
 #define PRECISE

@@ -58,7 +58,7 @@ MUTATIONS = [
              "s = u_environment_rotation.y;", "s = -u_environment_rotation.y;"),
     Mutation("reflection at the wrong roughness", "light/prefiltered.glsl",
              "float alpha = perceptual_roughness * perceptual_roughness;", "float alpha = perceptual_roughness;"),
-    Mutation("alpha cutoff ignored", "raster/material.glsl", "if (covered <= 0.0) discard;", "covered = 1.0;"),
+    Mutation("alpha cutoff ignored", "raster/material.glsl", "return covered;", "return 1.0;"),
     Mutation("alpha not premultiplied", "raster/material.glsl",
              "o_color = vec4(radiance * covered, covered);", "o_color = vec4(radiance, covered);"),
     Mutation("vertex colours ignored", "material/uniforms.glsl", "m.base_color *= v_color;", ""),

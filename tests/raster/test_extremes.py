@@ -8,11 +8,12 @@ from itertools import product
 import numpy as np
 import pytest
 from little_scenes import NOTHING_MUCH, framing
+from images import image_of
 from shapes import constant, facing_floor, lopsided, moved, orthographic, plate, scene, sphere
 
 from viewer.scene.camera import Camera
 from viewer.scene.light import Light
-from viewer.scene.material import Material
+from viewer.scene.material import Material, Texture
 from viewer.settings import Settings
 
 SIZE = (24, 24)
@@ -41,6 +42,16 @@ LIGHTS = (Light("directional", intensity=1e12, direction=(-1, -1e-5, 0)), Light.
           Light("point", intensity=1e12, position=(0, 0, 1.0)), Light("point", intensity=1.0, position=(0, 0, 0)),
           Light("spot", intensity=1e12, position=(0, 0, 1.0000001), direction=(0, 0, -1), outer_cone=1e-5),
           Light("directional", intensity=1e-30))
+
+
+@pytest.mark.parametrize("mode", ["pbr", "phong"])
+def test_light_from_straight_behind_a_bent_normal(radiance, mode):
+    """The half vector of light that comes towards the eye is 0, and a normal map may turn such a surface to it."""
+    bent = Texture(image_of(np.full((4, 4, 3), (128, 200, 20), np.uint8)))
+    model = scene(plate(), materials=[Material(perceptual_roughness=0.5, normal_texture=bent)],
+                  lights=(Light("directional", intensity=1.0, direction=(0, 0, 1)),))
+    picture = radiance(model, orthographic(), SIZE, mode=mode, phong="blinn-phong", shadows="off")
+    assert picture[..., :3].max() < 1
 
 
 @pytest.mark.parametrize("ndf", ["ggx", "beckmann", "blinn-phong"])

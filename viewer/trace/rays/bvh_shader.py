@@ -52,7 +52,9 @@ class BvhIntersector:
         }
         vertex = "display/fullscreen.vert"
         fragment = "trace/intersect.frag" if self._surfaces is None else "trace/intersect_see_through.frag"
-        self._program = compile_program(context, vertex=vertex, fragment=fragment, defines=defines)
+        # `precise` belongs to GLSL 4.00; before that it takes an extension, which drivers have in part or not at all.
+        self._program = compile_program(context, vertex=vertex, fragment=fragment, defines=defines,
+                                        version=400 if context.gl.version_code >= 400 else 330)
         set_uniform(self._program, "u_bvh", _BVH_UNIT)
         set_uniform(self._program, "u_root", bvh.root)
         set_uniform(self._program, "u_bvh_triangles", bvh.triangles)
