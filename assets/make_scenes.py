@@ -261,6 +261,25 @@ def specular_glossiness() -> Glb:
     return glb
 
 
+def rough_diffuse() -> Glb:
+    """Balls of plaster, lit from behind the eye and from the side: diffuse roughness 0, 0.5, 1, and by a texture; below
+    the same under a smooth interface, and the last of it metal, which has no diffuse base."""
+    glb, ball = Glb(), without(sphere(0.45), "TANGENT")
+    bands = glb.texture(np.where(np.arange(8) % 2, 1.0, 0.2)[None, :, None] * np.ones((8, 1, 3)), magFilter=9728)
+    kinds = [{}, {"diffuseRoughnessFactor": 0.5}, {"diffuseRoughnessFactor": 1.0},
+             {"diffuseRoughnessFactor": 1.0, "diffuseRoughnessTexture": bands}]
+    for place in range(8):
+        extensions = {"KHR_materials_diffuse_roughness": kinds[place % 4]}
+        if place < 4:
+            extensions["KHR_materials_specular"] = {"specularFactor": 0.0}
+        material = glb.material((0.85, 0.6, 0.45), float(place == 7), 0.2, extensions=extensions)
+        glb.node(glb.mesh(ball, material), translation=[place % 4 * 1.1 - 1.65, 0.55 - place // 4 * 1.1, 0])
+    glb.light("directional", (0.3, 0.2, 2), intensity=2.0)
+    glb.light("directional", (-2, 0.5, 0.3), color=[0.4, 0.6, 1.0], intensity=1.5)
+    glb.camera((0, 0, 8.6))
+    return glb
+
+
 def two_sided() -> Glb:
     """Open bowls, double-sided and not, upright and mirrored by a negative scale, one with a normal map."""
     glb = Glb()
@@ -335,7 +354,7 @@ def huge() -> Glb:
 
 
 SCENES = [spheres, normal_map, textures, alpha, lights, vertex_colors, emissive, unlit, specular_ior, glass,
-          anisotropy, specular_glossiness, two_sided, lines_points, occlusion, tiny, huge]
+          anisotropy, specular_glossiness, rough_diffuse, two_sided, lines_points, occlusion, tiny, huge]
 
 if __name__ == "__main__":
     save_scenes(SCENES, Path(__file__).parent / "scenes")

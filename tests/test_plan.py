@@ -101,9 +101,11 @@ def test_only_what_the_material_is_made_of():
     ({"transmission": 0.0}, set(MAPS) - {"transmission", "thickness"}),
     ({"ior": 0.0}, set(MAPS) - {"transmission", "thickness"}),
     ({"anisotropy_strength": 0.0}, set(MAPS) - {"anisotropy"}),
+    ({"diffuse_roughness": 0.0}, set(MAPS) - {"diffuse_roughness"}),
 ])
-def test_maps_that_change_no_pixel_are_not_sampled(change, sampled):
-    full = Material(emissive=(1, 1, 1), transmission=1.0, thickness=1.0, anisotropy_strength=1.0,
+def test_maps_that_change_no_pixel_are_not_sampled(change, sampled, monkeypatch):
+    monkeypatch.setattr("viewer.plan.samplers.MAX_SAMPLERS", 99)
+    full = Material(emissive=(1, 1, 1), transmission=1.0, thickness=1.0, anisotropy_strength=1.0, diffuse_roughness=1.0,
                     **{f"{name}_texture": MAP for name in MAPS})
     material = replace(full, **change)
     found = plan(scene(material, environment=ENVIRONMENT))
@@ -132,6 +134,17 @@ def test_what_settings_or_surfaces_cannot_show_of_anisotropy_is_left_out_and_sai
     assert not any("anisotropy" in line for line in unlit.left_out)
     traced = plan(scene(brushed, environment=ENVIRONMENT), reflections="traced")
     assert "traced reflections: no opaque surface is smooth and isotropic" in traced.left_out
+
+
+def test_only_rough_diffuse_surfaces_have_code_for_it():
+    rough = Material(metallic=0.5, diffuse_roughness=0.5, diffuse_roughness_texture=MAP)
+    found = plan(scene(rough, environment=ENVIRONMENT))
+    assert "f_eon" in code(found) and "u_diffuse_roughness_map" in code(found)
+    for other in (Material(metallic=0.5, diffuse_roughness_texture=MAP), replace(rough, metallic=1.0)):
+        text = code(plan(scene(other, environment=ENVIRONMENT)))
+        assert "eon" not in text and "u_diffuse_roughness" not in text and "diffuse_axis" not in text
+    phong = plan(scene(rough, environment=ENVIRONMENT), mode="phong")
+    assert "eon" not in code(phong) and "diffuse roughness: mode phong does not show it" in phong.left_out
 
 
 @pytest.mark.parametrize("mode", ["pbr", "phong"])

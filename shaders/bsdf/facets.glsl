@@ -15,6 +15,7 @@ struct Surface {
     float ior;     // index of refraction for FRESNEL = 1, where f0 also contains weight and tint
     float alpha;   // below DELTA_ALPHA a mirror; if ANISOTROPIC, the alpha along the bitangent
     float alpha_t; // if ANISOTROPIC, the alpha along the tangent
+    float diffuse_roughness; // if DIFFUSE_ROUGH, sigma of the diffuse base
 };
 
 // The cosines of one reflection; D, G and F are functions of them.

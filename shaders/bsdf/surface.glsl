@@ -1,7 +1,8 @@
 // The BSDF of an opaque surface: the only place that composes its layers. Lights, the environment and the path tracer
 // all use it.
 //   f = (1 - metallic) (dielectric + throughput of the dielectric * diffuse base) + metallic * metal
-// Khronos Group 2021, "glTF 2.0 Specification", appendix B; KHR_materials_specular, _ior, _anisotropy.
+// Khronos Group 2021, "glTF 2.0 Specification", appendix B; KHR_materials_specular, _ior, _anisotropy,
+// _diffuse_roughness.
 // METALNESS: 0 dielectric, 1 metal, 2 a mixture. Dielectric and metal are evaluated separately and mixed last, because
 // multiple scattering is not linear in f0.
 #include "bsdf/facets.glsl"
@@ -9,7 +10,6 @@
 #include "bsdf/layer/diffuse.glsl"
 #include "bsdf/layer/metal.glsl"
 #include "light/dfg.glsl"
-#include "sample/hemisphere.glsl"
 #include "sample/luminance.glsl"
 
 // The terms that do not depend on wi
@@ -20,6 +20,7 @@ struct SurfaceView {
 #if METALNESS != 0
     Interface metal;
 #endif
+    float NoV;
     vec2 dfg;                   // (a, b) of the split sum for NoV
     float perceptual_roughness; // for reading the DFG table
 };
@@ -33,8 +34,9 @@ struct SurfaceView {
 #define MIX_METAL(s, dielectric_value, metal_value) mix(dielectric_value, metal_value, s.metallic)
 #endif
 
-SurfaceView view_surface(Surface s, float perceptual_roughness, vec2 dfg, vec2 dfg_mean) {
+SurfaceView view_surface(Surface s, float NoV, float perceptual_roughness, vec2 dfg, vec2 dfg_mean) {
     SurfaceView v;
+    v.NoV = NoV;
     v.dfg = dfg;
     v.perceptual_roughness = perceptual_roughness;
 #if METALNESS != 1
@@ -47,18 +49,18 @@ SurfaceView view_surface(Surface s, float perceptual_roughness, vec2 dfg, vec2 d
 }
 
 // f for a light direction. dv = D V of the facets, dfg_light = (a, b) of the split sum for NoL
-vec3 surface_response(Surface s, SurfaceView v, float VoH, float dv, vec2 dfg_light) {
+vec3 surface_response(Surface s, SurfaceView v, Angles a, float dv, vec2 dfg_light) {
     return MIX_METAL(s,
-        dielectric_response(v.dielectric, s.ior, VoH, dv, dfg_light)
-            + interface_throughput(v.dielectric, dfg_light) * diffuse_response(s.base_color),
-        metal_response(v.metal, VoH, dv, dfg_light));
+        dielectric_response(v.dielectric, s.ior, a.VoH, dv, dfg_light)
+            + interface_throughput(v.dielectric, dfg_light) * diffuse_response(s, v.dielectric, a),
+        metal_response(v.metal, a.VoH, dv, dfg_light));
 }
 
 // Radiance reflected from an environment; the arguments are those of interface_environment.
 vec3 surface_environment(Surface s, SurfaceView v, mat2x3 specular, vec3 mean_light) {
     return MIX_METAL(s,
         interface_environment(v.dielectric, v.dfg, specular, mean_light)
-            + interface_environment_throughput(v.dielectric) * (mean_light * diffuse_albedo(s.base_color)),
+            + interface_environment_throughput(v.dielectric) * (mean_light * diffuse_albedo(s, v.NoV)),
         interface_environment(v.metal, v.dfg, specular, mean_light));
 }
 
@@ -72,7 +74,7 @@ float surface_throughput(Surface s, SurfaceView v) {
 
 SurfaceView surface_view(Surface s, float NoV, sampler2D dfg) {
     float roughness = table_roughness(s);
-    return view_surface(s, roughness, dfg_albedo(dfg, NoV, roughness), dfg_mean(dfg, roughness));
+    return view_surface(s, NoV, roughness, dfg_albedo(dfg, NoV, roughness), dfg_mean(dfg, roughness));
 }
 
 // The albedo of single scattering by the facets
@@ -84,7 +86,7 @@ vec3 single_albedo(Surface s, SurfaceView v) {
 // the albedo s(o) of the interface
 vec3 multiple_albedo(Surface s, SurfaceView v) {
     vec3 multiple = MIX_METAL(s, v.dielectric.F_ms, v.metal.F_ms) * energy_loss(v.dfg);
-    vec3 base = MIX_METAL(s, interface_transmittance(v.dielectric, v.dfg) * diffuse_albedo(s.base_color), vec3(0.0));
+    vec3 base = MIX_METAL(s, interface_transmittance(v.dielectric, v.dfg) * diffuse_albedo(s, v.NoV), vec3(0.0));
     return multiple * float(SHOW_MULTISCATTER) + base;
 }
 
@@ -102,8 +104,8 @@ vec4 surface_eval_pdf(Surface s, SurfaceView v, vec3 wo, vec3 wi, sampler2D dfg)
         dv = facet_d(s, a) * facet_v(s, a);
         facets = pdf_facet_reflection(s, wo, normalize(wo + wi));
     }
-    vec3 f = surface_response(s, v, a.VoH, dv, dfg_albedo(dfg, wi.z, v.perceptual_roughness));
-    return vec4(f, mix(pdf_cosine_hemisphere(wi), facets, facet_probability(s, v)));
+    vec3 f = surface_response(s, v, a, dv, dfg_albedo(dfg, wi.z, v.perceptual_roughness));
+    return vec4(f, mix(pdf_diffuse(s, wo, wi), facets, facet_probability(s, v)));
 }
 
 BsdfSample surface_sample(Surface s, SurfaceView v, vec3 wo, vec3 u, sampler2D dfg) {
@@ -111,7 +113,7 @@ BsdfSample surface_sample(Surface s, SurfaceView v, vec3 wo, vec3 u, sampler2D d
     float p = facet_probability(s, v);
     vec3 wi;
     if (u.z >= p) {
-        wi = sample_cosine_hemisphere(u.xy);
+        wi = sample_diffuse(s, wo, u.xy);
     } else if (is_mirror(s)) {
         vec3 F = MIX_METAL(s, dielectric_fresnel(v.dielectric, wo.z, s.ior), metal_fresnel(v.metal, wo.z));
         return BsdfSample(vec3(-wo.xy, wo.z), F * float(SHOW_SPECULAR) / p, p, REFLECTION | DELTA, 1.0);

@@ -12,7 +12,7 @@
 uniform int u_materials;
 
 const uint BASE_COLOR_ROLE = 1u, EMISSIVE_ROLE = 2u, SPECULAR_COLOR_ROLE = 4u, SPECULAR_GLOSSINESS_ROLE = 8u;
-const uint METALLIC_ROUGHNESS_ROLE = 1u, SPECULAR_ROLE = 2u, TRANSMISSION_ROLE = 4u, ANISOTROPY_ROLE = 8u;
+const uint METALLIC_ROUGHNESS_ROLE = 1u, SPECULAR_ROLE = 2u, TRANSMISSION_ROLE = 4u, ANISOTROPY_ROLE = 8u, DIFFUSE_ROUGHNESS_ROLE = 16u;
 
 int material_texel(int material, int part) {
     return u_materials + material * 6 + part;
@@ -62,8 +62,12 @@ float anisotropy_rotation_factor(int material) {
     return scene_float4(material_texel(material, 4)).y;
 }
 
-float alpha_cutoff_factor(int material) {
+float diffuse_roughness_factor(int material) {
     return scene_float4(material_texel(material, 4)).z;
+}
+
+float alpha_cutoff_factor(int material) {
+    return scene_float4(material_texel(material, 4)).w;
 }
 
 // The records of the material's maps: x colour maps and y data maps, as index of the first record |
@@ -86,6 +90,9 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
 #if ANISOTROPIC
     m.anisotropy_strength = anisotropy_strength_factor(material);
     m.anisotropy_rotation = anisotropy_rotation_factor(material);
+#endif
+#if DIFFUSE_ROUGH
+    m.diffuse_roughness = diffuse_roughness_factor(material);
 #endif
 #if HAS_TRANSMISSION
     m.transmission = transmission_factor(material);
@@ -143,6 +150,11 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
         if (has_role(map, ANISOTROPY_ROLE)) {
             m.anisotropy_strength *= texel.b;
             m.anisotropy_texel = texel.rg;
+        }
+#endif
+#if DIFFUSE_ROUGH
+        if (has_role(map, DIFFUSE_ROUGHNESS_ROLE)) {
+            m.diffuse_roughness *= texel.r;
         }
 #endif
     }

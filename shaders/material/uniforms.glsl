@@ -17,6 +17,9 @@ uniform vec3 u_emissive;
 uniform float u_anisotropy_strength;
 uniform float u_anisotropy_rotation;
 #endif
+#if DIFFUSE_ROUGH
+uniform float u_diffuse_roughness;
+#endif
 #if HAS_NORMAL
 uniform float u_metallic;
 uniform float u_perceptual_roughness;
@@ -138,6 +141,15 @@ vec4 anisotropy_texel() {
 }
 #endif
 
+#if DIFFUSE_ROUGHNESS_MAP
+uniform sampler2D u_diffuse_roughness_map;
+uniform mat3x2 u_diffuse_roughness_transform;
+vec4 diffuse_roughness_texel() {
+    return texture(u_diffuse_roughness_map, map_uv(DIFFUSE_ROUGHNESS_UV, DIFFUSE_ROUGHNESS_TRANSFORM,
+        u_diffuse_roughness_transform, DIFFUSE_ROUGHNESS_MIRROR));
+}
+#endif
+
 MaterialInputs read_inputs() {
     MaterialInputs m = DEFAULT_INPUTS;
     m.base_color = u_base_color;
@@ -147,6 +159,9 @@ MaterialInputs read_inputs() {
 #if ANISOTROPIC
     m.anisotropy_strength = u_anisotropy_strength;
     m.anisotropy_rotation = u_anisotropy_rotation;
+#endif
+#if DIFFUSE_ROUGH
+    m.diffuse_roughness = u_diffuse_roughness;
 #endif
 #if HAS_NORMAL
     m.metallic = u_metallic;
@@ -217,6 +232,12 @@ MaterialInputs read_inputs() {
         vec4 texel = anisotropy_texel();
         m.anisotropy_strength *= texel.b;
         m.anisotropy_texel = texel.rg;
+    }
+#endif
+#if DIFFUSE_ROUGHNESS_MAP
+    {
+        vec4 texel = diffuse_roughness_texel();
+        m.diffuse_roughness *= texel.r;
     }
 #endif
 #if HAS_COLOR

@@ -91,13 +91,13 @@ void main() {
 
 #if (HAS_ENVIRONMENT || INDIRECT) && REFLECTS
     SplitSum split_sum = dfg_lookup(u_dfg, p.NoV, perceptual_roughness);
-    SurfaceView view = view_surface(s, perceptual_roughness, split_sum.albedo, dfg_mean(u_dfg, perceptual_roughness));
+    SurfaceView view = view_surface(s, p.NoV, perceptual_roughness, split_sum.albedo, dfg_mean(u_dfg, perceptual_roughness));
 #elif REFLECTS
-    SurfaceView view = view_surface(s, perceptual_roughness, dfg_albedo(u_dfg, p.NoV, perceptual_roughness),
+    SurfaceView view = view_surface(s, p.NoV, perceptual_roughness, dfg_albedo(u_dfg, p.NoV, perceptual_roughness),
                                     dfg_mean(u_dfg, perceptual_roughness));
 #else
     const SplitSum split_sum = SplitSum(vec2(0.0), vec2(0.0), vec2(0.0));
-    SurfaceView view = view_surface(s, perceptual_roughness, vec2(0.0), vec2(0.0));
+    SurfaceView view = view_surface(s, p.NoV, perceptual_roughness, vec2(0.0), vec2(0.0));
 #endif
 
     vec3 radiance = vec3(0.0);

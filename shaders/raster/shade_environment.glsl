@@ -56,7 +56,11 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
     specular[1] = reflected_along(p, p.n, split_sum.t.y, split_sum.roughness.y);
 #endif
 #endif
+#if DIFFUSE_ROUGH
+    mean_light = environment_irradiance_over_pi(diffuse_axis(s, p.n, p.v, p.NoV));
+#else
     mean_light = environment_irradiance_over_pi(p.n);
+#endif
 #endif
 #if TRACED_REFLECTION
     mat2x3 unoccluded = specular;

@@ -34,5 +34,5 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
 #else
     const vec2 dfg = vec2(0.0);
 #endif
-    return surface_response(s, view, a.VoH, d * facet_v(s, a), dfg) * irradiance * NoL;
+    return surface_response(s, view, a, d * facet_v(s, a), dfg) * irradiance * NoL;
 }

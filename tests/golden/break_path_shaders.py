@@ -56,6 +56,12 @@ MUTATIONS = [
     Mutation("direction of anisotropy ignored", "trace/shade.glsl", "d.x * i.tangent + d.y * i.bitangent", "i.tangent"),
     Mutation("f0 of every texel the same in paths", "bsdf/specular_glossiness.glsl", "m.specular_color *= texel.rgb;",
              ""),
+    Mutation("density of rough diffuse paths without its uniform part", "bsdf/eon_sample.glsl",
+             "return mix(shaped, 0.5 * INV_PI, m.p_uniform);", "return shaped;"),
+    Mutation("rough diffuse paths shaped across the plane of incidence", "bsdf/eon_sample.glsl",
+             "m.x = l > 0.0 ? wo.xy / l : vec2(1.0, 0.0);", "m.x = l > 0.0 ? vec2(-wo.y, wo.x) / l : vec2(1.0, 0.0);"),
+    Mutation("diffuse roughness from the wrong channel", "material/records.glsl", "m.diffuse_roughness *= texel.r;",
+             "m.diffuse_roughness *= 1.0;"),
     Mutation("normal map's scale ignored", "trace/interaction.glsl", "texel.xy *= normal_scale_factor(i.material);",
              ""),
 ]

@@ -119,6 +119,11 @@ MUTATIONS = [
              "m.base_color.rgb *= 1.0 - 0.0 * max"),
     Mutation("glossiness for roughness", "bsdf/specular_glossiness.glsl",
              "1.0 - (1.0 - m.perceptual_roughness) * texel.a", "(1.0 - m.perceptual_roughness) * texel.a"),
+    Mutation("rough diffuse light not sent back", "bsdf/eon.glsl", "s > 0.0 ? s / max(NoL, NoV) : s", "min(s, 0.0)"),
+    Mutation("rough diffuse without multiple scattering", "bsdf/eon.glsl",
+             "f += eon_multiple_albedo(rho, sigma) *", "f += 0.0 *"),
+    Mutation("rough diffuse lit along the normal", "raster/shade_environment.glsl",
+             "environment_irradiance_over_pi(diffuse_axis(s, p.n, p.v, p.NoV))", "environment_irradiance_over_pi(p.n)"),
     Mutation("exposure ignored", "display/display.frag", "straight * u_exposure", "straight"),
 ]
 

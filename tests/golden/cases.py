@@ -73,6 +73,7 @@ CASES = [
     Case("specular-ior", "specular-ior"),
     Case("anisotropy", "anisotropy"),
     Case("specular-glossiness", "specular-glossiness"),
+    Case("rough-diffuse", "rough-diffuse"),
     Case("glass", "glass"),
     Case("glass-alone", "glass", view="close", settings={"background": "none"}),
     Case("glass-traced", "glass", settings={"refraction": "traced"}),
@@ -98,6 +99,7 @@ CASES = [
     Case("spheres-beckmann-lit", "spheres", None, lights=GRAZING, settings={
         "ndf": "beckmann", "multiscatter": "off", "shadows": "off"}),
     Case("normal-map", "normal-map", None, settings={"background": (0.0, 0.0, 0.0), "tonemap": "none"}),
+    Case("rough-diffuse-lit", "rough-diffuse", None, settings={"shadows": "off"}),
     Case("lights", "lights", None, settings={"exposure": 0.5}),
     Case("lights-inside", "lights", None, view="inside", lights=(NEAR,), settings={"shadows": "off", "exposure": 1.0}),
     Case("lights-point", "lights", None, lights=(FACES,), settings={"exposure": -1.0}),

@@ -184,11 +184,24 @@ def specular_glossiness() -> tuple[Scene, Camera]:
         (1.2, 0.9, 2.2), (0, 0, 0), fov_y=np.radians(42))
 
 
+def plaster() -> tuple[Scene, Camera]:
+    """Rough and smooth plaster, bare and varnished, under a sun behind the eye."""
+    clay = {"base_color": (0.8, 0.5, 0.35, 1), "metallic": 0.0}
+    materials = [FLOOR, Material(diffuse_roughness=1.0, specular=0.0, **clay), Material(specular=0.0, **clay),
+                 Material(diffuse_roughness=0.9, perceptual_roughness=0.5, **clay, diffuse_roughness_texture=Texture(
+                     image_of(smooth_noise(1, 13))))]
+    balls = _row(1, 2, 3)
+    mapped = replace(balls[2][0], uvs=(np.abs(balls[2][0].positions[:, :2]),))
+    return scene((plate(0, 3.0), facing_floor()), *balls[:2], (mapped, balls[2][1]), materials=materials,
+                 lights=(Light.from_angles(0.1, 0.5, 2.0),), environment=sides()), VIEW
+
+
 CASES = [
     PathCase("maps", maps),
     PathCase("metal", metal),
     PathCase("brushed", brushed),
     PathCase("specular-glossiness", specular_glossiness),
+    PathCase("plaster", plaster),
     PathCase("glass-smooth", glass_smooth),
     PathCase("glass-rough", glass_rough),
     PathCase("glass-absorbing", glass_absorbing),

@@ -84,6 +84,16 @@ def test_broken_specular_glossiness_is_one_line(fields, problem):
     assert problem in str(caught.value) and "\n" not in str(caught.value)
 
 
+def test_diffuse_roughness():
+    builder = GltfBuilder()
+    fields = {"diffuseRoughnessFactor": 0.6, "diffuseRoughnessTexture": {"index": builder.texture()}}
+    material, _ = read({"extensions": {"KHR_materials_diffuse_roughness": fields}}, builder)
+    assert material.diffuse_roughness == 0.6 and material.diffuse_roughness_texture is not None
+    assert read({"extensions": {"KHR_materials_diffuse_roughness": {}}}) == (Material(), ())
+    material, warnings = read({"extensions": {"KHR_materials_diffuse_roughness": {"diffuseRoughnessFactor": 2}}})
+    assert material.diffuse_roughness == 1 and "diffuseRoughnessFactor: 2 is out of range" in warnings[0]
+
+
 def test_anisotropy():
     builder = GltfBuilder()
     texture = builder.texture()

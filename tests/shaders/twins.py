@@ -269,8 +269,39 @@ def standard_anisotropic(m, wo, wi):
     return _layers(m, alphas, float(np.sqrt(alpha_t * _one_alpha(m))), wo, wi)
 
 
-def _layers(m, alphas, alpha, wo, wi):
-    """`alphas` are those of D V, (..., 2); `alpha` that of the albedo, for all."""
+def standard_rough(m, wo, wi):
+    """The base is EON, and gets back what the interface changes of its albedo: its dimming of light at grazing angles,
+    x ((1 - mu)^5 - 1/21), integrated over EON, for both directions."""
+    alpha = _one_alpha(m)
+    mean_b = ggx_mean_albedo(alpha, 0.0, 1.0)
+    F_mean, E_mean, f0 = m["f0"] + (1 - m["f0"]) / 21, ggx_mean_albedo(alpha), m["f0"]
+    multiple = F_mean**2 * E_mean / (1 - F_mean * (1 - E_mean)) * (1 - E_mean)
+    through = 1 - (f0 * (E_mean - mean_b) + mean_b + multiple).max(axis=-1)
+    x = 21 * mean_b * (1 - f0.max(axis=-1)) / np.maximum(through, 1e-3) * (1 + 42 * mean_b) / 3
+    sigma = m["diffuse_roughness"]
+    A = 1 / (1 + (0.5 - 2 / (3 * np.pi)) * sigma)
+    q = np.interp(wo[..., 2], *_dimming()) + np.interp(wi[..., 2], *_dimming())
+    base = eon({"sigma": sigma, "albedo": m["base_color"]}, wo, wi)
+    base = base + m["base_color"] / np.pi * (x * sigma * A * q)[..., None]
+    return _layers(m, np.stack([m["alpha"]] * 2, axis=-1), alpha, wo, wi, base)
+
+
+@lru_cache(maxsize=1)
+def _dimming():
+    """Cosines of wo, and int ((1 - mu)^5 - 1/21) f mu dwi / A of white EON with sigma = 1, on a grid of wi."""
+    x, weight = np.polynomial.legendre.leggauss(48)
+    mu, phi = (x + 1) / 2, (np.arange(128) + 0.5) / 128 * 2 * np.pi
+    s = np.sqrt(1 - mu**2)[:, None]
+    wi = np.stack([s * np.cos(phi), s * np.sin(phi), mu[:, None] + 0 * phi], axis=-1)
+    white = {"sigma": np.ones(1), "albedo": np.ones(3)}
+    weights = (weight / 2 * mu * ((1 - mu) ** 5 - 1 / 21))[:, None] * 2 * np.pi / 128
+    cosines = np.linspace(0.01, 1, 100)
+    found = [(eon(white, np.array([np.sqrt(1 - c * c), 0, c]), wi)[..., 0] * weights).sum() for c in cosines]
+    return cosines, np.array(found) * (1 + 0.5 - 2 / (3 * np.pi))
+
+
+def _layers(m, alphas, alpha, wo, wi, base=None):
+    """`alphas` are those of D V, (..., 2); `alpha` that of the albedo, for all; `base` that is not Lambert's."""
     dv, VoH = ggx_reflection(alphas, wo, wi)
     f0, f90, NoV, NoL = m["f0"], m["f90"][..., None], wo[..., 2], wi[..., 2]
 
@@ -286,7 +317,8 @@ def _layers(m, alphas, alpha, wo, wi):
 
     o, i = (through(ggx_albedo(mu, alpha), ggx_albedo(mu, alpha, 0.0, 1.0)) for mu in (NoV, NoL))
     mean = through(ggx_mean_albedo(alpha), ggx_mean_albedo(alpha, 0.0, 1.0))
-    dielectric_ = interface(f0, f90) + o * i / np.maximum(mean, 1e-4) * m["base_color"] / np.pi
+    base = m["base_color"] / np.pi if base is None else base
+    dielectric_ = interface(f0, f90) + o * i / np.maximum(mean, 1e-4) * base
     return dielectric_ + m["metallic"][..., None] * (interface(m["base_color"], 1.0) - dielectric_)
 
 

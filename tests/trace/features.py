@@ -112,6 +112,7 @@ def shadows() -> tuple[Scene, Camera]:
 
 GREY, PLASTIC = {"metallic": 0.0, "specular": 0.0, "base_color": (0.5, 0.5, 0.5, 1)}, {
     "metallic": 0.0, "perceptual_roughness": 0.4, "base_color": (0.6, 0.1, 0.1, 1)}
+ROUGH = {"metallic": 0.0, "specular": 0.0, "base_color": (0.7, 0.7, 0.7, 1), "diffuse_roughness": 1.0}
 GLASS = {"metallic": 0.0, "perceptual_roughness": 0.0, "transmission": 1.0, "thickness": 2.0}
 GOLD = {"base_color": (1.0, 0.78, 0.34, 1)}
 SUN = (Light.from_angles(-0.6, 0.7, 3.0),)
@@ -120,6 +121,7 @@ SPOT = (Light("spot", intensity=8.0, position=(-1.0, 1.2, 2.0), direction=(0.4, 
               outer_cone=0.4),)
 MAPS = "The rasterizer reads a prefiltered environment."
 STRETCH = "The prefiltered environment lacks the stretched reflections of grazing angles."
+TILTED = "The rasterizer reads the irradiance of one cosine lobe, tilted towards the viewer."
 CAUGHT = "At each surface inside, the rasterizer follows only the stronger of reflection and refraction."
 EDGES = "Edges weigh much in a picture that is mostly empty."
 FEATURES = [
@@ -129,8 +131,10 @@ FEATURES = [
     Feature("furnace, white diffuse", ball(constant(), **(GREY | {"base_color": (1, 1, 1, 1)})), 0.004, 0.012),
     Feature("furnace, white metal 0.6", ball(constant(), perceptual_roughness=0.6), 0.004, 0.012),
     Feature("furnace, white plastic 0.6", ball(constant(), metallic=0.0, perceptual_roughness=0.6), 0.004, 0.012),
+    Feature("furnace, white rough diffuse", ball(constant(), **(ROUGH | {"base_color": (1, 1, 1, 1)})), 0.004, 0.012),
     Feature("studio, diffuse", ball("studio", **GREY), 0.01, 0.03, MAPS),
     Feature("studio, plastic", ball("studio", **PLASTIC), 0.01, 0.04, MAPS),
+    Feature("studio, rough diffuse", ball("studio", **ROUGH), 0.01, 0.09, TILTED),
     Feature("studio, gold 0.1", ball("studio", perceptual_roughness=0.1, **GOLD), 0.015, 0.06, MAPS),
     Feature("studio, gold 0.5", ball("studio", perceptual_roughness=0.5, **GOLD), 0.015, 0.16, STRETCH),
     Feature("specular anti-aliasing, gold 0.1", ball("studio", perceptual_roughness=0.1, **GOLD), 0.07, 0.2,
@@ -138,6 +142,7 @@ FEATURES = [
             settings={"specular_aa": "on"}),
     Feature("sun, diffuse", ball(lights=SUN, **GREY), 0.004, 0.012),
     Feature("sun, plastic", ball(lights=SUN, **PLASTIC), 0.004, 0.012),
+    Feature("sun, rough diffuse", ball(lights=SUN, **ROUGH), 0.004, 0.012),
     Feature("sun, gold 0.5", ball(lights=SUN, perceptual_roughness=0.5, **GOLD), 0.004, 0.015),
     Feature("point light, diffuse", ball(lights=LAMP, **GREY), 0.004, 0.012),
     Feature("spot light, diffuse", ball(lights=SPOT, **GREY), 0.004, 0.015),

@@ -9,10 +9,10 @@ from typing import TypedDict
 from ..material.fold import without_constant_maps
 from ..material.use import texture_bytes
 from ..scene.light import Light
-from ..scene.material import ANISOTROPY
+from ..scene.material import ANISOTROPY, TRANSMISSION, VOLUME
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
-from ..scene.schema import MAPS
+from ..scene.schema import MAPS, SWITCHED
 from ..settings import Settings
 from .model import Draw, Plan
 from .samplers import MAX_SAMPLERS
@@ -112,7 +112,7 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
         if surfaces:
             lines.append(f"{what} of {_count(surfaces, 'surface')}: with their maps a program would sample more than "
                          f"{MAX_SAMPLERS} textures")
-    lines += omitted_anisotropy(scene, settings)
+    lines += omitted_anisotropy(scene, settings) + _ignored_by_phong(scene, settings)
     if any_lit and not plan.has_indirect and settings.mode == "pbr":
         reason = "not requested" if settings.indirect == "off" else "the scene is convex: no surface sees another"
         lines.append(f"indirect light: {reason}")
@@ -144,6 +144,15 @@ def omitted_anisotropy(scene: Scene, settings: Settings) -> list[str]:
     without_tangents = sum(mesh.tangents is None for mesh in meshes)
     reason = "without tangents, and without texture coordinates to compute them"
     return [f"anisotropy of {_count(without_tangents, 'surface')} {reason}"] if without_tangents else []
+
+
+def _ignored_by_phong(scene: Scene, settings: Settings) -> list[str]:
+    """A line for each feature of the materials that mode phong draws without. Of glass another line tells."""
+    if settings.mode != "phong":
+        return []
+    lit = [m for m in (scene.materials[scene.meshes[i.mesh].material] for i in scene.instances) if not m.unlit]
+    return [f"{f.title}: mode phong does not show it" for f in SWITCHED
+            if "phong" not in f.models and f not in (TRANSMISSION, VOLUME) and any(map(f.is_on, lit))]
 
 
 _GIVEN_UP = {
@@ -183,7 +192,9 @@ def _unused_images(plan: Plan, scene: Scene) -> tuple[set, list[str]]:
                 if (texture := MAPS[name].texture(m))}
     folded = {k: without_constant_maps(scene.materials[k]) for k, _ in all_maps.keys() - sampled}
     constant = {(k, name) for k, name in all_maps.keys() - sampled if MAPS[name].texture(folded[k]) is None}
-    unused = all_maps.keys() - sampled - constant
+    given_up = {(draw.material, name) for draw in plan.draws for name in MAPS
+                if f"{name.upper()}_MAP" in draw.given_up}
+    unused = all_maps.keys() - sampled - constant - given_up
     images = {all_maps[key] for key in unused | constant} - {all_maps[key] for key in sampled}
     lines = []
     if unused:

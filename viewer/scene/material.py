@@ -79,6 +79,9 @@ ANISOTROPY = Feature(
     "anisotropy", "KHR_materials_anisotropy", switch="ANISOTROPIC", needs_tangents=True,
     is_on=lambda m: m.anisotropy_strength > 0 and m.has_interface)
 
+DIFFUSE_ROUGHNESS = Feature(
+    "diffuse roughness", "KHR_materials_diffuse_roughness", switch="DIFFUSE_ROUGH",
+    is_on=lambda m: m.diffuse_roughness > 0 and m.is_dielectric)
 SPECULAR_GLOSSINESS = Feature(
     "specular and glossiness", "KHR_materials_pbrSpecularGlossiness", switch="SPECULAR_GLOSSINESS", models=_LIT,
     is_on=lambda m: m.specular_glossiness_texture is not None)
@@ -173,6 +176,12 @@ class Material:
         "anisotropyTexture", "direction of stretching in RG, encoded from [-1, 1] to [0, 1], and its strength in B",
         of=ANISOTROPY, channels="RGB", neutral=(1.0, 0.5, 1.0, 1.0), needs_tangents=True, raw_channels="RG",
         has_effect=lambda m: m.anisotropy_strength > 0 and m.has_interface)
+    diffuse_roughness: float = parameter(
+        0.0, "diffuseRoughnessFactor", "roughness of the diffuse base, 0 for Lambert's", of=DIFFUSE_ROUGHNESS, low=0.0,
+        high=1.0, times="diffuse_roughness.R")
+    diffuse_roughness_texture: Texture | None = texture_map(
+        "diffuseRoughnessTexture", "roughness of the diffuse base", of=DIFFUSE_ROUGHNESS, channels="R",
+        has_effect=lambda m: m.diffuse_roughness > 0 and m.is_dielectric)
     alpha_mode: AlphaMode = "opaque"
     alpha_cutoff: float = parameter(
         0.5, "alphaCutoff", "if alpha_mode is mask, alpha below the cutoff is a hole", of=CORE, low=0.0,

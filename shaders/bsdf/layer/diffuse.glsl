@@ -1,10 +1,64 @@
-// The diffuse base below a dielectric interface. SHOW_DIFFUSE = 0 hides it.
+// The diffuse base below a dielectric interface. SHOW_DIFFUSE = 0 hides it. DIFFUSE_ROUGH: 0 is Lambert's, 1 is EON
+// (Portsmouth, Kutz & Hill 2024; KHR_materials_diffuse_roughness).
+#include "bsdf/facets.glsl"
 #include "bsdf/lambert.glsl"
+#include "bsdf/layer/interface.glsl"
+#if DIFFUSE_ROUGH
+#include "bsdf/eon.glsl"
+#include "bsdf/eon_sample.glsl"
 
-vec3 diffuse_response(vec3 base_color) {
-    return f_lambert(base_color) * float(SHOW_DIFFUSE);
+// The interface dims light that arrives at grazing angles: T(i) / T_mean = 1 - x ((1 - NoL)^5 - 1/21). On a whole, that
+// leaves Lambert's albedo as it is. A rough base sends light back to where it came from, so under the interface its
+// albedo would be larger by -x sigma A q(NoV), which this gives back for both directions: white stays white.
+//   q(mu) = int ((1 - NoL)^5 - 1/21) f NoL dwi / (sigma A)      of white, by a polynomial, to 1e-4
+float eon_dimming(float mu) {
+    return 0.07583 + mu * (-0.30974 + mu * (0.47849 + mu * (-0.36511 + mu * 0.11237)));
 }
 
-vec3 diffuse_albedo(vec3 base_color) {
-    return base_color * float(SHOW_DIFFUSE);
+vec3 diffuse_response(Surface s, Interface face, Angles a) {
+    float LoV = 2.0 * a.VoH * a.VoH - 1.0;
+    vec3 f = f_eon(s.base_color, s.diffuse_roughness, a.NoV, a.NoL, LoV);
+    float returned = face.dimming * s.diffuse_roughness * eon_scale(s.diffuse_roughness);
+    f += s.base_color * (INV_PI * returned * (eon_dimming(a.NoV) + eon_dimming(a.NoL)));
+    return max(f, 0.0) * float(SHOW_DIFFUSE);
 }
+
+vec3 diffuse_albedo(Surface s, float NoV) {
+    return eon_total_albedo(s.base_color, s.diffuse_roughness, NoV) * float(SHOW_DIFFUSE);
+}
+
+vec3 sample_diffuse(Surface s, vec3 wo, vec2 u) {
+    return sample_eon(wo, s.diffuse_roughness, u);
+}
+
+float pdf_diffuse(Surface s, vec3 wo, vec3 wi) {
+    return pdf_eon(wo, wi, s.diffuse_roughness);
+}
+
+// The axis of the cosine lobe that stands for the base under an environment: along the mean int wi f NoL dwi of white,
+// whose parts along the normal and towards the viewer are polynomials in NoV, to 2e-3.
+vec3 diffuse_axis(Surface s, vec3 n, vec3 v, float NoV) {
+    float B = s.diffuse_roughness * eon_scale(s.diffuse_roughness);
+    float along = 2.0 / 3.0 + B * (-0.1056 + NoV * (0.2547 - NoV * 0.1283));
+    float towards = B * (0.4604 - NoV * (0.2752 - NoV * 0.0628));
+    return normalize((along - towards * NoV) * n + towards * v);
+}
+#else
+#include "sample/hemisphere.glsl"
+
+vec3 diffuse_response(Surface s, Interface face, Angles a) {
+    return f_lambert(s.base_color) * float(SHOW_DIFFUSE);
+}
+
+vec3 diffuse_albedo(Surface s, float NoV) {
+    return s.base_color * float(SHOW_DIFFUSE);
+}
+
+vec3 sample_diffuse(Surface s, vec3 wo, vec2 u) {
+    return sample_cosine_hemisphere(u);
+}
+
+float pdf_diffuse(Surface s, vec3 wo, vec3 wi) {
+    return pdf_cosine_hemisphere(wi);
+}
+#endif

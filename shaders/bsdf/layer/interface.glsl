@@ -19,6 +19,9 @@ struct Interface {
     vec3 F_ms;                  // fraction of the light missing in single scattering that leaves after several bounces
     vec3 f_ms_view;             // f of multiple scattering / (1 - E(l)), l the direction to the light
     float scaled_transmittance; // T(v) / T_mean
+#if DIFFUSE_ROUGH
+    float dimming;              // how much darker what lies below is at grazing angles; see interface_dimming
+#endif
 };
 
 float max3(vec3 c) {
@@ -41,6 +44,16 @@ float interface_transmittance(Interface face, vec2 dfg) {
     return max(1.0 - max3(interface_albedo(face, dfg)), 0.0);
 }
 
+#if DIFFUSE_ROUGH
+// x of T(i) / T_mean = 1 - x ((1 - NoL)^5 - 1/21). mean_b is the mean of the split sum's b, 1/21 for a smooth interface
+// and less for a rough one, whose curve is flatter, too: the second factor is a fit.
+float interface_dimming(vec3 f0, vec3 f90, float mean_transmittance, float mean_b) {
+    float share = 21.0 * mean_b;
+    float x = share * (max3(f90) - max3(f0)) / max(mean_transmittance, 1e-3);
+    return max(x * (1.0 + 2.0 * share) / 3.0, 0.0);
+}
+#endif
+
 // dfg = (a, b) of the split sum for NoV, mean = their means over the hemisphere
 Interface make_interface(vec3 f0, vec3 f90, vec2 dfg, vec2 mean) {
     Interface face;
@@ -57,6 +70,9 @@ Interface make_interface(vec3 f0, vec3 f90, vec2 dfg, vec2 mean) {
     face.E_ms = face.F_ms = face.f_ms_view = vec3(0.0);
 #endif
     face.scaled_transmittance = interface_transmittance(face, dfg) / max(interface_transmittance(face, mean), 1e-4);
+#if DIFFUSE_ROUGH
+    face.dimming = interface_dimming(f0, f90, interface_transmittance(face, mean), mean.y);
+#endif
     return face;
 }
 

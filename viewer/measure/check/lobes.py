@@ -140,12 +140,18 @@ def _glass(name: str, masking: str) -> Lobe:
                 "mirrored" if is_thin else "refracted")
 
 
-def _surface(name: str, is_anisotropic: int) -> Lobe:
+def _surface(name: str, *switches: str, **white: float) -> Lobe:
+    """The composition of surface.glsl with these switches on."""
+    off = {"ANISOTROPIC": 0, "DIFFUSE_ROUGH": 0}
+    # A rough base takes f0 to be below f90, as it is in every material.
+    f90 = ParameterRange(1.0, 1.0, (1.0,)) if "DIFFUSE_ROUGH" in switches else UNIT
     return Lobe(name, "surface", "surface",
-                {"base_color": COLOR, "metallic": UNIT, "f0": F0, "f90": UNIT,
-                 "ior": ParameterRange(1.0, 3.0, (0.0, 1.0, 1.5)), "alpha": ALPHA, "alpha_t": ALPHA},
-                {"base_color": 1.0, "metallic": 1.0, "f0": 0.04, "f90": 1.0, "ior": 1.5, "alpha": 0.5, "alpha_t": 0.5},
-                defines={"NDF": 0, "MASKING": 0, "FRESNEL": 0, "METALNESS": 2, "ANISOTROPIC": is_anisotropic,
+                {"base_color": COLOR, "metallic": UNIT, "f0": F0, "f90": f90,
+                 "ior": ParameterRange(1.0, 3.0, (0.0, 1.0, 1.5)), "alpha": ALPHA, "alpha_t": ALPHA,
+                 "diffuse_roughness": UNIT},
+                {"base_color": 1.0, "metallic": 1.0, "f0": 0.04, "f90": 1.0, "ior": 1.5, "alpha": 0.5, "alpha_t": 0.5,
+                 "diffuse_roughness": 0.0, **white},
+                defines={"NDF": 0, "MASKING": 0, "FRESNEL": 0, "METALNESS": 2, **off, **dict.fromkeys(switches, 1),
                          **_SHOW_ALL})
 
 
@@ -178,8 +184,9 @@ LOBES: tuple[Lobe, ...] = (
           "k": ParameterRange(0.0, 8.0, (0.0, 1e-4, 1e4, 1e12), 3), "alpha": ALPHA_2},
          {"eta": 0.2, "k": 1e6, "alpha": 0.5}),
     *(_glass(name, masking) for name in ("dielectric", "thin_dielectric") for masking in MASKINGS[:2]),
-    _surface("standard", 0),
-    _surface("standard anisotropic", 1),
+    _surface("standard"),
+    _surface("standard anisotropic", "ANISOTROPIC"),
+    _surface("standard rough", "DIFFUSE_ROUGH", metallic=0.0, diffuse_roughness=1.0),
     *_MICROFACETS,
 )
 """All of them, the comparisons of microfacet.glsl last."""
