@@ -45,8 +45,8 @@ def main() -> None:
         rows = [_measure(Renderer(context), replace(scene, environment=environment)) for scene in scenes]
         conditions = tracing.conditions(Tracer(context))
     text = [f"# Poses beside frames at rest, {SIZE} x {SIZE}", "", *tracing.table(rows, COLUMNS), "",
-            f"Medians of {ROUNDS} rounds of {FRAMES} frames each, in turn, pixels in memory. A pose is `Scene.at`; it is",
-            "in the time of a moving frame."]
+            f"Medians of {ROUNDS} rounds of {FRAMES} frames each, in turn, pixels in memory. A pose is `Scene.at`; it",
+            "is in the time of a moving frame."]
     tracing.keep("poses", conditions, rows, text, options.results)
 
 
