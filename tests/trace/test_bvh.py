@@ -122,6 +122,28 @@ def test_degenerate_boxes_make_a_tree_all_the_same(name: str) -> None:
     check_wide(wide.build(lower, upper), lower, upper)
 
 
+@pytest.mark.parametrize("max_leaf", [1, 4])
+@pytest.mark.parametrize("shape", [sphere(20, 25), soup(700, 0.1), soup(6, 0.5)], ids=["sphere", "soup", "six"])
+def test_a_refitted_tree_holds_what_has_moved(shape: Mesh, max_leaf: int) -> None:
+    tree = wide.build(*boxes(shape), max_leaf)
+    same = wide.refit(tree, *boxes(shape))
+    for name in ("lower", "upper"):
+        np.testing.assert_array_equal(getattr(same, name), getattr(tree, name))
+    x, y, z = shape.positions.T
+    bent = mesh(np.stack([x + 0.3 * np.sin(2 * y), 1.3 * y, z - 0.2 * x], axis=1), shape.triangles)
+    moved = wide.refit(tree, *boxes(bent))
+    check_wide(moved, *boxes(bent), max_leaf)
+    assert moved.cost == tree.cost and (moved.lower != tree.lower).any()
+
+
+def test_a_tree_that_would_cost_too_much_is_not_refitted() -> None:
+    lower, upper = boxes(soup(700, 0.05))
+    tree = wide.build(lower, upper)
+    shuffled = np.random.default_rng(1).permutation(len(lower))
+    assert wide.refit(tree, lower[shuffled], upper[shuffled]) is None
+    assert wide.refit(tree, lower[:-1], upper[:-1]) is None
+
+
 def test_no_boxes_make_no_tree() -> None:
     nothing = np.empty((0, 3), np.float32)
     assert wide.build(nothing, nothing).root == NOTHING

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from pictures import halves, picture
-from shapes import WHITE, constant, facing_floor, orthographic, plate, scene, sphere
+from shapes import WHITE, constant, facing_floor, moved, orthographic, plate, scene, sphere
 
+from viewer.gpu import programs
 from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.settings import Settings
+from viewer.trace.rays import bvh4, bvh_shader
 from viewer.trace.tracer import Tracer
 
 VIEW = orthographic(0.5, 0.4, height=3.0)
@@ -163,3 +166,39 @@ def test_an_empty_scene_is_its_background(tracer):
     empty = scene(environment=constant(0.3))
     shown = picture(tracer, empty, VIEW, (20, 10), spp=2)
     np.testing.assert_allclose(shown, np.broadcast_to((0.3, 0.3, 0.3, 1), (10, 20, 4)), rtol=1e-6)
+
+
+def poses(count: int = 3):
+    """The still life with a ball that grows long and rises, twice, one of the two in the shadow of the plate."""
+    first = still_life()
+    again = replace(first.instances[0], transform=moved((0.9, -0.5, 0.4), 0.3))
+    first = replace(first, instances=(*first.instances, again), lights=(Light.from_angles(0.4, 0.9, 2.0),))
+    yield first
+    for k in range(1, count):
+        ball = replace(first.meshes[0], positions=first.meshes[0].positions * np.float32([1, 1 + 0.2 * k, 1]))
+        raised = replace(first.instances[0], transform=moved((0.1 * k, 0.2 * k, 0), 0.6))
+        yield replace(first, meshes=(ball, *first.meshes[1:]), instances=(raised, *first.instances[1:]))
+
+
+@pytest.mark.parametrize("intersector", ["embree", "bvh"])
+def test_a_pose_is_traced_as_by_a_tracer_that_has_seen_no_other(context, monkeypatch, intersector):
+    """Refitted trees find the same hits; textures are not uploaded and programs not compiled again."""
+    settings = Settings.of(mode="path", spp=4, bounces=3)
+    ours, work = Tracer(context, intersector=intersector), Counter()
+    for owner, name in ((programs, "compile_program"), (bvh_shader, "compile_program"), (bvh4, "build")):
+        real = getattr(owner, name)
+        monkeypatch.setattr(owner, name, lambda *args, real=real, name=name, **kwargs: (
+            work.update([name]), real(*args, **kwargs))[1])
+    pictures = []
+    for pose in poses():
+        pictures.append(ours.render(pose, VIEW, settings, (32, 32)).linear)
+        if len(pictures) == 1:
+            assert work["compile_program"] and work["build"] == (3 if intersector == "bvh" else 0)
+            work.clear()
+    assert not work, "the next poses compile and build nothing"
+    for pose, found in zip(poses(), pictures, strict=True):
+        fresh = Tracer(context, intersector=intersector)
+        np.testing.assert_array_equal(fresh.render(pose, VIEW, settings, (32, 32)).linear, found)
+        fresh.release()
+    assert not np.array_equal(pictures[0], pictures[1]) and not np.array_equal(pictures[1], pictures[2])
+    ours.release()

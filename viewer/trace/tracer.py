@@ -123,15 +123,17 @@ class Tracer:
         return self._denoisers[kind]
 
     def _prepare(self, scene: Scene, settings: Settings) -> TracedScene:
-        is_everything = settings.plan == "everything"
-        if self._scene is not None and self._scene.holds(scene) and self._scene.is_everything == is_everything:
-            self._scene.relight(scene, settings)
+        held, self._scene = self._scene, None  # in case that the next one fails
+        if held is None or held.is_everything != (settings.plan == "everything") or not held.is_like(scene):
+            if held is not None:
+                held.release()
+            held = TracedScene(self.context, scene, settings, self._intersector)
+        elif held.holds(scene):
+            held.relight(scene, settings)
         else:
-            if self._scene is not None:
-                self._scene.release()
-            self._scene = None  # in case that the next one fails
-            self._scene = TracedScene(self.context, scene, settings, self._intersector)
-        return self._scene
+            held.move(scene, settings)
+        self._scene = held
+        return held
 
     def _dfg_texture(self, settings: Settings) -> moderngl.Texture:
         key = settings.ndf, settings.masking

@@ -14,7 +14,7 @@ Texels (RGBA32UI):
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -42,7 +42,8 @@ class Bvh:
     """`texels`, (n, 4) uint32, has the nodes, then the triangles from texel `triangles` on, then the instances from
     `instances` on.
 
-    `root` is the reference of the root, `stack` the stack size that a traversal needs.
+    `root` is the reference of the root, `stack` the stack size that a traversal needs. `trees` has the trees by what
+    they are over: COPIED, the number of a mesh, or INSTANCES.
     """
 
     texels: NDArray[np.uint32]
@@ -52,10 +53,14 @@ class Bvh:
     stack: int
     has_instances: bool
     has_see_through: bool
+    trees: dict[int, Bvh4]
 
 
-def build_bvh(geometry: TraceGeometry) -> Bvh:
-    """Build the trees over all instances."""
+COPIED, INSTANCES = -1, -2
+
+
+def build_bvh(geometry: TraceGeometry, before: Bvh | None = None) -> Bvh:
+    """Build the trees over all instances, or refit those that `before` has, of the same triangles elsewhere."""
     uses = Counter(instance.mesh for instance in geometry.instances)
     matrices = np.array([instance.transform[:, :3] for instance in geometry.instances]).reshape(-1, 3, 3)
     is_stretched = np.linalg.cond(matrices) > _MAX_STRETCH
@@ -67,19 +72,21 @@ def build_bvh(geometry: TraceGeometry) -> Bvh:
             copied.append((index, instance))
         else:
             placed.setdefault(instance.mesh, []).append((index, instance))
-    forest = _Forest()
+    forest = _Forest({} if before is None else before.trees)
     vertices, triangles, hits = flatten(geometry, copied)
     see_through = np.array([instance.see_through for instance in geometry.instances], bool)
-    root = forest.add(vertices, triangles, hits[:-1], see_through)
+    root = forest.add(COPIED, vertices, triangles, hits[:-1], see_through)
     if placed:
         root = forest.place(geometry, placed, vertices, root)
     return forest.packed(root, bool(see_through.any()))
 
 
 class _Forest:
-    """Collects the trees."""
+    """Collects the trees. Those that are `known` are refitted."""
 
-    def __init__(self) -> None:
+    def __init__(self, known: dict[int, Bvh4]) -> None:
+        self._known = known
+        self._trees: dict[int, Bvh4] = {}
         self._nodes: list[NDArray[np.uint32]] = []
         self._triangles: list[NDArray[np.uint32]] = []
         self._instances = np.empty((0, INSTANCE_TEXELS, 4), np.uint32)
@@ -88,6 +95,7 @@ class _Forest:
 
     def add(
         self,
+        key: int,
         vertices: NDArray[np.float32],
         triangles: NDArray[np.integer],
         hits: NDArray[np.uint32] | None = None,
@@ -95,7 +103,7 @@ class _Forest:
     ) -> int:
         """Add a tree over triangles (T, 3); returns the reference to it. `hits` (T, 2) are x and y of their hits."""
         corners = vertices[triangles]
-        tree = bvh4.build(corners.min(axis=1), corners.max(axis=1))
+        tree = self._tree(key, corners.min(axis=1), corners.max(axis=1))
         texels = np.zeros((len(triangles), TRIANGLE_TEXELS, 4), np.uint32)
         texels[..., :3] = corners[tree.order].view(np.uint32)
         texels[:, 0, 3] = tree.order
@@ -115,6 +123,14 @@ class _Forest:
         self._stack = max(self._stack, tree.stack)
         return root
 
+    def _tree(self, key: int, lower: NDArray[np.float32], upper: NDArray[np.float32],
+              max_leaf: int = bvh4.MAX_LEAF) -> Bvh4:
+        """A tree over boxes, whose references the caller may change."""
+        known = self._known.get(key)
+        tree = bvh4.refit(known, lower, upper) if known is not None else None
+        self._trees[key] = tree = tree or bvh4.build(lower, upper, max_leaf)
+        return replace(tree, children=tree.children.copy())
+
     def place(
         self,
         geometry: TraceGeometry,
@@ -126,7 +142,7 @@ class _Forest:
         lower, upper, records = [], [], []
         for mesh_index, instances in placed.items():
             mesh = geometry.meshes[mesh_index]
-            root = self.add(mesh.positions, mesh.triangles)
+            root = self.add(mesh_index, mesh.positions, mesh.triangles)
             transforms = np.array([instance.transform for _, instance in instances])
             low, high = _moved_box(transforms, mesh.positions.min(axis=0), mesh.positions.max(axis=0))
             lower.append(low)
@@ -143,7 +159,7 @@ class _Forest:
             lower.append(copied.min(axis=0)[None])
             upper.append(copied.max(axis=0)[None])
             references = np.append(references, copied_root)
-        tree = bvh4.build(np.concatenate(lower), np.concatenate(upper), max_leaf=1)
+        tree = self._tree(INSTANCES, np.concatenate(lower), np.concatenate(upper), max_leaf=1)
         references = references[tree.order]
         if tree.root & LEAF:
             return int(references[0])
@@ -167,7 +183,8 @@ class _Forest:
         triangles = self._node_count * NODE_TEXELS
         instances = triangles + self._triangle_count * TRIANGLE_TEXELS
         has_instances = len(self._instances) > 0
-        return Bvh(np.concatenate(parts), triangles, instances, root, self._stack, has_instances, has_see_through)
+        return Bvh(np.concatenate(parts), triangles, instances, root, self._stack, has_instances, has_see_through,
+                   self._trees)
 
 
 def _moved_box(

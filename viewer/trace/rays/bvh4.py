@@ -8,7 +8,7 @@ handles a whole level of the tree at once.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,9 @@ NOWHERE = 1e30
 _NODE_COST = 1.0
 """The cost of one node of the binary tree, relative to the test of one primitive."""
 
+_MAX_GROWTH = 1.5
+"""Of the cost of a tree whose triangles move. Above it, building a tree pays for many rays."""
+
 _MAX_STACK = 96
 """Larger than the stack for a balanced binary tree of 2^26 leaves, whose depth is 26."""
 
@@ -39,7 +42,8 @@ class Bvh4:
     uint32.
 
     `order` (N,) is the order of the primitives in the leaves. `root` is the reference of the root, `stack` the stack
-    size that a traversal needs.
+    size that a traversal needs. `cost` is the sum of the areas of all boxes, over that of the root, when the tree was
+    built: about the boxes that a ray tests.
     """
 
     lower: NDArray[np.float32]
@@ -48,6 +52,7 @@ class Bvh4:
     order: NDArray[np.intp]
     root: int
     stack: int
+    cost: float = 0.0
 
 
 def build(lower: NDArray[np.float32], upper: NDArray[np.float32], max_leaf: int = MAX_LEAF) -> Bvh4:
@@ -58,7 +63,62 @@ def build(lower: NDArray[np.float32], upper: NDArray[np.float32], max_leaf: int 
     tree = _collapse(cluster(lower, upper), max_leaf)
     if tree.stack > _MAX_STACK:  # deeply nested boxes: take the balanced tree along the curve
         tree = _collapse(cluster(lower, upper, max_rounds=0), max_leaf)
+    tree.cost = _cost(tree)
     return tree
+
+
+def refit(tree: Bvh4, lower: NDArray[np.float32], upper: NDArray[np.float32]) -> Bvh4 | None:
+    """The tree with the boxes of primitives that have moved; None if it should rather be built.
+
+    That is so if its cost has grown by `_MAX_GROWTH`, or if the number of primitives is another.
+    """
+    if len(tree.order) != len(lower) or not len(tree.children):
+        return None
+    boxes_low, boxes_high = (np.full((len(tree.children), 4, 3), NOWHERE, np.float32) for _ in range(2))
+    present = tree.children != NOTHING
+    leaf = present & (tree.children & LEAF != 0)
+    first = (tree.children[leaf] & ((1 << LEAF_SHIFT) - 1)).astype(np.intp)
+    count = (tree.children[leaf] >> LEAF_SHIFT & 7) + 1
+    for boxes, ends, nearest in ((boxes_low, lower, np.minimum), (boxes_high, upper, np.maximum)):
+        ends = ends[tree.order]
+        found = ends[first]
+        for k in range(1, int(count.max(initial=1))):
+            has = count > k
+            found[has] = nearest(found[has], ends[first[has] + k])
+        boxes[leaf] = found
+    inner = present & ~leaf
+    for nodes in reversed(_levels(tree.children, inner)):  # a node's children are in the level below
+        rows, columns = np.nonzero(inner[nodes])
+        rows += nodes.start
+        below = tree.children[rows, columns].astype(np.intp)
+        here = present[below][..., None]
+        boxes_low[rows, columns] = boxes_low[below].min(axis=1, where=here, initial=np.inf)
+        boxes_high[rows, columns] = boxes_high[below].max(axis=1, where=here, initial=-np.inf)
+    moved = replace(tree, lower=np.ascontiguousarray(boxes_low.transpose(0, 2, 1)),
+                    upper=np.ascontiguousarray(boxes_high.transpose(0, 2, 1)))
+    return moved if _cost(moved) <= _MAX_GROWTH * tree.cost else None
+
+
+def _levels(children: NDArray[np.uint32], inner: NDArray[np.bool_]) -> list[slice]:
+    """The nodes of each level, which have numbers in a row."""
+    levels, first, end = [], 0, 1
+    while first < end:
+        levels.append(slice(first, end))
+        below = children[first:end][inner[first:end]]
+        first, end = end, max(end, int(below.max(initial=0)) + 1)
+    return levels
+
+
+def _cost(tree: Bvh4) -> float:
+    if not len(tree.children):
+        return 0.0
+    present = (tree.children != NOTHING)[:, None]
+    sizes = np.where(present, tree.upper - tree.lower, 0).astype(np.float64)
+    root = tree.upper[0].max(axis=1, where=present[0], initial=-np.inf) - tree.lower[0].min(
+        axis=1, where=present[0], initial=np.inf)
+    x, y, z = sizes.swapaxes(0, 1)
+    a, b, c = root.tolist()
+    return float((x * y + y * z + z * x).sum() / max(a * b + b * c + c * a, 1e-300))
 
 
 def _collapse(tree: BinaryTree, max_leaf: int) -> Bvh4:

@@ -13,7 +13,7 @@ from ...gpu.program import compile_program
 from ...gpu.programs import set_uniform
 from ...gpu.row_texture import row_texture
 from ..defines import shader_defines
-from .bvh import INSTANCE_TEXELS, NODE_TEXELS, TRIANGLE_TEXELS, build_bvh
+from .bvh import INSTANCE_TEXELS, NODE_TEXELS, TRIANGLE_TEXELS, Bvh, build_bvh
 from .bvh4 import LEAF_SHIFT
 from .intersect import SHADOW_REACH, Answer, Surfaces, WavefrontTextures
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 _STATE = ("origin", "direction", "shadow_origin", "shadow_vector")
 _BVH_UNIT = len(_STATE)
+_VERTEX = "display/fullscreen.vert"
 
 
 class BvhIntersector:
@@ -33,14 +34,41 @@ class BvhIntersector:
     name = "bvh"
 
     def __init__(self, context: Context, geometry: TraceGeometry, surfaces: Surfaces | None = None) -> None:
-        self._gl = context.gl
-        bvh = build_bvh(geometry)
+        self._context, self._gl = context, context.gl
+        self._built = bvh = build_bvh(geometry)
         if bvh.has_see_through and surfaces is None:
             raise ValueError("see-through triangles need their surfaces")
         self._surfaces = surfaces if bvh.has_see_through else None
+        self._bvh = self._texture(bvh)
+        self._defines = self._all_defines(bvh)
+        self._program = self._compile()
+        self._counter = compile_program(context, vertex=_VERTEX, fragment="trace/count_rays.frag",
+                                        defines=shader_defines())
+        for unit, name in enumerate(_STATE):
+            set_uniform(self._counter, f"u_{name}", unit)
+        self._query = context.gl.query(samples=True)
+        self._is_counting = False
+
+    def move(self, geometry: TraceGeometry) -> None:
+        """Refit the trees. The program is compiled again only if it needs a larger stack, or instances."""
+        self._built = build_bvh(geometry, self._built)
+        self._bvh.release()
+        self._bvh = self._texture(self._built)
+        defines = self._all_defines(self._built)
+        if defines["STACK"] <= self._defines["STACK"]:
+            defines["STACK"] = self._defines["STACK"]
+        if defines != self._defines:
+            fullscreen(self._gl, self._program).release()
+            self._program.release()
+            self._defines = defines
+            self._program = self._compile()
+
+    def _texture(self, bvh: Bvh) -> moderngl.Texture:
         too_many = ViewerError("the scene has too many triangles for a texture of this OpenGL")
-        self._bvh = row_texture(context.gl, bvh.texels, too_many)
-        defines: dict[str, float] = {
+        return row_texture(self._gl, bvh.texels, too_many)
+
+    def _all_defines(self, bvh: Bvh) -> dict[str, float]:
+        return {
             **shader_defines(None if self._surfaces is None else self._surfaces.switches),
             "BVH_WIDTH": self._bvh.width,
             "NODE_TEXELS": NODE_TEXELS, "TRIANGLE_TEXELS": TRIANGLE_TEXELS, "BVH_INSTANCE_TEXELS": INSTANCE_TEXELS,
@@ -50,22 +78,15 @@ class BvhIntersector:
             "HAS_SEE_THROUGH": bvh.has_see_through,
             "SHADOW_REACH": SHADOW_REACH,
         }
-        vertex = "display/fullscreen.vert"
+
+    def _compile(self) -> moderngl.Program:
         fragment = "trace/intersect.frag" if self._surfaces is None else "trace/intersect_see_through.frag"
         # `precise` belongs to GLSL 4.00; before that it takes an extension, which drivers have in part or not at all.
-        self._program = compile_program(context, vertex=vertex, fragment=fragment, defines=defines,
-                                        version=400 if context.gl.version_code >= 400 else 330)
-        set_uniform(self._program, "u_bvh", _BVH_UNIT)
-        set_uniform(self._program, "u_root", bvh.root)
-        set_uniform(self._program, "u_bvh_triangles", bvh.triangles)
-        set_uniform(self._program, "u_bvh_instances", bvh.instances)
-        self._counter = compile_program(context, vertex=vertex, fragment="trace/count_rays.frag",
-                                       defines=shader_defines())
-        for program in (self._program, self._counter):
-            for unit, name in enumerate(_STATE):
-                set_uniform(program, f"u_{name}", unit)
-        self._query = context.gl.query(samples=True)
-        self._is_counting = False
+        program = compile_program(self._context, vertex=_VERTEX, fragment=fragment, defines=self._defines,
+                                  version=400 if self._gl.version_code >= 400 else 330)
+        for unit, name in enumerate((*_STATE, "bvh")):
+            set_uniform(program, f"u_{name}", unit)
+        return program
 
     def fetch(self, wavefront: WavefrontTextures) -> WavefrontTextures:
         return wavefront
@@ -75,6 +96,9 @@ class BvhIntersector:
         for unit, name in enumerate(_STATE):
             getattr(wavefront, name).use(unit)
         self._bvh.use(_BVH_UNIT)
+        set_uniform(self._program, "u_root", self._built.root)
+        set_uniform(self._program, "u_bvh_triangles", self._built.triangles)
+        set_uniform(self._program, "u_bvh_instances", self._built.instances)
         if self._surfaces is not None:
             self._surfaces.bind(self._program)
         target = self._gl.framebuffer([wavefront.hit])

@@ -82,6 +82,10 @@ class EmbreeIntersector:
     def store(self, wavefront: WavefrontTextures, answer: Answer) -> None:
         wavefront.hit.write(answer.hits)
 
+    def move(self, geometry: TraceGeometry) -> None:
+        """embreex can neither refit a tree nor exchange a mesh: Embree builds a new one, of all triangles."""
+        self._triangles = _Triangles(geometry)
+
     def release(self) -> None:
         if self._coverage is not None:
             self._coverage.release()

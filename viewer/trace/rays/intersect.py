@@ -72,6 +72,9 @@ class Intersector(Protocol):
     def store(self, wavefront: WavefrontTextures, answer: Answer) -> None:
         """Write the answer to the wavefront's hit texture."""
 
+    def move(self, geometry: TraceGeometry) -> None:
+        """Take triangles that have moved: as many as before, of the same kinds."""
+
     def release(self) -> None:
         """Free its resources on the device."""
 

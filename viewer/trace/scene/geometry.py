@@ -6,7 +6,7 @@ lies in the unit ball. Everything is computed in float64 and rounded once. Trace
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -27,12 +27,14 @@ class TraceMesh:
     """Triangles relative to the centre of their box, divided by half its longest side.
 
     `positions` is (N, 3) float32 in [-1, 1]; `triangles` is (M, 3) uint32, numbers of vertices; `source` is the mesh's
-    number in `scene.meshes`.
+    number in `scene.meshes`. `to_mesh` (4, 4) takes positions back to the mesh: all axes have one factor, which keeps
+    normals.
     """
 
     positions: np.ndarray
     triangles: np.ndarray
     source: int = -1
+    to_mesh: np.ndarray = field(default_factory=lambda: np.eye(4))
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,9 +83,13 @@ class TraceGeometry:
         return sum(len(self.meshes[instance.mesh].triangles) for instance in self.instances)
 
 
-def trace_geometry(scene: Scene) -> TraceGeometry:
-    """The triangles of `scene`, each mesh once, however often it is placed. Maps of one colour become factors."""
-    meshes: dict[int, tuple[TraceMesh, int, np.ndarray]] = {}
+def trace_geometry(scene: Scene, before: tuple[Scene, TraceGeometry] | None = None) -> TraceGeometry:
+    """The triangles of `scene`, each mesh once, however often it is placed. Maps of one colour become factors.
+
+    Meshes that the scene `before` has, too, are those of its geometry.
+    """
+    known = {} if before is None else {before[0].meshes[mesh.source]: mesh for mesh in before[1].meshes}
+    meshes: dict[int, tuple[TraceMesh, int]] = {}
     materials: dict[tuple[int, int, bool], int] = {}
     placed: list[TraceInstance] = []
     used_materials: list[TraceMaterial] = []
@@ -95,9 +101,11 @@ def trace_geometry(scene: Scene) -> TraceGeometry:
         if not mesh.triangle_count:
             continue
         if instance.mesh not in meshes:
-            normalised, to_mesh = _normalise(mesh, instance.mesh)
-            meshes[instance.mesh] = normalised, len(meshes), to_mesh
-        normalised, index, to_mesh = meshes[instance.mesh]
+            traced_mesh = known.get(mesh)
+            if traced_mesh is None or traced_mesh.source != instance.mesh:
+                traced_mesh = _normalise(mesh, instance.mesh)
+            meshes[instance.mesh] = traced_mesh, len(meshes)
+        normalised, index = meshes[instance.mesh]
         key = mesh.material, len(mesh.uvs), mesh.tangents is not None
         if key not in materials:
             materials[key] = len(used_materials)
@@ -106,7 +114,7 @@ def trace_geometry(scene: Scene) -> TraceGeometry:
         is_emitter = any(material.emissive) and not material.unlit
         placed.append(TraceInstance(
             mesh=index,
-            transform=_to_tracer(scene, instance.transform) @ to_mesh,
+            transform=_to_tracer(scene, instance.transform) @ normalised.to_mesh,
             kind=kind_of(traced),
             see_through=_is_see_through(material, mesh),
             material=materials[key],
@@ -115,12 +123,11 @@ def trace_geometry(scene: Scene) -> TraceGeometry:
             first_emitter=emitters if is_emitter else -1,
         ))
         emitters += len(normalised.triangles) if is_emitter else 0
-    ordered = [mesh for mesh, _, _ in meshes.values()]
+    ordered = [mesh for mesh, _ in meshes.values()]
     return TraceGeometry(ordered, placed, used_materials, tuple(media), emitters, len(scene.instances) - len(placed))
 
 
-def _normalise(mesh: Mesh, source: int) -> tuple[TraceMesh, np.ndarray]:
-    """The normalised mesh, and the (4, 4) matrix from it to the mesh. All axes have one factor, which keeps normals."""
+def _normalise(mesh: Mesh, source: int) -> TraceMesh:
     low, high = mesh.bounds
     half = float((high - low).max()) / 2 or 1.0
     center = (low + high) / 2
@@ -128,7 +135,7 @@ def _normalise(mesh: Mesh, source: int) -> tuple[TraceMesh, np.ndarray]:
     positions = np.clip((mesh.positions - center) / half, -1, 1).astype(np.float32)
     to_mesh = np.diag([half, half, half, 1.0])
     to_mesh[:3, 3] = center
-    return TraceMesh(positions, triangles_of(mesh), source), to_mesh
+    return TraceMesh(positions, triangles_of(mesh), source, to_mesh)
 
 
 def _to_tracer(scene: Scene, transform: np.ndarray) -> np.ndarray:

@@ -28,12 +28,16 @@ class SceneData:
         self._color = Atlas(context, color, True) if color else None
         self._data = Atlas(context, data, False) if data else None
         self.warnings = [line for atlas in (self._color, self._data) if atlas for line in atlas.layout.warnings]
+        self.take(scene, geometry)
+        self._uploaded = self.buffer
+        self._textures: dict[str, tuple[int, moderngl.Texture]] = {}
+
+    def take(self, scene: Scene, geometry: TraceGeometry) -> None:
+        """Begin a buffer for this scene, whose images are those in the atlases; it is to be uploaded."""
         self.buffer = SceneBufferBuilder()
         add_geometry(self.buffer, scene, geometry, self.switches)
         pages = (atlas.layout.pages if atlas else {} for atlas in (self._color, self._data))
         add_materials(self.buffer, geometry, *pages)
-        self._uploaded = self.buffer
-        self._textures: dict[str, tuple[int, moderngl.Texture]] = {}
 
     def upload(self, buffer: SceneBufferBuilder | None = None) -> None:
         """Make the textures, with `buffer` in place of `self.buffer` if it is given.

@@ -29,7 +29,18 @@ class TracedScene:
 
     def holds(self, scene: Scene) -> bool:
         """Whether these are the triangles and materials of that scene. Its lights may differ."""
-        return all(getattr(scene, name) is getattr(self._scene, name) for name in ("instances", "meshes", "materials"))
+        return scene.has_surfaces_of(self._scene)
+
+    def move(self, scene: Scene, settings: Settings) -> None:
+        """Take another pose of the scene, or any scene of the same layout: textures and programs stay."""
+        self.geometry = trace_geometry(scene, (self._scene, self.geometry))
+        self._data.take(scene, self.geometry)
+        self._set_lights(scene, settings, self._lights)
+        self.intersector.move(self.geometry)
+
+    def is_like(self, scene: Scene) -> bool:
+        """Whether `move` may take that scene."""
+        return scene.layout == self._scene.layout
 
     def relight(self, scene: Scene, settings: Settings) -> None:
         """Take the lights of a scene for which `holds` is true."""
