@@ -177,7 +177,9 @@ def poses(count: int = 3):
     for k in range(1, count):
         ball = replace(first.meshes[0], positions=first.meshes[0].positions * np.float32([1, 1 + 0.2 * k, 1]))
         raised = replace(first.instances[0], transform=moved((0.1 * k, 0.2 * k, 0), 0.6))
-        yield replace(first, meshes=(ball, *first.meshes[1:]), instances=(raised, *first.instances[1:]))
+        metal = replace(first.materials[0], base_color=(0.2, 0.3 * k, 0.9, 1.0))
+        yield replace(first, meshes=(ball, *first.meshes[1:]), instances=(raised, *first.instances[1:]),
+                      materials=(metal, *first.materials[1:]))
 
 
 @pytest.mark.parametrize("intersector", ["embree", "bvh"])

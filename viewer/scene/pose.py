@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,7 +13,8 @@ from .animation import Animation, Target
 from .camera import Camera
 from .light import Light
 from .mesh import Mesh
-from .rig import Nodes, Rig, camera_pose, compose, light_direction
+from .posed_materials import plain, posed_materials
+from .rig import Deformed, Nodes, Rig, camera_pose, compose, light_direction
 from .scene import MAX_EXTENT, Instance, Scene
 
 _SHAPE = "deformed by"
@@ -32,14 +34,15 @@ def posed(scene: Scene, animation: Animation, time: float) -> Scene:
     rig = scene.rig
     if rig is None:
         return scene
-    values = animation.at(time)
+    values = rig.at_rest | animation.at(time)
     try:
         with np.errstate(all="ignore"):
             world = _world(rig.nodes, values)
             meshes, made = _meshes(scene, rig, values, world)
             changes: dict[str, Any] = {
-                "meshes": meshes, "instances": _instances(scene, rig, world), "lights": _lights(scene, rig, world),
-                "cameras": _cameras(scene, rig, world)}
+                "meshes": meshes, "instances": _instances(scene, rig, world),
+                "materials": posed_materials(scene, values), "lights": _lights(scene, rig, world, values),
+                "cameras": _cameras(scene, rig, world, values)}
             changes = {name: value for name, value in changes.items() if value is not getattr(scene, name)}
             moved = replace(scene, **changes) if changes else scene
             if changes.keys() & {"meshes", "instances"} and not np.abs(moved.bounds).max() < MAX_EXTENT:
@@ -79,8 +82,7 @@ def _meshes(scene: Scene, rig: Rig, values: dict[Target, np.ndarray],
     before: dict[int, _Made] = scene.__dict__.get(_SHAPE, {})
     made, meshes = {}, list(scene.meshes)
     for number, deformed in rig.deformed.items():
-        value = values.get(Target("node", deformed.node, "weights"))
-        weights = deformed.weights if value is None else tuple(value.tolist())
+        weights = _weights(deformed, values)
         joints = b"" if deformed.skin is None else world[deformed.skin.joints].tobytes()
         made[number] = _Made(weights, joints)
         if made[number] != before.get(number):
@@ -100,18 +102,51 @@ def _instances(scene: Scene, rig: Rig, world: np.ndarray) -> tuple[Instance, ...
     return tuple(instances)
 
 
-def _lights(scene: Scene, rig: Rig, world: np.ndarray) -> tuple[Light, ...]:
+def _weights(deformed: Deformed, values: dict[Target, np.ndarray]) -> tuple[float, ...]:
+    value = values.get(Target("node", deformed.node, "weights"))
+    weights = list(deformed.weights) if value is None else value.tolist()
+    weights += [0.0] * (len(deformed.deformation.targets) - len(weights))
+    for k in range(len(weights)):
+        single = values.get(Target("node", deformed.node, f"weights[{k}]"))
+        weights[k] = weights[k] if single is None else float(single[0])
+    return tuple(weights)
+
+
+def _lights(scene: Scene, rig: Rig, world: np.ndarray, values: dict[Target, np.ndarray]) -> tuple[Light, ...]:
     lights = list(scene.lights)
-    for k, node in enumerate(rig.lights):
+    for k, (node, item) in enumerate(zip(rig.lights, rig.light_items, strict=True)):
         x, y, z = world[node, :3, 3].tolist()
-        lights[k] = replace(lights[k], position=(x, y, z), direction=light_direction(world[node]))
+        changes = _changes("light", item, values)
+        if "range" in changes:
+            changes["range"] = changes["range"] if changes["range"] > 0 else None
+        lights[k] = replace(lights[k], position=(x, y, z), direction=light_direction(world[node]), **changes)
+        if "inner_cone" in changes or "outer_cone" in changes:
+            lights[k] = _with_cone(lights[k])
     return scene.lights if tuple(lights) == scene.lights else tuple(lights)
 
 
-def _cameras(scene: Scene, rig: Rig, world: np.ndarray) -> tuple[Camera, ...]:
+def _with_cone(light: Light) -> Light:
+    """The light with a cone as KHR_lights_punctual allows it: 0 <= inner < outer <= pi / 2."""
+    outer = min(max(light.outer_cone, 1e-4), math.pi / 2)
+    return replace(light, outer_cone=outer, inner_cone=min(max(light.inner_cone, 0.0), outer * (1 - 1e-4)))
+
+
+def _cameras(scene: Scene, rig: Rig, world: np.ndarray, values: dict[Target, np.ndarray]) -> tuple[Camera, ...]:
     cameras = list(scene.cameras)
-    for k, node in enumerate(rig.cameras):
-        pose = camera_pose(world[node])
-        if not np.array_equal(pose, cameras[k].pose):
-            cameras[k] = replace(cameras[k], pose=pose)
+    for k, (node, item) in enumerate(zip(rig.cameras, rig.camera_items, strict=True)):
+        camera, pose, changes = cameras[k], camera_pose(world[node]), _changes("camera", item, values)
+        if "near" in changes:
+            changes["near"] = changes["near"] if changes["near"] > 0 else None
+        if not 0 < changes.get("fov_y", 1.0) < math.pi:  # which would show nothing
+            del changes["fov_y"]
+        height = 2 * abs(changes.pop("ymag", 0.0))
+        changes |= {"height": height} if height > 0 else {}
+        if any(getattr(camera, name) != value for name, value in changes.items()) or (pose != camera.pose).any():
+            cameras[k] = replace(camera, pose=pose, **changes)
     return scene.cameras if all(a is b for a, b in zip(cameras, scene.cameras)) else tuple(cameras)
+
+
+def _changes(kind: str, number: int, values: dict[Target, np.ndarray]) -> dict[str, Any]:
+    """The values of a light or a camera by the names of their fields, as numbers and tuples."""
+    return {target.name: plain(value) for target, value in values.items()
+            if target.kind == kind and target.number == number}

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from .animation import Target
 from .camera import Camera
 from .deform import Deformation
 from .mesh import Mesh
@@ -82,9 +83,13 @@ class Deformed:
 
 @dataclass(frozen=True, eq=False)
 class Rig:
-    """What of the scene the nodes place. `instances`, `lights` and `cameras` have the node of each of the scene's, and
-    lights and cameras that were added to the scene follow these. Node -1 places nothing: the joints of a skin do.
-    `deformed` has the meshes that move in themselves, by their number.
+    """What of the scene moves, and what moves it.
+
+    `instances`, `lights` and `cameras` have the node of each of the scene's; node -1 places nothing: the joints of a
+    skin do. Lights and cameras that were added to the scene follow these. `deformed` has the meshes that move in
+    themselves, by their number. Tracks name lights, cameras and materials by their numbers in the file: `light_items`
+    and `camera_items` have that number of each of the scene's, and `materials` the scene's number of each material that
+    is drawn. `at_rest` has the values at rest of what tracks move beside nodes.
     """
 
     nodes: Nodes
@@ -92,6 +97,10 @@ class Rig:
     lights: tuple[int, ...] = ()
     cameras: tuple[int, ...] = ()
     deformed: dict[int, Deformed] = field(default_factory=dict)
+    light_items: tuple[int, ...] = ()
+    camera_items: tuple[int, ...] = ()
+    materials: dict[int, int] = field(default_factory=dict)
+    at_rest: dict[Target, np.ndarray] = field(default_factory=dict)
 
 
 def compose(translations: np.ndarray, rotations: np.ndarray, scales: np.ndarray) -> np.ndarray:

@@ -123,17 +123,18 @@ class Tracer:
         return self._denoisers[kind]
 
     def _prepare(self, scene: Scene, settings: Settings) -> TracedScene:
-        held, self._scene = self._scene, None  # in case that the next one fails
-        if held is None or held.is_everything != (settings.plan == "everything") or not held.is_like(scene):
-            if held is not None:
-                held.release()
-            held = TracedScene(self.context, scene, settings, self._intersector)
-        elif held.holds(scene):
-            held.relight(scene, settings)
-        else:
-            held.move(scene, settings)
-        self._scene = held
-        return held
+        held = self._scene
+        if held is not None and held.is_everything == (settings.plan == "everything"):
+            if held.holds(scene):
+                held.relight(scene, settings)
+                return held
+            if held.move(scene, settings):
+                return held
+        if held is not None:
+            held.release()
+        self._scene = None  # in case that the next one fails
+        self._scene = TracedScene(self.context, scene, settings, self._intersector)
+        return self._scene
 
     def _dfg_texture(self, settings: Settings) -> moderngl.Texture:
         key = settings.ndf, settings.masking

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..animation import Animation, Interpolation, Target, Track
 from .accessors import Accessors
 from .element import Element
 from .nodes import Nodes
+from .pointers import resolve
 
 _INTERPOLATIONS: dict[str, Interpolation] = {"LINEAR": "linear", "STEP": "step", "CUBICSPLINE": "cubic"}
-_COMPONENTS = {"translation": ("VEC3", 3), "rotation": ("VEC4", 4), "scale": ("VEC3", 3), "weights": ("SCALAR", 0)}
-"""The type of a channel's values by its path, and how many numbers each has; weights have one a morph target."""
+_PATHS = ("translation", "rotation", "scale", "weights")
 
 
 def read_animations(root: Element, accessors: Accessors, nodes: Nodes) -> tuple[Animation, ...]:
@@ -22,28 +24,40 @@ def read_animations(root: Element, accessors: Accessors, nodes: Nodes) -> tuple[
         tracks = []
         for channel in animation.array("channels"):
             sampler = samplers[channel.index("sampler", len(samplers))]
-            track = _track(channel, sampler, accessors, nodes)
-            if track is not None:
-                tracks.append(track)
+            tracks += _tracks(root, channel, sampler, accessors, nodes)
         if tracks:
             animations.append(Animation(animation.string("name", "") or f"animation {number}", tuple(tracks)))
     return tuple(animations)
 
 
-def _track(channel: Element, sampler: Element, accessors: Accessors, nodes: Nodes) -> Track | None:
-    target = channel.object("target")
-    node = target.index("node", len(nodes.items), None)
-    path = target.string("path")
-    if node is None:
-        target.warn(f"{path[:20]!r} of no node; the channel is left out")
-    elif path not in _COMPONENTS:
-        target.warn(f"{path[:20]!r} is unknown; the channel is left out", "path")
-    elif node in nodes.hierarchy.matrices and path != "weights":
-        target.warn(f"nodes[{node}] has a matrix, which cannot be animated; the channel is left out", "node")
+def _tracks(root: Element, channel: Element, sampler: Element, accessors: Accessors, nodes: Nodes) -> list[Track]:
+    """The track of a channel: none, with a warning, if it moves nothing, and several if a pointer names several."""
+    element = channel.object("target")
+    node = element.index("node", len(nodes.items), None)
+    path = element.string("path")
+    extension = element.extension("KHR_animation_pointer") if path == "pointer" else None
+    if extension is not None:
+        pointer = extension.string("pointer")
+        found = resolve(root, pointer)
+        if found is None:
+            extension.warn(f"{pointer[:80]!r} is not in the file, or is not drawn; the channel is left out", "pointer")
+    elif node is None:
+        found = None
+        element.warn(f"{path[:20]!r} of no node; the channel is left out")
     else:
-        return read_sampler(sampler, accessors, Target("node", node, path), *_COMPONENTS[path])
-    _checked_counts(sampler, accessors)
-    return None
+        found = resolve(root, f"/nodes/{node}/{path}") if path in _PATHS else None
+        if found is None:
+            element.warn(f"{path[:20]!r} is unknown; the channel is left out", "path")
+    targets = found[0] if found is not None else []
+    fixed = [target for target in targets if target.kind == "node" and target.number in nodes.hierarchy.matrices
+             and not target.name.startswith("weights")]
+    if fixed:
+        element.warn(f"nodes[{fixed[0].number}] has a matrix, which cannot be animated; the channel is left out")
+    if found is None or not targets or fixed:
+        _checked_counts(sampler, accessors)
+        return []
+    first = read_sampler(sampler, accessors, targets[0], found[1].kind, found[1].size)
+    return [] if first is None else [first, *(replace(first, target=target) for target in targets[1:])]
 
 
 def read_sampler(sampler: Element, accessors: Accessors, target: Target, kind: str, size: int) -> Track | None:

@@ -8,6 +8,7 @@ from .element import Element
 
 SUPPORTED = frozenset({
     "EXT_texture_webp",
+    "KHR_animation_pointer",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_unlit",

@@ -19,13 +19,15 @@ class Lights:
         extension = root.extension("KHR_lights_punctual")
         self._items = [] if extension is None else extension.array("lights")
 
-    def at_node(self, node: Element, world: np.ndarray) -> Light | None:
-        """The light of a node, or None, with the node's world matrix applied. Scale does not change intensity or range
-        (KHR_lights_punctual)."""
-        extension = node.extension("KHR_lights_punctual")
-        if extension is None or "light" not in extension:
-            return None
-        element = self._items[extension.index("light", len(self._items))]
+    def number(self, node: Element) -> int | None:
+        """The number of a node's light, or None."""
+        extension = node.extension("KHR_lights_punctual") if "extensions" in node else None
+        return None if extension is None else extension.index("light", len(self._items), None)
+
+    def at_node(self, number: int, node: Element, world: np.ndarray) -> Light | None:
+        """A light of the file at a node, with the node's world matrix applied; None, with a warning, for an unknown
+        kind. Scale does not change intensity or range (KHR_lights_punctual)."""
+        element = self._items[number]
         kind: Any = element.string("type")
         if kind not in ("directional", "point", "spot"):
             element.warn(f"{kind[:20]!r} is unknown; the light is left out", "type")

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..material import METALLIC_ROUGHNESS, SPECULAR_GLOSSINESS, AlphaMode, Material
+import numpy as np
+
+from ..material import METALLIC_ROUGHNESS, SPECULAR_GLOSSINESS, AlphaMode, Material, UVTransform
 from ..parameter import Feature
 from ..schema import FEATURES, MAPS, PARAMETERS, Parameter, Value
 from ..specular_glossiness import with_glossiness
@@ -23,6 +25,25 @@ class Materials:
         self._textures = textures
         self._number: dict[int | None, int] = {}
         self.used: list[Material] = []
+
+    @property
+    def numbers(self) -> dict[int, int]:
+        """The index in `used` of each material of the file that is used."""
+        return {index: number for index, number in self._number.items() if index is not None}
+
+    def value(self, index: int, name: str) -> np.ndarray:
+        """The value at rest of what a track moves of a used material of the file, (C,): `name` is as in `Target`."""
+        element, material = self._items[index], self.used[self._number[index]]
+        if name == "emissive_strength":
+            extension = element.extension("KHR_materials_emissive_strength")
+            return np.atleast_1d(1.0 if extension is None else extension.number("emissiveStrength", 1.0, 0.0))
+        if name == "emissive":  # `Material.emissive` is multiplied by the strength
+            return np.array(element.vector("emissiveFactor", 3, (0.0, 0.0, 0.0), 0.0, 1.0))
+        field, _, part = name.partition(".")
+        value = getattr(material, field)
+        if part:
+            value = getattr((value.transform if value is not None else None) or UVTransform(), part)
+        return np.atleast_1d(np.array(value, np.float64))
 
     def number(self, primitive: Element) -> int:
         """The index in `used` of a primitive's material, or of the default material if it has none."""

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ...errors import UsageError
+from ..animation import Target
 from ..camera import Camera
 from ..light import Light
 from ..mesh import Mesh
@@ -28,6 +30,7 @@ from .skins import Skins
 from .textures import Textures
 
 MAX_INSTANCES = 1 << 20
+_EMISSION = ("emissive", "emissive_strength")
 
 
 def load_gltf(path: Path, data: bytes, scene_index: int | None = None) -> Scene:
@@ -58,7 +61,7 @@ class _Reader:
         self.instances: list[Instance] = []
         self.animations = read_animations(root, self.accessors, self.nodes)
         self._weighted = {track.target.number for animation in self.animations for track in animation.tracks
-                          if track.target.name == "weights"}
+                          if track.target.name.startswith("weights")}
         self._placed_by: list[int] = []
         self._deformed: dict[int, Deformed] = {}
         self._known: dict[tuple, list[int]] = {}
@@ -67,29 +70,49 @@ class _Reader:
         name, nodes = self._scene_nodes(index)
         lights: list[Light] = []
         cameras: list[Camera] = []
-        light_nodes, camera_nodes = [], []
+        light_nodes, camera_nodes, light_items, camera_items = [], [], [], []
         for number in nodes:
             node, world = self.nodes.items[number], self.nodes.world[number]
             if "mesh" in node:
                 self._add_instances(number, node, world)
-            light = self.lights.at_node(node, world) if "extensions" in node else None
-            if light is not None:
+            item = self.lights.number(node)
+            light = None if item is None else self.lights.at_node(item, node, world)
+            if item is not None and light is not None:
                 lights.append(light)
                 light_nodes.append(number)
+                light_items.append(item)
             if "camera" in node:
-                element = self.camera_items[node.index("camera", len(self.camera_items))]
+                item = node.index("camera", len(self.camera_items))
+                element = self.camera_items[item]
                 camera = read_camera(element, world, node.string("name", "") or element.string("name", ""))
                 if camera is not None:
                     cameras.append(camera)
                     camera_nodes.append(number)
+                    camera_items.append(item)
         if not self.instances:
             self.root.document.warn("the scene contains nothing to draw")
         rig = Rig(self.nodes.hierarchy, np.array(self._placed_by, np.intp), tuple(light_nodes), tuple(camera_nodes),
-                  self._deformed)
+                  self._deformed, tuple(light_items), tuple(camera_items), self.materials.numbers,
+                  self._at_rest(dict(zip(light_items, lights)), dict(zip(camera_items, cameras))))
         return Scene(name or self.root.document.path.stem, tuple(self.meshes), tuple(self.materials.used),
                      tuple(self.instances), tuple(lights), tuple(cameras),
                      warnings=tuple(self.root.document.warnings), facts=self._facts(), animations=self.animations,
                      rig=rig if self.animations else None)
+
+    def _at_rest(self, lights: dict[int, Light], cameras: dict[int, Camera]) -> dict[Target, np.ndarray]:
+        """The values of all that tracks move of materials, lights and cameras that are there."""
+        targets = {track.target for animation in self.animations for track in animation.tracks}
+        targets |= {target._replace(name=name) for target in targets if target.name in _EMISSION for name in _EMISSION}
+        values = {}
+        for target in sorted(targets):
+            kind, number, name = target
+            if kind == "material" and number in self.materials.numbers:
+                values[target] = self.materials.value(number, name)
+            elif kind in ("light", "camera") and number in (found := lights if kind == "light" else cameras):
+                thing: Any = found[number]
+                value = (thing.height or 0.0) / 2 if name == "ymag" else getattr(thing, name)
+                values[target] = np.array([np.nan if value is None else value], np.float64).ravel()
+        return values
 
     def _scene_nodes(self, index: int | None) -> tuple[str, list[int]]:
         """The name of the scene to show and its nodes, parents first."""

@@ -85,6 +85,7 @@ class EmbreeIntersector:
     def move(self, geometry: TraceGeometry) -> None:
         """embreex can neither refit a tree nor exchange a mesh: Embree builds a new one, of all triangles."""
         self._triangles = _Triangles(geometry)
+        self._is_see_through = np.array([instance.see_through for instance in geometry.instances], bool)
 
     def release(self) -> None:
         if self._coverage is not None:

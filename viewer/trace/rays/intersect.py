@@ -73,7 +73,7 @@ class Intersector(Protocol):
         """Write the answer to the wavefront's hit texture."""
 
     def move(self, geometry: TraceGeometry) -> None:
-        """Take triangles that have moved: as many as before, of the same kinds."""
+        """Take other triangles, such as those that have moved; some are see-through if and only if some were."""
 
     def release(self) -> None:
         """Free its resources on the device."""

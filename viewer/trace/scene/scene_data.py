@@ -8,6 +8,7 @@ import moderngl
 from ...gpu.context import Context
 from ...gpu.programs import set_uniform
 from ...scene.scene import Scene
+from ...scene.texture_image import TextureImage
 from .atlas import Atlas
 from .encode import add_geometry, add_materials, geometry_switches
 from .geometry import TraceGeometry
@@ -23,14 +24,20 @@ class SceneData:
     def __init__(self, context: Context, scene: Scene, geometry: TraceGeometry, everything: bool = False) -> None:
         self._context, self._name = context, scene.name
         self.switches = geometry_switches(scene, geometry, everything)
-        color = [use.texture.image for m in geometry.materials for use in m.color_maps]
-        data = [texture.image for m in geometry.materials for texture in m.data_textures]
+        self._everything = everything
+        color, data = _images(geometry)
         self._color = Atlas(context, color, True) if color else None
         self._data = Atlas(context, data, False) if data else None
         self.warnings = [line for atlas in (self._color, self._data) if atlas for line in atlas.layout.warnings]
         self.take(scene, geometry)
         self._uploaded = self.buffer
         self._textures: dict[str, tuple[int, moderngl.Texture]] = {}
+
+    def fits(self, scene: Scene, geometry: TraceGeometry) -> bool:
+        """Whether the textures and programs of another scene are the same."""
+        held = ({} if atlas is None else atlas.layout.pages for atlas in (self._color, self._data))
+        return (geometry_switches(scene, geometry, self._everything) == self.switches
+                and all(set(images) == pages.keys() for images, pages in zip(_images(geometry), held, strict=True)))
 
     def take(self, scene: Scene, geometry: TraceGeometry) -> None:
         """Begin a buffer for this scene, whose images are those in the atlases; it is to be uploaded."""
@@ -76,3 +83,9 @@ class SceneData:
                 atlas.cancel()
         for _, texture in self._textures.values():
             texture.release()
+
+
+def _images(geometry: TraceGeometry) -> tuple[list[TextureImage], list[TextureImage]]:
+    """The images of colours, and those of data."""
+    return ([use.texture.image for m in geometry.materials for use in m.color_maps],
+            [texture.image for m in geometry.materials for texture in m.data_textures])

@@ -8,7 +8,7 @@ from ...gpu.context import Context
 from ...scene.scene import Scene
 from ...settings import Settings
 from ..plan import TracePlan, plan_trace
-from ..rays.intersect import make_intersector
+from ..rays.intersect import EMBREE_TRIANGLES, make_intersector
 from .encode import geometry_switches
 from .geometry import trace_geometry
 from .lights import SceneLights
@@ -31,16 +31,17 @@ class TracedScene:
         """Whether these are the triangles and materials of that scene. Its lights may differ."""
         return scene.has_surfaces_of(self._scene)
 
-    def move(self, scene: Scene, settings: Settings) -> None:
-        """Take another pose of the scene, or any scene of the same layout: textures and programs stay."""
-        self.geometry = trace_geometry(scene, (self._scene, self.geometry))
-        self._data.take(scene, self.geometry)
+    def move(self, scene: Scene, settings: Settings) -> bool:
+        """Take another scene, such as another pose. Returns False if it needs other textures or programs."""
+        geometry = trace_geometry(scene, (self._scene, self.geometry))
+        is_huge = geometry.triangle_count > max(EMBREE_TRIANGLES, self.geometry.triangle_count)
+        if is_huge or not self._data.fits(scene, geometry):
+            return False
+        self.geometry = geometry
+        self._data.take(scene, geometry)
         self._set_lights(scene, settings, self._lights)
-        self.intersector.move(self.geometry)
-
-    def is_like(self, scene: Scene) -> bool:
-        """Whether `move` may take that scene."""
-        return scene.layout == self._scene.layout
+        self.intersector.move(geometry)
+        return True
 
     def relight(self, scene: Scene, settings: Settings) -> None:
         """Take the lights of a scene for which `holds` is true."""

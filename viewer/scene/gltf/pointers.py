@@ -1,0 +1,104 @@
+"""KHR_animation_pointer: what a JSON pointer moves. Those of materials follow from the declaration of materials."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from ..animation import Target
+from ..parameter import Feature
+from ..schema import MAPS, PARAMETERS
+from .element import Element
+
+_TRANSFORM = "extensions/KHR_texture_transform"
+_STRENGTH = "extensions/KHR_materials_emissive_strength/emissiveStrength"
+
+
+@dataclass(frozen=True)
+class Property:
+    """A property of a kind of things: its name in `Target`, the type of its values, and how many numbers they have.
+    `needs` is the JSON object, below the thing, without which the file does not have it.
+    """
+
+    name: str
+    kind: str
+    size: int
+    needs: str = ""
+
+
+def _of_materials() -> dict[str, Property]:
+    """By the pointer below the material."""
+    found = {_STRENGTH: Property("emissive_strength", "SCALAR", 1, _STRENGTH.rpartition("/")[0])}
+    for parameter in PARAMETERS.values():
+        place = _place(parameter.info.feature)
+        path = "/".join([*place, *parameter.info.key.split(".")])
+        texture = parameter.info.key.rpartition(".")[0]
+        kind = "SCALAR" if parameter.size == 1 else f"VEC{parameter.size}"
+        found[path] = Property(parameter.name, kind, parameter.size, _needs([*place, *[texture] * bool(texture)]))
+    for name, source in MAPS.items():
+        info = "/".join([*_place(source.info.feature), source.info.key])
+        for key, size in (("offset", 2), ("rotation", 1), ("scale", 2)):
+            found[f"{info}/{_TRANSFORM}/{key}"] = Property(
+                f"{name}_texture.{key}", "SCALAR" if size == 1 else "VEC2", size, f"{info}/{_TRANSFORM}")
+    return found
+
+
+def _place(feature: Feature) -> list[str]:
+    return ["extensions", feature.extension] * bool(feature.extension) + [feature.place] * bool(feature.place)
+
+
+def _needs(place: list[str]) -> str:
+    """The part of glTF 2.0 itself may be missing: all of its properties have defaults."""
+    return "" if place == ["pbrMetallicRoughness"] else "/".join(place)
+
+
+_LIGHT = {
+    "color": Property("color", "VEC3", 3), "intensity": Property("intensity", "SCALAR", 1),
+    "range": Property("range", "SCALAR", 1), "spot/innerConeAngle": Property("inner_cone", "SCALAR", 1),
+    "spot/outerConeAngle": Property("outer_cone", "SCALAR", 1),
+}
+_CAMERA = {
+    "perspective/yfov": Property("fov_y", "SCALAR", 1, "perspective"),
+    "perspective/znear": Property("near", "SCALAR", 1, "perspective"),
+    "orthographic/ymag": Property("ymag", "SCALAR", 1, "orthographic"),
+}
+_NODE = {
+    "translation": Property("translation", "VEC3", 3), "rotation": Property("rotation", "VEC4", 4),
+    "scale": Property("scale", "VEC3", 3), "weights": Property("weights", "SCALAR", 0),
+}
+_KINDS: tuple[tuple[str, str, dict[str, Property]], ...] = (
+    ("node", "nodes", _NODE), ("mesh", "meshes", {"weights": _NODE["weights"]}),
+    ("material", "materials", _of_materials()), ("camera", "cameras", _CAMERA),
+    ("light", "extensions/KHR_lights_punctual/lights", _LIGHT),
+)
+
+
+def resolve(root: Element, pointer: str) -> tuple[list[Target], Property] | None:
+    """The targets of a pointer and what they take; None if the file has nothing there, or nothing that is drawn.
+
+    The weights of a mesh are those of all nodes that show it and have none of their own.
+    """
+    for kind, array, properties in _KINDS:
+        match = re.fullmatch(rf"/{array}/(0|[1-9][0-9]{{0,8}})/(.+)", pointer)
+        if match is None:
+            continue
+        number, path = int(match[1]), match[2]
+        items = _at(root.value, array)
+        if not isinstance(items, list) or number >= len(items):
+            return None
+        weight = re.fullmatch(r"weights/(0|[1-9][0-9]{0,8})", path) if kind in ("node", "mesh") else None
+        found = Property(f"weights[{int(weight[1])}]", "SCALAR", 1) if weight else properties.get(path)
+        if found is None or (found.needs and not isinstance(_at(items[number], found.needs), dict)):
+            return None
+        if kind == "mesh":
+            nodes = [k for k, node in enumerate(root.array("nodes"))
+                     if node.value.get("mesh") == number and "weights" not in node]
+            return [Target("node", k, found.name) for k in nodes], found
+        return [Target(kind, number, found.name)], found
+    return None
+
+
+def _at(value: object, path: str) -> object:
+    for key in path.split("/"):
+        value = value.get(key) if isinstance(value, dict) else None
+    return value

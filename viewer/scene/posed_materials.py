@@ -1,0 +1,56 @@
+"""Materials at a time: the parameters and texture transforms that tracks move."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .animation import Target
+from .material import Material, UVTransform
+from .schema import PARAMETERS
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+
+def posed_materials(scene: Scene, values: dict[Target, np.ndarray]) -> tuple[Material, ...]:
+    """The materials of `scene` with the values of tracks, kept within the ranges of their parameters."""
+    rig = scene.rig
+    moved: dict[int, dict[str, Any]] = {}
+    for target, value in values.items():
+        if rig is not None and target.kind == "material" and target.number in rig.materials:
+            moved.setdefault(target.number, {})[target.name] = value
+    if rig is None or not moved:
+        return scene.materials
+    materials = list(scene.materials)
+    for number, changes in moved.items():
+        k = rig.materials[number]
+        materials[k] = _moved(materials[k], changes)
+    return scene.materials if tuple(materials) == scene.materials else tuple(materials)
+
+
+def plain(value: np.ndarray) -> Any:
+    """A value of a track as a field holds it: a number, or a tuple of numbers."""
+    numbers = value.tolist()
+    return numbers[0] if len(numbers) == 1 else tuple(numbers)
+
+
+def _moved(material: Material, values: dict[str, np.ndarray]) -> Material:
+    changes: dict[str, Any] = {}
+    for name, value in values.items():
+        if name in PARAMETERS:
+            info = PARAMETERS[name].info
+            is_special = info.special is not None and bool((value == info.special).all())
+            changes[name] = plain(value if is_special else np.clip(value, info.low, info.high))
+        elif "." in name:  # "base_color_texture.offset"
+            field, part = name.split(".")
+            texture = changes.get(field, getattr(material, field))
+            if texture is not None:
+                transform = replace(texture.transform or UVTransform(), **{part: plain(value)})
+                changes[field] = replace(texture, transform=transform)
+    if "emissive" in changes:  # which is multiplied by its strength
+        strength = max(float(values["emissive_strength"][0]), 0.0)
+        changes["emissive"] = tuple(channel * strength for channel in changes["emissive"])
+    return replace(material, **changes)
