@@ -10,16 +10,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
+from PIL import Image, features
 
 from ..base.quiet import without_warnings
 from ..errors import InputError
+from . import ktx2
 from .parameter import RGBA, WHITE
 
 MAX_SIDE = 1 << 14
 MAX_PIXELS = 1 << 27
-GLTF_FORMATS = ("PNG", "JPEG", "WEBP")
-MESH_FORMATS = (*GLTF_FORMATS, "BMP", "GIF", "TGA", "TIFF")
+GLTF_FORMATS = ("PNG", "JPEG", "WEBP", "AVIF", ktx2.FORMAT)
+MESH_FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "GIF", "TGA", "TIFF")
 """The image formats that materials of other mesh formats than glTF may use."""
 
 Buffer = bytes | memoryview
@@ -30,9 +31,9 @@ _ROWS = 256  # copied per step
 class TextureImage:
     """An encoded image whose header `open_texture_image` has checked; `name` is its file or place, for messages.
 
-    `bits` is the depth of a channel, 8 or 16. `format` is Pillow's name ("PNG", "JPEG", "WEBP", ...). `grey` is True if
-    the image has no colour, and `has_alpha` if texels may be transparent. `neutral`, RGBA in [0, 1], is the colour of
-    all texels if the data cannot be decoded.
+    `bits` is the depth of a channel, 8 or 16. `format` is Pillow's name ("PNG", "JPEG", "WEBP", ...) or "KTX2". `grey`
+    is True if the image has no colour, and `has_alpha` if texels may be transparent. `neutral`, RGBA in [0, 1], is the
+    colour of all texels if the data cannot be decoded.
     """
 
     name: str
@@ -74,6 +75,10 @@ class TextureImage:
         if self.bits == 16:
             with _as_input_error(self.name):
                 return _pick(_decode_16_bit(self), channels)
+        if self.format == ktx2.FORMAT:
+            with _as_input_error(self.name):
+                return _pick(ktx2.decode(bytes(self.data), ktx2.Header(self.width, self.height, self.has_alpha)),
+                             channels)
         with _as_input_error(self.name), Image.open(io.BytesIO(self.data), formats=(self.format,)) as image:
             image.load()
             plain = _plain_mode(image)
@@ -89,9 +94,19 @@ def open_texture_image(data: Buffer, name: str, formats: tuple[str, ...] = GLTF_
     Raises InputError if the image has none of `formats`, or more than MAX_SIDE texels per side or MAX_PIXELS in all. A
     file of a few kilobytes can declare gigabytes of pixels.
     """
-    with _as_input_error(name), Image.open(io.BytesIO(data), formats=formats) as image:
-        width, height, kind, mode = *image.size, str(image.format), image.mode
-        has_alpha = image.has_transparency_data
+    if ktx2.FORMAT in formats and bytes(data[:12]) == ktx2.IDENTIFIER:
+        if not ktx2.is_installed():
+            raise InputError(name, "", "is a KTX2 image, which this needs: pip install opengl_basisu")
+        with _as_input_error(name):
+            width, height, has_alpha = ktx2.read_header(data)
+        kind, mode = ktx2.FORMAT, "RGB"
+    else:
+        if bytes(data[4:12]) == b"ftypavif" and not features.check("avif"):
+            raise InputError(name, "", "is an AVIF image, which this Pillow cannot decode")
+        pillow = [name for name in formats if name != ktx2.FORMAT]
+        with _as_input_error(name), Image.open(io.BytesIO(data), formats=pillow) as image:
+            width, height, kind, mode = *image.size, str(image.format), image.mode
+            has_alpha = image.has_transparency_data
     if min(width, height) < 1 or max(width, height) > MAX_SIDE or width * height > MAX_PIXELS:
         raise InputError(name, "", f"has {width} x {height} texels; the limit is {MAX_SIDE} per side and {MAX_PIXELS} "
                                    "in all")

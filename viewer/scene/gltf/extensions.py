@@ -5,15 +5,16 @@ from __future__ import annotations
 from ..schema import FEATURES
 from . import draco, meshopt
 from .element import Element
+from .textures import IMAGE_EXTENSIONS
 
 SUPPORTED = frozenset({
-    "EXT_texture_webp",
     "KHR_animation_pointer",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
+    *IMAGE_EXTENSIONS,
     draco.EXTENSION,
     *meshopt.EXTENSIONS,
     *(feature.extension for feature in FEATURES if feature.extension),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ...errors import InputError
+from .. import ktx2
 from ..files import OutsideError
 from ..material import Filter, Sampler, Texture, UVTransform, Wrap
 from ..parameter import RGBA
@@ -18,6 +19,9 @@ _MIN_FILTERS: dict[int, tuple[Filter, Filter | None]] = {
     9728: ("nearest", None), 9729: ("linear", None), 9984: ("nearest", "nearest"), 9985: ("linear", "nearest"),
     9986: ("nearest", "linear"), 9987: ("linear", "linear")}
 MAX_UV_SETS = 2
+BASISU = "KHR_texture_basisu"
+IMAGE_EXTENSIONS = (BASISU, "EXT_texture_avif", "EXT_texture_webp")
+"""Each names an image in a format of its own, beside one for readers without the extension."""
 
 
 class Textures:
@@ -58,9 +62,12 @@ class Textures:
         return None if image is None else Texture(image, self._sampler(texture), uv_set, transform)
 
     def _image_index(self, texture: Element) -> int | None:
-        webp = texture.extension("EXT_texture_webp")
-        if webp is not None and "source" in webp:
-            return webp.index("source", len(self._images))
+        for name in IMAGE_EXTENSIONS:
+            extension = texture.extension(name)
+            if name == BASISU and "source" in texture and not ktx2.is_installed():
+                continue
+            if extension is not None and "source" in extension:
+                return extension.index("source", len(self._images))
         if "source" in texture:
             return texture.index("source", len(self._images))
         extensions = ", ".join(texture.object("extensions").value)
