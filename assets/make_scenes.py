@@ -280,6 +280,42 @@ def rough_diffuse() -> Glb:
     return glb
 
 
+def _waves(along: int) -> np.ndarray:
+    """A normal map of waves along u (0) or v (1)."""
+    slope = 0.6 * np.sin(np.arange(64) / 64 * 2 * np.pi * 6)
+    slope = np.broadcast_to(slope[None, :] if along == 0 else slope[:, None], (64, 64))
+    normal = np.stack([slope if along == 0 else 0 * slope, slope if along else 0 * slope, 1 + 0 * slope], -1)
+    return normal / np.linalg.norm(normal, axis=-1, keepdims=True) / 2 + 0.5
+
+
+def clearcoat() -> Glb:
+    """Clear coats. Above: over rough metal, smooth, half as strong, rough, and by textures of weight and roughness.
+    Below: over a normal map, waves of the coat alone, waves across those of the base, and over emission."""
+    glb, ball = Glb(), sphere(0.45, 32)
+    stripes = np.zeros((8, 16, 3))
+    stripes[:, ::2, 0] = 1.0
+    stripes[..., 1] = np.linspace(0.1, 1.0, 8)[:, None]
+    texture = glb.texture(stripes, magFilter=9728)
+    base, own = glb.texture(_waves(0)), glb.texture(_waves(1))
+    full, gold = {"clearcoatFactor": 1.0}, ((0.9, 0.6, 0.2), 1.0, 0.5)
+    red, black = ((0.5, 0.02, 0.02), 0.0, 0.6), ((0.0, 0.0, 0.0), 0.0, 1.0)
+    cases = [
+        (gold, full, {}), (gold, {"clearcoatFactor": 0.5}, {}), (gold, full | {"clearcoatRoughnessFactor": 0.4}, {}),
+        (red, full | {"clearcoatTexture": texture, "clearcoatRoughnessTexture": texture,
+                      "clearcoatRoughnessFactor": 0.5}, {}),
+        (red, full, {"normalTexture": base}),
+        (black, full | {"clearcoatNormalTexture": own | {"scale": 0.7}, "clearcoatRoughnessFactor": 0.3}, {}),
+        (gold, full | {"clearcoatNormalTexture": own}, {"normalTexture": base}),
+        (black, full, {"emissiveFactor": [0.2, 0.7, 0.3]}),
+    ]
+    for place, ((color, metallic, roughness), fields, others) in enumerate(cases):
+        material = glb.material(color, metallic, roughness, extensions={"KHR_materials_clearcoat": fields}, **others)
+        glb.node(glb.mesh(ball, material), translation=[place % 4 * 1.1 - 1.65, 0.55 - place // 4 * 1.1, 0])
+    glb.light("directional", (1, 2, 2), intensity=2.0)
+    glb.camera((0, 0, 8.6))
+    return glb
+
+
 def two_sided() -> Glb:
     """Open bowls, double-sided and not, upright and mirrored by a negative scale, one with a normal map."""
     glb = Glb()
@@ -354,7 +390,7 @@ def huge() -> Glb:
 
 
 SCENES = [spheres, normal_map, textures, alpha, lights, vertex_colors, emissive, unlit, specular_ior, glass,
-          anisotropy, specular_glossiness, rough_diffuse, two_sided, lines_points, occlusion, tiny, huge]
+          anisotropy, clearcoat, specular_glossiness, rough_diffuse, two_sided, lines_points, occlusion, tiny, huge]
 
 if __name__ == "__main__":
     save_scenes(SCENES, Path(__file__).parent / "scenes")

@@ -15,8 +15,9 @@ from viewer.scene.schema import MAPS
 from viewer.settings import Settings
 
 EVERY_MAP = {f"{name}_texture": MAP for name in MAPS}
+COATED = {"clearcoat": 1.0, "clearcoat_roughness": 0.5}
 GLASS = Material(metallic=0.5, emissive=(1, 1, 1), transmission=0.5, thickness=1.0, anisotropy_strength=0.5,
-                 **EVERY_MAP)
+                 **COATED, **EVERY_MAP)
 OPAQUE = Material(metallic=0.5, perceptual_roughness=0.3, emissive=(1, 1, 1), **EVERY_MAP)
 TRACED = {"reflections": "traced", "refraction": "traced", "environment_shadows": "64"}
 
@@ -44,5 +45,9 @@ def test_glass_with_every_map_is_not_traced_and_says_so():
     assert not found.has_traced_refraction
     assert "traced refraction of 1 surface: with their maps a program would sample more than 16 textures" \
         in found.left_out
+    *_, last = MAPS
+    assert f"the map {last} of 1 surface: with their maps a program would sample more than 16 textures" \
+        in found.left_out
+    assert last not in found.draws[0].maps and "transmission" in found.draws[0].maps
     fewer = Material(metallic=0.0, transmission=0.5, thickness=1.0, base_color_texture=MAP)
     assert planned(fewer, refraction="traced").has_traced_refraction

@@ -16,6 +16,7 @@ struct Surface {
     float alpha;   // below DELTA_ALPHA a mirror; if ANISOTROPIC, the alpha along the bitangent
     float alpha_t; // if ANISOTROPIC, the alpha along the tangent
     float diffuse_roughness; // if DIFFUSE_ROUGH, sigma of the diffuse base
+    float coat, coat_alpha; // if CLEARCOAT, the weight of the clear coat and its alpha
 };
 
 // The cosines of one reflection; D, G and F are functions of them.

@@ -1,11 +1,15 @@
 // The BSDF of an opaque surface: the only place that composes its layers. Lights, the environment and the path tracer
 // all use it.
-//   f = (1 - metallic) (dielectric + throughput of the dielectric * diffuse base) + metallic * metal
-// Khronos Group 2021, "glTF 2.0 Specification", appendix B; KHR_materials_specular, _ior, _anisotropy,
+//   f = coat + throughput of the coat * base
+//   base = (1 - metallic) (dielectric + throughput of the dielectric * diffuse base) + metallic * metal
+// Khronos Group 2021, "glTF 2.0 Specification", appendix B; KHR_materials_specular, _ior, _anisotropy, _clearcoat,
 // _diffuse_roughness.
 // METALNESS: 0 dielectric, 1 metal, 2 a mixture. Dielectric and metal are evaluated separately and mixed last, because
 // multiple scattering is not linear in f0.
 #include "bsdf/facets.glsl"
+#if CLEARCOAT
+#include "bsdf/layer/coat.glsl"
+#endif
 #include "bsdf/layer/dielectric.glsl"
 #include "bsdf/layer/diffuse.glsl"
 #include "bsdf/layer/metal.glsl"
@@ -23,6 +27,9 @@ struct SurfaceView {
     float NoV;
     vec2 dfg;                   // (a, b) of the split sum for NoV
     float perceptual_roughness; // for reading the DFG table
+#if CLEARCOAT
+    Coat coat;                  // the raster composes it itself, since it has a normal of its own
+#endif
 };
 
 // This is a macro so that the unused branch is not compiled.
@@ -48,7 +55,7 @@ SurfaceView view_surface(Surface s, float NoV, float perceptual_roughness, vec2 
     return v;
 }
 
-// f for a light direction. dv = D V of the facets, dfg_light = (a, b) of the split sum for NoL
+// f of the base for a light direction. dv = D V of the facets, dfg_light = (a, b) of the split sum for NoL
 vec3 surface_response(Surface s, SurfaceView v, Angles a, float dv, vec2 dfg_light) {
     return MIX_METAL(s,
         dielectric_response(v.dielectric, s.ior, a.VoH, dv, dfg_light)
@@ -56,7 +63,7 @@ vec3 surface_response(Surface s, SurfaceView v, Angles a, float dv, vec2 dfg_lig
         metal_response(v.metal, a.VoH, dv, dfg_light));
 }
 
-// Radiance reflected from an environment; the arguments are those of interface_environment.
+// Radiance that the base reflects from an environment; the arguments are those of interface_environment.
 vec3 surface_environment(Surface s, SurfaceView v, mat2x3 specular, vec3 mean_light) {
     return MIX_METAL(s,
         interface_environment(v.dielectric, v.dfg, specular, mean_light)
@@ -70,12 +77,7 @@ float surface_throughput(Surface s, SurfaceView v) {
 }
 
 // ---- The surface as a lobe, as bsdf/bsdf.glsl defines it, with wo and wi in the local frame. A sample is taken from
-// the facets or from the diffuse part, with probabilities in proportion to their albedos.
-
-SurfaceView surface_view(Surface s, float NoV, sampler2D dfg) {
-    float roughness = table_roughness(s);
-    return view_surface(s, NoV, roughness, dfg_albedo(dfg, NoV, roughness), dfg_mean(dfg, roughness));
-}
+// the coat, from the facets or from the diffuse part, with probabilities in proportion to their albedos.
 
 // The albedo of single scattering by the facets
 vec3 single_albedo(Surface s, SurfaceView v) {
@@ -95,8 +97,19 @@ float facet_probability(Surface s, SurfaceView v) {
     return multiple > 0.0 ? single / (single + multiple) : 1.0;
 }
 
-// xyz: f, w: the pdf
-vec4 surface_eval_pdf(Surface s, SurfaceView v, vec3 wo, vec3 wi, sampler2D dfg) {
+// n_coat is the normal of the coat, in the local frame.
+SurfaceView surface_view(Surface s, vec3 wo, vec3 n_coat, sampler2D dfg) {
+    float roughness = table_roughness(s);
+    SurfaceView v = view_surface(s, wo.z, roughness, dfg_albedo(dfg, wo.z, roughness), dfg_mean(dfg, roughness));
+#if CLEARCOAT
+    v.coat = make_coat(s.coat, s.coat_alpha, n_coat, dot(n_coat, wo), dfg);
+    v.coat.probability = coat_probability(v.coat, luminance(single_albedo(s, v) + multiple_albedo(s, v)));
+#endif
+    return v;
+}
+
+// xyz: f cos, w: the pdf
+vec4 base_eval_pdf(Surface s, SurfaceView v, vec3 wo, vec3 wi, sampler2D dfg) {
     if (wo.z <= 0.0 || wi.z <= 0.0) return vec4(0.0);
     Angles a = local_angles(wo, wi);
     float dv = 0.0, facets = 0.0;
@@ -105,10 +118,11 @@ vec4 surface_eval_pdf(Surface s, SurfaceView v, vec3 wo, vec3 wi, sampler2D dfg)
         facets = pdf_facet_reflection(s, wo, normalize(wo + wi));
     }
     vec3 f = surface_response(s, v, a, dv, dfg_albedo(dfg, wi.z, v.perceptual_roughness));
-    return vec4(f, mix(pdf_diffuse(s, wo, wi), facets, facet_probability(s, v)));
+    return vec4(f * wi.z, mix(pdf_diffuse(s, wo, wi), facets, facet_probability(s, v)));
 }
 
-BsdfSample surface_sample(Surface s, SurfaceView v, vec3 wo, vec3 u, sampler2D dfg) {
+// Of a direction that is no mirror's, weight and pdf are still those of nothing.
+BsdfSample base_sample(Surface s, SurfaceView v, vec3 wo, vec3 u, sampler2D dfg) {
     if (wo.z <= 0.0) return NO_SAMPLE;
     float p = facet_probability(s, v);
     vec3 wi;
@@ -122,23 +136,54 @@ BsdfSample surface_sample(Surface s, SurfaceView v, vec3 wo, vec3 u, sampler2D d
         wi = normalize(2.0 * dot(wo, h) * h - wo);
     }
     if (wi.z <= 0.0) return NO_SAMPLE;
-    vec4 f = surface_eval_pdf(s, v, wo, wi, dfg);
-    return BsdfSample(wi, f.rgb * (wi.z / max(f.w, 1e-30)), f.w, REFLECTION, 1.0);
+    return BsdfSample(wi, vec3(0.0), 0.0, REFLECTION, 1.0);
 }
 
+// xyz: f cos, w: the pdf of surface_sample, both without mirrors
+vec4 surface_eval_pdf(Surface s, SurfaceView v, vec3 wo, vec3 wi, sampler2D dfg) {
+    vec4 f = base_eval_pdf(s, v, wo, wi, dfg);
+#if CLEARCOAT
+    f = coat_eval_pdf(v.coat, wo, wi, f, dfg);
+#endif
+    return f;
+}
+
+BsdfSample surface_sample(Surface s, SurfaceView v, vec3 wo, vec3 u, sampler2D dfg) {
+    BsdfSample b;
+#if CLEARCOAT
+    bool is_coat = coat_is_chosen(v.coat, u);
+    if (is_coat) b = coat_sample(v.coat, wo, u.xy);
+    else b = base_sample(s, v, wo, u, dfg);
+    if ((b.flags & DELTA) != 0u) return coat_delta(v.coat, is_coat, b);
+#else
+    b = base_sample(s, v, wo, u, dfg);
+    if ((b.flags & DELTA) != 0u) return b;
+#endif
+    if (b.flags == 0u) return b;
+    vec4 f = surface_eval_pdf(s, v, wo, b.wi, dfg);
+    return BsdfSample(b.wi, f.rgb / max(f.w, 1e-30), f.w, REFLECTION, 1.0);
+}
+
+const vec3 SURFACE_NORMAL = vec3(0.0, 0.0, 1.0);
+
 vec3 surface_eval(Surface m, vec3 wo, vec3 wi, sampler2D dfg) {
-    return surface_eval_pdf(m, surface_view(m, wo.z, dfg), wo, wi, dfg).rgb;
+    if (wi.z <= 0.0) return vec3(0.0);
+    return surface_eval_pdf(m, surface_view(m, wo, SURFACE_NORMAL, dfg), wo, wi, dfg).rgb / wi.z;
 }
 
 float surface_pdf(Surface m, vec3 wo, vec3 wi, sampler2D dfg) {
-    return surface_eval_pdf(m, surface_view(m, wo.z, dfg), wo, wi, dfg).w;
+    return surface_eval_pdf(m, surface_view(m, wo, SURFACE_NORMAL, dfg), wo, wi, dfg).w;
 }
 
 BsdfSample surface_sample(Surface m, vec3 wo, vec3 u, sampler2D dfg) {
-    return surface_sample(m, surface_view(m, wo.z, dfg), wo, u, dfg);
+    return surface_sample(m, surface_view(m, wo, SURFACE_NORMAL, dfg), wo, u, dfg);
 }
 
 vec3 surface_albedo(Surface m, float NoV, sampler2D dfg) {
-    SurfaceView v = surface_view(m, NoV, dfg);
-    return single_albedo(m, v) + multiple_albedo(m, v);
+    SurfaceView v = surface_view(m, vec3(sqrt(max(1.0 - NoV * NoV, 0.0)), 0.0, NoV), SURFACE_NORMAL, dfg);
+    vec3 albedo = single_albedo(m, v) + multiple_albedo(m, v);
+#if CLEARCOAT
+    albedo = coat_over(v.coat, coat_albedo(v.coat), albedo);
+#endif
+    return albedo;
 }

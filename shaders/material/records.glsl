@@ -12,10 +12,10 @@
 uniform int u_materials;
 
 const uint BASE_COLOR_ROLE = 1u, EMISSIVE_ROLE = 2u, SPECULAR_COLOR_ROLE = 4u, SPECULAR_GLOSSINESS_ROLE = 8u;
-const uint METALLIC_ROUGHNESS_ROLE = 1u, SPECULAR_ROLE = 2u, TRANSMISSION_ROLE = 4u, ANISOTROPY_ROLE = 8u, DIFFUSE_ROUGHNESS_ROLE = 16u;
+const uint METALLIC_ROUGHNESS_ROLE = 1u, SPECULAR_ROLE = 2u, TRANSMISSION_ROLE = 4u, ANISOTROPY_ROLE = 8u, DIFFUSE_ROUGHNESS_ROLE = 16u, CLEARCOAT_ROLE = 32u, CLEARCOAT_ROUGHNESS_ROLE = 64u;
 
 int material_texel(int material, int part) {
-    return u_materials + material * 6 + part;
+    return u_materials + material * 7 + part;
 }
 
 vec4 base_color_factor(int material) {
@@ -66,14 +66,26 @@ float diffuse_roughness_factor(int material) {
     return scene_float4(material_texel(material, 4)).z;
 }
 
-float alpha_cutoff_factor(int material) {
+float clearcoat_factor(int material) {
     return scene_float4(material_texel(material, 4)).w;
 }
 
+float clearcoat_roughness_factor(int material) {
+    return scene_float4(material_texel(material, 5)).x;
+}
+
+float clearcoat_normal_scale_factor(int material) {
+    return scene_float4(material_texel(material, 5)).y;
+}
+
+float alpha_cutoff_factor(int material) {
+    return scene_float4(material_texel(material, 5)).z;
+}
+
 // The records of the material's maps: x colour maps and y data maps, as index of the first record |
-// number of records << 24; z the normal map's record + 1, or 0
+// number of records << 24; z that of the normal map + 1, w that of the coat's normal map + 1, or 0
 uvec4 map_records(int material) {
-    return scene_uint4(material_texel(material, 5));
+    return scene_uint4(material_texel(material, 6));
 }
 
 // `color` is the interpolated vertex colour.
@@ -90,6 +102,10 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
 #if ANISOTROPIC
     m.anisotropy_strength = anisotropy_strength_factor(material);
     m.anisotropy_rotation = anisotropy_rotation_factor(material);
+#endif
+#if CLEARCOAT
+    m.clearcoat = clearcoat_factor(material);
+    m.clearcoat_roughness = clearcoat_roughness_factor(material);
 #endif
 #if DIFFUSE_ROUGH
     m.diffuse_roughness = diffuse_roughness_factor(material);
@@ -155,6 +171,16 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
 #if DIFFUSE_ROUGH
         if (has_role(map, DIFFUSE_ROUGHNESS_ROLE)) {
             m.diffuse_roughness *= texel.r;
+        }
+#endif
+#if CLEARCOAT
+        if (has_role(map, CLEARCOAT_ROLE)) {
+            m.clearcoat *= texel.r;
+        }
+#endif
+#if CLEARCOAT
+        if (has_role(map, CLEARCOAT_ROUGHNESS_ROLE)) {
+            m.clearcoat_roughness *= texel.g;
         }
 #endif
     }

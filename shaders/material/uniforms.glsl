@@ -17,6 +17,13 @@ uniform vec3 u_emissive;
 uniform float u_anisotropy_strength;
 uniform float u_anisotropy_rotation;
 #endif
+#if CLEARCOAT
+uniform float u_clearcoat;
+uniform float u_clearcoat_roughness;
+#endif
+#if CLEARCOAT_NORMAL_MAP
+uniform float u_clearcoat_normal_scale;
+#endif
 #if DIFFUSE_ROUGH
 uniform float u_diffuse_roughness;
 #endif
@@ -150,6 +157,33 @@ vec4 diffuse_roughness_texel() {
 }
 #endif
 
+#if CLEARCOAT_MAP
+uniform sampler2D u_clearcoat_map;
+uniform mat3x2 u_clearcoat_transform;
+vec4 clearcoat_texel() {
+    return texture(u_clearcoat_map, map_uv(CLEARCOAT_UV, CLEARCOAT_TRANSFORM,
+        u_clearcoat_transform, CLEARCOAT_MIRROR));
+}
+#endif
+
+#if CLEARCOAT_ROUGHNESS_MAP
+uniform sampler2D u_clearcoat_roughness_map;
+uniform mat3x2 u_clearcoat_roughness_transform;
+vec4 clearcoat_roughness_texel() {
+    return texture(u_clearcoat_roughness_map, map_uv(CLEARCOAT_ROUGHNESS_UV, CLEARCOAT_ROUGHNESS_TRANSFORM,
+        u_clearcoat_roughness_transform, CLEARCOAT_ROUGHNESS_MIRROR));
+}
+#endif
+
+#if CLEARCOAT_NORMAL_MAP
+uniform sampler2D u_clearcoat_normal_map;
+uniform mat3x2 u_clearcoat_normal_transform;
+vec4 clearcoat_normal_texel() {
+    return texture(u_clearcoat_normal_map, map_uv(CLEARCOAT_NORMAL_UV, CLEARCOAT_NORMAL_TRANSFORM,
+        u_clearcoat_normal_transform, CLEARCOAT_NORMAL_MIRROR));
+}
+#endif
+
 MaterialInputs read_inputs() {
     MaterialInputs m = DEFAULT_INPUTS;
     m.base_color = u_base_color;
@@ -159,6 +193,10 @@ MaterialInputs read_inputs() {
 #if ANISOTROPIC
     m.anisotropy_strength = u_anisotropy_strength;
     m.anisotropy_rotation = u_anisotropy_rotation;
+#endif
+#if CLEARCOAT
+    m.clearcoat = u_clearcoat;
+    m.clearcoat_roughness = u_clearcoat_roughness;
 #endif
 #if DIFFUSE_ROUGH
     m.diffuse_roughness = u_diffuse_roughness;
@@ -238,6 +276,18 @@ MaterialInputs read_inputs() {
     {
         vec4 texel = diffuse_roughness_texel();
         m.diffuse_roughness *= texel.r;
+    }
+#endif
+#if CLEARCOAT_MAP
+    {
+        vec4 texel = clearcoat_texel();
+        m.clearcoat *= texel.r;
+    }
+#endif
+#if CLEARCOAT_ROUGHNESS_MAP
+    {
+        vec4 texel = clearcoat_roughness_texel();
+        m.clearcoat_roughness *= texel.g;
     }
 #endif
 #if HAS_COLOR

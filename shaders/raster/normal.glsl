@@ -20,11 +20,12 @@ vec3 geometric_normal() {
     return n;
 }
 
-vec3 shading_normal(vec3 n) {
-#if NORMAL_MAP && HAS_TANGENT
-    // Tangent space as in MikkTSpace: bitangent = w cross(n, t), without orthogonalisation of the interpolated vectors.
-    vec3 texel = normal_texel().xyz * (255.0 / 127.5) - 1.0;
-    texel.xy *= u_normal_scale;
+#if (NORMAL_MAP || CLEARCOAT_NORMAL_MAP) && HAS_TANGENT
+// The normal of a texel of a normal map. Tangent space as in MikkTSpace: bitangent = w cross(n, t), without
+// orthogonalisation of the interpolated vectors.
+vec3 mapped_normal(vec3 texel, float scale) {
+    texel = texel * (255.0 / 127.5) - 1.0;
+    texel.xy *= scale;
     vec3 t = mesh_tangent();
     vec3 front = normalize(v_normal);
     vec3 b = cross(front, t) * v_tangent.w;
@@ -33,10 +34,27 @@ vec3 shading_normal(vec3 n) {
     if (!gl_FrontFacing) mapped = -mapped;
 #endif
     return mapped;
+}
+#endif
+
+vec3 shading_normal(vec3 n) {
+#if NORMAL_MAP && HAS_TANGENT
+    return mapped_normal(normal_texel().xyz, u_normal_scale);
 #else
     return n;
 #endif
 }
+
+#if CLEARCOAT
+// The coat does not follow the normal map of what lies below.
+vec3 coat_normal(vec3 n) {
+#if CLEARCOAT_NORMAL_MAP && HAS_TANGENT
+    return mapped_normal(clearcoat_normal_texel().xyz, u_clearcoat_normal_scale);
+#else
+    return n;
+#endif
+}
+#endif
 
 #if ANISOTROPIC
 // The frame of an anisotropic lobe: the tangent along which highlights are stretched, the bitangent, and n

@@ -104,11 +104,22 @@ void main() {
 #if SHOW_EMISSION
     radiance += m.emissive;
 #endif
+#if CLEARCOAT
+    float coat_alpha = max(s.coat_alpha, MIN_PERCEPTUAL_ROUGHNESS * MIN_PERCEPTUAL_ROUGHNESS);
+    vec3 n_coat = coat_normal(p.n_geometric);
+#if SPECULAR_AA
+    coat_alpha = alpha_antialiased(coat_alpha, dFdx(n_coat), dFdy(n_coat));
+#endif
+    view.coat = make_coat(s.coat, coat_alpha, n_coat, clamp(dot(n_coat, p.v), 1e-4, 1.0), u_dfg);
+#endif
 #if HAS_TRANSMISSION
     vec3 transmitted = transmitted_light(m, p.n, p.n_geometric, p.v, blur);
     float throughput = surface_throughput(s, view) * m.transmission;
     radiance += throughput * entering_tint(m.base_color.rgb) * transmitted * float(SHOW_SPECULAR);
     s.base_color *= 1.0 - m.transmission; // the rest is scattered diffusely
+#endif
+#if CLEARCOAT
+    radiance *= view.coat.throughput;
 #endif
 #if HAS_ENVIRONMENT || INDIRECT
     float occlusion = 1.0;

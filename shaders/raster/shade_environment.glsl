@@ -41,6 +41,32 @@ vec3 stretched_reflection(Point p, Surface s) {
 #endif
 #endif
 
+#if CLEARCOAT
+// The same for the coat, along its own lobe. Rays are traced for what lies below it only.
+vec3 coat_environment(Point p, Coat c, float occlusion, vec4 visible) {
+    mat2x3 specular = mat2x3(0.0);
+    vec3 around = vec3(0.0);
+#if HAS_ENVIRONMENT
+    SplitSum split_sum = dfg_lookup(u_dfg, c.NoV, c.perceptual_roughness);
+    specular[0] = reflected_along(p, c.n, split_sum.t.x, split_sum.roughness.x);
+    specular[1] = reflected_along(p, c.n, split_sum.t.y, split_sum.roughness.y);
+    around = environment_irradiance_over_pi(c.n);
+#endif
+#if OCCLUSION_MAP
+    around *= occlusion;
+    specular *= specular_occlusion(c.NoV, occlusion, c.alpha);
+#endif
+#if VISIBILITY
+    around *= visible.rgb;
+    specular *= visible.a;
+#endif
+#if INDIRECT
+    add_indirect(c.NoV, c.alpha, specular, around);
+#endif
+    return coat_environment(c, specular, around);
+}
+#endif
+
 vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, vec4 visible, SplitSum split_sum) {
     mat2x3 specular = mat2x3(0.0);
     vec3 mean_light = vec3(0.0);
@@ -87,5 +113,9 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
     float weight = mirrored.a >= 0.0 ? 1.0 - smoothstep(0.2, 0.5, view.perceptual_roughness) : 0.0;
     for (int k = 0; k < 2; ++k) specular[k] = mix(specular[k], mirrored.rgb, weight);
 #endif
-    return surface_environment(s, view, specular, mean_light);
+    vec3 radiance = surface_environment(s, view, specular, mean_light);
+#if CLEARCOAT
+    radiance = coat_over(view.coat, coat_environment(p, view.coat, occlusion, visible), radiance);
+#endif
+    return radiance;
 }

@@ -8,8 +8,17 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
     vec3 h = between * inversesqrt(max(dot(between, between), 1e-30));
 #if SUNS
     vec3 slopes_x = dFdx(h - p.n), slopes_y = dFdy(h - p.n); // derivatives are undefined after a fragment returns
+#if CLEARCOAT
+    vec3 coat_x = dFdx(h - view.coat.n), coat_y = dFdy(h - view.coat.n);
 #endif
+#endif
+#if CLEARCOAT
+    float coat_NoL = dot(view.coat.n, l);
+    if ((NoL <= 0.0 && coat_NoL <= 0.0) || h == vec3(0.0)) return vec3(0.0);
+    NoL = max(NoL, 0.0);
+#else
     if (NoL <= 0.0 || h == vec3(0.0)) return vec3(0.0); // straight from behind there is no half vector
+#endif
 #if SHADOW_LAYERS > 0
     float layer = u_lights[i].direction.w;
     if (layer >= 0.0) {
@@ -34,5 +43,22 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
 #else
     const vec2 dfg = vec2(0.0);
 #endif
-    return surface_response(s, view, a, d * facet_v(s, a), dfg) * irradiance * NoL;
+    vec3 radiance = surface_response(s, view, a, d * facet_v(s, a), dfg) * irradiance * NoL;
+#if CLEARCOAT
+    vec3 coat = vec3(0.0);
+    if (coat_NoL > 0.0) {
+        Coat c = view.coat;
+        vec3 c_x_h = cross(c.n, h);
+        float c_o_h = clamp(dot(c.n, h), 0.0, 1.0);
+        float coat_d = d_microfacet(c_o_h, dot(c_x_h, c_x_h), c.alpha);
+#if SUNS
+        if (radius2 > 0.0) coat_d = min(coat_d, max_sun_d(c.alpha, radius2, a.VoH, coat_x, coat_y));
+#endif
+        float dv = coat_d * v_microfacet(c.NoV, coat_NoL, c_o_h, a.VoH, c.alpha);
+        vec2 coat_dfg = dfg_albedo(u_dfg, coat_NoL, c.perceptual_roughness);
+        coat = coat_response(c, a.VoH, dv, coat_dfg) * irradiance * coat_NoL;
+    }
+    radiance = coat_over(view.coat, coat, radiance);
+#endif
+    return radiance;
 }

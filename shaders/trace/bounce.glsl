@@ -4,7 +4,7 @@
 #include "trace/write_state.glsl"
 #include "trace/clamp.glsl"
 #include "trace/mis.glsl"
-#include "trace/material.glsl"
+#include "trace/emission.glsl"
 #include "media/medium.glsl"
 #if HAS_LIGHTS
 #include "trace/lights.glsl"
@@ -37,7 +37,7 @@ void add_emission(inout Path p, Interaction i, SurfaceMaterial m, vec3 wo) {
         weight = bsdf_weight(p.pdf, emitter_pdf(i.emitter, i.area, path_length, dot(i.n_geometric, wo)));
     }
 #endif
-    p.radiance += clamped(p.throughput * m.emission * weight, p.depth);
+    p.radiance += clamped(p.throughput * through_coat(m.emission, i, m.inputs, wo) * weight, p.depth);
 #endif
 }
 

@@ -1,5 +1,5 @@
 // Points on emissive triangles, uniform by area. An emitter is one texel of the scene buffer: instance, triangle.
-#include "trace/material.glsl"
+#include "trace/emission.glsl"
 
 uniform int u_emitters;
 
@@ -23,7 +23,7 @@ vec3 sample_emitter(int k, vec3 p, vec2 u, out vec3 l, out float distance, out f
     if ((tri.flags & FLAG_DOUBLE_SIDED) != 0) facing = abs(facing);
     pdf = facing > 0.0 ? 2.0 * distance * distance / facing : 0.0; // d^2 / (A cos)
     if (pdf == 0.0) return vec3(0.0);
-    vec3 radiance = emission_at(hit);
+    vec3 radiance = emission_towards(hit, -l);
 #if HAS_SEE_THROUGH
     radiance *= coverage_at(hit);
 #endif

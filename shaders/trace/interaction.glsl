@@ -16,6 +16,9 @@ struct Interaction {
 #if ANISOTROPIC
     vec3 tangent, bitangent; // of the mesh; 0 where it has none
 #endif
+#if CLEARCOAT
+    vec3 n_coat;      // shading normal of the clear coat, bent alike
+#endif
     vec2 uv0, uv1;
     vec4 color;       // of the vertices
     int material;
@@ -63,6 +66,20 @@ vec3 unit_or(vec3 v, vec3 otherwise) {
     return largest > 1e-36 ? normalize(v / largest) : otherwise;
 }
 
+#if HAS_NORMAL_MAP
+// The normal of the normal map with the record `map` - 1, or n if `map` is 0. As raster/normal.glsl. A loop of at most
+// one step stands for an `if`, because software OpenGL skips only loops.
+vec3 mapped_normal(int map, float scale, Interaction i, vec3 along, vec3 across, vec3 n) {
+    vec3 mapped = n;
+    for (int k = map; k > 0; k = 0) {
+        vec3 texel = sample_atlas(u_data_atlas, texture_map(k - 1, i.uv0, i.uv1)).xyz * (255.0 / 127.5) - 1.0;
+        texel.xy *= scale;
+        mapped = unit_or(texel.x * along + texel.y * across + texel.z * n, n);
+    }
+    return mapped;
+}
+#endif
+
 Interaction interact(Hit hit, vec3 wo) {
     Triangle tri = find_triangle(hit);
     vec4 p0 = scene_float4(tri.corners.x), p1 = scene_float4(tri.corners.y), p2 = scene_float4(tri.corners.z);
@@ -103,6 +120,9 @@ Interaction interact(Hit hit, vec3 wo) {
     c *= scale;
     vec3 stored = normal_v.xyz;
     vec3 n = unit_or(hand * vec3(dot(cross(b, c), stored), dot(cross(c, a), stored), dot(cross(a, b), stored)), front);
+#if CLEARCOAT
+    vec3 n_coat = n; // the coat does not follow the normal map of what lies below
+#endif
 #if HAS_TANGENT
     vec4 tangent = interpolate(tri, VERTEX_TANGENT);
     tangent = vec4(to_tracer * tangent.xyz, tangent.w * hand);
@@ -113,13 +133,12 @@ Interaction interact(Hit hit, vec3 wo) {
     i.bitangent = across;
 #endif
 #if HAS_NORMAL_MAP
-    // As raster/normal.glsl. A loop of at most one step stands for an `if`, because software OpenGL skips only loops.
     vec3 front_n = n;
-    for (int k = int(map_records(i.material).z); k > 0; k = 0) {
-        vec3 texel = sample_atlas(u_data_atlas, texture_map(k - 1, i.uv0, i.uv1)).xyz * (255.0 / 127.5) - 1.0;
-        texel.xy *= normal_scale_factor(i.material);
-        n = unit_or(texel.x * along + texel.y * across + texel.z * front_n, front_n);
-    }
+    n = mapped_normal(int(map_records(i.material).z), normal_scale_factor(i.material), i, along, across, front_n);
+#if CLEARCOAT
+    n_coat = mapped_normal(int(map_records(i.material).w), clearcoat_normal_scale_factor(i.material), i, along, across,
+                           front_n);
+#endif
 #endif
     i.n = bend_normal(n, i.n_geometric, wo);
     i.t = tangent_beside(i.n, tangent.xyz);
@@ -128,5 +147,8 @@ Interaction interact(Hit hit, vec3 wo) {
     i.t = orthonormal_basis(i.n)[0];
 #endif
     i.b = cross(i.n, i.t);
+#if CLEARCOAT
+    i.n_coat = bend_normal(n_coat, i.n_geometric, wo);
+#endif
     return i;
 }

@@ -3,8 +3,6 @@
 #include "trace/bounce.glsl"
 #include "trace/camera.glsl"
 
-uniform sampler2D u_dfg;
-
 layout(location = 0) out vec4 o_albedo; // rgb, 1
 layout(location = 1) out vec4 o_normal; // world axes, towards the camera's side; distance along the ray in world units
 layout(location = 2) out vec4 o_emission;
@@ -21,6 +19,7 @@ void main() {
     // The same random number as in the pass that shades this surface
     if (continues_straight(p, m, is_back, vertex_numbers(path_sample(texel, p.left), p, LIGHT_GROUP).w)) discard;
 
+    m.emission = through_coat(m.emission, i, m.inputs, wo);
     vec3 albedo = surface_albedo(surface_of(m.inputs), dot(i.n, wo), u_dfg);
     if (m.is_unlit) albedo = m.inputs.base_color.rgb;
     if (is_glass) albedo = vec3(1.0);

@@ -2,20 +2,23 @@
 // direction. The file of a kind defines the following before it includes this file,
 //   TRANSMITS                                   1 if light may leave on the other side, else 0
 //   struct Bsdf                                 the BSDF for one wo
-//   Bsdf bsdf_at(Interaction i, SurfaceMaterial m, float NoV)
-//   vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi)     rgb: f, w: the pdf of bsdf_sample; 0 for delta lobes
+//   Bsdf bsdf_at(Interaction i, SurfaceMaterial m, vec3 wo, vec3 n_coat)
+//   vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi)     rgb: f |cos|, w: the pdf of bsdf_sample; 0 for delta lobes
 //   BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u)
-// with wo and wi in the frame of the shading normal (bsdf/bsdf.glsl).
+// with wo, wi and the normal n_coat of the clear coat in the frame of the shading normal (bsdf/bsdf.glsl).
 #include "trace/bounce.glsl"
 
 // The side of the surface on which wi lies: 1 for the side of wo, -1 for the other, 0 if no light may go there. That is
 // the case for the other side of an opaque surface, and where the shading and the geometric normal disagree about the
-// side.
+// side. A clear coat has a shading normal of its own.
 float side_of(Interaction i, vec3 wi, float NoL) {
     float side = dot(wi, i.n_geometric);
 #if TRANSMITS
     return side * NoL > 0.0 ? sign(side) : 0.0;
 #else
+#if CLEARCOAT
+    NoL = max(NoL, dot(i.n_coat, wi));
+#endif
     return side > 0.0 && NoL > 0.0 ? 1.0 : 0.0;
 #endif
 }
@@ -86,7 +89,12 @@ void main() {
 
     mat3 frame = shading_frame(i, m.inputs);
     vec3 local_wo = wo * frame;
-    Bsdf bsdf = bsdf_at(i, m, local_wo.z);
+#if CLEARCOAT
+    vec3 n_coat = i.n_coat * frame;
+#else
+    const vec3 n_coat = vec3(0.0, 0.0, 1.0);
+#endif
+    Bsdf bsdf = bsdf_at(i, m, local_wo, n_coat);
 #if HAS_LIGHTS
     LightSample light = sample_light(i.position, u_light.xyz);
     vec3 local_wi = light.direction * frame;
@@ -94,7 +102,7 @@ void main() {
     if (light_side != 0.0) {
         vec4 f = bsdf_eval_pdf(bsdf, local_wo, local_wi);
         send_shadow_ray(p, i.position, light_side * i.n_geometric, medium_at(p, i, m, light_side), light,
-                        f.rgb * abs(local_wi.z), f.w);
+                        f.rgb, f.w);
     }
 #endif
     BsdfSample b = bsdf_sample(bsdf, local_wo, u_bsdf.xyz);

@@ -1,19 +1,17 @@
 // Opaque surfaces: the layered BSDF of bsdf/surface.glsl.
 #include "bsdf/surface_of.glsl"
-#include "trace/material.glsl"
+#include "trace/emission.glsl"
 
 #define TRANSMITS 0
-
-uniform sampler2D u_dfg;
 
 struct Bsdf {
     Surface surface;
     SurfaceView view;
 };
 
-Bsdf bsdf_at(Interaction i, SurfaceMaterial m, float NoV) {
+Bsdf bsdf_at(Interaction i, SurfaceMaterial m, vec3 wo, vec3 n_coat) {
     Surface s = surface_of(m.inputs);
-    return Bsdf(s, surface_view(s, NoV, u_dfg));
+    return Bsdf(s, surface_view(s, wo, n_coat, u_dfg));
 }
 
 vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi) {

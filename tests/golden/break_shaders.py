@@ -124,6 +124,18 @@ MUTATIONS = [
              "f += eon_multiple_albedo(rho, sigma) *", "f += 0.0 *"),
     Mutation("rough diffuse lit along the normal", "raster/shade_environment.glsl",
              "environment_irradiance_over_pi(diffuse_axis(s, p.n, p.v, p.NoV))", "environment_irradiance_over_pi(p.n)"),
+    Mutation("coat takes nothing from what lies below", "bsdf/layer/coat.glsl", "coat + c.throughput * below",
+             "coat + below"),
+    Mutation("coat takes nothing from emission", "raster/pbr.frag", "radiance *= view.coat.throughput;", ""),
+    Mutation("coat follows the bumps below", "raster/pbr.frag", "vec3 n_coat = coat_normal(p.n_geometric);",
+             "vec3 n_coat = p.n;"),
+    Mutation("coat without bumps of its own", "raster/normal.glsl",
+             "return mapped_normal(clearcoat_normal_texel().xyz, u_clearcoat_normal_scale);", "return n;"),
+    Mutation("coat as rough as what lies below", "bsdf/surface_of.glsl",
+             "m.clearcoat_roughness * m.clearcoat_roughness", "alphas.y"),
+    Mutation("coat reflects no environment", "bsdf/layer/coat.glsl", "return single * float(SHOW_SPECULAR) +",
+             "return 0.0 * single +"),
+    Mutation("coat reflects no light", "raster/shade_light.glsl", "* irradiance * coat_NoL;", "* 0.0;"),
     Mutation("exposure ignored", "display/display.frag", "straight * u_exposure", "straight"),
 ]
 

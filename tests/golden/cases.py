@@ -74,6 +74,7 @@ CASES = [
     Case("anisotropy", "anisotropy"),
     Case("specular-glossiness", "specular-glossiness"),
     Case("rough-diffuse", "rough-diffuse"),
+    Case("clearcoat", "clearcoat"),
     Case("glass", "glass"),
     Case("glass-alone", "glass", view="close", settings={"background": "none"}),
     Case("glass-traced", "glass", settings={"refraction": "traced"}),

@@ -196,12 +196,30 @@ def plaster() -> tuple[Scene, Camera]:
                  lights=(Light.from_angles(0.1, 0.5, 2.0),), environment=sides()), VIEW
 
 
+def coated() -> tuple[Scene, Camera]:
+    """Coats over metal, over bumps, with bumps of their own over a lamp, and over a rough pane of glass."""
+    bumps = [Texture(image_of((np.array([128, 128, 255]) + np.random.default_rng(k).uniform(-80, 80, (4, 4, 3))
+                               * [1, 1, 0]).astype(np.uint8))) for k in (12, 13)]
+    weight = Texture(image_of(smooth_noise(3, 14)))
+    materials = [
+        FLOOR, Material(base_color=(0.9, 0.5, 0.3, 1), perceptual_roughness=0.5, clearcoat=1.0),
+        Material(base_color=(0.02, 0.04, 0.1, 1), normal_texture=bumps[0], clearcoat=1.0, clearcoat_texture=weight,
+                 clearcoat_roughness=0.5, clearcoat_roughness_texture=weight, **PLASTIC),
+        Material(base_color=(0, 0, 0, 1), emissive=(1.5, 1.0, 0.4), clearcoat=1.0, clearcoat_roughness=0.2,
+                 clearcoat_normal_texture=bumps[1], **PLASTIC),
+        Material(perceptual_roughness=0.4, clearcoat=1.0, double_sided=True, **(GLASS | {"thickness": 0.0}))]
+    placed = [(plate(1 + k, 0.5), _turned(k % 2 - 0.5, 1.2 - k // 2, 0.0, 0.3 - 0.6 * (k % 2))) for k in range(4)]
+    return scene(*placed, (plate(0, 3.0), facing_floor(y=-0.4)), materials=materials, lights=(SUN,),
+                 environment=sides()), Camera.look_at((0.0, 1.2, 3.4), (0.0, 0.7, 0.0), fov_y=np.radians(38))
+
+
 CASES = [
     PathCase("maps", maps),
     PathCase("metal", metal),
     PathCase("brushed", brushed),
     PathCase("specular-glossiness", specular_glossiness),
     PathCase("plaster", plaster),
+    PathCase("coated", coated),
     PathCase("glass-smooth", glass_smooth),
     PathCase("glass-rough", glass_rough),
     PathCase("glass-absorbing", glass_absorbing),

@@ -106,6 +106,22 @@ def test_anisotropy():
     assert read({"extensions": {"KHR_materials_anisotropy": {}}}) == (Material(), ())
 
 
+def test_clearcoat():
+    builder = GltfBuilder()
+    a, b, c = builder.texture(), builder.texture(), builder.texture()
+    material, _ = read({"extensions": {"KHR_materials_clearcoat": {
+        "clearcoatFactor": 0.8, "clearcoatTexture": {"index": a}, "clearcoatRoughnessFactor": 0.3,
+        "clearcoatRoughnessTexture": {"index": b},
+        "clearcoatNormalTexture": {"index": c, "texCoord": 1, "scale": 0.5}}}}, builder)
+    assert (material.clearcoat, material.clearcoat_roughness, material.clearcoat_normal_scale) == (0.8, 0.3, 0.5)
+    assert material.clearcoat_texture is not None and material.clearcoat_roughness_texture is not None
+    assert material.clearcoat_normal_texture.uv_set == 1
+    assert read({"extensions": {"KHR_materials_clearcoat": {}}}) == (Material(), ())
+    _, warnings = read({"extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 2}}})
+    assert warnings == (
+        "materials[0].extensions.KHR_materials_clearcoat.clearcoatFactor: 2 is out of range; 1 is used",)
+
+
 def test_anisotropy_without_tangents_or_coordinates_is_left_out_and_said():
     _, warnings = read({"extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 2}}})
     assert warnings == (

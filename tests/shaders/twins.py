@@ -300,6 +300,20 @@ def _dimming():
     return cosines, np.array(found) * (1 + 0.5 - 2 / (3 * np.pi))
 
 
+def standard_coated(m, wo, wi):
+    """KHR_materials_clearcoat: an interface of index 1.5 over all, which lets 1 less its directional albedo through."""
+    base, (coat_alpha,) = standard(m, wo, wi), np.unique(m["coat_alpha"])
+    weight, coat_alpha = m["coat"][..., None], float(coat_alpha)
+    dv, VoH = ggx_reflection(np.full((*wo.shape[:-1], 2), coat_alpha), wo, wi)
+    mean = weight * (0.04 + 0.96 / 21)
+    coat = schlick(0.04 * weight, weight, VoH) * dv[..., None]
+    coat = coat + kulla_conty(coat_alpha, mean, wo[..., 2], wi[..., 2])
+    E = ggx_albedo(wo[..., 2], coat_alpha)[..., None]
+    E_mean = ggx_mean_albedo(coat_alpha)
+    multiple = mean**2 * E_mean / (1 - mean * (1 - E_mean)) * (1 - E)
+    return coat + (1 - weight * ggx_albedo(wo[..., 2], coat_alpha, 0.04, 1.0)[..., None] - multiple) * base
+
+
 def _layers(m, alphas, alpha, wo, wi, base=None):
     """`alphas` are those of D V, (..., 2); `alpha` that of the albedo, for all; `base` that is not Lambert's."""
     dv, VoH = ggx_reflection(alphas, wo, wi)

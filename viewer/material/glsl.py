@@ -75,7 +75,7 @@ def _records() -> str:
         lines += [f"{_TYPES[place.size]} {name}_factor(int material) {{",
                   f"    return scene_float4(material_texel(material, {place.texel})).{place.swizzle};", "}", ""]
     lines += ["// The records of the material's maps: x colour maps and y data maps, as index of the first record |",
-              "// number of records << 24; z the normal map's record + 1, or 0",
+              "// number of records << 24; z that of the normal map + 1, w that of the coat's normal map + 1, or 0",
               "uvec4 map_records(int material) {",
               f"    return scene_uint4(material_texel(material, {MAPS_TEXEL}));", "}", "",
               "// `color` is the interpolated vertex colour.",

@@ -49,8 +49,8 @@ COLOR_ROLES = {m.name: 1 << k for k, m in enumerate(m for m in MAPS.values() if 
 DATA_ROLES = {m.name: 1 << k for k, m in enumerate(
     m for m in MAPS.values()
     if m.info.path_traced and not m.info.srgb and (multiplied_by(m.name) or m.info.raw_channels))}
-"""Bits in the record of a texture: the maps that it is used as. The normal map, which is neither multiplied nor kept in
-the inputs, has its own record."""
+"""Bits in the record of a texture: the maps that it is used as. Normal maps, which are neither multiplied nor kept in
+the inputs, have records of their own."""
 
 
 def uniforms(material: Material) -> Iterator[tuple[str, Value]]:

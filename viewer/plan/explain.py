@@ -9,7 +9,7 @@ from typing import TypedDict
 from ..material.fold import without_constant_maps
 from ..material.use import texture_bytes
 from ..scene.light import Light
-from ..scene.material import ANISOTROPY, TRANSMISSION, VOLUME
+from ..scene.material import ANISOTROPY, CLEARCOAT, TRANSMISSION, VOLUME
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.schema import MAPS, SWITCHED
@@ -70,6 +70,10 @@ def _used(plan: Plan) -> tuple[str, ...]:
         lines.append("traced refraction in solid glass: two paths per shaded point")
     if plan.has_indirect:
         lines.append("indirect light, path traced once at the vertices")
+    for layer, what in _LAYERS.items():
+        count = sum(dict(draw.program.switches).get(layer.switch, 0) for draw in plan.draws)
+        if count:
+            lines.append(f"{what} of {_count(count, 'surface')}")
     textures = {(draw.material, name): texture for draw in plan.draws for name in draw.maps
                 if (texture := MAPS[name].texture(draw.surface))}
     if textures:
@@ -113,6 +117,7 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
             lines.append(f"{what} of {_count(surfaces, 'surface')}: with their maps a program would sample more than "
                          f"{MAX_SAMPLERS} textures")
     lines += omitted_anisotropy(scene, settings) + _ignored_by_phong(scene, settings)
+    lines += _omitted_layers(plan, settings)
     if any_lit and not plan.has_indirect and settings.mode == "pbr":
         reason = "not requested" if settings.indirect == "off" else "the scene is convex: no surface sees another"
         lines.append(f"indirect light: {reason}")
@@ -155,6 +160,15 @@ def _ignored_by_phong(scene: Scene, settings: Settings) -> list[str]:
             if "phong" not in f.models and f not in (TRANSMISSION, VOLUME) and any(map(f.is_on, lit))]
 
 
+def _omitted_layers(plan: Plan, settings: Settings) -> list[str]:
+    """Lines for layers that no program has."""
+    if settings.mode == "phong":
+        return []
+    return [f"{what}: no surface has one" for layer, what in _LAYERS.items()
+            if not any(dict(draw.program.switches).get(layer.switch, 0) for draw in plan.draws)]
+
+
+_LAYERS = {CLEARCOAT: "clear coat"}
 _GIVEN_UP = {
     "TRACED_REFRACTION": "traced refraction",
     "TRACED_REFLECTION": "traced reflections",

@@ -44,7 +44,7 @@ class Draw:
     transmits: int
     blank_maps: tuple[str, ...] = ()
     given_up: tuple[str, ...] = ()
-    """Switches that are off because the program would sample too many textures."""
+    """Switches, those of maps among them, that are off because the program would sample too many textures."""
 
     @property
     def uses_visibility(self) -> bool:

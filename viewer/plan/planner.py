@@ -51,7 +51,7 @@ def environment_use(scene: Scene, settings: Settings) -> tuple[bool, bool]:
     meshes = (scene.meshes[instance.mesh] for instance in scene.instances)
     lit = [material for mesh in meshes if is_lit(mesh, material := scene.materials[mesh.material])]
     shows = settings.mode == "pbr" and settings.lobes in ("all", "specular")
-    return bool(lit), shows and any(material.has_interface for material in lit)
+    return bool(lit), shows and any(material.reflects for material in lit)
 
 
 def plan_scene(
@@ -229,7 +229,7 @@ def stretched_lobes(material: Material) -> int:
 
 def _pbr_switches(material: Material, settings: Settings) -> dict[str, int]:
     return {
-        "REFLECTS": int(material.has_interface),
+        "REFLECTS": int(material.reflects),
         "METALNESS": metalness(material),
         **bsdf_switches(settings),
         "STRETCHED_LOBES": stretched_lobes(material),

@@ -111,16 +111,17 @@ def _all_on(program: Program, common: Mapping[str, int]) -> dict[str, int]:
     """The program's switches with all features on that may be, and as many maps as there are free samplers."""
     switches, fragment = dict(program.switches), program.fragment
     switches |= {name: 1 for name in _combinations(fragment) if name in switches} | {"UV_SETS": 3}
+    more: list[dict[str, int]] = []
     if fragment != "raster/unlit.frag":
-        switches |= common
-    if fragment == "raster/pbr.frag" and switches["METALNESS"] != 1:  # transmissive surfaces trace no reflections
-        more = switches | {"METALNESS": 2, "HAS_TRANSMISSION": 1}
-        may_transmit = not switches["TRACED_REFLECTION"] and sampler_count(more) <= MAX_SAMPLERS
-        switches = more if may_transmit else switches | {"METALNESS": 2}
-    for name in _maps(fragment):
-        more = switches | {f"{name}_MAP": 1, f"{name}_TRANSFORM": 1}
-        if switches[f"{name}_MAP"] or sampler_count(more) <= MAX_SAMPLERS:
-            switches = more
+        more += [{name: value} for name, value in common.items()]
+    if fragment == "raster/pbr.frag" and switches["METALNESS"] != 1:
+        switches["METALNESS"] = 2
+        if not switches["TRACED_REFLECTION"]:  # transmissive surfaces trace no reflections
+            more += [{"HAS_TRANSMISSION": 1}]
+    more += [{f"{name}_MAP": 1, f"{name}_TRANSFORM": 1} for name in _maps(fragment)]
+    for extra in more:
+        if sampler_count(switches | extra) <= max(MAX_SAMPLERS, sampler_count(switches)):
+            switches |= extra
     return switches
 
 

@@ -86,6 +86,9 @@ SPECULAR_GLOSSINESS = Feature(
     "specular and glossiness", "KHR_materials_pbrSpecularGlossiness", switch="SPECULAR_GLOSSINESS", models=_LIT,
     is_on=lambda m: m.specular_glossiness_texture is not None)
 
+CLEARCOAT = Feature(
+    "clear coat", "KHR_materials_clearcoat", switch="CLEARCOAT", is_on=lambda m: m.clearcoat > 0)
+
 
 @dataclass(frozen=True)
 class Material:
@@ -182,6 +185,25 @@ class Material:
     diffuse_roughness_texture: Texture | None = texture_map(
         "diffuseRoughnessTexture", "roughness of the diffuse base", of=DIFFUSE_ROUGHNESS, channels="R",
         has_effect=lambda m: m.diffuse_roughness > 0 and m.is_dielectric)
+    clearcoat: float = parameter(
+        0.0, "clearcoatFactor", "weight of the clear coat's reflection", of=CLEARCOAT, low=0.0, high=1.0,
+        times="clearcoat.R")
+    clearcoat_texture: Texture | None = texture_map(
+        "clearcoatTexture", "weight of the clear coat's reflection", of=CLEARCOAT, channels="R",
+        has_effect=lambda m: m.clearcoat > 0)
+    clearcoat_roughness: float = parameter(
+        0.0, "clearcoatRoughnessFactor", "square root of the alpha of the clear coat's microfacets", of=CLEARCOAT,
+        low=0.0, high=1.0, times="clearcoat_roughness.G")
+    clearcoat_roughness_texture: Texture | None = texture_map(
+        "clearcoatRoughnessTexture", "roughness of the clear coat", of=CLEARCOAT, channels="G",
+        has_effect=lambda m: m.clearcoat > 0 and m.clearcoat_roughness > 0)
+    clearcoat_normal_texture: Texture | None = texture_map(
+        "clearcoatNormalTexture", "normal of the clear coat in tangent space, +Y up", of=CLEARCOAT, channels="RGB",
+        neutral=(0.5, 0.5, 1.0, 1.0), has_effect=lambda m: m.clearcoat > 0 and m.clearcoat_normal_scale != 0,
+        needs_tangents=True)
+    clearcoat_normal_scale: float = parameter(
+        1.0, "clearcoatNormalTexture.scale", "scales the x and y of the clear coat's mapped normal", of=CLEARCOAT,
+        role="argument", switch="CLEARCOAT_NORMAL_MAP")
     alpha_mode: AlphaMode = "opaque"
     alpha_cutoff: float = parameter(
         0.5, "alphaCutoff", "if alpha_mode is mask, alpha below the cutoff is a hole", of=CORE, low=0.0,
@@ -202,8 +224,14 @@ class Material:
 
     @property
     def has_interface(self) -> bool:
-        """Whether light is reflected or refracted at a specular interface; otherwise the surface is Lambertian."""
+        """Whether light is reflected or refracted at a specular interface below the clear coat; otherwise what lies
+        below the coat is Lambertian."""
         return self.specular > 0 or self.metallic > 0 or self.transmits
+
+    @property
+    def reflects(self) -> bool:
+        """Whether it reflects light specularly, at its interface or at its clear coat."""
+        return self.has_interface or CLEARCOAT.is_on(self)
 
     @property
     def absorption(self) -> np.ndarray:

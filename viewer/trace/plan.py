@@ -165,6 +165,7 @@ _SURFACES = {
     "HAS_NORMAL_MAP": "normal maps",
     "ANISOTROPIC": "anisotropic highlights",
     "DIFFUSE_ROUGH": "rough diffuse reflection",
+    "CLEARCOAT": "clear coats",
     "HAS_COLOR": "vertex colours",
     "HAS_EMISSION": "emission",
     "HAS_SEE_THROUGH": "code for what alpha leaves open",

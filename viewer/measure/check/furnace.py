@@ -12,7 +12,7 @@ from ...raster.renderer import Renderer
 from ...scene.camera import Camera
 from ...scene.furnace import whitened
 from ...scene.light import Light
-from ...scene.material import Material
+from ...scene.material import CLEARCOAT, Material
 from ...scene.schema import MAPS
 from ...settings import Settings
 from .checks import Check
@@ -29,6 +29,8 @@ MATERIALS = {
     "half metal": Material(metallic=0.5),
     "white plaster": Material(metallic=0.0, diffuse_roughness=1.0),
     "glass-like plastic, IOR 2.4": Material(metallic=0.0, ior=2.4),
+    "smoothly coated metal": Material(metallic=1.0, clearcoat=1.0),
+    "roughly coated plastic": Material(metallic=0.0, clearcoat=1.0, clearcoat_roughness=0.6),
 }
 
 
@@ -122,15 +124,17 @@ def check_material(renderer: Renderer, name: str, material: Material, settings: 
     yield Check("not negative", f"{name}, lights to grazing", max(0.0, -min(_lit_minima(renderer, bare, options))), 0.0)
     if material.perceptual_roughness >= 0.2:  # the pixels of the pictures would miss a smoother lobe
         balance = check_balance(renderer, name, bare, **options)
-        yield replace(balance, expected=_may_gain(settings) and not balance.passed)
+        yield replace(balance, expected=_may_gain(material, settings) and not balance.passed)
 
 
-def _may_gain(settings: Settings) -> bool:
-    """Whether the settings are known to gain energy.
+def _may_gain(material: Material, settings: Settings) -> bool:
+    """Whether light of one direction is known to gain energy.
 
-    Lobes with another lobe's masking, or none, do at grazing angles, and the diffuse base is scaled for Schlick's
-    Fresnel alone.
+    Lobes with another lobe's masking, or none, gain at grazing angles, and the diffuse base is scaled for Schlick's
+    Fresnel alone. What a clear coat lets through depends on the viewer's direction alone.
     """
+    if CLEARCOAT.is_on(material):
+        return True
     borrowed = settings.ndf == "blinn-phong" and settings.masking != "v-cavity"
     return borrowed or settings.masking == "none" or settings.fresnel == "exact"
 

@@ -46,6 +46,8 @@ def _case(lobe: Lobe, white: Sequence[dict], drawn: bool) -> LobeCase:
         # Narrower lobes are mirrors or fall between the nodes. What is drawn is isotropic, the others are a case apart.
         alpha = np.repeat(alpha[:, :1], 2, axis=1) if alpha.ndim == 2 and drawn else alpha
         arrays["alpha"] = np.where((alpha > 0) & (alpha < ALPHA[0]), ALPHA[0], alpha)
+    if "coat_alpha" in arrays:  # a mirror beside a lobe that is none would be missing in the integrals
+        arrays |= {name: np.maximum(arrays[name], ALPHA[0]) for name in ("alpha", "coat_alpha")}
     expected = {_CHECKS[name] for name in lobe.failures}
     # Light sent back along its way gains what it gained, and a factor that knows one side alone gains on the other.
     if lobe.failures.keys() & {"energy", "reciprocity"}:

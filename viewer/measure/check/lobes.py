@@ -63,7 +63,8 @@ class Lobe:
     `white` are the parameters for the white furnace. `failures` are checks that the model is known to fail, each with
     the reason: energy (reflects more than it receives), furnace (is white and reflects less), reciprocity. `transmits`
     is how light continues beyond the surface: refracted by the struct's eta, or "mirrored": in the direction of
-    reflection, mirrored at the surface's plane.
+    reflection, mirrored at the surface's plane. `unused` are members of the struct that the defines leave without
+    effect.
     """
 
     name: str
@@ -75,6 +76,7 @@ class Lobe:
     table: tuple[str, str] | None = ("ggx", "smith")
     defines: Mapping[str, int] = field(default_factory=dict)
     transmits: Literal["", "refracted", "mirrored"] = ""
+    unused: Mapping[str, float] = field(default_factory=dict)
 
     def eval(self, m: Mapping[str, Any], wo: Any, wi: Any, context: Context | None = None) -> np.ndarray:
         """f, without the cosine, (..., 3)."""
@@ -105,7 +107,7 @@ class Lobe:
             from ...bake.dfg import dfg_table
 
             arrays["dfg"] = dfg_table(*self.table)
-        return call_glsl(f"bsdf/{self.file}.glsl", f"{self.prefix}_{function}", m=m, **arrays,
+        return call_glsl(f"bsdf/{self.file}.glsl", f"{self.prefix}_{function}", m={**self.unused, **m}, **arrays,
                          defines=self.defines, context=context)
 
 
@@ -140,19 +142,30 @@ def _glass(name: str, masking: str) -> Lobe:
                 "mirrored" if is_thin else "refracted")
 
 
-def _surface(name: str, *switches: str, **white: float) -> Lobe:
-    """The composition of surface.glsl with these switches on."""
-    off = {"ANISOTROPIC": 0, "DIFFUSE_ROUGH": 0}
+_SURFACE = {"base_color": COLOR, "metallic": UNIT, "f0": F0, "f90": UNIT,
+            "ior": ParameterRange(1.0, 3.0, (0.0, 1.0, 1.5)), "alpha": ALPHA, "alpha_t": ALPHA}
+_WHITE_SURFACE = {"base_color": 1.0, "metallic": 1.0, "f0": 0.04, "f90": 1.0, "ior": 1.5, "alpha": 0.5, "alpha_t": 0.5}
+_LAYERS = {
     # A rough base takes f0 to be below f90, as it is in every material.
-    f90 = ParameterRange(1.0, 1.0, (1.0,)) if "DIFFUSE_ROUGH" in switches else UNIT
-    return Lobe(name, "surface", "surface",
-                {"base_color": COLOR, "metallic": UNIT, "f0": F0, "f90": f90,
-                 "ior": ParameterRange(1.0, 3.0, (0.0, 1.0, 1.5)), "alpha": ALPHA, "alpha_t": ALPHA,
-                 "diffuse_roughness": UNIT},
-                {"base_color": 1.0, "metallic": 1.0, "f0": 0.04, "f90": 1.0, "ior": 1.5, "alpha": 0.5, "alpha_t": 0.5,
-                 "diffuse_roughness": 0.0, **white},
-                defines={"NDF": 0, "MASKING": 0, "FRESNEL": 0, "METALNESS": 2, **off, **dict.fromkeys(switches, 1),
-                         **_SHOW_ALL})
+    "DIFFUSE_ROUGH": ({"f90": ParameterRange(1.0, 1.0, (1.0,)), "diffuse_roughness": UNIT},
+                      {"metallic": 0.0, "diffuse_roughness": 1.0}),
+    "CLEARCOAT": ({"coat": UNIT, "coat_alpha": ALPHA}, {"coat": 1.0, "coat_alpha": 0.1}),
+}
+"""By its switch, what a feature adds to the surface's members: their ranges, and their values for the furnace."""
+
+
+def _surface(name: str, *features: str, failures: Mapping[str, str] | None = None) -> Lobe:
+    """The surface with the features of these switches; `failures` as in `Lobe`."""
+    parameters, white = dict(_SURFACE), dict(_WHITE_SURFACE)
+    unused: dict[str, float] = {}
+    for switch, (ranges, values) in _LAYERS.items():
+        if switch in features:
+            parameters, white = parameters | ranges, white | values
+        else:
+            unused |= dict.fromkeys(ranges.keys() - _SURFACE.keys(), 0.0)
+    switches = {name: int(name in features) for name in ("ANISOTROPIC", *_LAYERS)}
+    return Lobe(name, "surface", "surface", parameters, white, failures or {}, unused=unused, defines={
+        "NDF": 0, "MASKING": 0, "FRESNEL": 0, "METALNESS": 2, **switches, **_SHOW_ALL})
 
 
 _MICROFACETS = tuple(
@@ -186,7 +199,9 @@ LOBES: tuple[Lobe, ...] = (
     *(_glass(name, masking) for name in ("dielectric", "thin_dielectric") for masking in MASKINGS[:2]),
     _surface("standard"),
     _surface("standard anisotropic", "ANISOTROPIC"),
-    _surface("standard rough", "DIFFUSE_ROUGH", metallic=0.0, diffuse_roughness=1.0),
+    _surface("standard rough", "DIFFUSE_ROUGH"),
+    _surface("standard coated", "CLEARCOAT", failures={
+        "reciprocity": "what the coat lets through depends on wo alone, so that stacks of any layers stay white"}),
     *_MICROFACETS,
 )
 """All of them, the comparisons of microfacet.glsl last."""

@@ -26,7 +26,7 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
     color = [use for m in materials for use in m.color_maps]
     data = [texture for m in materials for texture in m.data_textures]
     textures = [use.texture for use in color] + data
-    has_normal_map = any(m.normal_map is not None for m in materials)
+    has_normal_map = any(m.normal_maps for m in materials)
     features = [feature_switches(m.material, "unlit" if m.material.unlit else "pbr") for m in materials]
     switches = {
         "HAS_TEXTURES": bool(textures),
@@ -113,9 +113,10 @@ def add_materials(
         return first
 
     for material in geometry.materials:
-        normal = -1 if material.normal_map is None else add((MapUse(material.normal_map, 0),), data_pages)
+        normals = [-1 if texture is None else add((MapUse(texture, 0),), data_pages)
+                   for texture in (material.normal_map, material.clearcoat_normal_map)]
         color, data = add(material.color_maps, color_pages), add(material.data_maps, data_pages)
-        materials.append(material_texels(material, color, data, normal))
+        materials.append(material_texels(material, color, data, *normals))
     buffer.add("materials", np.concatenate(materials))
     buffer.add("maps", np.concatenate(maps))
 

@@ -47,6 +47,7 @@ class TraceMaterial:
     color_maps: tuple[MapUse, ...]
     data_maps: tuple[MapUse, ...]
     normal_map: Texture | None
+    clearcoat_normal_map: Texture | None
     transmits: bool
     medium: Medium
     is_thin: bool
@@ -54,8 +55,12 @@ class TraceMaterial:
     @property
     def data_textures(self) -> list[Texture]:
         """The textures that are read from the data atlas."""
-        normal = [self.normal_map] if self.normal_map is not None else []
-        return [use.texture for use in self.data_maps] + normal
+        return [use.texture for use in self.data_maps] + self.normal_maps
+
+    @property
+    def normal_maps(self) -> list[Texture]:
+        """Of the base and of the clear coat, those that there are."""
+        return [texture for texture in (self.normal_map, self.clearcoat_normal_map) if texture is not None]
 
 
 def trace_material(material: Material, mesh: Mesh) -> TraceMaterial:
@@ -78,16 +83,21 @@ def trace_material(material: Material, mesh: Mesh) -> TraceMaterial:
         _emission_last(uses(COLOR_ROLES)),
         uses(DATA_ROLES),
         material.normal_texture if "normal" in names else None,
+        material.clearcoat_normal_texture if "clearcoat_normal" in names else None,
         transmits,
         VACUUM if is_thin or not transmits else Medium(tuple(material.absorption.tolist())),
         is_thin,
     )
 
 
-def material_texels(material: TraceMaterial, first_color: int, first_data: int, normal: int) -> np.ndarray:
-    """(RECORD_TEXELS, 4) uint32. The last three arguments are numbers of records of maps; `normal` is -1 for none."""
+def material_texels(
+    material: TraceMaterial, first_color: int, first_data: int, normal: int, clearcoat_normal: int
+) -> np.ndarray:
+    """(RECORD_TEXELS, 4) uint32. The other arguments are numbers of records of maps; those of normals are -1 for none.
+    """
     values = record(material.material)
-    maps = (first_color | len(material.color_maps) << 24, first_data | len(material.data_maps) << 24, normal + 1, 0)
+    maps = (first_color | len(material.color_maps) << 24, first_data | len(material.data_maps) << 24, normal + 1,
+            clearcoat_normal + 1)
     return np.concatenate([values.view(np.uint32), np.array([maps], np.uint32)])
 
 
