@@ -46,6 +46,19 @@ def test_the_studio_is_neutral_and_lights_the_side_that_is_seen():
     assert radiance.max() < 10
 
 
+def test_the_ground_fades_into_the_sky_at_the_horizon_and_is_grey_below():
+    """Aerial perspective: of the ground, exp(-0.02 / sin of the angle below the horizon) is left."""
+    radiance = load_environment("sky").radiance
+    height = len(radiance)
+    above, below = (radiance[row].astype(float) @ LUMINANCE for row in (height // 2 - 1, height // 2))
+    assert np.abs(below / above - 1).max() < 0.01
+    ground = 0.2  # of a white surface's 1
+    angles = np.pi * (np.arange(height // 2) + 0.5) / height
+    left = np.exp(-0.02 / np.sin(angles))
+    expected = left * ground + (1 - left) * above[0]
+    assert np.allclose(radiance[height // 2:, 0] @ LUMINANCE, expected, rtol=3e-3)
+
+
 def test_the_sky_lights_the_ground_with_pi_and_most_of_it_is_sun():
     radiance = load_environment("sky").radiance
     assert irradiance(radiance, [0, 1, 0]) @ LUMINANCE == pytest.approx(np.pi, rel=2e-3)

@@ -74,12 +74,15 @@ SUN_AZIMUTH, SUN_ELEVATION = math.radians(-35.0), math.radians(42.0)
 SUN_RADIUS = math.radians(0.53 / 2)
 TURBIDITY = 3.0
 GROUND_ALBEDO = 0.2
+HAZE = 0.02
+"""Optical depth of the air straight below the eye: 200 m where the visibility is 40 km. By Koschmieder 1924 a contrast
+of 0.02 is left at the visibility, so the extinction is -ln 0.02 / 40 km. It softens the edge of the ground."""
 _SOLAR_ILLUMINANCE = 128.0  # klx outside the atmosphere
 
 
 @lru_cache(maxsize=1)
 def sky() -> np.ndarray:
-    """A clear sky (Preetham, Shirley and Smits 1999) over a grey ground, with a sun disk of 0.53 degrees.
+    """A clear sky (Preetham, Shirley and Smits 1999) with a sun disk of 0.53 degrees, over a grey ground in haze.
 
     It is scaled so that a horizontal white surface has radiance 1 under sky and sun together.
     """
@@ -92,7 +95,10 @@ def sky() -> np.ndarray:
     illuminance = _sun_illuminance(SUN_ELEVATION)
     down = directions[:, :1, 1:2] * texel_solid_angles(HEIGHT, WIDTH)[upper, None, None]
     on_ground = (radiance[upper] * down).sum(axis=(0, 1)) + illuminance * sun[1]
-    radiance[HEIGHT // 2:] = GROUND_ALBEDO * on_ground / np.pi
+    lower = slice(HEIGHT // 2, HEIGHT)
+    seen = np.exp(HAZE / texel_directions(HEIGHT, WIDTH, lower)[:, :1, 1:2]).astype(np.float32)
+    ground, horizon = GROUND_ALBEDO * on_ground / np.pi, radiance[HEIGHT // 2 - 1]
+    radiance[lower] = seen * ground.astype(np.float32) + (1 - seen) * horizon
     radiance += disk[:, :, None] * illuminance.astype(np.float32)
     return radiance * np.float32(np.pi / (on_ground @ LUMINANCE))
 
