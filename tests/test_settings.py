@@ -24,7 +24,7 @@ def test_every_setting_has_a_default_among_its_choices_and_a_meaning():
     for name, choices in setting_choices().items():
         assert getattr(Settings(), name) in choices and len(choices) > 1 and setting_meanings()[name]
     of_numbers = setting_meanings().keys() - setting_choices().keys()
-    assert of_numbers == {"bounces", "light_radius", "clamp"} < RANGES.keys()
+    assert of_numbers == {"background_blur", "bounces", "light_radius", "clamp"} < RANGES.keys()
     own_options = {"mode", "background", "exposure", "tonemap", "spp", "time_budget", "error", "seed", "denoise"}
     assert set(setting_meanings()) == {f.name for f in fields(Settings)} - own_options
 

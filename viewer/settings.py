@@ -70,6 +70,7 @@ RANGES = {
     "bounces": Range(1, 255, is_whole=True),
     "light_radius": Range(0.0, 1e9),
     "clamp": Range(0.0, 1e9),
+    "background_blur": Range(0.0, 90.0),
 }
 
 
@@ -122,6 +123,8 @@ class Settings:
         "screen", "refraction in solid glass: in screen space, or traced by two paths from each shaded point")
     specular_aa: Literal["on", "off"] = _option(
         "off", "specular antialiasing: widen highlights smaller than a pixel, which flicker less but are less exact")
+    background_blur: float = _option(
+        0.0, "blur of the environment as background: standard deviation of a Gaussian in degrees; 0: none")
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8", "ssaa-4", "ssaa-9", "ssaa-16"] = _option(
         "auto", "samples per pixel, which are shaded once (msaa) or each (ssaa); auto: msaa-4, but none while the "
         "camera moves and the CPU renders")

@@ -3,6 +3,7 @@
 #include "trace/clamp.glsl"
 #include "trace/mis.glsl"
 #include "trace/environment.glsl"
+#include "trace/background.glsl"
 #include "media/medium.glsl"
 #include "trace/is_finite.glsl"
 
@@ -14,12 +15,13 @@ void main() {
     bool is_in_flight = texelFetch(u_origin, texel, 0).w == IN_FLIGHT;
     Path p = read_path(texel, texelFetch(u_hit, texel, 0));
     bool is_empty = is_in_flight && p.depth == int(RAYS == 1); // the camera ray hits nothing
-    float alpha = is_empty ? float(BACKGROUND) : 1.0;
+    float alpha = is_empty && BACKGROUND == 0 ? 0.0 : 1.0;
 #if HAS_ENVIRONMENT
-    if (is_in_flight && (BACKGROUND == 1 || !is_empty)) {
+    if (is_in_flight && (BACKGROUND > 0 || !is_empty)) {
         float weight = p.pdf > 0.0 ? bsdf_weight(p.pdf, environment_pdf(p.direction)) : 1.0;
+        vec3 radiance = is_empty ? background_radiance(p.direction) : environment_radiance(p.direction);
         vec3 throughput = p.throughput * transmittance(p.medium, FAR); // as for light samples of the environment
-        p.radiance += clamped(throughput * environment_radiance(p.direction) * weight, p.depth);
+        p.radiance += clamped(throughput * radiance * weight, p.depth);
     }
 #endif
     // A sample that is not finite is left out of the sums and of the count, so that the missing count shows it.

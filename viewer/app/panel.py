@@ -224,6 +224,11 @@ class Panel:
             changed, color = color_edit("##background color", settings.background)
             if changed:
                 state.settings = replace(state.settings, background=color)
+        if kind == "env" and state.scene.environment is not None:
+            self._row("Background blur")
+            changed, blur = imgui.slider_float("##background blur", settings.background_blur, 0.0, 20.0, "%.1f°")
+            if changed:
+                state.settings = replace(state.settings, background_blur=blur)
         self._choice("Antialiasing", "antialias")
         self._switch("Shadows", "shadows")
 

@@ -13,6 +13,7 @@ from ..scene.equirect import shrink
 from ..scene.light import Light
 from ..settings import NDFS
 from . import cache as disk
+from .background import background_map
 from .prefilter import HEIGHT, LEVEL_ROUGHNESS, WIDTH, irradiance_map, prefilter
 from .sun import extract_sun
 
@@ -66,11 +67,6 @@ def bake_environment(
 def is_baked(environment: Environment, ndf: str = "ggx") -> bool:
     """Whether the cache has the whole bake. If the environment has no digest this is False; pixels are not hashed."""
     return bool(environment.digest) and disk.has(disk.key("environment", environment.digest, ndf))
-
-
-def background_map(radiance: np.ndarray) -> np.ndarray:
-    """The map as float16, or as float32 if its values (a sun's) exceed the range of float16."""
-    return radiance.astype(np.float16) if radiance.max() < 65504 else radiance
 
 
 def _bake(environment: Environment, ndf: str, with_levels: bool) -> dict[str, np.ndarray]:

@@ -87,6 +87,8 @@ class Plan:
     """The number of directional lights sampled from the environment for its shadows; 0: no shadows."""
     ambient_occlusion: bool
     background: bool
+    background_blur: float
+    """In degrees; 0: none."""
     used: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
     saved: Mapping[str, float] = field(default_factory=dict)

@@ -93,6 +93,7 @@ def plan_scene(
         _draw(index, instance.mesh, scene.meshes[instance.mesh], scene.materials, settings, common)
         for index, instance in enumerate(scene.instances)
     )
+    background = settings.background == "env" and scene.environment is not None
     plan = Plan(
         draws=share_programs(draws) if settings.plan == "needed" else draws,
         lights=shown_lights,
@@ -104,7 +105,8 @@ def plan_scene(
         dfg=any(draw.program.fragment == "raster/pbr.frag" and draw.program["REFLECTS"] for draw in draws),
         environment_shadows=environment_shadows,
         ambient_occlusion=ambient_occlusion,
-        background=settings.background == "env" and scene.environment is not None,
+        background=background,
+        background_blur=settings.background_blur if background else 0.0,
     )
     if settings.plan == "everything":
         plan = include_everything(plan, scene)

@@ -8,8 +8,9 @@ from dataclasses import replace
 import moderngl
 import numpy as np
 
+from ..bake.background import background_map, blurred, is_magnified
 from ..bake.dominant import ambient_and_key
-from ..bake.environment import BakedEnvironment, background_map, bake_environment
+from ..bake.environment import BakedEnvironment, bake_environment
 from ..bake.many_lights import ManyLights, many_lights
 from ..gpu.context import Context
 from ..gpu.float_texture import float_texture
@@ -103,9 +104,12 @@ class EnvironmentLight:
             values["u_prefiltered"] = UNIT_PREFILTERED
         return values
 
-    def draw_background(self, programs: Programs, depth: Depth, frame: Frame, half_target: bool) -> None:
-        program = programs.get("display/fullscreen.vert", "raster/background.frag", {"HALF_TARGET": int(half_target)})
-        background = self._background_seen_at(frame.pixel_angle)
+    def draw_background(self, programs: Programs, depth: Depth, frame: Frame, half_target: bool, blur: float) -> None:
+        """Draw the environment behind everything, blurred by `blur` degrees."""
+        background = self._background_seen_at(frame.pixel_angle, blur)
+        is_smooth = is_magnified(background.height, frame.pixel_angle)
+        program = programs.get("display/fullscreen.vert", "raster/background.frag",
+                               {"HALF_TARGET": int(half_target), "SMOOTH": int(is_smooth)})
         background.texture.use(UNIT_BACKGROUND)
         set_uniform(program, "u_background", UNIT_BACKGROUND)
         set_uniform(program, "u_ray", matrix_uniform(rotation_about_y(self.environment.rotation) @ frame.ray))
@@ -115,18 +119,21 @@ class EnvironmentLight:
         with depth.behind_surfaces():
             fullscreen(self._gl, program).render(vertices=3)
 
-    def _background_seen_at(self, pixel_angle: float) -> _Background:
-        """The map itself. It gets mip levels when it is first minified."""
-        if self._background is None and self._baked is not None and self._baked.background is not None:
+    def _background_seen_at(self, pixel_angle: float, blur: float) -> _Background:
+        """The map itself, or blurred. It gets mip levels when it is first minified."""
+        held = self._background
+        if held is not None and held.blur == blur and (held.has_levels or held.lod(pixel_angle) <= 0):
+            return held
+        if held is not None:
+            held.texture.release()
+            self._background = None
+        if blur > 0:
+            pixels = background_map(blurred(self.environment.radiance, blur))
+        elif self._baked is not None and self._baked.background is not None:
             pixels, self._baked = self._baked.background, replace(self._baked, background=None)
-        elif self._background is None:
-            pixels = background_map(self.environment.radiance)
-        elif self._background.lod(pixel_angle) > 0 and not self._background.has_levels:
-            self._background.texture.release()
-            pixels = background_map(self.environment.radiance)
         else:
-            return self._background
-        self._background = _Background(self._context, pixels, pixel_angle)
+            pixels = background_map(self.environment.radiance)
+        self._background = _Background(self._context, pixels, pixel_angle, blur)
         return self._background
 
     def release(self) -> None:
@@ -137,15 +144,15 @@ class EnvironmentLight:
 
 
 class _Background:
-    def __init__(self, context: Context, pixels: np.ndarray, pixel_angle: float) -> None:
-        self._height = len(pixels)
+    def __init__(self, context: Context, pixels: np.ndarray, pixel_angle: float, blur: float) -> None:
+        self.height, self.blur = len(pixels), blur
         self.has_levels = self.lod(pixel_angle) > 0
         self.texture = mipmapped_texture(context, mip_levels(pixels) if self.has_levels else [pixels])
         self.texture.repeat_y = False
 
     def lod(self, pixel_angle: float) -> float:
         """The level whose texels are as large as a pixel of `pixel_angle` radians."""
-        return math.log2(max(pixel_angle * self._height / math.pi, 1.0))
+        return math.log2(max(pixel_angle * self.height / math.pi, 1.0))
 
 
 def rotation_about_y(angle: float) -> np.ndarray:

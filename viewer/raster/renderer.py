@@ -188,7 +188,8 @@ class Renderer:
                 self._surfaces.draw_transmissive(SOLID, frame, plan, uniforms)
         if plan.background:
             with self._pass("background"):
-                self._environment.draw_background(self.programs, self._depth, frame, target.half)
+                self._environment.draw_background(
+                    self.programs, self._depth, frame, target.half, plan.background_blur)
         if plan.has_thin_transmission:
             with self._pass("thin-walled transmission"):
                 uniforms |= self._take_backdrop(target)

@@ -57,11 +57,13 @@ _NEUTRAL = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "HAS_PUNCTUAL", "LIGHT_RAD
 def plan_trace(
     scene: Scene, settings: Settings, geometry: TraceGeometry, switches: Mapping[str, int], *, intersector: str,
     has_layers: bool, left_out: Sequence[str] = (), rays: int = 0,
+    is_background_smooth: bool = False,
 ) -> TracePlan:
     """The plan for `scene` under `settings`.
 
     `switches` are those of the scene's data and lights, `left_out` their lines for the user. `rays` is the kind of rays
-    in shaders/trace/surface_ray.glsl, 0 for camera rays.
+    in shaders/trace/surface_ray.glsl, 0 for camera rays. `is_background_smooth` says whether these see the environment
+    by B-splines (shaders/trace/background.glsl).
     """
     sampling = setting_choices()["sampling"].index(settings.sampling)
     switches = dict(switches) | bsdf_switches(settings) | {"SAMPLING": sampling}
@@ -70,7 +72,7 @@ def plan_trace(
     for name in ("HAS_EMISSION", "HAS_EMITTERS"):
         switches[name] = int(switches[name] and shows_emission)
     switches["HAS_LIGHTS"] = int(any(switches[name] for name in ("HAS_ENVIRONMENT", "HAS_PUNCTUAL", "HAS_EMITTERS")))
-    switches["BACKGROUND"] = int(settings.background == "env" and switches["HAS_ENVIRONMENT"])
+    switches["BACKGROUND"] = (1 + is_background_smooth) * (settings.background == "env" and switches["HAS_ENVIRONMENT"])
     switches["CLAMP"] = int(settings.clamp > 0)
     kinds = {instance.kind for instance in geometry.instances}
     if settings.plan == "everything":

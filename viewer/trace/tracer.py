@@ -15,6 +15,7 @@ from ..gpu.programs import Programs, set_uniform
 from ..image.display import DisplayPass
 from ..image.image import Image
 from ..scene.camera import Camera
+from ..scene.frame import Frame
 from ..scene.scene import Scene
 from ..settings import Settings
 from .denoise.denoiser import Denoiser, make_denoiser
@@ -73,22 +74,24 @@ class Tracer:
         denoiser that is not installed, InputError for a scene that does not fit. The render can be continued until
         another scene is begun.
         """
-        return self._begin(scene, camera_uniforms(scene, camera, size), settings, size, layers)
+        first = camera_uniforms(scene, camera, size)
+        return self._begin(scene, first, settings, size, layers, pixel_angle=Frame(scene, camera, size).pixel_angle)
 
     def begin_at(self, scene: Scene, rays: SurfaceRays, settings: Settings) -> PathRender:
         """As `begin`, with one pixel for each ray of the list. Alpha is the fraction of rays that hit something."""
         return self._begin(scene, {}, replace(settings, background="none"), rays.size, (), rays)
 
     def _begin(self, scene: Scene, first: Mapping[str, object], settings: Settings, size: tuple[int, int],
-               layers: Collection[str], rays: SurfaceRays | None = None) -> PathRender:
-        """`first` are the uniforms of camera rays, if `rays` is None."""
+               layers: Collection[str], rays: SurfaceRays | None = None, pixel_angle: float = 0.0) -> PathRender:
+        """`first` are the uniforms of camera rays, and `pixel_angle` is that of their pixels, if `rays` is None."""
         self.context.make_current()
         denoiser = self._denoiser(settings.denoise)
         traced = self._prepare(scene, settings)
         has_layers = bool(FIRST_HIT_LAYERS & set(layers)) or denoiser is not None or traced.is_everything
         film = Film(self.context.gl, self.programs, size, has_layers)
         plan = plan_trace(scene, settings, traced.geometry, traced.switches, intersector=traced.intersector.name,
-                          has_layers=film.albedo is not None, left_out=traced.left_out, rays=rays.kind if rays else 0)
+                          has_layers=film.albedo is not None, left_out=traced.left_out, rays=rays.kind if rays else 0,
+                          is_background_smooth=traced.is_background_smooth(pixel_angle))
         uniforms = {
             **first,
             "u_size": size, "u_seed": settings.seed, "u_bounces": settings.bounces, "u_clamp": settings.clamp or 3e38,

@@ -7,6 +7,7 @@ import math
 import moderngl
 import numpy as np
 
+from ...bake.background import blurred, is_magnified
 from ...gpu.float_texture import float_texture
 from ...gpu.programs import set_uniform
 from ...scene.color import LUMINANCE
@@ -14,8 +15,8 @@ from ...scene.environment import Environment
 from ...scene.equirect import texel_solid_angles
 from .alias import alias_table
 
-UNIT_ENVIRONMENT, UNIT_ENVIRONMENT_TABLE = 11, 10
-"""Texture units, below those of viewer/trace/scene/scene_data.py."""
+UNIT_ENVIRONMENT, UNIT_ENVIRONMENT_TABLE, UNIT_BACKGROUND = 11, 10, 15
+"""Texture units, below and above those of viewer/trace/scene/scene_data.py."""
 MAX_CELLS = 2048, 1024
 """Most columns and rows of a table, 32 MiB. The cells of a larger map are blocks of its texels.
 
@@ -59,18 +60,20 @@ def cell_densities(radiance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 class EnvironmentTable:
-    """Textures and uniforms of shaders/trace/environment.glsl, for an environment and its decoded `radiance`.
+    """Textures and uniforms of shaders/trace/environment.glsl and background.glsl, for an environment and its decoded
+    `radiance`.
 
     `environment` may be replaced by one that differs only in rotation and intensity.
     """
 
     def __init__(self, gl: moderngl.Context, environment: Environment, radiance: np.ndarray) -> None:
-        self.environment = environment
+        self._gl, self.environment = gl, environment
         height, width = radiance.shape[:2]
         side = cell_texels(height, width)
         self._cell = side / width, side / height
         self._map = float_texture(gl, np.ascontiguousarray(radiance, np.float32))
         self._map.repeat_x = True
+        self._blur, self._blurred = 0.0, self._map
         densities, solid_angles = cell_densities(radiance)
         threshold, alias = alias_table((densities * solid_angles).ravel())
         density = densities.ravel().astype(np.float32)
@@ -86,10 +89,26 @@ class EnvironmentTable:
         """Whether this is the map of that environment; rotation and intensity may differ."""
         return environment.source is self.environment.source
 
+    def blur_background(self, degrees: float) -> None:
+        """Let camera rays see the map blurred so far; 0: as it is."""
+        if degrees == self._blur:
+            return
+        if self._blur:
+            self._blurred.release()
+        self._blur, self._blurred = degrees, self._map
+        if degrees:
+            self._blurred = float_texture(self._gl, blurred(self.environment.radiance, degrees))
+            self._blurred.repeat_x = True
+
+    def is_background_smooth(self, pixel_angle: float) -> bool:
+        """Whether camera rays see the background by B-splines, in a picture whose pixels have that angle."""
+        return self._blur > 0 or is_magnified(self._map.height, pixel_angle)
+
     def bind(self, program: moderngl.Program) -> None:
         """Bind the textures and set all uniforms except the share of light samples."""
         for unit, name, texture in ((UNIT_ENVIRONMENT, "u_environment", self._map),
-                                    (UNIT_ENVIRONMENT_TABLE, "u_environment_table", self._table)):
+                                    (UNIT_ENVIRONMENT_TABLE, "u_environment_table", self._table),
+                                    (UNIT_BACKGROUND, "u_background", self._blurred)):
             texture.use(unit)
             set_uniform(program, name, unit)
         angle = self.environment.rotation
@@ -98,5 +117,6 @@ class EnvironmentTable:
         set_uniform(program, "u_environment_rotation", (math.cos(angle), math.sin(angle)))
 
     def release(self) -> None:
+        self.blur_background(0.0)
         self._map.release()
         self._table.release()

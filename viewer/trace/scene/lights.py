@@ -55,6 +55,8 @@ class SceneLights:
                 self._unit_power = float(sphere_integral(radiance) @ LUMINANCE) / 4
                 if self._unit_power > 0 and context is not None:
                     self._environment = EnvironmentTable(context.gl, environment, radiance)
+        if self._environment is not None:
+            self._environment.blur_background(settings.background_blur)
         if previous is not None:
             previous.release()
         if self._environment is None and context is not None and settings.plan == "everything":
@@ -96,6 +98,10 @@ class SceneLights:
             "HAS_EMITTERS": int(len(emitters) > 0),
             "LIGHT_RADIUS": int(radius > 0 and any(light.kind != "directional" for light in lit)),
         }
+
+    def is_background_smooth(self, pixel_angle: float) -> bool:
+        """Whether camera rays see the environment by B-splines, in a picture whose pixels have that angle."""
+        return self._environment is not None and self._environment.is_background_smooth(pixel_angle)
 
     def bind(self, program: moderngl.Program) -> None:
         """Bind the textures and set all uniforms except the first texels of the sections."""

@@ -61,6 +61,10 @@ class TracedScene:
         """The defines that say which features of surfaces and lights the scene has."""
         return self._data.switches | self._lights.switches
 
+    def is_background_smooth(self, pixel_angle: float) -> bool:
+        """As `SceneLights.is_background_smooth`."""
+        return self._lights.is_background_smooth(pixel_angle)
+
     @property
     def left_out(self) -> list[str]:
         """Lines for the user about lights that have no effect and maps at reduced size."""
@@ -83,7 +87,8 @@ class TracedScene:
 
 def _light_key(scene: Scene, settings: Settings) -> tuple[object, ...]:
     """What the lights depend on. Environments are compared by identity."""
-    return scene.environment, scene.lights, settings.light_radius, settings.lobes == "all"
+    return (scene.environment, scene.lights, settings.light_radius, settings.lobes == "all",
+            settings.background_blur)
 
 
 def plan_without_device(scene: Scene, settings: Settings) -> TracePlan:
