@@ -7,8 +7,12 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image as Pillow
 
+import viewer.api
+from viewer.image.image import Image
 from viewer.material.document import table
 from viewer.material.glsl import files
 from viewer.scene.gltf.extensions import SUPPORTED
@@ -89,3 +93,16 @@ def test_the_readme_lists_every_extension_that_is_read() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     short = {name: "_" + name.removeprefix("KHR_materials_") for name in SUPPORTED}
     assert [name for name in sorted(SUPPORTED) if f"`{name}`" not in text and f"`{short[name]}`" not in text] == []
+
+
+def test_the_readme_shows_what_make_demo_renders() -> None:
+    """The same settings, size and framing; what the settings add is not asked for, which takes long."""
+    settings = r"--set environment-shadows=64 --set indirect=baked --set reflections=traced --set antialias=ssaa-9"
+    spaced = re.sub(r"[\\\s]+", " ", (ROOT / "README.md").read_text(encoding="utf-8"))
+    assert f"pbr-viewer render assets/demo.glb -o near.png {settings}" in spaced
+    assert f"QUALITY ?= {settings}\n" in (ROOT / "Makefile").read_text()
+    shown = Image.open(ROOT / "docs" / "images" / "demo.jpg")
+    assert shown.size == viewer.api.DEFAULT_SIZE
+    small = np.asarray(Pillow.fromarray(shown.srgb[..., :3]).resize((160, 90), Pillow.Resampling.BOX)) / 255
+    drawn = viewer.render(viewer.load(ROOT / "assets" / "demo.glb"), (160, 90)).srgb[..., :3] / 255
+    assert np.abs(small - drawn).mean() < 0.025

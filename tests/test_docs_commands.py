@@ -69,6 +69,18 @@ def test_make_and_python(page: Path) -> None:
         assert find_spec(module), f"python -m {module}"
 
 
+@pytest.mark.parametrize("name", ["README.md", "docs/first-steps.md"])
+def test_what_the_first_pages_show_of_python_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    [block] = re.findall(r"```python\n(.*?)```", (ROOT / name).read_text(encoding="utf-8"), re.DOTALL)
+    assert block.count("(1280, 720)") >= 1
+    (tmp_path / "assets").mkdir()
+    (tmp_path / "assets" / "demo.glb").write_bytes((ROOT / "assets" / "scenes" / "spheres.glb").read_bytes())
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("viewer.app.open_window", lambda *arguments: None)
+    exec(compile(block.replace("(1280, 720)", "(16, 9)"), name, "exec"), {})
+    assert (tmp_path / "demo.png").exists()
+
+
 @PAGE
 def test_blocks_of_python_are_python(page: Path) -> None:
     for block in re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL):
