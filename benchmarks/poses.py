@@ -92,11 +92,11 @@ def tube(rows: int = 66, columns: int = 50, joints: int = 19) -> Scene:
     bind[:, 1, 3] = -step * np.arange(joints)
     places = np.array([[0, step * (k > 0), 0] for k in range(joints)])
     nodes = Nodes(np.arange(-1, joints - 1), np.arange(joints), places, np.tile([0.0, 0.0, 0.0, 1.0], (joints, 1)),
-                  np.ones((joints, 3)), {})
+                  np.ones((joints, 3)), {}, np.ones(joints, bool))
     bend = np.array([[0, 0, np.sin(x), np.cos(x)] for x in (0.0, 0.03, 0.0, -0.03, 0.0)])
     tracks = tuple(Track(Target("node", k, "rotation"), np.arange(5) / 4, bend) for k in range(joints))
     deformed = Deformed(rest, Deformation((), *influences(numbers, weights)), 0, (), Skin(np.arange(joints), bind))
-    rig = Rig(nodes, np.array([-1]), deformed={0: deformed})
+    rig = Rig(nodes, np.array([0]), deformed={0: deformed}, is_skinned=np.array([True]))
     still = scene([rest], [Material(base_color=(0.8, 0.4, 0.2, 1.0), metallic=0.0, perceptual_roughness=0.5)])
     return replace(still, name="tube", animations=(Animation("sway", tracks),), rig=rig)
 

@@ -38,10 +38,11 @@ def posed(scene: Scene, animation: Animation, time: float) -> Scene:
     try:
         with np.errstate(all="ignore"):
             world = _world(rig.nodes, values)
+            hidden = _hidden(rig.nodes, values)
             meshes, made = _meshes(scene, rig, values, world)
             changes: dict[str, Any] = {
-                "meshes": meshes, "instances": _instances(scene, rig, world),
-                "materials": posed_materials(scene, values), "lights": _lights(scene, rig, world, values),
+                "meshes": meshes, "instances": _instances(scene, rig, world, hidden),
+                "materials": posed_materials(scene, values), "lights": _lights(scene, rig, world, values, hidden),
                 "cameras": _cameras(scene, rig, world, values)}
             changes = {name: value for name, value in changes.items() if value is not getattr(scene, name)}
             moved = replace(scene, **changes) if changes else scene
@@ -90,16 +91,23 @@ def _meshes(scene: Scene, rig: Rig, values: dict[Target, np.ndarray],
     return (scene.meshes if made == before else tuple(meshes)), made
 
 
-def _instances(scene: Scene, rig: Rig, world: np.ndarray) -> tuple[Instance, ...]:
-    placed = np.flatnonzero(rig.instances >= 0)
-    wanted = world[rig.instances[placed]]
-    moved = (wanted != scene.transforms[placed]).any(axis=(1, 2))
-    if not moved.any():
+def _instances(scene: Scene, rig: Rig, world: np.ndarray, hidden: np.ndarray) -> tuple[Instance, ...]:
+    wanted = rig.transforms(world, hidden)
+    moved = np.flatnonzero((wanted != scene.transforms).any(axis=(1, 2)))
+    if not len(moved):
         return scene.instances
     instances = list(scene.instances)
-    for k, transform in zip(placed[moved], wanted[moved]):
-        instances[k] = replace(instances[k], transform=transform)
+    for k in moved:
+        instances[k] = replace(instances[k], transform=wanted[k])
     return tuple(instances)
+
+
+def _hidden(nodes: Nodes, values: dict[Target, np.ndarray]) -> np.ndarray:
+    visible = nodes.visible.copy()
+    for target, value in values.items():
+        if target.kind == "node" and target.name == "visible":
+            visible[target.number] = value[0] >= 0.5
+    return nodes.hidden(visible)
 
 
 def _weights(deformed: Deformed, values: dict[Target, np.ndarray]) -> tuple[float, ...]:
@@ -112,11 +120,13 @@ def _weights(deformed: Deformed, values: dict[Target, np.ndarray]) -> tuple[floa
     return tuple(weights)
 
 
-def _lights(scene: Scene, rig: Rig, world: np.ndarray, values: dict[Target, np.ndarray]) -> tuple[Light, ...]:
+def _lights(scene: Scene, rig: Rig, world: np.ndarray, values: dict[Target, np.ndarray],
+            hidden: np.ndarray) -> tuple[Light, ...]:
     lights = list(scene.lights)
     for k, (node, item) in enumerate(zip(rig.lights, rig.light_items, strict=True)):
         x, y, z = world[node, :3, 3].tolist()
         changes = _changes("light", item, values)
+        changes |= {"intensity": 0.0} if hidden[node] else {}
         if "range" in changes:
             changes["range"] = changes["range"] if changes["range"] > 0 else None
         lights[k] = replace(lights[k], position=(x, y, z), direction=light_direction(world[node]), **changes)

@@ -18,7 +18,8 @@ class Nodes:
     """The hierarchy at rest. All arrays are (N, ...) float64, but for `parents`, which has -1 for a root.
 
     A node's local matrix is `matrices[n]` if it has one, and else translation * rotation * scale. Rotations are unit
-    quaternions x, y, z, w. `depth` is 0 for a root, and for others one more than their parents'.
+    quaternions x, y, z, w. `depth` is 0 for a root, and for others one more than their parents'. A node that is not
+    `visible` (N,) bool hides the meshes and lights of its own and of all nodes below it.
     """
 
     parents: np.ndarray
@@ -27,6 +28,7 @@ class Nodes:
     rotations: np.ndarray
     scales: np.ndarray
     matrices: dict[int, np.ndarray]
+    visible: np.ndarray
 
     @cached_property
     def at_rest(self) -> np.ndarray:
@@ -48,6 +50,13 @@ class Nodes:
         for nodes in self.levels[1:]:
             world[nodes] = world[self.parents[nodes]] @ local[nodes]
         return world
+
+    def hidden(self, visible: np.ndarray) -> np.ndarray:
+        """The nodes, (N,) bool, that are not visible or are below one that is not."""
+        hidden = ~visible
+        for nodes in self.levels[1:]:
+            hidden[nodes] |= hidden[self.parents[nodes]]
+        return hidden
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,8 +94,9 @@ class Deformed:
 class Rig:
     """What of the scene moves, and what moves it.
 
-    `instances`, `lights` and `cameras` have the node of each of the scene's; node -1 places nothing: the joints of a
-    skin do. Lights and cameras that were added to the scene follow these. `deformed` has the meshes that move in
+    `instances`, `lights` and `cameras` have the node of each of the scene's. The instances that `is_skinned` are placed
+    by the joints of a skin and not by their node; the others have a matrix to their node in `offsets` (I, 4, 4), unless
+    that is None. Lights and cameras that were added to the scene follow these. `deformed` has the meshes that move in
     themselves, by their number. Tracks name lights, cameras and materials by their numbers in the file: `light_items`
     and `camera_items` have that number of each of the scene's, and `materials` the scene's number of each material that
     is drawn. `at_rest` has the values at rest of what tracks move beside nodes.
@@ -101,6 +111,21 @@ class Rig:
     camera_items: tuple[int, ...] = ()
     materials: dict[int, int] = field(default_factory=dict)
     at_rest: dict[Target, np.ndarray] = field(default_factory=dict)
+    is_skinned: np.ndarray | None = None
+    offsets: np.ndarray | None = None
+
+    def transforms(self, world: np.ndarray, hidden: np.ndarray) -> np.ndarray:
+        """The instances' matrices to the world, (I, 4, 4), from those of nodes and from which of these are hidden.
+
+        What is hidden is shrunk to a point, so that it draws nothing.
+        """
+        out = world[self.instances]
+        if self.is_skinned is not None:
+            out[self.is_skinned] = np.eye(4)
+        if self.offsets is not None:
+            out = out @ self.offsets
+        out[hidden[self.instances], :3, :3] = 0.0
+        return out
 
 
 def compose(translations: np.ndarray, rotations: np.ndarray, scales: np.ndarray) -> np.ndarray:

@@ -22,6 +22,8 @@ class Document:
     path: Path
     binary: memoryview | None = None
     warnings: list[str] = field(default_factory=list)
+    extensions: frozenset[str] = frozenset()
+    """Those that the file says it uses."""
 
     def warn(self, text: str) -> None:
         if text not in self.warnings and len(self.warnings) < MAX_WARNINGS:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..schema import FEATURES
-from . import draco, meshopt
+from . import draco, instancing, meshopt, nodes, topology
 from .element import Element
 from .textures import IMAGE_EXTENSIONS
 
@@ -16,10 +16,14 @@ SUPPORTED = frozenset({
     "KHR_texture_transform",
     *IMAGE_EXTENSIONS,
     draco.EXTENSION,
+    instancing.EXTENSION,
+    nodes.VISIBILITY,
+    topology.RESTART,
     *meshopt.EXTENSIONS,
     *(feature.extension for feature in FEATURES if feature.extension),
 })
-_WITHOUT_EFFECT = ("FB_ngon_encoding", "KHR_interactivity", "KHR_xmp", "KHR_xmp_json_ld", "MSFT_lod")
+_WITHOUT_EFFECT = ("FB_ngon_encoding", "KHR_interactivity", "KHR_xmp", "KHR_xmp_json_ld", "MSFT_lod",
+                   "EXT_mesh_manifold", "KHR_node_hoverability", "KHR_node_selectability")
 """These never change how a still picture of the model at full detail looks."""
 
 
@@ -36,6 +40,7 @@ def check_asset(root: Element) -> None:
     if needed != "2.0":
         raise asset.error(f"the file needs glTF {needed[:20]}; only 2.0 is supported", "minVersion")
     used, required = extension_names(root, "extensionsUsed"), extension_names(root, "extensionsRequired")
+    root.document.extensions = frozenset(used) | frozenset(required)
     for k, name in enumerate(required):
         if name not in SUPPORTED and name not in _WITHOUT_EFFECT:
             raise root.error(f"the file needs the extension {name}, which is not supported", f"extensionsRequired[{k}]")

@@ -12,6 +12,9 @@ MAX_ROW_ERROR = 1e-3
 """Of the last row of a matrix: products of float32 matrices are off by this much; a projection is by far more."""
 
 
+VISIBILITY = "KHR_node_visibility"
+
+
 class Nodes:
     """The nodes are `items`. `world` (N, 4, 4) float64 takes each node's space to world space, at rest."""
 
@@ -75,7 +78,10 @@ class Nodes:
                 rotations[k] = _rotation(item)
             if "scale" in item:
                 scales[k] = item.vector("scale", 3)
-        return rig.Nodes(np.array(parent, np.intp), np.array(depth, np.intp), translations, rotations, scales, matrices)
+        visible = np.array([place is None or place.boolean("visible", True)
+                            for place in (item.extension(VISIBILITY) for item in self.items)], bool)
+        return rig.Nodes(np.array(parent, np.intp), np.array(depth, np.intp), translations, rotations, scales, matrices,
+                         visible)
 
     def _world_matrices(self) -> np.ndarray:
         world = self.hierarchy.world(self.hierarchy.at_rest)

@@ -9,6 +9,7 @@ from ..animation import Target
 from ..parameter import Feature
 from ..schema import MAPS, PARAMETERS
 from .element import Element
+from .nodes import VISIBILITY
 
 _TRANSFORM = "extensions/KHR_texture_transform"
 _STRENGTH = "extensions/KHR_materials_emissive_strength/emissiveStrength"
@@ -65,6 +66,7 @@ _CAMERA = {
 _NODE = {
     "translation": Property("translation", "VEC3", 3), "rotation": Property("rotation", "VEC4", 4),
     "scale": Property("scale", "VEC3", 3), "weights": Property("weights", "SCALAR", 0),
+    f"extensions/{VISIBILITY}/visible": Property("visible", "SCALAR", 1, f"extensions/{VISIBILITY}"),
 }
 _KINDS: tuple[tuple[str, str, dict[str, Property]], ...] = (
     ("node", "nodes", _NODE), ("mesh", "meshes", {"weights": _NODE["weights"]}),

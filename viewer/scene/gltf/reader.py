@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from .cameras import read_camera
 from .container import read_container
 from .element import Document, Element
 from .extensions import check_asset, extension_names
+from .instancing import EXTENSION, instance_offsets
 from .lights import Lights
 from .materials import Materials
 from .nodes import Nodes
@@ -58,11 +60,16 @@ class _Reader:
         self.mesh_items, self.camera_items = root.array("meshes"), root.array("cameras")
         self.lights = Lights(root)
         self.meshes: list[Mesh] = []
-        self.instances: list[Instance] = []
         self.animations = read_animations(root, self.accessors, self.nodes)
         self._weighted = {track.target.number for animation in self.animations for track in animation.tracks
                           if track.target.name.startswith("weights")}
+        self._shown: set[int] = {track.target.number for animation in self.animations for track in animation.tracks
+                                 if track.target.name == "visible"}
+        """Nodes whose visibility changes in time."""
         self._placed_by: list[int] = []
+        self._skinned: list[bool] = []
+        self._offsets: dict[int, np.ndarray] = {}
+        self._drawn: list[int] = []
         self._deformed: dict[int, Deformed] = {}
         self._known: dict[tuple, list[int]] = {}
 
@@ -71,11 +78,13 @@ class _Reader:
         lights: list[Light] = []
         cameras: list[Camera] = []
         light_nodes, camera_nodes, light_items, camera_items = [], [], [], []
+        never = self._never_visible()
+        hidden = self.nodes.hierarchy.hidden(self.nodes.hierarchy.visible)
         for number in nodes:
             node, world = self.nodes.items[number], self.nodes.world[number]
-            if "mesh" in node:
-                self._add_instances(number, node, world)
-            item = self.lights.number(node)
+            if "mesh" in node and not never[number]:
+                self._add_instances(number, node)
+            item = None if never[number] else self.lights.number(node)
             light = None if item is None else self.lights.at_node(item, node, world)
             if item is not None and light is not None:
                 lights.append(light)
@@ -89,13 +98,15 @@ class _Reader:
                     cameras.append(camera)
                     camera_nodes.append(number)
                     camera_items.append(item)
-        if not self.instances:
+        if not self._drawn:
             self.root.document.warn("the scene contains nothing to draw")
         rig = Rig(self.nodes.hierarchy, np.array(self._placed_by, np.intp), tuple(light_nodes), tuple(camera_nodes),
                   self._deformed, tuple(light_items), tuple(camera_items), self.materials.numbers,
-                  self._at_rest(dict(zip(light_items, lights)), dict(zip(camera_items, cameras))))
+                  self._at_rest(dict(zip(light_items, lights)), dict(zip(camera_items, cameras))),
+                  np.array(self._skinned, bool), self._all_offsets())
+        lights = [replace(light, intensity=0.0) if hidden[node] else light for light, node in zip(lights, light_nodes)]
         return Scene(name or self.root.document.path.stem, tuple(self.meshes), tuple(self.materials.used),
-                     tuple(self.instances), tuple(lights), tuple(cameras),
+                     self._instances(rig, hidden), tuple(lights), tuple(cameras),
                      warnings=tuple(self.root.document.warnings), facts=self._facts(), animations=self.animations,
                      rig=rig if self.animations else None)
 
@@ -103,6 +114,7 @@ class _Reader:
         """The values of all that tracks move of materials, lights and cameras that are there."""
         targets = {track.target for animation in self.animations for track in animation.tracks}
         targets |= {target._replace(name=name) for target in targets if target.name in _EMISSION for name in _EMISSION}
+        targets |= {Target("light", number, "intensity") for number in lights if self._shown}
         values = {}
         for target in sorted(targets):
             kind, number, name = target
@@ -127,7 +139,13 @@ class _Reader:
         roots = scene.indices("nodes", len(self.nodes.items))
         return scene.string("name", ""), self.nodes.reachable(roots, scene)
 
-    def _add_instances(self, number: int, node: Element, world: np.ndarray) -> None:
+    def _never_visible(self) -> np.ndarray:
+        """The nodes, (N,) bool, whose meshes and lights are hidden at all times."""
+        visible = self.nodes.hierarchy.visible.copy()
+        visible[sorted(self._shown)] = True
+        return self.nodes.hierarchy.hidden(visible)
+
+    def _add_instances(self, number: int, node: Element) -> None:
         mesh = node.index("mesh", len(self.mesh_items))
         skin: int | None = node.index("skin", len(self.skins.items), None)
         if skin is not None:
@@ -141,13 +159,34 @@ class _Reader:
         key = (mesh, skin, weights, number if number in self._weighted else None)
         if key not in self._known:
             self._known[key] = self._read_mesh(mesh, skin, weights, number)
-        if skin is not None:
-            world = np.eye(4)  # only the joints place a skinned mesh (glTF 2.0, 3.7.3.3)
-        name = node.string("name", "")
-        self.instances += [Instance(index, world, name) for index in self._known[key]]
-        self._placed_by += [number if skin is None else -1] * len(self._known[key])
-        if len(self.instances) > MAX_INSTANCES:
+        offsets = instance_offsets(self.accessors, node)
+        if offsets is not None and skin is not None:
+            node.warn(f"{EXTENSION} is for meshes without a skin; the mesh is drawn once")
+            offsets = None
+        times = 1 if offsets is None else len(offsets)
+        count = len(self._known[key]) * times
+        if len(self._drawn) + count > MAX_INSTANCES:
             raise node.error(f"more than {MAX_INSTANCES} instances of primitives")
+        if offsets is not None:
+            self._offsets[len(self._drawn)] = offsets.repeat(len(self._known[key]), axis=0)
+        self._drawn += self._known[key] * times
+        self._placed_by += [number] * count
+        self._skinned += [skin is not None] * count  # only the joints place a skinned mesh (glTF 2.0, 3.7.3.3)
+
+    def _all_offsets(self) -> np.ndarray | None:
+        """The matrices of all instances to their nodes, (I, 4, 4); None if all are at their nodes."""
+        if not self._offsets:
+            return None
+        out = np.tile(np.eye(4), (len(self._drawn), 1, 1))
+        for first, offsets in self._offsets.items():
+            out[first:first + len(offsets)] = offsets
+        return out
+
+    def _instances(self, rig: Rig, hidden: np.ndarray) -> tuple[Instance, ...]:
+        names = [node.string("name", "") for node in self.nodes.items]
+        transforms = rig.transforms(self.nodes.world, hidden)
+        return tuple(Instance(mesh, transform, names[node])
+                     for mesh, transform, node in zip(self._drawn, transforms, self._placed_by, strict=True))
 
     def _has_joints(self, mesh: int) -> bool:
         primitives = self.mesh_items[mesh].array("primitives")

@@ -6,7 +6,7 @@ import numpy as np
 
 from .accessors import Accessors
 from .element import Element
-from .topology import MODES, to_list
+from .topology import MODES, RESTART, RESTARTABLE, to_list
 
 
 class Vertices:
@@ -45,13 +45,18 @@ class Vertices:
 
     def _read_indices(self, primitive: Element, mode: int) -> np.ndarray | None:
         kind, _, size = MODES[mode]
+        restart = None
         if "indices" in primitive:
             raw = self._accessors.raw(primitive.index("indices", len(self._accessors.items)), "SCALAR")[:, 0]
             if raw.dtype.kind != "u":
                 raise primitive.error("must be of an unsigned integer type", "indices")
             highest = int(raw.max())
             if highest == np.iinfo(raw.dtype).max:
-                raise primitive.error(f"{highest} is the primitive restart value, which glTF does not allow", "indices")
+                if mode not in RESTARTABLE or RESTART not in primitive.document.extensions:
+                    problem = f"{highest} is the primitive restart value, which {RESTART} allows in strips alone"
+                    raise primitive.error(problem, "indices")
+                restart = highest
+                highest = int(raw.max(where=raw != restart, initial=0))
             if highest >= self._stored:
                 raise primitive.error(f"index {highest}, but there are {self._stored} vertices", "indices")
             self._accessors.claim(primitive, len(raw))
@@ -65,7 +70,7 @@ class Vertices:
             primitive.warn(f"{len(indices)} vertices do not form complete {kind}; the last ones are left out")
         elif "indices" not in primitive and mode in (0, 1, 4):
             return None
-        return to_list(mode, indices)
+        return to_list(mode, indices, restart)
 
     def _drop_unused(self, indices: np.ndarray) -> None:
         # A mask takes one byte per vertex; for few indices into many vertices sorting the indices is cheaper.
