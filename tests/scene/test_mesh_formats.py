@@ -69,6 +69,46 @@ def test_material_files_elsewhere_are_left_out(write, library):
     assert scene.triangle_count == 2 and "left out" in scene.warnings[0]
 
 
+FOLD = """v 0 0 0
+v 0 1 0
+v 1 0 0
+v 1 1 0
+v {x} 0 {z}
+v {x} 1 {z}
+{first}
+f 1 3 4 2
+{second}
+f 3 5 6 4
+"""
+
+
+@pytest.mark.parametrize("first, second, angle, is_smooth", [
+    ("s 1", "", 90, True), ("s 7 # seven", "s 7", 90, True), ("s on", "", 90, True), ("s 1", "s 2", 20, False),
+    ("s off", "", 20, False), ("s 0", "s 1", 20, False), ("", "s 1", 20, False), ("s", "", 20, False),
+    ("", "", 20, True), ("", "", 90, False),
+])
+def test_smoothing_groups(write, first, second, angle, is_smooth):
+    """Two quads that meet at an angle. Without groups an edge is sharp from 45 degrees on."""
+    x, z = 1 + np.cos(np.radians(angle)), -np.sin(np.radians(angle))
+    mesh, = load_scene(write("m.obj", FOLD.format(x=x, z=z, first=first, second=second))).meshes
+    edge = mesh.normals[(mesh.positions == (1, 0, 0)).all(axis=1)]
+    both = np.array([[0, 0, 1], [np.sin(np.radians(angle)), 0, np.cos(np.radians(angle))]])
+    expected = both.sum(axis=0, keepdims=True) / np.linalg.norm(both.sum(axis=0)) if is_smooth else both
+    np.testing.assert_allclose(np.sort(edge, axis=0), np.sort(expected, axis=0), atol=1e-6)
+
+
+def test_normals_of_the_file_come_before_smoothing_groups(write):
+    text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 1 0\ns off\nf 1//1 2//1 3//1\n"
+    np.testing.assert_array_equal(load_scene(write("m.obj", text)).meshes[0].normals, [[0, 1, 0]] * 3)
+
+
+def test_smoothing_groups_stay_with_their_triangles(write):
+    """Where one is left out, and where a polygon becomes several."""
+    text = FOLD.format(x=1, z=-1, first="v nan 0 0\ns 3\nf 1 2 7", second="")
+    mesh, = load_scene(write("m.obj", text)).meshes
+    assert len(mesh.positions) == 6
+
+
 def test_indices_that_count_back(write):
     scene = load_scene(write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf -3 -2 -1\n"))
     assert sorted(set(scene.meshes[0].positions[:, 0].tolist())) == [0, 1, 5, 6]

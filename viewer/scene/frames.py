@@ -8,7 +8,7 @@ import numpy as np
 
 from .material import Texture
 from .mesh import Mesh
-from .normals import creased_normals, flat_normals, smooth_normals
+from .normals import creased_normals, flat_normals, grouped_normals, smooth_normals
 from .tangents import make_tangents
 from .triangles import triangles_of
 from .weld import weld
@@ -31,9 +31,19 @@ def with_flat_normals(mesh: Mesh) -> Mesh:
 
 def with_creased_normals(mesh: Mesh) -> Mesh:
     """The mesh with smooth normals except at sharp edges, where vertices are split; see `creased_normals`."""
-    triangles = triangles_of(mesh)
-    vertex = triangles.ravel()
-    normals = creased_normals(mesh.positions, triangles).reshape(-1, 3)
+    return _with_corner_normals(mesh, creased_normals(mesh.positions, triangles_of(mesh)))
+
+
+def with_grouped_normals(mesh: Mesh, groups: np.ndarray) -> Mesh:
+    """The mesh with normals that are smooth within the smoothing group of each triangle, (T,); see `grouped_normals`.
+    """
+    return _with_corner_normals(mesh, grouped_normals(mesh.positions, triangles_of(mesh), groups))
+
+
+def _with_corner_normals(mesh: Mesh, normals: np.ndarray) -> Mesh:
+    """The mesh with the (T, 3, 3) normals of its corners, where vertices are split that have several."""
+    vertex = triangles_of(mesh).ravel()
+    normals = normals.reshape(-1, 3)
     first = weld(vertex[:, None].astype(np.uint32).view(np.float32), normals)
     unique, indices = np.unique(first, return_inverse=True)
     return replace(picked(mesh, vertex[unique]), normals=normals[unique], indices=indices.astype(np.uint32),

@@ -58,6 +58,24 @@ def creased_normals(positions: np.ndarray, triangles: np.ndarray, crease: float 
     return _unit(normals).reshape(-1, 3, 3)
 
 
+def grouped_normals(positions: np.ndarray, triangles: np.ndarray, groups: np.ndarray) -> np.ndarray:
+    """The normal of each triangle corner: the mean over the triangles of its smoothing group at that position.
+
+    From (N, 3) positions, (T, 3) vertex indices and the (T,) numbers of the groups, (T, 3, 3) float32. Triangles of
+    group 0 are flat.
+    """
+    corners = positions[triangles]
+    face = _unit(_face_normals(corners)).astype(np.float64)
+    weighted = corner_angles(corners)[..., None] * face[:, None, :]
+    # What is summed: a position of a group, or a triangle of group 0.
+    _, group = np.unique(groups, return_inverse=True)
+    shared = weld(positions)[triangles].astype(np.int64) * (group.max(initial=0) + 1) + group.reshape(-1, 1)
+    keys = np.where(groups[:, None] == 0, -1 - np.arange(len(triangles))[:, None], shared)
+    _, key = np.unique(keys, return_inverse=True)
+    key = key.ravel()
+    return _unit(sum_by(key, weighted.reshape(-1, 3), len(keys) * 3)[key]).reshape(-1, 3, 3)
+
+
 def corner_angles(corners: np.ndarray) -> np.ndarray:
     """The interior angles of triangles in radians: from (T, 3, 3) corners, (T, 3); 0 if an edge has no length."""
     to_next = _normalised(np.roll(corners, -1, axis=1) - corners)

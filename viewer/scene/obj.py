@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,16 +17,16 @@ from .raw_mesh import RawMesh, RawModel, colored, cut_polygons, linear_colors
 from .text import NumberRows, decoded, number_rows, plain_text
 
 _TABLES = ("v", "vt", "vn", "f", "l", "p")
-_SILENT = {"o", "g", "s", "usemtl", "mtllib", "mg"}
-"""Other statements that nobody misses: smoothing groups matter to surfaces without normals, which get creases."""
+_SILENT = {"o", "g", "mg"}
+"""Other statements that nobody misses."""
 
 
 def read_obj(path: Path, data: bytes, warnings: list[str]) -> RawModel:
     """A mesh for each material, for faces, lines and points apart; points of all vertices where there are no elements.
 
     Faces with texture coordinates, or normals, are kept apart from those without. Colours behind a vertex's position
-    count, but under a material. Raises InputError about words that are no numbers, and numbers of vertices that
-    do not exist.
+    count, but under a material. Faces without normals are smooth within their smoothing group (s), if the file has any.
+    Raises InputError about words that are no numbers, and numbers of vertices that do not exist.
     """
     return _Reader(path, data, warnings).model()
 
@@ -112,12 +113,15 @@ class _Reader:
     def _read_statements(self) -> None:
         """Materials and what is passed over."""
         uses: list[tuple[int, str]] = []
+        groups: list[tuple[int, int]] = [(-1, 0)]
         unknown: Counter[str] = Counter()
         for line in self.others.tolist():
             words = self.text[self.starts[line]:self.starts[line + 1]].split(None, 1)
             keyword, rest = decoded(words[0]), decoded(words[1].strip()) if len(words) > 1 else ""
             if keyword == "usemtl":
                 uses.append((line, " ".join(rest.split())))
+            elif keyword == "s":
+                groups.append((line, _smoothing_group(rest)))
             elif keyword == "mtllib":
                 self.library.add_all(rest)
             elif keyword not in _SILENT:
@@ -127,6 +131,8 @@ class _Reader:
         if len(unknown) > 20:
             self.warnings.append(f"{len(unknown) - 20} more kinds of lines; not supported, left out")
         self.use_lines = np.array([line for line, _ in uses], np.int64)
+        self.has_smoothing = len(groups) > 1
+        self.group_lines, self.groups = np.array(groups, np.int64).T
         names = dict.fromkeys(["", *(name for _, name in uses)])
         number = {name: k for k, name in enumerate(names)}
         self.names = list(names)
@@ -206,11 +212,13 @@ class _Reader:
         numbers, sizes, materials = self._elements("f")
         kept, face = cut_polygons(self.positions, numbers[:, 0], sizes, self.warnings)
         corners = numbers[kept].reshape(-1, 3, 3)
+        smoothing = self.groups[np.searchsorted(self.group_lines, self._lines_of("f")) - 1][face]
         group = materials[face] * 4 + (corners[..., 1] >= 0).all(axis=1) * 2 + (corners[..., 2] >= 0).all(axis=1)
         meshes = []
         for key in np.unique(group):
-            mesh = self._triangles(corners[group == key].reshape(-1, 3), bool(key & 2), bool(key & 1), int(key) // 4)
-            meshes.append(mesh)
+            some = group == key
+            mesh = self._triangles(corners[some].reshape(-1, 3), bool(key & 2), bool(key & 1), int(key) // 4)
+            meshes.append(replace(mesh, smoothing=smoothing[some]) if self.has_smoothing else mesh)
         return meshes
 
     def _triangles(self, corners: np.ndarray, has_uvs: bool, has_normals: bool, number: int) -> RawMesh:
@@ -254,6 +262,12 @@ class _Reader:
             meshes.append(RawMesh(self._name(int(number)), self.positions[used], topology, indices.ravel(),
                                   colors=colors, material=material))
         return meshes
+
+
+def _smoothing_group(words: str) -> int:
+    """The number of a group; 0 for "off", and for what is no number."""
+    word = (words.split() or ["off"])[0]
+    return 1 if word == "on" else int(word) if word.isdecimal() and len(word) < 10 else 0
 
 
 def _merged(corners: np.ndarray, columns: list[int]) -> tuple[np.ndarray, np.ndarray]:

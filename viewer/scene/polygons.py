@@ -1,4 +1,4 @@
-"""Polygons cut into triangles: convex ones as fans, others by clipping ears."""
+"""Polygons cut into triangles: as fans where a fan covers them, others by clipping ears."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ def triangulate(positions: np.ndarray, corners: np.ndarray, sizes: np.ndarray) -
 
     positions (N, 3) float64; corners (C,) the vertex of each corner, polygon after polygon; sizes (P,) corners of each
     polygon, at least 3. Returns the triangles (T, 3) as numbers of corners 0..C-1, in the order and with the winding of
-    the polygons, the polygon of each triangle (T,), and the number of concave polygons that were too large to be cut
-    by ears. Exact for polygons that are plane and do not cut themselves.
+    the polygons, the polygon of each triangle (T,), and the number of concave polygons that were not cut by ears, or
+    not to their end, since MAX_WORK was done. Exact for polygons that are plane and do not cut themselves.
     """
     if (sizes == 3).all():
         return np.arange(len(corners)).reshape(-1, 3), np.arange(len(sizes)), 0
@@ -32,21 +32,19 @@ def triangulate(positions: np.ndarray, corners: np.ndarray, sizes: np.ndarray) -
         group = np.flatnonzero(sizes == size)
         for some in np.array_split(group, max(1, len(group) * int(size) // _BATCH)):
             points = _flattened(positions[corners[first[some, None] + np.arange(size)]])
-            concave = ~_is_convex(points)
-            some, points = some[concave], points[concave]
+            wrong = ~_is_fan(points)
+            some, points = some[wrong], points[wrong]
             if len(some) == 0:
                 continue
             if size == 4:
                 # A quad has two diagonals; where the fan's leaves it, the other one does not.
-                outside = (_area(points[:, 0], points[:, 1], points[:, 2]) < 0) | (
-                    _area(points[:, 0], points[:, 2], points[:, 3]) < 0)
-                some = some[outside]
                 triangles[at[some, None] + np.arange(2)] = first[some, None, None] + [[0, 1, 3], [1, 2, 3]]
             elif work > MAX_WORK:
                 uncut += len(some)
             else:
-                cut, looked_at = _clip_ears(points, MAX_WORK - work)
+                cut, looked_at, unfinished = _clip_ears(points, MAX_WORK - work)
                 work += looked_at
+                uncut += unfinished
                 triangles[at[some, None] + np.arange(size - 2)] = first[some, None, None] + cut
     return triangles, polygon, uncut
 
@@ -68,16 +66,20 @@ def _area(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
     return (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (c[..., 0] - a[..., 0])
 
 
-def _is_convex(points: np.ndarray) -> np.ndarray:
-    """Which of (P, n, 2) counter-clockwise polygons turn right nowhere, but for rounding."""
-    turn = _area(np.roll(points, 1, axis=1), points, np.roll(points, -1, axis=1))
+def _is_fan(points: np.ndarray) -> np.ndarray:
+    """Of which (P, n, 2) counter-clockwise polygons the first corner sees every side from the left, but for rounding.
+
+    They are cut as they should be by diagonals from there, and all that are convex are among them.
+    """
+    areas = _area(points[:, :1], points[:, 1:-1], points[:, 2:])
     extent = np.ptp(points, axis=1).max(axis=1, keepdims=True)
-    convex: np.ndarray = (turn >= -1e-9 * extent**2).all(axis=1)
-    return convex
+    is_fan: np.ndarray = (areas >= -1e-9 * extent**2).all(axis=1)
+    return is_fan
 
 
-def _clip_ears(points: np.ndarray, budget: int) -> tuple[np.ndarray, int]:
-    """Ear clipping (Meisters 1975) of (P, n, 2) polygons side by side: (P, n - 2, 3) corners, and the work done.
+def _clip_ears(points: np.ndarray, budget: int) -> tuple[np.ndarray, int, int]:
+    """Ear clipping (Meisters 1975) of (P, n, 2) polygons side by side: (P, n - 2, 3) corners, the work done, and how
+    many polygons were not finished within the budget.
 
     Every round looks at one corner of each polygon. A polygon of which no corner is an ear cuts itself: from then on
     any corner that turns left is cut off, and once there is none, every one. So it is beyond the budget.
@@ -95,14 +97,16 @@ def _clip_ears(points: np.ndarray, budget: int) -> tuple[np.ndarray, int]:
     cuts_itself, is_hopeless = np.zeros(count, bool), np.zeros(count, bool)
     current = np.zeros(count, np.int64)
     here = np.arange(count)
-    work = 0
+    work, unfinished = 0, 0
     while len(here):
         b = current[here]
         a, c = before[here, b], after[here, b]
         pa, pb, pc = points[here, a], points[here, b], points[here, c]
         cut = _area(pa, pb, pc) > 0
         test = np.flatnonzero(cut & ~cuts_itself[here])
+        cut |= (pb == pa).all(axis=1) | (pb == pc).all(axis=1)  # a corner that stands twice
         if work > budget:
+            unfinished = unfinished or len(here)
             is_hopeless[:] = True
         else:
             row, others = here[test, None], right[here[test]]
@@ -121,7 +125,7 @@ def _clip_ears(points: np.ndarray, budget: int) -> tuple[np.ndarray, int]:
         tries[kept] += 1
         current[done], current[kept] = c[cut], c[~cut]
         here = here[left[here] > 2]
-    return out, work
+    return out, work, unfinished
 
 
 def _is_inside(points: np.ndarray, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .color import srgb_to_linear
-from .frames import with_creased_normals, with_flat_normals, with_tangents
+from .frames import with_creased_normals, with_flat_normals, with_grouped_normals, with_tangents
 from .material import AlphaMode, Material, Texture
 from .mesh import Mesh, Topology
 from .mtl import PLAIN
@@ -38,6 +38,9 @@ class RawMesh:
     material: Material = PLAIN
     is_faceted: bool = False
     """Whether normals that lack are those of the facets, and not smooth."""
+    smoothing: np.ndarray | None = None
+    """The smoothing group of each triangle, (T,) integers, for normals that lack; 0 for none. Without it, edges are
+    smooth that are not sharp."""
 
     def picked(self, source: np.ndarray) -> RawMesh:
         """With vertex k a copy of vertex source[k]; the indices are left as they are."""
@@ -68,7 +71,7 @@ def cut_polygons(positions: np.ndarray, corners: np.ndarray, sizes: np.ndarray,
         kept = np.flatnonzero(np.repeat(sizes >= 3, sizes))
     triangles, polygon, uncut = triangulate(positions, corners[kept], sizes[chosen])
     if uncut:
-        warnings.append(f"{uncut} concave polygons of too many corners; they are drawn as fans")
+        warnings.append(f"{uncut} concave polygons of too many corners; they are cut in any way")
     return kept[triangles.ravel()], chosen[polygon]
 
 
@@ -84,7 +87,8 @@ def finite_part(mesh: RawMesh, warnings: list[str]) -> RawMesh | None:
             warnings.append(f"{np.count_nonzero(~whole)} {mesh.topology} with a position that is not a finite number; "
                             "they are left out")
         source, renumbered = np.unique(indices[whole], return_inverse=True)
-        mesh = replace(mesh.picked(source), indices=renumbered.ravel())
+        smoothing = None if mesh.smoothing is None else mesh.smoothing[whole]
+        mesh = replace(mesh.picked(source), indices=renumbered.ravel(), smoothing=smoothing)
     return mesh if len(mesh.positions if mesh.indices is None else mesh.indices) >= corners else None
 
 
@@ -112,6 +116,8 @@ def finished(mesh: RawMesh, center: np.ndarray, material: int) -> Mesh:
     length = np.zeros((0, 1)) if mesh.normals is None else np.linalg.norm(mesh.normals, axis=1, keepdims=True)
     if mesh.normals is not None and ((length > 0) & np.isfinite(length)).all():
         made = replace(made, normals=(mesh.normals / length).astype(np.float32))
+    elif mesh.smoothing is not None:
+        made = with_grouped_normals(made, mesh.smoothing)
     else:
         made = with_flat_normals(made) if mesh.is_faceted else with_creased_normals(made)
     return with_tangents(made, tangent_texture(mesh.material)) if needs_tangents(mesh.material) else made
