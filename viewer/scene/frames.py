@@ -42,12 +42,18 @@ def with_grouped_normals(mesh: Mesh, groups: np.ndarray) -> Mesh:
 
 def _with_corner_normals(mesh: Mesh, normals: np.ndarray) -> Mesh:
     """The mesh with the (T, 3, 3) normals of its corners, where vertices are split that have several."""
-    vertex = triangles_of(mesh).ravel()
-    normals = normals.reshape(-1, 3)
-    first = weld(vertex[:, None].astype(np.uint32).view(np.float32), normals)
-    unique, indices = np.unique(first, return_inverse=True)
-    return replace(picked(mesh, vertex[unique]), normals=normals[unique], indices=indices.astype(np.uint32),
-                   tangents=None)
+    vertex, normals = triangles_of(mesh).ravel(), normals.reshape(-1, 3)
+    first = np.zeros(len(mesh.positions), np.int64)
+    first[vertex[::-1]] = np.arange(len(vertex))[::-1]
+    # Most vertices have one normal; the corners with another than that of the first one need sorting.
+    same = first[vertex]
+    differs = np.flatnonzero((normals != normals[same]).any(axis=1))
+    again = weld(vertex[differs, None].astype(np.uint32).view(np.float32), normals[differs])
+    same[differs] = differs[again]
+    is_first = np.zeros(len(vertex), bool)
+    is_first[same] = True
+    return replace(picked(mesh, vertex[is_first]), normals=normals[is_first],
+                   indices=(np.cumsum(is_first, dtype=np.uint32) - np.uint32(1))[same], tangents=None)
 
 
 def with_repaired_normals(mesh: Mesh, bad: np.ndarray) -> Mesh:

@@ -8,6 +8,8 @@ from .weld import weld
 
 CREASE = np.pi / 4
 MAX_VALENCE = 64
+_CHUNK = 1 << 15
+"""Triangles per step, so that what a step makes stays in the cache."""
 
 
 def flat_normals(positions: np.ndarray) -> np.ndarray:
@@ -33,29 +35,35 @@ def creased_normals(positions: np.ndarray, triangles: np.ndarray, crease: float 
     even if their indices differ, so a seam in the texture coordinates is not visible. Where more than MAX_VALENCE
     triangles meet, all of them are averaged.
     """
-    corners = positions[triangles]
-    face = _unit(_face_normals(corners)).astype(np.float64)
-    own = np.repeat(face, 3, axis=0)
-    weighted = (corner_angles(corners)[..., None] * face[:, None, :]).reshape(-1, 3)
-    vertex = weld(positions)[triangles].ravel()
-    normals = _normalised(sum_by(vertex, weighted, len(positions)))[vertex]
+    face, weighted = np.empty((len(triangles), 3)), np.empty((len(triangles), 3, 3))
+    chunks = [slice(k, k + _CHUNK) for k in range(0, len(triangles), _CHUNK)]
+    for chunk in chunks:
+        corners = positions[triangles[chunk]]
+        face[chunk] = _unit(_face_normals(corners))
+        weighted[chunk] = corner_angles(corners)[..., None] * face[chunk, None, :]
+    vertex = weld(positions)[triangles]
+    means = _normalised(sum_by(vertex.ravel(), weighted.reshape(-1, 3), len(positions)))
+    normals = _unit(means)[vertex].reshape(-1, 3)
 
     # If all triangles at a vertex are within half the crease angle of their mean, every two of them are within the
     # crease angle, and the mean is their normal already.
     creased = np.zeros(len(positions), bool)
-    creased[vertex[np.einsum("ij,ij->i", normals, own) < np.cos(crease / 2)]] = True
+    for chunk in chunks:
+        cosines = np.einsum("tki,ti->tk", means[vertex[chunk]], face[chunk])
+        creased[vertex[chunk][cosines < np.cos(crease / 2)]] = True
+    vertex = vertex.ravel()
     size = np.bincount(vertex, minlength=len(positions))
     todo = np.flatnonzero((creased & (size <= MAX_VALENCE))[vertex])
     todo = todo[np.argsort(vertex[todo], kind="stable")]
     start = np.searchsorted(vertex[todo], vertex[todo])
-    total = np.zeros((len(todo), 3))
+    own, by_corner, total = face[todo // 3], weighted.reshape(-1, 3), np.zeros((len(todo), 3))
     for k in range(int(size[vertex[todo]].max(initial=0))):
         here = np.flatnonzero(k < size[vertex[todo]])
-        other = todo[start[here] + k]
-        near = np.einsum("ij,ij->i", own[todo[here]], own[other]) > np.cos(crease)
-        total[here[near]] += weighted[other[near]]
-    normals[todo] = total
-    return _unit(normals).reshape(-1, 3, 3)
+        other = start[here] + k
+        near = np.einsum("ij,ij->i", own[here], own[other]) > np.cos(crease)
+        total[here[near]] += by_corner[todo[other[near]]]
+    normals[todo] = _unit(total)
+    return normals.reshape(-1, 3, 3)
 
 
 def grouped_normals(positions: np.ndarray, triangles: np.ndarray, groups: np.ndarray) -> np.ndarray:

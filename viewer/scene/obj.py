@@ -177,7 +177,10 @@ class _Reader:
             numbers[:, 1] = np.where(has_second, values[at + 1], 0)
             numbers[:, 2] = np.where(has_second & ~ends_here[at + 2], values[at + 2], 0)
         counts = np.bincount(owner, minlength=len(lines))
+        numbers[:, 1:] -= not has_parts
         for k, (name, table) in enumerate([("v", self.positions), ("vt", self.uvs), ("vn", self.normals)]):
+            if k and not has_parts:
+                break
             count = len(table)
             column = numbers[:, k]
             if (column < 0).any():
@@ -211,12 +214,13 @@ class _Reader:
             return []
         numbers, sizes, materials = self._elements("f")
         kept, face = cut_polygons(self.positions, numbers[:, 0], sizes, self.warnings)
-        corners = numbers[kept].reshape(-1, 3, 3)
+        corners = (numbers if (sizes == 3).all() else numbers[kept]).reshape(-1, 3, 3)
         smoothing = self.groups[np.searchsorted(self.group_lines, self._lines_of("f")) - 1][face]
         group = materials[face] * 4 + (corners[..., 1] >= 0).all(axis=1) * 2 + (corners[..., 2] >= 0).all(axis=1)
         meshes = []
-        for key in np.unique(group):
-            some = group == key
+        keys = np.unique(group)
+        for key in keys:
+            some = group == key if len(keys) > 1 else slice(None)
             mesh = self._triangles(corners[some].reshape(-1, 3), bool(key & 2), bool(key & 1), int(key) // 4)
             meshes.append(replace(mesh, smoothing=smoothing[some]) if self.has_smoothing else mesh)
         return meshes

@@ -94,11 +94,19 @@ def finite_part(mesh: RawMesh, warnings: list[str]) -> RawMesh | None:
 
 def shared_center(meshes: Sequence[RawMesh]) -> np.ndarray:
     """What is taken off all positions, (3,) float64: the middle of a model far from the origin, 0 for others."""
-    drawn = [mesh.positions if mesh.indices is None else mesh.positions[mesh.indices] for mesh in meshes]
+    drawn = [_drawn(mesh) for mesh in meshes]
     low = np.min([positions.min(axis=0) for positions in drawn], axis=0)
     high = np.max([positions.max(axis=0) for positions in drawn], axis=0)
     center = low / 2 + high / 2
     return center if np.abs(center).max() > FAR * (high - low).max() / 2 else np.zeros(3)
+
+
+def _drawn(mesh: RawMesh) -> np.ndarray:
+    if mesh.indices is None:
+        return mesh.positions
+    is_drawn = np.zeros(len(mesh.positions), bool)
+    is_drawn[mesh.indices] = True
+    return mesh.positions if is_drawn.all() else mesh.positions[is_drawn]
 
 
 def finished(mesh: RawMesh, center: np.ndarray, material: int) -> Mesh:
