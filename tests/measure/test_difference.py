@@ -86,7 +86,8 @@ def test_files_decide_what_is_compared(pair, tmp_path):
     assert shown.rmse == pytest.approx(mixed.rmse, abs=1e-6) and linear.rmse == compare(*pair, "hdr").rmse
     assert json.loads(json.dumps(shown.to_json())) == {
         "a": str(tmp_path / "a.png"), "b": str(tmp_path / "b.png"), "size": [32, 24],
-        "flip": shown.flip, "rmse": shown.rmse, "max": shown.max, "kind": "ldr"}
+        "flip": shown.flip, "rmse": shown.rmse, "max": shown.max, "kind": "displayed values"}
+    assert linear.to_json()["kind"] == "linear light"
 
 
 def test_errors_are_one_line(pair, tmp_path):

@@ -46,7 +46,7 @@ class Difference:
 
     def to_json(self) -> dict[str, object]:
         return {"a": self.a, "b": self.b, "size": list(self.size), "flip": self.flip, "rmse": self.rmse,
-                "max": self.max, "kind": self.kind}
+                "max": self.max, "kind": "displayed values" if self.kind == "ldr" else "linear light"}
 
     def map_image(self) -> Image:
         """The FLIP map in magma: black where the pictures agree, bright where they differ."""
