@@ -7,8 +7,8 @@ from itertools import product
 
 import numpy as np
 import pytest
-from little_scenes import NOTHING_MUCH, framing
 from images import image_of
+from little_scenes import NOTHING_MUCH, framing
 from shapes import constant, facing_floor, lopsided, moved, orthographic, plate, scene, sphere
 
 from viewer.scene.camera import Camera
