@@ -316,6 +316,42 @@ def clearcoat() -> Glb:
     return glb
 
 
+def translucent() -> Glb:
+    """Lit from behind and from the front. Above: paper, a leaf with veins by a texture of the share and another of the
+    colour, a sheet that lets everything through, and one with a ball between it and the light. Below: a ball of wax,
+    one that absorbs, a lamp shade open at both ends, and half metal."""
+    glb, ball, sheet = Glb(), without(sphere(0.42), "TANGENT"), without(plate(0.9, 0.9), "TANGENT")
+    veins = np.where((np.arange(16)[:, None] % 5 == 0) | (np.arange(16) % 7 == 3), 0.2, 1.0)[..., None]
+    share = glb.texture(np.concatenate([np.ones((16, 16, 3)), veins], -1))
+    color = glb.texture(np.concatenate([0.3 + 0.5 * veins, 0.9 * veins, 0.1 * veins], -1))
+    shade = lathe([[0.42, -0.3], [0.25, 0.35]], segments=32)
+    wax = {"thicknessFactor": 0.84}
+    kinds = [
+        (sheet, {"diffuseTransmissionFactor": 0.4}, None, {}),
+        (sheet, {"diffuseTransmissionFactor": 0.8, "diffuseTransmissionTexture": share,
+                 "diffuseTransmissionColorTexture": color}, None, {"color": (0.2, 0.5, 0.1)}),
+        (sheet, {"diffuseTransmissionFactor": 1.0, "diffuseTransmissionColorFactor": [0.9, 0.3, 0.2]}, None, {}),
+        (sheet, {"diffuseTransmissionFactor": 0.5}, None, {}),
+        (ball, {"diffuseTransmissionFactor": 0.6}, wax, {"roughness": 0.3}),
+        (ball, {"diffuseTransmissionFactor": 0.8}, wax | {"attenuationDistance": 0.6,
+                                                         "attenuationColor": [0.9, 0.5, 0.2]}, {}),
+        (shade, {"diffuseTransmissionFactor": 0.6, "diffuseTransmissionColorFactor": [1.0, 0.8, 0.5]}, None, {}),
+        (sheet, {"diffuseTransmissionFactor": 0.8}, None, {"metallic": 0.5}),
+    ]
+    for place, (shape, fields, volume, material) in enumerate(kinds):
+        extensions = {"KHR_materials_diffuse_transmission": fields}
+        extensions |= {"KHR_materials_volume": volume} if volume else {}
+        look = {"color": (0.8, 0.8, 0.75), "roughness": 0.7} | material
+        number = glb.material(**look, doubleSided=volume is None, extensions=extensions)
+        glb.node(glb.mesh(shape, number), translation=[place % 4 * 1.1 - 1.65, 0.55 - place // 4 * 1.1, 0])
+    glb.node(glb.mesh(without(sphere(0.2), "TANGENT", "TEXCOORD_0"), glb.material((0.1, 0.1, 0.1))),
+             translation=[1.65, 0.55, -0.5])
+    glb.light("directional", (0.2, 0.4, -2), intensity=3.0)
+    glb.light("point", (-1, 1.2, 1.5), color=[1, 0.6, 0.3], intensity=3.0)
+    glb.camera((0, 0, 8.6))
+    return glb
+
+
 def two_sided() -> Glb:
     """Open bowls, double-sided and not, upright and mirrored by a negative scale, one with a normal map."""
     glb = Glb()
@@ -390,7 +426,8 @@ def huge() -> Glb:
 
 
 SCENES = [spheres, normal_map, textures, alpha, lights, vertex_colors, emissive, unlit, specular_ior, glass,
-          anisotropy, clearcoat, specular_glossiness, rough_diffuse, two_sided, lines_points, occlusion, tiny, huge]
+          anisotropy, clearcoat, specular_glossiness, rough_diffuse, translucent, two_sided, lines_points,
+          occlusion, tiny, huge]
 
 if __name__ == "__main__":
     save_scenes(SCENES, Path(__file__).parent / "scenes")

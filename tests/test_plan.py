@@ -98,18 +98,22 @@ def test_only_what_the_material_is_made_of():
     ({"specular": 0.0}, set(MAPS) - {"specular", "specular_color"}),
     ({"unlit": True}, {"base_color", "emissive"}),
     ({"thickness": 0.0}, set(MAPS) - {"thickness"}),
-    ({"transmission": 0.0}, set(MAPS) - {"transmission", "thickness"}),
-    ({"ior": 0.0}, set(MAPS) - {"transmission", "thickness"}),
+    ({"transmission": 0.0}, set(MAPS) - {"transmission"}),
+    ({"ior": 0.0}, set(MAPS) - {"transmission"}),
     ({"anisotropy_strength": 0.0}, set(MAPS) - {"anisotropy"}),
     ({"diffuse_roughness": 0.0}, set(MAPS) - {"diffuse_roughness"}),
     ({"clearcoat": 0.0}, {name for name in MAPS if "clearcoat" not in name}),
     ({"clearcoat_roughness": 0.0}, set(MAPS) - {"clearcoat_roughness"}),
     ({"clearcoat_normal_scale": 0.0}, set(MAPS) - {"clearcoat_normal"}),
+    ({"diffuse_transmission": 0.0}, set(MAPS) - {"diffuse_transmission", "diffuse_transmission_color"}),
+    ({"diffuse_transmission": 0.0, "transmission": 0.0},
+     set(MAPS) - {"diffuse_transmission", "diffuse_transmission_color", "transmission", "thickness"}),
 ])
 def test_maps_that_change_no_pixel_are_not_sampled(change, sampled, monkeypatch):
     monkeypatch.setattr("viewer.plan.samplers.MAX_SAMPLERS", 99)
     full = Material(emissive=(1, 1, 1), transmission=1.0, thickness=1.0, anisotropy_strength=1.0, diffuse_roughness=1.0,
-                    clearcoat=1.0, clearcoat_roughness=0.5, **{f"{name}_texture": MAP for name in MAPS})
+                    clearcoat=1.0, clearcoat_roughness=0.5, diffuse_transmission=0.5,
+                    **{f"{name}_texture": MAP for name in MAPS})
     material = replace(full, **change)
     found = plan(scene(material, environment=ENVIRONMENT))
     assert set(found.draws[0].maps) == sampled
@@ -168,6 +172,20 @@ def test_only_rough_diffuse_surfaces_have_code_for_it():
         assert "eon" not in text and "u_diffuse_roughness" not in text and "diffuse_axis" not in text
     phong = plan(scene(rough, environment=ENVIRONMENT), mode="phong")
     assert "eon" not in code(phong) and "diffuse roughness: mode phong does not show it" in phong.left_out
+
+
+def test_only_surfaces_that_let_light_through_have_code_for_it():
+    leaf = Material(metallic=0.5, diffuse_transmission=0.5, diffuse_transmission_texture=MAP)
+    light = {"environment": ENVIRONMENT, "lights": (SUN,)}
+    found = plan(scene(leaf, **light))
+    words = ("transmitted", "light_from_behind", "diffuse_transmission_color *", "below_probability")
+    assert all(word in code(found) for word in words) and not found.has_thin_transmission
+    for other in (replace(leaf, diffuse_transmission=0.0), replace(leaf, metallic=1.0)):
+        assert not any(word in code(plan(scene(other, **light))) for word in words)
+    wax = plan(scene(replace(leaf, thickness=1.0), **light))
+    assert "crossed_solid" in code(wax) and not wax.has_solid_transmission
+    phong = plan(scene(leaf, **light), mode="phong")
+    assert "diffuse transmission: mode phong does not show it" in phong.left_out
 
 
 @pytest.mark.parametrize("mode", ["pbr", "phong"])

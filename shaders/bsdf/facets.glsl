@@ -16,6 +16,8 @@ struct Surface {
     float alpha;   // below DELTA_ALPHA a mirror; if ANISOTROPIC, the alpha along the bitangent
     float alpha_t; // if ANISOTROPIC, the alpha along the tangent
     float diffuse_roughness; // if DIFFUSE_ROUGH, sigma of the diffuse base
+    float diffuse_transmission;     // if DIFFUSE_TRANSMISSION, the share of the diffuse base's light that passes it
+    vec3 diffuse_transmission_color;
     float coat, coat_alpha; // if CLEARCOAT, the weight of the clear coat and its alpha
 };
 

@@ -3,7 +3,7 @@
 //   f = coat + throughput of the coat * base
 //   base = (1 - metallic) (dielectric + throughput of the dielectric * diffuse base) + metallic * metal
 // Khronos Group 2021, "glTF 2.0 Specification", appendix B; KHR_materials_specular, _ior, _anisotropy, _clearcoat,
-// _diffuse_roughness.
+// _diffuse_roughness, _diffuse_transmission.
 // METALNESS: 0 dielectric, 1 metal, 2 a mixture. Dielectric and metal are evaluated separately and mixed last, because
 // multiple scattering is not linear in f0.
 #include "bsdf/facets.glsl"
@@ -79,23 +79,7 @@ float surface_throughput(Surface s, SurfaceView v) {
 // ---- The surface as a lobe, as bsdf/bsdf.glsl defines it, with wo and wi in the local frame. A sample is taken from
 // the coat, from the facets or from the diffuse part, with probabilities in proportion to their albedos.
 
-// The albedo of single scattering by the facets
-vec3 single_albedo(Surface s, SurfaceView v) {
-    return MIX_METAL(s, v.dielectric.E_ss, v.metal.E_ss) * float(SHOW_SPECULAR);
-}
-
-// The albedo of the diffuse part: multiple scattering by the facets, and the base, whose albedo is (1 - s(o)) rho with
-// the albedo s(o) of the interface
-vec3 multiple_albedo(Surface s, SurfaceView v) {
-    vec3 multiple = MIX_METAL(s, v.dielectric.F_ms, v.metal.F_ms) * energy_loss(v.dfg);
-    vec3 base = MIX_METAL(s, interface_transmittance(v.dielectric, v.dfg) * diffuse_albedo(s, v.NoV), vec3(0.0));
-    return multiple * float(SHOW_MULTISCATTER) + base;
-}
-
-float facet_probability(Surface s, SurfaceView v) {
-    float single = luminance(single_albedo(s, v)), multiple = luminance(multiple_albedo(s, v));
-    return multiple > 0.0 ? single / (single + multiple) : 1.0;
-}
+#include "bsdf/surface_albedos.glsl"
 
 // n_coat is the normal of the coat, in the local frame.
 SurfaceView surface_view(Surface s, vec3 wo, vec3 n_coat, sampler2D dfg) {
@@ -103,13 +87,16 @@ SurfaceView surface_view(Surface s, vec3 wo, vec3 n_coat, sampler2D dfg) {
     SurfaceView v = view_surface(s, wo.z, roughness, dfg_albedo(dfg, wo.z, roughness), dfg_mean(dfg, roughness));
 #if CLEARCOAT
     v.coat = make_coat(s.coat, s.coat_alpha, n_coat, dot(n_coat, wo), dfg);
-    v.coat.probability = coat_probability(v.coat, luminance(single_albedo(s, v) + multiple_albedo(s, v)));
+    v.coat.probability = coat_probability(v.coat, luminance(single_albedo(s, v) + diffuse_part_albedo(s, v)));
 #endif
     return v;
 }
 
-// xyz: f cos, w: the pdf
+// xyz: f |cos|, w: the pdf
 vec4 base_eval_pdf(Surface s, SurfaceView v, vec3 wo, vec3 wi, sampler2D dfg) {
+#if DIFFUSE_TRANSMISSION
+    if (wi.z < 0.0) return transmission_eval_pdf(s, v, wo, wi, 1.0 - facet_probability(s, v), dfg);
+#endif
     if (wo.z <= 0.0 || wi.z <= 0.0) return vec4(0.0);
     Angles a = local_angles(wo, wi);
     float dv = 0.0, facets = 0.0;
@@ -118,7 +105,11 @@ vec4 base_eval_pdf(Surface s, SurfaceView v, vec3 wo, vec3 wi, sampler2D dfg) {
         facets = pdf_facet_reflection(s, wo, normalize(wo + wi));
     }
     vec3 f = surface_response(s, v, a, dv, dfg_albedo(dfg, wi.z, v.perceptual_roughness));
-    return vec4(f * wi.z, mix(pdf_diffuse(s, wo, wi), facets, facet_probability(s, v)));
+    float diffuse = pdf_diffuse(s, wo, wi);
+#if DIFFUSE_TRANSMISSION
+    diffuse *= 1.0 - below_probability(s, v);
+#endif
+    return vec4(f * wi.z, mix(diffuse, facets, facet_probability(s, v)));
 }
 
 // Of a direction that is no mirror's, weight and pdf are still those of nothing.
@@ -127,6 +118,10 @@ BsdfSample base_sample(Surface s, SurfaceView v, vec3 wo, vec3 u, sampler2D dfg)
     float p = facet_probability(s, v);
     vec3 wi;
     if (u.z >= p) {
+#if DIFFUSE_TRANSMISSION
+        if (u.z - p < (1.0 - p) * below_probability(s, v))
+            return BsdfSample(-sample_cosine_hemisphere(u.xy), vec3(0.0), 0.0, TRANSMISSION, 1.0);
+#endif
         wi = sample_diffuse(s, wo, u.xy);
     } else if (is_mirror(s)) {
         vec3 F = MIX_METAL(s, dielectric_fresnel(v.dielectric, wo.z, s.ior), metal_fresnel(v.metal, wo.z));
@@ -139,7 +134,7 @@ BsdfSample base_sample(Surface s, SurfaceView v, vec3 wo, vec3 u, sampler2D dfg)
     return BsdfSample(wi, vec3(0.0), 0.0, REFLECTION, 1.0);
 }
 
-// xyz: f cos, w: the pdf of surface_sample, both without mirrors
+// xyz: f |cos|, w: the pdf of surface_sample, both without mirrors
 vec4 surface_eval_pdf(Surface s, SurfaceView v, vec3 wo, vec3 wi, sampler2D dfg) {
     vec4 f = base_eval_pdf(s, v, wo, wi, dfg);
 #if CLEARCOAT
@@ -161,14 +156,14 @@ BsdfSample surface_sample(Surface s, SurfaceView v, vec3 wo, vec3 u, sampler2D d
 #endif
     if (b.flags == 0u) return b;
     vec4 f = surface_eval_pdf(s, v, wo, b.wi, dfg);
-    return BsdfSample(b.wi, f.rgb / max(f.w, 1e-30), f.w, REFLECTION, 1.0);
+    return BsdfSample(b.wi, f.rgb / max(f.w, 1e-30), f.w, b.flags, 1.0);
 }
 
 const vec3 SURFACE_NORMAL = vec3(0.0, 0.0, 1.0);
 
 vec3 surface_eval(Surface m, vec3 wo, vec3 wi, sampler2D dfg) {
-    if (wi.z <= 0.0) return vec3(0.0);
-    return surface_eval_pdf(m, surface_view(m, wo, SURFACE_NORMAL, dfg), wo, wi, dfg).rgb / wi.z;
+    if (wi.z == 0.0) return vec3(0.0);
+    return surface_eval_pdf(m, surface_view(m, wo, SURFACE_NORMAL, dfg), wo, wi, dfg).rgb / abs(wi.z);
 }
 
 float surface_pdf(Surface m, vec3 wo, vec3 wi, sampler2D dfg) {
@@ -181,7 +176,7 @@ BsdfSample surface_sample(Surface m, vec3 wo, vec3 u, sampler2D dfg) {
 
 vec3 surface_albedo(Surface m, float NoV, sampler2D dfg) {
     SurfaceView v = surface_view(m, vec3(sqrt(max(1.0 - NoV * NoV, 0.0)), 0.0, NoV), SURFACE_NORMAL, dfg);
-    vec3 albedo = single_albedo(m, v) + multiple_albedo(m, v);
+    vec3 albedo = single_albedo(m, v) + diffuse_part_albedo(m, v);
 #if CLEARCOAT
     albedo = coat_over(v.coat, coat_albedo(v.coat), albedo);
 #endif

@@ -10,6 +10,8 @@ struct MaterialInputs {
     vec3 specular_color;            // tints the dielectric's f0
     float transmission;             // fraction of the light entering the dielectric that is transmitted
     float thickness;                // thickness of the volume (0: thin-walled)
+    float diffuse_transmission;     // fraction of the diffuse base's light that leaves on the other side
+    vec3 diffuse_transmission_color; // tints the light that leaves on the other side
     float anisotropy_strength;      // stretches highlights along the tangent
     float anisotropy_rotation;      // rotates the direction of stretching, counter-clockwise
     float diffuse_roughness;        // roughness of the diffuse base, 0 for Lambert's
@@ -20,4 +22,4 @@ struct MaterialInputs {
 
 const MaterialInputs DEFAULT_INPUTS = MaterialInputs(
     vec4(1.0, 1.0, 1.0, 1.0), 1.0, 1.0, vec3(0.0, 0.0, 0.0), 1.5, 1.0, vec3(1.0, 1.0, 1.0), 0.0, 0.0, 0.0,
-    0.0, 0.0, 0.0, 0.0, vec2(1.0, 0.5));
+    vec3(1.0, 1.0, 1.0), 0.0, 0.0, 0.0, 0.0, 0.0, vec2(1.0, 0.5));

@@ -11,11 +11,11 @@
 
 uniform int u_materials;
 
-const uint BASE_COLOR_ROLE = 1u, EMISSIVE_ROLE = 2u, SPECULAR_COLOR_ROLE = 4u, SPECULAR_GLOSSINESS_ROLE = 8u;
-const uint METALLIC_ROUGHNESS_ROLE = 1u, SPECULAR_ROLE = 2u, TRANSMISSION_ROLE = 4u, ANISOTROPY_ROLE = 8u, DIFFUSE_ROUGHNESS_ROLE = 16u, CLEARCOAT_ROLE = 32u, CLEARCOAT_ROUGHNESS_ROLE = 64u;
+const uint BASE_COLOR_ROLE = 1u, EMISSIVE_ROLE = 2u, SPECULAR_COLOR_ROLE = 4u, SPECULAR_GLOSSINESS_ROLE = 8u, DIFFUSE_TRANSMISSION_COLOR_ROLE = 16u;
+const uint METALLIC_ROUGHNESS_ROLE = 1u, SPECULAR_ROLE = 2u, TRANSMISSION_ROLE = 4u, DIFFUSE_TRANSMISSION_ROLE = 8u, ANISOTROPY_ROLE = 16u, DIFFUSE_ROUGHNESS_ROLE = 32u, CLEARCOAT_ROLE = 64u, CLEARCOAT_ROUGHNESS_ROLE = 128u;
 
 int material_texel(int material, int part) {
-    return u_materials + material * 7 + part;
+    return u_materials + material * 8 + part;
 }
 
 vec4 base_color_factor(int material) {
@@ -54,38 +54,46 @@ float transmission_factor(int material) {
     return scene_float4(material_texel(material, 3)).w;
 }
 
-float anisotropy_strength_factor(int material) {
+float diffuse_transmission_factor(int material) {
     return scene_float4(material_texel(material, 4)).x;
 }
 
-float anisotropy_rotation_factor(int material) {
-    return scene_float4(material_texel(material, 4)).y;
+vec3 diffuse_transmission_color_factor(int material) {
+    return scene_float4(material_texel(material, 4)).yzw;
 }
 
-float diffuse_roughness_factor(int material) {
-    return scene_float4(material_texel(material, 4)).z;
-}
-
-float clearcoat_factor(int material) {
-    return scene_float4(material_texel(material, 4)).w;
-}
-
-float clearcoat_roughness_factor(int material) {
+float anisotropy_strength_factor(int material) {
     return scene_float4(material_texel(material, 5)).x;
 }
 
-float clearcoat_normal_scale_factor(int material) {
+float anisotropy_rotation_factor(int material) {
     return scene_float4(material_texel(material, 5)).y;
 }
 
-float alpha_cutoff_factor(int material) {
+float diffuse_roughness_factor(int material) {
     return scene_float4(material_texel(material, 5)).z;
+}
+
+float clearcoat_factor(int material) {
+    return scene_float4(material_texel(material, 5)).w;
+}
+
+float clearcoat_roughness_factor(int material) {
+    return scene_float4(material_texel(material, 6)).x;
+}
+
+float clearcoat_normal_scale_factor(int material) {
+    return scene_float4(material_texel(material, 6)).y;
+}
+
+float alpha_cutoff_factor(int material) {
+    return scene_float4(material_texel(material, 6)).z;
 }
 
 // The records of the material's maps: x colour maps and y data maps, as index of the first record |
 // number of records << 24; z that of the normal map + 1, w that of the coat's normal map + 1, or 0
 uvec4 map_records(int material) {
-    return scene_uint4(material_texel(material, 6));
+    return scene_uint4(material_texel(material, 7));
 }
 
 // `color` is the interpolated vertex colour.
@@ -109,6 +117,10 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
 #endif
 #if DIFFUSE_ROUGH
     m.diffuse_roughness = diffuse_roughness_factor(material);
+#endif
+#if DIFFUSE_TRANSMISSION
+    m.diffuse_transmission = diffuse_transmission_factor(material);
+    m.diffuse_transmission_color = diffuse_transmission_color_factor(material);
 #endif
 #if HAS_TRANSMISSION
     m.transmission = transmission_factor(material);
@@ -143,6 +155,11 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
             apply_specular_glossiness(m, texel);
         }
 #endif
+#if DIFFUSE_TRANSMISSION
+        if (has_role(map, DIFFUSE_TRANSMISSION_COLOR_ROLE)) {
+            m.diffuse_transmission_color *= texel.rgb;
+        }
+#endif
     }
 #endif
 #if HAS_DATA_MAPS
@@ -160,6 +177,11 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
 #if HAS_TRANSMISSION
         if (has_role(map, TRANSMISSION_ROLE)) {
             m.transmission *= texel.r;
+        }
+#endif
+#if DIFFUSE_TRANSMISSION
+        if (has_role(map, DIFFUSE_TRANSMISSION_ROLE)) {
+            m.diffuse_transmission *= texel.a;
         }
 #endif
 #if ANISOTROPIC

@@ -27,6 +27,10 @@ uniform float u_clearcoat_normal_scale;
 #if DIFFUSE_ROUGH
 uniform float u_diffuse_roughness;
 #endif
+#if DIFFUSE_TRANSMISSION
+uniform float u_diffuse_transmission;
+uniform vec3 u_diffuse_transmission_color;
+#endif
 #if HAS_NORMAL
 uniform float u_metallic;
 uniform float u_perceptual_roughness;
@@ -139,6 +143,24 @@ vec4 thickness_texel() {
 }
 #endif
 
+#if DIFFUSE_TRANSMISSION_MAP
+uniform sampler2D u_diffuse_transmission_map;
+uniform mat3x2 u_diffuse_transmission_transform;
+vec4 diffuse_transmission_texel() {
+    return texture(u_diffuse_transmission_map, map_uv(DIFFUSE_TRANSMISSION_UV, DIFFUSE_TRANSMISSION_TRANSFORM,
+        u_diffuse_transmission_transform, DIFFUSE_TRANSMISSION_MIRROR));
+}
+#endif
+
+#if DIFFUSE_TRANSMISSION_COLOR_MAP
+uniform sampler2D u_diffuse_transmission_color_map;
+uniform mat3x2 u_diffuse_transmission_color_transform;
+vec4 diffuse_transmission_color_texel() {
+    return texture(u_diffuse_transmission_color_map, map_uv(DIFFUSE_TRANSMISSION_COLOR_UV, DIFFUSE_TRANSMISSION_COLOR_TRANSFORM,
+        u_diffuse_transmission_color_transform, DIFFUSE_TRANSMISSION_COLOR_MIRROR));
+}
+#endif
+
 #if ANISOTROPY_MAP
 uniform sampler2D u_anisotropy_map;
 uniform mat3x2 u_anisotropy_transform;
@@ -200,6 +222,10 @@ MaterialInputs read_inputs() {
 #endif
 #if DIFFUSE_ROUGH
     m.diffuse_roughness = u_diffuse_roughness;
+#endif
+#if DIFFUSE_TRANSMISSION
+    m.diffuse_transmission = u_diffuse_transmission;
+    m.diffuse_transmission_color = u_diffuse_transmission_color;
 #endif
 #if HAS_NORMAL
     m.metallic = u_metallic;
@@ -263,6 +289,18 @@ MaterialInputs read_inputs() {
     {
         vec4 texel = thickness_texel();
         m.thickness *= texel.g;
+    }
+#endif
+#if DIFFUSE_TRANSMISSION_MAP
+    {
+        vec4 texel = diffuse_transmission_texel();
+        m.diffuse_transmission *= texel.a;
+    }
+#endif
+#if DIFFUSE_TRANSMISSION_COLOR_MAP
+    {
+        vec4 texel = diffuse_transmission_color_texel();
+        m.diffuse_transmission_color *= texel.rgb;
     }
 #endif
 #if ANISOTROPY_MAP

@@ -33,10 +33,18 @@ uniform vec3 u_view_direction; // towards the eye
 // REFLECTS: 0 for a Lambertian surface without an interface.
 uniform sampler2D u_dfg;
 
+#if IS_SOLID
+uniform vec3 u_absorption; // absorption coefficient sigma_a, per eye-relative unit
+#endif
+
 // The normals of the surface, and the direction v to the eye
 struct Point {
     vec3 n, n_geometric, v;
     float NoV;
+#if DIFFUSE_TRANSMISSION
+    float behind;  // distance to the other side, 0 if thin-walled
+    vec3 returned; // share of the light that the diffuse transmission brings from this side, 0 if thin-walled
+#endif
 #if ANISOTROPIC
     mat3 frame; // tangent, bitangent, n
 #endif
@@ -50,6 +58,17 @@ struct Point {
 #endif
 #if HAS_TRANSMISSION
 #include "raster/transmission.glsl"
+#endif
+
+#if DIFFUSE_TRANSMISSION && IS_SOLID
+// A solid is taken for a slab. Light enters either side with t color, a of it is not absorbed on its way across, and each
+// side returns (1 - t) rho of it. With r = (1 - t) rho a, the inside of a side gets t color a / (1 - r^2) of the light
+// that falls on the other side, and r times as much of its own: t color a / (1 - r) in all, r / (1 + r) of it its own.
+vec3 crossed_solid(Surface s, vec3 a, out vec3 own) {
+    vec3 r = min((1.0 - s.diffuse_transmission) * s.base_color * a, 0.999);
+    own = r / (1.0 + r);
+    return s.diffuse_transmission * s.diffuse_transmission_color * a / (1.0 - r);
+}
 #endif
 
 void main() {
@@ -76,6 +95,13 @@ void main() {
 #endif
     m.perceptual_roughness = clamp(m.perceptual_roughness, MIN_PERCEPTUAL_ROUGHNESS, 1.0);
     Surface s = surface_of(m);
+#if DIFFUSE_TRANSMISSION
+    p.behind = m.thickness;
+    p.returned = vec3(0.0);
+#if IS_SOLID
+    s.diffuse_transmission_color *= crossed_solid(s, exp(-u_absorption * m.thickness), p.returned);
+#endif
+#endif
 #if HAS_TRANSMISSION && !IS_SOLID
     s.f0 = mix(s.f0, thin_walled_f0(s.f0), m.transmission);
 #endif
@@ -117,6 +143,9 @@ void main() {
     float throughput = surface_throughput(s, view) * m.transmission;
     radiance += throughput * entering_tint(m.base_color.rgb) * transmitted * float(SHOW_SPECULAR);
     s.base_color *= 1.0 - m.transmission; // the rest is scattered diffusely
+#if DIFFUSE_TRANSMISSION
+    s.diffuse_transmission_color *= 1.0 - m.transmission;
+#endif
 #endif
 #if CLEARCOAT
     radiance *= view.coat.throughput;

@@ -114,6 +114,13 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
     for (int k = 0; k < 2; ++k) specular[k] = mix(specular[k], mirrored.rgb, weight);
 #endif
     vec3 radiance = surface_environment(s, view, specular, mean_light);
+#if DIFFUSE_TRANSMISSION && HAS_ENVIRONMENT
+    vec3 through = environment_irradiance_over_pi(-p.n);
+#if IS_SOLID
+    through = mix(through, environment_irradiance_over_pi(p.n), p.returned);
+#endif
+    radiance += surface_transmitted(s, view) * through;
+#endif
 #if CLEARCOAT
     radiance = coat_over(view.coat, coat_environment(p, view.coat, occlusion, visible), radiance);
 #endif

@@ -1,5 +1,35 @@
 // Radiance that a surface of pbr.frag reflects from one punctual light or sun, including its shadow.
 
+// The fraction of light i, in the direction l, that arrives at a point; n is the geometric normal on the light's side.
+float light_visibility(int i, vec3 position, vec3 n, vec3 l) {
+#if SHADOW_LAYERS > 0
+    float layer = u_lights[i].direction.w;
+    if (layer >= 0.0) {
+        bool is_point = i >= DIRECTIONAL_COUNT && i < DIRECTIONAL_COUNT + POINT_COUNT;
+        return shadow_visibility(int(layer), is_point, position, n, l, u_lights[i].position.xyz);
+    }
+#endif
+    return 1.0;
+}
+
+#if DIFFUSE_TRANSMISSION
+// Light that a surface lets through from behind. Its far side is `behind` away, so that a solid does not shadow itself.
+vec3 light_from_behind(int i, Point p, Surface s, SurfaceView view, vec3 l, vec3 irradiance) {
+    irradiance *= light_visibility(i, v_position - p.behind * p.n_geometric, -p.n_geometric, l);
+    float NoL = -dot(p.n, l);
+#if REFLECTS
+    vec2 dfg = dfg_albedo(u_dfg, NoL, view.perceptual_roughness);
+#else
+    const vec2 dfg = vec2(0.0);
+#endif
+    vec3 radiance = (1.0 - p.returned) * surface_transmission(s, view, dfg) * irradiance * NoL;
+#if CLEARCOAT
+    radiance *= view.coat.throughput;
+#endif
+    return radiance;
+}
+#endif
+
 vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
     vec3 l;
     vec3 irradiance = punctual_irradiance(i, v_position, l);
@@ -12,6 +42,9 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
     vec3 coat_x = dFdx(h - view.coat.n), coat_y = dFdy(h - view.coat.n);
 #endif
 #endif
+#if DIFFUSE_TRANSMISSION
+    if (NoL < 0.0) return light_from_behind(i, p, s, view, l, irradiance);
+#endif
 #if CLEARCOAT
     float coat_NoL = dot(view.coat.n, l);
     if ((NoL <= 0.0 && coat_NoL <= 0.0) || h == vec3(0.0)) return vec3(0.0);
@@ -19,13 +52,7 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
 #else
     if (NoL <= 0.0 || h == vec3(0.0)) return vec3(0.0); // straight from behind there is no half vector
 #endif
-#if SHADOW_LAYERS > 0
-    float layer = u_lights[i].direction.w;
-    if (layer >= 0.0) {
-        bool is_point = i >= DIRECTIONAL_COUNT && i < DIRECTIONAL_COUNT + POINT_COUNT;
-        irradiance *= shadow_visibility(int(layer), is_point, v_position, p.n_geometric, l, u_lights[i].position.xyz);
-    }
-#endif
+    irradiance *= light_visibility(i, v_position, p.n_geometric, l);
 #if ANISOTROPIC
     vec3 wo = p.v * p.frame;
     Angles a = local_angles(vec3(wo.xy, max(wo.z, 1e-4)), l * p.frame);
@@ -44,6 +71,9 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
     const vec2 dfg = vec2(0.0);
 #endif
     vec3 radiance = surface_response(s, view, a, d * facet_v(s, a), dfg) * irradiance * NoL;
+#if DIFFUSE_TRANSMISSION
+    radiance += p.returned * surface_transmission(s, view, dfg) * irradiance * NoL;
+#endif
 #if CLEARCOAT
     vec3 coat = vec3(0.0);
     if (coat_NoL > 0.0) {

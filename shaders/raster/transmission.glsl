@@ -10,10 +10,6 @@
 #include "raster/environment.glsl"
 #endif
 
-#if IS_SOLID
-uniform vec3 u_absorption; // absorption coefficient sigma_a, per eye-relative unit
-#endif
-
 // Reflectance of both faces of a thin wall together, with all reflections between them: R' = 2 R / (1 + R)
 vec3 thin_walled_f0(vec3 f0) {
     return 2.0 * f0 / (1.0 + f0);

@@ -9,6 +9,7 @@
 #include "trace/emission.glsl"
 
 #define TRANSMITS 1
+#define REFRACTS 1
 
 struct Bsdf {
     Glass glass;
@@ -46,7 +47,12 @@ vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi) {
     f = coat_eval_pdf(b.coat, wo, wi, f, u_dfg);
 #endif
 #if HAS_PARTLY_GLASS
-    f = mix(surface_eval_pdf(b.surface, b.view, wo, wi, u_dfg), f, b.share);
+    vec4 opaque = surface_eval_pdf(b.surface, b.view, wo, wi, u_dfg);
+#if DIFFUSE_TRANSMISSION
+    // Radiance is greater by eta^2 inside, however the light got there.
+    if (wi.z < 0.0 && !b.glass.is_thin) opaque.rgb /= b.glass.eta * b.glass.eta;
+#endif
+    f = mix(opaque, f, b.share);
 #endif
     return f;
 }
@@ -81,6 +87,9 @@ BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u) {
         vec4 f = bsdf_eval_pdf(b, wo, s.wi);
         s.weight = f.rgb / max(f.w, 1e-30);
         s.pdf = f.w;
+#if DIFFUSE_TRANSMISSION
+        if (s.wi.z < 0.0 && !b.glass.is_thin) s.eta = b.glass.eta;
+#endif
     }
     return s;
 #else

@@ -15,7 +15,7 @@ void main() {
     Interaction i = interact(unpack_hit(hit), wo);
     SurfaceMaterial m = material_at(i);
     bool is_glass = hit_kind(hit) == KIND_GLASS;
-    bool is_back = !i.is_front && !m.is_double_sided && !is_glass;
+    bool is_back = !i.is_front && !m.is_double_sided && !is_glass && hit_kind(hit) != KIND_TRANSLUCENT;
     // The same random number as in the pass that shades this surface
     if (continues_straight(p, m, is_back, vertex_numbers(path_sample(texel, p.left), p, LIGHT_GROUP).w)) discard;
 

@@ -1,6 +1,7 @@
 // Shades a path at a surface of any kind: adds the emission, prepares a shadow ray to a light and samples the next
 // direction. The file of a kind defines the following before it includes this file,
 //   TRANSMITS                                   1 if light may leave on the other side, else 0
+//   REFRACTS                                    1 if it is refracted there, so that radiance changes with the index
 //   struct Bsdf                                 the BSDF for one wo
 //   Bsdf bsdf_at(Interaction i, SurfaceMaterial m, vec3 wo, vec3 n_coat)
 //   vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi)     rgb: f |cos|, w: the pdf of bsdf_sample; 0 for delta lobes
@@ -48,8 +49,10 @@ int medium_at(Path p, Interaction i, SurfaceMaterial m, float side) {
 // inside.
 void begin_inside(inout Path p, Interaction i, SurfaceMaterial m) {
     p.medium = i.medium;
+#if REFRACTS
     p.eta2 = max(m.inputs.ior * m.inputs.ior, 1.0);
     p.throughput /= p.eta2;
+#endif
 }
 #endif
 

@@ -23,8 +23,7 @@ MUTATIONS = [
     Mutation("the cosine's density without 1/pi", "sample/hemisphere.glsl", "return max(w.z, 0.0) * INV_PI;",
              "return max(w.z, 0.0);"),
     Mutation("density of the lobes mixed by halves", "bsdf/surface.glsl",
-             "mix(pdf_diffuse(s, wo, wi), facets, facet_probability(s, v))",
-             "mix(pdf_diffuse(s, wo, wi), facets, 0.5)"),
+             "mix(diffuse, facets, facet_probability(s, v))", "mix(diffuse, facets, 0.5)"),
     Mutation("a light's sample counts in full", "trace/mis.glsl", "? mis_weight(light_pdf, bsdf_pdf) :", "? 1.0 :"),
     Mutation("a light's sample weighed by the wrong density", "trace/mis.glsl", "? mis_weight(light_pdf, bsdf_pdf) :",
              "? mis_weight(bsdf_pdf, light_pdf) :"),
@@ -72,6 +71,12 @@ MUTATIONS = [
              "u_dfg).throughput * 0.0 + emission"),
     Mutation("coat follows the bumps below in paths", "trace/interaction.glsl",
              "i.n_coat = bend_normal(n_coat, i.n_geometric, wo);", "i.n_coat = i.n;"),
+    Mutation("density below without its probability", "bsdf/diffuse_transmission.glsl",
+             "p_diffuse * below_probability(s, v) *", "p_diffuse *"),
+    Mutation("density above as if nothing went below", "bsdf/surface.glsl",
+             "diffuse *= 1.0 - below_probability(s, v);", ""),
+    Mutation("share of diffuse transmission from the wrong channel", "material/records.glsl",
+             "m.diffuse_transmission *= texel.a;", "m.diffuse_transmission *= texel.r;"),
 ]
 
 

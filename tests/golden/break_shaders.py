@@ -136,6 +136,18 @@ MUTATIONS = [
     Mutation("coat reflects no environment", "bsdf/layer/coat.glsl", "return single * float(SHOW_SPECULAR) +",
              "return 0.0 * single +"),
     Mutation("coat reflects no light", "raster/shade_light.glsl", "* irradiance * coat_NoL;", "* 0.0;"),
+    Mutation("no light from behind", "raster/shade_light.glsl",
+             "vec3 radiance = (1.0 - p.returned) *", "vec3 radiance = 0.0 *"),
+    Mutation("environment not seen through", "raster/shade_environment.glsl",
+             "radiance += surface_transmitted(s, view) * through;", ""),
+    Mutation("what light passes through tinted by the base colour", "bsdf/layer/diffuse.glsl",
+             "return s.diffuse_transmission * s.diffuse_transmission_color *",
+             "return s.diffuse_transmission * s.base_color *"),
+    Mutation("reflected as if nothing passed through", "bsdf/layer/diffuse.glsl",
+             "return (1.0 - s.diffuse_transmission) * float(SHOW_DIFFUSE);", "return float(SHOW_DIFFUSE);"),
+    Mutation("wax absorbs nothing", "raster/pbr.frag", "crossed_solid(s, exp(-u_absorption * m.thickness), p.returned)",
+             "crossed_solid(s, vec3(1.0), p.returned)"),
+    Mutation("wax shadows itself", "raster/shade_light.glsl", "v_position - p.behind * p.n_geometric", "v_position"),
     Mutation("exposure ignored", "display/display.frag", "straight * u_exposure", "straight"),
 ]
 

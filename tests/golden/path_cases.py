@@ -213,6 +213,21 @@ def coated() -> tuple[Scene, Camera]:
                  environment=sides()), Camera.look_at((0.0, 1.2, 3.4), (0.0, 0.7, 0.0), fov_y=np.radians(38))
 
 
+def translucent() -> tuple[Scene, Camera]:
+    """A leaf with a map, a hollow ball that absorbs, and paper, from behind and before in the sun."""
+    leaf = Material(base_color=(0.2, 0.5, 0.1, 1), metallic=0.0, perceptual_roughness=0.5, double_sided=True,
+                    diffuse_transmission=0.9, diffuse_transmission_texture=Texture(image_of(smooth_noise(4, 14))),
+                    diffuse_transmission_color_texture=Texture(image_of(smooth_noise(3, 15))))
+    wax = Material(base_color=(0.8, 0.7, 0.6, 1), metallic=0.0, perceptual_roughness=0.6, thickness=0.7,
+                   diffuse_transmission=0.7, attenuation_distance=0.5, attenuation_color=(0.8, 0.4, 0.2))
+    paper = Material(base_color=(0.8, 0.8, 0.8, 1), metallic=0.0, specular=0.0, double_sided=True,
+                     diffuse_transmission=0.4, diffuse_transmission_color=(0.9, 0.8, 0.6))
+    return scene((plate(0, 3.0), facing_floor()), (plate(1, 0.4), _turned(-0.75, 0.45, 0.1, 0.3)),
+                 (sphere(2, 32), moved((0, 0.36, 0), 0.36)), (plate(3, 0.4), _turned(0.8, 0.45, 0.1, 2.8)),
+                 materials=[FLOOR, leaf, wax, paper], lights=(Light.from_angles(2.6, 0.5, 3.0),),
+                 environment=sides()), VIEW
+
+
 CASES = [
     PathCase("maps", maps),
     PathCase("metal", metal),
@@ -220,6 +235,7 @@ CASES = [
     PathCase("specular-glossiness", specular_glossiness),
     PathCase("plaster", plaster),
     PathCase("coated", coated),
+    PathCase("translucent", translucent),
     PathCase("glass-smooth", glass_smooth),
     PathCase("glass-rough", glass_rough),
     PathCase("glass-absorbing", glass_absorbing),

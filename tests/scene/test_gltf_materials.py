@@ -84,6 +84,27 @@ def test_broken_specular_glossiness_is_one_line(fields, problem):
     assert problem in str(caught.value) and "\n" not in str(caught.value)
 
 
+def test_diffuse_transmission():
+    builder = GltfBuilder()
+    fields = {"diffuseTransmissionFactor": 0.6, "diffuseTransmissionTexture": {"index": builder.texture()},
+              "diffuseTransmissionColorFactor": [0.1, 0.2, 0.3],
+              "diffuseTransmissionColorTexture": {"index": builder.texture()}}
+    material, _ = read({"extensions": {"KHR_materials_diffuse_transmission": fields}}, builder)
+    assert (material.diffuse_transmission, material.diffuse_transmission_color) == (0.6, (0.1, 0.2, 0.3))
+    assert material.diffuse_transmission_texture is not None
+    assert material.diffuse_transmission_color_texture is not None
+    assert read({"extensions": {"KHR_materials_diffuse_transmission": {}}}) == (Material(), ())
+
+
+@pytest.mark.parametrize("name", ["multiscatterColorFactor", "multiscatterColor", "scatterAlbedo"])
+def test_scattering_in_volumes_is_read_and_said_not_to_be_shown(name):
+    material, warnings = read({"extensions": {"KHR_materials_volume_scatter": {
+        name: [0.1, 0.2, 0.3], "scatterAnisotropy": -0.5}}})
+    assert (material.scatter_color, material.scatter_anisotropy) == ((0.1, 0.2, 0.3), -0.5)
+    assert len(warnings) == 1 and "without scattering" in warnings[0]
+    assert read({"extensions": {"KHR_materials_volume_scatter": {}}}) == (Material(), ())
+
+
 def test_diffuse_roughness():
     builder = GltfBuilder()
     fields = {"diffuseRoughnessFactor": 0.6, "diffuseRoughnessTexture": {"index": builder.texture()}}

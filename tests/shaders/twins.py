@@ -286,6 +286,17 @@ def standard_rough(m, wo, wi):
     return _layers(m, np.stack([m["alpha"]] * 2, axis=-1), alpha, wo, wi, base)
 
 
+def standard_translucent(m, wo, wi):
+    """KHR_materials_diffuse_transmission: mix(diffuse_brdf(base colour), diffuse_btdf(colour), factor) under the
+    interface, which dims what comes from below as it does what comes from above."""
+    alpha, t = _one_alpha(m), m["diffuse_transmission"][..., None]
+    alphas, up = np.stack([m["alpha"]] * 2, axis=-1), wi * np.where(wi[..., 2:] < 0, [1, 1, -1], 1)
+    above = _layers(m, alphas, alpha, wo, up, (1 - t) * m["base_color"] / np.pi)
+    bare, lit = (_layers(m, alphas, alpha, wo, up, base + 0 * above) for base in (
+        0, t * m["diffuse_transmission_color"] / np.pi))
+    return np.where(wi[..., 2:] < 0, lit - bare, above)
+
+
 @lru_cache(maxsize=1)
 def _dimming():
     """Cosines of wo, and int ((1 - mu)^5 - 1/21) f mu dwi / A of white EON with sigma = 1, on a grid of wi."""

@@ -14,7 +14,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from shapes import WHITE, constant, facing_floor, moved, orthographic, plate, scene, sphere
+from shapes import WHITE, constant, facing_floor, lopsided, moved, orthographic, plate, scene, sphere
 
 import viewer
 from viewer.base.resources import resource_folder
@@ -110,11 +110,24 @@ def shadows() -> tuple[Scene, Camera]:
     return model, orthographic(0.2, 0.6, height=3.0)
 
 
+def leaf(environment=None, lights=(), turn: float = 0.0) -> Callable[[], tuple[Scene, Camera]]:
+    """A sheet that lets light through, seen from its front, or from behind."""
+    def make() -> tuple[Scene, Camera]:
+        green = Material(base_color=(0.3, 0.5, 0.2, 1), metallic=0.0, specular=0.0, double_sided=True,
+                         diffuse_transmission=0.6, diffuse_transmission_color=(0.9, 0.7, 0.2))
+        return scene(plate(), materials=[green], environment=environment, lights=lights), orthographic(
+            0.4 + turn, 0.3, height=1.2)
+
+    return make
+
+
 GREY, PLASTIC = {"metallic": 0.0, "specular": 0.0, "base_color": (0.5, 0.5, 0.5, 1)}, {
     "metallic": 0.0, "perceptual_roughness": 0.4, "base_color": (0.6, 0.1, 0.1, 1)}
 ROUGH = {"metallic": 0.0, "specular": 0.0, "base_color": (0.7, 0.7, 0.7, 1), "diffuse_roughness": 1.0}
 GLASS = {"metallic": 0.0, "perceptual_roughness": 0.0, "transmission": 1.0, "thickness": 2.0}
 GOLD = {"base_color": (1.0, 0.78, 0.34, 1)}
+WAX = {"metallic": 0.0, "base_color": (0.6, 0.6, 0.6, 1), "diffuse_transmission": 0.5, "thickness": 2.0}
+BEHIND = (Light("directional", direction=(0.2, -0.3, 1.0), intensity=3.0),)
 SUN = (Light.from_angles(-0.6, 0.7, 3.0),)
 LAMP = (Light("point", intensity=6.0, position=(-1.2, 1.5, 1.5)),)
 SPOT = (Light("spot", intensity=8.0, position=(-1.0, 1.2, 2.0), direction=(0.4, -0.5, -0.77), inner_cone=0.1,
@@ -124,6 +137,7 @@ STRETCH = "The prefiltered environment lacks the stretched reflections of grazin
 TILTED = "The rasterizer reads the irradiance of one cosine lobe, tilted towards the viewer."
 CAUGHT = "At each surface inside, the rasterizer follows only the stronger of reflection and refraction."
 EDGES = "Edges weigh much in a picture that is mostly empty."
+MIXED = "The rasterizer takes a solid for a slab; light inside of a ball goes everywhere."
 FEATURES = [
     Feature("uniform light, diffuse", ball(constant(), **GREY), 0.004, 0.012),
     Feature("uniform light, plastic", ball(constant(), **PLASTIC), 0.004, 0.015),
@@ -151,6 +165,11 @@ FEATURES = [
     Feature("spot light, diffuse", ball(lights=SPOT, **GREY), 0.004, 0.015),
     Feature("emission", ball(metallic=0.0, specular=0.0, base_color=(0, 0, 0, 1), emissive=(2.0, 1.0, 0.5)), 0.004,
             0.012),
+    Feature("sheet, sun behind", leaf(lights=BEHIND), 0.004, 0.012),
+    Feature("sheet seen from behind", leaf(lights=BEHIND, turn=np.pi), 0.004, 0.012),
+    Feature("sheet, lopsided environment", leaf(environment=lopsided()), 0.01, 0.02, MAPS),
+    Feature("furnace, white wax", ball(constant(), **(WAX | {"base_color": (1, 1, 1, 1)})), 0.004, 0.02),
+    Feature("studio, wax", ball("studio", **WAX), 0.08, 0.2, MIXED),
     Feature("unlit", ball("studio", base_color=(0.9, 0.4, 0.1, 1), unlit=True), 0.004, 0.012),
     Feature("shadow of a sun", shadows, 0.004, 0.015),
     Feature("blended pane", pane, 0.015, 0.02, "The path tracer includes interreflection between pane and wall."),

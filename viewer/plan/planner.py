@@ -184,7 +184,7 @@ def _draw(
     wanted, switches = switches, within_limit(switches)
     maps = tuple(name for name in maps if switches[f"{name.upper()}_MAP"])
     program = Program(f"raster/{model}.frag", tuple(sorted(switches.items())))
-    transmits = features["HAS_TRANSMISSION"] + features["IS_SOLID"]
+    transmits = features["HAS_TRANSMISSION"] * (1 + features["IS_SOLID"])
     return Draw(index, mesh_index, mesh.material, material, program, maps, attributes_of(switches), material.alpha_mode,
                 transmits, given_up=tuple(name for name in switches if switches[name] != wanted[name]))
 

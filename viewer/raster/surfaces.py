@@ -14,7 +14,7 @@ from ..material.pack import uniforms
 from ..plan.model import Draw, Plan, Program
 from ..scene.decoding import Decoder
 from ..scene.frame import Frame
-from ..scene.material import Material, UVTransform
+from ..scene.material import VOLUME, Material, UVTransform
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.schema import MAP_SWITCHES, MAPS, Value, no_switches
@@ -184,7 +184,7 @@ class Surfaces:
             set_uniform(program, "u_model", matrix_uniform(model))
             set_uniform(program, "u_normal_matrix", matrix_uniform(normal_matrix(transform)))
             set_uniform(program, "u_handedness", hand)
-            if draw.transmits:
+            if VOLUME.is_on(material):
                 set_uniform(program, "u_thickness", material.thickness * frame.scale(transform))
             gl.front_face = "ccw" if hand > 0 else "cw"
             cull = not material.double_sided and scene.meshes[draw.mesh].topology == "triangles"
@@ -203,7 +203,7 @@ class Surfaces:
         material = draw.surface
         for name, value in self._uniforms_of(material):
             set_uniform(program, name, value)
-        if draw.transmits:
+        if VOLUME.is_on(material):
             set_uniform(program, "u_absorption", tuple(material.absorption * self.scene.radius))
         set_uniform(program, "u_shininess", material.shininess or 0.0)
         for name in (*draw.maps, *draw.blank_maps):

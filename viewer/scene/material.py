@@ -72,8 +72,13 @@ SPECULAR_TINT = Feature(
         m.specular_color_texture is not None or m.specular_color != (1.0, 1.0, 1.0)))
 TRANSMISSION = Feature(
     "transmission", "KHR_materials_transmission", switch="HAS_TRANSMISSION", is_on=lambda m: m.transmits)
+DIFFUSE_TRANSMISSION = Feature(
+    "diffuse transmission", "KHR_materials_diffuse_transmission", switch="DIFFUSE_TRANSMISSION",
+    is_on=lambda m: m.transmits_diffusely)
 VOLUME = Feature(
-    "volume", "KHR_materials_volume", switch="IS_SOLID", is_on=lambda m: m.transmits and m.thickness > 0)
+    "volume", "KHR_materials_volume", switch="IS_SOLID",
+    is_on=lambda m: (m.transmits or m.transmits_diffusely) and m.thickness > 0)
+VOLUME_SCATTER = Feature("scattering in volumes", "KHR_materials_volume_scatter")
 
 ANISOTROPY = Feature(
     "anisotropy", "KHR_materials_anisotropy", switch="ANISOTROPIC", needs_tangents=True,
@@ -162,13 +167,31 @@ class Material:
         unit="mesh units", path_traced=False)
     thickness_texture: Texture | None = texture_map(
         "thicknessTexture", "thickness of the volume", of=VOLUME, channels="G", path_traced=False,
-        has_effect=lambda m: m.is_dielectric and m.transmits and m.thickness > 0)
+        has_effect=lambda m: m.is_dielectric and VOLUME.is_on(m))
     attenuation_distance: float = parameter(
         math.inf, "attenuationDistance", "distance at which the transmittance is attenuation_color", of=VOLUME,
         low=1e-9, unit="world units", role="python")
     attenuation_color: RGB = parameter(
         (1.0, 1.0, 1.0), "attenuationColor", "transmittance over attenuation_distance", of=VOLUME, low=0.0, high=1.0,
         role="python")
+    diffuse_transmission: float = parameter(
+        0.0, "diffuseTransmissionFactor", "fraction of the diffuse base's light that leaves on the other side",
+        of=DIFFUSE_TRANSMISSION, low=0.0, high=1.0, times="diffuse_transmission.A")
+    diffuse_transmission_texture: Texture | None = texture_map(
+        "diffuseTransmissionTexture", "fraction of the diffuse base's light that leaves on the other side",
+        of=DIFFUSE_TRANSMISSION, channels="A", has_effect=lambda m: m.transmits_diffusely)
+    diffuse_transmission_color: RGB = parameter(
+        (1.0, 1.0, 1.0), "diffuseTransmissionColorFactor", "tints the light that leaves on the other side",
+        of=DIFFUSE_TRANSMISSION, low=0.0, high=1.0, times="diffuse_transmission_color.RGB")
+    diffuse_transmission_color_texture: Texture | None = texture_map(
+        "diffuseTransmissionColorTexture", "tints the light that leaves on the other side", of=DIFFUSE_TRANSMISSION,
+        channels="RGB", srgb=True, has_effect=lambda m: m.transmits_diffusely and any(m.diffuse_transmission_color))
+    scatter_color: RGB = parameter(
+        (0.0, 0.0, 0.0), "multiscatterColorFactor", "albedo of all scattering in the volume; read, not yet shown",
+        of=VOLUME_SCATTER, low=0.0, high=1.0, role="python")
+    scatter_anisotropy: float = parameter(
+        0.0, "scatterAnisotropy", "mean cosine of scattering in the volume; read, not yet shown", of=VOLUME_SCATTER,
+        low=-0.999, high=0.999, role="python")
     anisotropy_strength: float = parameter(
         0.0, "anisotropyStrength", "stretches highlights along the tangent", of=ANISOTROPY, low=0.0, high=1.0,
         times="anisotropy.B")
@@ -221,6 +244,11 @@ class Material:
     def transmits(self) -> bool:
         """Whether it transmits light. Metals transmit none, and a surface with ior 0 reflects everything."""
         return self.transmission > 0 and self.is_dielectric and self.ior >= 1
+
+    @property
+    def transmits_diffusely(self) -> bool:
+        """Whether its diffuse base lets light through to the other side."""
+        return self.diffuse_transmission > 0 and self.is_dielectric
 
     @property
     def has_interface(self) -> bool:

@@ -24,10 +24,11 @@ class Kind:
     when: Callable[[TraceMaterial], bool]
 
 
-SURFACE = Kind("surface", 0, "trace/surface.frag", lambda material: not material.transmits)
+SURFACE = Kind("surface", 0, "trace/surface.frag", lambda material: True)
 GLASS = Kind("glass", 1, "trace/glass.frag", lambda material: material.transmits)
-KINDS = (SURFACE, GLASS)
-"""All kinds. A material is of the kind whose `when` holds."""
+TRANSLUCENT = Kind("translucent", 2, "trace/translucent.frag", lambda material: material.transmits_diffusely)
+KINDS = (GLASS, TRANSLUCENT, SURFACE)
+"""All kinds. A material is of the first one whose `when` holds."""
 
 
 def kind_of(material: TraceMaterial) -> Kind:

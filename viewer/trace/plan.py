@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from ..plan.bsdf_switches import bsdf_switches, feature_switches_shown
 from ..plan.explain import omitted_anisotropy
 from ..plan.model import Program
-from ..scene.material import ANISOTROPY
+from ..scene.material import ANISOTROPY, DIFFUSE_TRANSMISSION
 from ..scene.scene import Scene
 from ..settings import Settings, setting_choices
-from .kinds import GLASS, KINDS
+from .kinds import GLASS, KINDS, Kind
 from .scene.encode import unused_maps
 from .scene.geometry import TraceGeometry, TraceInstance
 
@@ -89,7 +89,8 @@ def plan_trace(
         "classify": _program("trace/classify.frag", state | {"FIRST_HITS": 0}),
         "finish": _program("trace/finish.frag", first | sky),
         "generate": _program("trace/generate.frag", first | {"BEGINS": 0}),
-        **{kind.name: _program(kind.file, switches) for kind in KINDS if kind in kinds},
+        **{kind.name: _program(kind.file, switches | _switches_of(kind, settings, geometry))
+           for kind in KINDS if kind in kinds},
         "idle": _program("trace/idle.frag", {}),
         "alive": _program("trace/alive.frag", state),
     }
@@ -99,6 +100,13 @@ def plan_trace(
     lines = [*_left_out(scene, settings, geometry, switches, programs, has_layers), *left_out]
     return TracePlan(programs, intersector, geometry.triangle_count, len(geometry.instances), _used(geometry, switches),
                      ("nothing, as requested",) if settings.plan == "everything" else tuple(lines))
+
+
+def _switches_of(kind: Kind, settings: Settings, geometry: TraceGeometry) -> dict[str, int]:
+    """The features that only some kinds of surfaces have: opaque ones let no diffuse light through."""
+    materials = [geometry.materials[instance.material] for instance in geometry.instances if instance.kind == kind]
+    is_on = settings.plan == "everything" or any(m.transmits_diffusely for m in materials)
+    return {DIFFUSE_TRANSMISSION.switch: int(is_on)}
 
 
 def _used(geometry: TraceGeometry, switches: Mapping[str, int]) -> tuple[str, ...]:
@@ -168,6 +176,7 @@ _SURFACES = {
     "ANISOTROPIC": "anisotropic highlights",
     "DIFFUSE_ROUGH": "rough diffuse reflection",
     "CLEARCOAT": "clear coats",
+    "DIFFUSE_TRANSMISSION": "diffuse transmission",
     "HAS_COLOR": "vertex colours",
     "HAS_EMISSION": "emission",
     "HAS_SEE_THROUGH": "code for what alpha leaves open",

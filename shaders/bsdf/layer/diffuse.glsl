@@ -1,8 +1,27 @@
 // The diffuse base below a dielectric interface. SHOW_DIFFUSE = 0 hides it. DIFFUSE_ROUGH: 0 is Lambert's, 1 is EON
-// (Portsmouth, Kutz & Hill 2024; KHR_materials_diffuse_roughness).
+// (Portsmouth, Kutz & Hill 2024; KHR_materials_diffuse_roughness). With DIFFUSE_TRANSMISSION a share t of its light leaves
+// as a cosine lobe on the other side (KHR_materials_diffuse_transmission):
+//   f = (1 - t) f_diffuse above, t color / pi below
 #include "bsdf/facets.glsl"
 #include "bsdf/lambert.glsl"
 #include "bsdf/layer/interface.glsl"
+
+// The share of the base's light that stays on its side
+float shown_above(Surface s) {
+#if DIFFUSE_TRANSMISSION
+    return (1.0 - s.diffuse_transmission) * float(SHOW_DIFFUSE);
+#else
+    return float(SHOW_DIFFUSE);
+#endif
+}
+
+#if DIFFUSE_TRANSMISSION
+// The albedo of the lobe on the other side
+vec3 transmitted_albedo(Surface s) {
+    return s.diffuse_transmission * s.diffuse_transmission_color * float(SHOW_DIFFUSE);
+}
+#endif
+
 #if DIFFUSE_ROUGH
 #include "bsdf/eon.glsl"
 #include "bsdf/eon_sample.glsl"
@@ -20,11 +39,11 @@ vec3 diffuse_response(Surface s, Interface face, Angles a) {
     vec3 f = f_eon(s.base_color, s.diffuse_roughness, a.NoV, a.NoL, LoV);
     float returned = face.dimming * s.diffuse_roughness * eon_scale(s.diffuse_roughness);
     f += s.base_color * (INV_PI * returned * (eon_dimming(a.NoV) + eon_dimming(a.NoL)));
-    return max(f, 0.0) * float(SHOW_DIFFUSE);
+    return max(f, 0.0) * shown_above(s);
 }
 
 vec3 diffuse_albedo(Surface s, float NoV) {
-    return eon_total_albedo(s.base_color, s.diffuse_roughness, NoV) * float(SHOW_DIFFUSE);
+    return eon_total_albedo(s.base_color, s.diffuse_roughness, NoV) * shown_above(s);
 }
 
 vec3 sample_diffuse(Surface s, vec3 wo, vec2 u) {
@@ -47,11 +66,11 @@ vec3 diffuse_axis(Surface s, vec3 n, vec3 v, float NoV) {
 #include "sample/hemisphere.glsl"
 
 vec3 diffuse_response(Surface s, Interface face, Angles a) {
-    return f_lambert(s.base_color) * float(SHOW_DIFFUSE);
+    return f_lambert(s.base_color) * shown_above(s);
 }
 
 vec3 diffuse_albedo(Surface s, float NoV) {
-    return s.base_color * float(SHOW_DIFFUSE);
+    return s.base_color * shown_above(s);
 }
 
 vec3 sample_diffuse(Surface s, vec3 wo, vec2 u) {

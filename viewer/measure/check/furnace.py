@@ -27,6 +27,7 @@ MATERIALS = {
     "white metal": Material(metallic=1.0),
     "white plastic": Material(metallic=0.0),
     "half metal": Material(metallic=0.5),
+    "white paper": Material(metallic=0.0, diffuse_transmission=0.4),
     "white plaster": Material(metallic=0.0, diffuse_roughness=1.0),
     "glass-like plastic, IOR 2.4": Material(metallic=0.0, ior=2.4),
     "smoothly coated metal": Material(metallic=1.0, clearcoat=1.0),

@@ -63,7 +63,7 @@ def _case(lobe: Lobe, white: Sequence[dict], drawn: bool) -> LobeCase:
 
 def _white_sets(lobe: Lobe) -> list[dict]:
     swept = [name for name in lobe.parameters if name in _SWEPT]
-    if lobe.transmits:
+    if "eta" in lobe.parameters:
         return [{**lobe.white, "eta": eta, "alpha": alpha} for eta in _ETA if eta >= lobe.parameters["eta"].low
                 for alpha in (0.05, 0.3, 1.0)]
     if "alpha" in lobe.parameters:

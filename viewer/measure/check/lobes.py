@@ -149,6 +149,8 @@ _LAYERS = {
     # A rough base takes f0 to be below f90, as it is in every material.
     "DIFFUSE_ROUGH": ({"f90": ParameterRange(1.0, 1.0, (1.0,)), "diffuse_roughness": UNIT},
                       {"metallic": 0.0, "diffuse_roughness": 1.0}),
+    "DIFFUSE_TRANSMISSION": ({"diffuse_transmission": UNIT, "diffuse_transmission_color": COLOR},
+                             {"metallic": 0.0, "diffuse_transmission": 0.4, "diffuse_transmission_color": 1.0}),
     "CLEARCOAT": ({"coat": UNIT, "coat_alpha": ALPHA}, {"coat": 1.0, "coat_alpha": 0.1}),
 }
 """By its switch, what a feature adds to the surface's members: their ranges, and their values for the furnace."""
@@ -165,7 +167,8 @@ def _surface(name: str, *features: str, failures: Mapping[str, str] | None = Non
             unused |= dict.fromkeys(ranges.keys() - _SURFACE.keys(), 0.0)
     switches = {name: int(name in features) for name in ("ANISOTROPIC", *_LAYERS)}
     return Lobe(name, "surface", "surface", parameters, white, failures or {}, unused=unused, defines={
-        "NDF": 0, "MASKING": 0, "FRESNEL": 0, "METALNESS": 2, **switches, **_SHOW_ALL})
+        "NDF": 0, "MASKING": 0, "FRESNEL": 0, "METALNESS": 2, **switches, **_SHOW_ALL},
+        transmits="mirrored" if "DIFFUSE_TRANSMISSION" in features else "")
 
 
 _MICROFACETS = tuple(
@@ -200,6 +203,7 @@ LOBES: tuple[Lobe, ...] = (
     _surface("standard"),
     _surface("standard anisotropic", "ANISOTROPIC"),
     _surface("standard rough", "DIFFUSE_ROUGH"),
+    _surface("standard translucent", "DIFFUSE_TRANSMISSION"),
     _surface("standard coated", "CLEARCOAT", failures={
         "reciprocity": "what the coat lets through depends on wo alone, so that stacks of any layers stay white"}),
     *_MICROFACETS,

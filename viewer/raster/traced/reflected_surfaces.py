@@ -14,7 +14,7 @@ from ...gpu.row_texture import row_texture
 from ...scene.scene import Scene
 from ...settings import Settings
 from ...trace.defines import shader_defines
-from ...trace.kinds import GLASS
+from ...trace.kinds import SURFACE
 from ...trace.rays.intersect import make_intersector
 from ...trace.scene.geometry import TraceGeometry, TraceInstance, trace_geometry
 from ...trace.vertex_light import VertexLight, bake_outgoing
@@ -76,7 +76,7 @@ def _vertices(
     radiance = np.zeros((len(indices), 4), np.float16)
     radiance[:, :3] = np.minimum(light.per_instance[instance.source][indices, :3], _MAX_RADIANCE)
     faces = _unit(_face_normals(placed.positions[placed.triangles], instance.transform))
-    if not material.double_sided and instance.kind != GLASS:
+    if not material.double_sided and instance.kind == SURFACE:
         radiance[:, 3] = faces.ravel()
     normals = np.repeat(faces, 3, axis=0)
     if mesh.normals is not None:

@@ -6,7 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from ..material import METALLIC_ROUGHNESS, SPECULAR_GLOSSINESS, AlphaMode, Material, UVTransform
+from ..material import (
+    METALLIC_ROUGHNESS,
+    SPECULAR_GLOSSINESS,
+    VOLUME_SCATTER,
+    AlphaMode,
+    Material,
+    UVTransform,
+)
 from ..parameter import Feature
 from ..schema import FEATURES, MAPS, PARAMETERS, Parameter, Value
 from ..specular_glossiness import with_glossiness
@@ -73,6 +80,11 @@ def read_material(element: Element, textures: Textures) -> Material:
     if strength is not None:
         factor = strength.number("emissiveStrength", 1.0, 0.0)
         values["emissive"] = tuple(channel * factor for channel in values["emissive"])
+    scatter = element.extension(VOLUME_SCATTER.extension)
+    if scatter is not None:
+        values["scatter_color"] = _scatter_color(scatter, values["scatter_color"])
+        if any(values["scatter_color"]):
+            scatter.warn("the volume is shown without scattering: what is not absorbed goes straight on")
     if glossy is not None:
         values |= read_specular_glossiness(glossy, textures)
     material = Material(
@@ -84,6 +96,14 @@ def read_material(element: Element, textures: Textures) -> Material:
     )
     has_map = material.specular_glossiness_texture is not None
     return material if glossy is None or has_map else with_glossiness(material)
+
+
+def _scatter_color(scatter: Element, color: Value) -> Value:
+    """The colour of scattering; files of earlier drafts have it by other names."""
+    for key in ("multiscatterColor", "scatterAlbedo"):
+        if key in scatter and PARAMETERS["scatter_color"].info.key not in scatter:
+            return scatter.vector(key, 3, (0.0, 0.0, 0.0), 0.0, 1.0)
+    return color
 
 
 def _place(element: Element, feature: Feature) -> Element | None:

@@ -43,6 +43,8 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
         "HAS_UNLIT": any(m.material.unlit for m in materials),
         "HAS_VOLUME": len(geometry.media) > 1,
     }
+    # Paths have a medium inside of such solids, too.
+    switches["HAS_TRANSMISSION"] |= any(m.transmits_diffusely and not m.is_thin for m in materials)
     return {name: int(value or everything) for name, value in switches.items()} | {
         "METALNESS": 2 if everything else _metalness(materials)} | glass_switches(materials)
 

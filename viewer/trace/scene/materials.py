@@ -49,6 +49,7 @@ class TraceMaterial:
     normal_map: Texture | None
     clearcoat_normal_map: Texture | None
     transmits: bool
+    transmits_diffusely: bool
     medium: Medium
     is_thin: bool
 
@@ -77,6 +78,7 @@ def trace_material(material: Material, mesh: Mesh) -> TraceMaterial:
         return tuple(MapUse(texture, bits) for texture, bits in found.items())
 
     transmits = material.transmits and not material.unlit
+    transmits_diffusely = material.transmits_diffusely and not material.unlit
     is_thin = material.thickness <= 0
     return TraceMaterial(
         material,
@@ -85,7 +87,8 @@ def trace_material(material: Material, mesh: Mesh) -> TraceMaterial:
         material.normal_texture if "normal" in names else None,
         material.clearcoat_normal_texture if "clearcoat_normal" in names else None,
         transmits,
-        VACUUM if is_thin or not transmits else Medium(tuple(material.absorption.tolist())),
+        transmits_diffusely,
+        VACUUM if is_thin or not (transmits or transmits_diffusely) else Medium(tuple(material.absorption.tolist())),
         is_thin,
     )
 
