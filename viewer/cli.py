@@ -26,6 +26,7 @@ from .jobs.options import (
     COMMON_OPTIONS,
     JSON_OPTION,
     LOOK_OPTIONS,
+    MODEL_OPTIONS,
     NO_CACHE_OPTION,
     PATH_OPTIONS,
     QUIET_OPTION,
@@ -231,7 +232,8 @@ def check(what: str, model: str | None, shader: str | None, lobe: str | None, js
 @click.option("--within", "limit", type=Number(0.1, 1e6), default=150.0, show_default=True, metavar="SECONDS",
               help="How long to measure each model; more time gives more points and a better reference. The first "
                    "point of each method is measured in any case; loading, comparing and writing come on top.")
-@with_options([size_option("256x256"), *LOOK_OPTIONS, *CAMERA_OPTIONS, BACKEND_OPTION, NO_CACHE_OPTION, QUIET_OPTION])
+@with_options([size_option("256x256"), *MODEL_OPTIONS, *LOOK_OPTIONS, *CAMERA_OPTIONS, BACKEND_OPTION, NO_CACHE_OPTION,
+               QUIET_OPTION])
 def report(models: tuple[str, ...], output: str, limit: float, backend: str, **options: Any) -> None:
     """Render each MODEL by every method, from the cheapest to path tracing, and report the time and error of each.
 

@@ -67,6 +67,7 @@ class Panel:
         self._scale = 1.0
         self._sections = (
             Section("Warnings", self._warnings, is_there=lambda: bool(state.scene.all_warnings)),
+            Section("Variant", self._variant, is_there=lambda: bool(state.scene.variants)),
             Section("Shading", self._shading),
             Section("Path tracing", self._path_tracing, is_there=lambda: state.shows("path")),
             Section("Environment", self._environment, is_there=lambda: state.before_furnace is None),
@@ -103,6 +104,15 @@ class Panel:
     def _warnings(self) -> None:
         for line in self._state.scene.all_warnings:
             wrapped(line, _WARNING)
+
+    def _variant(self) -> None:
+        scene = self._state.scene
+        names = [variant.name for variant in scene.variants]
+        self._row("Materials")
+        shown = ["The file's own", *names[1:]]
+        changed, index = imgui.combo("##variant", names.index(scene.variant), shown)
+        if changed:
+            self._state.choose_variant(names[index])
 
     def _shading(self) -> None:
         state = self._state

@@ -132,6 +132,11 @@ class ViewState:
             return True
         return False
 
+    def choose_variant(self, name: str) -> None:
+        """Show the model in the materials of a variant, "" for the file's own choice. This leaves the furnace."""
+        self.leave_furnace()
+        self.scene = self.scene.with_variant(name)
+
     def relight(self, environment: Environment | None) -> None:
         """Replace the environment, and keep the rotation and intensity of the one before. This leaves the furnace."""
         self.leave_furnace()

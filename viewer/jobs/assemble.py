@@ -40,9 +40,12 @@ def make_environment(options: dict[str, Any]) -> Environment | None:
 def make_scene(model: str, environment: Environment | None, options: dict[str, Any]) -> Scene:
     """The scene of the file `model`, with `environment` and the lights that the options add, at the time they name.
 
-    Raises InputError for a file that cannot be used or that does not have the animation.
+    Raises InputError for a file that cannot be used or that does not have the scene, variant or animation.
     """
-    scene = load_scene(model)
+    wanted = options.get("scene")
+    if wanted is not None and wanted.isdecimal():
+        wanted = int(wanted)
+    scene = load_scene(model, wanted, options.get("variant"))
     scene = scene.relit(environment=environment, lights=(*scene.lights, *map(make_light, options["lights"])))
     time = options.get("time")
     if options.get("animation") is None and time is None:

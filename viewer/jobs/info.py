@@ -43,6 +43,7 @@ def describe_scene(scene: Scene, settings: Settings) -> Facts:
         "lights": [f"{light.kind} {light.name or '(unnamed)'}, {light.intensity:g} {_unit(light.kind)}"
                    for light in scene.lights],
         "cameras": [camera.name or "(unnamed)" for camera in scene.cameras],
+        "variants": [variant.name for variant in scene.variants[1:]],
         "animations": [f"{animation.name}, {animation.duration:.6g} s: {animation.moves}"
                        for animation in scene.animations],
         "environment": _environment_line(environment) if environment is not None else "none",

@@ -147,7 +147,13 @@ LOOK_OPTIONS = [
     click.option("--set", "assignments", multiple=True, metavar="NAME=VALUE",
                  help="Change any other setting; `pbr-viewer info --settings` lists them; can be repeated."),
 ]
-SCENE_OPTIONS = [MODE_OPTION, *LOOK_OPTIONS]
+MODEL_OPTIONS = [
+    click.option("--variant", metavar="NAME", help="Show the model in these materials; `pbr-viewer info` lists its "
+                                                   "variants. Default: the file's own choice."),
+    click.option("--scene", metavar="N|NAME", help="Show this scene of a glTF file, by its number, counted from 0, or "
+                                                   "by its name. Default: the file's default scene."),
+]
+SCENE_OPTIONS = [MODE_OPTION, *MODEL_OPTIONS, *LOOK_OPTIONS]
 TIME_OPTIONS = [
     click.option("--animation", metavar="NAME|N", help="The animation to show, by its name or its number, counted from "
                                                        "0; `pbr-viewer info` lists them. Default: 0 with --time."),

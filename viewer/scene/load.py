@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, UsageError
 from .files import read_file
 from .gltf import load_gltf
 from .scene import MAX_EXTENT, Scene
@@ -16,11 +16,13 @@ from .scene import MAX_EXTENT, Scene
 _SIGNATURES = {b"glTF": "gltf", b"ply\n": "ply", b"ply\r": "ply", b"OFF": "off", b"solid ": "stl"}
 
 
-def load_scene(path: str | PathLike[str], scene_index: int | None = None) -> Scene:
-    """Load a model file. `scene_index` selects one of the scenes of a glTF file, by default the file's default scene.
+def load_scene(path: str | PathLike[str], scene: int | str | None = None, variant: str | None = None) -> Scene:
+    """Load a model file. `scene` selects one of the scenes of a glTF file by its number or name, by default the file's
+    default scene; `variant` selects one of the file's choices of materials.
 
     The content determines the format; the file's extension is used only if the content does not. No environment is
-    loaded. Raises InputError for files that are missing, empty, broken or of an unknown format.
+    loaded. Raises InputError for files that are missing, empty, broken or of an unknown format, or that have no such
+    scene or variant.
     """
     path = Path(path)
     data = read_file(path)
@@ -28,14 +30,21 @@ def load_scene(path: str | PathLike[str], scene_index: int | None = None) -> Sce
     # Explicit checks find numbers that overflow; numpy would also print warnings.
     with np.errstate(all="ignore"):
         if kind == "gltf":
-            scene = load_gltf(path, data, scene_index)
+            loaded = load_gltf(path, data, scene)
+        elif scene not in (None, 0):
+            raise InputError(path, "", f"there is no scene {scene!r}; only glTF has several")
         else:
             from .mesh_formats import load_mesh_file
 
-            scene = load_mesh_file(path, data, kind)
-        if not np.abs(scene.bounds).max() < MAX_EXTENT:
+            loaded = load_mesh_file(path, data, kind)
+        if not np.abs(loaded.bounds).max() < MAX_EXTENT:
             raise InputError(path, "", f"the model has coordinates beyond {MAX_EXTENT:g}, which cannot be drawn")
-    return scene
+    if variant is None:
+        return loaded
+    try:
+        return loaded.with_variant(variant)
+    except UsageError as error:
+        raise InputError(path, "variants" if loaded.variants else "", str(error)) from error
 
 
 def _format(path: Path, data: bytes) -> str:

@@ -25,9 +25,9 @@ def posed_materials(scene: Scene, values: dict[Target, np.ndarray]) -> tuple[Mat
     if rig is None or not moved:
         return scene.materials
     materials = list(scene.materials)
-    for number, changes in moved.items():
-        k = rig.materials[number]
-        materials[k] = _moved(materials[k], changes)
+    for k, number in enumerate(rig.materials):
+        if number in moved:
+            materials[k] = _moved(materials[k], moved[number])
     return scene.materials if tuple(materials) == scene.materials else tuple(materials)
 
 

@@ -19,7 +19,7 @@ class Nodes:
 
     A node's local matrix is `matrices[n]` if it has one, and else translation * rotation * scale. Rotations are unit
     quaternions x, y, z, w. `depth` is 0 for a root, and for others one more than their parents'. A node that is not
-    `visible` (N,) bool hides the meshes and lights of its own and of all nodes below it.
+    `visible` (N,) bool hides the meshes and lights of its own and of all nodes below it; by default all are visible.
     """
 
     parents: np.ndarray
@@ -28,7 +28,11 @@ class Nodes:
     rotations: np.ndarray
     scales: np.ndarray
     matrices: dict[int, np.ndarray]
-    visible: np.ndarray
+    visible: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
+
+    def __post_init__(self) -> None:
+        if not len(self.visible):
+            object.__setattr__(self, "visible", np.ones(len(self.parents), bool))
 
     @cached_property
     def at_rest(self) -> np.ndarray:
@@ -98,8 +102,8 @@ class Rig:
     by the joints of a skin and not by their node; the others have a matrix to their node in `offsets` (I, 4, 4), unless
     that is None. Lights and cameras that were added to the scene follow these. `deformed` has the meshes that move in
     themselves, by their number. Tracks name lights, cameras and materials by their numbers in the file: `light_items`
-    and `camera_items` have that number of each of the scene's, and `materials` the scene's number of each material that
-    is drawn. `at_rest` has the values at rest of what tracks move beside nodes.
+    and `camera_items` have that number of each of the scene's, and so have `materials`, with -1 for none. `at_rest` has
+    the values at rest of what tracks move beside nodes.
     """
 
     nodes: Nodes
@@ -109,7 +113,7 @@ class Rig:
     deformed: dict[int, Deformed] = field(default_factory=dict)
     light_items: tuple[int, ...] = ()
     camera_items: tuple[int, ...] = ()
-    materials: dict[int, int] = field(default_factory=dict)
+    materials: tuple[int, ...] = ()
     at_rest: dict[Target, np.ndarray] = field(default_factory=dict)
     is_skinned: np.ndarray | None = None
     offsets: np.ndarray | None = None

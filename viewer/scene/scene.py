@@ -43,6 +43,15 @@ class Instance:
         self.__post_init__()
 
 
+@dataclass(frozen=True, eq=False)
+class Variant:
+    """A choice of materials: one for each of the scene's, and each one's number in the file, -1 for none."""
+
+    name: str
+    materials: tuple[Material, ...]
+    numbers: tuple[int, ...]
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Scene:
     """Everything that is shown. Meshes refer to materials by index, and instances to meshes.
@@ -63,6 +72,11 @@ class Scene:
     """Metadata of the file, for `pbr-viewer info`: format, generator, extensions used."""
     animations: tuple[Animation, ...] = ()
     rig: Rig | None = None
+    variants: tuple[Variant, ...] = ()
+    """The choices of materials that the file offers. The first has no name and is shown unless another is chosen; there
+    is none where there is no choice."""
+    variant: str = ""
+    """The name of the one that is shown."""
 
     def __post_init__(self) -> None:
         for k, mesh in enumerate(self.meshes):
@@ -173,7 +187,7 @@ class Scene:
         return Camera.orbit(target, distance, azimuth, elevation, fov_y)
 
     def relit(self, **changes: Any) -> Scene:
-        """A copy with another `environment` or other `lights`. It keeps the cached bounds of the geometry."""
+        """A copy with another `environment`, `lights` or `materials`. It keeps the cached bounds of the geometry."""
         copy = replace(self, **changes)
         for name in ("bounds", "corners", "center", "radius"):
             if name in self.__dict__:
@@ -208,9 +222,21 @@ class Scene:
             raise UsageError(f"there is no animation {key!r}; " + (f"there are {names}" if names else "there are none"))
         return found
 
+    def with_variant(self, name: str) -> Scene:
+        """The scene in the materials of a variant, "" for the file's own choice, as they are at rest. All but the
+        materials is the same object as in this scene. Raises UsageError if there is no such variant."""
+        if name == self.variant:
+            return self
+        found = next((variant for variant in self.variants if variant.name == name), None)
+        if found is None:
+            names = ", ".join(variant.name for variant in self.variants[1:])
+            raise UsageError(f"there is no variant {name!r}; " + (f"there are {names}" if names else "there are none"))
+        copy = self.relit(materials=found.materials, variant=name)
+        return copy if self.rig is None else replace(copy, rig=replace(self.rig, materials=found.numbers))
+
     def digest_parts(self) -> dict[str, object]:
         """The fields that pictures of the scene depend on, for `base.digest`."""
-        others = ("name", "warnings", "facts", "animations", "rig")
+        others = ("name", "warnings", "facts", "animations", "rig", "variants", "variant")
         return {item.name: getattr(self, item.name) for item in fields(self) if item.name not in others}
 
     def has_surfaces_of(self, other: Scene) -> bool:

@@ -6,6 +6,7 @@ from ..schema import FEATURES
 from . import draco, instancing, meshopt, nodes, topology
 from .element import Element
 from .textures import IMAGE_EXTENSIONS
+from .variants import VARIANTS
 
 SUPPORTED = frozenset({
     "KHR_animation_pointer",
@@ -19,6 +20,7 @@ SUPPORTED = frozenset({
     instancing.EXTENSION,
     nodes.VISIBILITY,
     topology.RESTART,
+    VARIANTS,
     *meshopt.EXTENSIONS,
     *(feature.extension for feature in FEATURES if feature.extension),
 })

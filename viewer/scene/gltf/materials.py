@@ -15,32 +15,62 @@ from ..material import (
     UVTransform,
 )
 from ..parameter import Feature
+from ..scene import Variant
 from ..schema import FEATURES, MAPS, PARAMETERS, Parameter, Value
 from ..specular_glossiness import with_glossiness
 from .element import Element
 from .specular_glossiness import read_specular_glossiness
 from .textures import Textures
+from .variants import VARIANTS, material_choice, unique_names
 
 _ALPHA_MODES: dict[str, AlphaMode] = {"OPAQUE": "opaque", "MASK": "mask", "BLEND": "blend"}
 
 
 class Materials:
-    """The materials that meshes use, in the order of their first use."""
+    """The materials of meshes. Primitives share one of the scene's if they have the same material in every variant."""
 
     def __init__(self, root: Element, textures: Textures) -> None:
         self._items = root.array("materials")
         self._textures = textures
-        self._number: dict[int | None, int] = {}
-        self.used: list[Material] = []
+        self._read: dict[int, Material] = {-1: Material()}
+        self._choices: list[tuple[int, ...]] = []
+        self._number: dict[tuple[int, ...], int] = {}
+        variants = root.extension(VARIANTS)
+        self._names = unique_names(variants) if variants is not None else []
+
+    def number(self, primitive: Element) -> int:
+        """The number of a primitive's material in the scene."""
+        choice = material_choice(primitive, len(self._items), len(self._names))
+        if choice not in self._number:
+            self._number[choice] = len(self._choices)
+            self._choices.append(choice)
+        return self._number[choice]
+
+    def looks(self, number: int) -> list[Material]:
+        """The materials that the scene's material of this number may be, the file's own choice first."""
+        return [self._material(index) for index in dict.fromkeys(self._choices[number])]
 
     @property
-    def numbers(self) -> dict[int, int]:
-        """The index in `used` of each material of the file that is used."""
-        return {index: number for index, number in self._number.items() if index is not None}
+    def drawn(self) -> frozenset[int]:
+        """The numbers in the file of all materials that may be drawn."""
+        return frozenset(index for choice in self._choices for index in choice)
+
+    def variants(self) -> tuple[Variant, ...]:
+        """The file's own choice of materials, and those of its variants."""
+        found = []
+        for k, name in enumerate(["", *self._names]):
+            numbers = tuple(choice[k] for choice in self._choices)
+            found.append(Variant(name, tuple(self._material(number) for number in numbers), numbers))
+        return tuple(found)
+
+    def _material(self, index: int) -> Material:
+        if index not in self._read:
+            self._read[index] = read_material(self._items[index], self._textures)
+        return self._read[index]
 
     def value(self, index: int, name: str) -> np.ndarray:
         """The value at rest of what a track moves of a used material of the file, (C,): `name` is as in `Target`."""
-        element, material = self._items[index], self.used[self._number[index]]
+        element, material = self._items[index], self._material(index)
         if name == "emissive_strength":
             extension = element.extension("KHR_materials_emissive_strength")
             return np.atleast_1d(1.0 if extension is None else extension.number("emissiveStrength", 1.0, 0.0))
@@ -51,14 +81,6 @@ class Materials:
         if part:
             value = getattr((value.transform if value is not None else None) or UVTransform(), part)
         return np.atleast_1d(np.array(value, np.float64))
-
-    def number(self, primitive: Element) -> int:
-        """The index in `used` of a primitive's material, or of the default material if it has none."""
-        index = primitive.index("material", len(self._items), None)
-        if index not in self._number:
-            self._number[index] = len(self.used)
-            self.used.append(Material() if index is None else read_material(self._items[index], self._textures))
-        return self._number[index]
 
 
 def read_material(element: Element, textures: Textures) -> Material:

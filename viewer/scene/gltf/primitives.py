@@ -25,12 +25,12 @@ MAX_INFLUENCE_SETS = 64
 """The most pairs of JOINTS_n and WEIGHTS_n, four influences each. glTF sets no limit; files have one or two."""
 
 
-def read_primitive(accessors: Accessors, primitive: Element, name: str, material: int, materials: list[Material],
+def read_primitive(accessors: Accessors, primitive: Element, name: str, material: int, looks: Sequence[Material],
                    weights: Sequence[float], joints: int) -> tuple[Mesh, Deformation | None] | None:
     """One primitive at rest, and how it deforms, if it does; None, with a warning, if it contains nothing to draw.
 
     `weights` are those of its morph targets; a target of weight 0 is not read. `joints` is the number of its skin's
-    joints, 0 without a skin.
+    joints, 0 without a skin. `looks` are the materials that the variants of the file give it.
     """
     attributes = primitive.object("attributes")
     mode = primitive.integer("mode", 4)
@@ -51,9 +51,9 @@ def read_primitive(accessors: Accessors, primitive: Element, name: str, material
     if not mesh.element_count:
         primitive.warn("there are too few vertices; nothing is drawn")
         return None
-    mesh = _with_uv_sets(mesh, materials[material], primitive)
+    mesh = _with_uv_sets(mesh, looks, primitive)
     if mesh.topology == "triangles":
-        mesh, deformation = _complete(mesh, materials[material], primitive, deformation)
+        mesh, deformation = _complete(mesh, looks, primitive, deformation)
     return mesh, deformation
 
 
@@ -149,9 +149,9 @@ def _unit_tangents(tangents: np.ndarray | None) -> np.ndarray | None:
     return out
 
 
-def _with_uv_sets(mesh: Mesh, material: Material, primitive: Element) -> Mesh:
+def _with_uv_sets(mesh: Mesh, looks: Sequence[Material], primitive: Element) -> Mesh:
     """The mesh with zeros for the UV sets that its material uses and it does not have."""
-    textures = [source.texture(material) for source in MAPS.values()]
+    textures = [source.texture(material) for material in looks for source in MAPS.values()]
     needed = max((texture.uv_set + 1 for texture in textures if texture), default=0)
     missing = needed - len(mesh.uvs)
     if missing <= 0:
@@ -160,7 +160,7 @@ def _with_uv_sets(mesh: Mesh, material: Material, primitive: Element) -> Mesh:
     return replace(mesh, uvs=mesh.uvs + (np.zeros((len(mesh.positions), 2), np.float32),) * missing)
 
 
-def _complete(mesh: Mesh, material: Material, primitive: Element,
+def _complete(mesh: Mesh, looks: Sequence[Material], primitive: Element,
               deformation: Deformation | None) -> tuple[Mesh, Deformation | None]:
     """The triangle mesh with normals, and with tangents if its material needs them; and how its vertices deform."""
     if mesh.normals is None:
@@ -175,7 +175,8 @@ def _complete(mesh: Mesh, material: Material, primitive: Element,
             problem = f"{np.count_nonzero(bad)} normals are zero or not finite; smooth normals replace them"
             primitive.warn(problem, "attributes.NORMAL")
             mesh = with_repaired_normals(mesh, bad)
-    if not needs_tangents(material):
+    material = next(filter(needs_tangents, looks), None)
+    if material is None:
         return replace(mesh, tangents=None), deformation
     if mesh.tangents is not None and (np.abs(np.linalg.norm(mesh.tangents[:, :3], axis=1) - 1) < 0.1).all():
         return mesh, deformation

@@ -35,17 +35,18 @@ MAX_INSTANCES = 1 << 20
 _EMISSION = ("emissive", "emissive_strength")
 
 
-def load_gltf(path: Path, data: bytes, scene_index: int | None = None) -> Scene:
-    """Read a scene of a .gltf or .glb file at rest, with its animations, by default the file's default scene.
+def load_gltf(path: Path, data: bytes, scene: int | str | None = None) -> Scene:
+    """Read a scene of a .gltf or .glb file, by its number or name, at rest and with its animations and variants.
 
-    `data` is the file's content. `path` is for messages and to find the files that it refers to. Raises InputError for
-    a violation of glTF 2.0; violations that can be ignored become warnings of the scene.
+    Without `scene` it is the file's default one. `data` is the file's content. `path` is for messages and to find the
+    files that it refers to. Raises InputError for a violation of glTF 2.0, and for a scene that is not there;
+    violations that can be ignored become warnings of the scene.
     """
     value, binary, kind = read_container(path, data)
     document = Document(path, binary)
     root = Element(document, value)
     check_asset(root)
-    return _Reader(root, kind).scene(scene_index)
+    return _Reader(root, kind).scene(scene)
 
 
 class _Reader:
@@ -73,8 +74,8 @@ class _Reader:
         self._deformed: dict[int, Deformed] = {}
         self._known: dict[tuple, list[int]] = {}
 
-    def scene(self, index: int | None) -> Scene:
-        name, nodes = self._scene_nodes(index)
+    def scene(self, wanted: int | str | None) -> Scene:
+        name, nodes = self._scene_nodes(wanted)
         lights: list[Light] = []
         cameras: list[Camera] = []
         light_nodes, camera_nodes, light_items, camera_items = [], [], [], []
@@ -100,15 +101,16 @@ class _Reader:
                     camera_items.append(item)
         if not self._drawn:
             self.root.document.warn("the scene contains nothing to draw")
+        variants = self.materials.variants()
         rig = Rig(self.nodes.hierarchy, np.array(self._placed_by, np.intp), tuple(light_nodes), tuple(camera_nodes),
-                  self._deformed, tuple(light_items), tuple(camera_items), self.materials.numbers,
+                  self._deformed, tuple(light_items), tuple(camera_items), variants[0].numbers,
                   self._at_rest(dict(zip(light_items, lights)), dict(zip(camera_items, cameras))),
                   np.array(self._skinned, bool), self._all_offsets())
         lights = [replace(light, intensity=0.0) if hidden[node] else light for light, node in zip(lights, light_nodes)]
-        return Scene(name or self.root.document.path.stem, tuple(self.meshes), tuple(self.materials.used),
+        return Scene(name or self.root.document.path.stem, tuple(self.meshes), variants[0].materials,
                      self._instances(rig, hidden), tuple(lights), tuple(cameras),
                      warnings=tuple(self.root.document.warnings), facts=self._facts(), animations=self.animations,
-                     rig=rig if self.animations else None)
+                     rig=rig if self.animations else None, variants=variants if len(variants) > 1 else ())
 
     def _at_rest(self, lights: dict[int, Light], cameras: dict[int, Camera]) -> dict[Target, np.ndarray]:
         """The values of all that tracks move of materials, lights and cameras that are there."""
@@ -118,7 +120,7 @@ class _Reader:
         values = {}
         for target in sorted(targets):
             kind, number, name = target
-            if kind == "material" and number in self.materials.numbers:
+            if kind == "material" and number in self.materials.drawn:
                 values[target] = self.materials.value(number, name)
             elif kind in ("light", "camera") and number in (found := lights if kind == "light" else cameras):
                 thing: Any = found[number]
@@ -126,15 +128,21 @@ class _Reader:
                 values[target] = np.array([np.nan if value is None else value], np.float64).ravel()
         return values
 
-    def _scene_nodes(self, index: int | None) -> tuple[str, list[int]]:
+    def _scene_nodes(self, wanted: int | str | None) -> tuple[str, list[int]]:
         """The name of the scene to show and its nodes, parents first."""
         scenes = self.root.array("scenes")
-        if index is not None and not 0 <= index < len(scenes):
-            raise self.root.error(f"there is no scene {index}; the file has {len(scenes)}", "scenes")
-        if not scenes:
+        if wanted is None and not scenes:
             return "", self.nodes.reachable(self.nodes.roots(), self.root)
-        if index is None:
+        names = [scene.string("name", "") for scene in scenes]
+        if wanted is None:
             index = self.root.index("scene", len(scenes), 0)
+        elif isinstance(wanted, str) and wanted in names:
+            index = names.index(wanted)
+        elif isinstance(wanted, int) and 0 <= wanted < len(scenes):
+            index = wanted
+        else:
+            known = ", ".join(name or str(k) for k, name in enumerate(names)) or "none"
+            raise self.root.error(f"there is no scene {wanted!r}; the file has {known}, counted from 0", "scenes")
         scene = scenes[index]
         roots = scene.indices("nodes", len(self.nodes.items))
         return scene.string("name", ""), self.nodes.reachable(roots, scene)
@@ -201,7 +209,7 @@ class _Reader:
         for primitive in element.array("primitives"):
             material = self.materials.number(primitive)
             wanted: Sequence[float] = [1.0] * len(primitive.array("targets")) if node in self._weighted else weights
-            read = read_primitive(self.accessors, primitive, name, material, self.materials.used, wanted,
+            read = read_primitive(self.accessors, primitive, name, material, self.materials.looks(material), wanted,
                                   0 if bound is None else len(bound.joints))
             if read is None:
                 continue
