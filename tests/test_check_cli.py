@@ -104,15 +104,6 @@ def test_the_page_stands_alone(run, folder):
     assert "http" not in page.replace("http://www.w3.org/2000/svg", "")
 
 
-def test_the_page_has_plots(folder):
-    from viewer.measure.check.page import write_page
-
-    write_page(folder / "report", [Check("a", "<b>", 0.5, 1.0)], with_plots=True)
-    page = (folder / "report" / "index.html").read_text()
-    assert page.count("<svg") >= 15 and page.count("data:image/png") >= 8 and "&lt;b&gt;" in page
-    assert "nan" not in page and len(page) < 2_000_000
-
-
 def test_a_page_that_cannot_be_written(run, folder, quick):
     quick(Check("a", "b", 0.5, 1.0))
     (folder / "file").write_text("")

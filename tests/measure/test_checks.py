@@ -11,7 +11,7 @@ import pytest
 from viewer.measure.check.checks import Check, exit_status, summary
 from viewer.measure.check.chi_squared import critical_value, statistic
 from viewer.measure.check.table import print_table, verdict
-from viewer.measure.drawing import to_svg
+from viewer.measure.drawing import Label, Line, to_svg
 from viewer.measure.plot import heat_map, lines, polar
 
 PASSES, FAILS = Check("a", "b", 1.0, 1.0), Check("a", "b", 1.01, 1.0)
@@ -71,3 +71,17 @@ def test_plots_are_whole_svg():
         text = to_svg(drawing)
         root = ElementTree.fromstring(text)
         assert root.tag.endswith("svg") and "nan" not in text.lower().replace("nan%", "")
+
+
+def test_no_curve_comes_to_the_names_of_the_curves_nor_over_the_edge():
+    """The names stand above all that is drawn, also where the curves reach the highest and the farthest."""
+    angle = np.linspace(-np.pi / 2, np.pi / 2, 91)
+    names = [f"shininess {k}" for k in (3, 10, 100)] + ["roughness 0.5"]
+    for drawing in (lines("a", dict.fromkeys(names, (np.linspace(0, 1, 5), np.ones(5))), "x", "y"),
+                    polar("lobe", dict.fromkeys(names, (angle, np.ones(91))))):
+        points = np.array([point for shape in drawing.shapes if isinstance(shape, Line) for point in shape.points])
+        assert points.min() >= 0 and points[:, 0].max() <= drawing.width and points[:, 1].max() <= drawing.height
+        legend = [shape for shape in drawing.shapes if isinstance(shape, Label) and shape.text in names]
+        assert len(legend) == 4 and max(label.y for label in legend) + 4 <= points[:, 1].min()
+        ends = [label.x + 6.5 * len(label.text) for label in legend]  # about what a letter takes
+        assert all(end < label.x for end, label in zip(ends, legend[1:])) and ends[-1] <= drawing.width

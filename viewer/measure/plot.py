@@ -9,8 +9,8 @@ import numpy as np
 
 from .drawing import COLORS, FAINT, INK, SOFT, Area, Drawing, Label, Line, Shape
 
-_WIDTH, _HEIGHT = 420, 280
-_LEFT, _RIGHT, _TOP, _BOTTOM = 56, 12, 28, 40
+_WIDTH, _HEIGHT = 420, 300
+_LEFT, _RIGHT, _TOP, _BOTTOM = 56, 20, 48, 40
 _TEXT = 11
 
 Series = Mapping[str, tuple[np.ndarray, np.ndarray]]
@@ -28,7 +28,7 @@ def lines(title: str, series: Series, x_label: str, y_label: str) -> Drawing:
 
 def polar(title: str, series: Series) -> Drawing:
     """Lobes over a horizontal surface: (angle from the normal, length), each drawn to its own longest length."""
-    x, y, radius = _WIDTH / 2, _HEIGHT - _BOTTOM, _HEIGHT - _TOP - _BOTTOM
+    x, y, radius = _WIDTH / 2, _HEIGHT - _BOTTOM, min(_HEIGHT - _TOP - _BOTTOM, _WIDTH / 2 - _RIGHT)
     half = np.linspace(-np.pi / 2, np.pi / 2, 61)
     shapes: list[Shape] = [Line(((x - radius, y), (x + radius, y)), SOFT),
                            Line(_around(x, y, half, np.full(61, radius)), FAINT)]
@@ -69,7 +69,9 @@ def _frame(x_label: str, y_label: str, x_ticks: Sequence[str], y_ticks: Sequence
 
 
 def _legend(series: Series) -> list[Shape]:
-    return [Label(_WIDTH - _RIGHT, _TOP + 12 + 14 * k, name, "end", _TEXT, _color(k)) for k, name in enumerate(series)]
+    """The names in a line between title and plot, where no curve comes."""
+    step = (_WIDTH - _LEFT - _RIGHT) / max(len(series), 1)
+    return [Label(_LEFT + k * step, _TOP - 14, name, "start", _TEXT, _color(k)) for k, name in enumerate(series)]
 
 
 def _around(x: float, y: float, angle: np.ndarray, length: np.ndarray) -> tuple[tuple[float, float], ...]:

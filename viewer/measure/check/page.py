@@ -36,9 +36,14 @@ or the shader is wrong.</p>
 </table></div>"""
 _STYLE = """
 .pass { color: #2a8f52 } .known { color: #a8760a } .FAIL, .GONE { color: #d22; font-weight: bold }
-.plots { display: flex; flex-wrap: wrap; gap: 1rem } .plots svg { width: 420px; max-width: 100% }
-img { image-rendering: pixelated; width: 8rem }
+.plots { --gaps: calc((var(--columns) - 1) * 1rem); display: grid; gap: 1rem;
+  grid-template-columns: repeat(auto-fill, minmax(max(14rem, (100% - var(--gaps)) / var(--columns)), 1fr)) }
+.plots svg { width: 100%; height: auto }
+.plots figure { display: flex; gap: .6rem; align-items: center }
+img { image-rendering: pixelated; width: 8rem; flex: none; border: 1px solid var(--line) }
 """
+_GREY = 0.5
+"""What radiance 1 is multiplied by in a furnace's picture: a brighter surface is seen as well as a darker one."""
 _SHOWN = ("ggx", "metal", "turquin", "eon", "burley", "phong")
 
 
@@ -65,8 +70,10 @@ def _row(check: Check) -> str:
 
 def _sections() -> Iterator[str]:
     table = {lobe.name: lobe for lobe in LOBES}
-    yield _section("Furnaces", "A white metal ball under radiance 1 from everywhere, with and without compensation for "
-                   "multiple scattering. A ball that cannot be seen conserves energy.", _furnaces())
+    yield _section("Furnaces", "A white metal ball under radiance 1 from everywhere, with and without energy "
+                   "compensation for multiple scattering. Radiance 1 is mid grey: a ball that cannot be seen in it "
+                   "conserves energy.",
+                   _furnaces(), columns=4)
     yield _section("Lobes", "The BSDF times the cosine in the plane of incidence. Light comes from 45 degrees left.",
                    [_lobe_shape(table[name]) for name in _SHOWN])
     yield _section("Albedo", "The share of light that a white material reflects, over the cosine of the viewing angle.",
@@ -78,11 +85,12 @@ def _sections() -> Iterator[str]:
             first.setdefault(sweep.function, sweep)
     yield _section("Errors of float32", "Relative error against float64 over two parameters, from 1e-8 (light) to 1e-3 "
                    "(dark). If there is a third parameter, the worst over it is shown.",
-                   [_error_map(sweep) for sweep in first.values()])
+                   [_error_map(sweep) for sweep in first.values()], columns=4)
 
 
-def _section(title: str, text: str, figures: Sequence[str]) -> str:
-    return f'<h2>{title}</h2><p>{text}</p><div class="plots">{"".join(figures)}</div>'
+def _section(title: str, text: str, figures: Sequence[str], columns: int = 3) -> str:
+    """A title, a text, and figures that fill the width in that many columns, or in fewer on a narrow screen."""
+    return f'<h2>{title}</h2><p>{text}</p><div class="plots" style="--columns: {columns}">{"".join(figures)}</div>'
 
 
 def _furnaces() -> list[str]:
@@ -92,8 +100,8 @@ def _furnaces() -> list[str]:
         for multiscatter in ("on", "off"):
             for roughness in ROUGHNESS[2:]:
                 picture = furnace_picture(renderer, Material(perceptual_roughness=roughness), multiscatter=multiscatter)
-                png = Image.from_linear(picture.pixels)._repr_png_()
-                words = "compensated" if multiscatter == "on" else "single scattering"
+                png = Image.from_linear(_GREY * picture.pixels)._repr_png_()
+                words = "energy compensated" if multiscatter == "on" else "single scattering"
                 figures.append(f'<figure><img alt="" src="data:image/png;base64,{base64.b64encode(png).decode()}">'
                                f"<figcaption>roughness {roughness:g}, {words}<br>at most {picture.maximum:.1e} off, "
                                f"mean {picture.mean:.1e}</figcaption></figure>")
@@ -106,7 +114,7 @@ def _settings(lobe: Lobe) -> dict[str, dict]:
               "shininess": (3.0, 10.0, 100.0)}
     name = next(name for name in ranges if name in lobe.parameters)
     size = lobe.parameters[name].size
-    return {f"{name} {value:g}": lobe.struct(**{name: value if size == 1 else (value,) * size})
+    return {f"{name.removeprefix('perceptual_')} {value:g}": lobe.struct(**{name: value if size == 1 else (value,) * size})
             for value in ranges[name]}
 
 
