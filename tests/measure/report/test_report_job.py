@@ -11,6 +11,7 @@ import pytest
 from command_line import SCENES, names
 from PIL import Image as Pillow
 from quick_report import MODEL, QUICK
+from stored_report import stored_findings
 
 from viewer.base.signals import Stopped
 from viewer.measure.report.bench import Bench
@@ -137,3 +138,11 @@ def test_a_model_that_cannot_be_shown_leaves_nothing_behind(run, folder):
 def test_models_of_one_name_have_folders_of_their_own():
     models = ["x/a.glb", "y/a.glb", "a-2.glb", "a.obj"]
     assert [path.name for path in report_folders(models, Path("out"))] == ["a", "a-2", "a-2-3", "a-4"]
+
+
+def test_the_report_that_the_tests_of_the_page_store_has_what_a_measured_one_has(report_folder):
+    measured, stored = json.loads((report_folder / "report.json").read_text()), stored_findings().document
+    for theirs, ours in ((measured, stored), (measured["points"][0], stored["points"][0]),
+                         (measured["reference"], stored["reference"]),
+                         (measured["recommend"][0], stored["recommend"][0])):
+        assert set(theirs) == set(ours)
