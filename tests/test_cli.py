@@ -168,7 +168,8 @@ def test_info_diff_doctor_and_cache_answer(run, folder, monkeypatch):
     outcome = run("diff", "a.png", "b.png", "--json", "d.json", "-o", "d.png")
     result = json.loads((folder / "d.json").read_text())
     assert outcome.status == 0 and result["flip"] > 0.01 and result["max"] <= 1 and Image.open("d.png").size == (24, 24)
-    assert "flip: 0\n" in run("diff", "a.png", "a.png").out
+    shown = run("diff", "a.png", "a.png").out
+    assert "flip: 0\n" in shown and "compared: displayed colours (sRGB" in shown and "kind" not in shown
     monkeypatch.setattr("viewer.jobs.doctor.probe", lambda *_: {"problem": "no display"})
     outcome = run("doctor", "--json", "-")
     assert outcome.status == 3 and not any(finding["works"] for finding in json.loads(outcome.out))

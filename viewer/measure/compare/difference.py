@@ -48,6 +48,13 @@ class Difference:
         return {"a": self.a, "b": self.b, "size": list(self.size), "flip": self.flip, "rmse": self.rmse,
                 "max": self.max, "kind": "displayed values" if self.kind == "ldr" else "linear light"}
 
+    def to_text(self) -> dict[str, object]:
+        """`to_json` in words, for people."""
+        facts = self.to_json()
+        del facts["kind"]
+        compared = "displayed colours (sRGB, LDR-FLIP)" if self.kind == "ldr" else "linear radiance (HDR-FLIP)"
+        return facts | {"compared": compared}
+
     def map_image(self) -> Image:
         """The FLIP map in magma: black where the pictures agree, bright where they differ."""
         return Image.from_srgb(magma(self.map))
