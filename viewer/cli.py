@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
+import time
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -74,11 +75,15 @@ def view(model: str, **options: Any) -> None:
     from .jobs.assemble import make_camera, make_environment, make_scene, make_settings
 
     settings = make_settings(options)
+    start = time.perf_counter()
     scene = make_scene(model, make_environment(options), options)
     _warn(model, scene, options)
+    tell = say if options["verbose"] else None
+    if tell:
+        tell(f"{model}: load {time.perf_counter() - start:.3f} s")
     asked = any(options[name] is not None for name in ("orbit", "eye", "camera", "fov", "target"))
     camera = make_camera(model, scene, options) if asked else None
-    open_window(scene, settings, camera, options["size"], use_cache=not options["no_cache"])
+    open_window(scene, settings, camera, options["size"], use_cache=not options["no_cache"], tell=tell)
 
 
 @cli.command(short_help="Render pictures of models, without a screen.")
@@ -277,7 +282,7 @@ def diff(a: str, b: str, json_file: str | None, output: str | None) -> None:
     result = compare_files(a, b)
     if output:
         result.save_map(output)
-    _report(result.to_json(), json_file)
+    _report(result.to_json() if json_file else result.to_text(), json_file)
 
 
 @cli.command(short_help="Show which OpenGL contexts work here.")

@@ -348,15 +348,19 @@ def test_the_command_opens_it_and_a_key_closes_it(display, scene, tmp_path):
     """`python -m viewer view`, from the command line to the picture it saves."""
     model = resource_folder("assets") / "scenes" / "spheres.glb"
     process = subprocess.Popen([sys.executable, "-m", "viewer", "view", model, "--size", "160x120", "--mode", "phong",
-                                "--background", "#777777", "--set", "antialias=none"], cwd=tmp_path)
+                                "--background", "#777777", "--set", "antialias=none", "-v"], cwd=tmp_path,
+                               stderr=subprocess.PIPE, text=True)
     try:
         find = ["xdotool", "search", "--sync", "--onlyvisible", "--pid", str(process.pid)]
         window = subprocess.run(find, capture_output=True, text=True, timeout=PATIENCE_S, check=True).stdout.split()[0]
         subprocess.run(["xdotool", "windowfocus", "--sync", window], check=True, timeout=PATIENCE_S)
         subprocess.run(["xdotool", "key", "s", "q"], check=True, timeout=PATIENCE_S)
-        assert process.wait(timeout=PATIENCE_S) == 0
+        told = process.communicate(timeout=PATIENCE_S)[1].splitlines()
+        assert process.returncode == 0
     finally:
         process.kill()
+    assert [line.partition(": ")[0] for line in told] == [str(model), "window", "first picture"]
+    assert "load " in told[0] and "OpenGL" in told[1] and "compile and upload" in told[2] and "plan: " in told[2]
     camera = scene.framing_camera(160 / 120)
     grey = tuple(float(c) for c in srgb_to_linear(np.full(3, 0x77 / 255)))
     expected = viewer.render(scene, (160, 120), camera, mode="phong", background=grey, antialias="none")

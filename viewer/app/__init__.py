@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from ..errors import UsageError
@@ -13,10 +14,10 @@ if TYPE_CHECKING:
 
 
 def open_window(scene: Scene, settings: Settings, camera: Camera | None = None, size: tuple[int, int] = (1280, 720),
-                use_cache: bool = True) -> None:
+                use_cache: bool = True, tell: Callable[[str], None] | None = None) -> None:
     """`viewer.app.window.run`. Raises UsageError also for a denoiser that is too slow for a window."""
     if settings.denoise == "oidn":
         raise UsageError("denoise oidn takes too long for a window; there are off and fast")
     from .window import run
 
-    run(scene, settings, camera, size, use_cache)
+    run(scene, settings, camera, size, use_cache, tell)

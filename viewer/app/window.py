@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Self
@@ -45,15 +46,23 @@ def run(
     camera: Camera | None = None,
     size: tuple[int, int] = (1280, 720),
     use_cache: bool = True,
+    tell: Callable[[str], None] | None = None,
 ) -> None:
     """Open a window of `size` (in screen coordinates) on `scene`, and return when it is closed.
 
-    Without `camera` the scene is framed. `use_cache` allows the cache on disk to be used. Raises ContextError if no
+    Without `camera` the scene is framed. `use_cache` allows the cache on disk to be used. `tell` gets a line about the
+    device when the window is open, and one about the first picture. Raises ContextError if no
     window can be opened, and the renderer's errors for a scene that cannot be drawn.
     """
+    start = time.perf_counter()
     with ViewerWindow(scene, settings, camera, size, use_cache) as window:
+        if tell is not None:
+            tell(f"window: {window.readings.device}: {time.perf_counter() - start:.3f} s")
         while not window.is_closed:
             window.step()
+            if tell is not None and window.readings.frame_ms:
+                tell(f"first picture: {time.perf_counter() - start:.3f} s; {window.renderer.summary}")
+                tell = None
 
 
 class ViewerWindow:

@@ -47,7 +47,7 @@ class RasterMaker(PictureMaker):
         is_linear = path.suffix.lower() == ".exr"
         image = (renderer.render if is_linear else renderer.display)(scene, camera, request.settings, request.size)
         assert renderer.plan is not None
-        self.summary = "preparing: " + ", ".join(f"{name} {value:.3f} s" for name, value in renderer.times.items())
+        self.summary = renderer.summary
         self.stats = {"prepare_s": dict(renderer.times), "pass_ms": dict(renderer.pass_ms),
                       "plan": renderer.plan.to_json()}
         self.texture_bytes = renderer.texture_bytes

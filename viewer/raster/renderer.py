@@ -107,6 +107,12 @@ class Renderer:
         return Image.from_srgb(self.read_display(settings))
 
     @property
+    def summary(self) -> str:
+        """What preparing took, and the plan of the last frame in words, in one line."""
+        times = ", ".join(f"{name} {seconds:.3f} s" for name, seconds in self.times.items())
+        return "; ".join([f"preparing: {times}", "plan: " + "; ".join(self.plan.used if self.plan else ())])
+
+    @property
     def texture_bytes(self) -> int:
         """About what the scene's textures take on the GPU."""
         return self._surfaces.textures.bytes
