@@ -107,7 +107,8 @@ class Settings:
     masking: Masking = _option(
         "smith", "masking and shadowing of microfacets, G; smith: height-correlated")
     fresnel: Literal["schlick", "exact"] = _option("schlick", "Fresnel reflectance, F")
-    multiscatter: Literal["on", "off"] = _option("on", "energy compensation for multiple scattering between microfacets")
+    multiscatter: Literal["on", "off"] = _option(
+        "on", "energy compensation for multiple scattering between microfacets")
     lobes: Lobes = _option("all", "show one contribution alone")
     phong: Literal["phong", "blinn-phong"] = _option("phong", "the highlight of --mode phong")
     shadows: Literal["on", "off"] = _option("on", "shadows of the lights")

@@ -114,7 +114,8 @@ def _settings(lobe: Lobe) -> dict[str, dict]:
               "shininess": (3.0, 10.0, 100.0)}
     name = next(name for name in ranges if name in lobe.parameters)
     size = lobe.parameters[name].size
-    return {f"{name.removeprefix('perceptual_')} {value:g}": lobe.struct(**{name: value if size == 1 else (value,) * size})
+    word = name.removeprefix("perceptual_")
+    return {f"{word} {value:g}": lobe.struct(**{name: value if size == 1 else (value,) * size})
             for value in ranges[name]}
 
 
