@@ -29,13 +29,13 @@ float curvature(vec3 n, vec3 p) {
 }
 
 // The direction of a view ray after it has left the solid, having travelled `thickness` along d inside. The far side is
-// unknown. It is assumed to be concentric with the front: the other half of a sphere, the inner face of a vase, or, if
-// the front is flat, a parallel plane.
+// unknown, and is guessed from the front. Behind a flat front it is a parallel plane, behind a hollow one a concentric
+// surface. Behind a round front it turns from that plane to the other half of a sphere, as the thickness grows to the
+// chord 2 (-n.d) / curved. The light never meets it at a larger angle than the front, so that it always leaves.
 vec3 leaving_direction(vec3 n, float curved, vec3 d, float thickness, float ior) {
-    vec3 out_n = normalize(n + curved * thickness * d);
-    out_n *= dot(out_n, d) > 0.0 ? -1.0 : 1.0;
-    vec3 refracted = refract(d, out_n, ior);
-    return refracted == vec3(0.0) ? reflect(d, out_n) : refracted;
+    float cosine = max(-dot(n, d), 1e-3), turn = min(curved * thickness, 2.0 * cosine);
+    vec3 out_n = turn < 0.0 ? n + turn * d : (1.0 - turn / cosine) * n - turn * d;
+    return refract(d, normalize(out_n), ior);
 }
 #endif
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from shapes import WHITE, constant, moved, orthographic, plate, scene, sphere
+from shapes import WHITE, constant, lopsided, moved, orthographic, plate, scene, sphere
 
 from viewer.scene.camera import Camera
 from viewer.scene.environment import Environment
@@ -98,6 +98,18 @@ def test_a_ball_turns_the_world_over_and_a_bubble_does_not(renderer, thickness, 
     picture = renderer.render(model, orthographic(elevation=-0.1, height=2.0), Settings.of(), SIZE).linear[..., 0]
     assert picture[12, 24] == pytest.approx(seen_above, abs=0.05)
     assert picture[36, 24] == pytest.approx(1.0, abs=0.05)
+
+
+@pytest.mark.parametrize("thickness", [0.3, 0.6, 1.0])
+def test_facets_of_a_round_body_do_not_show(renderer, thickness):
+    """Each triangle has a curvature of its own, on which the guess of the far side depends, and is smooth all the
+    same: a coarse ball looks like a fine one but for its outline. Light caught inside some triangles made them stand
+    out."""
+    body = replace(GLASS, thickness=thickness)
+    camera, settings = orthographic(0.3, 0.3, height=1.6), Settings.of(antialias="none", background="none")
+    coarse, fine = (renderer.render(scene(sphere(segments=segments), materials=[body], environment=lopsided()),
+                                    camera, settings, (96, 96)).linear for segments in (20, 96))
+    assert np.quantile(np.abs(coarse - fine), 0.99) < 0.05
 
 
 @pytest.mark.parametrize("elevation", [-0.4, 0.4])

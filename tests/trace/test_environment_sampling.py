@@ -168,6 +168,18 @@ def test_irradiance(context, tmp_path, name):
         assert abs(estimates.mean() - expected) < 4.5 * error + 1e-3 * expected
 
 
+@pytest.mark.parametrize("pole", [0, -1])
+def test_a_bright_row_at_a_pole_is_interpolated_towards_its_neighbour(context, tmp_path, pole):
+    """Between the centres of the first two rows, at h/2 and 3h/2 from the pole, the light falls linearly. For small h
+    that is (1/4 + 5/6) pi h^2 instead of the pi h^2 of the texels alone."""
+    radiance = np.zeros((64, 128, 3), np.float32)
+    radiance[pole] = 1
+    sampled = Sampled(context, tmp_path, radiance)
+    d, pdf = sampled.samples(numbers(100000))
+    light = (sampled.look(d)[0][:, 0] / pdf).mean()
+    assert light / (128 * texel_solid_angles(64, 128)[pole]) == pytest.approx(13 / 12, rel=5e-3)
+
+
 def test_sun_is_chosen():
     """A texel of 1e5 in a map of 1 gets nearly all samples. The others keep the density of the floor."""
     densities, solid_angles = cell_densities(sun_map(64, 128))
