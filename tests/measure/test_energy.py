@@ -71,7 +71,8 @@ def test_bins_hold_what_lies_in_them():
     assert shares == pytest.approx(2 * np.pi / 6, rel=0.02)
 
 
-@pytest.mark.parametrize("name", ["burley", "plain_phong", "turquin", "dielectric, anisotropic"])
+@pytest.mark.parametrize("name", ["burley", "plain_phong", "turquin", "dielectric, anisotropic",
+                                  "standard anisotropic", "standard anisotropic, stretched"])
 def test_a_lobe_passes_or_fails_as_its_model_does(name):
     case = next(case for case in lobe_cases() if case.name == name)
     checks = by_check(check_lobe(case))

@@ -57,7 +57,8 @@ class LobeCase:
     @property
     def is_anisotropic(self) -> bool:
         alpha = np.asarray(self.values.get("alpha", 0.0))
-        return alpha.ndim == 2 and bool((alpha[:, 0] != alpha[:, 1]).any())
+        across, along = alpha.T if alpha.ndim == 2 else (alpha, np.asarray(self.values.get("alpha_t", alpha)))
+        return bool((across != along).any())
 
     def repeated(self, per_set: int, *, axis: bool = True) -> dict[str, np.ndarray]:
         """Every set `per_set` times over, with an axis for what each case is asked."""

@@ -31,6 +31,8 @@ def lobe_cases() -> list[LobeCase]:
         cases.append(_case(lobe, _white_sets(lobe), drawn=True))
         if _size(lobe, "alpha") == 2:
             cases.append(_case(lobe, [{**lobe.white, "alpha": alpha} for alpha in ANISOTROPIC], drawn=False))
+        elif lobe.defines.get("ANISOTROPIC"):
+            cases.append(_case(lobe, [{**lobe.white, "alpha_t": t, "alpha": b} for t, b in ANISOTROPIC], drawn=False))
     return cases
 
 
@@ -48,13 +50,16 @@ def _case(lobe: Lobe, white: Sequence[dict], drawn: bool) -> LobeCase:
         arrays["alpha"] = np.where((alpha > 0) & (alpha < ALPHA[0]), ALPHA[0], alpha)
     if "coat_alpha" in arrays:  # a mirror beside a lobe that is none would be missing in the integrals
         arrays |= {name: np.maximum(arrays[name], ALPHA[0]) for name in ("alpha", "coat_alpha")}
+    if "alpha_t" in arrays and drawn:
+        arrays["alpha_t"] = arrays["alpha"]
     expected = {_CHECKS[name] for name in lobe.failures}
     # Light sent back along its way gains what it gained, and a factor that knows one side alone gains on the other.
     if lobe.failures.keys() & {"energy", "reciprocity"}:
         expected.add("hemisphere balance")
     if not drawn:
         expected |= _ANISOTROPIC_FAILURES
-    return LobeCase(lobe.name if drawn else f"{lobe.name}, anisotropic", lobe, arrays,
+    stretched = f"{lobe.name}, stretched" if lobe.defines.get("ANISOTROPIC") else f"{lobe.name}, anisotropic"
+    return LobeCase(lobe.name if drawn else stretched, lobe, arrays,
                     np.arange(len(arrays[next(iter(arrays))])) < len(white), expected,
                     2e-3 if lobe.name in _KULLA_CONTY else FURNACE_BOUND,
                     0.01 if lobe.prefix in _TABULATED else 0.05,  # the others take 32 or 64 samples
