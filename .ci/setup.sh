@@ -102,6 +102,8 @@ missing_for_tests() {
     is_any_here Xvfb || echo xvfb
     is_any_here xdotool || echo xdotool
     is_any_here chromium chromium-browser google-chrome chrome || echo chromium
+    is_any_here glslangValidator || echo glslang-tools
+    ls /usr/share/vulkan/icd.d/lvp_icd*.json >/dev/null 2>&1 || echo mesa-vulkan-drivers
     osmesa_works || echo libosmesa6
 }
 

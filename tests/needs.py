@@ -68,6 +68,8 @@ NEEDS = {
                     lambda: shutil.which("xdotool") is not None),
     "chromium": Need("reports in a browser", "there is no Chromium", "install chromium",
                      lambda: any(map(shutil.which, BROWSERS))),
+    "glslang": Need("programs under a second compiler", "there is no glslangValidator", "install glslang-tools",
+                    lambda: shutil.which("glslangValidator") is not None),
     "embree": Need("rays traced by Embree", "embreex is not installed", "it is not built for every machine",
                    _has_package("embreex")),
     "formats": Need("3MF and COLLADA", "the packages for them are not installed", "pip install 'pbr-viewer[formats]'",

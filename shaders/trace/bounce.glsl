@@ -1,7 +1,6 @@
 // The steps of a path at a surface that are the same for all kinds of surfaces: emission, the shadow ray to a light,
 // and the next direction with Russian roulette.
 #include "trace/numbers.glsl"
-#include "trace/write_state.glsl"
 #include "trace/clamp.glsl"
 #include "trace/mis.glsl"
 #include "trace/emission.glsl"

@@ -8,6 +8,7 @@
 //   BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u)
 // with wo, wi and the normal n_coat of the clear coat in the frame of the shading normal (bsdf/bsdf.glsl).
 #include "trace/bounce.glsl"
+#include "trace/write_state.glsl"
 
 // The side of the surface on which wi lies: 1 for the side of wo, -1 for the other, 0 if no light may go there. That is
 // the case for the other side of an opaque surface, and where the shading and the geometric normal disagree about the

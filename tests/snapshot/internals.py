@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from compiled import compiled
 
-import viewer.gpu.program
 from viewer.bake.environment import bake_environment
 from viewer.base.resources import resource_folder
 from viewer.gpu.context import Context, create_context
@@ -20,23 +18,6 @@ from viewer.trace.tracer import Tracer
 
 __all__ = ["Context", "ProgramSource", "Renderer", "Tracer", "compiled", "create_context", "describe_scene",
            "display_name", "planned", "resource_folder"]
-
-
-@contextmanager
-def compiled() -> Iterator[list[list[ProgramSource]]]:
-    """The sources of every program that is compiled meanwhile, its stages in order."""
-    seen: list[list[ProgramSource]] = []
-    real = viewer.gpu.program.compile_sources
-
-    def compile_sources(context, sources, varyings=()):
-        seen.append([source for source in sources.values() if source is not None])
-        return real(context, sources, varyings)
-
-    viewer.gpu.program.compile_sources = compile_sources
-    try:
-        yield seen
-    finally:
-        viewer.gpu.program.compile_sources = real
 
 
 def planned(scene: Scene, settings: Settings) -> list[list[ProgramSource]]:

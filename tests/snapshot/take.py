@@ -60,7 +60,7 @@ def take_raster(context: Context) -> tuple[Pictures, dict[str, object]]:
                 picture = renderer.render(scene, camera, case.with_mode(mode), RASTER_SIZE)
                 pictures[f"{case.name} {mode}"] = picture.linear
         renderer.release()
-    return pictures, program_entries(programs)
+    return pictures, program_entries([list(sources.values()) for sources in programs])
 
 
 def take_path(context: Context) -> tuple[Pictures, dict[str, object]]:
@@ -75,7 +75,7 @@ def take_path(context: Context) -> tuple[Pictures, dict[str, object]]:
                 for name, layer in picture.layers.items():
                     pictures[f"{shot.name} {intersector}: {name}"] = layer
             tracer.release()
-    return pictures, program_entries(programs)
+    return pictures, program_entries([list(sources.values()) for sources in programs])
 
 
 def models() -> tuple[dict[str, Scene], dict[str, str]]:

@@ -11,15 +11,16 @@ import numpy as np
 from ..gpu.context import Context
 from ..gpu.programs import Programs, matrix_uniform, set_uniform
 from ..material.pack import uniforms
-from ..plan.model import Draw, Plan, Program
+from ..plan.model import Draw, Plan
 from ..scene.decoding import Decoder
 from ..scene.frame import Frame
 from ..scene.material import VOLUME, Material, UVTransform
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
-from ..scene.schema import MAP_SWITCHES, MAPS, Value, no_switches
+from ..scene.schema import MAPS, Value
 from ..scene.transform import handedness, normal_matrix
 from .geometry import MeshBuffers
+from .surface_programs import SHADOW_VERTEX, VERTEX, gbuffer_program, path_program, shadow_program
 from .textures import Textures
 
 if TYPE_CHECKING:
@@ -31,9 +32,6 @@ if TYPE_CHECKING:
  UNIT_REFLECTED, UNIT_RAY_POSITIONS, UNIT_REFRACTED, UNIT_MIRRORED, UNIT_PATH_POSITIONS) = range(16, 28)
 
 _SAMPLE_ALPHA_TO_COVERAGE, _SAMPLE_ALPHA_TO_ONE = 0x809E, 0x809F
-_VERTEX = "raster/surface.vert"
-_GBUFFER_SWITCHES = ("ALPHA_MODE", "DOUBLE_SIDED", "HALF_TARGET", "HAS_COLOR", "HAS_NORMAL", "IS_POINTS",
-                     "SAMPLES", "UV_SETS")
 
 
 class Surfaces:
@@ -98,13 +96,13 @@ class Surfaces:
 
     def draw_gbuffer(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> None:
         """Draw the G-buffer of the surfaces that need one: shaders/raster/gbuffer.frag."""
-        draws = [replace(d, program=_gbuffer_program(d.program)) for d in plan.draws if d.is_in_gbuffer]
+        draws = [replace(d, program=gbuffer_program(d.program)) for d in plan.draws if d.is_in_gbuffer]
         self._draw_solid(draws, frame, plan, frame_uniforms)
 
     def draw_refraction_rays(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> None:
         """Draw the first rays of the paths through solid glass: shaders/raster/refraction_rays.frag."""
         solids = [draw for draw in plan.draws if draw.traces_refraction]
-        self._draw_solid([replace(draw, program=_path_program(draw.program)) for draw in solids], frame, plan,
+        self._draw_solid([replace(draw, program=path_program(draw.program)) for draw in solids], frame, plan,
                          frame_uniforms)
 
     def draw_opaque(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
@@ -146,18 +144,15 @@ class Surfaces:
     def draw_depth(self, draw: Draw, matrix: np.ndarray) -> None:
         """Draw a mesh into a shadow map. `matrix` takes the local space of its instance to clip space."""
         reads_alpha = draw.alpha_mode != "opaque"
-        names = ["ALPHA_MODE", "HAS_COLOR", *(f"BASE_COLOR_{ending}" for ending in MAP_SWITCHES)]
-        chosen = {name: draw.program[name] if reads_alpha else 0 for name in names}
-        switches = no_switches() | {"HAS_NORMAL": 0} | chosen
-        switches["UV_SETS"] = 1 << switches["BASE_COLOR_UV"] if switches["BASE_COLOR_MAP"] else 0
-        program = self._programs.get("raster/shadow.vert", "raster/shadow.frag", switches)
+        wanted = shadow_program(draw)
+        program = self._programs.get(SHADOW_VERTEX, wanted.fragment, dict(wanted.switches))
         mesh = self._mesh(draw.mesh)
         set_uniform(program, "u_model_to_light", matrix_uniform(matrix @ mesh.to_mesh))
         if reads_alpha:
             set_uniform(program, "u_base_color", draw.surface.base_color)
             set_uniform(program, "u_alpha_cutoff", draw.surface.alpha_cutoff)
             set_uniform(program, "u_caster", draw.instance)
-            if switches["BASE_COLOR_MAP"]:
+            if wanted["BASE_COLOR_MAP"]:
                 self._bind_map(program, draw, "base_color")
         mesh.draw(program)
 
@@ -229,7 +224,7 @@ class Surfaces:
             set_uniform(program, f"u_{name}_transform", transform.matrix().T.astype(np.float32).tobytes())
 
     def _program(self, fragment: str, switches: dict[str, int]) -> moderngl.Program:
-        return self._programs.get(_VERTEX, fragment, switches)
+        return self._programs.get(VERTEX, fragment, switches)
 
     def _mesh(self, index: int) -> MeshBuffers:
         mesh = self.scene.meshes[index]
@@ -247,28 +242,6 @@ class Surfaces:
             mesh_buffers.release()
         self._release_indirect()
         self.textures.release()
-
-
-def _gbuffer_program(program: Program) -> Program:
-    return Program("raster/gbuffer.frag", _geometry_switches(program))
-
-
-def _path_program(program: Program) -> Program:
-    switches = {**dict(_geometry_switches(program)), "IS_ORTHOGRAPHIC": program["IS_ORTHOGRAPHIC"]}
-    return Program("raster/refraction_rays.frag", tuple(sorted(switches.items())))
-
-
-def _geometry_switches(program: Program) -> tuple[tuple[str, int], ...]:
-    """The switches that position, normal and roughness depend on. With only these, many materials share one program."""
-    switches = dict(program.switches)
-    maps = {"normal", "metallic_roughness"} | ({"base_color"} if switches["ALPHA_MODE"] else set())
-    fixed = {"INDIRECT": 0, "HAS_TANGENT": switches["NORMAL_MAP"]}
-    if switches["SPECULAR_GLOSSINESS"]:
-        maps.add("specular_glossiness")
-        fixed["SPECULAR_GLOSSINESS"] = 1
-    switches = no_switches() | {name: switches[name] for name in _GBUFFER_SWITCHES} | fixed | {
-        f"{name.upper()}_{ending}": switches[f"{name.upper()}_{ending}"] for name in maps for ending in MAP_SWITCHES}
-    return tuple(sorted(switches.items()))
 
 
 def _bind_blocks(program: moderngl.Program) -> None:

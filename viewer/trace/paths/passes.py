@@ -22,6 +22,13 @@ _CLASSES = {"idle": CLASS_IDLE, "finish": CLASS_ENDED, "generate": CLASS_ENDED, 
 _OVER_BLOCKS = ("begin", "zero")
 
 
+def vertex_shader(name: str) -> str:
+    """The vertex shader of the pass `name`."""
+    if name == "alive":
+        return "display/fullscreen.vert"
+    return "trace/blocks.vert" if name in _OVER_BLOCKS else "trace/path_class.vert"
+
+
 class Passes:
     """`bind` binds the textures of the scene and sets its uniforms in a program.
 
@@ -37,10 +44,8 @@ class Passes:
         self._surfaces = plan.surfaces
         self._programs = {}
         for name, program in plan.programs.items():
-            vertex = "trace/blocks.vert" if name in _OVER_BLOCKS else "trace/path_class.vert"
-            if name == "alive":
-                vertex = "display/fullscreen.vert"
-            self._programs[name] = programs.get(vertex, program.fragment, shader_defines(dict(program.switches)))
+            self._programs[name] = programs.get(vertex_shader(name), program.fragment,
+                                                shader_defines(dict(program.switches)))
 
     def begin(self, wavefront: Wavefront, blocks: np.ndarray) -> None:
         """Begin the first paths of blocks that have new work, and set their sums to 0."""

@@ -1,0 +1,59 @@
+"""The programs that no plan names: passes over whole pictures, intersection, and the window's panel."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import product
+
+from compiled import Sources
+
+from viewer.gpu.source import assemble
+from viewer.trace.defines import shader_defines
+from viewer.trace.paths.wavefront import LAYERS, SUMS
+from viewer.trace.rays.bvh import INSTANCE_TEXELS, NODE_TEXELS, TRIANGLE_TEXELS
+from viewer.trace.rays.bvh4 import LEAF_SHIFT
+from viewer.trace.rays.intersect import SHADOW_REACH
+
+_FULLSCREEN = "display/fullscreen.vert"
+_OVER_PICTURES: dict[str, dict[str, tuple[int, ...]]] = {
+    "display/display.frag": {"TONEMAP": (0, 1, 2, 3)},
+    "raster/resolve.frag": {"SAMPLES": (1, 4, 8), "SUPERSAMPLING": (1, 2)},
+    "raster/background.frag": {"HALF_TARGET": (0, 1)},
+    "raster/backdrop.frag": {"LEVEL": (0, 1)},
+    "raster/visibility.frag": {},
+    "raster/ambient_occlusion.frag": {"IS_ORTHOGRAPHIC": (0, 1)},
+    "raster/environment_shadows.frag": {"LIGHTS": (16, 64), "IS_ORTHOGRAPHIC": (0, 1)},
+    "raster/reflection_rays.frag": {"IS_ORTHOGRAPHIC": (0, 1)},
+    "raster/reflected_light.frag": {"REFLECTS": (1,), "ENVIRONMENT_ROTATED": (0, 1)},
+    "raster/reflected_mean.frag": {},
+    "raster/refraction_step.frag": {"REFLECTS": (1,), "HAS_ENVIRONMENT": (0, 1), "ENVIRONMENT_ROTATED": (0, 1)},
+    "trace/film/mean.frag": {}, "trace/film/error.frag": {}, "trace/count_rays.frag": {},
+    "trace/denoise/prepare.frag": {}, "trace/denoise/variance.frag": {}, "trace/denoise/wavelet.frag": {},
+    "trace/denoise/resolve.frag": {},
+}
+"""The values of the switches of each pass that one triangle draws."""
+
+
+def passes() -> list[Sources]:
+    programs = [_program(_FULLSCREEN, file, shader_defines(dict(zip(choices, values, strict=True))))
+                for file, choices in _OVER_PICTURES.items() for values in product(*choices.values())]
+    programs += [_program("trace/film/resolve.vert", "trace/film/resolve.frag", shader_defines({"COUNT": count}))
+                 for count in (SUMS, LAYERS)]
+    return [*programs, _program("app/gui.vert", "app/gui.frag", {})]
+
+
+def intersections(switches: Mapping[str, int]) -> Iterator[Sources]:
+    """Of the BVH in a shader and of shadow rays through surfaces with holes, for a scene of these switches."""
+    tree = {"BVH_WIDTH": 4096, "NODE_TEXELS": NODE_TEXELS, "TRIANGLE_TEXELS": TRIANGLE_TEXELS,
+            "BVH_INSTANCE_TEXELS": INSTANCE_TEXELS, "LEAF_SHIFT": LEAF_SHIFT, "STACK": 64, "SHADOW_REACH": SHADOW_REACH}
+    see_through = bool(switches["HAS_SEE_THROUGH"])
+    for has_instances in (0, 1):
+        defines = shader_defines(switches) | tree | {"HAS_INSTANCES": has_instances, "HAS_SEE_THROUGH": see_through}
+        yield _program(_FULLSCREEN, "trace/intersect_see_through.frag" if see_through else "trace/intersect.frag",
+                       defines)
+    if see_through:
+        yield _program(_FULLSCREEN, "trace/see_through.frag", shader_defines(switches))
+
+
+def _program(vertex: str, fragment: str, defines: Mapping[str, float]) -> Sources:
+    return {"vertex": assemble(vertex, defines), "fragment": assemble(fragment, defines)}

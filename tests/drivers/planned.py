@@ -1,0 +1,71 @@
+"""The programs that plans ask for, without a device that compiles them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+from compiled import Sources
+
+from viewer.gpu.source import ProgramSource, assemble
+from viewer.plan.planner import plan_scene
+from viewer.raster.surface_programs import SHADOW_VERTEX, VERTEX, gbuffer_program, path_program, shadow_program
+from viewer.scene.environment import Environment
+from viewer.scene.light import Light
+from viewer.scene.scene import Scene
+from viewer.settings import Settings
+from viewer.trace.defines import shader_defines
+from viewer.trace.paths.passes import vertex_shader
+from viewer.trace.scene.traced_scene import plan_without_device
+
+GREY = Environment("grey", np.full((16, 32, 3), 0.5, np.float32))
+SUN = Light("directional", intensity=1.0, direction=(0, -1, 0), angular_radius=0.005)
+
+Key = tuple[str, str, tuple[tuple[str, float], ...]]
+"""Vertex file, fragment file and switches of a program."""
+
+
+def raster_keys(scene: Scene, settings: Settings, *, half: bool = True, orthographic: bool = False) -> Iterator[Key]:
+    """Of the surfaces, with those of their shadows, their G-buffer and the paths that begin at them."""
+    lights = (*scene.lights, SUN) if scene.environment is not None else scene.lights
+    plan = plan_scene(scene, settings, lights, samples=settings.samples(is_software=False, is_still=True),
+                      half_target=half, orthographic=orthographic)
+    for draw in plan.draws:
+        yield VERTEX, draw.program.fragment, draw.program.switches
+        if plan.shadow_layer_count or plan.environment_shadows:
+            shadow = shadow_program(draw)
+            yield SHADOW_VERTEX, shadow.fragment, shadow.switches
+        if draw.is_in_gbuffer:
+            gbuffer = gbuffer_program(draw.program)
+            yield VERTEX, gbuffer.fragment, gbuffer.switches
+        if draw.traces_refraction:
+            path = path_program(draw.program)
+            yield VERTEX, path.fragment, path.switches
+
+
+def path_keys(scene: Scene, settings: Settings) -> Iterator[Key]:
+    """Of the passes over a wavefront, all but intersection."""
+    for name, program in plan_without_device(scene, settings).programs.items():
+        yield vertex_shader(name), program.fragment, tuple(shader_defines(dict(program.switches)).items())
+
+
+def keys(scene: Scene, settings: Settings) -> Iterator[Key]:
+    yield from path_keys(scene, settings) if settings.mode == "path" else raster_keys(scene, settings)
+
+
+def under(scene: Scene, environment: Environment | None, rotation: float = 0.0) -> Scene:
+    """The scene under this environment, which is not baked for a plan."""
+    return replace(scene, environment=environment and replace(environment, rotation=rotation))
+
+
+def assembled(wanted: Iterable[Key]) -> list[Sources]:
+    """These programs, each once."""
+    return [{"vertex": _stage(vertex, switches), "fragment": _stage(fragment, switches)}
+            for vertex, fragment, switches in dict.fromkeys(wanted)]
+
+
+@cache
+def _stage(file: str, switches: tuple[tuple[str, float], ...]) -> ProgramSource:
+    return assemble(file, dict(switches))

@@ -1,0 +1,42 @@
+"""The programs that draw a surface in other passes than the one that shades it, as they follow from the plan."""
+
+from __future__ import annotations
+
+from ..plan.model import Draw, Program
+from ..scene.schema import MAP_SWITCHES, no_switches
+
+VERTEX, SHADOW_VERTEX = "raster/surface.vert", "raster/shadow.vert"
+_GBUFFER_SWITCHES = ("ALPHA_MODE", "DOUBLE_SIDED", "HALF_TARGET", "HAS_COLOR", "HAS_NORMAL", "IS_POINTS",
+                     "SAMPLES", "UV_SETS")
+
+
+def gbuffer_program(program: Program) -> Program:
+    return Program("raster/gbuffer.frag", _geometry_switches(program))
+
+
+def path_program(program: Program) -> Program:
+    """Of the first rays through solid glass."""
+    switches = {**dict(_geometry_switches(program)), "IS_ORTHOGRAPHIC": program["IS_ORTHOGRAPHIC"]}
+    return Program("raster/refraction_rays.frag", tuple(sorted(switches.items())))
+
+
+def shadow_program(draw: Draw) -> Program:
+    """Of a shadow map, with SHADOW_VERTEX; it reads alpha where the surface is not opaque."""
+    names = ["ALPHA_MODE", "HAS_COLOR", *(f"BASE_COLOR_{ending}" for ending in MAP_SWITCHES)]
+    chosen = {name: draw.program[name] if draw.alpha_mode != "opaque" else 0 for name in names}
+    switches = no_switches() | {"HAS_NORMAL": 0} | chosen
+    switches["UV_SETS"] = 1 << switches["BASE_COLOR_UV"] if switches["BASE_COLOR_MAP"] else 0
+    return Program("raster/shadow.frag", tuple(sorted(switches.items())))
+
+
+def _geometry_switches(program: Program) -> tuple[tuple[str, int], ...]:
+    """The switches that position, normal and roughness depend on. With only these, many materials share one program."""
+    switches = dict(program.switches)
+    maps = {"normal", "metallic_roughness"} | ({"base_color"} if switches["ALPHA_MODE"] else set())
+    fixed = {"INDIRECT": 0, "HAS_TANGENT": switches["NORMAL_MAP"]}
+    if switches["SPECULAR_GLOSSINESS"]:
+        maps.add("specular_glossiness")
+        fixed["SPECULAR_GLOSSINESS"] = 1
+    switches = no_switches() | {name: switches[name] for name in _GBUFFER_SWITCHES} | fixed | {
+        f"{name.upper()}_{ending}": switches[f"{name.upper()}_{ending}"] for name in maps for ending in MAP_SWITCHES}
+    return tuple(sorted(switches.items()))
