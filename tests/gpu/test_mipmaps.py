@@ -108,3 +108,14 @@ def test_no_texture_unit_in_use_is_disturbed(context):
     assert np.frombuffer(target.read(components=4, dtype="f4"), np.float32)[0] == 7.0
     first.release()
     second.release()
+
+
+def test_levels_that_the_driver_cannot_hold_are_left_out(context, monkeypatch):
+    monkeypatch.setitem(context.gl.info, "GL_MAX_TEXTURE_SIZE", 4)
+    levels = [np.full((side, side, 1), 10 * k, np.uint8) for k, side in enumerate((16, 8, 4, 2, 1))]
+    texture = mipmapped_texture(context, levels)
+    assert context.gl.error == "GL_NO_ERROR"
+    for number, level in enumerate(levels[2:]):
+        side = len(level)
+        shown = draw(context, texture, _FRAGMENT, (side, side), level=number)
+        assert np.abs(shown[..., 0] * 255 - 10 * (number + 2)).max() < 0.01

@@ -30,9 +30,12 @@ def mipmapped_texture(context: Context, levels: Sequence[np.ndarray], srgb: bool
     """A texture of `levels`, (H, W, C) arrays of one type, each half the size (rounded down) of the one before.
 
     Shaders read uint8 and uint16 as [0, 1]; with `srgb` they read uint8 of 3 or 4 components as sRGB colours, decoded.
-    They read float16 and float32 unchanged. Row 0 is at v = 0. The texture is trilinear and repeats, until the caller
-    changes that. moderngl reports its size as 1x1, since the levels are uploaded without moderngl.
+    They read float16 and float32 unchanged. Levels larger than the driver's largest texture are left out. Row 0 is at
+    v = 0. The texture is trilinear and repeats, until the caller changes that. moderngl reports its size as 1x1, since
+    the levels are uploaded without moderngl.
     """
+    limit = context.gl.info["GL_MAX_TEXTURE_SIZE"]
+    levels = [level for level in levels if max(level.shape[:2]) <= limit] or levels[-1:]
     components = levels[0].shape[2]
     dtype, type_, internal_formats = _TYPES[levels[0].dtype.name]
     internal_format = _SRGB_FORMATS[components] if srgb else internal_formats[components - 1]

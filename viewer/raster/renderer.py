@@ -205,7 +205,7 @@ class Renderer:
                 self._surfaces.draw_blended(frame, plan, uniforms)
 
     def _sized_target(self, size: tuple[int, int], samples: int, half: bool, supersampling: int) -> Target:
-        samples = min(samples, max(self._gl.max_samples, 1))
+        samples = max(min(samples, self._gl.max_samples, self._gl.info["GL_MAX_COLOR_TEXTURE_SAMPLES"]), 1)
         if self._target is None or not self._target.fits(size, samples, half, supersampling):
             self._release(self._target)
             self._target = None  # should the next one fail

@@ -1,0 +1,40 @@
+"""A few pictures by other drivers than the one that all other tests use. docs/drivers.md has what has run where."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from drivers import DRIVERS, REFERENCE, Driver, Run, differences
+from needs import require, skip
+
+from viewer.gpu.probe import probe
+
+SHORT = [driver for driver in DRIVERS if driver.short]
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, object]]:
+    """What each driver draws; they draw at the same time."""
+    require("linux")
+    if "llvmpipe" not in probe("egl").get("renderer", ""):
+        skip("llvmpipe")
+    folder = tmp_path_factory.mktemp("drivers")
+    started = [Run.start(REFERENCE, folder, sorted({name for driver in SHORT for name in driver.short})),
+               *(Run.start(driver, folder, driver.short) for driver in SHORT)]
+    yield {run.driver.name: run.result() for run in started}
+
+
+@pytest.mark.parametrize("driver", SHORT, ids=lambda driver: driver.name)
+def test_pictures_are_those_of_llvmpipe(runs, driver: Driver):
+    told, reference = runs[driver.name], runs[REFERENCE.name]
+    assert not isinstance(reference, str), reference
+    if driver.need != "llvmpipe" and (isinstance(told, str) or driver.renderer not in told["renderer"]):
+        skip(driver.need)
+    assert not isinstance(told, str), told
+    assert driver.renderer in told["renderer"] and told["is_reversed"] == driver.is_reversed
+    assert not told["errors"] and told["pictures"]
+    assert all(np.isfinite(linear).all() for linear, _ in told["pictures"].values())
+    found = differences(told, reference)
+    assert max(found.values()) <= driver.bound, found
