@@ -352,6 +352,33 @@ def translucent() -> Glb:
     return glb
 
 
+def sheen() -> Glb:
+    """Cloth. Above: sheen of roughness 0.2, 0.5 and 1, and coloured. Below: colour and roughness by a texture, over
+    smooth plastic, under a clear coat, and over metal."""
+    glb, ball = Glb(), without(sphere(0.45), "TANGENT")
+    stripes = np.ones((8, 16, 4)) * [0.9, 0.4, 0.1, 1.0]
+    stripes[:, ::4] = [0.1, 0.5, 0.9, 0.4]
+    texture = glb.texture(stripes, magFilter=9728, minFilter=9728)
+    white = {"sheenColorFactor": [1, 1, 1]}
+    cases = [
+        (0.0, 0.9, white | {"sheenRoughnessFactor": 0.2}, {}), (0.0, 0.9, white | {"sheenRoughnessFactor": 0.5}, {}),
+        (0.0, 0.9, white | {"sheenRoughnessFactor": 1.0}, {}),
+        (0.0, 0.9, {"sheenColorFactor": [0.2, 0.9, 0.4], "sheenRoughnessFactor": 0.4}, {}),
+        (0.0, 0.9, white | {"sheenColorTexture": texture, "sheenRoughnessTexture": texture,
+                            "sheenRoughnessFactor": 0.8}, {}),
+        (0.0, 0.2, white | {"sheenRoughnessFactor": 0.6}, {}),
+        (0.0, 0.9, white | {"sheenRoughnessFactor": 0.6}, {"KHR_materials_clearcoat": {"clearcoatFactor": 1.0}}),
+        (1.0, 0.4, white | {"sheenRoughnessFactor": 0.6}, {}),
+    ]
+    for place, (metallic, roughness, fields, others) in enumerate(cases):
+        material = glb.material((0.3, 0.03, 0.06), metallic, roughness,
+                                extensions={"KHR_materials_sheen": fields, **others})
+        glb.node(glb.mesh(ball, material), translation=[place % 4 * 1.1 - 1.65, 0.55 - place // 4 * 1.1, 0])
+    glb.light("directional", (-2, 1, 0.4), intensity=3.0)
+    glb.camera((0, 0, 8.6))
+    return glb
+
+
 def two_sided() -> Glb:
     """Open bowls, double-sided and not, upright and mirrored by a negative scale, one with a normal map."""
     glb = Glb()
@@ -426,7 +453,7 @@ def huge() -> Glb:
 
 
 SCENES = [spheres, normal_map, textures, alpha, lights, vertex_colors, emissive, unlit, specular_ior, glass,
-          anisotropy, clearcoat, specular_glossiness, rough_diffuse, translucent, two_sided, lines_points,
+          anisotropy, clearcoat, sheen, specular_glossiness, rough_diffuse, translucent, two_sided, lines_points,
           occlusion, tiny, huge]
 
 if __name__ == "__main__":

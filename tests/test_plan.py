@@ -102,6 +102,7 @@ def test_only_what_the_material_is_made_of():
     ({"ior": 0.0}, set(MAPS) - {"transmission"}),
     ({"anisotropy_strength": 0.0}, set(MAPS) - {"anisotropy"}),
     ({"diffuse_roughness": 0.0}, set(MAPS) - {"diffuse_roughness"}),
+    ({"sheen_color": (0.0, 0.0, 0.0)}, {name for name in MAPS if "sheen" not in name}),
     ({"clearcoat": 0.0}, {name for name in MAPS if "clearcoat" not in name}),
     ({"clearcoat_roughness": 0.0}, set(MAPS) - {"clearcoat_roughness"}),
     ({"clearcoat_normal_scale": 0.0}, set(MAPS) - {"clearcoat_normal"}),
@@ -112,10 +113,13 @@ def test_only_what_the_material_is_made_of():
 def test_maps_that_change_no_pixel_are_not_sampled(change, sampled, monkeypatch):
     monkeypatch.setattr("viewer.plan.samplers.MAX_SAMPLERS", 99)
     full = Material(emissive=(1, 1, 1), transmission=1.0, thickness=1.0, anisotropy_strength=1.0, diffuse_roughness=1.0,
-                    clearcoat=1.0, clearcoat_roughness=0.5, diffuse_transmission=0.5,
+                    clearcoat=1.0, clearcoat_roughness=0.5, diffuse_transmission=0.5, sheen_color=(1, 1, 1),
+                    sheen_roughness=0.5,
                     **{f"{name}_texture": MAP for name in MAPS})
     material = replace(full, **change)
     found = plan(scene(material, environment=ENVIRONMENT))
+    if material.transmits:
+        sampled = sampled - {"sheen_color", "sheen_roughness"}
     assert set(found.draws[0].maps) == sampled
     idle = len(MAPS) - len(sampled)
     assert any(f"{idle} material map" in line for line in found.left_out) == bool(idle)
@@ -123,12 +127,13 @@ def test_maps_that_change_no_pixel_are_not_sampled(change, sampled, monkeypatch)
 
 @pytest.mark.parametrize("mode", ["pbr", "phong"])
 def test_a_layer_is_code_only_where_a_surface_has_it(mode):
-    names = {"clear coat": "coat_over"}
+    names = {"sheen": "sheen_over", "clear coat": "coat_over"}
     bare = plan(scene(lights=(SUN,), environment=ENVIRONMENT), mode=mode)
     text = code(bare)
     for name, word in names.items():
-        assert word not in text and (mode == "phong" or f"{name}: no surface has one" in bare.left_out)
-    layered = plan(scene(Material(clearcoat=1.0), lights=(SUN,), environment=ENVIRONMENT), mode=mode)
+        assert word not in text and (mode == "phong" or f"{name}: no surface has it" in bare.left_out)
+    both = Material(clearcoat=1.0, sheen_color=(0, 0, 1))
+    layered = plan(scene(both, lights=(SUN,), environment=ENVIRONMENT), mode=mode)
     for name, word in names.items():
         assert (word in code(layered)) == (mode == "pbr")
         line = f"{name} of 1 surface" if mode == "pbr" else f"{name}: mode phong does not show it"

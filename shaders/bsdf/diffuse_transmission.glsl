@@ -3,7 +3,11 @@
 
 // f of the base for light from the other side; dfg_light = (a, b) of the split sum for |NoL|
 vec3 surface_transmission(Surface s, SurfaceView v, vec2 dfg_light) {
-    return MIX_METAL(s, interface_throughput(v.dielectric, dfg_light) * f_lambert(transmitted_albedo(s)), vec3(0.0));
+    vec3 f = MIX_METAL(s, interface_throughput(v.dielectric, dfg_light) * f_lambert(transmitted_albedo(s)), vec3(0.0));
+#if SHEEN
+    f *= v.sheen.throughput; // fibres stand on the viewer's side
+#endif
+    return f;
 }
 
 // The fraction of uniform light from the other side that leaves the base towards the viewer

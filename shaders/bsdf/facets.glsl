@@ -19,6 +19,8 @@ struct Surface {
     float diffuse_transmission;     // if DIFFUSE_TRANSMISSION, the share of the diffuse base's light that passes it
     vec3 diffuse_transmission_color;
     float coat, coat_alpha; // if CLEARCOAT, the weight of the clear coat and its alpha
+    vec3 sheen_color;       // if SHEEN
+    float sheen_roughness;  // if SHEEN, perceptual
 };
 
 // The cosines of one reflection; D, G and F are functions of them.

@@ -1,9 +1,10 @@
 // The BSDF of an opaque surface: the only place that composes its layers. Lights, the environment and the path tracer
 // all use it.
 //   f = coat + throughput of the coat * base
-//   base = (1 - metallic) (dielectric + throughput of the dielectric * diffuse base) + metallic * metal
+//   base = sheen + throughput of the sheen * ((1 - metallic) (dielectric + throughput of the dielectric * diffuse base)
+//          + metallic * metal)
 // Khronos Group 2021, "glTF 2.0 Specification", appendix B; KHR_materials_specular, _ior, _anisotropy, _clearcoat,
-// _diffuse_roughness, _diffuse_transmission.
+// _sheen, _diffuse_roughness, _diffuse_transmission.
 // METALNESS: 0 dielectric, 1 metal, 2 a mixture. Dielectric and metal are evaluated separately and mixed last, because
 // multiple scattering is not linear in f0.
 #include "bsdf/facets.glsl"
@@ -13,54 +14,28 @@
 #include "bsdf/layer/dielectric.glsl"
 #include "bsdf/layer/diffuse.glsl"
 #include "bsdf/layer/metal.glsl"
+#if SHEEN
+#include "bsdf/layer/sheen.glsl"
+#endif
 #include "light/dfg.glsl"
 #include "sample/luminance.glsl"
 
-// The terms that do not depend on wi
-struct SurfaceView {
-#if METALNESS != 1
-    Interface dielectric;
-#endif
-#if METALNESS != 0
-    Interface metal;
-#endif
-    float NoV;
-    vec2 dfg;                   // (a, b) of the split sum for NoV
-    float perceptual_roughness; // for reading the DFG table
-#if CLEARCOAT
-    Coat coat;                  // the raster composes it itself, since it has a normal of its own
-#endif
-};
-
-// This is a macro so that the unused branch is not compiled.
-#if METALNESS == 0
-#define MIX_METAL(s, dielectric_value, metal_value) (dielectric_value)
-#elif METALNESS == 1
-#define MIX_METAL(s, dielectric_value, metal_value) (metal_value)
-#else
-#define MIX_METAL(s, dielectric_value, metal_value) mix(dielectric_value, metal_value, s.metallic)
-#endif
-
-SurfaceView view_surface(Surface s, float NoV, float perceptual_roughness, vec2 dfg, vec2 dfg_mean) {
-    SurfaceView v;
-    v.NoV = NoV;
-    v.dfg = dfg;
-    v.perceptual_roughness = perceptual_roughness;
-#if METALNESS != 1
-    v.dielectric = make_interface(s.f0, vec3(s.f90), dfg, dfg_mean);
-#endif
-#if METALNESS != 0
-    v.metal = make_interface(s.base_color, vec3(1.0), dfg, dfg_mean);
-#endif
-    return v;
-}
+#include "bsdf/surface_view.glsl"
 
 // f of the base for a light direction. dv = D V of the facets, dfg_light = (a, b) of the split sum for NoL
 vec3 surface_response(Surface s, SurfaceView v, Angles a, float dv, vec2 dfg_light) {
-    return MIX_METAL(s,
+    float passed = 1.0;
+#if SHEEN
+    passed = sheen_throughput(v.sheen, a.NoL) / v.sheen.mean;
+#endif
+    vec3 f = MIX_METAL(s,
         dielectric_response(v.dielectric, s.ior, a.VoH, dv, dfg_light)
-            + interface_throughput(v.dielectric, dfg_light) * diffuse_response(s, v.dielectric, a),
+            + (passed * interface_throughput(v.dielectric, dfg_light)) * diffuse_response(s, v.dielectric, a),
         metal_response(v.metal, a.VoH, dv, dfg_light));
+#if SHEEN
+    f = sheen_over(v.sheen, sheen_response(v.sheen, a.NoV, a.NoL, a.s2), f);
+#endif
+    return f;
 }
 
 // Radiance that the base reflects from an environment; the arguments are those of interface_environment.
@@ -85,9 +60,12 @@ float surface_throughput(Surface s, SurfaceView v) {
 SurfaceView surface_view(Surface s, vec3 wo, vec3 n_coat, sampler2D dfg) {
     float roughness = table_roughness(s);
     SurfaceView v = view_surface(s, wo.z, roughness, dfg_albedo(dfg, wo.z, roughness), dfg_mean(dfg, roughness));
+#if SHEEN
+    v.sheen = sheen_of(s, v, dfg);
+#endif
 #if CLEARCOAT
     v.coat = make_coat(s.coat, s.coat_alpha, n_coat, dot(n_coat, wo), dfg);
-    v.coat.probability = coat_probability(v.coat, luminance(single_albedo(s, v) + diffuse_part_albedo(s, v)));
+    v.coat.probability = coat_probability(v.coat, luminance(base_albedo(s, v)));
 #endif
     return v;
 }
@@ -95,7 +73,11 @@ SurfaceView surface_view(Surface s, vec3 wo, vec3 n_coat, sampler2D dfg) {
 // xyz: f |cos|, w: the pdf
 vec4 base_eval_pdf(Surface s, SurfaceView v, vec3 wo, vec3 wi, sampler2D dfg) {
 #if DIFFUSE_TRANSMISSION
-    if (wi.z < 0.0) return transmission_eval_pdf(s, v, wo, wi, 1.0 - facet_probability(s, v), dfg);
+    float p_diffuse = 1.0 - facet_probability(s, v);
+#if SHEEN
+    p_diffuse *= 1.0 - sheen_probability(s, v);
+#endif
+    if (wi.z < 0.0) return transmission_eval_pdf(s, v, wo, wi, p_diffuse, dfg);
 #endif
     if (wo.z <= 0.0 || wi.z <= 0.0) return vec4(0.0);
     Angles a = local_angles(wo, wi);
@@ -109,7 +91,11 @@ vec4 base_eval_pdf(Surface s, SurfaceView v, vec3 wo, vec3 wi, sampler2D dfg) {
 #if DIFFUSE_TRANSMISSION
     diffuse *= 1.0 - below_probability(s, v);
 #endif
-    return vec4(f * wi.z, mix(diffuse, facets, facet_probability(s, v)));
+    float pdf = mix(diffuse, facets, facet_probability(s, v));
+#if SHEEN
+    pdf = mix(pdf, 0.5 * INV_PI, sheen_probability(s, v));
+#endif
+    return vec4(f * wi.z, pdf);
 }
 
 // Of a direction that is no mirror's, weight and pdf are still those of nothing.
@@ -117,6 +103,11 @@ BsdfSample base_sample(Surface s, SurfaceView v, vec3 wo, vec3 u, sampler2D dfg)
     if (wo.z <= 0.0) return NO_SAMPLE;
     float p = facet_probability(s, v);
     vec3 wi;
+#if SHEEN
+    float p_sheen = sheen_probability(s, v);
+    if (u.z < p_sheen) return BsdfSample(sample_uniform_hemisphere(u.xy), vec3(0.0), 0.0, REFLECTION, 1.0);
+    u.z = min((u.z - p_sheen) / max(1.0 - p_sheen, 1e-6), 1.0 - 1.0 / 16777216.0);
+#endif
     if (u.z >= p) {
 #if DIFFUSE_TRANSMISSION
         if (u.z - p < (1.0 - p) * below_probability(s, v))
@@ -125,6 +116,10 @@ BsdfSample base_sample(Surface s, SurfaceView v, vec3 wo, vec3 u, sampler2D dfg)
         wi = sample_diffuse(s, wo, u.xy);
     } else if (is_mirror(s)) {
         vec3 F = MIX_METAL(s, dielectric_fresnel(v.dielectric, wo.z, s.ior), metal_fresnel(v.metal, wo.z));
+#if SHEEN
+        p *= 1.0 - p_sheen;
+        F *= v.sheen.throughput;
+#endif
         return BsdfSample(vec3(-wo.xy, wo.z), F * float(SHOW_SPECULAR) / p, p, REFLECTION | DELTA, 1.0);
     } else {
         vec3 h = sample_facet(s, wo, u.xy);
@@ -176,7 +171,7 @@ BsdfSample surface_sample(Surface m, vec3 wo, vec3 u, sampler2D dfg) {
 
 vec3 surface_albedo(Surface m, float NoV, sampler2D dfg) {
     SurfaceView v = surface_view(m, vec3(sqrt(max(1.0 - NoV * NoV, 0.0)), 0.0, NoV), SURFACE_NORMAL, dfg);
-    vec3 albedo = single_albedo(m, v) + diffuse_part_albedo(m, v);
+    vec3 albedo = base_albedo(m, v);
 #if CLEARCOAT
     albedo = coat_over(v.coat, coat_albedo(v.coat), albedo);
 #endif

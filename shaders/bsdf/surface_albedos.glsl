@@ -31,3 +31,18 @@ float facet_probability(Surface s, SurfaceView v) {
     float single = luminance(single_albedo(s, v)), diffuse = luminance(diffuse_part_albedo(s, v));
     return diffuse > 0.0 ? single / (single + diffuse) : 1.0;
 }
+
+vec3 base_albedo(Surface s, SurfaceView v) {
+    vec3 albedo = single_albedo(s, v) + diffuse_part_albedo(s, v);
+#if SHEEN
+    albedo = sheen_over(v.sheen, v.sheen.albedo, albedo);
+#endif
+    return albedo;
+}
+
+#if SHEEN
+float sheen_probability(Surface s, SurfaceView v) {
+    float sheen = luminance(v.sheen.albedo);
+    return sheen > 0.0 ? sheen / luminance(base_albedo(s, v)) : 0.0;
+}
+#endif

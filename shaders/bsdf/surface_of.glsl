@@ -7,5 +7,5 @@ Surface surface_of(MaterialInputs m) {
     vec2 alphas = alphas_of(m);
     return Surface(m.base_color.rgb, m.metallic, f0, m.specular, m.ior, alphas.y, alphas.x,
                    m.diffuse_roughness, m.diffuse_transmission, m.diffuse_transmission_color, m.clearcoat,
-                   m.clearcoat_roughness * m.clearcoat_roughness);
+                   m.clearcoat_roughness * m.clearcoat_roughness, m.sheen_color, m.sheen_roughness);
 }

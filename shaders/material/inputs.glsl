@@ -15,6 +15,8 @@ struct MaterialInputs {
     float anisotropy_strength;      // stretches highlights along the tangent
     float anisotropy_rotation;      // rotates the direction of stretching, counter-clockwise
     float diffuse_roughness;        // roughness of the diffuse base, 0 for Lambert's
+    vec3 sheen_color;               // colour of the sheen of fibres; where light is transmitted there is none
+    float sheen_roughness;          // square root of the alpha of the fibres; 0: no sheen
     float clearcoat;                // weight of the clear coat's reflection
     float clearcoat_roughness;      // square root of the alpha of the clear coat's microfacets
     vec2 anisotropy_texel; // channels RG of the map
@@ -22,4 +24,4 @@ struct MaterialInputs {
 
 const MaterialInputs DEFAULT_INPUTS = MaterialInputs(
     vec4(1.0, 1.0, 1.0, 1.0), 1.0, 1.0, vec3(0.0, 0.0, 0.0), 1.5, 1.0, vec3(1.0, 1.0, 1.0), 0.0, 0.0, 0.0,
-    vec3(1.0, 1.0, 1.0), 0.0, 0.0, 0.0, 0.0, 0.0, vec2(1.0, 0.5));
+    vec3(1.0, 1.0, 1.0), 0.0, 0.0, 0.0, vec3(0.0, 0.0, 0.0), 0.0, 0.0, 0.0, vec2(1.0, 0.5));

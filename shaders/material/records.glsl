@@ -11,11 +11,11 @@
 
 uniform int u_materials;
 
-const uint BASE_COLOR_ROLE = 1u, EMISSIVE_ROLE = 2u, SPECULAR_COLOR_ROLE = 4u, SPECULAR_GLOSSINESS_ROLE = 8u, DIFFUSE_TRANSMISSION_COLOR_ROLE = 16u;
-const uint METALLIC_ROUGHNESS_ROLE = 1u, SPECULAR_ROLE = 2u, TRANSMISSION_ROLE = 4u, DIFFUSE_TRANSMISSION_ROLE = 8u, ANISOTROPY_ROLE = 16u, DIFFUSE_ROUGHNESS_ROLE = 32u, CLEARCOAT_ROLE = 64u, CLEARCOAT_ROUGHNESS_ROLE = 128u;
+const uint BASE_COLOR_ROLE = 1u, EMISSIVE_ROLE = 2u, SPECULAR_COLOR_ROLE = 4u, SPECULAR_GLOSSINESS_ROLE = 8u, DIFFUSE_TRANSMISSION_COLOR_ROLE = 16u, SHEEN_COLOR_ROLE = 32u;
+const uint METALLIC_ROUGHNESS_ROLE = 1u, SPECULAR_ROLE = 2u, TRANSMISSION_ROLE = 4u, DIFFUSE_TRANSMISSION_ROLE = 8u, ANISOTROPY_ROLE = 16u, DIFFUSE_ROUGHNESS_ROLE = 32u, SHEEN_ROUGHNESS_ROLE = 64u, CLEARCOAT_ROLE = 128u, CLEARCOAT_ROUGHNESS_ROLE = 256u;
 
 int material_texel(int material, int part) {
-    return u_materials + material * 8 + part;
+    return u_materials + material * 9 + part;
 }
 
 vec4 base_color_factor(int material) {
@@ -74,26 +74,34 @@ float diffuse_roughness_factor(int material) {
     return scene_float4(material_texel(material, 5)).z;
 }
 
-float clearcoat_factor(int material) {
+vec3 sheen_color_factor(int material) {
+    return scene_float4(material_texel(material, 6)).xyz;
+}
+
+float sheen_roughness_factor(int material) {
     return scene_float4(material_texel(material, 5)).w;
 }
 
+float clearcoat_factor(int material) {
+    return scene_float4(material_texel(material, 6)).w;
+}
+
 float clearcoat_roughness_factor(int material) {
-    return scene_float4(material_texel(material, 6)).x;
+    return scene_float4(material_texel(material, 7)).x;
 }
 
 float clearcoat_normal_scale_factor(int material) {
-    return scene_float4(material_texel(material, 6)).y;
+    return scene_float4(material_texel(material, 7)).y;
 }
 
 float alpha_cutoff_factor(int material) {
-    return scene_float4(material_texel(material, 6)).z;
+    return scene_float4(material_texel(material, 7)).z;
 }
 
 // The records of the material's maps: x colour maps and y data maps, as index of the first record |
 // number of records << 24; z that of the normal map + 1, w that of the coat's normal map + 1, or 0
 uvec4 map_records(int material) {
-    return scene_uint4(material_texel(material, 7));
+    return scene_uint4(material_texel(material, 8));
 }
 
 // `color` is the interpolated vertex colour.
@@ -124,6 +132,10 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
 #endif
 #if HAS_TRANSMISSION
     m.transmission = transmission_factor(material);
+#endif
+#if SHEEN
+    m.sheen_color = sheen_color_factor(material);
+    m.sheen_roughness = sheen_roughness_factor(material);
 #endif
 #if SPECULAR_TINTED
     m.specular_color = specular_color_factor(material);
@@ -160,6 +172,11 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
             m.diffuse_transmission_color *= texel.rgb;
         }
 #endif
+#if SHEEN
+        if (has_role(map, SHEEN_COLOR_ROLE)) {
+            m.sheen_color *= texel.rgb;
+        }
+#endif
     }
 #endif
 #if HAS_DATA_MAPS
@@ -193,6 +210,11 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
 #if DIFFUSE_ROUGH
         if (has_role(map, DIFFUSE_ROUGHNESS_ROLE)) {
             m.diffuse_roughness *= texel.r;
+        }
+#endif
+#if SHEEN
+        if (has_role(map, SHEEN_ROUGHNESS_ROLE)) {
+            m.sheen_roughness *= texel.a;
         }
 #endif
 #if CLEARCOAT

@@ -49,6 +49,10 @@ uniform float u_normal_scale;
 #if OCCLUSION_MAP
 uniform float u_occlusion_strength;
 #endif
+#if SHEEN
+uniform vec3 u_sheen_color;
+uniform float u_sheen_roughness;
+#endif
 #if SPECULAR_TINTED
 uniform vec3 u_specular_color;
 #endif
@@ -179,6 +183,24 @@ vec4 diffuse_roughness_texel() {
 }
 #endif
 
+#if SHEEN_COLOR_MAP
+uniform sampler2D u_sheen_color_map;
+uniform mat3x2 u_sheen_color_transform;
+vec4 sheen_color_texel() {
+    return texture(u_sheen_color_map, map_uv(SHEEN_COLOR_UV, SHEEN_COLOR_TRANSFORM,
+        u_sheen_color_transform, SHEEN_COLOR_MIRROR));
+}
+#endif
+
+#if SHEEN_ROUGHNESS_MAP
+uniform sampler2D u_sheen_roughness_map;
+uniform mat3x2 u_sheen_roughness_transform;
+vec4 sheen_roughness_texel() {
+    return texture(u_sheen_roughness_map, map_uv(SHEEN_ROUGHNESS_UV, SHEEN_ROUGHNESS_TRANSFORM,
+        u_sheen_roughness_transform, SHEEN_ROUGHNESS_MIRROR));
+}
+#endif
+
 #if CLEARCOAT_MAP
 uniform sampler2D u_clearcoat_map;
 uniform mat3x2 u_clearcoat_transform;
@@ -238,6 +260,10 @@ MaterialInputs read_inputs() {
 #endif
 #if IS_SOLID
     m.thickness = u_thickness;
+#endif
+#if SHEEN
+    m.sheen_color = u_sheen_color;
+    m.sheen_roughness = u_sheen_roughness;
 #endif
 #if SPECULAR_TINTED
     m.specular_color = u_specular_color;
@@ -314,6 +340,18 @@ MaterialInputs read_inputs() {
     {
         vec4 texel = diffuse_roughness_texel();
         m.diffuse_roughness *= texel.r;
+    }
+#endif
+#if SHEEN_COLOR_MAP
+    {
+        vec4 texel = sheen_color_texel();
+        m.sheen_color *= texel.rgb;
+    }
+#endif
+#if SHEEN_ROUGHNESS_MAP
+    {
+        vec4 texel = sheen_roughness_texel();
+        m.sheen_roughness *= texel.a;
     }
 #endif
 #if CLEARCOAT_MAP

@@ -126,6 +126,10 @@ void main() {
     SurfaceView view = view_surface(s, p.NoV, perceptual_roughness, vec2(0.0), vec2(0.0));
 #endif
 
+#if SHEEN
+    view.sheen = sheen_of(s, view, u_dfg);
+#endif
+
     vec3 radiance = vec3(0.0);
 #if SHOW_EMISSION
     radiance += m.emissive;

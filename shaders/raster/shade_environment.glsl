@@ -121,6 +121,16 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
 #endif
     radiance += surface_transmitted(s, view) * through;
 #endif
+#if SHEEN
+    vec3 around = mean_light;
+#if HAS_ENVIRONMENT
+    // What occludes the light about n, or is added to it, is taken to do so about the axis of the sheen.
+    vec3 unhidden = environment_irradiance_over_pi(p.n);
+    around += environment_irradiance_over_pi(sheen_axis(view.sheen, p.n, p.v, p.NoV)) - unhidden;
+    around = max(around, 0.0);
+#endif
+    radiance = sheen_over(view.sheen, view.sheen.albedo * around, radiance);
+#endif
 #if CLEARCOAT
     radiance = coat_over(view.coat, coat_environment(p, view.coat, occlusion, visible), radiance);
 #endif

@@ -19,6 +19,13 @@ vec3 sample_cosine_hemisphere(vec2 u) {
     return vec3(p, sqrt(max(1.0 - dot(p, p), 0.0)));
 }
 
+// Density 1 / 2 pi: points of the disk, lifted by an area-preserving map (Archimedes' theorem of the hat box)
+vec3 sample_uniform_hemisphere(vec2 u) {
+    vec2 p = sample_disk(u);
+    float r2 = dot(p, p);
+    return vec3(p * sqrt(max(2.0 - r2, 0.0)), max(1.0 - r2, 0.0));
+}
+
 float pdf_cosine_hemisphere(vec3 w) {
     return max(w.z, 0.0) * INV_PI;
 }

@@ -76,6 +76,7 @@ CASES = [
     Case("rough-diffuse", "rough-diffuse"),
     Case("clearcoat", "clearcoat"),
     Case("translucent", "translucent"),
+    Case("sheen", "sheen"),
     Case("glass", "glass"),
     Case("glass-alone", "glass", view="close", settings={"background": "none"}),
     Case("glass-traced", "glass", settings={"refraction": "traced"}),

@@ -196,6 +196,20 @@ def plaster() -> tuple[Scene, Camera]:
                  lights=(Light.from_angles(0.1, 0.5, 2.0),), environment=sides()), VIEW
 
 
+def cloth() -> tuple[Scene, Camera]:
+    """Sheen over cloth, rough, smoother, and by maps under a coat."""
+    velvet = {"base_color": (0.3, 0.03, 0.06, 1), "metallic": 0.0, "perceptual_roughness": 0.8}
+    materials = [FLOOR, Material(sheen_color=(1.0, 0.8, 0.6), sheen_roughness=0.7, **velvet),
+                 Material(sheen_color=(0.6, 0.8, 1.0), sheen_roughness=0.3, **velvet),
+                 Material(sheen_color=(1.0, 1.0, 1.0), sheen_roughness=0.9, clearcoat=0.5, **velvet,
+                          sheen_color_texture=Texture(image_of(smooth_noise(3, 15))),
+                          sheen_roughness_texture=Texture(image_of(smooth_noise(4, 16))))]
+    balls = _row(1, 2, 3)
+    mapped = replace(balls[2][0], uvs=(np.abs(balls[2][0].positions[:, :2]),))
+    return scene((plate(0, 3.0), facing_floor()), *balls[:2], (mapped, balls[2][1]), materials=materials,
+                 lights=(Light.from_angles(1.9, 0.4, 3.0),), environment=sides()), VIEW
+
+
 def coated() -> tuple[Scene, Camera]:
     """Coats over metal, over bumps, with bumps of their own over a lamp, and over a rough pane of glass."""
     bumps = [Texture(image_of((np.array([128, 128, 255]) + np.random.default_rng(k).uniform(-80, 80, (4, 4, 3))
@@ -236,6 +250,7 @@ CASES = [
     PathCase("plaster", plaster),
     PathCase("coated", coated),
     PathCase("translucent", translucent),
+    PathCase("cloth", cloth),
     PathCase("glass-smooth", glass_smooth),
     PathCase("glass-rough", glass_rough),
     PathCase("glass-absorbing", glass_absorbing),

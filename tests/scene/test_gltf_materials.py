@@ -127,6 +127,17 @@ def test_anisotropy():
     assert read({"extensions": {"KHR_materials_anisotropy": {}}}) == (Material(), ())
 
 
+def test_sheen():
+    builder = GltfBuilder()
+    a, b = builder.texture(), builder.texture()
+    material, _ = read({"extensions": {"KHR_materials_sheen": {
+        "sheenColorFactor": [0.1, 0.2, 0.3], "sheenColorTexture": {"index": a}, "sheenRoughnessFactor": 0.7,
+        "sheenRoughnessTexture": {"index": b, "texCoord": 1}}}}, builder)
+    assert (material.sheen_color, material.sheen_roughness) == ((0.1, 0.2, 0.3), 0.7)
+    assert material.sheen_color_texture is not None and material.sheen_roughness_texture.uv_set == 1
+    assert read({"extensions": {"KHR_materials_sheen": {}}}) == (Material(), ())
+
+
 def test_clearcoat():
     builder = GltfBuilder()
     a, b, c = builder.texture(), builder.texture(), builder.texture()
@@ -235,9 +246,9 @@ def test_required_extension_is_named():
 
 
 def test_used_extensions_are_one_warning_each():
-    names = ["KHR_materials_sheen", "KHR_materials_sheen", "KHR_xmp", "MSFT_lod", "KHR_materials_ior", "ACME_x"]
+    names = ["ACME_layers", "ACME_layers", "KHR_xmp", "MSFT_lod", "KHR_materials_ior", "ACME_x"]
     warnings = read({}, extensionsUsed=names)[1]
-    assert len(warnings) == 2 and "KHR_materials_sheen" in warnings[0] and "ACME_x" in warnings[1]
+    assert len(warnings) == 2 and "ACME_layers" in warnings[0] and "ACME_x" in warnings[1]
 
 
 @pytest.mark.parametrize("asset, problem", [

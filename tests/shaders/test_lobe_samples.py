@@ -160,7 +160,7 @@ def test_albedo(lobe):
     if "alpha_t" in m and lobe.defines["ANISOTROPIC"]:
         is_isotropic = m["alpha_t"] == m["alpha"]
     sampled_64 = not lobe.table or lobe.transmits == "refracted"
-    tolerance = 0.025 if sampled_64 else 0.004
+    tolerance = 0.025 if sampled_64 else 0.012 if "sheen_roughness" in m else 0.004
     gap = np.abs(found - mean) - 5 * spread - tolerance * np.maximum(mean, 1)
     assert gap[is_isotropic].max() < 0
     excess = (mean - 5 * spread).max() - 1
@@ -184,7 +184,7 @@ def extremes(lobe: Lobe) -> list[dict[str, float]]:
 
 COMPENSATED = {"turquin": 5e-3, "fdez_aguera": 5e-3, "metal": 2e-3, "conductor": 2e-3, "standard": 5e-3,
                "standard anisotropic": 5e-3, "standard rough": 5e-3, "standard coated": 5e-3,
-               "standard translucent": 5e-3}
+               "standard translucent": 5e-3, "standard sheen": 1e-2}
 
 
 @pytest.mark.parametrize("name", ["lambert", "eon", *COMPENSATED])
@@ -231,6 +231,8 @@ def test_against_float64(lobe, alpha):
         m["alpha_t"] = np.minimum(3 * m["alpha"], 1)
     if "coat_alpha" in m:
         m["coat_alpha"] = np.full_like(m["coat_alpha"], np.float32(0.2))
+    if "sheen_roughness" in m:
+        m["sheen_roughness"] = np.full_like(m["sheen_roughness"], np.float32(0.5))
     if lobe.name == "conductor":
         m["eta"], m["k"] = (rng.uniform(0.1, 5, (count, 3)).astype(np.float32).astype(float) for _ in range(2))
     if "eta" in lobe.parameters:
@@ -251,7 +253,8 @@ def test_against_float64(lobe, alpha):
         assert (error / np.maximum(expected, 0.1)).max() < (1.5e-2 if alpha == 0.01 else 4e-3)
     elif is_compensated:  # 1 - E of a smooth interface towards grazing is where the table is least exact
         near_mirror = lobe.file == "surface" and alpha == 0.01
-        assert (error / np.maximum(expected, 0.1)).max() < (1.5e-2 if near_mirror else 1.5e-3)
+        limit = 2e-2 if "sheen_roughness" in m else 1.5e-2 if near_mirror else 1.5e-3  # the albedo of fibres is a fit
+        assert (error / np.maximum(expected, 0.1)).max() < limit
     elif "shininess" in m:  # of up to 1e4, times the rounding of a cosine
         assert (error / np.maximum(expected, 1e-3)).max() < 3e-3
     else:  # float32 directions tilt h by 1e-7, of alpha

@@ -311,6 +311,63 @@ def _dimming():
     return cosines, np.array(found) * (1 + 0.5 - 2 / (3 * np.pi))
 
 
+def charlie_lobe(wo, wi, r):
+    """Estevez & Kulla 2017, eqs. 2 and 3, without the limit at grazing angles; `r` is the perceptual roughness."""
+    a, mu_h = r * r, unit(wo + wi)[..., 2]
+    d = (2 + 1 / a) / (2 * np.pi) * np.exp(np.log(np.maximum(1 - mu_h**2, 1e-300)) / (2 * a))
+
+    def L(x):
+        fitted = [(21.5473, 25.3245), (3.82987, 3.32435), (0.19823, 0.16801), (-1.9776, -1.27393), (-4.32054, -4.85967)]
+        A, B, C, D, E = (smooth * (1 - a) ** 2 + rough * (1 - (1 - a) ** 2) for rough, smooth in fitted)
+        return A / (1 + B * x**C) + D * x + E
+
+    def Lambda(mu):
+        return np.exp(np.where(mu < 0.5, L(np.minimum(mu, 0.5)), 2 * L(0.5) - L(1 - np.maximum(mu, 0.5))))
+
+    return d / ((1 + Lambda(wo[..., 2]) + Lambda(wi[..., 2])) * 4 * wo[..., 2] * wi[..., 2])
+
+
+@lru_cache(maxsize=8)
+def _charlie_albedos(r: float):
+    """Cosines and the directional albedo there."""
+    x, weight = np.polynomial.legendre.leggauss(64)
+    mu, phi = ((x + 1) / 2) ** 2, (np.arange(128) + 0.5) / 128 * np.pi
+    weights = (weight * (x + 1) / 2 * mu)[:, None] * 2 * np.pi / 128
+    s = np.sqrt(1 - mu**2)[:, None]
+    wi = np.stack([s * np.cos(phi), s * np.sin(phi), mu[:, None] + 0 * phi], axis=-1)
+    cosines = np.linspace(0.05, 1, 200) ** 2
+    return cosines, np.array([(charlie_lobe(np.array([np.sqrt(1 - c * c), 0, c]), wi, r) * weights).sum()
+                              for c in cosines])
+
+
+def standard_sheen(m, wo, wi):
+    """Fibres over all. The diffuse base is dimmed for both directions, over the mean of what reaches it."""
+    (r,) = np.unique(m["sheen_roughness"])
+    largest, (x, weight) = m["sheen_color"].max(axis=-1), np.polynomial.legendre.leggauss(24)
+
+    def through(mu):
+        return 1 - largest * np.interp(mu, *_charlie_albedos(float(r)))
+
+    def interface(mu):  # what the interface lets through, of its brightest channel
+        alpha, f90 = _one_alpha(m), m["f90"][..., None]
+        white, grazing, E_mean = ggx_albedo(mu, alpha), ggx_albedo(mu, alpha, 0.0, 1.0), ggx_mean_albedo(alpha)
+        mean = m["f0"] + (f90 - m["f0"]) / 21
+        multiple = mean**2 * E_mean / (1 - mean * (1 - E_mean)) * (1 - white)
+        return 1 - (m["f0"] * (white - grazing) + f90 * grazing + multiple).max(axis=-1)
+
+    nodes = [(w * t, through(t), interface(t)) for t, w in zip((x + 1) / 2, weight)]
+    passed = sum(w * F for w, _, F in nodes)  # to the base, none in a perfect mirror
+    mean = np.where(passed > 1e-6, sum(w * T * F for w, T, F in nodes) / np.maximum(passed, 1e-6), 1)
+    black = {**m, "base_color": np.where(m["metallic"][..., None] < 1, 0 * m["base_color"], m["base_color"])}
+    metal = (m["metallic"][..., None] > 0) * m["metallic"][..., None]
+    whole, below = standard(m, wo, wi), standard({**black, "metallic": 0 * m["metallic"]}, wo, wi)
+    pure = standard({**m, "metallic": 1 + 0 * m["metallic"]}, wo, wi)
+    diffuse = whole - metal * pure - (1 - metal) * below
+    o, i = through(wo[..., 2])[..., None], (through(wi[..., 2]) / mean)[..., None]
+    fibres = m["sheen_color"] * charlie_lobe(wo, wi, r)[..., None]
+    return fibres + o * (metal * pure + (1 - metal) * below + diffuse * i)
+
+
 def standard_coated(m, wo, wi):
     """KHR_materials_clearcoat: an interface of index 1.5 over all, which lets 1 less its directional albedo through."""
     base, (coat_alpha,) = standard(m, wo, wi), np.unique(m["coat_alpha"])

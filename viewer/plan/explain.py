@@ -9,7 +9,7 @@ from typing import TypedDict
 from ..material.fold import without_constant_maps
 from ..material.use import texture_bytes
 from ..scene.light import Light
-from ..scene.material import ANISOTROPY, CLEARCOAT, TRANSMISSION, VOLUME
+from ..scene.material import ANISOTROPY, CLEARCOAT, SHEEN, TRANSMISSION, VOLUME
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.schema import MAPS, SWITCHED
@@ -164,11 +164,11 @@ def _omitted_layers(plan: Plan, settings: Settings) -> list[str]:
     """Lines for layers that no program has."""
     if settings.mode == "phong":
         return []
-    return [f"{what}: no surface has one" for layer, what in _LAYERS.items()
+    return [f"{what}: no surface has it" for layer, what in _LAYERS.items()
             if not any(dict(draw.program.switches).get(layer.switch, 0) for draw in plan.draws)]
 
 
-_LAYERS = {CLEARCOAT: "clear coat"}
+_LAYERS = {SHEEN: "sheen", CLEARCOAT: "clear coat"}
 _GIVEN_UP = {
     "TRACED_REFRACTION": "traced refraction",
     "TRACED_REFLECTION": "traced reflections",

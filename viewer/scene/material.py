@@ -91,6 +91,9 @@ SPECULAR_GLOSSINESS = Feature(
     "specular and glossiness", "KHR_materials_pbrSpecularGlossiness", switch="SPECULAR_GLOSSINESS", models=_LIT,
     is_on=lambda m: m.specular_glossiness_texture is not None)
 
+SHEEN = Feature(
+    "sheen", "KHR_materials_sheen", switch="SHEEN", is_on=lambda m: any(m.sheen_color) and not m.transmits)
+
 CLEARCOAT = Feature(
     "clear coat", "KHR_materials_clearcoat", switch="CLEARCOAT", is_on=lambda m: m.clearcoat > 0)
 
@@ -208,6 +211,17 @@ class Material:
     diffuse_roughness_texture: Texture | None = texture_map(
         "diffuseRoughnessTexture", "roughness of the diffuse base", of=DIFFUSE_ROUGHNESS, channels="R",
         has_effect=lambda m: m.diffuse_roughness > 0 and m.is_dielectric)
+    sheen_color: RGB = parameter(
+        (0.0, 0.0, 0.0), "sheenColorFactor", "colour of the sheen of fibres; where light is transmitted there is none",
+        of=SHEEN, low=0.0, high=1.0, times="sheen_color.RGB")
+    sheen_color_texture: Texture | None = texture_map(
+        "sheenColorTexture", "colour of the sheen", of=SHEEN, channels="RGB", srgb=True, has_effect=SHEEN.is_on)
+    sheen_roughness: float = parameter(
+        0.0, "sheenRoughnessFactor", "square root of the alpha of the fibres; 0: no sheen", of=SHEEN, low=0.0, high=1.0,
+        times="sheen_roughness.A")
+    sheen_roughness_texture: Texture | None = texture_map(
+        "sheenRoughnessTexture", "roughness of the fibres", of=SHEEN, channels="A",
+        has_effect=lambda m: SHEEN.is_on(m) and m.sheen_roughness > 0)
     clearcoat: float = parameter(
         0.0, "clearcoatFactor", "weight of the clear coat's reflection", of=CLEARCOAT, low=0.0, high=1.0,
         times="clearcoat.R")
@@ -258,8 +272,8 @@ class Material:
 
     @property
     def reflects(self) -> bool:
-        """Whether it reflects light specularly, at its interface or at its clear coat."""
-        return self.has_interface or CLEARCOAT.is_on(self)
+        """Whether it reflects light other than diffusely: at its interface, its fibres or its clear coat."""
+        return self.has_interface or CLEARCOAT.is_on(self) or SHEEN.is_on(self)
 
     @property
     def absorption(self) -> np.ndarray:

@@ -175,6 +175,7 @@ _SURFACES = {
     "HAS_NORMAL_MAP": "normal maps",
     "ANISOTROPIC": "anisotropic highlights",
     "DIFFUSE_ROUGH": "rough diffuse reflection",
+    "SHEEN": "sheen",
     "CLEARCOAT": "clear coats",
     "DIFFUSE_TRANSMISSION": "diffuse transmission",
     "HAS_COLOR": "vertex colours",

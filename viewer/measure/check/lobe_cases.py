@@ -19,7 +19,7 @@ _DRAWN = 6
 _CHECKS = {"energy": "reflects at most all", "furnace": "white furnace", "reciprocity": "reciprocity"}
 # The table of albedos knows one alpha, to which the geometric mean of the two is not quite the answer.
 _ANISOTROPIC_FAILURES = {"white furnace", "albedo"}
-_KULLA_CONTY = {"metal", "conductor"}
+_FURNACE_BOUNDS = {"metal": 2e-3, "conductor": 2e-3, "standard sheen": 1e-2}  # the albedo of fibres is a fit
 _TABULATED = {"ggx", "turquin", "fdez_aguera", "standard", "microfacet", "lambert", "burley", "eon",
               "thin_dielectric"}
 
@@ -61,7 +61,7 @@ def _case(lobe: Lobe, white: Sequence[dict], drawn: bool) -> LobeCase:
     stretched = f"{lobe.name}, stretched" if lobe.defines.get("ANISOTROPIC") else f"{lobe.name}, anisotropic"
     return LobeCase(lobe.name if drawn else stretched, lobe, arrays,
                     np.arange(len(arrays[next(iter(arrays))])) < len(white), expected,
-                    2e-3 if lobe.name in _KULLA_CONTY else FURNACE_BOUND,
+                    _FURNACE_BOUNDS.get(lobe.name, FURNACE_BOUND),
                     0.01 if lobe.prefix in _TABULATED else 0.05,  # the others take 32 or 64 samples
                     eta=arrays["eta"] if lobe.transmits == "refracted" else None, mirrors=lobe.transmits == "mirrored")
 

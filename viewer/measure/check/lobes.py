@@ -151,6 +151,7 @@ _LAYERS = {
                       {"metallic": 0.0, "diffuse_roughness": 1.0}),
     "DIFFUSE_TRANSMISSION": ({"diffuse_transmission": UNIT, "diffuse_transmission_color": COLOR},
                              {"metallic": 0.0, "diffuse_transmission": 0.4, "diffuse_transmission_color": 1.0}),
+    "SHEEN": ({"sheen_color": COLOR, "sheen_roughness": UNIT}, {"sheen_color": 1.0, "sheen_roughness": 0.5}),
     "CLEARCOAT": ({"coat": UNIT, "coat_alpha": ALPHA}, {"coat": 1.0, "coat_alpha": 0.1}),
 }
 """By its switch, what a feature adds to the surface's members: their ranges, and their values for the furnace."""
@@ -204,6 +205,8 @@ LOBES: tuple[Lobe, ...] = (
     _surface("standard anisotropic", "ANISOTROPIC"),
     _surface("standard rough", "DIFFUSE_ROUGH"),
     _surface("standard translucent", "DIFFUSE_TRANSMISSION"),
+    _surface("standard sheen", "SHEEN", failures={
+        "reciprocity": "the interface below the fibres is dimmed for wo alone, so that white stays white"}),
     _surface("standard coated", "CLEARCOAT", failures={
         "reciprocity": "what the coat lets through depends on wo alone, so that stacks of any layers stay white"}),
     *_MICROFACETS,

@@ -1,0 +1,51 @@
+"""Sheen in the raster: its albedo, what it takes from the cloth, and its extremes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from shapes import constant, lopsided, orthographic, scene, sphere
+
+from viewer.gpu.call import call_glsl
+from viewer.scene.light import Light
+from viewer.scene.material import Material
+
+CAMERA, SIZE = orthographic(0.5, 0.4, height=2.1), (48, 48)
+ROUGHNESS = (0.05, 0.2, 0.4, 0.7, 1.0)
+SWITCHES = {"SHOW_SPECULAR": 1, "SHOW_MULTISCATTER": 1, "MULTISCATTER": 1}
+
+
+@pytest.mark.parametrize("roughness", ROUGHNESS)
+def test_the_albedo_is_that_of_the_lobe_or_a_hundredth_more(roughness):
+    """By quadrature of the lobe; so that what the fibres take from the cloth is at least what they reflect."""
+    x, weight = np.polynomial.legendre.leggauss(64)
+    mu, phi = ((x + 1) / 2) ** 2, (np.arange(96) + 0.5) / 96 * np.pi
+    weights = ((weight * (x + 1) / 2 * mu)[:, None] * 2 * np.pi / 96) + 0 * phi
+    NoL, cosine = np.broadcast_arrays(mu[:, None], np.cos(phi))
+    for NoV in (1.0, 0.7, 0.4, 0.2, 0.1, 0.05, 0.01):
+        LoV = NoV * NoL + np.sqrt((1 - NoV**2) * (1 - NoL**2)) * cosine
+        s2 = 1 - (NoV + NoL) ** 2 / (2 + 2 * LoV)
+        f = call_glsl("bsdf/charlie.glsl", "charlie", NoV=np.full_like(NoL, NoV), NoL=NoL, s2=s2,
+                      perceptual_roughness=np.full_like(NoL, roughness))
+        assert np.isfinite(f).all() and f.min() >= 0
+        found = call_glsl("bsdf/charlie.glsl", "charlie_albedo", mu=NoV, perceptual_roughness=roughness)
+        excess = min(float(found), 1.0) - (f * weights).sum()
+        assert -1e-3 < excess < (0.011 if NoV >= 0.05 or roughness > 0.2 else 0.12)
+
+
+@pytest.mark.parametrize("roughness", ROUGHNESS)
+@pytest.mark.parametrize("cloth", [{"metallic": 0.0}, {"metallic": 0.0, "clearcoat": 1.0}, {"metallic": 1.0}], ids=str)
+def test_white_vanishes_under_sheen(radiance, roughness, cloth):
+    white = Material(sheen_color=(1.0, 1.0, 1.0), sheen_roughness=roughness, perceptual_roughness=0.6, **cloth)
+    found = radiance(scene(sphere(segments=96), materials=[white], environment=constant()), CAMERA, SIZE)
+    np.testing.assert_allclose(found[..., :3], 1, atol=2e-4)
+
+
+@pytest.mark.parametrize("roughness", [0.0, 1e-4, 0.1, 1.0])
+def test_extremes_are_finite_and_no_roughness_is_no_sheen(radiance, roughness):
+    light = {"environment": lopsided(), "lights": (Light.from_angles(2.9, 0.1, 3.0),)}
+    plain = Material(metallic=0.0, base_color=(0.2, 0.1, 0.1, 1))
+    cloth = Material(metallic=0.0, base_color=(0.2, 0.1, 0.1, 1), sheen_color=(1, 1, 1), sheen_roughness=roughness)
+    found, bare = (radiance(scene(sphere(), materials=[m], **light), CAMERA, SIZE) for m in (cloth, plain))
+    assert found.min() >= 0
+    assert (np.abs(found - bare).max() < 1e-5) == (roughness == 0)
