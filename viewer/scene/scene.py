@@ -111,7 +111,8 @@ class Scene:
         """The corners of each instance's bounding box in world space, (instances, 8, 3) float64."""
         if not self.instances:
             return np.zeros((0, 8, 3))
-        boxes = np.stack([_box_corners(self.meshes[i.mesh].bounds) for i in self.instances])
+        used, place = np.unique([instance.mesh for instance in self.instances], return_inverse=True)
+        boxes = np.stack([_box_corners(self.meshes[mesh].bounds) for mesh in used])[place]
         transforms = self.transforms
         return boxes @ transforms[:, :3, :3].transpose(0, 2, 1) + transforms[:, None, :3, 3]
 
