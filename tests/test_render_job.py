@@ -73,7 +73,8 @@ def test_a_bad_environment_is_told_once_for_all_models(run, folder):
 def test_verbose_tells_the_device_and_the_times(run, folder):
     lines = run("render", MODEL, "-o", "a.png", *SMALL, "-v").err.splitlines()
     assert len(lines) == 2 and "OpenGL" in lines[0]
-    assert all(word in lines[1] for word in ("a.png: load ", "render ", "save ", "total ", "compile and upload", "plan: "))
+    told = ("a.png: load ", "render ", "save ", "total ", "compile and upload", "plan: ")
+    assert all(word in lines[1] for word in told)
 
 
 def test_stats_hold_times_the_plan_and_memory(run, folder):

@@ -14,6 +14,7 @@ import viewer.gpu.source
 from viewer.errors import ShaderError
 from viewer.gpu.context import Context
 from viewer.gpu.program import _explain, compile_program
+from viewer.gpu.programs import Programs
 from viewer.gpu.source import ProgramSource, assemble, source_files
 
 Write = Callable[[Mapping[str, str]], Path]
@@ -225,3 +226,18 @@ def test_ctrl_c_while_a_program_is_made_is_no_crash(context: Context) -> None:
     """In a process of its own: moderngl's C code would crash on the exception."""
     process = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True)
     assert (process.returncode, process.stdout) == (0, "interrupted\n"), process.stderr
+
+
+def test_watched_files_are_read_once_for_all_programs_that_share_them(monkeypatch):
+    """A window asks for them after every new program; a scene has dozens, which differ in switches."""
+    read = []
+    monkeypatch.setattr("viewer.gpu.source._read", lambda file: read.append(file) or file.read_text(encoding="utf-8"))
+    counts = []
+    for programs in (1, 20):
+        read.clear()
+        held = Programs(None)
+        held._programs = {("raster/surface.vert", "raster/pbr.frag", (("LIGHT_COUNT", k),)): None
+                          for k in range(programs)}
+        files = held.files()
+        counts.append(len(read))
+    assert counts[0] == counts[1] and {"surface.vert", "pbr.frag", "ggx.glsl"} <= {file.name for file in files}

@@ -37,7 +37,7 @@ class Programs:
 
     def files(self) -> set[Path]:
         """Every shader file in use, for watching them."""
-        return {file for key in self._programs for file in source_files(key[0], key[1])}
+        return set(source_files(*dict.fromkeys(path for key in self._programs for path in key[:2])))
 
     def reload(self) -> str | None:
         """Compile everything again and return None. On an error the programs stay as they are; returns its text."""
