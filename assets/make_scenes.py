@@ -261,6 +261,25 @@ def specular_glossiness() -> Glb:
     return glb
 
 
+def dispersion() -> Glb:
+    """Balls of glass before stripes of black and white: dispersion 0, 1, 5, and 5 of a higher index and rough."""
+    glb, ball = Glb(), without(sphere(0.5, 48), "TANGENT")
+    stripes = np.where(np.arange(16) % 2, 0.9, 0.02)[None, :, None] * np.ones((2, 16, 3))
+    nearest = {"magFilter": 9728, "minFilter": 9728}
+    wall = glb.material((1, 1, 1), 0.0, 1.0, baseColorTexture=glb.texture(stripes, **nearest),
+                        extensions={"KHR_materials_specular": {"specularFactor": 0.0}})
+    glb.node(glb.mesh(without(plate(6, 3), "TANGENT"), wall), translation=[0, 0, -1.2])
+    for place, (dispersion, ior, roughness) in enumerate(((0, 1.5, 0.0), (1, 1.5, 0.0), (5, 1.5, 0.0), (5, 1.8, 0.2))):
+        extensions = {"KHR_materials_transmission": {"transmissionFactor": 1.0}, "KHR_materials_ior": {"ior": ior},
+                      "KHR_materials_volume": {"thicknessFactor": 1.0}}
+        extensions |= {"KHR_materials_dispersion": {"dispersion": dispersion}} if dispersion else {}
+        glb.node(glb.mesh(ball, glb.material(roughness=roughness, extensions=extensions)),
+                 translation=[place % 2 * 1.15 - 0.575, 0.575 - place // 2 * 1.15, 0])
+    glb.light("directional", (1, 2, 2), intensity=2.0)
+    glb.camera((0, 0, 5.5))
+    return glb
+
+
 def rough_diffuse() -> Glb:
     """Balls of plaster, lit from behind the eye and from the side: diffuse roughness 0, 0.5, 1, and by a texture; below
     the same under a smooth interface, and the last of it metal, which has no diffuse base."""
@@ -453,8 +472,8 @@ def huge() -> Glb:
 
 
 SCENES = [spheres, normal_map, textures, alpha, lights, vertex_colors, emissive, unlit, specular_ior, glass,
-          anisotropy, clearcoat, sheen, specular_glossiness, rough_diffuse, translucent, two_sided, lines_points,
-          occlusion, tiny, huge]
+          dispersion, anisotropy, clearcoat, sheen, specular_glossiness, rough_diffuse, translucent, two_sided,
+          lines_points, occlusion, tiny, huge]
 
 if __name__ == "__main__":
     save_scenes(SCENES, Path(__file__).parent / "scenes")

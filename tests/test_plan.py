@@ -179,6 +179,16 @@ def test_only_rough_diffuse_surfaces_have_code_for_it():
     assert "eon" not in code(phong) and "diffuse roughness: mode phong does not show it" in phong.left_out
 
 
+def test_only_dispersive_volumes_have_an_index_for_each_colour():
+    prism = Material(metallic=0.0, transmission=1.0, thickness=1.0, dispersion=1.0)
+    found = plan(scene(prism, environment=ENVIRONMENT), refraction="traced")
+    assert "ior_of_bands" in code(found) and found.has_dispersion
+    for other in (replace(prism, dispersion=0.0), replace(prism, thickness=0.0), replace(prism, transmission=0.0)):
+        found = plan(scene(other, environment=ENVIRONMENT), refraction="traced")
+        assert not any(word in code(found) for word in ("ior_of_bands", "BAND_CENTER", "u_dispersion"))
+        assert not found.has_dispersion
+
+
 def test_only_surfaces_that_let_light_through_have_code_for_it():
     leaf = Material(metallic=0.5, diffuse_transmission=0.5, diffuse_transmission_texture=MAP)
     light = {"environment": ENVIRONMENT, "lights": (SUN,)}

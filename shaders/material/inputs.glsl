@@ -10,6 +10,7 @@ struct MaterialInputs {
     vec3 specular_color;            // tints the dielectric's f0
     float transmission;             // fraction of the light entering the dielectric that is transmitted
     float thickness;                // thickness of the volume (0: thin-walled)
+    float dispersion;               // 20 over the Abbe number: how far colours are refracted apart
     float diffuse_transmission;     // fraction of the diffuse base's light that leaves on the other side
     vec3 diffuse_transmission_color; // tints the light that leaves on the other side
     float anisotropy_strength;      // stretches highlights along the tangent
@@ -24,4 +25,4 @@ struct MaterialInputs {
 
 const MaterialInputs DEFAULT_INPUTS = MaterialInputs(
     vec4(1.0, 1.0, 1.0, 1.0), 1.0, 1.0, vec3(0.0, 0.0, 0.0), 1.5, 1.0, vec3(1.0, 1.0, 1.0), 0.0, 0.0, 0.0,
-    vec3(1.0, 1.0, 1.0), 0.0, 0.0, 0.0, vec3(0.0, 0.0, 0.0), 0.0, 0.0, 0.0, vec2(1.0, 0.5));
+    0.0, vec3(1.0, 1.0, 1.0), 0.0, 0.0, 0.0, vec3(0.0, 0.0, 0.0), 0.0, 0.0, 0.0, vec2(1.0, 0.5));

@@ -54,24 +54,28 @@ float transmission_factor(int material) {
     return scene_float4(material_texel(material, 3)).w;
 }
 
-float diffuse_transmission_factor(int material) {
+float dispersion_factor(int material) {
     return scene_float4(material_texel(material, 4)).x;
 }
 
+float diffuse_transmission_factor(int material) {
+    return scene_float4(material_texel(material, 4)).y;
+}
+
 vec3 diffuse_transmission_color_factor(int material) {
-    return scene_float4(material_texel(material, 4)).yzw;
+    return scene_float4(material_texel(material, 5)).xyz;
 }
 
 float anisotropy_strength_factor(int material) {
-    return scene_float4(material_texel(material, 5)).x;
+    return scene_float4(material_texel(material, 4)).z;
 }
 
 float anisotropy_rotation_factor(int material) {
-    return scene_float4(material_texel(material, 5)).y;
+    return scene_float4(material_texel(material, 4)).w;
 }
 
 float diffuse_roughness_factor(int material) {
-    return scene_float4(material_texel(material, 5)).z;
+    return scene_float4(material_texel(material, 5)).w;
 }
 
 vec3 sheen_color_factor(int material) {
@@ -79,23 +83,23 @@ vec3 sheen_color_factor(int material) {
 }
 
 float sheen_roughness_factor(int material) {
-    return scene_float4(material_texel(material, 5)).w;
-}
-
-float clearcoat_factor(int material) {
     return scene_float4(material_texel(material, 6)).w;
 }
 
-float clearcoat_roughness_factor(int material) {
+float clearcoat_factor(int material) {
     return scene_float4(material_texel(material, 7)).x;
 }
 
-float clearcoat_normal_scale_factor(int material) {
+float clearcoat_roughness_factor(int material) {
     return scene_float4(material_texel(material, 7)).y;
 }
 
-float alpha_cutoff_factor(int material) {
+float clearcoat_normal_scale_factor(int material) {
     return scene_float4(material_texel(material, 7)).z;
+}
+
+float alpha_cutoff_factor(int material) {
+    return scene_float4(material_texel(material, 7)).w;
 }
 
 // The records of the material's maps: x colour maps and y data maps, as index of the first record |
@@ -129,6 +133,9 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
 #if DIFFUSE_TRANSMISSION
     m.diffuse_transmission = diffuse_transmission_factor(material);
     m.diffuse_transmission_color = diffuse_transmission_color_factor(material);
+#endif
+#if DISPERSIVE
+    m.dispersion = dispersion_factor(material);
 #endif
 #if HAS_TRANSMISSION
     m.transmission = transmission_factor(material);

@@ -31,6 +31,9 @@ uniform float u_diffuse_roughness;
 uniform float u_diffuse_transmission;
 uniform vec3 u_diffuse_transmission_color;
 #endif
+#if DISPERSIVE
+uniform float u_dispersion;
+#endif
 #if HAS_NORMAL
 uniform float u_metallic;
 uniform float u_perceptual_roughness;
@@ -248,6 +251,9 @@ MaterialInputs read_inputs() {
 #if DIFFUSE_TRANSMISSION
     m.diffuse_transmission = u_diffuse_transmission;
     m.diffuse_transmission_color = u_diffuse_transmission_color;
+#endif
+#if DISPERSIVE
+    m.dispersion = u_dispersion;
 #endif
 #if HAS_NORMAL
     m.metallic = u_metallic;

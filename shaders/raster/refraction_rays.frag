@@ -8,6 +8,11 @@
 uniform vec3 u_eye;            // in tracer space
 uniform vec3 u_view_direction; // towards the eye
 uniform bool u_is_mirrored;
+#if BANDS // one of red, green and blue, where any solid is dispersive; a reflected ray is all three
+#include "bsdf/dispersion.glsl"
+
+uniform int u_band;
+#endif
 
 // o_color: where the ray begins, relative to the eye, and 1
 layout(location = 1) out vec4 o_origin;     // w: 1 for a ray
@@ -31,6 +36,13 @@ void main() {
 #endif
     vec3 mirrored = reflect(-v, n);
     mirrored -= 2.0 * min(dot(mirrored, face), 0.0) * face; // a shading normal may reflect it below the surface
+    vec3 throughput = vec3(1.0);
+#if BANDS
+    if (!u_is_mirrored) throughput = vec3(u_band == 0, u_band == 1, u_band == 2);
+#endif
+#if DISPERSIVE
+    m.ior = ior_of_bands(m.ior, m.dispersion)[u_band];
+#endif
     vec3 d = u_is_mirrored ? mirrored : refract(-v, n, 1.0 / max(m.ior, 1.0));
     vec3 off = (u_is_mirrored ? OFFSET : -OFFSET) * max(1.0, length(v_position)) * face;
     vec3 px = dFdx(v_position), py = dFdy(v_position), dx = dFdx(d), dy = dFdy(d);
@@ -39,7 +51,7 @@ void main() {
     o_color = vec4(v_position, 1.0);
     o_origin = vec4(u_eye + v_position + off, 1.0);
     o_direction = vec4(normalize(d), (dot(px, dx) + dot(py, dy)) / max(squared, 1e-30) * width);
-    o_throughput = vec4(vec3(1.0), width);
+    o_throughput = vec4(throughput, width);
     o_light = vec4(vec3(0.0), perceptual_roughness * perceptual_roughness);
     drop_uncovered(covered);
 }

@@ -12,6 +12,11 @@
 #if HAS_ENVIRONMENT
 #include "raster/environment.glsl"
 #endif
+#if BANDS // there is dispersion, so that red, green and blue take paths of their own
+#include "bsdf/dispersion.glsl"
+
+uniform int u_band;
+#endif
 
 uniform sampler2D u_origin, u_direction, u_throughput, u_light; // as refraction_rays.frag writes them
 uniform usampler2D u_hit;     // viewer/trace/rays/intersect.py
@@ -42,7 +47,10 @@ vec4 texel(int i) {
 }
 
 Surface surface_at(Hit hit, vec3 o, vec3 d) {
-    vec4 absorption = texel(2 * hit.instance), glass = texel(2 * hit.instance + 1);
+    vec4 absorption = texel(3 * hit.instance), glass = texel(3 * hit.instance + 1);
+#if BANDS
+    if (glass.w > 0.0) glass.w = ior_of_bands(glass.w, texel(3 * hit.instance + 2).x)[u_band];
+#endif
     int first = u_triangles + 4 * (int(absorption.w) + hit.triangle);
     vec4 a = texel(first), b = texel(first + 1), c = texel(first + 2), plane = texel(first + 3);
     vec2 weights = hit.barycentric;

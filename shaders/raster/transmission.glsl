@@ -9,6 +9,9 @@
 #if HAS_ENVIRONMENT
 #include "raster/environment.glsl"
 #endif
+#if DISPERSIVE
+#include "bsdf/dispersion.glsl"
+#endif
 
 // Reflectance of both faces of a thin wall together, with all reflections between them: R' = 2 R / (1 + R)
 vec3 thin_walled_f0(vec3 f0) {
@@ -48,26 +51,40 @@ vec3 entering_tint(vec3 base_color) {
 #endif
 }
 
-// The transmitted radiance. Where the picture shows nothing, and outside of it, the environment is used.
-vec3 transmitted_light(MaterialInputs m, vec3 n, vec3 n_geometric, vec3 v, float blur) {
-#if IS_SOLID
-    float curved = curvature(n_geometric, v_position); // derivatives are undefined after a fragment returns
-#endif
-#if TRACED_REFRACTION
-    vec4 traced = traced_light(u_refracted, n_geometric);
-    if (traced.a >= 0.0) return traced.rgb;
-#endif
+// The radiance seen through the surface if its index is `ior`. Where the picture shows nothing, and outside of it, the
+// environment is used. `curved` is the curvature of a solid.
+vec3 seen_through(MaterialInputs m, float ior, vec3 n, vec3 n_geometric, vec3 v, float curved, float blur) {
     vec3 exit = v_position, d = -v; // where the light leaves the solid, and its direction seen from the eye
     vec3 transmittance = vec3(1.0);
 #if IS_SOLID
-    d = refract(-v, n, 1.0 / m.ior);
+    d = refract(-v, n, 1.0 / ior);
     exit += m.thickness * d; // eye-relative units
     transmittance = exp(-u_absorption * m.thickness);
-    d = leaving_direction(n_geometric, curved, d, m.thickness, m.ior);
+    d = leaving_direction(n_geometric, curved, d, m.thickness, ior);
 #endif
     vec4 behind = backdrop_at(exit, blur);
 #if HAS_ENVIRONMENT
     behind.rgb += (1.0 - behind.a) * environment_specular(d, blur);
 #endif
     return transmittance * behind.rgb;
+}
+
+// The transmitted radiance; of dispersive glass by an index for each of red, green and blue
+vec3 transmitted_light(MaterialInputs m, vec3 n, vec3 n_geometric, vec3 v, float blur) {
+    float curved = 0.0;
+#if IS_SOLID
+    curved = curvature(n_geometric, v_position); // derivatives are undefined after a fragment returns
+#endif
+#if TRACED_REFRACTION
+    vec4 traced = traced_light(u_refracted, n_geometric);
+    if (traced.a >= 0.0) return traced.rgb;
+#endif
+#if DISPERSIVE
+    vec3 ior = ior_of_bands(m.ior, m.dispersion);
+    return vec3(seen_through(m, ior.r, n, n_geometric, v, curved, blur).r,
+                seen_through(m, ior.g, n, n_geometric, v, curved, blur).g,
+                seen_through(m, ior.b, n, n_geometric, v, curved, blur).b);
+#else
+    return seen_through(m, m.ior, n, n_geometric, v, curved, blur);
+#endif
 }

@@ -44,5 +44,8 @@ void main() {
     p.crossings = 0;
     p.medium = 0;
     p.eta2 = 1.0;
+#if DISPERSIVE
+    p.wavelength = 0.0;
+#endif
     write_path(p, IN_FLIGHT);
 }

@@ -9,6 +9,9 @@
 // with wo, wi and the normal n_coat of the clear coat in the frame of the shading normal (bsdf/bsdf.glsl).
 #include "trace/bounce.glsl"
 #include "trace/write_state.glsl"
+#if DISPERSIVE && REFRACTS
+#include "bsdf/dispersion.glsl"
+#endif
 
 // The side of the surface on which wi lies: 1 for the side of wo, -1 for the other, 0 if no light may go there. That is
 // the case for the other side of an opaque surface, and where the shading and the geometric normal disagree about the
@@ -57,6 +60,19 @@ void begin_inside(inout Path p, Interaction i, SurfaceMaterial m) {
 }
 #endif
 
+#if DISPERSIVE && REFRACTS
+// At its first dispersive surface a path takes a wavelength, which it keeps. The material gets the index for it.
+void disperse(inout Path p, inout SurfaceMaterial m, float u) {
+    if (m.inputs.dispersion <= 0.0) return;
+    if (p.wavelength == 0.0) {
+        vec3 weight;
+        p.wavelength = sample_wavelength(u, weight);
+        p.throughput *= weight;
+    }
+    m.inputs.ior = ior_at_wavelength(m.inputs.ior, m.inputs.dispersion, p.wavelength);
+}
+#endif
+
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     uvec4 hit = texelFetch(u_hit, texel, 0);
@@ -74,6 +90,9 @@ void main() {
         write_path(p, IN_FLIGHT);
         return;
     }
+#if DISPERSIVE && REFRACTS
+    disperse(p, m, sample_numbers(s, CAMERA_GROUP).z);
+#endif
 #if TRANSMITS
     if (p.depth == 0 && !i.is_front && !m.is_thin) begin_inside(p, i, m);
 #endif

@@ -9,7 +9,7 @@ uniform sampler2D u_shadow_vector; // to the light, 0: there is no shadow ray; c
 uniform sampler2D u_throughput;    // rgb; contribution.b
 uniform sampler2D u_radiance;      // that the path has gathered so far; counters
 #if HAS_TRANSMISSION
-uniform sampler2D u_medium;        // number; reserved: distance to the next collision, wavelength; product of eta^2
+uniform sampler2D u_medium;        // number; reserved: distance to the next collision; wavelength; product of eta^2
 #endif
 uniform usampler2D u_hit;          // see trace/hit.glsl
 uniform isampler2D u_blocks;       // tile x, tile y, first sample, samples; a texel for each block of TILE x TILE paths
@@ -25,6 +25,9 @@ struct Path {
     int crossings;      // surfaces that it continued straight through, modulo 64
     int left;           // samples that remain after this one
     int medium;         // number of the medium that it travels in (media/medium.glsl)
+#if DISPERSIVE
+    float wavelength;   // in nm, 0 before the first dispersive surface
+#endif
     float eta2;         // product of eta^2 over refractions: the factor of radiance inside glass
     vec3 shadow_origin;
     vec3 shadow_vector; // from there to the light, 0 if there is no shadow ray
@@ -68,6 +71,9 @@ Path read_path(ivec2 texel, uvec4 hit) {
 #else
     p.medium = 0;
     p.eta2 = 1.0;
+#endif
+#if DISPERSIVE
+    p.wavelength = medium.z;
 #endif
     p.shadow_origin = p.shadow_vector = p.contribution = vec3(0.0);
     return p;

@@ -22,6 +22,9 @@ void write_path(Path p, float status) {
 #if HAS_TRANSMISSION
     o_medium = vec4(p.medium, 0.0, 0.0, p.eta2);
 #endif
+#if DISPERSIVE
+    o_medium.z = p.wavelength;
+#endif
 }
 
 void write_idle() {

@@ -41,7 +41,7 @@ def raster_keys(scene: Scene, settings: Settings, *, half: bool = True, orthogra
             gbuffer = gbuffer_program(draw.program)
             yield VERTEX, gbuffer.fragment, gbuffer.switches
         if draw.traces_refraction:
-            path = path_program(draw.program)
+            path = path_program(draw.program, plan.has_dispersion)
             yield VERTEX, path.fragment, path.switches
 
 

@@ -77,6 +77,8 @@ CASES = [
     Case("clearcoat", "clearcoat"),
     Case("translucent", "translucent"),
     Case("sheen", "sheen"),
+    Case("dispersion", "dispersion"),
+    Case("dispersion-traced", "dispersion", settings={"refraction": "traced"}),
     Case("glass", "glass"),
     Case("glass-alone", "glass", view="close", settings={"background": "none"}),
     Case("glass-traced", "glass", settings={"refraction": "traced"}),

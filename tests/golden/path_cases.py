@@ -242,6 +242,16 @@ def translucent() -> tuple[Scene, Camera]:
                  environment=sides()), VIEW
 
 
+def dispersive() -> tuple[Scene, Camera]:
+    """Glass that refracts colours apart, smooth and rough, before stripes."""
+    stripes = np.where(np.arange(16) % 2, 230, 10)[None, :, None] * np.ones((16, 1, 3))
+    wall = Material(base_color_texture=Texture(image_of(stripes.astype(np.uint8))), **PLASTIC)
+    balls = [Material(perceptual_roughness=roughness, dispersion=6.0, ior=ior, **GLASS)
+             for roughness, ior in ((0.0, 1.5), (0.3, 1.7))]
+    return scene((plate(0, 1.6), moved((0, 0.6, -0.9))), *_row(1, 2), materials=[wall, *balls],
+                 environment=sides()), VIEW
+
+
 CASES = [
     PathCase("maps", maps),
     PathCase("metal", metal),
@@ -251,6 +261,7 @@ CASES = [
     PathCase("coated", coated),
     PathCase("translucent", translucent),
     PathCase("cloth", cloth),
+    PathCase("dispersive", dispersive),
     PathCase("glass-smooth", glass_smooth),
     PathCase("glass-rough", glass_rough),
     PathCase("glass-absorbing", glass_absorbing),

@@ -84,6 +84,12 @@ def test_broken_specular_glossiness_is_one_line(fields, problem):
     assert problem in str(caught.value) and "\n" not in str(caught.value)
 
 
+def test_dispersion():
+    assert read({"extensions": {"KHR_materials_dispersion": {"dispersion": 2.04}}})[0].dispersion == 2.04
+    material, warnings = read({"extensions": {"KHR_materials_dispersion": {"dispersion": -1}}})
+    assert material.dispersion == 0 and "dispersion: -1 is out of range" in warnings[0]
+
+
 def test_diffuse_transmission():
     builder = GltfBuilder()
     fields = {"diffuseTransmissionFactor": 0.6, "diffuseTransmissionTexture": {"index": builder.texture()},

@@ -118,6 +118,11 @@ class Plan:
         return any(draw.traces_refraction for draw in self.draws)
 
     @property
+    def has_dispersion(self) -> bool:
+        """Whether red, green and blue take paths of their own through solid glass."""
+        return any(draw.traces_refraction and draw.program["DISPERSIVE"] for draw in self.draws)
+
+    @property
     def has_indirect(self) -> bool:
         """Whether surfaces are lit by indirect light that is baked at their vertices."""
         return any(dict(draw.program.switches).get("INDIRECT", 0) for draw in self.draws)

@@ -14,9 +14,10 @@ def gbuffer_program(program: Program) -> Program:
     return Program("raster/gbuffer.frag", _geometry_switches(program))
 
 
-def path_program(program: Program) -> Program:
-    """Of the first rays through solid glass."""
-    switches = {**dict(_geometry_switches(program)), "IS_ORTHOGRAPHIC": program["IS_ORTHOGRAPHIC"]}
+def path_program(program: Program, has_bands: bool) -> Program:
+    """Of the first rays through solid glass. `has_bands`: red, green and blue take rays of their own."""
+    switches = {**dict(_geometry_switches(program)), "IS_ORTHOGRAPHIC": program["IS_ORTHOGRAPHIC"],
+                "DISPERSIVE": program["DISPERSIVE"], "BANDS": int(has_bands)}
     return Program("raster/refraction_rays.frag", tuple(sorted(switches.items())))
 
 

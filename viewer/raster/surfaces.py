@@ -102,8 +102,8 @@ class Surfaces:
     def draw_refraction_rays(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> None:
         """Draw the first rays of the paths through solid glass: shaders/raster/refraction_rays.frag."""
         solids = [draw for draw in plan.draws if draw.traces_refraction]
-        self._draw_solid([replace(draw, program=path_program(draw.program)) for draw in solids], frame, plan,
-                         frame_uniforms)
+        rays = [replace(draw, program=path_program(draw.program, plan.has_dispersion)) for draw in solids]
+        self._draw_solid(rays, frame, plan, frame_uniforms)
 
     def draw_opaque(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
         """Draw the surfaces that neither blend nor transmit light. Returns how many instances were drawn."""

@@ -78,6 +78,9 @@ DIFFUSE_TRANSMISSION = Feature(
 VOLUME = Feature(
     "volume", "KHR_materials_volume", switch="IS_SOLID",
     is_on=lambda m: (m.transmits or m.transmits_diffusely) and m.thickness > 0)
+DISPERSION = Feature(
+    "dispersion", "KHR_materials_dispersion", switch="DISPERSIVE",
+    is_on=lambda m: m.dispersion > 0 and m.transmits and m.thickness > 0)
 VOLUME_SCATTER = Feature("scattering in volumes", "KHR_materials_volume_scatter")
 
 ANISOTROPY = Feature(
@@ -177,6 +180,8 @@ class Material:
     attenuation_color: RGB = parameter(
         (1.0, 1.0, 1.0), "attenuationColor", "transmittance over attenuation_distance", of=VOLUME, low=0.0, high=1.0,
         role="python")
+    dispersion: float = parameter(
+        0.0, "dispersion", "20 over the Abbe number: how far colours are refracted apart", of=DISPERSION, low=0.0)
     diffuse_transmission: float = parameter(
         0.0, "diffuseTransmissionFactor", "fraction of the diffuse base's light that leaves on the other side",
         of=DIFFUSE_TRANSMISSION, low=0.0, high=1.0, times="diffuse_transmission.A")

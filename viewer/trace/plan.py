@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..plan.bsdf_switches import bsdf_switches, feature_switches_shown
 from ..plan.explain import omitted_anisotropy
 from ..plan.model import Program
-from ..scene.material import ANISOTROPY, DIFFUSE_TRANSMISSION
+from ..scene.material import ANISOTROPY, DIFFUSE_TRANSMISSION, DISPERSION
 from ..scene.scene import Scene
 from ..settings import Settings, setting_choices
 from .kinds import GLASS, KINDS, Kind
@@ -79,7 +79,7 @@ def plan_trace(
         kinds = set(KINDS)
         emitters = ["HAS_EMITTERS"] * (shows_emission and not geometry.emitters)
         switches |= dict.fromkeys((*_NEUTRAL, *emitters), 1)
-    state = {"HAS_TRANSMISSION": switches["HAS_TRANSMISSION"]}
+    state = {name: switches[name] for name in ("HAS_TRANSMISSION", DISPERSION.switch)}
     first = state | {"RAYS": rays}
     sky_names = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING", "HAS_VOLUME")
     sky = {name: switches[name] for name in sky_names}
@@ -178,6 +178,7 @@ _SURFACES = {
     "SHEEN": "sheen",
     "CLEARCOAT": "clear coats",
     "DIFFUSE_TRANSMISSION": "diffuse transmission",
+    "DISPERSIVE": "dispersion",
     "HAS_COLOR": "vertex colours",
     "HAS_EMISSION": "emission",
     "HAS_SEE_THROUGH": "code for what alpha leaves open",

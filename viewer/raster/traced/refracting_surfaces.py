@@ -1,8 +1,8 @@
 """The surfaces that paths through solid glass can hit: solid glass and opaque surfaces.
 
 Texels of shaders/raster/refraction_step.frag, in tracer space (viewer/trace/scene/geometry.py):
-    instance  2: absorption and the index of its first triangle, which a float holds exactly; the square root of its
-                 base colour and its index of refraction (0: opaque). Triangles follow all instances.
+    instance  3: absorption and the index of its first triangle, which a float holds exactly; the square root of its
+                 base colour and its index of refraction (0: opaque); its dispersion. Triangles follow all instances.
     triangle  4: the normal at each vertex, with one component of the face normal in each w; then the distance of its
                  plane from the origin along the face normal, and the mean curvature of the surface, 1 / r on a sphere
 """
@@ -18,12 +18,13 @@ from ...errors import ViewerError
 from ...gpu.context import Context
 from ...gpu.row_texture import row_texture
 from ...scene.scene import Scene
+from ...scene.schema import PARAMETERS
 from ...scene.transform import normal_matrix
 from ...trace.defines import shader_defines
 from ...trace.rays.intersect import make_intersector
 from ...trace.scene.geometry import TraceGeometry, TraceInstance, trace_geometry
 
-_INSTANCE, _TRIANGLE = 2, 4
+_INSTANCE, _TRIANGLE = 3, 4
 
 
 class RefractingSurfaces:
@@ -74,6 +75,7 @@ def _texels(scene: Scene, geometry: TraceGeometry) -> NDArray[np.float32]:
         head[0] = *np.multiply(geometry.media[instance.medium].sigma_a, scene.radius), first
         if traced.transmits:
             head[1] = *np.sqrt(np.maximum(traced.material.base_color[:3], 0)), max(traced.material.ior, 1.0)
+            head[2, 0] = PARAMETERS["dispersion"].value(traced.material)
         parts.append(_triangles(scene, geometry, instance))
         first += len(parts[-1]) // _TRIANGLE
     return np.concatenate([heads.reshape(-1, 4), *parts])

@@ -27,6 +27,7 @@ STEPS = 8
 """The most surfaces that a path hits after the first one."""
 
 _UNIT_HIT, _UNIT_SURFACES, _UNIT_STATE = 0, 1, 2
+_GREEN = 1  # the band of a path that stands for all three
 _STATE = ("origin", "direction", "throughput", "light")
 _KINDS = {"u_refracted": UNIT_REFRACTED, "u_mirrored": UNIT_MIRRORED}
 
@@ -62,13 +63,19 @@ class TracedRefraction:
         program = self._programs.get("display/fullscreen.vert", "raster/refraction_step.frag", {
             "HAS_ENVIRONMENT": int(plan.reflections), "REFLECTS": 1,
             "ENVIRONMENT_ROTATED": int(environment is not None and environment.rotation != 0),
+            "BANDS": int(plan.has_dispersion),
             **self._surfaces.held.defines})
         uniforms = uniforms | {"u_eye": tuple((frame.camera.eye - frame.scene.center) / frame.unit)}
         for name, value in uniforms.items():
             set_uniform(program, name, value)
         for kind in range(len(_KINDS) if plan.reflections else 1):
-            paths.begin(kind, partial(draw_rays, uniforms | {"u_is_mirrored": kind == 1}))
-            self._follow(paths, program)
+            bands = range(3) if plan.has_dispersion and kind == 0 else [_GREEN]
+            for band in bands:
+                set_uniform(program, "u_band", band)
+                paths.begin(kind, partial(draw_rays, uniforms | {"u_is_mirrored": kind == 1, "u_band": band}))
+                self._follow(paths, program)
+                if len(bands) > 1:
+                    paths.gather(self._programs, is_first=band == 0)
         return paths.bind()
 
     def _follow(self, paths: _Paths, program: moderngl.Program) -> None:
@@ -109,6 +116,8 @@ class _Paths:
         self._no_shadow = gl.framebuffer([self.shadow_vector])
         self._no_shadow.clear()
         self._kind, self._now = 0, [0] * len(_KINDS)
+        self._sum: moderngl.Texture | None = None
+        self._has_sum = False
 
     @property
     def _state(self) -> list[moderngl.Texture]:
@@ -145,10 +154,29 @@ class _Paths:
         with self._depth.on_surfaces():  # where a path began
             fullscreen(self._gl, program).render(vertices=3)
 
+    def gather(self, programs: Programs, is_first: bool) -> None:
+        """Add the light of the paths to that of other bands, which stays until the first band of another picture."""
+        if self._sum is None:
+            self._sum = nearest_texture(self._gl, self.size, "f4")
+            self._sum_target = self._gl.framebuffer([self._sum])
+        self._sum_target.use()
+        if is_first:
+            self._sum_target.clear()
+        program = programs.get("display/fullscreen.vert", "raster/backdrop.frag", {"LEVEL": 0})
+        self._lights[self._kind][self._now[self._kind]].use(_UNIT_STATE)
+        set_uniform(program, "u_source", _UNIT_STATE)
+        self._gl.enable_only(moderngl.BLEND)
+        self._gl.blend_func = moderngl.ONE, moderngl.ONE
+        fullscreen(self._gl, program).render(vertices=3)
+        self._has_sum = True
+
     def bind(self) -> dict[str, object]:
         """The uniforms of shaders/raster/traced_refraction.glsl."""
         for light, now, unit in zip(self._lights, self._now, _KINDS.values()):
             light[now].use(unit)
+        if self._has_sum and self._sum is not None:
+            self._sum.use(_KINDS["u_refracted"])
+            self._has_sum = False
         self.positions.use(UNIT_PATH_POSITIONS)
         return _KINDS | {"u_path_positions": UNIT_PATH_POSITIONS}
 
@@ -156,3 +184,6 @@ class _Paths:
         for thing in (*self._firsts, *sum(self._nexts, []), self._no_shadow, self._buffer, self.positions,
                       self.shadow_vector, self.hit, *sum(self._rays, []), *sum(self._lights, [])):
             thing.release()
+        if self._sum is not None:
+            self._sum_target.release()
+            self._sum.release()
