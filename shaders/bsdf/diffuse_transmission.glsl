@@ -15,6 +15,11 @@ vec3 surface_transmitted(Surface s, SurfaceView v) {
     return MIX_METAL(s, interface_transmittance(v.dielectric, v.dfg) * transmitted_albedo(s), vec3(0.0));
 }
 
+// The same, with the albedo that the interface has under an environment
+vec3 surface_environment_transmitted(Surface s, SurfaceView v) {
+    return MIX_METAL(s, interface_environment_throughput(v.dielectric) * transmitted_albedo(s), vec3(0.0));
+}
+
 // The probability that a sample of the diffuse part leaves on the other side
 float below_probability(Surface s, SurfaceView v) {
     float below = luminance(surface_transmitted(s, v));

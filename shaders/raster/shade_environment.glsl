@@ -119,7 +119,7 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
 #if IS_SOLID
     through = mix(through, environment_irradiance_over_pi(p.n), p.returned);
 #endif
-    radiance += surface_transmitted(s, view) * through;
+    radiance += surface_environment_transmitted(s, view) * through;
 #endif
 #if SHEEN
     vec3 around = mean_light;

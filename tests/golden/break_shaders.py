@@ -150,7 +150,7 @@ MUTATIONS = [
     Mutation("no light from behind", "raster/shade_light.glsl",
              "vec3 radiance = (1.0 - p.returned) *", "vec3 radiance = 0.0 *"),
     Mutation("environment not seen through", "raster/shade_environment.glsl",
-             "radiance += surface_transmitted(s, view) * through;", ""),
+             "radiance += surface_environment_transmitted(s, view) * through;", ""),
     Mutation("what light passes through tinted by the base colour", "bsdf/layer/diffuse.glsl",
              "return s.diffuse_transmission * s.diffuse_transmission_color *",
              "return s.diffuse_transmission * s.base_color *"),

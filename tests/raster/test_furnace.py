@@ -40,6 +40,15 @@ def test_white_vanishes(radiance, roughness, metallic, ndf):
     assert error.max() < 1e-4  # at the silhouette, too
 
 
+@pytest.mark.parametrize("layers", [
+    {"diffuse_roughness": 1.0}, {"diffuse_transmission": 0.5}, {"diffuse_transmission": 0.7, "thickness": 1.0},
+    {"diffuse_roughness": 1.0, "diffuse_transmission": 0.5, "clearcoat": 1.0, "clearcoat_roughness": 0.2},
+    {"diffuse_roughness": 0.5, "metallic": 0.5, "clearcoat": 0.5}], ids=lambda layers: "-".join(layers))
+def test_layers_vanish_together(radiance, layers):
+    picture = radiance(ball(**{"metallic": 0.0, "perceptual_roughness": 0.1} | layers), CAMERA, SIZE)
+    assert np.abs(picture[..., :3] - 1).max() < 1e-4
+
+
 @pytest.mark.parametrize("roughness", [0.3, 0.5, 0.75, 1.0])
 def test_without_compensation_a_white_metal_loses_what_scatters_twice(radiance, roughness):
     """8 % at alpha 0.25, 31 % at 0.5 and 69 % at 1 where it is seen along the normal."""

@@ -159,3 +159,20 @@ def lit(behind: bool = False) -> Environment:
     axis = np.array([0.3, 0.2, -1.0 if behind else 1.0])
     patch = np.exp(60 * (d @ (axis / np.linalg.norm(axis)) - 1))
     return Environment("patch", (0.2 + 8 * patch[..., None] * [1.0, 0.8, 0.6]).astype(np.float32))
+
+
+def test_dispersion_parts_the_colours_of_white_light(tracer):
+    """A ball before the edge between a black and a white half of the world: blue is bent more than red. Without
+    dispersion, or with wavelengths that are not weighted by colour, all is grey."""
+    sky = np.repeat(texel_directions(32, 64)[..., :1] > 0, 3, axis=-1).astype(np.float32)
+
+    def picture(dispersion: float) -> np.ndarray:
+        ball = replace(GLASS, thickness=1.0, dispersion=dispersion)
+        model = scene(sphere(segments=96), materials=[ball], environment=Environment("halves", sky))
+        return halves(tracer, model, orthographic(0.0, 0.0, height=2.0), (16, 16), spp=128).mean
+
+    grey, rainbow = picture(0.0), picture(8.0)
+    assert np.abs(grey[..., 0] - grey[..., 2]).max() < 1e-5
+    parted = rainbow[..., 2] - rainbow[..., 0]
+    assert np.abs(parted).max() > 0.2
+    assert abs(rainbow.mean() / grey.mean() - 1) < 0.05

@@ -9,7 +9,16 @@ from typing import TypedDict
 from ..material.fold import without_constant_maps
 from ..material.use import texture_bytes
 from ..scene.light import Light
-from ..scene.material import ANISOTROPY, CLEARCOAT, SHEEN, TRANSMISSION, VOLUME
+from ..scene.material import (
+    ANISOTROPY,
+    CLEARCOAT,
+    DIFFUSE_ROUGHNESS,
+    DIFFUSE_TRANSMISSION,
+    DISPERSION,
+    SHEEN,
+    TRANSMISSION,
+    VOLUME,
+)
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.schema import MAPS, SWITCHED
@@ -168,7 +177,8 @@ def _omitted_layers(plan: Plan, settings: Settings) -> list[str]:
             if not any(dict(draw.program.switches).get(layer.switch, 0) for draw in plan.draws)]
 
 
-_LAYERS = {SHEEN: "sheen", CLEARCOAT: "clear coat"}
+_LAYERS = {SHEEN: "sheen", CLEARCOAT: "clear coat", DIFFUSE_ROUGHNESS: "rough diffuse reflection",
+           DIFFUSE_TRANSMISSION: "diffuse transmission", DISPERSION: "dispersion"}
 _GIVEN_UP = {
     "TRACED_REFRACTION": "traced refraction",
     "TRACED_REFLECTION": "traced reflections",
