@@ -186,6 +186,17 @@ def test_escape_closes_a_list_leaves_a_field_and_only_then_the_window(open_windo
     assert window.is_closed
 
 
+def test_the_help_stands_before_the_panel(open_window, scene):
+    """In the middle of the window; its right half would be hidden by a panel that was clicked before."""
+    hands = open_window(scene, size=(1000, 240))
+    hands.click(900, 20)
+    hands.key("h")
+    shown = hands.screen()[120, :, :].astype(int)
+    hands.key("h")
+    changed = np.flatnonzero(np.abs(shown - hands.screen()[120]).sum(axis=1) > 30)
+    assert changed.min() < 300 and changed.max() > 1000 - 344 + 20
+
+
 def test_numbers_are_readable_on_the_knobs_of_sliders(open_window, scene):
     """By the contrast that WCAG 2.1 asks of text at least, 4.5 : 1."""
     from imgui_bundle import imgui

@@ -137,7 +137,7 @@ def test_a_free_path_is_never_one_that_exists(tmp_path):
 
 def test_facts_are_words_and_numbers(state):
     """Whatever a reader says of a file: names, of which some are empty, counts, and images."""
-    images = [{"name": "wood", "format": "jpeg", "width": 640, "height": 480, "bits": 8},
+    images = [{"name": "/models/chair/wood", "format": "jpeg", "width": 640, "height": 480, "bits": 8},
               {"name": "", "format": "png", "width": 2, "height": 1, "bits": 16}]
     facts = {"format": "GLB 2.0", "scenes": ["main", ""], "images": images, "textures": 0}
     shown = dict(scene_facts(replace(state.scene, facts=facts)))

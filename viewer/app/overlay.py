@@ -54,9 +54,10 @@ def draw_message(state: ViewState, scale: float, width: float) -> None:
     imgui.pop_style_color()
 
 
-def draw_help(state: ViewState, scale: float, width: float) -> None:
-    """Draw the list of all keys and gestures over a picture of `width`, in two columns if it is wide enough."""
-    height = imgui.get_io().display_size.y
+def draw_help(state: ViewState, scale: float) -> None:
+    """Draw the list of all keys and gestures over all else, in two columns if the window is wide enough."""
+    width, height = imgui.get_io().display_size
+    imgui.set_next_window_focus()  # in front of the panel
     imgui.set_next_window_pos((width / 2, height / 2), 0, (0.5, 0.5))
     imgui.set_next_window_size_constraints((0, 0), (width, height))
     imgui.push_style_var(imgui.StyleVar_.window_rounding, 6 * scale)
@@ -64,7 +65,7 @@ def draw_help(state: ViewState, scale: float, width: float) -> None:
     imgui.push_style_var(imgui.StyleVar_.window_padding, (22 * scale, 18 * scale))
     imgui.begin("##help", None, _STILL & ~imgui.WindowFlags_.no_scrollbar | imgui.WindowFlags_.always_auto_resize)
     groups = help_groups()
-    for column in (groups[:2], groups[2:]) if width > 940 * scale else (groups,):
+    for column in (groups[:2], groups[2:]) if width > 1010 * scale else (groups,):
         if column is not groups and column[0] is not groups[0]:
             imgui.same_line(spacing=36 * scale)
         imgui.begin_group()

@@ -166,7 +166,7 @@ class ViewerWindow:
         if self.state.message:
             draw_message(self.state, scale, width)
         if self.state.help:
-            draw_help(self.state, scale, width)
+            draw_help(self.state, scale)
         screen = self._screen(self._pixels)
         self.picture.present(screen)
         screen.viewport = (0, 0, *glfw.get_framebuffer_size(self.window))

@@ -216,5 +216,5 @@ def _text(value: object) -> str:
     if isinstance(value, (list, tuple)):
         return ("\n" if any(isinstance(item, dict) for item in value) else ", ").join(map(_text, value))
     if isinstance(value, dict):  # an image, as the readers describe it
-        return f"{_text(value['name'])}, {value['width']} × {value['height']}, {value['format']}"
+        return f"{_text(Path(value['name']).name)}, {value['width']} × {value['height']}, {value['format']}"
     return str(value) or "(unnamed)"
