@@ -25,6 +25,7 @@ from .jobs.options import (
     BACKEND_OPTION,
     CAMERA_OPTIONS,
     COMMON_OPTIONS,
+    FILM_OPTIONS,
     JSON_OPTION,
     LOOK_OPTIONS,
     MODEL_OPTIONS,
@@ -89,12 +90,14 @@ def view(model: str, **options: Any) -> None:
 @cli.command(short_help="Render pictures of models, without a screen.")
 @click.argument("models", metavar="MODEL...", nargs=-1, required=True)
 @click.option("-o", "--output", required=True, metavar="OUT",
-              help="The picture: .png .jpg .webp (as displayed), .exr (linear light). For several models: a folder, "
-                   "which ends in / and is made if it is missing, or a pattern such as out/{name}.png.")
+              help="The picture: .png .jpg .webp (as displayed), .exr (linear light). A film of what moves: .mp4 .webp "
+                   ".gif .apng. For several models: a folder, which ends in / and is made if it is missing, or a "
+                   "pattern such as out/{name}.png.")
 @BACKEND_OPTION
 @click.option("--stats", metavar="FILE.json",
               help="Write times, plan and memory as JSON; for several models a list of them.")
-@with_options([*SCENE_OPTIONS, *TIME_OPTIONS, *PATH_OPTIONS, AOV_OPTION, *CAMERA_OPTIONS, *COMMON_OPTIONS])
+@with_options([*SCENE_OPTIONS, *TIME_OPTIONS, *FILM_OPTIONS, *PATH_OPTIONS, AOV_OPTION, *CAMERA_OPTIONS,
+               *COMMON_OPTIONS])
 def render(models: tuple[str, ...], output: str, backend: str, stats: str | None, **options: Any) -> None:
     """Render a picture of each MODEL, without a screen.
 
@@ -108,10 +111,13 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     pbr-viewer render car.obj -o car.exr --env studio.hdr --orbit -30,15
     pbr-viewer render room.glb -o room.png --mode path --spp 256 --denoise fast
     pbr-viewer render fox.glb -o fox.png --animation Run --time 0.4
+    pbr-viewer render fox.glb -o fox.mp4 --animation Run --fps 30
+    pbr-viewer render helmet.glb -o helmet.webp --turntable 90
     """
     check_camera_options(options)
     from .base.atomic import made_folders
     from .jobs.assemble import make_camera, make_environment, make_scene, make_settings
+    from .jobs.film import check_film_options, make_film
     from .jobs.render_job import RenderJob, check_layers, check_output, output_paths
 
     settings = make_settings(options)
@@ -120,6 +126,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
         settings.check_used()
     paths, folders = output_paths(models, output)
     check_layers(options["aov"], settings, paths, chooses)
+    check_film_options(paths, options, chooses)
 
     def load(model: str) -> Any:
         scene = make_scene(model, environment, options)
@@ -137,7 +144,8 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
         if environment is not None and len(models) > 1:
             environment.radiance  # noqa: B018  decode it here, so that an error is reported once, not for every model
         status = job.run(list(zip(models, paths, strict=True)), load,
-                         lambda model, scene: make_camera(model, scene, options), stats)
+                         lambda model, scene: make_camera(model, scene, options), stats,
+                         lambda model, path, scene: make_film(model, path, scene, options))
     sys.exit(status)
 
 

@@ -55,6 +55,7 @@ def describe_scene(scene: Scene, settings: Settings) -> Facts:
 def describe_package() -> Facts:
     """The formats that this program reads and writes, and the folder of its cache, in types that JSON can store."""
     from ..bake.cache import cache_folder
+    from ..image.film import FILM_FORMATS
     from ..image.image import WRITABLE
     from ..scene.environment_files import FORMATS
     from ..scene.environment_presets import PRESETS
@@ -65,6 +66,7 @@ def describe_package() -> Facts:
         "models": " ".join(sorted({"gltf", "glb"} | mesh_formats())),
         "environments": " ".join([*PRESETS, "none", *(f"*{suffix}" for suffix in FORMATS)]),
         "pictures": " ".join(WRITABLE),
+        "films": " ".join(FILM_FORMATS),
         "cache": str(cache_folder() or "off"),
     }
 

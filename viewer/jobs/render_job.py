@@ -13,12 +13,14 @@ from typing import TYPE_CHECKING
 from ..base.atomic import write_json
 from ..base.messages import say, say_error
 from ..base.progress import Progress
-from ..base.signals import Stopped
+from ..base.signals import Stopped, postponed
 from ..errors import ContextError, OutputError, UsageError, ViewerError
-from ..image.image import WRITABLE
+from ..image.film import FILM_FORMATS, write_film
+from ..image.image import WRITABLE, Image
 from ..scene.camera import Camera
 from ..scene.scene import Scene
 from ..settings import Settings
+from .film import Film
 from .makers import make_picture_maker
 from .picture_maker import PictureMaker, RenderRequest
 
@@ -54,13 +56,17 @@ class RenderJob:
         load: Callable[[str], Scene],
         camera: Callable[[str, Scene], Camera],
         stats: str | None = None,
+        film: Callable[[str, Path, Scene], Film | None] = lambda model, path, scene: None,
     ) -> int:
         """Render each (model, path). Returns the exit status: 0, or 1 if some model could not be rendered.
 
+        `film` says what of a model is filmed; for None it is one picture, from `camera`.
+
         A model that cannot be rendered is reported on stderr, and the others are still rendered. `stats` names a JSON
         file for the times, plan and memory, or the error, of each picture. A signal to stop during path tracing saves
-        the picture with its samples so far and ends the job; the exit status is then the shell's for that signal. At
-        other times the signal raises Stopped. Raises ContextError and UsageError, which concern all models.
+        the picture with its samples so far, and one during a film the frames so far, and ends the job; the exit status
+        is then the shell's for that signal. At other times the signal raises Stopped. Raises ContextError and
+        UsageError, which concern all models.
         """
         records: list[Record] = []
         status = 0
@@ -69,7 +75,7 @@ class RenderJob:
         with Progress(len(work), enabled=not self.quiet) as progress, self._opened():
             for model, path in work:
                 try:
-                    record = self._one(model, path, load, camera, progress, maker)
+                    record = self._one(model, path, load, camera, film, progress, maker)
                 except (ContextError, UsageError):
                     raise
                 except (ViewerError, MemoryError) as error:
@@ -85,21 +91,24 @@ class RenderJob:
         return status
 
     def _one(self, model: str, path: Path, load: Callable[[str], Scene], camera: Callable[[str, Scene], Camera],
-             progress: Progress, maker: PictureMaker) -> Record:
+             film: Callable[[str, Path, Scene], Film | None], progress: Progress, maker: PictureMaker) -> Record:
         progress.step(f"{Path(model).name}: loading")
         start = time.perf_counter()
         scene = load(model)
-        view = camera(model, scene)
+        shots = film(model, path, scene)
+        view = camera(model, scene) if shots is None else None
         loaded = time.perf_counter()
         progress.say(f"{Path(model).name}: rendering")
         known = scene.all_warnings
-        image = maker.make(scene, view, path, progress)
+        image = maker.make(scene, view, path, progress) if view is not None else None
+        count = write_film(path, self._frames(scene, shots, path, progress, maker), shots.fps) if shots else 0
         if not self.quiet:  # of textures, what is wrong is known only when they are decoded
             for warning in scene.all_warnings:
                 if warning not in known:
                     say(f"{model}: warning: {warning}")
         rendered = time.perf_counter()
-        image.save(path)
+        if image is not None:
+            image.save(path)
         saved = time.perf_counter()
         seconds = {"load": loaded - start, "render": rendered - loaded, "save": saved - rendered,
                    "total": saved - start}
@@ -107,8 +116,23 @@ class RenderJob:
             times = ", ".join(f"{name} {value:.3f} s" for name, value in seconds.items())
             say(f"{path}: {times}; {maker.summary}")
         if maker.stopped is not None:
-            say_error(f"{path}: stopped after {maker.summary}")
-        return self._record(model, path, scene, seconds, maker)
+            done = f"{count} of {len(shots.frames)} frames" if shots else maker.summary
+            say_error(f"{path}: stopped after {done}")
+        return self._record(model, path, scene, seconds, maker) | ({"frames": count} if shots else {})
+
+    @staticmethod
+    def _frames(scene: Scene, film: Film, path: Path, progress: Progress, maker: PictureMaker) -> Iterator[Image]:
+        """The pictures of a film. The first signal to stop ends them, after one at least."""
+        with postponed() as request:
+            for k, frame in enumerate(film.frames):
+                scene = frame.of(scene)
+                progress.part(k / len(film.frames), f"{path.name}: frame {k + 1} of {len(film.frames)}")
+                image = maker.make(scene, film.camera(scene, frame), path, progress)
+                maker.stopped = maker.stopped or request.number
+                if k == 0 or maker.stopped is None:
+                    yield image
+                if maker.stopped is not None:
+                    break
 
     @contextmanager
     def _opened(self) -> Iterator[None]:
@@ -159,9 +183,9 @@ def output_paths(models: Sequence[str], output: str) -> tuple[list[Path], list[P
     else:
         paths = [Path(output)]
     for path in paths:
-        if path.suffix.lower() not in WRITABLE:
+        if path.suffix.lower() not in (*WRITABLE, *FILM_FORMATS):
             raise UsageError(f"-o {path}: the name of a picture must end in one of {', '.join(WRITABLE)}; that of a "
-                             "folder in /")
+                             f"film in one of {', '.join(FILM_FORMATS)}; that of a folder in /")
     twice = {str(path) for path in paths if paths.count(path) > 1}
     if twice:
         raise UsageError(f"-o {output}: several models would be written to {', '.join(sorted(twice))}")
