@@ -72,7 +72,7 @@ def test_options_change_what_they_are_named_for(run, folder):
     (["render", "a.glb"], "Missing option '-o'"),
     (["render", "-o", "a.png"], "Missing argument 'MODEL...'"),
     (["nope"], "No such command 'nope'"),
-    (["render", "a.glb", "-o", "a.gif"], "the name of a picture must end in one of .png"),
+    (["render", "a.glb", "-o", "a.bmp"], "the name of a picture must end in one of .png"),
     (["render", "a.glb", "-o", "-"], "the name of a picture must end in one of .png"),
     (["render", "a.glb", "b.glb", "-o", "a.png"], "several models need a folder, a.png/, or a pattern with {name}"),
     (["render", "x/a.glb", "y/a.glb", "-o", "{name}.png"], "several models would be written to a.png"),

@@ -117,7 +117,8 @@ def _rendered(scene: Scene, size: tuple[int, int], camera: Camera | None, backen
 
 
 def show(
-    scene: Scene, size: tuple[int, int] = DEFAULT_SIZE, camera: Camera | None = None, **settings: Any
+    scene: Scene, size: tuple[int, int] = DEFAULT_SIZE, camera: Camera | None = None, *, time: float | None = None,
+    animation: str | int | None = None, **settings: Any,
 ) -> Image | None:
     """Show `scene` in a window and wait until it is closed. In a notebook, return a picture, which displays itself.
 
@@ -126,6 +127,7 @@ def show(
     ContextError if no window can be opened.
     """
     _expect_scene(scene, camera)
+    scene = _at(scene, time, animation)
     if _in_notebook():
         return render(scene, size, camera, **settings)
     from .app import open_window

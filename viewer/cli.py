@@ -64,16 +64,18 @@ def cli() -> None:
 
 @cli.command(short_help="Open a model in a window.", context_settings={"default_map": {"denoise": "fast"}})
 @click.argument("model")
-@with_options([*SCENE_OPTIONS, *PATH_OPTIONS, *CAMERA_OPTIONS, *COMMON_OPTIONS])
+@with_options([*SCENE_OPTIONS, *TIME_OPTIONS, *PATH_OPTIONS, *CAMERA_OPTIONS, *COMMON_OPTIONS])
 def view(model: str, **options: Any) -> None:
     """Open MODEL in a window. Drag to orbit, scroll to move closer, press H for a list of all keys.
+
+    With --animation it plays, unless a --time is given, at which it stands still.
 
     MODEL is a glTF file (.gltf, .glb), an OBJ, PLY, STL, OFF or XYZ. 3MF and COLLADA (.dae) need
     `pip install 'pbr-viewer[formats]'`.
     """
     check_camera_options(options)
     from .app import open_window
-    from .jobs.assemble import make_camera, make_environment, make_scene, make_settings
+    from .jobs.assemble import make_camera, make_environment, make_playback, make_scene, make_settings
 
     settings = make_settings(options)
     start = time.perf_counter()
@@ -84,7 +86,8 @@ def view(model: str, **options: Any) -> None:
         tell(f"{model}: load {time.perf_counter() - start:.3f} s")
     asked = any(options[name] is not None for name in ("orbit", "eye", "camera", "fov", "target"))
     camera = make_camera(model, scene, options) if asked else None
-    open_window(scene, settings, camera, options["size"], use_cache=not options["no_cache"], tell=tell)
+    open_window(scene, settings, camera, options["size"], use_cache=not options["no_cache"], tell=tell,
+                playback=make_playback(model, scene, options))
 
 
 @cli.command(short_help="Render pictures of models, without a screen.")

@@ -9,10 +9,12 @@ import pytest
 
 from viewer.interact.keys import KEYS
 from viewer.interact.state import FURNACE, VIEWS, ViewState, free_path, scene_facts
+from viewer.scene.animation import Animation, Target, Track
 from viewer.scene.environment import Environment
 from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.scene.mesh import Mesh
+from viewer.scene.rig import Nodes, Rig
 from viewer.scene.scene import Instance, Scene
 from viewer.settings import Settings
 
@@ -211,3 +213,96 @@ def test_the_furnace_view_makes_white_and_comes_back():
     state.toggle_furnace()
     assert state.scene is scene
     assert (state.settings.exposure, state.settings.tonemap, state.settings.multiscatter) == (2.0, "neutral", "on")
+
+
+def swinging(names=("sway", "rise")) -> Scene:
+    """A triangle that its node moves by 4 along x, or along y, in 2 s."""
+    nodes = Nodes(np.array([-1]), np.array([0]), np.zeros((1, 3)), np.array([[0.0, 0, 0, 1]]), np.ones((1, 3)), {})
+    animations = tuple(Animation(name, (Track(Target("node", 0, "translation"), [0, 2], [[0, 0, 0], end]),))
+                       for name, end in zip(names, ([4, 0, 0], [0, 4, 0])))
+    grey = Environment("grey", GREY)
+    return replace(triangle(environment=grey), animations=animations, rig=Rig(nodes, np.array([0])))
+
+
+def place(state: ViewState) -> list[float]:
+    return state.scene.instances[0].transform[:3, 3].tolist()
+
+
+def test_an_animation_plays_pauses_and_begins_again():
+    state = ViewState(swinging(), Settings())
+    assert not state.play(1.0) and place(state) == [0, 0, 0]
+    state.toggle_play()
+    assert state.play(0.5) and place(state) == [1, 0, 0]
+    state.playback.speed = 2.0
+    state.play(0.5)
+    assert place(state) == [3, 0, 0]
+    state.play(0.75)
+    assert place(state) == [2, 0, 0], "0.5 s after the beginning and 0.5 s before it"
+    state.toggle_play()
+    shown = state.scene
+    assert not state.play(1.0) and state.scene is shown
+
+
+def test_seeking_pauses_and_stays_within_the_animation():
+    state = ViewState(swinging(), Settings())
+    state.seek(1.0)
+    assert place(state) == [0, 0, 0], "at rest there is no time"
+    state.toggle_play()
+    state.seek(1.5)
+    assert place(state) == [3, 0, 0] and not state.playback.is_playing
+    for time, x in ((9.0, 4), (-1.0, 0)):
+        state.seek(time)
+        assert place(state) == [x, 0, 0]
+
+
+def test_animations_are_shown_one_after_the_other_and_then_the_model_at_rest():
+    state = ViewState(swinging(), Settings())
+    state.show_next_animation()
+    state.seek(1.0)
+    state.show_next_animation()
+    assert state.message == "Animation 2 of 2: rise" and state.playback.time == 0
+    state.seek(2.0)
+    assert place(state) == [0, 4, 0]
+    state.show_next_animation()
+    assert state.playback.animation is None and place(state) == [0, 0, 0] and state.message == "At rest"
+
+
+def test_the_furnace_moves_and_is_left_in_the_same_pose():
+    state = ViewState(swinging(), Settings())
+    state.show_animation(0)
+    state.toggle_furnace()
+    state.seek(1.0)
+    assert place(state) == [2, 0, 0] and state.scene.environment.name == "furnace"
+    state.toggle_furnace()
+    assert place(state) == [2, 0, 0] and state.scene.environment.name == "grey"
+
+
+def test_another_model_is_shown_at_rest(state):
+    state.toggle_play()
+    assert state.message == "The model has no animations" and not state.playback.is_playing
+    state.open(swinging())
+    state.toggle_play()
+    state.open(swinging())
+    assert state.playback.animation is None and not state.playback.is_playing
+
+
+def test_a_pose_that_cannot_be_drawn_stops_the_animation_with_a_message():
+    scene = swinging(("far",))
+    track = replace(scene.animations[0].tracks[0], values=[[0, 0, 0], [3e38, 0, 0]])
+    state = ViewState(replace(scene, animations=(replace(scene.animations[0], tracks=(track,)),)), Settings())
+    state.toggle_play()
+    state.play(1.0)
+    assert state.is_error and "cannot be drawn" in state.message and not state.playback.is_playing
+
+
+def test_lights_that_are_edited_stand_still_and_added_ones_stay():
+    scene = replace(swinging(), lights=(Light("point"),))
+    scene = replace(scene, rig=replace(scene.rig, lights=(0,), light_items=(0,)))
+    state = ViewState(scene, Settings())
+    state.set_lights((*state.scene.lights, Light("directional")))
+    state.show_animation(0)
+    state.seek(1.0)
+    assert [light.position[0] for light in state.scene.lights] == [2, 0]
+    state.set_lights(state.scene.lights[1:])
+    state.seek(2.0)
+    assert len(state.scene.lights) == 1 and state.scene.lights[0].kind == "directional"

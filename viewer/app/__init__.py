@@ -8,16 +8,18 @@ from typing import TYPE_CHECKING
 from ..errors import UsageError
 
 if TYPE_CHECKING:
+    from ..interact.playback import Playback
     from ..scene.camera import Camera
     from ..scene.scene import Scene
     from ..settings import Settings
 
 
 def open_window(scene: Scene, settings: Settings, camera: Camera | None = None, size: tuple[int, int] = (1280, 720),
-                use_cache: bool = True, tell: Callable[[str], None] | None = None) -> None:
+                use_cache: bool = True, tell: Callable[[str], None] | None = None,
+                playback: Playback | None = None) -> None:
     """`viewer.app.window.run`. Raises UsageError also for a denoiser that is too slow for a window."""
     if settings.denoise == "oidn":
         raise UsageError("denoise oidn takes too long for a window; there are off and fast")
     from .window import run
 
-    run(scene, settings, camera, size, use_cache, tell)
+    run(scene, settings, camera, size, use_cache, tell, playback)

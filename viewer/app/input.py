@@ -29,8 +29,8 @@ SCROLL_HEIGHTS = 0.03
 """One notch of the wheel pans or orbits by so many window heights."""
 _NAMES = {
     getattr(glfw, f"KEY_{name}"): name
-    for name in ("ESCAPE", "TAB", "HOME", "SPACE", *(f"F{k}" for k in range(1, 13)), *(f"KP_{k}" for k in range(10)),
-                 *"0123456789", *"ABCDEFGHIJKLMNOPQRSTUVWXYZ")
+    for name in ("ESCAPE", "TAB", "HOME", "SPACE", "COMMA", "PERIOD", *(f"F{k}" for k in range(1, 13)),
+                 *(f"KP_{k}" for k in range(10)), *"0123456789", *"ABCDEFGHIJKLMNOPQRSTUVWXYZ")
 }
 
 

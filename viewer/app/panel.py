@@ -11,6 +11,7 @@ from functools import cache
 import numpy as np
 from imgui_bundle import imgui
 
+from ..interact.playback import SPEEDS
 from ..interact.state import ViewState, scene_facts
 from ..scene.environment_files import load_environment
 from ..scene.environment_presets import PRESETS
@@ -70,6 +71,7 @@ class Panel:
             Section("Variant", self._variant, is_there=lambda: bool(state.scene.variants)),
             Section("Shading", self._shading),
             Section("Path tracing", self._path_tracing, is_there=lambda: state.shows("path")),
+            Section("Animation", self._animation, is_there=lambda: bool(state.scene.animations)),
             Section("Environment", self._environment, is_there=lambda: state.before_furnace is None),
             Section("Lights", self._lights, is_open=False, is_there=lambda: state.before_furnace is None),
             Section("Picture", self._picture),
@@ -149,6 +151,28 @@ class Panel:
             state.settings = replace(state.settings, bounces=bounces)
         if imgui.checkbox("Paused", state.paused)[0]:
             state.toggle_pause()
+
+    def _animation(self) -> None:
+        state, playback = self._state, self._state.playback
+        self._row("Animation")
+        names = ["At rest", *(animation.name for animation in state.scene.animations)]
+        index = combo("animation", 0 if playback.animation is None else playback.animation + 1, names)
+        if index is not None:
+            state.show_animation(index - 1 if index else None)
+        if imgui.button("Pause" if playback.is_playing else "Play", imgui.ImVec2(-1, 0)):
+            state.toggle_play()
+        if playback.animation is None:
+            return
+        self._row("Time")
+        duration = playback.duration(state.scene)
+        flags = imgui.SliderFlags_.always_clamp
+        moved, moment = imgui.slider_float("##time", playback.time, 0.0, duration, f"%.2f of {duration:.2f} s", flags)
+        if moved:
+            state.seek(moment)
+        self._row("Speed")
+        changed, speed = logarithmic("##speed", playback.speed, *SPEEDS)
+        if changed:
+            playback.speed = min(max(speed, SPEEDS[0]), SPEEDS[1])
 
     def _environment(self) -> None:
         state = self._state

@@ -17,6 +17,7 @@ from ..gpu.window import WindowContext
 from ..interact.orbit import QUARTER, OrbitController
 from ..interact.pick import pick
 from ..interact.picture import Picture
+from ..interact.playback import STEP_SECONDS, Playback
 from ..interact.state import VIEWS, ViewState
 from ..raster.renderer import Renderer
 from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, Camera
@@ -47,15 +48,17 @@ def run(
     size: tuple[int, int] = (1280, 720),
     use_cache: bool = True,
     tell: Callable[[str], None] | None = None,
+    playback: Playback | None = None,
 ) -> None:
     """Open a window of `size` (in screen coordinates) on `scene`, and return when it is closed.
 
-    Without `camera` the scene is framed. `use_cache` allows the cache on disk to be used. `tell` gets a line about the
-    device when the window is open, and one about the first picture. Raises ContextError if no
-    window can be opened, and the renderer's errors for a scene that cannot be drawn.
+    `playback` is where in which animation it begins, by default with the scene as it is. Without `camera` the scene is
+    framed. `use_cache` allows the cache on disk to be used. `tell` gets a line about the device when the window is
+    open, and one about the first picture. Raises ContextError if no window can be opened, and the renderer's errors for
+    a scene that cannot be drawn.
     """
     start = time.perf_counter()
-    with ViewerWindow(scene, settings, camera, size, use_cache) as window:
+    with ViewerWindow(scene, settings, camera, size, use_cache, playback) as window:
         if tell is not None:
             tell(f"window: {window.readings.device}: {time.perf_counter() - start:.3f} s")
         while not window.is_closed:
@@ -69,8 +72,9 @@ class ViewerWindow:
     """The window, one `step` at a time."""
 
     def __init__(self, scene: Scene, settings: Settings, camera: Camera | None = None,
-                 size: tuple[int, int] = (1280, 720), use_cache: bool = True) -> None:
-        self.state = ViewState(scene, settings, panel=size[0] >= PANEL_FROM_WIDTH)
+                 size: tuple[int, int] = (1280, 720), use_cache: bool = True,
+                 playback: Playback | None = None) -> None:
+        self.state = ViewState(scene, settings, panel=size[0] >= PANEL_FROM_WIDTH, playback=playback or Playback())
         self.context = WindowContext(size, _title(scene), visible=True)
         self.renderer = Renderer(self.context, use_cache)
         self.window = self.context.window
@@ -86,7 +90,7 @@ class ViewerWindow:
         self._next_camera = 0
         self._to_open: list[str] = []
         self._frames_left = SETTLING_FRAMES
-        self._coasted_at = time.monotonic()
+        self._moved_at = time.monotonic()
         glfw.swap_interval(1)
         self._show_notice(f"Preparing {scene.name} …")
 
@@ -97,7 +101,7 @@ class ViewerWindow:
     @property
     def needs_redraw(self) -> bool:
         """Whether something must be drawn at once. If not, the picture may still be refined or path traced."""
-        return bool(self._frames_left or self._to_open or self.orbit.velocity.any())
+        return bool(self._frames_left or self._to_open or self.orbit.velocity.any() or self.state.playback.is_playing)
 
     def step(self, timeout: float = INTERVAL) -> None:
         """Wait for an event, at most `timeout` seconds. Then draw if there is anything new, and continue path
@@ -114,9 +118,9 @@ class ViewerWindow:
         if reloaded is not None:
             self._report_reload(reloaded)
         now = time.monotonic()
-        coasting = self.orbit.coast(min(now - self._coasted_at, 0.1))
-        self._coasted_at = now
-        has_news = self._input.changed or coasting or self.picture.wants_refinement
+        passed, self._moved_at = now - self._moved_at, now
+        is_moving = self.orbit.coast(min(passed, 0.1)) | self.state.play(passed)
+        has_news = self._input.changed or is_moving or self.picture.wants_refinement
         if self.state.forget_message() or has_news:
             self._input.changed, self._frames_left = False, SETTLING_FRAMES
         if self._frames_left:
@@ -137,7 +141,10 @@ class ViewerWindow:
             if action == "inertia":
                 state.say(f"Inertia {'on' if state.inertia else 'off'}")
         else:
-            {"pause": state.toggle_pause, "denoise": state.toggle_denoise,
+            {"pause": state.toggle_pause, "denoise": state.toggle_denoise, "play": state.toggle_play,
+             "next_animation": state.show_next_animation,
+             "step_back": lambda: state.seek(state.playback.time - STEP_SECONDS),
+             "step_on": lambda: state.seek(state.playback.time + STEP_SECONDS),
              "frame_all": self._frame_all, "orthographic": self._toggle_orthographic,
              "next_camera": self._show_next_camera, "screenshot": self._save, "reload": self._reload,
              "close": self._close}[action]()

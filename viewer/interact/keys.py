@@ -39,6 +39,10 @@ KEYS = (
     Binding("Camera", ("O", "KP_5"), "orthographic", "Perspective or orthographic"),
     Binding("Camera", ("C",), "next_camera", "The file's next camera"),
     Binding("Camera", ("I",), "inertia", "Inertia on or off"),
+    Binding("Animation", ("P",), "play", "Play or pause"),
+    Binding("Animation", ("Shift+P",), "next_animation", "Next animation, and after the last one the model at rest"),
+    Binding("Animation", ("COMMA",), "step_back", "Pause, and go back by 1/25 s"),
+    Binding("Animation", ("PERIOD",), "step_on", "Pause, and go on by 1/25 s"),
     Binding("Window", ("TAB",), "panel", "Panel"),
     Binding("Window", ("H", "F1"), "help", "This help"),
     Binding("Window", ("S", "Ctrl+S", "F12"), "screenshot", "Save the picture as PNG in the current folder"),
@@ -56,7 +60,7 @@ MOUSE = (
     ("Drop a file", "Open a model, or an HDR or EXR picture as environment"),
 )
 
-_LABELS = {"ESCAPE": "Esc", "TAB": "Tab", "HOME": "Home", "SPACE": "Space"}
+_LABELS = {"COMMA": ",", "PERIOD": ".", "ESCAPE": "Esc", "TAB": "Tab", "HOME": "Home", "SPACE": "Space"}
 
 
 def action_of(key: str, shift: bool = False, control: bool = False) -> str | None:

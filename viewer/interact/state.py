@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, get_args
 
+from ..errors import ViewerError
 from ..scene.environment import Environment
 from ..scene.furnace import in_furnace
 from ..scene.light import Light
 from ..scene.scene import Scene
 from ..settings import Lobes, Mode, Settings, ignored
+from .playback import Playback
 
 Part = tuple[int, int, int, int]
 
@@ -49,6 +51,7 @@ class ViewState:
     is_error: bool = False
     expires: float = 0.0
     before_furnace: tuple[Scene, dict[str, Any]] | None = None
+    playback: Playback = field(default_factory=Playback)
 
     @property
     def modes(self) -> tuple[Mode, ...]:
@@ -100,6 +103,60 @@ class ViewState:
         self.settings = replace(self.settings, denoise="fast" if self.settings.denoise == "off" else "off")
         self.say(f"Path tracing: denoising {'on' if self.settings.denoise == 'fast' else 'off'}")
 
+    def toggle_play(self) -> None:
+        """Play the animation, the first one if none is chosen, or stand still."""
+        if not self.scene.animations:
+            self.say("The model has no animations")
+            return
+        if self.playback.animation is None:
+            self.show_animation(0)
+        self.playback.is_playing = not self.playback.is_playing
+
+    def show_animation(self, number: int | None) -> None:
+        """Show another animation from its beginning, playing or not as before; None is the model at rest."""
+        self.playback.animation, self.playback.time = number, 0.0
+        self.playback.is_playing &= number is not None
+        self._pose()
+
+    def show_next_animation(self) -> None:
+        """The one after the last one is the model at rest."""
+        animations, current = self.scene.animations, self.playback.animation
+        if not animations:
+            self.say("The model has no animations")
+            return
+        number = 0 if current is None else current + 1
+        self.show_animation(number if number < len(animations) else None)
+        at_rest = self.playback.animation is None
+        self.say("At rest" if at_rest else f"Animation {number + 1} of {len(animations)}: {animations[number].name}")
+
+    def seek(self, time: float) -> None:
+        """Stand still at this time of the animation."""
+        if self.playback.animation is not None:
+            self.playback.is_playing = False
+            self.playback.time = min(max(time, 0.0), self.playback.duration(self.scene))
+            self._pose()
+
+    def play(self, seconds: float) -> bool:
+        """Go on by so much of the clock, if the animation plays. Returns whether it does."""
+        if self.playback.is_playing:
+            self.playback.advance(self.scene, seconds)
+            self._pose()
+        return self.playback.is_playing
+
+    def _pose(self) -> None:
+        """Move the scene, and the one before the furnace, to the time of the animation."""
+        try:
+            if self.before_furnace is None:
+                self.scene = self.playback.pose(self.scene)
+                return
+            scene, settings = self.before_furnace
+            scene = self.playback.pose(scene)
+        except ViewerError as error:
+            self.playback.is_playing = False
+            self.say(str(error), is_error=True)
+        else:
+            self.scene, self.before_furnace = in_furnace(scene), (scene, settings)
+
     def toggle_furnace(self) -> None:
         """Show the scene in the white furnace (viewer/scene/furnace.py), or leave the furnace."""
         if self.before_furnace is None:
@@ -118,7 +175,7 @@ class ViewState:
     def shown(self) -> dict[str, object]:
         """The current values of the fields that determine the picture."""
         return {"scene": self.scene, "settings": self.settings, "split": self.split, "sides": self.sides,
-                "before_furnace": self.before_furnace}
+                "before_furnace": self.before_furnace, "playback": replace(self.playback, is_playing=False)}
 
     def say(self, text: str, is_error: bool = False) -> None:
         """Show one line over the picture: for some seconds, or, for an error, until the next message or Esc."""
@@ -153,6 +210,7 @@ class ViewState:
         self.leave_furnace()
         added = tuple(light for light in self.scene.lights if light.name == ADDED_LIGHT)
         self.scene = scene.relit(environment=self.scene.environment, lights=(*scene.lights, *added))
+        self.playback = Playback(speed=self.playback.speed)
 
     def on_screen(self) -> Settings:
         """The settings for display in a window, which has no alpha: a background of `none` becomes CLEAR_GREY."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError, UsageError
+from ..interact.playback import Playback
 from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, DEFAULT_FOV, Camera
 from ..scene.environment import Environment
 from ..scene.environment_files import load_environment
@@ -51,6 +52,14 @@ def make_scene(model: str, environment: Environment | None, options: dict[str, A
     if options.get("animation") is None and time is None:
         return scene
     return scene.at(time or 0.0, find_animation(model, scene, options["animation"]))
+
+
+def make_playback(model: str, scene: Scene, options: dict[str, Any]) -> Playback:
+    """Where the window begins: an animation that is named plays, and one whose time is given stands still."""
+    if options["animation"] is None and options["time"] is None:
+        return Playback()
+    number, time = find_animation(model, scene, options["animation"]), options["time"]
+    return Playback(number, time or 0.0, is_playing=time is None)
 
 
 def find_animation(model: str, scene: Scene, wanted: str | None) -> int:

@@ -34,6 +34,8 @@ def posed(scene: Scene, animation: Animation, time: float) -> Scene:
     rig = scene.rig
     if rig is None:
         return scene
+    if len(rig.instances) != len(scene.instances) or max(rig.deformed, default=-1) >= len(scene.meshes):
+        raise UsageError("the scene has other instances or meshes than those that its animations move")
     values = rig.at_rest | animation.at(time)
     try:
         with np.errstate(all="ignore"):
@@ -123,6 +125,8 @@ def _weights(deformed: Deformed, values: dict[Target, np.ndarray]) -> tuple[floa
 def _lights(scene: Scene, rig: Rig, world: np.ndarray, values: dict[Target, np.ndarray],
             hidden: np.ndarray) -> tuple[Light, ...]:
     lights = list(scene.lights)
+    if len(lights) < len(rig.lights):  # some were taken away
+        return scene.lights
     for k, (node, item) in enumerate(zip(rig.lights, rig.light_items, strict=True)):
         x, y, z = world[node, :3, 3].tolist()
         changes = _changes("light", item, values)
@@ -143,6 +147,8 @@ def _with_cone(light: Light) -> Light:
 
 def _cameras(scene: Scene, rig: Rig, world: np.ndarray, values: dict[Target, np.ndarray]) -> tuple[Camera, ...]:
     cameras = list(scene.cameras)
+    if len(cameras) < len(rig.cameras):
+        return scene.cameras
     for k, (node, item) in enumerate(zip(rig.cameras, rig.camera_items, strict=True)):
         camera, pose, changes = cameras[k], camera_pose(world[node]), _changes("camera", item, values)
         if "near" in changes:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
+from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -188,15 +189,23 @@ class Scene:
         return Camera.orbit(target, distance, azimuth, elevation, fov_y)
 
     def relit(self, **changes: Any) -> Scene:
-        """A copy with another `environment`, `lights` or `materials`. It keeps the cached bounds of the geometry."""
+        """A copy with another `environment`, `lights` or `materials`. It keeps the cached bounds of the geometry.
+
+        Lights may be added behind those of the file. If those of the file are changed, none of them moves any more.
+        """
+        rig, lights = self.rig, changes.get("lights", self.lights)
+        if rig is not None and any(a is not b for a, b in zip_longest(self.lights[:len(rig.lights)],
+                                                                       lights[:len(rig.lights)])):
+            changes["rig"] = replace(rig, lights=(), light_items=())
         copy = replace(self, **changes)
         for name in ("bounds", "corners", "center", "radius"):
             if name in self.__dict__:
                 copy.__dict__[name] = self.__dict__[name]
         return copy
 
-    def at(self, time: float, animation: str | int = 0) -> Scene:
-        """The scene as it is `time` seconds into an animation, given by its name or its number.
+    def at(self, time: float, animation: str | int | None = 0) -> Scene:
+        """The scene as it is `time` seconds into an animation, given by its name or its number; None is the scene at
+        rest.
 
         Before its first key frame and after its last one it stands still. What does not move, meshes and tuples
         included, is the same object as in this scene, so that renderers keep what they have of it. A scene without
@@ -209,9 +218,9 @@ class Scene:
 
         if not math.isfinite(time):
             raise UsageError(f"time={time}: not a number of seconds")
-        if self.rig is None and animation == 0:
+        if self.rig is None and animation in (0, None):
             return self
-        return posed(self, self.animation(animation), time)
+        return posed(self, self.animation(animation) if animation is not None else Animation("rest", ()), time)
 
     def animation(self, key: str | int) -> Animation:
         """The animation of this name or number. Raises UsageError if there is none."""
