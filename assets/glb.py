@@ -65,11 +65,22 @@ class Glb:
         primitive = self._shapes[id(shape)][1] | {"mode": mode}
         return self.add("meshes", {"primitives": [primitive | ({} if material is None else {"material": material})]})
 
-    def node(self, mesh: int | None = None, **fields) -> int:
-        """A node of the scene, with glTF's fields."""
+    def node(self, mesh: int | None = None, root: bool = True, **fields) -> int:
+        """A node of the scene, with glTF's fields; `root` is False for another node's child."""
         node = self.add("nodes", fields | ({} if mesh is None else {"mesh": mesh}))
-        self.json["scenes"][0]["nodes"].append(node)
+        if root:
+            self.json["scenes"][0]["nodes"].append(node)
         return node
+
+    def animation(self, name: str, *channels: tuple[int, str, list[float], np.ndarray]) -> None:
+        """Each channel moves a node: its number, the path (such as "rotation"), the times, and a value for each."""
+        samplers, listed = [], []
+        for node, path, times, values in channels:
+            moments = self._accessor(np.array(times, float), None)
+            self.json["accessors"][moments] |= {"min": [min(times)], "max": [max(times)]}
+            listed.append({"sampler": len(samplers), "target": {"node": node, "path": path}})
+            samplers.append({"input": moments, "output": self._accessor(np.array(values, float), None)})
+        self.add("animations", {"name": name, "samplers": samplers, "channels": listed})
 
     def light(self, kind: str, eye, target=(0, 0, 0), **fields) -> None:
         """A punctual light at `eye` that shines at `target`."""
@@ -97,10 +108,11 @@ class Glb:
         self._binary += data + b"\0" * (-len(data) % 4)
         return view
 
-    def _accessor(self, values: np.ndarray, target: int) -> int:
+    def _accessor(self, values: np.ndarray, target: int | None) -> int:
         values = np.ascontiguousarray(values, "f4" if values.dtype.kind == "f" else values.dtype)
         width = 1 if values.ndim == 1 else values.shape[1]
-        accessor = {"bufferView": self._view(values.tobytes(), target=target), "count": len(values),
+        view = self._view(values.tobytes(), **({} if target is None else {"target": target}))
+        accessor = {"bufferView": view, "count": len(values),
                     "componentType": _COMPONENTS[values.dtype.str[1:]], "type": _TYPES[width]}
         if values.dtype == np.uint8:
             accessor["normalized"] = True

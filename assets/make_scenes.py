@@ -448,6 +448,34 @@ def occlusion() -> Glb:
     return glb
 
 
+def arm() -> Glb:
+    """An arm of three joints on a foot, which bows: nodes that move nodes."""
+    glb = Glb()
+    steel, paint = glb.material((0.6, 0.6, 0.62), 1.0, 0.3), glb.material((0.9, 0.35, 0.1), 0.0, 0.35)
+    rod = lathe([[0, 0], [0.06, 0]], [[0.06, 0], [0.06, 1]], [[0.06, 1], [0, 1]], segments=24)
+    foot = lathe([[0, 0], [0.45, 0]], [[0.45, 0], [0.45, 0.1]], [[0.45, 0.1], [0, 0.15]], segments=48)
+    shade = lathe([[0.09, 0], [0.3, 0.35]], segments=32)
+    rod, foot, shade, knob = (without(shape, "TEXCOORD_0", "TANGENT") for shape in (rod, foot, shade, sphere(0.11, 24)))
+    two_sided = glb.material((0.9, 0.35, 0.1), 0.0, 0.35, doubleSided=True)
+    head = glb.node(glb.mesh(shade, two_sided), root=False, translation=[0, 1, 0])
+    upper_knob, lower_knob = (glb.node(glb.mesh(knob, steel), root=False) for _ in range(2))
+    upper = glb.node(glb.mesh(rod, paint), root=False, children=[head, upper_knob], translation=[0, 1, 0])
+    lower = glb.node(glb.mesh(rod, paint), children=[upper, lower_knob], translation=[0, 0.15, 0])
+    glb.node(glb.mesh(foot, steel))
+    times = [0.0, 0.5, 1.0, 1.5, 2.0]
+
+    def about(degrees: list[float]) -> list[list[float]]:
+        return [[0.0, 0.0, float(np.sin(half)), float(np.cos(half))] for half in np.radians(degrees) / 2]
+
+    turns = {lower: about([20, 35, 20, -10, 20]), upper: about([-60, -95, -60, -20, -60]),
+             head: about([-60, -40, -60, -90, -60])}
+    for node, values in turns.items():
+        glb.json["nodes"][node]["rotation"] = values[0]
+    glb.animation("bow", *((node, "rotation", times, values) for node, values in turns.items()))
+    glb.camera((0.2, 1.2, 6.5), (0.2, 0.8, 0))
+    return glb
+
+
 def _group(scale: float, offset=(0.0, 0.0, 0.0)) -> Glb:
     """A ball, a ring and a cone of some size somewhere, with the size in the vertices."""
     glb = Glb()
@@ -471,7 +499,7 @@ def huge() -> Glb:
     return _group(1e6, (3e7, 1e7, -2e7))
 
 
-SCENES = [spheres, normal_map, textures, alpha, lights, vertex_colors, emissive, unlit, specular_ior, glass,
+SCENES = [arm, spheres, normal_map, textures, alpha, lights, vertex_colors, emissive, unlit, specular_ior, glass,
           dispersion, anisotropy, clearcoat, sheen, specular_glossiness, rough_diffuse, translucent, two_sided,
           lines_points, occlusion, tiny, huge]
 

@@ -45,6 +45,13 @@ def test_material_grid(tmp_path):
     assert (cells[2].mean(axis=(0, 2))[:, 2] > cells[0].mean(axis=(0, 2))[:, 2]).all()  # dielectrics are paler
 
 
+def test_poses(tmp_path, capsys):
+    picture = run("poses.py", tmp_path / "poses.png", count=3, size=(32, 40))
+    first, *others = np.split(picture.srgb.astype(int), 3, axis=1)
+    assert all(np.abs(other - first).max() > 50 for other in others)
+    assert capsys.readouterr().out.startswith("bow: 2 s, rotation of 3 nodes; 3 poses are in ")
+
+
 def test_raster_against_paths(tmp_path, capsys):
     picture = run("raster_against_paths.py", tmp_path / "beside.png", size=(32, 24), spp=16)
     assert picture.size == (96, 24)
