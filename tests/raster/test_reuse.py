@@ -215,6 +215,31 @@ def test_shadows_follow_what_moves(renderer, context, settings):
     assert not any(np.array_equal(a, b) for a, b in pairwise(pictures))
 
 
+def test_an_environment_that_comes_back_is_baked_again(renderer):
+    """Under two environments in turn, in scenes of one layout and in one scene."""
+    first = scene(sphere(), materials=[Material()], environment=lopsided())
+    second = replace(first, environment=lopsided(), instances=tuple(replace(i) for i in first.instances))
+    relit = first.relit(environment=second.environment)
+    pictures = [renderer.render(model, orthographic(), SETTINGS, SIZE).linear
+                for model in (first, second, first, relit, first)]
+    for picture in pictures[1:]:
+        assert np.array_equal(picture, pictures[0])
+
+
+def test_light_that_is_baked_anew_for_a_pose_compiles_nothing(context, work):
+    materials = [Material((0.9, 0.2, 0.1, 1.0), metallic=0.0, perceptual_roughness=0.3), Material(metallic=0.0)]
+    before = scene(plate(0), (plate(1), facing_floor(y=-1.0)), materials=materials, environment=lopsided())
+    after = replace(before, instances=(replace(before.instances[0], transform=moved((0.3, -0.2, -0.4))),
+                                       before.instances[1]))
+    settings, renderer = replace(SETTINGS, indirect="baked", reflections="traced"), Renderer(context)
+    renderer.render(before, orthographic(0.3, 0.4, height=4.0), settings, SIZE)
+    assert work["programs"] > 5
+    work.clear()
+    renderer.render(after, orthographic(0.3, 0.4, height=4.0), settings, SIZE)
+    assert not work
+    renderer.release()
+
+
 def test_indirect_light_follows_the_instances(context):
     """Its buffers are those of instances, the meshes' buffers stay."""
     materials = [Material((0.9, 0.2, 0.1, 1.0), metallic=0.0), Material(metallic=0.0)]

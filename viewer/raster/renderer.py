@@ -265,7 +265,7 @@ class Renderer:
         if self._indirect_key != key:
             from ..trace.vertex_light import bake_incoming
 
-            self._surfaces.light_vertices(bake_incoming(self.context, scene, settings))
+            self._surfaces.light_vertices(bake_incoming(self.context, scene, settings, programs=self.programs))
             self._indirect_key = key
 
     def _prepare_surfaces(self, scene: Scene) -> None:
@@ -303,6 +303,7 @@ class Renderer:
         elif self._environment is None or not self._environment.holds(environment, settings):
             self._release(self._environment)
             self._environment = None  # should the next one fail
+            self._plans = []  # what they need of the environment is baked when they are made
             self._environment = EnvironmentLight(self.context, environment, settings, self._use_cache)
         if self._environment is not None:
             self._environment.environment = environment
