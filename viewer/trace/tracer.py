@@ -46,6 +46,7 @@ class Tracer:
                  programs: Programs | None = None) -> None:
         self.context = context
         self.programs = programs if programs is not None else Programs(context)
+        self._owns_programs = programs is None
         self._use_cache = use_cache
         self._intersector = intersector
         self._display = DisplayPass(context.gl, self.programs)
@@ -146,7 +147,7 @@ class Tracer:
         return self._dfg[key]
 
     def release(self) -> None:
-        """Free the resources of the tracer. The context stays."""
+        """Free the resources of the tracer. The context stays, and so do programs that it was given."""
         self.context.make_current()
         if self._scene is not None:
             self._scene.release()
@@ -155,4 +156,5 @@ class Tracer:
         for denoiser in self._denoisers.values():
             denoiser.release()
         self._display.release()
-        self.programs.release()
+        if self._owns_programs:
+            self.programs.release()

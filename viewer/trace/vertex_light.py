@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..gpu.context import Context
+from ..gpu.programs import Programs
 from ..scene.scene import Scene
 from ..settings import Settings
 from .paths.run import run
@@ -34,20 +35,25 @@ class VertexLight:
     per_instance: tuple[NDArray[np.float32], ...]
 
 
-def bake_incoming(context: Context, scene: Scene, settings: Settings, samples: int = SAMPLES) -> VertexLight:
+def bake_incoming(context: Context, scene: Scene, settings: Settings, samples: int = SAMPLES,
+                  programs: Programs | None = None) -> VertexLight:
     """Light that arrives at the vertices from other surfaces.
+
+    `programs` keep what is compiled for the next time.
 
     rgb is irradiance divided by pi. a is the cosine-weighted part of the hemisphere that surfaces cover, 0 to 1.
     Surfaces that blend or transmit light receive light, but they do not cover anything.
     """
     receivers = _receivers(scene)
     solid = tuple(i for i in scene.instances if _covers(scene, i.mesh))
-    return _bake(context, scene, replace(scene, instances=solid), receivers, settings, FROM_SURFACE, samples)
+    return _bake(context, scene, replace(scene, instances=solid), receivers, settings, FROM_SURFACE, samples,
+                 programs)
 
 
-def bake_outgoing(context: Context, scene: Scene, settings: Settings, samples: int = SAMPLES) -> VertexLight:
+def bake_outgoing(context: Context, scene: Scene, settings: Settings, samples: int = SAMPLES,
+                  programs: Programs | None = None) -> VertexLight:
     """Radiance that leaves the vertices along their normals, emission included; a is 1."""
-    return _bake(context, scene, scene, _receivers(scene), settings, TO_SURFACE, samples)
+    return _bake(context, scene, scene, _receivers(scene), settings, TO_SURFACE, samples, programs)
 
 
 def _receivers(scene: Scene) -> list[int]:
@@ -61,21 +67,22 @@ def _covers(scene: Scene, mesh: int) -> bool:
 
 
 def _bake(context: Context, scene: Scene, traced: Scene, receivers: list[int], settings: Settings, kind: int,
-          samples: int) -> VertexLight:
+          samples: int, programs: Programs | None) -> VertexLight:
     surfaces = surface_triangles(scene, receivers)
     values = np.zeros((len(surfaces.positions), 4))
     samples = min(samples, _VERTEX_SAMPLES * len(values))
     points = sample_surfaces(surfaces, samples // _POINT_SAMPLES)
     if len(points.triangle) and traced.instances:
         each = max(samples // len(points.triangle), 1)
-        values = fit(surfaces, points, _trace(context, scene, traced, surfaces, points, settings, kind, each))
+        values = fit(surfaces, points, _trace(
+            context, scene, traced, surfaces, points, settings, kind, each, programs))
         values[:, 3] = np.minimum(values[:, 3], 1.0)
     parts = np.split(values.astype(np.float32), surfaces.first_vertices[1:-1])
     return VertexLight(tuple(parts[: len(scene.instances)]))
 
 
 def _trace(context: Context, scene: Scene, traced: Scene, surfaces: SurfaceTriangles, points: SurfacePoints,
-           settings: Settings, kind: int, each: int) -> NDArray[np.float64]:
+           settings: Settings, kind: int, each: int, programs: Programs | None) -> NDArray[np.float64]:
     """Trace `each` samples from each point in the scene `traced`: radiance and coverage, (N, 4)."""
     geometric = surfaces.geometric_normals[points.triangle]
     normals = unit(interpolate(surfaces, points, surfaces.normals))
@@ -89,7 +96,7 @@ def _trace(context: Context, scene: Scene, traced: Scene, surfaces: SurfaceTrian
     settings = replace(settings, mode="path", spp=each, time_budget=None, error=None, denoise="off", seed=0,
                        lobes="all", plan="needed", exposure=0.0, bounces=default.bounces, clamp=0.0)
     rays = SurfaceRays(context.gl, kind, positions, normals, geometric)
-    tracer = Tracer(context)
+    tracer = Tracer(context, programs=programs)
     context.gl.clear_samplers()  # the samplers of the shadow maps would override those of the wavefront's textures
     try:
         path_render = tracer.begin_at(traced, rays, settings)

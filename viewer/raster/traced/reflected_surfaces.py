@@ -10,6 +10,7 @@ import numpy as np
 
 from ...errors import ViewerError
 from ...gpu.context import Context
+from ...gpu.programs import Programs
 from ...gpu.row_texture import row_texture
 from ...scene.scene import Scene
 from ...settings import Settings
@@ -30,14 +31,15 @@ class ReflectedSurfaces:
     normal from every side. Raises ViewerError for more triangles than a texture holds, and as `make_intersector` does.
     """
 
-    def __init__(self, context: Context, scene: Scene, settings: Settings, kind: str) -> None:
+    def __init__(self, context: Context, scene: Scene, settings: Settings, kind: str,
+                 programs: Programs) -> None:
         geometry = trace_geometry(scene)
         shown = [instance for instance in geometry.instances if not instance.see_through]
         geometry = replace(geometry, instances=shown)
         self._scene = scene
         self.defines = shader_defines()
         self.intersector = make_intersector(context, geometry, kind=kind)
-        light = bake_outgoing(context, _matte(scene), settings)
+        light = bake_outgoing(context, _matte(scene), settings, programs=programs)
         self._textures = _textures(context, [_vertices(scene, geometry, i, light) for i in shown])
 
     def holds(self, scene: Scene) -> bool:

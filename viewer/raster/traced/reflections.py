@@ -37,7 +37,7 @@ class TracedReflections:
         from .reflected_surfaces import ReflectedSurfaces
 
         self._surfaces.get(lambda held: held.holds(scene),
-                           lambda: ReflectedSurfaces(self._context, scene, settings, self._kind))
+                           lambda: ReflectedSurfaces(self._context, scene, settings, self._kind, self._programs))
 
     def find(self, frame: Frame, gbuffer: GBuffer, uniforms: dict[str, object]) -> dict[str, object]:
         """Trace a ray from each pixel of the G-buffer and return the uniforms of traced_reflection.glsl; `uniforms`
