@@ -23,7 +23,7 @@ def rolling(scene):
     """The small model, of which the first ball goes to and fro in 4 s."""
     count, start = len(scene.instances), scene.transforms[:, :3, 3]
     nodes = Nodes(np.full(count, -1), np.zeros(count, int), start, np.tile([0.0, 0, 0, 1], (count, 1)),
-                  np.ones((count, 3)), {})
+                  np.ones((count, 3)), {}, np.ones(count, bool))
     there = start[0] + (np.ptp(scene.bounds[:, 0]), 0, 0)
     track = Track(Target("node", 0, "translation"), [0, 2, 4], [start[0], there, start[0]])
     return replace(scene, animations=(Animation("roll", (track,)),), rig=Rig(nodes, np.arange(count)))
