@@ -217,7 +217,8 @@ def test_the_furnace_view_makes_white_and_comes_back():
 
 def swinging(names=("sway", "rise")) -> Scene:
     """A triangle that its node moves by 4 along x, or along y, in 2 s."""
-    nodes = Nodes(np.array([-1]), np.array([0]), np.zeros((1, 3)), np.array([[0.0, 0, 0, 1]]), np.ones((1, 3)), {}, np.ones(1, bool))
+    nodes = Nodes(np.array([-1]), np.array([0]), np.zeros((1, 3)), np.array([[0.0, 0, 0, 1]]), np.ones((1, 3)), {},
+                  np.ones(1, bool))
     animations = tuple(Animation(name, (Track(Target("node", 0, "translation"), [0, 2], [[0, 0, 0], end]),))
                        for name, end in zip(names, ([4, 0, 0], [0, 4, 0])))
     grey = Environment("grey", GREY)
