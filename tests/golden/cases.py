@@ -82,6 +82,7 @@ CASES = [
     Case("glass", "glass"),
     Case("glass-alone", "glass", view="close", settings={"background": "none"}),
     Case("glass-traced", "glass", settings={"refraction": "traced"}),
+    Case("arm", "arm", rotation=40.0),
     Case("two-sided", "two-sided", rotation=130.0),
     Case("textures", "textures", settings={"tonemap": "none", "background": (0.1, 0.2, 0.05)}),
     Case("spheres-turned", "spheres", rotation=90.0, settings={"tonemap": "agx", "background": "none"}),
