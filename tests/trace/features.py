@@ -172,7 +172,7 @@ FEATURES = [
     Feature("sheet seen from behind", leaf(lights=BEHIND, turn=np.pi), 0.004, 0.012),
     Feature("sheet, lopsided environment", leaf(environment=lopsided()), 0.01, 0.02, MAPS),
     Feature("furnace, white wax", ball(constant(), **(WAX | {"base_color": (1, 1, 1, 1)})), 0.004, 0.02),
-    Feature("studio, wax", ball("studio", **WAX), 0.08, 0.2, MIXED),
+    Feature("studio, wax", ball("studio", **WAX), 0.1, 0.2, MIXED),
     Feature("unlit", ball("studio", base_color=(0.9, 0.4, 0.1, 1), unlit=True), 0.004, 0.012),
     Feature("shadow of a sun", shadows, 0.004, 0.015),
     Feature("blended pane", pane, 0.015, 0.02, "The path tracer includes interreflection between pane and wall."),
