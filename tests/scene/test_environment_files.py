@@ -284,3 +284,14 @@ def test_pixels_that_nobody_holds_are_let_go(tmp_path):
     assert held() is None
     again = environment.radiance
     assert environment.radiance is again
+
+
+@pytest.mark.parametrize("name", ["a.exr", "a.hdr", "a.png"])
+def test_broken_files_are_told_in_words_of_our_own(tmp_path, name):
+    whole = write(tmp_path / name, random_map(64, 128), "uint8" if name == "a.png" else "float").read_bytes()
+    for cut in (0, 20, len(whole) // 2):
+        (tmp_path / name).write_bytes(whole[:cut])
+        with pytest.raises(InputError) as caught:
+            load_environment(tmp_path / name).radiance  # noqa: B018
+        assert any(words in str(caught.value) for words in ("its beginning is broken", "row ", "ends too early"))
+        assert "\n" not in str(caught.value) and "ERR" not in str(caught.value)

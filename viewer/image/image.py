@@ -198,14 +198,15 @@ def _read_linear(file: Path) -> np.ndarray:
     with utf8_name(file) as name:
         source = oiio.ImageInput.open(name)
     if source is None:
-        raise InputError(file, "", f"cannot be read: {oiio.geterror()}")
+        oiio.geterror()  # cleared; its words are the library's
+        raise InputError(file, "", "cannot be read: its beginning is broken, or is not that of an EXR or HDR file")
     spec = source.spec()
     _check_size(file, spec.width, spec.height)
     pixels = source.read_image(0, 0, 0, spec.nchannels, "float")
-    problem = source.geterror()
+    source.geterror()
     source.close()
     if pixels is None:
-        raise InputError(file, "", f"cannot be read: {problem}")
+        raise InputError(file, "", "cannot be read: its pixels are broken, or the file ends before the last of them")
     names = [name.upper() for name in spec.channelnames]
     wanted = ["R", "G", "B"] if "R" in names else ["Y"] * 3
     wanted += ["A"] * ("A" in names)

@@ -129,7 +129,8 @@ def _decode_by_library(path: Path, readable: Path, matrix: np.ndarray | None = N
     with utf8_name(readable) as name:
         source = oiio.ImageInput.open(name)
     if source is None:
-        raise InputError(path, "", _first_line(oiio.geterror()) or "not an image")
+        oiio.geterror()  # cleared; its words are the library's
+        raise InputError(path, "", f"its beginning is broken, or is not that of a {path.suffix.lower()} file")
     try:
         spec, found, wanted = source.spec(), source.format_name(), FORMATS[path.suffix.lower()]
         if found != wanted:
@@ -165,7 +166,8 @@ def _rows_of(path: Path, source: Any) -> tuple[Callable[[int, int], np.ndarray],
         else:
             texels = source.read_scanlines(top, bottom, spec.z, 0, last, "float")
         if texels is None:
-            raise InputError(path, f"row {first}", _first_line(source.geterror()) or "cannot be decoded")
+            source.geterror()  # cleared
+            raise InputError(path, f"row {first}", "is broken, or the file ends before it")
         texels = texels.reshape(end - first, spec.width, last)
         return texels if channels == [0, 1, 2] else np.ascontiguousarray(texels[:, :, channels])
 
@@ -266,7 +268,3 @@ def _upright(texels: np.ndarray, orientation: int) -> np.ndarray:
     if orientation in (2, 3, 6, 7):
         texels = texels[:, ::-1]
     return np.ascontiguousarray(texels)
-
-
-def _first_line(message: str) -> str:
-    return message.strip().split("\n")[0]
