@@ -12,6 +12,7 @@ import viewer
 from viewer.base.resources import resource_folder
 from viewer.image.image import Image
 from viewer.scene.color import LUMINANCE, srgb_to_linear
+from viewer.scene.scene import Variant
 from viewer.settings import setting_choices
 
 from .conftest import PLAIN
@@ -117,6 +118,37 @@ def test_every_section_draws_uncut_and_lights_are_added_and_removed(open_window,
     assert len(window.state.scene.lights) == count and count == 3
     assert flip(hands.screen(), before) > SAME  # the first of the file's own went, the added one stayed
     assert [light.kind for light in window.state.scene.lights] == ["spot", "directional", "directional"]
+
+
+def test_a_variant_is_chosen(open_window, scene, monkeypatch):
+    """The panel lists variants only where there are some, and shows the one that is chosen."""
+    from viewer.app import panel
+
+    red, green = (replace(scene.materials[0], base_color=color, base_color_texture=None)
+                  for color in ((1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0)))
+    variants = tuple(Variant(name, (material,) * len(scene.materials), (-1,) * len(scene.materials))
+                     for name, material in (("", red), ("Green", green)))
+    hands = open_window(scene, size=(640, 480))
+    combo, listed, chosen = panel.combo, [], []
+
+    def choose(name: str, current: int, texts) -> int | None:
+        combo(name, current, texts)
+        if name == "variant":
+            listed.append((current, list(texts)))
+            return chosen.pop() if chosen else None
+        return None
+
+    monkeypatch.setattr(panel, "combo", choose)
+    hands.key("Tab")
+    assert not listed
+    hands.window.state.scene = replace(scene, materials=variants[0].materials, variants=variants)
+    hands.move(100, 301)
+    assert listed[-1] == (0, ["The file's own", "Green"])
+    red_pixels = hands.screen()
+    chosen.append(1)
+    hands.move(100, 302)
+    assert listed[-1] == (1, ["The file's own", "Green"]) and hands.window.state.scene.variant == "Green"
+    assert flip(hands.screen()[:, :300], red_pixels[:, :300]) > SAME
 
 
 def test_the_panel_grows_with_the_desktops_scale(open_window, scene, monkeypatch):

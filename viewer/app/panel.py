@@ -111,9 +111,8 @@ class Panel:
         scene = self._state.scene
         names = [variant.name for variant in scene.variants]
         self._row("Materials")
-        shown = ["The file's own", *names[1:]]
-        changed, index = imgui.combo("##variant", names.index(scene.variant), shown)
-        if changed:
+        index = combo("variant", names.index(scene.variant), ["The file's own", *names[1:]])
+        if index is not None:
             self._state.choose_variant(names[index])
 
     def _shading(self) -> None:
