@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..animation import unit_quaternions
 from ..rig import compose
 from .accessors import Accessors
 from .element import Element
@@ -38,11 +39,4 @@ def instance_offsets(accessors: Accessors, node: Element) -> np.ndarray | None:
         values[key] = accessors.floats(index, _ATTRIBUTES[key][0]).astype(np.float64)
         if not np.isfinite(values[key]).all():
             raise attributes.error("the values must be finite", key)
-    return compose(values["TRANSLATION"], _unit(values["ROTATION"]), values["SCALE"])
-
-
-def _unit(quaternions: np.ndarray) -> np.ndarray:
-    """At length 1; the identity for those without a length."""
-    peak = np.abs(quaternions).max(axis=1, keepdims=True)
-    quaternions = np.where(peak > 0, quaternions, (0.0, 0.0, 0.0, 1.0)) / np.where(peak > 0, peak, 1.0)
-    return quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True)
+    return compose(values["TRANSLATION"], unit_quaternions(values["ROTATION"]), values["SCALE"])
