@@ -91,6 +91,9 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
 #if TRACED_REFLECTION
     mat2x3 unoccluded = specular;
 #endif
+#if SHEEN
+    vec3 unhidden = mean_light;
+#endif
 #if OCCLUSION_MAP
     mean_light *= occlusion;
     specular *= specular_occlusion(p.NoV, occlusion, mean_alpha(s));
@@ -124,8 +127,7 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
 #if SHEEN
     vec3 around = mean_light;
 #if HAS_ENVIRONMENT
-    // What occludes the light about n, or is added to it, is taken to do so about the axis of the sheen.
-    vec3 unhidden = environment_irradiance_over_pi(p.n);
+    // What occludes the light of the base, or is added to it, is taken to do so about the axis of the sheen.
     around += environment_irradiance_over_pi(sheen_axis(view.sheen, p.n, p.v, p.NoV)) - unhidden;
     around = max(around, 0.0);
 #endif

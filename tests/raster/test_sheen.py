@@ -49,3 +49,10 @@ def test_extremes_are_finite_and_no_roughness_is_no_sheen(radiance, roughness):
     found, bare = (radiance(scene(sphere(), materials=[m], **light), CAMERA, SIZE) for m in (cloth, plain))
     assert found.min() >= 0
     assert (np.abs(found - bare).max() < 1e-5) == (roughness == 0)
+
+
+def test_the_base_has_no_say_in_what_the_fibres_reflect_of_the_environment(radiance):
+    black = {"metallic": 0.0, "specular": 0.0, "base_color": (0.0, 0.0, 0.0, 1.0)}
+    cloths = [Material(sheen_color=(1, 1, 1), sheen_roughness=0.5, diffuse_roughness=r, **black) for r in (0.0, 1.0)]
+    even, rough = (radiance(scene(sphere(), materials=[m], environment=lopsided()), CAMERA, SIZE) for m in cloths)
+    np.testing.assert_allclose(rough, even, atol=1e-5 * even.max())
