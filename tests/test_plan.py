@@ -103,6 +103,8 @@ def test_only_what_the_material_is_made_of():
     ({"anisotropy_strength": 0.0}, set(MAPS) - {"anisotropy"}),
     ({"diffuse_roughness": 0.0}, set(MAPS) - {"diffuse_roughness"}),
     ({"sheen_color": (0.0, 0.0, 0.0)}, {name for name in MAPS if "sheen" not in name}),
+    ({"sheen_roughness": 0.0, "transmission": 0.0},
+     set(MAPS) - {"sheen_color", "sheen_roughness", "transmission"}),
     ({"clearcoat": 0.0}, {name for name in MAPS if "clearcoat" not in name}),
     ({"clearcoat_roughness": 0.0}, set(MAPS) - {"clearcoat_roughness"}),
     ({"clearcoat_normal_scale": 0.0}, set(MAPS) - {"clearcoat_normal"}),
@@ -128,11 +130,11 @@ def test_maps_that_change_no_pixel_are_not_sampled(change, sampled, monkeypatch)
 @pytest.mark.parametrize("mode", ["pbr", "phong"])
 def test_a_layer_is_code_only_where_a_surface_has_it(mode):
     names = {"sheen": "sheen_over", "clear coat": "coat_over"}
-    bare = plan(scene(lights=(SUN,), environment=ENVIRONMENT), mode=mode)
+    bare = plan(scene(Material(sheen_color=(0, 0, 1)), lights=(SUN,), environment=ENVIRONMENT), mode=mode)
     text = code(bare)
     for name, word in names.items():
         assert word not in text and (mode == "phong" or f"{name}: no surface has it" in bare.left_out)
-    both = Material(clearcoat=1.0, sheen_color=(0, 0, 1))
+    both = Material(clearcoat=1.0, sheen_color=(0, 0, 1), sheen_roughness=0.5)
     layered = plan(scene(both, lights=(SUN,), environment=ENVIRONMENT), mode=mode)
     for name, word in names.items():
         assert (word in code(layered)) == (mode == "pbr")

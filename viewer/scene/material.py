@@ -95,7 +95,8 @@ SPECULAR_GLOSSINESS = Feature(
     is_on=lambda m: m.specular_glossiness_texture is not None)
 
 SHEEN = Feature(
-    "sheen", "KHR_materials_sheen", switch="SHEEN", is_on=lambda m: any(m.sheen_color) and not m.transmits)
+    "sheen", "KHR_materials_sheen", switch="SHEEN",
+    is_on=lambda m: any(m.sheen_color) and m.sheen_roughness > 0 and not m.transmits)
 
 CLEARCOAT = Feature(
     "clear coat", "KHR_materials_clearcoat", switch="CLEARCOAT", is_on=lambda m: m.clearcoat > 0)
@@ -225,8 +226,7 @@ class Material:
         0.0, "sheenRoughnessFactor", "square root of the alpha of the fibres; 0: no sheen", of=SHEEN, low=0.0, high=1.0,
         times="sheen_roughness.A")
     sheen_roughness_texture: Texture | None = texture_map(
-        "sheenRoughnessTexture", "roughness of the fibres", of=SHEEN, channels="A",
-        has_effect=lambda m: SHEEN.is_on(m) and m.sheen_roughness > 0)
+        "sheenRoughnessTexture", "roughness of the fibres", of=SHEEN, channels="A", has_effect=SHEEN.is_on)
     clearcoat: float = parameter(
         0.0, "clearcoatFactor", "weight of the clear coat's reflection", of=CLEARCOAT, low=0.0, high=1.0,
         times="clearcoat.R")
