@@ -1,6 +1,7 @@
 """Draws pictures in a process of its own, with the driver that its environment names: `draw.py FILE NAME...`.
 
-FILE gets, pickled: what OpenGL says of itself, whether depth is reversed, and the pictures of these names.
+FILE gets, pickled: what OpenGL says of itself, whether depth is reversed, and the pictures of these names. The first
+line that is printed is the driver's name for itself.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from viewer.raster.depth import can_reverse
 
 def main(path: str, *names: str) -> None:
     context = create_context("egl")
+    print(context.renderer, flush=True)
     gl = context.gl
     drawn, errors = {}, []
     for picture in PICTURES:

@@ -76,15 +76,17 @@ class Run:
         return cls(driver, file, process)
 
     def result(self) -> dict[str, Any] | str:
-        """What draw.py stores, or what the process printed last, where it failed."""
+        """What draw.py stores; or, where it failed, the first line that it printed, which names the driver that was
+        found, and why it failed."""
         try:
             printed, _ = self.process.communicate(timeout=TIMEOUT)
         except subprocess.TimeoutExpired:
             self.process.kill()
-            self.process.communicate()
-            return f"no end within {TIMEOUT} s"
+            printed, _ = self.process.communicate()
+            printed += f"\nno end within {TIMEOUT} s"
         if self.process.returncode:
-            return (printed.strip() or f"status {self.process.returncode}").splitlines()[-1]
+            first, *others = printed.strip().splitlines() or [""]
+            return f"{first}: {others[-1] if others else f'status {self.process.returncode}'}"
         return pickle.loads(self.file.read_bytes())
 
 
