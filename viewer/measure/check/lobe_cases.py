@@ -20,7 +20,7 @@ _CHECKS = {"energy": "reflects at most all", "furnace": "white furnace", "recipr
 # The table of albedos knows one alpha, to which the geometric mean of the two is not quite the answer.
 _ANISOTROPIC_FAILURES = {"white furnace", "albedo"}
 _FURNACE_BOUNDS = {"metal": 2e-3, "conductor": 2e-3, "standard sheen": 1e-2}  # the albedo of fibres is a fit
-_TABULATED = {"ggx", "turquin", "fdez_aguera", "standard", "microfacet", "lambert", "burley", "eon",
+_TABULATED = {"ggx", "turquin", "fdez_aguera", "surface", "microfacet", "lambert", "burley", "eon",
               "thin_dielectric"}
 
 
