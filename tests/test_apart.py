@@ -9,7 +9,7 @@ import threading
 import numpy as np
 import pytest
 from apart_functions import double
-from needs import IS_LINUX
+from needs import needs
 
 from viewer.base.apart import Apart, ApartError
 
@@ -44,7 +44,7 @@ def test_a_value_error_is_told_and_the_process_goes_on(apart):
 
 @pytest.mark.parametrize("how, seconds, words", [
     ("crash", 60, "too broken"), ("hang", 0.2, "takes longer than"), ("answer", 60, "too broken"),
-    pytest.param("take", 60, "too much memory", marks=pytest.mark.skipif(not IS_LINUX, reason="a limit of Linux"))])
+    pytest.param("take", 60, "too much memory", marks=needs("linux"))])
 def test_after_harm_the_next_call_works(apart, how, seconds, words):
     with pytest.raises(ApartError, match=words):
         apart.call(MISBEHAVE, b"", seconds, MEGABYTE, how=how)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from command_line import SCENES, names
 from gltf_builder import GltfBuilder
+from needs import require
 from PIL import Image as Pillow
 
 from viewer.errors import OutputError, UsageError
@@ -57,7 +58,7 @@ def decoded(path):
 @pytest.mark.parametrize("suffix", ["mp4", "webp", "gif", "apng"])
 def test_frames_come_back(tmp_path, suffix):
     if suffix == "mp4":
-        pytest.importorskip("av")
+        require("film")
     path = tmp_path / f"a.{suffix}"
     assert write_film(path, bars(7), 30) == 7
     frames, times = decoded(path)
