@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from pathlib import Path
+from typing import Any
 
 import glfw
 import imgui_bundle
@@ -33,7 +34,7 @@ _MODIFIERS = (
 class Gui:
     """The ImGui context of one window. Between `begin` and `draw` the panel and the overlays submit their widgets."""
 
-    def __init__(self, context: Context, window) -> None:
+    def __init__(self, context: Context, window: Any) -> None:
         self._gl, self._window = context.gl, window
         self._imgui = imgui.create_context()
         self.io = imgui.get_io()
@@ -168,7 +169,7 @@ def _font_file() -> str:
     return str(Path(imgui_bundle.__file__).parent / "assets" / "fonts" / "Roboto" / "Roboto-Regular.ttf")
 
 
-def _clipboard(window) -> str:
+def _clipboard(window: Any) -> str:
     text = glfw.get_clipboard_string(window)
     return text.decode(errors="replace") if text else ""
 

@@ -6,6 +6,7 @@ import math
 import time
 from collections import deque
 from collections.abc import Callable
+from typing import Any
 
 import glfw
 import numpy as np
@@ -41,7 +42,7 @@ class Input:
     Every event sets `changed`, which means that the window must be drawn again.
     """
 
-    def __init__(self, window, state: ViewState, orbit: OrbitController, gui: Gui,
+    def __init__(self, window: Any, state: ViewState, orbit: OrbitController, gui: Gui,
                  picture_size: Callable[[], tuple[int, int]], do: Callable[[str], None],
                  drop: Callable[[list[str]], None]) -> None:
         self._window, self._state, self._orbit, self._gui, self._do = window, state, orbit, gui, do
@@ -68,7 +69,7 @@ class Input:
     def _on_anything(self, *_) -> None:
         self.changed = True
 
-    def _on_key(self, _window, key: int, scancode: int, action: int, modifiers: int) -> None:
+    def _on_key(self, _window: Any, key: int, scancode: int, action: int, modifiers: int) -> None:
         self.changed = True
         self._gui.on_key(key, action, modifiers)
         if action != glfw.PRESS or self._gui.wants_keyboard:
@@ -78,16 +79,16 @@ class Input:
         if command is not None:
             self._do(command)
 
-    def _on_character(self, _window, codepoint: int) -> None:
+    def _on_character(self, _window: Any, codepoint: int) -> None:
         self.changed = True
         self._gui.on_character(codepoint)
 
-    def _on_enter(self, _window, entered: int) -> None:
+    def _on_enter(self, _window: Any, entered: int) -> None:
         self.changed = True
         if not entered and self._drag is None:
             self._gui.io.add_mouse_pos_event(-1e9, -1e9)
 
-    def _on_button(self, _window, button: int, action: int, modifiers: int) -> None:
+    def _on_button(self, _window: Any, button: int, action: int, modifiers: int) -> None:
         self.changed = True
         self._gui.io.add_mouse_button_event(button, action == glfw.PRESS)
         if action == glfw.PRESS and not self._gui.wants_mouse and self._drag is None:
@@ -120,7 +121,7 @@ class Input:
         if shift or is_double:
             self._center()
 
-    def _on_move(self, _window, x: float, y: float) -> None:
+    def _on_move(self, _window: Any, x: float, y: float) -> None:
         self.changed = True
         self._gui.io.add_mouse_pos_event(x, y)
         cursor = np.array([x, y])
@@ -139,7 +140,7 @@ class Input:
         over_split = self._drag == "split" or (is_free and self._on_split(cursor))
         glfw.set_cursor(self._window, self._split_cursor if over_split else None)
 
-    def _on_scroll(self, _window, dx: float, dy: float) -> None:
+    def _on_scroll(self, _window: Any, dx: float, dy: float) -> None:
         self.changed = True
         self._gui.io.add_mouse_wheel_event(dx, dy)
         if self._gui.wants_mouse:

@@ -12,6 +12,8 @@ from ..scene.color import linear_to_srgb, srgb_to_linear
 LABEL_WIDTH = 138.0
 """In window coordinates, before the desktop's scale. The longest label of the panel fits."""
 
+RGB = tuple[float, float, float]
+
 
 def row(label: str, scale: float) -> None:
     """Draw a label, and put ImGui's cursor where its widget goes."""
@@ -28,11 +30,12 @@ def combo(name: str, current: int, texts: Sequence[str]) -> int | None:
 
 
 def logarithmic(label: str, value: float, low: float, high: float) -> tuple[bool, float]:
+    """Draw a slider over orders of magnitude. Returns whether it was moved, and its value."""
     flags = imgui.SliderFlags_.logarithmic | imgui.SliderFlags_.no_round_to_format
     return imgui.slider_float(label, value, low, high, "%.3g", flags)
 
 
-def color_edit(label: str, linear) -> tuple[bool, tuple[float, float, float]]:
+def color_edit(label: str, linear: RGB) -> tuple[bool, RGB]:
     """A colour picker, which shows sRGB, for a value in linear Rec. 709."""
     shown = [float(c) for c in linear_to_srgb(np.clip(linear, 0, 1))]
     changed, shown = imgui.color_edit3(label, shown)

@@ -36,7 +36,8 @@ BINDING = 2
 class EnvironmentShadows:
     """The shadow maps of many lights, in batches. They do not depend on the camera."""
 
-    def __init__(self, gl: moderngl.Context, environment: Environment, lights: ManyLights, draw_depth: DrawDepth):
+    def __init__(self, gl: moderngl.Context, environment: Environment, lights: ManyLights,
+                 draw_depth: DrawDepth) -> None:
         self._gl, self._lights, self._count = gl, lights, len(lights.directions)
         self._environment, self._draw_depth = environment, draw_depth
         tile_size = min(math.isqrt(ROOM // self._count), MAX_TILE)

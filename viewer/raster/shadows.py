@@ -76,7 +76,7 @@ class Atlas:
 class ShadowMaps:
     """The atlas for one plan. `draw_depth(draw, matrix)` draws a mesh's depth; it belongs to the surfaces."""
 
-    def __init__(self, gl: moderngl.Context, plan: Plan, draw_depth: DrawDepth):
+    def __init__(self, gl: moderngl.Context, plan: Plan, draw_depth: DrawDepth) -> None:
         self._key, self._draw_depth = _key(plan), draw_depth
         self._atlas = Atlas(gl, plan.shadow_layer_count, MAX_TILE)
         self.texture, self.tile_size = self._atlas.texture, self._atlas.tile_size
