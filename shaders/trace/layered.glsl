@@ -9,6 +9,12 @@ struct Bsdf {
 
 Bsdf bsdf_at(Interaction i, SurfaceMaterial m, vec3 wo, vec3 n_coat) {
     Surface s = surface_of(m.inputs);
+#if TRANSMITS
+    if (!i.is_front && !m.is_thin) { // seen from inside the solid, which has coat and fibres outside
+        s.coat = 0.0;
+        s.sheen_color = vec3(0.0);
+    }
+#endif
     return Bsdf(s, surface_view(s, wo, n_coat, u_dfg));
 }
 

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from images import image_of, noise
 from pictures import picture
-from shapes import constant, facing_floor, moved, orthographic, plate, scene
+from shapes import constant, facing_floor, moved, orthographic, plate, scene, sphere
 
 from viewer.bake.dfg import directional_albedo
+from viewer.scene.camera import Camera
 from viewer.scene.material import Material, Texture
 
 BLACK = {"base_color": (0.0, 0.0, 0.0, 1.0), "metallic": 0.0, "specular": 0.0}
@@ -51,3 +52,13 @@ def test_a_coated_lamp_gives_the_same_light_hit_or_sampled(tracer):
     bare = scene((plate(0), facing_floor()), (plate(1, 0.6), moved((0, 1.0, -0.5))),
                  materials=[white, Material(emissive=(3.0, 3.0, 3.0), **BLACK)])
     assert picture(tracer, bare, camera, (12, 12), spp=64, bounces=1)[..., :3].mean() > 1.02 * both
+
+
+@pytest.mark.parametrize("layer", [{}, {"clearcoat": 1.0}, {"sheen_color": (1.0, 1.0, 1.0), "sheen_roughness": 0.6}],
+                         ids=str)
+def test_a_solid_that_lets_light_through_has_coat_and_fibres_outside_alone(tracer, layer):
+    """Seen from its inside, a black one shows half of what shines on it, with nothing in front of that."""
+    wax = Material(thickness=1.0, diffuse_transmission=0.5, **BLACK, **layer)
+    found = picture(tracer, scene(sphere(), materials=[wax], environment=constant()),
+                    Camera.look_at((0, 0, 0), (0, 0, -1)), (8, 8), spp=64, bounces=1)[..., :3]
+    assert found.mean() == pytest.approx(0.5, abs=3e-3)
