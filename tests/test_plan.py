@@ -345,6 +345,18 @@ def test_equal_materials_share_a_program():
     assert plan(a).programs == plan(b).programs
 
 
+def test_instances_of_a_mesh_are_planned_once(monkeypatch):
+    planned = []
+    monkeypatch.setattr("viewer.plan.planner.without_constant_maps", lambda m: planned.append(m) or m)
+    meshes = (scene().meshes[0], replace(scene().meshes[0], material=1))
+    order = [0, 1, 0, 0, 1]
+    found = plan(Scene("s", meshes=meshes, materials=(PLAIN, Material(unlit=True)),
+                       instances=tuple(Instance(k, np.eye(4)) for k in order)))
+    assert len(planned) == 2
+    assert [(draw.instance, draw.mesh) for draw in found.draws] == list(enumerate(order))
+    assert [draw.program.fragment for draw in found.draws] == [f"raster/{('pbr', 'unlit')[k]}.frag" for k in order]
+
+
 def test_mode_path_is_not_the_rasters():
     with pytest.raises(UsageError, match="mode path"):
         plan(scene(Material()), mode="path")

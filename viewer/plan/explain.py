@@ -80,7 +80,7 @@ def _used(plan: Plan) -> tuple[str, ...]:
     if plan.has_indirect:
         lines.append("indirect light, path traced once at the vertices")
     for layer, what in _LAYERS.items():
-        count = sum(dict(draw.program.switches).get(layer.switch, 0) for draw in plan.draws)
+        count = sum(draw.program.get(layer.switch) for draw in plan.draws)
         if count:
             lines.append(f"{what} of {_count(count, 'surface')}")
     textures = {(draw.material, name): texture for draw in plan.draws for name in draw.maps
@@ -174,7 +174,7 @@ def _omitted_layers(plan: Plan, settings: Settings) -> list[str]:
     if settings.mode == "phong":
         return []
     return [f"{what}: no surface has it" for layer, what in _LAYERS.items()
-            if not any(dict(draw.program.switches).get(layer.switch, 0) for draw in plan.draws)]
+            if not any(draw.program.get(layer.switch) for draw in plan.draws)]
 
 
 _LAYERS = {SHEEN: "sheen", CLEARCOAT: "clear coat", DIFFUSE_ROUGHNESS: "rough diffuse reflection",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from ..scene.light import Light
 from ..scene.material import Material
@@ -21,7 +22,15 @@ class Program:
     switches: tuple[tuple[str, int], ...]
 
     def __getitem__(self, name: str) -> int:
-        return dict(self.switches)[name]
+        return self._values[name]
+
+    def get(self, name: str) -> int:
+        """The value of a switch; 0 if the program does not have it."""
+        return self._values.get(name, 0)
+
+    @cached_property
+    def _values(self) -> dict[str, int]:
+        return dict(self.switches)
 
 
 @dataclass(frozen=True)
@@ -49,17 +58,17 @@ class Draw:
     @property
     def uses_visibility(self) -> bool:
         """Whether the environment's light on it is multiplied by the visibility, which an earlier pass computes."""
-        return dict(self.program.switches).get("VISIBILITY", 0) == 1
+        return self.program.get("VISIBILITY") == 1
 
     @property
     def traces_reflections(self) -> bool:
         """Whether it reflects the model, by rays that an earlier pass traces."""
-        return dict(self.program.switches).get("TRACED_REFLECTION", 0) == 1
+        return self.program.get("TRACED_REFLECTION") == 1
 
     @property
     def traces_refraction(self) -> bool:
         """Whether earlier passes trace paths through the model for the light that it transmits."""
-        return dict(self.program.switches).get("TRACED_REFRACTION", 0) == 1
+        return self.program.get("TRACED_REFRACTION") == 1
 
     @property
     def is_in_gbuffer(self) -> bool:
@@ -125,7 +134,7 @@ class Plan:
     @property
     def has_indirect(self) -> bool:
         """Whether surfaces are lit by indirect light that is baked at their vertices."""
-        return any(dict(draw.program.switches).get("INDIRECT", 0) for draw in self.draws)
+        return any(draw.program.get("INDIRECT") for draw in self.draws)
 
     @property
     def has_solid_transmission(self) -> bool:

@@ -89,20 +89,23 @@ def plan_scene(
         "ENVIRONMENT_ROTATED": int(scene.environment is not None and scene.environment.rotation != 0),
         "SHOW_EMISSION": int(settings.lobes == "all"),
     }
-    draws = tuple(
-        _draw(index, instance.mesh, scene.meshes[instance.mesh], scene.materials, settings, common)
-        for index, instance in enumerate(scene.instances)
-    )
+    # Instances of a mesh are drawn alike, and there may be a hundred thousand of them.
+    meshes = dict.fromkeys(instance.mesh for instance in scene.instances)
+    kinds = [_draw(k, scene.meshes[k], scene.materials, settings, common) for k in meshes]
+    if settings.plan == "needed":
+        kinds = list(share_programs(kinds))
+    alike = dict(zip(meshes, kinds, strict=True))
+    draws = tuple(replace(alike[instance.mesh], instance=k) for k, instance in enumerate(scene.instances))
     background = settings.background == "env" and scene.environment is not None
     plan = Plan(
-        draws=share_programs(draws) if settings.plan == "needed" else draws,
+        draws=draws,
         lights=shown_lights,
         shadow_layers=layers,
         shadow_layer_count=layer_count,
         environment=environment and settings.mode == "pbr",
         reflections=reflections,
         ambient=environment and settings.mode == "phong",
-        dfg=any(draw.program.fragment == "raster/pbr.frag" and draw.program["REFLECTS"] for draw in draws),
+        dfg=any(draw.program.fragment == "raster/pbr.frag" and draw.program["REFLECTS"] for draw in kinds),
         environment_shadows=environment_shadows,
         ambient_occlusion=ambient_occlusion,
         background=background,
@@ -148,8 +151,9 @@ def _environment_shadows(settings: Settings) -> int:
 
 
 def _draw(
-    index: int, mesh_index: int, mesh: Mesh, materials: Sequence[Material], settings: Settings, common: dict[str, int]
+    mesh_index: int, mesh: Mesh, materials: Sequence[Material], settings: Settings, common: dict[str, int]
 ) -> Draw:
+    """How a mesh is drawn, as instance 0."""
     material = materials[mesh.material]
     if settings.plan == "needed":
         material = without_constant_maps(material)
@@ -185,7 +189,7 @@ def _draw(
     maps = tuple(name for name in maps if switches[f"{name.upper()}_MAP"])
     program = Program(f"raster/{model}.frag", tuple(sorted(switches.items())))
     transmits = features["HAS_TRANSMISSION"] * (1 + features["IS_SOLID"])
-    return Draw(index, mesh_index, mesh.material, material, program, maps, attributes_of(switches), material.alpha_mode,
+    return Draw(0, mesh_index, mesh.material, material, program, maps, attributes_of(switches), material.alpha_mode,
                 transmits, given_up=tuple(name for name in switches if switches[name] != wanted[name]))
 
 

@@ -163,8 +163,8 @@ class Surfaces:
         scene, gl = self.scene, self._gl
         for draw in draws:
             material = draw.surface
-            program = self._program(draw.program.fragment, dict(draw.program.switches))
             if bound[0] is not draw.program:
+                program = self._program(draw.program.fragment, dict(draw.program.switches))
                 for name, value in frame_uniforms.items():
                     set_uniform(program, name, value)
                 _bind_blocks(program)
