@@ -272,7 +272,7 @@ class Material:
     @property
     def has_interface(self) -> bool:
         """Whether light is reflected or refracted at a specular interface below the clear coat; otherwise what lies
-        below the coat is Lambertian."""
+        below the coat is diffuse."""
         return self.specular > 0 or self.metallic > 0 or self.transmits
 
     @property
