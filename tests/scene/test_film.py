@@ -14,7 +14,7 @@ from gltf_builder import GltfBuilder
 from needs import require
 from PIL import Image as Pillow
 
-from viewer.errors import OutputError, UsageError
+from viewer.errors import InputError, OutputError, UsageError
 from viewer.image.film import check_film, write_film
 from viewer.image.image import Image
 from viewer.jobs import film as film_job
@@ -132,6 +132,11 @@ def test_times_and_turns(moving):
     assert np.diff([frame.turn for frame in turned]) == pytest.approx(2 * np.pi / 5)
     still = film_frames("a.glb", scene, OPTIONS | {"turntable": 3})
     assert [frame.of(scene) is scene for frame in still] == [True] * 3
+
+
+def test_a_film_from_the_end_on_has_nothing_to_show(moving):
+    with pytest.raises(InputError, match="--time 2: 'rise' is over by then; it takes 2 s"):
+        film_frames("a.glb", load_scene(moving), OPTIONS | {"time": 2.0})
 
 
 @pytest.mark.parametrize("changes", [{}, {"turntable": 8}, {"turntable": 8, "animation": "rise"}])

@@ -153,7 +153,8 @@ def test_info_lists_them(run, model):
 @pytest.mark.parametrize("options, words", [
     (("--variant", "Dusk"), "a.glb: variants: there is no variant 'Dusk'; there are Day, Night"),
     (("--scene", "7"), "a.glb: scenes: there is no scene 7; the file has 0, One, counted from 0"),
-    (("--scene", "Two"), "a.glb: scenes: there is no scene 'Two'")])
+    (("--scene", "Two"), "a.glb: scenes: there is no scene 'Two'"),
+    (("--scene", ""), "a.glb: scenes: there is no scene ''; the file has 0, One")])
 def test_what_is_not_there_is_one_line(run, model, options, words):
     outcome = run("info", "a.glb", *options)
     assert outcome.status == 1 and words in outcome.err and outcome.err.count("\n") == 1

@@ -74,3 +74,18 @@ def test_a_file_without_animations(run, folder):
     scene = viewer.load(SCENES / "unlit.glb")
     with pytest.raises(viewer.UsageError, match="time is of type str, not a number of seconds"):
         viewer.render(scene, time="1")
+
+
+def test_an_animation_that_cannot_be_played_is_told_from_none(run, folder):
+    builder = GltfBuilder()
+    node = builder.node(mesh=builder.triangle())
+    sampler = {"input": builder.accessor([2, 0]), "output": builder.accessor([[0, 0, 0], [1, 0, 0]])}
+    builder.add("animations", {"samplers": [sampler],
+                               "channels": [{"sampler": 0, "target": {"node": node, "path": "translation"}}]})
+    (folder / "a.glb").write_bytes(builder.glb())
+    why = "none that can be played: animations[0].samplers[0].input: times must be finite, each after the one before"
+    for options in (("--time", "1"), ("--animation", "0")):
+        outcome = run("render", "a.glb", "-o", "a.png", *options)
+        assert outcome.status == 1 and why in outcome.err and outcome.err.count("\n") == 1
+    outcome = run("render", "a.glb", "-o", "a.gif")
+    assert outcome.status == 1 and "animations: there are none that can be played, so nothing moves" in outcome.err

@@ -70,9 +70,15 @@ def find_animation(model: str, scene: Scene, wanted: str | None) -> int:
     number = 0 if wanted is None else int(wanted) if wanted.isdecimal() else len(names)
     if number >= len(names):
         option = "--time" if wanted is None else f"--animation {wanted}"
-        known = f"{', '.join(names)}, counted from 0" if names else "none"
+        known = f"{', '.join(names)}, counted from 0" if names else "none" + why_no_animations(scene)
         raise InputError(model, "animations", f"{option}: the file has {known}")
     return number
+
+
+def why_no_animations(scene: Scene) -> str:
+    """What is wrong with animations that the file has, but that cannot be played; "" if it has none."""
+    lost = next((line for line in scene.warnings if line.startswith("animations[")), None)
+    return f" that can be played: {lost}" if lost is not None else ""
 
 
 def make_light(numbers: tuple[float, float, float]) -> Light:

@@ -14,7 +14,7 @@ from ..errors import InputError, UsageError
 from ..image.film import FILM_FORMATS
 from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, DEFAULT_FOV, Camera
 from ..scene.scene import Scene
-from .assemble import find_animation, make_camera
+from .assemble import find_animation, make_camera, why_no_animations
 
 DEFAULT_FPS = 25.0
 MAX_FRAMES = 36_000
@@ -64,16 +64,20 @@ def film_frames(model: str, scene: Scene, options: dict[str, Any]) -> list[Frame
     """The frames of a film of `scene`, the file `model`.
 
     A turntable turns once in as many frames as it says, over and over the animation if one is asked for. Otherwise the
-    animation plays once. Raises InputError if nothing moves, or for more than MAX_FRAMES.
+    animation plays once. Raises InputError if nothing moves, if it is over at --time, or for more than MAX_FRAMES.
     """
     count, fps, start = options["turntable"], options["fps"] or DEFAULT_FPS, options["time"] or 0.0
-    number, duration = None, 0.0
+    number, name, duration = None, "", 0.0
     if options["animation"] is not None or count is None:
         if options["animation"] is None and not scene.animations:
-            raise InputError(model, "animations", "there are none, so nothing moves; --turntable N turns the model")
+            none = "none that can be played" if why_no_animations(scene) else "none"
+            raise InputError(model, "animations", f"there are {none}, so nothing moves; --turntable N turns the model")
         number = find_animation(model, scene, options["animation"])
-        duration = scene.animations[number].duration
+        name, duration = scene.animations[number].name, scene.animations[number].duration
     if count is None:
+        if start > 0 and start >= duration:
+            problem = f"--time {start:g}: {name!r} is over by then; it takes {duration:g} s"
+            raise InputError(model, "animations", problem)
         length = (duration - start) * fps
         if length > MAX_FRAMES:
             problem = f"{duration:g} s at {fps:g} frames a second are more than {MAX_FRAMES} frames"

@@ -136,7 +136,7 @@ class _Reader:
         names = [scene.string("name", "") for scene in scenes]
         if wanted is None:
             index = self.root.index("scene", len(scenes), 0)
-        elif isinstance(wanted, str) and wanted in names:
+        elif isinstance(wanted, str) and wanted and wanted in names:
             index = names.index(wanted)
         elif isinstance(wanted, int) and 0 <= wanted < len(scenes):
             index = wanted
