@@ -5,7 +5,7 @@
 #endif
 
 #if ALPHA_MODE == 2
-uniform uint u_caster; // number of the instance
+uniform uint u_caster; // number of the instance (viewer/raster/surfaces.py)
 
 // 16 thresholds in (0, 1), which repeat every four texels, so that the filter of light/shadow.glsl leaves no pattern.
 // Their order depends on the instance and on the side that faces the light: what several surfaces let through is about

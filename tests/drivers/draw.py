@@ -9,7 +9,7 @@ from __future__ import annotations
 import pickle
 import sys
 
-from pictures import PICTURES
+from driver_pictures import PICTURES
 
 from viewer.gpu.context import create_context
 from viewer.raster.depth import can_reverse

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pictures import PICTURES
+from driver_pictures import PICTURES
 
 from viewer.image.image import Image
 from viewer.measure.compare.difference import compare

@@ -26,6 +26,10 @@ def upper(rng: np.random.Generator, count: int, lowest: float = 0.0) -> np.ndarr
     return np.stack([s * np.cos(phi), s * np.sin(phi), z], axis=-1).astype(np.float32)
 
 
+def is_glass(lobe: Lobe) -> bool:
+    return bool(lobe.transmits) and "eta" in lobe.parameters
+
+
 def uniform(rng: np.random.Generator, *shape: int) -> np.ndarray:
     return rng.random((*shape, 3), np.float32)
 
@@ -112,7 +116,7 @@ def few_sets(lobe: Lobe) -> tuple[dict[str, np.ndarray], np.ndarray]:
             m["alpha"][1::2, 1] = np.minimum(3 * m["alpha"][1::2, 1], 1)
     if "alpha_t" in m:
         m["alpha_t"] = np.minimum(m["alpha"] * np.where(np.arange(count) % 2, 3, 1), 1)
-    if "eta" in lobe.parameters:
+    if is_glass(lobe):
         m["eta"] = rng.choice([1.2, 1.5, 2.4, 1 / 1.5 if lobe.transmits == "refracted" else 1.0], count)
     z = np.tile(ALBEDO_COSINES, len(ALPHAS))
     s = np.sqrt(1 - z * z)
@@ -235,7 +239,7 @@ def test_against_float64(lobe, alpha):
         m["sheen_roughness"] = np.full_like(m["sheen_roughness"], np.float32(0.5))
     if lobe.name == "conductor":
         m["eta"], m["k"] = (rng.uniform(0.1, 5, (count, 3)).astype(np.float32).astype(float) for _ in range(2))
-    if "eta" in lobe.parameters:
+    if is_glass(lobe):
         m["eta"] = rng.choice(np.float32([1.2, 1.5, 2.4, 1 / 1.5 if lobe.transmits == "refracted" else 1]), count)
         m["eta"] = m["eta"].astype(float)
     wo = upper(rng, count, 0.02)
@@ -244,8 +248,8 @@ def test_against_float64(lobe, alpha):
     usable = np.abs(wi[:, 2]) > 0.01
     m, wo, wi = {name: value[usable] for name, value in m.items()}, wo[usable], wi[usable]
     found = lobe.eval(m, wo, wi)
-    twin = getattr(twins, lobe.prefix if "eta" in lobe.parameters else lobe.name.replace(" ", "_"))
-    masking = {"is_separable": lobe.defines["MASKING"] == 1} if "eta" in lobe.parameters else {}
+    twin = getattr(twins, lobe.prefix if is_glass(lobe) else lobe.name.replace(" ", "_"))
+    masking = {"is_separable": lobe.defines["MASKING"] == 1} if is_glass(lobe) else {}
     expected = twin(m, wo.astype(float), wi.astype(float), **masking) + 0 * found
     assert np.isfinite(expected).all()
     error = np.abs(found - expected)

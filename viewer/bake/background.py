@@ -41,4 +41,4 @@ def blurred(radiance: np.ndarray, degrees: float) -> np.ndarray:
 
 def is_magnified(height: int, pixel_angle: float) -> bool:
     """Whether a texel of a map with `height` rows covers PIXELS_OF_A_TEXEL of `pixel_angle` radians."""
-    return pixel_angle * height * PIXELS_OF_A_TEXEL <= math.pi
+    return bool(pixel_angle * height * PIXELS_OF_A_TEXEL <= math.pi)

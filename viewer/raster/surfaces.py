@@ -46,6 +46,7 @@ class Surfaces:
         self.scene = Scene("nothing")
         self._meshes: dict[Mesh, MeshBuffers] = {}
         self._indirect: list[moderngl.Buffer] = []
+        self._casters: np.ndarray | None = None
         self._uniforms: dict[int, tuple[Material, list[tuple[str, Value]]]] = {}
         self._generation = programs.generation
         self.textures = Textures(context)
@@ -56,7 +57,7 @@ class Surfaces:
         Of meshes that have only moved, as those of another pose, what has moved is uploaded. `ahead` is a decoder that
         has already started with some of its images.
         """
-        before, self.scene = self.scene, scene
+        before, self.scene, self._casters = self.scene, scene, None
         self._take_meshes(before, scene)
         if self._indirect:
             for mesh_buffers in self._meshes.values():
@@ -151,10 +152,19 @@ class Surfaces:
         if reads_alpha:
             set_uniform(program, "u_base_color", draw.surface.base_color)
             set_uniform(program, "u_alpha_cutoff", draw.surface.alpha_cutoff)
-            set_uniform(program, "u_caster", draw.instance)
+            set_uniform(program, "u_caster", self._caster(draw.instance))
             if wanted["BASE_COLOR_MAP"]:
                 self._bind_map(program, draw, "base_color")
         mesh.draw(program)
+
+    def _caster(self, instance: int) -> int:
+        """The number of a blended instance among all that cast shadows: by where it stands, not by its place in the
+        file, since the number decides which texels of the shadow let light through."""
+        if self._casters is None:
+            scene = self.scene
+            keys = np.concatenate([scene.corners.mean(axis=1), [i.transform.ravel() for i in scene.instances]], axis=1)
+            self._casters = np.argsort(np.lexsort(keys.T[::-1]))
+        return int(self._casters[instance])
 
     def _draw(
         self, draws: list[Draw], frame: Frame, frame_uniforms: dict[str, object], is_sorted: bool = False
