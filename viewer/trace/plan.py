@@ -72,7 +72,7 @@ def plan_trace(
     for name in ("HAS_EMISSION", "HAS_EMITTERS"):
         switches[name] = int(switches[name] and shows_emission)
     switches["HAS_LIGHTS"] = int(any(switches[name] for name in ("HAS_ENVIRONMENT", "HAS_PUNCTUAL", "HAS_EMITTERS")))
-    switches["BACKGROUND"] = (1 + is_background_smooth) * int(settings.background == "env" and switches["HAS_ENVIRONMENT"])
+    switches["BACKGROUND"] = (1 + is_background_smooth) * (settings.background == "env" and switches["HAS_ENVIRONMENT"])
     switches["CLAMP"] = int(settings.clamp > 0)
     kinds = {instance.kind for instance in geometry.instances}
     if settings.plan == "everything":
