@@ -89,3 +89,17 @@ def test_an_animation_that_cannot_be_played_is_told_from_none(run, folder):
         assert outcome.status == 1 and why in outcome.err and outcome.err.count("\n") == 1
     outcome = run("render", "a.glb", "-o", "a.gif")
     assert outcome.status == 1 and "animations: there are none that can be played, so nothing moves" in outcome.err
+
+
+def test_a_pose_that_cannot_be_drawn_is_told_of_the_file(run, folder):
+    builder = GltfBuilder()
+    node = builder.node(mesh=builder.triangle())
+    sampler = {"input": builder.accessor([0, 1]), "output": builder.accessor([[1, 1, 1], [1e30, 1, 1]])}
+    builder.add("animations", {"name": "grow", "samplers": [sampler],
+                               "channels": [{"sampler": 0, "target": {"node": node, "path": "scale"}}]})
+    (folder / "a.glb").write_bytes(builder.glb())
+    for options in (("-o", "a.png", "--time", "1"), ("-o", "a.gif", "--fps", "2")):
+        outcome = run("render", "a.glb", *options, "--size", "8")
+        assert outcome.status == 1 and "pbr-viewer: a.glb: animation 'grow': at " in outcome.err
+        assert "cannot be drawn" in outcome.err and outcome.err.count("\n") == 1
+        assert not (folder / options[1]).exists()

@@ -51,7 +51,15 @@ def make_scene(model: str, environment: Environment | None, options: dict[str, A
     time = options.get("time")
     if options.get("animation") is None and time is None:
         return scene
-    return scene.at(time or 0.0, find_animation(model, scene, options["animation"]))
+    return pose(model, scene, time or 0.0, find_animation(model, scene, options["animation"]))
+
+
+def pose(model: str, scene: Scene, time: float, animation: int) -> Scene:
+    """As `Scene.at`, with errors that name the file `model`. The scene knows only its own name."""
+    try:
+        return scene.at(time, animation)
+    except InputError as error:
+        raise InputError(model, error.place, error.problem) from error
 
 
 def make_playback(model: str, scene: Scene, options: dict[str, Any]) -> Playback:

@@ -14,7 +14,7 @@ from ..errors import InputError, UsageError
 from ..image.film import FILM_FORMATS
 from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, DEFAULT_FOV, Camera
 from ..scene.scene import Scene
-from .assemble import find_animation, make_camera, why_no_animations
+from .assemble import find_animation, make_camera, pose, why_no_animations
 
 DEFAULT_FPS = 25.0
 MAX_FRAMES = 36_000
@@ -25,14 +25,18 @@ silhouette grows by 1 / cos 5 degrees, or 0.4 %, and the camera leaves 5 % free.
 
 @dataclass(frozen=True)
 class Frame:
-    """`time` is that of `animation`, both None if the scene stands still; `turn` is how far the camera has turned."""
+    """`time` is that of `animation`, both None if the scene stands still; `turn` is how far the camera has turned.
+    `model` is the file, for errors."""
 
+    model: str
     animation: int | None
     time: float | None
     turn: float
 
     def of(self, scene: Scene) -> Scene:
-        return scene if self.animation is None or self.time is None else scene.at(self.time, self.animation)
+        if self.animation is None or self.time is None:
+            return scene
+        return pose(self.model, scene, self.time, self.animation)
 
 
 def is_film(path: Path, options: dict[str, Any]) -> bool:
@@ -82,11 +86,12 @@ def film_frames(model: str, scene: Scene, options: dict[str, Any]) -> list[Frame
         if length > MAX_FRAMES:
             problem = f"{duration:g} s at {fps:g} frames a second are more than {MAX_FRAMES} frames"
             raise InputError(model, "animations", problem)
-        return [Frame(number, start + k / fps, 0.0) for k in range(max(round(length), 1))]
+        return [Frame(model, number, start + k / fps, 0.0) for k in range(max(round(length), 1))]
     times = [start + k / fps for k in range(count)]
     if duration > 0:
         times = [time % duration for time in times]
-    return [Frame(number, None if number is None else time, math.tau * k / count) for k, time in enumerate(times)]
+    return [Frame(model, number, None if number is None else time, math.tau * k / count)
+            for k, time in enumerate(times)]
 
 
 def film_camera(model: str, scene: Scene, frames: Sequence[Frame],
@@ -99,7 +104,7 @@ def film_camera(model: str, scene: Scene, frames: Sequence[Frame],
     shown = [(frame.of(scene), frame.turn) for frame in chosen]
     target = options["target"]
     if target is None:
-        bounds = np.stack([pose.bounds for pose, _ in shown])
+        bounds = np.stack([posed.bounds for posed, _ in shown])
         target = (bounds[:, 0].min(axis=0) + bounds[:, 1].max(axis=0)) / 2
     options = options | {"target": tuple(target)}
     if options["eye"] is not None:
@@ -113,7 +118,8 @@ def film_camera(model: str, scene: Scene, frames: Sequence[Frame],
         distance = options["orbit"][2]
     else:
         width, height = options["size"]
-        cameras = (pose.framing_camera(width / height, azimuth + turn, elevation, fov, target) for pose, turn in shown)
+        cameras = (posed.framing_camera(width / height, azimuth + turn, elevation, fov, target)
+                   for posed, turn in shown)
         distance = max(float(np.linalg.norm(camera.eye - target)) for camera in cameras)
     return lambda shown, frame: Camera.orbit(target, distance, azimuth + frame.turn, elevation, fov)
 
