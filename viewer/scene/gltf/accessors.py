@@ -39,9 +39,9 @@ class Accessors:
             return len(self._decoded[index])
         return self.items[index].integer("count", low=1)
 
-    def claim(self, place: Element, count: int) -> None:
+    def claim(self, place: Element, count: int, what: str = "") -> None:
         """As Buffers.claim."""
-        self.buffers.claim(place, count)
+        self.buffers.claim(place, count, what)
 
     def raw(self, index: int, *types: str) -> np.ndarray:
         """The elements, (count, components), in the stored component type.

@@ -43,15 +43,17 @@ class Buffers:
             self._decoded[index] = self._decode(view, compressed)
         return self._decoded[index]
 
-    def claim(self, place: Element, count: int) -> None:
-        """Count `count` elements that are allocated for the file. Raises InputError at `place` if they are too many.
+    def claim(self, place: Element, count: int, what: str = "") -> None:
+        """Count `count` elements that are allocated for the file. Raises InputError at `place` if they are too many;
+        `what` says in the file's terms what needs them.
 
         An accessor without a buffer view (all zeros) takes no bytes in the file, and any number of primitives may use
         the same bytes. So a small file could demand any amount of memory; the limit depends on the file's size.
         """
         self._claimed += count
         if self._claimed > max(MIN_CLAIM, MAX_SHARING * self.size):
-            raise place.error(f"{self._claimed} elements in all are too many for {self.size} bytes of buffers")
+            what = what or f"{self._claimed} elements in all"
+            raise place.error(f"{what} are too many for {self.size} bytes of buffers")
 
     def compressed(self, index: int) -> memoryview:
         """The bytes of a buffer view that holds compressed elements of accessors."""

@@ -33,7 +33,7 @@ def instance_offsets(accessors: Accessors, node: Element) -> np.ndarray | None:
     for key, other in others:
         if other != count:
             raise attributes.error(f"{other} values for {count} of {first}", key)
-    accessors.claim(place, _ELEMENTS * count)
+    accessors.claim(place, _ELEMENTS * count, f"{count} more instances")
     values = {key: np.tile(default, (count, 1)) for key, (_, default) in _ATTRIBUTES.items()}
     for key, index in indices.items():
         values[key] = accessors.floats(index, _ATTRIBUTES[key][0]).astype(np.float64)
