@@ -257,7 +257,8 @@ def test_against_float64(lobe, alpha):
         assert (error / np.maximum(expected, 0.1)).max() < (1.5e-2 if alpha == 0.01 else 4e-3)
     elif is_compensated:  # 1 - E of a smooth interface towards grazing is where the table is least exact
         near_mirror = lobe.file == "surface" and alpha == 0.01
-        limit = 2e-2 if "sheen_roughness" in m else 1.5e-2 if near_mirror else 1.5e-3  # the albedo of fibres is a fit
+        limit = (1.5e-2 if "coat_alpha" in m else 8e-3) if near_mirror else 1.5e-3
+        limit = 2e-2 if "sheen_roughness" in m else limit  # the albedo of fibres is a fit
         assert (error / np.maximum(expected, 0.1)).max() < limit
     elif "shininess" in m:  # of up to 1e4, times the rounding of a cosine
         assert (error / np.maximum(expected, 1e-3)).max() < 3e-3
