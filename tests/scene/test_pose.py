@@ -230,6 +230,11 @@ def test_animations_that_are_not_there():
         scene.at(0, 2)
     with pytest.raises(UsageError, match="time=nan"):
         scene.at(math.nan)
+    with pytest.raises(UsageError, match="time is of type str, not a number of seconds"):
+        scene.at("a")
+    with pytest.raises(UsageError, match="there is no animation True"):
+        scene.at(0, True)
+    assert np.array_equal(scene.at(0.5, np.int64(1)).instances[0].transform, scene.at(0.5, 1).instances[0].transform)
 
 
 MOVING = ["Fox", "RiggedFigure", "BoxAnimated", "CesiumMilkTruck", "InterpolationTest", "SimpleMorph", "SimpleSkin",

@@ -6,11 +6,13 @@ import math
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from itertools import zip_longest
+from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..base.expect import expect
 from ..errors import UsageError
 from .animation import Animation
 from .arrays import scene_array
@@ -216,6 +218,7 @@ class Scene:
         """
         from .pose import posed
 
+        expect(time, Real, "time", "a number of seconds")
         if not math.isfinite(time):
             raise UsageError(f"time={time}: not a number of seconds")
         if self.rig is None and animation in (0, None):
@@ -224,8 +227,8 @@ class Scene:
 
     def animation(self, key: str | int) -> Animation:
         """The animation of this name or number. Raises UsageError if there is none."""
-        if isinstance(key, int) and 0 <= key < len(self.animations):
-            return self.animations[key]
+        if isinstance(key, Integral) and not isinstance(key, bool) and 0 <= key < len(self.animations):
+            return self.animations[int(key)]
         found = next((animation for animation in self.animations if animation.name == key), None)
         if found is None:
             names = ", ".join(animation.name for animation in self.animations)

@@ -37,9 +37,8 @@ UNIT_DFG = UNIT_BLOCKS + 1
 class Tracer:
     """Traces scenes with one OpenGL context.
 
-    It keeps the data and the intersector of the last scene, and all programs. Scenes are compared by identity, as in
-    `viewer.raster.renderer.Renderer`; what a scene shares with the last one is not prepared again. `intersector` is
-    auto, embree or bvh.
+    It keeps the data and the intersector of the last scene, and all programs. Scenes are compared by identity; what a
+    scene shares with the last one is not prepared again. `intersector` is auto, embree or bvh.
     """
 
     def __init__(self, context: Context, use_cache: bool = True, intersector: str = "auto",

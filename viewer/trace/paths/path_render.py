@@ -177,7 +177,7 @@ class PathRender:
         self._display.draw(self.shown, self.settings, framebuffer, 0)
 
     def image(self) -> Image:
-        """The picture so far, in the form of `viewer.raster.renderer.Renderer.render`, with the layers asked for.
+        """The picture so far, in linear radiance, with the layers asked for.
 
         Its `stats` are those of this object, its `attributes` say how it was processed.
         """
