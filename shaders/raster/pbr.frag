@@ -34,7 +34,7 @@ uniform vec3 u_view_direction; // towards the eye
 uniform sampler2D u_dfg;
 
 #if IS_SOLID
-uniform vec3 u_absorption; // absorption coefficient sigma_a, per eye-relative unit
+uniform vec3 u_absorption; // extinction coefficient sigma_t, per eye-relative unit
 #endif
 
 // The normals of the surface, and the direction v to the eye

@@ -206,7 +206,8 @@ def test_only_volumes_absorb():
                      attenuation_color=(0.5, 0.0, 1.0))
     ball = sphere(segments=8)
     medium = trace_material(glass, ball).medium
-    np.testing.assert_allclose(medium.sigma_a, [-math.log(0.5) / 2, -math.log(1e-6) / 2, 0])
+    np.testing.assert_allclose(medium.sigma_t, [-math.log(0.5) / 2, -math.log(1e-6) / 2, 0])
+    assert medium.sigma_a == medium.sigma_t and not medium.scatters
     thin = trace_material(replace(glass, thickness=0.0), ball)
     assert thin.is_thin and thin.medium == VACUUM
     assert trace_material(replace(glass, attenuation_distance=math.inf), ball).medium == VACUUM

@@ -209,7 +209,7 @@ class Surfaces:
         for name, value in self._uniforms_of(material):
             set_uniform(program, name, value)
         if VOLUME.is_on(material):
-            set_uniform(program, "u_absorption", tuple(material.absorption * self.scene.radius))
+            set_uniform(program, "u_absorption", tuple(material.extinction * self.scene.radius))
         set_uniform(program, "u_shininess", material.shininess or 0.0)
         for name in (*draw.maps, *draw.blank_maps):
             self._bind_map(program, draw, name)

@@ -281,9 +281,9 @@ class Material:
         return self.has_interface or CLEARCOAT.is_on(self) or SHEEN.is_on(self)
 
     @property
-    def absorption(self) -> np.ndarray:
-        """The absorption coefficient sigma_a of the volume, (3,) float64 per world unit: -ln(color) / distance (Beer's
-        law, KHR_materials_volume)."""
+    def extinction(self) -> np.ndarray:
+        """The extinction coefficient sigma_t of the volume, (3,) float64 per world unit: -ln(color) / distance (Beer's
+        law, KHR_materials_volume). What scatters is part of it (KHR_materials_volume_scatter)."""
         if not math.isfinite(self.attenuation_distance):
             return np.zeros(3)
         return -np.log(np.clip(self.attenuation_color, 1e-6, 1.0)) / self.attenuation_distance

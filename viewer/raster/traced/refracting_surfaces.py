@@ -72,7 +72,7 @@ def _texels(scene: Scene, geometry: TraceGeometry) -> NDArray[np.float32]:
     parts, first = [], 0
     for head, instance in zip(heads, geometry.instances):
         traced = geometry.materials[instance.material]
-        head[0] = *np.multiply(geometry.media[instance.medium].sigma_a, scene.radius), first
+        head[0] = *np.multiply(geometry.media[instance.medium].sigma_t, scene.radius), first
         if traced.transmits:
             head[1] = *np.sqrt(np.maximum(traced.material.base_color[:3], 0)), max(traced.material.ior, 1.0)
             head[2, 0] = PARAMETERS["dispersion"].value(traced.material)

@@ -97,7 +97,7 @@ def add_geometry(
     buffer.add("vertices", vertices.reshape(-1, 4))
     if switches["HAS_VOLUME"]:
         media = np.zeros((len(geometry.media), 4), np.float32)
-        media[:, :3] = np.array([medium.sigma_a for medium in geometry.media]) * scene.radius
+        media[:, :3] = np.array([medium.sigma_t for medium in geometry.media]) * scene.radius
         buffer.add("media", media)
 
 

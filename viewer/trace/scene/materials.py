@@ -88,7 +88,7 @@ def trace_material(material: Material, mesh: Mesh) -> TraceMaterial:
         material.clearcoat_normal_texture if "clearcoat_normal" in names else None,
         transmits,
         transmits_diffusely,
-        VACUUM if is_thin or not (transmits or transmits_diffusely) else Medium(tuple(material.absorption.tolist())),
+        VACUUM if is_thin or not (transmits or transmits_diffusely) else Medium(tuple(material.extinction.tolist())),
         is_thin,
     )
 
