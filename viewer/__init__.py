@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .scene.material import Material
     from .scene.mesh import Mesh
     from .scene.scene import Instance, Scene
+    from .scene.volume import Volume
     from .settings import Settings
 
 __all__ = [
@@ -41,6 +42,7 @@ __all__ = [
     "ShaderError",
     "UsageError",
     "ViewerError",
+    "Volume",
     "call_glsl",
     "load",
     "render",
@@ -50,7 +52,8 @@ __all__ = [
 _MODULES = {
     "Camera": "scene.camera", "Environment": "scene.environment", "Image": "image.image", "Instance": "scene.scene",
     "Light": "scene.light", "Material": "scene.material", "Mesh": "scene.mesh", "Scene": "scene.scene",
-    "Settings": "settings", "call_glsl": "gpu.call", "load": "api", "render": "api", "show": "api",
+    "Settings": "settings", "Volume": "scene.volume", "call_glsl": "gpu.call", "load": "api", "render": "api",
+    "show": "api",
 }
 
 

@@ -10,7 +10,7 @@ def is_dark(scene: Scene) -> bool:
     """Whether the picture will be black: there is no light, and no surface is emissive or unlit."""
     if scene.environment is not None and scene.environment.intensity > 0:
         return False
-    if not scene.instances or any(light.intensity * max(light.color) > 0 for light in scene.lights):
+    if not (scene.instances or scene.volumes) or any(light.intensity * max(light.color) > 0 for light in scene.lights):
         return False
     meshes = (scene.meshes[instance.mesh] for instance in scene.instances)
     shown = ((mesh, scene.materials[mesh.material]) for mesh in meshes)
@@ -26,4 +26,6 @@ def picture_warnings(scene: Scene, mode: str) -> list[str]:
     lights = sum(light.intensity * max(light.color) > 0 for light in scene.lights)
     if lights > MAX_LIGHTS and mode != "path":
         lines.append(f"only the {MAX_LIGHTS} brightest of {lights} lights are shown; mode path shows them all")
+    if scene.volumes:
+        lines.append(f"mode {mode} does not draw volumes: {len(scene.volumes)} left out")
     return lines

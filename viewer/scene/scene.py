@@ -1,4 +1,4 @@
-"""A scene: meshes, materials, instances, lights, cameras and an environment, as plain data without OpenGL."""
+"""A scene: meshes, materials, instances, volumes, lights, cameras and an environment, as plain data without OpenGL."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ from .mesh import Mesh
 from .rig import Rig
 from .schema import MAPS
 from .texture_image import TextureImage
+from .volume import Volume
 
 MAX_EXTENT = 1e18
 """The largest coordinate. Its square must fit in a float32, in which shaders compute distances."""
@@ -80,6 +81,7 @@ class Scene:
     is none where there is no choice."""
     variant: str = ""
     """The name of the one that is shown."""
+    volumes: tuple[Volume, ...] = ()
 
     def __post_init__(self) -> None:
         for k, mesh in enumerate(self.meshes):
@@ -91,23 +93,24 @@ class Scene:
 
     def __repr__(self) -> str:
         """In one line: the arrays would fill pages."""
-        counts = {name: len(getattr(self, name)) for name in ("meshes", "materials", "instances", "lights", "cameras")}
+        counted = ("meshes", "materials", "instances", "volumes", "lights", "cameras")
+        counts = {name: len(getattr(self, name)) for name in counted}
         words = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
         light = self.environment.name if self.environment is not None else None
         return f"<Scene {self.name!r}: {words or 'empty'}, environment {light!r}>"
 
     @cached_property
     def bounds(self) -> np.ndarray:
-        """The lowest and highest corner of all instances' boxes, (2, 3) float64; a unit cube about the origin if there
-        are none.
+        """The lowest and highest corner of the boxes of all instances and volumes, (2, 3) float64; a unit cube about
+        the origin if there are none.
 
         Triangles and lines that a scale of 0 shrinks to a point draw nothing, and are left out if anything else is
         there.
         """
-        if not self.instances:
+        corners = np.concatenate([self.corners[self._has_extent].reshape(-1, 3), self.volume_corners])
+        if not len(corners):
             return np.array([[-0.5] * 3, [0.5] * 3])
-        corners = self.corners[self._has_extent]
-        return np.stack([corners.min(axis=(0, 1)), corners.max(axis=(0, 1))])
+        return np.stack([corners.min(axis=0), corners.max(axis=0)])
 
     @cached_property
     def corners(self) -> np.ndarray:
@@ -118,6 +121,11 @@ class Scene:
         boxes = np.stack([_box_corners(self.meshes[mesh].bounds) for mesh in used])[place]
         transforms = self.transforms
         return boxes @ transforms[:, :3, :3].transpose(0, 2, 1) + transforms[:, None, :3, 3]
+
+    @cached_property
+    def volume_corners(self) -> np.ndarray:
+        """The corners of all volumes' boxes in world space, (8 volumes, 3) float64."""
+        return np.concatenate([np.zeros((0, 3)), *(volume.corners for volume in self.volumes)])
 
     @property
     def images(self) -> tuple[TextureImage, ...]:
@@ -134,10 +142,10 @@ class Scene:
 
     @cached_property
     def _has_extent(self) -> np.ndarray:
-        """For each instance whether it may draw something, (instances,) bool; all of them if none does."""
-        is_points = np.array([self.meshes[i.mesh].topology == "points" for i in self.instances])
+        """For each instance whether it may draw something, (instances,) bool; all of them if nothing does."""
+        is_points = np.array([self.meshes[i.mesh].topology == "points" for i in self.instances], bool)
         has = is_points | (np.ptp(self.corners, axis=1) > 0).any(axis=1)
-        return has if has.any() else ~has
+        return has if has.any() or self.volumes else ~has
 
     @cached_property
     def center(self) -> np.ndarray:
@@ -145,8 +153,10 @@ class Scene:
 
     @cached_property
     def radius(self) -> float:
-        """The radius of the sphere about `center` that encloses all vertices. It is never 0, so it can be a divisor."""
-        center, radius = self.center, 0.0
+        """The radius of the sphere about `center` that encloses all vertices and all corners of volumes. It is never 0,
+        so it can be a divisor."""
+        center = self.center
+        radius = float(np.linalg.norm(self.volume_corners - center, axis=1).max(initial=0.0))
         distance = np.linalg.norm(self.corners - center, axis=2).max(axis=1, initial=0.0)
         if self.instances:
             distance *= self._has_extent
@@ -157,17 +167,22 @@ class Scene:
             for chunk in self.meshes[self.instances[k].mesh].drawn_chunks():
                 points = chunk @ linear + offset
                 radius = max(radius, float(np.sqrt(np.einsum("ij,ij->i", points, points).max())))
-        if not self.instances:
+        if not (self.instances or self.volumes):
             return float(np.sqrt(0.75))
         return radius or max(1e-6, float(np.abs(center).max()) * 1e-6)
 
     def farthest(self, direction: np.ndarray) -> np.ndarray:
-        """The drawn vertex that lies farthest along `direction`, relative to `center`, (3,) float64."""
-        if not self.instances:
+        """The drawn vertex or corner of a volume that lies farthest along `direction`, relative to `center`, (3,)
+        float64."""
+        if not (self.instances or self.volumes):
             return np.copysign(0.5, direction)
+        best, vertex = -np.inf, np.zeros(3)
+        if self.volumes:
+            offsets = self.volume_corners - self.center
+            vertex = offsets[(offsets @ direction).argmax()]
+            best = float(vertex @ direction)
         bounds = ((self.corners - self.center) @ direction).max(axis=1)
         bounds[~self._has_extent] = -np.inf
-        best, vertex = -np.inf, np.zeros(3)
         for k in np.argsort(-bounds, kind="stable"):
             if bounds[k] <= best:
                 break  # no vertex in this box or in the remaining ones is farther
@@ -200,7 +215,7 @@ class Scene:
                                                                        lights[:len(rig.lights)])):
             changes["rig"] = replace(rig, lights=(), light_items=())
         copy = replace(self, **changes)
-        for name in ("bounds", "corners", "center", "radius"):
+        for name in ("bounds", "corners", "volume_corners", "center", "radius"):
             if name in self.__dict__:
                 copy.__dict__[name] = self.__dict__[name]
         return copy
@@ -253,14 +268,16 @@ class Scene:
         return {item.name: getattr(self, item.name) for item in fields(self) if item.name not in others}
 
     def has_surfaces_of(self, other: Scene) -> bool:
-        """Whether it has the very meshes, materials and instances of another scene, under other lights perhaps."""
+        """Whether it has the very meshes, materials, instances and volumes of another scene, under other lights
+        perhaps."""
         return (self.meshes is other.meshes and self.materials is other.materials
-                and self.instances is other.instances)
+                and self.instances is other.instances and self.volumes is other.volumes)
 
     @cached_property
     def layout(self) -> tuple[object, ...]:
         """What is drawn, without where it is: scenes that differ in vertices or transforms only are equal in it."""
-        return self.materials, tuple(i.mesh for i in self.instances), tuple(mesh.layout for mesh in self.meshes)
+        return (self.materials, tuple(i.mesh for i in self.instances), tuple(mesh.layout for mesh in self.meshes),
+                tuple(volume.layout for volume in self.volumes))
 
     @cached_property
     def transforms(self) -> np.ndarray:

@@ -1,0 +1,93 @@
+"""A volume: a grid of densities in a box, which a medium fills: smoke, a cloud."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..errors import UsageError
+from .arrays import scene_array
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Volume:
+    """A grid of densities. What a density of 1 does to light is for the settings `volume-...` to say.
+
+    `density` (nz, ny, nx) float32 or float16, finite and not negative. x is the fastest axis, as in a 3D texture of
+    OpenGL. `index_to_world` (4, 4) float64, column vectors, takes whole indices (x, y, z) to the *centres* of voxels in
+    world space, so that the box is [-1/2, n - 1/2] along each axis. Between centres the density is trilinear, from
+    the outermost centres to the faces of the box it is constant, and outside of the box there is none.
+
+    Raises UsageError for arrays that cannot be this.
+    """
+
+    name: str
+    density: np.ndarray
+    index_to_world: np.ndarray
+
+    def __post_init__(self) -> None:
+        density = scene_array(self.density, "Volume.density", _float_type(self.density), None, None, None)
+        if not density.size:
+            raise UsageError(f"Volume.density is {density.shape}: it has no voxels")
+        if density.min() < 0:
+            z, y, x = np.unravel_index(density.argmin(), density.shape)
+            raise UsageError(f"Volume.density[{z}, {y}, {x}] is {density[z, y, x]:g}: a density is not negative")
+        matrix = scene_array(self.index_to_world, "Volume.index_to_world", np.float64, 4, 4)
+        if not np.array_equal(matrix[3], (0, 0, 0, 1)):
+            raise UsageError(f"Volume.index_to_world: its last row is {matrix[3].tolist()}, not 0, 0, 0, 1")
+        if np.linalg.matrix_rank(matrix[:3, :3]) < 3:
+            raise UsageError("Volume.index_to_world: it makes the grid flat, and has no inverse")
+        object.__setattr__(self, "density", density)
+        object.__setattr__(self, "index_to_world", matrix)
+
+    @classmethod
+    def in_box(cls, density: np.ndarray, box: ArrayLike, name: str = "density") -> Volume:
+        """`density` (nz, ny, nx) in an axis-aligned box, whose lowest and highest corner (2, 3) are in world space.
+
+        Raises UsageError as the constructor does.
+        """
+        low, high = scene_array(box, "box", np.float64, 2, 3)
+        if not (low < high).all():
+            raise UsageError(f"box: {low.tolist()} to {high.tolist()} has no volume")
+        shape = np.array(np.shape(density)[::-1])
+        if len(shape) != 3 or not shape.all():
+            raise UsageError(f"density has the shape {np.shape(density)}, not (nz, ny, nx) of at least one voxel")
+        matrix = np.diag([*(high - low) / shape, 1.0])
+        matrix[:3, 3] = low + matrix.diagonal()[:3] / 2
+        return cls(name, density, matrix)
+
+    def __repr__(self) -> str:
+        """In one line: the densities would fill pages."""
+        size = " x ".join(map(str, self.density.shape[::-1]))
+        return f"<Volume {self.name!r}: {size} voxels, {self.density.dtype}, up to {self.maximum:g}>"
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        """Of a copy or from another process: numpy's copies of read-only arrays are writable."""
+        self.__dict__.update(state)
+        self.__post_init__()
+
+    @cached_property
+    def maximum(self) -> float:
+        """The greatest density."""
+        return float(self.density.max())
+
+    @cached_property
+    def corners(self) -> np.ndarray:
+        """The corners of the box in world space, (8, 3) float64."""
+        high = np.array([(k >> axis) & 1 for k in range(8) for axis in range(3)], np.float64).reshape(8, 3)
+        indices = high * self.density.shape[::-1] - 0.5
+        corners: np.ndarray = indices @ self.index_to_world[:3, :3].T + self.index_to_world[:3, 3]
+        return corners
+
+    @property
+    def layout(self) -> tuple[object, ...]:
+        """All that programs and the sizes of textures depend on."""
+        return self.density.shape, self.density.dtype.str
+
+
+def _float_type(values: Any) -> type:
+    return np.float16 if getattr(values, "dtype", None) == np.float16 else np.float32
