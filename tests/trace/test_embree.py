@@ -112,3 +112,23 @@ def test_shadow_rays_stop_after_so_many_layers(context: Context, monkeypatch: py
         embree = make_intersector(context, geometry, SimpleNamespace(), kind="embree")
         hits = trace(context, embree, np.array([(0, 0, 1.0)]), DOWN, np.array([(0, 0, 1.0)]), 2 * DOWN)
         assert hits[0, 0] & FREE == free
+
+
+def test_a_tree_is_built_anew_only_for_triangles_that_moved(context: Context, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pose in which only materials change shares its meshes and transforms with the one before."""
+    from embreex.mesh_construction import TriangleMesh
+
+    built = []
+    monkeypatch.setattr("viewer.trace.rays.embree.TriangleMesh", lambda scene, *arrays: built.append(
+        TriangleMesh(scene, *arrays)))
+    embree = make_intersector(context, Geometry([SQUARE], [Instance(0, at(0.0)), Instance(0, at(0.5))]), kind="embree")
+    steps = [([SQUARE], [Instance(0, at(0.0)), Instance(0, at(0.5))], 1, 1),
+             ([SQUARE], [Instance(0, at(0.0)), Instance(0, at(0.25))], 2, 1),
+             ([SQUARE], [Instance(0, at(0.0)), Instance(0, at(0.25), kind=GLASS)], 3, GLASS.number << KIND_SHIFT | 1),
+             ([SQUARE], [Instance(0, at(0.0))], 4, 0),
+             ([mesh(SQUARE.positions, SQUARE.triangles)], [Instance(0, at(0.0))], 5, 0),
+             ([SQUARE, SQUARE], [Instance(1, at(0.0))], 6, 0)]
+    for meshes, instances, count, nearest in steps:
+        embree.move(Geometry(meshes, instances))
+        (hit,) = trace(context, embree, np.array([(0.3, 0.1, 1.0)]), DOWN)
+        assert (len(built), hit[0]) == (count, nearest)

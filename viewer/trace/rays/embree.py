@@ -83,8 +83,10 @@ class EmbreeIntersector:
         wavefront.hit.write(answer.hits)
 
     def move(self, geometry: TraceGeometry) -> None:
-        """embreex can neither refit a tree nor exchange a mesh: Embree builds a new one, of all triangles."""
-        self._triangles = _Triangles(geometry)
+        """embreex can neither refit a tree nor exchange a mesh: if anything moved, Embree builds a new one of all
+        triangles. A second tree for what moves costs every ray more than it saves (benchmarks/results/trees.md)."""
+        if not self._triangles.are_those_of(geometry):
+            self._triangles = _Triangles(geometry)
         self._is_see_through = np.array([instance.see_through for instance in geometry.instances], bool)
 
     def release(self) -> None:
@@ -121,6 +123,7 @@ class _Triangles:
     """All instances as one Embree scene, and the instance and triangle of each of its triangles."""
 
     def __init__(self, geometry: TraceGeometry) -> None:
+        self._geometry = geometry
         vertices, triangles, pairs = flatten(geometry, list(enumerate(geometry.instances)))
         self._pairs = pairs.view(np.uint64).ravel()  # one uint64 is faster to look up than two uint32
         self._count = len(triangles)
@@ -128,6 +131,15 @@ class _Triangles:
             self._scene = EmbreeScene(robust=True)
             self._mesh = TriangleMesh(self._scene, vertices, triangles)
             self.occluded(vertices[:1], vertices[:1])  # Embree builds its tree for the first rays
+
+    def are_those_of(self, geometry: TraceGeometry) -> bool:
+        """Whether no triangle of `geometry` has moved or is of another kind."""
+        ours = self._geometry
+        pairs = list(zip(ours.instances, geometry.instances, strict=False))
+        return ((len(ours.meshes), len(ours.instances)) == (len(geometry.meshes), len(geometry.instances))
+                and all(a is b for a, b in zip(ours.meshes, geometry.meshes, strict=True))
+                and all(a.mesh == b.mesh and a.kind is b.kind for a, b in pairs)
+                and np.array_equal([a.transform for a, _ in pairs], [b.transform for _, b in pairs]))
 
     def intersect(self, origins: NDArray, directions: NDArray, reach: NDArray | None = None) -> dict[str, NDArray]:
         """The nearest hits: `primID` (-1: none), `u`, `v` and `tfar`, (rays,) each. `tfar` overwrites `reach`."""
