@@ -51,6 +51,27 @@ def test_after_harm_the_next_call_works(apart, how, seconds, words):
     assert apart.call(DOUBLE, bytes([1, 2]), 60, MEGABYTE)["doubled"].tolist() == [[2, 4]]
 
 
+def test_a_time_that_is_up_as_the_answer_comes_does_no_harm_to_the_next_call(apart, monkeypatch):
+    class Late(threading.Timer):
+        """Ends as late as it can: when it has begun, and is cancelled."""
+
+        def __init__(self, seconds, stop):
+            super().__init__(0, stop)
+            self.is_cancelled, self.function = threading.Event(), self.wait_and_stop
+            self.stop = stop
+
+        def cancel(self):
+            self.is_cancelled.set()
+
+        def wait_and_stop(self):
+            self.is_cancelled.wait(60)
+            self.stop()
+
+    monkeypatch.setattr(threading, "Timer", Late)
+    for number in range(3):
+        assert apart.call(DOUBLE, bytes([number, 2]), 60, MEGABYTE)["doubled"].tolist() == [[2 * number, 4]]
+
+
 def test_what_a_library_prints_is_no_answer(apart):
     assert apart.call(MISBEHAVE, b"", 60, MEGABYTE, how="print")["answer"].tolist() == [0, 0, 0]
 

@@ -68,6 +68,10 @@ class Apart:
                 raise
             finally:
                 timer.cancel()
+                if timer.ident is not None:
+                    timer.join()  # or it might end the process later, in the midst of the next call
+                if late.is_set():
+                    self.close()
 
     def _started(self) -> subprocess.Popen[bytes]:
         if self._parent != os.getpid():
