@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from command_line import SCENES, names
 from gltf_builder import GltfBuilder
-from needs import require
+from needs import needs, require
 from PIL import Image as Pillow
 
 from viewer.errors import InputError, OutputError, UsageError
@@ -162,6 +162,17 @@ def test_a_turntable_turns(run, folder):
     assert (outcome.status, outcome.err) == (0, "")
     frames, times = decoded(folder / "a.apng")
     assert len(frames) == 4 and times == [40] * 4 and (frames[0] != frames[1]).any()
+
+
+@pytest.mark.parametrize("name", ["a.gif", "a.apng", "a.webp", pytest.param("a.mp4", marks=needs("film"))])
+def test_a_turntable_of_one_frame_is_the_picture_at_its_start(run, folder, name):
+    picture = ("render", SCENES / "unlit.glb", "--size", "24", "-o")
+    assert run(*picture, name, "--turntable", "1", "--stats", "a.json").status == 0
+    assert json.loads((folder / "a.json").read_text())["frames"] == 1
+    assert run(*picture, "b.apng", "--turntable", "2").status == 0
+    (frame,), _ = decoded(folder / name)
+    near, far = (np.abs(frame.astype(float) - other).mean() for other in decoded(folder / "b.apng")[0])
+    assert near < 12 and near < 0.5 * far
 
 
 def test_ctrl_c_leaves_a_whole_shorter_film(run, moving, monkeypatch):

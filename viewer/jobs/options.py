@@ -189,7 +189,7 @@ AOV_OPTION = click.option("--aov", type=Layers(), default=(), help=(
     f"Mode path: add these layers to the .exr, separated by commas: {', '.join(LAYERS)}."))
 FILM_OPTIONS = [
     click.option("--turntable", type=click.IntRange(1, 36_000), metavar="FRAMES",
-                 help="Film: turn once around the model in so many frames."),
+                 help="Film: turn once around the model in so many frames; 1 is a film of one frame."),
     click.option("--fps", type=Number(0.01, 1000), metavar="N", help="Film: frames per second. Default: 25."),
 ]
 QUIET_OPTION = click.option("-q", "--quiet", is_flag=True, help="Show no warnings and no progress bar.")
