@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import struct
 
 import numpy as np
@@ -76,14 +77,17 @@ def test_etc1s_is_close_to_the_picture_it_was_made_from():
 
 
 @pytest.mark.parametrize("data, words", [
-    (ktx2_bytes()[:90], "ends inside its header"), (ktx2_bytes(vulkan=37), "Vulkan format 37"),
-    (ktx2_bytes(depth=3), "more than one picture"), (ktx2_bytes(faces=6), "more than one picture"),
-    (ktx2_bytes(layers=2), "more than one picture"), (ktx2_bytes(descriptor=2**31), "data format descriptor"),
-    (ktx2_bytes(scheme=1), "supercompression 1"), (ktx2_bytes(width=1 << 30, level_raw=1 << 33), "the limit is"),
-    (ktx2_bytes(height=0, level_raw=0), "the limit is"),
+    (ktx2_bytes()[:90], "ends inside its header"), (ktx2_bytes(vulkan=37), "is a KTX2 of Vulkan format 37"),
+    (ktx2_bytes(depth=3), "is a KTX2 with more than one picture"),
+    (ktx2_bytes(faces=6), "is a KTX2 with more than one picture"),
+    (ktx2_bytes(layers=2), "is a KTX2 with more than one picture"),
+    (ktx2_bytes(descriptor=2**31), "ends inside its data format descriptor"),
+    (ktx2_bytes(scheme=1), r"is a KTX2 of color model \d+ with supercompression 1"),
+    (ktx2_bytes(width=1 << 30, level_raw=1 << 33), r"has \d+ x \d+ texels; the limit is"),
+    (ktx2_bytes(height=0, level_raw=0), r"has \d+ x 0 texels; the limit is"),
     (ktx2_bytes(level_raw=1 << 40), "declares 1099511627776 bytes")])
 def test_broken_headers(data, words):
-    with pytest.raises(InputError, match="^x: .*" + words):
+    with pytest.raises(InputError, match="^x: " + words):
         open_texture_image(data, "x")
 
 
@@ -92,7 +96,7 @@ def test_broken_headers(data, words):
     ktx2_bytes(scheme=2)[:-20], ktx2_bytes(scheme=2, width=1 << 13, height=1 << 13, level_raw=1 << 26)])
 def test_texels_that_are_broken_cost_that_texture(data):
     image = open_texture_image(data, "x", neutral=(0.0, 1.0, 0.0, 1.0))
-    assert image.decode("RGB")[0, 0].tolist() == [0, 255, 0] and image.problems[0].startswith("x: ")
+    assert image.decode("RGB")[0, 0].tolist() == [0, 255, 0] and re.match("x: (its data|has) [^:]*$", image.problems[0])
 
 
 def test_broken_data_does_no_harm():

@@ -30,4 +30,4 @@ def ktx2(data: bytes, channels: int) -> dict[str, np.ndarray]:
     try:
         return {"pixels": opengl_basisu.open(data).transcode("rgba8").data[..., :channels]}
     except Exception as error:
-        raise ValueError("are broken") from error
+        raise ValueError("is broken") from error

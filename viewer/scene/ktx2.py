@@ -66,7 +66,7 @@ def decode(data: bytes, header: Header) -> np.ndarray:
         pixels = apart.call("viewer.scene.decoders:ktx2", data, _SECONDS + _SECONDS_PER_TEXEL * texels,
                             _BYTES + _BYTES_PER_TEXEL * texels, channels=4 if header.has_alpha else 3)["pixels"]
     except ApartError as error:
-        raise ValueError(f"the texels: {error}") from error
+        raise ValueError(f"its data {error}") from error
     if pixels.shape[:2] != (header.height, header.width):
         raise ValueError(f"has {pixels.shape[1]} x {pixels.shape[0]} texels, not {header.width} x {header.height}")
     return pixels

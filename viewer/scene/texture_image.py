@@ -76,9 +76,11 @@ class TextureImage:
             with _as_input_error(self.name):
                 return _pick(_decode_16_bit(self), channels)
         if self.format == ktx2.FORMAT:
-            with _as_input_error(self.name):
-                return _pick(ktx2.decode(bytes(self.data), ktx2.Header(self.width, self.height, self.has_alpha)),
-                             channels)
+            header = ktx2.Header(self.width, self.height, self.has_alpha)
+            try:
+                return _pick(ktx2.decode(bytes(self.data), header), channels)
+            except ValueError as error:
+                raise InputError(self.name, "", str(error)) from error
         with _as_input_error(self.name), Image.open(io.BytesIO(self.data), formats=(self.format,)) as image:
             image.load()
             plain = _plain_mode(image)
@@ -97,8 +99,10 @@ def open_texture_image(data: Buffer, name: str, formats: tuple[str, ...] = GLTF_
     if ktx2.FORMAT in formats and bytes(data[:12]) == ktx2.IDENTIFIER:
         if not ktx2.is_installed():
             raise InputError(name, "", "is a KTX2 image, which this needs: pip install opengl_basisu")
-        with _as_input_error(name):
+        try:
             width, height, has_alpha = ktx2.read_header(data)
+        except ValueError as error:
+            raise InputError(name, "", str(error)) from error
         kind, mode = ktx2.FORMAT, "RGB"
     else:
         if bytes(data[4:12]) == b"ftypavif" and not features.check("avif"):
