@@ -76,6 +76,9 @@ def test_wrong_arguments_are_usage_errors(scene, arguments):
 @pytest.mark.parametrize("call, words", [
     (lambda: viewer.load(None), "path is of type NoneType, not a path"),
     (lambda: viewer.load(MODEL, np.zeros((2, 4, 3))), "environment is of type ndarray, not a path"),
+    (lambda: viewer.load(MODEL, scene=True), "scene is of type bool, not the number or the name of a scene"),
+    (lambda: viewer.render(viewer.load(MODEL), SIZE, time=True), "time is of type bool, not a number of seconds"),
+    (lambda: viewer.render(viewer.load(MODEL), SIZE, animation=False), "animation is of type bool, not an animation's"),
     (lambda: viewer.render(MODEL, SIZE), "scene is of type .*, not a Scene"),
     (lambda: viewer.show(MODEL, SIZE), "scene is of type .*, not a Scene"),
     (lambda: viewer.Image.open(None), "path is of type NoneType, not a path"),

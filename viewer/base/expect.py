@@ -8,8 +8,11 @@ from ..errors import UsageError
 
 
 def expect(value: object, kind: type | tuple[type, ...], name: str, wanted: str) -> None:
-    """Raises UsageError if `value`, the argument called `name`, is not of type `kind`; `wanted` names it in words."""
-    if not isinstance(value, kind):
+    """Raises UsageError if `value`, the argument called `name`, is not of type `kind`; `wanted` names it in words.
+
+    True and False are no numbers here, although bool is a subclass of int.
+    """
+    if not isinstance(value, kind) or isinstance(value, bool):
         raise UsageError(f"{name} is of type {type(value).__name__}, not {wanted}")
 
 
