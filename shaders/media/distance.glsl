@@ -9,13 +9,13 @@ vec3 channel_chances(vec3 throughput) {
     return sum > 0.0 ? throughput / sum : vec3(1.0 / 3.0);
 }
 
-// exp(-tau), times a factor that makes it 1 for the channel with the least tau among those that can be chosen. Ratios
-// of transmittances stay exact at any depth, where exp(-tau) itself is 0. The other channels have no light; the bound
-// on their factor keeps it finite.
-vec3 scaled_transmittance(vec3 tau, vec3 chances) {
-    vec3 chosen = mix(vec3(3e38), tau, greaterThan(chances, vec3(0.0)));
+// exp(-sigma_t t), times a factor that makes it 1 for the thinnest channel among those that can be chosen. So ratios of
+// transmittances stay exact at any depth, where exp(-sigma_t t) itself is 0. The channels that cannot be chosen have no
+// light; a bound on their factor keeps it finite.
+vec3 scaled_transmittance(vec3 sigma_t, vec3 chances, float distance) {
+    vec3 chosen = mix(vec3(3e38), sigma_t, greaterThan(chances, vec3(0.0)));
     float least = min(chosen.r, min(chosen.g, chosen.b));
-    return exp(min(least - tau, vec3(60.0)));
+    return exp(min((least - sigma_t) * distance, vec3(60.0)));
 }
 
 // The distance to the next collision, with the density sum of chances sigma_t exp(-sigma_t t); u in [0, 1)
@@ -32,13 +32,13 @@ float free_distance_pdf(vec3 sigma_t, vec3 chances, float distance) {
 
 // sigma_t exp(-sigma_t t) over the density: the weight of a path that collides at that distance, without the albedo
 vec3 collision_weight(vec3 sigma_t, vec3 chances, float distance) {
-    vec3 f = sigma_t * scaled_transmittance(sigma_t * distance, chances);
+    vec3 f = sigma_t * scaled_transmittance(sigma_t, chances, distance);
     return f / max(dot(chances, f), 1e-37);
 }
 
 // exp(-sigma_t t) over the probability of no collision before: the weight of a path that gets past that distance.
 vec3 passing_weight(vec3 sigma_t, vec3 chances, float distance) {
-    vec3 transmittance = scaled_transmittance(sigma_t * distance, chances);
+    vec3 transmittance = scaled_transmittance(sigma_t, chances, distance);
     return transmittance / dot(chances, transmittance);
 }
 

@@ -14,6 +14,7 @@ from viewer.measure.check.energy import check_lobe, directions
 from viewer.measure.check.furnace import check_balance, check_material, furnace_picture, hemisphere_balance
 from viewer.measure.check.half_vector import bin_coordinates, binned_grid, reflected_grid, refracted_grid
 from viewer.measure.check.lobe_cases import lobe_cases
+from viewer.measure.check.media import check_media
 from viewer.raster.renderer import Renderer
 from viewer.scene.material import Material
 from viewer.settings import Settings
@@ -131,3 +132,10 @@ def test_the_balance_of_pictures_is_that_of_the_formula(renderer):
         expected = directional_albedo("ggx", "smith", np.array([NoL]), 0.49).sum()
         assert hemisphere_balance(renderer, metal, NoL, multiscatter="off") == pytest.approx(expected, abs=3e-3)
     assert check_balance(renderer, "metal", metal, multiscatter="off").passed
+
+
+def test_media():
+    checks = list(check_media())
+    assert not [check for check in checks if check.is_defect]
+    assert {check.check for check in checks} == {"phase integrates to 1", "mean cosine is g", "samples follow phase",
+                                                 "distances keep all light", "no NaN, no Inf"}

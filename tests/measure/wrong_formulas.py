@@ -13,6 +13,7 @@ from viewer.measure.check.energy import check_lobe
 from viewer.measure.check.furnace import FURNACE_BOUND, lit_furnace
 from viewer.measure.check.lobe_cases import lobe_cases
 from viewer.measure.check.lobe_stability import check_lobe_stability
+from viewer.measure.check.media import check_media
 from viewer.measure.check.stability import check_sweep, sweeps
 from viewer.raster.renderer import Renderer
 from viewer.scene.material import Material
@@ -75,4 +76,14 @@ WRONG_FORMULAS = [
              "float g2 = 1.0 / (1.0 + lambda_ggx_local(wo, a) + lambda_ggx_local(wi, a));", lobe_values),
     WrongFormula("a wall of one face", "bsdf/lobe/thin_dielectric.glsl", "return 2.0 * R / (1.0 + R);", "return R;",
              lobe_values),
+    WrongFormula("the peak of a phase function by subtraction", "media/phase.glsl",
+                 "float t2 = (1.0 - g) * (1.0 - g) + 2.0 * g * x;", "float t2 = 1.0 + g * g - 2.0 * g * (1.0 - x);",
+                 values("phase_eval")),
+    WrongFormula("light scattered forwards for backwards", "media/phase.glsl",
+                 "return direction_about(g < 0.0 ? -direction : direction, x, sine, u.y);",
+                 "return direction_about(direction, x, sine, u.y);", check_media),
+    WrongFormula("1 - exp(-x) in float32", "media/one_minus_exp.glsl", "if (x > 0.5) return 1.0 - exp(-x);",
+                 "if (x > 0.0) return 1.0 - exp(-x);", values("one_minus_exp(float)")),
+    WrongFormula("one channel's density for all", "media/distance.glsl", "return f / max(dot(chances, f), 1e-37);",
+                 "return f / max(f.r, 1e-37);", check_media),
 ]

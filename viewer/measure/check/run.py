@@ -16,6 +16,7 @@ from .extremes import check_extremes
 from .furnace import check_furnaces, check_material, check_renderer_balance
 from .lobe_cases import lobe_cases
 from .lobe_stability import check_lobe_extremes, check_lobe_stability
+from .media import check_media
 from .stability import check_stability
 from .user_lobe import user_case
 
@@ -29,6 +30,7 @@ def run_checks(what: str, quiet: bool = False) -> list[Check]:
         parts: list[Part] = []
         if what != "stability":
             parts += _lobe_parts(lobe_cases())
+            parts += [("media", check_media)]
             parts += [("furnace", partial(check_furnaces, renderer))]
             parts += [("balance", partial(check_renderer_balance, renderer))]
         if what != "energy":

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...gpu.call import call_glsl
-from . import reference
+from . import media_reference, reference
 from .checks import Check
 
 TINY = float(np.finfo(np.float32).tiny)
@@ -105,6 +105,7 @@ def sweeps() -> Iterator[Sweep]:
     yield from _distributions()
     yield from _maskings()
     yield from _fresnels()
+    yield from _media()
     display = np.unique(np.concatenate([np.linspace(0, 1, 513), np.geomspace(1e-6, 1, 200)]))
     yield Sweep("srgb_from_linear", "display/srgb.glsl", "0 to 1", {"c": display}, reference.srgb_from_linear, 1e-5,
                 lambda c: {"c": np.repeat(c[..., None], 3, axis=-1)})
@@ -165,3 +166,29 @@ def _fresnels() -> Iterator[Sweep]:
     metals = {"mu": COSINE, "eta": np.array([0.05, 0.2, 1, 1.5, 4]), "k": np.array([0, 0.1, 1, 3, 8, 100])}
     yield Sweep("f_conductor(float, float, float)", "bsdf/fresnel_metal.glsl", "metals", metals,
                 reference.f_conductor, 1e-5)
+
+
+def _media() -> Iterator[Sweep]:
+    small = "media/one_minus_exp.glsl"
+    yield Sweep("one_minus_exp(float)", small, "1e-30 to 1e6", {"x": np.geomspace(1e-30, 1e6, 2000)},
+                lambda x: -np.expm1(-x), 1e-6)
+    below_1 = np.concatenate([np.geomspace(1e-30, 0.5, 1000), 1 - np.geomspace(0.5, 2.0**-24, 200)])
+    yield Sweep("minus_log_one_minus", small, "1e-30 to 1", {"x": below_1}, lambda x: -np.log1p(-x), 1e-6)
+    mu = np.unique(np.concatenate([np.linspace(-1, 1, 200), 1 - np.geomspace(1e-7, 1, 60),
+                                   np.geomspace(1e-7, 1, 60) - 1]))
+    g = np.array([-0.99, -0.9, -0.5, -1e-3, -1e-6, 0, 1e-6, 1e-3, 0.5, 0.9, 0.99])
+    yield Sweep("phase_eval", "media/phase.glsl", "g -0.99 to 0.99", {"g": g, "mu": mu},
+                media_reference.henyey_greenstein, 1e-5)
+    file = "media/distance.glsl"
+    for limit in (1e-6, 1.0, 1e6):
+        # Beyond u = 0.99 the few digits of 1 - u decide.
+        yield Sweep("bounded_distance", file, f"optical depths 1e-6 to 1e4, limit {limit:g}",
+                    {"sigma_t": np.geomspace(1e-6, 1e4, 60) / limit, "limit": np.array([limit]),
+                     "u": np.concatenate([np.geomspace(1e-7, 0.5, 60), np.linspace(0.5, 0.99, 20)])},
+                    media_reference.bounded_distance, 1e-5)
+    axes = {"tau": np.append(0, np.geomspace(1e-6, 1e4, 80)), "ratio": np.array([1e-3, 0.1, 0.9, 1, 1.1, 10, 1e3])}
+    for name in ("passing_weight", "collision_weight"):
+        yield Sweep(name, file, "optical depths 0 to 1e4", axes, getattr(media_reference, name), 1e-5,
+                    lambda tau, ratio: {"sigma_t": np.stack([np.ones_like(ratio), ratio, ratio], axis=-1),
+                                        "chances": np.full(3, 1 / 3), "distance": tau},
+                    lambda tau, ratio: np.ones_like(tau), 1e-30)
