@@ -357,6 +357,15 @@ def test_instances_of_a_mesh_are_planned_once(monkeypatch):
     assert [draw.program.fragment for draw in found.draws] == [f"raster/{('pbr', 'unlit')[k]}.frag" for k in order]
 
 
+def test_every_instance_counts_in_what_the_plan_tells():
+    coated = replace(scene().meshes[0], material=1)
+    found = plan(Scene("s", meshes=(scene().meshes[0], coated), materials=(PLAIN, Material(clearcoat=1.0)),
+                       instances=tuple(Instance(k, np.eye(4)) for k in [0, 1, 0, 1, 1])))
+    assert [found.count(draw) for draw in found.kinds] == [2, 3]
+    assert any(line.startswith("5 draws with 2 programs") for line in found.used)
+    assert any(line.endswith("of 3 surfaces") and "coat" in line for line in found.used)
+
+
 def test_mode_path_is_not_the_rasters():
     with pytest.raises(UsageError, match="mode path"):
         plan(scene(Material()), mode="path")

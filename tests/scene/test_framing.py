@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from shapes import moved, plate, scene, sphere
 from viewer.scene.camera import Camera
 from viewer.scene.framing import MARGIN, NEAREST, fit
 from viewer.scene.mesh import Mesh
-from viewer.scene.scene import Scene
+from viewer.scene.scene import Instance, Scene
 
 FREE = 1 - 2 * MARGIN
 VIEWS = [(0.0, 0.0), (0.5, 0.26), (-2.0, -1.2), (1.0, math.pi / 2)]
@@ -103,6 +104,21 @@ def test_what_has_no_width_is_seen_from_a_distance(mesh, view):
     assert high.max() <= FREE + 1e-9 and depths.min() >= NEAREST * model.radius * (1 - 1e-6)
     is_near = depths.min() == pytest.approx(NEAREST * model.radius, rel=1e-6)
     assert high.max() == pytest.approx(FREE, abs=1e-6) or is_near
+
+
+def test_instances_that_only_a_translation_tells_apart_are_looked_at_once(monkeypatch):
+    """Their boxes all promise more than their vertices keep, so that no box rules out another."""
+    rng = np.random.default_rng(7)
+    cloud = points(rng.normal(size=(50, 3)))
+    places = [moved(offset, scale) @ turn for offset in rng.uniform(-1e-3, 1e-3, (40, 3)) for scale in (1.0, 0.99)
+              for turn in (np.eye(4), np.diag([-1.0, 1.0, 1.0, 1.0]))]
+    many = replace(scene(cloud), instances=tuple(Instance(0, place) for place in places))
+    vertices = np.concatenate([cloud.positions @ place[:3, :3].T + place[:3, 3] for place in places]) - many.center
+    looked_at = []
+    monkeypatch.setattr(Mesh, "drawn_chunks", lambda mesh: looked_at.append(mesh) or [mesh.positions])
+    for direction in rng.normal(size=(5, 3)):
+        np.testing.assert_allclose(many.farthest(direction), vertices[(vertices @ direction).argmax()], atol=1e-9)
+    assert 5 <= len(looked_at) <= 5 * 4
 
 
 def test_a_scene_of_nothing_has_a_camera():

@@ -59,9 +59,9 @@ def explain(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Light
 def _used(plan: Plan) -> tuple[str, ...]:
     lines = []
     if plan.draws:
-        shared = sum(bool(draw.blank_maps) for draw in plan.draws) and not plan.is_everything
+        shared = any(draw.blank_maps for draw in plan.kinds) and not plan.is_everything
         lines.append(f"{_count(len(plan.draws), 'draw')} with {_count(len(plan.programs), 'program')}"
-                     + ", some shared to compile fewer" * bool(shared))
+                     + ", some shared to compile fewer" * shared)
     if plan.lights:
         kinds = Counter(light.kind for light in plan.lights)
         tiles = f"; {_count(plan.shadow_layer_count, 'shadow map tile')}" * bool(plan.shadow_layer_count)
@@ -80,10 +80,10 @@ def _used(plan: Plan) -> tuple[str, ...]:
     if plan.has_indirect:
         lines.append("indirect light, path traced once at the vertices")
     for layer, what in _LAYERS.items():
-        count = sum(draw.program.get(layer.switch) for draw in plan.draws)
+        count = sum(plan.count(draw) * draw.program.get(layer.switch) for draw in plan.kinds)
         if count:
             lines.append(f"{what} of {_count(count, 'surface')}")
-    textures = {(draw.material, name): texture for draw in plan.draws for name in draw.maps
+    textures = {(draw.material, name): texture for draw in plan.kinds for name in draw.maps
                 if (texture := MAPS[name].texture(draw.surface))}
     if textures:
         images = {texture.image for texture in textures.values()}
@@ -94,7 +94,7 @@ def _used(plan: Plan) -> tuple[str, ...]:
 
 def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Light]) -> list[str]:
     """One line for each thing that the scene or the settings make unnecessary."""
-    lines, draws = [], plan.draws
+    lines, draws = [], plan.kinds
     if not scene.instances:
         return ["everything but the background: the scene is empty"]
     any_lit = _any_lit(draws)
@@ -121,7 +121,7 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
         reason = "not requested" if is_off else "no opaque surface is smooth and isotropic"
         lines.append(f"traced reflections: {reason}")
     for switch, what in _GIVEN_UP.items():
-        surfaces = sum(switch in draw.given_up for draw in draws)
+        surfaces = sum(plan.count(draw) * (switch in draw.given_up) for draw in draws)
         if surfaces:
             lines.append(f"{what} of {_count(surfaces, 'surface')}: with their maps a program would sample more than "
                          f"{MAX_SAMPLERS} textures")
@@ -174,7 +174,7 @@ def _omitted_layers(plan: Plan, settings: Settings) -> list[str]:
     if settings.mode == "phong":
         return []
     return [f"{what}: no surface has it" for layer, what in _LAYERS.items()
-            if not any(draw.program.get(layer.switch) for draw in plan.draws)]
+            if not any(draw.program.get(layer.switch) for draw in plan.kinds)]
 
 
 _LAYERS = {SHEEN: "sheen", CLEARCOAT: "clear coat", DIFFUSE_ROUGHNESS: "rough diffuse reflection",
@@ -194,7 +194,7 @@ _ATTRIBUTES = {
 
 def _skipped_bakes(plan: Plan, settings: Settings) -> list[tuple[str, float, float]]:
     """The tables for image-based lighting that are not baked: a line, MB of texture and seconds of baking for each."""
-    if not _any_lit(plan.draws) or (plan.reflections and plan.dfg):
+    if not _any_lit(plan.kinds) or (plan.reflections and plan.dfg):
         return []
     if settings.mode == "phong":
         reason = "mode phong does not use them"
@@ -211,12 +211,12 @@ def _skipped_bakes(plan: Plan, settings: Settings) -> list[tuple[str, float, flo
 
 def _unused_images(plan: Plan, scene: Scene) -> tuple[set, list[str]]:
     """The images that no program samples, and lines about the maps that are not sampled."""
-    sampled = {(draw.material, name) for draw in plan.draws for name in draw.maps}
+    sampled = {(draw.material, name) for draw in plan.kinds for name in draw.maps}
     all_maps = {(k, name): texture.image for k, m in enumerate(scene.materials) for name in MAPS
                 if (texture := MAPS[name].texture(m))}
     folded = {k: without_constant_maps(scene.materials[k]) for k, _ in all_maps.keys() - sampled}
     constant = {(k, name) for k, name in all_maps.keys() - sampled if MAPS[name].texture(folded[k]) is None}
-    given_up = {(draw.material, name) for draw in plan.draws for name in MAPS
+    given_up = {(draw.material, name) for draw in plan.kinds for name in MAPS
                 if f"{name.upper()}_MAP" in draw.given_up}
     unused = all_maps.keys() - sampled - constant - given_up
     images = {all_maps[key] for key in unused | constant} - {all_maps[key] for key in sampled}
@@ -233,14 +233,14 @@ def _unused_images(plan: Plan, scene: Scene) -> tuple[set, list[str]]:
 def _unused_attributes(plan: Plan, scene: Scene) -> int:
     """The bytes of the vertex attributes that no program reads, of the meshes that are drawn."""
     read: dict[int, set[str]] = {}
-    for draw in plan.draws:
+    for draw in plan.kinds:
         read.setdefault(draw.mesh, set()).update(draw.attributes)
     return sum(size * len(scene.meshes[mesh].positions) for mesh, names in read.items()
                for name, size in _ATTRIBUTE_BYTES.items() if name not in names)
 
 
 def _drawn(plan: Plan, scene: Scene) -> list[Mesh]:
-    return [scene.meshes[mesh] for mesh in dict.fromkeys(draw.mesh for draw in plan.draws)]
+    return [scene.meshes[mesh] for mesh in dict.fromkeys(draw.mesh for draw in plan.kinds)]
 
 
 def _any_lit(draws: Sequence[Draw]) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -103,48 +104,61 @@ class Plan:
     saved: Mapping[str, float] = field(default_factory=dict)
     is_everything: bool = False
 
+    @cached_property
+    def kinds(self) -> tuple[Draw, ...]:
+        """One draw of each mesh: those of its other instances are alike, and there may be a hundred thousand."""
+        return tuple({draw.mesh: draw for draw in self.draws}.values())
+
+    @cached_property
+    def _counts(self) -> Counter[int]:
+        return Counter(draw.mesh for draw in self.draws)
+
+    def count(self, draw: Draw) -> int:
+        """How many draws are like this one of `kinds`."""
+        return self._counts[draw.mesh]
+
     @property
     def programs(self) -> tuple[Program, ...]:
-        return tuple(dict.fromkeys(draw.program for draw in self.draws))
+        return tuple(dict.fromkeys(draw.program for draw in self.kinds))
 
     @property
     def has_blended(self) -> bool:
-        return self.is_everything or any(draw.alpha_mode == "blend" for draw in self.draws)
+        return self.is_everything or any(draw.alpha_mode == "blend" for draw in self.kinds)
 
     @property
     def has_visibility(self) -> bool:
         """Whether a pass computes the visibility of the environment before the surfaces are shaded."""
-        return any(draw.uses_visibility for draw in self.draws)
+        return any(draw.uses_visibility for draw in self.kinds)
 
     @property
     def has_traced_reflections(self) -> bool:
         """Whether a pass traces reflections of the model."""
-        return any(draw.traces_reflections for draw in self.draws)
+        return any(draw.traces_reflections for draw in self.kinds)
 
     @property
     def has_traced_refraction(self) -> bool:
         """Whether a pass traces paths through solid glass."""
-        return any(draw.traces_refraction for draw in self.draws)
+        return any(draw.traces_refraction for draw in self.kinds)
 
     @property
     def has_dispersion(self) -> bool:
         """Whether red, green and blue take paths of their own through solid glass."""
-        return any(draw.traces_refraction and draw.program["DISPERSIVE"] for draw in self.draws)
+        return any(draw.traces_refraction and draw.program["DISPERSIVE"] for draw in self.kinds)
 
     @property
     def has_indirect(self) -> bool:
         """Whether surfaces are lit by indirect light that is baked at their vertices."""
-        return any(draw.program.get("INDIRECT") for draw in self.draws)
+        return any(draw.program.get("INDIRECT") for draw in self.kinds)
 
     @property
     def has_solid_transmission(self) -> bool:
         """Whether a surface is the boundary of a solid, into which light is refracted (KHR_materials_volume)."""
-        return self.is_everything or any(draw.transmits == SOLID for draw in self.draws)
+        return self.is_everything or any(draw.transmits == SOLID for draw in self.kinds)
 
     @property
     def has_thin_transmission(self) -> bool:
         """Whether a surface transmits light as a thin wall, without refraction."""
-        return self.is_everything or any(draw.transmits == THIN_WALLED for draw in self.draws)
+        return self.is_everything or any(draw.transmits == THIN_WALLED for draw in self.kinds)
 
     def to_json(self) -> dict[str, object]:
         passes = ["shadows"] * bool(self.shadow_layer_count) + ["visibility"] * self.has_visibility
@@ -158,7 +172,7 @@ class Plan:
             "passes": [*passes, "display"],
             "programs": [{"fragment": p.fragment, "on": {k: v for k, v in p.switches if v}} for p in self.programs],
             "draws": len(self.draws),
-            "maps": sorted({f"{draw.material}:{name}" for draw in self.draws for name in draw.maps}),
+            "maps": sorted({f"{draw.material}:{name}" for draw in self.kinds for name in draw.maps}),
             "lights": len(self.lights),
             "shadow_layers": self.shadow_layer_count,
             "used": list(self.used),

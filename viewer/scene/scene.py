@@ -148,6 +148,14 @@ class Scene:
         return has if has.any() or self.volumes else ~has
 
     @cached_property
+    def _alike(self) -> np.ndarray:
+        """A number for each instance, the same for those of one mesh that only a translation tells apart, (I,)."""
+        linear = self.transforms[:, :3, :3].reshape(-1, 9) + 0.0  # -0 is 0
+        keys = np.column_stack([linear, [instance.mesh for instance in self.instances]])
+        rows = np.ascontiguousarray(keys).view(np.dtype((np.void, keys.dtype.itemsize * keys.shape[1]))).ravel()
+        return np.unique(rows, return_inverse=True)[1].ravel()
+
+    @cached_property
     def center(self) -> np.ndarray:
         return self.bounds.mean(axis=0)
 
@@ -183,7 +191,9 @@ class Scene:
             best = float(vertex @ direction)
         bounds = ((self.corners - self.center) @ direction).max(axis=1)
         bounds[~self._has_extent] = -np.inf
-        for k in np.argsort(-bounds, kind="stable"):
+        order = np.argsort(-bounds, kind="stable")
+        first = np.unique(self._alike[order], return_index=True)[1]
+        for k in order[np.sort(first)]:  # of boxes that a translation alone tells apart, the first is the farthest
             if bounds[k] <= best:
                 break  # no vertex in this box or in the remaining ones is farther
             linear, offset = self.instances[k].transform[:3, :3], self.instances[k].transform[:3, 3] - self.center
