@@ -134,7 +134,7 @@ def rate(context: Context, intersector: Intersector, rays: Rays | None, shadow: 
 
 
 def _wavefront(context: Context, rays: Rays | None, shadow: Rays | None) -> Wavefront:
-    wavefront = Wavefront(context.gl, SIDE // TILE, SIDE // TILE, has_medium=False, has_layers=False)
+    wavefront = Wavefront(context, SIDE // TILE, SIDE // TILE, has_medium=False, has_layers=False)
     nothing = np.zeros((SIDE * SIDE, 3), np.float32)
     origin, direction = rays or (nothing, nothing)
     shadow_origin, shadow_vector = shadow or (nothing, nothing)

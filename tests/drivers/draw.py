@@ -1,7 +1,8 @@
 """Draws pictures in a process of its own, with the driver that its environment names: `draw.py FILE NAME...`.
 
-FILE gets, pickled: what OpenGL says of itself, whether depth is reversed, and the pictures of these names. The first
-line that is printed is the driver's name for itself.
+FILE gets, pickled: what OpenGL says of itself, whether depth is reversed, the pictures of these names, and for each
+class of paths how many texels of path_classes.py are not as they should be. The first line that is printed is the
+driver's name for itself.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import pickle
 import sys
 
 from driver_pictures import PICTURES
+from path_classes import shaded
 
 from viewer.gpu.context import create_context
 from viewer.raster.depth import can_reverse
@@ -27,8 +29,10 @@ def main(path: str, *names: str) -> None:
         drawn[picture.name] = image.linear, image.srgb
         if gl.error != "GL_NO_ERROR":
             errors.append(picture.name)
+    found, expected = shaded(context)
     told = {"renderer": context.renderer, "version": context.version, "is_reversed": can_reverse(gl),
-            "errors": errors, "pictures": drawn}
+            "errors": errors, "pictures": drawn,
+            "classes": [int(count) for count in (found != expected).sum(axis=(0, 2, 3))]}
     with open(path, "wb") as file:
         pickle.dump(told, file)
 

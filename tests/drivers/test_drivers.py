@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from drivers import DRIVERS, REFERENCE, Driver, Run, differences
 from needs import require, skip
+from path_classes import COUNT
 
 from viewer.gpu.probe import probe
 
@@ -24,6 +25,24 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, object]
     started = [Run.start(REFERENCE, folder, sorted({name for driver in SHORT for name in driver.short})),
                *(Run.start(driver, folder, driver.short) for driver in SHORT)]
     yield {run.driver.name: run.result() for run in started}
+
+
+@pytest.mark.parametrize("driver", [REFERENCE, *SHORT], ids=lambda driver: driver.name)
+def test_classes_of_paths_survive_as_depths(runs, driver: Driver):
+    told = runs[driver.name]
+    if isinstance(told, str):
+        skip(driver.need)  # the test of pictures tells whether it is there, and fails
+    assert told["classes"] == [0] * COUNT
+
+
+def test_the_depths_of_classes_are_exact():
+    """In float32: as written, as a vertex's z between -1 and 1, and mapped back to 0 to 1."""
+    numbers = np.arange(COUNT, dtype=np.float32)
+    written = numbers / np.float32(16)
+    vertex = written * np.float32(2) - np.float32(1)
+    np.testing.assert_array_equal(vertex * np.float32(0.5) + np.float32(0.5), written)
+    np.testing.assert_array_equal(written.astype(float) * 16, np.arange(COUNT))
+    assert len(set(written.tolist())) == COUNT and written.max() < 1
 
 
 @pytest.mark.parametrize("driver", SHORT, ids=lambda driver: driver.name)

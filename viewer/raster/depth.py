@@ -15,8 +15,8 @@ from contextlib import contextmanager
 import moderngl
 
 from ..gpu.context import Context
+from ..gpu.float_depth import float_depth_renderbuffer
 
-_RENDERBUFFER, _DEPTH_COMPONENT32F = 0x8D41, 0x8CAC
 _LOWER_LEFT, _NEGATIVE_ONE_TO_ONE, _ZERO_TO_ONE = 0x8CA1, 0x935E, 0x935F
 
 
@@ -29,25 +29,21 @@ class Depth:
     """The depth test of one context: reversed and in floats where OpenGL 4.5 or GL_ARB_clip_control allows it."""
 
     def __init__(self, context: Context) -> None:
-        gl = self._gl = context.gl
-        self.is_reversed = can_reverse(gl)
+        self._context, self._gl = context, context.gl
+        self.is_reversed = can_reverse(context.gl)
         self.far = 0.0 if self.is_reversed else 1.0
         """The depth of the far plane, to which buffers are cleared."""
         self._nearer = ">" if self.is_reversed else "<"
         integer, double = ctypes.c_int, ctypes.c_double
         self._set_range = context.function("glDepthRange", double, double)
-        self._bind = context.function("glBindRenderbuffer", integer, integer)
-        self._allocate = context.function("glRenderbufferStorageMultisample", *[integer] * 5)
         if self.is_reversed:
             self._clip_control = context.function("glClipControl", integer, integer)
 
     def renderbuffer(self, size: tuple[int, int], samples: int = 0) -> moderngl.Renderbuffer:
         """A depth buffer, of 32-bit floats where depth is reversed and of 24 bits elsewhere."""
-        buffer = self._gl.depth_renderbuffer(size, samples=samples)
-        if self.is_reversed:  # moderngl makes no other kind than 24 bits, but lets a buffer be allocated anew
-            self._bind(_RENDERBUFFER, buffer.glo)
-            self._allocate(_RENDERBUFFER, samples, _DEPTH_COMPONENT32F, *size)
-        return buffer
+        if self.is_reversed:
+            return float_depth_renderbuffer(self._context, size, samples)
+        return self._gl.depth_renderbuffer(size, samples=samples)
 
     @contextmanager
     def test(self) -> Iterator[None]:

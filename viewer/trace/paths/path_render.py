@@ -67,7 +67,7 @@ class PathRender:
         columns = SOFTWARE_SIDE if context.is_software else DEVICE_SIDE
         self._check_interval = 1 if context.is_software else DEVICE_CHECK_INTERVAL
         rows = min(math.ceil(math.prod(film.tiles) * settings.most_spp / columns / 2), columns)
-        self._wavefronts = [_TracedWavefront(Wavefront(context.gl, columns, rows, plan.has_transmission,
+        self._wavefronts = [_TracedWavefront(Wavefront(context, columns, rows, plan.has_transmission,
                                                        "layers" in plan.programs)) for _ in range(2)]
         self._flush: Callable[[], None] = context.function("glFlush")
         self._layers, self._denoiser = layers, denoiser

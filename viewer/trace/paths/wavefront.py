@@ -8,6 +8,8 @@ from typing import NamedTuple
 import moderngl
 import numpy as np
 
+from ...gpu.context import Context
+from ...gpu.float_depth import float_depth_renderbuffer
 from ..layout import TILE
 
 STATE = ("origin", "direction", "shadow_origin", "shadow_vector", "throughput", "radiance", "medium")
@@ -63,12 +65,12 @@ class Wavefront:
     radiance: moderngl.Texture
     medium: moderngl.Texture
 
-    def __init__(self, gl: moderngl.Context, columns: int, rows: int, has_medium: bool, has_layers: bool) -> None:
-        self._gl = gl
+    def __init__(self, context: Context, columns: int, rows: int, has_medium: bool, has_layers: bool) -> None:
+        gl = self._gl = context.gl
         self.grid = columns, rows
         self.size = columns * TILE, rows * TILE
-        self.classes = gl.framebuffer(depth_attachment=gl.depth_texture(self.size))
-        depth = self.classes.depth_attachment
+        depth = float_depth_renderbuffer(context, self.size)
+        self.classes = gl.framebuffer(depth_attachment=depth)
         self._states = [[float_target(gl, self.size) for _ in STATE[: 6 + has_medium]] for _ in range(2)]
         self._targets = [gl.framebuffer(textures, depth) for textures in self._states]
         self._origins = [gl.framebuffer(textures[:1], depth) for textures in self._states]
