@@ -260,6 +260,7 @@ def scene_facts(scene: Scene) -> list[tuple[str, str]]:
         ("Triangles", f"{scene.triangle_count:,}"),
         ("Instances", f"{len(scene.instances):,} of {len(scene.meshes):,} meshes"),
         ("Materials", f"{len(scene.materials)}, {len(textures)} images"),
+        ("Volumes", str(len(scene.volumes))),
         ("Size", " × ".join(f"{side:.3g}" for side in extent) + " m"),
         ("Lights", str(len(scene.lights))),
         ("Cameras", str(len(scene.cameras))),
@@ -273,6 +274,8 @@ def scene_facts(scene: Scene) -> list[tuple[str, str]]:
 def _text(value: object) -> str:
     if isinstance(value, (list, tuple)):
         return ("\n" if any(isinstance(item, dict) for item in value) else ", ").join(map(_text, value))
+    if isinstance(value, dict) and "active_voxels" in value:  # a grid of a volume file
+        return f"{_text(value['name'])}, {value['type']}, {value['active_voxels']} voxels"
     if isinstance(value, dict):  # an image, as the readers describe it
         return f"{_text(Path(value['name']).name)}, {value['width']} × {value['height']}, {value['format']}"
     return str(value) or "(unnamed)"

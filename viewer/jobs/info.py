@@ -59,11 +59,13 @@ def describe_package() -> Facts:
     from ..image.image import WRITABLE
     from ..scene.environment_files import FORMATS
     from ..scene.environment_presets import PRESETS
+    from ..scene.load import VOLUME_FORMATS
     from ..scene.mesh_formats import mesh_formats
 
     return {
         "version": version("pbr-viewer"),
         "models": " ".join(sorted({"gltf", "glb"} | mesh_formats())),
+        "volumes": " ".join(VOLUME_FORMATS),
         "environments": " ".join([*PRESETS, "none", *(f"*{suffix}" for suffix in FORMATS)]),
         "pictures": " ".join(WRITABLE),
         "films": " ".join(FILM_FORMATS),

@@ -31,3 +31,19 @@ def ktx2(data: bytes, channels: int) -> dict[str, np.ndarray]:
         return {"pixels": opengl_basisu.open(data).transcode("rgba8").data[..., :channels]}
     except Exception as error:
         raise ValueError("is broken") from error
+
+
+def blosc(data: bytes, lengths: list[int]) -> dict[str, np.ndarray]:
+    """The "bytes" (N,) uint8 of chunks of Blosc 1, which stand one after the other and have these lengths.
+
+    Raises ValueError for data that is broken.
+    """
+    from numcodecs import blosc as decoder
+
+    decoder.use_threads = False
+    ends = np.cumsum(lengths).tolist()
+    try:
+        parts = [decoder.decompress(data[end - length:end]) for length, end in zip(lengths, ends)]
+    except Exception as error:  # of several classes, none of them the library's own
+        raise ValueError("are broken") from error
+    return {"bytes": np.frombuffer(b"".join(parts), np.uint8)}

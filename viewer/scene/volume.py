@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -59,6 +61,18 @@ class Volume:
         matrix = np.diag([*(high - low) / shape, 1.0])
         matrix[:3, 3] = low + matrix.diagonal()[:3] / 2
         return cls(name, density, matrix)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write a .vol file, which Mitsuba reads. Raises OutputError, and UsageError for another ending and for a box
+        that is not along the axes, which the format does not have."""
+        from .vol import write_vol
+
+        if Path(path).suffix.lower() != ".vol":
+            raise UsageError(f"{path}: a volume is saved as .vol")
+        steps = self.index_to_world[:3, :3]
+        if not (np.diag(steps) > 0).all() or not np.array_equal(steps, np.diag(np.diag(steps))):
+            raise UsageError(f"{path}: the box of {self!r} is turned, and that of a .vol is along the axes")
+        write_vol(path, self.density, self.corners[[0, 7]])
 
     def __repr__(self) -> str:
         """In one line: the densities would fill pages."""
