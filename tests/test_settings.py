@@ -24,7 +24,8 @@ def test_every_setting_has_a_default_among_its_choices_and_a_meaning():
     for name, choices in setting_choices().items():
         assert getattr(Settings(), name) in choices and len(choices) > 1 and setting_meanings()[name]
     of_numbers = setting_meanings().keys() - setting_choices().keys()
-    assert of_numbers == {"background_blur", "bounces", "light_radius", "clamp"} < RANGES.keys()
+    assert of_numbers == {"background_blur", "bounces", "light_radius", "clamp", "volume_density", "volume_albedo",
+                          "volume_g", "volume_emission"} < RANGES.keys()
     own_options = {"mode", "background", "exposure", "tonemap", "spp", "time_budget", "error", "seed", "denoise"}
     assert set(setting_meanings()) == {f.name for f in fields(Settings)} - own_options
 
@@ -40,6 +41,10 @@ def test_settings_that_are_numbers():
     settings = Settings().with_option("bounces=8").with_option("light-radius=2.5e-1")
     assert (settings.bounces, settings.light_radius) == (8, 0.25) and isinstance(settings.bounces, int)
     assert Settings.of(bounces=8, light_radius=0.25) == settings
+    assert Settings().with_option("volume-albedo=0.5,1,.25").volume_albedo == (0.5, 1.0, 0.25)
+    assert Settings.of(volume_albedo=[0.5, 1, 0.25]).volume_albedo == (0.5, 1.0, 0.25)
+    assert Settings().with_option("volume-emission=2").volume_emission == (2.0, 2.0, 2.0)
+    assert Settings.of(volume_emission=2).volume_emission == Settings.of(volume_emission=(2, 2, 2)).volume_emission
     assert Settings.of(spp=None, time_budget=2, error="0.5").error == 0.5
 
 
@@ -80,6 +85,11 @@ def test_the_most_samples_follow_the_rules_given():
     ("bounces=2.5", "a whole number from 1 to 255"),
     ("bounces=", "a whole number from 1 to 255"),
     ("clamp=nan", "clamp must be a number from 0 to 1e[+]09"),
+    ("volume-density=-1", "volume_density must be a number from 0 to 1e[+]18"),
+    ("volume-albedo=1", "volume_albedo must be three numbers from 0 to 1"),
+    ("volume-albedo=1,1,2", "volume_albedo must be a number from 0 to 1"),
+    ("volume-g=1", "volume_g must be a number from -0.99 to 0.99"),
+    ("volume-emission=1,2", "volume_emission must be one number or three numbers from 0 to"),
     ("spp=4", "no setting 'spp'"),
     ("ndf", "--set ndf: ndf must be one of ggx, beckmann, blinn-phong"),
     ("ndf=GGX", "ndf must be one of"),

@@ -57,6 +57,32 @@ class Range:
         return f"a {'whole ' * self.is_whole}number from {_plain(self.low)} to {_plain(self.high)}"
 
 
+class Triple(Range):
+    """Three numbers, each in this range: a colour, in linear Rec. 709."""
+
+    def number(self, value: object, prefix: str) -> Any:
+        """`value`, a sequence or text with commas, as a tuple of three numbers. Raises UsageError as Range does."""
+        parts = value.split(",") if isinstance(value, str) else value
+        if not isinstance(parts, (list, tuple)) or len(parts) != 3:
+            raise UsageError(f"{prefix} must be {self}")
+        return tuple(Range(self.low, self.high).number(part, prefix) for part in parts)
+
+    def __str__(self) -> str:
+        return f"three numbers from {_plain(self.low)} to {_plain(self.high)}"
+
+
+class GreyOrTriple(Triple):
+    """Three numbers, or one that stands for all of them."""
+
+    def number(self, value: object, prefix: str) -> Any:
+        if (isinstance(value, str) and "," not in value) or isinstance(value, (int, float)):
+            value = [value] * 3
+        return super().number(value, prefix)
+
+    def __str__(self) -> str:
+        return f"one number or {super().__str__()}"
+
+
 def _plain(number: float) -> str:
     return str(number) if isinstance(number, int) else f"{number:g}"
 
@@ -71,10 +97,14 @@ RANGES = {
     "light_radius": Range(0.0, 1e9),
     "clamp": Range(0.0, 1e9),
     "background_blur": Range(0.0, 90.0),
+    "volume_density": Range(0.0, 1e18),
+    "volume_albedo": Triple(0.0, 1.0),
+    "volume_g": Range(-0.99, 0.99),
+    "volume_emission": GreyOrTriple(0.0, 1e9),
 }
 
 
-def _option(default: str | float, meaning: str) -> Any:
+def _option(default: str | float | tuple[float, ...], meaning: str) -> Any:
     return field(default=default, metadata={"meaning": meaning})
 
 
@@ -126,6 +156,14 @@ class Settings:
         "off", "specular antialiasing: widen highlights smaller than a pixel, which flicker less but are less exact")
     background_blur: float = _option(
         0.0, "blur of the environment as background: standard deviation of a Gaussian in degrees; 0: none")
+    volume_density: float = _option(
+        1.0, "volume files: extinction coefficient per unit of length where the file's density is 1")
+    volume_albedo: tuple[float, float, float] = _option(
+        (0.9, 0.9, 0.9), "volume files: single-scattering albedo, the share of the extinction that is scattering")
+    volume_g: float = _option(
+        0.0, "volume files: mean cosine of the Henyey-Greenstein phase function; above 0: forwards")
+    volume_emission: tuple[float, float, float] = _option(
+        (0.0, 0.0, 0.0), "volume files: emitted radiance per unit of length where the file's density is 1")
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8", "ssaa-4", "ssaa-9", "ssaa-16"] = _option(
         "auto", "samples per pixel, which are shaded once (msaa) or each (ssaa); auto: msaa-4, but none while the "
         "camera moves and the CPU renders")

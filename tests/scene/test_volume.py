@@ -16,8 +16,10 @@ from viewer.plan.warnings import picture_warnings
 from viewer.scene.camera import Camera
 from viewer.scene.frame import Frame
 from viewer.scene.framing import MARGIN
+from viewer.scene.medium import Medium
 from viewer.scene.scene import Scene
-from viewer.scene.volume import Volume
+from viewer.scene.volume import Volume, volume_medium
+from viewer.settings import Settings
 
 BOX = [[-1, -2, -3], [2, 4, 7]]
 SHEARED = np.array([[2, 1, 0, 5], [0, -1, 0, 3], [0.5, 0, 3, -2], [0, 0, 0, 1]], float)
@@ -121,6 +123,11 @@ def test_it_pickles_prints_and_is_part_of_the_scenes_digest():
     assert digest(denser) != digest(shown) and denser.layout == shown.layout
     assert not denser.has_surfaces_of(shown) and shown.relit(lights=()).has_surfaces_of(shown)
     assert smoky().layout != Scene("empty").layout
+
+
+def test_the_medium_of_the_settings():
+    settings = Settings.of(volume_density=3, volume_albedo=(0.1, 0.2, 0.3), volume_g=-0.5, volume_emission=2)
+    assert volume_medium(settings) == Medium((3, 3, 3), (0.1, 0.2, 0.3), -0.5, emission=(2, 2, 2))
 
 
 def test_what_a_mode_does_not_draw_is_said():

@@ -12,7 +12,7 @@ from ..plan.planner import environment_use, plan_scene
 from ..scene.decoding import Decoder
 from ..scene.environment import Environment
 from ..scene.scene import Scene
-from ..settings import RANGES, Settings, setting_choices, setting_meanings
+from ..settings import RANGES, Settings, Triple, setting_choices, setting_meanings
 
 if TYPE_CHECKING:
     from ..trace.plan import TracePlan
@@ -85,12 +85,18 @@ def _range(name: str) -> Facts:
     return {"range": [numbers.low, numbers.high], "whole": numbers.is_whole}
 
 
+def _placeholder(name: str) -> str:
+    return "R,G,B" if isinstance(RANGES[name], Triple) else "N"
+
+
 def format_settings() -> str:
     """`settings_table` as text, two lines each."""
     default, choices, lines = Settings(), setting_choices(), []
     for name, meaning in setting_meanings().items():
-        values = "|".join(choices[name]) if name in choices else f"N, {RANGES[name]}"
-        lines += [f"--set {name}={values}", f"      {meaning}; default: {getattr(default, name)}"]
+        values = "|".join(choices[name]) if name in choices else f"{_placeholder(name)}, {RANGES[name]}"
+        value = getattr(default, name)
+        shown = ",".join(f"{part:g}" for part in value) if isinstance(value, tuple) else value
+        lines += [f"--set {name}={values}", f"      {meaning}; default: {shown}"]
     return "\n".join(lines)
 
 

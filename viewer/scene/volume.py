@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import UsageError
+from ..settings import Settings
 from .arrays import scene_array
+from .medium import Medium
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -101,6 +103,15 @@ class Volume:
     def layout(self) -> tuple[object, ...]:
         """All that programs and the sizes of textures depend on."""
         return self.density.shape, self.density.dtype.str
+
+
+def volume_medium(settings: Settings) -> Medium:
+    """What light meets in a volume where the density is 1: the medium of the settings `volume-...`.
+
+    Extinction and emission are proportional to the density.
+    """
+    return Medium((settings.volume_density,) * 3, settings.volume_albedo, settings.volume_g,
+                  emission=settings.volume_emission)
 
 
 def _float_type(values: Any) -> type:
