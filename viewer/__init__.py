@@ -13,7 +13,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .api import load, render, show
+    from .api import join, load, render, show
     from .errors import ContextError, InputError, OutputError, ShaderError, UsageError, ViewerError
     from .gpu.call import call_glsl
     from .image.image import Image
@@ -44,6 +44,7 @@ __all__ = [
     "ViewerError",
     "Volume",
     "call_glsl",
+    "join",
     "load",
     "render",
     "show",
@@ -52,8 +53,8 @@ __all__ = [
 _MODULES = {
     "Camera": "scene.camera", "Environment": "scene.environment", "Image": "image.image", "Instance": "scene.scene",
     "Light": "scene.light", "Material": "scene.material", "Mesh": "scene.mesh", "Scene": "scene.scene",
-    "Settings": "settings", "Volume": "scene.volume", "call_glsl": "gpu.call", "load": "api", "render": "api",
-    "show": "api",
+    "Settings": "settings", "Volume": "scene.volume", "call_glsl": "gpu.call", "join": "api", "load": "api",
+    "render": "api", "show": "api",
 }
 
 

@@ -55,6 +55,18 @@ def load(path: str | PathLike[str], environment: str | PathLike[str] | None = "s
     return replace(load_scene(path, scene, variant), environment=load_environment(spec))
 
 
+def join(scene: Scene, *others: Scene) -> Scene:
+    """`scene` with all that is in `others`, models and volumes, in the same world coordinates.
+
+    The environment, the animations and the variants are those of `scene`; animations of `others` are not played.
+    """
+    from .scene.join import join
+
+    for given in (scene, *others):
+        _expect_scene(given, None)
+    return join(scene, *others)
+
+
 def render(
     scene: Scene,
     size: tuple[int, int] = DEFAULT_SIZE,

@@ -13,6 +13,7 @@ from ..interact.playback import Playback
 from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, DEFAULT_FOV, Camera
 from ..scene.environment import Environment
 from ..scene.environment_files import load_environment
+from ..scene.join import join
 from ..scene.light import Light
 from ..scene.load import load_scene
 from ..scene.scene import Scene
@@ -39,7 +40,8 @@ def make_environment(options: dict[str, Any]) -> Environment | None:
 
 
 def make_scene(model: str, environment: Environment | None, options: dict[str, Any]) -> Scene:
-    """The scene of the file `model`, with `environment` and the lights that the options add, at the time they name.
+    """The scene of the file `model`, with `environment` and the files and lights that the options add, at the time they
+    name.
 
     Raises InputError for a file that cannot be used or that does not have the scene, variant or animation.
     """
@@ -47,6 +49,7 @@ def make_scene(model: str, environment: Environment | None, options: dict[str, A
     if wanted is not None and wanted.isdecimal():
         wanted = int(wanted)
     scene = load_scene(model, wanted, options.get("variant"))
+    scene = join(scene, *map(load_scene, options.get("with_files", ())))
     scene = scene.relit(environment=environment, lights=(*scene.lights, *map(make_light, options["lights"])))
     time = options.get("time")
     if options.get("animation") is None and time is None:

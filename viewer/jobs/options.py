@@ -148,6 +148,9 @@ LOOK_OPTIONS = [
                  help="Change any other setting; `pbr-viewer info --settings` lists them; can be repeated."),
 ]
 MODEL_OPTIONS = [
+    click.option("--with", "with_files", multiple=True, metavar="FILE",
+                 help="Another model or volume in the same picture, in the same world coordinates; can be repeated. "
+                      "It stands still; the animations and variants are MODEL's."),
     click.option("--variant", metavar="NAME", help="Show the model in these materials; `pbr-viewer info` lists its "
                                                    "variants. Default: the file's own choice."),
     click.option("--scene", metavar="N|NAME", help="Show this scene of a glTF file, by its number, counted from 0, or "
