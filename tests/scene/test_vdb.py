@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -117,6 +118,15 @@ def test_an_instance_shares_a_tree_and_has_a_transform_of_its_own():
     same_density(load(source, copy), copy)
     with pytest.raises(InputError, match="is an instance of 'other', which does not stand before it"):
         load(copy, source)
+
+
+@pytest.mark.parametrize("name, voxels", [("cloud", 120383), ("smoke", 42385)])
+def test_the_projects_own_volumes(name, voxels):
+    """OpenVDB 10 counts as many voxels."""
+    path = Path(__file__).parents[2] / "assets" / "volumes" / f"{name}.vdb"
+    scene = load_scene(path)
+    assert scene.facts["grids"][0]["active_voxels"] == voxels and not scene.warnings
+    assert scene.volumes[0].maximum == 1 and path.stat().st_size < 300_000
 
 
 @needs("corpus", "vdb")
