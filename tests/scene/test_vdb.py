@@ -115,7 +115,11 @@ def test_a_background_is_said():
 def test_an_instance_shares_a_tree_and_has_a_transform_of_its_own():
     source = VdbGrid("other", puff(), half=True)
     copy = VdbGrid("density", puff(), index_to_world=SHEARED, half=True, parent="other")
-    same_density(load(source, copy), copy)
+    scene = load(source, copy)
+    same_density(scene, copy)
+    one, two = scene.facts["grids"]
+    assert (one["name"], two["name"]) == ("other", "density") and one["active_voxels"] == two["active_voxels"] > 0
+    assert one["index_to_world"] == np.eye(4).tolist() and two["index_to_world"] == SHEARED.tolist()
     with pytest.raises(InputError, match="is an instance of 'other', which does not stand before it"):
         load(copy, source)
 

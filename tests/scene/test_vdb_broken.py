@@ -15,6 +15,7 @@ from assets.vdb import ACTIVE_MASK, BLOSC, ZIP, VdbGrid, vdb_bytes
 from viewer.base.apart import apart
 from viewer.errors import InputError
 from viewer.scene.vdb.load import load_vdb
+from viewer.scene.vdb.tree import read_tree
 
 
 def said(name: str, kind: str, value: bytes) -> VdbGrid:
@@ -47,6 +48,21 @@ def test_a_box_that_differs_from_what_the_file_says():
     box = {"file_bbox_min": ("vec3i", low), "file_bbox_max": ("vec3i", high)}
     with pytest.raises(InputError, match=r"in the box \[\[0, 0, 0\], \[12, 17, 8\]\], but it says in"):
         load(VdbGrid("density", puff(), metadata=box))
+
+
+def test_instances_do_not_read_a_tree_again(monkeypatch):
+    """A file of 1 MB could have thousands of them, each of a tree that takes 0.1 s."""
+    read = []
+    monkeypatch.setattr("viewer.scene.vdb.voxels.read_tree", lambda *args: read.append(args) or read_tree(*args))
+    source = VdbGrid("density", puff())
+    scene = load(source, *[VdbGrid(f"copy {k}", source.values, parent="density") for k in range(20)])
+    assert len(scene.facts["grids"]) == 21 and len(read) == 1
+
+
+def test_too_many_grids():
+    data = vdb_bytes([]).replace(struct.pack("<2I", 0, 0), struct.pack("<2I", 0, 1025))
+    with pytest.raises(InputError, match="has 1025 grids; at most 1024 are read"):
+        load_vdb(Path("some.vdb"), data)
 
 
 def patched(grid: VdbGrid, old: bytes, new: bytes) -> bytes:

@@ -17,6 +17,7 @@ from .stream import Stream
 MAGIC = b" BDV\0\0\0\0"
 OLDEST, NEWEST = 222, 225
 """The versions of the format that are read. Older ones store the values of nodes without masks."""
+MAX_GRIDS = 1024
 ZIP, ACTIVE_MASK, BLOSC = 1, 2, 4
 _TYPES = {
     "float": ("<f4", 1, "FloatGrid"), "double": ("<f8", 1, "DoubleGrid"), "half": ("<f2", 1, "HalfGrid"),
@@ -75,7 +76,10 @@ def read_grids(stream: Stream) -> list[Grid]:
     stream.take(36)  # a UUID
     _metadata(stream)
     grids: dict[str, Grid] = {}
-    for number in range(stream.number("I")):
+    count = stream.number("I")
+    if count > MAX_GRIDS:
+        raise stream.error(f"has {count} grids; at most {MAX_GRIDS} are read")
+    for number in range(count):
         stream.place = f"grid {number}"
         unique, grid = _grid(stream, grids)
         grids[unique] = grid

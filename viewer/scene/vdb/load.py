@@ -6,9 +6,10 @@ from pathlib import Path
 
 from ...errors import InputError
 from ..scene import Scene
+from ..volume import Volume
 from .header import Grid, read_grids
 from .stream import Stream
-from .voxels import read_voxels
+from .voxels import Facts, about, read_voxels
 
 
 def load_vdb(path: Path, data: bytes) -> Scene:
@@ -20,12 +21,13 @@ def load_vdb(path: Path, data: bytes) -> Scene:
     stream = Stream(path, data)
     grids = read_grids(stream)
     drawn, warnings = _drawn(path, grids)
-    volumes, told = [], []
-    for grid in grids:
-        facts, volume = read_voxels(stream, grid, grid is drawn, warnings)
-        told.append(facts)
-        if volume is not None:
-            volumes.append(volume)
+    volumes: list[Volume] = []
+    trees: dict[int, Facts] = {}
+    for grid in sorted(grids, key=lambda grid: grid is not drawn):
+        if grid.tree not in trees:
+            trees[grid.tree], volume = read_voxels(stream, grid, grid is drawn, warnings)
+            volumes += [volume] if volume is not None else []
+    told = [about(grid) | trees[grid.tree] for grid in grids]  # instances share a tree
     return Scene(path.stem, volumes=tuple(volumes), warnings=tuple(warnings), facts={"format": "VDB", "grids": told})
 
 

@@ -14,13 +14,17 @@ from .stream import Stream
 from .tree import BATCH, VOXELS, Tree, read_tree
 
 Facts = dict[str, object]
+_TOLD = ("active_voxels", "index_box", "sum", "min", "max")
 
 
 def read_voxels(stream: Stream, grid: Grid, is_drawn: bool, warnings: list[str]) -> tuple[Facts, Volume | None]:
-    """What `pbr-viewer info` tells of `grid`, and its volume if it is drawn and not empty. Raises InputError."""
+    """What `pbr-viewer info` tells of the voxels of `grid`, and its volume if it is drawn and not empty.
+
+    Of a type or a transform that is not read, nothing is told. Raises InputError.
+    """
     stream.place = f"grid '{grid.name[:80]}'"
     if grid.dtype is None or grid.index_to_world is None:
-        return _facts(grid), None
+        return dict.fromkeys(_TOLD), None
     tree = read_tree(stream, grid)
     box = tree.box()
     _check(stream, grid, tree, box)
@@ -32,7 +36,7 @@ def read_voxels(stream: Stream, grid: Grid, is_drawn: bool, warnings: list[str])
         if density is not None:
             density.put(origins, size, values[:, 0])
     numbers = [number if math.isfinite(number) else None for number in (total, low, high)]
-    told = _facts(grid, tree.active_voxels, box, *numbers)
+    told = dict(zip(_TOLD, (tree.active_voxels, None if box is None else box.tolist(), *numbers), strict=True))
     if density is None:
         if is_drawn:
             warnings.append(f"grid '{grid.name}' has no active voxels: there is nothing to draw")
@@ -43,12 +47,10 @@ def read_voxels(stream: Stream, grid: Grid, is_drawn: bool, warnings: list[str])
     return told, volume_of(stream.path, stream.place, grid.name, density.array, density.index_to_world)
 
 
-def _facts(grid: Grid, active_voxels: int | None = None, box: np.ndarray | None = None, total: float | None = None,
-           low: float | None = None, high: float | None = None) -> Facts:
+def about(grid: Grid) -> Facts:
+    """What its header tells."""
     matrix = grid.index_to_world
-    return {"name": grid.name, "type": grid.type, "active_voxels": active_voxels,
-            "index_box": None if box is None else box.tolist(), "sum": total, "min": low, "max": high,
-            "index_to_world": None if matrix is None else matrix.tolist()}
+    return {"name": grid.name, "type": grid.type, "index_to_world": None if matrix is None else matrix.tolist()}
 
 
 def _values(stream: Stream, grid: Grid, tree: Tree) -> Iterator[tuple[np.ndarray, int, np.ndarray]]:
