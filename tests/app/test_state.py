@@ -141,10 +141,13 @@ def test_facts_are_words_and_numbers(state):
     """Whatever a reader says of a file: names, of which some are empty, counts, and images."""
     images = [{"name": "/models/chair/wood", "format": "jpeg", "width": 640, "height": 480, "bits": 8},
               {"name": "", "format": "png", "width": 2, "height": 1, "bits": 16}]
-    facts = {"format": "GLB 2.0", "scenes": ["main", ""], "images": images, "textures": 0}
+    grids = [{"name": "density", "type": "FloatGrid", "active_voxels": 1234},
+             {"name": "", "type": "BoolGrid", "active_voxels": None}]
+    facts = {"format": "GLB 2.0", "scenes": ["main", ""], "images": images, "textures": 0, "grids": grids}
     shown = dict(scene_facts(replace(state.scene, facts=facts)))
     assert shown["Triangles"] == "1" and shown["Format"] == "GLB 2.0" and shown["Scenes"] == "main, (unnamed)"
     assert shown["Images"] == "wood, 640 × 480, jpeg\n(unnamed), 2 × 1, png"
+    assert shown["Grids"] == "density, FloatGrid, 1,234 voxels\n(unnamed), BoolGrid" and shown["Volumes"] == "0"
     assert "Textures" not in shown and not any(set(text) & set("{}[]'") for text in shown.values())
 
 

@@ -275,7 +275,8 @@ def _text(value: object) -> str:
     if isinstance(value, (list, tuple)):
         return ("\n" if any(isinstance(item, dict) for item in value) else ", ").join(map(_text, value))
     if isinstance(value, dict) and "active_voxels" in value:  # a grid of a volume file
-        return f"{_text(value['name'])}, {value['type']}, {value['active_voxels']} voxels"
+        voxels = value["active_voxels"]  # None for a type that is not read
+        return f"{_text(value['name'])}, {value['type']}" + (f", {voxels:,} voxels" if voxels is not None else "")
     if isinstance(value, dict):  # an image, as the readers describe it
         return f"{_text(Path(value['name']).name)}, {value['width']} × {value['height']}, {value['format']}"
     return str(value) or "(unnamed)"

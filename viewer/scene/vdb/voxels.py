@@ -32,7 +32,7 @@ def read_voxels(stream: Stream, grid: Grid, is_drawn: bool, warnings: list[str])
     total, low, high = 0.0, math.inf, -math.inf
     for origins, size, values in _values(stream, grid, tree):
         total += float(values.sum(dtype=np.float64)) * size**3
-        low, high = min(low, float(values.min())), max(high, float(values.max()))
+        low, high = float(np.minimum(low, values.min())), float(np.maximum(high, values.max()))  # NaN stays
         if density is not None:
             density.put(origins, size, values[:, 0])
     numbers = [number if math.isfinite(number) else None for number in (total, low, high)]
