@@ -58,7 +58,8 @@ def vdb_bytes(grids: Sequence[VdbGrid], version: int = 224) -> bytes:
         topology, values = (b"", b"") if grid.parent else (writer.topology(), writer.values())
         head += topology
         start = len(out) + 24
-        out += struct.pack("<3q", start, start + len(head), start + len(head) + len(values)) + head + values
+        place = 0 if grid.parent else start + len(head)
+        out += struct.pack("<3q", start, place, start + len(head) + len(values)) + head + values
     return bytes(out)
 
 

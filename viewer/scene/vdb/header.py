@@ -96,7 +96,8 @@ def _grid(stream: Stream, known: dict[str, Grid]) -> tuple[str, Grid]:
     if unique in known:
         raise stream.error("two grids have this name")
     start, values, end = stream.numbers("3q")
-    if not stream.at <= start <= values <= end <= len(stream.data):
+    middle = start if parent else values  # which OpenVDB leaves at 0 in an instance
+    if not stream.at <= start <= middle <= end <= len(stream.data):
         raise stream.error(f"its positions in the file, {start}, {values} and {end}, are out of order "
                            f"or beyond its {len(stream.data)} bytes")
     stream.at = start
