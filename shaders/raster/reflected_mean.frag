@@ -1,6 +1,10 @@
 // Reflected radiance of a pixel's lobe: a joint bilateral filter over 5 x 5 pixels' rays, whose directions are spread
 // over the lobe. Normals, positions and roughness of the G-buffer are the guide. The narrower the lobe, the narrower
 // the filter: a mirror uses its own ray alone.
+//
+// The 16 directions repeat every 4 pixels. The outermost rows and columns count half, so that on a plane each direction
+// has the same weight at every pixel: 1/2 + 1/2 = 1 along each axis. With equal taps a fifth of the rows would count
+// twice, others at each pixel, and a grid of 4 pixels would show.
 #include "raster/octahedron.glsl"
 
 const float HIT_DISTANCE = 0.25; // assumed, in units of the scene's radius: reflected surfaces are mostly farther away
@@ -18,7 +22,7 @@ void main() {
     float alpha = here.w * here.w;
     vec3 radiance = vec3(0.0), environment = vec3(0.0);
     for (int k = 0; k < 25; ++k) {
-        ivec2 tap = clamp(pixel + ivec2(k % 5, k / 5) - 2, ivec2(0), last);
+        ivec2 away = ivec2(k % 5, k / 5) - 2, tap = clamp(pixel + away, ivec2(0), last);
         vec4 there = texelFetch(u_positions, tap, 0);
         if (there.w == 0.0) continue;
         vec3 dn = from_octahedron(texelFetch(u_normals, tap, 0).xy) - n, dp = there.xyz - here.xyz;
@@ -26,6 +30,7 @@ void main() {
         // of 0.1 in roughness costs a factor of e.
         float weight = exp(-0.5 * (dot(dn, dn) + dot(dp, dp) / (HIT_DISTANCE * HIT_DISTANCE)) / max(alpha * alpha, 1e-8)
                            - 10.0 * abs(there.w - here.w));
+        weight *= (abs(away.x) == 2 ? 0.5 : 1.0) * (abs(away.y) == 2 ? 0.5 : 1.0);
         radiance += weight * texelFetch(u_hit_radiance, tap, 0).rgb;
         environment += weight * vec3(texelFetch(u_environment, tap, 0).rg, 1.0);
     }

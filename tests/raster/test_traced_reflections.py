@@ -170,3 +170,18 @@ def test_the_plan_says_what_is_traced():
     assert "traced reflections: no opaque surface is smooth and isotropic" in rough.left_out
     assert "traced reflections: not requested" in off.left_out
     assert not rough.has_traced_reflections and not off.has_traced_reflections
+
+
+def test_the_directions_of_neighbouring_rays_leave_no_grid(radiance):
+    """They repeat every 4 pixels. What repeats so in the picture is a grid: the mean of all pixels at one place of
+    their blocks, less the mean of 4 x 4 pixels around each."""
+    rough = hall(floor=Material(metallic=1.0, perceptual_roughness=0.5))
+    grey = radiance(rough, VIEW, (96, 96), reflections="traced")[..., 1]
+    points = seen_plane(VIEW, (96, 96), (0, 1, 0))
+    rows = np.flatnonzero((points[:, 48, 2] > 0.2) & (points[:, 48, 2] < 1.2))
+    grey = grey[rows[0]:rows[-1] + 1, 24:72]
+    taps = np.array([0.5, 1, 1, 1, 0.5]) / 4
+    smooth = np.apply_along_axis(np.convolve, 0, np.apply_along_axis(np.convolve, 1, grey, taps, "same"), taps, "same")
+    detail = ((grey - smooth) / smooth)[4:-4, 4:-4]
+    grid = np.array([[detail[y::4, x::4].mean() for x in range(4)] for y in range(4)])
+    assert np.ptp(smooth[4:-4, 4:-4]) > 0.1 and np.abs(grid).max() < 0.02  # 0.06 where all taps of the filter are equal
