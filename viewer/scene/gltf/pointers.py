@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import cached_property
 
 from ..animation import Target
 from ..parameter import Feature
@@ -75,29 +76,43 @@ _KINDS: tuple[tuple[str, str, dict[str, Property]], ...] = (
 )
 
 
-def resolve(root: Element, pointer: str) -> tuple[list[Target], Property] | None:
-    """The targets of a pointer and what they take; None if the file has nothing there, or nothing that is drawn.
+class Pointers:
+    """The pointers of a file, of whose JSON `root` is the root."""
 
-    The weights of a mesh are those of all nodes that show it and have none of their own.
-    """
-    for kind, array, properties in _KINDS:
-        match = re.fullmatch(rf"/{array}/(0|[1-9][0-9]{{0,8}})/(.+)", pointer)
-        if match is None:
-            continue
-        number, path = int(match[1]), match[2]
-        items = _at(root.value, array)
-        if not isinstance(items, list) or number >= len(items):
-            return None
-        weight = re.fullmatch(r"weights/(0|[1-9][0-9]{0,8})", path) if kind in ("node", "mesh") else None
-        found = Property(f"weights[{int(weight[1])}]", "SCALAR", 1) if weight else properties.get(path)
-        if found is None or (found.needs and not isinstance(_at(items[number], found.needs), dict)):
-            return None
-        if kind == "mesh":
-            nodes = [k for k, node in enumerate(root.array("nodes"))
-                     if node.value.get("mesh") == number and "weights" not in node]
-            return [Target("node", k, found.name) for k in nodes], found
-        return [Target(kind, number, found.name)], found
-    return None
+    def __init__(self, root: Element) -> None:
+        self._root = root
+
+    def resolve(self, pointer: str) -> tuple[list[Target], Property] | None:
+        """The targets of a pointer and what they take; None if the file has nothing there, or nothing that is drawn.
+
+        The weights of a mesh are those of all nodes that show it and have none of their own.
+        """
+        for kind, array, properties in _KINDS:
+            match = re.fullmatch(rf"/{array}/(0|[1-9][0-9]{{0,8}})/(.+)", pointer)
+            if match is None:
+                continue
+            number, path = int(match[1]), match[2]
+            items = _at(self._root.value, array)
+            if not isinstance(items, list) or number >= len(items):
+                return None
+            weight = re.fullmatch(r"weights/(0|[1-9][0-9]{0,8})", path) if kind in ("node", "mesh") else None
+            found = Property(f"weights[{int(weight[1])}]", "SCALAR", 1) if weight else properties.get(path)
+            if found is None or (found.needs and not isinstance(_at(items[number], found.needs), dict)):
+                return None
+            if kind == "mesh":
+                return [Target("node", k, found.name) for k in self._shown.get(number, [])], found
+            return [Target(kind, number, found.name)], found
+        return None
+
+    @cached_property
+    def _shown(self) -> dict[int, list[int]]:
+        """By mesh, the nodes that show it and have no weights of their own."""
+        shown: dict[int, list[int]] = {}
+        for k, node in enumerate(self._root.array("nodes")):
+            mesh = node.value.get("mesh")
+            if isinstance(mesh, int) and "weights" not in node:
+                shown.setdefault(mesh, []).append(k)
+        return shown
 
 
 def _at(value: object, path: str) -> object:
