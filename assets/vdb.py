@@ -35,6 +35,8 @@ class VdbGrid:
     fog: bytes = b"fog volume"
     more: Sequence[tuple[tuple[int, int, int], np.ndarray]] = ()
     """Further values, elsewhere: pairs of an origin and an array. They share no leaf."""
+    empty_leaves: bool = False
+    """Whether leaves without active voxels are stored, too."""
     background: float = 0.0
     parent: str = ""
     """The name of the grid whose tree this one shares; then it has only a transform of its own."""
@@ -80,7 +82,7 @@ class _Tree:
             place = tuple((low - before + (8 * x, 8 * y, 8 * z)).tolist())
             if self.grid.tiles and block.all() and (block == block[0]).all():
                 self.tiles[place] = block[:1]
-            elif block.any():
+            elif block.any() or self.grid.empty_leaves:
                 self.leaves[place] = block
 
     def metadata(self) -> bytes:
@@ -131,9 +133,10 @@ class _Tree:
         stored = values[active] if is_masked else values
         data = stored.astype("<f2" if self.grid.half else "<f4").tobytes()
         if self.grid.flags & (ZIP | BLOSC) and (data or not self.grid.half):
-            packed = self.grid.pack(data) if data else b""
-            is_smaller = 0 < len(packed) < len(data)
-            data = struct.pack("<q", len(packed) if is_smaller else -len(data)) + (packed if is_smaller else data)
+            packed = self.grid.pack(data)
+            # Of no values at all, OpenVDB stores what Blosc makes of them.
+            is_packed = len(packed) < len(data) or (not data and bool(self.grid.flags & BLOSC))
+            data = struct.pack("<q", len(packed) if is_packed else -len(data)) + (packed if is_packed else data)
         return (begin or b"\0" if is_masked else b"\6") + data
 
     def _below(self, blocks: Blocks, place: tuple) -> list:

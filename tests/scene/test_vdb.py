@@ -48,6 +48,18 @@ def test_every_way_to_store_it_gives_the_same_voxels(flags, half, tiles):
     json.dumps(told, allow_nan=False)
 
 
+@pytest.mark.parametrize("flags", [ZIP | ACTIVE_MASK, BLOSC | ACTIVE_MASK, BLOSC])
+@pytest.mark.parametrize("half", [False, True])
+def test_leaves_without_active_voxels(flags, half):
+    if flags & BLOSC:
+        require("vdb")
+    values = puff((24, 8, 8))
+    values[8:16] = 0
+    grid = VdbGrid("density", values, half=half, flags=flags, empty_leaves=True,
+                   **({"pack": blosc} if flags & BLOSC else {}))
+    same_density(load(grid), grid)
+
+
 @pytest.mark.parametrize("version", [222, 223, 224, 225])
 def test_versions(version):
     same_density(load(VdbGrid("density", puff()), version=version), VdbGrid("density", puff()))

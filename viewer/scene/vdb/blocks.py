@@ -49,8 +49,8 @@ def skip_block(stream: Stream, grid: Grid, count: int, active: int) -> Block:
     if not grid.compression & (ZIP | BLOSC) or (grid.is_half and not count):
         return Block(stream.skip(size), size, False, count)
     length = stream.number("q")
-    if length > 0:
-        return Block(stream.skip(length), length, True, count)
+    if length > 0:  # a node without active voxels has a chunk of no values, which decoders refuse
+        return Block(stream.skip(length), length, count > 0, count)
     if -length != size:  # what compression would make longer is stored as it is
         raise stream.error(f"at byte {stream.at} there are {-length} bytes of values, not {size}")
     return Block(stream.skip(size), size, False, count)
@@ -78,7 +78,7 @@ def _decompressed(stream: Stream, grid: Grid, blocks: list[Block], item: int) ->
 
 def _unzipped(stream: Stream, block: Block, size: int) -> bytes:
     try:
-        data = zlib.decompressobj().decompress(stream.data[block.start:block.start + block.size], size or 1)
+        data = zlib.decompressobj().decompress(stream.data[block.start:block.start + block.size], size)
     except zlib.error as error:
         raise stream.error(f"the zip-compressed values at byte {block.start} are broken") from error
     if len(data) != size:
