@@ -16,7 +16,7 @@ vec3 sample_half(vec3 wo, float alpha, vec2 u) {
 #if NDF == 1
     float sin2 = x / (1.0 + x);
 #else
-    float sin2 = one_minus_exp(x);
+    float sin2 = one_minus_exp_fast(x);
 #endif
     float phi = 2.0 * PI * u.y;
     return vec3(sqrt(sin2) * vec2(cos(phi), sin(phi)), sqrt(1.0 - sin2));

@@ -27,7 +27,7 @@ float phong_pdf(Phong m, vec3 wo, vec3 wi) {
 
 // A direction with density phong_pdf, whether above the surface or not: cos(angle to r) = (1 - u)^(1 / (s + 1))
 vec3 phong_direction(Phong m, vec3 wo, vec2 u) {
-    float sin2 = one_minus_exp(-2.0 * log(1.0 - u.x) / (m.shininess + 1.0));
+    float sin2 = one_minus_exp_fast(-2.0 * log(1.0 - u.x) / (m.shininess + 1.0));
     float phi = 2.0 * PI * u.y;
     vec3 local = vec3(sqrt(sin2) * vec2(cos(phi), sin(phi)), sqrt(1.0 - sin2));
     return orthonormal_basis(phong_mirror(wo)) * local;
