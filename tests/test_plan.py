@@ -339,6 +339,32 @@ def test_every_microfacet_model_compiles(programs):
                     programs.get("raster/surface.vert", program.fragment, dict(program.switches))
 
 
+def test_without_fog_there_is_no_pass_and_no_code_of_it():
+    model = scene(lights=(SUN,), environment=ENVIRONMENT)
+    found, foggy = plan(model), plan(model, fog=0.5)
+    assert found.media is None and not any(found.programs[0][name] for name in ("MEDIA", "FOG", "FOG_HEIGHT"))
+    assert "media" not in code(found) and "haze" not in code(found)
+    assert "media" not in found.to_json()["passes"] and "fog: there is none" in found.left_out
+    assert "media" in foggy.to_json()["passes"] and "seen_in_media" in code(foggy)
+    assert "fog, marched along rays; light scattered in it many times, by a diffusion equation" in foggy.used
+    assert not foggy.programs[0]["FOG_HEIGHT"] and plan(model, fog=0.5, fog_height=2.0).programs[0]["FOG_HEIGHT"]
+    for name, value in {"fog_albedo": (0.5, 0.5, 0.5), "fog_g": 0.5, "fog_height": 1.0, "media_steps": "224"}.items():
+        assert plan(model, **{name: value}).programs == found.programs
+
+
+@pytest.mark.parametrize("mode", ["pbr", "phong"])
+@pytest.mark.parametrize("model", [Material(), Material(unlit=True), Material(metallic=0.0, transmission=1.0),
+                                   Material(alpha_mode="blend")], ids=["opaque", "unlit", "glass", "blend"])
+def test_programs_in_fog_compile(programs, mode, model):
+    lights = (SUN, Light("point"), Light("spot"))
+    for environment, height in ((None, 0.0), (ENVIRONMENT, 1.0)):
+        found = plan(scene(model, lights=lights, environment=environment), mode=mode, fog=1.0, fog_height=height)
+        for program in found.programs:
+            programs.get("raster/surface.vert", program.fragment, dict(program.switches))
+        for program in (found.media.march, found.media.bake):
+            programs.get("display/fullscreen.vert", program.fragment, dict(program.switches))
+
+
 def test_equal_materials_share_a_program():
     a = scene(Material(base_color=(1, 0, 0, 1), perceptual_roughness=0.2), environment=ENVIRONMENT)
     b = scene(Material(base_color=(0, 1, 0, 1), perceptual_roughness=0.9), environment=ENVIRONMENT)

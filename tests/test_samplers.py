@@ -28,14 +28,16 @@ def planned(material: Material, **settings: object):
 
 
 @pytest.mark.parametrize("material", [GLASS, OPAQUE, Material()], ids=["glass", "opaque", "plain"])
-@pytest.mark.parametrize("settings", [{}, TRACED, {"mode": "phong"}, {"plan": "everything"},
+@pytest.mark.parametrize("settings", [{}, TRACED, {"fog": 1.0}, {"mode": "phong"},
+                                      {"mode": "phong", "fog": 1.0}, {"plan": "everything"},
                                       {"plan": "everything", **TRACED}], ids=str)
 def test_no_program_samples_too_many_textures(context, material, settings):
     programs = Programs(context)
     for program in planned(material, **settings).programs:
         compiled = programs.get("raster/surface.vert", program.fragment, dict(program.switches))
         samplers = [name for name in compiled if isinstance(compiled[name], moderngl.Uniform)
-                    and name.startswith("u_") and compiled[name].gl_type in (0x8B5E, 0x8B62)]  # 2D, 2D shadow
+                    and name.startswith("u_")
+                    and compiled[name].gl_type in (0x8B5E, 0x8B5F, 0x8B62)]  # 2D, 3D, 2D shadow
         assert len(samplers) <= sampler_count(dict(program.switches)) <= MAX_SAMPLERS
     programs.release()
 

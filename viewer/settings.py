@@ -101,6 +101,10 @@ RANGES = {
     "volume_albedo": Triple(0.0, 1.0),
     "volume_g": Range(-0.99, 0.99),
     "volume_emission": GreyOrTriple(0.0, 1e9),
+    "fog": Range(0.0, 1e18),
+    "fog_albedo": Triple(0.0, 1.0),
+    "fog_g": Range(-0.99, 0.99),
+    "fog_height": Range(0.0, 1e18),
 }
 
 
@@ -164,6 +168,17 @@ class Settings:
         0.0, "volume files: mean cosine of the Henyey-Greenstein phase function; above 0: forwards")
     volume_emission: tuple[float, float, float] = _option(
         (0.0, 0.0, 0.0), "volume files: emitted radiance per unit of length where the file's density is 1")
+    fog: float = _option(0.0, "fog around the scene: extinction coefficient per unit of length; 0: none")
+    fog_albedo: tuple[float, float, float] = _option(
+        (1.0, 1.0, 1.0), "single-scattering albedo of the fog: the share of the extinction that is scattering")
+    fog_g: float = _option(0.0, "mean cosine of the fog's Henyey-Greenstein phase function; above 0: forwards")
+    fog_height: float = _option(
+        0.0, "scale height of the fog, which thins out by a factor of e over this length above the lowest point of the "
+        "scene; 0: it does not")
+    media_steps: Literal["28", "56", "112", "224"] = _option("56", "steps of a ray through fog and volumes")
+    media_rays: Literal["1", "4", "16"] = _option("4", "fog and volumes: pixels for each ray that is marched")
+    media_scattering: Literal["single", "multiple"] = _option(
+        "multiple", "fog and volumes: light scattered once by them, or also more often, by a diffusion equation")
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8", "ssaa-4", "ssaa-9", "ssaa-16"] = _option(
         "auto", "samples per pixel, which are shaded once (msaa) or each (ssaa); auto: msaa-4, but none while the "
         "camera moves and the CPU renders")
@@ -271,6 +286,8 @@ _USED_BY: dict[str, tuple[Mode, ...]] = {
     **dict.fromkeys(("ndf", "masking", "fresnel", "multiscatter"), ("pbr", "path")),
     "phong": ("phong",),
     **dict.fromkeys(("shadows", "antialias"), ("pbr", "phong")),
+    **dict.fromkeys(("fog", "fog_albedo", "fog_g", "fog_height", "media_steps", "media_rays", "media_scattering"),
+                    ("pbr", "phong")),
     **dict.fromkeys(("environment_shadows", "ambient_occlusion", "indirect", "reflections", "refraction",
                      "specular_aa"), ("pbr",)),
     **dict.fromkeys((*STOPPING, "seed", "denoise", "sampling", "bounces", "light_radius", "clamp"), ("path",)),

@@ -66,3 +66,17 @@ float shadow_visibility(int first_layer, bool is_point, vec3 p, vec3 n, vec3 l, 
     vec2 texel = clamp(c.xy * u_shadow_tile_size, REACH, u_shadow_tile_size - REACH);
     return smoothed_shadow(tile.texel.zw + texel, c.z);
 }
+
+#if MEDIA
+// The same at a point of a medium, which has no side that could shadow itself: one comparison of four texels. What lies
+// behind everything in a tile is in its shadow, too.
+float shadow_in_medium(int first_layer, bool is_point, vec3 p, vec3 light_position) {
+    ShadowTile tile = u_shadow_tiles[first_layer + (is_point ? cube_face(p - light_position) : 0)];
+    vec4 q = tile.matrix * vec4(p, 1.0);
+    if (q.w <= 0.0) return 1.0;
+    vec3 c = q.xyz / q.w;
+    if (min(c.x, c.y) < 0.0 || max(c.x, c.y) > 1.0) return 1.0;
+    vec2 texel = tile.texel.zw + clamp(c.xy * u_shadow_tile_size, 0.5, u_shadow_tile_size - 0.5);
+    return textureLod(u_shadow_map, vec3(texel / vec2(textureSize(u_shadow_map, 0)), min(c.z, 1.0)), 0.0);
+}
+#endif

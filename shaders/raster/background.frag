@@ -4,6 +4,10 @@
 #include "light/bspline.glsl"
 #endif
 
+#if MEDIA
+#include "raster/in_media.glsl"
+#endif
+
 uniform sampler2D u_background;
 uniform mat3 u_ray;          // (x, y, 1) in normalised device coordinates to a direction in the environment
 #if !SMOOTH
@@ -20,6 +24,10 @@ void main() {
     vec3 radiance = bspline(u_background, equirect_uv(d)) * u_environment_intensity;
 #else
     vec3 radiance = textureLod(u_background, equirect_uv(d), u_lod).rgb * u_environment_intensity;
+#endif
+#if MEDIA
+    Haze haze = haze_at(1e18);
+    radiance = radiance * haze.transmittance + haze.light;
 #endif
 #if HALF_TARGET
     radiance = min(radiance, vec3(65504.0));

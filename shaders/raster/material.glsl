@@ -1,5 +1,8 @@
 // The material at a fragment, its coverage by alpha, and the output of the fragment.
 #include "material/uniforms.glsl"
+#if MEDIA
+#include "raster/in_media.glsl"
+#endif
 
 in vec3 v_position; // relative to the eye
 
@@ -34,6 +37,9 @@ void drop_uncovered(float covered) {
 
 // In mode mask, alpha only selects samples (alpha to coverage), so radiance is not multiplied by it.
 void write_radiance(vec3 radiance, float covered) {
+#if MEDIA
+    radiance = seen_in_media(radiance, v_position);
+#endif
 #if HALF_TARGET
     radiance = min(radiance, vec3(65504.0)); // the largest finite half float
 #endif

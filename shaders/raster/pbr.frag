@@ -26,6 +26,9 @@
 #if SHADOW_LAYERS > 0
 #include "light/shadow.glsl"
 #endif
+#if MEDIA
+#include "raster/lit_media.glsl"
+#endif
 #if IS_ORTHOGRAPHIC
 uniform vec3 u_view_direction; // towards the eye
 #endif
@@ -53,7 +56,7 @@ struct Point {
 #if LIGHT_COUNT > 0
 #include "raster/shade_light.glsl"
 #endif
-#if HAS_ENVIRONMENT || INDIRECT
+#if HAS_ENVIRONMENT || INDIRECT || MEDIA
 #include "raster/shade_environment.glsl"
 #endif
 #if HAS_TRANSMISSION
@@ -115,7 +118,7 @@ void main() {
     float perceptual_roughness = m.perceptual_roughness;
 #endif
 
-#if (HAS_ENVIRONMENT || INDIRECT) && REFLECTS
+#if (HAS_ENVIRONMENT || INDIRECT || MEDIA) && REFLECTS
     SplitSum split_sum = dfg_lookup(u_dfg, p.NoV, perceptual_roughness);
     SurfaceView view = view_surface(s, p.NoV, perceptual_roughness, split_sum.albedo, dfg_mean(u_dfg, perceptual_roughness));
 #elif REFLECTS
@@ -154,7 +157,7 @@ void main() {
 #if CLEARCOAT
     radiance *= view.coat.throughput;
 #endif
-#if HAS_ENVIRONMENT || INDIRECT
+#if HAS_ENVIRONMENT || INDIRECT || MEDIA
     float occlusion = 1.0;
 #if OCCLUSION_MAP
     occlusion = 1.0 + u_occlusion_strength * (occlusion_texel().r - 1.0);

@@ -12,6 +12,9 @@
 #if SHADOW_LAYERS > 0
 #include "light/shadow.glsl"
 #endif
+#if MEDIA
+#include "raster/lit_media.glsl"
+#endif
 #if IS_ORTHOGRAPHIC
 uniform vec3 u_view_direction; // towards the eye
 #endif
@@ -47,13 +50,22 @@ void main() {
 #if SHOW_EMISSION
     radiance += m.emissive;
 #endif
-#if HAS_ENVIRONMENT
+#if HAS_ENVIRONMENT || MEDIA
     float occlusion = 1.0;
 #if OCCLUSION_MAP
     occlusion = 1.0 + u_occlusion_strength * (occlusion_texel().r - 1.0);
 #endif
     vec3 reflected = k_d * float(SHOW_DIFFUSE) + k_s * float(SHOW_SPECULAR);
+#endif
+#if HAS_ENVIRONMENT && !MEDIA
     radiance += reflected * u_ambient * (INV_PI * occlusion);
+#elif MEDIA
+    MediaLight around = light_around(v_position, vec3(0.0));
+    vec3 ambient = around.scattered;
+#if HAS_ENVIRONMENT
+    ambient += u_ambient * INV_PI * around.sky;
+#endif
+    radiance += reflected * ambient * occlusion;
 #endif
 #if LIGHT_COUNT > 0
     for (int i = 0; i < LIGHT_COUNT; ++i) {
@@ -67,6 +79,9 @@ void main() {
             bool is_point = i >= DIRECTIONAL_COUNT && i < DIRECTIONAL_COUNT + POINT_COUNT;
             irradiance *= shadow_visibility(int(layer), is_point, v_position, n_geometric, l, u_lights[i].position.xyz);
         }
+#endif
+#if MEDIA
+        irradiance *= transmittance_to_light(i, v_position, l);
 #endif
 #if BLINN
         float highlight = f_blinn(dot(n, normalize(v + l)), shininess);

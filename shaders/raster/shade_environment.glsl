@@ -1,9 +1,19 @@
-// Radiance that a surface of pbr.frag reflects from the environment and from other surfaces, by the split sum. Its two
-// parts are looked up separately.
+// Radiance that a surface of pbr.frag reflects from the environment, from other surfaces and from media around it, by the
+// split sum. Its two parts are looked up separately.
 
 #include "raster/specular_occlusion.glsl"
 #if INDIRECT
 #include "raster/indirect.glsl"
+#endif
+
+#if MEDIA
+// The environment's light over a specular lobe about d and over the hemisphere about n, as it arrives through media, with
+// the light that they scatter. The mean direction of the cosine lobe is 2/3 n.
+void light_through_media(vec3 n, vec3 d, inout mat2x3 specular, inout vec3 mean_light) {
+    MediaLight mirrored = light_around(v_position, d), diffuse = light_around(v_position, n * (2.0 / 3.0));
+    for (int k = 0; k < 2; ++k) specular[k] = specular[k] * mirrored.sky + mirrored.scattered;
+    mean_light = mean_light * diffuse.sky + diffuse.scattered;
+}
 #endif
 
 #if HAS_ENVIRONMENT && REFLECTS
@@ -52,6 +62,9 @@ vec3 coat_environment(Point p, Coat c, float occlusion, vec4 visible) {
     specular[1] = reflected_along(p, c.n, split_sum.t.y, split_sum.roughness.y);
     around = environment_irradiance_over_pi(c.n);
 #endif
+#if MEDIA
+    light_through_media(c.n, reflect(-p.v, c.n), specular, around);
+#endif
 #if OCCLUSION_MAP
     around *= occlusion;
     specular *= specular_occlusion(c.NoV, occlusion, c.alpha);
@@ -87,6 +100,9 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
 #else
     mean_light = environment_irradiance_over_pi(p.n);
 #endif
+#endif
+#if MEDIA
+    light_through_media(p.n, reflect(-p.v, p.n), specular, mean_light);
 #endif
 #if TRACED_REFLECTION
     mat2x3 unoccluded = specular;

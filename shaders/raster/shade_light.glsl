@@ -2,14 +2,18 @@
 
 // The fraction of light i, in the direction l, that arrives at a point; n is the geometric normal on the light's side.
 float light_visibility(int i, vec3 position, vec3 n, vec3 l) {
+    float arriving = 1.0;
+#if MEDIA
+    arriving = transmittance_to_light(i, position, l);
+#endif
 #if SHADOW_LAYERS > 0
     float layer = u_lights[i].direction.w;
     if (layer >= 0.0) {
         bool is_point = i >= DIRECTIONAL_COUNT && i < DIRECTIONAL_COUNT + POINT_COUNT;
-        return shadow_visibility(int(layer), is_point, position, n, l, u_lights[i].position.xyz);
+        arriving *= shadow_visibility(int(layer), is_point, position, n, l, u_lights[i].position.xyz);
     }
 #endif
-    return 1.0;
+    return arriving;
 }
 
 #if DIFFUSE_TRANSMISSION

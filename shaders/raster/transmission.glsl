@@ -63,8 +63,17 @@ vec3 seen_through(MaterialInputs m, float ior, vec3 n, vec3 n_geometric, vec3 v,
     d = leaving_direction(n_geometric, curved, d, m.thickness, ior);
 #endif
     vec4 behind = backdrop_at(exit, blur);
+    vec3 unseen = vec3(0.0); // radiance of what the picture does not have
 #if HAS_ENVIRONMENT
-    behind.rgb += (1.0 - behind.a) * environment_specular(d, blur);
+    unseen = environment_specular(d, blur);
+#endif
+#if MEDIA && IS_SOLID // solids are drawn before the media that have nothing behind them
+    Haze haze = haze_at(1e18);
+    unseen = haze.light + haze.transmittance * unseen;
+#endif
+    behind.rgb += (1.0 - behind.a) * unseen;
+#if MEDIA
+    behind.rgb = beyond_media(behind.rgb, v_position);
 #endif
     return transmittance * behind.rgb;
 }

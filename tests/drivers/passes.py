@@ -18,7 +18,8 @@ _FULLSCREEN = "display/fullscreen.vert"
 _OVER_PICTURES: dict[str, dict[str, tuple[int, ...]]] = {
     "display/display.frag": {"TONEMAP": (0, 1, 2, 3)},
     "raster/resolve.frag": {"SAMPLES": (1, 4, 8), "SUPERSAMPLING": (1, 2)},
-    "raster/background.frag": {"HALF_TARGET": (0, 1), "SMOOTH": (0, 1)},
+    "raster/background.frag": {"HALF_TARGET": (0, 1), "SMOOTH": (0, 1), "MEDIA": (0, 1)},
+    "raster/media_sky.frag": {"HALF_TARGET": (0, 1)},
     "raster/backdrop.frag": {"LEVEL": (0, 1)},
     "raster/visibility.frag": {},
     "raster/ambient_occlusion.frag": {"IS_ORTHOGRAPHIC": (0, 1)},

@@ -32,6 +32,9 @@ def raster_keys(scene: Scene, settings: Settings, *, half: bool = True, orthogra
     lights = (*scene.lights, SUN) if scene.environment is not None else scene.lights
     plan = plan_scene(scene, settings, lights, samples=settings.samples(is_software=False, is_still=True),
                       half_target=half, orthographic=orthographic)
+    if plan.media is not None:
+        for program in (plan.media.march, plan.media.bake):
+            yield "display/fullscreen.vert", program.fragment, program.switches
     for draw in plan.draws:
         yield VERTEX, draw.program.fragment, draw.program.switches
         if plan.shadow_layer_count or plan.environment_shadows:

@@ -58,6 +58,9 @@ def ours() -> tuple[list[str], dict[str, int], set[str]]:
                 wanted |= dict.fromkeys(keys(rich[0], settings))
     path = Settings.of(mode="path", denoise="fast", clamp=1.0, light_radius=0.1)
     wanted |= dict.fromkeys(keys(rich[0], path))
+    foggy = replace(rich[0], lights=(Light("spot", intensity=1.0), Light("point", intensity=1.0)))
+    for mode, height in product(("pbr", "phong"), (0.0, 1.0)):
+        wanted |= dict.fromkeys(keys(foggy, Settings.of(mode=mode, fog=1.0, fog_height=height)))
     lamps = tuple(Light("point", intensity=1.0, position=(0, 0, 1 + k)) for k in range(MAX_LIGHTS))
     wanted |= dict.fromkeys(keys(replace(rich[0], lights=lamps), Settings()))
     programs += [*assembled(wanted), *passes()]

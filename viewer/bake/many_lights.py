@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..scene.color import LUMINANCE
 from .prefilter import MARGIN
@@ -24,6 +25,14 @@ class ManyLights:
     """Unit vectors to the lights, (N, 3) float64, without the environment's rotation."""
     irradiance: np.ndarray
     """The irradiance of a surface that faces the light, (N, 3) float64: radiance / (probability density * N)."""
+
+
+def uniform_lights(count: int, radiance: ArrayLike) -> ManyLights:
+    """`count` lights in place of a constant radiance (3,) from everywhere, on a golden spiral."""
+    height = 1 - (2 * np.arange(count) + 1) / count
+    turn, width = 2 * np.pi * _GOLDEN * np.arange(count), np.sqrt(1 - height**2)
+    directions = np.stack([width * np.cos(turn), height, width * np.sin(turn)], axis=1)
+    return ManyLights(directions, np.tile(np.asarray(radiance, np.float64) * (4 * np.pi / count), (count, 1)))
 
 
 def many_lights(level: np.ndarray, count: int) -> ManyLights:

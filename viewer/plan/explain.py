@@ -79,6 +79,9 @@ def _used(plan: Plan) -> tuple[str, ...]:
         lines.append("traced refraction in solid glass: two paths per shaded point")
     if plan.has_indirect:
         lines.append("indirect light, path traced once at the vertices")
+    if plan.media is not None:
+        lines.append("fog, marched along rays" + "; light scattered in it many times, by a diffusion equation"
+                     * plan.media.scatters_again)
     for layer, what in _LAYERS.items():
         count = sum(plan.count(draw) * draw.program.get(layer.switch) for draw in plan.kinds)
         if count:
@@ -133,6 +136,8 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
     if settings.background != "env" or scene.environment is None:
         reason = "there is none" if scene.environment is None else "not requested"
         lines.append(f"the environment as background: {reason}")
+    if plan.media is None:
+        lines.append("fog: there is none")
     if not plan.has_blended:
         lines.append("the sorted pass for blending: no surface blends")
     if not (plan.has_thin_transmission or plan.has_solid_transmission):

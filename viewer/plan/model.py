@@ -6,9 +6,13 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from ..scene.light import Light
 from ..scene.material import Material
+
+if TYPE_CHECKING:
+    from .media import MediaPlan
 
 THIN_WALLED, SOLID = 1, 2
 """Values of `Draw.transmits`; 0: opaque."""
@@ -99,6 +103,8 @@ class Plan:
     background: bool
     background_blur: float
     """In degrees; 0: none."""
+    media: MediaPlan | None = None
+    """How fog is drawn; None without any."""
     used: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
     saved: Mapping[str, float] = field(default_factory=dict)
@@ -163,9 +169,11 @@ class Plan:
     def to_json(self) -> dict[str, object]:
         passes = ["shadows"] * bool(self.shadow_layer_count) + ["visibility"] * self.has_visibility
         passes += ["reflections"] * self.has_traced_reflections
+        passes += ["media"] * (self.media is not None)
         passes += ["surfaces"] * bool(self.draws)
         passes += ["solid transmission"] if self.has_solid_transmission else []
         passes += ["background"] if self.background else []
+        passes += ["media behind which nothing stands"] * (self.media is not None and not self.background)
         passes += ["thin-walled transmission"] if self.has_thin_transmission else []
         passes += ["blend"] if self.has_blended else []
         return {

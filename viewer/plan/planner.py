@@ -21,6 +21,7 @@ from ..scene.schema import MAP_SWITCHES, MAPS, SWITCHED
 from ..settings import Settings
 from .bsdf_switches import bsdf_switches
 from .explain import explain
+from .media import media_switches, plan_media
 from .model import Draw, Plan, Program
 from .samplers import within_limit
 from .sharing import attributes_of, include_everything, share_programs
@@ -42,8 +43,8 @@ def is_lit(mesh: Mesh, material: Material) -> bool:
 
 
 def environment_use(scene: Scene, settings: Settings) -> tuple[bool, bool]:
-    """Whether the environment lights any surface, and whether any surface reflects it and needs its prefiltered
-    levels."""
+    """Whether the environment lights any surface or medium, and whether any surface reflects it and needs its
+    prefiltered levels."""
     if settings.plan == "everything":
         return True, True
     if scene.environment is None:
@@ -51,7 +52,7 @@ def environment_use(scene: Scene, settings: Settings) -> tuple[bool, bool]:
     meshes = (scene.meshes[instance.mesh] for instance in scene.instances)
     lit = [material for mesh in meshes if is_lit(mesh, material := scene.materials[mesh.material])]
     shows = settings.mode == "pbr" and settings.lobes in ("all", "specular")
-    return bool(lit), shows and any(material.reflects for material in lit)
+    return bool(lit) or settings.fog > 0, shows and any(material.reflects for material in lit)
 
 
 def plan_scene(
@@ -66,7 +67,7 @@ def plan_scene(
     if settings.mode == "path":
         raise UsageError("the raster cannot draw mode path")
     lit = [is_lit(scene.meshes[i.mesh], scene.materials[scene.meshes[i.mesh].material]) for i in scene.instances]
-    shown_lights = _ordered_lights(lights) if any(lit) else ()
+    shown_lights = _ordered_lights(lights) if any(lit) or settings.fog > 0 else ()
     layers, layer_count = _shadow_layers(shown_lights, settings)
     environment, reflections = environment_use(scene, settings)
     environment_shadows = _environment_shadows(settings) if environment and scene.environment is not None else 0
@@ -88,6 +89,7 @@ def plan_scene(
         "HAS_ENVIRONMENT": int(environment),
         "ENVIRONMENT_ROTATED": int(scene.environment is not None and scene.environment.rotation != 0),
         "SHOW_EMISSION": int(settings.lobes == "all"),
+        **media_switches(settings),
     }
     # Instances of a mesh are drawn alike, and there may be a hundred thousand of them.
     meshes = dict.fromkeys(instance.mesh for instance in scene.instances)
@@ -110,6 +112,7 @@ def plan_scene(
         ambient_occlusion=ambient_occlusion,
         background=background,
         background_blur=settings.background_blur if background else 0.0,
+        media=plan_media(settings, common),
     )
     if settings.plan == "everything":
         plan = include_everything(plan, scene)
@@ -178,7 +181,7 @@ def _draw(
                            or any(MAPS[name].info.needs_tangents for name in maps)),
         "INDIRECT": common["INDIRECT"] * lit,
         **features,
-        **{name: common[name] for name in ("HALF_TARGET", "SAMPLES")},
+        **{name: common[name] for name in ("HALF_TARGET", "SAMPLES", "MEDIA")},
     }
     for name in MAPS:
         switches |= _map_switches(name.upper(), textures.get(name))

@@ -11,12 +11,14 @@ import numpy as np
 from ..bake.background import background_map, blurred, is_magnified
 from ..bake.dominant import ambient_and_key
 from ..bake.environment import BakedEnvironment, bake_environment
-from ..bake.many_lights import ManyLights, many_lights
+from ..bake.many_lights import ManyLights, many_lights, uniform_lights
+from ..bake.phase import scattered_sky
 from ..gpu.context import Context
 from ..gpu.float_texture import float_texture
 from ..gpu.fullscreen import fullscreen
 from ..gpu.mipmaps import mipmapped_texture
 from ..gpu.programs import Programs, matrix_uniform, set_uniform
+from ..plan.media import SKY_LIGHTS
 from ..plan.model import Plan
 from ..scene.environment import Environment
 from ..scene.frame import Frame
@@ -24,7 +26,7 @@ from ..scene.light import Light
 from ..scene.mip_levels import mip_levels
 from ..settings import Settings
 from .depth import Depth
-from .surfaces import UNIT_BACKGROUND, UNIT_IRRADIANCE, UNIT_PREFILTERED
+from .surfaces import UNIT_BACKGROUND, UNIT_IRRADIANCE, UNIT_PREFILTERED, UNIT_SKY_SCATTERED
 
 
 class EnvironmentLight:
@@ -41,6 +43,7 @@ class EnvironmentLight:
         self._prefiltered: moderngl.Texture | None = None
         self._irradiance: moderngl.Texture | None = None
         self._background: _Background | None = None
+        self._scattered: tuple[tuple[float, bool], moderngl.Texture] | None = None
 
     def holds(self, environment: Environment, settings: Settings) -> bool:
         """Whether this is that environment, up to rotation and intensity."""
@@ -72,13 +75,42 @@ class EnvironmentLight:
             for light in lights
         ]
 
-    def many_lights(self, count: int) -> ManyLights:
-        """The environment without its suns as `count` directional lights, in world axes, of arbitrary scale."""
+    def _levels(self) -> tuple[np.ndarray, ...]:
         baked = self._baked
         if not baked.levels:  # dropped after upload
             baked = bake_environment(self.environment, ndf=self._ndf, cache=self._use_cache)
-        lights = many_lights(baked.levels[1], count)
+        return baked.levels
+
+    def many_lights(self, count: int) -> ManyLights:
+        """The environment without its suns as `count` directional lights, in world axes, of arbitrary scale."""
+        lights = many_lights(self._levels()[1], count)
         return replace(lights, directions=lights.directions @ rotation_about_y(self.environment.rotation))
+
+    def sky_lights(self, plan: Plan) -> ManyLights:
+        """The environment without its suns, as `plan` has it, as SKY_LIGHTS directional lights in world axes."""
+        if plan.ambient:
+            return uniform_lights(SKY_LIGHTS, self._ambient_radiance)
+        lights = self.many_lights(SKY_LIGHTS)
+        return replace(lights, irradiance=lights.irradiance * (self._baked.scale * self.environment.intensity))
+
+    def scattered_sky(self, plan: Plan, g: float) -> dict[str, object]:
+        """The uniforms of shaders/raster/in_scattered.glsl: the environment as a medium scatters it; binds its map."""
+        if self._scattered is None or self._scattered[0] != (g, plan.ambient):
+            if self._scattered is not None:
+                self._scattered[1].release()
+            pixels = np.ones((1, 1, 3), np.float32) if plan.ambient else scattered_sky(self._levels()[1], g)
+            texture = float_texture(self._gl, pixels)
+            texture.repeat_x = True
+            self._scattered = (g, plan.ambient), texture
+        self._scattered[1].use(UNIT_SKY_SCATTERED)
+        scale = self._ambient_radiance if plan.ambient else self.environment.intensity * self._baked.scale
+        return {"u_sky_scattered": UNIT_SKY_SCATTERED, "u_sky_intensity": tuple(np.broadcast_to(scale, 3).tolist())}
+
+    @property
+    def _ambient_radiance(self) -> np.ndarray:
+        """The constant radiance (3,) by which mode phong replaces the environment, beside its main direction."""
+        irradiance = ambient_and_key(self._baked.irradiance)[0]
+        return irradiance * (self._baked.scale * self.environment.intensity / math.pi)
 
     def uniforms(self, plan: Plan) -> dict[str, object]:
         """The uniforms of surfaces; binds the textures."""
@@ -104,12 +136,16 @@ class EnvironmentLight:
             values["u_prefiltered"] = UNIT_PREFILTERED
         return values
 
-    def draw_background(self, programs: Programs, depth: Depth, frame: Frame, half_target: bool, blur: float) -> None:
-        """Draw the environment behind everything, blurred by `blur` degrees."""
-        background = self._background_seen_at(frame.pixel_angle, blur)
+    def draw_background(self, programs: Programs, depth: Depth, frame: Frame, half_target: bool, plan: Plan,
+                        uniforms: dict[str, object]) -> None:
+        """Draw the environment behind everything, as `plan` has it; `uniforms` are those of media before it."""
+        background = self._background_seen_at(frame.pixel_angle, plan.background_blur)
         is_smooth = is_magnified(background.height, frame.pixel_angle)
         program = programs.get("display/fullscreen.vert", "raster/background.frag",
-                               {"HALF_TARGET": int(half_target), "SMOOTH": int(is_smooth)})
+                               {"HALF_TARGET": int(half_target), "SMOOTH": int(is_smooth),
+                                "MEDIA": int(plan.media is not None)})
+        for name, value in uniforms.items():
+            set_uniform(program, name, value)
         background.texture.use(UNIT_BACKGROUND)
         set_uniform(program, "u_background", UNIT_BACKGROUND)
         set_uniform(program, "u_ray", matrix_uniform(rotation_about_y(self.environment.rotation) @ frame.ray))
@@ -138,7 +174,8 @@ class EnvironmentLight:
 
     def release(self) -> None:
         background = self._background.texture if self._background is not None else None
-        for texture in (self._prefiltered, self._irradiance, background):
+        scattered = self._scattered[1] if self._scattered is not None else None
+        for texture in (self._prefiltered, self._irradiance, background, scattered):
             if texture is not None:
                 texture.release()
 

@@ -31,6 +31,7 @@ from .depth import Depth
 from .environment import EnvironmentLight
 from .gbuffer import GBuffer
 from .lights import pack_lights
+from .media import MediaPass
 from .shadows import ShadowMaps
 from .surfaces import UNIT_DFG, UNIT_RADIANCE, UNIT_SHADOW, Surfaces
 from .target import Target
@@ -73,6 +74,7 @@ class Renderer:
         self._visibility = VisibilityPass(self._gl, self.programs)
         self._reflections = TracedReflections(context, self.programs)
         self._refraction = TracedRefraction(context, self.programs, self._depth)
+        self._media = MediaPass(context, self.programs)
         self._surfaces = Surfaces(context, self.programs)
         self._indirect_key: tuple[object, ...] | None = None
         self._environment: EnvironmentLight | None = None
@@ -161,13 +163,13 @@ class Renderer:
         uniforms = self._frame_uniforms(plan, frame, settings)
         target.set_part(part)
         with self._depth.test():
-            self._draw_passes(plan, frame, pixels, target, uniforms)
+            self._draw_passes(plan, frame, pixels, target, uniforms, settings)
         self._gl.clear_samplers()
         with self._pass("resolve"):
             target.resolve(self.programs, UNIT_RADIANCE)
 
     def _draw_passes(self, plan: Plan, frame: Frame, pixels: Frame, target: Target,
-                     uniforms: dict[str, object]) -> None:
+                     uniforms: dict[str, object], settings: Settings) -> None:
         """Draw the frame into `target`, with `pixels` the same view at one sample a pixel."""
         # Under supersampling visibility is found once a pixel, reflections at each point that is shaded.
         views = [pixels] * plan.has_visibility + [frame] * plan.has_traced_reflections
@@ -180,6 +182,11 @@ class Renderer:
         if plan.has_traced_reflections:
             with self._pass("reflections"):
                 uniforms |= self._reflections.find(frame, gbuffers[frame.size], uniforms)
+        media: dict[str, object] = {}
+        if plan.media is not None:
+            with self._pass("media"):
+                media = self._media.march(frame, settings, plan, self._environment, uniforms, target.size)
+                uniforms |= media
         target.framebuffer.use()
         target.framebuffer.clear(depth=self._depth.far)  # alpha 0: the display pass adds the background colour
         with self._pass("surfaces"):
@@ -194,8 +201,10 @@ class Renderer:
                 self._surfaces.draw_transmissive(SOLID, frame, plan, uniforms)
         if plan.background:
             with self._pass("background"):
-                self._environment.draw_background(
-                    self.programs, self._depth, frame, target.half, plan.background_blur)
+                self._environment.draw_background(self.programs, self._depth, frame, target.half, plan, media)
+        elif plan.media is not None:
+            with self._pass("media behind which nothing stands"):
+                self._media.draw_sky(self._depth, media, target.half)
         if plan.has_thin_transmission:
             with self._pass("thin-walled transmission"):
                 uniforms |= self._take_backdrop(target)
@@ -245,6 +254,9 @@ class Renderer:
         if self.plan.shadow_layer_count:
             with self._timed("shadows"):
                 self._prepare_shadows(scene, self.plan)
+        if self.plan.media is not None:
+            with self._timed("media"):
+                self._media.prepare(scene, settings, self.plan, self._environment, self._shadows_of(self.plan))
         if self.plan.environment_shadows and self.plan.has_visibility:
             with self._timed("environment shadows"):
                 self._visibility.prepare(scene, self.plan, self._environment, self._surfaces.draw_depth)
@@ -387,6 +399,6 @@ class Renderer:
         self.context.make_current()
         self._gl.screen.use()  # moderngl goes back to the framebuffer last used, be it gone
         self._release(self._display, self._target, self._backdrop, self._visibility, self._reflections,
-                      self._refraction, *self._gbuffers.values(), self._surfaces, self._environment, *self._shadows,
-                      *self._blocks, *self._dfg.values())
+                      self._refraction, self._media, *self._gbuffers.values(), self._surfaces, self._environment,
+                      *self._shadows, *self._blocks, *self._dfg.values())
         self.programs.release()

@@ -34,7 +34,7 @@ def _geometry_switches(program: Program) -> tuple[tuple[str, int], ...]:
     """The switches that position, normal and roughness depend on. With only these, many materials share one program."""
     switches = dict(program.switches)
     maps = {"normal", "metallic_roughness"} | ({"base_color"} if switches["ALPHA_MODE"] else set())
-    fixed = {"INDIRECT": 0, "HAS_TANGENT": switches["NORMAL_MAP"]}
+    fixed = {"INDIRECT": 0, "MEDIA": 0, "HAS_TANGENT": switches["NORMAL_MAP"]}
     if switches["SPECULAR_GLOSSINESS"]:
         maps.add("specular_glossiness")
         fixed["SPECULAR_GLOSSINESS"] = 1

@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 # Texture units. The maps that a program samples have the first ones. The units from 16 on are for textures that all
 # programs share. A program has at most 16 samplers, but may use any of the 48 units that OpenGL 3.3 guarantees.
 (UNIT_DFG, UNIT_PREFILTERED, UNIT_IRRADIANCE, UNIT_SHADOW, UNIT_BACKGROUND, UNIT_RADIANCE, UNIT_VISIBILITY,
- UNIT_REFLECTED, UNIT_RAY_POSITIONS, UNIT_REFRACTED, UNIT_MIRRORED, UNIT_PATH_POSITIONS) = range(16, 28)
+ UNIT_REFLECTED, UNIT_RAY_POSITIONS, UNIT_REFRACTED, UNIT_MIRRORED, UNIT_PATH_POSITIONS, UNIT_MEDIA,
+ UNIT_MEDIA_LIGHT, UNIT_SKY_SCATTERED) = range(16, 31)
 
 _SAMPLE_ALPHA_TO_COVERAGE, _SAMPLE_ALPHA_TO_ONE = 0x809E, 0x809F
 

@@ -111,6 +111,15 @@ class Frame:
             basis = np.stack([right * tan_y * self.aspect, up * tan_y, self.camera.forward], axis=1)
         return basis
 
+    @cached_property
+    def ray_origin(self) -> np.ndarray:
+        """The (3, 3) float64 matrix from (x, y, 1), as for `ray`, to the eye-relative point where that ray starts."""
+        if self.camera.height is None:
+            return np.zeros((3, 3))
+        half = self.camera.height / self.unit / 2
+        return np.stack([self.camera.pose[:3, 0] * half * self.aspect, self.camera.pose[:3, 1] * half, np.zeros(3)],
+                        axis=1)
+
     @property
     def pixel_angle(self) -> float:
         """The angle that the central pixel subtends, in radians (0 for an orthographic camera)."""

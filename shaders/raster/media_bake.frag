@@ -1,0 +1,52 @@
+// Light that arrives at the cells of a coarse grid without having been scattered (viewer/raster/media_light.py). The
+// layers of the grid lie above each other in the targets.
+#include "raster/light_in_media.glsl"
+
+uniform vec4 u_sky_directions[SKY_LIGHTS]; // w: weight in the fit below
+uniform vec3 u_sky_irradiance[SKY_LIGHTS];
+uniform mat4 u_sky_fit; // inverse of the matrix of second moments of (1, direction)
+
+uniform int u_side; // cells along a side of the grid
+
+layout(location = 0) out vec4 o_fluence; // rgb; a: of a sky of mean radiance 1 / 4 pi
+layout(location = 1) out vec4 o_hidden;  // opacity of the media before the sky as a + b . direction, by least squares
+layout(location = 2) out vec4 o_extinction;
+
+// The mean transmittance over a cell of optical depth `cell`, from the depth at its middle: what a cell collects is right
+// also where it hides its own middle.
+float mean_transmittance(float depth, float cell) {
+    return exp(-max(depth - 0.5 * cell, 0.0)) * (cell > 1e-4 ? one_minus_exp(cell) / cell : 1.0);
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec3 cell = vec3(pixel.x, pixel.y % u_side, pixel.y / u_side);
+    vec3 p = u_media_grid.xyz + (cell + 0.5) / (u_media_grid.w * float(u_side));
+
+    float extinction = extinction_at(p), depth_of_cell = extinction / (u_media_grid.w * float(u_side));
+    vec4 fluence = vec4(0.0);
+    vec4 moments = vec4(0.0);
+    for (int k = 0; k < SKY_LIGHTS; ++k) {
+        vec3 d = u_sky_directions[k].xyz;
+        float depth = media_depth(p, d, 1e18);
+        float arriving = mean_transmittance(depth, depth_of_cell);
+        fluence += vec4(u_sky_irradiance[k], u_sky_directions[k].w) * arriving;
+        moments += u_sky_directions[k].w * one_minus_exp(depth) * vec4(1.0, d);
+    }
+    o_hidden = u_sky_fit * moments;
+#if LIGHT_COUNT > 0
+    float nearest = 0.5 / (u_media_grid.w * float(u_side)); // a cell's mean of 1 / d^2 about a light is finite
+    for (int i = 0; i < LIGHT_COUNT; ++i) {
+        vec3 l;
+        vec3 irradiance = punctual_irradiance(i, p, l);
+        if (i >= DIRECTIONAL_COUNT) {
+            vec3 d = u_lights[i].position.xyz - p;
+            irradiance *= min(dot(d, d) / (nearest * nearest), 1.0);
+        }
+        float depth = media_depth(p, l, i < DIRECTIONAL_COUNT ? 1e18 : distance(u_lights[i].position.xyz, p));
+        fluence.rgb += irradiance * (mean_transmittance(depth, depth_of_cell) * unshadowed_by_meshes(i, p));
+    }
+#endif
+    o_fluence = fluence;
+    o_extinction = vec4(extinction);
+}

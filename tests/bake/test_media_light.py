@@ -1,0 +1,86 @@
+"""Light that is scattered in media: the diffusion equation, and the environment convolved with a phase function."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from viewer.bake.diffusion import scattered_fluence
+from viewer.bake.irradiance import HEIGHT
+from viewer.bake.many_lights import uniform_lights
+from viewer.bake.phase import scattered_sky
+from viewer.bake.prefilter import MARGIN, row_angles
+from viewer.scene.equirect import texel_directions, texel_solid_angles
+
+SIDE = 24
+
+
+def ball(tau: float, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The extinction of a ball of radius 1 and optical depth `tau` to its middle, in a cube of side 2, and the
+    transmittance from each cell along each direction."""
+    points = np.moveaxis((np.indices((SIDE,) * 3)[::-1] + 0.5) / SIDE * 2 - 1, 0, -1)
+    r2 = (points**2).sum(-1)
+    along = points @ directions.T
+    half = np.sqrt(np.maximum(1 - r2[..., None] + along**2, 0))
+    length = np.maximum(half - along, 0) - np.maximum(-half - along, 0)
+    return np.where(r2 < 1, tau, 0.0), np.exp(-tau * length)
+
+
+@pytest.mark.parametrize("tau", [1e-4, 0.5, 3.0, 30.0])
+@pytest.mark.parametrize("g", [0.0, 0.8])
+def test_a_white_furnace_is_exact(tau, g):
+    extinction, transmittance = ball(tau, uniform_lights(32, (1, 1, 1)).directions)
+    arriving = transmittance.mean(-1)
+    light = np.stack([4 * np.pi * arriving] * 3 + [arriving], axis=-1)
+    found = scattered_fluence(extinction, light, 1 - arriving, 2 / SIDE, (1.0, 1.0, 1.0), g)
+    assert found[extinction > 0] == pytest.approx(
+        np.repeat(4 * np.pi * (1 - arriving)[extinction > 0][:, None], 3, axis=1), rel=1e-3)
+
+
+@pytest.mark.parametrize(("tau", "albedo"), [(0.5, 0.9), (2.0, 0.9), (2.0, 0.5), (6.0, 0.95)])
+def test_a_sun_in_a_ball(tau, albedo):
+    """The fluence at three points, against random walks that start there."""
+    sun = np.array([[0.0, 1.0, 0.0]])
+    directions = uniform_lights(32, (1, 1, 1)).directions
+    extinction, open_ = ball(tau, directions)
+    _, lit = ball(tau, sun)
+    light = np.concatenate([np.repeat(lit, 3, axis=-1), open_.mean(-1, keepdims=True)], axis=-1)
+    found = scattered_fluence(extinction, light, 1 - open_.mean(-1), 2 / SIDE, (albedo, albedo, albedo), 0.0)[..., 0]
+    for y in (-0.5, 0.0, 0.5):
+        cell = round((y + 1) / 2 * SIDE)
+        middle = found[SIDE // 2 - 1:SIDE // 2 + 1, cell - 1:cell + 1, SIDE // 2 - 1:SIDE // 2 + 1].mean()
+        assert middle == pytest.approx(walks(tau, albedo, np.array([0.0, y, 0.0])), rel=0.3)
+
+
+def walks(tau: float, albedo: float, start: np.ndarray, count: int = 4000) -> float:
+    """The fluence at `start` of what has been scattered, under a sun of irradiance 1 from +Y, by isotropic walks."""
+    rng = np.random.default_rng(1)
+    points, weight, total = np.tile(start, (count, 1)), np.ones(count), 0.0
+    for _ in range(60):
+        direction = rng.normal(size=points.shape)
+        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+        points = points + direction * rng.exponential(1 / tau, (count, 1))
+        weight = weight * ((points**2).sum(1) < 1) * albedo
+        x, y, z = points.T
+        depth = tau * (np.sqrt(np.maximum(1 - x * x - z * z, 0)) - y)
+        total += (weight * np.exp(-np.maximum(depth, 0))).sum() / count
+    return total
+
+
+@pytest.mark.parametrize("g", [-0.5, 0.0, 0.6, 0.9])
+def test_the_environment_as_a_medium_scatters_it(g):
+    """By quadrature over the texels of a map, at some of the directions."""
+    rows = 128
+    d = texel_directions(rows, 2 * rows)
+    radiance = (0.5 + 0.4 * d + np.exp(8 * (d[..., :1] - 1))).astype(np.float32)
+    margin = round(rows * MARGIN / (1 - 2 * MARGIN))
+    level = np.concatenate([radiance[:margin], radiance, radiance[-margin:]])
+    found = scattered_sky(level, g)
+    assert found.shape == (HEIGHT, 2 * HEIGHT, 3)
+    weights = texel_solid_angles(rows, 2 * rows)[:, None]
+    for row, column in ((5, 3), (30, 64), (31, 100), (50, 10)):
+        theta, phi = row_angles(HEIGHT)[row], 2 * np.pi * ((column + 0.5) / (2 * HEIGHT) - 0.5)
+        axis = np.array([np.sin(theta) * np.cos(phi), np.cos(theta), np.sin(theta) * np.sin(phi)])
+        phase = (1 - g * g) / (4 * np.pi * (1 + g * g - 2 * g * (d @ axis)) ** 1.5)
+        expected = (radiance * (phase * weights)[..., None]).sum((0, 1))
+        assert found[row, column] == pytest.approx(expected, rel=0.02)

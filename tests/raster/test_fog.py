@@ -1,0 +1,211 @@
+"""Fog in the raster, where it can be worked out on paper or by quadrature."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from shapes import WHITE, constant, moved, orthographic, pixel_points, plate, scene, sphere
+
+from viewer.scene.camera import Camera
+from viewer.scene.fog import REACH, fog_of
+from viewer.scene.light import Light
+from viewer.scene.material import Material
+from viewer.settings import Settings
+
+BLACK = replace(WHITE, base_color=(0, 0, 0, 1))
+GLOWING = replace(BLACK, emissive=(4.0, 1.0, 0.5))
+FINE = {"media_steps": "224", "media_rays": "1"}
+SIZE = (16, 16)
+FEW = (8, 8)
+"""Where each pixel takes a quadrature in two dimensions."""
+
+
+def perspective(distance: float, target=(0, 0, 0)) -> Camera:
+    return Camera.orbit(target, distance, 0.3, 0.2)
+
+
+@pytest.mark.parametrize("fog", [1e-6, 0.3, 3.0, 1e6])
+@pytest.mark.parametrize("camera", [perspective(2.8), perspective(9.0), orthographic(height=3.0)],
+                         ids=["inside", "outside", "orthographic"])
+@pytest.mark.parametrize("g", [0.0, 0.7, -0.4])
+def test_a_white_furnace_stays_white(radiance, fog, camera, g):
+    """Fog and a surface that absorb nothing, under light from everywhere."""
+    model = scene(sphere(segments=24), environment=constant())
+    found = radiance(model, camera, SIZE, fog=fog, fog_g=g)
+    assert np.abs(found[..., :3] - 1).max() < 0.01
+
+
+@pytest.mark.parametrize("camera", [perspective(2.8), orthographic(azimuth=0.4, height=2.0)],
+                         ids=["perspective", "orthographic"])
+@pytest.mark.parametrize("height", [0.0, 0.4])
+@pytest.mark.parametrize("sigma", [1e-3, 0.5, 4.0])
+def test_light_is_lost_on_the_way_to_the_eye(radiance, camera, height, sigma):
+    """exp(-optical depth) of what glows, by quadrature along each ray."""
+    model = scene(plate(half=3.0), materials=[GLOWING])
+    found = radiance(model, camera, SIZE, fog=sigma, fog_albedo=(0, 0, 0), fog_height=height, **FINE)
+    fog = fog_of(model, Settings.of(fog=sigma, fog_height=height))
+    start, direction = rays(camera)
+    distance = -start[..., 2] / direction[..., 2]
+    expected = np.exp(-optical_depth(fog, start, direction, distance))
+    lit = found[..., 3] == 1
+    assert lit.any()
+    assert found[..., 0][lit] == pytest.approx(4 * expected[lit], rel=2e-3, abs=4e-3 if height else 1e-6)
+
+
+def rays(camera: Camera, size: tuple[int, int] = SIZE) -> tuple[np.ndarray, np.ndarray]:
+    """Origins and directions through the centres of the pixels, (H, W, 3)."""
+    if camera.height is not None:
+        start = pixel_points(camera, size) - 20 * camera.forward  # what lies behind the camera is seen, too
+        return start, np.broadcast_to(camera.forward, start.shape)
+    y, x = ((np.arange(n) + 0.5) / n * 2 - 1 for n in size)
+    t = np.tan(camera.fov_y / 2)
+    direction = camera.forward + t * (x[None, :, None] * camera.pose[:3, 0] - y[:, None, None] * camera.pose[:3, 1])
+    direction /= np.linalg.norm(direction, axis=-1, keepdims=True)
+    return np.broadcast_to(camera.eye, direction.shape), direction
+
+
+def density(fog, points: np.ndarray) -> np.ndarray:
+    thin = np.exp(-np.maximum(points[..., 1] - fog.base, 0) / fog.scale_height)
+    inside = np.linalg.norm(points - fog.center, axis=-1) < fog.radius
+    return fog.medium.sigma_t[0] * thin * inside
+
+
+def optical_depth(fog, start: np.ndarray, direction: np.ndarray, distance, count: int = 4000) -> np.ndarray:
+    """By the midpoint rule, over the way in the ball."""
+    t = (np.arange(count) + 0.5) / count * np.asarray(distance)[..., None]
+    points = start[..., None, :] + t[..., None] * direction[..., None, :]
+    return density(fog, points).mean(axis=-1) * distance
+
+
+def single_scattering(fog, light: Light, start: np.ndarray, direction: np.ndarray, reach: float,
+                      blocked=lambda points: np.zeros(points.shape[:-1], bool)) -> np.ndarray:
+    """Radiance that fog scatters once from a light, by quadrature; `blocked(points)` are in shadow."""
+    count = 400
+    t = (np.arange(count) + 0.5) / count * reach
+    points = start[..., None, :] + t[:, None] * direction[..., None, :]
+    extinction = density(fog, points)
+    before = (np.cumsum(extinction, axis=-1) - 0.5 * extinction) * (reach / count)
+    if light.kind == "directional":
+        to_light, falls = -np.broadcast_to(light.direction, points.shape), 1.0
+        b = ((points - fog.center) * to_light).sum(-1)
+        c = ((points - fog.center) ** 2).sum(-1) - fog.radius**2
+        distance = -b + np.sqrt(np.maximum(b * b - c, 0))
+    else:
+        to_light = np.asarray(light.position) - points
+        distance = np.linalg.norm(to_light, axis=-1)
+        to_light, falls = to_light / distance[..., None], 1 / distance**2
+    arriving = light.intensity * falls * np.exp(-optical_depth(fog, points, to_light, distance, 50))
+    g, mu = fog.medium.g, (to_light * direction[..., None, :]).sum(-1)
+    phase = (1 - g * g) / (4 * np.pi * (1 + g * g - 2 * g * mu) ** 1.5)
+    added = np.exp(-before) * extinction * fog.medium.albedo[0] * phase * arriving * ~blocked(points)
+    return added.sum(-1) * (reach / count)
+
+
+@pytest.mark.parametrize("height", [0.0, 0.5])
+@pytest.mark.parametrize("light", [Light("directional", intensity=3.0, direction=(0, -0.6, -0.8)),
+                                   Light("point", intensity=2.0, position=(0.4, 0.5, 0.3))], ids=["sun", "point"])
+@pytest.mark.parametrize("camera", [perspective(2.8, (0, 0.6, 0)), orthographic(azimuth=0.4, height=2.0)],
+                         ids=["perspective", "orthographic"])
+def test_light_scattered_once(radiance, camera, light, height):
+    """By quadrature; the light passes the camera, and is near in one case."""
+    model = scene((sphere(segments=8), moved((0, -0.9, 0), 0.1)), (sphere(segments=8), moved((0, 0.9, 0), 0.1)),
+                  materials=[BLACK], lights=(light,))
+    settings = {"fog": 0.35, "fog_g": 0.5, "fog_albedo": (0.8, 0.8, 0.8), "fog_height": height}
+    found = radiance(model, camera, FEW, shadows="off", media_scattering="single", **FINE, **settings)
+    fog = fog_of(model, Settings.of(**settings))
+    start, direction = rays(camera, FEW)
+    expected = single_scattering(fog, light, start, direction, 30.0)
+    free = found[..., 3] < 1
+    assert free.sum() > 40
+    assert found[..., 0][free] == pytest.approx(expected[free], rel=0.02)
+
+
+def test_shafts_of_shadow(radiance):
+    """A plate hides a sun from all that lies straight behind it."""
+    sun = Light("directional", intensity=3.0, direction=(0, -1, 0))
+    lid = np.eye(4)[[0, 2, 1, 3]]
+    model = scene((plate(half=0.5), moved((0, 1, 0)) @ lid), (plate(half=0.5), moved((0, -1, 0)) @ lid),
+                  materials=[replace(BLACK, double_sided=True)], lights=(sun,))
+    camera = Camera.orbit((0, 0, 0), 3.0, 0.0, 0.0)
+    settings = {"fog": 0.3}
+    fog = fog_of(model, Settings.of(**settings))
+    start, direction = rays(camera, FEW)
+
+    def blocked(points):
+        return (np.abs(points[..., 0]) < 0.5) & (np.abs(points[..., 2]) < 0.5) & (points[..., 1] < 1)
+
+    found = radiance(model, camera, FEW, media_scattering="single", **FINE, **settings)
+    lit = single_scattering(fog, sun, start, direction, 20.0)
+    expected = single_scattering(fog, sun, start, direction, 20.0, blocked)
+    free = found[..., 3] < 1
+    assert (expected < 0.95 * lit)[free].sum() > 10
+    assert found[..., 0][free] == pytest.approx(expected[free], rel=0.03)
+
+
+@pytest.mark.parametrize("glass", [
+    Material(metallic=0.0, transmission=1.0, perceptual_roughness=0.0, specular=0.0),
+    Material(metallic=0.0, transmission=1.0, perceptual_roughness=0.0, specular=0.0, thickness=0.01, ior=1.0),
+    Material(metallic=0.0, base_color=(1, 1, 1, 0.0), alpha_mode="blend", specular=0.0),
+], ids=["thin", "solid", "blend"])
+@pytest.mark.parametrize("background", ["env", "none"])
+def test_clear_panes_in_fog_are_not_seen(radiance, glass, background):
+    """Light that a pane lets through is neither lost nor doubled by the fog before and behind it."""
+    pane, wall = plate(1, half=0.5), plate(0, half=0.7)
+    lamp = Light("point", intensity=1.0, position=(0.5, 0.5, 2.0), casts_shadow=False)
+    model = scene((wall, moved((0, 0, -1))), (pane, moved((0.5, 0, 0.5))), materials=[GLOWING, glass], lights=(lamp,),
+                  environment=constant(0.3))
+    without = scene((wall, moved((0, 0, -1))), (pane, moved((0.5, 0, 0.5))),
+                    materials=[GLOWING, Material(alpha_mode="mask", base_color=(0, 0, 0, 0))], lights=(lamp,),
+                    environment=constant(0.3))
+    camera = Camera.orbit((0, 0, 0), 3.5, 0.0, 0.0)
+    settings = {"fog": 0.4, "background": background}
+    pictures = [radiance(m, camera, SIZE, **settings)[..., :3] for m in (model, without)]
+    assert pictures[0] == pytest.approx(pictures[1], abs=0.01)
+
+
+def test_a_blended_surface_lies_in_its_own_fog(radiance):
+    """Half of it, seen through the fog before it, over half of what is seen without it."""
+    glow = replace(GLOWING, base_color=(0, 0, 0, 0.5), alpha_mode="blend")
+    camera = orthographic(height=0.5)
+    settings = {"fog": 0.5, "fog_albedo": (0, 0, 0)}
+    model = scene((plate(0), moved((0, 0, -1))), (plate(1), moved((0, 0, 1))), materials=[GLOWING, glow])
+    [found] = radiance(model, camera, (1, 1), **settings)[0]
+    far = REACH * model.radius  # the ball starts that far before the middle
+    near, behind = np.exp(-0.5 * (far - 1)), np.exp(-0.5 * (far + 1))
+    assert found[:3] == pytest.approx(np.array([4, 1, 0.5]) * (near + behind) / 2, rel=2e-3)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e6])
+def test_the_scale_of_the_scene_does_not_matter(radiance, scale):
+    lamp = Light("point", intensity=2.0, position=(0.8, 0.5, 0.9))
+    model = scene(sphere(segments=24), lights=(lamp,), environment=constant(0.2))
+    big = scene((sphere(segments=24), moved((0, 0, 0), scale)), environment=constant(0.2), lights=(
+        replace(lamp, intensity=2.0 * scale**2, position=tuple(scale * np.array(lamp.position))),))
+    camera, far = perspective(2.8), perspective(2.8 * scale)
+    settings = {"fog_height": 0.7, "fog": 0.4, "fog_g": 0.3}
+    expected = radiance(model, camera, SIZE, **settings)
+    found = radiance(big, far, SIZE, **settings | {"fog": 0.4 / scale, "fog_height": 0.7 * scale})
+    assert found == pytest.approx(expected, rel=1e-3, abs=1e-4)
+
+
+@pytest.mark.parametrize("settings", [
+    {"fog": 1e18}, {"fog": 1e-18}, {"fog": 1e6, "fog_g": 0.99, "fog_albedo": (1, 0.5, 0)},
+    {"fog": 1.0, "fog_height": 1e-12}, {"fog": 1.0, "fog_height": 1e18}, {"fog": 5.0, "mode": "phong"},
+], ids=str)
+@pytest.mark.parametrize("camera", [perspective(1e-3), perspective(1e4), orthographic(distance=0.0)],
+                         ids=["in the middle", "far", "orthographic"])
+def test_extremes_stay_finite(radiance, settings, camera):
+    lamps = (Light("point", intensity=2.0, position=(0, 0, 0)), Light("spot", intensity=2.0, position=(0, 2, 0)),
+             Light("directional", intensity=3.0, direction=(0, -1, 0)))
+    model = scene(sphere(segments=12), lights=lamps, environment=constant(0.2))
+    assert (radiance(model, camera, SIZE, **settings) >= 0).all()
+
+
+def test_more_scattering_adds_light(radiance):
+    sun = Light("directional", intensity=3.0, direction=(0, -1, 0))
+    model = scene((sphere(segments=12), moved((0, 0, 0), 0.2)), lights=(sun,))
+    once, often = (radiance(model, perspective(3.0), SIZE, fog=1.0, media_scattering=choice)[..., :3].mean()
+                   for choice in ("single", "multiple"))
+    assert often > 1.3 * once
