@@ -35,6 +35,11 @@ SHADOWED = {"16": ("none", "msaa-4", "ssaa-4", "ssaa-9"), "64": ("msaa-4", "ssaa
 """How many lights of the environment cast shadows, and the choices of antialiasing to measure with them."""
 MANY = {"256": ("ssaa-4", "ssaa-16"), "1024": ("ssaa-16",)}
 """The same for so many lights that preparing takes long: these are measured last."""
+MEDIA = {
+    "single": (("28", "16"),),
+    "multiple": (("28", "16"), ("28", "4"), ("56", "4"), ("112", "4"), ("56", "1"), ("224", "1")),
+}
+"""Of fog: how often light is scattered, and numbers of steps and of pixels for a ray."""
 EFFECTS = {"indirect": ("baked", "indirect light"), "reflections": ("traced", "traced reflections"),
            "refraction": ("traced", "traced refraction")}
 """Settings that add an effect of light to the raster: the expensive choice of each, and its title."""
@@ -130,6 +135,7 @@ def ladder(scene: Scene, settings: Settings, use_cache: bool = True) -> Ladder:
         raster += _distinct(_image_based(scene, (*scene.lights, *baked.suns), settings, left_out))
     else:
         left_out.append(LeftOut(PLAIN.title, "the scene has no environment"))
+    raster += _in_media(scene, (*scene.lights, *(baked.suns if baked is not None else ())), settings, left_out)
     traced: list[Method] = []
     for spp in SPP:
         traced += _traced(spp, left_out if spp == 1 else [])
@@ -244,6 +250,19 @@ def _effects(scene: Scene, lights: Sequence[Light], settings: Settings,
             yield name, value
         else:
             left_out.append(LeftOut(title, "it changes nothing in this scene"))
+
+
+def _in_media(scene: Scene, lights: Sequence[Light], settings: Settings, left_out: list[LeftOut]) -> Iterator[Method]:
+    """Fog in several steps."""
+    plain = replace(settings, mode="pbr")
+    if plan_scene(scene, plain, lights, samples=1, half_target=True, orthographic=False).media is None:
+        left_out.append(LeftOut("fog", "there is none"))
+        return
+    for scattering, choices in MEDIA.items():
+        for steps, rays in choices:
+            yield Method("media", "lights and image-based light in fog", {
+                "environment_shadows": "off", "media_scattering": scattering, "media_steps": steps, "media_rays": rays,
+                "antialias": "msaa-4"})
 
 
 def _traced(spp: int, left_out: list[LeftOut]) -> Iterator[Method]:
