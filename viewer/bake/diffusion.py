@@ -41,7 +41,7 @@ def scattered_fluence(extinction: np.ndarray, unscattered: np.ndarray, hidden: n
 
 
 def _solve(sigma_t: np.ndarray, albedos: np.ndarray, g: float, source: np.ndarray) -> np.ndarray:
-    """Conjugate gradients, preconditioned by the diagonal, for a grid of unit cells and for each albedo (k, 1, 1, 1)."""
+    """Conjugate gradients, preconditioned by the diagonal, for unit cells and each albedo (k, 1, 1, 1)."""
     vacuum = np.float32(1 / len(sigma_t))  # a mean free path is no longer than the grid
     reduced = sigma_t * (1 - albedos * np.float32(g)) + vacuum
     resistance = 1.5 * reduced  # of half a cell: 1 / (2 D)
