@@ -25,11 +25,13 @@ from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Instance, Scene
 from viewer.scene.schema import MAPS
 from viewer.scene.texture_image import TextureImage, open_texture_image
+from viewer.scene.volume import Volume
 from viewer.settings import Settings, setting_choices
 
 ENVIRONMENT = Environment("grey", np.ones((16, 32, 3), np.float32))
 SUN = Light.from_angles(0.0, 0.5, 1.0)
 MAP = Texture(TextureImage("none", b"", 16, 16, "PNG"))  # never decoded: nothing is drawn here
+BOX = Volume.in_box(np.ones((2, 2, 2), np.float32), [[0, 0, 0], [1, 1, 1]])
 PLAIN = Material()
 
 
@@ -352,16 +354,30 @@ def test_without_fog_there_is_no_pass_and_no_code_of_it():
         assert plan(model, **{name: value}).programs == found.programs
 
 
+def test_without_a_volume_there_is_no_code_of_one():
+    model = scene(lights=(SUN,), environment=ENVIRONMENT)
+    found, smoky = plan(model, fog=0.5), plan(replace(model, volumes=(BOX,)))
+    assert found.media.depth is None and "volumes: there are none" in found.left_out
+    lines = [lines_left(program.fragment, dict(program.switches)) for program in found.media.programs]
+    assert not any("u_densities" in line or "u_volume_depth" in line for part in lines for line in part)
+    assert smoky.media.volumes == 1 and not smoky.media.has_fog and "fog: there is none" in smoky.left_out
+    assert "u_volume_depth" in code(smoky)
+    alone = plan(Scene("smoke", volumes=(BOX,), lights=(SUN,), environment=ENVIRONMENT))
+    assert alone.environment and alone.lights and not alone.shadow_layer_count and not alone.reflections
+
+
+@pytest.mark.parametrize("volumes", [0, 2])
 @pytest.mark.parametrize("mode", ["pbr", "phong"])
 @pytest.mark.parametrize("model", [Material(), Material(unlit=True), Material(metallic=0.0, transmission=1.0),
                                    Material(alpha_mode="blend")], ids=["opaque", "unlit", "glass", "blend"])
-def test_programs_in_fog_compile(programs, mode, model):
+def test_programs_in_media_compile(programs, mode, model, volumes):
     lights = (SUN, Light("point"), Light("spot"))
     for environment, height in ((None, 0.0), (ENVIRONMENT, 1.0)):
-        found = plan(scene(model, lights=lights, environment=environment), mode=mode, fog=1.0, fog_height=height)
+        shown = scene(model, lights=lights, environment=environment, volumes=(BOX,) * volumes)
+        found = plan(shown, mode=mode, fog=1.0 if environment is None or not volumes else 0.0, fog_height=height)
         for program in found.programs:
             programs.get("raster/surface.vert", program.fragment, dict(program.switches))
-        for program in (found.media.march, found.media.bake):
+        for program in found.media.programs:
             programs.get("display/fullscreen.vert", program.fragment, dict(program.switches))
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import moderngl
 import pytest
 from shapes import plate, scene
-from test_plan import ENVIRONMENT, MAP, SUN
+from test_plan import BOX, ENVIRONMENT, MAP, SUN
 
 from viewer.gpu.programs import Programs
 from viewer.plan.planner import plan_scene
@@ -22,18 +24,20 @@ OPAQUE = Material(metallic=0.5, perceptual_roughness=0.3, emissive=(1, 1, 1), **
 TRACED = {"reflections": "traced", "refraction": "traced", "environment_shadows": "64"}
 
 
-def planned(material: Material, **settings: object):
-    model = scene(plate(), materials=(material,), lights=(SUN,), environment=ENVIRONMENT)
+def planned(material: Material, volumes: int = 0, **settings: object):
+    model = replace(scene(plate(), materials=(material,), lights=(SUN,), environment=ENVIRONMENT),
+                    volumes=(BOX,) * volumes)
     return plan_scene(model, Settings.of(**settings), (SUN,), samples=4, half_target=False, orthographic=False)
 
 
+@pytest.mark.parametrize("volumes", [0, 1])
 @pytest.mark.parametrize("material", [GLASS, OPAQUE, Material()], ids=["glass", "opaque", "plain"])
 @pytest.mark.parametrize("settings", [{}, TRACED, {"fog": 1.0}, {"mode": "phong"},
                                       {"mode": "phong", "fog": 1.0}, {"plan": "everything"},
                                       {"plan": "everything", **TRACED}], ids=str)
-def test_no_program_samples_too_many_textures(context, material, settings):
+def test_no_program_samples_too_many_textures(context, material, settings, volumes):
     programs = Programs(context)
-    for program in planned(material, **settings).programs:
+    for program in planned(material, volumes, **settings).programs:
         compiled = programs.get("raster/surface.vert", program.fragment, dict(program.switches))
         samplers = [name for name in compiled if isinstance(compiled[name], moderngl.Uniform)
                     and name.startswith("u_")

@@ -176,7 +176,8 @@ class Settings:
         0.0, "scale height of the fog, which thins out by a factor of e over this length above the lowest point of the "
         "scene; 0: it does not")
     media_steps: Literal["28", "56", "112", "224"] = _option("56", "steps of a ray through fog and volumes")
-    media_rays: Literal["1", "4", "16"] = _option("4", "fog and volumes: pixels for each ray that is marched")
+    media_rays: Literal["all", "quarter", "sixteenth"] = _option(
+        "quarter", "the pixels that have a ray through fog and volumes of their own")
     media_scattering: Literal["single", "multiple"] = _option(
         "multiple", "fog and volumes: light scattered once by them, or also more often, by a diffusion equation")
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8", "ssaa-4", "ssaa-9", "ssaa-16"] = _option(

@@ -2,16 +2,27 @@
 // environment, and of what was scattered before (lit_media.glsl).
 #include "media/phase.glsl"
 #include "raster/light_in_media.glsl"
+#if VOLUMES > 0
+#include "raster/volumes.glsl"
+#endif
 #if HAS_ENVIRONMENT
 #include "raster/environment.glsl"
 
 uniform vec3 u_sky_intensity;
-uniform sampler2D u_sky_scattered; // the environment convolved with the phase function (viewer/bake/phase.py)
+// The environment convolved with the phase functions of fog and volumes (viewer/bake/phase.py)
+uniform sampler2D u_sky_in_fog, u_sky_in_volumes;
+
+vec3 scattered_sky(sampler2D map, vec3 direction) {
+    return u_sky_intensity * irradiance_over_pi(map, to_environment(direction));
+}
 #endif
 
+// How a medium scatters
 struct Scattering {
     vec3 albedo;
     float g;
+    vec3 emission; // radiance for each optical depth
+    vec3 sky;      // the environment's radiance that it would scatter to the eye if it hid none of it
 };
 
 struct Ray {
@@ -19,8 +30,8 @@ struct Ray {
 #if FOG
     vec2 fog; // where it is in the fog
 #endif
-#if HAS_ENVIRONMENT
-    vec3 sky; // the environment's radiance that a point without a medium around it would scatter to the eye
+#if VOLUMES > 0
+    vec2 volumes[VOLUMES];
 #endif
 };
 
@@ -31,8 +42,8 @@ Ray ray_through(vec3 origin, vec3 direction) {
 #if FOG
     ray.fog = fog_span(origin, direction);
 #endif
-#if HAS_ENVIRONMENT
-    ray.sky = u_sky_intensity * irradiance_over_pi(u_sky_scattered, to_environment(direction));
+#if VOLUMES > 0
+    for (int k = 0; k < VOLUMES; ++k) ray.volumes[k] = volume_span(k, origin, direction);
 #endif
     return ray;
 }
@@ -40,8 +51,25 @@ Ray ray_through(vec3 origin, vec3 direction) {
 #if FOG
 uniform vec4 u_fog_scattering; // albedo, g
 
-Scattering fog_scattering() {
-    return Scattering(u_fog_scattering.rgb, u_fog_scattering.a);
+Scattering fog_scattering(vec3 direction) {
+    vec3 sky = vec3(0.0);
+#if HAS_ENVIRONMENT
+    sky = scattered_sky(u_sky_in_fog, direction);
+#endif
+    return Scattering(u_fog_scattering.rgb, u_fog_scattering.a, vec3(0.0), sky);
+}
+#endif
+
+#if VOLUMES > 0
+uniform vec4 u_volume_scattering; // albedo, g
+uniform vec3 u_volume_emission;
+
+Scattering volume_scattering(vec3 direction) {
+    vec3 sky = vec3(0.0);
+#if HAS_ENVIRONMENT
+    sky = scattered_sky(u_sky_in_volumes, direction);
+#endif
+    return Scattering(u_volume_scattering.rgb, u_volume_scattering.a, u_volume_emission, sky);
 }
 #endif
 
@@ -65,10 +93,7 @@ float near_light(Ray ray, vec3 position, float from, float to, float at) {
 vec3 source(Ray ray, float at, float from, float to, Scattering medium) {
     vec3 p = ray.origin + at * ray.direction;
     MediaLight around = light_around(p, medium.g * ray.direction);
-    vec3 sum = around.scattered;
-#if HAS_ENVIRONMENT
-    sum += ray.sky * around.sky;
-#endif
+    vec3 sum = around.scattered + medium.sky * around.sky;
 #if LIGHT_COUNT > 0
     for (int i = 0; i < LIGHT_COUNT; ++i) {
         vec3 l;
@@ -77,5 +102,5 @@ vec3 source(Ray ray, float at, float from, float to, Scattering medium) {
         sum += irradiance * (phase_between(medium.g, -l, -ray.direction) * light_in_medium(i, p, l));
     }
 #endif
-    return medium.albedo * sum;
+    return medium.albedo * sum + medium.emission;
 }

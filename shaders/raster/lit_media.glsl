@@ -4,14 +4,28 @@
 #include "media/fog.glsl"
 #endif
 
-uniform sampler3D u_media_light; // below: scattered radiance; above: opacity before the sky as a + b . direction
-uniform vec4 u_media_grid;       // lowest corner of the grid in eye-relative units, and 1 / its side
+#if VOLUMES > 0
+uniform sampler3D u_volume_depth; // optical depth of volumes towards each light, four lights in each part along z
+#endif
 
-vec4 media_light(vec3 p, float part) {
-    vec3 uvw = clamp((p - u_media_grid.xyz) * u_media_grid.w, 0.0, 1.0);
-    float margin = 0.5 / float(textureSize(u_media_light, 0).x);
-    uvw.z = 0.5 * (clamp(uvw.z, margin, 1.0 - margin) + part);
-    return textureLod(u_media_light, uvw, 0.0);
+// A grid about the fog, and one about the volumes. Each has two parts of the texture, one above the other along z:
+// scattered radiance, and opacity before the sky as a + b . direction.
+#define GRIDS (FOG + (VOLUMES > 0 ? 1 : 0))
+uniform sampler3D u_media_light;
+uniform vec4 u_fog_grid, u_volume_grid; // lowest corner in eye-relative units, and 1 / side
+
+vec3 in_grid(vec4 grid, vec3 p) {
+    return (p - grid.xyz) * grid.w;
+}
+
+bool is_inside(vec3 uvw) {
+    return min(uvw.x, min(uvw.y, uvw.z)) >= 0.0 && max(uvw.x, max(uvw.y, uvw.z)) <= 1.0;
+}
+
+// A part of `count` of a texture of cubes that lie one above the other along z
+vec4 part_of_cubes(sampler3D cubes, vec3 uvw, int part, int count) {
+    float margin = 0.5 / float(textureSize(cubes, 0).x);
+    return textureLod(cubes, vec3(uvw.xy, (clamp(uvw.z, margin, 1.0 - margin) + float(part)) / float(count)), 0.0);
 }
 
 // Light that arrives at a point over a lobe, beside that of lights
@@ -23,32 +37,56 @@ struct MediaLight {
 // `mean` is the mean direction of the lobe, of length 0 (all around) to 1. Scattered light is taken to come from where
 // media hide the sky: the two add up to 1 in a white furnace.
 MediaLight light_around(vec3 p, vec3 mean) {
-    vec4 hidden = media_light(p, 1.0);
+    int first = 0;
+#if VOLUMES > 0
+    vec3 uvw = in_grid(u_volume_grid, p);
+    if (is_inside(uvw)) first = 2 * FOG;
+#if FOG
+    else uvw = in_grid(u_fog_grid, p);
+#else
+    else return MediaLight(vec3(0.0), 1.0);
+#endif
+#else
+    vec3 uvw = in_grid(u_fog_grid, p);
+#endif
+    vec4 hidden = part_of_cubes(u_media_light, uvw, first + 1, 2 * GRIDS);
     float there = clamp(hidden.x + dot(hidden.yzw, mean), 0.0, 1.0);
+#if VOLUMES > 0 && !FOG // beside the volumes their light fades out to the edge of the grid
+    vec3 inside = min(uvw, 1.0 - uvw);
+    there *= clamp(min(inside.x, min(inside.y, inside.z)) * 12.0, 0.0, 1.0);
+#endif
     float share = hidden.x > 1e-20 ? there / hidden.x : 1.0;
-    return MediaLight(media_light(p, 0.0).rgb * share, 1.0 - there);
+    return MediaLight(part_of_cubes(u_media_light, uvw, first, 2 * GRIDS).rgb * share, 1.0 - there);
 }
 
-// The optical depth from p to the distance `reach` along d
-float media_depth(vec3 p, vec3 d, float reach) {
-    float depth = 0.0;
-#if FOG
-    depth += fog_depth_ahead(p, d, reach);
-#endif
-    return depth;
+#if VOLUMES > 0 && LIGHT_COUNT > 0
+// The optical depth of the volumes from p to light i, in the direction l. Outside of the grid it is that of the point
+// where the ray enters it.
+float volumes_depth_to_light(int i, vec3 p, vec3 l, float reach) {
+    vec3 at = in_grid(u_volume_grid, p);
+    if (!is_inside(at)) {
+        vec3 direction = mix(l, vec3(1e-20), lessThan(abs(l), vec3(1e-20))) * u_volume_grid.w;
+        vec3 a = -at / direction, b = (1.0 - at) / direction;
+        vec3 low = min(a, b), high = max(a, b);
+        float from = max(low.x, max(low.y, low.z)), to = min(high.x, min(high.y, high.z));
+        if (from >= to || from < 0.0 || from >= reach) return 0.0;
+        at += from * direction;
+    }
+    vec4 depths = part_of_cubes(u_volume_depth, clamp(at, 0.0, 1.0), i / 4, (LIGHT_COUNT + 3) / 4);
+    return max(depths[i % 4], 0.0);
 }
-
-float extinction_at(vec3 p) {
-    float extinction = 0.0;
-#if FOG
-    extinction += fog_at(p);
 #endif
-    return extinction;
-}
 
 #if LIGHT_COUNT > 0
 // The transmittance from p to light i of light/punctual.glsl, which lies in the direction l
 float transmittance_to_light(int i, vec3 p, vec3 l) {
-    return exp(-media_depth(p, l, i < DIRECTIONAL_COUNT ? 1e18 : distance(u_lights[i].position.xyz, p)));
+    float reach = i < DIRECTIONAL_COUNT ? 1e18 : distance(u_lights[i].position.xyz, p), depth = 0.0;
+#if FOG
+    depth += fog_depth_ahead(p, l, reach);
+#endif
+#if VOLUMES > 0
+    depth += volumes_depth_to_light(i, p, l, reach);
+#endif
+    return exp(-depth);
 }
 #endif

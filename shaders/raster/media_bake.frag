@@ -1,16 +1,44 @@
 // Light that arrives at the cells of a coarse grid without having been scattered (viewer/raster/media_light.py). The
 // layers of the grid lie above each other in the targets.
+#include "media/one_minus_exp.glsl"
 #include "raster/light_in_media.glsl"
+#if VOLUMES > 0
+#include "raster/volumes.glsl"
+#endif
 
 uniform vec4 u_sky_directions[SKY_LIGHTS]; // w: weight in the fit below
 uniform vec3 u_sky_irradiance[SKY_LIGHTS];
 uniform mat4 u_sky_fit; // inverse of the matrix of second moments of (1, direction)
 
 uniform int u_side; // cells along a side of the grid
+uniform vec4 u_grid; // its lowest corner in eye-relative units, and 1 / its length
 
 layout(location = 0) out vec4 o_fluence; // rgb; a: of a sky of mean radiance 1 / 4 pi
 layout(location = 1) out vec4 o_hidden;  // opacity of the media before the sky as a + b . direction, by least squares
 layout(location = 2) out vec4 o_extinction;
+
+// The optical depth from p to the distance `reach` along d
+float media_depth(vec3 p, vec3 d, float reach) {
+    float depth = 0.0;
+#if FOG
+    depth += fog_depth_ahead(p, d, reach);
+#endif
+#if VOLUMES > 0
+    depth += volumes_depth_ahead(p, d, reach, 16);
+#endif
+    return depth;
+}
+
+float extinction_at(vec3 p) {
+    float extinction = 0.0;
+#if FOG
+    extinction += fog_at(p);
+#endif
+#if VOLUMES > 0
+    extinction += volumes_at(p);
+#endif
+    return extinction;
+}
 
 // The mean transmittance over a cell of optical depth `cell`, from the depth at its middle: what a cell collects is right
 // also where it hides its own middle.
@@ -21,9 +49,9 @@ float mean_transmittance(float depth, float cell) {
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec3 cell = vec3(pixel.x, pixel.y % u_side, pixel.y / u_side);
-    vec3 p = u_media_grid.xyz + (cell + 0.5) / (u_media_grid.w * float(u_side));
+    vec3 p = u_grid.xyz + (cell + 0.5) / (u_grid.w * float(u_side));
 
-    float extinction = extinction_at(p), depth_of_cell = extinction / (u_media_grid.w * float(u_side));
+    float extinction = extinction_at(p), depth_of_cell = extinction / (u_grid.w * float(u_side));
     vec4 fluence = vec4(0.0);
     vec4 moments = vec4(0.0);
     for (int k = 0; k < SKY_LIGHTS; ++k) {
@@ -35,7 +63,7 @@ void main() {
     }
     o_hidden = u_sky_fit * moments;
 #if LIGHT_COUNT > 0
-    float nearest = 0.5 / (u_media_grid.w * float(u_side)); // a cell's mean of 1 / d^2 about a light is finite
+    float nearest = 0.5 / (u_grid.w * float(u_side)); // a cell's mean of 1 / d^2 about a light is finite
     for (int i = 0; i < LIGHT_COUNT; ++i) {
         vec3 l;
         vec3 irradiance = punctual_irradiance(i, p, l);

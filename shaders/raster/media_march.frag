@@ -2,6 +2,7 @@
 // the eye and there: rgb: the light that is scattered towards the eye, a: 1 - transmittance. The last target carries
 // light and optical depth on to the next slices (viewer/raster/media.py). Surfaces look it up by their distance
 // (in_media.glsl), so all that lies in a medium is seen through the right amount of it.
+#include "media/one_minus_exp.glsl"
 #include "raster/in_scattered.glsl"
 
 uniform mat3 u_ray;    // (x, y, 1) in normalised device coordinates to a direction, eye-relative
@@ -36,21 +37,51 @@ void add_step(inout Path path, Ray ray, float from, float to, float depth, Scatt
     path.depth = min(path.depth + depth, 1e30);
 }
 
-void march(inout Path path, Ray ray, float from, float to) {
 #if FOG
+// A step in the fog; volumes take its place where they are.
+void march_fog(inout Path path, Ray ray, float from, float to, Scattering medium) {
     vec2 span = clamp(ray.fog, from, to);
-    add_step(path, ray, span.x, span.y, fog_depth(ray.origin, ray.direction, span.x, span.y), fog_scattering());
+    float depth = fog_depth(ray.origin, ray.direction, span.x, span.y);
+#if VOLUMES > 0
+    for (int k = 0; k < VOLUMES; ++k) {
+        vec2 taken = clamp(ray.volumes[k], span.x, span.y);
+        depth -= fog_depth(ray.origin, ray.direction, taken.x, taken.y);
+    }
 #endif
+    add_step(path, ray, span.x, span.y, depth, medium);
 }
+#endif
+
+#if VOLUMES > 0
+void march_volumes(inout Path path, Ray ray, float from, float to, Scattering medium) {
+    for (int k = 0; k < VOLUMES; ++k) {
+        vec2 span = vec2(max(ray.volumes[k].x, from), min(ray.volumes[k].y, to));
+        if (span.x >= span.y) continue;
+        vec3 middle = ray.origin + 0.5 * (span.x + span.y) * ray.direction;
+        add_step(path, ray, span.x, span.y, volume_extinction(k, middle) * (span.y - span.x), medium);
+    }
+}
+#endif
 
 void main() {
     Ray ray = ray_through(u_origin * vec3(v_ndc, 1.0), normalize(u_ray * vec3(v_ndc, 1.0)));
+#if FOG
+    Scattering fog = fog_scattering(ray.direction);
+#endif
+#if VOLUMES > 0
+    Scattering volumes = volume_scattering(ray.direction);
+#endif
     vec4 carried = u_is_first ? vec4(0.0) : texelFetch(u_carried, ivec2(gl_FragCoord.xy), 0);
     Path path = Path(carried.rgb, carried.a);
     for (int k = 0; k < SLICES; ++k) {
         for (int j = 0; j < STEPS; ++j) {
             vec2 step = mix(vec2(u_ends[k]), vec2(u_ends[k + 1]), (float(j) + vec2(0.0, 1.0)) / float(STEPS));
-            march(path, ray, step.x, step.y);
+#if FOG
+            march_fog(path, ray, step.x, step.y, fog);
+#endif
+#if VOLUMES > 0
+            march_volumes(path, ray, step.x, step.y, volumes);
+#endif
         }
         o_slices[k] = vec4(path.light, one_minus_exp(path.depth));
     }

@@ -33,7 +33,7 @@ def raster_keys(scene: Scene, settings: Settings, *, half: bool = True, orthogra
     plan = plan_scene(scene, settings, lights, samples=settings.samples(is_software=False, is_still=True),
                       half_target=half, orthographic=orthographic)
     if plan.media is not None:
-        for program in (plan.media.march, plan.media.bake):
+        for program in plan.media.programs:
             yield "display/fullscreen.vert", program.fragment, program.switches
     for draw in plan.draws:
         yield VERTEX, draw.program.fragment, draw.program.switches

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import product
 
+import numpy as np
 import pytest
 from cases import CASES
 from glslang import GRANTED, as_330, as_400, problems
@@ -22,6 +23,7 @@ from viewer.errors import InputError
 from viewer.gpu.source import assemble, display_name
 from viewer.plan.planner import MAX_LIGHTS
 from viewer.scene.light import Light
+from viewer.scene.volume import Volume
 from viewer.settings import Settings, setting_choices
 from viewer.trace.scene.geometry import trace_geometry
 from viewer.trace.scene.scene_data import geometry_switches
@@ -61,6 +63,8 @@ def ours() -> tuple[list[str], dict[str, int], set[str]]:
     foggy = replace(rich[0], lights=(Light("spot", intensity=1.0), Light("point", intensity=1.0)))
     for mode, height in product(("pbr", "phong"), (0.0, 1.0)):
         wanted |= dict.fromkeys(keys(foggy, Settings.of(mode=mode, fog=1.0, fog_height=height)))
+        smoky = replace(foggy, volumes=(Volume.in_box(np.ones((1, 1, 1)), [[0, 0, 0], [1, 1, 1]]),) * 2)
+        wanted |= dict.fromkeys(keys(smoky, Settings.of(mode=mode, fog=height)))
     lamps = tuple(Light("point", intensity=1.0, position=(0, 0, 1 + k)) for k in range(MAX_LIGHTS))
     wanted |= dict.fromkeys(keys(replace(rich[0], lights=lamps), Settings()))
     programs += [*assembled(wanted), *passes()]

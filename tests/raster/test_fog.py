@@ -16,7 +16,7 @@ from viewer.settings import Settings
 
 BLACK = replace(WHITE, base_color=(0, 0, 0, 1))
 GLOWING = replace(BLACK, emissive=(4.0, 1.0, 0.5))
-FINE = {"media_steps": "224", "media_rays": "1"}
+FINE = {"media_steps": "224", "media_rays": "all"}
 SIZE = (16, 16)
 FEW = (8, 8)
 """Where each pixel takes a quadrature in two dimensions."""

@@ -32,7 +32,7 @@ _LABELS = {
     **{count: f"{count} lights" for count in ("16", "64", "256", "1024")},
     "off": "Off", "fast": "Fast", "mis": "Both (MIS)", "bsdf": "BSDF sampling only",
     "lights": "Light sampling only", "environment": "Environment only", "screen": "Screen space", "traced": "Traced",
-    "baked": "Baked",
+    "baked": "Baked", "single": "Once", "multiple": "Many times", "quarter": "A quarter", "sixteenth": "A sixteenth",
 }
 _MODES = ((("pbr",), ("phong",), ("path",)), (("phong", "pbr"), ("pbr", "path")))
 _TONEMAPS = ("neutral", "agx", "aces", "none")
@@ -136,6 +136,9 @@ class Panel:
         self._choice("Indirect light", "indirect")
         self._choice("Reflections", "reflections")
         self._choice("Refraction", "refraction")
+        self._choice("Scattering in media", "media_scattering")
+        self._choice("Rays in media", "media_rays")
+        self._choice("Steps of a ray", "media_steps")
         self._switch("Specular antialiasing", "specular_aa")
         self._choice("Phong highlight", "phong")
 

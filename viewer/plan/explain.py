@@ -23,6 +23,7 @@ from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.schema import MAPS, SWITCHED
 from ..settings import Settings
+from .media import MAX_VOLUMES
 from .model import Draw, Plan
 from .samplers import MAX_SAMPLERS
 
@@ -80,8 +81,9 @@ def _used(plan: Plan) -> tuple[str, ...]:
     if plan.has_indirect:
         lines.append("indirect light, path traced once at the vertices")
     if plan.media is not None:
-        lines.append("fog, marched along rays" + "; light scattered in it many times, by a diffusion equation"
-                     * plan.media.scatters_again)
+        media = ["fog"] * plan.media.has_fog + [_count(plan.media.volumes, "volume")] * (plan.media.volumes > 0)
+        lines.append(" and ".join(media) + ", marched along rays"
+                     + "; light scattered in it many times, by a diffusion equation" * plan.media.scatters_again)
     for layer, what in _LAYERS.items():
         count = sum(plan.count(draw) * draw.program.get(layer.switch) for draw in plan.kinds)
         if count:
@@ -98,7 +100,7 @@ def _used(plan: Plan) -> tuple[str, ...]:
 def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Light]) -> list[str]:
     """One line for each thing that the scene or the settings make unnecessary."""
     lines, draws = [], plan.kinds
-    if not scene.instances:
+    if not scene.instances and not scene.volumes:
         return ["everything but the background: the scene is empty"]
     any_lit = _any_lit(draws)
     if not any_lit:
@@ -136,8 +138,13 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
     if settings.background != "env" or scene.environment is None:
         reason = "there is none" if scene.environment is None else "not requested"
         lines.append(f"the environment as background: {reason}")
-    if plan.media is None:
+    if plan.media is None or not plan.media.has_fog:
         lines.append("fog: there is none")
+    if not scene.volumes:
+        lines.append("volumes: there are none")
+    elif len(scene.volumes) > MAX_VOLUMES:
+        lines.append(f"the last {len(scene.volumes) - MAX_VOLUMES} of {len(scene.volumes)} volumes: a program can have "
+                     "no more")
     if not plan.has_blended:
         lines.append("the sorted pass for blending: no surface blends")
     if not (plan.has_thin_transmission or plan.has_solid_transmission):

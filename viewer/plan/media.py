@@ -1,10 +1,11 @@
-"""The passes of the raster that draw fog: their programs, and the switches of surfaces in it."""
+"""The passes of the raster that draw fog and volumes: their programs, and the switches of surfaces among them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from ..scene.scene import Scene
 from ..settings import Settings
 from .model import Program
 
@@ -13,37 +14,60 @@ SLICES = 7
 SLICE_COUNT = 28
 SKY_LIGHTS = 32
 """Directions from which light of the environment reaches the cells of the grid."""
+MAX_VOLUMES = 8
 
 
 @dataclass(frozen=True)
 class MediaPlan:
-    """The programs of viewer/raster/media.py and media_light.py. `surfaces` are the switches that surfaces get."""
+    """The programs of viewer/raster/media.py and media_light.py. `depth` is None without volumes or lights."""
 
     march: Program
     bake: Program
-    surfaces: Mapping[str, int]
+    depth: Program | None
     scatters_again: bool
     """Whether light that has been scattered is scattered once more."""
 
+    @property
+    def has_fog(self) -> bool:
+        return self.march["FOG"] == 1
 
-def media_switches(settings: Settings) -> dict[str, int]:
+    @property
+    def volumes(self) -> int:
+        """The number of volumes that are drawn."""
+        return self.march["VOLUMES"]
+
+    @property
+    def programs(self) -> tuple[Program, ...]:
+        return tuple(program for program in (self.march, self.bake, self.depth) if program is not None)
+
+
+def has_media(scene: Scene, settings: Settings) -> bool:
+    """Whether there is fog or a volume."""
+    return settings.fog > 0 or bool(scene.volumes)
+
+
+def media_switches(scene: Scene, settings: Settings) -> dict[str, int]:
     """The switches of surfaces: MEDIA, whether there are any between them and the eye, and which."""
-    fog = int(settings.fog > 0)
-    return {"MEDIA": fog, "FOG": fog, "FOG_HEIGHT": int(fog and settings.fog_height > 0)}
+    fog = settings.fog > 0
+    return {"MEDIA": int(has_media(scene, settings)), "FOG": int(fog),
+            "FOG_HEIGHT": int(fog and settings.fog_height > 0), "VOLUMES": min(len(scene.volumes), MAX_VOLUMES)}
 
 
-def plan_media(settings: Settings, common: Mapping[str, int]) -> MediaPlan | None:
+def plan_media(scene: Scene, settings: Settings, common: Mapping[str, int]) -> MediaPlan | None:
     """The plan of the media, None without any. `common` are the switches that all lit surfaces have in common."""
-    switches = media_switches(settings)
+    switches = media_switches(scene, settings)
     if not switches["MEDIA"]:
         return None
     names = ("LIGHT_COUNT", "DIRECTIONAL_COUNT", "POINT_COUNT", "SHADOW_LAYERS", "HAS_ENVIRONMENT",
              "ENVIRONMENT_ROTATED")
-    lit = switches | {name: common[name] for name in names} | {"SHADOW_PATTERN": 0, "REFLECTS": 0}
+    lights = {name: common[name] for name in names}
+    lit = switches | lights | {"SHADOW_PATTERN": 0, "REFLECTS": 0}
     steps = int(settings.media_steps) // SLICE_COUNT
+    has_depth = switches["VOLUMES"] and common["LIGHT_COUNT"]
     return MediaPlan(_program("raster/media_march.frag", lit | {"SLICES": SLICES, "STEPS": steps}),
                      _program("raster/media_bake.frag", lit | {"SKY_LIGHTS": SKY_LIGHTS}),
-                     switches, settings.media_scattering == "multiple")
+                     _program("raster/volume_depth.frag", switches | lights) if has_depth else None,
+                     settings.media_scattering == "multiple")
 
 
 def _program(fragment: str, switches: Mapping[str, int]) -> Program:

@@ -21,7 +21,7 @@ from ..scene.schema import MAP_SWITCHES, MAPS, SWITCHED
 from ..settings import Settings
 from .bsdf_switches import bsdf_switches
 from .explain import explain
-from .media import media_switches, plan_media
+from .media import has_media, media_switches, plan_media
 from .model import Draw, Plan, Program
 from .samplers import within_limit
 from .sharing import attributes_of, include_everything, share_programs
@@ -52,7 +52,7 @@ def environment_use(scene: Scene, settings: Settings) -> tuple[bool, bool]:
     meshes = (scene.meshes[instance.mesh] for instance in scene.instances)
     lit = [material for mesh in meshes if is_lit(mesh, material := scene.materials[mesh.material])]
     shows = settings.mode == "pbr" and settings.lobes in ("all", "specular")
-    return bool(lit) or settings.fog > 0, shows and any(material.reflects for material in lit)
+    return bool(lit) or has_media(scene, settings), shows and any(material.reflects for material in lit)
 
 
 def plan_scene(
@@ -67,8 +67,8 @@ def plan_scene(
     if settings.mode == "path":
         raise UsageError("the raster cannot draw mode path")
     lit = [is_lit(scene.meshes[i.mesh], scene.materials[scene.meshes[i.mesh].material]) for i in scene.instances]
-    shown_lights = _ordered_lights(lights) if any(lit) or settings.fog > 0 else ()
-    layers, layer_count = _shadow_layers(shown_lights, settings)
+    shown_lights = _ordered_lights(lights) if any(lit) or has_media(scene, settings) else ()
+    layers, layer_count = _shadow_layers(shown_lights, settings, bool(scene.instances))
     environment, reflections = environment_use(scene, settings)
     environment_shadows = _environment_shadows(settings) if environment and scene.environment is not None else 0
     ambient_occlusion = (settings.ambient_occlusion != "off" and settings.mode == "pbr" and environment
@@ -89,7 +89,7 @@ def plan_scene(
         "HAS_ENVIRONMENT": int(environment),
         "ENVIRONMENT_ROTATED": int(scene.environment is not None and scene.environment.rotation != 0),
         "SHOW_EMISSION": int(settings.lobes == "all"),
-        **media_switches(settings),
+        **media_switches(scene, settings),
     }
     # Instances of a mesh are drawn alike, and there may be a hundred thousand of them.
     meshes = dict.fromkeys(instance.mesh for instance in scene.instances)
@@ -112,7 +112,7 @@ def plan_scene(
         ambient_occlusion=ambient_occlusion,
         background=background,
         background_blur=settings.background_blur if background else 0.0,
-        media=plan_media(settings, common),
+        media=plan_media(scene, settings, common),
     )
     if settings.plan == "everything":
         plan = include_everything(plan, scene)
@@ -129,12 +129,12 @@ def _ordered_lights(lights: Sequence[Light]) -> tuple[Light, ...]:
     return tuple(sorted(bright, key=lambda light: order.index(light.kind)))
 
 
-def _shadow_layers(lights: Sequence[Light], settings: Settings) -> tuple[tuple[int, ...], int]:
+def _shadow_layers(lights: Sequence[Light], settings: Settings, has_casters: bool) -> tuple[tuple[int, ...], int]:
     """The first shadow layer of each light, or -1 if it has none, and the number of layers."""
     first, used = [], 0
     for light in lights:
         needed = 6 if light.kind == "point" else 1
-        if settings.shadows == "on" and light.casts_shadow and used + needed <= MAX_SHADOW_LAYERS:
+        if has_casters and settings.shadows == "on" and light.casts_shadow and used + needed <= MAX_SHADOW_LAYERS:
             first.append(used)
             used += needed
         else:

@@ -26,7 +26,7 @@ from ..scene.light import Light
 from ..scene.mip_levels import mip_levels
 from ..settings import Settings
 from .depth import Depth
-from .surfaces import UNIT_BACKGROUND, UNIT_IRRADIANCE, UNIT_PREFILTERED, UNIT_SKY_SCATTERED
+from .surfaces import UNIT_BACKGROUND, UNIT_IRRADIANCE, UNIT_PREFILTERED, UNIT_SKY_IN_FOG, UNIT_SKY_IN_VOLUMES
 
 
 class EnvironmentLight:
@@ -43,7 +43,7 @@ class EnvironmentLight:
         self._prefiltered: moderngl.Texture | None = None
         self._irradiance: moderngl.Texture | None = None
         self._background: _Background | None = None
-        self._scattered: tuple[tuple[float, bool], moderngl.Texture] | None = None
+        self._scattered: dict[tuple[float, bool], moderngl.Texture] = {}
 
     def holds(self, environment: Environment, settings: Settings) -> bool:
         """Whether this is that environment, up to rotation and intensity."""
@@ -93,18 +93,20 @@ class EnvironmentLight:
         lights = self.many_lights(SKY_LIGHTS)
         return replace(lights, irradiance=lights.irradiance * (self._baked.scale * self.environment.intensity))
 
-    def scattered_sky(self, plan: Plan, g: float) -> dict[str, object]:
-        """The uniforms of shaders/raster/in_scattered.glsl: the environment as a medium scatters it; binds its map."""
-        if self._scattered is None or self._scattered[0] != (g, plan.ambient):
-            if self._scattered is not None:
-                self._scattered[1].release()
-            pixels = np.ones((1, 1, 3), np.float32) if plan.ambient else scattered_sky(self._levels()[1], g)
-            texture = float_texture(self._gl, pixels)
+    def scattered_sky(self, plan: Plan, g_of_fog: float, g_of_volumes: float) -> dict[str, object]:
+        """The uniforms of shaders/raster/in_scattered.glsl: the environment as media scatter it; binds its maps."""
+        wanted = {(g, plan.ambient) for g in (g_of_fog, g_of_volumes)}
+        for key in self._scattered.keys() - wanted:
+            self._scattered.pop(key).release()
+        for g, is_constant in wanted - self._scattered.keys():
+            pixels = np.ones((1, 1, 3), np.float32) if is_constant else scattered_sky(self._levels()[1], g)
+            texture = self._scattered[g, is_constant] = float_texture(self._gl, pixels)
             texture.repeat_x = True
-            self._scattered = (g, plan.ambient), texture
-        self._scattered[1].use(UNIT_SKY_SCATTERED)
+        self._scattered[g_of_fog, plan.ambient].use(UNIT_SKY_IN_FOG)
+        self._scattered[g_of_volumes, plan.ambient].use(UNIT_SKY_IN_VOLUMES)
         scale = self._ambient_radiance if plan.ambient else self.environment.intensity * self._baked.scale
-        return {"u_sky_scattered": UNIT_SKY_SCATTERED, "u_sky_intensity": tuple(np.broadcast_to(scale, 3).tolist())}
+        return {"u_sky_in_fog": UNIT_SKY_IN_FOG, "u_sky_in_volumes": UNIT_SKY_IN_VOLUMES,
+                "u_sky_intensity": tuple(np.broadcast_to(scale, 3).tolist())}
 
     @property
     def _ambient_radiance(self) -> np.ndarray:
@@ -174,8 +176,7 @@ class EnvironmentLight:
 
     def release(self) -> None:
         background = self._background.texture if self._background is not None else None
-        scattered = self._scattered[1] if self._scattered is not None else None
-        for texture in (self._prefiltered, self._irradiance, background, scattered):
+        for texture in (self._prefiltered, self._irradiance, background, *self._scattered.values()):
             if texture is not None:
                 texture.release()
 

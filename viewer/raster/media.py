@@ -1,4 +1,5 @@
-"""Fog between the eye and what is seen: rays are marched once a frame, and surfaces look up what lies before them.
+"""Fog and volumes between the eye and what is seen: rays are marched once a frame, and surfaces look up what lies
+before them.
 
 shaders/raster/media_march.frag stores, for each of a grid of rays and at the ends of SLICE_COUNT slices along them, the
 light that has come together and what of the light behind has been lost: the froxels of Wronski 2014 and Hillaire 2015.
@@ -16,20 +17,27 @@ import numpy as np
 from ..gpu.context import Context
 from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
-from ..plan.media import SLICE_COUNT
+from ..plan.media import MAX_VOLUMES, SLICE_COUNT
 from ..plan.model import Plan
 from ..scene.camera import Camera
-from ..scene.fog import REACH, Fog, fog_of
+from ..scene.fog import REACH, fog_of
 from ..scene.frame import Frame
 from ..scene.scene import Scene
+from ..scene.volume import volume_medium
 from ..settings import Settings
 from .depth import Depth
 from .environment import EnvironmentLight
 from .lights import pack_lights
-from .media_light import MediaLight
+from .media_light import Grid, MediaLight
 from .media_slices import MediaSlices
 from .shadows import ShadowMaps
-from .surfaces import UNIT_MEDIA, UNIT_MEDIA_LIGHT, UNIT_SHADOW
+from .surfaces import UNIT_MEDIA, UNIT_MEDIA_LIGHT, UNIT_SHADOW, UNIT_VOLUME_DEPTH
+from .volume_textures import VolumeTextures
+
+_PIXELS = {"all": 1, "quarter": 2, "sixteenth": 4}
+"""The side of the square of pixels that has a ray."""
+_GRID_MARGIN = 0.25
+"""Of the grid about the volumes, in lengths of their box at each side: surfaces close by are in their light, too."""
 
 
 class MediaPass:
@@ -39,23 +47,24 @@ class MediaPass:
         self._context, self._gl, self._programs = context, context.gl, programs
         self._slices: MediaSlices | None = None
         self._light: MediaLight | None = None
+        self._volumes: VolumeTextures | None = None
         self._lit: tuple[object, ...] = ()
         self._scene: Scene | None = None
 
     def prepare(self, scene: Scene, settings: Settings, plan: Plan, environment: EnvironmentLight | None,
                 shadows: ShadowMaps | None) -> None:
-        """Bake the light in the media, unless an earlier frame has left it. Binds uniform blocks of its own."""
-        fog = _fog(scene, settings)
+        """Upload volumes and bake the light in the media, unless an earlier frame has left them. Binds uniform blocks
+        of its own."""
+        self._take_volumes(scene)
         sky = environment.environment if environment is not None else None
-        lit = (fog, plan.media, plan.lights, sky and (id(sky.source), sky.rotation, sky.intensity), plan.ambient)
+        lit = (fog_of(scene, settings), volume_medium(settings), plan.media, plan.lights, plan.ambient,
+               sky and (id(sky.source), sky.rotation, sky.intensity))
         if self._scene is not None and scene.has_surfaces_of(self._scene) and lit == self._lit:
             return
-        if self._light is None:
-            self._light = MediaLight(self._gl)
         middle = np.eye(4)
         middle[:3, 3] = scene.center
         frame = Frame(scene, Camera(middle), (1, 1))
-        uniforms = self._uniforms(frame, fog)
+        uniforms = self._uniforms(frame, settings)
         blocks = [pack_lights(plan, frame)] if plan.lights else []
         if shadows is not None:
             blocks.append(shadows.pack(frame))
@@ -64,36 +73,50 @@ class MediaPass:
         buffers = [self._gl.buffer(np.ascontiguousarray(block)) for block in blocks]
         for binding, buffer in enumerate(buffers):
             buffer.bind_to_uniform_block(binding)
+        grids = [grid for grid in _grids(frame, settings) if grid is not None]
+        if self._light is not None:
+            self._light.release()
+        self._light = MediaLight(self._gl, len(grids), len(plan.lights) if scene.volumes else 0)
         lights = environment.sky_lights(plan) if environment is not None else None
-        self._light.bake(self._programs, plan.media, fog.medium, 2 * REACH, lights, uniforms)
+        self._light.bake(self._programs, plan.media, grids, lights, uniforms)
         for buffer in buffers:
             buffer.release()
         self._scene, self._lit = scene, lit
+
+    def _take_volumes(self, scene: Scene) -> None:
+        held = self._volumes.volumes if self._volumes is not None else ()
+        wanted = scene.volumes[:MAX_VOLUMES]
+        if len(held) == len(wanted) and all(a is b for a, b in zip(held, wanted)):
+            return
+        if self._volumes is not None:
+            self._volumes.release()
+        self._volumes = VolumeTextures(self._gl, wanted) if wanted else None
 
     def march(self, frame: Frame, settings: Settings, plan: Plan, environment: EnvironmentLight | None,
               frame_uniforms: dict[str, object], size: tuple[int, int]) -> dict[str, object]:
         """March the rays of one frame, one for a square of pixels of a picture of `size`. Returns the uniforms of
         surfaces. Leaves a framebuffer of its own in use."""
-        side = math.isqrt(int(settings.media_rays))
+        side = _PIXELS[settings.media_rays]
         columns = -(-size[0] // side), -(-size[1] // side)
         if self._slices is None or self._slices.size != columns:
             if self._slices is not None:
                 self._slices.release()
             self._slices = MediaSlices(self._context, columns)
-        fog = _fog(frame.scene, settings)
         self._light.texture.use(UNIT_MEDIA_LIGHT)
-        uniforms = frame_uniforms | self._uniforms(frame, fog)
+        if self._light.depths is not None:
+            self._light.depths.use(UNIT_VOLUME_DEPTH)
+        media = self._uniforms(frame, settings)
+        uniforms = frame_uniforms | media
         if environment is not None:
-            uniforms |= environment.scattered_sky(plan, fog.medium.g)
-        starts, counts = _parts(frame)
+            uniforms |= environment.scattered_sky(plan, settings.fog_g, volume_medium(settings).g)
+        starts, counts = _parts(frame, settings)
         self._slices.march(self._programs, plan.media.march, frame, _ends(starts, counts), uniforms)
         self._slices.texture.use(UNIT_MEDIA)
-        is_orthographic = frame.camera.height is not None
-        return self._uniforms(frame, fog) | {
+        return media | {
             "u_media": UNIT_MEDIA,
             "u_media_starts": tuple(starts),
             "u_media_counts": tuple(counts),
-            "u_media_axis": (*frame.camera.forward, float(is_orthographic)),
+            "u_media_axis": (*frame.camera.forward, float(frame.camera.height is not None)),
             "u_media_pixel": (1 / frame.size[0], 1 / frame.size[1]),
         }
 
@@ -107,43 +130,77 @@ class MediaPass:
         with depth.behind_surfaces():
             fullscreen(self._gl, program).render(vertices=3)
 
-    def _uniforms(self, frame: Frame, fog: Fog) -> dict[str, object]:
-        """Of shaders/raster/lit_media.glsl."""
-        center, radius = frame.position(fog.center), fog.radius / frame.unit
-        values: dict[str, object] = {
-            "u_media_light": UNIT_MEDIA_LIGHT,
-            "u_media_grid": (*(center - radius), 1 / (2 * radius)),
-            "u_fog_ball": (*center, radius),
-            "u_fog_extinction": min(fog.medium.sigma_t[0] * frame.unit, 1e18),
-            "u_fog_scattering": (*fog.medium.albedo, fog.medium.g),
-        }
-        if math.isfinite(fog.scale_height):
-            base = (fog.base - frame.camera.eye[1]) / frame.unit
-            values["u_fog_height"] = (base, min(frame.unit / fog.scale_height, 1e12))
+    def _uniforms(self, frame: Frame, settings: Settings) -> dict[str, object]:
+        """Of shaders/raster/lit_media.glsl, in_scattered.glsl and volumes.glsl."""
+        values: dict[str, object] = {"u_media_light": UNIT_MEDIA_LIGHT, "u_volume_depth": UNIT_VOLUME_DEPTH}
+        for name, grid in zip(("u_fog_grid", "u_volume_grid"), _grids(frame, settings), strict=True):
+            if grid is not None:
+                values[name] = grid.uniform
+        fog = fog_of(frame.scene, settings)
+        if fog is not None:
+            values |= {
+                "u_fog_ball": (*frame.position(fog.center), fog.radius / frame.unit),
+                "u_fog_extinction": min(fog.medium.sigma_t[0] * frame.unit, 1e18),
+                "u_fog_scattering": (*fog.medium.albedo, fog.medium.g),
+            }
+            if math.isfinite(fog.scale_height):
+                base = (fog.base - frame.camera.eye[1]) / frame.unit
+                values["u_fog_height"] = (base, min(frame.unit / fog.scale_height, 1e12))
+        if self._volumes is not None:
+            medium = volume_medium(settings)
+            # A volume that only shines is given an extinction that cannot be seen.
+            densest = max(volume.maximum for volume in self._volumes.volumes)
+            least = 1e-4 / (2 * max(densest, 1e-30)) if any(medium.emission) else 0.0
+            extinction = min(max(medium.sigma_t[0] * frame.unit, least), 1e18)
+            emission = np.clip(np.array(medium.emission) * frame.unit / max(extinction, 1e-30), 0, 1e30)
+            values |= self._volumes.uniforms(frame) | {
+                "u_volume_extinction": extinction,
+                "u_volume_scattering": (*medium.albedo, medium.g),
+                "u_volume_emission": tuple(emission.tolist()),
+            }
         return values
 
     def release(self) -> None:
-        for thing in (self._slices, self._light):
+        for thing in (self._slices, self._light, self._volumes):
             if thing is not None:
                 thing.release()
 
 
-def _fog(scene: Scene, settings: Settings) -> Fog:
-    fog = fog_of(scene, settings)
-    assert fog is not None, "a plan with media has fog"
-    return fog
+def _grids(frame: Frame, settings: Settings) -> tuple[Grid | None, Grid | None]:
+    """The cubes about fog and volumes in eye-relative space."""
+    scene, fog, volumes = frame.scene, fog_of(frame.scene, settings), None
+    around_fog = None
+    if fog is not None:
+        radius = fog.radius / frame.unit
+        around_fog = Grid(_corner(frame.position(fog.center), radius), 2 * radius, fog.medium)
+    if scene.volumes:
+        low, high = scene.volume_corners.min(axis=0), scene.volume_corners.max(axis=0)
+        half = float((high - low).max()) / frame.unit * (0.5 + _GRID_MARGIN)
+        volumes = Grid(_corner(frame.position((low + high) / 2), half), 2 * half, volume_medium(settings))
+    return around_fog, volumes
 
 
-def _parts(frame: Frame) -> tuple[list[float], list[int]]:
-    """Where the parts of a ray start, with the end of the last, in eye-relative units, and how many slices each has:
-    before the scene, in it, where shadows are, and behind it."""
-    center = frame.position(frame.scene.center)
+def _corner(center: np.ndarray, half: float) -> tuple[float, float, float]:
+    x, y, z = (center - half).tolist()
+    return x, y, z
+
+
+def _parts(frame: Frame, settings: Settings) -> tuple[list[float], list[int]]:
+    """Where the parts of a ray start, with the end of the last, in eye-relative units, and how many slices each has.
+
+    In a fog they are before the scene, in it, where shadows and volumes are, and behind it; else all slices are about
+    the volumes."""
+    scene, is_foggy = frame.scene, settings.fog > 0
+    corners = scene.volume_corners
+    bounds = scene.bounds if is_foggy else np.stack([corners.min(axis=0), corners.max(axis=0)])
+    center = frame.position(bounds.mean(axis=0))
+    radius = 1.0 if is_foggy else float(np.linalg.norm(bounds[1] - bounds[0])) / 2 / frame.unit
     if frame.camera.height is not None:
         middle, first = float(center @ frame.camera.forward), -math.inf
     else:
         middle, first = float(np.linalg.norm(center)), 0.0
-    reach = (-REACH, -1.0, 1.0, REACH)
-    starts = [max(middle + part, first) for part in reach]
+    outer = REACH if is_foggy else radius
+    starts = [max(middle + part, first) for part in (-outer, -radius, radius, outer)]
     lengths = np.diff(starts)
     weights = lengths * (1, 4, 1)
     counts = np.maximum(np.round(SLICE_COUNT * weights / max(weights.sum(), 1e-30)), lengths > 0).astype(int)

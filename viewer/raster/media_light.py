@@ -1,11 +1,15 @@
-"""Light inside media on a coarse grid about them, which does not depend on the camera.
+"""Light inside media on coarse grids about them, which do not depend on the camera.
 
 For each cell, a pass finds the light that arrives there without a collision: from lights, past the meshes in the way,
 and from directions sampled from the environment (shaders/raster/media_bake.frag). From it a diffusion equation gives
-the light that is scattered many times (viewer/bake/diffusion.py).
+the light that is scattered many times (viewer/bake/diffusion.py). A grid of volumes also has their optical depth
+towards each light.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import moderngl
 import numpy as np
@@ -15,50 +19,86 @@ from ..bake.many_lights import ManyLights, uniform_lights
 from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, matrix_uniform, set_uniform
 from ..plan.media import SKY_LIGHTS, MediaPlan
+from ..plan.model import Program
 from ..scene.medium import Medium
 
-SIDE = 32
+SIDE, DEPTH_SIDE = 32, 48
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A cube with a medium in it: its lowest corner and its length in the space of the uniforms that place the rest."""
+
+    corner: tuple[float, float, float]
+    length: float
+    medium: Medium
+
+    @property
+    def uniform(self) -> tuple[float, ...]:
+        return *self.corner, 1 / self.length
 
 
 class MediaLight:
-    """The grid's texture. It has two halves along z: scattered radiance below, and above the opacity of the media
-    before the sky as a + b . direction."""
+    """`texture` has two parts along z for each grid: scattered radiance, and the opacity of the media before the sky as
+    a + b . direction. `depths` has a part for every four lights, and is None without volumes or lights."""
 
-    def __init__(self, gl: moderngl.Context) -> None:
+    def __init__(self, gl: moderngl.Context, grids: int, lights: int) -> None:
         self._gl = gl
-        self.texture = gl.texture3d((SIDE, SIDE, 2 * SIDE), 4, dtype="f4")
-        self.texture.filter = moderngl.LINEAR, moderngl.LINEAR
-        self.texture.repeat_x = self.texture.repeat_y = self.texture.repeat_z = False
-        self._targets = [gl.texture((SIDE, SIDE * SIDE), 4, dtype="f4") for _ in range(3)]
-        self._framebuffer = gl.framebuffer(self._targets)
+        self.texture = _cubes(gl, SIDE, 2 * grids)
+        self.depths = _cubes(gl, DEPTH_SIDE, -(-lights // 4)) if lights else None
 
-    def bake(self, programs: Programs, plan: MediaPlan, medium: Medium, length: float,
-             sky: ManyLights | None, uniforms: dict[str, object]) -> None:
-        """Fill the grid. `length` is that of its side in the units of `uniforms`, which place media, lights and grid in
-        a space of their own. `sky` is the environment's light in that many directions, None without one."""
-        program = programs.get("display/fullscreen.vert", plan.bake.fragment, dict(plan.bake.switches))
-        for name, value in (uniforms | _sky_uniforms(sky) | {"u_side": SIDE}).items():
+    def bake(self, programs: Programs, plan: MediaPlan, grids: Sequence[Grid], sky: ManyLights | None,
+             uniforms: dict[str, object]) -> None:
+        """Fill the grids. `sky` is the environment's light in SKY_LIGHTS directions, None without one."""
+        uniforms = uniforms | _sky_uniforms(sky)
+        if self.depths is not None:
+            steps = self.depths.size[2] // DEPTH_SIDE
+            parts = [self._draw(programs, plan.depth, 1, DEPTH_SIDE, uniforms | {"u_first": 4 * k}, grids[-1])[0]
+                     for k in range(steps)]
+            self.depths.write(np.stack(parts))
+        layers = []
+        for grid in grids:
+            unscattered, hidden, extinction = self._draw(programs, plan.bake, 3, SIDE, uniforms, grid)
+            scattered = np.zeros((SIDE, SIDE, SIDE, 4), np.float32)
+            if plan.scatters_again:
+                light = np.clip(np.nan_to_num(unscattered, nan=0.0, posinf=1e30), 0, 1e30)
+                scattered[..., :3] = scattered_fluence(
+                    extinction[..., 0], light, hidden[..., 0], grid.length / SIDE, grid.medium.albedo,
+                    grid.medium.g) / (4 * np.pi)
+            layers += [scattered, hidden]
+        self.texture.write(np.stack(layers))
+
+    def _draw(self, programs: Programs, planned: Program, outputs: int, side: int, uniforms: dict[str, object],
+              grid: Grid) -> list[np.ndarray]:
+        """The outputs of a pass over the cells of a grid, each (side, side, side, 4) float32."""
+        targets = [self._gl.texture((side, side * side), 4, dtype="f4") for _ in range(outputs)]
+        framebuffer = self._gl.framebuffer(targets)
+        program = programs.get("display/fullscreen.vert", planned.fragment, dict(planned.switches))
+        for name, value in (uniforms | {"u_side": side, "u_grid": grid.uniform}).items():
             set_uniform(program, name, value)
         for binding, name in enumerate(("Lights", "Shadows")):
             if name in program:
                 program[name].binding = binding
-        self._framebuffer.use()
+        framebuffer.use()
         self._gl.enable_only(moderngl.NOTHING)
         fullscreen(self._gl, program).render(vertices=3)
-        unscattered, hidden, extinction = (np.frombuffer(texture.read(), np.float32).reshape(SIDE, SIDE, SIDE, 4)
-                                 for texture in self._targets)
-        grid = np.zeros((2, SIDE, SIDE, SIDE, 4), np.float32)
-        grid[1] = hidden
-        if plan.scatters_again:
-            light = np.clip(np.nan_to_num(unscattered, nan=0.0, posinf=1e30), 0, 1e30)
-            fluence = scattered_fluence(extinction[..., 0], light, hidden[..., 0], length / SIDE, medium.albedo,
-                                        medium.g)
-            grid[0, ..., :3] = fluence / (4 * np.pi)
-        self.texture.write(grid)
+        arrays = [np.frombuffer(target.read(), np.float32).reshape(side, side, side, 4) for target in targets]
+        self._gl.screen.use()  # moderngl goes back to the framebuffer last used, be it gone
+        for thing in (framebuffer, *targets):
+            thing.release()
+        return arrays
 
     def release(self) -> None:
-        for thing in (self._framebuffer, *self._targets, self.texture):
-            thing.release()
+        for texture in (self.texture, self.depths):
+            if texture is not None:
+                texture.release()
+
+
+def _cubes(gl: moderngl.Context, side: int, count: int) -> moderngl.Texture3D:
+    texture = gl.texture3d((side, side, count * side), 4, dtype="f4")
+    texture.filter = moderngl.LINEAR, moderngl.LINEAR
+    texture.repeat_x = texture.repeat_y = texture.repeat_z = False
+    return texture
 
 
 def _sky_uniforms(sky: ManyLights | None) -> dict[str, object]:
@@ -66,6 +106,7 @@ def _sky_uniforms(sky: ManyLights | None) -> dict[str, object]:
     lights = sky if sky is not None else uniform_lights(SKY_LIGHTS, (1.0, 1.0, 1.0))
     weights = lights.irradiance.sum(axis=1)
     weights = weights / max(weights.sum(), 1e-300) + 1e-3 / SKY_LIGHTS
+    weights /= weights.sum()
     basis = np.concatenate([np.ones((SKY_LIGHTS, 1)), lights.directions], axis=1)
     moments = (basis * weights[:, None]).T @ basis
     irradiance = np.clip(lights.irradiance, 0, 1e30) * (sky is not None)

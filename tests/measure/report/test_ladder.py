@@ -96,10 +96,10 @@ def test_no_method_is_there_under_two_names():
 def test_fog_is_measured_in_several_steps_where_there_is_some():
     model = shapes.scene(BALL, lights=(Light("point"),))
     methods, left_out = methods_of(model)
-    assert left_out["fog"] == "there is none" and "media" not in {method.name for method in methods}
+    assert left_out["fog and volumes"] == "there are none" and "media" not in {method.name for method in methods}
     steps = ladder(model, Settings.of(fog=0.5), use_cache=False)
     media = [method for method in steps.raster if method.name == "media"]
-    assert len(media) == 7 and "fog" not in {out.method for out in steps.left_out}
+    assert len(media) == 7 and "fog and volumes" not in {out.method for out in steps.left_out}
     assert all(method.settings(Settings.of(fog=0.5)).fog == 0.5 for method in media)
     assert media[0].changes["media_scattering"] == "single"
 

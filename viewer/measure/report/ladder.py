@@ -36,10 +36,11 @@ SHADOWED = {"16": ("none", "msaa-4", "ssaa-4", "ssaa-9"), "64": ("msaa-4", "ssaa
 MANY = {"256": ("ssaa-4", "ssaa-16"), "1024": ("ssaa-16",)}
 """The same for so many lights that preparing takes long: these are measured last."""
 MEDIA = {
-    "single": (("28", "16"),),
-    "multiple": (("28", "16"), ("28", "4"), ("56", "4"), ("112", "4"), ("56", "1"), ("224", "1")),
+    "single": (("28", "sixteenth"),),
+    "multiple": (("28", "sixteenth"), ("28", "quarter"), ("56", "quarter"), ("112", "quarter"), ("56", "all"),
+                 ("224", "all")),
 }
-"""Of fog: how often light is scattered, and numbers of steps and of pixels for a ray."""
+"""Of fog and volumes: how often light is scattered, the steps of a ray, and which pixels have one."""
 EFFECTS = {"indirect": ("baked", "indirect light"), "reflections": ("traced", "traced reflections"),
            "refraction": ("traced", "traced refraction")}
 """Settings that add an effect of light to the raster: the expensive choice of each, and its title."""
@@ -253,14 +254,14 @@ def _effects(scene: Scene, lights: Sequence[Light], settings: Settings,
 
 
 def _in_media(scene: Scene, lights: Sequence[Light], settings: Settings, left_out: list[LeftOut]) -> Iterator[Method]:
-    """Fog in several steps."""
+    """Fog and volumes in several steps."""
     plain = replace(settings, mode="pbr")
     if plan_scene(scene, plain, lights, samples=1, half_target=True, orthographic=False).media is None:
-        left_out.append(LeftOut("fog", "there is none"))
+        left_out.append(LeftOut("fog and volumes", "there are none"))
         return
     for scattering, choices in MEDIA.items():
         for steps, rays in choices:
-            yield Method("media", "lights and image-based light in fog", {
+            yield Method("media", "lights and image-based light in media", {
                 "environment_shadows": "off", "media_scattering": scattering, "media_steps": steps, "media_rays": rays,
                 "antialias": "msaa-4"})
 

@@ -1,0 +1,182 @@
+"""Volumes in the raster, where they can be worked out by quadrature."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from shapes import WHITE, constant, facing_floor, moved, orthographic, pixel_points, plate, scene, sphere
+
+from viewer.plan.media import MAX_VOLUMES
+from viewer.scene.camera import Camera
+from viewer.scene.light import Light
+from viewer.scene.scene import Scene
+from viewer.scene.volume import Volume
+
+BLACK = replace(WHITE, base_color=(0, 0, 0, 1))
+GLOWING = replace(BLACK, emissive=(4.0, 1.0, 0.5))
+FINE = {"media_steps": "224", "media_rays": "all"}
+SIZE = (16, 16)
+SHEARED = np.array([[0.3, 0.08, 0.0, -0.4], [0.05, 0.35, 0.02, -0.5], [-0.1, 0.0, 0.3, -0.2], [0, 0, 0, 1.0]])
+"""Voxels to the world: turned and sheared."""
+
+
+def clumps(dtype=np.float32, matrix: np.ndarray = SHEARED) -> Volume:
+    """4 x 3 x 5 voxels of different densities; some are empty."""
+    values = np.random.default_rng(3).uniform(0, 1, (5, 3, 4))
+    return Volume("clumps", np.where(values < 0.3, 0, values).astype(dtype), matrix)
+
+
+def density(volume: Volume, points: np.ndarray) -> np.ndarray:
+    """Trilinear between the centres of voxels, constant to the faces of the box, 0 outside."""
+    index = points @ np.linalg.inv(volume.index_to_world)[:3, :3].T + np.linalg.inv(volume.index_to_world)[:3, 3]
+    counts = np.array(volume.density.shape[::-1])
+    inside = ((index >= -0.5) & (index <= counts - 0.5)).all(-1)
+    index = np.clip(index, 0, counts - 1)
+    low = np.minimum(index.astype(int), counts - 2)
+    part = index - low
+    total = np.zeros(points.shape[:-1])
+    for corner in np.ndindex(2, 2, 2):
+        weight = np.prod(np.where(corner, part, 1 - part), axis=-1)
+        x, y, z = np.moveaxis(low + corner, -1, 0)
+        total += weight * volume.density[z, y, x]
+    return total * inside
+
+
+def depth_along(volume: Volume, start: np.ndarray, direction: np.ndarray, reach: float, count: int = 600) -> np.ndarray:
+    t = (np.arange(count) + 0.5) / count * reach
+    return density(volume, start[..., None, :] + t[:, None] * direction[..., None, :]).mean(-1) * reach
+
+
+def with_volumes(model: Scene, *volumes: Volume) -> Scene:
+    return replace(model, volumes=volumes)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float16])
+@pytest.mark.parametrize("place", [-1.5, 0.2], ids=["behind", "inside"])
+def test_light_is_lost_in_a_sheared_grid(radiance, dtype, place):
+    """Before a plate that stands behind the grid, or in it."""
+    volume, camera = clumps(dtype), orthographic(azimuth=0.3, elevation=0.2, height=1.6)
+    wall = plate(half=3.0)
+    model = with_volumes(scene((wall, moved((0, 0, place))), materials=[GLOWING]), volume)
+    found = radiance(model, camera, SIZE, volume_density=2.0, volume_albedo=(0, 0, 0), **FINE)
+    start = pixel_points(camera, SIZE)
+    reach = (place - start[..., 2]) / camera.forward[2]
+    fractions = (np.arange(800) + 0.5) / 800
+    points = start[..., None, :] + (fractions[:, None] * reach[..., None, None]) * camera.forward
+    expected = 4 * np.exp(-2 * density(volume, points).mean(-1) * reach)
+    assert expected.min() < 2.8
+    assert found[..., 0] == pytest.approx(expected, rel=0.02)
+
+
+def test_a_camera_inside(radiance):
+    """Light from a wall loses as much as there is of the grid before the eye."""
+    volume = clumps()
+    eye = np.array([0.1, 0.0, 0.5])
+    camera = Camera.look_at(eye, (0.1, 0.0, -3.0))
+    model = with_volumes(scene((plate(half=9.0), moved((0, 0, -3))), materials=[GLOWING]), volume)
+    [found] = radiance(model, camera, (1, 1), volume_density=2.0, volume_albedo=(0, 0, 0), **FINE)[0]
+    assert found[0] == pytest.approx(4 * np.exp(-2 * depth_along(volume, eye, camera.forward, 3.5)), rel=0.02)
+
+
+@pytest.mark.parametrize("thickness", [1e-6, 1.0, 20.0, 1e6])
+@pytest.mark.parametrize("g", [0.0, 0.8])
+def test_a_white_furnace_stays_white(radiance, thickness, g):
+    model = replace(with_volumes(Scene("cloud"), clumps()), environment=constant())
+    found = radiance(model, model.framing_camera(1.0), SIZE, volume_density=thickness, volume_g=g,
+                     volume_albedo=(1, 1, 1))
+    assert np.abs(found[..., :3] - 1).max() < 0.02
+
+
+def test_light_scattered_once(radiance):
+    """Of a sun, by quadrature towards the eye and towards the sun."""
+    volume = clumps()
+    sun = Light("directional", intensity=3.0, direction=(0, -0.6, -0.8))
+    model = replace(with_volumes(Scene("smoke"), volume), lights=(sun,))
+    camera = orthographic(azimuth=0.3, elevation=0.2, height=1.6)
+    found = radiance(model, camera, SIZE, media_scattering="single", volume_density=2.0, volume_g=0.4,
+                     volume_albedo=(0.8, 0.4, 0.0), background="none", **FINE)
+    start = pixel_points(camera, SIZE)
+    count, reach = 150, 10.0
+    t = (np.arange(count) + 0.5) / count * reach
+    points = start[..., None, :] + t[:, None] * camera.forward
+    extinction = 2 * density(volume, points)
+    before = (np.cumsum(extinction, axis=-1) - 0.5 * extinction) * (reach / count)
+    lit = np.zeros(extinction.shape)
+    there = extinction > 0
+    lit[there] = np.exp(-2 * depth_along(volume, points[there], -np.array(sun.direction), 4.0, 60))
+    mu, g = -np.array(sun.direction) @ camera.forward, 0.4
+    phase = (1 - g * g) / (4 * np.pi * (1 + g * g - 2 * g * mu) ** 1.5)
+    expected = 0.8 * phase * 3 * (np.exp(-before) * extinction * lit).sum(-1) * (reach / count)
+    assert found[..., 0].mean() == pytest.approx(expected.mean(), rel=0.03)
+    assert np.sqrt(((found[..., 0] - expected) ** 2).mean()) < 0.05 * expected.max()
+    assert found[..., 1] == pytest.approx(found[..., 0] / 2, rel=1e-4) and (found[..., 2] == 0).all()
+
+
+@pytest.mark.parametrize("sigma", [0.0, 1e-6, 2.0])
+def test_emission(radiance, sigma):
+    """Also of a volume that hides nothing."""
+    volume = clumps()
+    camera = orthographic(azimuth=0.3, elevation=0.2, height=1.6)
+    found = radiance(with_volumes(Scene("fire"), volume), camera, SIZE, volume_density=sigma, volume_albedo=(0, 0, 0),
+                     volume_emission=(3, 1, 0), background="none", **FINE)
+    depth = depth_along(volume, pixel_points(camera, SIZE), camera.forward, 10.0)
+    expected = 3 * depth if sigma < 1 else 3 / sigma * (1 - np.exp(-sigma * depth))
+    assert found[..., 0] == pytest.approx(expected, abs=0.02 * expected.max())
+    assert found[..., 1] == pytest.approx(found[..., 0] / 3, rel=1e-3)
+
+
+def test_volumes_shadow_surfaces(radiance):
+    """A floor below a homogeneous box, far outside of its grid of light, and right beneath."""
+    sun = Light("directional", intensity=np.pi, direction=(0, -1, 0))
+    box = Volume.in_box(np.ones((4, 4, 4), np.float32), [[-0.5, 2, -0.5], [0.5, 3, 0.5]])
+    camera = Camera.look_at((0, 1.5, 0.01), (0, 0, 0))
+    model = replace(with_volumes(scene((plate(half=4.0), facing_floor())), box), lights=(sun,))
+    found = radiance(model, camera, SIZE, volume_density=1.5, volume_albedo=(0, 0, 0))
+    assert found[8, 8, 0] == pytest.approx(np.exp(-1.5), rel=0.01)
+    assert found[0, 0, 0] == pytest.approx(1, rel=1e-3)
+
+
+def test_several_volumes_and_a_fog(radiance):
+    """Two boxes one behind the other in a fog, whose place they take."""
+    boxes = [Volume.in_box(np.full((2, 3, 4), value, np.float32), [[-1, -1, z], [1, 1, z + 1]])
+             for value, z in ((1.0, 0.5), (0.5, -1.5))]
+    model = with_volumes(scene((plate(half=2.0), moved((0, 0, -2))), materials=[GLOWING]), *boxes)
+    camera = Camera.look_at((0, 0, 4), (0, 0, 0))
+    [found] = radiance(model, camera, (1, 1), volume_density=0.7, volume_albedo=(0, 0, 0), fog=0.2,
+                       fog_albedo=(0, 0, 0), **FINE)[0]
+    assert found[0] == pytest.approx(4 * np.exp(-0.7 * 1.5 - 0.2 * 4), rel=5e-3)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e6])
+def test_the_scale_of_the_scene_does_not_matter(radiance, scale):
+    lamp = Light("point", intensity=2.0, position=(0.8, 0.5, 0.9))
+    small = replace(with_volumes(scene(sphere(segments=12)), clumps()), lights=(lamp,), environment=constant(0.2))
+    big = replace(with_volumes(scene((sphere(segments=12), moved((0, 0, 0), scale))),
+                               clumps(matrix=np.diag([scale, scale, scale, 1]) @ SHEARED)),
+                  lights=(replace(lamp, intensity=2 * scale**2, position=(0.8 * scale, 0.5 * scale, 0.9 * scale)),),
+                  environment=constant(0.2))
+    pictures = [radiance(model, model.framing_camera(1.0), SIZE, volume_density=2.0 / unit)
+                for model, unit in ((small, 1.0), (big, scale))]
+    assert pictures[1] == pytest.approx(pictures[0], rel=2e-3, abs=1e-4)
+
+
+@pytest.mark.parametrize("settings", [
+    {"volume_density": 1e18}, {"volume_density": 1e-18}, {"volume_density": 0.0},
+    {"volume_emission": (1e9, 0, 0), "volume_density": 1e-12}, {"volume_g": -0.99, "fog": 1e6}, {"mode": "phong"},
+], ids=str)
+def test_extremes_stay_finite(radiance, settings):
+    lamps = (Light("point", intensity=2.0, position=(0, 0, 0)), Light("spot", intensity=2.0, position=(0, 2, 0)),
+             *[Light("directional", intensity=3.0, direction=(0, -1, 0))] * 3)
+    model = replace(with_volumes(scene(sphere(segments=12)), clumps()), lights=lamps, environment=constant(0.2))
+    for camera in (Camera.look_at((0.1, 0, 0.2), (0, 0, 0)), model.framing_camera(1.0)):
+        assert (radiance(model, camera, SIZE, **settings) >= 0).all()
+
+
+def test_more_volumes_than_a_program_can_have(radiance, renderer):
+    boxes = [Volume.in_box(np.ones((1, 1, 1), np.float32), [[k, 0, 0], [k + 0.9, 1, 1]]) for k in range(10)]
+    model = replace(with_volumes(Scene("boxes"), *boxes), environment=constant())
+    radiance(model, model.framing_camera(1.0), SIZE)
+    assert MAX_VOLUMES == 8
+    assert "the last 2 of 10 volumes: a program can have no more" in renderer.plan.left_out
