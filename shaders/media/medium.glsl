@@ -1,7 +1,8 @@
-// Media between surfaces. A path carries the number of the medium that it travels in; number 0 is the vacuum.
-// Each medium is one texel of the scene buffer's section `media` (viewer/trace/scene/encode.py):
-//   rgb: sigma_t, the extinction coefficient per tracer unit
-// HAS_VOLUME: the scene has a medium besides the vacuum.
+// Media between surfaces. A path carries the number of the medium that it travels in; number 0 is what is outside of
+// all solids. A medium has MEDIUM_TEXELS texels of the scene buffer's section `media` (viewer/trace/scene/encode.py):
+//   sigma_t, the extinction coefficient per tracer unit; g of the phase function (Henyey & Greenstein)
+//   in scenes with scattering, the albedo of a single scattering; 1 if no boundary of the medium refracts
+// HAS_VOLUME: the scene has a medium besides the vacuum. HAS_SCATTERING: one of them scatters light.
 #if HAS_VOLUME
 #include "trace/scene_buffer.glsl"
 
@@ -11,8 +12,41 @@ uniform int u_media;
 // Transmittance along a distance d in a medium: exp(-sigma_t d)       Beer 1852
 vec3 transmittance(int medium, float distance) {
 #if HAS_VOLUME
-    return exp(-scene_float4(u_media + medium).rgb * distance);
+    return exp(-scene_float4(u_media + medium * MEDIUM_TEXELS).rgb * distance);
 #else
     return vec3(1.0);
 #endif
 }
+
+#if HAS_SCATTERING
+struct Medium {
+    vec3 sigma_t, albedo;
+    float g;
+    bool is_open; // no boundary refracts
+};
+
+Medium medium_of(int number) {
+    int texel = u_media + number * MEDIUM_TEXELS;
+    vec4 first = scene_float4(texel), second = scene_float4(texel + 1);
+    return Medium(first.rgb, second.rgb, first.a, second.a > 0.0);
+}
+
+uniform bool u_has_light_within; // a light without size is in a medium that is not open
+
+// Whether shadow rays from inside can reach lights. Behind a boundary that refracts they would all be lost.
+bool asks_lights(Medium m) {
+    return m.is_open || u_has_light_within;
+}
+
+bool scatters(Medium m) {
+    return m.sigma_t * m.albedo != vec3(0.0);
+}
+
+// The way that media fill is cut off at a ball about the scene, so that a ray that leaves has a finite way in them.
+// Returns the distance at which a ray leaves the ball, 0 if it does not meet it. d: unit length
+float leaves_media(vec3 o, vec3 d) {
+    float b = dot(o, d);
+    vec3 nearest = o - b * d;
+    return max(sqrt(max(MEDIA_REACH * MEDIA_REACH - dot(nearest, nearest), 0.0)) - b, 0.0);
+}
+#endif

@@ -4,7 +4,7 @@
 #include "trace/clamp.glsl"
 #include "trace/mis.glsl"
 #include "trace/emission.glsl"
-#include "media/medium.glsl"
+#include "trace/flight.glsl"
 #if HAS_LIGHTS
 #include "trace/lights.glsl"
 #endif
@@ -21,9 +21,14 @@ bool continues_straight(Path p, SurfaceMaterial m, bool is_back, float u) {
 }
 
 void continue_straight(inout Path p, Interaction i) {
-    p.travelled += distance(p.origin, i.position);
+    float way = distance(p.origin, i.position);
+#if HAS_SCATTERING
+    pass_medium(p, way);
+    p.is_lit = false;
+#endif
+    p.travelled += way;
     p.origin = offset_origin(i.position, -i.n_geometric);
-    ++p.crossings;
+    ++p.steps;
 }
 
 // Adds the emission of a surface that was hit by a BSDF sample or by a camera ray.
@@ -47,7 +52,12 @@ void add_emission(inout Path p, Interaction i, SurfaceMaterial m, vec3 wo) {
 void send_shadow_ray(inout Path p, vec3 position, vec3 n, int medium, LightSample light, vec3 f_cos, float pdf) {
     if (light.pdf <= 0.0) return;
     float weight = light.is_delta ? 1.0 : light_weight(light.pdf, pdf);
-    vec3 radiance = p.throughput * f_cos * light.radiance * transmittance(medium, light.distance);
+    vec3 radiance = p.throughput * f_cos * light.radiance;
+#if HAS_SCATTERING
+    p.shadow_medium = medium; // the shadow ray finds what is on its way
+#else
+    radiance *= transmittance(medium, light.distance);
+#endif
     p.contribution = clamped(radiance * (weight / light.pdf), p.depth + 1);
     if (p.contribution == vec3(0.0)) return;
     p.shadow_origin = offset_origin(position, n);
@@ -64,7 +74,7 @@ bool scatter(inout Path p, vec3 position, vec3 n, vec3 wi, vec3 weight, float pd
     float survival = max(p.throughput.r, max(p.throughput.g, p.throughput.b)) * p.eta2;
     if (!(survival > 0.0)) return false;
     if (p.depth >= 3) {
-        survival = min(survival, 0.95);
+        survival = min(survival, HAS_SCATTERING == 1 ? 1.0 : 0.95); // the throughput of long paths must not grow
         if (u >= survival) return false;
         p.throughput /= survival;
     }
@@ -73,5 +83,8 @@ bool scatter(inout Path p, vec3 position, vec3 n, vec3 wi, vec3 weight, float pd
     p.direction = wi;
     p.pdf = pdf;
     p.travelled = 0.0;
+#if HAS_SCATTERING
+    p.is_lit = false;
+#endif
     return true;
 }

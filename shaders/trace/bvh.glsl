@@ -106,7 +106,7 @@ void sort(inout vec4 t, inout uvec4 children, int i, int j) {
 }
 
 // Whether the ray o + t d hits a triangle with t in (0, t_max). `nearest` is the nearest such hit. For a shadow ray,
-// the first triangle found that stops the ray ends the search.
+// the first triangle found that stops the ray ends the search. A boundary between media of one index does not stop it.
 bool traverse(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
     uint stack[STACK]; // references that are still to be visited, and the distances to their boxes
     float stack_t[STACK];
@@ -174,7 +174,14 @@ bool traverse(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
                     if (shadow_ray_passes(hit, d)) continue;
                 }
 #endif
+#if HAS_SCATTERING
+                if (is_shadow && int(found.code >> KIND_SHIFT & 7u) != KIND_BOUNDARY) {
+                    nearest = found;
+                    return true;
+                }
+#else
                 if (is_shadow) return true;
+#endif
                 nearest = found;
                 is_hit = true;
             }

@@ -3,6 +3,22 @@
 // FIRST_HITS: write only the class of paths whose camera ray hit a surface; all others count as idle.
 #include "trace/path_class.glsl"
 #include "trace/state.glsl"
+#if HAS_SCATTERING
+#include "trace/flight.glsl"
+#endif
+
+#if HAS_SCATTERING
+// The class of a path in flight, whose ray hit a surface of this kind
+int class_in_medium(ivec2 texel, int path_class) {
+    Path p = read_path(texel, uvec4(0u));
+    Medium m = medium_of(innermost(p.medium));
+    if (!scatters(m)) return path_class;
+#if HAS_AIRLIGHT
+    if (!p.is_lit && asks_lights(m)) return CLASS_AIRLIGHT;
+#endif
+    return flight_of(p, m, path_sample(texel, p.left)) < way_of(p) ? CLASS_MEDIUM : path_class;
+}
+#endif
 
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
@@ -11,8 +27,14 @@ void main() {
     int path_class = CLASS_SHADE + kind;
     if (status == IDLE) path_class = CLASS_IDLE;
     else if (status == ENDED || kind == NO_KIND) path_class = CLASS_ENDED;
+#if HAS_SCATTERING && !FIRST_HITS
+    if (status == IN_FLIGHT) path_class = class_in_medium(texel, path_class);
+#endif
 #if FIRST_HITS
     bool is_first = path_class >= CLASS_SHADE && unpack_depth(texelFetch(u_radiance, texel, 0).w) == 0;
+#if HAS_SCATTERING
+    is_first = is_first && kind != KIND_BOUNDARY && texelFetch(u_medium, texel, 0).w > 0.0; // once for each ray
+#endif
     path_class = is_first ? CLASS_FIRST_HIT : CLASS_IDLE;
 #endif
     gl_FragDepth = class_depth(path_class);

@@ -4,7 +4,7 @@
 #include "trace/mis.glsl"
 #include "trace/environment.glsl"
 #include "trace/background.glsl"
-#include "media/medium.glsl"
+#include "trace/flight.glsl"
 #include "trace/is_finite.glsl"
 
 layout(location = 0) out vec4 o_sum;     // rgb, 1
@@ -20,8 +20,12 @@ void main() {
     if (is_in_flight && (BACKGROUND > 0 || !is_empty)) {
         float weight = p.pdf > 0.0 ? bsdf_weight(p.pdf, environment_pdf(p.direction)) : 1.0;
         vec3 radiance = is_empty ? background_radiance(p.direction) : environment_radiance(p.direction);
-        vec3 throughput = p.throughput * transmittance(p.medium, FAR); // as for light samples of the environment
-        p.radiance += clamped(throughput * radiance * weight, p.depth);
+#if HAS_SCATTERING
+        pass_medium(p, leaves_media(p.origin, p.direction));
+#else
+        pass_medium(p, FAR); // as for light samples of the environment
+#endif
+        p.radiance += clamped(p.throughput * radiance * weight, p.depth);
     }
 #endif
     // A sample that is not finite is left out of the sums and of the count, so that the missing count shows it.

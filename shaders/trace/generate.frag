@@ -11,6 +11,10 @@
 #if BEGINS
 uniform ivec2 u_size; // of the picture
 #endif
+#if HAS_SCATTERING && !RAYS
+uniform int u_camera_medium; // the nesting of media around the eye
+uniform float u_camera_eta2; // the square of the index there
+#endif
 
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
@@ -41,9 +45,20 @@ void main() {
     p.throughput = vec3(1.0);
     p.radiance = p.shadow_origin = p.shadow_vector = p.contribution = vec3(0.0);
     p.depth = int(RAYS == 1); // a path to a surface counts the scattering at that surface
-    p.crossings = 0;
+    p.steps = 0;
     p.medium = 0;
     p.eta2 = 1.0;
+#if HAS_SCATTERING
+    p.is_lit = false;
+#if !RAYS
+    // A camera inside glass shows radiance divided by the square of the index, which is the same on both sides of the
+    // surface, so that the picture does not become brighter when the camera moves inside.
+    p.medium = u_camera_medium;
+    p.eta2 = u_camera_eta2;
+    p.throughput /= p.eta2;
+#endif
+    p.shadow_medium = p.medium;
+#endif
 #if DISPERSIVE
     p.wavelength = 0.0;
 #endif

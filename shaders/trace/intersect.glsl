@@ -1,9 +1,18 @@
 // Traces the rays of a wavefront through our own BVH and writes the hit texture (viewer/trace/rays/intersect.py).
 #include "trace/bvh.glsl"
 
+#if HAS_SCATTERING
+#include "trace/shadow_media.glsl"
+#endif
+
 uniform sampler2D u_origin, u_direction, u_shadow_origin, u_shadow_vector;
 
 layout(location = 0) out uvec4 hit;
+#if HAS_SCATTERING
+uniform sampler2D u_medium;
+
+layout(location = 1) out vec4 along;
+#endif
 
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
@@ -13,6 +22,14 @@ void main() {
     if (origin.w == IN_FLIGHT) traverse(origin.xyz, texelFetch(u_direction, texel, 0).xyz, FARTHEST, false, found);
     hit = uvec4(found.code, found.triangle, floatBitsToUint(found.barycentric));
     vec3 vector = texelFetch(u_shadow_vector, texel, 0).xyz;
+#if HAS_SCATTERING
+    along = vec4(vec3(0.0), found.code == MISS ? -1.0 : found.t);
+    vec4 medium = texelFetch(u_medium, texel, 0);
+    int nesting = int(medium.w < 0.0 ? medium.x : medium.y);
+    if (vector != vec3(0.0))
+        along.rgb = shadow_transmittance(texelFetch(u_shadow_origin, texel, 0).xyz, vector, nesting);
+#else
     if (vector != vec3(0.0) && !traverse(texelFetch(u_shadow_origin, texel, 0).xyz, vector, SHADOW_REACH, true, found))
         hit.x |= FREE;
+#endif
 }

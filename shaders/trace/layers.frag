@@ -25,6 +25,10 @@ void main() {
     if (is_glass) albedo = vec3(1.0);
     o_albedo = vec4(min(albedo + m.emission, 1.0), 1.0);
     o_normal = vec4(i.n, camera_distance(i.position));
+#if HAS_SCATTERING
+    vec3 throughput = p.throughput * transmittance(innermost(p.medium), distance(p.origin, i.position));
+#else
     vec3 throughput = p.throughput * transmittance(p.medium, p.travelled + distance(p.origin, i.position));
+#endif
     o_emission = vec4(throughput * (m.is_unlit ? m.inputs.base_color.rgb : m.emission), 0.0);
 }

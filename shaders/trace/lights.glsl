@@ -24,15 +24,44 @@ uniform int u_lights;
 uniform int u_punctual_count;
 uniform ivec2 u_light_grid; // the table's columns and rows
 
-LightSample sample_finite_light(vec3 p, vec3 u) {
-    vec2 position = u.zy * vec2(u_light_grid); // as in sample_environment
-    ivec2 cell = min(ivec2(position), u_light_grid - 1);
-    position -= vec2(cell);
+// Chooses a light; `rest` is in [0, 1)^2 and independent of the choice.
+int choose_light(vec3 u, out float probability, out vec2 rest) {
+    rest = u.zy * vec2(u_light_grid); // as in sample_environment
+    ivec2 cell = min(ivec2(rest), u_light_grid - 1);
+    rest -= vec2(cell);
     int k = cell.y * u_light_grid.x + cell.x;
     uvec4 entry = scene_uint4(u_lights + k);
     bool is_own = u.x < uintBitsToFloat(entry.x);
     if (!is_own) k = int(entry.y);
-    float probability = uintBitsToFloat(is_own ? entry.z : entry.w);
+    probability = uintBitsToFloat(is_own ? entry.z : entry.w);
+    return k;
+}
+
+#if HAS_AIRLIGHT
+uniform float u_finite_share;  // the sum of the table's probabilities
+uniform float u_emitter_share; // of those, that of emitters
+
+// Chooses a light without size: as choose_light does, and with equal chances where that chooses an emitter.
+int choose_punctual(vec3 u, out float probability, out vec2 rest) {
+    int k = choose_light(u, probability, rest);
+    float even = 0.0;
+#if HAS_EMITTERS
+    even = u_emitter_share / float(u_punctual_count);
+    if (k >= u_punctual_count) {
+        rest.x *= float(u_punctual_count);
+        k = min(int(rest.x), u_punctual_count - 1);
+        rest.x -= float(k);
+    }
+#endif
+    probability = uintBitsToFloat(scene_uint4(u_lights + k).z) / u_finite_share + even;
+    return k;
+}
+#endif
+
+LightSample sample_finite_light(vec3 p, vec3 u) {
+    float probability;
+    vec2 position;
+    int k = choose_light(u, probability, position);
 
     LightSample s;
 #if HAS_PUNCTUAL && HAS_EMITTERS

@@ -21,9 +21,10 @@ vec4 sample_numbers(Sample s, uint group) {
 
 const uint CAMERA_GROUP = 0u;
 
-// The groups of decisions at a surface
-const uint BSDF_GROUP = 0u, LIGHT_GROUP = 1u;
+// The groups of decisions at a surface; and on the way to it, through a medium
+const uint BSDF_GROUP = 0u, LIGHT_GROUP = 1u, FLIGHT_GROUP = 2u, AIRLIGHT_GROUP = 3u;
+const uint GROUP_BITS = HAS_SCATTERING == 1 ? 2u : 1u;
 
 vec4 vertex_numbers(Sample s, Path p, uint group) {
-    return sample_numbers(s, 1u + (uint(p.depth << 6 | p.crossings) << 1u | group));
+    return sample_numbers(s, 1u + (uint(p.depth << STEP_BITS | p.steps) << GROUP_BITS | group));
 }

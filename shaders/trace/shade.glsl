@@ -39,15 +39,19 @@ mat3 shading_frame(Interaction i, MaterialInputs m) {
 #endif
 }
 
-// The number of the medium on a side of the surface, as side_of gives it
+// The number of the medium, or the nesting of media, on a side of the surface, as side_of gives it
 int medium_at(Path p, Interaction i, SurfaceMaterial m, float side) {
 #if TRANSMITS
+#if HAS_SCATTERING
+    if (side < 0.0 && !m.is_thin) return cross_boundary(p.medium, i.medium, i.is_front);
+#else
     if (side < 0.0 && !m.is_thin) return i.is_front ? i.medium : 0;
+#endif
 #endif
     return p.medium;
 }
 
-#if TRANSMITS
+#if TRANSMITS && !HAS_SCATTERING
 // Begins a path whose camera is inside the solid. Such a camera shows radiance divided by the square of the index,
 // which is the same on both sides of a surface, so that the picture does not become brighter when the camera moves
 // inside.
@@ -93,10 +97,14 @@ void main() {
 #if DISPERSIVE && REFRACTS
     disperse(p, m, sample_numbers(s, CAMERA_GROUP).z);
 #endif
-#if TRANSMITS
+#if TRANSMITS && !HAS_SCATTERING
     if (p.depth == 0 && !i.is_front && !m.is_thin) begin_inside(p, i, m);
 #endif
-    p.throughput *= transmittance(p.medium, p.travelled + distance(p.origin, i.position));
+#if HAS_SCATTERING
+    pass_medium(p, distance(p.origin, i.position));
+#else
+    pass_medium(p, p.travelled + distance(p.origin, i.position));
+#endif
 #if HAS_UNLIT && !TRANSMITS
     if (m.is_unlit && !is_back) {
         p.radiance += clamped(p.throughput * m.inputs.base_color.rgb, p.depth);
@@ -135,8 +143,17 @@ void main() {
 #if TRANSMITS
     p.eta2 *= b.eta * b.eta;
 #endif
+#if HAS_SCATTERING
+    bool is_within = TRANSMITS == 1 && !i.is_front && side > 0.0 && scatters(medium_of(innermost(p.medium)));
+#endif
     p.medium = medium_at(p, i, m, side);
     float pdf = (b.flags & DELTA) != 0u ? 0.0 : b.pdf;
     continues = continues && scatter(p, i.position, side * i.n_geometric, wi, b.weight, pdf, u_bsdf.w);
+#if HAS_SCATTERING
+    if (is_within && p.depth > 2) { // what a scattering medium keeps in is no reflection that `bounces` counts
+        --p.depth;
+        ++p.steps;
+    }
+#endif
     write_path(p, continues ? IN_FLIGHT : ENDED);
 }

@@ -9,7 +9,12 @@ uniform sampler2D u_shadow_vector; // to the light, 0: there is no shadow ray; c
 uniform sampler2D u_throughput;    // rgb; contribution.b
 uniform sampler2D u_radiance;      // that the path has gathered so far; counters
 #if HAS_TRANSMISSION
-uniform sampler2D u_medium;        // number; reserved: distance to the next collision; wavelength; product of eta^2
+uniform sampler2D u_medium;        // number; -; wavelength; product of eta^2
+#endif
+#if HAS_SCATTERING
+// In scenes with scattering, u_medium has instead: the nesting of media (media/nesting.glsl); that of the shadow ray or,
+// of a path that is_lit and whose shadow ray has the same, travelled; wavelength; product of eta^2, negative if is_lit.
+uniform sampler2D u_along;         // of the rays: transmittance of the shadow ray, 0 if occluded; distance to the hit
 #endif
 uniform usampler2D u_hit;          // see trace/hit.glsl
 uniform isampler2D u_blocks;       // tile x, tile y, first sample, samples; a texel for each block of TILE x TILE paths
@@ -22,9 +27,9 @@ struct Path {
     vec3 throughput;
     vec3 radiance;
     int depth;          // number of scattering events
-    int crossings;      // surfaces that it continued straight through, modulo 64
+    int steps;          // surfaces that it continued straight through, and collisions in media; modulo 2^STEP_BITS
     int left;           // samples that remain after this one
-    int medium;         // number of the medium that it travels in (media/medium.glsl)
+    int medium;         // number of the medium that it travels in (media/medium.glsl), or the nesting of media
 #if DISPERSIVE
     float wavelength;   // in nm, 0 before the first dispersive surface
 #endif
@@ -32,19 +37,44 @@ struct Path {
     vec3 shadow_origin;
     vec3 shadow_vector; // from there to the light, 0 if there is no shadow ray
     vec3 contribution;  // radiance that is added if the shadow ray is unoccluded
+#if HAS_SCATTERING
+    int shadow_medium;  // nesting of the media that the shadow ray starts in
+    bool is_lit;        // light that is scattered on the way to the hit is counted already (trace/airlight.frag)
+    float reach;        // distance to the hit, negative if there is none
+#endif
 };
 
-// depth < 2^8, crossings < 2^6, left < 2^10: whole numbers below 2^24 are exact in float32
-float pack_counters(int depth, int crossings, int left) {
-    return float((depth << 6 | (crossings & 63)) << 10 | left);
+const int STEP_BITS = HAS_SCATTERING == 1 ? 13 : 6;
+const int LEFT_BITS = 10;
+
+// depth < 2^8, left < 2^10. With few steps the counters are a whole number below 2^24, which is exact in float32. With
+// more they are the bits of a float: the exponent is seven bits of the depth and 1, so that it is never that of 0 or of
+// infinity, and the sign is the eighth.
+float pack_counters(int depth, int steps, int left) {
+    int rest = (steps & ((1 << STEP_BITS) - 1)) << LEFT_BITS | left;
+#if HAS_SCATTERING
+    return intBitsToFloat((depth & 128) << 24 | ((depth & 127) + 1) << 23 | rest);
+#else
+    return float(depth << (STEP_BITS + LEFT_BITS) | rest);
+#endif
+}
+
+// depth << (STEP_BITS + LEFT_BITS) | steps << LEFT_BITS | left
+int unpack_counters(float counters) {
+#if HAS_SCATTERING
+    int bits = floatBitsToInt(counters);
+    return (bits & 0x7fffffff) - (1 << 23) | (bits < 0 ? 1 << 30 : 0);
+#else
+    return int(counters);
+#endif
 }
 
 int unpack_depth(float counters) {
-    return int(counters) >> 16;
+    return unpack_counters(counters) >> (STEP_BITS + LEFT_BITS);
 }
 
 int unpack_left(float counters) {
-    return int(counters) & 1023;
+    return unpack_counters(counters) & ((1 << LEFT_BITS) - 1);
 }
 
 // The path in a texel after its rays were traced. The contribution of an unoccluded shadow ray is in its radiance.
@@ -58,12 +88,11 @@ Path read_path(ivec2 texel, uvec4 hit) {
     p.pdf = direction.w;
     p.throughput = throughput.rgb;
     bool has_shadow_ray = b.xyz != vec3(0.0);
-    p.radiance = radiance.rgb + (has_shadow_ray && is_shadow_ray_free(hit) ? vec3(a.w, b.w, throughput.w) : vec3(0.0));
     p.travelled = has_shadow_ray ? 0.0 : a.x;
-    int counters = int(radiance.w);
-    p.depth = counters >> 16;
-    p.crossings = counters >> 10 & 63;
-    p.left = counters & 1023;
+    int counters = unpack_counters(radiance.w);
+    p.depth = counters >> (STEP_BITS + LEFT_BITS);
+    p.steps = counters >> LEFT_BITS & ((1 << STEP_BITS) - 1);
+    p.left = counters & ((1 << LEFT_BITS) - 1);
 #if HAS_TRANSMISSION
     vec4 medium = texelFetch(u_medium, texel, 0);
     p.medium = int(medium.x);
@@ -71,6 +100,17 @@ Path read_path(ivec2 texel, uvec4 hit) {
 #else
     p.medium = 0;
     p.eta2 = 1.0;
+#endif
+#if HAS_SCATTERING
+    vec4 along = texelFetch(u_along, texel, 0);
+    p.radiance = radiance.rgb + along.rgb * vec3(a.w, b.w, throughput.w);
+    p.reach = along.w;
+    p.is_lit = p.eta2 < 0.0;
+    if (p.is_lit) p.travelled = medium.y;
+    p.eta2 = abs(p.eta2);
+    p.shadow_medium = p.medium;
+#else
+    p.radiance = radiance.rgb + (has_shadow_ray && is_shadow_ray_free(hit) ? vec3(a.w, b.w, throughput.w) : vec3(0.0));
 #endif
 #if DISPERSIVE
     p.wavelength = medium.z;

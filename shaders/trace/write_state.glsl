@@ -18,9 +18,13 @@ void write_path(Path p, float status) {
     o_shadow_origin = vec4(has_shadow_ray ? p.shadow_origin : vec3(p.travelled, 0.0, 0.0), p.contribution.r);
     o_shadow_vector = vec4(p.shadow_vector, p.contribution.g);
     o_throughput = vec4(p.throughput, p.contribution.b);
-    o_radiance = vec4(p.radiance, pack_counters(p.depth, p.crossings, p.left));
+    o_radiance = vec4(p.radiance, pack_counters(p.depth, p.steps, p.left));
 #if HAS_TRANSMISSION
     o_medium = vec4(p.medium, 0.0, 0.0, p.eta2);
+#endif
+#if HAS_SCATTERING
+    o_medium.y = p.is_lit ? p.travelled : float(p.shadow_medium);
+    o_medium.w = p.is_lit ? -p.eta2 : p.eta2;
 #endif
 #if DISPERSIVE
     o_medium.z = p.wavelength;

@@ -31,6 +31,7 @@ class Instance:
 class Geometry:
     meshes: list[Mesh]
     instances: list[Instance] = field(default_factory=list)
+    scatters: bool = False
 
     def __post_init__(self) -> None:
         if not self.instances:
@@ -71,6 +72,7 @@ def make_wavefront(gl: moderngl.Context, size: tuple[int, int]) -> SimpleNamespa
     wavefront = SimpleNamespace(**textures, hit=gl.texture(size, 4, dtype="u4"))
     for texture in vars(wavefront).values():
         texture.filter = moderngl.NEAREST, moderngl.NEAREST
+    wavefront.along = None
     return wavefront
 
 

@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 
+from .medium import VACUUM, Medium, single_scattering_albedo
 from .parameter import Feature, parameter, texture_map
 from .texture_image import TextureImage
 
@@ -279,6 +280,16 @@ class Material:
     def reflects(self) -> bool:
         """Whether it reflects light other than diffusely: at its interface, its fibres or its clear coat."""
         return self.has_interface or CLEARCOAT.is_on(self) or SHEEN.is_on(self)
+
+    @property
+    def medium(self) -> Medium:
+        """What fills the solid that the surface bounds; the vacuum for a surface that bounds none."""
+        red, green, blue = self.extinction.tolist()
+        if not VOLUME.is_on(self) or not (red or green or blue):
+            return VACUUM
+        if not any(self.scatter_color):
+            return Medium((red, green, blue))
+        return Medium((red, green, blue), single_scattering_albedo(self.scatter_color), self.scatter_anisotropy)
 
     @property
     def extinction(self) -> np.ndarray:

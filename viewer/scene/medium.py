@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 RGB = tuple[float, float, float]
@@ -38,3 +39,18 @@ class Medium:
 
 
 VACUUM = Medium()
+
+
+def single_scattering_albedo(color: RGB) -> RGB:
+    """The albedo of one scattering for which all scattering together makes a half-space of a medium of one index look
+    as bright as `color`, in [0, 1], under light from all around (KHR_materials_volume_scatter).
+
+    The fit is by Kulla and Conty 2017, "Revisiting Physically Based Shading at Imageworks".
+    """
+    red, green, blue = (1.0 - (4.09712 + 4.20863 * c - math.sqrt(9.59217 + 41.6808 * c + 17.7126 * c * c)) ** 2
+                        for c in color)
+    return _in_range(red), _in_range(green), _in_range(blue)
+
+
+def _in_range(albedo: float) -> float:
+    return min(max(albedo, 0.0), 1.0)

@@ -13,8 +13,9 @@ _CONSTANTS: dict[str, float] = {
     "KIND_SHIFT": layout.KIND_SHIFT, "NO_KIND": layout.NO_KIND,
     **{f"KIND_{kind.name.upper()}": kind.number for kind in KINDS},
     "CLASS_IDLE": layout.CLASS_IDLE, "CLASS_ENDED": layout.CLASS_ENDED, "CLASS_FIRST_HIT": layout.CLASS_FIRST_HIT,
-    "CLASS_SHADE": layout.CLASS_SHADE,
-    "FAR": layout.FAR, "SCENE_WIDTH": layout.SCENE_WIDTH, "INSTANCE_TEXELS": layout.INSTANCE_TEXELS,
+    "CLASS_SHADE": layout.CLASS_SHADE, "CLASS_MEDIUM": layout.CLASS_MEDIUM, "CLASS_AIRLIGHT": layout.CLASS_AIRLIGHT,
+    "MEDIA_REACH": layout.MEDIA_REACH, "MOST_STEPS": layout.MOST_STEPS,
+    "SCENE_WIDTH": layout.SCENE_WIDTH, "INSTANCE_TEXELS": layout.INSTANCE_TEXELS,
     "FLAG_SEE_THROUGH": layout.SEE_THROUGH, "FLAG_MIRRORED": layout.MIRRORED,
     "FLAG_DOUBLE_SIDED": layout.DOUBLE_SIDED, "FLAG_UNLIT": layout.UNLIT, "FLAG_THIN": layout.THIN,
     "MAP_TEXELS": layout.MAP_TEXELS, "WRAP_REPEAT": layout.WRAPS["repeat"], "WRAP_CLAMP": layout.WRAPS["clamp"],
@@ -26,4 +27,5 @@ _CONSTANTS: dict[str, float] = {
 def shader_defines(switches: Mapping[str, int] | None = None) -> dict[str, float]:
     """The defines of a program of shaders/trace: its own `switches`, and the shared numbers."""
     switches = switches or {}
-    return {**_CONSTANTS, **layout.vertex_layout(switches), **switches}
+    far = {"FAR": 2 * layout.MEDIA_REACH if switches.get("HAS_SCATTERING") else layout.FAR}
+    return {**_CONSTANTS, **far, **layout.vertex_layout(switches), **layout.medium_layout(switches), **switches}

@@ -27,7 +27,9 @@ class Kind:
 SURFACE = Kind("surface", 0, "trace/surface.frag", lambda material: True)
 GLASS = Kind("glass", 1, "trace/glass.frag", lambda material: material.transmits)
 TRANSLUCENT = Kind("translucent", 2, "trace/translucent.frag", lambda material: material.transmits_diffusely)
-KINDS = (GLASS, TRANSLUCENT, SURFACE)
+BOUNDARY = Kind("boundary", 3, "trace/boundary.frag", lambda material: material.is_boundary)
+"""Between media of one index, where scattering shows: nothing but the medium changes, so that light samples pass it."""
+KINDS = (BOUNDARY, GLASS, TRANSLUCENT, SURFACE)
 """All kinds. A material is of the first one whose `when` holds."""
 
 

@@ -15,10 +15,12 @@ IDLE, IN_FLIGHT, ENDED = 0, 1, 2
 pending."""
 
 CLASS_IDLE, CLASS_ENDED, CLASS_FIRST_HIT, CLASS_SHADE = range(4)
+CLASS_MEDIUM, CLASS_AIRLIGHT = 10, 11
 """The classes of paths. Each pass shades the paths of one class.
 
 A path is idle; or it has ended; or its camera ray has hit a surface, for the pass that collects layers; or it has hit a
-surface of kind k, which is class CLASS_SHADE + k.
+surface of kind k, which is class CLASS_SHADE + k, below CLASS_MEDIUM. In a medium that scatters it may collide before
+it gets to a surface; or it collects light that is scattered on its way there, before it goes on.
 """
 
 NO_KIND = 7
@@ -36,6 +38,10 @@ FAR = 4.0
 Light samples of the environment and of directional lights travel as far, so that both techniques agree. All geometry
 lies within |p| <= 1.
 """
+MEDIA_REACH = 4.0
+"""In scenes with scattering, media end at this distance from the centre, in tracer units. `FAR` is then twice that."""
+MOST_STEPS = 8000
+"""A path ends in a medium if it had so many collisions. The counter of shaders/trace/state.glsl holds a few more."""
 
 SCENE_WIDTH = 4096
 """Texels in a row of the scene buffer."""
@@ -61,6 +67,12 @@ MAP_WRAP_BITS = 2
 MAP_NEAREST, MAP_SECOND_UV, MAP_TRANSFORMED = 1 << 4, 1 << 5, 1 << 6
 MAP_ROLE_SHIFT = 8
 """The bits of a map's flags from here on are its roles (viewer/material/pack.py)."""
+
+
+def medium_layout(switches: Mapping[str, int]) -> dict[str, int]:
+    """The texels of a medium's record in the scene buffer: the second one is of scattering."""
+    scatters = switches.get("HAS_SCATTERING", 0)
+    return {"MEDIUM_TEXELS": 1 + scatters}
 
 
 def vertex_layout(switches: Mapping[str, int]) -> dict[str, int]:

@@ -11,7 +11,7 @@ from ..plan.model import Program
 from ..scene.material import ANISOTROPY, DIFFUSE_TRANSMISSION, DISPERSION
 from ..scene.scene import Scene
 from ..settings import Settings, setting_choices
-from .kinds import GLASS, KINDS, Kind
+from .kinds import BOUNDARY, GLASS, KINDS, Kind
 from .scene.encode import unused_maps
 from .scene.geometry import TraceGeometry, TraceInstance
 
@@ -33,6 +33,16 @@ class TracePlan:
         return tuple(name for name in self.programs if name in {kind.name for kind in KINDS})
 
     @property
+    def media(self) -> tuple[str, ...]:
+        """The passes that shade paths between surfaces."""
+        return tuple(name for name in self.programs if name in _MEDIA)
+
+    @property
+    def has_scattering(self) -> bool:
+        """Whether a medium scatters light, so that rays learn what is along their way."""
+        return bool(self.programs["generate"]["HAS_SCATTERING"])
+
+    @property
     def has_transmission(self) -> bool:
         """Whether surfaces transmit light, so that paths have a medium."""
         return bool(self.programs["generate"]["HAS_TRANSMISSION"])
@@ -50,6 +60,8 @@ class TracePlan:
         }
 
 
+_MEDIA = {"medium": "HAS_SCATTERING", "airlight": "HAS_AIRLIGHT"}
+"""The passes between surfaces, and their switches."""
 _NEUTRAL = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "HAS_PUNCTUAL", "LIGHT_RADIUS", "HAS_LIGHTS", "CLAMP")
 """Switches of lights that may be on even if the scene has no such light."""
 
@@ -74,28 +86,31 @@ def plan_trace(
     switches["HAS_LIGHTS"] = int(any(switches[name] for name in ("HAS_ENVIRONMENT", "HAS_PUNCTUAL", "HAS_EMITTERS")))
     switches["BACKGROUND"] = (1 + is_background_smooth) * (settings.background == "env" and switches["HAS_ENVIRONMENT"])
     switches["CLAMP"] = int(settings.clamp > 0)
+    switches["HAS_AIRLIGHT"] = switches["HAS_SCATTERING"] * switches["HAS_PUNCTUAL"]
     kinds = {instance.kind for instance in geometry.instances}
     if settings.plan == "everything":
-        kinds = set(KINDS)
+        kinds = {kind for kind in KINDS if kind is not BOUNDARY or geometry.scatters}
         emitters = ["HAS_EMITTERS"] * (shows_emission and not geometry.emitters)
         switches |= dict.fromkeys((*_NEUTRAL, *emitters), 1)
-    state = {name: switches[name] for name in ("HAS_TRANSMISSION", DISPERSION.switch)}
+    state = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", DISPERSION.switch)}
     first = state | {"RAYS": rays}
     sky_names = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING", "HAS_VOLUME")
     sky = {name: switches[name] for name in sky_names}
+    classes = state | {name: switches[name] for name in ("HAS_VOLUME", "HAS_AIRLIGHT", "SAMPLING")}
     programs = {
         "zero": _program("trace/zero.frag", {}),
         "begin": _program("trace/generate.frag", first | {"BEGINS": 1}),
-        "classify": _program("trace/classify.frag", state | {"FIRST_HITS": 0}),
+        "classify": _program("trace/classify.frag", classes | {"FIRST_HITS": 0}),
         "finish": _program("trace/finish.frag", first | sky),
         "generate": _program("trace/generate.frag", first | {"BEGINS": 0}),
         **{kind.name: _program(kind.file, switches | _switches_of(kind, settings, geometry))
            for kind in KINDS if kind in kinds},
+        **{name: _program(f"trace/{name}.frag", switches) for name, switch in _MEDIA.items() if switches[switch]},
         "idle": _program("trace/idle.frag", {}),
         "alive": _program("trace/alive.frag", state),
     }
     if has_layers:
-        programs |= {"classify first hits": _program("trace/classify.frag", state | {"FIRST_HITS": 1}),
+        programs |= {"classify first hits": _program("trace/classify.frag", classes | {"FIRST_HITS": 1}),
                      "layers": _program("trace/layers.frag", switches)}
     lines = [*_left_out(scene, settings, geometry, switches, programs, has_layers), *left_out]
     return TracePlan(programs, intersector, geometry.triangle_count, len(geometry.instances), _used(geometry, switches),

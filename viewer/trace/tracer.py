@@ -7,6 +7,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 import moderngl
+from numpy.typing import NDArray
 
 from ..bake.dfg import dfg_table
 from ..gpu.context import Context
@@ -75,15 +76,19 @@ class Tracer:
         another scene is begun.
         """
         first = camera_uniforms(scene, camera, size)
-        return self._begin(scene, first, settings, size, layers, pixel_angle=Frame(scene, camera, size).pixel_angle)
+        eye = (camera.eye - scene.center) / scene.radius if camera.height is None else None
+        return self._begin(scene, first, settings, size, layers, eye=eye,
+                           pixel_angle=Frame(scene, camera, size).pixel_angle)
 
     def begin_at(self, scene: Scene, rays: SurfaceRays, settings: Settings) -> PathRender:
         """As `begin`, with one pixel for each ray of the list. Alpha is the fraction of rays that hit something."""
         return self._begin(scene, {}, replace(settings, background="none"), rays.size, (), rays)
 
     def _begin(self, scene: Scene, first: Mapping[str, object], settings: Settings, size: tuple[int, int],
-               layers: Collection[str], rays: SurfaceRays | None = None, pixel_angle: float = 0.0) -> PathRender:
-        """`first` are the uniforms of camera rays, and `pixel_angle` is that of their pixels, if `rays` is None."""
+               layers: Collection[str], rays: SurfaceRays | None = None, eye: NDArray | None = None,
+               pixel_angle: float = 0.0) -> PathRender:
+        """`first` are the uniforms of camera rays, and `pixel_angle` is that of their pixels, if `rays` is None. Of a
+        perspective camera `eye` is the place, in tracer space."""
         self.context.make_current()
         denoiser = self._denoiser(settings.denoise)
         traced = self._prepare(scene, settings)
@@ -93,7 +98,7 @@ class Tracer:
                           has_layers=film.albedo is not None, left_out=traced.left_out, rays=rays.kind if rays else 0,
                           is_background_smooth=traced.is_background_smooth(pixel_angle))
         uniforms = {
-            **first,
+            **first, **traced.media_uniforms(eye),
             "u_size": size, "u_seed": settings.seed, "u_bounces": settings.bounces, "u_clamp": settings.clamp or 3e38,
         }
         dfg = self._dfg_texture(settings)

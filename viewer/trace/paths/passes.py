@@ -12,11 +12,12 @@ from ...gpu.fullscreen import fullscreen
 from ...gpu.programs import Programs, set_uniform
 from ..defines import shader_defines
 from ..kinds import KINDS
-from ..layout import CLASS_ENDED, CLASS_FIRST_HIT, CLASS_IDLE, CLASS_SHADE
+from ..layout import CLASS_AIRLIGHT, CLASS_ENDED, CLASS_FIRST_HIT, CLASS_IDLE, CLASS_MEDIUM, CLASS_SHADE
 from ..plan import TracePlan
 from .wavefront import UNITS, Wavefront
 
 _CLASSES = {"idle": CLASS_IDLE, "finish": CLASS_ENDED, "generate": CLASS_ENDED, "layers": CLASS_FIRST_HIT,
+            "medium": CLASS_MEDIUM, "airlight": CLASS_AIRLIGHT,
             **{kind.name: CLASS_SHADE + kind.number for kind in KINDS}}
 """The class of the paths that a pass shades."""
 _OVER_BLOCKS = ("begin", "zero")
@@ -41,7 +42,7 @@ class Passes:
         self._gl = context.gl
         self._bind = bind
         self._uniforms = {**uniforms, **UNITS}
-        self._surfaces = plan.surfaces
+        self._shading = (*plan.surfaces, *plan.media)
         self._programs = {}
         for name, program in plan.programs.items():
             self._programs[name] = programs.get(vertex_shader(name), program.fragment,
@@ -77,7 +78,7 @@ class Passes:
         self._draw("finish")
         wavefront.next.use()
         gl.enable_only(moderngl.DEPTH_TEST)
-        for name in ("generate", *self._surfaces):
+        for name in ("generate", *self._shading):
             self._draw(name)
         wavefront.next_origin.use()
         self._draw("idle")

@@ -68,7 +68,8 @@ class PathRender:
         self._check_interval = 1 if context.is_software else DEVICE_CHECK_INTERVAL
         rows = min(math.ceil(math.prod(film.tiles) * settings.most_spp / columns / 2), columns)
         self._wavefronts = [_TracedWavefront(Wavefront(context, columns, rows, plan.has_transmission,
-                                                       "layers" in plan.programs)) for _ in range(2)]
+                                                       "layers" in plan.programs, plan.has_scattering))
+                            for _ in range(2)]
         self._flush: Callable[[], None] = context.function("glFlush")
         self._layers, self._denoiser = layers, denoiser
         self._is_developed = False

@@ -18,7 +18,9 @@ There is no medium if nothing transmits light."""
 SUMS, LAYERS = 2, 3
 """Number of textures to which the passes finish and layers add."""
 UNIT_HIT, UNIT_BLOCKS = len(STATE), len(STATE) + 1
-UNITS = {f"u_{name}": unit for unit, name in enumerate(STATE)} | {"u_hit": UNIT_HIT, "u_blocks": UNIT_BLOCKS}
+UNIT_ALONG = 19  # beyond those of viewer/trace/paths/surface_rays.py
+UNITS = {f"u_{name}": unit for unit, name in enumerate(STATE)} | {
+    "u_hit": UNIT_HIT, "u_blocks": UNIT_BLOCKS, "u_along": UNIT_ALONG}
 """Uniforms of shaders/trace/state.glsl and the texture units of `Wavefront.bind`."""
 
 
@@ -51,8 +53,9 @@ class Wavefront:
     """`columns` x `rows` blocks of TILE x TILE paths.
 
     There are two states. The textures of the present one are attributes, by their names in `STATE`. Passes read them
-    and write `next`, and `swap` makes that the present one. An intersector writes `hit`. `classes` has the class of
-    each path as a depth value, and `alive` says for each block, in one texel, whether any of its paths is not idle.
+    and write `next`, and `swap` makes that the present one. An intersector writes `hit` and, in scenes with scattering,
+    `along` (viewer/trace/rays/intersect.py). `classes` has the class of each path as a depth value, and `alive` says
+    for each block, in one texel, whether any of its paths is not idle.
     `work`, (blocks, 4) int32, has the work items of the blocks, as in `Work`. `is_busy`, (blocks,), says which of them
     may not be done yet.
     """
@@ -65,7 +68,8 @@ class Wavefront:
     radiance: moderngl.Texture
     medium: moderngl.Texture
 
-    def __init__(self, context: Context, columns: int, rows: int, has_medium: bool, has_layers: bool) -> None:
+    def __init__(self, context: Context, columns: int, rows: int, has_medium: bool, has_layers: bool,
+                 has_scattering: bool = False) -> None:
         gl = self._gl = context.gl
         self.grid = columns, rows
         self.size = columns * TILE, rows * TILE
@@ -79,6 +83,7 @@ class Wavefront:
         self._present = 0
         self.present.clear()
         self.hit = gl.texture(self.size, 4, dtype="u4")
+        self.along = float_target(gl, self.size) if has_scattering else None
         self._work_items = gl.texture(self.grid, 4, dtype="i4")
         for texture in (self.hit, self._work_items):
             texture.filter = moderngl.NEAREST, moderngl.NEAREST
@@ -125,6 +130,8 @@ class Wavefront:
         for unit, texture in enumerate(self._states[self._present]):
             texture.use(unit)
         self.hit.use(UNIT_HIT)
+        if self.along is not None:
+            self.along.use(UNIT_ALONG)
         self.bind_blocks()
 
     def bind_blocks(self) -> None:
@@ -140,7 +147,7 @@ class Wavefront:
 
     def release(self) -> None:
         for thing in (*self._targets, *self._origins, *self._states[0], *self._states[1], self.classes.depth_attachment,
-                      self.classes, self.hit, self._work_items, *self._arrays.values(), self._block_numbers,
+                      self.classes, self.hit, self.along, self._work_items, *self._arrays.values(), self._block_numbers,
                       *self.alive.color_attachments, self.alive, self.sums, self.layers):
             if thing is not None:
                 thing.release()

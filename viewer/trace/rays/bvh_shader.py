@@ -13,6 +13,7 @@ from ...gpu.program import compile_program
 from ...gpu.programs import set_uniform
 from ...gpu.row_texture import row_texture
 from ..defines import shader_defines
+from ..scene.nesting import Nesting
 from .bvh import INSTANCE_TEXELS, NODE_TEXELS, TRIANGLE_TEXELS, Bvh, build_bvh
 from .bvh4 import LEAF_SHIFT
 from .intersect import SHADOW_REACH, Answer, Surfaces, WavefrontTextures
@@ -20,7 +21,7 @@ from .intersect import SHADOW_REACH, Answer, Surfaces, WavefrontTextures
 if TYPE_CHECKING:
     from ..scene.geometry import TraceGeometry
 
-_STATE = ("origin", "direction", "shadow_origin", "shadow_vector")
+_STATE = ("origin", "direction", "shadow_origin", "shadow_vector", "medium")
 _BVH_UNIT = len(_STATE)
 _VERTEX = "display/fullscreen.vert"
 
@@ -36,9 +37,10 @@ class BvhIntersector:
     def __init__(self, context: Context, geometry: TraceGeometry, surfaces: Surfaces | None = None) -> None:
         self._context, self._gl = context, context.gl
         self._built = bvh = build_bvh(geometry)
-        if bvh.has_see_through and surfaces is None:
-            raise ValueError("see-through triangles need their surfaces")
-        self._surfaces = surfaces if bvh.has_see_through else None
+        self._media = Nesting(len(geometry.media)) if geometry.scatters else None
+        if (bvh.has_see_through or geometry.scatters) and surfaces is None:
+            raise ValueError("see-through triangles and media need their surfaces")
+        self._surfaces = surfaces if bvh.has_see_through or geometry.scatters else None
         self._bvh = self._texture(bvh)
         self._defines = self._all_defines(bvh)
         self._program = self._compile()
@@ -52,6 +54,7 @@ class BvhIntersector:
     def move(self, geometry: TraceGeometry) -> None:
         """Refit the trees. The program is compiled again only if it needs a larger stack, or instances."""
         self._built = build_bvh(geometry, self._built)
+        self._media = Nesting(len(geometry.media)) if geometry.scatters else None
         self._bvh.release()
         self._bvh = self._texture(self._built)
         defines = self._all_defines(self._built)
@@ -80,7 +83,7 @@ class BvhIntersector:
         }
 
     def _compile(self) -> moderngl.Program:
-        fragment = "trace/intersect.frag" if self._surfaces is None else "trace/intersect_see_through.frag"
+        fragment = "trace/intersect_see_through.frag" if self._built.has_see_through else "trace/intersect.frag"
         # `precise` belongs to GLSL 4.00; before that it takes an extension, which drivers have in part or not at all.
         program = compile_program(self._context, vertex=_VERTEX, fragment=fragment, defines=self._defines,
                                   version=400 if self._gl.version_code >= 400 else 330)
@@ -93,7 +96,7 @@ class BvhIntersector:
 
     def trace(self, wavefront: WavefrontTextures) -> Answer:
         rays = self._query.samples if self._is_counting else None
-        for unit, name in enumerate(_STATE):
+        for unit, name in enumerate(_STATE[:4 if self._media is None else 5]):
             getattr(wavefront, name).use(unit)
         self._bvh.use(_BVH_UNIT)
         set_uniform(self._program, "u_root", self._built.root)
@@ -101,10 +104,16 @@ class BvhIntersector:
         set_uniform(self._program, "u_bvh_instances", self._built.instances)
         if self._surfaces is not None:
             self._surfaces.bind(self._program)
+        if self._media is not None:
+            for name, value in self._media.uniforms.items():
+                set_uniform(self._program, name, value)
         target = self._gl.framebuffer([wavefront.hit])
-        target.use()
+        both = target if wavefront.along is None else self._gl.framebuffer([wavefront.hit, wavefront.along])
+        both.use()
         self._gl.enable_only(moderngl.NOTHING)
         fullscreen(self._gl, self._program).render(vertices=3)
+        if both is not target:
+            both.release()
         target.color_mask = False, False, False, False
         target.use()
         with self._query:

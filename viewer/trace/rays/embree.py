@@ -21,6 +21,7 @@ from ..layout import FREE, IDLE, IN_FLIGHT, INSTANCE_MASK, MISS
 from .flatten import flatten
 from .intersect import SHADOW_REACH, Answer, Surfaces, WavefrontTextures
 from .see_through import MAX_LAYERS, SeeThrough
+from .shadow_media import ShadowMedia, instances_of, is_boundary, offset_origin
 
 if TYPE_CHECKING:
     from ..scene.geometry import TraceGeometry
@@ -32,12 +33,16 @@ is the same."""
 
 @dataclass
 class Rays:
-    """The rays of a wavefront in memory, (paths, 4) float32 each, as the textures have them."""
+    """The rays of a wavefront in memory, (paths, 4) float32 each, as the textures have them.
+
+    `medium` is read only in scenes with scattering.
+    """
 
     origin: NDArray[np.float32]
     direction: NDArray[np.float32]
     shadow_origin: NDArray[np.float32]
     shadow_vector: NDArray[np.float32]
+    medium: NDArray[np.float32]
 
 
 class EmbreeIntersector:
@@ -52,17 +57,20 @@ class EmbreeIntersector:
             if surfaces is None:
                 raise ValueError("see-through triangles need their surfaces")
             self._coverage = SeeThrough(context, surfaces)
+        self._media = ShadowMedia(geometry) if geometry.scatters else None
         self._rays: Rays | None = None
 
     def fetch(self, wavefront: WavefrontTextures) -> Rays:
         count = wavefront.origin.width * wavefront.origin.height
         if self._rays is None or len(self._rays.origin) != count:
-            self._rays = Rays(*(np.empty((count, 4), np.float32) for _ in range(4)))
+            self._rays = Rays(*(np.empty((count, 4), np.float32) for _ in range(5)))
         rays = self._rays
         wavefront.origin.read_into(rays.origin)
         wavefront.direction.read_into(rays.direction)
         wavefront.shadow_origin.read_into(rays.shadow_origin)
         wavefront.shadow_vector.read_into(rays.shadow_vector)
+        if self._media is not None:
+            wavefront.medium.read_into(rays.medium)
         return rays
 
     def trace(self, rays: Rays) -> Answer:
@@ -74,6 +82,15 @@ class EmbreeIntersector:
         self._triangles.write_hits(found, hits, in_flight)
         vector = rays.shadow_vector
         shadowed = np.flatnonzero((status != IDLE) & ((vector[:, 0] != 0) | (vector[:, 1] != 0) | (vector[:, 2] != 0)))
+        if self._media is not None:
+            along = np.zeros((len(hits), 4), np.float32)
+            along[:, 3] = -1
+            along[in_flight, 3] = np.where(found["primID"] >= 0, found["tfar"], -1)
+            medium = rays.medium[shadowed]
+            nesting = np.where(medium[:, 3] < 0, medium[:, 0], medium[:, 1]).astype(np.int64)
+            along[shadowed, :3] = self._transmittance(
+                _rows(rays.shadow_origin, shadowed), _rows(vector, shadowed), nesting, self._media)
+            return Answer(int(np.count_nonzero(status)), len(in_flight) + len(shadowed), hits, along)
         free = np.zeros(len(hits), np.uint32)
         free[shadowed] = self._free(_rows(rays.shadow_origin, shadowed), _rows(vector, shadowed))
         hits[:, 0] |= free * np.uint32(FREE)
@@ -81,6 +98,8 @@ class EmbreeIntersector:
 
     def store(self, wavefront: WavefrontTextures, answer: Answer) -> None:
         wavefront.hit.write(answer.hits)
+        if wavefront.along is not None:
+            wavefront.along.write(answer.along)
 
     def move(self, geometry: TraceGeometry) -> None:
         """embreex can neither refit a tree nor exchange a mesh: if anything moved, Embree builds a new one of all
@@ -88,6 +107,7 @@ class EmbreeIntersector:
         if not self._triangles.are_those_of(geometry):
             self._triangles = _Triangles(geometry)
         self._is_see_through = np.array([instance.see_through for instance in geometry.instances], bool)
+        self._media = ShadowMedia(geometry) if geometry.scatters else None
 
     def release(self) -> None:
         if self._coverage is not None:
@@ -118,6 +138,41 @@ class EmbreeIntersector:
             start = start[on] + step[:, None] * vector
         return free
 
+    def _transmittance(self, origins: NDArray, vectors: NDArray, nesting: NDArray, media: ShadowMedia) -> NDArray:
+        """The part of the light that shadow rays leave, (N, 3): they begin inside of `nesting`."""
+        light = np.zeros((len(origins), 3), np.float32)
+        left = np.ones_like(light)
+        pending = np.arange(len(origins))
+        start, begin = origins, np.zeros(len(origins), np.float32)
+        for _ in range(MAX_LAYERS):
+            vector = vectors[pending]
+            found = self._triangles.intersect(start, vector, SHADOW_REACH - begin)
+            hits = np.empty((len(pending), 4), np.uint32)
+            self._triangles.write_hits(found, hits, np.arange(len(pending)))
+            hit = found["primID"] >= 0
+            end = np.where(hit, begin + found["tfar"], np.float32(1))
+            left *= media.along(nesting, origins[pending], vector, begin, end)
+            light[pending[~hit]] = left[~hit]
+            crosses = hit & is_boundary(hits)
+            passes = crosses.copy()
+            (asked,) = np.nonzero(hit & ~crosses)
+            asked = asked[self._is_see_through[instances_of(hits[asked])]]
+            if len(asked) and self._coverage is not None:
+                passes[asked] = self._coverage.pass_through(hits[asked], vector[asked])
+            (on,) = np.nonzero(passes)
+            if not len(on):
+                break
+            normal = found["Ng"][on]
+            is_front = np.einsum("ij,ij->i", normal, vector[on]) < 0
+            normal = np.where(is_front[:, None], normal, -normal)  # on the side of the origin
+            after = media.cross(nesting[on], instances_of(hits[on]), is_front)
+            nesting = np.where(crosses[on], after, nesting[on])
+            start = offset_origin(start[on] + found["tfar"][on, None] * vector[on], -normal)
+            pending, left, vector = pending[on], left[on], vector[on]
+            begin = np.einsum("ij,ij->i", start - origins[pending], vector) / np.einsum("ij,ij->i", vector, vector)
+            begin = begin.astype(np.float32)
+        return light
+
 
 class _Triangles:
     """All instances as one Embree scene, and the instance and triangle of each of its triangles."""
@@ -142,10 +197,12 @@ class _Triangles:
                 and np.array_equal([a.transform for a, _ in pairs], [b.transform for _, b in pairs]))
 
     def intersect(self, origins: NDArray, directions: NDArray, reach: NDArray | None = None) -> dict[str, NDArray]:
-        """The nearest hits: `primID` (-1: none), `u`, `v` and `tfar`, (rays,) each. `tfar` overwrites `reach`."""
+        """The nearest hits: `primID` (-1: none), `u`, `v` and `tfar`, (rays,) each, and `Ng`, (rays, 3), the normals on
+        their front. `tfar` overwrites `reach`."""
         if not self._count or not len(origins):
             nothing = np.zeros(len(origins), np.float32)
-            return {"primID": np.full(len(origins), -1), "u": nothing, "v": nothing, "tfar": nothing + np.inf}
+            return {"primID": np.full(len(origins), -1), "u": nothing, "v": nothing, "tfar": nothing + np.inf,
+                    "Ng": np.zeros((len(origins), 3), np.float32)}
         return self._scene.run(origins, directions, reach, query="INTERSECT", output=True)
 
     def occluded(self, origins: NDArray, vectors: NDArray) -> NDArray[np.bool_]:

@@ -4,6 +4,9 @@ The rays of a wavefront are in its state textures. The results go to its `hit` t
 path): x = free << 31 | kind << KIND_SHIFT | instance, y = triangle within its mesh, z and w = float bits of the
 barycentric coordinates u of vertex 1 and v of vertex 2. `free` means that the path's shadow ray is unoccluded. A ray
 that hits nothing has x = `MISS`. Both sides of triangles are hit.
+
+In scenes with scattering the texture `along` (RGBA32F) has in rgb the transmittance of the shadow ray through the media
+on its way, 0 if something occludes it, and in a the distance to the hit, negative if there is none.
 """
 
 from __future__ import annotations
@@ -27,13 +30,18 @@ EMBREE_TRIANGLES = 20_000_000
 
 
 class WavefrontTextures(Protocol):
-    """The textures of a wavefront, all of one size. An intersector reads the first four and writes `hit`."""
+    """The textures of a wavefront, all of one size. An intersector reads the first five and writes the others.
+
+    Only scenes with scattering need `medium` and `along`.
+    """
 
     origin: moderngl.Texture  # xyz, and w: the status of viewer/trace/layout.py
     direction: moderngl.Texture
     shadow_origin: moderngl.Texture
     shadow_vector: moderngl.Texture  # 0: there is no shadow ray
+    medium: moderngl.Texture
     hit: moderngl.Texture
+    along: moderngl.Texture | None
 
 
 @dataclass
@@ -47,6 +55,8 @@ class Answer:
     rays: int | None
     hits: Any = None
     """(paths, 4) uint32 for the hit texture, if they are not on the device already."""
+    along: Any = None
+    """(paths, 4) float32 for the texture `along`, likewise."""
 
 
 class Surfaces(Protocol):

@@ -12,7 +12,7 @@ from ...scene.mesh import Mesh
 from ...scene.scene import Scene
 from ...scene.schema import MAPS, PATH_TRACED, SWITCHED
 from ...scene.texture_image import TextureImage
-from ..layout import DOUBLE_SIDED, INSTANCE_TEXELS, MIRRORED, SEE_THROUGH, THIN, UNLIT, vertex_layout
+from ..layout import DOUBLE_SIDED, INSTANCE_TEXELS, MIRRORED, SEE_THROUGH, THIN, UNLIT, medium_layout, vertex_layout
 from .atlas import Page
 from .geometry import TraceGeometry, TraceInstance, TraceMesh
 from .glass import glass_switches
@@ -46,6 +46,7 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
     # Paths have a medium inside of such solids, too.
     switches["HAS_TRANSMISSION"] |= any(m.transmits_diffusely and not m.is_thin for m in materials)
     return {name: int(value or everything) for name, value in switches.items()} | {
+        "HAS_SCATTERING": int(geometry.scatters),  # other random numbers: `everything` would be another picture with it
         "METALNESS": 2 if everything else _metalness(materials)} | glass_switches(materials)
 
 
@@ -96,9 +97,17 @@ def add_geometry(
         _fill_vertices(vertices[first:first + len(mesh.positions)], mesh, scene.meshes[mesh.source], switches, layout)
     buffer.add("vertices", vertices.reshape(-1, 4))
     if switches["HAS_VOLUME"]:
-        media = np.zeros((len(geometry.media), 4), np.float32)
-        media[:, :3] = np.array([medium.sigma_t for medium in geometry.media]) * scene.radius
-        buffer.add("media", media)
+        buffer.add("media", _media_texels(geometry, medium_layout(switches)["MEDIUM_TEXELS"]))
+
+
+def _media_texels(geometry: TraceGeometry, count: int) -> np.ndarray:
+    """The records of shaders/media/medium.glsl, of `count` texels each."""
+    texels = np.zeros((len(geometry.media), 2, 4), np.float32)
+    texels[:, 0, :3] = np.array([medium.sigma_t for medium in geometry.media]) * geometry.unit
+    texels[:, 0, 3] = [medium.g for medium in geometry.media]
+    texels[:, 1, :3] = [medium.albedo for medium in geometry.media]
+    texels[list(geometry.open_media), 1, 3] = 1.0
+    return texels[:, :count].reshape(-1, 4)
 
 
 def add_materials(

@@ -18,7 +18,7 @@ from ...scene.mesh import Mesh
 from ...scene.scene import Scene
 from ...scene.transform import handedness
 from ...scene.triangles import triangles_of
-from ..kinds import SURFACE, Kind, kind_of
+from ..kinds import BOUNDARY, SURFACE, Kind, kind_of
 from .materials import TraceMaterial, trace_material
 
 
@@ -66,8 +66,9 @@ class TraceInstance:
 class TraceGeometry:
     """The scene's triangles. Lines and points are left out.
 
-    `media` has the media of the instances' insides, the vacuum first. `emitters` is the number of emissive triangles,
-    `left_out_instances` the number of instances of lines or points.
+    `media` has the medium outside of all solids, and then those of the instances' insides. `emitters` is the number of
+    emissive triangles, `left_out_instances` the number of instances of lines or points. `unit` is the length of one
+    unit of tracer space, in world units.
     """
 
     meshes: list[TraceMesh]
@@ -76,6 +77,17 @@ class TraceGeometry:
     media: tuple[Medium, ...] = (VACUUM,)
     emitters: int = 0
     left_out_instances: int = 0
+    unit: float = 1.0
+
+    @property
+    def scatters(self) -> bool:
+        """Whether any medium scatters light."""
+        return any(medium.scatters for medium in self.media)
+
+    @property
+    def open_media(self) -> frozenset[int]:
+        """The numbers of the media that no boundary which refracts keeps apart from the outside."""
+        return frozenset({0, *(instance.medium for instance in self.instances if instance.kind == BOUNDARY)})
 
     @property
     def triangle_count(self) -> int:
@@ -96,6 +108,7 @@ def trace_geometry(scene: Scene, before: tuple[Scene, TraceGeometry] | None = No
     media = {VACUUM: 0}
     emitters = 0
     surfaces = [without_constant_maps(material) for material in scene.materials]
+    scatters = any(surfaces[mesh.material].medium.scatters for mesh in scene.meshes)
     for number, instance in enumerate(scene.instances):
         mesh = scene.meshes[instance.mesh]
         if not mesh.triangle_count:
@@ -109,7 +122,7 @@ def trace_geometry(scene: Scene, before: tuple[Scene, TraceGeometry] | None = No
         key = mesh.material, len(mesh.uvs), mesh.tangents is not None
         if key not in materials:
             materials[key] = len(used_materials)
-            used_materials.append(trace_material(supported(surfaces[mesh.material], mesh), mesh))
+            used_materials.append(trace_material(supported(surfaces[mesh.material], mesh), mesh, scatters))
         material, traced = surfaces[mesh.material], used_materials[materials[key]]
         is_emitter = any(material.emissive) and not material.unlit
         placed.append(TraceInstance(
@@ -124,7 +137,8 @@ def trace_geometry(scene: Scene, before: tuple[Scene, TraceGeometry] | None = No
         ))
         emitters += len(normalised.triangles) if is_emitter else 0
     ordered = [mesh for mesh, _ in meshes.values()]
-    return TraceGeometry(ordered, placed, used_materials, tuple(media), emitters, len(scene.instances) - len(placed))
+    return TraceGeometry(ordered, placed, used_materials, tuple(media), emitters, len(scene.instances) - len(placed),
+                         scene.radius)
 
 
 def _normalise(mesh: Mesh, source: int) -> TraceMesh:

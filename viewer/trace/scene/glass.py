@@ -12,7 +12,7 @@ from .materials import TraceMaterial
 def glass_switches(materials: Iterable[TraceMaterial]) -> dict[str, int]:
     """Switches for solid glass, for thin glass, for a mixture with an opaque part, and for a modified specular
     interface."""
-    glass = [m for m in materials if m.transmits]
+    glass = [m for m in materials if m.transmits and not m.is_boundary]
     return {
         "HAS_SOLID_GLASS": int(any(not m.is_thin for m in glass)),
         "HAS_THIN_GLASS": int(any(m.is_thin for m in glass)),

@@ -21,6 +21,7 @@ from .alias import alias_table
 from .emitters import find_emitters
 from .environment import EnvironmentTable
 from .geometry import TraceGeometry
+from .inside import solids_around
 from .punctual import light_powers, punctual_texels
 from .scene_buffer import SceneBufferBuilder
 
@@ -84,6 +85,12 @@ class SceneLights:
         if settings.plan == "everything" and not len(powers):
             share = 1.0  # of the black environment
         self._uniforms: dict[str, object] = {"u_environment_share": share, "u_light_radius": radius}
+        if geometry.scatters:
+            places = (np.asarray(light.position) - scene.center for light in lit if light.kind != "directional")
+            self._uniforms |= {
+                "u_finite_share": 1 - share, "u_emitter_share": float(emitted.sum() / max(powers.sum(), 1e-300)),
+                "u_has_light_within": any(instance.medium not in geometry.open_media for place in places
+                                          for instance in solids_around(geometry, place / scene.radius))}
         if len(powers):
             self._uniforms |= {"u_punctual_count": len(lit), "u_light_grid": _grid(len(powers))}
             buffer.add("lights", light_table(powers, 1 - share))

@@ -40,7 +40,7 @@ class MapUse:
 class TraceMaterial:
     """A material on a mesh, without the maps that make no difference there.
 
-    `medium` is the one behind its front side.
+    `medium` is the one behind its front side. `is_boundary`: a path goes straight through it, into another medium.
     """
 
     material: Material
@@ -52,6 +52,7 @@ class TraceMaterial:
     transmits_diffusely: bool
     medium: Medium
     is_thin: bool
+    is_boundary: bool = False
 
     @property
     def data_textures(self) -> list[Texture]:
@@ -64,8 +65,8 @@ class TraceMaterial:
         return [texture for texture in (self.normal_map, self.clearcoat_normal_map) if texture is not None]
 
 
-def trace_material(material: Material, mesh: Mesh) -> TraceMaterial:
-    """`material` on `mesh`, with those of its maps that make a difference."""
+def trace_material(material: Material, mesh: Mesh, scatters: bool = False) -> TraceMaterial:
+    """`material` on `mesh`, with those of its maps that make a difference. `scatters`: any medium of the scene does."""
     model = "unlit" if material.unlit else "pbr"
     names = [name for name in used_maps(material, mesh, model) if MAPS[name].info.path_traced]
 
@@ -88,9 +89,18 @@ def trace_material(material: Material, mesh: Mesh) -> TraceMaterial:
         material.clearcoat_normal_texture if "clearcoat_normal" in names else None,
         transmits,
         transmits_diffusely,
-        VACUUM if is_thin or not (transmits or transmits_diffusely) else Medium(tuple(material.extinction.tolist())),
+        VACUUM if material.unlit else material.medium,
         is_thin,
+        scatters and transmits and _is_index_matched(material, names, mesh),
     )
+
+
+def _is_index_matched(material: Material, maps: list[str], mesh: Mesh) -> bool:
+    """Whether a surface that transmits light changes nothing but the medium."""
+    changes_nothing = {"transmission": 1.0, "ior": 1.0, "metallic": 0.0, "clearcoat": 0.0, "alpha_mode": "opaque",
+                       "emissive": (0.0, 0.0, 0.0), "base_color": (1.0, 1.0, 1.0, material.base_color[3])}
+    return (material.thickness > 0 and mesh.colors is None and not {"base_color", "transmission"} & set(maps)
+            and all(getattr(material, name) == value for name, value in changes_nothing.items()))
 
 
 def material_texels(

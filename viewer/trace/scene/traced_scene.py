@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import moderngl
+from numpy.typing import NDArray
 
 from ...gpu.context import Context
 from ...scene.scene import Scene
@@ -11,7 +12,9 @@ from ..plan import TracePlan, plan_trace
 from ..rays.intersect import EMBREE_TRIANGLES, make_intersector
 from .encode import geometry_switches
 from .geometry import trace_geometry
+from .inside import solids_around
 from .lights import SceneLights
+from .nesting import Nesting
 from .scene_buffer import SceneBufferBuilder
 from .scene_data import SceneData
 
@@ -60,6 +63,17 @@ class TracedScene:
     def switches(self) -> dict[str, int]:
         """The defines that say which features of surfaces and lights the scene has."""
         return self._data.switches | self._lights.switches
+
+    def media_uniforms(self, eye: NDArray | None) -> dict[str, object]:
+        """The uniforms of media and of those around `eye`, (3,) in tracer space; None: it has no place."""
+        if not self.geometry.scatters:
+            return {}
+        nesting = Nesting(len(self.geometry.media))
+        around = [] if eye is None else solids_around(self.geometry, eye)
+        material = self.geometry.materials[around[-1].material] if around else None
+        ior = max(material.material.ior, 1.0) if material is not None and material.transmits else 1.0
+        return {**nesting.uniforms, "u_camera_medium": nesting.of(instance.medium for instance in around),
+                "u_camera_eta2": ior * ior}
 
     def is_background_smooth(self, pixel_angle: float) -> bool:
         """As `SceneLights.is_background_smooth`."""

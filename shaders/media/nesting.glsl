@@ -1,0 +1,28 @@
+// The media that a path is inside of, as digits of one whole number: the lowest digit is the medium in which it travels,
+// the next one is what it returns to when it leaves that, and so on. So the inner one of nested solids displaces the
+// outer one, and of two that overlap the one that was entered last does. The base is the number of media. Beyond the
+// digits that 24 bits can hold, the outermost are forgotten. The endless zeros in front are medium 0, the outside.
+uniform int u_media_count;
+uniform int u_nesting_limit; // the base to the power of the number of digits but one
+
+int innermost(int nesting) {
+    return nesting % u_media_count;
+}
+
+int enter_medium(int nesting, int medium) {
+    return nesting % u_nesting_limit * u_media_count + medium;
+}
+
+// Removes the innermost occurrence, wherever it is, since solids that overlap are not left in the order of entry.
+int leave_medium(int nesting, int medium) {
+    for (int place = 1; place <= u_nesting_limit; place *= u_media_count) {
+        int outer = nesting / place;
+        if (outer % u_media_count == medium) return outer / u_media_count * place + nesting % place;
+        if (outer == 0) break;
+    }
+    return nesting;
+}
+
+int cross_boundary(int nesting, int medium, bool is_front) {
+    return is_front ? enter_medium(nesting, medium) : leave_medium(nesting, medium);
+}

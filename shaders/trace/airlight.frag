@@ -1,0 +1,57 @@
+// What a medium scatters towards the path from point, spot and directional lights, all the way to the hit: the path
+// stays, and sends a shadow ray from one point of its ray. With this a path sees the light in thin fog without a
+// collision there, and the singularity of a point light does no harm. The point is chosen by the mean of two densities:
+// equiangular about the light, and as collisions before the hit are distributed.
+#include "trace/bounce.glsl"
+#include "trace/write_state.glsl"
+#include "media/phase.glsl"
+#include "media/equiangular.glsl"
+
+// The density over a ray of length `way` of its points
+float airlight_pdf(Medium m, vec3 chances, float way, float t) {
+    return chances.r * bounded_distance_pdf(m.sigma_t.r, way, t) + chances.g * bounded_distance_pdf(m.sigma_t.g, way, t)
+         + chances.b * bounded_distance_pdf(m.sigma_t.b, way, t);
+}
+
+float airlight_sample(Medium m, vec3 chances, float way, float u) {
+    int channel = u < chances.r ? 0 : u < chances.r + chances.g || chances.b <= 0.0 ? 1 : 2;
+    float below = channel == 0 ? 0.0 : channel == 1 ? chances.r : chances.r + chances.g;
+    u = clamp((u - below) / max(chances[channel], 1e-30), 0.0, 1.0 - 1.0 / 16777216.0);
+    return bounded_distance(m.sigma_t[channel], way, u);
+}
+
+void main() {
+    ivec2 texel = ivec2(gl_FragCoord.xy);
+    Path p = read_path(texel, uvec4(0u));
+    Medium m = medium_of(innermost(p.medium));
+    vec4 u = vertex_numbers(path_sample(texel, p.left), p, AIRLIGHT_GROUP);
+    vec3 chances = channel_chances(p.throughput);
+    float way = way_of(p);
+
+    float chance; // of the light
+    vec2 rest;
+    int k = choose_punctual(u.xyz, chance, rest);
+    vec4 light = scene_float4(u_punctual + 3 * k);
+    bool has_place = light.w >= 0.0;
+    float t, pdf;
+    if (has_place) {
+        Equiangular e = equiangular(p.origin, p.direction, way, light.xyz);
+        t = u.w < 0.5 ? equiangular_sample(e, way, 2.0 * u.w) : airlight_sample(m, chances, way, 2.0 * u.w - 1.0);
+        pdf = 0.5 * (equiangular_pdf(e, t) + airlight_pdf(m, chances, way, t));
+    } else {
+        t = airlight_sample(m, chances, way, u.w);
+        pdf = airlight_pdf(m, chances, way, t);
+    }
+    vec3 position = p.origin + t * p.direction, l;
+    float distance;
+    vec3 irradiance = punctual_irradiance(k, position, rest, l, distance);
+    vec3 scattered = m.albedo * m.sigma_t * exp(-m.sigma_t * t) * phase_between(m.g, p.direction, l);
+    p.contribution = clamped(p.throughput * scattered * irradiance / (pdf * chance), p.depth + 1);
+    if (pdf > 0.0 && p.contribution != vec3(0.0)) {
+        p.shadow_origin = position;
+        p.shadow_vector = distance * l;
+    }
+    p.shadow_medium = p.medium;
+    p.is_lit = true;
+    write_path(p, IN_FLIGHT);
+}

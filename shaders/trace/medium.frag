@@ -1,0 +1,38 @@
+// A path collides in its medium: sends a shadow ray to a light and samples the direction in which it is scattered.
+#include "trace/bounce.glsl"
+#include "trace/write_state.glsl"
+#include "media/phase.glsl"
+
+void main() {
+    ivec2 texel = ivec2(gl_FragCoord.xy);
+    Path p = read_path(texel, uvec4(0u));
+    Sample s = path_sample(texel, p.left);
+    Medium m = medium_of(innermost(p.medium));
+    float way = flight_of(p, m, s);
+    p.throughput *= m.albedo * collision_weight(m.sigma_t, channel_chances(p.throughput), way);
+    p.origin += way * p.direction;
+
+#if HAS_ENVIRONMENT || HAS_EMITTERS // trace/airlight.frag has counted lights without size
+    if (asks_lights(m)) {
+        LightSample light = sample_light(p.origin, vertex_numbers(s, p, LIGHT_GROUP).xyz);
+        if (light.is_delta) light.pdf = 0.0;
+        float phase = phase_between(m.g, p.direction, light.direction);
+        send_shadow_ray(p, p.origin, vec3(0.0), p.medium, light, vec3(phase), phase);
+    }
+#endif
+    vec4 u = vertex_numbers(s, p, BSDF_GROUP);
+    vec3 direction = phase_sample(m.g, p.direction, u.xy);
+    // Where no light is asked, light that is hit counts in full.
+    float pdf = asks_lights(m) ? phase_between(m.g, p.direction, direction) : 0.0;
+    // Roulette alone ends paths, with the probability that they are absorbed; a white medium keeps them all.
+    float survival = min(max(p.throughput.r, max(p.throughput.g, p.throughput.b)) * p.eta2, 1.0);
+    bool continues = u.z < survival && p.steps < MOST_STEPS;
+    p.throughput /= max(survival, 1e-30);
+    p.direction = direction;
+    p.pdf = pdf;
+    p.travelled = 0.0;
+    p.is_lit = false;
+    ++p.steps;
+    if (p.depth < 2) ++p.depth; // indirect light has at least 2; `bounces` does not count collisions
+    write_path(p, continues ? IN_FLIGHT : ENDED);
+}

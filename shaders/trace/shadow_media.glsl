@@ -1,0 +1,32 @@
+// Shadow rays in scenes with scattering: they pass boundaries between media of one index, and are dimmed by the media on
+// their way. viewer/trace/rays/shadow_media.py does the same for Embree.
+#include "trace/bvh.glsl"
+#include "trace/interaction.glsl"
+#include "media/medium.glsl"
+#include "media/nesting.glsl"
+
+const int MOST_BOUNDARIES = 64; // as MAX_LAYERS of viewer/trace/rays/see_through.py
+
+// Transmittance of the medium between two places of a ray, in tracer units from its origin; d: unit length
+vec3 transmittance_between(int nesting, vec3 o, vec3 d, float from, float to) {
+    return transmittance(innermost(nesting), max(min(to, leaves_media(o, d)) - from, 0.0));
+}
+
+// The transmittance of the shadow ray from o along `vector`, 0 if it is occluded
+vec3 shadow_transmittance(vec3 o, vec3 vector, int nesting) {
+    vec3 transmitted = vec3(1.0);
+    float size = length(vector), t = 0.0;
+    vec3 d = vector / size;
+    for (int k = 0; k < MOST_BOUNDARIES; ++k) {
+        Found found;
+        bool is_hit = traverse(k == 0 ? o : o + t * d, vector, SHADOW_REACH - t / size, true, found);
+        if (is_hit && int(found.code >> KIND_SHIFT & 7u) != KIND_BOUNDARY) return vec3(0.0);
+        transmitted *= transmittance_between(nesting, o, d, t, is_hit ? t + found.t * size : size);
+        if (!is_hit) return transmitted;
+        Interaction i = interact(Hit(int(found.code & INSTANCE_MASK), int(found.triangle), found.barycentric), -d);
+        nesting = cross_boundary(nesting, i.medium, i.is_front);
+        vec3 beyond = offset_origin(i.position, -i.n_geometric);
+        t = dot(beyond - o, d);
+    }
+    return vec3(0.0);
+}

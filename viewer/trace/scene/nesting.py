@@ -1,0 +1,49 @@
+"""The media that a path is inside of, as digits of one whole number: shaders/media/nesting.glsl for arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+_LARGEST = 1 << 24
+"""Whole numbers up to here are exact in float32."""
+
+
+class Nesting:
+    """Nestings of `count` media."""
+
+    def __init__(self, count: int) -> None:
+        self.base = max(count, 2)
+        self.limit = 1
+        while self.limit * self.base * self.base <= _LARGEST:
+            self.limit *= self.base
+
+    @property
+    def uniforms(self) -> dict[str, object]:
+        """The uniforms of shaders/media/nesting.glsl."""
+        return {"u_media_count": self.base, "u_nesting_limit": self.limit}
+
+    def of(self, media: Iterable[int]) -> int:
+        """The nesting of these media, the outermost first."""
+        nesting = 0
+        for medium in media:
+            nesting = nesting % self.limit * self.base + medium
+        return nesting
+
+    def innermost(self, nesting: NDArray[np.int64]) -> NDArray[np.int64]:
+        return nesting % self.base
+
+    def cross(self, nesting: NDArray[np.int64], media: NDArray[np.int64], is_front: NDArray) -> NDArray[np.int64]:
+        """The nestings behind boundaries of solids with these media, entered where `is_front`, else left; (N,)."""
+        after = nesting.copy()
+        after[is_front] = nesting[is_front] % self.limit * self.base + media[is_front]
+        pending, place = ~is_front, 1
+        while place <= self.limit and pending.any():
+            outer = nesting // place
+            found = pending & (outer % self.base == media)
+            after[found] = outer[found] // self.base * place + nesting[found] % place
+            pending &= ~found
+            place *= self.base
+        return after
