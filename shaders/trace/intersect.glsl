@@ -1,10 +1,6 @@
 // Traces the rays of a wavefront through our own BVH and writes the hit texture (viewer/trace/rays/intersect.py).
 #include "trace/bvh.glsl"
 
-#if HAS_SCATTERING
-#include "trace/shadow_media.glsl"
-#endif
-
 uniform sampler2D u_origin, u_direction, u_shadow_origin, u_shadow_vector;
 
 layout(location = 0) out uvec4 hit;
@@ -12,6 +8,8 @@ layout(location = 0) out uvec4 hit;
 uniform sampler2D u_medium;
 
 layout(location = 1) out vec4 along;
+
+vec3 shadow_transmittance(vec3 o, vec3 vector, int nesting); // trace/shadow_media.glsl
 #endif
 
 void main() {

@@ -51,8 +51,8 @@ def intersections(switches: Mapping[str, int]) -> Iterator[Sources]:
     see_through = bool(switches["HAS_SEE_THROUGH"])
     for has_instances in (0, 1):
         defines = shader_defines(switches) | tree | {"HAS_INSTANCES": has_instances, "HAS_SEE_THROUGH": see_through}
-        yield _program(_FULLSCREEN, "trace/intersect_see_through.frag" if see_through else "trace/intersect.frag",
-                       defines)
+        kind = "_media" if switches["HAS_SCATTERING"] else "_see_through" * see_through
+        yield _program(_FULLSCREEN, f"trace/intersect{kind}.frag", defines)
     if see_through:
         yield _program(_FULLSCREEN, "trace/see_through.frag", shader_defines(switches))
 

@@ -18,6 +18,7 @@ from ..scene.material import (
     SHEEN,
     TRANSMISSION,
     VOLUME,
+    VOLUME_SCATTER,
 )
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
@@ -132,6 +133,9 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
                          f"{MAX_SAMPLERS} textures")
     lines += omitted_anisotropy(scene, settings) + _ignored_by_phong(scene, settings)
     lines += _omitted_layers(plan, settings)
+    scattering = sum(VOLUME_SCATTER.is_on(material) for material in scene.materials)
+    if scattering:
+        lines.append(f"scattering in the volumes of {_count(scattering, 'material')}: mode path has it")
     if any_lit and not plan.has_indirect and settings.mode == "pbr":
         reason = "not requested" if settings.indirect == "off" else "the scene is convex: no surface sees another"
         lines.append(f"indirect light: {reason}")

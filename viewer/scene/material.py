@@ -82,7 +82,9 @@ VOLUME = Feature(
 DISPERSION = Feature(
     "dispersion", "KHR_materials_dispersion", switch="DISPERSIVE",
     is_on=lambda m: m.dispersion > 0 and m.transmits and m.thickness > 0)
-VOLUME_SCATTER = Feature("scattering in volumes", "KHR_materials_volume_scatter")
+VOLUME_SCATTER = Feature(
+    "scattering in volumes", "KHR_materials_volume_scatter",
+    is_on=lambda m: any(m.scatter_color) and VOLUME.is_on(m) and any(m.extinction))
 
 ANISOTROPY = Feature(
     "anisotropy", "KHR_materials_anisotropy", switch="ANISOTROPIC", needs_tangents=True,
@@ -197,10 +199,10 @@ class Material:
         "diffuseTransmissionColorTexture", "tints the light that leaves on the other side", of=DIFFUSE_TRANSMISSION,
         channels="RGB", srgb=True, has_effect=lambda m: m.transmits_diffusely and any(m.diffuse_transmission_color))
     scatter_color: RGB = parameter(
-        (0.0, 0.0, 0.0), "multiscatterColorFactor", "albedo of all scattering in the volume; read, not yet shown",
+        (0.0, 0.0, 0.0), "multiscatterColorFactor", "albedo of all scattering in the volume",
         of=VOLUME_SCATTER, low=0.0, high=1.0, role="python")
     scatter_anisotropy: float = parameter(
-        0.0, "scatterAnisotropy", "mean cosine of scattering in the volume; read, not yet shown", of=VOLUME_SCATTER,
+        0.0, "scatterAnisotropy", "mean cosine of scattering in the volume", of=VOLUME_SCATTER,
         low=-0.999, high=0.999, role="python")
     anisotropy_strength: float = parameter(
         0.0, "anisotropyStrength", "stretches highlights along the tangent", of=ANISOTROPY, low=0.0, high=1.0,
@@ -287,7 +289,7 @@ class Material:
         red, green, blue = self.extinction.tolist()
         if not VOLUME.is_on(self) or not (red or green or blue):
             return VACUUM
-        if not any(self.scatter_color):
+        if not VOLUME_SCATTER.is_on(self):
             return Medium((red, green, blue))
         return Medium((red, green, blue), single_scattering_albedo(self.scatter_color), self.scatter_anisotropy)
 

@@ -86,7 +86,6 @@ def plan_trace(
     switches["HAS_LIGHTS"] = int(any(switches[name] for name in ("HAS_ENVIRONMENT", "HAS_PUNCTUAL", "HAS_EMITTERS")))
     switches["BACKGROUND"] = (1 + is_background_smooth) * (settings.background == "env" and switches["HAS_ENVIRONMENT"])
     switches["CLAMP"] = int(settings.clamp > 0)
-    switches["HAS_AIRLIGHT"] = switches["HAS_SCATTERING"] * switches["HAS_PUNCTUAL"]
     kinds = {instance.kind for instance in geometry.instances}
     if settings.plan == "everything":
         kinds = {kind for kind in KINDS if kind is not BOUNDARY or geometry.scatters}
@@ -199,4 +198,5 @@ _SURFACES = {
     "HAS_SEE_THROUGH": "code for what alpha leaves open",
     "HAS_UNLIT": "code for unlit materials",
     "HAS_VOLUME": "absorption in volumes",
+    "HAS_SCATTERING": "scattering in volumes",
 }

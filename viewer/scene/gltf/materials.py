@@ -105,8 +105,6 @@ def read_material(element: Element, textures: Textures) -> Material:
     scatter = element.extension(VOLUME_SCATTER.extension)
     if scatter is not None:
         values["scatter_color"] = _scatter_color(scatter, values["scatter_color"])
-        if any(values["scatter_color"]):
-            scatter.warn("the volume is shown without scattering: what is not absorbed goes straight on")
     if glossy is not None:
         values |= read_specular_glossiness(glossy, textures)
     material = Material(

@@ -79,11 +79,13 @@ class BvhIntersector:
             "STACK": bvh.stack,
             "HAS_INSTANCES": bvh.has_instances,
             "HAS_SEE_THROUGH": bvh.has_see_through,
+            "HAS_SCATTERING": self._media is not None,
             "SHADOW_REACH": SHADOW_REACH,
         }
 
     def _compile(self) -> moderngl.Program:
-        fragment = "trace/intersect_see_through.frag" if self._built.has_see_through else "trace/intersect.frag"
+        kind = "_media" if self._media is not None else "_see_through" * self._built.has_see_through
+        fragment = f"trace/intersect{kind}.frag"
         # `precise` belongs to GLSL 4.00; before that it takes an extension, which drivers have in part or not at all.
         program = compile_program(self._context, vertex=_VERTEX, fragment=fragment, defines=self._defines,
                                   version=400 if self._gl.version_code >= 400 else 330)

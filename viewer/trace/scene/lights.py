@@ -103,6 +103,7 @@ class SceneLights:
             "ENVIRONMENT_ROTATED": int(has_environment and environment is not None and environment.rotation != 0),
             "HAS_PUNCTUAL": int(bool(lit)),
             "HAS_EMITTERS": int(len(emitters) > 0),
+            "HAS_AIRLIGHT": int(geometry.scatters and bool(lit)),
             "LIGHT_RADIUS": int(radius > 0 and any(light.kind != "directional" for light in lit)),
         }
 
