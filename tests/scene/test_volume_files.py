@@ -143,9 +143,11 @@ def npy(array, shape=None, version=1) -> bytes:
     (npy(DENSITY, (3, 5, 5)), "density: ends before its 75 values do"),
     (npy(DENSITY, (3, 5, 3)), "density: has more than the 45 values that it names"),
     (npy(DENSITY, (3, 5, -4)), "density: has the shape (3, 5, -4)"),
-    (npy(DENSITY, "__import__('os')"), "is no .npz file, or a broken one"),
+    (npy(DENSITY, "__import__('os')"), "density: has a broken header"),
+    (npy(DENSITY, "(3, 5, 4\0"), "density: has a broken header"),
+    (npy(DENSITY, "(" * 60), "density: has a broken header"),
     (npy(DENSITY, version=2), "has a header that is not version 1.0"),
-    (npy(DENSITY)[:60], "is no .npz file, or a broken one"), (b"", "is no .npz file, or a broken one"),
+    (npy(DENSITY)[:60], "density: has a broken header"), (b"", "is no .npz file, or a broken one"),
     (bytes(1 << 24), "is no .npz file, or a broken one")])
 def test_an_archive_that_lies(tmp_path, density, problem):
     with pytest.raises(InputError) as error:

@@ -70,7 +70,10 @@ class _Member:
         self._file: IO[bytes] = archive.open(info)
         if np.lib.format.read_magic(self._file) != (1, 0):  # other versions have headers of up to 4 GB
             raise InputError(path, name, "has a header that is not version 1.0 of numpy's format")
-        self.shape, self._is_fortran, self.dtype = np.lib.format.read_array_header_1_0(self._file)
+        try:
+            self.shape, self._is_fortran, self.dtype = np.lib.format.read_array_header_1_0(self._file)
+        except Exception as error:  # of the parser of Python, whose text the header is
+            raise InputError(path, name, "has a broken header") from error
 
     def values(self, held: np.dtype) -> np.ndarray:
         """All values as `held`. Raises InputError if there are fewer than the header says, or no numbers."""
