@@ -1,13 +1,18 @@
-"""Polygons cut into triangles: as fans where a fan covers them, others by clipping ears."""
+"""Polygons cut into triangles: as fans where a fan covers them, others by clipping ears, large ones by a sweep."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from .sweep import sweep
+
 MAX_WORK = 1 << 25
 """How often ear clipping may look at a corner in one file, a few seconds; what is beyond it is cut in any way."""
+SWEPT = 256
+"""Polygons of so many corners are swept, each for itself. Ears are clipped of many side by side, but in n^2 steps."""
 _BATCH = 1 << 20
 _ROUND = 1000  # what one round costs besides, in such looks
+_SWEEP = 128  # what a sweep costs for each corner, in such looks
 
 
 def triangulate(positions: np.ndarray, corners: np.ndarray, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
@@ -15,8 +20,9 @@ def triangulate(positions: np.ndarray, corners: np.ndarray, sizes: np.ndarray) -
 
     positions (N, 3) float64; corners (C,) the vertex of each corner, polygon after polygon; sizes (P,) corners of each
     polygon, at least 3. Returns the triangles (T, 3) as numbers of corners 0..C-1, in the order and with the winding of
-    the polygons, the polygon of each triangle (T,), and the number of concave polygons that were not cut by ears, or
-    not to their end, since MAX_WORK was done. Exact for polygons that are plane and do not cut themselves.
+    the polygons, the polygon of each triangle (T,), and the number of concave polygons that were cut in any way, or
+    whose ears were not clipped to their end, since MAX_WORK was done. Exact for polygons that are plane and do not cut
+    themselves.
     """
     if (sizes == 3).all():
         return np.arange(len(corners)).reshape(-1, 3), np.arange(len(sizes)), 0
@@ -34,6 +40,17 @@ def triangulate(positions: np.ndarray, corners: np.ndarray, sizes: np.ndarray) -
             points = _flattened(positions[corners[first[some, None] + np.arange(size)]])
             wrong = ~_is_fan(points)
             some, points = some[wrong], points[wrong]
+            if size >= SWEPT:
+                kept = np.ones(len(some), bool)
+                for k, outline in enumerate(points):
+                    if work > MAX_WORK:
+                        break
+                    work += _SWEEP * int(size)
+                    swept = sweep(outline)
+                    if swept is not None:
+                        triangles[at[some[k]] + np.arange(size - 2)] = first[some[k]] + swept
+                        kept[k] = False
+                some, points = some[kept], points[kept]
             if len(some) == 0:
                 continue
             if size == 4:
