@@ -23,6 +23,7 @@ from viewer.errors import InputError
 from viewer.gpu.source import assemble, display_name
 from viewer.plan.planner import MAX_LIGHTS
 from viewer.scene.light import Light
+from viewer.scene.material import Material
 from viewer.scene.volume import Volume
 from viewer.settings import Settings, setting_choices
 from viewer.trace.scene.geometry import trace_geometry
@@ -32,6 +33,9 @@ MODES = ("pbr", "phong", "path")
 _TRACED = {"reflections": "traced", "refraction": "traced", "environment_shadows": "64"}
 _SHADED = ("ndf", "masking", "fresnel", "multiscatter", "lobes", "phong", "sampling", "plan", "indirect", "specular_aa")
 """The settings that change how a surface is shaded; the others change passes, or nothing that is compiled."""
+_FOG = Material(metallic=0.0, transmission=1.0, thickness=1.0, ior=1.0, attenuation_distance=1.0,
+                attenuation_color=(0.5, 0.4, 0.3), scatter_color=(0.5, 0.5, 0.5))
+"""Makes a solid a boundary between media of one index, and its scene one with scattering."""
 
 
 @pytest.fixture(scope="module")
@@ -60,6 +64,12 @@ def ours() -> tuple[list[str], dict[str, int], set[str]]:
                 wanted |= dict.fromkeys(keys(rich[0], settings))
     path = Settings.of(mode="path", denoise="fast", clamp=1.0, light_radius=0.1)
     wanted |= dict.fromkeys(keys(rich[0], path))
+    for scene in rich:
+        for material in range(len(scene.materials)):  # each but one keeps its maps
+            filled = tuple(_FOG if k == material else m for k, m in enumerate(scene.materials))
+            hazy = replace(scene, materials=filled, lights=(Light("point", intensity=1.0),))
+            wanted |= dict.fromkeys(keys(hazy, path)) | dict.fromkeys(keys(hazy, Settings(mode="path")))
+            programs += intersections(geometry_switches(hazy, trace_geometry(hazy), False))
     foggy = replace(rich[0], lights=(Light("spot", intensity=1.0), Light("point", intensity=1.0)))
     for mode, height in product(("pbr", "phong"), (0.0, 1.0)):
         wanted |= dict.fromkeys(keys(foggy, Settings.of(mode=mode, fog=1.0, fog_height=height)))
