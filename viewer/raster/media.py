@@ -34,6 +34,8 @@ from .shadows import ShadowMaps
 from .surfaces import UNIT_MEDIA, UNIT_MEDIA_LIGHT, UNIT_SHADOW, UNIT_VOLUME_DEPTH
 from .volume_textures import VolumeTextures
 
+_KEPT = 2
+"""How many bakes of light are kept: a window that is split between two modes draws with two in turn."""
 _PIXELS = {"all": 1, "quarter": 2, "sixteenth": 4}
 """The side of the square of pixels that has a ray."""
 _GRID_MARGIN = 0.25
@@ -46,9 +48,8 @@ class MediaPass:
     def __init__(self, context: Context, programs: Programs) -> None:
         self._context, self._gl, self._programs = context, context.gl, programs
         self._slices: MediaSlices | None = None
-        self._light: MediaLight | None = None
+        self._lights: list[tuple[tuple[object, ...], MediaLight]] = []
         self._volumes: VolumeTextures | None = None
-        self._lit: tuple[object, ...] = ()
         self._scene: Scene | None = None
 
     def prepare(self, scene: Scene, settings: Settings, plan: Plan, environment: EnvironmentLight | None,
@@ -57,9 +58,14 @@ class MediaPass:
         of its own."""
         self._take_volumes(scene)
         sky = environment.environment if environment is not None else None
-        lit = (fog_of(scene, settings), volume_medium(settings), plan.media, plan.lights, plan.ambient,
-               sky and (id(sky.source), sky.rotation, sky.intensity))
-        if self._scene is not None and scene.has_surfaces_of(self._scene) and lit == self._lit:
+        key = (fog_of(scene, settings), volume_medium(settings), plan.media.bake, plan.media.scatters_again,
+               plan.lights, plan.ambient, sky and (id(sky.source), sky.rotation, sky.intensity))
+        if self._scene is None or not scene.has_surfaces_of(self._scene):
+            self._drop_lights(0)
+        self._scene = scene
+        held = next((light for k, light in self._lights if k == key), None)
+        if held is not None:
+            self._lights = [(key, held), *(pair for pair in self._lights if pair[1] is not held)]
             return
         middle = np.eye(4)
         middle[:3, 3] = scene.center
@@ -74,14 +80,19 @@ class MediaPass:
         for binding, buffer in enumerate(buffers):
             buffer.bind_to_uniform_block(binding)
         grids = [grid for grid in _grids(frame, settings) if grid is not None]
-        if self._light is not None:
-            self._light.release()
-        self._light = MediaLight(self._gl, len(grids), len(plan.lights) if scene.volumes else 0)
-        lights = environment.sky_lights(plan) if environment is not None else None
-        self._light.bake(self._programs, plan.media, grids, lights, uniforms)
+        self._drop_lights(_KEPT - 1)
+        light = MediaLight(self._gl, len(grids), len(plan.lights) if scene.volumes else 0)
+        from_sky = environment.sky_lights(plan) if environment is not None else None
+        light.bake(self._programs, plan.media, grids, from_sky, uniforms)
+        self._lights.insert(0, (key, light))
         for buffer in buffers:
             buffer.release()
-        self._scene, self._lit = scene, lit
+
+    def _drop_lights(self, count: int) -> None:
+        """All but the `count` that were used last."""
+        for _, light in self._lights[count:]:
+            light.release()
+        self._lights = self._lights[:count]
 
     def _take_volumes(self, scene: Scene) -> None:
         held = self._volumes.volumes if self._volumes is not None else ()
@@ -102,9 +113,10 @@ class MediaPass:
             if self._slices is not None:
                 self._slices.release()
             self._slices = MediaSlices(self._context, columns)
-        self._light.texture.use(UNIT_MEDIA_LIGHT)
-        if self._light.depths is not None:
-            self._light.depths.use(UNIT_VOLUME_DEPTH)
+        light = self._lights[0][1]
+        light.texture.use(UNIT_MEDIA_LIGHT)
+        if light.depths is not None:
+            light.depths.use(UNIT_VOLUME_DEPTH)
         media = self._uniforms(frame, settings)
         uniforms = frame_uniforms | media
         if environment is not None:
@@ -161,7 +173,8 @@ class MediaPass:
         return values
 
     def release(self) -> None:
-        for thing in (self._slices, self._light, self._volumes):
+        self._drop_lights(0)
+        for thing in (self._slices, self._volumes):
             if thing is not None:
                 thing.release()
 
