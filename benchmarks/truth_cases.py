@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import defaultdict
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from viewer.measure.compare.relmse import reduced
 from viewer.scene.camera import Camera
 from viewer.scene.environment import Environment
 from viewer.scene.environment_presets import PRESETS
+from viewer.scene.light import Light
 from viewer.scene.scene import Scene
 from viewer.settings import Settings
 
@@ -49,7 +51,7 @@ class Case:
         return Settings.of(mode="path", **(self.settings | more))
 
 
-_BUILT = ("aniso-metal", "fog-g07", "fog-point", "milk-rough", "wax")
+_BUILT = ("aniso-metal", "cloud", "fog-g07", "fog-point", "milk-rough", "smoke-absorbing", "wax")
 """Cases that are marked `todo` for a feature that is there by now."""
 
 
@@ -62,15 +64,38 @@ def names(folder: Path = FOLDER) -> list[str]:
 def load_case(name: str, folder: Path = FOLDER, environments: Path = ENVIRONMENTS) -> Case:
     """Raises FileNotFoundError and InputError."""
     case = json.loads((folder / name / "case.json").read_text())
+    options = _options(case.get("options", []))
     named = case["env"] in ("none", *PRESETS)
-    scene = viewer.load(folder / name / "scene.glb", environment=case["env"] if named else environments / case["env"])
+    scene = viewer.load(folder / name / case.get("model", "scene.glb"),
+                        environment=case["env"] if named else environments / case["env"])
+    for file in options["--with"]:
+        beside = viewer.load(folder / name / file)
+        scene = replace(beside, volumes=scene.volumes).relit(environment=scene.environment)
     if scene.environment is not None and named:
-        options = dict(zip(case.get("options", [])[::2], case.get("options", [])[1::2], strict=True))
-        intensity = float(options.get("--env-intensity", 1.0))
+        intensity = float(options["--env-intensity"][0]) if options["--env-intensity"] else 1.0
         scene = scene.relit(environment=replace(scene.environment, intensity=intensity))
     elif scene.environment is not None:  # as the other renderer read it: 2.5 % of irradiance for a sun near the zenith
         scene = scene.relit(environment=Environment(case["env"], from_mitsuba(scene.environment.radiance)))
+    if options["--light"]:
+        suns = (tuple(map(float, sun.split(","))) for sun in options["--light"])
+        scene = scene.relit(lights=tuple(Light.from_angles(*np.radians(angles), lux) for *angles, lux in suns))
     camera = Camera.look_at(case["eye"], case["target"], fov_y=np.radians(case["fov"]))
     reference = Image.open(folder / name / "reference.exr").linear[..., :3].astype(np.float64)
-    settings = case["set"] | {"background": case["background"]}
+    settings = case["set"] | {"background": case["background"]} | dict(map(_setting, options["--set"]))
     return Case(name, scene, camera, settings, reference, case["relmse_floor"], case["spp"])
+
+
+def _options(words: list[str]) -> defaultdict[str, list[str]]:
+    """The values of each option, given as one word or as two."""
+    found: defaultdict[str, list[str]] = defaultdict(list)
+    rest = iter(words)
+    for word in rest:
+        option, equals, value = word.partition("=")
+        found[option].append(value if equals else next(rest))
+    return found
+
+
+def _setting(assignment: str) -> tuple[str, object]:
+    name, _, value = assignment.partition("=")
+    numbers = tuple(map(float, value.split(",")))
+    return name.replace("-", "_"), numbers if len(numbers) > 1 else numbers[0]

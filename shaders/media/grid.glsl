@@ -4,9 +4,10 @@
 #include "sample/random.glsl"
 #include "trace/scene_buffer.glsl"
 
-uniform int u_volumes;           // section of the scene buffer, VOLUME_TEXELS for each volume
-uniform sampler2D u_voxels;      // densities and majorants, row by row
-uniform int u_voxel_shift;       // its width is 2^u_voxel_shift
+uniform int u_volumes;      // section of the scene buffer, VOLUME_TEXELS for each volume
+uniform int u_volume_count;
+uniform sampler2D u_voxels; // densities and majorants, row by row
+uniform int u_voxel_shift;  // its width is 2^u_voxel_shift
 
 struct Volume {
     vec4 row0, row1, row2; // tracer space to cells: the box begins at 0, and a cell has the side 1
@@ -16,7 +17,6 @@ struct Volume {
     int first_majorant;    // row in the texture
     float cell_size;       // voxels along the side of a cell
     float extinction;      // of the density 1, per tracer unit
-    int medium;            // number of the medium of the density 1
 };
 
 Volume volume_at(int k) {
@@ -24,7 +24,7 @@ Volume volume_at(int k) {
     uvec4 voxels = scene_uint4(texel + 3), cells = scene_uint4(texel + 4), rest = scene_uint4(texel + 5);
     return Volume(scene_float4(texel), scene_float4(texel + 1), scene_float4(texel + 2),
                   ivec3(voxels.xyz), int(voxels.w), ivec3(cells.xyz), int(cells.w),
-                  float(rest.x), uintBitsToFloat(rest.y), int(rest.z));
+                  float(rest.x), uintBitsToFloat(rest.y));
 }
 
 float voxel(int row, int i) {

@@ -5,9 +5,8 @@
 //
 // The extinction is the same in every channel, so that no weight arises; the albedo need not be.
 #include "media/grid.glsl"
+#include "media/no_collision.glsl"
 #include "media/one_minus_exp.glsl"
-
-const float NO_COLLISION = 3e38;
 
 // The most collisions of a walk, real or not. A walk that has more ends as if nothing more came; it is counted.
 const int MAX_COLLISIONS = 65536;
@@ -52,4 +51,24 @@ float volume_transmittance(Volume v, vec3 origin, vec3 direction, float limit, i
     }
     ++tracking_faults;
     return 0.0;
+}
+
+// The distance to the first collision in any volume before `limit`, or NO_COLLISION; the number of that volume
+float volumes_collision(vec3 origin, vec3 direction, float limit, float u, inout uint counter, out int volume) {
+    float first = NO_COLLISION;
+    volume = 0;
+    for (int k = 0; k < u_volume_count; ++k) {
+        float t = volume_collision(volume_at(k), origin, direction, min(limit, first), u, counter);
+        if (t < first) volume = k;
+        first = min(first, t);
+        u = random_number(counter);
+    }
+    return first;
+}
+
+float volumes_transmittance(vec3 origin, vec3 direction, float limit, inout uint counter) {
+    float transmittance = 1.0;
+    for (int k = 0; k < u_volume_count && transmittance > 0.0; ++k)
+        transmittance *= volume_transmittance(volume_at(k), origin, direction, limit, counter);
+    return transmittance;
 }

@@ -6,6 +6,9 @@
 #include "trace/write_state.glsl"
 #include "media/phase.glsl"
 #include "media/equiangular.glsl"
+#if HAS_GRIDS
+#include "media/tracking.glsl"
+#endif
 
 // The density over a ray of length `way` of its points
 float airlight_pdf(Medium m, vec3 chances, float way, float t) {
@@ -46,6 +49,10 @@ void main() {
     float distance;
     vec3 irradiance = punctual_irradiance(k, position, rest, l, distance);
     vec3 scattered = m.albedo * m.sigma_t * exp(-m.sigma_t * t) * phase_between(m.g, p.direction, l);
+#if HAS_GRIDS
+    uint counter = vertex_hash(path_sample(texel, p.left), p, AIRLIGHT_GROUP);
+    scattered *= volumes_transmittance(p.origin, p.direction, t, counter);
+#endif
     p.contribution = clamped(p.throughput * scattered * irradiance / (pdf * chance), p.depth + 1);
     if (pdf > 0.0 && p.contribution != vec3(0.0)) {
         p.shadow_origin = position;

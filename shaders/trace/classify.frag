@@ -12,11 +12,17 @@
 int class_in_medium(ivec2 texel, int path_class) {
     Path p = read_path(texel, uvec4(0u));
     Medium m = medium_of(innermost(p.medium));
-    if (!scatters(m)) return path_class;
+    bool is_in_medium = false;
+    if (scatters(m)) {
 #if HAS_AIRLIGHT
-    if (!p.is_lit && asks_lights(m)) return CLASS_AIRLIGHT;
+        if (!p.is_lit && asks_lights(m)) return CLASS_AIRLIGHT;
 #endif
-    return flight_of(p, m, path_sample(texel, p.left)) < way_of(p) ? CLASS_MEDIUM : path_class;
+        is_in_medium = flight_of(p, m, path_sample(texel, p.left)) < way_of(p);
+    }
+#if HAS_GRIDS
+    is_in_medium = is_in_medium || texelFetch(u_flight, texel, 0).x < NO_COLLISION;
+#endif
+    return is_in_medium ? CLASS_MEDIUM : path_class;
 }
 #endif
 

@@ -2,20 +2,35 @@
 #include "trace/bounce.glsl"
 #include "trace/write_state.glsl"
 #include "media/phase.glsl"
+#if HAS_GRIDS
+#include "media/volume_medium.glsl"
+#endif
 
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     Path p = read_path(texel, uvec4(0u));
     Sample s = path_sample(texel, p.left);
     Medium m = medium_of(innermost(p.medium));
-    float way = flight_of(p, m, s);
-    p.throughput *= m.albedo * collision_weight(m.sigma_t, channel_chances(p.throughput), way);
+    float way = scatters(m) ? flight_of(p, m, s) : 3e38;
+    bool is_in_grid = false;
+#if HAS_GRIDS
+    vec4 flight = texelFetch(u_flight, texel, 0);
+    is_in_grid = flight.x < way;
+    if (is_in_grid) {
+        way = flight.x;
+        pass_medium(p, way);
+        m = volume_medium(int(flight.y));
+        p.radiance += clamped(p.throughput * volume_emission(int(flight.y)), p.depth);
+        p.throughput *= m.albedo;
+    }
+#endif
+    if (!is_in_grid) p.throughput *= m.albedo * collision_weight(m.sigma_t, channel_chances(p.throughput), way);
     p.origin += way * p.direction;
 
-#if HAS_ENVIRONMENT || HAS_EMITTERS // trace/airlight.frag has counted lights without size
+#if HAS_ENVIRONMENT || HAS_EMITTERS || HAS_PUNCTUAL && HAS_GRIDS
     if (asks_lights(m)) {
         LightSample light = sample_light(p.origin, vertex_numbers(s, p, LIGHT_GROUP).xyz);
-        if (light.is_delta) light.pdf = 0.0;
+        if (light.is_delta && !is_in_grid) light.pdf = 0.0; // trace/airlight.frag has counted it
         float phase = phase_between(m.g, p.direction, light.direction);
         send_shadow_ray(p, p.origin, vec3(0.0), p.medium, light, vec3(phase), phase);
     }

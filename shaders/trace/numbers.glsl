@@ -25,6 +25,17 @@ const uint CAMERA_GROUP = 0u;
 const uint BSDF_GROUP = 0u, LIGHT_GROUP = 1u, FLIGHT_GROUP = 2u, AIRLIGHT_GROUP = 3u;
 const uint GROUP_BITS = HAS_SCATTERING == 1 ? 2u : 1u;
 
-vec4 vertex_numbers(Sample s, Path p, uint group) {
-    return sample_numbers(s, 1u + (uint(p.depth << STEP_BITS | p.steps) << GROUP_BITS | group));
+uint vertex_group(Path p, uint group) {
+    return 1u + (uint(p.depth << STEP_BITS | p.steps) << GROUP_BITS | group);
 }
+
+vec4 vertex_numbers(Sample s, Path p, uint group) {
+    return sample_numbers(s, vertex_group(p, group));
+}
+
+#if HAS_GRIDS
+// The counter of a loop's random numbers (sample/random.glsl)
+uint vertex_hash(Sample s, Path p, uint group) {
+    return hash(hash(uint(s.pixel.x) | uint(s.pixel.y) << 16u, u_seed, vertex_group(p, group)), s.index);
+}
+#endif

@@ -26,6 +26,4 @@ def picture_warnings(scene: Scene, mode: str) -> list[str]:
     lights = sum(light.intensity * max(light.color) > 0 for light in scene.lights)
     if lights > MAX_LIGHTS and mode != "path":
         lines.append(f"only the {MAX_LIGHTS} brightest of {lights} lights are shown; mode path shows them all")
-    if scene.volumes and mode == "path":
-        lines.append(f"mode {mode} does not draw volumes: {len(scene.volumes)} left out")
     return lines

@@ -52,12 +52,13 @@ Three have the rows of the matrix from mesh to tracer space; one has the first t
 first emitter (-1 for none); one has the flags, the medium inside, 0, 0.
 """
 
-VOLUME_TEXELS = 6
+VOLUME_TEXELS = 8
 """Texels of a volume in the scene buffer (shaders/media/grid.glsl).
 
 Three have the rows of the matrix from tracer space to cells; one has the voxels along each axis and the first row of
 the densities in their texture; one has the cells along each axis and the first row of the majorants; one has the voxels
-along the side of a cell, the extinction of the density 1 per tracer unit (float bits), the medium, 0.
+along the side of a cell, the extinction of the density 1 per tracer unit (float bits), 0, 0; one has the albedo and g;
+one has emission over extinction, and 0.
 """
 
 SEE_THROUGH, MIRRORED, DOUBLE_SIDED, UNLIT, THIN = 1, 2, 4, 8, 16

@@ -43,6 +43,11 @@ class TracePlan:
         return bool(self.programs["generate"]["HAS_SCATTERING"])
 
     @property
+    def has_grids(self) -> bool:
+        """Whether there are volumes, through which a pass follows the rays."""
+        return "track" in self.programs
+
+    @property
     def has_transmission(self) -> bool:
         """Whether surfaces transmit light, so that paths have a medium."""
         return bool(self.programs["generate"]["HAS_TRANSMISSION"])
@@ -91,7 +96,7 @@ def plan_trace(
         kinds = {kind for kind in KINDS if kind is not BOUNDARY or geometry.scatters}
         emitters = ["HAS_EMITTERS"] * (shows_emission and not geometry.emitters)
         switches |= dict.fromkeys((*_NEUTRAL, *emitters), 1)
-    state = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", DISPERSION.switch)}
+    state = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_GRIDS", DISPERSION.switch)}
     first = state | {"RAYS": rays}
     sky_names = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING", "HAS_VOLUME")
     sky = {name: switches[name] for name in sky_names}
@@ -99,6 +104,7 @@ def plan_trace(
     programs = {
         "zero": _program("trace/zero.frag", {}),
         "begin": _program("trace/generate.frag", first | {"BEGINS": 1}),
+        **({"track": _program("trace/track.frag", classes)} if switches["HAS_GRIDS"] else {}),
         "classify": _program("trace/classify.frag", classes | {"FIRST_HITS": 0}),
         "finish": _program("trace/finish.frag", first | sky),
         "generate": _program("trace/generate.frag", first | {"BEGINS": 0}),
@@ -148,7 +154,7 @@ def _left_out(
     if geometry.left_out_instances:
         count = geometry.left_out_instances
         lines.append(f"{count} mesh{'es' * (count > 1)} of lines or points: the path tracer shows triangles only")
-    if not geometry.instances:
+    if not (geometry.instances or geometry.has_grids):
         return [*lines, "everything but the background: there are no triangles"]
     if not switches["HAS_LIGHTS"]:
         lines.append("shadow rays and light samples: there are no lights")
@@ -199,4 +205,5 @@ _SURFACES = {
     "HAS_UNLIT": "code for unlit materials",
     "HAS_VOLUME": "absorption in volumes",
     "HAS_SCATTERING": "scattering in volumes",
+    "HAS_GRIDS": "grids of densities",
 }

@@ -25,7 +25,7 @@ _OVER_BLOCKS = ("begin", "zero")
 
 def vertex_shader(name: str) -> str:
     """The vertex shader of the pass `name`."""
-    if name == "alive":
+    if name in ("alive", "track"):
         return "display/fullscreen.vert"
     return "trace/blocks.vert" if name in _OVER_BLOCKS else "trace/path_class.vert"
 
@@ -66,6 +66,11 @@ class Passes:
         """
         gl = self._gl
         wavefront.bind()
+        if wavefront.tracked is not None:
+            wavefront.tracked.use()
+            gl.enable_only(moderngl.NOTHING)
+            self._draw("track")
+            wavefront.bind_tracked()
         gl.blend_func = moderngl.ONE, moderngl.ONE
         if wavefront.layers is not None:
             self._classify(wavefront, "classify first hits")

@@ -68,7 +68,7 @@ class PathRender:
         self._check_interval = 1 if context.is_software else DEVICE_CHECK_INTERVAL
         rows = min(math.ceil(math.prod(film.tiles) * settings.most_spp / columns / 2), columns)
         self._wavefronts = [_TracedWavefront(Wavefront(context, columns, rows, plan.has_transmission,
-                                                       "layers" in plan.programs, plan.has_scattering))
+                                                       "layers" in plan.programs, plan.has_scattering, plan.has_grids))
                             for _ in range(2)]
         self._flush: Callable[[], None] = context.function("glFlush")
         self._layers, self._denoiser = layers, denoiser

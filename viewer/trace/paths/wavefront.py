@@ -18,9 +18,9 @@ There is no medium if nothing transmits light."""
 SUMS, LAYERS = 2, 3
 """Number of textures to which the passes finish and layers add."""
 UNIT_HIT, UNIT_BLOCKS = len(STATE), len(STATE) + 1
-UNIT_ALONG = 19  # beyond those of viewer/trace/paths/surface_rays.py
+UNIT_ALONG, UNIT_FLIGHT = 19, 20  # beyond those of viewer/trace/paths/surface_rays.py
 UNITS = {f"u_{name}": unit for unit, name in enumerate(STATE)} | {
-    "u_hit": UNIT_HIT, "u_blocks": UNIT_BLOCKS, "u_along": UNIT_ALONG}
+    "u_hit": UNIT_HIT, "u_blocks": UNIT_BLOCKS, "u_along": UNIT_ALONG, "u_flight": UNIT_FLIGHT}
 """Uniforms of shaders/trace/state.glsl and the texture units of `Wavefront.bind`."""
 
 
@@ -69,7 +69,7 @@ class Wavefront:
     medium: moderngl.Texture
 
     def __init__(self, context: Context, columns: int, rows: int, has_medium: bool, has_layers: bool,
-                 has_scattering: bool = False) -> None:
+                 has_scattering: bool = False, has_grids: bool = False) -> None:
         gl = self._gl = context.gl
         self.grid = columns, rows
         self.size = columns * TILE, rows * TILE
@@ -84,6 +84,8 @@ class Wavefront:
         self.present.clear()
         self.hit = gl.texture(self.size, 4, dtype="u4")
         self.along = float_target(gl, self.size) if has_scattering else None
+        self._along_volumes = [float_target(gl, self.size) for _ in range(2)] if has_grids else []
+        self.tracked = gl.framebuffer(self._along_volumes) if has_grids else None
         self._work_items = gl.texture(self.grid, 4, dtype="i4")
         for texture in (self.hit, self._work_items):
             texture.filter = moderngl.NEAREST, moderngl.NEAREST
@@ -134,6 +136,11 @@ class Wavefront:
             self.along.use(UNIT_ALONG)
         self.bind_blocks()
 
+    def bind_tracked(self) -> None:
+        """Bind what the pass through volumes has drawn, in place of what the intersector found along the rays."""
+        for unit, texture in zip((UNIT_ALONG, UNIT_FLIGHT), self._along_volumes):
+            texture.use(unit)
+
     def bind_blocks(self) -> None:
         """Bind only the work items of the blocks."""
         self._work_items.use(UNIT_BLOCKS)
@@ -147,7 +154,8 @@ class Wavefront:
 
     def release(self) -> None:
         for thing in (*self._targets, *self._origins, *self._states[0], *self._states[1], self.classes.depth_attachment,
-                      self.classes, self.hit, self.along, self._work_items, *self._arrays.values(), self._block_numbers,
+                      self.classes, self.hit, self.along, self.tracked, *self._along_volumes,
+                      self._work_items, *self._arrays.values(), self._block_numbers,
                       *self.alive.color_attachments, self.alive, self.sums, self.layers):
             if thing is not None:
                 thing.release()

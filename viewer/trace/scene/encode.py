@@ -41,12 +41,14 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
         **{feature.switch: any(f[feature.switch] for f in features) for feature in PATH_TRACED},
         "HAS_SEE_THROUGH": any(instance.see_through for instance in geometry.instances),
         "HAS_UNLIT": any(m.material.unlit for m in materials),
-        "HAS_VOLUME": len(geometry.media) > 1,
+        "HAS_VOLUME": len(geometry.media) > 1 or geometry.scatters,
     }
     # Paths have a medium inside of such solids, too.
+    switches["HAS_TRANSMISSION"] |= geometry.scatters
     switches["HAS_TRANSMISSION"] |= any(m.transmits_diffusely and not m.is_thin for m in materials)
     return {name: int(value or everything) for name, value in switches.items()} | {
         "HAS_SCATTERING": int(geometry.scatters),  # other random numbers: `everything` would be another picture with it
+        "HAS_GRIDS": int(geometry.has_grids),
         "METALNESS": 2 if everything else _metalness(materials)} | glass_switches(materials)
 
 

@@ -68,7 +68,7 @@ class TraceGeometry:
 
     `media` has the medium outside of all solids, and then those of the instances' insides. `emitters` is the number of
     emissive triangles, `left_out_instances` the number of instances of lines or points. `unit` is the length of one
-    unit of tracer space, in world units.
+    unit of tracer space, in world units. `has_grids`: the scene has volumes with grids of densities.
     """
 
     meshes: list[TraceMesh]
@@ -78,11 +78,12 @@ class TraceGeometry:
     emitters: int = 0
     left_out_instances: int = 0
     unit: float = 1.0
+    has_grids: bool = False
 
     @property
     def scatters(self) -> bool:
-        """Whether any medium scatters light."""
-        return any(medium.scatters for medium in self.media)
+        """Whether any medium scatters light, or a grid may."""
+        return self.has_grids or any(medium.scatters for medium in self.media)
 
     @property
     def open_media(self) -> frozenset[int]:
@@ -105,10 +106,10 @@ def trace_geometry(scene: Scene, before: tuple[Scene, TraceGeometry] | None = No
     materials: dict[tuple[int, int, bool], int] = {}
     placed: list[TraceInstance] = []
     used_materials: list[TraceMaterial] = []
-    media = {VACUUM: 0}
+    media = {(VACUUM, False): 0}
     emitters = 0
     surfaces = [without_constant_maps(material) for material in scene.materials]
-    scatters = any(surfaces[mesh.material].medium.scatters for mesh in scene.meshes)
+    scatters = bool(scene.volumes) or any(surfaces[mesh.material].medium.scatters for mesh in scene.meshes)
     for number, instance in enumerate(scene.instances):
         mesh = scene.meshes[instance.mesh]
         if not mesh.triangle_count:
@@ -125,20 +126,22 @@ def trace_geometry(scene: Scene, before: tuple[Scene, TraceGeometry] | None = No
             used_materials.append(trace_material(supported(surfaces[mesh.material], mesh), mesh, scatters))
         material, traced = surfaces[mesh.material], used_materials[materials[key]]
         is_emitter = any(material.emissive) and not material.unlit
+        # A solid without volumes in it has a medium of its own, even if that is the vacuum.
+        displaces = bool(scene.volumes) and traced.is_solid and not traced.is_boundary
         placed.append(TraceInstance(
             mesh=index,
             transform=_to_tracer(scene, instance.transform) @ normalised.to_mesh,
             kind=kind_of(traced),
             see_through=_is_see_through(material, mesh),
             material=materials[key],
-            medium=media.setdefault(traced.medium, len(media)),
+            medium=media.setdefault((traced.medium, displaces), len(media)),
             source=number,
             first_emitter=emitters if is_emitter else -1,
         ))
         emitters += len(normalised.triangles) if is_emitter else 0
     ordered = [mesh for mesh, _ in meshes.values()]
-    return TraceGeometry(ordered, placed, used_materials, tuple(media), emitters, len(scene.instances) - len(placed),
-                         scene.radius)
+    return TraceGeometry(ordered, placed, used_materials, tuple(medium for medium, _ in media), emitters,
+                         len(scene.instances) - len(placed), scene.radius, bool(scene.volumes))
 
 
 def _normalise(mesh: Mesh, source: int) -> TraceMesh:

@@ -55,6 +55,11 @@ class TraceMaterial:
     is_boundary: bool = False
 
     @property
+    def is_solid(self) -> bool:
+        """Whether light travels inside."""
+        return (self.transmits or self.transmits_diffusely) and not self.is_thin
+
+    @property
     def data_textures(self) -> list[Texture]:
         """The textures that are read from the data atlas."""
         return [use.texture for use in self.data_maps] + self.normal_maps

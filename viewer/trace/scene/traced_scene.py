@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ...gpu.context import Context
 from ...scene.scene import Scene
+from ...scene.volume import volume_medium
 from ...settings import Settings
 from ..plan import TracePlan, plan_trace
 from ..rays.intersect import EMBREE_TRIANGLES, make_intersector
@@ -17,6 +18,7 @@ from .lights import SceneLights
 from .nesting import Nesting
 from .scene_buffer import SceneBufferBuilder
 from .scene_data import SceneData
+from .volumes import VolumeGrids
 
 
 class TracedScene:
@@ -27,6 +29,8 @@ class TracedScene:
         self.geometry = trace_geometry(scene)
         self.is_everything = settings.plan == "everything"
         self._data = SceneData(context, scene, self.geometry, self.is_everything)
+        self._grids: VolumeGrids | None = None
+        self._take_volumes(scene)
         self._set_lights(scene, settings, None)
         self.intersector = make_intersector(context, self.geometry, self._data, intersector)
 
@@ -42,6 +46,8 @@ class TracedScene:
             return False
         self.geometry = geometry
         self._data.take(scene, geometry)
+        if scene.volumes != self._scene.volumes:
+            self._take_volumes(scene)
         self._set_lights(scene, settings, self._lights)
         self.intersector.move(geometry)
         return True
@@ -52,9 +58,16 @@ class TracedScene:
             self._set_lights(scene, settings, self._lights)
         self._scene = scene
 
+    def _take_volumes(self, scene: Scene) -> None:
+        if self._grids is not None:
+            self._grids.release()
+        self._grids = VolumeGrids(self._context.gl, scene) if scene.volumes else None
+
     def _set_lights(self, scene: Scene, settings: Settings, previous: SceneLights | None) -> None:
         buffer = self._data.buffer.copy()
         self._lights = SceneLights(self._context, scene, self.geometry, buffer, settings, previous)
+        if self._grids is not None:
+            buffer.add("volumes", self._grids.records(scene, volume_medium(settings)))
         self._data.upload(buffer)
         self._scene = scene
         self._light_key: tuple[object, ...] = _light_key(scene, settings)
@@ -93,16 +106,20 @@ class TracedScene:
         """Bind the textures and set the uniforms that do not depend on the picture."""
         self._data.bind(program)
         self._lights.bind(program)
+        if self._grids is not None:
+            self._grids.bind(program)
 
     def release(self) -> None:
         self._data.release()
         self._lights.release()
+        if self._grids is not None:
+            self._grids.release()
 
 
 def _light_key(scene: Scene, settings: Settings) -> tuple[object, ...]:
     """What the lights depend on. Environments are compared by identity."""
     return (scene.environment, scene.lights, settings.light_radius, settings.lobes == "all",
-            settings.background_blur)
+            settings.background_blur, volume_medium(settings))
 
 
 def plan_without_device(scene: Scene, settings: Settings) -> TracePlan:

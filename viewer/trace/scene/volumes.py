@@ -12,6 +12,8 @@ import moderngl
 import numpy as np
 
 from ...errors import InputError
+from ...gpu.programs import set_uniform
+from ...scene.medium import Medium
 from ...scene.scene import Scene
 from ...scene.volume import Volume
 from ..layout import VOLUME_TEXELS
@@ -20,6 +22,7 @@ CELL_SIZE = 4
 """Voxels along each side of a cell, unless there would be too many cells."""
 MAX_CELLS = 64
 """Most cells along an axis of a grid."""
+UNIT_VOXELS = 21  # beyond those of viewer/trace/paths/wavefront.py
 _WIDTH = 4096
 
 
@@ -93,11 +96,13 @@ class VolumeGrids:
             rest = np.ascontiguousarray(flat[whole * width :])
             self.texture.write(rest, viewport=(0, row + whole, rest.size, 1), alignment=1)
 
-    def records(self, scene: Scene, extinction: float, medium: int) -> np.ndarray:
+    def records(self, scene: Scene, medium: Medium) -> np.ndarray:
         """The section `volumes` of the scene buffer, (volumes * VOLUME_TEXELS, 4) uint32.
 
-        `extinction` is that of a density of 1, per world unit, and `medium` the number of the medium of that density.
+        `medium` is that of a density of 1, with one extinction for all channels.
         """
+        extinction = medium.sigma_t[0]
+        emitted = [e / extinction if extinction > 0 else 0.0 for e in medium.emission]
         out = np.zeros((len(self._volumes), VOLUME_TEXELS, 4), np.uint32)
         for row, volume, place in zip(out, self._volumes, self._places, strict=True):
             size = cell_size(volume.density)
@@ -105,9 +110,19 @@ class VolumeGrids:
             shape = np.array(volume.density.shape[::-1])
             row[3] = *shape, place.voxels
             row[4] = *(-(-shape // size)), place.majorants
-            row[5, 0], row[5, 2] = size, medium
+            row[5, 0] = size
             row[5, 1:2] = np.array([extinction * scene.radius], np.float32).view(np.uint32)
+            row[6] = np.array([*medium.albedo, medium.g], np.float32).view(np.uint32)
+            row[7, :3] = np.array(emitted, np.float32).view(np.uint32)
         return out.reshape(-1, 4)
+
+    def bind(self, program: moderngl.Program) -> None:
+        """Bind the texture and set the uniforms of shaders/media/grid.glsl but that of the section."""
+        if "u_voxels" in program:
+            self.texture.use(UNIT_VOXELS)
+        for name, value in {"u_voxels": UNIT_VOXELS, "u_voxel_shift": self.voxel_shift,
+                            "u_volume_count": len(self._volumes)}.items():
+            set_uniform(program, name, value)
 
     @property
     def voxel_shift(self) -> int:
