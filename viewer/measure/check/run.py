@@ -10,6 +10,7 @@ from ...gpu.context import open_context
 from ...raster.renderer import Renderer
 from ...scene.scene import Scene
 from ...settings import Settings
+from ...trace.tracer import Tracer
 from .checks import Check
 from .energy import LobeCase, check_lobe
 from .extremes import check_extremes
@@ -17,6 +18,7 @@ from .furnace import check_furnaces, check_material, check_renderer_balance
 from .lobe_cases import lobe_cases
 from .lobe_stability import check_lobe_extremes, check_lobe_stability
 from .media import check_media
+from .media_pictures import check_media_extremes, check_media_furnaces
 from .stability import check_stability
 from .user_lobe import user_case
 
@@ -26,17 +28,19 @@ Part = tuple[str, Callable[[], Iterator[Check]]]
 def run_checks(what: str, quiet: bool = False) -> list[Check]:
     """The checks of the package's own shaders: `what` of energy, stability or all. Raises ContextError."""
     with open_context() as context:
-        renderer = Renderer(context, use_cache=False)
+        renderer, tracer = Renderer(context, use_cache=False), Tracer(context, use_cache=False)
         parts: list[Part] = []
         if what != "stability":
             parts += _lobe_parts(lobe_cases())
             parts += [("media", check_media)]
             parts += [("furnace", partial(check_furnaces, renderer))]
             parts += [("balance", partial(check_renderer_balance, renderer))]
+            parts += [("media in furnaces", partial(check_media_furnaces, tracer))]
         if what != "energy":
             parts += [("float32", check_stability)]
             parts += [("lobes' values", check_lobe_stability), ("lobes' extremes", check_lobe_extremes)]
             parts += [("extremes", partial(check_extremes, renderer))]
+            parts += [("extreme media", partial(check_media_extremes, tracer))]
         return _run(parts, quiet)
 
 
