@@ -69,8 +69,7 @@ def load_case(name: str, folder: Path = FOLDER, environments: Path = ENVIRONMENT
     scene = viewer.load(folder / name / case.get("model", "scene.glb"),
                         environment=case["env"] if named else environments / case["env"])
     for file in options["--with"]:
-        beside = viewer.load(folder / name / file)
-        scene = replace(beside, volumes=scene.volumes).relit(environment=scene.environment)
+        scene = viewer.join(scene, viewer.load(folder / name / file))
     if scene.environment is not None and named:
         intensity = float(options["--env-intensity"][0]) if options["--env-intensity"] else 1.0
         scene = scene.relit(environment=replace(scene.environment, intensity=intensity))
