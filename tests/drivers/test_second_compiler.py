@@ -77,6 +77,8 @@ def ours() -> tuple[list[str], dict[str, int], set[str]]:
         wanted |= dict.fromkeys(keys(smoky, Settings.of(mode=mode, fog=height)))
     lamps = tuple(Light("point", intensity=1.0, position=(0, 0, 1 + k)) for k in range(MAX_LIGHTS))
     wanted |= dict.fromkeys(keys(replace(rich[0], lights=lamps), Settings()))
+    smoke = Volume("smoke", np.ones((2, 2, 2), np.float32), np.eye(4))
+    wanted |= dict.fromkeys(keys(replace(rich[0], lights=lamps[:1], volumes=(smoke,)), Settings(mode="path")))
     programs += [*assembled(wanted), *passes()]
     found, most = problems([as_330(program) for program in programs])
     newer, _ = problems([as_400(p) for p in programs if p["fragment"].files[0].name.startswith("intersect")])

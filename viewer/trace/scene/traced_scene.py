@@ -100,7 +100,7 @@ class TracedScene:
     @property
     def texture_bytes(self) -> int:
         """About the size of the scene's textures on the GPU."""
-        return self._data.texture_bytes
+        return self._data.texture_bytes + (self._grids.texture_bytes if self._grids is not None else 0)
 
     def bind(self, program: moderngl.Program) -> None:
         """Bind the textures and set the uniforms that do not depend on the picture."""
