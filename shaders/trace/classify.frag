@@ -5,6 +5,7 @@
 #include "trace/state.glsl"
 #if HAS_SCATTERING
 #include "trace/flight.glsl"
+#include "trace/volume_flight.glsl"
 #endif
 
 #if HAS_SCATTERING

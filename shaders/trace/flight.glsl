@@ -15,12 +15,6 @@ float way_of(Path p) {
     return p.reach >= 0.0 ? p.reach : leaves_media(p.origin, p.direction);
 }
 
-#if HAS_GRIDS
-#include "media/no_collision.glsl"
-
-uniform sampler2D u_flight; // of trace/track.frag: distance to the collision in a volume; number of the volume
-#endif
-
 // The distance to the next collision, if nothing is hit before
 float flight_of(Path p, Medium m, Sample s) {
     return free_distance(m.sigma_t, channel_chances(p.throughput), vertex_numbers(s, p, FLIGHT_GROUP).x);

@@ -4,6 +4,7 @@
 #include "media/phase.glsl"
 #if HAS_GRIDS
 #include "media/volume_medium.glsl"
+#include "trace/volume_flight.glsl"
 #endif
 
 void main() {

@@ -77,6 +77,11 @@ def ours() -> tuple[list[str], dict[str, int], set[str]]:
         wanted |= dict.fromkeys(keys(smoky, Settings.of(mode=mode, fog=height)))
     lamps = tuple(Light("point", intensity=1.0, position=(0, 0, 1 + k)) for k in range(MAX_LIGHTS))
     wanted |= dict.fromkeys(keys(replace(rich[0], lights=lamps), Settings()))
+    milk = Material(metallic=0.0, transmission=1.0, thickness=1.0, scatter_color=(0.5, 0.5, 0.5), ior=1.0,
+                    perceptual_roughness=0.0, attenuation_color=(0.5, 0.5, 0.5), attenuation_distance=1.0)
+    scattering = replace(rich[0], materials=(milk,) * len(rich[0].materials), lights=lamps[:1])
+    wanted |= dict.fromkeys(keys(scattering, Settings(mode="path")))
+    programs += intersections(geometry_switches(scattering, trace_geometry(scattering), False))
     smoke = Volume("smoke", np.ones((2, 2, 2), np.float32), np.eye(4))
     wanted |= dict.fromkeys(keys(replace(rich[0], lights=lamps[:1], volumes=(smoke,)), Settings(mode="path")))
     programs += [*assembled(wanted), *passes()]
