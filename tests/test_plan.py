@@ -107,6 +107,9 @@ def test_only_what_the_material_is_made_of():
     ({"sheen_color": (0.0, 0.0, 0.0)}, {name for name in MAPS if "sheen" not in name}),
     ({"sheen_roughness": 0.0, "transmission": 0.0},
      set(MAPS) - {"sheen_color", "sheen_roughness", "transmission"}),
+    ({"iridescence": 0.0}, {name for name in MAPS if "iridescence" not in name}),
+    ({"iridescence_ior": 1.0}, {name for name in MAPS if "iridescence" not in name}),
+    ({"iridescence_thickness_minimum": 400.0}, set(MAPS) - {"iridescence_thickness"}),
     ({"clearcoat": 0.0}, {name for name in MAPS if "clearcoat" not in name}),
     ({"clearcoat_roughness": 0.0}, set(MAPS) - {"clearcoat_roughness"}),
     ({"clearcoat_normal_scale": 0.0}, set(MAPS) - {"clearcoat_normal"}),
@@ -118,7 +121,7 @@ def test_maps_that_change_no_pixel_are_not_sampled(change, sampled, monkeypatch)
     monkeypatch.setattr("viewer.plan.samplers.MAX_SAMPLERS", 99)
     full = Material(emissive=(1, 1, 1), transmission=1.0, thickness=1.0, anisotropy_strength=1.0, diffuse_roughness=1.0,
                     clearcoat=1.0, clearcoat_roughness=0.5, diffuse_transmission=0.5, sheen_color=(1, 1, 1),
-                    sheen_roughness=0.5,
+                    sheen_roughness=0.5, iridescence=1.0,
                     **{f"{name}_texture": MAP for name in MAPS})
     material = replace(full, **change)
     found = plan(scene(material, environment=ENVIRONMENT))
@@ -131,13 +134,13 @@ def test_maps_that_change_no_pixel_are_not_sampled(change, sampled, monkeypatch)
 
 @pytest.mark.parametrize("mode", ["pbr", "phong"])
 def test_a_layer_is_code_only_where_a_surface_has_it(mode):
-    names = {"sheen": "sheen_over", "clear coat": "coat_over"}
+    names = {"sheen": "sheen_over", "clear coat": "coat_over", "iridescence": "film_over"}
     bare = plan(scene(Material(sheen_color=(0, 0, 1)), lights=(SUN,), environment=ENVIRONMENT), mode=mode)
     text = code(bare)
     for name, word in names.items():
         assert word not in text and (mode == "phong" or f"{name}: no surface has it" in bare.left_out)
-    both = Material(clearcoat=1.0, sheen_color=(0, 0, 1), sheen_roughness=0.5)
-    layered = plan(scene(both, lights=(SUN,), environment=ENVIRONMENT), mode=mode)
+    all_three = Material(clearcoat=1.0, sheen_color=(0, 0, 1), sheen_roughness=0.5, iridescence=1.0)
+    layered = plan(scene(all_three, lights=(SUN,), environment=ENVIRONMENT), mode=mode)
     for name, word in names.items():
         assert (word in code(layered)) == (mode == "pbr")
         line = f"{name} of 1 surface" if mode == "pbr" else f"{name}: mode phong does not show it"

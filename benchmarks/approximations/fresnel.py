@@ -10,7 +10,7 @@ from .piece import SHADERS, Case, Kernel, Piece, Variant, absolute, grid
 
 _FILE = SHADERS / "fresnel.glsl"
 _SWITCHES = {"SHOW_DIFFUSE": 1, "SHOW_SPECULAR": 1, "SHOW_MULTISCATTER": 1, "MULTISCATTER": 1, "FRESNEL": 0,
-             "DIFFUSE_ROUGH": 0}
+             "DIFFUSE_ROUGH": 0, "IRIDESCENT": 0}
 # n, k at 650, 550 and 450 nm (Johnson & Christy 1972; aluminium: Rakic 1995): silver, gold, copper, iron, titanium, Al.
 _METALS = np.array([
     (0.052, 4.41), (0.060, 3.59), (0.040, 2.65), (0.166, 3.15), (0.422, 2.34), (1.381, 1.92), (0.214, 3.67),

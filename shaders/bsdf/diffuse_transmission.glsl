@@ -12,7 +12,7 @@ vec3 surface_transmission(Surface s, SurfaceView v, vec2 dfg_light) {
 
 // The fraction of uniform light from the other side that leaves the base towards the viewer
 vec3 surface_transmitted(Surface s, SurfaceView v) {
-    return MIX_METAL(s, interface_transmittance(v.dielectric, v.dfg) * transmitted_albedo(s), vec3(0.0));
+    return MIX_METAL(s, interface_entering(v.dielectric, v.dfg) * transmitted_albedo(s), vec3(0.0));
 }
 
 // The same, with the albedo that the interface has under an environment

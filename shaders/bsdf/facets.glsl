@@ -15,6 +15,8 @@ struct Surface {
     float ior;     // index of refraction for FRESNEL = 1, where f0 also contains weight and tint
     float alpha;   // below DELTA_ALPHA a mirror; if ANISOTROPIC, the alpha along the bitangent
     float alpha_t; // if ANISOTROPIC, the alpha along the tangent
+    float film;           // if IRIDESCENT, the weight of a film, its index, its thickness in nm, and the share of light
+    float film_ior, film_thickness, film_walls; // that meets it on both faces of a thin wall (bsdf/film.glsl)
     float diffuse_roughness; // if DIFFUSE_ROUGH, sigma of the diffuse base
     float diffuse_transmission;     // if DIFFUSE_TRANSMISSION, the share of the diffuse base's light that passes it
     vec3 diffuse_transmission_color;

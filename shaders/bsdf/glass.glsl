@@ -16,12 +16,19 @@ struct Glass {
     bool is_thin;
     vec3 tint;    // of transmitted light
     vec3 f0, f90; // for light from outside
+    float film, film_ior, film_thickness; // if IRIDESCENT, as in facets.glsl
 };
 
 // The base colour tints light that passes through a solid once in all: each of its two interfaces applies the square
 // root, so the tint is the same in both directions. A thin-walled surface applies the base colour at once.
 Glass glass_of(MaterialInputs m, bool is_thin, bool is_front) {
-    Glass g = Glass(m.ior, alphas_of(m), is_thin, m.base_color.rgb, vec3(0.0), vec3(1.0));
+    Glass g;
+    g.eta = m.ior;
+    g.alpha = alphas_of(m);
+    g.is_thin = is_thin;
+    g.tint = m.base_color.rgb;
+    g.f0 = vec3(f0_from_eta(m.ior));
+    g.f90 = vec3(1.0);
     if (!is_thin) {
         g.tint = sqrt(max(m.base_color.rgb, vec3(0.0)));
         if (!is_front) g.eta = 1.0 / m.ior;
@@ -30,14 +37,17 @@ Glass glass_of(MaterialInputs m, bool is_thin, bool is_front) {
     g.f0 = min(f0_from_eta(m.ior) * m.specular_color, vec3(1.0)) * m.specular;
     g.f90 = vec3(m.specular);
 #endif
+    g.film = m.iridescence;
+    g.film_ior = m.iridescence_ior;
+    g.film_thickness = m.iridescence_thickness_maximum;
     return g;
 }
 
 // The factor by which `specular` and `specular_color` (KHR_materials_specular) change the light that the lobe scatters
 // to wi. It replaces the lobe's Fresnel reflectance R, which goes from f0 of the index to 1, by the same curve scaled
-// to go from g.f0 to g.f90. Total internal reflection does not change.
+// to go from g.f0 to g.f90. Total internal reflection does not change. Below a film the lobes do this themselves.
 vec3 interface_tint(Glass g, vec3 wo, vec3 wi) {
-#if HAS_SPECULAR_GLASS
+#if HAS_SPECULAR_GLASS && !IRIDESCENT
     float eta_f0 = f0_from_eta(g.eta);
     vec3 half_vector = wo + (g.is_thin || wi.z > 0.0 ? vec3(wi.xy, abs(wi.z)) : g.eta * wi); // not normalised
     float R = f_dielectric(min(abs(dot(wo, half_vector)) / max(length(half_vector), 1e-18), 1.0), g.eta);
@@ -57,18 +67,30 @@ vec3 glass_tint(Glass g, vec3 wo, vec3 wi) {
     return interface_tint(g, wo, wi) * (wi.z < 0.0 ? g.tint : vec3(1.0)) * float(SHOW_SPECULAR);
 }
 
+#if HAS_SOLID_GLASS
+Dielectric solid_lobe(Glass g) {
+    return Dielectric(g.eta, g.alpha, g.f0, g.f90, g.film, g.film_ior, g.film_thickness);
+}
+#endif
+
+#if HAS_THIN_GLASS
+ThinDielectric thin_lobe(Glass g) {
+    return ThinDielectric(g.eta, g.alpha, g.f0, g.f90, g.film, g.film_ior, g.film_thickness);
+}
+#endif
+
 // rgb: f, a: the pdf of glass_sample. Delta lobes are not included.
 vec4 glass_eval_pdf(Glass g, vec3 wo, vec3 wi, sampler2D dfg) {
     vec4 f = vec4(0.0);
 #if HAS_SOLID_GLASS
     if (!g.is_thin) {
-        Dielectric lobe = Dielectric(g.eta, g.alpha);
+        Dielectric lobe = solid_lobe(g);
         f = vec4(dielectric_eval(lobe, wo, wi, dfg), dielectric_pdf(lobe, wo, wi, dfg));
     }
 #endif
 #if HAS_THIN_GLASS
     if (g.is_thin) {
-        ThinDielectric lobe = ThinDielectric(g.eta, g.alpha);
+        ThinDielectric lobe = thin_lobe(g);
         f = vec4(thin_dielectric_eval(lobe, wo, wi, dfg), thin_dielectric_pdf(lobe, wo, wi, dfg));
     }
 #endif
@@ -78,10 +100,10 @@ vec4 glass_eval_pdf(Glass g, vec3 wo, vec3 wi, sampler2D dfg) {
 BsdfSample glass_sample(Glass g, vec3 wo, vec3 u, sampler2D dfg) {
     BsdfSample s = NO_SAMPLE;
 #if HAS_SOLID_GLASS
-    if (!g.is_thin) s = dielectric_sample(Dielectric(g.eta, g.alpha), wo, u, dfg);
+    if (!g.is_thin) s = dielectric_sample(solid_lobe(g), wo, u, dfg);
 #endif
 #if HAS_THIN_GLASS
-    if (g.is_thin) s = thin_dielectric_sample(ThinDielectric(g.eta, g.alpha), wo, u, dfg);
+    if (g.is_thin) s = thin_dielectric_sample(thin_lobe(g), wo, u, dfg);
 #endif
     s.weight *= glass_tint(g, wo, s.wi);
     return s;

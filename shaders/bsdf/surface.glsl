@@ -2,14 +2,17 @@
 // all use it.
 //   f = coat + throughput of the coat * base
 //   base = sheen + throughput of the sheen * ((1 - metallic) (dielectric + throughput of the dielectric * diffuse base)
-//          + metallic * metal)
+//          + metallic * metal),   where a thin film may lie on dielectric and metal
 // Khronos Group 2021, "glTF 2.0 Specification", appendix B; KHR_materials_specular, _ior, _anisotropy, _clearcoat,
-// _sheen, _diffuse_roughness, _diffuse_transmission.
+// _sheen, _diffuse_roughness, _diffuse_transmission, _iridescence.
 // METALNESS: 0 dielectric, 1 metal, 2 a mixture. Dielectric and metal are evaluated separately and mixed last, because
 // multiple scattering is not linear in f0.
 #include "bsdf/facets.glsl"
 #if CLEARCOAT
 #include "bsdf/layer/coat.glsl"
+#endif
+#if IRIDESCENT
+#include "bsdf/film.glsl"
 #endif
 #include "bsdf/layer/dielectric.glsl"
 #include "bsdf/layer/diffuse.glsl"
@@ -29,9 +32,9 @@ vec3 surface_response(Surface s, SurfaceView v, Angles a, float dv, vec2 dfg_lig
     passed = sheen_throughput(v.sheen, a.NoL) / v.sheen.mean;
 #endif
     vec3 f = MIX_METAL(s,
-        dielectric_response(v.dielectric, s.ior, a.VoH, dv, dfg_light)
+        interface_response(v.dielectric, dielectric_facets(s, v, a.VoH), dv, dfg_light)
             + (passed * interface_throughput(v.dielectric, dfg_light)) * diffuse_response(s, v.dielectric, a),
-        metal_response(v.metal, a.VoH, dv, dfg_light));
+        interface_response(v.metal, metal_facets(v, a.VoH), dv, dfg_light));
 #if SHEEN
     f = sheen_over(v.sheen, sheen_response(v.sheen, a.NoV, a.NoL, a.s2), f);
 #endif
@@ -47,8 +50,8 @@ vec3 surface_environment(Surface s, SurfaceView v, mat2x3 specular, vec3 mean_li
 }
 
 // The fraction of light from the viewer's direction that enters the dielectric
-float surface_throughput(Surface s, SurfaceView v) {
-    return MIX_METAL(s, interface_transmittance(v.dielectric, v.dfg), 0.0);
+TRANSMITTANCE surface_throughput(Surface s, SurfaceView v) {
+    return MIX_METAL(s, interface_transmitting(v.dielectric, v.dfg), TRANSMITTANCE(0.0));
 }
 
 // ---- The surface as a lobe, as bsdf/bsdf.glsl defines it, with wo and wi in the local frame. A sample is taken from
@@ -115,7 +118,7 @@ BsdfSample base_sample(Surface s, SurfaceView v, vec3 wo, vec3 u, sampler2D dfg)
 #endif
         wi = sample_diffuse(s, wo, u.xy);
     } else if (is_mirror(s)) {
-        vec3 F = MIX_METAL(s, dielectric_fresnel(v.dielectric, wo.z, s.ior), metal_fresnel(v.metal, wo.z));
+        vec3 F = MIX_METAL(s, dielectric_facets(s, v, wo.z), metal_facets(v, wo.z));
 #if SHEEN
         p *= 1.0 - p_sheen;
         F *= v.sheen.throughput;

@@ -10,7 +10,10 @@ vec3 single_albedo(Surface s, SurfaceView v) {
 // the albedo s(o) of the interface
 vec3 multiple_albedo(Surface s, SurfaceView v) {
     vec3 multiple = MIX_METAL(s, v.dielectric.F_ms, v.metal.F_ms) * energy_loss(v.dfg);
-    vec3 base = MIX_METAL(s, interface_transmittance(v.dielectric, v.dfg) * diffuse_albedo(s, v.NoV), vec3(0.0));
+#if IRIDESCENT
+    multiple += MIX_METAL(s, v.dielectric.film_multiple, v.metal.film_multiple);
+#endif
+    vec3 base = MIX_METAL(s, interface_entering(v.dielectric, v.dfg) * diffuse_albedo(s, v.NoV), vec3(0.0));
     return multiple * float(SHOW_MULTISCATTER) + base;
 }
 

@@ -11,6 +11,9 @@ struct SurfaceView {
     float NoV;
     vec2 dfg;                   // (a, b) of the split sum for NoV
     float perceptual_roughness; // for reading the DFG table
+#if IRIDESCENT
+    Film film;
+#endif
 #if SHEEN
     Sheen sheen;
 #endif
@@ -28,6 +31,10 @@ struct SurfaceView {
 #define MIX_METAL(s, dielectric_value, metal_value) mix(dielectric_value, metal_value, s.metallic)
 #endif
 
+#if IRIDESCENT
+#include "bsdf/film_albedo.glsl"
+#endif
+
 SurfaceView view_surface(Surface s, float NoV, float perceptual_roughness, vec2 dfg, vec2 dfg_mean) {
     SurfaceView v;
     v.NoV = NoV;
@@ -39,8 +46,33 @@ SurfaceView view_surface(Surface s, float NoV, float perceptual_roughness, vec2 
 #if METALNESS != 0
     v.metal = make_interface(s.base_color, vec3(1.0), dfg, dfg_mean);
 #endif
+#if IRIDESCENT
+    v.film = Film(s.film, s.film_ior, s.film_thickness, s.film_walls);
+    add_film(v, s, dfg_mean);
+#endif
     return v;
 }
+
+// Fresnel reflectance of the facets, below the film if there is one
+#if METALNESS != 1
+vec3 dielectric_facets(Surface s, SurfaceView v, float mu) {
+    vec3 F = dielectric_fresnel(v.dielectric, mu, s.ior);
+#if IRIDESCENT
+    F = film_over(v.film, mu, F, film_base_ior(s.f0, s.ior));
+#endif
+    return F;
+}
+#endif
+
+#if METALNESS != 0
+vec3 metal_facets(SurfaceView v, float mu) {
+    vec3 F = metal_fresnel(v.metal, mu);
+#if IRIDESCENT
+    F = film_over(v.film, mu, F, 0.0);
+#endif
+    return F;
+}
+#endif
 
 #if SHEEN
 Sheen sheen_of(Surface s, SurfaceView v, sampler2D dfg) {

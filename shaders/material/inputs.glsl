@@ -18,6 +18,10 @@ struct MaterialInputs {
     float diffuse_roughness;        // roughness of the diffuse base, 0 for Lambert's
     vec3 sheen_color;               // colour of the sheen of fibres; where light is transmitted there is none
     float sheen_roughness;          // square root of the alpha of the fibres; 0: no sheen
+    float iridescence;              // weight of a thin film, at whose faces light interferes
+    float iridescence_ior;          // index of refraction of the film
+    float iridescence_thickness_minimum; // thickness of the film where its map is 0
+    float iridescence_thickness_maximum; // thickness of the film where its map is 1, or without a map
     float clearcoat;                // weight of the clear coat's reflection
     float clearcoat_roughness;      // square root of the alpha of the clear coat's microfacets
     vec2 anisotropy_texel; // channels RG of the map
@@ -25,4 +29,5 @@ struct MaterialInputs {
 
 const MaterialInputs DEFAULT_INPUTS = MaterialInputs(
     vec4(1.0, 1.0, 1.0, 1.0), 1.0, 1.0, vec3(0.0, 0.0, 0.0), 1.5, 1.0, vec3(1.0, 1.0, 1.0), 0.0, 0.0, 0.0,
-    0.0, vec3(1.0, 1.0, 1.0), 0.0, 0.0, 0.0, vec3(0.0, 0.0, 0.0), 0.0, 0.0, 0.0, vec2(1.0, 0.5));
+    0.0, vec3(1.0, 1.0, 1.0), 0.0, 0.0, 0.0, vec3(0.0, 0.0, 0.0), 0.0, 0.0, 1.3, 100.0, 400.0, 0.0, 0.0,
+    vec2(1.0, 0.5));

@@ -8,14 +8,17 @@
 #if SPECULAR_GLOSSINESS
 #include "bsdf/specular_glossiness.glsl"
 #endif
+#if IRIDESCENT
+#include "bsdf/iridescence_thickness.glsl"
+#endif
 
 uniform int u_materials;
 
 const uint BASE_COLOR_ROLE = 1u, EMISSIVE_ROLE = 2u, SPECULAR_COLOR_ROLE = 4u, SPECULAR_GLOSSINESS_ROLE = 8u, DIFFUSE_TRANSMISSION_COLOR_ROLE = 16u, SHEEN_COLOR_ROLE = 32u;
-const uint METALLIC_ROUGHNESS_ROLE = 1u, SPECULAR_ROLE = 2u, TRANSMISSION_ROLE = 4u, DIFFUSE_TRANSMISSION_ROLE = 8u, ANISOTROPY_ROLE = 16u, DIFFUSE_ROUGHNESS_ROLE = 32u, SHEEN_ROUGHNESS_ROLE = 64u, CLEARCOAT_ROLE = 128u, CLEARCOAT_ROUGHNESS_ROLE = 256u;
+const uint METALLIC_ROUGHNESS_ROLE = 1u, SPECULAR_ROLE = 2u, TRANSMISSION_ROLE = 4u, DIFFUSE_TRANSMISSION_ROLE = 8u, ANISOTROPY_ROLE = 16u, DIFFUSE_ROUGHNESS_ROLE = 32u, SHEEN_ROUGHNESS_ROLE = 64u, IRIDESCENCE_ROLE = 128u, IRIDESCENCE_THICKNESS_ROLE = 256u, CLEARCOAT_ROLE = 512u, CLEARCOAT_ROUGHNESS_ROLE = 1024u;
 
 int material_texel(int material, int part) {
-    return u_materials + material * 9 + part;
+    return u_materials + material * 10 + part;
 }
 
 vec4 base_color_factor(int material) {
@@ -86,26 +89,42 @@ float sheen_roughness_factor(int material) {
     return scene_float4(material_texel(material, 6)).w;
 }
 
-float clearcoat_factor(int material) {
+float iridescence_factor(int material) {
     return scene_float4(material_texel(material, 7)).x;
 }
 
-float clearcoat_roughness_factor(int material) {
+float iridescence_ior_factor(int material) {
     return scene_float4(material_texel(material, 7)).y;
 }
 
-float clearcoat_normal_scale_factor(int material) {
+float iridescence_thickness_minimum_factor(int material) {
     return scene_float4(material_texel(material, 7)).z;
 }
 
-float alpha_cutoff_factor(int material) {
+float iridescence_thickness_maximum_factor(int material) {
     return scene_float4(material_texel(material, 7)).w;
+}
+
+float clearcoat_factor(int material) {
+    return scene_float4(material_texel(material, 8)).x;
+}
+
+float clearcoat_roughness_factor(int material) {
+    return scene_float4(material_texel(material, 8)).y;
+}
+
+float clearcoat_normal_scale_factor(int material) {
+    return scene_float4(material_texel(material, 8)).z;
+}
+
+float alpha_cutoff_factor(int material) {
+    return scene_float4(material_texel(material, 8)).w;
 }
 
 // The records of the material's maps: x colour maps and y data maps, as index of the first record |
 // number of records << 24; z that of the normal map + 1, w that of the coat's normal map + 1, or 0
 uvec4 map_records(int material) {
-    return scene_uint4(material_texel(material, 8));
+    return scene_uint4(material_texel(material, 9));
 }
 
 // `color` is the interpolated vertex colour.
@@ -139,6 +158,12 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
 #endif
 #if HAS_TRANSMISSION
     m.transmission = transmission_factor(material);
+#endif
+#if IRIDESCENT
+    m.iridescence = iridescence_factor(material);
+    m.iridescence_ior = iridescence_ior_factor(material);
+    m.iridescence_thickness_minimum = iridescence_thickness_minimum_factor(material);
+    m.iridescence_thickness_maximum = iridescence_thickness_maximum_factor(material);
 #endif
 #if SHEEN
     m.sheen_color = sheen_color_factor(material);
@@ -222,6 +247,16 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
 #if SHEEN
         if (has_role(map, SHEEN_ROUGHNESS_ROLE)) {
             m.sheen_roughness *= texel.a;
+        }
+#endif
+#if IRIDESCENT
+        if (has_role(map, IRIDESCENCE_ROLE)) {
+            m.iridescence *= texel.r;
+        }
+#endif
+#if IRIDESCENT
+        if (has_role(map, IRIDESCENCE_THICKNESS_ROLE)) {
+            apply_iridescence_thickness(m, texel);
         }
 #endif
 #if CLEARCOAT

@@ -5,6 +5,9 @@
 #if SPECULAR_GLOSSINESS
 #include "bsdf/specular_glossiness.glsl"
 #endif
+#if IRIDESCENT
+#include "bsdf/iridescence_thickness.glsl"
+#endif
 
 uniform vec4 u_base_color;
 #if ALPHA_MODE == 1
@@ -42,6 +45,12 @@ uniform float u_specular;
 #endif
 #if HAS_TRANSMISSION
 uniform float u_transmission;
+#endif
+#if IRIDESCENT
+uniform float u_iridescence;
+uniform float u_iridescence_ior;
+uniform float u_iridescence_thickness_minimum;
+uniform float u_iridescence_thickness_maximum;
 #endif
 #if IS_SOLID
 uniform float u_thickness;
@@ -204,6 +213,24 @@ vec4 sheen_roughness_texel() {
 }
 #endif
 
+#if IRIDESCENCE_MAP
+uniform sampler2D u_iridescence_map;
+uniform mat3x2 u_iridescence_transform;
+vec4 iridescence_texel() {
+    return texture(u_iridescence_map, map_uv(IRIDESCENCE_UV, IRIDESCENCE_TRANSFORM,
+        u_iridescence_transform, IRIDESCENCE_MIRROR));
+}
+#endif
+
+#if IRIDESCENCE_THICKNESS_MAP
+uniform sampler2D u_iridescence_thickness_map;
+uniform mat3x2 u_iridescence_thickness_transform;
+vec4 iridescence_thickness_texel() {
+    return texture(u_iridescence_thickness_map, map_uv(IRIDESCENCE_THICKNESS_UV, IRIDESCENCE_THICKNESS_TRANSFORM,
+        u_iridescence_thickness_transform, IRIDESCENCE_THICKNESS_MIRROR));
+}
+#endif
+
 #if CLEARCOAT_MAP
 uniform sampler2D u_clearcoat_map;
 uniform mat3x2 u_clearcoat_transform;
@@ -263,6 +290,12 @@ MaterialInputs read_inputs() {
 #endif
 #if HAS_TRANSMISSION
     m.transmission = u_transmission;
+#endif
+#if IRIDESCENT
+    m.iridescence = u_iridescence;
+    m.iridescence_ior = u_iridescence_ior;
+    m.iridescence_thickness_minimum = u_iridescence_thickness_minimum;
+    m.iridescence_thickness_maximum = u_iridescence_thickness_maximum;
 #endif
 #if IS_SOLID
     m.thickness = u_thickness;
@@ -358,6 +391,18 @@ MaterialInputs read_inputs() {
     {
         vec4 texel = sheen_roughness_texel();
         m.sheen_roughness *= texel.a;
+    }
+#endif
+#if IRIDESCENCE_MAP
+    {
+        vec4 texel = iridescence_texel();
+        m.iridescence *= texel.r;
+    }
+#endif
+#if IRIDESCENCE_THICKNESS_MAP && IRIDESCENT
+    {
+        vec4 texel = iridescence_thickness_texel();
+        apply_iridescence_thickness(m, texel);
     }
 #endif
 #if CLEARCOAT_MAP

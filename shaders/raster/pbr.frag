@@ -107,6 +107,7 @@ void main() {
 #endif
 #if HAS_TRANSMISSION && !IS_SOLID
     s.f0 = mix(s.f0, thin_walled_f0(s.f0), m.transmission);
+    s.film_walls = m.transmission;
 #endif
 #if SPECULAR_AA
     s.alpha = alpha_antialiased(s.alpha, dFdx(p.n), dFdy(p.n));
@@ -147,7 +148,7 @@ void main() {
 #endif
 #if HAS_TRANSMISSION
     vec3 transmitted = transmitted_light(m, p.n, p.n_geometric, p.v, blur);
-    float throughput = surface_throughput(s, view) * m.transmission;
+    TRANSMITTANCE throughput = surface_throughput(s, view) * m.transmission;
     radiance += throughput * entering_tint(m.base_color.rgb) * transmitted * float(SHOW_SPECULAR);
     s.base_color *= 1.0 - m.transmission; // the rest is scattered diffusely
 #if DIFFUSE_TRANSMISSION

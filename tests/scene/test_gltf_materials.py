@@ -1,10 +1,13 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from gltf_builder import GltfBuilder, png_bytes
+from images import image_of
 
 from viewer.errors import InputError
 from viewer.material.fold import without_constant_maps
-from viewer.scene.material import Material, Sampler, UVTransform
+from viewer.scene.material import Material, Sampler, Texture, UVTransform
 
 
 def read(material: dict, builder: GltfBuilder | None = None, **top_level):
@@ -158,6 +161,28 @@ def test_clearcoat():
     _, warnings = read({"extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 2}}})
     assert warnings == (
         "materials[0].extensions.KHR_materials_clearcoat.clearcoatFactor: 2 is out of range; 1 is used",)
+
+
+def test_iridescence():
+    builder = GltfBuilder()
+    a, b = builder.texture(), builder.texture()
+    fields = {"iridescenceFactor": 0.9, "iridescenceTexture": {"index": a}, "iridescenceIor": 1.6,
+              "iridescenceThicknessMinimum": 500, "iridescenceThicknessMaximum": 200}
+    material, _ = read({"extensions": {"KHR_materials_iridescence": {
+        **fields, "iridescenceThicknessTexture": {"index": b, "texCoord": 1}}}}, builder)
+    assert (material.iridescence, material.iridescence_ior) == (0.9, 1.6)
+    assert (material.iridescence_thickness_minimum, material.iridescence_thickness_maximum) == (500, 200)
+    assert material.iridescence_texture is not None and material.iridescence_thickness_texture.uv_set == 1
+    assert read({"extensions": {"KHR_materials_iridescence": {}}}) == (Material(), ())
+    assert material.has_film and not replace(material, iridescence_ior=1.0).has_film
+
+
+def test_a_film_as_thick_everywhere_needs_no_map():
+    texel = Texture(image_of(np.full((1, 1, 3), 51, np.uint8)))
+    film = Material(iridescence=1.0, iridescence_thickness_minimum=500.0, iridescence_thickness_texture=texel)
+    folded = without_constant_maps(film)
+    assert folded.iridescence_thickness_texture is None
+    assert folded.iridescence_thickness_maximum == pytest.approx(480.0)
 
 
 def test_anisotropy_without_tangents_or_coordinates_is_left_out_and_said():

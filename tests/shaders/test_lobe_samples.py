@@ -188,6 +188,7 @@ def extremes(lobe: Lobe) -> list[dict[str, float]]:
 
 COMPENSATED = {"turquin": 5e-3, "fdez_aguera": 5e-3, "metal": 2e-3, "conductor": 2e-3, "standard": 5e-3,
                "standard anisotropic": 5e-3, "standard rough": 5e-3, "standard coated": 5e-3,
+               "standard iridescent": 5e-3,
                "standard translucent": 5e-3, "standard sheen": 1e-2}
 
 
@@ -237,6 +238,10 @@ def test_against_float64(lobe, alpha):
         m["coat_alpha"] = np.full_like(m["coat_alpha"], np.float32(0.2))
     if "sheen_roughness" in m:
         m["sheen_roughness"] = np.full_like(m["sheen_roughness"], np.float32(0.5))
+    if "film" in m:  # where the fits of its spectrum and of its albedo are meant to be good
+        m["film_ior"], m["film_thickness"] = (rng.uniform(*ends, count).astype(np.float32).astype(float)
+                                              for ends in ((1.2, 1.8), (50, 700)))
+        m |= {"ior": np.maximum(m["ior"], 1)} if "ior" in m else {}
     if lobe.name == "conductor":
         m["eta"], m["k"] = (rng.uniform(0.1, 5, (count, 3)).astype(np.float32).astype(float) for _ in range(2))
     if is_glass(lobe):
@@ -259,8 +264,14 @@ def test_against_float64(lobe, alpha):
         near_mirror = lobe.file == "surface" and alpha == 0.01
         limit = (1.5e-2 if "coat_alpha" in m else 8e-3) if near_mirror else 1.5e-3
         limit = 2e-2 if "sheen_roughness" in m else limit  # the albedo of fibres is a fit
+        limit = 4e-2 if "film_walls" in m else limit  # the albedo below a film is a mean over six normals
         assert (error / np.maximum(expected, 0.1)).max() < limit
     elif "shininess" in m:  # of up to 1e4, times the rounding of a cosine
         assert (error / np.maximum(expected, 1e-3)).max() < 3e-3
+    elif "film" in m:  # the spectrum is a fit, and its orders are cut off
+        bare = m | {"film": np.zeros(len(wo))}
+        all_light = sum(twin(bare | dict.fromkeys(("f0", "f90"), np.full((len(wo), 3), share)), wo.astype(float),
+                             wi.astype(float)) for share in (0.0, 1.0))
+        assert (error / np.maximum(all_light, 1e-3)).max() < 4e-2 + 3e-7 / alpha  # most over what reflects as a metal
     else:  # float32 directions tilt h by 1e-7, of alpha
         assert (error / np.maximum(expected, 1e-3)).max() < 1e-5 + (3e-7 / alpha if alpha else 0)

@@ -12,6 +12,7 @@ from functools import lru_cache
 from math import lgamma
 
 import numpy as np
+import thin_film
 
 _log_gamma = np.vectorize(lgamma, otypes=[float])
 
@@ -91,28 +92,35 @@ def ggx_albedo(NoV, alpha: float, f0=1.0, f90=1.0):
 @lru_cache(maxsize=256)
 def _ggx_albedos(cosines: tuple[float, ...], alpha: float):
     """The albedo at F = 1, and at f0 = 0, f90 = 1."""
+    out = np.empty((2, len(cosines)))
+    for k, NoV in enumerate(cosines):
+        VoH, share = visible_normals(NoV, alpha)
+        out[:, k] = share.sum(), (share * (1 - VoH) ** 5).sum()
+    return out
+
+
+@lru_cache(maxsize=256)
+def visible_normals(NoV: float, alpha: float):
+    """VoH of visible normals that reflect upwards, and G2 / G1(o) over their number."""
     i = np.arange(17711)
     u1, u2 = (i + 0.5) / len(i), (i * 10946 / len(i)) % 1
     r, phi = np.sqrt(u1), 2 * np.pi * u2
     p1, across = r * np.cos(phi), r * np.sin(phi)
     side = np.sqrt(np.maximum(1 - p1**2, 0))
-    out = np.empty((2, len(cosines)))
-    for k, NoV in enumerate(cosines):
-        o = np.array([np.sqrt(1 - NoV**2), 0.0, NoV])
-        v = unit(o * [alpha, alpha, 1])
-        t1 = np.array([0.0, 1.0, 0.0])
-        t2 = np.cross(v, t1)
-        s = (1 + v[2]) / 2
-        p2 = (1 - s) * side + s * across
-        n = p1[:, None] * t1 + p2[:, None] * t2 + np.sqrt(np.maximum(1 - p1**2 - p2**2, 0))[:, None] * v
-        h = unit(np.stack([alpha * n[:, 0], alpha * n[:, 1], np.maximum(n[:, 2], 1e-9)], axis=-1))
-        OoH = dot(o, h)
-        wi = 2 * OoH[:, None] * h - o
-        up = wi[:, 2] > 1e-12
-        lambda_o = ggx_lambda(o, np.array([alpha, alpha]))
-        share = (1 + lambda_o) / (1 + lambda_o + ggx_lambda(wi[up], np.array([alpha, alpha])))
-        out[:, k] = share.sum(), (share * (1 - np.clip(OoH[up], 0, 1)) ** 5).sum()
-    return out / len(i)
+    o = np.array([np.sqrt(1 - NoV**2), 0.0, NoV])
+    v = unit(o * [alpha, alpha, 1])
+    t1 = np.array([0.0, 1.0, 0.0])
+    t2 = np.cross(v, t1)
+    s = (1 + v[2]) / 2
+    p2 = (1 - s) * side + s * across
+    n = p1[:, None] * t1 + p2[:, None] * t2 + np.sqrt(np.maximum(1 - p1**2 - p2**2, 0))[:, None] * v
+    h = unit(np.stack([alpha * n[:, 0], alpha * n[:, 1], np.maximum(n[:, 2], 1e-9)], axis=-1))
+    OoH = dot(o, h)
+    wi = 2 * OoH[:, None] * h - o
+    up = wi[:, 2] > 1e-12
+    lambda_o = ggx_lambda(o, np.array([alpha, alpha]))
+    share = (1 + lambda_o) / (1 + lambda_o + ggx_lambda(wi[up], np.array([alpha, alpha])))
+    return np.clip(OoH[up], 0, 1), share / len(i)
 
 
 @lru_cache
@@ -238,23 +246,38 @@ def dielectric(m, wo, wi, is_separable=False):
     """Walter et al. 2007, eqs. 20 and 21, light from wi (index eta) to wo (index 1), with Heitz 2016's masking."""
     eta, alpha = m["eta"], m["alpha"]
     reflected, VoH = glass_reflection(alpha, wo, wi, is_separable)
-    reflected = reflected * fresnel(VoH, eta)
+    reflected = reflected[..., None] * glass_fresnel(m, VoH)
     h = -unit(wo + eta[..., None] * wi)
     h = h * np.sign(h[..., 2:])
     o_h, i_h = dot(wo, h), dot(wi, h)
     g2 = separable(alpha, wo, wi) if is_separable else beta(1 + ggx_lambda(wo, alpha), 1 + ggx_lambda(wi, alpha))
-    through = np.abs(i_h * o_h / (wi[..., 2] * wo[..., 2])) * (1 - fresnel(np.abs(o_h), eta)) * g2 * ggx_d(h, alpha)
+    through = np.abs(i_h * o_h / (wi[..., 2] * wo[..., 2])) * g2 * ggx_d(h, alpha)
     through = np.where((o_h > 0) & (i_h < 0), through / (eta * i_h + o_h) ** 2, 0)
-    return np.where(wi[..., 2] > 0, reflected, through)[..., None]
+    return np.where(wi[..., 2:] > 0, reflected, through[..., None] * (1 - glass_fresnel(m, np.abs(o_h))))
+
+
+def glass_fresnel(m, mu):
+    """(..., 1), or of a film (..., 3): Fresnel's curve between f0 and f90 below a film, which light from inside meets
+    at the angle that it has outside."""
+    eta = m["eta"]
+    R = fresnel(mu, eta)[..., None]
+    if "film" not in m:
+        return R
+    eta_f0 = (((eta - 1) / (eta + 1)) ** 2)[..., None]
+    F = m["f0"] + (m["f90"] - m["f0"]) * np.clip((R - eta_f0) / (1 - eta_f0), 0, 1)
+    outside = np.sqrt(np.maximum(np.where(eta < 1, 1 - (1 - mu**2) / eta**2, mu**2), 0))
+    ior = np.where(m["f0"].max(axis=-1) > 0.35, 0, np.maximum(eta, 1 / eta))
+    film = thin_film.reflectance(F, outside, ior, m["film_ior"], m["film_thickness"])
+    return np.where(R >= 1, 1, F + m["film"][..., None] * (film - F))
 
 
 def thin_dielectric(m, wo, wi, is_separable=False):
     """KHR_materials_transmission's mirrored lobe, with what goes to and fro inside added up bounce by bounce."""
     dv, VoH = glass_reflection(m["alpha"], wo, wi * np.where(wi[..., 2:] < 0, [1, 1, -1], 1), is_separable)
-    R, there = fresnel(VoH, m["eta"]), 0.0
+    R, there = glass_fresnel(m, VoH), 0.0
     for k in range(4000):
         there = there + R ** (2 * k) * (1 - R) ** 2
-    return (dv * np.where(wi[..., 2] > 0, 1 - there, there))[..., None]
+    return dv[..., None] * np.where(wi[..., 2:] > 0, 1 - there, there)
 
 
 def standard(m, wo, wi):
@@ -368,6 +391,24 @@ def standard_sheen(m, wo, wi):
     return fibres + o * (metal * pure + (1 - metal) * below + diffuse * i)
 
 
+def standard_iridescent(m, wo, wi):
+    """KHR_materials_iridescence: a film over dielectric and metal, whose colour is missing in what enters below. Only
+    what the viewer sees of the base is dimmed by it."""
+    alpha = _one_alpha(m)
+    alphas = np.stack([m["alpha"]] * 2, axis=-1)
+    return _layers(m, alphas, alpha, wo, wi, film=lambda F, mu, ior: film_over(m, F, mu, ior))
+
+
+def film_over(m, F, mu, ior):
+    """F (N, ..., 3) of N surfaces below their films, for cosines (N, ...). `ior` is 0 for metal."""
+    ior, film_ior, thickness, walls, weight = (np.asarray(value)[(..., *[None] * (np.ndim(mu) - 1))] for value in (
+        ior, m["film_ior"], m["film_thickness"], m["film_walls"], m["film"]))
+    walls, weight = walls[..., None], weight[..., None]
+    one = F / (1 + walls * (1 - F))
+    film = thin_film.reflectance(one, mu, ior, film_ior, thickness)
+    return F + weight * (film * (1 + walls) / (1 + walls * film) - F)
+
+
 def standard_coated(m, wo, wi):
     """KHR_materials_clearcoat: an interface of index 1.5 over all, which lets 1 less its directional albedo through."""
     base, (coat_alpha,) = standard(m, wo, wi), np.unique(m["coat_alpha"])
@@ -382,26 +423,45 @@ def standard_coated(m, wo, wi):
     return coat + (1 - weight * ggx_albedo(wo[..., 2], coat_alpha, 0.04, 1.0)[..., None] - multiple) * base
 
 
-def _layers(m, alphas, alpha, wo, wi, base=None):
-    """`alphas` are those of D V, (..., 2); `alpha` that of the albedo, for all; `base` that is not Lambert's."""
+def _layers(m, alphas, alpha, wo, wi, base=None, film=None):
+    """`alphas` are those of D V, (..., 2); `alpha` that of the albedo, for all; `base` that is not Lambert's; `film` as
+    `film_over`."""
     dv, VoH = ggx_reflection(alphas, wo, wi)
     f0, f90, NoV, NoL = m["f0"], m["f90"][..., None], wo[..., 2], wi[..., 2]
+    E_mean = ggx_mean_albedo(alpha)
 
-    def interface(f0, f90):
-        return schlick(f0, f90, VoH) * dv[..., None] + kulla_conty(alpha, f0 + (f90 - f0) / 21, NoV, NoL)
+    def multiple(mean):
+        return mean**2 * E_mean / (1 - mean * (1 - E_mean))
+
+    def interface(f0, f90, ior):
+        F, mean = schlick(f0, f90, VoH), f0 + (f90 - f0) / 21
+        if film:
+            F, mean = film(F, VoH, ior), hemispherical_mean(
+                lambda mu: film(schlick(f0, f90, mu * np.ones(len(f0))), mu * np.ones(len(f0)), ior), 16)
+        return F * dv[..., None] + kulla_conty(alpha, mean, NoV, NoL), mean
 
     def through(white, grazing):
         """1 less all that is reflected, of the brightest channel; `white` at F = 1, `grazing` at f0 = 0, f90 = 1."""
         white, grazing = np.asarray(white)[..., None], np.asarray(grazing)[..., None]
-        mean, E_mean = f0 + (f90 - f0) / 21, ggx_mean_albedo(alpha)
-        multiple = mean**2 * E_mean / (1 - mean * (1 - E_mean)) * (1 - white)
-        return 1 - (f0 * (white - grazing) + f90 * grazing + multiple).max(axis=-1, keepdims=True)
+        lost = multiple(f0 + (f90 - f0) / 21) * (1 - white)
+        return 1 - (f0 * (white - grazing) + f90 * grazing + lost).max(axis=-1, keepdims=True)
 
     o, i = (through(ggx_albedo(mu, alpha), ggx_albedo(mu, alpha, 0.0, 1.0)) for mu in (NoV, NoL))
     mean = through(ggx_mean_albedo(alpha), ggx_mean_albedo(alpha, 0.0, 1.0))
     base = m["base_color"] / np.pi if base is None else base
-    dielectric_ = interface(f0, f90) + o * i / np.maximum(mean, 1e-4) * base
-    return dielectric_ + m["metallic"][..., None] * (interface(m["base_color"], 1.0) - dielectric_)
+    ior = np.where(f0.max(axis=-1) > 0.35, 0, m["ior"])
+    dielectric_, mean_film = interface(f0, f90, ior)
+    if film:
+        grid = np.linspace(0.002, 1, 150)
+        bare = schlick(f0[:, None], f90[:, None], np.tile(grid, (len(f0), 1)))
+        curves = film(bare, np.tile(grid, (len(f0), 1)), ior) - bare
+        seen = [visible_normals(float(mu), alpha) for mu in NoV]
+        added = [[(share * np.interp(VoH, grid, curve)).sum() for curve in curves_.T]
+                 for (VoH, share), curves_ in zip(seen, curves)]
+        ms = (multiple(mean_film) - multiple(f0 + (f90 - f0) / 21)) * (1 - ggx_albedo(NoV, alpha))[..., None]
+        o = np.maximum(o - added - ms, 0)
+    dielectric_ = dielectric_ + o * i / np.maximum(mean, 1e-4) * base
+    return dielectric_ + m["metallic"][..., None] * (interface(m["base_color"], 1.0, 0 * ior)[0] - dielectric_)
 
 
 def _one_alpha(m) -> float:

@@ -128,6 +128,8 @@ GLASS = {"metallic": 0.0, "perceptual_roughness": 0.0, "transmission": 1.0, "thi
 GOLD = {"base_color": (1.0, 0.78, 0.34, 1)}
 WAX = {"metallic": 0.0, "base_color": (0.6, 0.6, 0.6, 1), "diffuse_transmission": 0.5, "thickness": 2.0}
 BEHIND = (Light("directional", direction=(0.2, -0.3, 1.0), intensity=3.0),)
+FILM = {"metallic": 0.5, "perceptual_roughness": 0.4, "iridescence": 1.0, "iridescence_ior": 1.7,
+        "iridescence_thickness_maximum": 320.0}
 SUN = (Light.from_angles(-0.6, 0.7, 3.0),)
 LAMP = (Light("point", intensity=6.0, position=(-1.2, 1.5, 1.5)),)
 SPOT = (Light("spot", intensity=8.0, position=(-1.0, 1.2, 2.0), direction=(0.4, -0.5, -0.77), inner_cone=0.1,
@@ -159,6 +161,10 @@ FEATURES = [
     Feature("sky, velvet", ball("sky", sheen_color=(1.0, 0.6, 0.3), sheen_roughness=0.5, **GREY), 0.015, 0.06,
             "The rasterizer looks up the light of the fibres along one axis, as wide as a cosine lobe."),
     Feature("sun, velvet", ball(lights=SUN, sheen_color=(1.0, 0.6, 0.3), sheen_roughness=0.5, **GREY), 0.004, 0.012),
+    Feature("furnace, film on white plastic", ball(constant(), **(FILM | {"metallic": 0.0})), 0.004, 0.012),
+    Feature("furnace, film on glass", ball(constant(), **(GLASS | FILM | {"perceptual_roughness": 0.0})), 0.004, 0.012),
+    Feature("studio, film on half metal", ball("studio", **FILM), 0.02, 0.1, MAPS),
+    Feature("sun, film on half metal", ball(lights=SUN, **FILM), 0.004, 0.015),
     Feature("sun, coated plastic", ball(lights=SUN, clearcoat=1.0, clearcoat_roughness=0.3, **PLASTIC), 0.004, 0.012),
     Feature("sun, diffuse", ball(lights=SUN, **GREY), 0.004, 0.012),
     Feature("sun, plastic", ball(lights=SUN, **PLASTIC), 0.004, 0.012),

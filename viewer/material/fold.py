@@ -30,7 +30,7 @@ def without_constant_maps(material: Material) -> Material:
     A map with channels that multiply no factor is folded only if those channels are neutral. Normal maps and maps of
     anisotropy always stay, because 8 bits cannot represent their neutral directions exactly.
     """
-    material = _without_constant_glossiness(material)
+    material = _without_constant_thickness(_without_constant_glossiness(material))
     changes: dict[str, Any] = {}
     for name, source in MAPS.items():
         if source.info.is_applied:
@@ -53,6 +53,17 @@ def _without_constant_glossiness(material: Material) -> Material:
     texture, source = material.specular_glossiness_texture, MAPS["specular_glossiness"]
     color = constant_color(texture.image) if texture is not None else None
     return material if color is None else with_glossiness(material, _linear(source, color, "RGBA"))
+
+
+def _without_constant_thickness(material: Material) -> Material:
+    """`material` whose film is as thick as its map says, if that is of one colour."""
+    texture = material.iridescence_thickness_texture
+    color = constant_color(texture.image) if texture is not None else None
+    if color is None:
+        return material
+    low, high = material.iridescence_thickness_minimum, material.iridescence_thickness_maximum
+    return replace(material, iridescence_thickness_texture=None,
+                   iridescence_thickness_maximum=low + (high - low) * color[1])
 
 
 def constant_color(image: TextureImage) -> RGBA | None:

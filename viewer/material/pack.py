@@ -48,7 +48,7 @@ RECORD_TEXELS = MAPS_TEXEL + 1
 COLOR_ROLES = {m.name: 1 << k for k, m in enumerate(m for m in MAPS.values() if m.info.path_traced and m.info.srgb)}
 DATA_ROLES = {m.name: 1 << k for k, m in enumerate(
     m for m in MAPS.values()
-    if m.info.path_traced and not m.info.srgb and (multiplied_by(m.name) or m.info.raw_channels))}
+    if m.info.path_traced and not m.info.srgb and (multiplied_by(m.name) or m.info.raw_channels or m.info.is_applied))}
 """Bits in the record of a texture: the maps that it is used as. Normal maps, which are neither multiplied nor kept in
 the inputs, have records of their own."""
 

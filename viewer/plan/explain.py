@@ -15,6 +15,7 @@ from ..scene.material import (
     DIFFUSE_ROUGHNESS,
     DIFFUSE_TRANSMISSION,
     DISPERSION,
+    IRIDESCENCE,
     SHEEN,
     TRANSMISSION,
     VOLUME,
@@ -193,8 +194,9 @@ def _omitted_layers(plan: Plan, settings: Settings) -> list[str]:
             if not any(draw.program.get(layer.switch) for draw in plan.kinds)]
 
 
-_LAYERS = {SHEEN: "sheen", CLEARCOAT: "clear coat", DIFFUSE_ROUGHNESS: "rough diffuse reflection",
-           DIFFUSE_TRANSMISSION: "diffuse transmission", DISPERSION: "dispersion"}
+_LAYERS = {SHEEN: "sheen", CLEARCOAT: "clear coat", IRIDESCENCE: "iridescence",
+           DIFFUSE_ROUGHNESS: "rough diffuse reflection", DIFFUSE_TRANSMISSION: "diffuse transmission",
+           DISPERSION: "dispersion"}
 _GIVEN_UP = {
     "TRACED_REFRACTION": "traced refraction",
     "TRACED_REFLECTION": "traced reflections",

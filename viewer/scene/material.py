@@ -101,6 +101,9 @@ SHEEN = Feature(
     "sheen", "KHR_materials_sheen", switch="SHEEN",
     is_on=lambda m: any(m.sheen_color) and m.sheen_roughness > 0 and not m.transmits)
 
+IRIDESCENCE = Feature(
+    "iridescence", "KHR_materials_iridescence", switch="IRIDESCENT", is_on=lambda m: m.has_film)
+
 CLEARCOAT = Feature(
     "clear coat", "KHR_materials_clearcoat", switch="CLEARCOAT", is_on=lambda m: m.clearcoat > 0)
 
@@ -230,6 +233,23 @@ class Material:
         times="sheen_roughness.A")
     sheen_roughness_texture: Texture | None = texture_map(
         "sheenRoughnessTexture", "roughness of the fibres", of=SHEEN, channels="A", has_effect=SHEEN.is_on)
+    iridescence: float = parameter(
+        0.0, "iridescenceFactor", "weight of a thin film, at whose faces light interferes", of=IRIDESCENCE, low=0.0,
+        high=1.0, times="iridescence.R")
+    iridescence_texture: Texture | None = texture_map(
+        "iridescenceTexture", "weight of the thin film", of=IRIDESCENCE, channels="R", has_effect=IRIDESCENCE.is_on)
+    iridescence_ior: float = parameter(
+        1.3, "iridescenceIor", "index of refraction of the film", of=IRIDESCENCE, low=1.0)
+    iridescence_thickness_minimum: float = parameter(
+        100.0, "iridescenceThicknessMinimum", "thickness of the film where its map is 0", of=IRIDESCENCE, low=0.0,
+        unit="nm")
+    iridescence_thickness_maximum: float = parameter(
+        400.0, "iridescenceThicknessMaximum", "thickness of the film where its map is 1, or without a map",
+        of=IRIDESCENCE, low=0.0, unit="nm")
+    iridescence_thickness_texture: Texture | None = texture_map(
+        "iridescenceThicknessTexture", "thickness of the film, from the minimum to the maximum", of=IRIDESCENCE,
+        channels="G", is_applied=True,
+        has_effect=lambda m: m.has_film and m.iridescence_thickness_minimum != m.iridescence_thickness_maximum)
     clearcoat: float = parameter(
         0.0, "clearcoatFactor", "weight of the clear coat's reflection", of=CLEARCOAT, low=0.0, high=1.0,
         times="clearcoat.R")
@@ -273,10 +293,18 @@ class Material:
         return self.diffuse_transmission > 0 and self.is_dielectric
 
     @property
+    def has_film(self) -> bool:
+        """Whether any point of it has a film that changes what it reflects. A film of index 1 does not."""
+        thickest = self.iridescence_thickness_maximum
+        if self.iridescence_thickness_texture is not None:
+            thickest = max(thickest, self.iridescence_thickness_minimum)
+        return self.iridescence > 0 and self.iridescence_ior > 1 and thickest > 0
+
+    @property
     def has_interface(self) -> bool:
         """Whether light is reflected or refracted at a specular interface below the clear coat; otherwise what lies
         below the coat is diffuse."""
-        return self.specular > 0 or self.metallic > 0 or self.transmits
+        return self.specular > 0 or self.metallic > 0 or self.transmits or self.has_film
 
     @property
     def reflects(self) -> bool:

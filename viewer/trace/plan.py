@@ -196,6 +196,7 @@ _SURFACES = {
     "ANISOTROPIC": "anisotropic highlights",
     "DIFFUSE_ROUGH": "rough diffuse reflection",
     "SHEEN": "sheen",
+    "IRIDESCENT": "iridescence",
     "CLEARCOAT": "clear coats",
     "DIFFUSE_TRANSMISSION": "diffuse transmission",
     "DISPERSIVE": "dispersion",

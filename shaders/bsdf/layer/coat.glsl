@@ -35,7 +35,7 @@ Coat make_coat(float weight, float alpha, vec3 n, float NoV, sampler2D dfg) {
 }
 
 vec3 coat_response(Coat c, float VoH, float dv, vec2 dfg_light) {
-    return dielectric_response(c.face, COAT_IOR, VoH, dv, dfg_light);
+    return interface_response(c.face, dielectric_fresnel(c.face, VoH, COAT_IOR), dv, dfg_light);
 }
 
 // Radiance reflected from an environment; the arguments are those of interface_environment.

@@ -13,7 +13,3 @@ vec3 dielectric_fresnel(Interface face, float mu, float ior) {
     return f_schlick(face.f0, face.f90, mu);
 #endif
 }
-
-vec3 dielectric_response(Interface face, float ior, float VoH, float dv, vec2 dfg_light) {
-    return interface_response(face, dielectric_fresnel(face, VoH, ior), dv, dfg_light);
-}

@@ -9,6 +9,11 @@
 #include "bsdf/constants.glsl"
 #include "bsdf/fresnel.glsl"
 #include "bsdf/multiscatter.glsl"
+#if IRIDESCENT
+#define TRANSMITTANCE vec3 // what enters below a film has the complement of its colour
+#else
+#define TRANSMITTANCE float
+#endif
 
 // The terms that depend on the direction of the viewer but not on that of the light. T is the transmittance.
 struct Interface {
@@ -18,7 +23,12 @@ struct Interface {
     vec3 E_ms;                  // directional albedo of multiple scattering under an environment
     vec3 F_ms;                  // fraction of the light missing in single scattering that leaves after several bounces
     vec3 f_ms_view;             // f of multiple scattering / (1 - E(l)), l the direction to the light
-    float scaled_transmittance; // T(v) / T_mean
+    TRANSMITTANCE scaled_transmittance; // T(v) / T_mean
+#if IRIDESCENT
+    vec3 film_single;           // what a film adds to E_ss,
+    vec3 film_multiple;         // to the albedo of multiple scattering,
+    vec3 film_E_ms;             // and to E_ms (bsdf/film_albedo.glsl)
+#endif
 #if DIFFUSE_ROUGH
     float dimming;              // how much darker what lies below is at grazing angles; see interface_dimming
 #endif
@@ -42,6 +52,24 @@ vec3 interface_albedo(Interface face, vec2 dfg) {
 // The fraction T of light that enters. It uses the albedo's largest channel, so that it does not tint the layers below.
 float interface_transmittance(Interface face, vec2 dfg) {
     return max(1.0 - max3(interface_albedo(face, dfg)), 0.0);
+}
+
+// The same for the view, whose (a, b) is dfg, and below a film
+TRANSMITTANCE interface_entering(Interface face, vec2 dfg) {
+#if IRIDESCENT
+    return max(interface_transmittance(face, dfg) - face.film_single - face.film_multiple, 0.0);
+#else
+    return interface_transmittance(face, dfg);
+#endif
+}
+
+// The same beside E_ms, under an environment
+TRANSMITTANCE interface_transmitting(Interface face, vec2 dfg) {
+#if IRIDESCENT
+    return max(interface_transmittance(face, dfg) - face.film_single - face.film_E_ms, 0.0);
+#else
+    return interface_transmittance(face, dfg);
+#endif
 }
 
 #if DIFFUSE_ROUGH
@@ -69,7 +97,10 @@ Interface make_interface(vec3 f0, vec3 f90, vec2 dfg, vec2 mean) {
 #else
     face.E_ms = face.F_ms = face.f_ms_view = vec3(0.0);
 #endif
-    face.scaled_transmittance = interface_transmittance(face, dfg) / max(interface_transmittance(face, mean), 1e-4);
+#if IRIDESCENT
+    face.film_single = face.film_multiple = face.film_E_ms = vec3(0.0);
+#endif
+    face.scaled_transmittance = interface_entering(face, dfg) / max(interface_transmittance(face, mean), 1e-4);
 #if DIFFUSE_ROUGH
     face.dimming = interface_dimming(f0, f90, interface_transmittance(face, mean), mean.y);
 #endif
@@ -82,8 +113,8 @@ vec3 interface_response(Interface face, vec3 F, float dv, vec2 dfg_light) {
 }
 
 // T(v) T(l) / T_mean. It is reciprocal and conserves energy. Kelemen & Szirmay-Kalos 2001, "A Microfacet Based Coupled
-// Specular-Matte BRDF Model"
-float interface_throughput(Interface face, vec2 dfg_light) {
+// Specular-Matte BRDF Model". A film changes T(v) alone, so that a white stack stays white; this is not reciprocal.
+TRANSMITTANCE interface_throughput(Interface face, vec2 dfg_light) {
     return face.scaled_transmittance * interface_transmittance(face, dfg_light);
 }
 
@@ -91,9 +122,17 @@ float interface_throughput(Interface face, vec2 dfg_light) {
 // of the split sum; mean_light is irradiance / pi.
 vec3 interface_environment(Interface face, vec2 dfg, mat2x3 specular, vec3 mean_light) {
     vec3 single = face.f0 * (dfg.x * specular[0]) + face.f90 * (dfg.y * specular[1]);
+#if IRIDESCENT
+    single = max(single + face.film_single * (specular * dfg) / max(dfg.x + dfg.y, 1e-4), 0.0);
+#endif
     return single * float(SHOW_SPECULAR) + mean_light * face.E_ms * float(SHOW_MULTISCATTER);
 }
 
-float interface_environment_throughput(Interface face) {
+TRANSMITTANCE interface_environment_throughput(Interface face) {
+#if IRIDESCENT
+    vec3 film = face.film_single + face.film_E_ms;
+    return max(1.0 - max3(face.E_ss + face.E_ms - film) - film, 0.0);
+#else
     return max(1.0 - max3(face.E_ss + face.E_ms), 0.0); // without masking the difference may be negative
+#endif
 }

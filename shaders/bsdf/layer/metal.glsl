@@ -4,7 +4,3 @@
 vec3 metal_fresnel(Interface face, float mu) {
     return f_schlick(face.f0, face.f90, mu);
 }
-
-vec3 metal_response(Interface face, float VoH, float dv, vec2 dfg_light) {
-    return interface_response(face, metal_fresnel(face, VoH), dv, dfg_light);
-}

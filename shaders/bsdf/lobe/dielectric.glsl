@@ -7,13 +7,24 @@
 #include "bsdf/bsdf.glsl"
 #include "bsdf/fresnel.glsl"
 #include "bsdf/ggx_masking.glsl"
+#include "bsdf/lobe/glass_fresnel.glsl"
 #include "bsdf/visible_normal.glsl"
 #include "sample/lattice.glsl"
 
 struct Dielectric {
     float eta;
     vec2 alpha; // along the tangent, across it
+    vec3 f0, f90; // if IRIDESCENT, of the bare interface seen from outside, and the film on it
+    float film, film_ior, film_thickness;
 };
+
+REFLECTANCE dielectric_reflectance(Dielectric m, float mu) {
+#if IRIDESCENT
+    return filmed_glass(m.f0, m.f90, Film(m.film, m.film_ior, m.film_thickness, 0.0), mu, m.eta);
+#else
+    return f_dielectric(mu, m.eta);
+#endif
+}
 
 // Whether transmission is treated as smooth. The transmitted lobe has a width of about alpha |eta - 1|; below
 // DELTA_ALPHA it is too narrow for float32 directions. Dividing by the lower index gives the same answer from both
@@ -41,7 +52,7 @@ vec3 dielectric_eval(Dielectric m, vec3 wo, vec3 wi, sampler2D dfg) {
     vec2 a = finite_alpha(m.alpha);
     if (wi.z > 0.0) {
         vec3 h = normalize(wo + wi);
-        float F = f_dielectric(clamp(dot(wo, h), 0.0, 1.0), m.eta);
+        REFLECTANCE F = dielectric_reflectance(m, clamp(dot(wo, h), 0.0, 1.0));
         return vec3(d_ggx_local(h, a) * v_masked_ggx(wo, wi, a) * F);
     }
     if (wi.z == 0.0 || transmits_straight(m)) return vec3(0.0);
@@ -50,7 +61,7 @@ vec3 dielectric_eval(Dielectric m, vec3 wo, vec3 wi, sampler2D dfg) {
     if (VoH <= 0.0 || LoH >= 0.0) return vec3(0.0);
     float g2 = g2_transmission_ggx(lambda_ggx_local(wo, a), lambda_ggx_local(wi, a));
     float jacobian = m.eta * LoH + VoH;
-    return vec3((1.0 - f_dielectric(VoH, m.eta)) * d_ggx_local(h, a) * g2 * (VoH / wo.z) * (LoH / wi.z)
+    return vec3((1.0 - dielectric_reflectance(m, VoH)) * d_ggx_local(h, a) * g2 * (VoH / wo.z) * (LoH / wi.z)
                 / (jacobian * jacobian));
 }
 
@@ -59,17 +70,17 @@ float dielectric_pdf(Dielectric m, vec3 wo, vec3 wi, sampler2D dfg) {
     vec2 a = finite_alpha(m.alpha);
     if (wi.z > 0.0) {
         vec3 h = normalize(wo + wi);
-        return f_dielectric(clamp(dot(wo, h), 0.0, 1.0), m.eta) * pdf_visible_reflection(wo, h, a, 1.0);
+        return mean_of(dielectric_reflectance(m, clamp(dot(wo, h), 0.0, 1.0))) * pdf_visible_reflection(wo, h, a, 1.0);
     }
     if (wi.z == 0.0 || transmits_straight(m)) return 0.0;
     vec3 h = refracting_half(wo, wi, m.eta);
     float VoH = dot(wo, h), LoH = dot(wi, h);
     if (VoH <= 0.0 || LoH >= 0.0) return 0.0;
     float jacobian = LoH + VoH / m.eta;
-    return (1.0 - f_dielectric(VoH, m.eta)) * pdf_visible_normal(wo, h, a) * -LoH / (jacobian * jacobian);
+    return (1.0 - mean_of(dielectric_reflectance(m, VoH))) * pdf_visible_normal(wo, h, a) * -LoH / (jacobian * jacobian);
 }
 
-// F of the sampled facet is the probability of reflection. weight = G2 / G1(o), and for transmission G2 / G1(o) /
+// F of the sampled facet, or below a film its mean over the channels, is the probability of reflection. weight = G2 / G1(o), and for transmission G2 / G1(o) /
 // eta^2.
 BsdfSample dielectric_sample(Dielectric m, vec3 wo, vec3 u, sampler2D dfg) {
     if (wo.z <= 0.0) return NO_SAMPLE;
@@ -77,41 +88,44 @@ BsdfSample dielectric_sample(Dielectric m, vec3 wo, vec3 u, sampler2D dfg) {
     vec2 a = finite_alpha(m.alpha);
     vec3 h = is_smooth ? vec3(0.0, 0.0, 1.0) : sample_visible_normal(wo, a, 1.0, u.xy);
     float VoH = clamp(dot(wo, h), 0.0, 1.0);
-    float F = f_dielectric(VoH, m.eta);
+    REFLECTANCE F = dielectric_reflectance(m, VoH);
+    float p = mean_of(F);
     vec3 wi;
-    if (u.z < F) {
+    if (u.z < p) {
         wi = normalize(2.0 * VoH * h - wo);
         if (wi.z <= 0.0) return NO_SAMPLE;
-        if (is_smooth) return BsdfSample(wi, vec3(1.0), F, REFLECTION | DELTA, 1.0);
+        if (is_smooth) return BsdfSample(wi, over_mean(F, p), p, REFLECTION | DELTA, 1.0);
         float weight = masked_reflection_weight(wo, wi, a, 1.0);
-        return BsdfSample(wi, vec3(weight), F * pdf_visible_reflection(wo, h, a, 1.0), REFLECTION, 1.0);
+        return BsdfSample(wi, weight * over_mean(F, p), p * pdf_visible_reflection(wo, h, a, 1.0), REFLECTION, 1.0);
     }
     bool is_straight = is_smooth || transmits_straight(m);
     if (!refract_at(wo, is_straight ? vec3(0.0, 0.0, 1.0) : h, m.eta, wi) || wi.z >= 0.0) return NO_SAMPLE;
     float lambda_o = lambda_ggx_local(wo, a);
     float weight = is_smooth ? 1.0 : (1.0 + lambda_o) * g2_transmission_ggx(lambda_o, lambda_ggx_local(wi, a));
     weight /= m.eta * m.eta;
-    if (is_straight) return BsdfSample(wi, vec3(weight), 1.0 - F, TRANSMISSION | DELTA, m.eta);
-    return BsdfSample(wi, vec3(weight), dielectric_pdf(m, wo, wi, dfg), TRANSMISSION, m.eta);
+    vec3 share = weight * over_mean(1.0 - F, 1.0 - p);
+    if (is_straight) return BsdfSample(wi, share, 1.0 - p, TRANSMISSION | DELTA, m.eta);
+    return BsdfSample(wi, share, dielectric_pdf(m, wo, wi, dfg), TRANSMISSION, m.eta);
 }
 
 // Fractions of power that are reflected and transmitted, from 64 samples of each; the error is at most 0.01.
-vec2 dielectric_shares(Dielectric m, float NoV, sampler2D dfg) {
+mat2x3 dielectric_shares(Dielectric m, float NoV, sampler2D dfg) {
     vec3 wo = vec3(sqrt(max(1.0 - NoV * NoV, 0.0)), 0.0, NoV);
     m.alpha = vec2(sqrt(m.alpha.x * m.alpha.y));
-    vec2 shares = vec2(0.0);
+    mat2x3 shares = mat2x3(0.0);
     for (uint i = 0u; i < 64u; ++i) {
         vec3 h = is_delta(m.alpha) ? vec3(0.0, 0.0, 1.0)
                                    : sample_visible_normal(wo, finite_alpha(m.alpha), 1.0, hammersley(i, 64u));
-        float F = f_dielectric(clamp(dot(wo, h), 0.0, 1.0), m.eta);
+        float p = mean_of(dielectric_reflectance(m, clamp(dot(wo, h), 0.0, 1.0)));
         vec3 u = vec3(hammersley(i, 64u), 0.0);
-        if (F > 0.0) shares.x += F * dielectric_sample(m, wo, u, dfg).weight.x;
-        if (F < 1.0) shares.y += (1.0 - F) * dielectric_sample(m, wo, vec3(u.xy, 1.0), dfg).weight.x;
+        if (p > 0.0) shares[0] += p * dielectric_sample(m, wo, u, dfg).weight;
+        if (p < 1.0) shares[1] += (1.0 - p) * dielectric_sample(m, wo, vec3(u.xy, 1.0), dfg).weight;
     }
-    return shares * vec2(1.0, m.eta * m.eta) / 64.0;
+    shares[1] *= m.eta * m.eta;
+    return shares / 64.0;
 }
 
 vec3 dielectric_albedo(Dielectric m, float NoV, sampler2D dfg) {
-    vec2 shares = dielectric_shares(m, NoV, dfg);
-    return vec3(shares.x + shares.y);
+    mat2x3 shares = dielectric_shares(m, NoV, dfg);
+    return shares[0] + shares[1];
 }

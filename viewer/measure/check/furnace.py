@@ -12,7 +12,7 @@ from ...raster.renderer import Renderer
 from ...scene.camera import Camera
 from ...scene.furnace import whitened
 from ...scene.light import Light
-from ...scene.material import CLEARCOAT, SHEEN, Material
+from ...scene.material import CLEARCOAT, IRIDESCENCE, SHEEN, Material
 from ...scene.schema import MAPS
 from ...settings import Settings
 from .checks import Check
@@ -31,6 +31,7 @@ MATERIALS = {
     "white plaster": Material(metallic=0.0, diffuse_roughness=1.0),
     "glass-like plastic, IOR 2.4": Material(metallic=0.0, ior=2.4),
     "white velvet": Material(metallic=0.0, sheen_color=(1.0, 1.0, 1.0), sheen_roughness=0.5),
+    "white plastic with a film": Material(metallic=0.0, iridescence=1.0, iridescence_ior=1.6),
     "smoothly coated metal": Material(metallic=1.0, clearcoat=1.0),
     "roughly coated plastic": Material(metallic=0.0, clearcoat=1.0, clearcoat_roughness=0.6),
 }
@@ -133,9 +134,10 @@ def _may_gain(material: Material, settings: Settings) -> bool:
     """Whether light of one direction is known to gain energy.
 
     Lobes with another lobe's masking, or none, gain at grazing angles, and the diffuse base is scaled for Schlick's
-    Fresnel alone. What a clear coat, and fibres over an interface, let through depends on the viewer's direction alone.
+    Fresnel alone. What a clear coat, a film, and fibres over an interface let through depends on the viewer's direction
+    alone.
     """
-    if CLEARCOAT.is_on(material) or SHEEN.is_on(material):
+    if any(layer.is_on(material) for layer in (CLEARCOAT, IRIDESCENCE, SHEEN)):
         return True
     borrowed = settings.ndf == "blinn-phong" and settings.masking != "v-cavity"
     return borrowed or settings.masking == "none" or settings.fresnel == "exact"

@@ -53,6 +53,8 @@ F0 = ParameterRange(0.0, 1.0, F0S, size=3)
 UNIT = ParameterRange(0.0, 1.0, (0.0, 1e-4, 0.5, 1.0))
 ALPHA = ParameterRange(1e-3, 1.0, ALPHAS, logarithmic=True)
 ALPHA_2 = ParameterRange(1e-3, 1.0, ALPHAS, size=2, logarithmic=True)
+FILM_IOR = ParameterRange(1.0, 2.5, (1.0, 1.3, 3.0))
+THICKNESS = ParameterRange(10.0, 3000.0, (0.0, 1e-3, 400.0, 1e6), logarithmic=True)
 SHININESS = ParameterRange(1.0, 1e4, (0.0, 1.0, 1e3), logarithmic=True)
 
 
@@ -117,6 +119,11 @@ _WHITE_GGX = {"f0": 1.0, "f90": 1.0, "alpha": 0.5}
 _SHOW_ALL = {"MULTISCATTER": 1, "SHOW_DIFFUSE": 1, "SHOW_SPECULAR": 1, "SHOW_MULTISCATTER": 1}
 
 
+_FILM = {"f0": ParameterRange(0.02, 1.0, (0.04, 1.0), 3), "f90": ParameterRange(1.0, 1.0, (1.0,), 3), "film": UNIT,
+         "film_ior": FILM_IOR, "film_thickness": THICKNESS}
+_WHITE_FILM = {"f0": 0.04, "f90": 1.0, "film": 1.0, "film_ior": 1.4, "film_thickness": 350.0}
+
+
 def _phong(name: str, file: str, failures: Mapping[str, str]) -> Lobe:
     return Lobe(name, f"compare/{file}", name, {"specular": COLOR, "shininess": SHININESS},
                 {"specular": 1.0, "shininess": 10.0}, failures, table=None)
@@ -133,13 +140,15 @@ def _microfacet(ndf: str, masking: str, index: tuple[int, int]) -> Lobe:
                 {"NDF": index[0], "MASKING": index[1]})
 
 
-def _glass(name: str, masking: str) -> Lobe:
+def _glass(name: str, masking: str, film: bool = False) -> Lobe:
     index, is_thin = MASKINGS.index(masking), name == "thin_dielectric"
     low, extremes = (1.0, tuple(eta for eta in ETAS if eta >= 1)) if is_thin else (0.4, ETAS)
     eta = ParameterRange(low, 3.0, extremes)
-    return Lobe(name if index == 0 else f"{name} {masking}", f"lobe/{name}", name, {"eta": eta, "alpha": ALPHA_2},
-                {"eta": 1.5, "alpha": 0.5}, {"furnace": _LOST}, ("ggx", masking), {"MASKING": index},
-                "mirrored" if is_thin else "refracted")
+    title = f"{name} with a film" if film else name if index == 0 else f"{name} {masking}"
+    return Lobe(title, f"lobe/{name}", name, {"eta": eta, "alpha": ALPHA_2, **(_FILM if film else {})},
+                {"eta": 1.5, "alpha": 0.5, **(_WHITE_FILM if film else {})}, {"furnace": _LOST}, ("ggx", masking),
+                {"MASKING": index, "IRIDESCENT": int(film)}, "mirrored" if is_thin else "refracted",
+                {} if film else dict.fromkeys(_FILM, 0.0))
 
 
 _SURFACE = {"base_color": COLOR, "metallic": UNIT, "f0": F0, "f90": UNIT,
@@ -152,6 +161,8 @@ _LAYERS = {
     "DIFFUSE_TRANSMISSION": ({"diffuse_transmission": UNIT, "diffuse_transmission_color": COLOR},
                              {"metallic": 0.0, "diffuse_transmission": 0.4, "diffuse_transmission_color": 1.0}),
     "SHEEN": ({"sheen_color": COLOR, "sheen_roughness": UNIT}, {"sheen_color": 1.0, "sheen_roughness": 0.5}),
+    "IRIDESCENT": ({"film": UNIT, "film_ior": FILM_IOR, "film_thickness": THICKNESS, "film_walls": UNIT},
+                   {"metallic": 0.0, "film": 1.0, "film_ior": 1.4, "film_thickness": 350.0, "film_walls": 0.0}),
     "CLEARCOAT": ({"coat": UNIT, "coat_alpha": ALPHA}, {"coat": 1.0, "coat_alpha": 0.1}),
 }
 """By its switch, what a feature adds to the surface's members: their ranges, and their values for the furnace."""
@@ -201,12 +212,15 @@ LOBES: tuple[Lobe, ...] = (
           "k": ParameterRange(0.0, 8.0, (0.0, 1e-4, 1e4, 1e12), 3), "alpha": ALPHA_2},
          {"eta": 0.2, "k": 1e6, "alpha": 0.5}),
     *(_glass(name, masking) for name in ("dielectric", "thin_dielectric") for masking in MASKINGS[:2]),
+    *(_glass(name, MASKINGS[0], film=True) for name in ("dielectric", "thin_dielectric")),
     _surface("standard"),
     _surface("standard anisotropic", "ANISOTROPIC"),
     _surface("standard rough", "DIFFUSE_ROUGH"),
     _surface("standard translucent", "DIFFUSE_TRANSMISSION"),
     _surface("standard sheen", "SHEEN", failures={
         "reciprocity": "the interface below the fibres is dimmed for wo alone, so that white stays white"}),
+    _surface("standard iridescent", "IRIDESCENT", failures={
+        "reciprocity": "a film changes what enters below it for wo alone, so that white stays white"}),
     _surface("standard coated", "CLEARCOAT", failures={
         "reciprocity": "what the coat lets through depends on wo alone, so that stacks of any layers stay white"}),
     *_MICROFACETS,
