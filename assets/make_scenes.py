@@ -398,6 +398,37 @@ def sheen() -> Glb:
     return glb
 
 
+def iridescence() -> Glb:
+    """Films. Above: over black plastic, over gold, over a mixture with the thickness by a texture, over rough clay.
+    Below: weight by a texture, under a clear coat, on thin-walled and on solid glass."""
+    glb, ball = Glb(), without(sphere(0.45), "TANGENT")
+    waves = np.ones((16, 16, 4))
+    waves[..., :2] = 0.5 + 0.5 * np.sin(np.arange(16) / 16 * 2 * np.pi)[:, None, None]
+    texture = glb.texture(waves, magFilter=9728, minFilter=9728)
+    full = {"iridescenceFactor": 1.0}
+    clear = {"KHR_materials_transmission": {"transmissionFactor": 1.0}}
+    solid = clear | {"KHR_materials_volume": {"thicknessFactor": 0.5}}
+    cases = [
+        ((0.02,) * 3, 0.0, 0.15, full | {"iridescenceIor": 1.8, "iridescenceThicknessMaximum": 350}, {}),
+        ((1.0, 0.77, 0.34), 1.0, 0.3, full | {"iridescenceThicknessMaximum": 300}, {}),
+        ((0.4,) * 3, 0.5, 0.3, full | {"iridescenceIor": 2.0, "iridescenceThicknessMinimum": 900,
+                                       "iridescenceThicknessMaximum": 50, "iridescenceThicknessTexture": texture}, {}),
+        ((0.5, 0.2, 0.1), 0.0, 0.6, full | {"iridescenceIor": 2.5, "iridescenceThicknessMaximum": 120}, {}),
+        ((0.9,) * 3, 1.0, 0.2, full | {"iridescenceTexture": texture}, {}),
+        ((0.6,) * 3, 1.0, 0.5, full | {"iridescenceIor": 1.6, "iridescenceThicknessMaximum": 250},
+         {"KHR_materials_clearcoat": {"clearcoatFactor": 1.0}}),
+        ((1.0,) * 3, 0.0, 0.1, full | {"iridescenceIor": 2.2, "iridescenceThicknessMaximum": 260}, clear),
+        ((1.0,) * 3, 0.0, 0.1, full | {"iridescenceIor": 2.2, "iridescenceThicknessMaximum": 260}, solid),
+    ]
+    for place, (color, metallic, roughness, fields, others) in enumerate(cases):
+        material = glb.material(color, metallic, roughness,
+                                extensions={"KHR_materials_iridescence": fields, **others})
+        glb.node(glb.mesh(ball, material), translation=[place % 4 * 1.1 - 1.65, 0.55 - place // 4 * 1.1, 0])
+    glb.light("directional", (-1, 1, 1.5), intensity=3.0)
+    glb.camera((0, 0, 8.6))
+    return glb
+
+
 def two_sided() -> Glb:
     """Open bowls, double-sided and not, upright and mirrored by a negative scale, one with a normal map."""
     glb = Glb()
@@ -500,8 +531,8 @@ def huge() -> Glb:
 
 
 SCENES = [arm, spheres, normal_map, textures, alpha, lights, vertex_colors, emissive, unlit, specular_ior, glass,
-          dispersion, anisotropy, clearcoat, sheen, specular_glossiness, rough_diffuse, translucent, two_sided,
-          lines_points, occlusion, tiny, huge]
+          dispersion, anisotropy, clearcoat, sheen, iridescence, specular_glossiness, rough_diffuse, translucent,
+          two_sided, lines_points, occlusion, tiny, huge]
 
 if __name__ == "__main__":
     save_scenes(SCENES, Path(__file__).parent / "scenes")
