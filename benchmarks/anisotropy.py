@@ -30,7 +30,7 @@ from .shot import REPOSITORY, default_environment
 
 SIZE, LOBES, FRAMES = 128, (1, 4, 8, 16, 32), 40
 BRUSHED = [(roughness, strength) for roughness in (0.1, 0.3, 0.5, 0.7) for strength in (0.5, 1.0)]
-PLANNED = planner.stretched_lobes
+PLANNED = planner.lookups
 COLUMNS = {"roughness": "roughness:.1f", "strength": "strength:.1f", "planned lobes": "planned",
            **{f"relMSE, {k} lobe{'s' * (k > 1)}": f"relmse_{k}:.4f" for k in LOBES},
            **{f"ms, {k}": f"ms_{k}:.2f" for k in LOBES}, "isotropic, ms": "isotropic_ms:.2f"}
@@ -51,7 +51,7 @@ def main() -> None:
             planned = PLANNED(model.materials[0])
             row: dict[str, object] = {"roughness": roughness, "strength": strength, "planned": planned}
             for lobes in LOBES:
-                planner.stretched_lobes = lambda material, lobes=lobes: lobes
+                planner.lookups = lambda material, lobes=lobes: lobes
                 renderer = Renderer(context)
                 row[f"relmse_{lobes}"] = _relmse(_picture(renderer, model, "ssaa-4"), reference)
                 row[f"ms_{lobes}"] = _milliseconds(renderer, model)

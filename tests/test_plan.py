@@ -153,21 +153,27 @@ def test_a_coat_reflects_though_nothing_below_does():
     assert plan(scene(coated, environment=ENVIRONMENT)).programs[0]["REFLECTS"]
 
 
-def test_only_brushed_surfaces_have_narrow_lobes_the_more_the_farther_they_are_stretched():
-    def lobes(**fields):
-        return plan(scene(Material(**fields), environment=ENVIRONMENT)).programs[0]["STRETCHED_LOBES"]
+def test_a_lobe_has_the_more_lookups_the_farther_it_is_stretched():
+    def lookups(name="LOOKUPS", environment=ENVIRONMENT, settings={}, **fields):  # noqa: B006  it is only read
+        return plan(scene(Material(**fields), environment=environment), **settings).programs[0][name]
 
-    assert lobes(perceptual_roughness=0.3) == lobes(perceptual_roughness=0.3, metallic_roughness_texture=MAP) == 0
+    assert lookups(perceptual_roughness=0.06) == 1 and lookups(perceptual_roughness=0.061) == 2
+    assert lookups(perceptual_roughness=0.3) == lookups(perceptual_roughness=0.3, metallic_roughness_texture=MAP) == 2
+    assert lookups(perceptual_roughness=0.05, settings={"specular_aa": "on"}) == 2
+    assert lookups(metallic=0.0, specular=0.0) == lookups(environment=None) == 0
     brushed = {"anisotropy_strength": 0.5}
-    assert [lobes(perceptual_roughness=r, **brushed) for r in (0.7, 0.5, 0.3, 0.1)] == [4, 4, 8, 32]
-    assert lobes(metallic_roughness_texture=MAP, **brushed) == 16
+    assert [lookups(perceptual_roughness=r, **brushed) for r in (0.7, 0.5, 0.3, 0.1)] == [4, 4, 8, 32]
+    assert lookups(metallic_roughness_texture=MAP, **brushed) == 16
+    coats = ((0.0, 0.5), (1.0, 0.0), (1.0, 0.5))
+    assert [lookups("COAT_LOOKUPS", clearcoat=c, clearcoat_roughness=r) for c, r in coats] == [0, 1, 2]
 
 
 def test_what_settings_or_surfaces_cannot_show_of_anisotropy_is_left_out_and_said_truly():
     brushed = Material(perceptual_roughness=0.2, anisotropy_strength=0.8, anisotropy_texture=MAP)
     beckmann = plan(scene(brushed, environment=ENVIRONMENT), ndf="beckmann")
     program = beckmann.programs[0]
-    assert all(program[name] == 0 for name in ("ANISOTROPIC", "ANISOTROPY_MAP", "HAS_TANGENT", "STRETCHED_LOBES"))
+    assert all(program[name] == 0 for name in ("ANISOTROPIC", "ANISOTROPY_MAP", "HAS_TANGENT"))
+    assert program["LOOKUPS"] == 2
     assert "anisotropy: only the distribution ggx can be anisotropic" in beckmann.left_out
     unlit = plan(scene(replace(brushed, unlit=True), tangents=False, environment=ENVIRONMENT))
     assert not any("anisotropy" in line for line in unlit.left_out)

@@ -8,7 +8,7 @@ from functools import partial
 import moderngl
 import numpy as np
 
-from viewer.bake.dfg import SIZE, compute_dfg_table, dfg_table, directional_albedo
+from viewer.bake.dfg import SIZE, albedo_table, dfg_table, directional_albedo
 from viewer.gpu.context import Context
 from viewer.gpu.float_texture import float_texture
 
@@ -44,18 +44,18 @@ def _albedo(ab: np.ndarray) -> np.ndarray:
 
 def _table(size: int, dtype: type) -> Variant:
     started = time.process_time()
-    whole = compute_dfg_table("ggx", "smith", size)
+    pixels = albedo_table("ggx", "smith", size)
     bake = time.process_time() - started
     is_default = size == SIZE and dtype is np.float32
     name = f"table {size} x {size}, {'half' if dtype is np.float16 else 'float'}"
     if is_default:
-        pixels, kernel = dfg_table(), ("light/dfg.glsl", "vec4(dfg_albedo(u_dfg, p.x, p.y), 0.0, 0.0)")
+        kernel = ("light/dfg.glsl", "vec4(dfg_albedo(u_dfg, p.x, p.y), 0.0, 0.0)")
+        pixels = dfg_table()
     else:
-        pixels = whole[:size]
         kernel = (SHADERS / "dfg.glsl", f"vec4(dfg_albedo_of_size(u_dfg, p.x, p.y, {size:.1f}), 0.0, 0.0)")
     upload = partial(_upload, pixels.astype(dtype))
     return Variant(name, (Kernel(*kernel, {"u_dfg": upload}),), "Karis 2013, v = sqrt(NoV)",
-                   whole.size * np.dtype(dtype).itemsize, bake, is_default)
+                   size * size * 4 * np.dtype(dtype).itemsize, bake, is_default)
 
 
 def _upload(pixels: np.ndarray, context: Context) -> moderngl.Texture:

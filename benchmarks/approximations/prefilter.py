@@ -86,8 +86,8 @@ def levels(name: str, height: int = HEIGHT, dtype: type = np.float16) -> list[np
 def _map(height: int, dtype: type) -> Variant:
     baked = [levels(name, height, dtype) for name in NAMES]
     seconds = float(np.mean([_levels(name, height)[1] for name in NAMES]))
-    kernels = tuple(Kernel("light/prefiltered.glsl", "vec4(prefiltered_radiance(u_map, p.xyz, p.w), 0.0)",
-                           {"u_map": levels_texture(found)}) for found in baked)
+    call = "vec4(prefiltered_radiance(u_map, p.xyz, lod_of_roughness(p.w)), 0.0)"
+    kernels = tuple(Kernel("light/prefiltered.glsl", call, {"u_map": levels_texture(found)}) for found in baked)
     kind = "half" if dtype is np.float16 else "float"
     return Variant(f"levels from {2 * height} x {height}, {kind}", kernels, "exact convolution",
                    sum(level.nbytes for level in baked[0]), seconds, height == HEIGHT and dtype is np.float16)

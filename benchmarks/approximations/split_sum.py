@@ -2,59 +2,89 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
-from viewer.bake.dfg import dfg_table
+from viewer.bake.dfg import SIZE, dfg_table
+from viewer.bake.lobe_samples import lobe_samples
+from viewer.bake.lobes import lobe_spectrum
+from viewer.bake.prefilter import irradiance_map, level_of_roughness
 from viewer.measure.check.reference import smith_lambda
 
-from .light import NAMES, levels_texture, map_texture, seen, sphere_points
+from .light import NAMES, levels_texture, map_texture, radiance, seen, sphere_points
 from .piece import SHADERS, Case, Kernel, Piece, Variant, logarithmic
 from .prefilter import levels
 
 _NOV = np.array([0.1, 0.25, 0.45, 0.7, 0.95])
 _ROUGHNESS = np.array([0.25, 0.4, 0.55, 0.7, 0.85, 1.0])
 _NORMALS, _SAMPLES = 12, 2048
+_VIEW = "p.xyz, q.xyz, p.w, q.w"
 _WAYS = (
-    ("each part's mean direction", "reflected_by_parts", "two look-ups"),
-    ("the first part's mean direction", "reflected_by_first_part", "one look-up"),
-    ("the parts' common mean direction", "reflected_by_whole", "one look-up"),
-    ("Frostbite's fit of the peak", "reflected_by_peak", "Lagarde & de Rousiers 2014"),
-    ("mirror direction", "reflected_by_mirror", "Karis 2013"),
+    ("two lookups and the irradiance", f"reflected_by_lookups(u_map, u_dfg, u_irradiance, {_VIEW}, 2)",
+     "viewer/bake/lookups.py"),
+    ("one lookup and the irradiance", f"reflected_by_lookups(u_map, u_dfg, u_irradiance, {_VIEW}, 1)",
+     "viewer/bake/lookups.py"),
+    ("each part's mean direction", f"reflected_by_parts(u_map, u_dfg, u_means, {_VIEW})", "two look-ups"),
+    ("the parts' common mean direction", f"reflected_by_whole(u_map, u_dfg, u_means, {_VIEW})", "one look-up"),
+    ("Frostbite's fit of the peak", f"reflected_by_peak(u_map, u_dfg, {_VIEW})", "Lagarde & de Rousiers 2014"),
+    ("mirror direction", f"reflected_by_mirror(u_map, u_dfg, {_VIEW})", "Karis 2013"),
 )
+_REASON = ("An oblique lobe is stretched in the plane of incidence, so it takes two narrower ones. The irradiance, "
+           "which the surface needs anyhow, stands for the wide tails.")
 
 
 def dielectric_piece() -> Piece:
-    return _piece("split-sum-dielectric", "Reflection of the environment, dielectrics", 0.04, "reflected_by_parts",
-                  "The parts of a dielectric are alike in size and lean apart: twice the time, a third of the error.")
+    return _piece("split-sum-dielectric", "Reflection of the environment, dielectrics", 0.04)
 
 
 def metal_piece() -> Piece:
-    return _piece("split-sum-metal", "Reflection of the environment, metals", 0.9, "reflected_by_whole",
-                  "A metal's second part is small: a look-up of its own would double the time for a twentieth of the "
-                  "error.")
+    return _piece("split-sum-metal", "Reflection of the environment, metals", 0.9)
 
 
-def _piece(name: str, title: str, f0: float, default: str, reason: str) -> Piece:
+def _piece(name: str, title: str, f0: float) -> Piece:
     """p is the normal and a roughness, q the direction to the viewer and f0."""
     n, v, roughness = _views()
     parameters = np.concatenate([n, roughness[..., None], v, np.full((*roughness.shape, 1), f0)], axis=-1)
     parameters = parameters.reshape(len(n), -1, 8).astype(np.float32)
-    cases = []
+    cases, textures = [], []
     for environment in NAMES:
         truth = _integrals(environment, n, v, roughness, f0).reshape(len(n), -1, 3)
         cases.append(Case(parameters, logarithmic(truth)))
-    baked = [levels(environment) for environment in NAMES]
-    size = sum(level.nbytes for level in baked[0]) + dfg_table().nbytes
-    variants = []
-    for words, function, source in _WAYS:
-        call = f"vec4({function}(u_map, u_dfg, p.xyz, q.xyz, p.w, q.w), 0.0)"
-        kernels = tuple(Kernel(SHADERS / "reflection.glsl", call,
-                               {"u_map": levels_texture(found), "u_dfg": map_texture(dfg_table())})
-                        for found in baked)
-        variants.append(Variant(words, kernels, source, size, is_default=function == default))
+        textures.append({"u_map": levels_texture(levels(environment)), "u_dfg": map_texture(dfg_table()),
+                         "u_irradiance": map_texture(irradiance_map(radiance(environment)).astype(np.float16)),
+                         "u_means": map_texture(_mean_directions())})
+    size = sum(level.nbytes for level in levels(NAMES[0])) + dfg_table().nbytes
+    variants = tuple(
+        Variant(words, tuple(Kernel(SHADERS / "reflection.glsl", f"vec4({call}, 0.0)",
+                                    {used: make for used, make in some.items() if used in call}) for some in textures),
+                source, size, is_default=call == _WAYS[0][1])
+        for words, call, source in _WAYS)
     over = f"NoV 0.1 to 0.95, roughness 0.25 to 1, f0 {f0:g}, in {' and '.join(NAMES)} without the sun"
     return Piece(name, title, over, "the radiance's logarithm", f"integral by {_SAMPLES} visible normals in float64",
-                 tuple(cases), tuple(variants), reason)
+                 tuple(cases), variants, _REASON)
+
+
+@lru_cache(maxsize=1)
+def _mean_directions() -> np.ndarray:
+    """The first moment M = <l> / <1> of each part of the lobe, as a direction and a width, (SIZE, SIZE, 4) float32: t
+    of mix(n, r, t) for the parts a and b, then the levels whose filter has lambda_1 = |M|. Rows and columns are those
+    of `dfg_table`."""
+    axis = np.arange(SIZE) / (SIZE - 1)
+    NoV = np.maximum(axis**2, 1e-4)
+    NoV[-1] = np.cos(1e-3)
+    roughness = np.linspace(0.02, 1, 65)
+    concentration = [lobe_spectrum("ggx", r * r, 1)[1] for r in roughness]
+    table = np.empty((SIZE, SIZE, 4))
+    for column, r in enumerate(axis):
+        directions, parts = lobe_samples("ggx", "smith", NoV, max(r, 0.02) ** 2, 24)
+        along_n, along_t = (np.einsum("jsp,js->pj", parts, directions[..., k]) for k in (0, 1))
+        slope = np.sqrt(1 - NoV**2) * along_n + (1 - NoV) * along_t
+        table[:, column, :2] = np.clip(along_t / np.maximum(slope, 1e-60), -0.5, 5).T
+        length = np.hypot(along_n, along_t).T / parts.sum(axis=1)
+        width = np.interp(-length, -np.array(concentration), roughness)
+        table[:, column, 2:] = level_of_roughness(width)
+    return table.astype(np.float32)
 
 
 def _views() -> tuple[np.ndarray, np.ndarray, np.ndarray]:

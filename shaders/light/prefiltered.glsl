@@ -14,6 +14,6 @@ float lod_of_roughness(float perceptual_roughness) {
 }
 
 // d: unit length, in the environment's frame.
-vec3 prefiltered_radiance(sampler2D map, vec3 d, float perceptual_roughness) {
-    return textureLod(map, equirect_uv_with_margin(d), lod_of_roughness(perceptual_roughness)).rgb;
+vec3 prefiltered_radiance(sampler2D map, vec3 d, float lod) {
+    return textureLod(map, equirect_uv_with_margin(d), lod).rgb;
 }

@@ -27,7 +27,11 @@ vec3 environment_irradiance_over_pi(vec3 n) {
 }
 
 #if REFLECTS
+vec3 environment_level(vec3 d, float lod) {
+    return u_environment_intensity * prefiltered_radiance(u_prefiltered, to_environment(d), lod);
+}
+
 vec3 environment_specular(vec3 d, float perceptual_roughness) {
-    return u_environment_intensity * prefiltered_radiance(u_prefiltered, to_environment(d), perceptual_roughness);
+    return environment_level(d, lod_of_roughness(perceptual_roughness));
 }
 #endif

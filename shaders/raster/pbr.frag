@@ -119,14 +119,10 @@ void main() {
     float perceptual_roughness = m.perceptual_roughness;
 #endif
 
-#if (HAS_ENVIRONMENT || INDIRECT || MEDIA) && REFLECTS
-    SplitSum split_sum = dfg_lookup(u_dfg, p.NoV, perceptual_roughness);
-    SurfaceView view = view_surface(s, p.NoV, perceptual_roughness, split_sum.albedo, dfg_mean(u_dfg, perceptual_roughness));
-#elif REFLECTS
+#if REFLECTS
     SurfaceView view = view_surface(s, p.NoV, perceptual_roughness, dfg_albedo(u_dfg, p.NoV, perceptual_roughness),
                                     dfg_mean(u_dfg, perceptual_roughness));
 #else
-    const SplitSum split_sum = SplitSum(vec2(0.0), vec2(0.0), vec2(0.0));
     SurfaceView view = view_surface(s, p.NoV, perceptual_roughness, vec2(0.0), vec2(0.0));
 #endif
 
@@ -168,7 +164,7 @@ void main() {
 #else
     const vec4 visible = vec4(1.0);
 #endif
-    radiance += shade_environment(p, s, view, occlusion, visible, split_sum);
+    radiance += shade_environment(p, s, view, occlusion, visible);
 #endif
 #if LIGHT_COUNT > 0
     for (int i = 0; i < LIGHT_COUNT; ++i) radiance += shade_light(i, p, s, view);

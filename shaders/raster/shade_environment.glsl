@@ -1,5 +1,6 @@
 // Radiance that a surface of pbr.frag reflects from the environment, from other surfaces and from media around it, by the
-// split sum. Its two parts are looked up separately.
+// split sum: albedos times light. The light of each part of the lobe, a and b, is the weighted sum of a few lookups
+// (viewer/bake/lookups.py).
 
 #include "raster/specular_occlusion.glsl"
 #if INDIRECT
@@ -17,88 +18,97 @@ void light_through_media(vec3 n, vec3 d, inout mat2x3 specular, inout vec3 mean_
 #endif
 
 #if HAS_ENVIRONMENT && REFLECTS
-// The prefiltered environment for a facet with the normal h, along mix(h, mirror direction, t)
-vec3 reflected_along(Point p, vec3 h, float t, float perceptual_roughness) {
+// A level of the prefiltered environment for a facet with the normal h, along mix(h, mirror direction, t)
+vec3 reflected_along(Point p, vec3 h, float t, float level) {
     vec3 d = mix(h, reflect(-p.v, h), t);
     // With a normal map the reflected direction may be below the surface; it is mirrored to the upper side.
     d -= 2.0 * min(dot(d, p.n_geometric), 0.0) * p.n_geometric;
-    return environment_specular(normalize(d), perceptual_roughness);
+    return environment_level(normalize(d), level);
+}
+
+// The light of both parts of a lobe about n. `around` is irradiance / pi at n, `count` the number of lookups: 1 or 2.
+mat2x3 reflected_light(Point p, vec3 n, float NoV, float perceptual_roughness, int count, vec3 around) {
+    mat2x3 light = mat2x3(0.0);
+    vec2 rest = vec2(1.0);
+    for (int k = 0; k < count; ++k) {
+        vec4 lookup = lobe_lookup(u_dfg, NoV, perceptual_roughness, count + k);
+        light += outerProduct(reflected_along(p, n, lookup.x, lookup.y), lookup.zw);
+        rest -= lookup.zw;
+    }
+    return light + outerProduct(around, max(rest, 0.0));
 }
 
 #if ANISOTROPIC
-// The anisotropic lobe as a weighted sum of STRETCHED_LOBES narrower isotropic lobes. Their facets are tilted along the
+// The anisotropic lobe as a weighted sum of LOOKUPS narrower isotropic lobes. Their facets are tilted along the
 // tangent with the slopes x of a GGX distribution of width a, whose cumulative distribution is
 // (1 + x / sqrt(a^2 + x^2)) / 2 (Walter et al. 2007; Heitz 2014). a^2 = alpha_t^2 - alpha_narrow^2 is the width that the
 // narrow lobes lack. A lobe's weight is the projected area of its facets towards the eye times their shadowing, G1(l).
-vec3 stretched_reflection(Point p, Surface s) {
+mat2x3 stretched_light(Point p, Surface s, vec3 around) {
     vec2 alpha = both_alphas(s);
-    float alpha_narrow = max(alpha.y, 0.5 * alpha.x / float(STRETCHED_LOBES)); // so that neighbouring lobes overlap
-    SplitSum narrow = dfg_lookup(u_dfg, p.NoV, sqrt(alpha_narrow));
+    float alpha_narrow = max(alpha.y, 0.5 * alpha.x / float(LOOKUPS)); // so that neighbouring lobes overlap
+    vec4 narrow = lobe_lookup(u_dfg, p.NoV, sqrt(alpha_narrow), 1);
     float a = sqrt(max(alpha.x * alpha.x - alpha_narrow * alpha_narrow, 0.0));
     vec3 sum = vec3(0.0);
     float weights = 0.0;
-    for (int k = 0; k < STRETCHED_LOBES; ++k) {
-        float q = (2.0 * float(k) + 1.0) / float(STRETCHED_LOBES) - 1.0;
+    for (int k = 0; k < LOOKUPS; ++k) {
+        float q = (2.0 * float(k) + 1.0) / float(LOOKUPS) - 1.0;
         vec3 facet = p.n + (a * q * inversesqrt(1.0 - q * q)) * p.frame[0];
         vec3 h = normalize(facet);
         vec3 l = reflect(-p.v, h) * p.frame;
         float weight = max(dot(p.v, facet), 0.0) * max(l.z, 0.0) / (max(l.z, 0.0) + smith_t(l, alpha));
-        sum += weight * reflected_along(p, h, narrow.t.x, narrow.roughness.x);
+        sum += weight * reflected_along(p, h, narrow.x, narrow.y);
         weights += weight;
     }
-    return sum / max(weights, 1e-6);
+    return outerProduct(sum / max(weights, 1e-6), narrow.zw) + outerProduct(around, 1.0 - narrow.zw);
 }
 #endif
 #endif
 
-#if CLEARCOAT
-// The same for the coat, along its own lobe. Rays are traced for what lies below it only.
-vec3 coat_environment(Point p, Coat c, float occlusion, vec4 visible) {
-    mat2x3 specular = mat2x3(0.0);
-    vec3 around = vec3(0.0);
-#if HAS_ENVIRONMENT
-    SplitSum split_sum = dfg_lookup(u_dfg, c.NoV, c.perceptual_roughness);
-    specular[0] = reflected_along(p, c.n, split_sum.t.x, split_sum.roughness.x);
-    specular[1] = reflected_along(p, c.n, split_sum.t.y, split_sum.roughness.y);
-    around = environment_irradiance_over_pi(c.n);
-#endif
-#if MEDIA
-    light_through_media(c.n, reflect(-p.v, c.n), specular, around);
-#endif
+// What of the light other surfaces hide, and what they add to it. `light` is that of the parts of a lobe, `around` is
+// irradiance / pi.
+void meet_other_surfaces(float NoV, float alpha, float occlusion, vec4 visible, inout mat2x3 light, inout vec3 around) {
 #if OCCLUSION_MAP
     around *= occlusion;
-    specular *= specular_occlusion(c.NoV, occlusion, c.alpha);
+    light *= specular_occlusion(NoV, occlusion, alpha);
 #endif
 #if VISIBILITY
     around *= visible.rgb;
-    specular *= visible.a;
+    light *= visible.a;
 #endif
 #if INDIRECT
-    add_indirect(c.NoV, c.alpha, specular, around);
+    add_indirect(NoV, alpha, light, around);
 #endif
-    return coat_environment(c, specular, around);
+}
+
+#if CLEARCOAT
+// The coat looks along its own lobe. Rays are traced for what lies below it only.
+vec3 shade_coat(Point p, Coat c, float occlusion, vec4 visible) {
+    mat2x3 light = mat2x3(0.0);
+    vec3 around = vec3(0.0);
+#if HAS_ENVIRONMENT
+    around = environment_irradiance_over_pi(c.n);
+    light = reflected_light(p, c.n, c.NoV, c.perceptual_roughness, COAT_LOOKUPS, around);
+#endif
+#if MEDIA
+    light_through_media(c.n, reflect(-p.v, c.n), light, around);
+#endif
+    meet_other_surfaces(c.NoV, c.alpha, occlusion, visible, light, around);
+    return coat_environment(c, light, around);
 }
 #endif
 
-vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, vec4 visible, SplitSum split_sum) {
+vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, vec4 visible) {
     mat2x3 specular = mat2x3(0.0);
     vec3 mean_light = vec3(0.0);
 #if HAS_ENVIRONMENT
-#if REFLECTS
-#if ANISOTROPIC
-    specular[0] = specular[1] = stretched_reflection(p, s);
-#elif METALNESS == 1
-    vec2 lookup = common_lookup(split_sum, max3(view.metal.f0)); // one lookup suffices, since b is small for metals
-    specular[0] = specular[1] = reflected_along(p, p.n, lookup.x, lookup.y);
-#else
-    specular[0] = reflected_along(p, p.n, split_sum.t.x, split_sum.roughness.x);
-    specular[1] = reflected_along(p, p.n, split_sum.t.y, split_sum.roughness.y);
-#endif
+    mean_light = environment_irradiance_over_pi(p.n);
+#if ANISOTROPIC && REFLECTS
+    specular = stretched_light(p, s, mean_light);
+#elif REFLECTS
+    specular = reflected_light(p, p.n, p.NoV, view.perceptual_roughness, LOOKUPS, mean_light);
 #endif
 #if DIFFUSE_ROUGH
     mean_light = environment_irradiance_over_pi(diffuse_axis(s, p.n, p.v, p.NoV));
-#else
-    mean_light = environment_irradiance_over_pi(p.n);
 #endif
 #endif
 #if MEDIA
@@ -110,17 +120,7 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
 #if SHEEN
     vec3 unhidden = mean_light;
 #endif
-#if OCCLUSION_MAP
-    mean_light *= occlusion;
-    specular *= specular_occlusion(p.NoV, occlusion, mean_alpha(s));
-#endif
-#if VISIBILITY
-    mean_light *= visible.rgb;
-    specular *= visible.a;
-#endif
-#if INDIRECT
-    add_indirect(p.NoV, mean_alpha(s), specular, mean_light);
-#endif
+    meet_other_surfaces(p.NoV, mean_alpha(s), occlusion, visible, specular, mean_light);
 #if TRACED_REFLECTION
     vec4 hit = traced_reflection(v_position, p.n_geometric); // rgb: radiance, a: fraction of rays that hit
     float traced = traced_share(view.perceptual_roughness);
@@ -150,7 +150,7 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
     radiance = sheen_over(view.sheen, view.sheen.albedo * around, radiance);
 #endif
 #if CLEARCOAT
-    radiance = coat_over(view.coat, coat_environment(p, view.coat, occlusion, visible), radiance);
+    radiance = coat_over(view.coat, shade_coat(p, view.coat, occlusion, visible), radiance);
 #endif
     return radiance;
 }

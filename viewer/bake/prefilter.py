@@ -59,6 +59,15 @@ def level_integral(level: np.ndarray) -> np.ndarray:
     return 2 * np.pi * (_row_measures(len(level)) @ level.mean(axis=1, dtype=np.float64))
 
 
+def level_of_roughness(perceptual_roughness: np.ndarray) -> np.ndarray:
+    """The level of the mip chain to read for a perceptual roughness, as shaders/light/prefiltered.glsl chooses it."""
+    alpha = perceptual_roughness**2
+    x = alpha / (alpha + 0.4)
+    scales = 28.777778, 13.663012, 7.311350, 4.714669, 3.883966
+    offsets = 0.0, 0.474776, 0.789182, 1.153741, 1.774262
+    return np.clip(np.multiply.outer(x, scales) - offsets, 0, 1).sum(axis=-1)
+
+
 def _row_measures(height: int) -> np.ndarray:
     """The integral of each row's hat function times sin(theta) over 0..pi, (height,) float64. Their sum is 2.
 

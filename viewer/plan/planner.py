@@ -14,7 +14,7 @@ from ..material.fold import without_constant_maps
 from ..material.use import feature_switches, metalness, supported, used_maps
 from ..scene.convex import is_convex
 from ..scene.light import Light
-from ..scene.material import ANISOTROPY, Material, Texture
+from ..scene.material import ANISOTROPY, CLEARCOAT, Material, Texture
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.schema import MAP_SWITCHES, MAPS, SWITCHED
@@ -32,6 +32,8 @@ MAX_SHADOW_LAYERS = 24
 TRACED_ROUGHNESS = 1.0
 """Surfaces of this perceptual roughness or more trace no reflections: traced_share() in
 shaders/raster/traced_reflection.glsl is 0 there."""
+NARROW_ROUGHNESS = 0.06
+"""Up to this perceptual roughness one lookup is the whole lobe: _NARROW_COLUMNS in viewer/bake/lookups.py."""
 
 _ALPHA_MODES = ("opaque", "mask", "blend")
 
@@ -187,7 +189,10 @@ def _draw(
         switches |= _map_switches(name.upper(), textures.get(name))
     if lit:
         switches |= common | {"DOUBLE_SIDED": int(material.double_sided)}
-        switches |= _pbr_switches(material, settings) if settings.mode == "pbr" else _phong_switches(material, settings)
+        if settings.mode == "pbr":
+            switches |= _pbr_switches(material, settings, bool(common["HAS_ENVIRONMENT"]))
+        else:
+            switches |= _phong_switches(material, settings)
     wanted, switches = switches, within_limit(switches)
     maps = tuple(name for name in maps if switches[f"{name.upper()}_MAP"])
     program = Program(f"raster/{model}.frag", tuple(sorted(switches.items())))
@@ -221,14 +226,17 @@ def _can_trace_reflections(material: Material) -> bool:
     return material.has_interface and not is_rough and not ANISOTROPY.is_on(material)
 
 
-def stretched_lobes(material: Material) -> int:
-    """The number of isotropic lobes that approximate an anisotropic one under an environment.
+def lookups(material: Material, settings: Settings) -> int:
+    """The number of isotropic lobes that stand for the lobe of the base under an environment.
 
-    It is 0 for an isotropic material, else 2 alpha_t / alpha, rounded up to a power of 2. docs/choices.md has the error
-    of each number. If a map varies the roughness, the ratio is not known and the number is 16.
+    An anisotropic lobe has 2 alpha_t / alpha, rounded up to a power of 2. docs/choices.md has the error of each number.
+    If a map varies the roughness, the ratio is not known and the number is 16. An isotropic lobe has 2, or 1 if it is
+    narrow everywhere.
     """
-    if not ANISOTROPY.is_on(material):
+    if not material.reflects:
         return 0
+    if not ANISOTROPY.is_on(material):
+        return _of_isotropic(material.perceptual_roughness, settings)
     if material.metallic_roughness_texture is not None:
         return 16
     alpha = material.perceptual_roughness**2
@@ -236,12 +244,19 @@ def stretched_lobes(material: Material) -> int:
     return next((count for count in (4, 8, 16) if 2 * alpha_t <= count * alpha), 32)
 
 
-def _pbr_switches(material: Material, settings: Settings) -> dict[str, int]:
+def _of_isotropic(perceptual_roughness: float, settings: Settings) -> int:
+    """1 or 2, for a roughness that a map can only lower. Specular antialiasing widens the lobe."""
+    return 1 if perceptual_roughness <= NARROW_ROUGHNESS and settings.specular_aa == "off" else 2
+
+
+def _pbr_switches(material: Material, settings: Settings, has_environment: bool) -> dict[str, int]:
+    coat = _of_isotropic(material.clearcoat_roughness, settings)
     return {
         "REFLECTS": int(material.reflects),
         "METALNESS": metalness(material),
         **bsdf_switches(settings),
-        "STRETCHED_LOBES": stretched_lobes(material),
+        "LOOKUPS": has_environment * lookups(material, settings),
+        "COAT_LOOKUPS": has_environment * CLEARCOAT.is_on(material) * coat,
         "SPECULAR_AA": int(settings.specular_aa == "on"),
         "TRACED_REFRACTION": int(settings.refraction == "traced" and settings.lobes in ("all", "specular")
                                  and material.transmits and material.thickness > 0),

@@ -5,9 +5,8 @@ They have two uses. In a scene with many different materials fewer programs are 
 use is the setting `plan` = everything, which turns all features on to show what planning saves.
 
 Some switches cannot be turned on for a draw that does not need them. They are the user's choices (the microfacet model,
-the samples), the blending (ALPHA_MODE), the UV set of a map and its mirroring, METALNESS 1 (a pure metal looks up the
-environment once, a mixture twice), features that are not shareable (viewer/scene/material.py), and the fragment file
-(unlit.frag has no lights).
+the samples), the blending (ALPHA_MODE), the UV set of a map and its mirroring, the number of lookups of anisotropic
+lobes, features that are not shareable (viewer/scene/material.py), and the fragment file (unlit.frag has no lights).
 """
 
 from __future__ import annotations
@@ -32,6 +31,9 @@ _SWITCHES = {
 }
 """The switches of each fragment file, beside those of the material, that may be on for a draw that does not need
 them."""
+
+_LOOKUPS = "LOOKUPS", "COAT_LOOKUPS"
+"""Where one lookup suffices, two are halves of the same."""
 
 
 def _model(fragment: str) -> str:
@@ -114,8 +116,8 @@ def _all_on(program: Program, common: Mapping[str, int]) -> dict[str, int]:
     more: list[dict[str, int]] = []
     if fragment != "raster/unlit.frag":
         more += [{name: value} for name, value in common.items()]
-    if fragment == "raster/pbr.frag" and switches["METALNESS"] != 1:
-        switches["METALNESS"] = 2
+    if fragment == "raster/pbr.frag":
+        switches |= {"METALNESS": 2} | {name: max(switches[name], 2) for name in _LOOKUPS}
         if not switches["TRACED_REFLECTION"]:  # transmissive surfaces trace no reflections
             more += [{"HAS_TRANSMISSION": 1}]
     more += [{f"{name}_MAP": 1, f"{name}_TRANSFORM": 1} for name in _maps(fragment)]
@@ -144,8 +146,10 @@ def _union(a: Mapping[str, int], b: Mapping[str, int], fragment: str) -> dict[st
     for name, value in b.items():
         if name in combinations:
             both[name] = combinations[name](a[name], value)
-        elif name == "METALNESS" and {a[name], value} == {0, 2}:
+        elif name == "METALNESS" and a[name] != value:
             both[name] = 2
+        elif name in _LOOKUPS and max(a[name], value) <= 2:
+            both[name] = max(a[name], value)
         elif both[name] != value and not name.endswith(("_UV", "_MIRROR")):
             return None
     return both if sampler_count(both) <= MAX_SAMPLERS else None

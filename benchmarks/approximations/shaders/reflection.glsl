@@ -2,6 +2,7 @@
 // measures.
 #include "bsdf/constants.glsl"
 #include "light/dfg.glsl"
+#include "light/irradiance.glsl"
 #include "light/prefiltered.glsl"
 #include "sample/lattice.glsl"
 
@@ -33,34 +34,43 @@ vec3 sampled_reflection(sampler2D map, vec3 d, float perceptual_roughness, int c
     return sum / weight;
 }
 
-// The split sum, seen from v over the normal n, f90 = 1. Each part along its own mean direction:
-vec3 reflected_by_parts(sampler2D map, sampler2D dfg, vec3 n, vec3 v, float perceptual_roughness, float f0) {
-    SplitSum s = dfg_lookup(dfg, dot(n, v), perceptual_roughness);
+// The split sum, seen from v over the normal n, f90 = 1. As the renderer does it, by one or two lookups and the
+// irradiance at the normal, each with weights of its own in the two parts:
+vec3 reflected_by_lookups(sampler2D map, sampler2D dfg, sampler2D irradiance, vec3 n, vec3 v,
+                          float perceptual_roughness, float f0, int count) {
+    vec2 ab = dfg_albedo(dfg, dot(n, v), perceptual_roughness) * vec2(f0, 1.0), rest = vec2(1.0);
+    vec3 r = reflect(-v, n), sum = vec3(0.0);
+    for (int k = 0; k < count; ++k) {
+        vec4 lookup = lobe_lookup(dfg, dot(n, v), perceptual_roughness, count + k);
+        sum += dot(ab, lookup.zw) * prefiltered_radiance(map, normalize(mix(n, r, lookup.x)), lookup.y);
+        rest -= lookup.zw;
+    }
+    return sum + dot(ab, rest) * irradiance_over_pi(irradiance, n);
+}
+
+// Each part along its own mean direction, from the level as wide as it is; `means` has t and the level of both parts:
+vec3 reflected_by_parts(sampler2D map, sampler2D dfg, sampler2D means, vec3 n, vec3 v, float perceptual_roughness,
+                        float f0) {
+    vec2 ab = dfg_albedo(dfg, dot(n, v), perceptual_roughness) * vec2(f0, 1.0);
+    vec4 mean = textureLod(means, dfg_uv(dot(n, v), perceptual_roughness) * vec2(1.0, 4.0), 0.0);
     vec3 r = reflect(-v, n);
-    vec3 a = prefiltered_radiance(map, normalize(mix(n, r, s.t.x)), s.roughness.x);
-    vec3 b = prefiltered_radiance(map, normalize(mix(n, r, s.t.y)), s.roughness.y);
-    return f0 * s.albedo.x * a + s.albedo.y * b;
+    return ab.x * prefiltered_radiance(map, normalize(mix(n, r, mean.x)), mean.z)
+        + ab.y * prefiltered_radiance(map, normalize(mix(n, r, mean.y)), mean.w);
 }
 
-// Both along the first's:
-vec3 reflected_by_first_part(sampler2D map, sampler2D dfg, vec3 n, vec3 v, float perceptual_roughness, float f0) {
-    SplitSum s = dfg_lookup(dfg, dot(n, v), perceptual_roughness);
-    vec3 d = normalize(mix(n, reflect(-v, n), s.t.x));
-    return (f0 * s.albedo.x + s.albedo.y) * prefiltered_radiance(map, d, s.roughness.x);
-}
-
-// Both along the mean of the two directions, by what each part weighs, as the renderer does for metals:
-vec3 reflected_by_whole(sampler2D map, sampler2D dfg, vec3 n, vec3 v, float perceptual_roughness, float f0) {
-    SplitSum s = dfg_lookup(dfg, dot(n, v), perceptual_roughness);
-    vec2 both = common_lookup(s, f0);
-    vec3 d = normalize(mix(n, reflect(-v, n), both.x));
-    return (f0 * s.albedo.x + s.albedo.y) * prefiltered_radiance(map, d, both.y);
+// Both along the mean of the two directions, by what each part weighs:
+vec3 reflected_by_whole(sampler2D map, sampler2D dfg, sampler2D means, vec3 n, vec3 v, float perceptual_roughness,
+                        float f0) {
+    vec2 ab = dfg_albedo(dfg, dot(n, v), perceptual_roughness) * vec2(f0, 1.0);
+    vec4 mean = textureLod(means, dfg_uv(dot(n, v), perceptual_roughness) * vec2(1.0, 4.0), 0.0);
+    vec2 both = mix(mean.xz, mean.yw, ab.y / max(ab.x + ab.y, 1e-4));
+    return (ab.x + ab.y) * prefiltered_radiance(map, normalize(mix(n, reflect(-v, n), both.x)), both.y);
 }
 
 // Along the mirror direction                   Karis 2013, "Real Shading in Unreal Engine 4"
 vec3 reflected_by_mirror(sampler2D map, sampler2D dfg, vec3 n, vec3 v, float perceptual_roughness, float f0) {
     vec2 ab = dfg_albedo(dfg, dot(n, v), perceptual_roughness);
-    return (f0 * ab.x + ab.y) * prefiltered_radiance(map, reflect(-v, n), perceptual_roughness);
+    return (f0 * ab.x + ab.y) * prefiltered_radiance(map, reflect(-v, n), lod_of_roughness(perceptual_roughness));
 }
 
 // Along a fit of the lobe's peak               Lagarde & de Rousiers 2014, "Moving Frostbite to PBR", listing 22
@@ -68,5 +78,5 @@ vec3 reflected_by_peak(sampler2D map, sampler2D dfg, vec3 n, vec3 v, float perce
     vec2 ab = dfg_albedo(dfg, dot(n, v), perceptual_roughness);
     float alpha = perceptual_roughness * perceptual_roughness;
     vec3 d = normalize(mix(n, reflect(-v, n), (1.0 - alpha) * (sqrt(1.0 - alpha) + alpha)));
-    return (f0 * ab.x + ab.y) * prefiltered_radiance(map, d, perceptual_roughness);
+    return (f0 * ab.x + ab.y) * prefiltered_radiance(map, d, lod_of_roughness(perceptual_roughness));
 }
