@@ -135,7 +135,7 @@ LAMP = (Light("point", intensity=6.0, position=(-1.2, 1.5, 1.5)),)
 SPOT = (Light("spot", intensity=8.0, position=(-1.0, 1.2, 2.0), direction=(0.4, -0.5, -0.77), inner_cone=0.1,
               outer_cone=0.4),)
 MAPS = "The rasterizer reads a prefiltered environment."
-STRETCH = "The prefiltered environment lacks the stretched reflections of grazing angles."
+SUM = "The rasterizer sums two lookups of a prefiltered environment and its irradiance."
 TILTED = "The rasterizer reads the irradiance of one cosine lobe, tilted towards the viewer."
 CAUGHT = "At each surface inside, the rasterizer follows only the stronger of reflection and refraction."
 EDGES = "Edges weigh much in a picture that is mostly empty."
@@ -152,7 +152,7 @@ FEATURES = [
     Feature("studio, plastic", ball("studio", **PLASTIC), 0.01, 0.04, MAPS),
     Feature("studio, rough diffuse", ball("studio", **ROUGH), 0.01, 0.09, TILTED),
     Feature("studio, gold 0.1", ball("studio", perceptual_roughness=0.1, **GOLD), 0.015, 0.06, MAPS),
-    Feature("studio, gold 0.5", ball("studio", perceptual_roughness=0.5, **GOLD), 0.015, 0.16, STRETCH),
+    Feature("studio, gold 0.5", ball("studio", perceptual_roughness=0.5, **GOLD), 0.015, 0.16, SUM),
     Feature("specular anti-aliasing, gold 0.1", ball("studio", perceptual_roughness=0.1, **GOLD), 0.07, 0.2,
             "The rasterizer widens reflections that are finer than a pixel of so small a ball.",
             settings={"specular_aa": "on"}),
