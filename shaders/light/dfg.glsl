@@ -9,12 +9,17 @@ vec2 dfg_uv(float NoV, float perceptual_roughness) {
     return uv * vec2(1.0, 0.25);
 }
 
+// a, b and their means, which are the same for every NoV
+vec4 dfg_albedo_and_mean(sampler2D table, float NoV, float perceptual_roughness) {
+    return textureLod(table, dfg_uv(NoV, perceptual_roughness), 0.0);
+}
+
 vec2 dfg_albedo(sampler2D table, float NoV, float perceptual_roughness) {
-    return textureLod(table, dfg_uv(NoV, perceptual_roughness), 0.0).rg;
+    return dfg_albedo_and_mean(table, NoV, perceptual_roughness).rg;
 }
 
 vec2 dfg_mean(sampler2D table, float perceptual_roughness) {
-    return textureLod(table, dfg_uv(1.0, perceptual_roughness), 0.0).ba;
+    return dfg_albedo_and_mean(table, 1.0, perceptual_roughness).ba;
 }
 
 // One of the lookups that stand for a lobe: t, level, and the weights in the parts a and b. Its direction is

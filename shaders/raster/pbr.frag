@@ -120,8 +120,8 @@ void main() {
 #endif
 
 #if REFLECTS
-    SurfaceView view = view_surface(s, p.NoV, perceptual_roughness, dfg_albedo(u_dfg, p.NoV, perceptual_roughness),
-                                    dfg_mean(u_dfg, perceptual_roughness));
+    vec4 dfg = dfg_albedo_and_mean(u_dfg, p.NoV, perceptual_roughness);
+    SurfaceView view = view_surface(s, p.NoV, perceptual_roughness, dfg.xy, dfg.zw);
 #else
     SurfaceView view = view_surface(s, p.NoV, perceptual_roughness, vec2(0.0), vec2(0.0));
 #endif
