@@ -160,6 +160,8 @@ def test_a_lobe_has_the_more_lookups_the_farther_it_is_stretched():
     assert lookups(perceptual_roughness=0.06) == 1 and lookups(perceptual_roughness=0.061) == 2
     assert lookups(perceptual_roughness=0.3) == lookups(perceptual_roughness=0.3, metallic_roughness_texture=MAP) == 2
     assert lookups(perceptual_roughness=0.05, settings={"specular_aa": "on"}) == 2
+    assert lookups(perceptual_roughness=0.05, metallic_roughness_texture=MAP) == 1
+    assert lookups(perceptual_roughness=0.05, specular_glossiness_texture=MAP) == 2
     assert lookups(metallic=0.0, specular=0.0) == lookups(environment=None) == 0
     brushed = {"anisotropy_strength": 0.5}
     assert [lookups(perceptual_roughness=r, **brushed) for r in (0.7, 0.5, 0.3, 0.1)] == [4, 4, 8, 32]

@@ -236,7 +236,9 @@ def lookups(material: Material, settings: Settings) -> int:
     if not material.reflects:
         return 0
     if not ANISOTROPY.is_on(material):
-        return _of_isotropic(material.perceptual_roughness, settings)
+        # Of glossiness a map makes less, so more of roughness.
+        most = material.perceptual_roughness if material.specular_glossiness_texture is None else 1.0
+        return _of_isotropic(most, settings)
     if material.metallic_roughness_texture is not None:
         return 16
     alpha = material.perceptual_roughness**2
@@ -245,7 +247,7 @@ def lookups(material: Material, settings: Settings) -> int:
 
 
 def _of_isotropic(perceptual_roughness: float, settings: Settings) -> int:
-    """1 or 2, for a roughness that a map can only lower. Specular antialiasing widens the lobe."""
+    """1 or 2, by the largest roughness that there may be. Specular antialiasing widens the lobe."""
     return 1 if perceptual_roughness <= NARROW_ROUGHNESS and settings.specular_aa == "off" else 2
 
 
