@@ -33,7 +33,7 @@ class ReflectedSurfaces:
 
     def __init__(self, context: Context, scene: Scene, settings: Settings, kind: str,
                  programs: Programs) -> None:
-        geometry = trace_geometry(scene)
+        geometry = trace_geometry(scene, scattering=False)
         shown = [instance for instance in geometry.instances if not instance.see_through]
         geometry = replace(geometry, instances=shown)
         self._scene = scene

@@ -35,7 +35,7 @@ class RefractingSurfaces:
     """
 
     def __init__(self, context: Context, scene: Scene, kind: str) -> None:
-        geometry = trace_geometry(scene)
+        geometry = trace_geometry(scene, scattering=False)
         self._scene = scene
         self.defines = shader_defines()
         # Holes of a mask are traced as solid: the picture is empty there, and the ray goes on.

@@ -110,7 +110,7 @@ class BvhIntersector:
             for name, value in self._media.uniforms.items():
                 set_uniform(self._program, name, value)
         target = self._gl.framebuffer([wavefront.hit])
-        both = target if wavefront.along is None else self._gl.framebuffer([wavefront.hit, wavefront.along])
+        both = target if self._media is None else self._gl.framebuffer([wavefront.hit, wavefront.along])
         both.use()
         self._gl.enable_only(moderngl.NOTHING)
         fullscreen(self._gl, self._program).render(vertices=3)

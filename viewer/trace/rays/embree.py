@@ -98,7 +98,7 @@ class EmbreeIntersector:
 
     def store(self, wavefront: WavefrontTextures, answer: Answer) -> None:
         wavefront.hit.write(answer.hits)
-        if wavefront.along is not None:
+        if answer.along is not None:
             wavefront.along.write(answer.along)
 
     def move(self, geometry: TraceGeometry) -> None:

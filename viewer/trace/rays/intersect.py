@@ -41,7 +41,7 @@ class WavefrontTextures(Protocol):
     shadow_vector: moderngl.Texture  # 0: there is no shadow ray
     medium: moderngl.Texture
     hit: moderngl.Texture
-    along: moderngl.Texture | None
+    along: Any
 
 
 @dataclass

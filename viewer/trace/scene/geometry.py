@@ -6,7 +6,7 @@ lies in the unit ball. Everything is computed in float64 and rounded once. Trace
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -96,10 +96,13 @@ class TraceGeometry:
         return sum(len(self.meshes[instance.mesh].triangles) for instance in self.instances)
 
 
-def trace_geometry(scene: Scene, before: tuple[Scene, TraceGeometry] | None = None) -> TraceGeometry:
+def trace_geometry(
+    scene: Scene, before: tuple[Scene, TraceGeometry] | None = None, *, scattering: bool = True
+) -> TraceGeometry:
     """The triangles of `scene`, each mesh once, however often it is placed. Maps of one colour become factors.
 
-    Meshes that the scene `before` has, too, are those of its geometry.
+    Meshes that the scene `before` has, too, are those of its geometry. Without `scattering` all extinction of
+    solids is absorption, and volumes are left out.
     """
     known = {} if before is None else {before[0].meshes[mesh.source]: mesh for mesh in before[1].meshes}
     meshes: dict[int, tuple[TraceMesh, int]] = {}
@@ -108,8 +111,10 @@ def trace_geometry(scene: Scene, before: tuple[Scene, TraceGeometry] | None = No
     used_materials: list[TraceMaterial] = []
     media = {(VACUUM, False): 0}
     emitters = 0
-    surfaces = [without_constant_maps(material) for material in scene.materials]
-    scatters = bool(scene.volumes) or any(surfaces[mesh.material].medium.scatters for mesh in scene.meshes)
+    surfaces = [without_constant_maps(material if scattering else replace(material, scatter_color=(0.0, 0.0, 0.0)))
+                for material in scene.materials]
+    volumes = scene.volumes if scattering else ()
+    scatters = bool(volumes) or any(surfaces[mesh.material].medium.scatters for mesh in scene.meshes)
     for number, instance in enumerate(scene.instances):
         mesh = scene.meshes[instance.mesh]
         if not mesh.triangle_count:
@@ -127,7 +132,7 @@ def trace_geometry(scene: Scene, before: tuple[Scene, TraceGeometry] | None = No
         material, traced = surfaces[mesh.material], used_materials[materials[key]]
         is_emitter = any(material.emissive) and not material.unlit
         # A solid without volumes in it has a medium of its own, even if that is the vacuum.
-        displaces = bool(scene.volumes) and traced.is_solid and not traced.is_boundary
+        displaces = bool(volumes) and traced.is_solid and not traced.is_boundary
         placed.append(TraceInstance(
             mesh=index,
             transform=_to_tracer(scene, instance.transform) @ normalised.to_mesh,
@@ -141,7 +146,7 @@ def trace_geometry(scene: Scene, before: tuple[Scene, TraceGeometry] | None = No
         emitters += len(normalised.triangles) if is_emitter else 0
     ordered = [mesh for mesh, _ in meshes.values()]
     return TraceGeometry(ordered, placed, used_materials, tuple(medium for medium, _ in media), emitters,
-                         len(scene.instances) - len(placed), scene.radius, bool(scene.volumes))
+                         len(scene.instances) - len(placed), scene.radius, bool(volumes))
 
 
 def _normalise(mesh: Mesh, source: int) -> TraceMesh:
