@@ -381,9 +381,11 @@ def _leaves_mode_open(settings: Any) -> bool:
 def _warn(model: str, scene: Any, options: dict[str, Any]) -> None:
     if options["quiet"]:
         return
+    from .jobs.assemble import make_settings
     from .plan.warnings import picture_warnings
 
-    for warning in [*scene.all_warnings, *picture_warnings(scene, options.get("mode", "pbr"))]:
+    emission = make_settings(options).volume_emission
+    for warning in [*scene.all_warnings, *picture_warnings(scene, options.get("mode", "pbr"), emission)]:
         say(f"{model}: warning: {warning}")
 
 

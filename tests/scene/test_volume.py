@@ -125,6 +125,13 @@ def test_it_pickles_prints_and_is_part_of_the_scenes_digest():
     assert smoky().layout != Scene("empty").layout
 
 
+def test_a_volume_that_emits_is_not_dark():
+    assert "will be black" in picture_warnings(smoky(), "pbr")[0]
+    assert "will be black" in picture_warnings(smoky(), "pbr", (0, 0, 0))[0]
+    assert "will be black" in picture_warnings(scene(sphere(segments=12)), "pbr", (0, 1, 0))[0]
+    assert not any("will be black" in line for line in picture_warnings(smoky(), "pbr", (0, 1, 0)))
+
+
 def test_the_medium_of_the_settings():
     settings = Settings.of(volume_density=3, volume_albedo=(0.1, 0.2, 0.3), volume_g=-0.5, volume_emission=2)
     assert volume_medium(settings) == Medium((3, 3, 3), (0.1, 0.2, 0.3), -0.5, emission=(2, 2, 2))

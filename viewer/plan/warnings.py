@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ..scene.scene import Scene
 from .planner import MAX_LIGHTS, is_lit
 
@@ -17,10 +19,10 @@ def is_dark(scene: Scene) -> bool:
     return not any(any(material.emissive) or not is_lit(mesh, material) for mesh, material in shown)
 
 
-def picture_warnings(scene: Scene, mode: str) -> list[str]:
-    """Warnings for the user about a picture of `scene` in `mode`, one line each."""
+def picture_warnings(scene: Scene, mode: str, volume_emission: Sequence[float] = (0.0,)) -> list[str]:
+    """Warnings for the user about a picture of `scene` in `mode`, one line each; volumes emit as the setting says."""
     lines = []
-    if is_dark(scene):
+    if is_dark(scene) and not (scene.volumes and max(volume_emission) > 0):
         lines.append("there is no light and nothing is emissive: the picture will be black. An environment "
                      "(--env) or a light (--light) is needed")
     lights = sum(light.intensity * max(light.color) > 0 for light in scene.lights)
