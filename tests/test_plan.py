@@ -375,6 +375,13 @@ def test_without_a_volume_there_is_no_code_of_one():
     assert "u_volume_depth" in code(smoky)
     alone = plan(Scene("smoke", volumes=(BOX,), lights=(SUN,), environment=ENVIRONMENT))
     assert alone.environment and alone.lights and not alone.shadow_layer_count and not alone.reflections
+    told = "\n".join(alone.left_out)
+    assert "all shading of surfaces: there are none" in told
+    assert not any(words in told for words in ("unlit", "shadows of the environment", "traced reflections"))
+    unlit = plan(replace(scene(Material(unlit=True)), volumes=(BOX,)))
+    assert "all lighting of surfaces: every surface is unlit" in unlit.left_out
+    dim = plan(Scene("smoke", volumes=(BOX,), lights=(Light("point"),) * (MAX_LIGHTS + 7)))
+    assert f"the 7 faintest of {MAX_LIGHTS + 7} lights: a program can have no more" in dim.left_out
 
 
 @pytest.mark.parametrize("volumes", [0, 2])
@@ -476,10 +483,10 @@ def test_lights_that_do_not_fit_are_told():
     many = plan(scene(lights=(Light("point"),) * (MAX_LIGHTS + 7)))
     assert f"the 7 faintest of {MAX_LIGHTS + 7} lights: a program can have no more" in many.left_out
     crowd = scene(lights=(Light("point"),) * (MAX_LIGHTS + 7))
-    [warning] = picture_warnings(crowd, "pbr")
+    [warning] = picture_warnings(crowd, Settings())
     assert f"only the {MAX_LIGHTS} brightest of {MAX_LIGHTS + 7} lights are shown" in warning
-    assert not picture_warnings(crowd, "path") and not picture_warnings(scene(lights=(SUN,)), "pbr")
-    assert "will be black" in picture_warnings(scene(), "pbr")[0]
+    assert not picture_warnings(crowd, Settings(mode="path")) and not picture_warnings(scene(lights=(SUN,)), Settings())
+    assert "will be black" in picture_warnings(scene(), Settings())[0]
 
 
 def test_what_is_saved_is_counted():

@@ -101,8 +101,7 @@ def render(
     image = _rendered(scene, size, camera, backend, aov, settings)
     image = replace(image, stats={"wall_s": {"render": perf_counter() - started}, **image.stats})
     lost = [line for line in scene.all_warnings if line not in known]
-    emission = Settings.of(**settings).volume_emission
-    for line in [*lost, *picture_warnings(scene, settings.get("mode", "pbr"), emission)]:
+    for line in [*lost, *picture_warnings(scene, Settings.of(**settings))]:
         warnings.warn(line, stacklevel=2)
     return image
 

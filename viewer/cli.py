@@ -80,7 +80,7 @@ def view(model: str, **options: Any) -> None:
     settings = make_settings(options)
     start = time.perf_counter()
     scene = make_scene(model, make_environment(options), options)
-    _warn(model, scene, options)
+    _warn(model, scene, settings, options)
     tell = say if options["verbose"] else None
     if tell:
         tell(f"{model}: load {time.perf_counter() - start:.3f} s")
@@ -133,7 +133,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
 
     def load(model: str) -> Any:
         scene = make_scene(model, environment, options)
-        _warn(model, scene, options)
+        _warn(model, scene, settings, options)
         return scene
 
     job = RenderJob(backend, settings, options["size"], options["aov"], use_cache=not options["no_cache"],
@@ -178,7 +178,7 @@ def info(model: str | None, json_file: str | None, list_settings: bool, **option
         settings = make_settings(options)
         scene = make_scene(model, make_environment(options), options)
         facts = describe_scene(scene, settings)
-        _warn(model, scene, options)  # of images that do not decode, too
+        _warn(model, scene, settings, options)  # of images that do not decode, too
     _report(facts, json_file)
 
 
@@ -270,7 +270,7 @@ def report(models: tuple[str, ...], output: str, limit: float, backend: str, **o
 
     def load(model: str) -> Any:
         scene = make_scene(model, environment, options)
-        _warn(model, scene, options)
+        _warn(model, scene, settings, options)
         return scene
 
     job = ReportJob(Path(output), options, settings, limit, backend, options["quiet"])
@@ -378,14 +378,12 @@ def _leaves_mode_open(settings: Any) -> bool:
     return True
 
 
-def _warn(model: str, scene: Any, options: dict[str, Any]) -> None:
+def _warn(model: str, scene: Any, settings: Any, options: dict[str, Any]) -> None:
     if options["quiet"]:
         return
-    from .jobs.assemble import make_settings
     from .plan.warnings import picture_warnings
 
-    emission = make_settings(options).volume_emission
-    for warning in [*scene.all_warnings, *picture_warnings(scene, options.get("mode", "pbr"), emission)]:
+    for warning in [*scene.all_warnings, *picture_warnings(scene, settings)]:
         say(f"{model}: warning: {warning}")
 
 

@@ -12,10 +12,12 @@ from shapes import moved, scene, sphere
 
 from viewer.base.digest import digest
 from viewer.errors import UsageError
+from viewer.plan.media import MAX_VOLUMES
 from viewer.plan.warnings import picture_warnings
 from viewer.scene.camera import Camera
 from viewer.scene.frame import Frame
 from viewer.scene.framing import MARGIN
+from viewer.scene.light import Light
 from viewer.scene.medium import Medium
 from viewer.scene.scene import Scene
 from viewer.scene.volume import Volume, volume_medium
@@ -125,13 +127,6 @@ def test_it_pickles_prints_and_is_part_of_the_scenes_digest():
     assert smoky().layout != Scene("empty").layout
 
 
-def test_a_volume_that_emits_is_not_dark():
-    assert "will be black" in picture_warnings(smoky(), "pbr")[0]
-    assert "will be black" in picture_warnings(smoky(), "pbr", (0, 0, 0))[0]
-    assert "will be black" in picture_warnings(scene(sphere(segments=12)), "pbr", (0, 1, 0))[0]
-    assert not any("will be black" in line for line in picture_warnings(smoky(), "pbr", (0, 1, 0)))
-
-
 def test_the_medium_of_the_settings():
     settings = Settings.of(volume_density=3, volume_albedo=(0.1, 0.2, 0.3), volume_g=-0.5, volume_emission=2)
     assert volume_medium(settings) == Medium((3, 3, 3), (0.1, 0.2, 0.3), -0.5, emission=(2, 2, 2))
@@ -139,4 +134,21 @@ def test_the_medium_of_the_settings():
 
 @pytest.mark.parametrize("mode", ["pbr", "phong", "path"])
 def test_every_mode_draws_volumes(mode):
-    assert not any("volumes" in line for line in picture_warnings(smoky(), mode))
+    assert not any("volumes" in line for line in picture_warnings(smoky(), Settings(mode=mode)))
+
+
+def test_a_volume_that_emits_is_not_black():
+    assert "will be black" in picture_warnings(smoky(), Settings())[0]
+    glowing = Settings(volume_emission=(0.0, 1.0, 0.0))
+    assert picture_warnings(smoky(), glowing) == []
+    assert "will be black" in picture_warnings(scene(sphere(segments=12)), glowing)[0]
+    black, empty = picture_warnings(smoky(Volume.in_box(np.zeros((2, 2, 2)), BOX)), glowing)
+    assert "will be black" in black and empty == "volume 'density' is 0 everywhere: there is nothing to draw"
+
+
+def test_volumes_that_do_not_fit_into_a_program_are_told():
+    lit = replace(smoky(), lights=(Light("directional"),))
+    crowd = replace(lit, volumes=lit.volumes * (MAX_VOLUMES + 1))
+    assert picture_warnings(crowd, Settings()) == ["only the first 8 of 9 volumes are shown; mode path shows them all"]
+    assert picture_warnings(crowd, Settings(mode="path")) == []
+    assert picture_warnings(replace(crowd, volumes=crowd.volumes[1:]), Settings()) == []

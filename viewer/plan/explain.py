@@ -105,14 +105,17 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
     if not scene.instances and not scene.volumes:
         return ["everything but the background: the scene is empty"]
     any_lit = _any_lit(draws)
-    if not any_lit:
-        lines.append("all lighting: every surface is unlit")
+    uses_lights = any_lit or plan.media is not None
+    if not draws:
+        lines.append("all shading of surfaces: there are none")
+    elif not any_lit:
+        lines.append(f"all lighting{' of surfaces' * uses_lights}: every surface is unlit")
     elif scene.environment is None:
         lines.append("image-based lighting, its bake and textures: there is no environment")
     faint = sum(light.intensity * max(light.color) > 0 for light in lights) - len(plan.lights)
-    if any_lit and not plan.lights:
+    if uses_lights and not plan.lights:
         lines.append("code for point, spot and directional lights: there are none")
-    elif any_lit and faint > 0:
+    elif uses_lights and faint > 0:
         lines.append(f"the {faint} faintest of {faint + len(plan.lights)} lights: a program can have no more")
     if plan.lights and not plan.shadow_layer_count:
         reason = "they are switched off" if settings.shadows == "off" else "no light casts shadows"
@@ -120,10 +123,10 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
     for kind in _KINDS:
         if plan.lights and not any(light.kind == kind for light in plan.lights):
             lines.append(f"code for {kind} lights: there are none")
-    if plan.environment and scene.environment is not None and not plan.has_visibility:
+    if draws and plan.environment and scene.environment is not None and not plan.has_visibility:
         reason = "not requested" if settings.environment_shadows == "off" else "all surfaces are transparent"
         lines.append(f"shadows of the environment: {reason}")
-    if plan.environment and scene.environment is not None and not plan.has_traced_reflections:
+    if draws and plan.environment and scene.environment is not None and not plan.has_traced_reflections:
         is_off = settings.reflections == "environment"
         reason = "not requested" if is_off else "no opaque surface is smooth and isotropic"
         lines.append(f"traced reflections: {reason}")
