@@ -66,6 +66,7 @@ def test_half_floats_stay_half(given, held):
     ({"index_to_world": np.eye(3)}, "Volume.index_to_world is (3, 3) float64"),
     ({"index_to_world": np.eye(4) + 1}, "its last row is [1.0, 1.0, 1.0, 2.0]"),
     ({"index_to_world": moved((0, 0, 0), (1, 0, 1))}, "it makes the grid flat"),
+    ({"name": 3}, "Volume.name is of type int, not text"),
 ])
 def test_what_is_no_volume_is_refused(changes, problem):
     with pytest.raises(UsageError) as error:
@@ -78,6 +79,15 @@ def test_what_is_no_volume_is_refused(changes, problem):
 def test_a_box_or_a_grid_without_room_is_refused(density, box):
     with pytest.raises(UsageError):
         Volume.in_box(density, box)
+
+
+@pytest.mark.parametrize("volumes, problem", [
+    ((ramp(),), "Scene.volumes[0] is of type ndarray, not a Volume (Volume.in_box makes one of an array)"),
+    (Volume.in_box(ramp(), BOX), "Scene.volumes is of type Volume, not a tuple of volumes")])
+def test_a_scene_of_other_things_than_volumes_is_refused(volumes, problem):
+    with pytest.raises(UsageError) as error:
+        Scene("smoky", volumes=volumes)
+    assert str(error.value) == problem
 
 
 @pytest.mark.parametrize("scale", [1e-12, 1e12])

@@ -82,6 +82,8 @@ def test_a_vol_that_is_written_is_read_again(tmp_path):
 def test_a_turned_box_is_not_written(tmp_path, matrix):
     with pytest.raises(UsageError, match="a.vol: the box of <Volume 'a': .*> is turned"):
         Volume("a", DENSITY, matrix).save(tmp_path / "a.vol")
+    with pytest.raises(UsageError, match="path is of type int, not a path"):
+        Volume("a", DENSITY, np.eye(4)).save(3)
     with pytest.raises(UsageError, match="a.vdb: a volume is saved as .vol"):
         Volume("a", DENSITY, np.eye(4)).save(tmp_path / "a.vdb")
     assert not list(tmp_path.iterdir())
@@ -107,6 +109,9 @@ def test_a_vol_that_cannot_be_used(tmp_path, changes, problem):
 @pytest.mark.parametrize("arrays, problem", [
     ({"density": None}, "has no array 'density'"), ({"bbox": None}, "has no array 'bbox'"),
     ({"bbox": np.zeros(6)}, "bbox: has the shape (6,)"), ({"bbox": np.array(BOX)[::-1]}, "has no volume"),
+    ({"bbox": [[0, 0, 0], [0, 1, 1]]}, "bbox: [0.0, 0.0, 0.0] to [0.0, 1.0, 1.0] has no volume"),
+    ({"bbox": [[0, 0, 0], [1, np.inf, 1]]}, "bbox: [0.0, 0.0, 0.0] to [1.0, inf, 1.0]: a corner is infinite or NaN"),
+    ({"bbox": [[0, 0, 0], [1e30, 1, 1]]}, "bbox: [0.0, 0.0, 0.0] to [1e+30, 1.0, 1.0]: has coordinates beyond 1e+18"),
     ({"density": DENSITY[0]}, "density: has the shape (5, 4)"), ({"density": DENSITY[:0]}, "density: has the shape"),
     ({"density": DENSITY.astype(complex)}, "density: holds complex128, not numbers"),
     ({"density": np.full((2, 2, 2), "x")}, "density: holds <U1, not numbers"),

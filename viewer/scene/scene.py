@@ -84,6 +84,9 @@ class Scene:
     volumes: tuple[Volume, ...] = ()
 
     def __post_init__(self) -> None:
+        expect(self.volumes, (tuple, list), "Scene.volumes", "a tuple of volumes")
+        for k, volume in enumerate(self.volumes):
+            expect(volume, Volume, f"Scene.volumes[{k}]", "a Volume (Volume.in_box makes one of an array)")
         for k, mesh in enumerate(self.meshes):
             if not 0 <= mesh.material < len(self.materials):
                 raise UsageError(f"Scene.meshes[{k}]: material {mesh.material}, but there are {len(self.materials)}")

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..base.expect import expect, expect_path
 from ..errors import UsageError
 from ..settings import Settings
 from .arrays import scene_array
@@ -34,6 +35,7 @@ class Volume:
     index_to_world: np.ndarray
 
     def __post_init__(self) -> None:
+        expect(self.name, str, "Volume.name", "text")
         density = scene_array(self.density, "Volume.density", _float_type(self.density), None, None, None)
         if not density.size:
             raise UsageError(f"Volume.density is {density.shape}: it has no voxels")
@@ -65,10 +67,11 @@ class Volume:
         return cls(name, density, matrix)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write a .vol file, which Mitsuba reads. Raises OutputError, and UsageError for another ending and for a box
-        that is not along the axes, which the format does not have."""
+        """Write a .vol file, which Mitsuba reads. Raises OutputError, and UsageError for what is no path, for another
+        ending and for a box that is not along the axes, which the format does not have."""
         from .vol import write_vol
 
+        expect_path(path, "path")
         if Path(path).suffix.lower() != ".vol":
             raise UsageError(f"{path}: a volume is saved as .vol")
         steps = self.index_to_world[:3, :3]

@@ -9,7 +9,7 @@ import numpy as np
 from ..errors import InputError, UsageError
 from .densities import bad_density, density_error
 from .npz import read_npz
-from .scene import Scene
+from .scene import MAX_EXTENT, Scene
 from .vdb.load import load_vdb
 from .vol import read_vol
 from .volume import Volume
@@ -23,6 +23,7 @@ def load_volume_file(path: Path, data: bytes, kind: str) -> Scene:
     if kind == "vdb":
         return load_vdb(path, data)
     density, box = read_npz(path, data) if kind == "npz" else read_vol(path, data)
+    _check_box(path, "bbox" if kind == "npz" else "box", box)
     if (bad := bad_density(density.reshape(-1), density.dtype)) is not None:
         z, y, x = np.unravel_index(bad, density.shape)
         raise density_error(path, "density", (int(x), int(y), int(z)), float(density[z, y, x]), density.dtype)
@@ -36,3 +37,14 @@ def load_volume_file(path: Path, data: bytes, kind: str) -> Scene:
             "sum": float(density.sum(dtype=np.float64)), "min": float(density.min()), "max": volume.maximum,
             "index_to_world": volume.index_to_world.tolist()}
     return Scene(path.stem, volumes=(volume,), facts={"format": kind.upper(), "grids": [grid]})
+
+
+def _check_box(path: Path, place: str, box: np.ndarray) -> None:
+    """Raises InputError for what is no box; `place` is its name in the file."""
+    low, high = box.tolist()
+    if not np.isfinite(box).all():
+        raise InputError(path, place, f"{low} to {high}: a corner is infinite or NaN")
+    if np.abs(box).max() >= MAX_EXTENT:
+        raise InputError(path, place, f"{low} to {high}: has coordinates beyond {MAX_EXTENT:g}, which cannot be drawn")
+    if not (box[0] < box[1]).all():
+        raise InputError(path, place, f"{low} to {high} has no volume")
