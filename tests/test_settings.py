@@ -139,3 +139,11 @@ def test_samples_by_device():
     assert [Settings().samples(*device) for device in devices] == [4, 1, 4, 4]
     assert Settings(antialias="msaa-8").samples(True, False) == 8
     assert Settings(antialias="none").samples(False, True) == 1
+
+
+def test_rays_and_steps_in_media_by_device():
+    devices = [(is_software, is_still) for is_software in (True, False) for is_still in (True, False)]
+    kept, moving = ("quarter", 56), ("sixteenth", 28)
+    assert [Settings().media_rays_and_steps(*device) for device in devices] == [kept, moving, kept, kept]
+    assert Settings(media_rays="all").media_rays_and_steps(True, False) == ("all", 28)
+    assert Settings(media_steps="224").media_rays_and_steps(True, False) == ("sixteenth", 224)

@@ -175,9 +175,11 @@ class Settings:
     fog_height: float = _option(
         0.0, "scale height of the fog, which thins out by a factor of e over this length above the lowest point of the "
         "scene; 0: it does not")
-    media_steps: Literal["28", "56", "112", "224"] = _option("56", "steps of a ray through fog and volumes")
-    media_rays: Literal["all", "quarter", "sixteenth"] = _option(
-        "quarter", "the pixels that have a ray through fog and volumes of their own")
+    media_steps: Literal["auto", "28", "56", "112", "224"] = _option(
+        "auto", "steps of a ray through fog and volumes; auto: 56, but 28 while the camera moves and the CPU renders")
+    media_rays: Literal["auto", "all", "quarter", "sixteenth"] = _option(
+        "auto", "the pixels that have a ray through fog and volumes of their own; auto: a quarter, but a sixteenth "
+        "while the camera moves and the CPU renders")
     media_scattering: Literal["single", "multiple"] = _option(
         "multiple", "fog and volumes: light scattered once by them, or also more often, by a diffusion equation")
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8", "ssaa-4", "ssaa-9", "ssaa-16"] = _option(
@@ -255,6 +257,12 @@ class Settings:
         if self.antialias == "auto":
             return 1 if is_software and not is_still else 4
         return int(self.antialias[5:]) if self.antialias.startswith("msaa") else 1
+
+    def media_rays_and_steps(self, is_software: bool, is_still: bool) -> tuple[str, int]:
+        """The pixels that have a ray through fog and volumes, and its steps, as `samples` has those of a pixel."""
+        rays, steps = ("sixteenth", "28") if is_software and not is_still else ("quarter", "56")
+        return (rays if self.media_rays == "auto" else self.media_rays,
+                int(steps if self.media_steps == "auto" else self.media_steps))
 
     @property
     def supersampling(self) -> int:

@@ -8,6 +8,7 @@
 uniform mat3 u_ray;    // (x, y, 1) in normalised device coordinates to a direction, eye-relative
 uniform mat3 u_origin; // and to the point that the ray starts from
 uniform float u_ends[SLICES + 1]; // the distance at which these slices start, and those at which they end
+uniform int u_steps; // of each slice
 uniform sampler2D u_carried;
 uniform bool u_is_first; // nothing is carried
 
@@ -74,8 +75,8 @@ void main() {
     vec4 carried = u_is_first ? vec4(0.0) : texelFetch(u_carried, ivec2(gl_FragCoord.xy), 0);
     Path path = Path(carried.rgb, carried.a);
     for (int k = 0; k < SLICES; ++k) {
-        for (int j = 0; j < STEPS; ++j) {
-            vec2 step = mix(vec2(u_ends[k]), vec2(u_ends[k + 1]), (float(j) + vec2(0.0, 1.0)) / float(STEPS));
+        for (int j = 0; j < u_steps; ++j) {
+            vec2 step = mix(vec2(u_ends[k]), vec2(u_ends[k + 1]), (float(j) + vec2(0.0, 1.0)) / float(u_steps));
 #if FOG
             march_fog(path, ray, step.x, step.y, fog);
 #endif

@@ -323,6 +323,22 @@ def test_a_picture_at_rest_is_refined_where_software_draws(open_window, scene):
         assert flip(moving, expected) < SAME
 
 
+def test_media_at_rest_are_refined_where_software_draws(open_window, scene):
+    """Without antialiasing, nothing but their rays and steps is refined."""
+    grains = np.random.default_rng(1).uniform(0, 1, (8, 8, 8)).astype(np.float32)
+    cloud = replace(scene, volumes=(viewer.Volume.in_box(grains, scene.bounds),))
+    settings = replace(PLAIN, volume_density=20.0)
+    hands = open_window(cloud, settings)
+    hands.window.do("view_front")
+    moving = hands.screen()
+    assert hands.window.picture.is_refined == (not hands.window.context.is_software)
+    hands.settle()
+    still, expected = hands.screen(), headless(cloud, settings, hands.window.orbit.camera)
+    assert flip(still, expected) < SAME
+    if hands.window.context.is_software:
+        assert flip(moving, expected) > 2 * flip(still, expected) and not np.array_equal(moving, still)
+
+
 def test_no_display_is_one_clear_error(scene, monkeypatch):
     from viewer.app.window import run
     from viewer.errors import ContextError

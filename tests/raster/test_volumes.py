@@ -13,9 +13,11 @@ from viewer.scene.camera import Camera
 from viewer.scene.light import Light
 from viewer.scene.scene import Scene
 from viewer.scene.volume import Volume
+from viewer.settings import Settings
 
 BLACK = replace(WHITE, base_color=(0, 0, 0, 1))
 GLOWING = replace(BLACK, emissive=(4.0, 1.0, 0.5))
+SUN = Light("directional", intensity=3.0, direction=(0.2, -1, -0.5))
 FINE = {"media_steps": "224", "media_rays": "all"}
 SIZE = (16, 16)
 SHEARED = np.array([[0.3, 0.08, 0.0, -0.4], [0.05, 0.35, 0.02, -0.5], [-0.1, 0.0, 0.3, -0.2], [0, 0, 0, 1.0]])
@@ -180,3 +182,19 @@ def test_more_volumes_than_a_program_can_have(radiance, renderer):
     radiance(model, model.framing_camera(1.0), SIZE)
     assert MAX_VOLUMES == 8
     assert "the last 2 of 10 volumes: a program can have no more" in renderer.plan.left_out
+
+
+def test_a_moving_picture_has_fewer_rays_and_steps_where_software_draws(renderer):
+    model, size = replace(Scene("volume", (), (), ()), volumes=(clumps(),), lights=(SUN,)), (32, 32)
+    camera = model.framing_camera(1.0)
+
+    def drawn(still: bool, **settings: str) -> np.ndarray:
+        renderer.draw(model, camera, Settings.of(volume_density=20, antialias="none", **settings), size, False, still)
+        return renderer.read_radiance()
+
+    fine = drawn(True, media_steps="56", media_rays="quarter")
+    rough = drawn(True, media_steps="28", media_rays="sixteenth")
+    assert np.abs(fine - rough).max() > 0.01 and (fine > 0).any()
+    assert np.array_equal(drawn(True), fine)
+    assert np.array_equal(drawn(False), rough if renderer.context.is_software else fine)
+    assert np.array_equal(drawn(False, media_steps="56", media_rays="quarter"), fine)

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..errors import ViewerError
 from ..image.image import Image
+from ..plan.media import has_media
 from ..raster.renderer import Renderer
 from ..settings import Background, Settings
 from .convergence import Convergence
@@ -20,7 +21,7 @@ from .orbit import OrbitController
 from .state import ViewState, free_path
 
 REST_SECONDS = 0.3
-"""A picture that has not changed for so long is drawn again with the samples of a still picture, if they are more."""
+"""A picture that has not changed for so long is drawn again as a still picture, if that takes more samples."""
 
 
 class Picture:
@@ -31,14 +32,14 @@ class Picture:
         self.paths = Convergence(renderer.context, renderer.programs, state)
         self._drawn: tuple[object, ...] | None = None
         self._drawn_at = 0.0
-        self._samples = 0
+        self._quality: tuple[object, ...] = ()
         self._good: dict[str, dict[str, object]] | None = None
 
     @property
     def is_refined(self) -> bool:
-        """Whether the picture has all samples of a still picture. In mode path it needs no more, since the path-traced
-        picture soon replaces it."""
-        return self._samples == self._wanted_samples(still=True) or self._state.modes == ("path",)
+        """Whether the picture has all samples of a still picture, and all rays and steps in media. In mode path it needs
+        no more, since the path-traced picture soon replaces it."""
+        return self._quality == self._wanted_quality(still=True) or self._state.modes == ("path",)
 
     @property
     def wants_refinement(self) -> bool:
@@ -77,7 +78,7 @@ class Picture:
         except (ViewerError, moderngl.Error, MemoryError) as error:
             self._go_back(error)
             return self.update(size)
-        self._drawn, self._drawn_at, self._samples = wanted, time.monotonic(), self._wanted_samples(still)
+        self._drawn, self._drawn_at, self._quality = wanted, time.monotonic(), self._wanted_quality(still)
         self._good = {"state": state.shown(), "orbit": dict(vars(self._orbit))}
         return True
 
@@ -143,8 +144,11 @@ class Picture:
         color.release()
         return np.ascontiguousarray(pixels[::-1])
 
-    def _wanted_samples(self, still: bool) -> int:
-        return self._state.settings.samples(self._renderer.context.is_software, still)
+    def _wanted_quality(self, still: bool) -> tuple[object, ...]:
+        """The samples of a pixel, and rays and steps where there are media."""
+        settings, device = self._state.settings, (self._renderer.context.is_software, still)
+        media = settings.media_rays_and_steps(*device) if has_media(self._state.scene, settings) else ()
+        return settings.samples(*device), *media
 
     def _go_back(self, error: Exception) -> None:
         """Restore the last state that could be drawn, and show the error. Raises it if there is no such state, or if

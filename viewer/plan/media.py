@@ -62,9 +62,8 @@ def plan_media(scene: Scene, settings: Settings, common: Mapping[str, int]) -> M
              "ENVIRONMENT_ROTATED")
     lights = {name: common[name] for name in names}
     lit = switches | lights | {"SHADOW_PATTERN": 0, "REFLECTS": 0}
-    steps = int(settings.media_steps) // SLICE_COUNT
     has_depth = switches["VOLUMES"] and common["LIGHT_COUNT"]
-    return MediaPlan(_program("raster/media_march.frag", lit | {"SLICES": SLICES, "STEPS": steps}),
+    return MediaPlan(_program("raster/media_march.frag", lit | {"SLICES": SLICES}),
                      _program("raster/media_bake.frag", lit | {"SKY_LIGHTS": SKY_LIGHTS}),
                      _program("raster/volume_depth.frag", switches | lights) if has_depth else None,
                      settings.media_scattering == "multiple")

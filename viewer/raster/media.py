@@ -104,10 +104,12 @@ class MediaPass:
         self._volumes = VolumeTextures(self._gl, wanted) if wanted else None
 
     def march(self, frame: Frame, settings: Settings, plan: Plan, environment: EnvironmentLight | None,
-              frame_uniforms: dict[str, object], size: tuple[int, int]) -> dict[str, object]:
-        """March the rays of one frame, one for a square of pixels of a picture of `size`. Returns the uniforms of
-        surfaces. Leaves a framebuffer of its own in use."""
-        side = _PIXELS[settings.media_rays]
+              frame_uniforms: dict[str, object], size: tuple[int, int], still: bool) -> dict[str, object]:
+        """March the rays of one frame, one for a square of pixels of a picture of `size`; as many and with as many
+        steps as a picture that is kept has, if it is `still`. Returns the uniforms of surfaces. Leaves a framebuffer of
+        its own in use."""
+        rays, steps = settings.media_rays_and_steps(self._context.is_software, still)
+        side = _PIXELS[rays]
         columns = -(-size[0] // side), -(-size[1] // side)
         if self._slices is None or self._slices.size != columns:
             if self._slices is not None:
@@ -118,7 +120,7 @@ class MediaPass:
         if light.depths is not None:
             light.depths.use(UNIT_VOLUME_DEPTH)
         media = self._uniforms(frame, settings)
-        uniforms = frame_uniforms | media
+        uniforms = frame_uniforms | media | {"u_steps": steps // SLICE_COUNT}
         if environment is not None:
             uniforms |= environment.scattered_sky(plan, settings.fog_g, volume_medium(settings).g)
         starts, counts = _parts(frame, settings)

@@ -163,13 +163,13 @@ class Renderer:
         uniforms = self._frame_uniforms(plan, frame, settings)
         target.set_part(part)
         with self._depth.test():
-            self._draw_passes(plan, frame, pixels, target, uniforms, settings)
+            self._draw_passes(plan, frame, pixels, target, uniforms, settings, still)
         self._gl.clear_samplers()
         with self._pass("resolve"):
             target.resolve(self.programs, UNIT_RADIANCE)
 
     def _draw_passes(self, plan: Plan, frame: Frame, pixels: Frame, target: Target,
-                     uniforms: dict[str, object], settings: Settings) -> None:
+                     uniforms: dict[str, object], settings: Settings, still: bool) -> None:
         """Draw the frame into `target`, with `pixels` the same view at one sample a pixel."""
         # Under supersampling visibility is found once a pixel, reflections at each point that is shaded.
         views = [pixels] * plan.has_visibility + [frame] * plan.has_traced_reflections
@@ -185,7 +185,7 @@ class Renderer:
         media: dict[str, object] = {}
         if plan.media is not None:
             with self._pass("media"):
-                media = self._media.march(frame, settings, plan, self._environment, uniforms, target.size)
+                media = self._media.march(frame, settings, plan, self._environment, uniforms, target.size, still)
                 uniforms |= media
         target.framebuffer.use()
         target.framebuffer.clear(depth=self._depth.far)  # alpha 0: the display pass adds the background colour
