@@ -37,8 +37,8 @@ class Picture:
 
     @property
     def is_refined(self) -> bool:
-        """Whether the picture has all samples of a still picture, and all rays and steps in media. In mode path it needs
-        no more, since the path-traced picture soon replaces it."""
+        """Whether the picture has the samples of a still picture, and its rays and steps in media. In mode path it
+        needs no more, since the path-traced picture soon replaces it."""
         return self._quality == self._wanted_quality(still=True) or self._state.modes == ("path",)
 
     @property

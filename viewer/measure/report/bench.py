@@ -14,6 +14,7 @@ from ...gpu.context import Context
 from ...gpu.programs import Programs
 from ...image.display import DisplayPass
 from ...image.image import Image
+from ...plan.media import has_media
 from ...raster.renderer import Renderer
 from ...scene.camera import Camera
 from ...scene.scene import Scene
@@ -136,8 +137,10 @@ class Bench:
             path_render.release()
 
     def coverage(self) -> np.ndarray:
-        """The pixels, (H, W) bool, in which some camera ray hits the model."""
+        """The pixels, (H, W) bool, in which some camera ray hits the model or collides in a medium."""
         settings = replace(self.settings, mode="path", spp=COVERAGE_SPP)
+        if has_media(self.scene, settings):  # a path that has met something has alpha
+            return self.trace(replace(settings, background="none"))[..., 3] > 0
         depth = self._tracer.render(self.scene, self.camera, settings, self.size, ["depth"]).layers["depth"]
         return np.isfinite(depth)
 
