@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -106,3 +107,9 @@ def test_the_readme_shows_what_make_demo_renders() -> None:
     small = np.asarray(Pillow.fromarray(shown.srgb[..., :3]).resize((160, 90), Pillow.Resampling.BOX)) / 255
     drawn = viewer.render(viewer.load(ROOT / "assets" / "demo.glb"), (160, 90)).srgb[..., :3] / 255
     assert np.abs(small - drawn).mean() < 0.025
+
+
+def test_no_two_files_of_tests_have_one_name() -> None:
+    """pytest imports them without their folders, and runs none of a second file of the same name."""
+    counts = Counter(file.name for file in (ROOT / "tests").rglob("*.py"))
+    assert [name for name, count in counts.items() if count > 1 and name != "conftest.py"] == []
