@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import shlex
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from viewer.measure.report.ladder import PLAIN, Method, ladder, settings_of
 from viewer.scene.environment import Environment
 from viewer.scene.light import Light
 from viewer.scene.material import Material
+from viewer.scene.volume import Volume
 from viewer.settings import Settings
 
 DEFAULT = Settings()
@@ -102,6 +104,16 @@ def test_fog_is_measured_in_several_steps_where_there_is_some():
     assert len(media) == 7 and "fog and volumes" not in {out.method for out in steps.left_out}
     assert all(method.settings(Settings.of(fog=0.5)).fog == 0.5 for method in media)
     assert media[0].changes["media_scattering"] == "single"
+
+
+def test_methods_of_surfaces_are_left_out_where_there_are_none_and_come_after_media():
+    cube = Volume.in_box(np.ones((1, 1, 1), np.float32), [[-1, -1, -1], [1, 1, 1]])
+    model = replace(shapes.scene(BALL, environment=shapes.constant()), volumes=(cube,))
+    names = [method.name for method in methods_of(model)[0] if method.mode == "pbr"]
+    assert names[2:11] == ["ibl", *["media"] * 7, "ibl"] and "ambient-occlusion" in names
+    alone, left_out = methods_of(replace(model, instances=()))
+    assert [method.name for method in alone if method.mode == "pbr"] == [*["lights"] * 2, "ibl", *["media"] * 7]
+    assert left_out["other methods of surfaces"] == "there are none"
 
 
 def test_a_denoiser_that_is_not_installed_is_left_out(monkeypatch):

@@ -132,11 +132,13 @@ def ladder(scene: Scene, settings: Settings, use_cache: bool = True) -> Ladder:
                    for antialias in ("none", "msaa-4")]
     else:
         left_out.append(LeftOut("lights only", "the scene has no lights and no environment"))
+    media = _in_media(scene, (*scene.lights, *(baked.suns if baked is not None else ())), settings, left_out)
     if baked is not None:
-        raster += _distinct(_image_based(scene, (*scene.lights, *baked.suns), settings, left_out))
+        plain, *others = _distinct(_image_based(scene, (*scene.lights, *baked.suns), settings, left_out))
+        raster += [plain, *media, *others]  # media before what only changes how surfaces look
     else:
         left_out.append(LeftOut(PLAIN.title, "the scene has no environment"))
-    raster += _in_media(scene, (*scene.lights, *(baked.suns if baked is not None else ())), settings, left_out)
+        raster += media
     traced: list[Method] = []
     for spp in SPP:
         traced += _traced(spp, left_out if spp == 1 else [])
@@ -198,6 +200,10 @@ def _as_option(light: Light, rotation: float, intensity: float) -> Light:
 
 def _image_based(scene: Scene, lights: Sequence[Light], settings: Settings,
                  left_out: list[LeftOut]) -> Iterator[Method]:
+    if not scene.instances:
+        left_out.append(LeftOut("other methods of surfaces", "there are none"))
+        yield PLAIN
+        return
     choices = setting_choices()
     for antialias in sorted(choices["antialias"][1:], key=lambda name: name != PLAIN.changes["antialias"]):
         yield replace(PLAIN, changes={**PLAIN.changes, "antialias": antialias})
