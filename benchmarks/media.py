@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
 import statistics
 import time
 from dataclasses import replace
@@ -44,15 +45,18 @@ def main() -> None:
     lines = ["# Fog and volumes of the rasterizer", "",
              "By `python -m benchmarks.media`. relMSE and mean are those of the whole picture, 128 x 128, against "
              "Mitsuba; the floor is", "the noise of the reference. A frame has everything prepared; `plain` is the "
-             "same picture without the medium. The cube of fog is", "a volume.", ""]
+             "same picture without the medium. The cube of fog is", "a volume. Errors do not depend on what else the "
+             "machine does, and times do.", ""]
     with open_context() as context:
-        lines += [f"{context.renderer}", "",
+        load, cores = os.getloadavg()[0], os.cpu_count()
+        lines += [f"{context.renderer}; {cores} cores, load average {load:.0f} at the start", "",
                   "| case | scattering | steps | pixels with a ray | relMSE | floor | mean / reference | ms | plain |",
                   "|---|---|---|---|---|---|---|---|---|"]
         renderer = Renderer(context)
         for name in CASES:
             lines += _case(renderer, name, options.frames)
-        lines += ["", "| frame of 512 x 512, a moving camera | ms |", "|---|---|", *_frames(renderer, options.frames)]
+        lines += ["", "With the default settings:", "", "| frame of 512 x 512 | moving camera, ms | at rest, ms |",
+                  "|---|---|---|", *_frames(renderer, options.frames)]
     print("\n".join(lines))
     if options.results is not None:
         options.results.write_text("\n".join(lines) + "\n")
@@ -88,7 +92,7 @@ def _timed(renderer: Renderer, scene: Scene, camera: Camera, settings: Settings,
 
 
 def _frames(renderer: Renderer, frames: int) -> list[str]:
-    """Frames as the window draws them while the camera moves."""
+    """Frames as the window draws them while the camera moves, and when it rests."""
     assets = REPOSITORY / "assets"
     scenes = {"demo.glb": (viewer.load(assets / "demo.glb"), {}),
               "demo.glb in fog": (viewer.load(assets / "demo.glb"), {"fog": 0.5}),
@@ -98,14 +102,17 @@ def _frames(renderer: Renderer, frames: int) -> list[str]:
     for name, (scene, chosen) in scenes.items():
         scene = replace(scene, lights=(*scene.lights, Light.from_angles(1.0, 0.7, 2.0)))
         settings = Settings.of(**chosen)
-        times = []
-        for k in range(frames + 2):
-            start = time.perf_counter()
-            camera = scene.framing_camera(1.0, azimuth=0.1 * k)
-            renderer.draw(scene, camera, settings, (512, 512))
-            renderer.read_display(settings)
-            times.append(1e3 * (time.perf_counter() - start))
-        rows.append(f"| {name} | {statistics.median(times[2:]):.0f} |")
+        medians = []
+        for still in (False, True):
+            times = []
+            for k in range(frames + 2):
+                start = time.perf_counter()
+                camera = scene.framing_camera(1.0, azimuth=0.1 * k)
+                renderer.draw(scene, camera, settings, (512, 512), still=still)
+                renderer.read_display(settings)
+                times.append(1e3 * (time.perf_counter() - start))
+            medians.append(statistics.median(times[2:]))
+        rows.append(f"| {name} | {medians[0]:.0f} | {medians[1]:.0f} |")
     return rows
 
 
