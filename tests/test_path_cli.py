@@ -141,3 +141,17 @@ def test_a_raster_picture_imports_nothing_of_the_tracer(folder):
             "except SystemExit: print([name for name in sys.modules if name.startswith('viewer.trace')])")
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
+
+
+def test_samples_that_are_left_out_are_told(run, folder):
+    """A grid of one dense voxel beside an empty one: a ray that enters the empty one needs a million collisions."""
+    np.savez("wall.npz", density=np.float32([[[0, 1]]]), bbox=[[0, 0, 0], [2, 1, 1]])
+    words = ("--set", "volume-density=1e6", "--set", "volume-albedo=0,0,0", "--orbit", "-90,0", "--spp", "1")
+    outcome = run("render", "wall.npz", "-o", "a.png", *PATH, *words, "--stats", "s.json")
+    bad = json.loads((folder / "s.json").read_text())["bad_samples"]
+    told = f"{bad} of 576 samples are left out of the picture, because their light could not be computed"
+    assert outcome.status == 0 and outcome.err == f"wall.npz: warning: {told}\n" and 0 < bad < 576
+    assert run("render", "wall.npz", "-o", "a.png", *PATH, *words, "-q").err == ""
+    with pytest.warns(UserWarning, match="samples are left out of the picture"):
+        viewer.render(viewer.load("wall.npz", "furnace"), (8, 8), mode="path", spp=1, volume_density=1e6,
+                      volume_albedo=(0.0, 0.0, 0.0))

@@ -89,10 +89,11 @@ def render(
     measures its device, which takes half a minute or more.
 
     A texture that cannot be decoded is left out, with a UserWarning. Another one says that the picture will be black
-    because nothing lights the scene. Raises UsageError for arguments of the wrong type, an invalid size or a setting
-    that does not exist, InputError for an environment that cannot be decoded, and ContextError if there is no OpenGL.
+    because nothing lights the scene, and another one how many samples mode path has left out. Raises UsageError for
+    arguments of the wrong type, an invalid size or a setting that does not exist, InputError for an environment that
+    cannot be decoded, and ContextError if there is no OpenGL.
     """
-    from .plan.warnings import picture_warnings
+    from .plan.warnings import picture_warnings, sample_warnings
 
     _expect_scene(scene, camera)
     scene = _at(scene, time, animation)
@@ -101,7 +102,7 @@ def render(
     image = _rendered(scene, size, camera, backend, aov, settings)
     image = replace(image, stats={"wall_s": {"render": perf_counter() - started}, **image.stats})
     lost = [line for line in scene.all_warnings if line not in known]
-    for line in [*lost, *picture_warnings(scene, Settings.of(**settings))]:
+    for line in [*lost, *picture_warnings(scene, Settings.of(**settings)), *sample_warnings(image.stats)]:
         warnings.warn(line, stacklevel=2)
     return image
 

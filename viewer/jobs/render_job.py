@@ -17,6 +17,7 @@ from ..base.signals import Stopped, postponed
 from ..errors import ContextError, OutputError, UsageError, ViewerError
 from ..image.film import FILM_FORMATS, write_film
 from ..image.image import WRITABLE, Image
+from ..plan.warnings import sample_warnings
 from ..scene.camera import Camera
 from ..scene.scene import Scene
 from ..settings import Settings
@@ -103,9 +104,9 @@ class RenderJob:
         image = maker.make(scene, view, path, progress) if view is not None else None
         count = write_film(path, self._frames(scene, shots, path, progress, maker), shots.fps) if shots else 0
         if not self.quiet:  # of textures, what is wrong is known only when they are decoded
-            for warning in scene.all_warnings:
-                if warning not in known:
-                    say(f"{model}: warning: {warning}")
+            lost = [line for line in scene.all_warnings if line not in known]
+            for warning in [*lost, *sample_warnings(maker.stats)]:
+                say(f"{model}: warning: {warning}")
         rendered = time.perf_counter()
         if image is not None:
             image.save(path)

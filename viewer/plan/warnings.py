@@ -1,6 +1,9 @@
-"""Warnings about a picture that can be given before it is rendered."""
+"""Warnings about a picture: those that can be given before it is rendered, and those that follow from its samples."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
 
 from ..scene.scene import Scene
 from ..settings import Settings
@@ -36,3 +39,12 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
         lines.append(f"only the first {MAX_VOLUMES} of {len(scene.volumes)} volumes are shown; mode path shows them "
                      "all")
     return lines
+
+
+def sample_warnings(stats: Mapping[str, Any]) -> list[str]:
+    """Warnings that follow from `Image.stats`: of samples that mode path leaves out of the picture."""
+    bad = stats.get("bad_samples", 0)
+    if not bad:
+        return []
+    every = bad + stats["samples"]
+    return [f"{bad} of {every} samples are left out of the picture, because their light could not be computed"]
