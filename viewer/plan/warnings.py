@@ -17,11 +17,16 @@ def is_dark(scene: Scene, settings: Settings) -> bool:
         return False
     if not (scene.instances or scene.volumes) or any(light.intensity * max(light.color) > 0 for light in scene.lights):
         return False
-    if any(settings.volume_emission) and any(volume.maximum > 0 for volume in scene.volumes):
+    if any(settings.volume_emission) and not _misses_emission(settings) and any(v.maximum > 0 for v in scene.volumes):
         return False
     meshes = (scene.meshes[instance.mesh] for instance in scene.instances)
     shown = ((mesh, scene.materials[mesh.material]) for mesh in meshes)
     return not any(any(material.emissive) or not is_lit(mesh, material) for mesh, material in shown)
+
+
+def _misses_emission(settings: Settings) -> bool:
+    """Whether mode path shows nothing of what volumes emit, for it has no collisions there."""
+    return settings.mode == "path" and settings.volume_density == 0
 
 
 def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
@@ -35,6 +40,9 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
         lines.append(f"only the {MAX_LIGHTS} brightest of {lights} lights are shown; mode path shows them all")
     lines += [f"volume {volume.name!r} is 0 everywhere: there is nothing to draw" for volume in scene.volumes
               if not volume.maximum]
+    if scene.volumes and any(settings.volume_emission) and _misses_emission(settings):
+        lines.append("volume_density is 0, so that mode path does not show what volumes emit: its paths find it where "
+                     "they collide")
     if len(scene.volumes) > MAX_VOLUMES and not is_traced:
         lines.append(f"only the first {MAX_VOLUMES} of {len(scene.volumes)} volumes are shown; mode path shows them "
                      "all")
