@@ -1,5 +1,7 @@
 // Fog in a ball, which may thin out with height (viewer/scene/fog.py). FOG_HEIGHT: it does.
-#include "media/one_minus_exp.glsl"
+#if FOG_HEIGHT
+#include "media/height_fog.glsl"
+#endif
 
 uniform vec4 u_fog_ball;        // centre and radius, in eye-relative units
 uniform float u_fog_extinction; // sigma_t at the base and below, per eye-relative unit
@@ -14,16 +16,6 @@ vec2 fog_span(vec3 p, vec3 d) {
     vec3 nearest = c - b * d; // b^2 - |c|^2 + r^2 would lose digits of a ball that is far away
     float half_chord = sqrt(max(u_fog_ball.w * u_fog_ball.w - dot(nearest, nearest), 0.0));
     return vec2(-half_chord, half_chord) - b;
-}
-
-// The mean of exp(-max(y, 0)) between two heights, which are in scale heights above the base
-float mean_density(float y0, float y1) {
-    float low = min(y0, y1), high = max(y0, y1);
-    float below = clamp(-low / max(high - low, 1e-20), 0.0, 1.0); // share of the way below the base
-    if (high <= 0.0) return 1.0;
-    low = max(low, 0.0);
-    float x = high - low;
-    return below + (1.0 - below) * exp(-low) * (x > 1e-4 ? one_minus_exp(x) / x : 1.0 - 0.5 * x);
 }
 
 // The optical depth of the fog between two points of a ray inside the ball

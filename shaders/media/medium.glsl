@@ -43,10 +43,44 @@ bool scatters(Medium m) {
 }
 
 // The way that media fill is cut off at a ball about the scene, so that a ray that leaves has a finite way in them.
-// Returns the distance at which a ray leaves the ball, 0 if it does not meet it. d: unit length
-float leaves_media(vec3 o, vec3 d) {
+// Returns the part of a ray that lies in the ball; start and end are the same if it misses it. d: unit length
+vec2 media_span(vec3 o, vec3 d) {
     float b = dot(o, d);
     vec3 nearest = o - b * d;
-    return max(sqrt(max(MEDIA_REACH * MEDIA_REACH - dot(nearest, nearest), 0.0)) - b, 0.0);
+    float half_chord = sqrt(max(MEDIA_REACH * MEDIA_REACH - dot(nearest, nearest), 0.0));
+    return max(vec2(-half_chord, half_chord) - b, 0.0);
+}
+
+float leaves_media(vec3 o, vec3 d) {
+    return media_span(o, d).y;
+}
+
+#if HAS_FOG
+#include "media/fog_way.glsl"
+#endif
+
+// The length of the way of a ray in a medium between two distances. In fog, whose density varies, it is that of the same
+// optical depth at the extinction of its record; all free distances and transmittances are of such lengths.
+float length_in(int medium, vec3 o, vec3 d, float from, float to) {
+#if HAS_FOG
+    if (medium == 0) return fog_length(o, d, from, to);
+#endif
+    return max(to - from, 0.0);
+}
+
+// The distance along the ray at which such a length lies behind, 3e38 if the medium ends before
+float distance_in(int medium, vec3 o, vec3 d, float way) {
+#if HAS_FOG
+    if (medium == 0) return fog_distance(o, d, way);
+#endif
+    return way;
+}
+
+// The density at a point of the medium, relative to its record
+float density_in(int medium, vec3 p) {
+#if HAS_FOG
+    if (medium == 0) return fog_density(p);
+#endif
+    return 1.0;
 }
 #endif

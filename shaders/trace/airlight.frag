@@ -26,29 +26,42 @@ float airlight_sample(Medium m, vec3 chances, float way, float u) {
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     Path p = read_path(texel, uvec4(0u));
-    Medium m = medium_of(innermost(p.medium));
+    int medium = innermost(p.medium);
+    Medium m = medium_of(medium);
     vec4 u = vertex_numbers(path_sample(texel, p.left), p, AIRLIGHT_GROUP);
     vec3 chances = channel_chances(p.throughput);
-    float way = way_of(p);
+    float end = way_of(p), start = HAS_FOG > 0 ? min(media_span(p.origin, p.direction).x, end) : 0.0;
+    float way = length_in(medium, p.origin, p.direction, 0.0, end);
+    p.is_lit = true;
+    p.shadow_medium = p.medium;
+    if (HAS_FOG > 0 && way <= 0.0) { // outside of the fog
+        write_path(p, IN_FLIGHT);
+        return;
+    }
 
     float chance; // of the light
     vec2 rest;
     int k = choose_punctual(u.xyz, chance, rest);
     vec4 light = scene_float4(u_punctual + 3 * k);
     bool has_place = light.w >= 0.0;
-    float t, pdf;
-    if (has_place) {
-        Equiangular e = equiangular(p.origin, p.direction, way, light.xyz);
-        t = u.w < 0.5 ? equiangular_sample(e, way, 2.0 * u.w) : airlight_sample(m, chances, way, 2.0 * u.w - 1.0);
-        pdf = 0.5 * (equiangular_pdf(e, t) + airlight_pdf(m, chances, way, t));
+    // Chosen by angle or by length in the medium, a point has a density of both.
+    Equiangular e = equiangular(p.origin + start * p.direction, p.direction, end - start, light.xyz);
+    bool is_by_angle = has_place && u.w < 0.5;
+    float t, length;
+    if (is_by_angle) {
+        t = start + equiangular_sample(e, end - start, 2.0 * u.w);
+        length = length_in(medium, p.origin, p.direction, 0.0, t);
     } else {
-        t = airlight_sample(m, chances, way, u.w);
-        pdf = airlight_pdf(m, chances, way, t);
+        length = airlight_sample(m, chances, way, has_place ? 2.0 * u.w - 1.0 : u.w);
+        t = min(distance_in(medium, p.origin, p.direction, length), end);
     }
+    float density = density_in(medium, p.origin + t * p.direction);
+    float pdf = density * airlight_pdf(m, chances, way, length);
+    if (has_place) pdf = 0.5 * (equiangular_pdf(e, t - start) + pdf);
     vec3 position = p.origin + t * p.direction, l;
     float distance;
     vec3 irradiance = punctual_irradiance(k, position, rest, l, distance);
-    vec3 scattered = m.albedo * m.sigma_t * exp(-m.sigma_t * t) * phase_between(m.g, p.direction, l);
+    vec3 scattered = m.albedo * m.sigma_t * density * exp(-m.sigma_t * length) * phase_between(m.g, p.direction, l);
 #if HAS_GRIDS
     uint counter = vertex_hash(path_sample(texel, p.left), p, AIRLIGHT_GROUP);
     scattered *= volumes_transmittance(p.origin, p.direction, t, counter);
@@ -58,7 +71,5 @@ void main() {
         p.shadow_origin = position;
         p.shadow_vector = distance * l;
     }
-    p.shadow_medium = p.medium;
-    p.is_lit = true;
     write_path(p, IN_FLIGHT);
 }

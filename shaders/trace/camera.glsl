@@ -9,14 +9,14 @@ uniform float u_camera_unit;   // world units in one of tracer space
 
 // The ray through `pixel`, which counts from the lower left corner of the picture; pixel centres are at a half. The ray
 // starts at the eye. If the eye is far away, the ray starts at a nearer point in front of the unit ball that holds the
-// scene, so that float32 does not lose digits to a large distance.
+// scene, or of the ball that holds its fog, so that float32 does not lose digits to a large distance.
 void camera_ray(vec2 pixel, out vec3 o, out vec3 d) {
     vec3 ndc = vec3(pixel * u_camera_pixel - 1.0, 1.0);
     vec3 ray = u_camera_ray * ndc;
     vec3 p = u_camera_plane * ndc;
     float per_depth = length(ray);
     d = ray / per_depth;
-    o = p - min(dot(p, d) + 2.0, u_camera_depth * per_depth) * d;
+    o = p - min(dot(p, d) + (HAS_FOG > 0 ? MEDIA_REACH : 2.0), u_camera_depth * per_depth) * d;
 }
 
 // Distance from the eye to p in world units; for an orthographic camera it is measured along the view.

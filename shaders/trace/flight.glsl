@@ -17,14 +17,17 @@ float way_of(Path p) {
 
 // The distance to the next collision, if nothing is hit before
 float flight_of(Path p, Medium m, Sample s) {
-    return free_distance(m.sigma_t, channel_chances(p.throughput), vertex_numbers(s, p, FLIGHT_GROUP).x);
+    float way = free_distance(m.sigma_t, channel_chances(p.throughput), vertex_numbers(s, p, FLIGHT_GROUP).x);
+    return distance_in(innermost(p.medium), p.origin, p.direction, way);
 }
 #endif
 
 // Takes a path through its medium, over a distance in which it does not collide.
 void pass_medium(inout Path p, float distance) {
 #if HAS_SCATTERING
-    Medium m = medium_of(innermost(p.medium));
+    int medium = innermost(p.medium);
+    Medium m = medium_of(medium);
+    distance = length_in(medium, p.origin, p.direction, 0.0, distance);
     p.throughput *= scatters(m) ? passing_weight(m.sigma_t, channel_chances(p.throughput), distance)
                                 : exp(-m.sigma_t * distance);
 #else

@@ -26,7 +26,9 @@ void main() {
     o_albedo = vec4(min(albedo + m.emission, 1.0), 1.0);
     o_normal = vec4(i.n, camera_distance(i.position));
 #if HAS_SCATTERING
-    vec3 throughput = p.throughput * transmittance(innermost(p.medium), distance(p.origin, i.position));
+    int medium = innermost(p.medium);
+    float way = length_in(medium, p.origin, p.direction, 0.0, distance(p.origin, i.position));
+    vec3 throughput = p.throughput * transmittance(medium, way);
 #else
     vec3 throughput = p.throughput * transmittance(p.medium, p.travelled + distance(p.origin, i.position));
 #endif

@@ -9,7 +9,8 @@ const int MOST_BOUNDARIES = 64; // as MAX_LAYERS of viewer/trace/rays/see_throug
 
 // Transmittance of the medium between two places of a ray, in tracer units from its origin; d: unit length
 vec3 transmittance_between(int nesting, vec3 o, vec3 d, float from, float to) {
-    return transmittance(innermost(nesting), max(min(to, leaves_media(o, d)) - from, 0.0));
+    int medium = innermost(nesting);
+    return transmittance(medium, length_in(medium, o, d, from, min(to, leaves_media(o, d))));
 }
 
 // The transmittance of the shadow ray from o along `vector`, 0 if it is occluded

@@ -22,6 +22,7 @@ from viewer.base.resources import resource_folder
 from viewer.errors import InputError
 from viewer.gpu.source import assemble, display_name
 from viewer.plan.planner import MAX_LIGHTS
+from viewer.scene.fog import fog_of
 from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.scene.volume import Volume
@@ -84,6 +85,10 @@ def ours() -> tuple[list[str], dict[str, int], set[str]]:
     programs += intersections(geometry_switches(scattering, trace_geometry(scattering), False))
     smoke = Volume("smoke", np.ones((2, 2, 2), np.float32), np.eye(4))
     wanted |= dict.fromkeys(keys(replace(rich[0], lights=lamps[:1], volumes=(smoke,)), Settings(mode="path")))
+    for volumes, height in product(((), (smoke,)), (0.0, 1.0)):
+        lit, settings = replace(scattering, volumes=volumes), Settings.of(mode="path", fog=1.0, fog_height=height)
+        wanted |= dict.fromkeys(keys(lit, settings))
+        programs += intersections(geometry_switches(lit, trace_geometry(lit, fog=fog_of(lit, settings)), False))
     programs += [*assembled(wanted), *passes()]
     found, most = problems([as_330(program) for program in programs])
     newer, _ = problems([as_400(p) for p in programs if p["fragment"].files[0].name.startswith("intersect")])

@@ -26,7 +26,8 @@ def uniforms(camera: Camera, size=SIZE):
 
 def rays(context, tmp_path, camera: Camera, pixels: np.ndarray = PIXELS, size=SIZE) -> tuple[np.ndarray, np.ndarray]:
     found = evaluate(context, tmp_path, "trace/camera.glsl", "vec3 p, d; camera_ray(f0.xy, p, d);"
-                     "o0 = vec4(p, 0.0); o1 = vec4(d, 0.0);", pixels, 2, bind=uniforms(camera, size))
+                     "o0 = vec4(p, 0.0); o1 = vec4(d, 0.0);", pixels, 2, {"HAS_FOG": 0},
+                     uniforms(camera, size))
     return found[:, 0, :3], found[:, 1, :3]
 
 
@@ -94,6 +95,7 @@ def test_distance(context, tmp_path, distance):
     points = np.random.default_rng(1).normal(size=(100, 3)).astype(np.float32)
     for chosen in (camera, Camera(camera.pose, height=2.0)):
         found = evaluate(context, tmp_path, "trace/camera.glsl", "o0 = vec4(camera_distance(f0.xyz));", points,
+                         switches={"HAS_FOG": 0},
                          bind=uniforms(chosen))[:, 0, 0]
         relative = points * SCENE.radius - camera.eye
         expected = np.linalg.norm(relative, axis=1) if chosen.height is None else relative @ camera.forward

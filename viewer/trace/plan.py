@@ -96,7 +96,8 @@ def plan_trace(
         kinds = {kind for kind in KINDS if kind is not BOUNDARY or geometry.scatters}
         emitters = ["HAS_EMITTERS"] * (shows_emission and not geometry.emitters)
         switches |= dict.fromkeys((*_NEUTRAL, *emitters), 1)
-    state = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_GRIDS", DISPERSION.switch)}
+    state = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_GRIDS", "HAS_FOG",
+                                               DISPERSION.switch)}
     first = state | {"RAYS": rays}
     sky_names = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING", "HAS_VOLUME")
     sky = {name: switches[name] for name in sky_names}
@@ -154,7 +155,7 @@ def _left_out(
     if geometry.left_out_instances:
         count = geometry.left_out_instances
         lines.append(f"{count} mesh{'es' * (count > 1)} of lines or points: the path tracer shows triangles only")
-    if not (geometry.instances or geometry.has_grids):
+    if not (geometry.instances or geometry.has_grids or geometry.fog):
         return [*lines, "everything but the background: there are no triangles"]
     if not switches["HAS_LIGHTS"]:
         lines.append("shadow rays and light samples: there are no lights")
@@ -207,4 +208,5 @@ _SURFACES = {
     "HAS_VOLUME": "absorption in volumes",
     "HAS_SCATTERING": "scattering in volumes",
     "HAS_GRIDS": "grids of densities",
+    "HAS_FOG": "fog",
 }

@@ -133,7 +133,7 @@ class Tracer:
     def _prepare(self, scene: Scene, settings: Settings) -> TracedScene:
         held = self._scene
         if held is not None and held.is_everything == (settings.plan == "everything"):
-            if held.holds(scene):
+            if held.holds(scene) and held.has_fog_of(scene, settings):
                 held.relight(scene, settings)
                 return held
             if held.move(scene, settings):

@@ -94,7 +94,7 @@ def _trace(context: Context, scene: Scene, traced: Scene, surfaces: SurfaceTrian
     positions = (positions + (scene.center - traced.center)) / traced.radius
     default = Settings()
     settings = replace(settings, mode="path", spp=each, time_budget=None, error=None, denoise="off", seed=0,
-                       lobes="all", plan="needed", exposure=0.0, bounces=default.bounces, clamp=0.0)
+                       lobes="all", plan="needed", exposure=0.0, bounces=default.bounces, clamp=0.0, fog=0.0)
     rays = SurfaceRays(context.gl, kind, positions, normals, geometric)
     tracer = Tracer(context, programs=programs)
     context.gl.clear_samplers()  # the samplers of the shadow maps would override those of the wavefront's textures

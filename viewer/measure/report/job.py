@@ -15,7 +15,7 @@ from ...errors import ContextError, OutputError, UsageError, ViewerError
 from ...gpu.context import Context, open_context
 from ...scene.camera import Camera
 from ...scene.scene import Scene
-from ...settings import Settings, ignored
+from ...settings import Settings
 from .bench import Bench
 from .command import command_line
 from .document import Document, make_findings
@@ -43,8 +43,6 @@ class ReportJob:
         Raises ContextError, OutputError and UsageError, which concern all models, and Stopped when the user interrupts:
         what was measured by then is kept and goes into the report.
         """
-        if self.settings.fog > 0 and "fog" in ignored("path"):
-            raise UsageError("fog: mode path, which a report compares with, does not show it")
         if isinstance(self.settings.background, tuple):
             self.settings = replace(self.settings, background="none")
         folders = report_folders(models, self.folder)

@@ -29,6 +29,7 @@ class ShadowMedia:
         self._sigma_t = (np.array([medium.sigma_t for medium in geometry.media]) * geometry.unit).astype(np.float32)
         self._medium_of = np.array([instance.medium for instance in geometry.instances], np.int64)
         self._nesting = Nesting(len(geometry.media))
+        self._fog = geometry.fog
 
     def along(self, nesting: NDArray, origins: NDArray, vectors: NDArray, start: NDArray, end: NDArray) -> NDArray:
         """Transmittance (N, 3) between the fractions `start` and `end` of each vector, (N,) each."""
@@ -38,8 +39,13 @@ class ShadowMedia:
         b = np.einsum("ij,ij->i", origins, unit)
         nearest = origins - b[:, None] * unit
         half_chord = np.sqrt(np.maximum(MEDIA_REACH**2 - np.einsum("ij,ij->i", nearest, nearest), 0))
-        way = np.minimum(end * size, np.maximum(half_chord - b, 0)) - start * size
-        return np.exp(-self._sigma_t[self._nesting.innermost(nesting)] * np.maximum(way, 0)[:, None])
+        begin, until = start * size, np.minimum(end * size, np.maximum(half_chord - b, 0))
+        way = np.maximum(until - begin, 0)
+        media = self._nesting.innermost(nesting)
+        if self._fog is not None:
+            outside = np.flatnonzero(media == 0)
+            way[outside] = self._fog.length(origins[outside], unit[outside], begin[outside], until[outside])
+        return np.exp(-self._sigma_t[media] * way[:, None])
 
     def cross(self, nesting: NDArray, instances: NDArray, is_front: NDArray) -> NDArray:
         """The nesting behind boundaries of these instances, which are hit on the front or the back."""

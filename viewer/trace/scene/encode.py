@@ -49,6 +49,7 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
     return {name: int(value or everything) for name, value in switches.items()} | {
         "HAS_SCATTERING": int(geometry.scatters),  # other random numbers: `everything` would be another picture with it
         "HAS_GRIDS": int(geometry.has_grids),
+        "HAS_FOG": 0 if geometry.fog is None else 1 + geometry.fog.thins,
         "METALNESS": 2 if everything else _metalness(materials)} | glass_switches(materials)
 
 
@@ -79,7 +80,7 @@ def unused_maps(scene: Scene, geometry: TraceGeometry) -> list[str]:
 def add_geometry(
     buffer: SceneBufferBuilder, scene: Scene, geometry: TraceGeometry, switches: Mapping[str, int]
 ) -> None:
-    """Append the sections instances, triangles, vertices and, if the scene has media, media."""
+    """Append the sections instances, triangles, vertices and, if the scene has them, media and fog."""
     first_triangle = np.cumsum([0] + [len(mesh.triangles) for mesh in geometry.meshes])
     first_vertex = np.cumsum([0] + [len(mesh.positions) for mesh in geometry.meshes])
     instances = np.zeros((len(geometry.instances), INSTANCE_TEXELS, 4), np.uint32)
@@ -100,6 +101,8 @@ def add_geometry(
     buffer.add("vertices", vertices.reshape(-1, 4))
     if switches["HAS_VOLUME"]:
         buffer.add("media", _media_texels(geometry, medium_layout(switches)["MEDIUM_TEXELS"]))
+    if geometry.fog is not None:
+        buffer.add("fog", geometry.fog.texels())
 
 
 def _media_texels(geometry: TraceGeometry, count: int) -> np.ndarray:

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...material.fold import without_constant_maps
 from ...material.use import supported
+from ...scene.fog import Fog
 from ...scene.material import Material
 from ...scene.medium import VACUUM, Medium
 from ...scene.mesh import Mesh
@@ -19,6 +20,7 @@ from ...scene.scene import Scene
 from ...scene.transform import handedness
 from ...scene.triangles import triangles_of
 from ..kinds import BOUNDARY, SURFACE, Kind, kind_of
+from .fog import TraceFog, trace_fog
 from .materials import TraceMaterial, trace_material
 
 
@@ -68,7 +70,8 @@ class TraceGeometry:
 
     `media` has the medium outside of all solids, and then those of the instances' insides. `emitters` is the number of
     emissive triangles, `left_out_instances` the number of instances of lines or points. `unit` is the length of one
-    unit of tracer space, in world units. `has_grids`: the scene has volumes with grids of densities.
+    unit of tracer space, in world units. `has_grids`: the scene has volumes with grids of densities. `fog` says where
+    the medium outside is, if that is fog.
     """
 
     meshes: list[TraceMesh]
@@ -79,11 +82,12 @@ class TraceGeometry:
     left_out_instances: int = 0
     unit: float = 1.0
     has_grids: bool = False
+    fog: TraceFog | None = None
 
     @property
     def scatters(self) -> bool:
-        """Whether any medium scatters light, or a grid may."""
-        return self.has_grids or any(medium.scatters for medium in self.media)
+        """Whether any medium scatters light, or a grid or fog may."""
+        return self.has_grids or self.fog is not None or any(medium.scatters for medium in self.media)
 
     @property
     def open_media(self) -> frozenset[int]:
@@ -97,24 +101,24 @@ class TraceGeometry:
 
 
 def trace_geometry(
-    scene: Scene, before: tuple[Scene, TraceGeometry] | None = None, *, scattering: bool = True
+    scene: Scene, before: tuple[Scene, TraceGeometry] | None = None, *, scattering: bool = True, fog: Fog | None = None
 ) -> TraceGeometry:
     """The triangles of `scene`, each mesh once, however often it is placed. Maps of one colour become factors.
 
     Meshes that the scene `before` has, too, are those of its geometry. Without `scattering` all extinction of
-    solids is absorption, and volumes are left out.
+    solids is absorption, and volumes are left out. `fog` fills what is outside of all solids.
     """
     known = {} if before is None else {before[0].meshes[mesh.source]: mesh for mesh in before[1].meshes}
     meshes: dict[int, tuple[TraceMesh, int]] = {}
     materials: dict[tuple[int, int, bool], int] = {}
     placed: list[TraceInstance] = []
     used_materials: list[TraceMaterial] = []
-    media = {(VACUUM, False): 0}
+    media: dict[tuple[Medium, bool, bool], int] = {(VACUUM if fog is None else fog.medium, False, False): 0}
     emitters = 0
     surfaces = [without_constant_maps(material if scattering else replace(material, scatter_color=(0.0, 0.0, 0.0)))
                 for material in scene.materials]
     volumes = scene.volumes if scattering else ()
-    scatters = bool(volumes) or any(surfaces[mesh.material].medium.scatters for mesh in scene.meshes)
+    scatters = bool(volumes or fog) or any(surfaces[mesh.material].medium.scatters for mesh in scene.meshes)
     for number, instance in enumerate(scene.instances):
         mesh = scene.meshes[instance.mesh]
         if not mesh.triangle_count:
@@ -131,22 +135,24 @@ def trace_geometry(
             used_materials.append(trace_material(supported(surfaces[mesh.material], mesh), mesh, scatters))
         material, traced = surfaces[mesh.material], used_materials[materials[key]]
         is_emitter = any(material.emissive) and not material.unlit
-        # A solid without volumes in it has a medium of its own, even if that is the vacuum.
-        displaces = bool(volumes) and traced.is_solid and not traced.is_boundary
+        # A solid without volumes or fog in it has a medium of its own, even if that is the vacuum.
+        displaces_volumes = bool(volumes) and traced.is_solid and not traced.is_boundary
+        inside = traced.medium, displaces_volumes, fog is not None
         placed.append(TraceInstance(
             mesh=index,
             transform=_to_tracer(scene, instance.transform) @ normalised.to_mesh,
             kind=kind_of(traced),
             see_through=_is_see_through(material, mesh),
             material=materials[key],
-            medium=media.setdefault((traced.medium, displaces), len(media)),
+            medium=media.setdefault(inside, len(media)) if traced.is_solid or fog is None else 0,
             source=number,
             first_emitter=emitters if is_emitter else -1,
         ))
         emitters += len(normalised.triangles) if is_emitter else 0
     ordered = [mesh for mesh, _ in meshes.values()]
-    return TraceGeometry(ordered, placed, used_materials, tuple(medium for medium, _ in media), emitters,
-                         len(scene.instances) - len(placed), scene.radius, bool(volumes))
+    return TraceGeometry(ordered, placed, used_materials, tuple(key[0] for key in media), emitters,
+                         len(scene.instances) - len(placed), scene.radius, bool(volumes),
+                         None if fog is None else trace_fog(scene, fog))
 
 
 def _normalise(mesh: Mesh, source: int) -> TraceMesh:

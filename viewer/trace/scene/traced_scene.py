@@ -6,6 +6,7 @@ import moderngl
 from numpy.typing import NDArray
 
 from ...gpu.context import Context
+from ...scene.fog import fog_of
 from ...scene.scene import Scene
 from ...scene.volume import volume_medium
 from ...settings import Settings
@@ -26,7 +27,8 @@ class TracedScene:
 
     def __init__(self, context: Context, scene: Scene, settings: Settings, intersector: str) -> None:
         self._context = context
-        self.geometry = trace_geometry(scene)
+        self._fog = fog_of(scene, settings)
+        self.geometry = trace_geometry(scene, fog=self._fog)
         self.is_everything = settings.plan == "everything"
         self._data = SceneData(context, scene, self.geometry, self.is_everything)
         self._grids: VolumeGrids | None = None
@@ -38,13 +40,18 @@ class TracedScene:
         """Whether these are the triangles and materials of that scene. Its lights may differ."""
         return scene.has_surfaces_of(self._scene)
 
+    def has_fog_of(self, scene: Scene, settings: Settings) -> bool:
+        """Whether these settings ask for the same fog about that scene."""
+        return fog_of(scene, settings) == self._fog
+
     def move(self, scene: Scene, settings: Settings) -> bool:
-        """Take another scene, such as another pose. Returns False if it needs other textures or programs."""
-        geometry = trace_geometry(scene, (self._scene, self.geometry))
+        """Take another scene, such as another pose, or fog. Returns False if it needs other textures or programs."""
+        fog = fog_of(scene, settings)
+        geometry = trace_geometry(scene, (self._scene, self.geometry), fog=fog)
         is_huge = geometry.triangle_count > max(EMBREE_TRIANGLES, self.geometry.triangle_count)
         if is_huge or not self._data.fits(scene, geometry):
             return False
-        self.geometry = geometry
+        self.geometry, self._fog = geometry, fog
         self._data.take(scene, geometry)
         if scene.volumes != self._scene.volumes:
             self._take_volumes(scene)
@@ -124,7 +131,7 @@ def _light_key(scene: Scene, settings: Settings) -> tuple[object, ...]:
 
 def plan_without_device(scene: Scene, settings: Settings) -> TracePlan:
     """The plan of a picture without layers; it needs no context. Raises InputError as `SceneLights` does."""
-    geometry = trace_geometry(scene)
+    geometry = trace_geometry(scene, fog=fog_of(scene, settings))
     switches = geometry_switches(scene, geometry, settings.plan == "everything")
     lights = SceneLights(None, scene, geometry, SceneBufferBuilder(), settings)
     return plan_trace(scene, settings, geometry, switches | lights.switches, has_layers=settings.denoise != "off",
