@@ -54,7 +54,9 @@ def shaded(context: Context) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _shaded(context: Context, programs: Programs, wavefront: Wavefront, number: int, first_hits: int) -> np.ndarray:
-    switches = dict.fromkeys(("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_GRIDS", "HAS_FOG", "DISPERSIVE"), 0)
+    names = ("HAS_TRANSMISSION", "HAS_VOLUME", "HAS_SCATTERING", "HAS_AIRLIGHT", "HAS_GRIDS", "HAS_FOG", "DISPERSIVE",
+             "SAMPLING")
+    switches = dict.fromkeys(names, 0)
     switches["FIRST_HITS"] = first_hits
     classify = programs.get("trace/path_class.vert", "trace/classify.frag", shader_defines(switches))
     zero = programs.get("trace/path_class.vert", "trace/zero.frag", shader_defines({}))
