@@ -70,8 +70,9 @@ class Frame:
 
     @cached_property
     def depth_range(self) -> tuple[float, float]:
-        """Near and far planes in eye-relative units, as close to the boxes of instances and volumes as possible."""
-        corners = np.concatenate([self.scene.corners.reshape(-1, 3), self.scene.volume_corners])
+        """Near and far planes in eye-relative units, as close to the boxes of all that is drawn as possible."""
+        corners = np.concatenate([self.scene.corners.reshape(-1, 3), self.scene.volume_corners,
+                                  self.scene.curve_corners])
         depths = (corners - self.camera.eye) @ self.camera.forward / self.unit
         if not len(depths):
             return 0.01, 1.0

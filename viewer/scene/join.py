@@ -1,4 +1,4 @@
-"""Joins scenes: several models and volumes in one picture."""
+"""Joins scenes: several models, volumes and sets of curves in one picture."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def _joined(scene: Scene, other: Scene) -> Scene:
         cameras=scene.cameras + other.cameras, warnings=(*scene.warnings, *warnings),
         facts=_facts(scene, other),
         rig=None if scene.rig is None else _with_still(scene.rig, other), variants=variants,
-        volumes=scene.volumes + other.volumes)
+        volumes=scene.volumes + other.volumes, curves=scene.curves + other.curves)
 
 
 def _facts(scene: Scene, other: Scene) -> dict[str, object]:

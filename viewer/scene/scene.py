@@ -1,4 +1,4 @@
-"""A scene: meshes, materials, instances, volumes, lights, cameras and an environment, as plain data without OpenGL."""
+"""A scene: meshes, instances, volumes, curves, lights, cameras and an environment, as plain data without OpenGL."""
 
 from __future__ import annotations
 
@@ -14,9 +14,11 @@ from numpy.typing import ArrayLike
 
 from ..base.expect import expect
 from ..errors import UsageError
+from . import extent
 from .animation import Animation
 from .arrays import scene_array
 from .camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, DEFAULT_FOV, Camera
+from .curves import Curves
 from .environment import Environment
 from .framing import fit
 from .light import Light
@@ -82,11 +84,15 @@ class Scene:
     variant: str = ""
     """The name of the one that is shown."""
     volumes: tuple[Volume, ...] = ()
+    curves: tuple[Curves, ...] = ()
 
     def __post_init__(self) -> None:
         expect(self.volumes, (tuple, list), "Scene.volumes", "a tuple of volumes")
         for k, volume in enumerate(self.volumes):
             expect(volume, Volume, f"Scene.volumes[{k}]", "a Volume (Volume.in_box makes one of an array)")
+        expect(self.curves, (tuple, list), "Scene.curves", "a tuple of curves")
+        for k, curves in enumerate(self.curves):
+            expect(curves, Curves, f"Scene.curves[{k}]", "Curves")
         for k, mesh in enumerate(self.meshes):
             if not 0 <= mesh.material < len(self.materials):
                 raise UsageError(f"Scene.meshes[{k}]: material {mesh.material}, but there are {len(self.materials)}")
@@ -96,7 +102,7 @@ class Scene:
 
     def __repr__(self) -> str:
         """In one line: the arrays would fill pages."""
-        counted = ("meshes", "materials", "instances", "volumes", "lights", "cameras")
+        counted = ("meshes", "materials", "instances", "volumes", "curves", "lights", "cameras")
         counts = {name: len(getattr(self, name)) for name in counted}
         words = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
         light = self.environment.name if self.environment is not None else None
@@ -104,13 +110,14 @@ class Scene:
 
     @cached_property
     def bounds(self) -> np.ndarray:
-        """The lowest and highest corner of the boxes of all instances and volumes, (2, 3) float64; a unit cube about
-        the origin if there are none.
+        """The lowest and highest corner of the boxes of all instances, volumes and curves, (2, 3) float64; a unit cube
+        about the origin if there are none.
 
         Triangles and lines that a scale of 0 shrinks to a point draw nothing, and are left out if anything else is
         there.
         """
-        corners = np.concatenate([self.corners[self._has_extent].reshape(-1, 3), self.volume_corners])
+        corners = np.concatenate([self.corners[self.has_extent].reshape(-1, 3), self.volume_corners,
+                                  self.curve_corners])
         if not len(corners):
             return np.array([[-0.5] * 3, [0.5] * 3])
         return np.stack([corners.min(axis=0), corners.max(axis=0)])
@@ -130,6 +137,11 @@ class Scene:
         """The corners of all volumes' boxes in world space, (8 volumes, 3) float64."""
         return np.concatenate([np.zeros((0, 3)), *(volume.corners for volume in self.volumes)])
 
+    @cached_property
+    def curve_corners(self) -> np.ndarray:
+        """The corners of the boxes about all curves in world space, (8 curves, 3) float64."""
+        return np.concatenate([np.zeros((0, 3)), *(curves.corners for curves in self.curves)])
+
     @property
     def images(self) -> tuple[TextureImage, ...]:
         """The images of all materials, each once."""
@@ -144,14 +156,14 @@ class Scene:
         return tuple(dict.fromkeys((*self.warnings, *environment, *lost)))
 
     @cached_property
-    def _has_extent(self) -> np.ndarray:
+    def has_extent(self) -> np.ndarray:
         """For each instance whether it may draw something, (instances,) bool; all of them if nothing does."""
         is_points = np.array([self.meshes[i.mesh].topology == "points" for i in self.instances], bool)
         has = is_points | (np.ptp(self.corners, axis=1) > 0).any(axis=1)
-        return has if has.any() or self.volumes else ~has
+        return has if has.any() or self.volumes or self.curves else ~has
 
     @cached_property
-    def _alike(self) -> np.ndarray:
+    def alike(self) -> np.ndarray:
         """A number for each instance, the same for those of one mesh that only a translation tells apart, (I,)."""
         linear = self.transforms[:, :3, :3].reshape(-1, 9) + 0.0  # -0 is 0
         keys = np.column_stack([linear, [instance.mesh for instance in self.instances]])
@@ -164,47 +176,14 @@ class Scene:
 
     @cached_property
     def radius(self) -> float:
-        """The radius of the sphere about `center` that encloses all vertices and all corners of volumes. It is never 0,
-        so it can be a divisor."""
-        center = self.center
-        radius = float(np.linalg.norm(self.volume_corners - center, axis=1).max(initial=0.0))
-        distance = np.linalg.norm(self.corners - center, axis=2).max(axis=1, initial=0.0)
-        if self.instances:
-            distance *= self._has_extent
-        for k in np.argsort(-distance):
-            if distance[k] <= radius:
-                break  # no vertex in this box or in the remaining ones is farther away than `radius`
-            linear, offset = self.instances[k].transform[:3, :3].T, self.instances[k].transform[:3, 3] - center
-            for chunk in self.meshes[self.instances[k].mesh].drawn_chunks():
-                points = chunk @ linear + offset
-                radius = max(radius, float(np.sqrt(np.einsum("ij,ij->i", points, points).max())))
-        if not (self.instances or self.volumes):
-            return float(np.sqrt(0.75))
-        return radius or max(1e-6, float(np.abs(center).max()) * 1e-6)
+        """The radius of the sphere about `center` that encloses all vertices, curves and corners of volumes. It is
+        never 0, so it can be a divisor."""
+        return extent.enclosing_radius(self)
 
     def farthest(self, direction: np.ndarray) -> np.ndarray:
-        """The drawn vertex or corner of a volume that lies farthest along `direction`, relative to `center`, (3,)
-        float64."""
-        if not (self.instances or self.volumes):
-            return np.copysign(0.5, direction)
-        best, vertex = -np.inf, np.zeros(3)
-        if self.volumes:
-            offsets = self.volume_corners - self.center
-            vertex = offsets[(offsets @ direction).argmax()]
-            best = float(vertex @ direction)
-        bounds = ((self.corners - self.center) @ direction).max(axis=1)
-        bounds[~self._has_extent] = -np.inf
-        order = np.argsort(-bounds, kind="stable")
-        first = np.unique(self._alike[order], return_index=True)[1]
-        for k in order[np.sort(first)]:  # of boxes that a translation alone tells apart, the first is the farthest
-            if bounds[k] <= best:
-                break  # no vertex in this box or in the remaining ones is farther
-            linear, offset = self.instances[k].transform[:3, :3], self.instances[k].transform[:3, 3] - self.center
-            for chunk in self.meshes[self.instances[k].mesh].drawn_chunks():
-                point = linear @ chunk[(chunk @ (direction @ linear)).argmax()] + offset
-                if (along := float(point @ direction)) > best:
-                    best, vertex = along, point
-        return vertex
+        """The drawn vertex, point of a curve's surface or corner of a volume that lies farthest along `direction`,
+        relative to `center`, (3,) float64."""
+        return extent.farthest(self, direction)
 
     def framing_camera(self, aspect: float, azimuth: float = DEFAULT_AZIMUTH, elevation: float = DEFAULT_ELEVATION,
                        fov_y: float = DEFAULT_FOV, target: ArrayLike | None = None) -> Camera:
@@ -228,10 +207,17 @@ class Scene:
                                                                        lights[:len(rig.lights)])):
             changes["rig"] = replace(rig, lights=(), light_items=())
         copy = replace(self, **changes)
-        for name in ("bounds", "corners", "volume_corners", "center", "radius"):
+        for name in ("bounds", "corners", "volume_corners", "curve_corners", "center", "radius"):
             if name in self.__dict__:
                 copy.__dict__[name] = self.__dict__[name]
         return copy
+
+    def with_curve_radius(self, radius: float) -> Scene:
+        """The scene with curves of this radius, in its unit of length; as it is if that is 0 or there are no curves.
+        The curves of two calls with one radius are the same objects."""
+        if radius == 0 or not self.curves:
+            return self
+        return replace(self, curves=tuple(curves.with_radius(radius) for curves in self.curves))
 
     def at(self, time: float, animation: str | int | None = 0) -> Scene:
         """The scene as it is `time` seconds into an animation, given by its name or its number; None is the scene at
@@ -281,16 +267,16 @@ class Scene:
         return {item.name: getattr(self, item.name) for item in fields(self) if item.name not in others}
 
     def has_surfaces_of(self, other: Scene) -> bool:
-        """Whether it has the very meshes, materials, instances and volumes of another scene, under other lights
+        """Whether it has the very meshes, materials, instances, volumes and curves of another scene, under other lights
         perhaps."""
-        return (self.meshes is other.meshes and self.materials is other.materials
-                and self.instances is other.instances and self.volumes is other.volumes)
+        return all(getattr(self, name) is getattr(other, name)
+                   for name in ("meshes", "materials", "instances", "volumes", "curves"))
 
     @cached_property
     def layout(self) -> tuple[object, ...]:
         """What is drawn, without where it is: scenes that differ in vertices or transforms only are equal in it."""
         return (self.materials, tuple(i.mesh for i in self.instances), tuple(mesh.layout for mesh in self.meshes),
-                tuple(volume.layout for volume in self.volumes))
+                tuple(volume.layout for volume in self.volumes), tuple(curves.layout for curves in self.curves))
 
     @cached_property
     def transforms(self) -> np.ndarray:
