@@ -11,6 +11,7 @@ from wrong_formulas import WRONG_FORMULAS, furnace_of_lights
 from viewer.bake.dfg import directional_albedo
 from viewer.measure.check.checks import Check
 from viewer.measure.check.energy import check_lobe, directions
+from viewer.measure.check.fibres import check_fibre_extremes, check_fibres
 from viewer.measure.check.furnace import check_balance, check_material, furnace_picture, hemisphere_balance
 from viewer.measure.check.half_vector import bin_coordinates, binned_grid, reflected_grid, refracted_grid
 from viewer.measure.check.lobe_cases import lobe_cases
@@ -139,3 +140,11 @@ def test_media():
     assert not [check for check in checks if check.is_defect]
     assert {check.check for check in checks} == {"phase integrates to 1", "mean cosine is g", "samples follow phase",
                                                  "distances keep all light", "no NaN, no Inf"}
+
+
+def test_fibres():
+    checks = [*check_fibres(), *check_fibre_extremes()]
+    assert not [check for check in checks if check.is_defect]
+    assert {check.check for check in checks} == {
+        "white furnace", "albedo", "pdf integrates to 1", "samples follow pdf", "weight = f cos / pdf",
+        "sample's pdf = pdf", "no NaN, no Inf"}

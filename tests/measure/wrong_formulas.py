@@ -10,6 +10,7 @@ from mutations import Mutation
 from viewer.gpu.context import open_context
 from viewer.measure.check.checks import Check
 from viewer.measure.check.energy import check_lobe
+from viewer.measure.check.fibres import check_fibres
 from viewer.measure.check.furnace import FURNACE_BOUND, lit_furnace
 from viewer.measure.check.lobe_cases import lobe_cases
 from viewer.measure.check.lobe_stability import check_lobe_stability
@@ -86,4 +87,9 @@ WRONG_FORMULAS = [
                  "if (x > 0.0) return 1.0 - exp(-x);", values("one_minus_exp(float)")),
     WrongFormula("one channel's density for all", "media/distance.glsl", "return f / max(dot(chances, f), 1e-37);",
                  "return f / max(f.r, 1e-37);", check_media),
+    WrongFormula("the rest of a fibre's light as one more reflection", "bsdf/fibre/attenuation.glsl",
+                 "t * F * F * T * T * T * share", "t * t * F * F * T * T * T", check_fibres),
+    WrongFormula("samples of a fibre about the other side of the ray", "bsdf/fibre/fibre.glsl",
+                 "complex_product(lobes.turn[p], azimuthal_sample(lobes.scale, u.w))",
+                 "complex_product(conjugate(lobes.turn[p]), azimuthal_sample(lobes.scale, u.w))", check_fibres),
 ]

@@ -14,6 +14,7 @@ from ...trace.tracer import Tracer
 from .checks import Check
 from .energy import LobeCase, check_lobe
 from .extremes import check_extremes
+from .fibres import check_fibre_extremes, check_fibres
 from .furnace import check_furnaces, check_material, check_renderer_balance
 from .lobe_cases import lobe_cases
 from .lobe_stability import check_lobe_extremes, check_lobe_stability
@@ -32,14 +33,14 @@ def run_checks(what: str, quiet: bool = False) -> list[Check]:
         parts: list[Part] = []
         if what != "stability":
             parts += _lobe_parts(lobe_cases())
-            parts += [("media", check_media)]
+            parts += [("media", check_media), ("fibres", check_fibres)]
             parts += [("furnace", partial(check_furnaces, renderer))]
             parts += [("balance", partial(check_renderer_balance, renderer))]
             parts += [("media in furnaces", partial(check_media_furnaces, tracer))]
         if what != "energy":
             parts += [("float32", check_stability)]
             parts += [("lobes' values", check_lobe_stability), ("lobes' extremes", check_lobe_extremes)]
-            parts += [("extremes", partial(check_extremes, renderer))]
+            parts += [("extreme fibres", check_fibre_extremes), ("extremes", partial(check_extremes, renderer))]
             parts += [("extreme media", partial(check_media_extremes, tracer))]
         return _run(parts, quiet)
 
