@@ -20,6 +20,7 @@ struct Surface {
     float diffuse_roughness; // if DIFFUSE_ROUGH, sigma of the diffuse base
     float diffuse_transmission;     // if DIFFUSE_TRANSMISSION, the share of the diffuse base's light that passes it
     vec3 diffuse_transmission_color;
+    float scattered_back; // if THIN_SCATTER, the share of what the diffuse base keeps that has this colour, too
     float coat, coat_alpha; // if CLEARCOAT, the weight of the clear coat and its alpha
     vec3 sheen_color;       // if SHEEN
     float sheen_roughness;  // if SHEEN, perceptual

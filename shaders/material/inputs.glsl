@@ -13,6 +13,9 @@ struct MaterialInputs {
     float dispersion;               // 20 over the Abbe number: how far colours are refracted apart
     float diffuse_transmission;     // fraction of the diffuse base's light that leaves on the other side
     vec3 diffuse_transmission_color; // tints the light that leaves on the other side
+    float scatter_strength;         // fraction of the transmitted light that is scattered; in a volume, times the albedo of all scattering
+    vec3 multiscatter_color;        // albedo of all scattering
+    float multiscatter_anisotropy;  // mean cosine of scattering; of a thin wall, (1 + it) / 2 goes through
     float anisotropy_strength;      // stretches highlights along the tangent
     float anisotropy_rotation;      // rotates the direction of stretching, counter-clockwise
     float diffuse_roughness;        // roughness of the diffuse base, 0 for Lambert's
@@ -29,5 +32,5 @@ struct MaterialInputs {
 
 const MaterialInputs DEFAULT_INPUTS = MaterialInputs(
     vec4(1.0, 1.0, 1.0, 1.0), 1.0, 1.0, vec3(0.0, 0.0, 0.0), 1.5, 1.0, vec3(1.0, 1.0, 1.0), 0.0, 0.0, 0.0,
-    0.0, vec3(1.0, 1.0, 1.0), 0.0, 0.0, 0.0, vec3(0.0, 0.0, 0.0), 0.0, 0.0, 1.3, 100.0, 400.0, 0.0, 0.0,
-    vec2(1.0, 0.5));
+    0.0, vec3(1.0, 1.0, 1.0), 0.0, vec3(1.0, 1.0, 1.0), 0.0, 0.0, 0.0, 0.0, vec3(0.0, 0.0, 0.0), 0.0, 0.0,
+    1.3, 100.0, 400.0, 0.0, 0.0, vec2(1.0, 0.5));

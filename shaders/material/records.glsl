@@ -11,14 +11,17 @@
 #if IRIDESCENT
 #include "bsdf/iridescence_thickness.glsl"
 #endif
+#if THIN_SCATTER
+#include "bsdf/thin_scatter.glsl"
+#endif
 
 uniform int u_materials;
 
-const uint BASE_COLOR_ROLE = 1u, EMISSIVE_ROLE = 2u, SPECULAR_COLOR_ROLE = 4u, SPECULAR_GLOSSINESS_ROLE = 8u, DIFFUSE_TRANSMISSION_COLOR_ROLE = 16u, SHEEN_COLOR_ROLE = 32u;
-const uint METALLIC_ROUGHNESS_ROLE = 1u, SPECULAR_ROLE = 2u, TRANSMISSION_ROLE = 4u, DIFFUSE_TRANSMISSION_ROLE = 8u, ANISOTROPY_ROLE = 16u, DIFFUSE_ROUGHNESS_ROLE = 32u, SHEEN_ROUGHNESS_ROLE = 64u, IRIDESCENCE_ROLE = 128u, IRIDESCENCE_THICKNESS_ROLE = 256u, CLEARCOAT_ROLE = 512u, CLEARCOAT_ROUGHNESS_ROLE = 1024u;
+const uint BASE_COLOR_ROLE = 1u, EMISSIVE_ROLE = 2u, SPECULAR_COLOR_ROLE = 4u, SPECULAR_GLOSSINESS_ROLE = 8u, DIFFUSE_TRANSMISSION_COLOR_ROLE = 16u, MULTISCATTER_COLOR_ROLE = 32u, SHEEN_COLOR_ROLE = 64u;
+const uint METALLIC_ROUGHNESS_ROLE = 1u, SPECULAR_ROLE = 2u, TRANSMISSION_ROLE = 4u, DIFFUSE_TRANSMISSION_ROLE = 8u, SCATTER_STRENGTH_ROLE = 16u, ANISOTROPY_ROLE = 32u, DIFFUSE_ROUGHNESS_ROLE = 64u, SHEEN_ROUGHNESS_ROLE = 128u, IRIDESCENCE_ROLE = 256u, IRIDESCENCE_THICKNESS_ROLE = 512u, CLEARCOAT_ROLE = 1024u, CLEARCOAT_ROUGHNESS_ROLE = 2048u;
 
 int material_texel(int material, int part) {
-    return u_materials + material * 10 + part;
+    return u_materials + material * 12 + part;
 }
 
 vec4 base_color_factor(int material) {
@@ -69,62 +72,74 @@ vec3 diffuse_transmission_color_factor(int material) {
     return scene_float4(material_texel(material, 5)).xyz;
 }
 
-float anisotropy_strength_factor(int material) {
+float scatter_strength_factor(int material) {
     return scene_float4(material_texel(material, 4)).z;
 }
 
-float anisotropy_rotation_factor(int material) {
-    return scene_float4(material_texel(material, 4)).w;
-}
-
-float diffuse_roughness_factor(int material) {
-    return scene_float4(material_texel(material, 5)).w;
-}
-
-vec3 sheen_color_factor(int material) {
+vec3 multiscatter_color_factor(int material) {
     return scene_float4(material_texel(material, 6)).xyz;
 }
 
-float sheen_roughness_factor(int material) {
+float multiscatter_anisotropy_factor(int material) {
+    return scene_float4(material_texel(material, 4)).w;
+}
+
+float anisotropy_strength_factor(int material) {
+    return scene_float4(material_texel(material, 5)).w;
+}
+
+float anisotropy_rotation_factor(int material) {
     return scene_float4(material_texel(material, 6)).w;
 }
 
-float iridescence_factor(int material) {
+float diffuse_roughness_factor(int material) {
     return scene_float4(material_texel(material, 7)).x;
 }
 
-float iridescence_ior_factor(int material) {
-    return scene_float4(material_texel(material, 7)).y;
+vec3 sheen_color_factor(int material) {
+    return scene_float4(material_texel(material, 7)).yzw;
 }
 
-float iridescence_thickness_minimum_factor(int material) {
-    return scene_float4(material_texel(material, 7)).z;
-}
-
-float iridescence_thickness_maximum_factor(int material) {
-    return scene_float4(material_texel(material, 7)).w;
-}
-
-float clearcoat_factor(int material) {
+float sheen_roughness_factor(int material) {
     return scene_float4(material_texel(material, 8)).x;
 }
 
-float clearcoat_roughness_factor(int material) {
+float iridescence_factor(int material) {
     return scene_float4(material_texel(material, 8)).y;
 }
 
-float clearcoat_normal_scale_factor(int material) {
+float iridescence_ior_factor(int material) {
     return scene_float4(material_texel(material, 8)).z;
 }
 
-float alpha_cutoff_factor(int material) {
+float iridescence_thickness_minimum_factor(int material) {
     return scene_float4(material_texel(material, 8)).w;
+}
+
+float iridescence_thickness_maximum_factor(int material) {
+    return scene_float4(material_texel(material, 9)).x;
+}
+
+float clearcoat_factor(int material) {
+    return scene_float4(material_texel(material, 9)).y;
+}
+
+float clearcoat_roughness_factor(int material) {
+    return scene_float4(material_texel(material, 9)).z;
+}
+
+float clearcoat_normal_scale_factor(int material) {
+    return scene_float4(material_texel(material, 9)).w;
+}
+
+float alpha_cutoff_factor(int material) {
+    return scene_float4(material_texel(material, 10)).x;
 }
 
 // The records of the material's maps: x colour maps and y data maps, as index of the first record |
 // number of records << 24; z that of the normal map + 1, w that of the coat's normal map + 1, or 0
 uvec4 map_records(int material) {
-    return scene_uint4(material_texel(material, 9));
+    return scene_uint4(material_texel(material, 11));
 }
 
 // `color` is the interpolated vertex colour.
@@ -172,6 +187,11 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
 #if SPECULAR_TINTED
     m.specular_color = specular_color_factor(material);
 #endif
+#if THIN_SCATTER
+    m.scatter_strength = scatter_strength_factor(material);
+    m.multiscatter_color = multiscatter_color_factor(material);
+    m.multiscatter_anisotropy = multiscatter_anisotropy_factor(material);
+#endif
     m.base_color *= color;
 #if HAS_TEXTURES
     uvec4 maps = map_records(material);
@@ -204,6 +224,11 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
             m.diffuse_transmission_color *= texel.rgb;
         }
 #endif
+#if THIN_SCATTER
+        if (has_role(map, MULTISCATTER_COLOR_ROLE)) {
+            m.multiscatter_color *= texel.rgb;
+        }
+#endif
 #if SHEEN
         if (has_role(map, SHEEN_COLOR_ROLE)) {
             m.sheen_color *= texel.rgb;
@@ -231,6 +256,11 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
 #if DIFFUSE_TRANSMISSION
         if (has_role(map, DIFFUSE_TRANSMISSION_ROLE)) {
             m.diffuse_transmission *= texel.a;
+        }
+#endif
+#if THIN_SCATTER
+        if (has_role(map, SCATTER_STRENGTH_ROLE)) {
+            m.scatter_strength *= texel.a;
         }
 #endif
 #if ANISOTROPIC
@@ -270,6 +300,9 @@ MaterialInputs read_inputs(int material, vec4 color, vec2 uv0, vec2 uv1) {
         }
 #endif
     }
+#endif
+#if THIN_SCATTER
+    apply_thin_scatter(m);
 #endif
     return m;
 }

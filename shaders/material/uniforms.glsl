@@ -8,6 +8,9 @@
 #if IRIDESCENT
 #include "bsdf/iridescence_thickness.glsl"
 #endif
+#if THIN_SCATTER
+#include "bsdf/thin_scatter.glsl"
+#endif
 
 uniform vec4 u_base_color;
 #if ALPHA_MODE == 1
@@ -67,6 +70,11 @@ uniform float u_sheen_roughness;
 #endif
 #if SPECULAR_TINTED
 uniform vec3 u_specular_color;
+#endif
+#if THIN_SCATTER
+uniform float u_scatter_strength;
+uniform vec3 u_multiscatter_color;
+uniform float u_multiscatter_anisotropy;
 #endif
 
 #if BASE_COLOR_MAP
@@ -174,6 +182,24 @@ uniform mat3x2 u_diffuse_transmission_color_transform;
 vec4 diffuse_transmission_color_texel() {
     return texture(u_diffuse_transmission_color_map, map_uv(DIFFUSE_TRANSMISSION_COLOR_UV, DIFFUSE_TRANSMISSION_COLOR_TRANSFORM,
         u_diffuse_transmission_color_transform, DIFFUSE_TRANSMISSION_COLOR_MIRROR));
+}
+#endif
+
+#if SCATTER_STRENGTH_MAP
+uniform sampler2D u_scatter_strength_map;
+uniform mat3x2 u_scatter_strength_transform;
+vec4 scatter_strength_texel() {
+    return texture(u_scatter_strength_map, map_uv(SCATTER_STRENGTH_UV, SCATTER_STRENGTH_TRANSFORM,
+        u_scatter_strength_transform, SCATTER_STRENGTH_MIRROR));
+}
+#endif
+
+#if MULTISCATTER_COLOR_MAP
+uniform sampler2D u_multiscatter_color_map;
+uniform mat3x2 u_multiscatter_color_transform;
+vec4 multiscatter_color_texel() {
+    return texture(u_multiscatter_color_map, map_uv(MULTISCATTER_COLOR_UV, MULTISCATTER_COLOR_TRANSFORM,
+        u_multiscatter_color_transform, MULTISCATTER_COLOR_MIRROR));
 }
 #endif
 
@@ -307,6 +333,11 @@ MaterialInputs read_inputs() {
 #if SPECULAR_TINTED
     m.specular_color = u_specular_color;
 #endif
+#if THIN_SCATTER
+    m.scatter_strength = u_scatter_strength;
+    m.multiscatter_color = u_multiscatter_color;
+    m.multiscatter_anisotropy = u_multiscatter_anisotropy;
+#endif
 #if BASE_COLOR_MAP
     {
         vec4 texel = base_color_texel();
@@ -368,6 +399,18 @@ MaterialInputs read_inputs() {
         m.diffuse_transmission_color *= texel.rgb;
     }
 #endif
+#if SCATTER_STRENGTH_MAP
+    {
+        vec4 texel = scatter_strength_texel();
+        m.scatter_strength *= texel.a;
+    }
+#endif
+#if MULTISCATTER_COLOR_MAP
+    {
+        vec4 texel = multiscatter_color_texel();
+        m.multiscatter_color *= texel.rgb;
+    }
+#endif
 #if ANISOTROPY_MAP
     {
         vec4 texel = anisotropy_texel();
@@ -419,6 +462,9 @@ MaterialInputs read_inputs() {
 #endif
 #if HAS_COLOR
     m.base_color *= v_color;
+#endif
+#if THIN_SCATTER
+    apply_thin_scatter(m);
 #endif
     return m;
 }

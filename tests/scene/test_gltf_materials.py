@@ -1,3 +1,4 @@
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -112,6 +113,66 @@ def test_scattering_in_volumes_is_read_by_all_its_names(name):
     assert (material.scatter_color, material.scatter_anisotropy) == ((0.1, 0.2, 0.3), -0.5)
     assert warnings == ()
     assert read({"extensions": {"KHR_materials_volume_scatter": {}}}) == (Material(), ())
+
+
+def scatter(**more: object) -> dict:
+    return {"KHR_materials_scatter": {"scatterStrengthFactor": 0.5, "multiscatterColorFactor": [0.2, 0.4, 0.8],
+                                      "scatterAnisotropy": 0.5, **more},
+            "KHR_materials_transmission": {"transmissionFactor": 1.0}}
+
+
+def read_plastic(builder: GltfBuilder | None = None, **extensions: dict) -> tuple[Material, list[str]]:
+    """A dielectric with these extensions, and the warnings beside those of missing texture coordinates."""
+    material, warnings = read({"pbrMetallicRoughness": {"metallicFactor": 0.0}, "extensions": extensions}, builder)
+    return material, [line for line in warnings if "TEXCOORD" not in line]
+
+
+SOLID = {"KHR_materials_volume": {"thicknessFactor": 1.0, "attenuationDistance": 1.0,
+                                  "attenuationColor": [0.5, 0.5, 0.5]}}
+
+
+def test_scattering_of_a_solid_fills_it_with_a_medium():
+    material, warnings = read_plastic(**scatter(), **SOLID)
+    assert warnings == [] and not material.scatters_thinly and not material.transmits_diffusely
+    # Kulla and Conty 2017, for a colour of 0.4
+    s = 4.09712 + 4.20863 * 0.4 - (9.59217 + 41.6808 * 0.4 + 17.7126 * 0.16) ** 0.5
+    assert material.medium.albedo[2] == pytest.approx((1 - s * s) / (1 - 0.5 * s * s), rel=1e-12)
+    assert material.medium.g == 0.5 and material.medium.sigma_t == pytest.approx([math.log(2)] * 3)
+    assert not material.without_medium_scattering.medium.scatters
+    # Where no direction is preferred both extensions mean the same.
+    fields = {"multiscatterColorFactor": [0.1, 0.5, 0.9], "scatterStrengthFactor": 1.0}
+    glass = SOLID | {"KHR_materials_transmission": {"transmissionFactor": 1.0}}
+    old, new = (read_plastic(**glass, **{f"KHR_materials_{name}": fields})[0] for name in ("volume_scatter", "scatter"))
+    assert old.medium == new.medium and old.medium.scatters
+
+
+def test_scattering_of_a_thin_wall():
+    builder = GltfBuilder()
+    maps = {name: {"index": builder.texture()} for name in ("scatterStrengthTexture", "multiscatterColorTexture")}
+    material, warnings = read_plastic(builder, **scatter(**maps))
+    assert warnings == [] and material.scatters_thinly and not material.medium.scatters
+    assert (material.scatter_strength, material.multiscatter_color) == (0.5, (0.2, 0.4, 0.8))
+    assert material.multiscatter_anisotropy == 0.5 and material.scatter_strength_texture is not None
+    assert material.multiscatter_color_texture is not None and material.without_medium_scattering == material
+    plain, warnings = read_plastic(**(scatter() | {"KHR_materials_scatter": {}}))
+    assert warnings == [] and not plain.scatters_thinly  # the strength is 0 unless the file says more
+
+
+@pytest.mark.parametrize("change, words", [
+    ({"KHR_materials_transmission": {}}, "no effect without light that KHR_materials_transmission lets through"),
+    ({"KHR_materials_unlit": {}}, "cannot be combined with KHR_materials_unlit"),
+    ({"KHR_materials_pbrSpecularGlossiness": {}}, "cannot be combined with KHR_materials_pbrSpecularGlossiness"),
+    ({"KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 0.5}},
+     "takes the place of KHR_materials_diffuse_transmission"),
+    ({"KHR_materials_volume": {"thicknessFactor": 1.0}}, "the maps of scattering are left out"),
+])
+def test_scattering_that_cannot_be_shown_is_warned_of(change, words):
+    builder = GltfBuilder()
+    material, warnings = read_plastic(builder, **(scatter(scatterStrengthTexture={"index": builder.texture()})
+                                                  | change))
+    assert len(warnings) == 1 and "materials[0].extensions.KHR_materials_scatter" in warnings[0]
+    assert words in warnings[0] and material.diffuse_transmission == 0
+    assert material.scatters_thinly == ("takes the place" in words)
 
 
 def test_diffuse_roughness():

@@ -312,9 +312,19 @@ def standard_rough(m, wo, wi):
 def standard_translucent(m, wo, wi):
     """KHR_materials_diffuse_transmission: mix(diffuse_brdf(base colour), diffuse_btdf(colour), factor) under the
     interface, which dims what comes from below as it does what comes from above."""
+    return _translucent(m, wo, wi, m["base_color"])
+
+
+def standard_scattering(m, wo, wi):
+    """KHR_materials_scatter of a thin wall: what it scatters back has the colour of what goes through."""
+    back = m["scattered_back"][..., None]
+    return _translucent(m, wo, wi, (1 - back) * m["base_color"] + back * m["diffuse_transmission_color"])
+
+
+def _translucent(m, wo, wi, above_color):
     alpha, t = _one_alpha(m), m["diffuse_transmission"][..., None]
     alphas, up = np.stack([m["alpha"]] * 2, axis=-1), wi * np.where(wi[..., 2:] < 0, [1, 1, -1], 1)
-    above = _layers(m, alphas, alpha, wo, up, (1 - t) * m["base_color"] / np.pi)
+    above = _layers(m, alphas, alpha, wo, up, (1 - t) * above_color / np.pi)
     bare, lit = (_layers(m, alphas, alpha, wo, up, base + 0 * above) for base in (
         0, t * m["diffuse_transmission_color"] / np.pi))
     return np.where(wi[..., 2:] < 0, lit - bare, above)

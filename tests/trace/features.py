@@ -110,6 +110,18 @@ def shadows() -> tuple[Scene, Camera]:
     return model, orthographic(0.2, 0.6, height=3.0)
 
 
+def paper(environment=None, lights=(), turn: float = 0.0) -> Callable[[], tuple[Scene, Camera]]:
+    """A sheet that scatters most of what it transmits, seen from its front, or from behind."""
+    def make() -> tuple[Scene, Camera]:
+        rice = Material(base_color=(0.3, 0.5, 0.2, 1), metallic=0.0, perceptual_roughness=0.0, specular=0.0, ior=1.0,
+                        double_sided=True, transmission=0.8, scatter_strength=0.9, multiscatter_color=(0.9, 0.7, 0.2),
+                        multiscatter_anisotropy=0.4)
+        return scene(plate(), materials=[rice], environment=environment, lights=lights), orthographic(
+            0.4 + turn, 0.3, height=1.2)
+
+    return make
+
+
 def leaf(environment=None, lights=(), turn: float = 0.0) -> Callable[[], tuple[Scene, Camera]]:
     """A sheet that lets light through, seen from its front, or from behind."""
     def make() -> tuple[Scene, Camera]:
@@ -176,6 +188,9 @@ FEATURES = [
             0.012),
     Feature("sheet, sun behind", leaf(lights=BEHIND), 0.004, 0.012),
     Feature("sheet seen from behind", leaf(lights=BEHIND, turn=np.pi), 0.004, 0.012),
+    Feature("scattering sheet, sun behind", paper(lights=BEHIND), 0.004, 0.012),
+    Feature("scattering sheet seen from behind", paper(lights=BEHIND, turn=np.pi), 0.004, 0.012),
+    Feature("scattering sheet, lopsided environment", paper(environment=lopsided()), 0.01, 0.02, MAPS),
     Feature("sheet, lopsided environment", leaf(environment=lopsided()), 0.01, 0.02, MAPS),
     Feature("furnace, white wax", ball(constant(), **(WAX | {"base_color": (1, 1, 1, 1)})), 0.004, 0.02),
     Feature("studio, wax", ball("studio", **WAX), 0.1, 0.2, MIXED),

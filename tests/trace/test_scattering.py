@@ -131,6 +131,24 @@ def test_channels_do_not_disturb_each_other(tracer):
         assert colored[k] == pytest.approx(halves(tracer, grey, FRONT, (16, 16), spp=64).mean.mean(), rel=0.02)
 
 
+@pytest.mark.parametrize("transmission, strength, g", [(1.0, 1.0, 0.5), (0.7, 0.6, -0.3)])
+def test_a_thin_wall_scatters_what_it_transmits(tracer, transmission, strength, g):
+    """KHR_materials_scatter: transmitted light is scattered as color / pi, (1 + g) / 2 of it through the wall."""
+    color, base = np.array((0.9, 0.5, 0.1)), np.array((0.2, 0.4, 0.6))
+    wall = Material(base_color=(*base, 1.0), metallic=0.0, perceptual_roughness=0.0, specular=0.0, ior=1.0,
+                    double_sided=True, transmission=transmission, scatter_strength=strength,
+                    multiscatter_color=tuple(color), multiscatter_anisotropy=g)
+    scattered, lit = transmission * strength * color, 3.0 / np.pi * np.cos(0.4)
+    behind = (1 + g) / 2 * scattered * lit
+    front = ((1 - g) / 2 * scattered + (1 - transmission) * base) * lit
+    for side, expected in ((1, front), (-1, behind)):
+        light = Light("directional", intensity=3.0, direction=(0.0, np.sin(0.4), -side * np.cos(0.4)))
+        model = scene(plate(), materials=[wall], lights=(light,))
+        pixels = picture(tracer, model, Camera.look_at((0, 0, 3), (0, 0, 0), fov_y=0.1), (16, 16), spp=16,
+                         fresnel="exact", background="none")
+        assert pixels[..., :3].mean(axis=(0, 1)) == pytest.approx(expected, rel=0.005)
+
+
 def test_extreme_media_give_finite_pictures(tracer):
     for sigma_t, g, color in ((1e-6, 0.99, 1.0), (1.0, -0.99, 1.0), (1e4, 0.0, 1e-3), (30.0, 0.99, 1.0)):
         model = scene(sphere(segments=24), materials=[fog(sigma_t, color, g)], environment=constant(),

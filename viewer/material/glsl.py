@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from itertools import groupby
 from textwrap import fill
 
-from ..scene.schema import MAPS, PARAMETERS, Map, Parameter, multiplied_by
+from ..scene.schema import MAPS, PARAMETERS, SWITCHED, Map, Parameter, multiplied_by
 from .pack import COLOR_ROLES, DATA_ROLES, MAPS_TEXEL, RECORD, RECORD_TEXELS
 
 _TYPES = {1: "float", 2: "vec2", 3: "vec3", 4: "vec4"}
@@ -57,7 +57,7 @@ def _uniforms() -> str:
             switch = f" && {source.info.feature.switch}" if source.info.is_applied else ""
             lines += [f"#if {source.name.upper()}_MAP{switch}", "    {", f"        vec4 texel = {source.name}_texel();",
                       *products, "    }", "#endif"]
-    lines += ["#if HAS_COLOR", "    m.base_color *= v_color;", "#endif", "    return m;", "}", ""]
+    lines += ["#if HAS_COLOR", "    m.base_color *= v_color;", "#endif", *_applied_last(), "    return m;", "}", ""]
     return "\n".join(lines)
 
 
@@ -97,14 +97,20 @@ def _records() -> str:
             switch = MAPS[name].info.feature.switch
             lines += [f"#if {switch}", *branch, "#endif"] if switch else branch
         lines += ["    }", "#endif"]
-    lines += ["    return m;", "}", ""]
+    lines += [*_applied_last(), "    return m;", "}", ""]
     return "\n".join(lines)
 
 
 def _includes() -> list[str]:
-    """The lines that include the functions of maps that are applied by one."""
-    return [line for m in MAPS.values() if m.info.is_applied
-            for line in (f"#if {m.info.feature.switch}", f'#include "bsdf/{m.name}.glsl"', "#endif")]
+    """The lines that include the functions of maps and features that are applied by one."""
+    files = [(m.info.feature.switch, m.name) for m in MAPS.values() if m.info.is_applied]
+    files += [(feature.switch, feature.applied_by) for feature in SWITCHED if feature.applied_by]
+    return [line for switch, name in files for line in (f"#if {switch}", f'#include "bsdf/{name}.glsl"', "#endif")]
+
+
+def _applied_last() -> list[str]:
+    return [line for feature in SWITCHED if feature.applied_by
+            for line in (f"#if {feature.switch}", f"    apply_{feature.applied_by}(m);", "#endif")]
 
 
 def _guarded(parameters: Iterable[Parameter], text: str, has_unlit: bool = True) -> list[str]:

@@ -16,10 +16,10 @@ from ..scene.material import (
     DIFFUSE_TRANSMISSION,
     DISPERSION,
     IRIDESCENCE,
+    SCATTER,
     SHEEN,
     TRANSMISSION,
     VOLUME,
-    VOLUME_SCATTER,
 )
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
@@ -137,7 +137,7 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
                          f"{MAX_SAMPLERS} textures")
     lines += omitted_anisotropy(scene, settings) + _ignored_by_phong(scene, settings)
     lines += _omitted_layers(plan, settings)
-    scattering = sum(VOLUME_SCATTER.is_on(material) for material in scene.materials)
+    scattering = sum(material.medium.scatters for material in scene.materials)
     if scattering:
         lines.append(f"scattering in the volumes of {_count(scattering, 'material')}: mode path has it")
     if any_lit and not plan.has_indirect and settings.mode == "pbr":
@@ -199,6 +199,7 @@ def _omitted_layers(plan: Plan, settings: Settings) -> list[str]:
 
 _LAYERS = {SHEEN: "sheen", CLEARCOAT: "clear coat", IRIDESCENCE: "iridescence",
            DIFFUSE_ROUGHNESS: "rough diffuse reflection", DIFFUSE_TRANSMISSION: "diffuse transmission",
+           SCATTER: "scattering in thin walls",
            DISPERSION: "dispersion"}
 _GIVEN_UP = {
     "TRACED_REFRACTION": "traced refraction",

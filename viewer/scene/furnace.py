@@ -31,6 +31,7 @@ def whitened(material: Material) -> Material:
         material, base_color=(1.0, 1.0, 1.0, material.base_color[3]), base_color_texture=None, emissive=(0.0, 0.0, 0.0),
         emissive_texture=None, occlusion_texture=None, specular_color=(1.0, 1.0, 1.0), specular_color_texture=None,
         diffuse_transmission_color=(1.0, 1.0, 1.0), diffuse_transmission_color_texture=None,
+        multiscatter_color=(1.0, 1.0, 1.0), multiscatter_color_texture=None,
         sheen_color=(max(material.sheen_color),) * 3, sheen_color_texture=None,
         specular_glossiness_texture=None, attenuation_distance=math.inf, attenuation_color=(1.0, 1.0, 1.0),
         unlit=False, alpha_mode="opaque",

@@ -7,12 +7,12 @@ samples is never decoded.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from .medium import VACUUM, Medium, single_scattering_albedo
+from .medium import VACUUM, Medium, scaled, single_scattering_albedo
 from .parameter import Feature, parameter, texture_map
 from .texture_image import TextureImage
 
@@ -82,6 +82,9 @@ VOLUME = Feature(
 DISPERSION = Feature(
     "dispersion", "KHR_materials_dispersion", switch="DISPERSIVE",
     is_on=lambda m: m.dispersion > 0 and m.transmits and m.thickness > 0)
+SCATTER = Feature(
+    "scattering", "KHR_materials_scatter", switch="THIN_SCATTER", is_on=lambda m: m.scatters_thinly,
+    applied_by="thin_scatter")
 VOLUME_SCATTER = Feature(
     "scattering in volumes", "KHR_materials_volume_scatter",
     is_on=lambda m: any(m.scatter_color) and VOLUME.is_on(m) and any(m.extinction))
@@ -201,6 +204,21 @@ class Material:
     diffuse_transmission_color_texture: Texture | None = texture_map(
         "diffuseTransmissionColorTexture", "tints the light that leaves on the other side", of=DIFFUSE_TRANSMISSION,
         channels="RGB", srgb=True, has_effect=lambda m: m.transmits_diffusely and any(m.diffuse_transmission_color))
+    scatter_strength: float = parameter(
+        0.0, "scatterStrengthFactor", "fraction of the transmitted light that is scattered; in a volume, times the "
+        "albedo of all scattering", of=SCATTER, low=0.0, high=1.0, times="scatter_strength.A")
+    scatter_strength_texture: Texture | None = texture_map(
+        "scatterStrengthTexture", "fraction of the transmitted light that is scattered, of thin walls alone",
+        of=SCATTER, channels="A", has_effect=SCATTER.is_on)
+    multiscatter_color: RGB = parameter(
+        (1.0, 1.0, 1.0), "multiscatterColorFactor", "albedo of all scattering", of=SCATTER, low=0.0, high=1.0,
+        times="multiscatter_color.RGB")
+    multiscatter_color_texture: Texture | None = texture_map(
+        "multiscatterColorTexture", "albedo of all scattering, of thin walls alone", of=SCATTER, channels="RGB",
+        srgb=True, has_effect=lambda m: m.scatters_thinly and any(m.multiscatter_color))
+    multiscatter_anisotropy: float = parameter(
+        0.0, "scatterAnisotropy", "mean cosine of scattering; of a thin wall, (1 + it) / 2 goes through", of=SCATTER,
+        low=-0.999, high=0.999)
     scatter_color: RGB = parameter(
         (0.0, 0.0, 0.0), "multiscatterColorFactor", "albedo of all scattering in the volume",
         of=VOLUME_SCATTER, low=0.0, high=1.0, role="python")
@@ -290,7 +308,12 @@ class Material:
     @property
     def transmits_diffusely(self) -> bool:
         """Whether its diffuse base lets light through to the other side."""
-        return self.diffuse_transmission > 0 and self.is_dielectric
+        return (self.diffuse_transmission > 0 and self.is_dielectric) or self.scatters_thinly
+
+    @property
+    def scatters_thinly(self) -> bool:
+        """Whether it is a thin wall in which transmitted light is scattered."""
+        return self.scatter_strength > 0 and self.transmits and self.thickness <= 0
 
     @property
     def has_film(self) -> bool:
@@ -317,14 +340,24 @@ class Material:
         red, green, blue = self.extinction.tolist()
         if not VOLUME.is_on(self) or not (red or green or blue):
             return VACUUM
-        if not VOLUME_SCATTER.is_on(self):
-            return Medium((red, green, blue))
-        return Medium((red, green, blue), single_scattering_albedo(self.scatter_color), self.scatter_anisotropy)
+        if self.scatter_strength > 0 and self.transmits:
+            albedo = single_scattering_albedo(scaled(self.multiscatter_color, self.scatter_strength),
+                                              self.multiscatter_anisotropy)
+            return Medium((red, green, blue), albedo, self.multiscatter_anisotropy)
+        if VOLUME_SCATTER.is_on(self):
+            return Medium((red, green, blue), single_scattering_albedo(self.scatter_color), self.scatter_anisotropy)
+        return Medium((red, green, blue))
+
+    @property
+    def without_medium_scattering(self) -> Material:
+        """The same, but that all extinction of its volume is absorption."""
+        strength = self.scatter_strength if self.scatters_thinly else 0.0
+        return replace(self, scatter_color=(0.0, 0.0, 0.0), scatter_strength=strength)
 
     @property
     def extinction(self) -> np.ndarray:
         """The extinction coefficient sigma_t of the volume, (3,) float64 per world unit: -ln(color) / distance (Beer's
-        law, KHR_materials_volume). What scatters is part of it (KHR_materials_volume_scatter)."""
+        law, KHR_materials_volume). What scatters is part of it (KHR_materials_scatter and _volume_scatter)."""
         if not math.isfinite(self.attenuation_distance):
             return np.zeros(3)
         return -np.log(np.clip(self.attenuation_color, 1e-6, 1.0)) / self.attenuation_distance

@@ -41,16 +41,20 @@ class Medium:
 VACUUM = Medium()
 
 
-def single_scattering_albedo(color: RGB) -> RGB:
+def single_scattering_albedo(color: RGB, g: float = 0.0) -> RGB:
     """The albedo of one scattering for which all scattering together makes a half-space of a medium of one index look
-    as bright as `color`, in [0, 1], under light from all around (KHR_materials_volume_scatter).
+    as bright as `color`, in [0, 1], under light from all around.
 
-    The fit is by Kulla and Conty 2017, "Revisiting Physically Based Shading at Imageworks".
+    With s = 4.09712 + 4.20863 c - sqrt(9.59217 + 41.6808 c + 17.7126 c^2) it is 1 - s^2 for isotropic scattering
+    (KHR_materials_volume_scatter, whatever g), and (1 - s^2) / (1 - g s^2) for the mean cosine `g`
+    (KHR_materials_scatter): the fit of Kulla and Conty 2017, "Revisiting Physically Based Shading at Imageworks".
     """
-    red, green, blue = (1.0 - (4.09712 + 4.20863 * c - math.sqrt(9.59217 + 41.6808 * c + 17.7126 * c * c)) ** 2
-                        for c in color)
-    return _in_range(red), _in_range(green), _in_range(blue)
+    squares = [(4.09712 + 4.20863 * c - math.sqrt(9.59217 + 41.6808 * c + 17.7126 * c * c)) ** 2 for c in color]
+    red, green, blue = (min(max((1.0 - s2) / (1.0 - g * s2), 0.0), 1.0) for s2 in squares)
+    return red, green, blue
 
 
-def _in_range(albedo: float) -> float:
-    return min(max(albedo, 0.0), 1.0)
+def scaled(color: RGB, factor: float) -> RGB:
+    """`color` times `factor`."""
+    red, green, blue = (c * factor for c in color)
+    return red, green, blue

@@ -25,7 +25,9 @@ class Feature:
     `switch` is on, or always if it is "". `is_on` tests whether a material uses the feature; if not, its parameters
     have their defaults. `models` are the shading models (the raster's fragment files) that implement it. If
     `is_shareable`, its code is cheap and changes nothing when its parameters have their defaults, so a program that
-    has it may be shared by materials that do not use it. `needs_tangents`: a mesh must have tangents for it.
+    has it may be shared by materials that do not use it. `needs_tangents`: a mesh must have tangents for it. With
+    `applied_by` = "name" it changes other parameters once all are known: apply_name(inout MaterialInputs) of
+    shaders/bsdf/name.glsl.
     """
 
     title: str
@@ -36,6 +38,7 @@ class Feature:
     models: tuple[str, ...] = ("pbr",)
     is_shareable: bool = False
     needs_tangents: bool = False
+    applied_by: str = ""
 
 
 @dataclass(frozen=True)

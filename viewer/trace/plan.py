@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..plan.bsdf_switches import bsdf_switches, feature_switches_shown
 from ..plan.explain import omitted_anisotropy
 from ..plan.model import Program
-from ..scene.material import ANISOTROPY, DIFFUSE_TRANSMISSION, DISPERSION
+from ..scene.material import ANISOTROPY, DIFFUSE_TRANSMISSION, DISPERSION, SCATTER
 from ..scene.scene import Scene
 from ..settings import Settings, setting_choices
 from .kinds import BOUNDARY, GLASS, KINDS, Kind
@@ -126,8 +126,8 @@ def plan_trace(
 def _switches_of(kind: Kind, settings: Settings, geometry: TraceGeometry) -> dict[str, int]:
     """The features that only some kinds of surfaces have: opaque ones let no diffuse light through."""
     materials = [geometry.materials[instance.material] for instance in geometry.instances if instance.kind == kind]
-    is_on = settings.plan == "everything" or any(m.transmits_diffusely for m in materials)
-    return {DIFFUSE_TRANSMISSION.switch: int(is_on)}
+    return {feature.switch: int(settings.plan == "everything" or any(feature.is_on(m.material) for m in materials))
+            for feature in (DIFFUSE_TRANSMISSION, SCATTER)}
 
 
 def _used(geometry: TraceGeometry, switches: Mapping[str, int]) -> tuple[str, ...]:
@@ -200,6 +200,7 @@ _SURFACES = {
     "IRIDESCENT": "iridescence",
     "CLEARCOAT": "clear coats",
     "DIFFUSE_TRANSMISSION": "diffuse transmission",
+    "THIN_SCATTER": "scattering in thin walls",
     "DISPERSIVE": "dispersion",
     "HAS_COLOR": "vertex colours",
     "HAS_EMISSION": "emission",

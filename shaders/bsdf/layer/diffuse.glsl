@@ -2,6 +2,8 @@
 // (Portsmouth, Kutz & Hill 2024; KHR_materials_diffuse_roughness). With DIFFUSE_TRANSMISSION a share t of its light leaves
 // as a cosine lobe on the other side (KHR_materials_diffuse_transmission):
 //   f = (1 - t) f_diffuse above, t color / pi below
+// With THIN_SCATTER a share b of what stays above has the colour of what leaves below (bsdf/thin_scatter.glsl):
+//   f = (1 - t) ((1 - b) f_diffuse + b color / pi) above
 #include "bsdf/facets.glsl"
 #include "bsdf/lambert.glsl"
 #include "bsdf/layer/interface.glsl"
@@ -22,6 +24,15 @@ vec3 transmitted_albedo(Surface s) {
 }
 #endif
 
+// The albedo or f of the base, `own`, with what is scattered back; `white` is that of a white Lambertian base.
+vec3 with_scattered_back(Surface s, vec3 own, float white) {
+#if THIN_SCATTER
+    return mix(own, white * s.diffuse_transmission_color, s.scattered_back);
+#else
+    return own;
+#endif
+}
+
 #if DIFFUSE_ROUGH
 #include "bsdf/eon.glsl"
 #include "bsdf/eon_sample.glsl"
@@ -39,11 +50,11 @@ vec3 diffuse_response(Surface s, Interface face, Angles a) {
     vec3 f = f_eon(s.base_color, s.diffuse_roughness, a.NoV, a.NoL, LoV);
     float returned = face.dimming * s.diffuse_roughness * eon_scale(s.diffuse_roughness);
     f += s.base_color * (INV_PI * returned * (eon_dimming(a.NoV) + eon_dimming(a.NoL)));
-    return max(f, 0.0) * shown_above(s);
+    return with_scattered_back(s, max(f, 0.0), INV_PI) * shown_above(s);
 }
 
 vec3 diffuse_albedo(Surface s, float NoV) {
-    return eon_total_albedo(s.base_color, s.diffuse_roughness, NoV) * shown_above(s);
+    return with_scattered_back(s, eon_total_albedo(s.base_color, s.diffuse_roughness, NoV), 1.0) * shown_above(s);
 }
 
 vec3 sample_diffuse(Surface s, vec3 wo, vec2 u) {
@@ -66,11 +77,11 @@ vec3 diffuse_axis(Surface s, vec3 n, vec3 v, float NoV) {
 #include "sample/hemisphere.glsl"
 
 vec3 diffuse_response(Surface s, Interface face, Angles a) {
-    return f_lambert(s.base_color) * shown_above(s);
+    return with_scattered_back(s, f_lambert(s.base_color), INV_PI) * shown_above(s);
 }
 
 vec3 diffuse_albedo(Surface s, float NoV) {
-    return s.base_color * shown_above(s);
+    return with_scattered_back(s, s.base_color, 1.0) * shown_above(s);
 }
 
 vec3 sample_diffuse(Surface s, vec3 wo, vec2 u) {

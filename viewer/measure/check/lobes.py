@@ -160,6 +160,7 @@ _LAYERS = {
                       {"metallic": 0.0, "diffuse_roughness": 1.0}),
     "DIFFUSE_TRANSMISSION": ({"diffuse_transmission": UNIT, "diffuse_transmission_color": COLOR},
                              {"metallic": 0.0, "diffuse_transmission": 0.4, "diffuse_transmission_color": 1.0}),
+    "THIN_SCATTER": ({"scattered_back": UNIT}, {"scattered_back": 0.5}),
     "SHEEN": ({"sheen_color": COLOR, "sheen_roughness": UNIT}, {"sheen_color": 1.0, "sheen_roughness": 0.5}),
     "IRIDESCENT": ({"film": UNIT, "film_ior": FILM_IOR, "film_thickness": THICKNESS, "film_walls": UNIT},
                    {"metallic": 0.0, "film": 1.0, "film_ior": 1.4, "film_thickness": 350.0, "film_walls": 0.0}),
@@ -217,6 +218,7 @@ LOBES: tuple[Lobe, ...] = (
     _surface("standard anisotropic", "ANISOTROPIC"),
     _surface("standard rough", "DIFFUSE_ROUGH"),
     _surface("standard translucent", "DIFFUSE_TRANSMISSION"),
+    _surface("standard scattering", "DIFFUSE_TRANSMISSION", "THIN_SCATTER"),
     _surface("standard sheen", "SHEEN", failures={
         "reciprocity": "the interface below the fibres is dimmed for wo alone, so that white stays white"}),
     _surface("standard iridescent", "IRIDESCENT", failures={

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,6 @@ import numpy as np
 from ..material import (
     METALLIC_ROUGHNESS,
     SPECULAR_GLOSSINESS,
-    VOLUME_SCATTER,
     AlphaMode,
     Material,
     UVTransform,
@@ -19,10 +19,12 @@ from ..scene import Variant
 from ..schema import FEATURES, MAPS, PARAMETERS, Parameter, Value
 from ..specular_glossiness import with_glossiness
 from .element import Element
+from .scatter import read_scatter
 from .specular_glossiness import read_specular_glossiness
 from .textures import Textures
 from .variants import VARIANTS, material_choice, unique_names
 
+_DEFAULTS = {field.name: field.default for field in fields(Material)}
 _ALPHA_MODES: dict[str, AlphaMode] = {"OPAQUE": "opaque", "MASK": "mask", "BLEND": "blend"}
 
 
@@ -102,11 +104,9 @@ def read_material(element: Element, textures: Textures) -> Material:
     if strength is not None:
         factor = strength.number("emissiveStrength", 1.0, 0.0)
         values["emissive"] = tuple(channel * factor for channel in values["emissive"])
-    scatter = element.extension(VOLUME_SCATTER.extension)
-    if scatter is not None:
-        values["scatter_color"] = _scatter_color(scatter, values["scatter_color"])
     if glossy is not None:
         values |= read_specular_glossiness(glossy, textures)
+    values |= read_scatter(element, {**_DEFAULTS, **values})
     material = Material(
         name=element.string("name", ""),
         alpha_mode=element.choice("alphaMode", _ALPHA_MODES, "OPAQUE"),
@@ -116,14 +116,6 @@ def read_material(element: Element, textures: Textures) -> Material:
     )
     has_map = material.specular_glossiness_texture is not None
     return material if glossy is None or has_map else with_glossiness(material)
-
-
-def _scatter_color(scatter: Element, color: Value) -> Value:
-    """The colour of scattering; files of earlier drafts have it by other names."""
-    for key in ("multiscatterColor", "scatterAlbedo"):
-        if key in scatter and PARAMETERS["scatter_color"].info.key not in scatter:
-            return scatter.vector(key, 3, (0.0, 0.0, 0.0), 0.0, 1.0)
-    return color
 
 
 def _place(element: Element, feature: Feature) -> Element | None:

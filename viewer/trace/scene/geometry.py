@@ -6,7 +6,7 @@ lies in the unit ball. Everything is computed in float64 and rounded once. Trace
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -115,7 +115,7 @@ def trace_geometry(
     used_materials: list[TraceMaterial] = []
     media: dict[tuple[Medium, bool, bool], int] = {(VACUUM if fog is None else fog.medium, False, False): 0}
     emitters = 0
-    surfaces = [without_constant_maps(material if scattering else replace(material, scatter_color=(0.0, 0.0, 0.0)))
+    surfaces = [without_constant_maps(material if scattering else material.without_medium_scattering)
                 for material in scene.materials]
     volumes = scene.volumes if scattering else ()
     scatters = bool(volumes or fog) or any(surfaces[mesh.material].medium.scatters for mesh in scene.meshes)

@@ -23,7 +23,7 @@ def glass_switches(materials: Iterable[TraceMaterial]) -> dict[str, int]:
 
 def _is_partly_glass(m: TraceMaterial) -> bool:
     varies = any(use.roles & DATA_ROLES["transmission"] for use in m.data_maps)
-    return varies or m.material.transmission < 1 or m.material.metallic > 0
+    return varies or m.material.transmission < 1 or m.material.metallic > 0 or m.material.scatters_thinly
 
 
 def _has_own_interface(m: TraceMaterial) -> bool:
