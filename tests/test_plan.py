@@ -92,6 +92,9 @@ def test_only_what_the_material_is_made_of():
     assert "v.metal =" in mixed and "v.dielectric =" in mixed
 
 
+SCATTER_MAPS = {"scatter_strength", "multiscatter_color"}
+
+
 @pytest.mark.parametrize(("change", "sampled"), [
     ({}, set(MAPS)),
     ({"emissive": (0.0, 0.0, 0.0)}, set(MAPS) - {"emissive"}),
@@ -100,6 +103,11 @@ def test_only_what_the_material_is_made_of():
     ({"specular": 0.0}, set(MAPS) - {"specular", "specular_color"}),
     ({"unlit": True}, {"base_color", "emissive"}),
     ({"thickness": 0.0}, set(MAPS) - {"thickness"}),
+    ({"thickness": 0.0, "scatter_strength": 0.5},
+     set(MAPS) - {"thickness", "diffuse_transmission", "diffuse_transmission_color"}),
+    ({"thickness": 0.0, "scatter_strength": 0.5, "multiscatter_color": (0.0, 0.0, 0.0)},
+     set(MAPS) - {"thickness", "diffuse_transmission", "diffuse_transmission_color", "multiscatter_color"}),
+    ({"scatter_strength": 0.5}, set(MAPS)),
     ({"transmission": 0.0}, set(MAPS) - {"transmission"}),
     ({"ior": 0.0}, set(MAPS) - {"transmission"}),
     ({"anisotropy_strength": 0.0}, set(MAPS) - {"anisotropy"}),
@@ -127,6 +135,8 @@ def test_maps_that_change_no_pixel_are_not_sampled(change, sampled, monkeypatch)
     found = plan(scene(material, environment=ENVIRONMENT))
     if material.transmits:
         sampled = sampled - {"sheen_color", "sheen_roughness"}
+    if not material.scatters_thinly:
+        sampled = sampled - SCATTER_MAPS
     assert set(found.draws[0].maps) == sampled
     idle = len(MAPS) - len(sampled)
     assert any(f"{idle} material map" in line for line in found.left_out) == bool(idle)

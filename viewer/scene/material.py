@@ -197,13 +197,15 @@ class Material:
         of=DIFFUSE_TRANSMISSION, low=0.0, high=1.0, times="diffuse_transmission.A")
     diffuse_transmission_texture: Texture | None = texture_map(
         "diffuseTransmissionTexture", "fraction of the diffuse base's light that leaves on the other side",
-        of=DIFFUSE_TRANSMISSION, channels="A", has_effect=lambda m: m.transmits_diffusely)
+        of=DIFFUSE_TRANSMISSION, channels="A",
+        has_effect=lambda m: m.transmits_diffusely and not m.scatters_thinly)
     diffuse_transmission_color: RGB = parameter(
         (1.0, 1.0, 1.0), "diffuseTransmissionColorFactor", "tints the light that leaves on the other side",
         of=DIFFUSE_TRANSMISSION, low=0.0, high=1.0, times="diffuse_transmission_color.RGB")
     diffuse_transmission_color_texture: Texture | None = texture_map(
         "diffuseTransmissionColorTexture", "tints the light that leaves on the other side", of=DIFFUSE_TRANSMISSION,
-        channels="RGB", srgb=True, has_effect=lambda m: m.transmits_diffusely and any(m.diffuse_transmission_color))
+        channels="RGB", srgb=True, has_effect=lambda m: m.transmits_diffusely and not m.scatters_thinly and any(
+            m.diffuse_transmission_color))
     scatter_strength: float = parameter(
         0.0, "scatterStrengthFactor", "fraction of the transmitted light that is scattered; in a volume, times the "
         "albedo of all scattering", of=SCATTER, low=0.0, high=1.0, times="scatter_strength.A")
