@@ -6,9 +6,13 @@ from collections import Counter
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ..bake.environment import bake_environment
 from ..plan.model import Plan
 from ..plan.planner import environment_use, plan_scene
+from ..scene.curve_segments import segments
+from ..scene.curves import Curves
 from ..scene.decoding import Decoder
 from ..scene.environment import Environment
 from ..scene.scene import Scene
@@ -40,6 +44,7 @@ def describe_scene(scene: Scene, settings: Settings) -> Facts:
         "bounds_m": [low.tolist(), high.tolist()],
         "radius_m": scene.radius,
         "materials": [_material_line(scene, k) for k in range(len(scene.materials))],
+        "curves": [_curves_facts(curves) for curves in scene.curves],
         "lights": [f"{light.kind} {light.name or '(unnamed)'}, {light.intensity:g} {_unit(light.kind)}"
                    for light in scene.lights],
         "cameras": [camera.name or "(unnamed)" for camera in scene.cameras],
@@ -59,13 +64,14 @@ def describe_package() -> Facts:
     from ..image.image import WRITABLE
     from ..scene.environment_files import FORMATS
     from ..scene.environment_presets import PRESETS
-    from ..scene.load import VOLUME_FORMATS
+    from ..scene.load import CURVE_FORMATS, VOLUME_FORMATS
     from ..scene.mesh_formats import mesh_formats
 
     return {
         "version": version("pbr-viewer"),
         "models": " ".join(sorted({"gltf", "glb"} | mesh_formats())),
         "volumes": " ".join(VOLUME_FORMATS),
+        "curves": " ".join(CURVE_FORMATS),
         "environments": " ".join([*PRESETS, "none", *(f"*{suffix}" for suffix in FORMATS)]),
         "pictures": " ".join(WRITABLE),
         "films": " ".join(FILM_FORMATS),
@@ -146,6 +152,16 @@ def _material_line(scene: Scene, index: int) -> str:
     words += [f"transmission {material.transmission:g}"] * (material.transmission > 0)
     words += [f"thickness {material.thickness:g}"] * (material.transmission > 0 and material.thickness > 0)
     return ", ".join(words)
+
+
+def _curves_facts(curves: Curves) -> Facts:
+    """`segments` is the number of straight ones that are drawn, and `length` theirs."""
+    pieces = segments(curves)
+    length = np.linalg.norm(pieces.ends[:, 1, :3] - pieces.ends[:, 0, :3], axis=1).sum(dtype=np.float64)
+    return {"name": curves.name, "kind": curves.kind, "strands": curves.strand_count,
+            "closed": int(np.count_nonzero(curves.closed)), "points": len(curves.points), "segments": len(pieces),
+            "length": float(length), "radii": [float(curves.radii.min()), float(curves.radii.max())],
+            "colors": curves.colors is not None}
 
 
 def _unit(kind: str) -> str:

@@ -46,6 +46,8 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
     if len(scene.volumes) > MAX_VOLUMES and not is_traced:
         lines.append(f"only the first {MAX_VOLUMES} of {len(scene.volumes)} volumes are shown; mode path shows them "
                      "all")
+    if scene.curves:
+        lines.append(f"curves are not drawn in mode {settings.mode}")
     return lines
 
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from os import PathLike
+from pathlib import Path
 from typing import Literal, get_args
 
 import numpy as np
 
-from ..base.expect import expect
+from ..base.expect import expect, expect_path
 from ..errors import UsageError
 from .arrays import scene_array
 from .fibre import Fibre
@@ -133,6 +135,19 @@ class Curves:
             if along[k] > best:
                 best, found = float(along[k]), points[k] + radii[k] * step
         return found
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write a .curves file, the text that Mitsuba reads, without colours and fibre.
+
+        Mitsuba's `linearcurve` reads straight strands and Catmull-Rom splines, which are written as segments, and its
+        `bsplinecurve` B-splines. Raises OutputError, and UsageError for what is no path and for another ending.
+        """
+        from .curves_text import write_curves
+
+        expect_path(path, "path")
+        if Path(path).suffix.lower() != ".curves":
+            raise UsageError(f"{path}: curves are saved as .curves")
+        write_curves(path, self)
 
     def with_radius(self, radius: float) -> Curves:
         """The same curves with this radius everywhere; as they are if it is 0. Calls with one radius return the same

@@ -1,4 +1,4 @@
-"""Loads a model or volume file of any supported format as a Scene."""
+"""Loads a model, a volume or curves of any supported format as a Scene."""
 
 from __future__ import annotations
 
@@ -14,14 +14,15 @@ from .gltf import load_gltf
 from .scene import MAX_EXTENT, Scene
 
 _SIGNATURES = {b"glTF": "gltf", b"ply\n": "ply", b"ply\r": "ply", b"OFF": "off", b"solid ": "stl",
-               b" BDV\0\0\0\0": "vdb", b"VOL": "vol"}
+               b" BDV\0\0\0\0": "vdb", b"VOL": "vol", b"HAIR": "hair", b"BCC": "bcc"}
 
 VOLUME_FORMATS = ("vdb", "npz", "vol")
+CURVE_FORMATS = ("hair", "bcc", "curves")
 
 
 def load_scene(path: str | PathLike[str], scene: int | str | None = None, variant: str | None = None) -> Scene:
-    """Load a model or volume file. `scene` selects one of the scenes of a glTF file by its number or name, by default
-    the file's default scene; `variant` selects one of the file's choices of materials.
+    """Load a file of a model, volumes or curves. `scene` selects one of the scenes of a glTF file by its number or
+    name, by default the file's default scene; `variant` selects one of the file's choices of materials.
 
     The content determines the format; the file's extension is used only if the content does not. No environment is
     loaded. Raises InputError for files that are missing, empty, broken or of an unknown format, or that have no such
@@ -40,6 +41,10 @@ def load_scene(path: str | PathLike[str], scene: int | str | None = None, varian
             from .volume_files import load_volume_file
 
             loaded = load_volume_file(path, data, kind)
+        elif kind in CURVE_FORMATS:
+            from .curve_files import load_curve_file
+
+            loaded = load_curve_file(path, data, kind)
         else:
             from .mesh_formats import load_mesh_file
 
@@ -55,14 +60,14 @@ def load_scene(path: str | PathLike[str], scene: int | str | None = None, varian
 
 
 def _format(path: Path, data: bytes) -> str:
-    """The file's format: "gltf", one of VOLUME_FORMATS, or trimesh's name of another one."""
+    """The file's format: "gltf", one of VOLUME_FORMATS or CURVE_FORMATS, or trimesh's name of another one."""
     if not data:
         raise InputError(path, "", "the file is empty")
     for signature, kind in _SIGNATURES.items():
         if data.startswith(signature):
             return kind
     suffix = path.suffix.lower().lstrip(".")
-    if suffix in VOLUME_FORMATS:
+    if suffix in VOLUME_FORMATS + CURVE_FORMATS:
         return suffix
     if suffix in ("gltf", "glb") or data[:64].lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{"):
         return "gltf"
@@ -76,6 +81,6 @@ def _format(path: Path, data: bytes) -> str:
         raise InputError(path, "", f"{suffix.upper()} needs packages that are not installed: "
                                    "pip install 'pbr-viewer[formats]'")
     if suffix not in known:
-        names = ", ".join(sorted({"gltf", "glb", *VOLUME_FORMATS} | known))
+        names = ", ".join(sorted({"gltf", "glb", *VOLUME_FORMATS, *CURVE_FORMATS} | known))
         raise InputError(path, "", f"is not a model in a supported format ({names})")
     return suffix

@@ -45,10 +45,11 @@ def without_comments(text: bytes) -> bytes:
 
 @dataclass(frozen=True)
 class NumberRows:
-    """Lines of numbers: row r is values[starts[r]:starts[r + 1]]."""
+    """Lines of numbers: row r is values[starts[r]:starts[r + 1]], and stands in line lines[r], counted from 0."""
 
     values: np.ndarray
     starts: np.ndarray
+    lines: np.ndarray
 
     @property
     def counts(self) -> np.ndarray:
@@ -72,7 +73,8 @@ def number_rows(path: Path, text: bytes, place: Callable[[int], str], dtype: typ
     is_word = characters > _BLANK
     words = np.flatnonzero(is_word[1:] & ~is_word[:-1])
     starts = np.searchsorted(words, np.flatnonzero(characters == 10))
-    starts = starts[np.concatenate([[True], starts[1:] > starts[:-1]])]
+    lines = np.flatnonzero(starts[1:] > starts[:-1])
+    starts = starts[np.append(0, lines + 1)]
     try:
         with without_warnings():  # older versions of numpy warn where newer ones raise ValueError
             values: np.ndarray = np.fromstring(text, dtype, sep=" ") if len(words) else np.zeros(0, dtype)
@@ -80,7 +82,7 @@ def number_rows(path: Path, text: bytes, place: Callable[[int], str], dtype: typ
         values = np.zeros(0, dtype)
     if len(values) != len(words):
         _raise_not_a_number(path, text, place, dtype)
-    return NumberRows(values, starts if len(words) else np.zeros(1, np.int64))
+    return NumberRows(values, starts, lines)
 
 
 def _raise_not_a_number(path: Path, text: bytes, place: Callable[[int], str], dtype: type) -> NoReturn:

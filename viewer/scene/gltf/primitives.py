@@ -44,7 +44,7 @@ def read_primitive(accessors: Accessors, primitive: Element, name: str, material
     values = {key: vertices.floats(attributes, key, *_ATTRIBUTES[key]) for key in _ATTRIBUTES if key in attributes}
     deformation = _deformation(primitive, vertices, values, weights, joints)
     topology = MODES[mode][1]
-    positions, indices = _finite_part(attributes, values["POSITION"], vertices.indices, topology)
+    positions, indices = finite_part(attributes, values["POSITION"], vertices.indices, topology)
     mesh = Mesh(name, positions, material, topology, indices,
                 _unit(values.get("NORMAL")), _unit_tangents(values.get("TANGENT")), _uvs(values, vertices.count),
                 _colors(values.get("COLOR_0")))
@@ -57,7 +57,7 @@ def read_primitive(accessors: Accessors, primitive: Element, name: str, material
     return mesh, deformation
 
 
-def _finite_part(attributes: Element, positions: np.ndarray, indices: np.ndarray | None,
+def finite_part(attributes: Element, positions: np.ndarray, indices: np.ndarray | None,
                  topology: Topology) -> tuple[np.ndarray, np.ndarray | None]:
     """Positions that are all finite, and the indices without the triangles, lines or points that were not."""
     bad = ~np.isfinite(positions).all(axis=1)

@@ -12,6 +12,7 @@ import numpy as np
 from ...errors import UsageError
 from ..animation import Target
 from ..camera import Camera
+from ..curves import Curves
 from ..light import Light
 from ..mesh import Mesh
 from ..rig import Deformed, Rig
@@ -21,6 +22,7 @@ from .animations import read_animations
 from .buffers import Buffers
 from .cameras import read_camera
 from .container import read_container
+from .curves import Lines, is_curves, placed, read_lines
 from .element import Document, Element
 from .extensions import check_asset, extension_names
 from .instancing import EXTENSION, instance_offsets
@@ -73,6 +75,9 @@ class _Reader:
         self._drawn: list[int] = []
         self._deformed: dict[int, Deformed] = {}
         self._known: dict[tuple, list[int]] = {}
+        self._lines: dict[int, list[Lines]] = {}
+        """Of each mesh."""
+        self._curves: list[Curves] = []
 
     def scene(self, wanted: int | str | None) -> Scene:
         name, nodes = self._scene_nodes(wanted)
@@ -99,7 +104,7 @@ class _Reader:
                     cameras.append(camera)
                     camera_nodes.append(number)
                     camera_items.append(item)
-        if not self._drawn:
+        if not self._drawn and not self._curves:
             self.root.document.warn("the scene contains nothing to draw")
         variants = self.materials.variants()
         rig = Rig(self.nodes.hierarchy, np.array(self._placed_by, np.intp), tuple(light_nodes), tuple(camera_nodes),
@@ -110,7 +115,8 @@ class _Reader:
         return Scene(name or self.root.document.path.stem, tuple(self.meshes), variants[0].materials,
                      self._instances(rig, hidden), tuple(lights), tuple(cameras),
                      warnings=tuple(self.root.document.warnings), facts=self._facts(), animations=self.animations,
-                     rig=rig if self.animations else None, variants=variants if len(variants) > 1 else ())
+                     rig=rig if self.animations else None, variants=variants if len(variants) > 1 else (),
+                     curves=tuple(self._curves))
 
     def _at_rest(self, lights: dict[int, Light], cameras: dict[int, Camera]) -> dict[Target, np.ndarray]:
         """The values of all that tracks move of materials, lights and cameras that are there."""
@@ -171,6 +177,8 @@ class _Reader:
         if offsets is not None and skin is not None:
             node.warn(f"{EXTENSION} is for meshes without a skin; the mesh is drawn once")
             offsets = None
+        if self._lines.get(mesh):
+            self._add_curves(number, node, self._lines[mesh], offsets)
         times = 1 if offsets is None else len(offsets)
         count = len(self._known[key]) * times
         if len(self._drawn) + count > MAX_INSTANCES:
@@ -180,6 +188,22 @@ class _Reader:
         self._drawn += self._known[key] * times
         self._placed_by += [number] * count
         self._skinned += [skin is not None] * count  # only the joints place a skinned mesh (glTF 2.0, 3.7.3.3)
+
+    def _add_curves(self, number: int, node: Element, lines: list[Lines], offsets: np.ndarray | None) -> None:
+        """Add the curves of a mesh, as the node places them at rest."""
+        if self.nodes.hierarchy.hidden(self.nodes.hierarchy.visible)[number]:
+            return
+        if any(self.nodes.hierarchy.is_below(number, track.target.number) for animation in self.animations
+               for track in animation.tracks if track.target.kind == "node"):
+            node.warn("an animation moves its curves; they are drawn as they are at rest")
+        world = self.nodes.world[number]
+        matrices = world[None] if offsets is None else world @ offsets
+        name = node.string("name", "") or node.place
+        for part in lines:
+            try:
+                self._curves.append(placed(self.accessors, part, name, matrices))
+            except UsageError as error:
+                raise part.primitive.error(str(error)) from error
 
     def _all_offsets(self) -> np.ndarray | None:
         """The matrices of all instances to their nodes, (I, 4, 4); None if all are at their nodes."""
@@ -205,8 +229,12 @@ class _Reader:
         element = self.mesh_items[index]
         name = element.string("name", "") or element.place
         bound = None if skin is None else self.skins.skin(skin)
-        numbers = []
+        numbers, self._lines[index] = [], []
         for primitive in element.array("primitives"):
+            if is_curves(primitive):
+                lines = read_lines(self.accessors, primitive, self.root.array("materials"))
+                self._lines[index] += [lines] if lines is not None else []
+                continue
             material = self.materials.number(primitive)
             wanted: Sequence[float] = [1.0] * len(primitive.array("targets")) if node in self._weighted else weights
             read = read_primitive(self.accessors, primitive, name, material, self.materials.looks(material), wanted,

@@ -1,0 +1,108 @@
+"""Lines with the attribute _RADIUS, which are curves. glTF has no attribute of its own for the radius of lines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..curves import Curves
+from .accessors import Accessors
+from .element import Element
+from .primitives import finite_part
+from .topology import MODES
+from .vertices import Vertices
+
+RADIUS = "_RADIUS"
+
+
+def is_curves(primitive: Element) -> bool:
+    attributes = primitive.object("attributes")
+    mode = primitive.integer("mode", 4)
+    return RADIUS in attributes and "POSITION" in attributes and mode in MODES and MODES[mode][1] == "lines"
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """The strands of a primitive as it stands in the file. `points` (n, 3), `radii` (n,) and `colors` (n, 3) or None
+    are float32; `offsets` and `closed` are those of `Curves`."""
+
+    primitive: Element
+    points: np.ndarray
+    radii: np.ndarray
+    offsets: np.ndarray
+    closed: np.ndarray
+    colors: np.ndarray | None
+
+
+def read_lines(accessors: Accessors, primitive: Element, materials: list[Element]) -> Lines | None:
+    """The lines of a primitive of which `is_curves`; None, with a warning, if there are too few vertices.
+
+    Lines that share a vertex of the file, the last of one and the first of the next, are one strand. The colour of
+    many fibres together is that of the vertices times the material's base colour, where the file has either.
+    """
+    attributes = primitive.object("attributes")
+    vertices = Vertices(accessors, primitive, primitive.integer("mode", 4))
+    positions = vertices.floats(attributes, "POSITION", "VEC3")
+    radii = vertices.floats(attributes, RADIUS, "SCALAR")[:, 0]
+    bad = ~((radii >= 0) & np.isfinite(radii))
+    if bad.any():
+        worst = int(bad.argmax())
+        raise attributes.error(f"vertex {worst}: {radii[worst]:g} is no radius", RADIUS)
+    positions, indices = finite_part(attributes, positions, vertices.indices, "lines")
+    indices = np.arange(len(positions), dtype=np.uint32) if indices is None else indices
+    pairs = indices[:len(indices) // 2 * 2].reshape(-1, 2)
+    for key in ("skin", "targets"):
+        if key in primitive:
+            primitive.warn("curves do not deform; they stay as they are", key)
+    if not len(pairs) or not radii.any():
+        primitive.warn("there are too few vertices, or all radii are 0; nothing is drawn")
+        return None
+    order, offsets, closed = _strands(pairs)
+    return Lines(primitive, positions[order], radii[order], offsets, closed,
+                 _colors(vertices, primitive, materials, order))
+
+
+def _strands(pairs: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The vertices of strands, one after the other, with `offsets` and `closed` of Curves, from pairs of vertices."""
+    begins = np.append(True, pairs[1:, 0] != pairs[:-1, 1])
+    first = np.flatnonzero(begins)
+    count = np.diff(np.append(first, len(pairs)))
+    closed = (pairs[first, 0] == pairs[first + count - 1, 1]) & (count >= 3)
+    offsets = np.concatenate([[0], np.cumsum(count + ~closed)])
+    order = np.empty(offsets[-1], np.intp)
+    ends = offsets[1:][~closed] - 1
+    is_end = np.zeros(len(order), bool)
+    is_end[ends] = True
+    order[~is_end] = pairs[:, 0]
+    order[ends] = pairs[(first + count - 1)[~closed], 1]
+    return order, offsets, closed
+
+
+def _colors(vertices: Vertices, primitive: Element, materials: list[Element], order: np.ndarray) -> np.ndarray | None:
+    attributes = primitive.object("attributes")
+    number = primitive.index("material", len(materials), None)
+    if number is None and "COLOR_0" not in attributes:
+        return None
+    colors = np.ones((len(order), 3), np.float32)
+    if "COLOR_0" in attributes:
+        colors *= np.clip(np.nan_to_num(vertices.floats(attributes, "COLOR_0", "VEC3", "VEC4")[order, :3]), 0, 1)
+    if number is not None:
+        surface = materials[number].object("pbrMetallicRoughness")
+        colors *= np.float32(surface.vector("baseColorFactor", 4, (1.0,) * 4, 0.0, 1.0)[:3])
+        if "baseColorTexture" in surface:
+            surface.warn("curves are drawn without textures", "baseColorTexture")
+    return colors
+
+
+def placed(accessors: Accessors, lines: Lines, name: str, matrices: np.ndarray) -> Curves:
+    """A copy for each of `matrices` (K, 4, 4) float64 to world space. Radii take the mean scale of the matrix."""
+    copies, count = len(matrices), len(lines.points)
+    if copies > 1:
+        accessors.claim(lines.primitive, (copies - 1) * count, f"{copies} copies of {count} points of curves")
+    points = np.concatenate([lines.points @ m[:3, :3].T + m[:3, 3] for m in matrices])
+    scales = np.cbrt(np.abs(np.linalg.det(matrices[:, :3, :3])))
+    offsets = (lines.offsets[None, :-1] + count * np.arange(copies)[:, None]).ravel()
+    return Curves(name, points, np.outer(scales, lines.radii).ravel(), np.append(offsets, copies * count),
+                  np.tile(lines.closed, copies), colors=None if lines.colors is None else np.tile(lines.colors,
+                                                                                                  (copies, 1)))
