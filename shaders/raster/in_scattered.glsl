@@ -12,8 +12,25 @@ uniform vec3 u_sky_intensity;
 // The environment convolved with the phase functions of fog and volumes (viewer/bake/phase.py)
 uniform sampler2D u_sky_in_fog, u_sky_in_volumes;
 
-vec3 scattered_sky(sampler2D map, vec3 direction) {
-    return u_sky_intensity * irradiance_over_pi(map, to_environment(direction));
+// What a point scatters to the eye of an environment that nothing hides: the integral of L(w) p(w . d), and those of
+// L(w) w p(w . d), which each have one component of w in a column
+struct Sky {
+    vec3 mean;
+    mat3 moments;
+};
+
+Sky scattered_sky(sampler2D map, vec3 direction) {
+    vec2 uv = equirect_uv_with_margin(to_environment(direction));
+    vec3 maps[4];
+    for (int k = 0; k < 4; ++k)
+        maps[k] = u_sky_intensity * textureLod(map, vec2(uv.x, 0.25 * (uv.y + float(k))), 0.0).rgb;
+    return Sky(maps[0], mat3(maps[1], maps[2], maps[3]));
+}
+
+// The same where media hide a + b . w of it. As no point gets more than all of the light, what a fit has too much is cut.
+vec3 seen_sky(Sky sky, vec4 hidden) {
+    vec3 light = sky.mean * (1.0 - hidden.x) - sky.moments * to_environment(hidden.yzw);
+    return clamp(light, vec3(0.0), sky.mean);
 }
 #endif
 
@@ -22,7 +39,9 @@ struct Scattering {
     vec3 albedo;
     float g;
     vec3 emission; // radiance for each optical depth
-    vec3 sky;      // the environment's radiance that it would scatter to the eye if it hid none of it
+#if HAS_ENVIRONMENT
+    Sky sky;
+#endif
 };
 
 struct Ray {
@@ -52,11 +71,14 @@ Ray ray_through(vec3 origin, vec3 direction) {
 uniform vec4 u_fog_scattering; // albedo, g
 
 Scattering fog_scattering(vec3 direction) {
-    vec3 sky = vec3(0.0);
+    Scattering medium;
+    medium.albedo = u_fog_scattering.rgb;
+    medium.g = u_fog_scattering.a;
+    medium.emission = vec3(0.0);
 #if HAS_ENVIRONMENT
-    sky = scattered_sky(u_sky_in_fog, direction);
+    medium.sky = scattered_sky(u_sky_in_fog, direction);
 #endif
-    return Scattering(u_fog_scattering.rgb, u_fog_scattering.a, vec3(0.0), sky);
+    return medium;
 }
 #endif
 
@@ -65,11 +87,14 @@ uniform vec4 u_volume_scattering; // albedo, g
 uniform vec3 u_volume_emission;
 
 Scattering volume_scattering(vec3 direction) {
-    vec3 sky = vec3(0.0);
+    Scattering medium;
+    medium.albedo = u_volume_scattering.rgb;
+    medium.g = u_volume_scattering.a;
+    medium.emission = u_volume_emission;
 #if HAS_ENVIRONMENT
-    sky = scattered_sky(u_sky_in_volumes, direction);
+    medium.sky = scattered_sky(u_sky_in_volumes, direction);
 #endif
-    return Scattering(u_volume_scattering.rgb, u_volume_scattering.a, u_volume_emission, sky);
+    return medium;
 }
 #endif
 
@@ -93,7 +118,10 @@ float near_light(Ray ray, vec3 position, float from, float to, float at) {
 vec3 source(Ray ray, float at, float from, float to, Scattering medium) {
     vec3 p = ray.origin + at * ray.direction;
     MediaLight around = light_around(p, medium.g * ray.direction);
-    vec3 sum = around.scattered + medium.sky * around.sky;
+    vec3 sum = around.scattered;
+#if HAS_ENVIRONMENT
+    sum += seen_sky(medium.sky, around.hidden);
+#endif
 #if LIGHT_COUNT > 0
     for (int i = 0; i < LIGHT_COUNT; ++i) {
         vec3 l;

@@ -8,8 +8,8 @@
 uniform sampler3D u_volume_depth; // optical depth of volumes towards each light, four lights in each part along z
 #endif
 
-// A grid about the fog, and one about the volumes. Each has two parts of the texture, one above the other along z:
-// scattered radiance, and opacity before the sky as a + b . direction.
+// A grid about the fog, and one about the volumes. Each has three parts of the texture, one above the other along z:
+// scattered radiance, and opacity as a + b . direction, before the light of the environment and all around.
 #define GRIDS (FOG + (VOLUMES > 0 ? 1 : 0))
 uniform sampler3D u_media_light;
 uniform vec4 u_fog_grid, u_volume_grid; // lowest corner in eye-relative units, and 1 / side
@@ -32,6 +32,7 @@ vec4 part_of_cubes(sampler3D cubes, vec3 uvw, int part, int count) {
 struct MediaLight {
     vec3 scattered; // radiance that media have scattered
     float sky;      // transmittance to the environment
+    vec4 hidden;    // opacity before the environment as a + b . direction
 };
 
 // `mean` is the mean direction of the lobe, of length 0 (all around) to 1. Scattered light is taken to come from where
@@ -40,23 +41,26 @@ MediaLight light_around(vec3 p, vec3 mean) {
     int first = 0;
 #if VOLUMES > 0
     vec3 uvw = in_grid(u_volume_grid, p);
-    if (is_inside(uvw)) first = 2 * FOG;
+    if (is_inside(uvw)) first = 3 * FOG;
 #if FOG
     else uvw = in_grid(u_fog_grid, p);
 #else
-    else return MediaLight(vec3(0.0), 1.0);
+    else return MediaLight(vec3(0.0), 1.0, vec4(0.0));
 #endif
 #else
     vec3 uvw = in_grid(u_fog_grid, p);
 #endif
-    vec4 hidden = part_of_cubes(u_media_light, uvw, first + 1, 2 * GRIDS);
-    float there = clamp(hidden.x + dot(hidden.yzw, mean), 0.0, 1.0);
+    vec4 hidden = part_of_cubes(u_media_light, uvw, first + 1, 3 * GRIDS);
+    float fade = 1.0;
 #if VOLUMES > 0 && !FOG // beside the volumes their light fades out to the edge of the grid
     vec3 inside = min(uvw, 1.0 - uvw);
-    there *= clamp(min(inside.x, min(inside.y, inside.z)) * 12.0, 0.0, 1.0);
+    fade = clamp(min(inside.x, min(inside.y, inside.z)) * 12.0, 0.0, 1.0);
 #endif
-    float share = hidden.x > 1e-20 ? there / hidden.x : 1.0;
-    return MediaLight(part_of_cubes(u_media_light, uvw, first, 2 * GRIDS).rgb * share, 1.0 - there);
+    hidden *= fade;
+    vec4 opacity = part_of_cubes(u_media_light, uvw, first + 2, 3 * GRIDS);
+    float share = opacity.x > 1e-20 ? clamp(opacity.x + dot(opacity.yzw, mean), 0.0, 1.0) / opacity.x : 1.0;
+    return MediaLight(part_of_cubes(u_media_light, uvw, first, 3 * GRIDS).rgb * (fade * share),
+                      1.0 - clamp(hidden.x + dot(hidden.yzw, mean), 0.0, 1.0), hidden);
 }
 
 #if VOLUMES > 0 && LIGHT_COUNT > 0

@@ -6,16 +6,19 @@
 #include "raster/volumes.glsl"
 #endif
 
-uniform vec4 u_sky_directions[SKY_LIGHTS]; // w: weight in the fit below
-uniform vec3 u_sky_irradiance[SKY_LIGHTS];
-uniform mat4 u_sky_fit; // inverse of the matrix of second moments of (1, direction)
+uniform vec4 u_sky_directions[SKY_LIGHTS]; // w: the share of the environment's light
+uniform vec4 u_sky_irradiance[SKY_LIGHTS]; // w: the share of the sphere
+// For fits with these weights: inverse of the matrix of second moments of (1, direction)
+uniform mat4 u_light_fit, u_sphere_fit;
 
 uniform int u_side; // cells along a side of the grid
 uniform vec4 u_grid; // its lowest corner in eye-relative units, and 1 / its length
 
-layout(location = 0) out vec4 o_fluence; // rgb; a: of a sky of mean radiance 1 / 4 pi
-layout(location = 1) out vec4 o_hidden;  // opacity of the media before the sky as a + b . direction, by least squares
-layout(location = 2) out vec4 o_extinction;
+layout(location = 0) out vec4 o_fluence; // rgb; a: of light that has the fluence 1 outside, the same from everywhere
+// The opacity of the media as a + b . direction, by least squares: before the light of the environment, and all around
+layout(location = 1) out vec4 o_hidden;
+layout(location = 2) out vec4 o_opacity;
+layout(location = 3) out vec4 o_extinction;
 
 // The optical depth from p to the distance `reach` along d
 float media_depth(vec3 p, vec3 d, float reach) {
@@ -53,15 +56,18 @@ void main() {
 
     float extinction = extinction_at(p), depth_of_cell = extinction / (u_grid.w * float(u_side));
     vec4 fluence = vec4(0.0);
-    vec4 moments = vec4(0.0);
+    vec4 of_light = vec4(0.0), of_sphere = vec4(0.0);
     for (int k = 0; k < SKY_LIGHTS; ++k) {
         vec3 d = u_sky_directions[k].xyz;
         float depth = media_depth(p, d, 1e18);
         float arriving = mean_transmittance(depth, depth_of_cell);
-        fluence += vec4(u_sky_irradiance[k], u_sky_directions[k].w) * arriving;
-        moments += u_sky_directions[k].w * one_minus_exp(depth) * vec4(1.0, d);
+        fluence += u_sky_irradiance[k] * arriving;
+        vec4 hidden = one_minus_exp(depth) * vec4(1.0, d);
+        of_light += u_sky_directions[k].w * hidden;
+        of_sphere += u_sky_irradiance[k].w * hidden;
     }
-    o_hidden = u_sky_fit * moments;
+    o_hidden = u_light_fit * of_light;
+    o_opacity = u_sphere_fit * of_sphere;
 #if LIGHT_COUNT > 0
     float nearest = 0.5 / (u_grid.w * float(u_side)); // a cell's mean of 1 / d^2 about a light is finite
     for (int i = 0; i < LIGHT_COUNT; ++i) {

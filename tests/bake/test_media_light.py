@@ -8,7 +8,7 @@ import pytest
 from viewer.bake.diffusion import scattered_fluence
 from viewer.bake.irradiance import HEIGHT
 from viewer.bake.many_lights import uniform_lights
-from viewer.bake.phase import scattered_sky
+from viewer.bake.phase import MAPS, scattered_sky
 from viewer.bake.prefilter import MARGIN, row_angles
 from viewer.scene.equirect import texel_directions, texel_solid_angles
 
@@ -75,12 +75,14 @@ def test_the_environment_as_a_medium_scatters_it(g):
     radiance = (0.5 + 0.4 * d + np.exp(8 * (d[..., :1] - 1))).astype(np.float32)
     margin = round(rows * MARGIN / (1 - 2 * MARGIN))
     level = np.concatenate([radiance[:margin], radiance, radiance[-margin:]])
-    found = scattered_sky(level, g)
-    assert found.shape == (HEIGHT, 2 * HEIGHT, 3)
+    found = scattered_sky(level, g).reshape(MAPS, HEIGHT, 2 * HEIGHT, 3)
     weights = texel_solid_angles(rows, 2 * rows)[:, None]
     for row, column in ((5, 3), (30, 64), (31, 100), (50, 10)):
         theta, phi = row_angles(HEIGHT)[row], 2 * np.pi * ((column + 0.5) / (2 * HEIGHT) - 0.5)
         axis = np.array([np.sin(theta) * np.cos(phi), np.cos(theta), np.sin(theta) * np.sin(phi)])
         phase = (1 - g * g) / (4 * np.pi * (1 + g * g - 2 * g * (d @ axis)) ** 1.5)
-        expected = (radiance * (phase * weights)[..., None]).sum((0, 1))
-        assert found[row, column] == pytest.approx(expected, rel=0.02)
+        scattered = radiance * (phase * weights)[..., None]
+        assert found[0, row, column] == pytest.approx(scattered.sum((0, 1)), rel=0.02)
+        for k in range(3):
+            expected = (scattered * d[..., k, None]).sum((0, 1))
+            assert found[1 + k, row, column] == pytest.approx(expected, abs=0.02 * scattered.sum() / 3)

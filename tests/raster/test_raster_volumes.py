@@ -8,8 +8,12 @@ import numpy as np
 import pytest
 from shapes import WHITE, constant, facing_floor, moved, orthographic, pixel_points, plate, scene, sphere
 
+from viewer.bake.many_lights import uniform_lights
 from viewer.plan.media import MAX_VOLUMES
+from viewer.raster.renderer import Renderer
 from viewer.scene.camera import Camera
+from viewer.scene.environment import Environment
+from viewer.scene.equirect import texel_directions
 from viewer.scene.light import Light
 from viewer.scene.scene import Scene
 from viewer.scene.volume import Volume
@@ -174,6 +178,76 @@ def test_extremes_stay_finite(radiance, settings):
     model = replace(with_volumes(scene(sphere(segments=12)), clumps()), lights=lamps, environment=constant(0.2))
     for camera in (Camera.look_at((0.1, 0, 0.2), (0, 0, 0)), model.framing_camera(1.0)):
         assert (radiance(model, camera, SIZE, **settings) >= 0).all()
+
+
+def lit_from_one_side(dark: float = 0.05) -> Environment:
+    """Brightest at +Z, and nearly dark on the other side of the sphere."""
+    d = texel_directions(32, 64)
+    light = dark + np.maximum(d[..., 2:], 0) ** 2
+    return Environment("one side", np.repeat(light, 3, axis=2).astype(np.float32))
+
+
+@pytest.mark.parametrize("g", [0.0, 0.5])
+@pytest.mark.parametrize("thickness", [0.3, 8.0])
+def test_light_of_an_environment_scattered_once(radiance, g, thickness):
+    """By quadrature towards the eye and towards all of the environment."""
+    volume, size = clumps(), (4, 4)
+    model = replace(with_volumes(Scene("smoke"), volume), environment=lit_from_one_side())
+    camera = orthographic(azimuth=0.3, elevation=0.2, height=1.0)
+    found = radiance(model, camera, size, media_scattering="single", volume_density=thickness, volume_g=g,
+                     volume_albedo=(1, 1, 1), background="none", **FINE)[..., 0]
+    t = 3 + 4 * (np.arange(80) + 0.5) / 80
+    points = pixel_points(camera, size)[..., None, :] + t[:, None] * camera.forward
+    extinction = thickness * density(volume, points)
+    before = (np.cumsum(extinction, axis=-1) - 0.5 * extinction) * 0.05
+    there = extinction > 0
+    light = np.zeros(extinction.shape)
+    for direction in (directions := uniform_lights(80, (1, 1, 1)).directions):
+        phase = (1 - g * g) / (4 * np.pi * (1 + g * g - 2 * g * (direction @ camera.forward)) ** 1.5)
+        arriving = np.exp(-thickness * depth_along(volume, points[there], direction, 3.0, 24))
+        light[there] += phase * (0.05 + max(direction[2], 0) ** 2) * arriving * (4 * np.pi / len(directions))
+    expected = (np.exp(-before) * extinction * light).sum(-1) * 0.05
+    assert found.mean() == pytest.approx(expected.mean(), rel=0.05)
+    assert np.sqrt(((found - expected) ** 2).mean()) < 0.15 * expected.mean()
+
+
+def test_a_dense_ball_lit_from_one_side(radiance):
+    """What it lets through and what it returns, against walks; it absorbs nothing."""
+    side, tau = 24, 6.0
+    points = np.moveaxis((np.indices((side,) * 3)[::-1] + 0.5) / side * 2 - 1, 0, -1)
+    ball = Volume.in_box(((points**2).sum(-1) < 1).astype(np.float32), [[-1, -1, -1], [1, 1, 1]])
+    model = replace(with_volumes(Scene("ball"), ball), environment=lit_from_one_side())
+    for azimuth, start in ((0.0, 1.0), (np.pi, -1.0)):
+        camera = orthographic(azimuth=azimuth, height=0.2)
+        found = radiance(model, camera, (4, 4), volume_density=tau, volume_albedo=(1, 1, 1), **FINE)[..., 0].mean()
+        assert found == pytest.approx(walked(tau, start), rel=0.25)
+
+
+def walked(tau: float, start: float, count: int = 20000) -> float:
+    """The radiance of a ball of isotropic scattering at (0, 0, start), seen from outside along z."""
+    rng = np.random.default_rng(2)
+    point, direction = np.tile([0, 0, start], (count, 1)), np.tile([0, 0, -np.sign(start)], (count, 1))
+    total = 0.0
+    while len(point):
+        point = point + direction * rng.exponential(1 / tau, (len(point), 1))
+        out = (point**2).sum(1) > 1
+        total += (0.05 + np.maximum(direction[out, 2], 0) ** 2).sum()
+        point = point[~out]
+        direction = rng.normal(size=point.shape)
+        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    return total / count
+
+
+def test_the_first_picture_of_an_environment_that_is_not_in_the_cache(context):
+    """It has the same light in the medium as one whose environment is baked for reflections."""
+    model = replace(with_volumes(Scene("smoke"), clumps()), environment=lit_from_one_side())
+    camera, settings = model.framing_camera(1.0), Settings.of(volume_density=2.0)
+    pictures = []
+    for use_cache in (False, True, True):
+        renderer = Renderer(context, use_cache=use_cache)
+        pictures.append(renderer.render(model, camera, settings, SIZE).linear)
+        renderer.release()
+    assert np.array_equal(pictures[0], pictures[1]) and np.array_equal(pictures[1], pictures[2])
 
 
 def test_more_volumes_than_a_program_can_have(radiance, renderer):

@@ -28,6 +28,9 @@ from ..settings import Settings
 from .depth import Depth
 from .surfaces import UNIT_BACKGROUND, UNIT_IRRADIANCE, UNIT_PREFILTERED, UNIT_SKY_IN_FOG, UNIT_SKY_IN_VOLUMES
 
+_CONSTANT = np.ones((128, 256, 3), np.float32)
+"""A level of radiance 1 from everywhere, with its margins."""
+
 
 class EnvironmentLight:
     """Textures and uniforms of one environment, each made when a plan first needs it.
@@ -99,7 +102,8 @@ class EnvironmentLight:
         for key in self._scattered.keys() - wanted:
             self._scattered.pop(key).release()
         for g, is_constant in wanted - self._scattered.keys():
-            pixels = np.ones((1, 1, 3), np.float32) if is_constant else scattered_sky(self._levels()[1], g)
+            level = _CONSTANT if is_constant else self._levels()[1]
+            pixels = scattered_sky(level, g)
             texture = self._scattered[g, is_constant] = float_texture(self._gl, pixels)
             texture.repeat_x = True
         self._scattered[g_of_fog, plan.ambient].use(UNIT_SKY_IN_FOG)

@@ -23,6 +23,8 @@ from ..plan.model import Program
 from ..scene.medium import Medium
 
 SIDE, DEPTH_SIDE = 32, 48
+_POINTS = 4096
+"""On a sphere, by which parts of it are measured."""
 
 
 @dataclass(frozen=True)
@@ -39,12 +41,13 @@ class Grid:
 
 
 class MediaLight:
-    """`texture` has two parts along z for each grid: scattered radiance, and the opacity of the media before the sky as
-    a + b . direction. `depths` has a part for every four lights, and is None without volumes or lights."""
+    """`texture` has three parts along z for each grid: scattered radiance, and the opacity of the media as
+    a + b . direction, before the light of the environment and all around. `depths` has a part for every four lights,
+    and is None without volumes or lights."""
 
     def __init__(self, gl: moderngl.Context, grids: int, lights: int) -> None:
         self._gl = gl
-        self.texture = _cubes(gl, SIDE, 2 * grids)
+        self.texture = _cubes(gl, SIDE, 3 * grids)
         self.depths = _cubes(gl, DEPTH_SIDE, -(-lights // 4)) if lights else None
 
     def bake(self, programs: Programs, plan: MediaPlan, grids: Sequence[Grid], sky: ManyLights | None,
@@ -58,14 +61,14 @@ class MediaLight:
             self.depths.write(np.stack(parts))
         layers = []
         for grid in grids:
-            unscattered, hidden, extinction = self._draw(programs, plan.bake, 3, SIDE, uniforms, grid)
+            unscattered, hidden, opacity, extinction = self._draw(programs, plan.bake, 4, SIDE, uniforms, grid)
             scattered = np.zeros((SIDE, SIDE, SIDE, 4), np.float32)
             if plan.scatters_again:
                 light = np.clip(np.nan_to_num(unscattered, nan=0.0, posinf=1e30), 0, 1e30)
                 scattered[..., :3] = scattered_fluence(
-                    extinction[..., 0], light, hidden[..., 0], grid.length / SIDE, grid.medium.albedo,
+                    extinction[..., 0], light, opacity[..., 0], grid.length / SIDE, grid.medium.albedo,
                     grid.medium.g) / (4 * np.pi)
-            layers += [scattered, hidden]
+            layers += [scattered, hidden, opacity]
         self.texture.write(np.stack(layers))
 
     def _draw(self, programs: Programs, planned: Program, outputs: int, side: int, uniforms: dict[str, object],
@@ -102,14 +105,25 @@ def _cubes(gl: moderngl.Context, side: int, count: int) -> moderngl.Texture3D:
 
 
 def _sky_uniforms(sky: ManyLights | None) -> dict[str, object]:
-    """Directions, their irradiance, and what fits a + b . direction to values at them by weighted least squares."""
+    """Directions with their irradiance, their shares of the environment's light and of the sphere, and what fits
+    a + b . direction to values at them by least squares with these weights."""
     lights = sky if sky is not None else uniform_lights(SKY_LIGHTS, (1.0, 1.0, 1.0))
-    weights = lights.irradiance.sum(axis=1)
-    weights = weights / max(weights.sum(), 1e-300) + 1e-3 / SKY_LIGHTS
-    weights /= weights.sum()
-    basis = np.concatenate([np.ones((SKY_LIGHTS, 1)), lights.directions], axis=1)
-    moments = (basis * weights[:, None]).T @ basis
+    shares = lights.irradiance.sum(axis=1)
+    shares = shares / max(shares.sum(), 1e-300) + 1e-3 / SKY_LIGHTS
+    shares /= shares.sum()
+    solid_angles = _nearest_shares(lights.directions)
     irradiance = np.clip(lights.irradiance, 0, 1e30) * (sky is not None)
-    return {"u_sky_directions": np.float32(np.concatenate([lights.directions, weights[:, None]], axis=1)).tobytes(),
-            "u_sky_irradiance": np.float32(irradiance).tobytes(),
-            "u_sky_fit": matrix_uniform(np.linalg.inv(moments))}
+    return {"u_sky_directions": np.float32(np.concatenate([lights.directions, shares[:, None]], axis=1)).tobytes(),
+            "u_sky_irradiance": np.float32(np.concatenate([irradiance, solid_angles[:, None]], axis=1)).tobytes(),
+            "u_light_fit": _fit(lights.directions, shares), "u_sphere_fit": _fit(lights.directions, solid_angles)}
+
+
+def _nearest_shares(directions: np.ndarray) -> np.ndarray:
+    """The share (N,) of the sphere to which each of these (N, 3) directions is the nearest."""
+    points = uniform_lights(_POINTS, (1.0, 1.0, 1.0)).directions
+    return np.bincount((points @ directions.T).argmax(axis=1), minlength=len(directions)) / _POINTS
+
+
+def _fit(directions: np.ndarray, weights: np.ndarray) -> tuple[float, ...]:
+    basis = np.concatenate([np.ones((len(directions), 1)), directions], axis=1)
+    return matrix_uniform(np.linalg.inv((basis * weights[:, None]).T @ basis))

@@ -18,6 +18,7 @@ from ..gpu.float_texture import float_texture
 from ..gpu.programs import Programs, matrix_uniform
 from ..image.display import DisplayPass
 from ..image.image import Image
+from ..plan.media import has_media
 from ..plan.model import SOLID, THIN_WALLED, Plan
 from ..plan.planner import environment_use, plan_scene
 from ..scene.camera import Camera
@@ -298,7 +299,7 @@ class Renderer:
         is_lit, is_reflected = environment_use(scene, settings)
         if is_lit:
             with self._timed("environment"):
-                self._environment.bake(is_reflected)
+                self._environment.bake(is_reflected or (settings.mode == "pbr" and has_media(scene, settings)))
         plan = plan_scene(scene, settings, self._lights(scene, settings), samples=samples, half_target=half,
                           orthographic=orthographic)
         self._surfaces.textures.prefetch(plan)
