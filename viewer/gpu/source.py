@@ -13,6 +13,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 
 from ..base.resources import resource_folder
@@ -55,7 +56,7 @@ def assemble(path: str | Path, defines: Mapping[str, float] | None = None, versi
     assembly.add(file, [], conditional=False)
     assembly.lines[0] = f"#version {max(version, assembly.version)} core"
     assembly.check_switches(defines)
-    return ProgramSource("\n".join(assembly.lines) + "\n", assembly.files, assembly.origins)
+    return ProgramSource("\n".join(assembly.lines) + "\n", list(assembly.files), assembly.origins)
 
 
 def source_files(*paths: str | Path) -> list[Path]:
@@ -63,7 +64,7 @@ def source_files(*paths: str | Path) -> list[Path]:
     assembly = _Assembly()
     for path in paths:
         assembly.add(_find(path), [], conditional=False)
-    return assembly.files
+    return list(assembly.files)
 
 
 def display_name(file: Path) -> str:
@@ -76,10 +77,12 @@ def display_name(file: Path) -> str:
 class _Assembly:
     lines: list[str] = field(default_factory=list)
     origins: list[tuple[Path, int]] = field(default_factory=list)
-    files: list[Path] = field(default_factory=list)
+    files: dict[Path, tuple[str, str]] = field(default_factory=dict)  # each with its guard and its name for messages
     complete: set[Path] = field(default_factory=set)  # files that are in the text for any values of the switches
     defined: set[str] = field(default_factory=set)
     used: dict[str, str] = field(default_factory=dict)  # switch -> the place that first tests it
+    found: dict[Path, Path] = field(default_factory=dict)  # paths that are included, and what they resolve to
+    shaders: Path = field(default_factory=lambda: resource_folder("shaders"))
     version: int = 0  # the #version of a user's own shader; 0 for OpenGL ES, which has other numbers
 
     def emit(self, text: str, file: Path, line: int) -> None:
@@ -97,16 +100,17 @@ class _Assembly:
         if len(chain) == _MAX_DEPTH:
             raise ShaderError(f"{display_name(chain[-1])}: #include is nested more than {_MAX_DEPTH} deep")
         if file not in self.files:
-            self.files.append(file)
+            self.files[file] = (f"INCLUDED_{len(self.files)}", display_name(file))
+        guard, shown = self.files[file]
         # A copy inside an #if may be skipped by the preprocessor, so a later copy is needed too. The guard makes the
         # first copy that is compiled the only one.
-        guard = f"INCLUDED_{self.files.index(file)}"
         self.emit(f"#ifndef {guard}", file, 1)
         self.emit(f"#define {guard}", file, 1)
-        depth, shown = 0, display_name(file)
-        for line, code in enumerate(_without_comments(_read(file)).split("\n"), start=1):
-            directive = _DIRECTIVE.match(code)
-            name, rest = directive.groups() if directive else ("", "")
+        depth = 0
+        for line, (code, name, rest) in enumerate(_parsed(_read(file)), start=1):
+            if not name:
+                self.emit(code, file, line)
+                continue
             place = f"{shown}:{line}"
             if name == "include":
                 included = _INCLUDE.match(rest)
@@ -114,7 +118,7 @@ class _Assembly:
                     raise ShaderError(f'{place}: expected #include "file", found {code.strip()}')
                 self.add(self._find_include(included[1], file, chain, place), [*chain, file], conditional or depth > 0)
                 continue
-            if name == "version" and not chain and not file.is_relative_to(resource_folder("shaders")):
+            if name == "version" and not chain and not file.is_relative_to(self.shaders):
                 number, _, profile = rest.strip().partition(" ")
                 self.version = int(number) if number.isdigit() and profile.strip() != "es" else 0
                 self.emit("", file, line)
@@ -130,12 +134,13 @@ class _Assembly:
             self.complete.add(file)
 
     def _find_include(self, name: str, includer: Path, chain: list[Path], place: str) -> Path:
-        shaders = resource_folder("shaders")
         root = chain[0] if chain else includer
-        for folder in [shaders] if includer.is_relative_to(shaders) else [root.parent, shaders]:
-            file = (folder / name).resolve()
-            if file.is_file():
-                return file
+        for folder in [self.shaders] if includer.is_relative_to(self.shaders) else [root.parent, self.shaders]:
+            path = folder / name
+            if path not in self.found:
+                self.found[path] = path.resolve()
+            if self.found[path].is_file():
+                return self.found[path]
         raise ShaderError(f"{place}: there is no shader file {name}")
 
     def _note_switches(self, directive: str, rest: str, place: str) -> None:
@@ -158,8 +163,15 @@ def _find(path: str | Path) -> Path:
     return file
 
 
-def _without_comments(text: str) -> str:
-    return _COMMENT.sub(lambda match: "\n" * match[0].count("\n") or " ", text)
+@cache
+def _parsed(text: str) -> list[tuple[str, str, str]]:
+    """The lines of a file without comments: each line, the name of its directive, and what follows the name.
+
+    A file of many programs is parsed once.
+    """
+    code = _COMMENT.sub(lambda match: "\n" * match[0].count("\n") or " ", text)
+    directives = [(line, _DIRECTIVE.match(line)) for line in code.split("\n")]
+    return [(line, found[1], found[2]) if found else (line, "", "") for line, found in directives]
 
 
 def _read(file: Path) -> str:
