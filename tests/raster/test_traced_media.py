@@ -20,7 +20,7 @@ def test_traced_rays_take_scattering_for_absorption(context: Context, effect: st
     wax = Material(metallic=0.0, perceptual_roughness=0.0, transmission=1.0, thickness=1.0, ior=ior,
                    attenuation_distance=0.5, attenuation_color=(0.8, 0.5, 0.3), scatter_color=(0.9, 0.8, 0.7))
     mirror = Material(perceptual_roughness=0.1)
-    model = scene(sphere(0, 24), (plate(1, half=2.0), moved((0, 0, -1.5))), materials=[wax, mirror],
+    model = scene(sphere(0, 12), (plate(1, half=2.0), moved((0, 0, -1.5))), materials=[wax, mirror],
                   environment=constant())
     absorbing = replace(model, materials=(replace(wax, scatter_color=(0.0, 0.0, 0.0)), mirror))
     renderer = Renderer(context)

@@ -14,6 +14,7 @@ from viewer.measure.check.lobes import COSINES, DELTA, LOBES, TRANSMISSION, Lobe
 COUNT = 20_000
 BINS = (16, 10)
 NODES = (56, 10)  # 56 * 16 has a cell end at 45 degrees, where what a steep view reflects stops at once
+FURNACE_NODES = (28, 6)  # 28 * 16 has one there, too; the integrals differ by less than 5e-5 from those of `NODES`
 every_lobe = pytest.mark.parametrize("lobe", LOBES, ids=lambda lobe: lobe.name.replace(" ", "-"))
 
 
@@ -213,7 +214,7 @@ def test_white_furnace(name):
         f = sum(lobe.eval(columns(white), wo[:, None], wi * np.float32([1, 1, side]))[..., 0] for side in sides)
         return f * wi[..., 2]
 
-    total = bin_integrals(light, wo, BINS, NODES).sum(axis=1)
+    total = bin_integrals(light, wo, BINS, FURNACE_NODES).sum(axis=1)
     assert np.abs(total - 1).max() < COMPENSATED.get(name, 1e-3)
 
 
@@ -226,7 +227,11 @@ def test_against_float64(lobe, alpha):
     """f at directions the lobe samples and at others."""
     is_compensated = lobe.name in COMPENSATED
     rng = np.random.default_rng(8)
-    count = 100 if is_compensated else 4000  # a twin with two integrals for each direction
+    count = 4000
+    if is_compensated:
+        count = 100  # the twin takes two integrals for each direction
+    elif lobe.name == "thin_dielectric with a film":
+        count = 1000  # the twin takes a spectrum for each order between the faces
     m = {name: np.asarray(value, np.float32).astype(float) for name, value in lobe.draw(rng, count).items()}
     if "alpha" in m:
         m["alpha"] = np.full_like(m["alpha"], np.float32(alpha))
