@@ -143,6 +143,9 @@ class Settings:
     fresnel: Literal["schlick", "exact"] = _option("schlick", "Fresnel reflectance, F")
     multiscatter: Literal["on", "off"] = _option(
         "on", "energy compensation for multiple scattering between microfacets")
+    sheen: Literal["charlie", "zeltner"] = _option(
+        "charlie", "lobe of the fibres of a sheen; charlie: that of KHR_materials_sheen; zeltner: with light that is "
+        "scattered several times between them")
     lobes: Lobes = _option("all", "show one contribution alone")
     phong: Literal["phong", "blinn-phong"] = _option("phong", "the highlight of --mode phong")
     shadows: Literal["on", "off"] = _option("on", "shadows of the lights")
@@ -292,7 +295,7 @@ class Settings:
 STOPPING = ("spp", "time_budget", "error")
 """The settings that end a path-traced picture."""
 _USED_BY: dict[str, tuple[Mode, ...]] = {
-    **dict.fromkeys(("ndf", "masking", "fresnel", "multiscatter"), ("pbr", "path")),
+    **dict.fromkeys(("ndf", "masking", "fresnel", "multiscatter", "sheen"), ("pbr", "path")),
     "phong": ("phong",),
     **dict.fromkeys(("shadows", "antialias"), ("pbr", "phong")),
     **dict.fromkeys(("media_steps", "media_rays", "media_scattering"), ("pbr", "phong")),

@@ -36,7 +36,7 @@ vec3 surface_response(Surface s, SurfaceView v, Angles a, float dv, vec2 dfg_lig
             + (passed * interface_throughput(v.dielectric, dfg_light)) * diffuse_response(s, v.dielectric, a),
         interface_response(v.metal, metal_facets(v, a.VoH), dv, dfg_light));
 #if SHEEN
-    f = sheen_over(v.sheen, sheen_response(v.sheen, a.NoV, a.NoL, a.s2), f);
+    f = sheen_over(v.sheen, sheen_response(v.sheen, a), f);
 #endif
     return f;
 }
@@ -96,7 +96,7 @@ vec4 base_eval_pdf(Surface s, SurfaceView v, vec3 wo, vec3 wi, sampler2D dfg) {
 #endif
     float pdf = mix(diffuse, facets, facet_probability(s, v));
 #if SHEEN
-    pdf = mix(pdf, 0.5 * INV_PI, sheen_probability(s, v));
+    pdf = mix(pdf, sheen_pdf(v.sheen, a), sheen_probability(s, v));
 #endif
     return vec4(f * wi.z, pdf);
 }
@@ -108,7 +108,7 @@ BsdfSample base_sample(Surface s, SurfaceView v, vec3 wo, vec3 u, sampler2D dfg)
     vec3 wi;
 #if SHEEN
     float p_sheen = sheen_probability(s, v);
-    if (u.z < p_sheen) return BsdfSample(sample_uniform_hemisphere(u.xy), vec3(0.0), 0.0, REFLECTION, 1.0);
+    if (u.z < p_sheen) return BsdfSample(sheen_sample(v.sheen, wo, u.xy), vec3(0.0), 0.0, REFLECTION, 1.0);
     u.z = min((u.z - p_sheen) / max(1.0 - p_sheen, 1e-6), 1.0 - 1.0 / 16777216.0);
 #endif
     if (u.z >= p) {

@@ -144,7 +144,12 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
     vec3 around = mean_light;
 #if HAS_ENVIRONMENT
     // What occludes the light of the base, or is added to it, is taken to do so about the axis of the sheen.
-    around += environment_irradiance_over_pi(sheen_axis(view.sheen, p.n, p.v, p.NoV)) - unhidden;
+    vec3 axis = sheen_axis(view.sheen, p.n, p.v, p.NoV);
+    vec3 gathered = environment_irradiance_over_pi(axis);
+#if ZELTNER
+    gathered = mix(0.5 * (gathered + environment_irradiance_over_pi(-axis)), gathered, sheen_sidedness(view.sheen));
+#endif
+    around += gathered - unhidden;
     around = max(around, 0.0);
 #endif
     radiance = sheen_over(view.sheen, view.sheen.albedo * around, radiance);

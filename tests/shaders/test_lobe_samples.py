@@ -190,7 +190,8 @@ def extremes(lobe: Lobe) -> list[dict[str, float]]:
 COMPENSATED = {"turquin": 5e-3, "fdez_aguera": 5e-3, "metal": 2e-3, "conductor": 2e-3, "standard": 5e-3,
                "standard anisotropic": 5e-3, "standard rough": 5e-3, "standard coated": 5e-3,
                "standard iridescent": 5e-3,
-               "standard translucent": 5e-3, "standard scattering": 5e-3, "standard sheen": 1e-2}
+               "standard translucent": 5e-3, "standard scattering": 5e-3, "standard sheen": 1e-2,
+               "standard zeltner sheen": 5e-3}
 
 
 @pytest.mark.parametrize("name", ["lambert", "eon", *COMPENSATED])

@@ -373,13 +373,47 @@ def _charlie_albedos(r: float):
                               for c in cosines])
 
 
-def standard_sheen(m, wo, wi):
-    """Fibres over all. The diffuse base is dimmed for both directions, over the mean of what reaches it."""
+def zeltner_albedo(mu, r):
+    """The fit of MaterialX 1.39 to the table of Zeltner et al. 2022: a Gaussian of the cosine and an offset."""
+    width = r * (0.0206607 + 1.58491 * r) / (0.0379424 + 1.32227 * r + r**2)
+    middle = (-0.193854 * r - 1.14885 * r**2 + 1.7932 * r**3 - 0.95943 * r**5) / (0.046391 + r)
+    offset = (0.000654023 * r - 0.0207818 * r**2 + 0.119681 * r**3) / (1.26264 - 1.92021 * r + r**2)
+    return np.exp(-((mu - middle) ** 2) / (2 * width**2)) / (width * np.sqrt(2 * np.pi)) + offset
+
+
+def zeltner_lobe(wo, wi, r):
+    """Zeltner et al. 2022, eqs. 5 to 7: E times the density of a linearly transformed cosine, by its matrix."""
+    mu = wo[..., 2]
+    a = (2.58126 * mu * r + 0.813703 * r**2) / (1 + 0.310327 * mu**2 + 2.60994 * mu * r)
+    b = np.sqrt(1 - mu) * (r - 1) * r**3 / (0.0000254053 + 1.71228 * mu - 1.71506 * mu * r + 1.34174 * r**2)
+    tangent = unit(np.where(mu[..., None] < 1, wo * [1, 1, 0], [1.0, 0, 0]))  # any along the normal, where b is 0
+    across = np.cross([0, 0, 1.0], tangent)
+    local = np.stack([(wi * tangent).sum(axis=-1), (wi * across).sum(axis=-1), wi[..., 2]], axis=-1)
+    none = 0 * mu
+    matrix = np.stack([np.stack([a, none, b], -1), np.stack([none, a, none], -1), np.stack([none, none, 1 + none], -1)],
+                      axis=-2)
+    back = (matrix @ local[..., None])[..., 0]
+    length = np.linalg.norm(back, axis=-1)
+    density = back[..., 2] / length / np.pi * np.linalg.det(matrix) / length**3
+    return zeltner_albedo(mu, r) * density / wi[..., 2]
+
+
+def standard_zeltner_sheen(m, wo, wi):
     (r,) = np.unique(m["sheen_roughness"])
+    return _fibres_over(m, wo, wi, zeltner_lobe(wo, wi, r), lambda mu: zeltner_albedo(mu, r))
+
+
+def standard_sheen(m, wo, wi):
+    (r,) = np.unique(m["sheen_roughness"])
+    return _fibres_over(m, wo, wi, charlie_lobe(wo, wi, r), lambda mu: np.interp(mu, *_charlie_albedos(float(r))))
+
+
+def _fibres_over(m, wo, wi, lobe, albedo):
+    """Fibres over all. The diffuse base is dimmed for both directions, over the mean of what reaches it."""
     largest, (x, weight) = m["sheen_color"].max(axis=-1), np.polynomial.legendre.leggauss(24)
 
     def through(mu):
-        return 1 - largest * np.interp(mu, *_charlie_albedos(float(r)))
+        return 1 - largest * albedo(mu)
 
     def interface(mu):  # what the interface lets through, of its brightest channel
         alpha, f90 = _one_alpha(m), m["f90"][..., None]
@@ -397,8 +431,7 @@ def standard_sheen(m, wo, wi):
     pure = standard({**m, "metallic": 1 + 0 * m["metallic"]}, wo, wi)
     diffuse = whole - metal * pure - (1 - metal) * below
     o, i = through(wo[..., 2])[..., None], (through(wi[..., 2]) / mean)[..., None]
-    fibres = m["sheen_color"] * charlie_lobe(wo, wi, r)[..., None]
-    return fibres + o * (metal * pure + (1 - metal) * below + diffuse * i)
+    return m["sheen_color"] * lobe[..., None] + o * (metal * pure + (1 - metal) * below + diffuse * i)
 
 
 def standard_iridescent(m, wo, wi):

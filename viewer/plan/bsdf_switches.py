@@ -15,12 +15,14 @@ def feature_switches_shown(switches: Mapping[str, int], settings: Settings) -> d
 
 
 def bsdf_switches(settings: Settings) -> dict[str, int]:
-    """The switches for the Cook-Torrance factors D, G and F, multiple scattering, and the contributions to show."""
+    """The switches for the Cook-Torrance factors D, G and F, multiple scattering, the lobe of a sheen, and
+    the contributions to show."""
     return {
         "NDF": NDFS.index(settings.ndf),
         "MASKING": MASKINGS.index(settings.masking),
         "FRESNEL": int(settings.fresnel == "exact"),
         "MULTISCATTER": int(settings.multiscatter == "on"),
+        "ZELTNER": int(settings.sheen == "zeltner"),
         "SHOW_DIFFUSE": int(settings.lobes in ("all", "uniform-diffuse")),
         "SHOW_SPECULAR": int(settings.lobes in ("all", "specular")),
         "SHOW_MULTISCATTER": int(settings.lobes in ("all", "directional-diffuse")),

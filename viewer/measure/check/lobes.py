@@ -178,7 +178,7 @@ def _surface(name: str, *features: str, failures: Mapping[str, str] | None = Non
             parameters, white = parameters | ranges, white | values
         else:
             unused |= dict.fromkeys(ranges.keys() - _SURFACE.keys(), 0.0)
-    switches = {name: int(name in features) for name in ("ANISOTROPIC", *_LAYERS)}
+    switches = {name: int(name in features) for name in ("ANISOTROPIC", "ZELTNER", *_LAYERS)}
     return Lobe(name, "surface", "surface", parameters, white, failures or {}, unused=unused, defines={
         "NDF": 0, "MASKING": 0, "FRESNEL": 0, "METALNESS": 2, **switches, **_SHOW_ALL},
         transmits="mirrored" if "DIFFUSE_TRANSMISSION" in features else "")
@@ -221,6 +221,8 @@ LOBES: tuple[Lobe, ...] = (
     _surface("standard scattering", "DIFFUSE_TRANSMISSION", "THIN_SCATTER"),
     _surface("standard sheen", "SHEEN", failures={
         "reciprocity": "the interface below the fibres is dimmed for wo alone, so that white stays white"}),
+    _surface("standard zeltner sheen", "SHEEN", "ZELTNER", failures={
+        "reciprocity": "a linearly transformed cosine of wo alone is the lobe of the fibres"}),
     _surface("standard iridescent", "IRIDESCENT", failures={
         "reciprocity": "a film changes what enters below it for wo alone, so that white stays white"}),
     _surface("standard coated", "CLEARCOAT", failures={
