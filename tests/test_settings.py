@@ -43,6 +43,7 @@ def test_settings_that_are_numbers():
     assert Settings.of(bounces=8, light_radius=0.25) == settings
     assert Settings().with_option("volume-albedo=0.5,1,.25").volume_albedo == (0.5, 1.0, 0.25)
     assert Settings.of(volume_albedo=[0.5, 1, 0.25]).volume_albedo == (0.5, 1.0, 0.25)
+    assert Settings().with_option("volume-albedo=0.9").volume_albedo == (0.9, 0.9, 0.9)
     assert Settings().with_option("volume-emission=2").volume_emission == (2.0, 2.0, 2.0)
     assert Settings.of(volume_emission=2).volume_emission == Settings.of(volume_emission=(2, 2, 2)).volume_emission
     assert Settings().with_option("fog-albedo=0.5,1,.25").fog_albedo == (0.5, 1.0, 0.25)
@@ -88,13 +89,14 @@ def test_the_most_samples_follow_the_rules_given():
     ("bounces=", "a whole number from 1 to 255"),
     ("clamp=nan", "clamp must be a number from 0 to 1e[+]09"),
     ("volume-density=-1", "volume_density must be a number from 0 to 1e[+]18"),
-    ("volume-albedo=1", "volume_albedo must be three numbers from 0 to 1"),
-    ("volume-albedo=1,1,2", "volume_albedo must be a number from 0 to 1"),
+    ("volume-albedo=1,1", "volume_albedo must be one number or three numbers from 0 to 1"),
+    ("volume-albedo=1,1,2", "volume_albedo must be one number or three numbers from 0 to 1"),
     ("volume-g=1", "volume_g must be a number from -0.99 to 0.99"),
     ("volume-emission=1,2", "volume_emission must be one number or three numbers from 0 to"),
     ("fog=-1", "fog must be a number from 0 to 1e[+]18"),
-    ("fog-albedo=1", "fog_albedo must be three numbers from 0 to 1"),
-    ("fog-albedo=1,1,2", "fog_albedo must be a number from 0 to 1"),
+    ("fog-albedo=2", "fog_albedo must be one number or three numbers from 0 to 1"),
+    ("fog-albedo=1,1,2", "fog_albedo must be one number or three numbers from 0 to 1"),
+    ("fog-albedo=,,", "fog_albedo must be one number or three numbers from 0 to 1"),
     ("spp=4", "no setting 'spp'"),
     ("ndf", "--set ndf: ndf must be one of ggx, beckmann, blinn-phong"),
     ("ndf=GGX", "ndf must be one of"),

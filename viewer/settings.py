@@ -58,29 +58,24 @@ class Range:
 
 
 class Triple(Range):
-    """Three numbers, each in this range: a colour, in linear Rec. 709."""
+    """Three numbers, each in this range: a colour, in linear Rec. 709. One number stands for all of them."""
 
     def number(self, value: object, prefix: str) -> Any:
-        """`value`, a sequence or text with commas, as a tuple of three numbers. Raises UsageError as Range does."""
+        """`value`, a number, a sequence or text with commas, as a tuple of three numbers. Raises UsageError as Range
+        does."""
         parts = value.split(",") if isinstance(value, str) else value
-        if not isinstance(parts, (list, tuple)) or len(parts) != 3:
+        if isinstance(parts, (int, float)):
+            parts = [parts]
+        if not isinstance(parts, (list, tuple)) or len(parts) not in (1, 3):
             raise UsageError(f"{prefix} must be {self}")
-        return tuple(Range(self.low, self.high).number(part, prefix) for part in parts)
+        try:
+            red, green, blue = (Range(self.low, self.high).number(part, prefix) for part in [*parts] * (3 // len(parts)))
+        except UsageError as error:
+            raise UsageError(f"{prefix} must be {self}") from error
+        return red, green, blue
 
     def __str__(self) -> str:
-        return f"three numbers from {_plain(self.low)} to {_plain(self.high)}"
-
-
-class GreyOrTriple(Triple):
-    """Three numbers, or one that stands for all of them."""
-
-    def number(self, value: object, prefix: str) -> Any:
-        if (isinstance(value, str) and "," not in value) or isinstance(value, (int, float)):
-            value = [value] * 3
-        return super().number(value, prefix)
-
-    def __str__(self) -> str:
-        return f"one number or {super().__str__()}"
+        return f"one number or three numbers from {_plain(self.low)} to {_plain(self.high)}"
 
 
 def _plain(number: float) -> str:
@@ -100,7 +95,7 @@ RANGES = {
     "volume_density": Range(0.0, 1e18),
     "volume_albedo": Triple(0.0, 1.0),
     "volume_g": Range(-0.99, 0.99),
-    "volume_emission": GreyOrTriple(0.0, 1e9),
+    "volume_emission": Triple(0.0, 1e9),
     "fog": Range(0.0, 1e18),
     "fog_albedo": Triple(0.0, 1.0),
     "fog_g": Range(-0.99, 0.99),
