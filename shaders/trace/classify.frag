@@ -1,6 +1,7 @@
 // Writes the class of each path as a depth value. The later passes then shade only the paths of their class, by a depth
 // test for equality. `discard` would give the same pictures, but software OpenGL runs a discarded fragment to its end.
-// FIRST_HITS: write only the class of paths whose camera ray hit a surface; all others count as idle.
+// FIRST_HITS: write only the class of paths whose camera ray hit a surface, or met none and collides in a medium; all
+// others count as idle.
 #include "trace/path_class.glsl"
 #include "trace/state.glsl"
 #if HAS_SCATTERING
@@ -41,6 +42,12 @@ void main() {
     bool is_first = path_class >= CLASS_SHADE && unpack_depth(texelFetch(u_radiance, texel, 0).w) == 0;
 #if HAS_SCATTERING
     is_first = is_first && kind != KIND_BOUNDARY && texelFetch(u_medium, texel, 0).w > 0.0; // once for each ray
+    bool meets_surface = kind != NO_KIND && kind != KIND_BOUNDARY;
+    if (status == IN_FLIGHT && !meets_surface && unpack_depth(texelFetch(u_radiance, texel, 0).w) == 0
+        && class_in_medium(texel, CLASS_IDLE) == CLASS_MEDIUM) {
+        gl_FragDepth = class_depth(CLASS_FIRST_COLLISION);
+        return;
+    }
 #endif
     path_class = is_first ? CLASS_FIRST_HIT : CLASS_IDLE;
 #endif

@@ -14,6 +14,7 @@ _CONSTANTS: dict[str, float] = {
     **{f"KIND_{kind.name.upper()}": kind.number for kind in KINDS},
     "CLASS_IDLE": layout.CLASS_IDLE, "CLASS_ENDED": layout.CLASS_ENDED, "CLASS_FIRST_HIT": layout.CLASS_FIRST_HIT,
     "CLASS_SHADE": layout.CLASS_SHADE, "CLASS_MEDIUM": layout.CLASS_MEDIUM, "CLASS_AIRLIGHT": layout.CLASS_AIRLIGHT,
+    "CLASS_FIRST_COLLISION": layout.CLASS_FIRST_COLLISION,
     "MEDIA_REACH": layout.MEDIA_REACH, "MOST_STEPS": layout.MOST_STEPS,
     "SCENE_WIDTH": layout.SCENE_WIDTH, "INSTANCE_TEXELS": layout.INSTANCE_TEXELS,
     "VOLUME_TEXELS": layout.VOLUME_TEXELS,

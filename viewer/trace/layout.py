@@ -15,12 +15,13 @@ IDLE, IN_FLIGHT, ENDED = 0, 1, 2
 pending."""
 
 CLASS_IDLE, CLASS_ENDED, CLASS_FIRST_HIT, CLASS_SHADE = range(4)
-CLASS_MEDIUM, CLASS_AIRLIGHT = 10, 11
+CLASS_MEDIUM, CLASS_AIRLIGHT, CLASS_FIRST_COLLISION = 10, 11, 12
 """The classes of paths. Each pass shades the paths of one class.
 
 A path is idle; or it has ended; or its camera ray has hit a surface, for the pass that collects layers; or it has hit a
 surface of kind k, which is class CLASS_SHADE + k, below CLASS_MEDIUM. In a medium that scatters it may collide before
-it gets to a surface; or it collects light that is scattered on its way there, before it goes on.
+it gets to a surface; or it collects light that is scattered on its way there, before it goes on. For the layers again,
+a camera ray that hits no surface may collide.
 """
 
 NO_KIND = 7
@@ -57,8 +58,8 @@ VOLUME_TEXELS = 8
 
 Three have the rows of the matrix from tracer space to cells; one has the voxels along each axis and the first row of
 the densities in their texture; one has the cells along each axis and the first row of the majorants; one has the voxels
-along the side of a cell, the extinction of the density 1 per tracer unit (float bits), 0, 0; one has the albedo and g;
-one has emission over extinction, and 0.
+along the side of a cell, the extinction of the density 1 per tracer unit (float bits), 0, 0; one has the albedo and the
+number of the phase function (`Medium.phase`); one has emission over extinction, and 0.
 """
 
 SEE_THROUGH, MIRRORED, DOUBLE_SIDED, UNLIT, THIN = 1, 2, 4, 8, 16

@@ -118,6 +118,8 @@ def plan_trace(
     if has_layers:
         programs |= {"classify first hits": _program("trace/classify.frag", classes | {"FIRST_HITS": 1}),
                      "layers": _program("trace/layers.frag", switches)}
+        if switches["HAS_SCATTERING"]:
+            programs["medium layers"] = _program("trace/medium_layers.frag", classes)
     lines = [*_left_out(scene, settings, geometry, switches, programs, has_layers), *left_out]
     return TracePlan(programs, intersector, geometry.triangle_count, len(geometry.instances), _used(geometry, switches),
                      ("nothing, as requested",) if settings.plan == "everything" else tuple(lines))

@@ -1,5 +1,7 @@
 // The guide tells the wavelet filter which pixels belong together. It is one texel: x packs the first hit into 24 bits,
-// or is -1 where nothing was hit; y is the mean depth; z and w are the depth's slope.
+// or is -1 where nothing was hit; y is the mean depth, NO_DEPTH in a medium; z and w are the depth's slope.
+
+const float NO_DEPTH = 0.0;
 
 struct Guide {
     vec3 normal;    // unit

@@ -10,7 +10,7 @@ uniform sampler2D u_sum;       // rgb, number of samples
 uniform sampler2D u_squares;
 uniform sampler2D u_albedo;    // sum over the samples that hit something, w: their number
 uniform sampler2D u_normal;    // likewise, w: sum of the depth
-uniform sampler2D u_emission;  // sum of the emission of the first hits
+uniform sampler2D u_emission;  // sum of the emission of the first hits, w: how many of them were collisions in media
 layout(location = 0) out vec4 o_light;
 layout(location = 1) out vec4 o_guide;
 
@@ -37,7 +37,8 @@ void main() {
 
     vec4 sum = texelFetch(u_sum, p, 0);
     float n = sum.w;
-    vec3 seen = texelFetch(u_emission, p, 0).rgb / n;
+    vec4 emission = texelFetch(u_emission, p, 0);
+    vec3 seen = emission.rgb / n;
     vec3 mean = sum.rgb / n;
     vec3 variance = max(texelFetch(u_squares, p, 0).rgb / n - mean * mean, 0.0) / max(n - 1.0, 1.0);
     vec3 color = demodulation(albedo);
@@ -47,11 +48,14 @@ void main() {
     if (seen != vec3(0.0)) deviation = 0.0;
     o_light = vec4(max(radiance - seen, 0.0) / color, deviation * deviation);
 
-    float depth = normal.w / albedo.w;
+    // How many samples collide in a medium, and where, is noise: neither tells pixels apart.
+    bool is_medium = emission.w > 0.0;
+    float depth = is_medium ? NO_DEPTH : normal.w / albedo.w;
     vec2 gradient = vec2(slope(depth_at(p - ivec2(1, 0), depth), depth, depth_at(p + ivec2(1, 0), depth)),
                          slope(depth_at(p - ivec2(0, 1), depth), depth, depth_at(p + ivec2(0, 1), depth)));
     float size = length(normal.xyz);
     vec3 direction = size > 0.0 ? normal.xyz / size : vec3(0.0, 0.0, 1.0);
     float reflectance = min(luminance(albedo.rgb) / albedo.w, 1.0);
-    o_guide = vec4(pack_guide(Guide(direction, min(albedo.w / n, 1.0), reflectance)), depth, gradient);
+    float coverage = is_medium ? 1.0 : min(albedo.w / n, 1.0);
+    o_guide = vec4(pack_guide(Guide(direction, coverage, reflectance)), depth, gradient);
 }

@@ -39,6 +39,7 @@ void main() {
         float predicted = 0.5 * dot(guide.zw + other_guide.zw, vec2(offset));
         float dz = (other_guide.y - guide.y - predicted)
                    / (SLOPE * abs(predicted) + DEPTH * max(abs(guide.y), abs(other_guide.y)) + 1e-30);
+        if (guide.y == NO_DEPTH || other_guide.y == NO_DEPTH) dz = 0.0;
         float dl = luminance(other.rgb) - l;
         float noise = dl * dl / (DEVIATIONS * (light.w + other.w) + 1e-30);
         float w = exp(-NORMAL * dot(dn, dn) - COVERAGE * dc * dc - ALBEDO * da * da - dz * dz - noise * noise);

@@ -25,7 +25,7 @@ class NoisyFilm(Protocol):
     """Sum of the shading normals of the first hits, and of their depth."""
     emission: moderngl.Texture
     """Sum of the emission of the first hits. It has no noise except at edges, so it is subtracted before the filter and
-    added after it."""
+    added after it. w: how many of the first hits were collisions in media."""
 
 
 class Denoiser(Protocol):

@@ -12,12 +12,20 @@ from ...gpu.fullscreen import fullscreen
 from ...gpu.programs import Programs, set_uniform
 from ..defines import shader_defines
 from ..kinds import KINDS
-from ..layout import CLASS_AIRLIGHT, CLASS_ENDED, CLASS_FIRST_HIT, CLASS_IDLE, CLASS_MEDIUM, CLASS_SHADE
+from ..layout import (
+    CLASS_AIRLIGHT,
+    CLASS_ENDED,
+    CLASS_FIRST_COLLISION,
+    CLASS_FIRST_HIT,
+    CLASS_IDLE,
+    CLASS_MEDIUM,
+    CLASS_SHADE,
+)
 from ..plan import TracePlan
 from .wavefront import UNITS, Wavefront
 
 _CLASSES = {"idle": CLASS_IDLE, "finish": CLASS_ENDED, "generate": CLASS_ENDED, "layers": CLASS_FIRST_HIT,
-            "medium": CLASS_MEDIUM, "airlight": CLASS_AIRLIGHT,
+            "medium layers": CLASS_FIRST_COLLISION, "medium": CLASS_MEDIUM, "airlight": CLASS_AIRLIGHT,
             **{kind.name: CLASS_SHADE + kind.number for kind in KINDS}}
 """The class of the paths that a pass shades."""
 _OVER_BLOCKS = ("begin", "zero")
@@ -77,6 +85,8 @@ class Passes:
             wavefront.layers.framebuffer.use()
             gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
             self._draw("layers")
+            if "medium layers" in self._programs:
+                self._draw("medium layers")
         self._classify(wavefront, "classify")
         wavefront.sums.framebuffer.use()
         gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
