@@ -25,7 +25,8 @@ def test_every_setting_has_a_default_among_its_choices_and_a_meaning():
         assert getattr(Settings(), name) in choices and len(choices) > 1 and setting_meanings()[name]
     of_numbers = setting_meanings().keys() - setting_choices().keys()
     assert of_numbers == {"background_blur", "bounces", "light_radius", "clamp", "volume_density", "volume_albedo",
-                          "volume_g", "volume_emission", "fog", "fog_albedo", "fog_g", "fog_height"} < RANGES.keys()
+                          "volume_g", "volume_droplets", "volume_emission", "fog", "fog_albedo", "fog_g",
+                          "fog_droplets", "fog_height"} < RANGES.keys()
     own_options = {"mode", "background", "exposure", "tonemap", "spp", "time_budget", "error", "seed", "denoise"}
     assert set(setting_meanings()) == {f.name for f in fields(Settings)} - own_options
 
@@ -44,6 +45,7 @@ def test_settings_that_are_numbers():
     assert Settings().with_option("volume-albedo=0.5,1,.25").volume_albedo == (0.5, 1.0, 0.25)
     assert Settings.of(volume_albedo=[0.5, 1, 0.25]).volume_albedo == (0.5, 1.0, 0.25)
     assert Settings().with_option("volume-albedo=0.9").volume_albedo == (0.9, 0.9, 0.9)
+    assert Settings().with_option("fog-droplets=20").with_option("volume-droplets=0").fog_droplets == 20
     assert Settings().with_option("volume-emission=2").volume_emission == (2.0, 2.0, 2.0)
     assert Settings.of(volume_emission=2).volume_emission == Settings.of(volume_emission=(2, 2, 2)).volume_emission
     assert Settings().with_option("fog-albedo=0.5,1,.25").fog_albedo == (0.5, 1.0, 0.25)
@@ -93,6 +95,8 @@ def test_the_most_samples_follow_the_rules_given():
     ("volume-albedo=1,1,2", "volume_albedo must be one number or three numbers from 0 to 1"),
     ("volume-g=1", "volume_g must be a number from -0.99 to 0.99"),
     ("volume-emission=1,2", "volume_emission must be one number or three numbers from 0 to"),
+    ("volume-droplets=2", "volume_droplets must be 0 or a number from 5 to 50"),
+    ("fog-droplets=-1", "fog_droplets must be 0 or a number from 5 to 50"),
     ("fog=-1", "fog must be a number from 0 to 1e[+]18"),
     ("fog-albedo=2", "fog_albedo must be one number or three numbers from 0 to 1"),
     ("fog-albedo=1,1,2", "fog_albedo must be one number or three numbers from 0 to 1"),

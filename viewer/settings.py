@@ -33,11 +33,12 @@ MAX_SPP = 1 << 16
 
 @dataclass(frozen=True)
 class Range:
-    """The numbers that a setting can have, from `low` to `high`, both included."""
+    """The numbers that a setting can have, from `low` to `high`, both included, and 0 if `or_zero`."""
 
     low: float
     high: float
     is_whole: bool = False
+    or_zero: bool = False
 
     def number(self, value: object, prefix: str) -> float:
         """`value` as a number in this range, an int if `is_whole`. Raises UsageError, which starts with `prefix`."""
@@ -45,7 +46,7 @@ class Range:
             number = self._whole(value) if self.is_whole else float(value)  # type: ignore[arg-type]
         except (TypeError, ValueError):
             number = math.nan
-        if not self.low <= number <= self.high:
+        if not self.low <= number <= self.high and not (self.or_zero and number == 0):
             raise UsageError(f"{prefix} must be {self}")
         return number
 
@@ -54,7 +55,8 @@ class Range:
         return int(value) if isinstance(value, str) else index(value)  # type: ignore[arg-type]
 
     def __str__(self) -> str:
-        return f"a {'whole ' * self.is_whole}number from {_plain(self.low)} to {_plain(self.high)}"
+        return (f"{'0 or ' * self.or_zero}a {'whole ' * self.is_whole}number from {_plain(self.low)} to "
+                f"{_plain(self.high)}")
 
 
 class Triple(Range):
@@ -69,10 +71,10 @@ class Triple(Range):
         if not isinstance(parts, (list, tuple)) or len(parts) not in (1, 3):
             raise UsageError(f"{prefix} must be {self}")
         try:
-            red, green, blue = (Range(self.low, self.high).number(part, prefix) for part in [*parts] * (3 // len(parts)))
+            numbers = [Range(self.low, self.high).number(part, prefix) for part in parts]
         except UsageError as error:
             raise UsageError(f"{prefix} must be {self}") from error
-        return red, green, blue
+        return tuple(numbers * (3 // len(numbers)))
 
     def __str__(self) -> str:
         return f"one number or three numbers from {_plain(self.low)} to {_plain(self.high)}"
@@ -95,10 +97,12 @@ RANGES = {
     "volume_density": Range(0.0, 1e18),
     "volume_albedo": Triple(0.0, 1.0),
     "volume_g": Range(-0.99, 0.99),
+    "volume_droplets": Range(5.0, 50.0, or_zero=True),
     "volume_emission": Triple(0.0, 1e9),
     "fog": Range(0.0, 1e18),
     "fog_albedo": Triple(0.0, 1.0),
     "fog_g": Range(-0.99, 0.99),
+    "fog_droplets": Range(5.0, 50.0, or_zero=True),
     "fog_height": Range(0.0, 1e18),
 }
 
@@ -164,12 +168,18 @@ class Settings:
         (0.9, 0.9, 0.9), "volume files: single-scattering albedo, the share of the extinction that is scattering")
     volume_g: float = _option(
         0.0, "volume files: mean cosine of the Henyey-Greenstein phase function; above 0: forwards")
+    volume_droplets: float = _option(
+        0.0, "volume files: diameter of droplets of water in micrometres, 5 to 50, whose phase function takes the "
+        "place of that of volume-g; 0: none")
     volume_emission: tuple[float, float, float] = _option(
         (0.0, 0.0, 0.0), "volume files: emitted radiance per unit of length where the file's density is 1")
     fog: float = _option(0.0, "fog around the scene: extinction coefficient per unit of length; 0: none")
     fog_albedo: tuple[float, float, float] = _option(
         (1.0, 1.0, 1.0), "single-scattering albedo of the fog: the share of the extinction that is scattering")
     fog_g: float = _option(0.0, "mean cosine of the fog's Henyey-Greenstein phase function; above 0: forwards")
+    fog_droplets: float = _option(
+        0.0, "diameter of droplets of water in the fog in micrometres, 5 to 50, whose phase function takes the place "
+        "of that of fog-g; 0: none")
     fog_height: float = _option(
         0.0, "scale height of the fog, which thins out by a factor of e over this length above the lowest point of the "
         "scene; 0: it does not")

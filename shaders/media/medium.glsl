@@ -1,6 +1,6 @@
 // Media between surfaces. A path carries the number of the medium that it travels in; number 0 is what is outside of
 // all solids. A medium has MEDIUM_TEXELS texels of the scene buffer's section `media` (viewer/trace/scene/encode.py):
-//   sigma_t, the extinction coefficient per tracer unit; g of the phase function (Henyey & Greenstein)
+//   sigma_t, the extinction coefficient per tracer unit; the number of the phase function (media/any_phase.glsl)
 //   in scenes with scattering, the albedo of a single scattering; 1 if no boundary of the medium refracts
 // HAS_VOLUME: the scene has a medium besides the vacuum. HAS_SCATTERING: one of them scatters light.
 #if HAS_VOLUME
@@ -21,7 +21,7 @@ vec3 transmittance(int medium, float distance) {
 #if HAS_SCATTERING
 struct Medium {
     vec3 sigma_t, albedo;
-    float g;
+    float phase; // media/any_phase.glsl
     bool is_open; // no boundary refracts
 };
 

@@ -1,6 +1,6 @@
 // The light that a point of a medium scatters towards the eye: of punctual lights and suns with their shadows, of the
 // environment, and of what was scattered before (lit_media.glsl).
-#include "media/phase.glsl"
+#include "media/any_phase.glsl"
 #include "raster/light_in_media.glsl"
 #if VOLUMES > 0
 #include "raster/volumes.glsl"
@@ -37,7 +37,7 @@ vec3 seen_sky(Sky sky, vec4 hidden) {
 // How a medium scatters
 struct Scattering {
     vec3 albedo;
-    float g;
+    float phase, mean_cosine; // media/any_phase.glsl
     vec3 emission; // radiance for each optical depth
 #if HAS_ENVIRONMENT
     Sky sky;
@@ -68,12 +68,14 @@ Ray ray_through(vec3 origin, vec3 direction) {
 }
 
 #if FOG
-uniform vec4 u_fog_scattering; // albedo, g
+uniform vec4 u_fog_scattering; // albedo, phase
+uniform float u_fog_mean_cosine;
 
 Scattering fog_scattering(vec3 direction) {
     Scattering medium;
     medium.albedo = u_fog_scattering.rgb;
-    medium.g = u_fog_scattering.a;
+    medium.phase = u_fog_scattering.a;
+    medium.mean_cosine = u_fog_mean_cosine;
     medium.emission = vec3(0.0);
 #if HAS_ENVIRONMENT
     medium.sky = scattered_sky(u_sky_in_fog, direction);
@@ -83,13 +85,15 @@ Scattering fog_scattering(vec3 direction) {
 #endif
 
 #if VOLUMES > 0
-uniform vec4 u_volume_scattering; // albedo, g
+uniform vec4 u_volume_scattering; // albedo, phase
+uniform float u_volume_mean_cosine;
 uniform vec3 u_volume_emission;
 
 Scattering volume_scattering(vec3 direction) {
     Scattering medium;
     medium.albedo = u_volume_scattering.rgb;
-    medium.g = u_volume_scattering.a;
+    medium.phase = u_volume_scattering.a;
+    medium.mean_cosine = u_volume_mean_cosine;
     medium.emission = u_volume_emission;
 #if HAS_ENVIRONMENT
     medium.sky = scattered_sky(u_sky_in_volumes, direction);
@@ -117,7 +121,7 @@ float near_light(Ray ray, vec3 position, float from, float to, float at) {
 // The source function: radiance that one optical depth of the medium adds, at the distance `at` of a step
 vec3 source(Ray ray, float at, float from, float to, Scattering medium) {
     vec3 p = ray.origin + at * ray.direction;
-    MediaLight around = light_around(p, medium.g * ray.direction);
+    MediaLight around = light_around(p, medium.mean_cosine * ray.direction);
     vec3 sum = around.scattered;
 #if HAS_ENVIRONMENT
     sum += seen_sky(medium.sky, around.hidden);
@@ -127,7 +131,7 @@ vec3 source(Ray ray, float at, float from, float to, Scattering medium) {
         vec3 l;
         vec3 irradiance = punctual_irradiance(i, p, l);
         if (i >= DIRECTIONAL_COUNT) irradiance *= near_light(ray, u_lights[i].position.xyz, from, to, at);
-        sum += irradiance * (phase_between(medium.g, -l, -ray.direction) * light_in_medium(i, p, l));
+        sum += irradiance * (any_phase(medium.phase, -l, -ray.direction) * light_in_medium(i, p, l));
     }
 #endif
     return medium.albedo * sum + medium.emission;

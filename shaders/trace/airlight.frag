@@ -4,7 +4,7 @@
 // equiangular about the light, and as collisions before the hit are distributed.
 #include "trace/bounce.glsl"
 #include "trace/write_state.glsl"
-#include "media/phase.glsl"
+#include "media/any_phase.glsl"
 #include "media/equiangular.glsl"
 #if HAS_GRIDS
 #include "media/tracking.glsl"
@@ -61,7 +61,7 @@ void main() {
     vec3 position = p.origin + t * p.direction, l;
     float distance;
     vec3 irradiance = punctual_irradiance(k, position, rest, l, distance);
-    vec3 scattered = m.albedo * m.sigma_t * density * exp(-m.sigma_t * length) * phase_between(m.g, p.direction, l);
+    vec3 scattered = m.albedo * m.sigma_t * density * exp(-m.sigma_t * length) * any_phase(m.phase, p.direction, l);
 #if HAS_GRIDS
     uint counter = vertex_hash(path_sample(texel, p.left), p, AIRLIGHT_GROUP);
     scattered *= volumes_transmittance(p.origin, p.direction, t, counter);

@@ -1,7 +1,7 @@
 // A path collides in its medium: sends a shadow ray to a light and samples the direction in which it is scattered.
 #include "trace/bounce.glsl"
 #include "trace/write_state.glsl"
-#include "media/phase.glsl"
+#include "media/any_phase.glsl"
 #if HAS_GRIDS
 #include "media/volume_medium.glsl"
 #include "trace/volume_flight.glsl"
@@ -32,14 +32,14 @@ void main() {
     if (asks_lights(m)) {
         LightSample light = sample_light(p.origin, vertex_numbers(s, p, LIGHT_GROUP).xyz);
         if (light.is_delta && !is_in_grid) light.pdf = 0.0; // trace/airlight.frag has counted it
-        float phase = phase_between(m.g, p.direction, light.direction);
+        float phase = any_phase(m.phase, p.direction, light.direction);
         send_shadow_ray(p, p.origin, vec3(0.0), p.medium, light, vec3(phase), phase);
     }
 #endif
     vec4 u = vertex_numbers(s, p, BSDF_GROUP);
-    vec3 direction = phase_sample(m.g, p.direction, u.xy);
+    vec3 direction = any_phase_sample(m.phase, p.direction, u.xy);
     // Where no light is asked, light that is hit counts in full.
-    float pdf = asks_lights(m) ? phase_between(m.g, p.direction, direction) : 0.0;
+    float pdf = asks_lights(m) ? any_phase(m.phase, p.direction, direction) : 0.0;
     // Roulette alone ends paths, with the probability that they are absorbed; a white medium keeps them all.
     float survival = min(max(p.throughput.r, max(p.throughput.g, p.throughput.b)) * p.eta2, 1.0);
     bool continues = u.z < survival && p.steps < MOST_STEPS;

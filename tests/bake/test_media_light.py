@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
+from media_twins import droplet_phase, henyey_greenstein
 
 from viewer.bake.diffusion import scattered_fluence
 from viewer.bake.irradiance import HEIGHT
@@ -11,6 +14,8 @@ from viewer.bake.many_lights import uniform_lights
 from viewer.bake.phase import MAPS, scattered_sky
 from viewer.bake.prefilter import MARGIN, row_angles
 from viewer.scene.equirect import texel_directions, texel_solid_angles
+from viewer.scene.medium import Medium
+from viewer.scene.phase import mean_cosine, spectrum
 
 SIDE = 24
 
@@ -67,22 +72,34 @@ def walks(tau: float, albedo: float, start: np.ndarray, count: int = 4000) -> fl
     return total
 
 
-@pytest.mark.parametrize("g", [-0.5, 0.0, 0.6, 0.9])
-def test_the_environment_as_a_medium_scatters_it(g):
+@pytest.mark.parametrize("medium, phase", [
+    *((Medium(g=g), partial(henyey_greenstein, g)) for g in (-0.5, 0.0, 0.6, 0.9)),
+    (Medium(droplet_diameter=5.0), partial(droplet_phase, 5.0)),
+], ids=["g -0.5", "g 0", "g 0.6", "g 0.9", "droplets"])
+def test_the_environment_as_a_medium_scatters_it(medium, phase):
     """By quadrature over the texels of a map, at some of the directions."""
     rows = 128
     d = texel_directions(rows, 2 * rows)
     radiance = (0.5 + 0.4 * d + np.exp(8 * (d[..., :1] - 1))).astype(np.float32)
     margin = round(rows * MARGIN / (1 - 2 * MARGIN))
     level = np.concatenate([radiance[:margin], radiance, radiance[-margin:]])
-    found = scattered_sky(level, g).reshape(MAPS, HEIGHT, 2 * HEIGHT, 3)
+    found = scattered_sky(level, medium).reshape(MAPS, HEIGHT, 2 * HEIGHT, 3)
     weights = texel_solid_angles(rows, 2 * rows)[:, None]
     for row, column in ((5, 3), (30, 64), (31, 100), (50, 10)):
         theta, phi = row_angles(HEIGHT)[row], 2 * np.pi * ((column + 0.5) / (2 * HEIGHT) - 0.5)
         axis = np.array([np.sin(theta) * np.cos(phi), np.cos(theta), np.sin(theta) * np.sin(phi)])
-        phase = (1 - g * g) / (4 * np.pi * (1 + g * g - 2 * g * (d @ axis)) ** 1.5)
-        scattered = radiance * (phase * weights)[..., None]
+        scattered = radiance * (phase(1 - d @ axis) * weights)[..., None]
         assert found[0, row, column] == pytest.approx(scattered.sum((0, 1)), rel=0.02)
         for k in range(3):
             expected = (scattered * d[..., k, None]).sum((0, 1))
             assert found[1 + k, row, column] == pytest.approx(expected, abs=0.02 * scattered.sum() / 3)
+
+
+def test_the_spectrum_of_a_phase_function():
+    """Against the integral of p over Legendre polynomials."""
+    mu, weight = np.polynomial.legendre.leggauss(2000)
+    for medium, phase in ((Medium(g=0.7), partial(henyey_greenstein, 0.7)),
+                          (Medium(droplet_diameter=20.0), partial(droplet_phase, 20.0))):
+        found = spectrum(medium, 6)
+        expected = [2 * np.pi * (phase(1 - mu) * np.polynomial.Legendre.basis(k)(mu) * weight).sum() for k in range(6)]
+        assert found == pytest.approx(expected, abs=1e-6) and mean_cosine(medium) == pytest.approx(expected[1])

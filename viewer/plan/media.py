@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from ..scene.fog import fog_medium
 from ..scene.scene import Scene
+from ..scene.volume import volume_medium
 from ..settings import Settings
 from .model import Program
 
@@ -63,7 +65,9 @@ def plan_media(scene: Scene, settings: Settings, common: Mapping[str, int]) -> M
     lights = {name: common[name] for name in names}
     lit = switches | lights | {"SHADOW_PATTERN": 0, "REFLECTS": 0}
     has_depth = switches["VOLUMES"] and common["LIGHT_COUNT"]
-    return MediaPlan(_program("raster/media_march.frag", lit | {"SLICES": SLICES}),
+    droplets = any(medium.droplet_diameter > 0 for medium, is_there in (
+        (fog_medium(settings), switches["FOG"]), (volume_medium(settings), switches["VOLUMES"])) if is_there)
+    return MediaPlan(_program("raster/media_march.frag", lit | {"SLICES": SLICES, "HAS_DROPLETS": int(droplets)}),
                      _program("raster/media_bake.frag", lit | {"SKY_LIGHTS": SKY_LIGHTS}),
                      _program("raster/volume_depth.frag", switches | lights) if has_depth else None,
                      settings.media_scattering == "multiple")

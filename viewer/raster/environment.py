@@ -23,6 +23,7 @@ from ..plan.model import Plan
 from ..scene.environment import Environment
 from ..scene.frame import Frame
 from ..scene.light import Light
+from ..scene.medium import Medium
 from ..scene.mip_levels import mip_levels
 from ..settings import Settings
 from .depth import Depth
@@ -96,18 +97,19 @@ class EnvironmentLight:
         lights = self.many_lights(SKY_LIGHTS)
         return replace(lights, irradiance=lights.irradiance * (self._baked.scale * self.environment.intensity))
 
-    def scattered_sky(self, plan: Plan, g_of_fog: float, g_of_volumes: float) -> dict[str, object]:
+    def scattered_sky(self, plan: Plan, fog: Medium, volumes: Medium) -> dict[str, object]:
         """The uniforms of shaders/raster/in_scattered.glsl: the environment as media scatter it; binds its maps."""
-        wanted = {(g, plan.ambient) for g in (g_of_fog, g_of_volumes)}
+        media = {medium.phase: medium for medium in (fog, volumes)}
+        wanted = {(phase, plan.ambient) for phase in media}
         for key in self._scattered.keys() - wanted:
             self._scattered.pop(key).release()
-        for g, is_constant in wanted - self._scattered.keys():
+        for phase, is_constant in wanted - self._scattered.keys():
             level = _CONSTANT if is_constant else self._levels()[1]
-            pixels = scattered_sky(level, g)
-            texture = self._scattered[g, is_constant] = float_texture(self._gl, pixels)
+            pixels = scattered_sky(level, media[phase])
+            texture = self._scattered[phase, is_constant] = float_texture(self._gl, pixels)
             texture.repeat_x = True
-        self._scattered[g_of_fog, plan.ambient].use(UNIT_SKY_IN_FOG)
-        self._scattered[g_of_volumes, plan.ambient].use(UNIT_SKY_IN_VOLUMES)
+        self._scattered[fog.phase, plan.ambient].use(UNIT_SKY_IN_FOG)
+        self._scattered[volumes.phase, plan.ambient].use(UNIT_SKY_IN_VOLUMES)
         scale = self._ambient_radiance if plan.ambient else self.environment.intensity * self._baked.scale
         return {"u_sky_in_fog": UNIT_SKY_IN_FOG, "u_sky_in_volumes": UNIT_SKY_IN_VOLUMES,
                 "u_sky_intensity": tuple(np.broadcast_to(scale, 3).tolist())}

@@ -20,8 +20,9 @@ from ..gpu.programs import Programs, set_uniform
 from ..plan.media import MAX_VOLUMES, SLICE_COUNT
 from ..plan.model import Plan
 from ..scene.camera import Camera
-from ..scene.fog import REACH, fog_of
+from ..scene.fog import REACH, fog_medium, fog_of
 from ..scene.frame import Frame
+from ..scene.phase import mean_cosine
 from ..scene.scene import Scene
 from ..scene.volume import volume_medium
 from ..settings import Settings
@@ -122,7 +123,7 @@ class MediaPass:
         media = self._uniforms(frame, settings)
         uniforms = frame_uniforms | media | {"u_steps": steps // SLICE_COUNT}
         if environment is not None:
-            uniforms |= environment.scattered_sky(plan, settings.fog_g, volume_medium(settings).g)
+            uniforms |= environment.scattered_sky(plan, fog_medium(settings), volume_medium(settings))
         starts, counts = _parts(frame, settings)
         self._slices.march(self._programs, plan.media.march, frame, _ends(starts, counts), uniforms)
         self._slices.texture.use(UNIT_MEDIA)
@@ -155,7 +156,8 @@ class MediaPass:
             values |= {
                 "u_fog_ball": (*frame.position(fog.center), fog.radius / frame.unit),
                 "u_fog_extinction": min(fog.medium.sigma_t[0] * frame.unit, 1e18),
-                "u_fog_scattering": (*fog.medium.albedo, fog.medium.g),
+                "u_fog_scattering": (*fog.medium.albedo, fog.medium.phase),
+                "u_fog_mean_cosine": mean_cosine(fog.medium),
             }
             if math.isfinite(fog.scale_height):
                 base = (fog.base - frame.camera.eye[1]) / frame.unit
@@ -169,7 +171,8 @@ class MediaPass:
             emission = np.clip(np.array(medium.emission) * frame.unit / max(extinction, 1e-30), 0, 1e30)
             values |= self._volumes.uniforms(frame) | {
                 "u_volume_extinction": extinction,
-                "u_volume_scattering": (*medium.albedo, medium.g),
+                "u_volume_scattering": (*medium.albedo, medium.phase),
+                "u_volume_mean_cosine": mean_cosine(medium),
                 "u_volume_emission": tuple(emission.tolist()),
             }
         return values

@@ -21,6 +21,7 @@ from ..gpu.programs import Programs, matrix_uniform, set_uniform
 from ..plan.media import SKY_LIGHTS, MediaPlan
 from ..plan.model import Program
 from ..scene.medium import Medium
+from ..scene.phase import mean_cosine
 
 SIDE, DEPTH_SIDE = 32, 48
 _POINTS = 4096
@@ -67,7 +68,7 @@ class MediaLight:
                 light = np.clip(np.nan_to_num(unscattered, nan=0.0, posinf=1e30), 0, 1e30)
                 scattered[..., :3] = scattered_fluence(
                     extinction[..., 0], light, opacity[..., 0], grid.length / SIDE, grid.medium.albedo,
-                    grid.medium.g) / (4 * np.pi)
+                    mean_cosine(grid.medium)) / (4 * np.pi)
             layers += [scattered, hidden, opacity]
         self.texture.write(np.stack(layers))
 

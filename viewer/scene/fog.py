@@ -30,7 +30,8 @@ class Fog:
 
 def fog_medium(settings: Settings) -> Medium:
     """The medium of the settings `fog-...`; its sigma_t is 0 where there is no fog."""
-    return Medium(sigma_t=(settings.fog,) * 3, albedo=settings.fog_albedo, g=settings.fog_g)
+    return Medium(sigma_t=(settings.fog,) * 3, albedo=settings.fog_albedo, g=settings.fog_g,
+                  droplet_diameter=settings.fog_droplets)
 
 
 def fog_of(scene: Scene, settings: Settings) -> Fog | None:

@@ -15,9 +15,9 @@ class Medium:
     `sigma_t` is the extinction coefficient, absorption and scattering together, RGB per world unit: over a distance d
     the transmittance is exp(-sigma_t d) (Beer's law). `albedo` is the single-scattering albedo, the share of extinction
     that is scattering, RGB in [0, 1]. `g`, in (-1, 1), is the mean cosine of the Henyey-Greenstein phase function: with
-    g > 0 light is scattered forwards. A `droplet_diameter` above 0, in micrometres, means the phase function of
-    droplets of water instead (Jendersie and d'Eon 2023). `emission` is radiance per world unit, RGB. Shaders read a
-    medium in shaders/media/medium.glsl.
+    g > 0 light is scattered forwards. A `droplet_diameter` of 5 to 50 micrometres means the phase function of droplets
+    of water instead (Jendersie and d'Eon 2023). `emission` is radiance per world unit, RGB; only volumes emit. Shaders
+    read a medium in shaders/media/medium.glsl.
     """
 
     sigma_t: RGB = (0.0, 0.0, 0.0)
@@ -25,6 +25,11 @@ class Medium:
     g: float = 0.0
     droplet_diameter: float = 0.0
     emission: RGB = (0.0, 0.0, 0.0)
+
+    @property
+    def phase(self) -> float:
+        """The number by which shaders know the phase function: `g`, or the diameter of droplets, which is above 1."""
+        return self.droplet_diameter or self.g
 
     @property
     def sigma_a(self) -> RGB:

@@ -114,7 +114,7 @@ def volume_medium(settings: Settings) -> Medium:
     Extinction and emission are proportional to the density.
     """
     return Medium((settings.volume_density,) * 3, settings.volume_albedo, settings.volume_g,
-                  emission=settings.volume_emission)
+                  settings.volume_droplets, settings.volume_emission)
 
 
 def _float_type(values: Any) -> type:

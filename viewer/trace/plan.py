@@ -212,4 +212,5 @@ _SURFACES = {
     "HAS_SCATTERING": "scattering in volumes",
     "HAS_GRIDS": "grids of densities",
     "HAS_FOG": "fog",
+    "HAS_DROPLETS": "droplets",
 }

@@ -109,7 +109,7 @@ def _media_texels(geometry: TraceGeometry, count: int) -> np.ndarray:
     """The records of shaders/media/medium.glsl, of `count` texels each."""
     texels = np.zeros((len(geometry.media), 2, 4), np.float32)
     texels[:, 0, :3] = np.array([medium.sigma_t for medium in geometry.media]) * geometry.unit
-    texels[:, 0, 3] = [medium.g for medium in geometry.media]
+    texels[:, 0, 3] = [medium.phase for medium in geometry.media]
     texels[:, 1, :3] = [medium.albedo for medium in geometry.media]
     texels[list(geometry.open_media), 1, 3] = 1.0
     return texels[:, :count].reshape(-1, 4)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ...gpu.context import Context
 from ...scene.fog import fog_of
+from ...scene.medium import VACUUM
 from ...scene.scene import Scene
 from ...scene.volume import volume_medium
 from ...settings import Settings
@@ -76,13 +77,13 @@ class TracedScene:
         if self._grids is not None:
             buffer.add("volumes", self._grids.records(scene, volume_medium(settings)))
         self._data.upload(buffer)
-        self._scene = scene
+        self._scene, self._droplets = scene, _droplets(scene, settings)
         self._light_key: tuple[object, ...] = _light_key(scene, settings)
 
     @property
     def switches(self) -> dict[str, int]:
         """The defines that say which features of surfaces and lights the scene has."""
-        return self._data.switches | self._lights.switches
+        return self._data.switches | self._lights.switches | self._droplets
 
     def media_uniforms(self, eye: NDArray | None) -> dict[str, object]:
         """The uniforms of media and of those around `eye`, (3,) in tracer space; None: it has no place."""
@@ -129,11 +130,18 @@ def _light_key(scene: Scene, settings: Settings) -> tuple[object, ...]:
             settings.background_blur, volume_medium(settings))
 
 
+def _droplets(scene: Scene, settings: Settings) -> dict[str, int]:
+    """The switch of droplets' phase function."""
+    volume = volume_medium(settings) if scene.volumes else VACUUM
+    fog = fog_of(scene, settings)
+    return {"HAS_DROPLETS": int(volume.droplet_diameter > 0 or (fog is not None and fog.medium.droplet_diameter > 0))}
+
+
 def plan_without_device(scene: Scene, settings: Settings) -> TracePlan:
     """The plan of a picture without layers; it needs no context. Raises InputError as `SceneLights` does."""
     geometry = trace_geometry(scene, fog=fog_of(scene, settings))
     switches = geometry_switches(scene, geometry, settings.plan == "everything")
     lights = SceneLights(None, scene, geometry, SceneBufferBuilder(), settings)
-    return plan_trace(scene, settings, geometry, switches | lights.switches, has_layers=settings.denoise != "off",
-                      left_out=lights.left_out,
+    return plan_trace(scene, settings, geometry, switches | lights.switches | _droplets(scene, settings),
+                      has_layers=settings.denoise != "off", left_out=lights.left_out,
                       intersector="Embree where OpenGL is software, a BVH in a shader elsewhere")

@@ -112,7 +112,7 @@ class VolumeGrids:
             row[4] = *(-(-shape // size)), place.majorants
             row[5, 0] = size
             row[5, 1:2] = np.array([extinction * scene.radius], np.float32).view(np.uint32)
-            row[6] = np.array([*medium.albedo, medium.g], np.float32).view(np.uint32)
+            row[6] = np.array([*medium.albedo, medium.phase], np.float32).view(np.uint32)
             row[7, :3] = np.array(emitted, np.float32).view(np.uint32)
         return out.reshape(-1, 4)
 
