@@ -26,7 +26,8 @@ def test_every_setting_has_a_default_among_its_choices_and_a_meaning():
     of_numbers = setting_meanings().keys() - setting_choices().keys()
     assert of_numbers == {"background_blur", "bounces", "light_radius", "clamp", "volume_density", "volume_albedo",
                           "volume_g", "volume_droplets", "volume_emission", "fog", "fog_albedo", "fog_g",
-                          "fog_droplets", "fog_height"} < RANGES.keys()
+                          "fog_droplets", "fog_height", "curve_radius", "hair_melanin", "hair_color",
+                          "hair_absorption", "hair_roughness", "hair_tilt", "hair_ior"} < RANGES.keys()
     own_options = {"mode", "background", "exposure", "tonemap", "spp", "time_budget", "error", "seed", "denoise"}
     assert set(setting_meanings()) == {f.name for f in fields(Settings)} - own_options
 
@@ -51,6 +52,18 @@ def test_settings_that_are_numbers():
     assert Settings().with_option("fog-albedo=0.5,1,.25").fog_albedo == (0.5, 1.0, 0.25)
     assert Settings.of(fog_albedo=[0.5, 1, 0.25]).fog_albedo == (0.5, 1.0, 0.25)
     assert Settings.of(spp=None, time_budget=2, error="0.5").error == 0.5
+    assert Settings().with_option("hair-melanin=0.2,.08").hair_melanin == (0.2, 0.08)
+    assert Settings.of(hair_color=(1, 0.5, 0)).with_option("hair-color=none").hair_color is None
+    assert Settings.of(hair_absorption=None, hair_roughness=[0, 1]).hair_roughness == (0.0, 1.0)
+
+
+def test_only_one_setting_may_say_what_colour_hair_has():
+    problem = "^hair_melanin and hair_color: only one of them says what colour hair has$"
+    for names in (("hair-melanin=1,0", "hair-color=1,1,1"), ("hair-color=1,1,1", "hair-melanin=1,0")):
+        with pytest.raises(UsageError, match=problem):
+            Settings().with_option(names[0]).with_option(names[1])
+    with pytest.raises(UsageError, match="^hair_melanin and hair_color and hair_absorption: only one"):
+        Settings.of(hair_melanin=(1, 0), hair_color=(1, 1, 1), hair_absorption=(0, 0, 0))
 
 
 def test_what_a_mode_ignores_is_refused():
@@ -101,6 +114,11 @@ def test_the_most_samples_follow_the_rules_given():
     ("fog-albedo=2", "fog_albedo must be one number or three numbers from 0 to 1"),
     ("fog-albedo=1,1,2", "fog_albedo must be one number or three numbers from 0 to 1"),
     ("fog-albedo=,,", "fog_albedo must be one number or three numbers from 0 to 1"),
+    ("hair-melanin=1", "hair_melanin must be none or two numbers from 0 to 1000"),
+    ("hair-roughness=none", "hair_roughness must be two numbers from 0 to 1"),
+    ("hair-color=1,2,1", "hair_color must be a number from 0 to 1"),
+    ("hair-tilt=50", "hair_tilt must be a number from -45 to 45"),
+    ("hair-ior=0.5", "hair_ior must be a number from 1 to 3"),
     ("spp=4", "no setting 'spp'"),
     ("ndf", "--set ndf: ndf must be one of ggx, beckmann, blinn-phong"),
     ("ndf=GGX", "ndf must be one of"),

@@ -80,6 +80,30 @@ class Triple(Range):
         return f"one number or three numbers from {_plain(self.low)} to {_plain(self.high)}"
 
 
+@dataclass(frozen=True)
+class Several(Range):
+    """As many numbers as `names` has, each in this range; by default a colour, in linear Rec. 709."""
+
+    names: str = "R,G,B"
+    or_none: bool = False
+
+    def number(self, value: object, prefix: str) -> Any:
+        """`value`, a sequence or text with commas, as a tuple of numbers; None for "none" if `or_none`.
+
+        Raises UsageError as Range does.
+        """
+        if self.or_none and value in (None, "none"):
+            return None
+        parts = value.split(",") if isinstance(value, str) else value
+        if not isinstance(parts, (list, tuple)) or len(parts) != self.names.count(",") + 1:
+            raise UsageError(f"{prefix} must be {self}")
+        return tuple(Range(self.low, self.high).number(part, prefix) for part in parts)
+
+    def __str__(self) -> str:
+        count = ("two", "three")[self.names.count(",") - 1]
+        return f"{'none or ' * self.or_none}{count} numbers from {_plain(self.low)} to {_plain(self.high)}"
+
+
 def _plain(number: float) -> str:
     return str(number) if isinstance(number, int) else f"{number:g}"
 
@@ -104,10 +128,17 @@ RANGES = {
     "fog_g": Range(-0.99, 0.99),
     "fog_droplets": Range(5.0, 50.0, or_zero=True),
     "fog_height": Range(0.0, 1e18),
+    "curve_radius": Range(0.0, 1e9),
+    "hair_melanin": Several(0.0, 1e3, names="EU,PHEO", or_none=True),
+    "hair_color": Several(0.0, 1.0, or_none=True),
+    "hair_absorption": Several(0.0, 1e4, or_none=True),
+    "hair_roughness": Several(0.0, 1.0, names="BM,BN"),
+    "hair_tilt": Range(-45.0, 45.0),
+    "hair_ior": Range(1.0, 3.0),
 }
 
 
-def _option(default: str | float | tuple[float, ...], meaning: str) -> Any:
+def _option(default: str | float | tuple[float, ...] | None, meaning: str) -> Any:
     return field(default=default, metadata={"meaning": meaning})
 
 
@@ -183,6 +214,21 @@ class Settings:
     fog_height: float = _option(
         0.0, "scale height of the fog, which thins out by a factor of e over this length above the lowest point of the "
         "scene; 0: it does not")
+    curve_radius: float = _option(
+        0.0, "radius of all curves, in the scene's unit of length; 0: those of the file")
+    hair_melanin: tuple[float, float] | None = _option(
+        None, "curves: eumelanin (black, brown) and pheomelanin (yellow, red) of hair; none: the colours of the file, "
+        "or 1.3,0 if it has none")
+    hair_color: tuple[float, float, float] | None = _option(
+        None, "curves: the colour of many fibres together, in place of the melanin")
+    hair_absorption: tuple[float, float, float] | None = _option(
+        None, "curves: absorption coefficient of a fibre whose radius is 1, in place of the melanin")
+    hair_roughness: tuple[float, float] = _option(
+        (0.3, 0.3), "curves: longitudinal and azimuthal roughness of the fibres")
+    hair_tilt: float = _option(
+        2.0, "curves: tilt of the fibres' scales in degrees; above 0, the first highlight leans to the tip, as in "
+        "Mitsuba and pbrt; below 0 to the root, as on hair")
+    hair_ior: float = _option(1.55, "curves: index of refraction of the fibres")
     media_steps: Literal["auto", "28", "56", "112", "224"] = _option(
         "auto", "steps of a ray through fog and volumes; auto: 56, but 28 while the camera moves and the CPU renders")
     media_rays: Literal["auto", "all", "quarter", "sixteenth"] = _option(
@@ -201,6 +247,11 @@ class Settings:
     light_radius: float = _option(0.0, "mode path: radius of point and spot lights, in the scene's unit")
     clamp: float = _option(
         0.0, "mode path: maximum luminance of an indirect sample, which removes bright noise but loses light; 0: none")
+
+    def __post_init__(self) -> None:
+        given = [name for name in HAIR_COLORS if getattr(self, name) is not None]
+        if len(given) > 1:
+            raise UsageError(f"{' and '.join(given)}: only one of them says what colour hair has")
 
     @classmethod
     def of(cls, **values: Any) -> Settings:
@@ -297,11 +348,15 @@ class Settings:
         return replace(self, **change)
 
 
+HAIR_COLORS = ("hair_melanin", "hair_color", "hair_absorption")
+"""The settings of which one may say what colour hair has."""
 STOPPING = ("spp", "time_budget", "error")
 """The settings that end a path-traced picture."""
 _USED_BY: dict[str, tuple[Mode, ...]] = {
     **dict.fromkeys(("ndf", "masking", "fresnel", "multiscatter", "sheen"), ("pbr", "path")),
     "phong": ("phong",),
+    **dict.fromkeys(("curve_radius", "hair_melanin", "hair_color", "hair_absorption", "hair_roughness", "hair_tilt",
+                     "hair_ior"), ("path",)),
     **dict.fromkeys(("shadows", "antialias"), ("pbr", "phong")),
     **dict.fromkeys(("media_steps", "media_rays", "media_scattering"), ("pbr", "phong")),
     **dict.fromkeys(("environment_shadows", "ambient_occlusion", "indirect", "reflections", "refraction",

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from viewer.errors import UsageError
-from viewer.scene.fibre import DARKEST, Fibre, sigma_a_of_color, sigma_a_of_melanin
+from viewer.scene.fibre import DARKEST, Fibre, gives_color, hair_fibre, sigma_a_of_color, sigma_a_of_melanin
+from viewer.settings import Settings
 
 
 def test_the_defaults_are_those_of_other_renderers():
@@ -39,3 +40,13 @@ def test_what_is_no_fibre_is_refused(values, problem):
     with pytest.raises(UsageError) as error:
         Fibre(**{"sigma_a": (1, 1, 1)} | values)
     assert str(error.value).startswith(problem)
+
+
+def test_the_fibre_of_the_settings():
+    assert hair_fibre(Settings()) == Fibre(sigma_a_of_melanin(1.3, 0)) and not gives_color(Settings())
+    given = {"hair_roughness": (0.2, 0.4), "hair_tilt": -3, "hair_ior": 1.4}
+    rest = (0.2, 0.4, math.radians(-3), 1.4)
+    assert hair_fibre(Settings.of(hair_melanin=(0, 2), **given)) == Fibre(sigma_a_of_melanin(0, 2), *rest)
+    assert hair_fibre(Settings.of(hair_absorption=(1, 2, 3), **given)) == Fibre((1, 2, 3), *rest)
+    colored = Settings.of(hair_color=(0.5, 0.3, 0.1), **given)
+    assert hair_fibre(colored) == Fibre(tuple(sigma_a_of_color((0.5, 0.3, 0.1), 0.4)), *rest) and gives_color(colored)

@@ -16,7 +16,7 @@ from ..scene.curves import Curves
 from ..scene.decoding import Decoder
 from ..scene.environment import Environment
 from ..scene.scene import Scene
-from ..settings import RANGES, Settings, Triple, setting_choices, setting_meanings
+from ..settings import RANGES, Settings, Several, Triple, setting_choices, setting_meanings
 
 if TYPE_CHECKING:
     from ..trace.plan import TracePlan
@@ -92,7 +92,10 @@ def _range(name: str) -> Facts:
 
 
 def _placeholder(name: str) -> str:
-    return "R,G,B" if isinstance(RANGES[name], Triple) else "N"
+    numbers = RANGES[name]
+    if isinstance(numbers, Triple):
+        return "R,G,B"
+    return numbers.names if isinstance(numbers, Several) else "N"
 
 
 def format_settings() -> str:
@@ -101,6 +104,7 @@ def format_settings() -> str:
     for name, meaning in setting_meanings().items():
         values = "|".join(choices[name]) if name in choices else f"{_placeholder(name)}, {RANGES[name]}"
         value = getattr(default, name)
+        value = "none" if value is None else value
         shown = ",".join(f"{part:g}" for part in value) if isinstance(value, tuple) else value
         lines += [f"--set {name}={values}", f"      {meaning}; default: {shown}"]
     return "\n".join(lines)

@@ -9,12 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import UsageError
+from ..settings import HAIR_COLORS, Settings
 from .arrays import scene_numbers
 from .medium import RGB
 
 EUMELANIN = np.array([0.419, 0.697, 1.37])
 PHEOMELANIN = np.array([0.187, 0.4, 1.05])
 """Absorption of a unit of each pigment, RGB per radius of the fibre (d'Eon and others 2011; as in Mitsuba and pbrt)."""
+BROWN = (1.3, 0.0)
+"""The melanin of hair whose colour nothing says."""
 DARKEST = 1e-4
 """The darkest colour that `sigma_a_of_color` tells from black, whose absorption would be infinite."""
 
@@ -61,3 +64,21 @@ def sigma_a_of_color(color: ArrayLike, beta_n: float) -> np.ndarray:
     """
     fit = (5.969 - 0.215 * beta_n + 2.532 * beta_n**2 - 10.73 * beta_n**3 + 5.574 * beta_n**4 + 0.245 * beta_n**5)
     return np.square(np.log(np.clip(np.asarray(color, np.float64), DARKEST, 1.0)) / fit)
+
+
+def hair_fibre(settings: Settings) -> Fibre:
+    """The fibre that the settings `hair-...` describe."""
+    beta_m, beta_n = settings.hair_roughness
+    if settings.hair_absorption is not None:
+        sigma_a = settings.hair_absorption
+    elif settings.hair_color is not None:
+        red, green, blue = sigma_a_of_color(settings.hair_color, beta_n).tolist()
+        sigma_a = red, green, blue
+    else:
+        sigma_a = sigma_a_of_melanin(*(settings.hair_melanin or BROWN))
+    return Fibre(sigma_a, beta_m, beta_n, math.radians(settings.hair_tilt), settings.hair_ior)
+
+
+def gives_color(settings: Settings) -> bool:
+    """Whether a setting says what colour hair has, so that the colours of files do not count."""
+    return any(getattr(settings, name) is not None for name in HAIR_COLORS)
