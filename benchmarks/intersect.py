@@ -101,11 +101,8 @@ def make_rays(
 ) -> dict[str, tuple[Rays | None, Rays | None]]:
     """For each column the rays and the shadow rays, (SIDE^2, 3) each of origins and of directions or vectors."""
     rng = np.random.default_rng(0)
-    across = (np.arange(SIDE) + 0.5) / SIDE * 2 - 1
-    x, y = np.meshgrid(across, across)
-    origin = np.tile(np.float32([0, 0, 2.6]), (SIDE * SIDE, 1))
-    direction = _normalized(np.stack([0.4 * x.ravel(), 0.4 * y.ravel(), np.full(x.size, -1.0)], axis=1))
-    wavefront = _wavefront(context, (origin, direction), None)
+    origin, direction = camera_rays()
+    wavefront = make_wavefront(context, (origin, direction), None)
     intersector.store(wavefront, intersector.trace(intersector.fetch(wavefront)))
     hits = np.frombuffer(wavefront.hit.read(), np.uint32).reshape(-1, 4)
     wavefront.release()
@@ -119,8 +116,16 @@ def make_rays(
             "shadow": (None, (above, 4 * shadow)), "both": ((above, bounce), (above, 4 * shadow))}
 
 
+def camera_rays() -> Rays:
+    """Rays from a camera that sees the unit ball."""
+    across = (np.arange(SIDE) + 0.5) / SIDE * 2 - 1
+    x, y = np.meshgrid(across, across)
+    origin = np.tile(np.float32([0, 0, 2.6]), (SIDE * SIDE, 1))
+    return origin, _normalized(np.stack([0.4 * x.ravel(), 0.4 * y.ravel(), np.full(x.size, -1.0)], axis=1))
+
+
 def rate(context: Context, intersector: Intersector, rays: Rays | None, shadow: Rays | None) -> str:
-    wavefront = _wavefront(context, rays, shadow)
+    wavefront = make_wavefront(context, rays, shadow)
     count = SIDE * SIDE * ((rays is not None) + (shadow is not None))
     walls, processors = [], []
     for _ in range(ROUNDS + 1):
@@ -133,7 +138,7 @@ def rate(context: Context, intersector: Intersector, rays: Rays | None, shadow: 
     return f"{count / min(walls) / 1e6:.2f} ({count / min(processors) / 1e6:.2f})"
 
 
-def _wavefront(context: Context, rays: Rays | None, shadow: Rays | None) -> Wavefront:
+def make_wavefront(context: Context, rays: Rays | None, shadow: Rays | None) -> Wavefront:
     wavefront = Wavefront(context, SIDE // TILE, SIDE // TILE, has_medium=False, has_layers=False)
     nothing = np.zeros((SIDE * SIDE, 3), np.float32)
     origin, direction = rays or (nothing, nothing)

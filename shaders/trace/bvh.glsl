@@ -13,6 +13,11 @@
 #endif
 
 #include "trace/hit.glsl"
+#if HAS_CURVES
+#include "trace/curve.glsl"
+
+uniform int u_bvh_curves, u_bvh_points; // as the next ones
+#endif
 
 uniform usampler2D u_bvh;
 uniform uint u_root;
@@ -21,6 +26,9 @@ uniform int u_bvh_triangles, u_bvh_instances; // their first texels
 // References, as in viewer/trace/rays/bvh4.py and bvh.py. A reference without the bit LEAF is the number of a node.
 const uint LEAF = 1u << 31;                     // | (count - 1) << LEAF_SHIFT | first triangle
 const uint INSTANCE = LEAF | 7u << LEAF_SHIFT;  // | number of the instance in this tree
+#if HAS_CURVES
+const uint CURVES = LEAF | uint(CURVES_SHIFT) << LEAF_SHIFT; // | (count - 1) << LEAF_SHIFT | first curve
+#endif
 const uint PRIMITIVE_MASK = (1u << LEAF_SHIFT) - 1u;
 const uint NOTHING = ~0u;
 const float FARTHEST = 16.0; // all geometry is within 1 of the origin, and rays start within about 2 of it
@@ -77,6 +85,19 @@ bool intersect_triangle(PreparedRay ray, int texel, float t_max, out Found found
     bool is_inside = !(min(u, min(v, w)) < 0.0 && max(u, max(v, w)) > 0.0);
     return is_inside && determinant != 0.0 && t > 0.0 && t < t_max;
 }
+
+#if HAS_CURVES
+bool intersect_curve(vec3 o, vec3 d, int texel, float t_max, out Found found) {
+    uvec4 link = bvh_texel(texel);
+    int point = u_bvh_points + int(link.x);
+    vec4 a = uintBitsToFloat(bvh_texel(point)), b = uintBitsToFloat(bvh_texel(point + 1));
+    float along, t = segment_entry(o, d, a, b, along);
+    if (!(t > 0.0 && t < t_max)) return false;
+    found = Found(t, link.y, link.x, vec2(0.0), 0u);
+    vec4 before = uintBitsToFloat(bvh_texel(point - 1)), after = uintBitsToFloat(bvh_texel(point + 2));
+    return !hides(before, a, o + t * d) && !hides(b, after, o + t * d);
+}
+#endif
 
 #if HAS_SEE_THROUGH
 bool shadow_ray_passes(Hit hit, vec3 vector); // trace/see_through.glsl
@@ -155,6 +176,18 @@ bool traverse(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
             outer_count = count;
             next = instance.x;
             continue;
+#endif
+#if HAS_CURVES
+        } else if (next >= CURVES) {
+            int curve = u_bvh_curves + int(next & PRIMITIVE_MASK);
+            int end = curve + int((next - CURVES) >> LEAF_SHIFT) + 1;
+            for (; curve < end; ++curve) {
+                Found found;
+                if (!intersect_curve(o, d, curve, nearest.t, found)) continue;
+                nearest = found;
+                if (is_shadow) return true;
+                is_hit = true;
+            }
 #endif
         } else {
             int texel = u_bvh_triangles + int(next & PRIMITIVE_MASK) * TRIANGLE_TEXELS;

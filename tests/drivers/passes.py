@@ -10,7 +10,7 @@ from compiled import Sources
 from viewer.gpu.source import assemble
 from viewer.trace.defines import shader_defines
 from viewer.trace.paths.wavefront import LAYERS, SUMS
-from viewer.trace.rays.bvh import INSTANCE_TEXELS, NODE_TEXELS, TRIANGLE_TEXELS
+from viewer.trace.rays.bvh import CURVES_LEAF, INSTANCE_TEXELS, NODE_TEXELS, TRIANGLE_TEXELS
 from viewer.trace.rays.bvh4 import LEAF_SHIFT
 from viewer.trace.rays.intersect import SHADOW_REACH
 
@@ -47,7 +47,8 @@ def passes() -> list[Sources]:
 def intersections(switches: Mapping[str, int]) -> Iterator[Sources]:
     """Of the BVH in a shader and of shadow rays through surfaces with holes, for a scene of these switches."""
     tree = {"BVH_WIDTH": 4096, "NODE_TEXELS": NODE_TEXELS, "TRIANGLE_TEXELS": TRIANGLE_TEXELS,
-            "BVH_INSTANCE_TEXELS": INSTANCE_TEXELS, "LEAF_SHIFT": LEAF_SHIFT, "STACK": 64, "SHADOW_REACH": SHADOW_REACH}
+            "BVH_INSTANCE_TEXELS": INSTANCE_TEXELS, "LEAF_SHIFT": LEAF_SHIFT, "STACK": 64, "SHADOW_REACH": SHADOW_REACH,
+            "CURVES_SHIFT": CURVES_LEAF >> LEAF_SHIFT & 7}
     see_through = bool(switches["HAS_SEE_THROUGH"])
     for has_instances in (0, 1):
         defines = shader_defines(switches) | tree | {"HAS_INSTANCES": has_instances, "HAS_SEE_THROUGH": see_through}

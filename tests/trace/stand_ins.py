@@ -11,6 +11,7 @@ import numpy as np
 from viewer.gpu.context import Context
 from viewer.trace.kinds import SURFACE, Kind
 from viewer.trace.rays.intersect import Intersector
+from viewer.trace.scene.curves import TraceCurves
 
 
 @dataclass
@@ -32,6 +33,7 @@ class Geometry:
     meshes: list[Mesh]
     instances: list[Instance] = field(default_factory=list)
     scatters: bool = False
+    curves: TraceCurves | None = None
 
     def __post_init__(self) -> None:
         if not self.instances:

@@ -1,4 +1,4 @@
-"""The kinds of surfaces that the path tracer shades, each by a program of its own."""
+"""The kinds of surfaces that the path tracer shades, each by a program of its own; fibres are one of them."""
 
 from __future__ import annotations
 
@@ -29,7 +29,9 @@ GLASS = Kind("glass", 1, "trace/glass.frag", lambda material: material.transmits
 TRANSLUCENT = Kind("translucent", 2, "trace/translucent.frag", lambda material: material.transmits_diffusely)
 BOUNDARY = Kind("boundary", 3, "trace/boundary.frag", lambda material: material.is_boundary)
 """Between media of one index, where scattering shows: nothing but the medium changes, so that light samples pass it."""
-KINDS = (BOUNDARY, GLASS, TRANSLUCENT, SURFACE)
+FIBRE = Kind("fibre", 4, "trace/fibre.frag", lambda material: False)
+"""Curves, which have no material: a scene with any has this kind."""
+KINDS = (BOUNDARY, GLASS, TRANSLUCENT, SURFACE, FIBRE)
 """All kinds. A material is of the first one whose `when` holds."""
 
 

@@ -62,6 +62,9 @@ along the side of a cell, the extinction of the density 1 per tracer unit (float
 number of the phase function (`Medium.phase`); one has emission over extinction, and 0.
 """
 
+FIBRE_TEXELS = 2
+"""Texels of a set of curves in the scene buffer: absorption and beta_m; beta_n, tilt, index of refraction, 0."""
+
 SEE_THROUGH, MIRRORED, DOUBLE_SIDED, UNLIT, THIN = 1, 2, 4, 8, 16
 """Bits of an instance's flags."""
 

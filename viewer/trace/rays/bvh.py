@@ -3,12 +3,14 @@
 The triangles of meshes that are placed once are in one tree in tracer space. A mesh that is placed several times has a
 tree of its own in its own space, and a tree over the instances refers to it. Two kinds of instances are copied to
 tracer space instead: those that are smaller than a reference, and those whose matrix cannot be inverted well in
-float32.
+float32. Curves have a tree of their own in tracer space (curve_boxes.py), beside that of the triangles.
 
 Texels (RGBA32UI):
     node      7: lower x, upper x, lower y, upper y, lower z, upper z of its four children, and their references
     triangle  3: a corner each, and in w the number in its mesh, x of a hit (kind and instance), see-through
     instance  4: rows of tracer-to-mesh, then the reference to its tree, x of a hit, see-through, 0
+    curve     1: the row of a segment's first point, x of a hit, 0, 0
+    point     1: x, y, z and radius, the rows of `TraceCurves.points`
 """
 
 from __future__ import annotations
@@ -22,16 +24,22 @@ from numpy.typing import NDArray
 
 from ..layout import INSTANCE_MASK, KIND_SHIFT
 from . import bvh4
-from .bvh4 import LEAF, LEAF_SHIFT, NOTHING, Bvh4
+from .bvh4 import LEAF, LEAF_SHIFT, NOTHING, NOWHERE, Bvh4
+from .curve_boxes import curve_boxes
 from .flatten import flatten
 
 if TYPE_CHECKING:
+    from ..scene.curves import TraceCurves
     from ..scene.geometry import TraceGeometry, TraceInstance
 
 NODE_TEXELS, TRIANGLE_TEXELS, INSTANCE_TEXELS = 7, 3, 4
 
 INSTANCE = LEAF | 7 << LEAF_SHIFT
 """A reference to an instance. It cannot be that of a leaf, since no leaf has eight triangles."""
+
+CURVES_LEAF = LEAF | 4 << LEAF_SHIFT
+"""CURVES_LEAF | (count - 1) << LEAF_SHIFT | first is a leaf of curves: no leaf has more than four triangles."""
+_MAX_CURVES = 3
 
 _SMALL_MESH = 4  # triangles, which need no more memory than an instance with its box
 _MAX_STRETCH = 1e4
@@ -40,23 +48,26 @@ _MAX_STRETCH = 1e4
 @dataclass
 class Bvh:
     """`texels`, (n, 4) uint32, has the nodes, then the triangles from texel `triangles` on, then the instances from
-    `instances` on.
+    `instances` on, and the curves and their points likewise.
 
     `root` is the reference of the root, `stack` the stack size that a traversal needs. `trees` has the trees by what
-    they are over: COPIED, the number of a mesh, or INSTANCES.
+    they are over: COPIED, the number of a mesh, INSTANCES, or CURVES.
     """
 
     texels: NDArray[np.uint32]
     triangles: int
     instances: int
+    curves: int
+    points: int
     root: int
     stack: int
     has_instances: bool
     has_see_through: bool
+    has_curves: bool
     trees: dict[int, Bvh4]
 
 
-COPIED, INSTANCES = -1, -2
+COPIED, INSTANCES, CURVES = -1, -2, -3
 
 
 def build_bvh(geometry: TraceGeometry, before: Bvh | None = None) -> Bvh:
@@ -78,6 +89,8 @@ def build_bvh(geometry: TraceGeometry, before: Bvh | None = None) -> Bvh:
     root = forest.add(COPIED, vertices, triangles, hits[:-1], see_through)
     if placed:
         root = forest.place(geometry, placed, vertices, root)
+    if geometry.curves is not None:
+        root = forest.add_curves(geometry.curves, root)
     return forest.packed(root, bool(see_through.any()))
 
 
@@ -90,6 +103,7 @@ class _Forest:
         self._nodes: list[NDArray[np.uint32]] = []
         self._triangles: list[NDArray[np.uint32]] = []
         self._instances = np.empty((0, INSTANCE_TEXELS, 4), np.uint32)
+        self._curves = self._points = np.empty((0, 4), np.uint32)
         self._node_count = self._triangle_count = 0
         self._stack = 1
 
@@ -170,6 +184,30 @@ class _Forest:
         self._stack += tree.stack
         return self._node_count - len(tree.children)
 
+    def add_curves(self, curves: TraceCurves, triangles_root: int) -> int:
+        """Add a tree over curves, and a node over it and the one over triangles; returns the reference to that."""
+        lower, upper, segment = curve_boxes(curves)
+        tree = self._tree(CURVES, lower, upper, _MAX_CURVES)
+        segment = segment[tree.order]
+        self._curves = np.zeros((len(segment), 4), np.uint32)
+        self._curves[:, 0], self._curves[:, 1] = curves.first[segment], curves.codes[segment]
+        self._points = curves.points.view(np.uint32)
+        leaf = (tree.children & LEAF != 0) & (tree.children != NOTHING)
+        tree.children[tree.children & LEAF == 0] += np.uint32(self._node_count)
+        tree.children[leaf] |= np.uint32(CURVES_LEAF)
+        root = tree.root | CURVES_LEAF if tree.root & LEAF else self._node_count
+        self._push(tree)
+        self._stack = max(self._stack, tree.stack)
+        if triangles_root == NOTHING:
+            return root
+        above = Bvh4(np.full((1, 3, 4), NOWHERE, np.float32), np.full((1, 3, 4), NOWHERE, np.float32),
+                     np.array([[root, triangles_root, NOTHING, NOTHING]], np.uint32), tree.order, 0, 0)
+        above.lower[0, :, 0], above.upper[0, :, 0] = lower.min(axis=0), upper.max(axis=0)
+        above.lower[0, :, 1], above.upper[0, :, 1] = -_EVERYWHERE, _EVERYWHERE
+        self._push(above)
+        self._stack += 1
+        return self._node_count - 1
+
     def _push(self, tree: Bvh4) -> None:
         texels = np.empty((len(tree.children), NODE_TEXELS, 4), np.uint32)
         texels[:, 0:6:2] = tree.lower.view(np.uint32)
@@ -179,12 +217,13 @@ class _Forest:
         self._node_count += len(texels)
 
     def packed(self, root: int, has_see_through: bool) -> Bvh:
-        parts = [part.reshape(-1, 4) for part in (*self._nodes, *self._triangles, self._instances)]
+        parts = [part.reshape(-1, 4)
+                 for part in (*self._nodes, *self._triangles, self._instances, self._curves, self._points)]
         triangles = self._node_count * NODE_TEXELS
         instances = triangles + self._triangle_count * TRIANGLE_TEXELS
-        has_instances = len(self._instances) > 0
-        return Bvh(np.concatenate(parts), triangles, instances, root, self._stack, has_instances, has_see_through,
-                   self._trees)
+        curves = instances + len(self._instances) * INSTANCE_TEXELS
+        return Bvh(np.concatenate(parts), triangles, instances, curves, curves + len(self._curves), root, self._stack,
+                   len(self._instances) > 0, has_see_through, len(self._curves) > 0, self._trees)
 
 
 def _moved_box(
@@ -196,6 +235,9 @@ def _moved_box(
     half = np.abs(matrices) @ (0.5 * (high.astype(np.float64) - low)) + _SLACK
     return (middle - half).astype(np.float32), (middle + half).astype(np.float32)
 
+
+_EVERYWHERE = 1.01
+"""All geometry is within 1 of the origin, but for rounding."""
 
 _SLACK = 1e-6
 """Rays are transformed to instances in float32. This is a few units in the last place of the scene's radius."""

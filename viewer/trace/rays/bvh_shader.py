@@ -14,7 +14,7 @@ from ...gpu.programs import set_uniform
 from ...gpu.row_texture import row_texture
 from ..defines import shader_defines
 from ..scene.nesting import Nesting
-from .bvh import INSTANCE_TEXELS, NODE_TEXELS, TRIANGLE_TEXELS, Bvh, build_bvh
+from .bvh import CURVES_LEAF, INSTANCE_TEXELS, NODE_TEXELS, TRIANGLE_TEXELS, Bvh, build_bvh
 from .bvh4 import LEAF_SHIFT
 from .intersect import SHADOW_REACH, Answer, Surfaces, WavefrontTextures
 
@@ -79,6 +79,8 @@ class BvhIntersector:
             "STACK": bvh.stack,
             "HAS_INSTANCES": bvh.has_instances,
             "HAS_SEE_THROUGH": bvh.has_see_through,
+            "HAS_CURVES": bvh.has_curves,
+            "CURVES_SHIFT": CURVES_LEAF >> LEAF_SHIFT & 7,
             "HAS_SCATTERING": self._media is not None,
             "SHADOW_REACH": SHADOW_REACH,
         }
@@ -104,6 +106,8 @@ class BvhIntersector:
         set_uniform(self._program, "u_root", self._built.root)
         set_uniform(self._program, "u_bvh_triangles", self._built.triangles)
         set_uniform(self._program, "u_bvh_instances", self._built.instances)
+        set_uniform(self._program, "u_bvh_curves", self._built.curves)
+        set_uniform(self._program, "u_bvh_points", self._built.points)
         if self._surfaces is not None:
             self._surfaces.bind(self._program)
         if self._media is not None:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from ...gpu.context import Context
 from ..layout import FREE, IDLE, IN_FLIGHT, INSTANCE_MASK, MISS
+from .embree_curves import EmbreeCurves
 from .flatten import flatten
 from .intersect import SHADOW_REACH, Answer, Surfaces, WavefrontTextures
 from .see_through import MAX_LAYERS, SeeThrough
@@ -58,6 +59,7 @@ class EmbreeIntersector:
                 raise ValueError("see-through triangles need their surfaces")
             self._coverage = SeeThrough(context, surfaces)
         self._media = ShadowMedia(geometry) if geometry.scatters else None
+        self._curves = EmbreeCurves(geometry.curves) if geometry.curves is not None else None
         self._rays: Rays | None = None
 
     def fetch(self, wavefront: WavefrontTextures) -> Rays:
@@ -78,14 +80,18 @@ class EmbreeIntersector:
         hits[:, 0] = MISS
         status = rays.origin[:, 3]
         in_flight = np.flatnonzero(status == IN_FLIGHT)
-        found = self._triangles.intersect(_rows(rays.origin, in_flight), _rows(rays.direction, in_flight))
+        origins, directions = _rows(rays.origin, in_flight), _rows(rays.direction, in_flight)
+        found = self._triangles.intersect(origins, directions)
         self._triangles.write_hits(found, hits, in_flight)
+        reach = np.where(found["primID"] >= 0, found["tfar"], np.float32(np.inf))
+        if self._curves is not None:
+            self._curves.overwrite(hits, in_flight, origins, directions, reach)
         vector = rays.shadow_vector
         shadowed = np.flatnonzero((status != IDLE) & ((vector[:, 0] != 0) | (vector[:, 1] != 0) | (vector[:, 2] != 0)))
         if self._media is not None:
             along = np.zeros((len(hits), 4), np.float32)
             along[:, 3] = -1
-            along[in_flight, 3] = np.where(found["primID"] >= 0, found["tfar"], -1)
+            along[in_flight, 3] = np.where(np.isfinite(reach), reach, -1)
             medium = rays.medium[shadowed]
             nesting = np.where(medium[:, 3] < 0, medium[:, 0], medium[:, 1]).astype(np.int64)
             along[shadowed, :3] = self._transmittance(
@@ -108,6 +114,10 @@ class EmbreeIntersector:
             self._triangles = _Triangles(geometry)
         self._is_see_through = np.array([instance.see_through for instance in geometry.instances], bool)
         self._media = ShadowMedia(geometry) if geometry.scatters else None
+        if geometry.curves is None:
+            self._curves = None
+        elif self._curves is None or self._curves.curves is not geometry.curves:
+            self._curves = EmbreeCurves(geometry.curves)
 
     def release(self) -> None:
         if self._coverage is not None:
@@ -115,6 +125,13 @@ class EmbreeIntersector:
 
     def _free(self, origins: NDArray, vectors: NDArray) -> NDArray[np.bool_]:
         """Which shadow rays are unoccluded."""
+        free = self._free_of_triangles(origins, vectors)
+        if self._curves is not None:
+            asked = np.flatnonzero(free)
+            free[asked] = self._curves.intersect(origins[asked], vectors[asked], SHADOW_REACH)[0] < 0
+        return free
+
+    def _free_of_triangles(self, origins: NDArray, vectors: NDArray) -> NDArray[np.bool_]:
         if self._coverage is None:
             return ~self._triangles.occluded(origins, vectors)
         # One layer at a time: Embree finds the nearest triangle, and the shaders decide whether the ray passes it. (To
@@ -143,7 +160,10 @@ class EmbreeIntersector:
         light = np.zeros((len(origins), 3), np.float32)
         left = np.ones_like(light)
         pending = np.arange(len(origins))
-        start, begin = origins, np.zeros(len(origins), np.float32)
+        if self._curves is not None:
+            (pending,) = np.nonzero(self._curves.intersect(origins, vectors, SHADOW_REACH)[0] < 0)
+            left, nesting = left[pending], nesting[pending]
+        start, begin = origins[pending], np.zeros(len(pending), np.float32)
         for _ in range(MAX_LAYERS):
             vector = vectors[pending]
             found = self._triangles.intersect(start, vector, SHADOW_REACH - begin)

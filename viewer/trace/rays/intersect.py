@@ -1,9 +1,11 @@
-"""Intersection of rays with triangles: a small interface that Embree and a BVH in a shader implement.
+"""Intersection of rays with triangles and curves: a small interface that Embree and a BVH in a shader implement.
 
 The rays of a wavefront are in its state textures. The results go to its `hit` texture (RGBA32UI, one texel for each
 path): x = free << 31 | kind << KIND_SHIFT | instance, y = triangle within its mesh, z and w = float bits of the
 barycentric coordinates u of vertex 1 and v of vertex 2. `free` means that the path's shadow ray is unoccluded. A ray
-that hits nothing has x = `MISS`. Both sides of triangles are hit.
+that hits nothing has x = `MISS`. Both sides of triangles are hit, and only the outside of curves. A hit on a curve has
+the number of the set in place of that of the instance, and y is the row of the segment's first point
+(viewer/trace/scene/curves.py).
 
 In scenes with scattering the texture `along` (RGBA32F) has in rgb the transmittance of the shadow ray through the media
 on its way, 0 if something occludes it, and in a the distance to the hit, negative if there is none.
@@ -103,6 +105,10 @@ def make_intersector(
     if kind == "embree" or (kind == "auto" and context.is_software):
         try:
             from .embree import EmbreeIntersector
+            if geometry.curves is not None:
+                from .embree_curves import embree_with_curves
+
+                embree_with_curves()
         except ImportError as error:
             if kind == "embree":
                 raise UsageError(f"Embree cannot be used ({error}); install embreex, or take the bvh") from error

@@ -20,6 +20,7 @@ from ...scene.scene import Scene
 from ...scene.transform import handedness
 from ...scene.triangles import triangles_of
 from ..kinds import BOUNDARY, SURFACE, Kind, kind_of
+from .curves import TraceCurves
 from .fog import TraceFog, trace_fog
 from .materials import TraceMaterial, trace_material
 
@@ -71,7 +72,7 @@ class TraceGeometry:
     `media` has the medium outside of all solids, and then those of the instances' insides. `emitters` is the number of
     emissive triangles, `left_out_instances` the number of instances of lines or points. `unit` is the length of one
     unit of tracer space, in world units. `has_grids`: the scene has volumes with grids of densities. `fog` says where
-    the medium outside is, if that is fog.
+    the medium outside is, if that is fog. `curves` are those of the scene, if it has any.
     """
 
     meshes: list[TraceMesh]
@@ -83,6 +84,7 @@ class TraceGeometry:
     unit: float = 1.0
     has_grids: bool = False
     fog: TraceFog | None = None
+    curves: TraceCurves | None = None
 
     @property
     def scatters(self) -> bool:
@@ -101,12 +103,14 @@ class TraceGeometry:
 
 
 def trace_geometry(
-    scene: Scene, before: tuple[Scene, TraceGeometry] | None = None, *, scattering: bool = True, fog: Fog | None = None
+    scene: Scene, before: tuple[Scene, TraceGeometry] | None = None, *, scattering: bool = True, fog: Fog | None = None,
+    curves: TraceCurves | None = None,
 ) -> TraceGeometry:
     """The triangles of `scene`, each mesh once, however often it is placed. Maps of one colour become factors.
 
     Meshes that the scene `before` has, too, are those of its geometry. Without `scattering` all extinction of
-    solids is absorption, and volumes are left out. `fog` fills what is outside of all solids.
+    solids is absorption, and volumes are left out. `fog` fills what is outside of all solids, and `curves` are those of
+    the scene; without them it has none.
     """
     known = {} if before is None else {before[0].meshes[mesh.source]: mesh for mesh in before[1].meshes}
     meshes: dict[int, tuple[TraceMesh, int]] = {}
@@ -152,7 +156,7 @@ def trace_geometry(
     ordered = [mesh for mesh, _ in meshes.values()]
     return TraceGeometry(ordered, placed, used_materials, tuple(key[0] for key in media), emitters,
                          len(scene.instances) - len(placed), scene.radius, bool(volumes),
-                         None if fog is None else trace_fog(scene, fog))
+                         None if fog is None else trace_fog(scene, fog), curves)
 
 
 def _normalise(mesh: Mesh, source: int) -> TraceMesh:

@@ -1,0 +1,120 @@
+"""The curves of a scene as the path tracer has them: round segments in tracer space, and what their fibres do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scene.curve_segments import Segments, segments
+from ...scene.curves import Curves
+from ...scene.fibre import Fibre, gives_color, hair_fibre, sigma_a_of_color
+from ...scene.scene import Scene
+from ...settings import Settings
+from ..kinds import FIBRE
+from ..layout import FIBRE_TEXELS, KIND_SHIFT
+
+NO_NEIGHBOUR = -1.0
+"""The radius of a row of `TraceCurves.points` at the end of an open strand."""
+
+
+@dataclass(frozen=True, eq=False)
+class TraceCurves:
+    """m round segments of several sets of curves.
+
+    `points` (n, 4) float32: x, y, z and the radius. Each strand has its points in a row, and one row more at both ends,
+    which has the neighbour there if the strand is closed, else a radius of `NO_NEIGHBOUR`. `first` (m,) uint32 is the
+    row of each segment's end at the root; the three rows about it are the other end and those of its neighbours.
+    `codes` (m,) uint32 is x of hits of each segment (viewer/trace/rays/intersect.py), with the number of the set.
+    `colors` (n, 3) float32, or None if no set has colours; those of sets without are negative. `sources` are the sets.
+    """
+
+    points: NDArray[np.float32]
+    first: NDArray[np.uint32]
+    codes: NDArray[np.uint32]
+    colors: NDArray[np.float32] | None
+    sources: tuple[Curves, ...]
+    strands: int
+
+    def texels(self, settings: Settings) -> dict[str, np.ndarray]:
+        """The sections of the scene buffer that shaders/trace/fibre_hit.glsl reads. A colour in the settings is that of
+        all fibres; else points have those of their set, if it has any."""
+        default, is_colored = hair_fibre(settings), gives_color(settings)
+        fibres = [source.fibre or default for source in self.sources]
+        if is_colored:
+            fibres = [replace(fibre, sigma_a=default.sigma_a) for fibre in fibres]
+        sections = {"curve_points": self.points, "fibres": _records(fibres)}
+        if self.colors is not None:
+            absorption = np.full((len(self.points), 4), -1, np.float32)
+            begin = 0
+            for fibre, end in zip(fibres, self._last_rows() if not is_colored else ()):
+                colored = self.colors[begin:end]
+                absorption[begin:end, :3] = np.where(colored < 0, -1, sigma_a_of_color(colored, fibre.beta_n))
+                begin = end
+            sections["fibre_absorption"] = absorption
+        return sections
+
+    def _last_rows(self) -> list[int]:
+        """One after the last row of each set."""
+        number = self.codes & np.uint32((1 << KIND_SHIFT) - 1)
+        ends = np.searchsorted(number, np.arange(len(self.sources)), side="right")
+        return [int(self.first[end - 1]) + 3 if end else 0 for end in ends]
+
+
+def trace_curves(scene: Scene, before: tuple[Scene, TraceCurves | None] | None = None) -> TraceCurves | None:
+    """The curves of `scene` in tracer space; None if there are none. Those of the scene `before` are kept if all are
+    the same. Raises UsageError for too many segments."""
+    if not scene.curves:
+        return None
+    if before is not None and before[0].curves == scene.curves and before[0].radius == scene.radius and bool(
+            (before[0].center == scene.center).all()):
+        return before[1]
+    kept = [(source, piece) for source in scene.curves if len(piece := segments(source))]
+    if not kept:
+        return None
+    has_colors = any(piece.colors is not None for _, piece in kept)
+    points, first, codes, colors, strands, begin = [], [], [], [], 0, 0
+    for number, (_, piece) in enumerate(kept):
+        rows, begins, ends = _rows(piece)
+        count = len(piece) + 3 * len(begins)
+        points.append(_points(scene, piece, rows, begins, ends))
+        first.append((begin + rows).astype(np.uint32))
+        codes.append(np.full(len(piece), FIBRE.number << KIND_SHIFT | number, np.uint32))
+        if has_colors:
+            colors.append(np.full((count, 3), -1, np.float32))
+            if piece.colors is not None:
+                colors[-1][rows], colors[-1][rows + 1] = piece.colors[:, 0], piece.colors[:, 1]
+        begin, strands = begin + count, strands + len(begins)
+    return TraceCurves(np.concatenate(points), np.concatenate(first), np.concatenate(codes),
+                       np.concatenate(colors) if has_colors else None, tuple(source for source, _ in kept), strands)
+
+
+def _rows(piece: Segments) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """The row of each segment's end at the root, and the first and last segment of each strand."""
+    is_first = np.r_[True, piece.strand[1:] != piece.strand[:-1]]
+    begins = np.flatnonzero(is_first)
+    ends = np.append(begins[1:], len(is_first)) - 1
+    return np.arange(len(is_first)) + 3 * np.cumsum(is_first) - 2, begins, ends
+
+
+def _points(scene: Scene, piece: Segments, rows: NDArray, begins: NDArray, ends: NDArray) -> NDArray[np.float32]:
+    points = np.zeros((len(piece) + 3 * len(begins), 4), np.float32)
+    points[:, 3] = NO_NEIGHBOUR
+    for side in (0, 1):
+        points[rows + side, :3] = (piece.ends[:, side, :3] - scene.center) / scene.radius
+        points[rows + side, 3] = piece.ends[:, side, 3] / scene.radius
+    is_closed = (piece.ends[ends, 1] == piece.ends[begins, 0]).all(axis=1) & (ends > begins + 1)
+    begins, ends = begins[is_closed], ends[is_closed]
+    points[rows[begins] - 1], points[rows[ends] + 2] = points[rows[ends]], points[rows[begins] + 1]
+    return points
+
+
+def _records(fibres: Sequence[Fibre]) -> NDArray[np.float32]:
+    """The records of the section `fibres`: sigma_a, beta_m; beta_n, tilt, ior, 0."""
+    records = np.zeros((len(fibres), FIBRE_TEXELS, 4), np.float32)
+    for row, fibre in zip(records, fibres):
+        row[0] = *fibre.sigma_a, fibre.beta_m
+        row[1, :3] = fibre.beta_n, fibre.tilt, fibre.ior
+    return records.reshape(-1, 4)
