@@ -51,7 +51,8 @@ class Case:
         return Settings.of(mode="path", **(self.settings | more))
 
 
-_BUILT = ("aniso-metal", "cloud", "fog-g07", "fog-point", "milk-rough", "smoke-absorbing", "wax")
+_BUILT = ("aniso-metal", "cloud", "fog-g07", "fog-point", "hair-blond", "hair-lock", "milk-rough", "smoke-absorbing",
+          "wax")
 """Cases that are marked `todo` for a feature that is there by now."""
 
 

@@ -46,10 +46,9 @@ void add_emission(inout Path p, Interaction i, SurfaceMaterial m, vec3 wo) {
 }
 
 #if HAS_LIGHTS
-// Prepares a shadow ray to a light sample. `n` is the geometric normal on the light's side and `medium` the medium on
-// that side. `f_cos` is the BSDF times the cosine. `pdf` is the density with which BSDF sampling would choose this
-// direction.
-void send_shadow_ray(inout Path p, vec3 position, vec3 n, int medium, LightSample light, vec3 f_cos, float pdf) {
+// Prepares a shadow ray to a light sample. `medium` is the medium on the light's side. `f_cos` is the BSDF times the cosine. `pdf` is the density with which BSDF sampling would choose this
+// direction. `origin` is where the ray begins.
+void send_shadow_ray_from(inout Path p, vec3 position, vec3 origin, int medium, LightSample light, vec3 f_cos, float pdf) {
     if (light.pdf <= 0.0) return;
     float weight = light.is_delta ? 1.0 : light_weight(light.pdf, pdf);
     vec3 radiance = p.throughput * f_cos * light.radiance;
@@ -60,21 +59,26 @@ void send_shadow_ray(inout Path p, vec3 position, vec3 n, int medium, LightSampl
 #endif
     p.contribution = clamped(radiance * (weight / light.pdf), p.depth + 1);
     if (p.contribution == vec3(0.0)) return;
-    p.shadow_origin = offset_origin(position, n);
+    p.shadow_origin = origin;
     p.shadow_vector = position + light.direction * light.distance - p.shadow_origin;
+}
+
+// From a surface with the geometric normal `n` on the light's side
+void send_shadow_ray(inout Path p, vec3 position, vec3 n, int medium, LightSample light, vec3 f_cos, float pdf) {
+    send_shadow_ray_from(p, position, offset_origin(position, n), medium, light, f_cos, pdf);
 }
 #endif
 
 // Continues the path in the direction wi. `n` is the geometric normal on the side of wi. `pdf` is 0 where wi was the
-// only possible direction. Returns false if the path ends by Russian roulette (Arvo & Kirk 1990): if u is below the
+// only possible direction. `most` is the greatest probability to survive. Returns false if the path ends by Russian roulette (Arvo & Kirk 1990): if u is below the
 // probability `survival`, the path survives and its throughput is divided by that probability.
 // Radiance inside glass is scaled by eta^2 until it leaves the glass; p.eta2 takes that factor out of the probability.
-bool scatter(inout Path p, vec3 position, vec3 n, vec3 wi, vec3 weight, float pdf, float u) {
+bool scatter(inout Path p, vec3 position, vec3 n, vec3 wi, vec3 weight, float pdf, float u, float most) {
     p.throughput *= weight;
     float survival = max(p.throughput.r, max(p.throughput.g, p.throughput.b)) * p.eta2;
     if (!(survival > 0.0)) return false;
     if (p.depth >= 3) {
-        survival = min(survival, HAS_SCATTERING == 1 ? 1.0 : 0.95); // the throughput of long paths must not grow
+        survival = min(survival, most);
         if (u >= survival) return false;
         p.throughput /= survival;
     }

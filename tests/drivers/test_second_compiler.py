@@ -22,11 +22,13 @@ from viewer.base.resources import resource_folder
 from viewer.errors import InputError
 from viewer.gpu.source import assemble, display_name
 from viewer.plan.planner import MAX_LIGHTS
+from viewer.scene.curves import Curves
 from viewer.scene.fog import fog_of
 from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.scene.volume import Volume
 from viewer.settings import Settings, setting_choices
+from viewer.trace.scene.curves import trace_curves
 from viewer.trace.scene.geometry import trace_geometry
 from viewer.trace.scene.scene_data import geometry_switches
 
@@ -37,6 +39,10 @@ _SHADED = ("ndf", "masking", "fresnel", "multiscatter", "lobes", "phong", "sampl
 _FOG = Material(metallic=0.0, transmission=1.0, thickness=1.0, ior=1.0, attenuation_distance=1.0,
                 attenuation_color=(0.5, 0.4, 0.3), scatter_color=(0.5, 0.5, 0.5))
 """Makes a solid a boundary between media of one index, and its scene one with scattering."""
+
+
+def _strand(colors: np.ndarray | None) -> Curves:
+    return Curves("strand", np.eye(3)[:2], np.ones(2), np.array([0, 2]), np.array([False]), colors=colors)
 
 
 @pytest.fixture(scope="module")
@@ -89,6 +95,11 @@ def ours() -> tuple[list[str], dict[str, int], set[str]]:
         lit, settings = replace(scattering, volumes=volumes), Settings.of(mode="path", fog=1.0, fog_height=height)
         wanted |= dict.fromkeys(keys(lit, settings))
         programs += intersections(geometry_switches(lit, trace_geometry(lit, fog=fog_of(lit, settings)), False))
+    for colors, settings in product((None, np.ones((2, 3))), (path, Settings.of(mode="path", fog=1.0))):
+        hairy = replace(rich[1], curves=(_strand(colors),))
+        wanted |= dict.fromkeys(keys(hairy, settings))
+        geometry = trace_geometry(hairy, fog=fog_of(hairy, settings), curves=trace_curves(hairy))
+        programs += intersections(geometry_switches(hairy, geometry, False))
     programs += [*assembled(wanted), *passes()]
     found, most = problems([as_330(program) for program in programs])
     newer, _ = problems([as_400(p) for p in programs if p["fragment"].files[0].name.startswith("intersect")])

@@ -46,7 +46,7 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
     if len(scene.volumes) > MAX_VOLUMES and not is_traced:
         lines.append(f"only the first {MAX_VOLUMES} of {len(scene.volumes)} volumes are shown; mode path shows them "
                      "all")
-    if scene.curves:
+    if scene.curves and not is_traced:
         lines.append(f"curves are not drawn in mode {settings.mode}")
     return lines
 

@@ -11,7 +11,7 @@ from ..plan.model import Program
 from ..scene.material import ANISOTROPY, DIFFUSE_TRANSMISSION, DISPERSION, SCATTER
 from ..scene.scene import Scene
 from ..settings import Settings, setting_choices
-from .kinds import BOUNDARY, GLASS, KINDS, Kind
+from .kinds import BOUNDARY, FIBRE, GLASS, KINDS, Kind
 from .scene.encode import unused_maps
 from .scene.geometry import TraceGeometry, TraceInstance
 
@@ -93,15 +93,16 @@ def plan_trace(
     switches["CLAMP"] = int(settings.clamp > 0)
     kinds = {instance.kind for instance in geometry.instances}
     if settings.plan == "everything":
-        kinds = {kind for kind in KINDS if kind is not BOUNDARY or geometry.scatters}
+        kinds = {kind for kind in KINDS if kind is not FIBRE and (kind is not BOUNDARY or geometry.scatters)}
         emitters = ["HAS_EMITTERS"] * (shows_emission and not geometry.emitters)
         switches |= dict.fromkeys((*_NEUTRAL, *emitters), 1)
+    kinds |= {FIBRE} if geometry.curves is not None else set()
     state = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_GRIDS", "HAS_FOG",
                                                DISPERSION.switch)}
     first = state | {"RAYS": rays}
     sky_names = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING", "HAS_VOLUME")
     sky = {name: switches[name] for name in sky_names}
-    classes = state | {name: switches[name] for name in ("HAS_VOLUME", "HAS_AIRLIGHT", "SAMPLING")}
+    classes = state | {name: switches[name] for name in ("HAS_VOLUME", "HAS_AIRLIGHT", "HAS_CURVES", "SAMPLING")}
     programs = {
         "zero": _program("trace/zero.frag", {}),
         "begin": _program("trace/generate.frag", first | {"BEGINS": 1}),
@@ -118,6 +119,8 @@ def plan_trace(
     if has_layers:
         programs |= {"classify first hits": _program("trace/classify.frag", classes | {"FIRST_HITS": 1}),
                      "layers": _program("trace/layers.frag", switches)}
+        if FIBRE in kinds:
+            programs["fibre layers"] = _program("trace/fibre_layers.frag", switches)
         if switches["HAS_SCATTERING"]:
             programs["medium layers"] = _program("trace/medium_layers.frag", classes)
     lines = [*_left_out(scene, settings, geometry, switches, programs, has_layers), *left_out]
@@ -135,6 +138,9 @@ def _switches_of(kind: Kind, settings: Settings, geometry: TraceGeometry) -> dic
 def _used(geometry: TraceGeometry, switches: Mapping[str, int]) -> tuple[str, ...]:
     count, materials = geometry.triangle_count, len(geometry.materials)
     lines = [f"{count} triangle{'s' * (count != 1)} of {materials} material{'s' * (materials != 1)}"] * bool(count)
+    if geometry.curves is not None:
+        segments, strands = len(geometry.curves.first), geometry.curves.strands
+        lines.append(f"{segments} round segment{'s' * (segments != 1)} of {strands} strand{'s' * (strands != 1)}")
     lines += [what for name, what in (*_LIGHTS.items(), *_SURFACES.items()) if switches[name]]
     images = {texture.image for m in geometry.materials
               for texture in (*(use.texture for use in m.color_maps), *m.data_textures)}
@@ -157,7 +163,7 @@ def _left_out(
     if geometry.left_out_instances:
         count = geometry.left_out_instances
         lines.append(f"{count} mesh{'es' * (count > 1)} of lines or points: the path tracer shows triangles only")
-    if not (geometry.instances or geometry.has_grids or geometry.fog):
+    if not (geometry.instances or geometry.has_grids or geometry.fog or geometry.curves):
         return [*lines, "everything but the background: there are no triangles"]
     if not switches["HAS_LIGHTS"]:
         lines.append("shadow rays and light samples: there are no lights")
@@ -212,5 +218,6 @@ _SURFACES = {
     "HAS_SCATTERING": "scattering in volumes",
     "HAS_GRIDS": "grids of densities",
     "HAS_FOG": "fog",
+    "HAS_CURVES": "fibres",
     "HAS_DROPLETS": "droplets",
 }

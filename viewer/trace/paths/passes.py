@@ -11,7 +11,7 @@ from ...gpu.context import Context
 from ...gpu.fullscreen import fullscreen
 from ...gpu.programs import Programs, set_uniform
 from ..defines import shader_defines
-from ..kinds import KINDS
+from ..kinds import FIBRE, KINDS
 from ..layout import (
     CLASS_AIRLIGHT,
     CLASS_ENDED,
@@ -25,7 +25,8 @@ from ..plan import TracePlan
 from .wavefront import UNITS, Wavefront
 
 _CLASSES = {"idle": CLASS_IDLE, "finish": CLASS_ENDED, "generate": CLASS_ENDED, "layers": CLASS_FIRST_HIT,
-            "medium layers": CLASS_FIRST_COLLISION, "medium": CLASS_MEDIUM, "airlight": CLASS_AIRLIGHT,
+            "fibre layers": CLASS_SHADE + FIBRE.number, "medium layers": CLASS_FIRST_COLLISION,
+            "medium": CLASS_MEDIUM, "airlight": CLASS_AIRLIGHT,
             **{kind.name: CLASS_SHADE + kind.number for kind in KINDS}}
 """The class of the paths that a pass shades."""
 _OVER_BLOCKS = ("begin", "zero")
@@ -50,6 +51,7 @@ class Passes:
         self._gl = context.gl
         self._bind = bind
         self._uniforms = {**uniforms, **UNITS}
+        self._layers = tuple(name for name in ("layers", "fibre layers", "medium layers") if name in plan.programs)
         self._shading = (*plan.surfaces, *plan.media)
         self._programs = {}
         for name, program in plan.programs.items():
@@ -84,9 +86,8 @@ class Passes:
             self._classify(wavefront, "classify first hits")
             wavefront.layers.framebuffer.use()
             gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
-            self._draw("layers")
-            if "medium layers" in self._programs:
-                self._draw("medium layers")
+            for name in self._layers:
+                self._draw(name)
         self._classify(wavefront, "classify")
         wavefront.sums.framebuffer.use()
         gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)

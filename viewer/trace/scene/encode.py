@@ -50,6 +50,8 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
         "HAS_SCATTERING": int(geometry.scatters),  # other random numbers: `everything` would be another picture with it
         "HAS_GRIDS": int(geometry.has_grids),
         "HAS_FOG": 0 if geometry.fog is None else 1 + geometry.fog.thins,
+        "HAS_CURVES": int(geometry.curves is not None),
+        "HAS_FIBRE_COLORS": int(geometry.curves is not None and geometry.curves.colors is not None),
         "METALNESS": 2 if everything else _metalness(materials)} | glass_switches(materials)
 
 

@@ -6,6 +6,7 @@ import moderngl
 from numpy.typing import NDArray
 
 from ...gpu.context import Context
+from ...scene.fibre import gives_color, hair_fibre
 from ...scene.fog import fog_of
 from ...scene.medium import VACUUM
 from ...scene.scene import Scene
@@ -13,6 +14,7 @@ from ...scene.volume import volume_medium
 from ...settings import Settings
 from ..plan import TracePlan, plan_trace
 from ..rays.intersect import EMBREE_TRIANGLES, make_intersector
+from .curves import trace_curves
 from .encode import geometry_switches
 from .geometry import trace_geometry
 from .inside import solids_around
@@ -29,7 +31,7 @@ class TracedScene:
     def __init__(self, context: Context, scene: Scene, settings: Settings, intersector: str) -> None:
         self._context = context
         self._fog = fog_of(scene, settings)
-        self.geometry = trace_geometry(scene, fog=self._fog)
+        self.geometry = trace_geometry(scene, fog=self._fog, curves=trace_curves(scene))
         self.is_everything = settings.plan == "everything"
         self._data = SceneData(context, scene, self.geometry, self.is_everything)
         self._grids: VolumeGrids | None = None
@@ -48,7 +50,8 @@ class TracedScene:
     def move(self, scene: Scene, settings: Settings) -> bool:
         """Take another scene, such as another pose, or fog. Returns False if it needs other textures or programs."""
         fog = fog_of(scene, settings)
-        geometry = trace_geometry(scene, (self._scene, self.geometry), fog=fog)
+        curves = trace_curves(scene, (self._scene, self.geometry.curves))
+        geometry = trace_geometry(scene, (self._scene, self.geometry), fog=fog, curves=curves)
         is_huge = geometry.triangle_count > max(EMBREE_TRIANGLES, self.geometry.triangle_count)
         if is_huge or not self._data.fits(scene, geometry):
             return False
@@ -76,6 +79,9 @@ class TracedScene:
         self._lights = SceneLights(self._context, scene, self.geometry, buffer, settings, previous)
         if self._grids is not None:
             buffer.add("volumes", self._grids.records(scene, volume_medium(settings)))
+        if self.geometry.curves is not None:
+            for name, texels in self.geometry.curves.texels(settings).items():
+                buffer.add(name, texels)
         self._data.upload(buffer)
         self._scene, self._droplets = scene, _droplets(scene, settings)
         self._light_key: tuple[object, ...] = _light_key(scene, settings)
@@ -126,8 +132,9 @@ class TracedScene:
 
 def _light_key(scene: Scene, settings: Settings) -> tuple[object, ...]:
     """What the lights depend on. Environments are compared by identity."""
+    fibres = (hair_fibre(settings), gives_color(settings)) if scene.curves else None
     return (scene.environment, scene.lights, settings.light_radius, settings.lobes == "all",
-            settings.background_blur, volume_medium(settings))
+            settings.background_blur, volume_medium(settings), fibres)
 
 
 def _droplets(scene: Scene, settings: Settings) -> dict[str, int]:
@@ -139,7 +146,7 @@ def _droplets(scene: Scene, settings: Settings) -> dict[str, int]:
 
 def plan_without_device(scene: Scene, settings: Settings) -> TracePlan:
     """The plan of a picture without layers; it needs no context. Raises InputError as `SceneLights` does."""
-    geometry = trace_geometry(scene, fog=fog_of(scene, settings))
+    geometry = trace_geometry(scene, fog=fog_of(scene, settings), curves=trace_curves(scene))
     switches = geometry_switches(scene, geometry, settings.plan == "everything")
     lights = SceneLights(None, scene, geometry, SceneBufferBuilder(), settings)
     return plan_trace(scene, settings, geometry, switches | lights.switches | _droplets(scene, settings),
