@@ -59,49 +59,39 @@ class Range:
                 f"{_plain(self.high)}")
 
 
-class Triple(Range):
-    """Three numbers, each in this range: a colour, in linear Rec. 709. One number stands for all of them."""
-
-    def number(self, value: object, prefix: str) -> Any:
-        """`value`, a number, a sequence or text with commas, as a tuple of three numbers. Raises UsageError as Range
-        does."""
-        parts = value.split(",") if isinstance(value, str) else value
-        if isinstance(parts, (int, float)):
-            parts = [parts]
-        if not isinstance(parts, (list, tuple)) or len(parts) not in (1, 3):
-            raise UsageError(f"{prefix} must be {self}")
-        try:
-            numbers = [Range(self.low, self.high).number(part, prefix) for part in parts]
-        except UsageError as error:
-            raise UsageError(f"{prefix} must be {self}") from error
-        return tuple(numbers * (3 // len(numbers)))
-
-    def __str__(self) -> str:
-        return f"one number or three numbers from {_plain(self.low)} to {_plain(self.high)}"
-
-
 @dataclass(frozen=True)
 class Several(Range):
-    """As many numbers as `names` has, each in this range; by default a colour, in linear Rec. 709."""
+    """As many numbers as `names` has, each in this range; None for "none" if `or_none`. By default a colour, in linear
+    Rec. 709, for which one number stands for all."""
 
     names: str = "R,G,B"
     or_none: bool = False
 
     def number(self, value: object, prefix: str) -> Any:
-        """`value`, a sequence or text with commas, as a tuple of numbers; None for "none" if `or_none`.
-
-        Raises UsageError as Range does.
-        """
+        """`value`, a number, a sequence or text with commas, as a tuple of numbers. Raises UsageError as Range does."""
         if self.or_none and value in (None, "none"):
             return None
         parts = value.split(",") if isinstance(value, str) else value
-        if not isinstance(parts, (list, tuple)) or len(parts) != self.names.count(",") + 1:
+        if isinstance(parts, (int, float)):
+            parts = [parts]
+        if not isinstance(parts, (list, tuple)) or len(parts) not in self._counts:
             raise UsageError(f"{prefix} must be {self}")
-        return tuple(Range(self.low, self.high).number(part, prefix) for part in parts)
+        try:
+            numbers = [Range(self.low, self.high).number(part, prefix) for part in parts]
+        except UsageError as error:
+            raise UsageError(f"{prefix} must be {self}") from error
+        return tuple(numbers * (self._counts[-1] // len(numbers)))
+
+    @property
+    def _counts(self) -> tuple[int, ...]:
+        return (1, 3) if self.names == "R,G,B" else (self.names.count(",") + 1,)
 
     def __str__(self) -> str:
-        count = ("two", "three")[self.names.count(",") - 1]
-        return f"{'none or ' * self.or_none}{count} numbers from {_plain(self.low)} to {_plain(self.high)}"
+        words = " or ".join(["none"] * self.or_none + [_COUNTS[count] for count in self._counts])
+        return f"{words} from {_plain(self.low)} to {_plain(self.high)}"
+
+
+_COUNTS = {1: "one number", 2: "two numbers", 3: "three numbers"}
 
 
 def _plain(number: float) -> str:
@@ -119,12 +109,12 @@ RANGES = {
     "clamp": Range(0.0, 1e9),
     "background_blur": Range(0.0, 90.0),
     "volume_density": Range(0.0, 1e18),
-    "volume_albedo": Triple(0.0, 1.0),
+    "volume_albedo": Several(0.0, 1.0),
     "volume_g": Range(-0.99, 0.99),
     "volume_droplets": Range(5.0, 50.0, or_zero=True),
-    "volume_emission": Triple(0.0, 1e9),
+    "volume_emission": Several(0.0, 1e9),
     "fog": Range(0.0, 1e18),
-    "fog_albedo": Triple(0.0, 1.0),
+    "fog_albedo": Several(0.0, 1.0),
     "fog_g": Range(-0.99, 0.99),
     "fog_droplets": Range(5.0, 50.0, or_zero=True),
     "fog_height": Range(0.0, 1e18),
@@ -238,7 +228,7 @@ class Settings:
         "multiple", "fog and volumes: light scattered once by them, or also more often, by a diffusion equation")
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8", "ssaa-4", "ssaa-9", "ssaa-16"] = _option(
         "auto", "samples per pixel, which are shaded once (msaa) or each (ssaa); auto: msaa-4, but none while the "
-        "camera moves and the CPU renders")
+        "camera moves and the CPU renders, and ssaa-4 where it renders curves")
     plan: Literal["needed", "everything"] = _option(
         "needed", "everything: compile and upload also what is not needed, for the same picture; shows what is saved")
     sampling: Literal["mis", "bsdf", "lights"] = _option(
@@ -356,7 +346,7 @@ _USED_BY: dict[str, tuple[Mode, ...]] = {
     **dict.fromkeys(("ndf", "masking", "fresnel", "multiscatter", "sheen"), ("pbr", "path")),
     "phong": ("phong",),
     **dict.fromkeys(("curve_radius", "hair_melanin", "hair_color", "hair_absorption", "hair_roughness", "hair_tilt",
-                     "hair_ior"), ("path",)),
+                     "hair_ior"), ("pbr", "path")),
     **dict.fromkeys(("shadows", "antialias"), ("pbr", "phong")),
     **dict.fromkeys(("media_steps", "media_rays", "media_scattering"), ("pbr", "phong")),
     **dict.fromkeys(("environment_shadows", "ambient_occlusion", "indirect", "reflections", "refraction",

@@ -10,6 +10,7 @@ import numpy as np
 from compiled import Sources
 
 from viewer.gpu.source import ProgramSource, assemble
+from viewer.plan.curves import VERTEX as CURVE_VERTEX
 from viewer.plan.planner import plan_scene
 from viewer.raster.surface_programs import SHADOW_VERTEX, VERTEX, gbuffer_program, path_program, shadow_program
 from viewer.scene.environment import Environment
@@ -35,6 +36,9 @@ def raster_keys(scene: Scene, settings: Settings, *, half: bool = True, orthogra
     if plan.media is not None:
         for program in plan.media.programs:
             yield "display/fullscreen.vert", program.fragment, program.switches
+    if plan.curves is not None:
+        for program in plan.curves.programs:
+            yield CURVE_VERTEX, program.fragment, program.switches
     for draw in plan.draws:
         yield VERTEX, draw.program.fragment, draw.program.switches
         if plan.shadow_layer_count or plan.environment_shadows:

@@ -82,6 +82,11 @@ def ours() -> tuple[list[str], dict[str, int], set[str]]:
         wanted |= dict.fromkeys(keys(foggy, Settings.of(mode=mode, fog=1.0, fog_height=height)))
         smoky = replace(foggy, volumes=(Volume.in_box(np.ones((1, 1, 1)), [[0, 0, 0], [1, 1, 1]]),) * 2)
         wanted |= dict.fromkeys(keys(smoky, Settings.of(mode=mode, fog=height)))
+    hairy = replace(foggy, curves=tuple(Curves("c", np.eye(3), np.ones(3), [0, 3], [False], colors=colors)
+                                        for colors in (None, np.eye(3))))
+    for fog in (0.0, 1.0):
+        wanted |= dict.fromkeys(keys(hairy, Settings.of(fog=fog)))
+        wanted |= dict.fromkeys(raster_keys(hairy, Settings.of(fog=fog), half=False, orthographic=True))
     lamps = tuple(Light("point", intensity=1.0, position=(0, 0, 1 + k)) for k in range(MAX_LIGHTS))
     wanted |= dict.fromkeys(keys(replace(rich[0], lights=lamps), Settings()))
     milk = Material(metallic=0.0, transmission=1.0, thickness=1.0, scatter_color=(0.5, 0.5, 0.5), ior=1.0,

@@ -261,6 +261,7 @@ def scene_facts(scene: Scene) -> list[tuple[str, str]]:
         ("Instances", f"{len(scene.instances):,} of {len(scene.meshes):,} meshes"),
         ("Materials", f"{len(scene.materials)}, {len(textures)} images"),
         ("Volumes", str(len(scene.volumes))),
+        ("Strands", f"{sum(curves.strand_count for curves in scene.curves):,}"),
         ("Size", " × ".join(f"{side:.3g}" for side in extent) + " m"),
         ("Lights", str(len(scene.lights))),
         ("Cameras", str(len(scene.cameras))),

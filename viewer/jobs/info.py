@@ -16,7 +16,7 @@ from ..scene.curves import Curves
 from ..scene.decoding import Decoder
 from ..scene.environment import Environment
 from ..scene.scene import Scene
-from ..settings import RANGES, Settings, Several, Triple, setting_choices, setting_meanings
+from ..settings import RANGES, Settings, Several, setting_choices, setting_meanings
 
 if TYPE_CHECKING:
     from ..trace.plan import TracePlan
@@ -93,8 +93,6 @@ def _range(name: str) -> Facts:
 
 def _placeholder(name: str) -> str:
     numbers = RANGES[name]
-    if isinstance(numbers, Triple):
-        return "R,G,B"
     return numbers.names if isinstance(numbers, Several) else "N"
 
 

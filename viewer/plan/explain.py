@@ -86,6 +86,9 @@ def _used(plan: Plan) -> tuple[str, ...]:
         media = ["fog"] * plan.media.has_fog + [_count(plan.media.volumes, "volume")] * (plan.media.volumes > 0)
         lines.append(" and ".join(media) + ", marched along rays"
                      + "; light scattered in it many times, by a diffusion equation" * plan.media.scatters_again)
+    if plan.curves is not None:
+        lines.append(f"{_count(plan.curves.strands, 'strand')} of curves, as strips that face the camera, with "
+                     f"{_count(len(plan.curves.programs), 'program')}; at least {plan.curves.megabytes:.3g} MB")
     for layer, what in _LAYERS.items():
         count = sum(plan.count(draw) * draw.program.get(layer.switch) for draw in plan.kinds)
         if count:
@@ -102,10 +105,10 @@ def _used(plan: Plan) -> tuple[str, ...]:
 def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Light]) -> list[str]:
     """One line for each thing that the scene or the settings make unnecessary."""
     lines, draws = [], plan.kinds
-    if not scene.instances and not scene.volumes:
+    if not scene.instances and not scene.volumes and not scene.curves:
         return ["everything but the background: the scene is empty"]
     any_lit = _any_lit(draws)
-    uses_lights = any_lit or plan.media is not None
+    uses_lights = any_lit or plan.media is not None or plan.curves is not None
     if not draws:
         lines.append("all shading of surfaces: there are none")
     elif not any_lit:
@@ -148,6 +151,10 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
         lines.append(f"the environment as background: {reason}")
     if plan.media is None or not plan.media.has_fog:
         lines.append("fog: there is none")
+    if not scene.curves:
+        lines.append("curves: there are none")
+    elif plan.curves is None:
+        lines.append(f"curves: {'mode phong does not show them' if settings.mode == 'phong' else 'not requested'}")
     if not scene.volumes:
         lines.append("volumes: there are none")
     elif len(scene.volumes) > MAX_VOLUMES:

@@ -12,6 +12,7 @@ from ..scene.light import Light
 from ..scene.material import Material
 
 if TYPE_CHECKING:
+    from .curves import CurvePlan
     from .media import MediaPlan
 
 THIN_WALLED, SOLID = 1, 2
@@ -105,6 +106,8 @@ class Plan:
     """In degrees; 0: none."""
     media: MediaPlan | None = None
     """How fog is drawn; None without any."""
+    curves: CurvePlan | None = None
+    """How curves are drawn; None without any."""
     used: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
     saved: Mapping[str, float] = field(default_factory=dict)
@@ -170,7 +173,7 @@ class Plan:
         passes = ["shadows"] * bool(self.shadow_layer_count) + ["visibility"] * self.has_visibility
         passes += ["reflections"] * self.has_traced_reflections
         passes += ["media"] * (self.media is not None)
-        passes += ["surfaces"] * bool(self.draws)
+        passes += ["surfaces"] * bool(self.draws) + ["curves"] * (self.curves is not None)
         passes += ["solid transmission"] if self.has_solid_transmission else []
         passes += ["background"] if self.background else []
         passes += ["media behind which nothing stands"] * (self.media is not None and not self.background)
@@ -178,7 +181,8 @@ class Plan:
         passes += ["blend"] if self.has_blended else []
         return {
             "passes": [*passes, "display"],
-            "programs": [{"fragment": p.fragment, "on": {k: v for k, v in p.switches if v}} for p in self.programs],
+            "programs": [{"fragment": p.fragment, "on": {k: v for k, v in p.switches if v}}
+                         for p in (*self.programs, *(self.curves.programs if self.curves is not None else ()))],
             "draws": len(self.draws),
             "maps": sorted({f"{draw.material}:{name}" for draw in self.kinds for name in draw.maps}),
             "lights": len(self.lights),

@@ -20,6 +20,7 @@ from ..scene.scene import Scene
 from ..scene.schema import MAP_SWITCHES, MAPS, SWITCHED
 from ..settings import Settings
 from .bsdf_switches import bsdf_switches
+from .curves import draws_curves, plan_curves
 from .explain import explain
 from .media import has_media, media_switches, plan_media
 from .model import Draw, Plan, Program
@@ -54,7 +55,9 @@ def environment_use(scene: Scene, settings: Settings) -> tuple[bool, bool]:
     meshes = (scene.meshes[instance.mesh] for instance in scene.instances)
     lit = [material for mesh in meshes if is_lit(mesh, material := scene.materials[mesh.material])]
     shows = settings.mode == "pbr" and settings.lobes in ("all", "specular")
-    return bool(lit) or has_media(scene, settings), shows and any(material.reflects for material in lit)
+    curves = draws_curves(scene, settings)
+    is_reflected = curves or (shows and any(material.reflects for material in lit))
+    return curves or bool(lit) or has_media(scene, settings), is_reflected
 
 
 def plan_scene(
@@ -69,8 +72,9 @@ def plan_scene(
     if settings.mode == "path":
         raise UsageError("the raster cannot draw mode path")
     lit = [is_lit(scene.meshes[i.mesh], scene.materials[scene.meshes[i.mesh].material]) for i in scene.instances]
-    shown_lights = _ordered_lights(lights) if any(lit) or has_media(scene, settings) else ()
-    layers, layer_count = _shadow_layers(shown_lights, settings, bool(scene.instances))
+    curves = draws_curves(scene, settings)
+    shown_lights = _ordered_lights(lights) if any(lit) or curves or has_media(scene, settings) else ()
+    layers, layer_count = _shadow_layers(shown_lights, settings, bool(scene.instances) or curves)
     environment, reflections = environment_use(scene, settings)
     environment_shadows = _environment_shadows(settings) if environment and scene.environment is not None else 0
     ambient_occlusion = (settings.ambient_occlusion != "off" and settings.mode == "pbr" and environment
@@ -115,6 +119,7 @@ def plan_scene(
         background=background,
         background_blur=settings.background_blur if background else 0.0,
         media=plan_media(scene, settings, common),
+        curves=plan_curves(scene, settings, common),
     )
     if settings.plan == "everything":
         plan = include_everything(plan, scene)

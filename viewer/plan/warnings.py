@@ -15,7 +15,9 @@ def is_dark(scene: Scene, settings: Settings) -> bool:
     """Whether the picture will be black: there is no light, no surface is emissive or unlit, and no volume emits."""
     if scene.environment is not None and scene.environment.intensity > 0:
         return False
-    if not (scene.instances or scene.volumes) or any(light.intensity * max(light.color) > 0 for light in scene.lights):
+    if not (scene.instances or scene.volumes or scene.curves):
+        return False
+    if any(light.intensity * max(light.color) > 0 for light in scene.lights):
         return False
     if any(settings.volume_emission) and not _misses_emission(settings) and any(v.maximum > 0 for v in scene.volumes):
         return False
@@ -46,7 +48,7 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
     if len(scene.volumes) > MAX_VOLUMES and not is_traced:
         lines.append(f"only the first {MAX_VOLUMES} of {len(scene.volumes)} volumes are shown; mode path shows them "
                      "all")
-    if scene.curves and not is_traced:
+    if scene.curves and settings.mode == "phong":
         lines.append(f"curves are not drawn in mode {settings.mode}")
     return lines
 

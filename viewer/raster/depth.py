@@ -59,6 +59,13 @@ class Depth:
             self._gl.depth_func = "<"
 
     @contextmanager
+    def equal(self) -> Iterator[None]:
+        """Draw what lies exactly as deep as what was drawn before, within `test()`."""
+        self._gl.depth_func = "=="
+        yield
+        self._gl.depth_func = self._nearer
+
+    @contextmanager
     def on_surfaces(self) -> Iterator[None]:
         """Restrict a full-screen triangle to the pixels that have a surface, within `test()`."""
         with self._at_far_plane("<" if self.is_reversed else ">"):

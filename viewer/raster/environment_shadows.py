@@ -21,7 +21,7 @@ from ..scene.frame import Frame
 from ..scene.light import Light
 from ..scene.scene import Scene
 from .gbuffer import UNIT_NORMALS
-from .shadows import Atlas, DrawDepth, light_tiles
+from .shadows import Atlas, Casters, light_tiles
 
 BATCH = 64
 ROOM = 1 << 26
@@ -37,9 +37,9 @@ class EnvironmentShadows:
     """The shadow maps of many lights, in batches. They do not depend on the camera."""
 
     def __init__(self, gl: moderngl.Context, environment: Environment, lights: ManyLights,
-                 draw_depth: DrawDepth) -> None:
+                 casters: Casters) -> None:
         self._gl, self._lights, self._count = gl, lights, len(lights.directions)
-        self._environment, self._draw_depth = environment, draw_depth
+        self._environment, self._casters = environment, casters
         tile_size = min(math.isqrt(ROOM // self._count), MAX_TILE)
         firsts = range(0, self._count, BATCH)
         self._atlases = [Atlas(gl, min(BATCH, self._count - first), tile_size) for first in firsts]
@@ -50,14 +50,14 @@ class EnvironmentShadows:
         """Draw the maps, unless they show this scene already."""
         if self._scene is not None and scene.has_surfaces_of(self._scene):
             return
-        casters = [d for d in plan.draws if not d.transmits]
+        draws = [d for d in plan.draws if not d.transmits]
         lights = self._lights
         self._batches = []
         for first, atlas in zip(range(0, self._count, BATCH), self._atlases, strict=True):
             part = slice(first, first + BATCH)
             tiles = [light_tiles(Light("directional", direction=tuple(-direction)), scene, atlas.tile_size)[0]
                      for direction in lights.directions[part]]
-            atlas.draw(scene, tiles, casters, self._draw_depth)
+            atlas.draw(scene, tiles, draws, self._casters)
             matrices = np.stack([_to_atlas(atlas, k) @ tile.matrix for k, tile in enumerate(tiles)])
             rows = np.zeros((len(tiles), 5, 4))
             rows[:, 3, :3], rows[:, 3, 3] = lights.directions[part], [tile.texel for tile in tiles]

@@ -18,6 +18,7 @@ from ..gpu.float_texture import float_texture
 from ..gpu.programs import Programs, matrix_uniform
 from ..image.display import DisplayPass
 from ..image.image import Image
+from ..plan.curves import draws_curves
 from ..plan.media import has_media
 from ..plan.model import SOLID, THIN_WALLED, Plan
 from ..plan.planner import environment_use, plan_scene
@@ -28,12 +29,13 @@ from ..scene.frame import Frame
 from ..scene.light import Light
 from ..scene.scene import Scene
 from ..settings import Settings
+from .curves import CurvePass
 from .depth import Depth
 from .environment import EnvironmentLight
 from .gbuffer import GBuffer
 from .lights import pack_lights
 from .media import MediaPass
-from .shadows import ShadowMaps
+from .shadows import Casters, ShadowMaps
 from .surfaces import UNIT_DFG, UNIT_RADIANCE, UNIT_SHADOW, Surfaces
 from .target import Target
 from .traced.reflections import TracedReflections
@@ -77,6 +79,8 @@ class Renderer:
         self._refraction = TracedRefraction(context, self.programs, self._depth)
         self._media = MediaPass(context, self.programs)
         self._surfaces = Surfaces(context, self.programs)
+        self._curves = CurvePass(context, self.programs, self._depth)
+        self._casters = Casters(self._surfaces.draw_depth, self._curves.draw_depth)
         self._indirect_key: tuple[object, ...] | None = None
         self._environment: EnvironmentLight | None = None
         self._ahead: Decoder | None = None
@@ -156,6 +160,10 @@ class Renderer:
         of the target stays as it was.
         """
         self.context.make_current()
+        scene = scene.with_curve_radius(settings.curve_radius)
+        if still and settings.antialias == "auto" and self.context.is_software and draws_curves(scene, settings):
+            # Mesa shades hidden fragments of a multisampled target to their end, and strips have many of them.
+            settings = replace(settings, antialias="ssaa-4")
         samples = settings.samples(self.context.is_software, still)
         target = self._sized_target(size, samples, half, settings.supersampling)
         plan = self._prepare(scene, settings, target, camera.height is not None)
@@ -192,6 +200,9 @@ class Renderer:
         target.framebuffer.clear(depth=self._depth.far)  # alpha 0: the display pass adds the background colour
         with self._pass("surfaces"):
             self._surfaces.draw_opaque(frame, plan, uniforms)
+        if plan.curves is not None:
+            with self._pass("curves"):
+                self._curves.draw(frame, settings, plan, target.samples, uniforms)
         if plan.has_solid_transmission:  # before the background: they refract the environment themselves
             with self._pass("solid transmission"):
                 uniforms |= self._take_backdrop(target)
@@ -252,6 +263,8 @@ class Renderer:
         shape = scene if settings.indirect == "baked" else None  # which is left out of what is convex
         key = (scene.layout, scene.lights, scene.environment, shape, shading, target.samples, target.half, orthographic)
         self.plan = next((plan for k, plan in self._plans if k == key), None) or self._make_plan(scene, key)
+        with self._timed("curves"):
+            self._curves.prepare(scene, settings, self.plan)
         if self.plan.shadow_layer_count:
             with self._timed("shadows"):
                 self._prepare_shadows(scene, self.plan)
@@ -260,7 +273,7 @@ class Renderer:
                 self._media.prepare(scene, settings, self.plan, self._environment, self._shadows_of(self.plan))
         if self.plan.environment_shadows and self.plan.has_visibility:
             with self._timed("environment shadows"):
-                self._visibility.prepare(scene, self.plan, self._environment, self._surfaces.draw_depth)
+                self._visibility.prepare(scene, self.plan, self._environment, self._casters)
         if self.plan.has_traced_reflections:
             with self._timed("reflections"):
                 self._reflections.prepare(scene, settings)
@@ -330,7 +343,7 @@ class Renderer:
         if maps is None:
             self._shadows, dropped = self._shadows[:_KEPT - 1], self._shadows[_KEPT - 1:]
             self._release(*dropped)
-            maps = ShadowMaps(self._gl, plan, self._surfaces.draw_depth)
+            maps = ShadowMaps(self._gl, plan, self._casters)
             self._shadows.insert(0, maps)
         maps.show(scene, plan)
 
@@ -400,6 +413,6 @@ class Renderer:
         self.context.make_current()
         self._gl.screen.use()  # moderngl goes back to the framebuffer last used, be it gone
         self._release(self._display, self._target, self._backdrop, self._visibility, self._reflections,
-                      self._refraction, self._media, *self._gbuffers.values(), self._surfaces, self._environment,
-                      *self._shadows, *self._blocks, *self._dfg.values())
+                      self._refraction, self._media, *self._gbuffers.values(), self._surfaces, self._curves,
+                      self._environment, *self._shadows, *self._blocks, *self._dfg.values())
         self.programs.release()

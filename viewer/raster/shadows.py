@@ -20,7 +20,15 @@ from ..scene.scene import Scene
 ATLAS_SIDE = 4096
 MAX_TILE = 2048
 
-DrawDepth = Callable[[Draw, np.ndarray], None]
+
+@dataclass(frozen=True)
+class Casters:
+    """How what casts shadows is drawn: a mesh by a matrix from its own space to clip space, and all curves by one from
+    the world to clip space, into a tile of so many texels."""
+
+    draw_depth: Callable[[Draw, np.ndarray], None]
+    draw_curves: Callable[[np.ndarray, int], None]
+
 
 _FACES = ((0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0), (2, 1.0), (2, -1.0))  # axis and sign, as cube_face() counts them
 
@@ -48,8 +56,8 @@ class Atlas:
         self.texture.repeat_x = self.texture.repeat_y = False
         self._framebuffer = gl.framebuffer(depth_attachment=self.texture)
 
-    def draw(self, scene: Scene, tiles: Sequence[Tile], casters: Sequence[Draw], draw_depth: DrawDepth) -> None:
-        """Draw the triangles of `casters` into every tile."""
+    def draw(self, scene: Scene, tiles: Sequence[Tile], draws: Sequence[Draw], casters: Casters) -> None:
+        """Draw the triangles of `draws`, and the curves, into every tile."""
         gl, framebuffer = self._gl, self._framebuffer
         framebuffer.use()
         framebuffer.clear(depth=1.0)
@@ -57,11 +65,12 @@ class Atlas:
         gl.polygon_offset = 1.0, 2.0  # half a step of depth and of slope: the rounding error of the depth map
         to_center = np.eye(4) / scene.radius
         to_center[:3, 3], to_center[3, 3] = -scene.center / scene.radius, 1.0
-        casters = [draw for draw in casters if scene.meshes[draw.mesh].topology == "triangles"]
+        draws = [draw for draw in draws if scene.meshes[draw.mesh].topology == "triangles"]
         for k, tile in enumerate(tiles):
             framebuffer.viewport = (*self.corner(k), self.tile_size, self.tile_size)
-            for draw in casters:
-                draw_depth(draw, tile.matrix @ to_center @ scene.instances[draw.instance].transform)
+            for draw in draws:
+                casters.draw_depth(draw, tile.matrix @ to_center @ scene.instances[draw.instance].transform)
+            casters.draw_curves(tile.matrix @ to_center, self.tile_size)
         gl.polygon_offset = 0.0, 0.0
 
     def corner(self, k: int) -> tuple[int, int]:
@@ -74,10 +83,10 @@ class Atlas:
 
 
 class ShadowMaps:
-    """The atlas for one plan. `draw_depth(draw, matrix)` draws a mesh's depth; it belongs to the surfaces."""
+    """The atlas for one plan."""
 
-    def __init__(self, gl: moderngl.Context, plan: Plan, draw_depth: DrawDepth) -> None:
-        self._key, self._draw_depth = _key(plan), draw_depth
+    def __init__(self, gl: moderngl.Context, plan: Plan, casters: Casters) -> None:
+        self._key, self._casters = _key(plan), casters
         self._atlas = Atlas(gl, plan.shadow_layer_count, MAX_TILE)
         self.texture, self.tile_size = self._atlas.texture, self._atlas.tile_size
         self._tiles: list[Tile] = []
@@ -90,7 +99,7 @@ class ShadowMaps:
             return
         self._tiles = [tile for light, layer in zip(plan.lights, plan.shadow_layers, strict=True) if layer >= 0
                        for tile in light_tiles(light, scene, self.tile_size)]
-        self._atlas.draw(scene, self._tiles, plan.draws, self._draw_depth)
+        self._atlas.draw(scene, self._tiles, plan.draws, self._casters)
         self._scene, self._lights = scene, plan.lights
 
     def pack(self, frame: Frame) -> np.ndarray:
@@ -119,7 +128,8 @@ def _key(plan: Plan) -> tuple[object, ...]:
 
 def light_tiles(light: Light, scene: Scene, size: int) -> list[Tile]:
     """The views of one light, fitted to the scene; `size` is a tile's side in texels."""
-    corners = (scene.corners.reshape(-1, 3) - scene.center) / scene.radius
+    corners = np.concatenate([scene.corners.reshape(-1, 3), scene.curve_corners])
+    corners = (corners - scene.center) / scene.radius
     if light.kind == "directional":
         return [_directional_tile(np.asarray(light.direction, np.float64), corners, size)]
     origin = (np.asarray(light.position, np.float64) - scene.center) / scene.radius

@@ -179,7 +179,7 @@ class Surfaces:
                 program = self._program(draw.program.fragment, dict(draw.program.switches))
                 for name, value in frame_uniforms.items():
                     set_uniform(program, name, value)
-                _bind_blocks(program)
+                bind_blocks(program)
             wanted = (draw.program, draw.material, draw.maps, draw.blank_maps)  # a mesh may lack a map's coordinates
             if bound != wanted:
                 self._set_material(program, draw)
@@ -256,7 +256,8 @@ class Surfaces:
         self.textures.release()
 
 
-def _bind_blocks(program: moderngl.Program) -> None:
+def bind_blocks(program: moderngl.Program) -> None:
+    """Bind the uniform blocks of lights and of shadow maps."""
     for binding, name in enumerate(("Lights", "Shadows")):
         if name in program:
             program[name].binding = binding

@@ -15,7 +15,7 @@ from ..scene.scene import Scene
 from .environment import EnvironmentLight
 from .environment_shadows import EnvironmentShadows
 from .gbuffer import GBuffer, nearest_texture
-from .shadows import DrawDepth
+from .shadows import Casters
 from .surfaces import UNIT_BACKGROUND, UNIT_VISIBILITY
 
 
@@ -27,11 +27,11 @@ class VisibilityPass:
         self._targets: Reusable[_Targets] = Reusable()
         self._shadows: Reusable[EnvironmentShadows] = Reusable()
 
-    def prepare(self, scene: Scene, plan: Plan, environment: EnvironmentLight, draw_depth: DrawDepth) -> None:
+    def prepare(self, scene: Scene, plan: Plan, environment: EnvironmentLight, casters: Casters) -> None:
         """Draw the shadow maps that `plan` needs, unless they are there."""
         def make() -> EnvironmentShadows:
             lights = environment.many_lights(plan.environment_shadows)
-            return EnvironmentShadows(self._gl, environment.environment, lights, draw_depth)
+            return EnvironmentShadows(self._gl, environment.environment, lights, casters)
 
         self._shadows.get(lambda shadows: shadows.holds(environment.environment, plan), make).show(scene, plan)
 

@@ -214,10 +214,14 @@ class Scene:
 
     def with_curve_radius(self, radius: float) -> Scene:
         """The scene with curves of this radius, in its unit of length; as it is if that is 0 or there are no curves.
-        The curves of two calls with one radius are the same objects."""
+        Two calls with one radius return the same object, and the curves are the same in all poses and lights."""
         if radius == 0 or not self.curves:
             return self
-        return replace(self, curves=tuple(curves.with_radius(radius) for curves in self.curves))
+        known: dict[float, Scene] = self.__dict__.setdefault("_thick", {})
+        if radius not in known:
+            known.clear()
+            known[radius] = replace(self, curves=tuple(curves.with_radius(radius) for curves in self.curves))
+        return known[radius]
 
     def at(self, time: float, animation: str | int | None = 0) -> Scene:
         """The scene as it is `time` seconds into an animation, given by its name or its number; None is the scene at
@@ -269,8 +273,8 @@ class Scene:
     def has_surfaces_of(self, other: Scene) -> bool:
         """Whether it has the very meshes, materials, instances, volumes and curves of another scene, under other lights
         perhaps."""
-        return all(getattr(self, name) is getattr(other, name)
-                   for name in ("meshes", "materials", "instances", "volumes", "curves"))
+        return all(getattr(self, name) is getattr(other, name) for name in ("meshes", "materials", "instances",
+                   "volumes")) and all(a is b for a, b in zip_longest(self.curves, other.curves))
 
     @cached_property
     def layout(self) -> tuple[object, ...]:

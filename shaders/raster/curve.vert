@@ -1,0 +1,104 @@
+// A strip that faces the viewer (or the light, in shadow maps) along each segment of a curve. A segment is an instance,
+// and has u_columns pairs of vertices across, the middle ones nearer to the viewer, as on a tube. Strips share their
+// ends with their neighbours. At both ends of a strand they go on by its radius, for the round end.
+uniform sampler2D u_points; // x, y, z and radius of one point after the other; the sign of the radius marks the last
+#if HAS_COLORS
+uniform sampler2D u_colors; // absorption at each point
+out vec3 v_sigma_a;
+#endif
+uniform mat4 u_to_clip;      // from the space of the points
+uniform mat4 u_to_eye;       // to eye-relative space
+uniform vec2 u_half_size;    // of the picture, in pixels
+uniform float u_least_width; // in pixels: thinner strips are widened to it and cover a share of it
+uniform int u_columns;
+uniform float u_nearer;      // 1 where z / w grows towards the viewer, else -1
+
+out vec3 v_position;          // eye-relative
+out vec3 v_along;             // along the curve, root to tip
+out float v_across;           // -1 to 1
+out vec2 v_beyond;            // how far it lies beyond the root and the tip of a strand, in radii
+out float v_share;            // what the curve covers of the strip
+out float v_pixels;           // width of the curve in pixels
+out float v_radius;           // in eye-relative units
+flat out uint v_number;       // of the segment
+invariant gl_Position;
+
+vec4 point(int k) {
+    return texelFetch(u_points, ivec2(k & (POINTS_WIDTH - 1), k / POINTS_WIDTH), 0);
+}
+
+bool is_last(vec4 p) {
+    return (floatBitsToUint(p.w) & 0x80000000u) != 0u;
+}
+
+// The direction along which a point moves without moving on the screen: where the gradients of x / w and y / w are 0
+vec3 sight(vec3 p, out vec3 gradient_x, out vec3 gradient_y) {
+    mat4 rows = transpose(u_to_clip);
+    vec4 clip = u_to_clip * vec4(p, 1.0);
+    gradient_x = (rows[0].xyz - clip.x / clip.w * rows[3].xyz) / clip.w;
+    gradient_y = (rows[1].xyz - clip.y / clip.w * rows[3].xyz) / clip.w;
+    return normalize(cross(gradient_x, gradient_y));
+}
+
+vec3 any_across(vec3 d) {
+    return normalize(cross(d, abs(d.x) < 0.6 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0)));
+}
+
+void main() {
+    int k = gl_InstanceID, end = gl_VertexID & 1;
+    vec4 here = point(k), next = point(k + 1);
+    v_number = uint(k);
+    gl_Position = vec4(0.0, 0.0, 0.0, -1.0); // clipped
+    v_position = v_along = vec3(0.0);
+    v_across = v_share = v_pixels = v_radius = 0.0;
+    v_beyond = vec2(-1.0);
+#if HAS_COLORS
+    ivec2 at = ivec2((k + end) & (POINTS_WIDTH - 1), (k + end) / POINTS_WIDTH);
+    v_sigma_a = texelFetch(u_colors, at, 0).rgb;
+#endif
+    if (is_last(here)) return;
+
+    vec4 p = end == 0 ? here : next;
+    vec3 chord = next.xyz - here.xyz;
+    vec3 along = dot(chord, chord) > 0.0 ? normalize(chord) : vec3(0.0, 0.0, 1.0);
+    bvec2 is_tip = bvec2(k == 0 || is_last(point(max(k - 1, 0))), is_last(next));
+    if (!is_tip[end]) {
+        vec3 other = end == 0 ? here.xyz - point(k - 1).xyz : point(k + 2).xyz - next.xyz;
+        if (dot(other, other) > 0.0) {
+            vec3 mean = along + normalize(other);
+            if (dot(mean, mean) > 0.5) along = normalize(mean); // not round a hairpin
+        }
+    }
+    float radius = abs(p.w);
+    vec3 gradient_x, gradient_y;
+    vec3 front = sight(p.xyz, gradient_x, gradient_y);
+    vec4 towards = u_to_clip * vec4(front, 0.0), clip = u_to_clip * vec4(p.xyz, 1.0);
+    if ((towards.z * clip.w - clip.z * towards.w) * u_nearer < 0.0) front = -front;
+    vec3 side = cross(front, along);
+    side = dot(side, side) > 1e-8 ? normalize(side) : any_across(front);
+
+    // The radius in pixels, and the strip's half width in units
+    vec2 pixels = vec2(dot(gradient_x, side), dot(gradient_y, side)) * u_half_size;
+    float per_unit = max(length(pixels), 1e-30);
+    v_pixels = 2.0 * radius * per_unit;
+    float half_width = max(radius, 0.5 * u_least_width / per_unit);
+    v_share = radius / half_width;
+    v_radius = radius * length(u_to_eye[0].xyz);
+
+    float a = 2.0 * float(gl_VertexID >> 1) / float(u_columns - 1) - 1.0;
+    vec3 outwards = normalize(cross(along, side)); // towards the viewer, across the curve
+    if (dot(outwards, front) < 0.0) outwards = -outwards;
+    vec3 q = p.xyz + side * (half_width * a) + outwards * (radius * sqrt(max(1.0 - a * a, 0.0)));
+    if (is_tip[end]) {
+        vec3 beyond = along - front * dot(along, front);
+        beyond = dot(beyond, beyond) > 1e-8 ? normalize(beyond) : normalize(cross(side, front));
+        q += beyond * (end == 0 ? -radius : radius);
+    }
+    float reach = length(chord - front * dot(chord, front)) / max(radius, 1e-30);
+    if (is_tip.x) v_beyond.x = end == 0 ? 1.0 : -reach - float(is_tip.y);
+    if (is_tip.y) v_beyond.y = end == 1 ? 1.0 : -reach - float(is_tip.x);
+    v_across = a;
+    v_along = mat3(u_to_eye) * along;
+    v_position = (u_to_eye * vec4(q, 1.0)).xyz;
+    gl_Position = u_to_clip * vec4(q, 1.0);
+}

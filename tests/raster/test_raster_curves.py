@@ -1,0 +1,208 @@
+"""Curves in the raster: how much of the picture they cover, where they lie, and what light they scatter."""
+
+from __future__ import annotations
+
+import math
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from shapes import plate, scene
+
+from viewer.plan.planner import plan_scene
+from viewer.plan.warnings import picture_warnings
+from viewer.scene.camera import Camera
+from viewer.scene.curves import Curves
+from viewer.scene.environment_presets import make_preset
+from viewer.scene.fibre import Fibre
+from viewer.scene.light import Light
+from viewer.scene.material import Material
+from viewer.scene.scene import Scene
+from viewer.settings import Settings
+
+sys.path.append(str(Path(__file__).parents[1] / "shaders"))
+from fibre_twin import evaluate
+
+FURNACE = make_preset("furnace")
+WHITE = Fibre((0.0, 0.0, 0.0))
+ROUGH = Fibre((0.3, 0.6, 1.1), 0.4, 0.5, 0.05, 1.5)
+
+
+def facing(eye, target, height: float) -> Camera:
+    """An orthographic camera that shows so much from top to bottom."""
+    return replace(Camera.look_at(eye, target), height=height)
+
+
+CAMERA = facing((0, 0, 10), (0, 0, 0), 4.0)
+PIXEL = 4.0 / 64
+
+
+def strand(radius: float, *points, fibre: Fibre | None = WHITE, **more) -> Curves:
+    return Curves("strand", points or ((-1.5, 0, 0), (1.5, 0, 0)), np.full(len(points) or 2, radius),
+                  [0, len(points) or 2], [False], fibre=fibre, **more)
+
+
+def hatch(radius: float, count: int = 12, slope: float = 0.3) -> Curves:
+    """Parallel strands that do not hide each other."""
+    y = np.linspace(-1.2, 1.2, count)
+    points = np.stack([np.stack([np.full(count, x), y + slope * x, 0 * y], axis=1) for x in (-1.0, 0.2, 1.0)], axis=1)
+    return Curves("hatch", points.reshape(-1, 3), np.full(3 * count, radius), np.arange(count + 1) * 3,
+                  np.zeros(count, bool), fibre=WHITE)
+
+
+def shown(*curves: Curves, environment=FURNACE, **more) -> Scene:
+    return Scene("curves", curves=curves, environment=environment, **more)
+
+
+@pytest.mark.parametrize("radius", [0.3, 0.02])
+def test_a_white_fibre_in_a_furnace_is_white(radiance, radius):
+    pixels = radiance(shown(strand(radius)), CAMERA, (64, 64), background="none", antialias="ssaa-4")
+    covered = pixels[..., 3].sum()
+    np.testing.assert_allclose(pixels[..., :3].sum(axis=(0, 1)) / covered, 1, atol=0.012)
+    full = pixels[pixels[..., 3] == 1][:, :3]
+    assert radius < 0.1 or (len(full) > 300 and np.abs(full - 1).max() < 0.03)
+
+
+@pytest.mark.parametrize("antialias, error", [("none", 0.08), ("msaa-4", 0.05), ("ssaa-16", 0.03)])
+@pytest.mark.parametrize("width", [1.7, 0.4, 0.05])
+def test_curves_cover_their_width_of_the_picture(radiance, width, antialias, error):
+    radius = width * PIXEL / 2
+    curves = hatch(radius)
+    pixels = radiance(shown(curves), CAMERA, (64, 64), background="none", antialias=antialias)
+    length = 12 * np.linalg.norm(np.diff(curves.points[:3], axis=0), axis=1).sum()
+    area = (length * 2 * radius + 12 * math.pi * radius**2) / PIXEL**2
+    # The share of a thin strip is drawn by lot: of 12 strands of 33 pixels each.
+    assert pixels[..., 3].sum() == pytest.approx(area, rel=error + (0.25 if width < 0.1 else 0))
+
+
+def test_ends_are_round_also_along_the_view(radiance):
+    disc = radiance(shown(strand(0.5, (0, 0, -1), (0, 0, 1))), CAMERA, (64, 64), background="none", antialias="ssaa-4")
+    assert disc[..., 3].sum() * PIXEL**2 == pytest.approx(math.pi * 0.25, rel=0.02)
+    across = radiance(shown(strand(0.4)), CAMERA, (64, 64), background="none", antialias="ssaa-4")
+    assert across[..., 3].sum() * PIXEL**2 == pytest.approx(3 * 0.8 + math.pi * 0.16, rel=0.02)
+
+
+@pytest.mark.parametrize("radius", [0.5, 0.03])
+def test_light_is_that_of_the_fibre_at_each_offset_or_their_mean(radiance, radius):
+    light = Light("directional", intensity=2.0, direction=(-0.48, -0.6, -0.64))
+    curves = strand(radius, (-3, 0, 0), (3, 0, 0), fibre=ROUGH)
+    pixels = radiance(shown(curves, environment=None, lights=(light,)), CAMERA, (64, 64), background="none",
+                      shadows="off", antialias="none" if radius == 0.5 else "ssaa-16")
+    columns = pixels[:, 20:44].mean(axis=1)
+    m = {"sigma_a": np.array(ROUGH.sigma_a), "beta_m": ROUGH.beta_m, "beta_n": ROUGH.beta_n, "tilt": ROUGH.tilt,
+         "eta": ROUGH.ior}
+    wo, wi = np.array([0.0, 0, 1]), np.array([0.48, 0.6, 0.64])
+    if radius == 0.5:
+        rows = np.arange(25, 39)
+        h = -(rows - 31.5) * PIXEL / radius  # rows from the top; y is up, and the side where h is above 0
+        expected = 2 * np.stack([evaluate(m, np.float64(k), wo, wi) for k in h])
+        np.testing.assert_allclose(columns[rows, :3], expected, rtol=0.03, atol=2e-3)
+    else:
+        h = (np.arange(400) + 0.5) / 200 - 1
+        expected = 2 * np.mean([evaluate(m, k, wo, wi) for k in h], axis=0)
+        np.testing.assert_allclose(columns[:, :3].sum(axis=0) / columns[:, 3].sum(), expected, rtol=0.05)
+
+
+def test_colours_of_points_count_unless_a_setting_names_one(radiance):
+    curves = strand(0.3, (-1.5, 0, 0), (1.5, 0, 0), fibre=None, colors=[[0.9, 0.1, 0.1], [0.1, 0.1, 0.9]])
+    view = {"background": "none", "size": (64, 64)}
+    pixels = radiance(shown(curves), CAMERA, **view)
+    left, right = pixels[28:36, 10:14, :3].mean(axis=(0, 1)), pixels[28:36, 50:54, :3].mean(axis=(0, 1))
+    assert left[0] > 1.15 * left[2] and right[2] > 1.15 * right[0]
+    one = radiance(shown(curves), CAMERA, hair_absorption=(0, 0, 0), **view)
+    np.testing.assert_allclose(one[30, 12:50, :3], 1, atol=0.03)
+
+
+def test_curves_and_surfaces_hide_each_other(radiance):
+    wall = scene(plate(half=2.0), materials=(Material(base_color=(0, 0, 0, 1), metallic=0.0, specular=0.0),))
+    for z, is_seen in ((-0.5, False), (0.5, True), (0.29, True)):
+        curves = strand(0.3, (-1.5, 0, z), (1.5, 0, z))
+        pixels = radiance(replace(wall, curves=(curves,), environment=FURNACE), CAMERA, (64, 64))
+        assert (pixels[31, 20:44, 0] > 0.9).all() == is_seen and (pixels[31, 20:44, 0] < 0.1).all() != is_seen
+    cut = replace(wall, curves=(strand(0.5, (0, -1, 0), (0, 1, 0)),), environment=FURNACE)
+    row = radiance(cut, CAMERA, (64, 64))[31, :, 0]
+    assert (row[25:39] > 0.9).all()  # half of the tube stands out of the wall, also at its sides
+
+
+@pytest.mark.parametrize("width", [8.0, 0.5])
+def test_curves_shadow_surfaces_by_their_width(radiance, width):
+    """In texels of the shadow map."""
+    light = Light("directional", intensity=math.pi, direction=(0, 0, -1))
+    wall = replace(scene(plate(half=2.0), materials=(Material(metallic=0.0, specular=0.0),)), lights=(light,))
+    texel = 4.0 / 2048
+    radius, count = width * texel / 2, 64 if width < 1 else 8
+    x = np.linspace(-0.3, 0.3, count)
+    points = np.stack([np.stack([x, 0 * x + y, 0 * x + 1], axis=1) for y in (-3, 3)], axis=1).reshape(-1, 3)
+    curves = Curves("grid", points, np.full(2 * count, radius), np.arange(count + 1) * 2, np.zeros(count, bool))
+    view = Camera.look_at((0, 0, 0.5), (0, 0, 0), fov_y=math.pi / 2)  # the curves are behind it; it shows 1 x 1
+    dark = radiance(replace(wall, curves=(curves,)), view, (64, 64))[..., 0]
+    np.testing.assert_allclose(radiance(wall, view, (64, 64))[..., 0], 1, atol=0.01)
+    assert (1 - dark).mean() == pytest.approx(count * 2 * radius, rel=0.15)
+
+
+def test_the_side_that_faces_a_light_is_lit(radiance):
+    light = Light("directional", intensity=3.0, direction=(0, 0, -1))
+    curves = strand(0.3, fibre=ROUGH)
+    lit = radiance(shown(curves, environment=None, lights=(light,)), CAMERA, (64, 64), background="none")
+    bare = radiance(shown(curves, environment=None, lights=(light,)), CAMERA, (64, 64), background="none",
+                    shadows="off")
+    np.testing.assert_allclose(lit, bare, rtol=1e-3, atol=1e-4)
+    behind = strand(0.4, (-1.5, 0, 1.5), (1.5, 0, 1.5), fibre=ROUGH)
+    below = facing((0, 0, -10), (0, 0, 0), 4.0)
+    scattered = {"background": "none", "size": (64, 64)}
+    free = radiance(shown(curves, environment=None, lights=(light,)), below, **scattered)
+    hidden = radiance(shown(curves, behind, environment=None, lights=(light,)), below, **scattered)
+    assert free[31, 20:44, 0].min() > 0.05 and hidden[31, 20:44, 0].max() < 1e-3
+
+
+def test_the_radius_of_a_setting_is_that_of_all_curves(radiance, renderer):
+    thin = shown(strand(0.001), strand(0.2, (-1.5, 1, 0), (1.5, 1, 0)))
+    pixels = radiance(thin, CAMERA, (64, 64), background="none", curve_radius=0.25)
+    assert pixels[..., 3].sum() * PIXEL**2 == pytest.approx(2 * (3 * 0.5 + math.pi * 0.0625), rel=0.03)
+    buffers = list(renderer._curves._buffers.values())
+    again = radiance(thin.relit(lights=(Light("directional"),)), CAMERA, (64, 64), background="none", curve_radius=0.25)
+    assert again[..., :3].sum() > pixels[..., :3].sum()
+    assert [a is b for a, b in zip(buffers, renderer._curves._buffers.values(), strict=True)] == [True, True]
+    radiance(thin, CAMERA, (64, 64))
+    assert not set(map(id, buffers)) & set(map(id, renderer._curves._buffers.values()))
+
+
+def test_far_from_the_origin_nothing_changes(radiance):
+    offset = np.array([3e6, -2e6, 1e6])  # float32 points have steps of 1/4 there
+    near = strand(20.0, (-64, 0, 0), (0, 32, 0), (64, 0, 0), fibre=ROUGH)
+    far = replace(near, points=near.points + offset)
+    view = facing((0, 0, 500), (0, 0, 0), 200.0)
+    moved_view = facing(offset + (0, 0, 500), offset, 200.0)
+    light = (Light("directional", intensity=3.0, direction=(0.3, -0.5, -0.8)),)
+    one = radiance(shown(near, lights=light), view, (48, 48), background="none")
+    two = radiance(shown(far, lights=light), moved_view, (48, 48), background="none")
+    np.testing.assert_allclose(one, two, atol=0.02)
+
+
+def test_plans_name_curves_and_programs_have_them_only_where_there_are_any():
+    def plan(model: Scene, **settings):
+        return plan_scene(model, Settings.of(**settings), model.lights, samples=1, half_target=False,
+                          orthographic=False)
+
+    model = shown(strand(0.1), hatch(0.1))
+    found, bare = plan(model), plan(scene(plate(), environment=FURNACE))
+    assert "13 strands of curves, as strips that face the camera, with 2 programs; at least 0.000608 MB" in found.used
+    assert found.to_json()["passes"] == ["curves", "background", "display"]
+    assert {p["fragment"] for p in found.to_json()["programs"]} == {"raster/curve.frag", "raster/curve_depth.frag"}
+    assert bare.curves is None and "curves" not in bare.to_json()["passes"]
+    assert "curves: there are none" in bare.left_out and not any("curves" in line for line in found.left_out)
+    assert "curves: mode phong does not show them" in plan(model, mode="phong").left_out
+    assert picture_warnings(model, Settings()) == []
+    assert picture_warnings(model, Settings(mode="phong")) == ["curves are not drawn in mode phong"]
+    assert "will be black" in picture_warnings(replace(model, environment=None), Settings())[0]
+
+
+def test_curves_lie_in_media(radiance):
+    light = (Light("point", intensity=20.0, position=(0, 1, 2)),)
+    model = shown(strand(0.4, fibre=ROUGH), environment=make_preset("studio"), lights=light)
+    clear = radiance(model, CAMERA, (32, 32), background="none")
+    foggy = radiance(model, CAMERA, (32, 32), background="none", fog=0.2, fog_albedo=(0, 0, 0))
+    ratio = foggy[15, 10:22, :3] / clear[15, 10:22, :3]
+    assert (ratio < 0.9).all() and (ratio > 0.02).all()

@@ -1,0 +1,60 @@
+"""What the raster draws curves with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..scene.curves import Curves
+from ..scene.fibre import gives_color
+from ..scene.scene import Scene
+from ..settings import Settings
+from .model import Program
+
+VERTEX = "raster/curve.vert"
+POINTS_WIDTH = 4096
+"""Points in a row of the texture that holds them."""
+_LIT = ("HALF_TARGET", "IS_ORTHOGRAPHIC", "LIGHT_COUNT", "DIRECTIONAL_COUNT", "POINT_COUNT", "SHADOW_LAYERS",
+        "SHADOW_PATTERN", "HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "MEDIA", "FOG", "FOG_HEIGHT", "VOLUMES")
+
+
+@dataclass(frozen=True)
+class CurvePlan:
+    """The programs of curves, with the vertex shader VERTEX. `shade` has one for each set of curves of the scene;
+    `depth` is that of shadow maps, and of the pass before curves are shaded."""
+
+    shade: tuple[Program, ...]
+    depth: Program
+    strands: int
+    megabytes: float
+    """What the points take on the GPU, without those that splines are divided by."""
+
+    @property
+    def programs(self) -> tuple[Program, ...]:
+        return (*dict.fromkeys(self.shade), self.depth)
+
+
+def draws_curves(scene: Scene, settings: Settings) -> bool:
+    """Whether the raster draws curves of the scene."""
+    return bool(scene.curves) and settings.mode == "pbr" and settings.lobes in ("all", "specular")
+
+
+def has_colors(curves: Curves, settings: Settings) -> bool:
+    """Whether the colours of the points count."""
+    return curves.colors is not None and (curves.fibre is not None or not gives_color(settings))
+
+
+def plan_curves(scene: Scene, settings: Settings, common: Mapping[str, int]) -> CurvePlan | None:
+    """The plan of the curves, None where none are drawn. `common` are the switches that lit surfaces share."""
+    if not draws_curves(scene, settings):
+        return None
+    lit = {name: common[name] for name in _LIT} | {"REFLECTS": 1, "POINTS_WIDTH": POINTS_WIDTH}
+    shade = tuple(_program("raster/curve.frag", lit | {"HAS_COLORS": int(has_colors(curves, settings))})
+                  for curves in scene.curves)
+    size = sum(len(curves.points) * (16 + 16 * has_colors(curves, settings)) for curves in scene.curves)
+    return CurvePlan(shade, _program("raster/curve_depth.frag", {"HAS_COLORS": 0, "POINTS_WIDTH": POINTS_WIDTH}),
+                     sum(curves.strand_count for curves in scene.curves), size / 1e6)
+
+
+def _program(fragment: str, switches: Mapping[str, int]) -> Program:
+    return Program(fragment, tuple(sorted(switches.items())))

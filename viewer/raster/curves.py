@@ -1,0 +1,179 @@
+"""Curves: strips that face the viewer, expanded in the vertex shader from a texture of points."""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+
+from ..bake.fibre import fibre_table
+from ..gpu.context import Context
+from ..gpu.programs import Programs, matrix_uniform, set_uniform
+from ..plan.curves import POINTS_WIDTH, VERTEX, has_colors
+from ..plan.model import Plan, Program
+from ..scene.curve_segments import segments
+from ..scene.curves import Curves
+from ..scene.fibre import hair_fibre, sigma_a_of_color
+from ..scene.frame import Frame
+from ..scene.scene import Scene
+from ..settings import Settings
+from .depth import Depth
+from .surfaces import bind_blocks
+
+UNIT_POINTS, UNIT_COLORS, UNIT_TABLE = range(3)
+THIN, THICK = 3, 7
+"""Pairs of vertices across a strip. The tube about a curve of up to THIN_PIXELS needs no more than its middle."""
+THIN_PIXELS = 4.0
+SHADOW_WIDTH = 1.0
+"""The least width of a strip in shadow maps, in texels."""
+
+
+class CurveBuffers:
+    """The points of one set of curves on the GPU: 16 bytes a point, and 16 more where colours count.
+
+    They are stored about the middle of their box, so that curves far from the origin keep their digits in float32.
+    """
+
+    def __init__(self, gl: moderngl.Context, curves: Curves, beta_n: float | None) -> None:
+        """`beta_n` is the azimuthal roughness, on which the absorption depends that colours mean; None: they do not
+        count."""
+        pieces = segments(curves)
+        self.center = curves.corners.reshape(-1, 3).mean(axis=0) if len(curves.points) else np.zeros(3)
+        self.radius = float(curves.radii.max(initial=0.0))
+        last = np.append(pieces.strand[1:] != pieces.strand[:-1], True) if len(pieces) else np.zeros(0, bool)
+        self.count = len(pieces) + int(last.sum())
+        rows = np.zeros((self.count, 4), np.float32)
+        is_last = np.zeros(self.count, bool)
+        is_last[np.flatnonzero(last) + np.arange(1, last.sum() + 1)] = True
+        rows[~is_last], rows[is_last] = pieces.ends[:, 0], pieces.ends[last, 1]
+        rows[:, :3] -= self.center
+        rows[is_last, 3] = np.copysign(rows[is_last, 3], -1.0)
+        self._vertex_arrays: dict[int, moderngl.VertexArray] = {}
+        self._gl, self._points = gl, _texture(gl, rows)
+        self._colors = None
+        if beta_n is not None and pieces.colors is not None:
+            absorbed = np.zeros((self.count, 4), np.float32)
+            absorbed[~is_last, :3] = sigma_a_of_color(pieces.colors[:, 0], beta_n)
+            absorbed[is_last, :3] = sigma_a_of_color(pieces.colors[last, 1], beta_n)
+            self._colors = _texture(gl, absorbed)
+
+    def draw(self, program: moderngl.Program, columns: int) -> None:
+        self._points.use(UNIT_POINTS)
+        set_uniform(program, "u_points", UNIT_POINTS)
+        if self._colors is not None:
+            self._colors.use(UNIT_COLORS)
+            set_uniform(program, "u_colors", UNIT_COLORS)
+        set_uniform(program, "u_columns", columns)
+        if program.glo not in self._vertex_arrays:
+            self._vertex_arrays[program.glo] = self._gl.vertex_array(program, [])
+        array = self._vertex_arrays[program.glo]
+        array.render(moderngl.TRIANGLE_STRIP, vertices=2 * columns, instances=max(self.count - 1, 0))
+
+    def release(self) -> None:
+        for thing in (*self._vertex_arrays.values(), self._points, self._colors):
+            if thing is not None:
+                thing.release()
+
+
+def _texture(gl: moderngl.Context, rows: np.ndarray) -> moderngl.Texture:
+    height = max(-(-len(rows) // POINTS_WIDTH), 1)
+    padded = np.zeros((height * POINTS_WIDTH, 4), np.float32)
+    padded[:len(rows)] = rows
+    texture = gl.texture((POINTS_WIDTH, height), 4, padded, dtype="f4")
+    texture.filter = moderngl.NEAREST, moderngl.NEAREST
+    return texture
+
+
+class CurvePass:
+    """Draws the curves of a scene. It keeps the buffers of those that the next scene shares."""
+
+    def __init__(self, context: Context, programs: Programs, depth: Depth) -> None:
+        self._gl, self._programs, self._depth = context.gl, programs, depth
+        self._buffers: dict[tuple[Curves, float | None], CurveBuffers] = {}
+        self._drawn: list[CurveBuffers] = []
+        self._tables: dict[tuple[float, float], moderngl.Texture] = {}
+        self._generation = programs.generation
+
+    def prepare(self, scene: Scene, settings: Settings, plan: Plan) -> None:
+        """Upload what `plan` draws, unless an earlier frame has left it."""
+        if self._generation != self._programs.generation:  # vertex arrays belong to programs
+            self.release()
+            self._generation = self._programs.generation
+        keys: list[tuple[Curves, float | None]] = []
+        for curves in scene.curves if plan.curves is not None else ():
+            beta_n = (curves.fibre or hair_fibre(settings)).beta_n
+            keys.append((curves, beta_n if has_colors(curves, settings) else None))
+        for key in self._buffers.keys() - set(keys):
+            self._buffers.pop(key).release()
+        for key in keys:
+            if key not in self._buffers:
+                self._buffers[key] = CurveBuffers(self._gl, *key)
+        self._drawn = [self._buffers[key] for key in keys]
+
+    def draw(self, frame: Frame, settings: Settings, plan: Plan, samples: int, uniforms: dict[str, object]) -> None:
+        """Draw all curves into the framebuffer in use, within `Depth.test()`: first their depth, then their light."""
+        if plan.curves is None:
+            return
+        gl, target = self._gl, self._gl.fbo
+        gl.enable_only(moderngl.DEPTH_TEST)
+        target.color_mask = False, False, False, False
+        target.use()
+        for buffers in self._drawn:
+            self._draw_one(buffers, plan.curves.depth, frame, samples, {})
+        target.color_mask = True, True, True, True
+        target.use()
+        with self._depth.equal():
+            for curves, buffers, program in zip(frame.scene.curves, self._drawn, plan.curves.shade, strict=True):
+                fibre = curves.fibre or hair_fibre(settings)
+                self._table(fibre.beta_n, fibre.ior).use(UNIT_TABLE)
+                values = uniforms | {"u_fibre_table": UNIT_TABLE, "u_sigma_a": fibre.sigma_a,
+                                     "u_fibre": (fibre.beta_m, fibre.beta_n, fibre.tilt, fibre.ior)}
+                self._draw_one(buffers, program, frame, samples, values)
+
+    def draw_depth(self, world_to_clip: np.ndarray, size: int) -> None:
+        """Draw all curves into a tile of `size` texels of a shadow map."""
+        for buffers in self._drawn:
+            program = self._programs.get(VERTEX, "raster/curve_depth.frag", {"HAS_COLORS": 0,
+                                                                             "POINTS_WIDTH": POINTS_WIDTH})
+            _set_view(program, buffers, world_to_clip, np.eye(4), (size, size), is_reversed=False, least=SHADOW_WIDTH)
+            buffers.draw(program, THIN)
+
+    def _draw_one(self, buffers: CurveBuffers, wanted: Program, frame: Frame, samples: int,
+                  uniforms: dict[str, object]) -> None:
+        program = self._programs.get(VERTEX, wanted.fragment, dict(wanted.switches))
+        for name, value in uniforms.items():
+            set_uniform(program, name, value)
+        bind_blocks(program)
+        to_eye = frame.model(np.eye(4))
+        _set_view(program, buffers, frame.view_projection @ to_eye, to_eye, frame.size,
+                  self._depth.is_reversed, 1.0 / samples)
+        near = max(frame.depth_range[0], 1e-6)
+        per_unit = frame.size[1] / frame.camera.height if frame.camera.height is not None else (
+            1.0 / (frame.pixel_angle * near * frame.unit))
+        buffers.draw(program, THIN if 2 * buffers.radius * per_unit < THIN_PIXELS else THICK)
+
+    def _table(self, beta_n: float, ior: float) -> moderngl.Texture:
+        key = beta_n, ior
+        if key not in self._tables:
+            table = fibre_table(beta_n, ior).astype(np.float16)
+            texture = self._gl.texture3d(table.shape[2::-1], 4, np.ascontiguousarray(table), dtype="f2")
+            texture.filter = moderngl.LINEAR, moderngl.LINEAR
+            texture.repeat_x = texture.repeat_y = texture.repeat_z = False
+            self._tables = {key: texture} if len(self._tables) > 8 else self._tables | {key: texture}
+        return self._tables[key]
+
+    def release(self) -> None:
+        for thing in (*self._buffers.values(), *self._tables.values()):
+            thing.release()
+        self._buffers, self._drawn, self._tables = {}, [], {}
+
+
+def _set_view(program: moderngl.Program, buffers: CurveBuffers, to_clip: np.ndarray, to_eye: np.ndarray,
+              size: tuple[int, int], is_reversed: bool, least: float) -> None:
+    """`to_clip` and `to_eye` take world space to clip space and to eye-relative space."""
+    from_points = np.eye(4)
+    from_points[:3, 3] = buffers.center
+    set_uniform(program, "u_to_clip", matrix_uniform(to_clip @ from_points))
+    set_uniform(program, "u_to_eye", matrix_uniform(to_eye @ from_points))
+    set_uniform(program, "u_half_size", (size[0] / 2, size[1] / 2))
+    set_uniform(program, "u_least_width", least)
+    set_uniform(program, "u_nearer", 1.0 if is_reversed else -1.0)
