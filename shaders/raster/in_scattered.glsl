@@ -37,7 +37,8 @@ vec3 seen_sky(Sky sky, vec4 hidden) {
 // How a medium scatters
 struct Scattering {
     vec3 albedo;
-    float phase, mean_cosine; // media/any_phase.glsl
+    float mean_cosine;
+    vec4 of_lights; // albedo, and the phase function (media/any_phase.glsl), of light of lights
     vec3 emission; // radiance for each optical depth
 #if HAS_ENVIRONMENT
     Sky sky;
@@ -68,14 +69,14 @@ Ray ray_through(vec3 origin, vec3 direction) {
 }
 
 #if FOG
-uniform vec4 u_fog_scattering; // albedo, phase
-uniform float u_fog_mean_cosine;
+uniform vec4 u_fog_scattering; // albedo, mean cosine
+uniform vec4 u_fog_of_lights;
 
 Scattering fog_scattering(vec3 direction) {
     Scattering medium;
     medium.albedo = u_fog_scattering.rgb;
-    medium.phase = u_fog_scattering.a;
-    medium.mean_cosine = u_fog_mean_cosine;
+    medium.mean_cosine = u_fog_scattering.a;
+    medium.of_lights = u_fog_of_lights;
     medium.emission = vec3(0.0);
 #if HAS_ENVIRONMENT
     medium.sky = scattered_sky(u_sky_in_fog, direction);
@@ -85,15 +86,15 @@ Scattering fog_scattering(vec3 direction) {
 #endif
 
 #if VOLUMES > 0
-uniform vec4 u_volume_scattering; // albedo, phase
-uniform float u_volume_mean_cosine;
+uniform vec4 u_volume_scattering; // albedo, mean cosine
+uniform vec4 u_volume_of_lights;
 uniform vec3 u_volume_emission;
 
 Scattering volume_scattering(vec3 direction) {
     Scattering medium;
     medium.albedo = u_volume_scattering.rgb;
-    medium.phase = u_volume_scattering.a;
-    medium.mean_cosine = u_volume_mean_cosine;
+    medium.mean_cosine = u_volume_scattering.a;
+    medium.of_lights = u_volume_of_lights;
     medium.emission = u_volume_emission;
 #if HAS_ENVIRONMENT
     medium.sky = scattered_sky(u_sky_in_volumes, direction);
@@ -126,13 +127,15 @@ vec3 source(Ray ray, float at, float from, float to, Scattering medium) {
 #if HAS_ENVIRONMENT
     sum += seen_sky(medium.sky, around.hidden);
 #endif
+    sum *= medium.albedo;
 #if LIGHT_COUNT > 0
     for (int i = 0; i < LIGHT_COUNT; ++i) {
         vec3 l;
         vec3 irradiance = punctual_irradiance(i, p, l);
         if (i >= DIRECTIONAL_COUNT) irradiance *= near_light(ray, u_lights[i].position.xyz, from, to, at);
-        sum += irradiance * (any_phase(medium.phase, -l, -ray.direction) * light_in_medium(i, p, l));
+        float scattered = any_phase(medium.of_lights.a, -l, -ray.direction) * light_in_medium(i, p, l);
+        sum += medium.of_lights.rgb * irradiance * scattered;
     }
 #endif
-    return medium.albedo * sum + medium.emission;
+    return sum + medium.emission;
 }

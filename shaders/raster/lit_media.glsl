@@ -36,7 +36,8 @@ struct MediaLight {
 };
 
 // `mean` is the mean direction of the lobe, of length 0 (all around) to 1. Scattered light is taken to come from where
-// media hide the sky: the two add up to 1 in a white furnace.
+// media hide what is around, and more of it from where it flows from (viewer/bake/diffusion.py). In a white furnace it
+// and the sky add up to 1.
 MediaLight light_around(vec3 p, vec3 mean) {
     int first = 0;
 #if VOLUMES > 0
@@ -58,7 +59,8 @@ MediaLight light_around(vec3 p, vec3 mean) {
 #endif
     hidden *= fade;
     vec4 opacity = part_of_cubes(u_media_light, uvw, first + 2, 3 * GRIDS);
-    float share = opacity.x > 1e-20 ? clamp(opacity.x + dot(opacity.yzw, mean), 0.0, 1.0) / opacity.x : 1.0;
+    float from_there = clamp(opacity.x + dot(opacity.yzw, mean), 0.0, max(1.0, 2.0 * opacity.x));
+    float share = opacity.x > 1e-20 ? from_there / opacity.x : 1.0;
     return MediaLight(part_of_cubes(u_media_light, uvw, first, 3 * GRIDS).rgb * (fade * share),
                       1.0 - clamp(hidden.x + dot(hidden.yzw, mean), 0.0, 1.0), hidden);
 }

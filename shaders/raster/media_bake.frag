@@ -19,6 +19,7 @@ layout(location = 0) out vec4 o_fluence; // rgb; a: of light that has the fluenc
 layout(location = 1) out vec4 o_hidden;
 layout(location = 2) out vec4 o_opacity;
 layout(location = 3) out vec4 o_extinction;
+layout(location = 4) out vec4 o_flux[3]; // of the light of o_fluence, along each axis
 
 // The optical depth from p to the distance `reach` along d
 float media_depth(vec3 p, vec3 d, float reach) {
@@ -56,12 +57,15 @@ void main() {
 
     float extinction = extinction_at(p), depth_of_cell = extinction / (u_grid.w * float(u_side));
     vec4 fluence = vec4(0.0);
+    for (int axis = 0; axis < 3; ++axis) o_flux[axis] = vec4(0.0);
     vec4 of_light = vec4(0.0), of_sphere = vec4(0.0);
     for (int k = 0; k < SKY_LIGHTS; ++k) {
         vec3 d = u_sky_directions[k].xyz;
         float depth = media_depth(p, d, 1e18);
         float arriving = mean_transmittance(depth, depth_of_cell);
-        fluence += u_sky_irradiance[k] * arriving;
+        vec4 light = u_sky_irradiance[k] * arriving;
+        fluence += light;
+        for (int axis = 0; axis < 3; ++axis) o_flux[axis] -= light * d[axis];
         vec4 hidden = one_minus_exp(depth) * vec4(1.0, d);
         of_light += u_sky_directions[k].w * hidden;
         of_sphere += u_sky_irradiance[k].w * hidden;
@@ -78,7 +82,9 @@ void main() {
             irradiance *= min(dot(d, d) / (nearest * nearest), 1.0);
         }
         float depth = media_depth(p, l, i < DIRECTIONAL_COUNT ? 1e18 : distance(u_lights[i].position.xyz, p));
-        fluence.rgb += irradiance * (mean_transmittance(depth, depth_of_cell) * unshadowed_by_meshes(i, p));
+        irradiance *= mean_transmittance(depth, depth_of_cell) * unshadowed_by_meshes(i, p);
+        fluence.rgb += irradiance;
+        for (int axis = 0; axis < 3; ++axis) o_flux[axis].rgb -= irradiance * l[axis];
     }
 #endif
     o_fluence = fluence;

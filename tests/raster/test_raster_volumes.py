@@ -86,7 +86,7 @@ def test_a_camera_inside(radiance):
     assert found[0] == pytest.approx(4 * np.exp(-2 * depth_along(volume, eye, camera.forward, 3.5)), rel=0.02)
 
 
-@pytest.mark.parametrize("thickness", [1e-6, 1.0, 20.0, 1e6])
+@pytest.mark.parametrize("thickness", [1e-6, 1.0, 20.0, 1e6, 1e18])
 @pytest.mark.parametrize("g", [0.0, 0.8])
 def test_a_white_furnace_stays_white(radiance, thickness, g):
     model = replace(with_volumes(Scene("cloud"), clumps()), environment=constant())
@@ -248,6 +248,35 @@ def test_the_first_picture_of_an_environment_that_is_not_in_the_cache(context):
         pictures.append(renderer.render(model, camera, settings, SIZE).linear)
         renderer.release()
     assert np.array_equal(pictures[0], pictures[1]) and np.array_equal(pictures[1], pictures[2])
+
+
+@pytest.mark.parametrize(("g", "tau"), [(0.7, 6.0), (0.9, 12.0), (0.99, 60.0), (-0.5, 3.0)])
+def test_a_slab_that_scatters_forwards(radiance, g, tau):
+    """What a wide plate returns and lets through of light from one half of space, against walks."""
+    box = Volume.in_box(np.ones((2, 2, 2), np.float32), [[-4, -4, -0.5], [4, 4, 0.5]])
+    d = texel_directions(32, 64)
+    front = Environment("front", np.repeat(np.float32(d[..., 2:] > 0), 3, axis=2))
+    model = replace(with_volumes(Scene("slab"), box), environment=front)
+    for azimuth, sign in ((0.0, -1.0), (np.pi, 1.0)):
+        found = radiance(model, orthographic(azimuth=azimuth, height=0.2), (4, 4), volume_density=tau, volume_g=g,
+                         volume_albedo=(0.99, 0.99, 0.99), **FINE)[..., 0].mean()
+        assert found == pytest.approx(through_slab(tau, g, sign), abs=0.11)
+
+
+def through_slab(tau: float, g: float, mu: float, count: int = 4000) -> float:
+    """The radiance of a slab of albedo 0.99 between light of radiance 1 (z > 1/2) and darkness, seen along z."""
+    rng = np.random.default_rng(4)
+    z, weight = np.full(count, -0.5 * mu), np.ones(count)
+    mu, total = np.full(count, mu), 0.0
+    while len(z):
+        z = z + mu * rng.exponential(1 / tau, len(z))
+        total += weight[z > 0.5].sum()
+        kept = (np.abs(z) <= 0.5) & (weight > 1e-3)
+        z, mu, weight = z[kept], mu[kept], 0.99 * weight[kept]
+        u, turn = rng.uniform(size=len(z)), 2 * np.pi * rng.uniform(size=len(z))
+        cosine = (1 + g * g - ((1 - g * g) / (1 - g + 2 * g * u)) ** 2) / (2 * g)
+        mu = mu * cosine + np.sqrt(np.maximum((1 - mu**2) * (1 - cosine**2), 0)) * np.cos(turn)
+    return total / count
 
 
 def test_more_volumes_than_a_program_can_have(radiance, renderer):

@@ -1,9 +1,10 @@
 """Light that a medium scatters many times, by the diffusion equation on a grid.
 
-    -div(D grad phi) + sigma_a phi = sigma_s phi_0,    D = 1 / (3 (sigma_a + (1 - g) sigma_s))
+    -div(D grad phi) + sigma_a phi = sigma_s phi_0 - div(3 D g sigma_s F_0),    D = 1 / (3 (sigma_a + (1 - g) sigma_s))
 
-phi_0 is the fluence of light that has not been scattered yet, and phi that of light that has (Ishimaru 1978, chapter
-9). Nothing scattered comes in through the faces of the grid: D dphi/dn = -phi / 2 there (Marshak's condition).
+phi_0 and F_0 are the fluence and the flux of light that has not been scattered yet, and phi is the fluence of light
+that has (Ishimaru 1978, chapter 9). A phase function with a narrow peak has to lose it first (`similarity.py`). Nothing
+scattered comes in through the faces of the grid: D dphi/dn = -phi / 2 there (Marshak's condition).
 
 Diffusion is an approximation where a medium is thin. But its error is known for one case: in a medium that absorbs
 nothing, under light of radiance 1 from everywhere, all radiance is 1, so that phi = 4 pi - phi_0. We solve this case,
@@ -12,39 +13,91 @@ too, and the ratio of its solutions corrects the others.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 
 MAX_ITERATIONS, TOLERANCE = 300, 1e-3
 _MOST_CORRECTED = 1e3
-_THICKEST = 1e6
+_AXES = 3, 2, 1
+"""Of arrays (k, n, n, n), those along x, y and z."""
+_THICKEST = 1e3
 """The optical depth of a cell from which on a medium is no thicker for the solver."""
 
 
-def scattered_fluence(extinction: np.ndarray, unscattered: np.ndarray, hidden: np.ndarray, cell: float,
-                      albedo: tuple[float, float, float], g: float) -> np.ndarray:
-    """The fluence of light that has been scattered at least once, (n, n, n, 3) float32.
+@dataclass(frozen=True, eq=False)
+class Scattered:
+    """Light that has been scattered at least once, at the centres of cells.
 
-    `extinction` (n, n, n) per unit of length; `cell` is the length of a cell. `unscattered` (n, n, n, 4) is the mean
-    fluence in a cell of light before its first collision, and in the last channel that of light that has the fluence 1
-    outside, the same from everywhere. `hidden` (n, n, n) is the mean opacity towards the outside over all directions.
+    `fluence` is (n, n, n, 3) float32. Its radiance from a direction d is greater by 1 + v . d than light from where the
+    outside is hidden would be, with v `origin` (n, n, n, 3) float32: all of it in the furnace, where v is 0.
     """
-    sigma_t = np.clip(extinction, 0, _THICKEST / cell).astype(np.float32) * np.float32(cell)
+
+    fluence: np.ndarray
+    origin: np.ndarray
+
+
+def scattered_light(extinction: np.ndarray, unscattered: np.ndarray, flux: np.ndarray, hidden: np.ndarray, cell: float,
+                    albedo: tuple[float, float, float], g: float) -> Scattered:
+    """`extinction` (n, n, n) is per unit of length; `cell` is the length of a cell. `unscattered` (n, n, n, 4) is the
+    mean fluence in a cell of light before its first collision, and in the last channel that of light that has the
+    fluence 1 outside, the same from everywhere. `flux` (3, n, n, n, 4) is the flux of this light along x, y and z.
+    `hidden` (n, n, n) is the mean opacity towards the outside over all directions.
+    """
+    depth = np.clip(extinction, 0, 1e30) * np.float64(cell)
+    sigma_t = np.minimum(depth, _THICKEST).astype(np.float32)
     albedos = np.array([*albedo, 1.0], np.float32)[:, None, None, None]
     hidden = np.clip(hidden, 0, 1)
     light = np.moveaxis(unscattered, -1, 0).astype(np.float64)
     scale = np.maximum(light.max(axis=(1, 2, 3), keepdims=True), 1e-300)
-    source = (sigma_t * albedos * (light / scale)).astype(np.float32)
-    phi = _solve(sigma_t, albedos, g, source) * scale
-    correction = hidden / np.maximum(phi[3], 1e-30)
-    phi = phi[:3] * np.minimum(correction, _MOST_CORRECTED)
-    return np.ascontiguousarray(np.moveaxis(np.maximum(phi, 0), 0, -1), np.float32)
+    source = (depth * albedos * (light / scale)).astype(np.float32)
+    # 3 D g sigma_s F_0 at faces: light that is scattered once tends to go on as it went
+    forward = (np.moveaxis(flux, -1, 1) / scale) * (albedos * g * sigma_t / _reduced(sigma_t, albedos, g))
+    carried = [((_before(along, axis) + _after(along, axis)) / 2).astype(np.float32)
+               for along, axis in zip(forward, _AXES, strict=True)]
+    for face, axis in zip(carried, _AXES, strict=True):
+        _before(source, axis)[...] -= face
+        _after(source, axis)[...] += face
+    phi = _solve(sigma_t, albedos, g, source)
+    origin = _origin(phi, _flux(phi, 1.5 * _reduced(sigma_t, albedos, g), carried), scale) * hidden[..., None]
+    correction = np.minimum(hidden / np.maximum(phi[3] * scale[3], 1e-30), _MOST_CORRECTED)
+    fluence = np.maximum(phi[:3] * scale[:3] * correction, 0)
+    return Scattered(np.ascontiguousarray(np.moveaxis(fluence, 0, -1), np.float32), origin.astype(np.float32))
+
+
+def _flux(phi: np.ndarray, resistance: np.ndarray, carried: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """-D grad phi + 3 D g sigma_s F_0 along x, y and z at the centres, as means of the faces."""
+    result = []
+    for forward, axis in zip(carried, _AXES, strict=True):
+        between = _before(resistance, axis) + _after(resistance, axis)
+        face = forward + (_before(phi, axis) - _after(phi, axis)) / between
+        along = np.zeros_like(phi)
+        _before(along, axis)[...] += face / 2
+        _after(along, axis)[...] += face / 2
+        result.append(along)
+    return result
+
+
+def _origin(phi: np.ndarray, flux: Sequence[np.ndarray], scale: np.ndarray) -> np.ndarray:
+    """Diffuse light of flux J has the radiance (phi - 3 J . d) / 4 pi from the direction d. -3 J / phi of all channels
+    together, less that of the furnace, each no more than at a surface (Marshak's)."""
+    ratios = []
+    for channels in (slice(3), slice(3, 4)):
+        total = np.maximum((phi[channels] * scale[channels]).sum(axis=0), 1e-30)
+        along = np.stack([(part[channels] * scale[channels]).sum(axis=0) / total for part in flux], axis=-1)
+        ratios.append(np.clip(-3 * along, -1.5, 1.5))
+    return ratios[0] - ratios[1]
+
+
+def _reduced(sigma_t: np.ndarray, albedos: np.ndarray, g: float) -> np.ndarray:
+    """1 / 3 D of unit cells; a mean free path is taken to be no longer than the grid."""
+    return sigma_t * (1 - albedos * np.float32(g)) + np.float32(1 / len(sigma_t))
 
 
 def _solve(sigma_t: np.ndarray, albedos: np.ndarray, g: float, source: np.ndarray) -> np.ndarray:
     """Conjugate gradients, preconditioned by the diagonal, for unit cells and each albedo (k, 1, 1, 1)."""
-    vacuum = np.float32(1 / len(sigma_t))  # a mean free path is no longer than the grid
-    reduced = sigma_t * (1 - albedos * np.float32(g)) + vacuum
-    resistance = 1.5 * reduced  # of half a cell: 1 / (2 D)
+    resistance = 1.5 * _reduced(sigma_t, albedos, g)  # of half a cell: 1 / (2 D)
     faces = [1 / (_before(resistance, axis) + _after(resistance, axis)) for axis in (1, 2, 3)]
     diagonal = sigma_t * (1 - albedos)
     for axis, face in zip((1, 2, 3), faces, strict=True):

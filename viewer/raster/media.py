@@ -14,6 +14,7 @@ import math
 import moderngl
 import numpy as np
 
+from ..bake.similarity import without_peak
 from ..gpu.context import Context
 from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
@@ -22,6 +23,7 @@ from ..plan.model import Plan
 from ..scene.camera import Camera
 from ..scene.fog import REACH, fog_medium, fog_of
 from ..scene.frame import Frame
+from ..scene.medium import Medium
 from ..scene.phase import mean_cosine
 from ..scene.scene import Scene
 from ..scene.volume import volume_medium
@@ -123,7 +125,8 @@ class MediaPass:
         media = self._uniforms(frame, settings)
         uniforms = frame_uniforms | media | {"u_steps": steps // SLICE_COUNT}
         if environment is not None:
-            uniforms |= environment.scattered_sky(plan, fog_medium(settings), volume_medium(settings))
+            uniforms |= environment.scattered_sky(plan, *(_travelled(medium(settings), settings)
+                                                          for medium in (fog_medium, volume_medium)))
         starts, counts = _parts(frame, settings)
         self._slices.march(self._programs, plan.media.march, frame, _ends(starts, counts), uniforms)
         self._slices.texture.use(UNIT_MEDIA)
@@ -155,9 +158,8 @@ class MediaPass:
         if fog is not None:
             values |= {
                 "u_fog_ball": (*frame.position(fog.center), fog.radius / frame.unit),
-                "u_fog_extinction": min(fog.medium.sigma_t[0] * frame.unit, 1e18),
-                "u_fog_scattering": (*fog.medium.albedo, fog.medium.phase),
-                "u_fog_mean_cosine": mean_cosine(fog.medium),
+                "u_fog_extinction": min(_travelled(fog.medium, settings).sigma_t[0] * frame.unit, 1e18),
+                **_scattering("fog", fog.medium, settings),
             }
             if math.isfinite(fog.scale_height):
                 base = (fog.base - frame.camera.eye[1]) / frame.unit
@@ -167,12 +169,11 @@ class MediaPass:
             # A volume that only shines is given an extinction that cannot be seen.
             densest = max(volume.maximum for volume in self._volumes.volumes)
             least = 1e-4 / (2 * max(densest, 1e-30)) if any(medium.emission) else 0.0
-            extinction = min(max(medium.sigma_t[0] * frame.unit, least), 1e18)
+            extinction = min(max(_travelled(medium, settings).sigma_t[0] * frame.unit, least), 1e18)
             emission = np.clip(np.array(medium.emission) * frame.unit / max(extinction, 1e-30), 0, 1e30)
             values |= self._volumes.uniforms(frame) | {
                 "u_volume_extinction": extinction,
-                "u_volume_scattering": (*medium.albedo, medium.phase),
-                "u_volume_mean_cosine": mean_cosine(medium),
+                **_scattering("volume", medium, settings),
                 "u_volume_emission": tuple(emission.tolist()),
             }
         return values
@@ -184,17 +185,32 @@ class MediaPass:
                 thing.release()
 
 
+def _travelled(medium: Medium, settings: Settings) -> Medium:
+    """The medium that light is taken to travel in."""
+    return without_peak(medium) if settings.media_scattering == "multiple" else medium
+
+
+def _scattering(name: str, medium: Medium, settings: Settings) -> dict[str, object]:
+    """How it scatters, for each unit of the optical depth that light is taken to meet. What comes from lights is
+    scattered for the first time by the whole phase function (Nakajima & Tanaka 1988)."""
+    travelled = _travelled(medium, settings)
+    share = medium.sigma_t[0] / travelled.sigma_t[0] if travelled.sigma_t[0] > 0 else 1.0
+    return {f"u_{name}_scattering": (*travelled.albedo, mean_cosine(travelled)),
+            f"u_{name}_of_lights": (*(share * albedo for albedo in medium.albedo), medium.phase)}
+
+
 def _grids(frame: Frame, settings: Settings) -> tuple[Grid | None, Grid | None]:
     """The cubes about fog and volumes in eye-relative space."""
     scene, fog, volumes = frame.scene, fog_of(frame.scene, settings), None
     around_fog = None
     if fog is not None:
         radius = fog.radius / frame.unit
-        around_fog = Grid(_corner(frame.position(fog.center), radius), 2 * radius, fog.medium)
+        around_fog = Grid(_corner(frame.position(fog.center), radius), 2 * radius, _travelled(fog.medium, settings))
     if scene.volumes:
         low, high = scene.volume_corners.min(axis=0), scene.volume_corners.max(axis=0)
         half = float((high - low).max()) / frame.unit * (0.5 + _GRID_MARGIN)
-        volumes = Grid(_corner(frame.position((low + high) / 2), half), 2 * half, volume_medium(settings))
+        medium = _travelled(volume_medium(settings), settings)
+        volumes = Grid(_corner(frame.position((low + high) / 2), half), 2 * half, medium)
     return around_fog, volumes
 
 

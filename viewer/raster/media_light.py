@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from ..bake.diffusion import scattered_fluence
+from ..bake.diffusion import scattered_light
 from ..bake.many_lights import ManyLights, uniform_lights
 from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, matrix_uniform, set_uniform
@@ -62,13 +62,15 @@ class MediaLight:
             self.depths.write(np.stack(parts))
         layers = []
         for grid in grids:
-            unscattered, hidden, opacity, extinction = self._draw(programs, plan.bake, 4, SIDE, uniforms, grid)
+            unscattered, hidden, opacity, extinction, *flux = self._draw(programs, plan.bake, 7, SIDE, uniforms, grid)
             scattered = np.zeros((SIDE, SIDE, SIDE, 4), np.float32)
             if plan.scatters_again:
-                light = np.clip(np.nan_to_num(unscattered, nan=0.0, posinf=1e30), 0, 1e30)
-                scattered[..., :3] = scattered_fluence(
-                    extinction[..., 0], light, opacity[..., 0], grid.length / SIDE, grid.medium.albedo,
-                    mean_cosine(grid.medium)) / (4 * np.pi)
+                light = scattered_light(
+                    extinction[..., 0], _finite(unscattered), _finite(np.stack(flux)), opacity[..., 0],
+                    grid.length / SIDE, grid.medium.albedo, mean_cosine(grid.medium))
+                scattered[..., :3] = light.fluence / (4 * np.pi)
+                opacity = opacity.copy()
+                opacity[..., 1:] += opacity[..., :1] * light.origin
             layers += [scattered, hidden, opacity]
         self.texture.write(np.stack(layers))
 
@@ -96,6 +98,10 @@ class MediaLight:
         for texture in (self.texture, self.depths):
             if texture is not None:
                 texture.release()
+
+
+def _finite(light: np.ndarray) -> np.ndarray:
+    return np.clip(np.nan_to_num(light, nan=0.0), -1e30, 1e30)
 
 
 def _cubes(gl: moderngl.Context, side: int, count: int) -> moderngl.Texture3D:
