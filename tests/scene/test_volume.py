@@ -15,12 +15,13 @@ from viewer.errors import UsageError
 from viewer.plan.media import MAX_VOLUMES
 from viewer.plan.warnings import picture_warnings
 from viewer.scene.camera import Camera
+from viewer.scene.environment_presets import make_preset
 from viewer.scene.frame import Frame
 from viewer.scene.framing import MARGIN
 from viewer.scene.light import Light
 from viewer.scene.medium import Medium
 from viewer.scene.scene import Scene
-from viewer.scene.volume import Volume, volume_medium
+from viewer.scene.volume import Volume, mean_collisions, volume_medium
 from viewer.settings import Settings
 
 BOX = [[-1, -2, -3], [2, 4, 7]]
@@ -167,3 +168,16 @@ def test_volumes_that_do_not_fit_into_a_program_are_told():
     assert picture_warnings(crowd, Settings()) == ["only the first 8 of 9 volumes are shown; mode path shows them all"]
     assert picture_warnings(crowd, Settings(mode="path")) == []
     assert picture_warnings(replace(crowd, volumes=crowd.volumes[1:]), Settings()) == []
+
+
+def test_volumes_in_which_paths_collide_often_are_warned_of():
+    """4 V / S of a box: 2 / 3 of the side of a cube, of any medium that absorbs nothing."""
+    cube = Volume.in_box(np.full((2, 3, 4), 0.5, np.float32), [[0, 0, 0], [2, 2, 2]])
+    assert mean_collisions(cube, Medium((30.0,) * 3, (1.0,) * 3)) == pytest.approx(30 * 0.5 * 4 / 3)
+    assert mean_collisions(cube, Medium((3000.0,) * 3, (0.9, 0.8, 0.5))) == pytest.approx(10)
+    model = Scene("cube", volumes=(cube,), environment=make_preset("furnace"))
+    white = {"volume_density": 1000.0, "volume_albedo": (1.0, 1.0, 1.0)}
+    [line] = picture_warnings(model, Settings.of(mode="path", **white))
+    assert "volume 'density'" in line and "collide up to 667 times" in line
+    assert not picture_warnings(model, Settings.of(**white))
+    assert not picture_warnings(model, Settings.of(mode="path", volume_density=1000.0))

@@ -6,9 +6,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..scene.scene import Scene
+from ..scene.volume import mean_collisions, volume_medium
 from ..settings import Settings
 from .media import MAX_VOLUMES
 from .planner import MAX_LIGHTS, is_lit
+
+MANY_COLLISIONS = 100.0
+"""Of a path in a volume. More are worth a warning, since each takes about the time of a reflection."""
 
 
 def is_dark(scene: Scene, settings: Settings) -> bool:
@@ -42,6 +46,12 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
         lines.append(f"only the {MAX_LIGHTS} brightest of {lights} lights are shown; mode path shows them all")
     lines += [f"volume {volume.name!r} is 0 everywhere: there is nothing to draw" for volume in scene.volumes
               if not volume.maximum]
+    if is_traced:
+        for volume in scene.volumes:
+            count = mean_collisions(volume, volume_medium(settings))
+            if count > MANY_COLLISIONS:
+                lines.append(f"volume {volume.name!r} is so dense, and absorbs so little, that paths collide up to "
+                             f"{count:.0f} times in it: the picture takes long")
     if scene.volumes and any(settings.volume_emission) and _misses_emission(settings):
         lines.append("volume_density is 0, so that mode path does not show what volumes emit: its paths find it where "
                      "they collide")

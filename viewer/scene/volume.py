@@ -117,5 +117,22 @@ def volume_medium(settings: Settings) -> Medium:
                   settings.volume_droplets, settings.volume_emission)
 
 
+def mean_collisions(volume: Volume, medium: Medium) -> float:
+    """An upper bound on the mean number of collisions of a path that enters the box of `volume`, by light from all
+    around.
+
+    What absorbs nothing has the same radiance everywhere then, so that the collisions are those on straight lines: 4
+    times the integral of the extinction over the surface of the box, however often light is scattered (Blanco and
+    Fournier 2003, "An Invariance Property of Diffusive Random Walks"). An albedo a leaves at most 1 / (1 - a) of them.
+    """
+    edges = volume.index_to_world[:3, :3] * np.array(volume.density.shape[::-1])
+    a, b, c = edges.T
+    surface = 2 * sum(float(np.linalg.norm(np.cross(p, q))) for p, q in ((a, b), (b, c), (c, a)))
+    mean = float(volume.density.mean(dtype=np.float64))
+    straight = 4 * max(medium.sigma_t) * mean * abs(float(np.dot(a, np.cross(b, c)))) / surface
+    albedo = max(medium.albedo)
+    return min(straight, 1 / (1 - albedo)) if albedo < 1 else straight
+
+
 def _float_type(values: Any) -> type:
     return np.float16 if getattr(values, "dtype", None) == np.float16 else np.float32
