@@ -42,7 +42,12 @@ void main() {
     float pdf = asks_lights(m) ? any_phase(m.phase, p.direction, direction) : 0.0;
     // Roulette alone ends paths, with the probability that they are absorbed; a white medium keeps them all.
     float survival = min(max(p.throughput.r, max(p.throughput.g, p.throughput.b)) * p.eta2, 1.0);
-    bool continues = u.z < survival && p.steps < MOST_STEPS;
+    bool continues = u.z < survival;
+    // A path that would not end spoils its sample, which is then left out of the picture and counted.
+    if (continues && p.steps >= MOST_STEPS) {
+        continues = false;
+        p.radiance = vec3(uintBitsToFloat(0x7fc00000u));
+    }
     p.throughput /= max(survival, 1e-30);
     p.direction = direction;
     p.pdf = pdf;

@@ -17,6 +17,7 @@ from viewer.scene.material import Material
 from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Scene
 from viewer.settings import Settings
+from viewer.trace import defines
 from viewer.trace.scene.traced_scene import plan_without_device
 
 FRONT = orthographic(0.4, 0.3, height=2.2)
@@ -189,3 +190,19 @@ def test_a_scene_without_scattering_has_no_code_for_it(everything_in_fog):
     assert not any(program["HAS_SCATTERING"] for name, program in plans[1].programs.items() if name in (
         "generate", "classify", "finish", "glass", "surface"))
     assert "scattering in volumes" in plans[0].used and "scattering in volumes: there is none" in plans[1].left_out
+
+
+def test_paths_that_would_not_end_are_counted(tracer, monkeypatch):
+    """With a bound of few collisions: such samples are left out, and in a furnace those that remain are right."""
+    model = scene(sphere(segments=16), materials=[fog(10.0, 1.0)], environment=constant())
+    bad = []
+    for bound in (10, 8000):
+        monkeypatch.setitem(defines._CONSTANTS, "MOST_STEPS", bound)
+        path_render = tracer.begin(model, orthographic(0, 0, height=1.0), Settings.of(
+            mode="path", spp=32, fresnel="exact", sampling="bsdf"), (4, 4))
+        while not path_render.is_done:
+            path_render.step(1.0)
+        bad.append(path_render.bad_samples)
+        assert path_render.image().linear[..., :3] == pytest.approx(1, abs=1e-3)
+        path_render.release()
+    assert 20 < bad[0] < 500 and bad[1] == 0

@@ -42,7 +42,8 @@ lies within |p| <= 1.
 MEDIA_REACH = 4.0
 """In scenes with scattering, media end at this distance from the centre, in tracer units. `FAR` is then twice that."""
 MOST_STEPS = 8000
-"""A path ends in a medium if it had so many collisions. The counter of shaders/trace/state.glsl holds a few more."""
+"""A path that has so many collisions in media, and would go on, is left out of the picture and counted. The counter of
+shaders/trace/state.glsl holds a few more."""
 
 SCENE_WIDTH = 4096
 """Texels in a row of the scene buffer."""
