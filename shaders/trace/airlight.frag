@@ -66,8 +66,9 @@ void main() {
     uint counter = vertex_hash(path_sample(texel, p.left), p, AIRLIGHT_GROUP);
     scattered *= volumes_transmittance(p.origin, p.direction, t, counter);
 #endif
-    p.contribution = clamped(p.throughput * scattered * irradiance / (pdf * chance), p.depth + 1);
-    if (pdf > 0.0 && p.contribution != vec3(0.0)) {
+    // A point on the face of a box of a volume may count as inside, where there is no fog.
+    if (pdf > 0.0) p.contribution = clamped(p.throughput * scattered * irradiance / (pdf * chance), p.depth + 1);
+    if (p.contribution != vec3(0.0)) {
         p.shadow_origin = position;
         p.shadow_vector = distance * l;
     }
