@@ -14,10 +14,14 @@ uniform vec3 u_view_direction; // towards the eye
 uniform float u_pixels;        // length of a scene unit in pixels, at distance 1 (orthographic: at any distance)
 out vec4 o_visibility;
 
+// Sine of the angle above the face up to which a sample hides nothing. It is the centre of a pixel, beside the line that
+// is searched: without this, a sloping plane would hide itself. Occluders so low hide 0.01 % of the light.
+const float FLAT = 0.01;
+
 // Cosine between v and the highest sample along `along`, seen from p. A sample's weight falls to 0 at the scene's
 // radius: the picture tells nothing about the thickness of an occluder, and a distant one is rarely as deep as the gap
 // behind it.
-float horizon(vec3 p, vec3 v, vec2 along, float reach, float lowest) {
+float horizon(vec3 p, vec3 v, vec3 n_geometric, vec2 along, float reach, float lowest) {
     float highest = lowest;
     for (int k = 1; k <= STEPS; ++k) {
         float t = float(k) / float(STEPS);
@@ -26,7 +30,8 @@ float horizon(vec3 p, vec3 v, vec2 along, float reach, float lowest) {
         vec4 occluder = texelFetch(u_positions, inside, 0);
         vec3 d = occluder.xyz - p;
         float distance = length(d);
-        float weight = occluder.w == 0.0 || tap != inside ? 0.0 : clamp(2.0 - 2.0 * distance, 0.0, 1.0);
+        bool hides = occluder.w != 0.0 && tap == inside && dot(d, n_geometric) > FLAT * distance;
+        float weight = hides ? clamp(2.0 - 2.0 * distance, 0.0, 1.0) : 0.0;
         highest = max(highest, mix(lowest, dot(d, v) / max(distance, 1e-6), weight));
     }
     return min(highest, 1.0); // acos is undefined beyond
@@ -35,7 +40,8 @@ float horizon(vec3 p, vec3 v, vec2 along, float reach, float lowest) {
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 surface = texelFetch(u_positions, pixel, 0);
-    vec3 p = surface.xyz, n = from_octahedron(texelFetch(u_normals, pixel, 0).xy);
+    vec4 normals = texelFetch(u_normals, pixel, 0);
+    vec3 p = surface.xyz, n = from_octahedron(normals.xy), n_geometric = from_octahedron(normals.zw);
 #if IS_ORTHOGRAPHIC
     vec3 v = u_view_direction;
     float reach = u_pixels;
@@ -43,7 +49,7 @@ void main() {
     vec3 v = -normalize(p);
     float reach = u_pixels / max(dot(-p, u_view_direction), 1e-6);
 #endif
-    float sum = 0.0;
+    float sum = 0.0, whole = 0.0; // what the two horizons leave, and the whole hemisphere by the same planes
     for (int k = 0; k < SLICES; ++k) {
         float phi = PI * (float(k) + 0.5) / float(SLICES);
         vec2 along = vec2(cos(phi), sin(phi));
@@ -53,14 +59,15 @@ void main() {
         vec3 projected = n - dot(n, axis) * axis;
         float weight = max(length(projected), 1e-6);
         float gamma = acos(clamp(dot(projected, v) / weight, -1.0, 1.0)) * (dot(projected, t) < 0.0 ? -1.0 : 1.0);
-        float left = -acos(horizon(p, v, -along, reach, cos(gamma - HALF_PI)));
-        float right = acos(horizon(p, v, along, reach, cos(gamma + HALF_PI)));
+        float left = -acos(horizon(p, v, n_geometric, -along, reach, cos(gamma - HALF_PI)));
+        float right = acos(horizon(p, v, n_geometric, along, reach, cos(gamma + HALF_PI)));
         left = max(left, gamma - HALF_PI);
         right = min(right, gamma + HALF_PI);
         sum += weight * 0.25 * (2.0 * cos(gamma) - cos(2.0 * left - gamma) - cos(2.0 * right - gamma)
                                 + 2.0 * (left + right) * sin(gamma));
+        whole += weight * (cos(gamma) + gamma * sin(gamma));
     }
-    float sky_visibility = clamp(sum / float(SLICES), 0.0, 1.0);
+    float sky_visibility = clamp(sum / max(whole, 1e-6), 0.0, 1.0);
     float NoV = clamp(dot(n, v), 0.0, 1.0);
     o_visibility = vec4(vec3(sky_visibility), specular_occlusion(NoV, sky_visibility, surface.w * surface.w));
 }

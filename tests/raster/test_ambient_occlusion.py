@@ -39,6 +39,13 @@ def test_a_ball_alone_is_as_without(radiance):
     assert np.abs(picture - 1).max() < 0.02
 
 
+@pytest.mark.parametrize("azimuth", [0.0, 0.4])
+def test_a_plane_that_is_seen_at_a_slant_hides_nothing_of_itself(radiance, azimuth):
+    floor = scene((plate(0, half=2.0), facing_floor()), environment=constant())
+    picture = radiance(floor, orthographic(azimuth, 0.3, height=1.0), SIZE, ambient_occlusion="gtao")[..., 0]
+    assert np.abs(picture - 1).max() < 1e-3
+
+
 @pytest.mark.parametrize("scale", [1e-6, 1e6])
 def test_the_scale_does_not_matter(radiance, scale):
     unit = radiance(corner(), view(), SIZE, ambient_occlusion="gtao")
