@@ -42,7 +42,8 @@ def bake_incoming(context: Context, scene: Scene, settings: Settings, samples: i
     `programs` keep what is compiled for the next time.
 
     rgb is irradiance divided by pi. a is the cosine-weighted part of the hemisphere that surfaces cover, 0 to 1.
-    Surfaces that blend or transmit light receive light, but they do not cover anything.
+    Surfaces that blend or transmit light receive light, but they do not cover anything, unless what they bound
+    scatters light.
     """
     receivers = _receivers(scene)
     solid = tuple(i for i in scene.instances if _covers(scene, i.mesh))
@@ -63,7 +64,7 @@ def _receivers(scene: Scene) -> list[int]:
 
 def _covers(scene: Scene, mesh: int) -> bool:
     material = scene.materials[scene.meshes[mesh].material]
-    return material.alpha_mode != "blend" and not material.transmits
+    return material.alpha_mode != "blend" and (not material.transmits or material.medium.scatters)
 
 
 def _bake(context: Context, scene: Scene, traced: Scene, receivers: list[int], settings: Settings, kind: int,
