@@ -371,6 +371,39 @@ def translucent() -> Glb:
     return glb
 
 
+def subsurface() -> Glb:
+    """Solids that scatter light inside, lit from behind and, through slats, from the front. A head of wax with ears,
+    milk with a rough boundary, a medium without one, and a ball whose diffuse boundary lets light in."""
+    glb, ball = Glb(), without(sphere(0.45), "TANGENT", "TEXCOORD_0")
+    volume = {"thicknessFactor": 0.9, "attenuationDistance": 0.1}
+    kinds = [
+        ({"KHR_materials_transmission": {"transmissionFactor": 1.0}, "KHR_materials_ior": {"ior": 1.4}},
+         [0.5, 0.35, 0.2], [0.85, 0.6, 0.35], 0.0, {"roughness": 0.4}),
+        ({"KHR_materials_transmission": {"transmissionFactor": 1.0}, "KHR_materials_ior": {"ior": 1.33}},
+         [0.5, 0.5, 0.5], [0.9, 0.9, 0.85], 0.5, {"roughness": 0.55}),
+        ({"KHR_materials_transmission": {"transmissionFactor": 1.0}, "KHR_materials_ior": {"ior": 1.0}},
+         [0.8, 0.6, 0.4], [0.5, 0.7, 0.9], 0.0, {"roughness": 0.0}),
+        ({"KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 0.9}},
+         [0.6, 0.3, 0.1], [0.9, 0.5, 0.3], 0.0, {"color": (0.8, 0.8, 0.8), "roughness": 0.6}),
+    ]
+    for place, (extensions, attenuation, scatter, g, look) in enumerate(kinds):
+        extensions = extensions | {
+            "KHR_materials_volume": volume | {"attenuationColor": attenuation},
+            "KHR_materials_volume_scatter": {"multiscatterColorFactor": scatter, "scatterAnisotropy": g}}
+        mesh = glb.mesh(ball, glb.material(**look, extensions=extensions))
+        x, y = place % 2 * 1.3 - 0.65, 0.65 - place // 2 * 1.3
+        glb.node(mesh, translation=[x, y, 0])
+        if place == 0:
+            for side in (-0.5, 0.5):
+                glb.node(mesh, translation=[x + side, y + 0.1, 0], scale=[0.35, 0.45, 0.08])
+    for k in range(5):
+        glb.node(glb.mesh(plate(0.12, 3), glb.material(doubleSided=True)), translation=[k * 0.6 - 1.3, 3.0, 3.0])
+    glb.light("directional", (0.3, 0.5, -2), intensity=4.0)
+    glb.light("directional", (0, 2, 2), intensity=2.0)
+    glb.camera((0, 0, 5.6))
+    return glb
+
+
 def sheen() -> Glb:
     """Cloth. Above: sheen of roughness 0.2, 0.5 and 1, and coloured. Below: colour and roughness by a texture, over
     smooth plastic, under a clear coat, and over metal."""
@@ -532,7 +565,7 @@ def huge() -> Glb:
 
 SCENES = [arm, spheres, normal_map, textures, alpha, lights, vertex_colors, emissive, unlit, specular_ior, glass,
           dispersion, anisotropy, clearcoat, sheen, iridescence, specular_glossiness, rough_diffuse, translucent,
-          two_sided, lines_points, occlusion, tiny, huge]
+          subsurface, two_sided, lines_points, occlusion, tiny, huge]
 
 if __name__ == "__main__":
     save_scenes(SCENES, Path(__file__).parent / "scenes")

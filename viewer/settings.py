@@ -179,6 +179,9 @@ class Settings:
         "environment", "what is reflected; traced: also the model itself, by one ray from each shaded point")
     refraction: Literal["screen", "traced"] = _option(
         "screen", "refraction in solid glass: in screen space, or traced by two paths from each shaded point")
+    subsurface: Literal["off", "slab", "screen"] = _option(
+        "screen", "light that solids scatter inside; slab: at each point alone, by the thickness behind it; screen: "
+        "also spread over the surface, by a diffusion profile in screen space")
     specular_aa: Literal["on", "off"] = _option(
         "off", "specular antialiasing: widen highlights smaller than a pixel, which flicker less but are less exact")
     background_blur: float = _option(
@@ -350,7 +353,7 @@ _USED_BY: dict[str, tuple[Mode, ...]] = {
     **dict.fromkeys(("shadows", "antialias"), ("pbr", "phong")),
     **dict.fromkeys(("media_steps", "media_rays", "media_scattering"), ("pbr", "phong")),
     **dict.fromkeys(("environment_shadows", "ambient_occlusion", "indirect", "reflections", "refraction",
-                     "specular_aa"), ("pbr",)),
+                     "subsurface", "specular_aa"), ("pbr",)),
     **dict.fromkeys((*STOPPING, "seed", "denoise", "sampling", "bounces", "light_radius", "clamp"), ("path",)),
 }
 """The modes that use a setting, for the settings that not all modes use."""

@@ -62,8 +62,20 @@ struct Point {
 #if HAS_TRANSMISSION
 #include "raster/transmission.glsl"
 #endif
+#if SUBSURFACE == 3
+#include "raster/joint_bilateral.glsl"
+#endif
+#if SUBSURFACE
+#include "raster/subsurface.glsl"
+#endif
+#if SUBSURFACE == 2
+layout(location = 1) out vec4 o_position; // w: the instance, from 1
+layout(location = 2) out vec4 o_profile;  // s of Burley's profile
+uniform float u_instance;
+uniform vec3 u_interior_shape;            // s, per eye-relative unit
+#endif
 
-#if DIFFUSE_TRANSMISSION && IS_SOLID
+#if DIFFUSE_TRANSMISSION && IS_SOLID && !SUBSURFACE
 // A solid is taken for a slab. Light enters either side with t color, a of it is not absorbed on its way across, and each
 // side returns (1 - t) rho of it. With r = (1 - t) rho a, the inside of a side gets t color a / (1 - r^2) of the light
 // that falls on the other side, and r times as much of its own: t color a / (1 - r) in all, r / (1 + r) of it its own.
@@ -88,20 +100,26 @@ void main() {
 #if IS_ORTHOGRAPHIC
     p.v = u_view_direction;
 #endif
+#if SUBSURFACE == 2
+    p.v = p.n;
+#endif
     p.NoV = clamp(dot(p.n, p.v), 1e-4, 1.0);
 #if ANISOTROPIC
     p.frame = anisotropy_frame(m, p.n);
 #endif
 
-#if HAS_TRANSMISSION
+#if HAS_TRANSMISSION && SUBSURFACE != 2
     float blur = transmitted_roughness(mean_roughness(m), m.ior);
 #endif
     m.perceptual_roughness = clamp(m.perceptual_roughness, MIN_PERCEPTUAL_ROUGHNESS, 1.0);
     Surface s = surface_of(m);
 #if DIFFUSE_TRANSMISSION
     p.behind = m.thickness;
+#if SUBSURFACE
+    p.behind = 3.3 * v_interior.x; // a tenth more than the diameter of a ball
+#endif
     p.returned = vec3(0.0);
-#if IS_SOLID
+#if IS_SOLID && !SUBSURFACE
     s.diffuse_transmission_color *= crossed_solid(s, exp(-u_absorption * m.thickness), p.returned);
 #endif
 #endif
@@ -142,14 +160,27 @@ void main() {
 #endif
     view.coat = make_coat(s.coat, coat_alpha, n_coat, clamp(dot(n_coat, p.v), 1e-4, 1.0), u_dfg);
 #endif
-#if HAS_TRANSMISSION
+#if SUBSURFACE
+    vec3 dimmed;
+    Interior inside = interior_at(m, dimmed);
+#endif
+#if HAS_TRANSMISSION && SUBSURFACE != 2
     vec3 transmitted = transmitted_light(m, p.n, p.n_geometric, p.v, blur);
+#if SUBSURFACE
+    transmitted *= dimmed;
+#endif
     TRANSMITTANCE throughput = surface_throughput(s, view) * m.transmission;
     radiance += throughput * entering_tint(m.base_color.rgb) * transmitted * float(SHOW_SPECULAR);
     s.base_color *= 1.0 - m.transmission; // the rest is scattered diffusely
 #if DIFFUSE_TRANSMISSION
     s.diffuse_transmission_color *= 1.0 - m.transmission;
 #endif
+#endif
+#if SUBSURFACE == 3
+    radiance += interface_environment_throughput(view.dielectric) * spread_light(v_position, p.n_geometric);
+    s.diffuse_transmission_color = vec3(0.0);
+#elif SUBSURFACE
+    add_interior(inside, m, s);
 #endif
 #if CLEARCOAT
     radiance *= view.coat.throughput;
@@ -169,5 +200,13 @@ void main() {
 #if LIGHT_COUNT > 0
     for (int i = 0; i < LIGHT_COUNT; ++i) radiance += shade_light(i, p, s, view);
 #endif
+#if SUBSURFACE == 2
+    // What the surface takes from light that leaves it along the normal is given back.
+    o_color = vec4(radiance / max(interface_environment_throughput(view.dielectric), 1e-3), 1.0);
+    o_position = vec4(v_position, u_instance);
+    o_profile = vec4(u_interior_shape, 0.0);
+    drop_uncovered(covered);
+#else
     write_radiance(radiance, covered);
+#endif
 }

@@ -6,6 +6,9 @@
 #if INDIRECT
 #include "raster/indirect.glsl"
 #endif
+#if SUBSURFACE && INDIRECT
+in vec4 v_behind; // the mean of v_indirect on the other sides of the solid
+#endif
 
 #if MEDIA
 // The environment's light over a specular lobe about d and over the hemisphere about n, as it arrives through media, with
@@ -135,6 +138,9 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
     vec3 radiance = surface_environment(s, view, specular, mean_light);
 #if DIFFUSE_TRANSMISSION && HAS_ENVIRONMENT
     vec3 through = environment_irradiance_over_pi(-p.n);
+#if SUBSURFACE && INDIRECT
+    through = (1.0 - clamp(v_behind.a, 0.0, 1.0)) * through + max(v_behind.rgb, 0.0);
+#endif
 #if IS_SOLID
     through = mix(through, environment_irradiance_over_pi(p.n), p.returned);
 #endif

@@ -19,7 +19,12 @@ float light_visibility(int i, vec3 position, vec3 n, vec3 l) {
 #if DIFFUSE_TRANSMISSION
 // Light that a surface lets through from behind. Its far side is `behind` away, so that a solid does not shadow itself.
 vec3 light_from_behind(int i, Point p, Surface s, SurfaceView view, vec3 l, vec3 irradiance) {
+#if SUBSURFACE
+    vec3 far_side = v_position + p.behind * l; // on the way to the light, beyond the solid
+    irradiance *= light_visibility(i, far_side, l, l);
+#else
     irradiance *= light_visibility(i, v_position - p.behind * p.n_geometric, -p.n_geometric, l);
+#endif
     float NoL = -dot(p.n, l);
 #if REFLECTS
     vec2 dfg = dfg_albedo(u_dfg, NoL, view.perceptual_roughness);

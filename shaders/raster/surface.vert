@@ -31,6 +31,14 @@ out vec4 v_color;
 in vec4 a_indirect;
 out vec4 v_indirect;
 #endif
+#if SUBSURFACE
+in vec2 a_interior;
+out vec2 v_interior;
+#if INDIRECT
+in vec4 a_behind;
+out vec4 v_behind;
+#endif
+#endif
 #if IS_POINTS
 uniform float u_point_size;
 #endif
@@ -56,6 +64,12 @@ void main() {
 #endif
 #if INDIRECT
     v_indirect = a_indirect;
+#endif
+#if SUBSURFACE
+    v_interior = a_interior;
+#if INDIRECT
+    v_behind = a_behind;
+#endif
 #endif
 #if IS_POINTS
     gl_PointSize = u_point_size;

@@ -22,6 +22,7 @@ from ..scene.material import (
     VOLUME,
 )
 from ..scene.mesh import Mesh
+from ..scene.parameter import Feature
 from ..scene.scene import Scene
 from ..scene.schema import MAPS, SWITCHED
 from ..settings import Settings
@@ -86,11 +87,15 @@ def _used(plan: Plan) -> tuple[str, ...]:
         media = ["fog"] * plan.media.has_fog + [_count(plan.media.volumes, "volume")] * (plan.media.volumes > 0)
         lines.append(" and ".join(media) + ", marched along rays"
                      + "; light scattered in it many times, by a diffusion equation" * plan.media.scatters_again)
+    inside = sum(plan.count(draw) * draw.has_subsurface for draw in plan.kinds)
+    if inside:
+        lines.append(f"light scattered inside of {_count(inside, 'solid')}, by the thickness behind each point"
+                     + ", and spread over the surface in screen space" * plan.spreads_subsurface)
     if plan.curves is not None:
         lines.append(f"{_count(plan.curves.strands, 'strand')} of curves, as strips that face the camera, with "
                      f"{_count(len(plan.curves.programs), 'program')}; at least {plan.curves.megabytes:.3g} MB")
     for layer, what in _LAYERS.items():
-        count = sum(plan.count(draw) * draw.program.get(layer.switch) for draw in plan.kinds)
+        count = sum(plan.count(draw) * _has(draw, layer) for draw in plan.kinds)
         if count:
             lines.append(f"{what} of {_count(count, 'surface')}")
     textures = {(draw.material, name): texture for draw in plan.kinds for name in draw.maps
@@ -141,8 +146,9 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
     lines += omitted_anisotropy(scene, settings) + _ignored_by_phong(scene, settings)
     lines += _omitted_layers(plan, settings)
     scattering = sum(material.medium.scatters for material in scene.materials)
-    if scattering:
-        lines.append(f"scattering in the volumes of {_count(scattering, 'material')}: mode path has it")
+    if scattering and not plan.has_subsurface:
+        lines.append(f"scattering in the volumes of {_count(scattering, 'material')}: "
+                     + ("not requested" if settings.mode == "pbr" else "modes pbr and path have it"))
     if any_lit and not plan.has_indirect and settings.mode == "pbr":
         reason = "not requested" if settings.indirect == "off" else "the scene is convex: no surface sees another"
         lines.append(f"indirect light: {reason}")
@@ -201,7 +207,12 @@ def _omitted_layers(plan: Plan, settings: Settings) -> list[str]:
     if settings.mode == "phong":
         return []
     return [f"{what}: no surface has it" for layer, what in _LAYERS.items()
-            if not any(draw.program.get(layer.switch) for draw in plan.kinds)]
+            if not any(_has(draw, layer) for draw in plan.kinds)]
+
+
+def _has(draw: Draw, layer: Feature) -> bool:
+    """Whether its program has the layer for its own material's sake."""
+    return bool(draw.program.get(layer.switch)) and layer.is_on(draw.surface)
 
 
 _LAYERS = {SHEEN: "sheen", CLEARCOAT: "clear coat", IRIDESCENCE: "iridescence",

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 THIN_WALLED, SOLID = 1, 2
 """Values of `Draw.transmits`; 0: opaque."""
+NO_SUBSURFACE, ALONE, GATHERED, SPREAD = range(4)
+"""Values of the switch SUBSURFACE: light that a solid scatters inside is not drawn; found at each point alone; found
+for a pass that spreads it over the surface; or taken from that pass."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +78,16 @@ class Draw:
     def traces_refraction(self) -> bool:
         """Whether earlier passes trace paths through the model for the light that it transmits."""
         return self.program.get("TRACED_REFRACTION") == 1
+
+    @property
+    def has_subsurface(self) -> bool:
+        """Whether light that is scattered inside of it is drawn."""
+        return self.program.get("SUBSURFACE") != NO_SUBSURFACE
+
+    @property
+    def spreads_subsurface(self) -> bool:
+        """Whether an earlier pass spreads that light over its surface."""
+        return self.program.get("SUBSURFACE") == SPREAD
 
     @property
     def is_in_gbuffer(self) -> bool:
@@ -160,6 +173,16 @@ class Plan:
         return any(draw.program.get("INDIRECT") for draw in self.kinds)
 
     @property
+    def has_subsurface(self) -> bool:
+        """Whether solids show light that is scattered inside of them."""
+        return any(draw.has_subsurface for draw in self.kinds)
+
+    @property
+    def spreads_subsurface(self) -> bool:
+        """Whether a pass spreads that light over their surfaces."""
+        return any(draw.spreads_subsurface for draw in self.kinds)
+
+    @property
     def has_solid_transmission(self) -> bool:
         """Whether a surface is the boundary of a solid, into which light is refracted (KHR_materials_volume)."""
         return self.is_everything or any(draw.transmits == SOLID for draw in self.kinds)
@@ -173,6 +196,7 @@ class Plan:
         passes = ["shadows"] * bool(self.shadow_layer_count) + ["visibility"] * self.has_visibility
         passes += ["reflections"] * self.has_traced_reflections
         passes += ["media"] * (self.media is not None)
+        passes += ["subsurface"] * self.spreads_subsurface
         passes += ["surfaces"] * bool(self.draws) + ["curves"] * (self.curves is not None)
         passes += ["solid transmission"] if self.has_solid_transmission else []
         passes += ["background"] if self.background else []

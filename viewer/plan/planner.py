@@ -14,7 +14,7 @@ from ..material.fold import without_constant_maps
 from ..material.use import feature_switches, metalness, supported, used_maps
 from ..scene.convex import is_convex
 from ..scene.light import Light
-from ..scene.material import ANISOTROPY, CLEARCOAT, Material, Texture
+from ..scene.material import ANISOTROPY, CLEARCOAT, DIFFUSE_TRANSMISSION, Material, Texture
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.schema import MAP_SWITCHES, MAPS, SWITCHED
@@ -23,7 +23,7 @@ from .bsdf_switches import bsdf_switches
 from .curves import draws_curves, plan_curves
 from .explain import explain
 from .media import has_media, media_switches, plan_media
-from .model import Draw, Plan, Program
+from .model import ALONE, NO_SUBSURFACE, SPREAD, Draw, Plan, Program
 from .samplers import within_limit
 from .sharing import attributes_of, include_everything, share_programs
 
@@ -189,7 +189,10 @@ def _draw(
         "INDIRECT": common["INDIRECT"] * lit,
         **features,
         **{name: common[name] for name in ("HALF_TARGET", "SAMPLES", "MEDIA")},
+        "SUBSURFACE": subsurface(material, model, settings),
     }
+    if switches["SUBSURFACE"]:  # what comes through a solid is a cosine lobe, as that of diffuse transmission is
+        switches[DIFFUSE_TRANSMISSION.switch] = 1
     for name in MAPS:
         switches |= _map_switches(name.upper(), textures.get(name))
     if lit:
@@ -204,6 +207,14 @@ def _draw(
     transmits = features["HAS_TRANSMISSION"] * (1 + features["IS_SOLID"])
     return Draw(0, mesh_index, mesh.material, material, program, maps, attributes_of(switches), material.alpha_mode,
                 transmits, given_up=tuple(name for name in switches if switches[name] != wanted[name]))
+
+
+def subsurface(material: Material, model: str, settings: Settings) -> int:
+    """The switch SUBSURFACE of a lit surface: how light that the volume behind it scatters is drawn."""
+    is_shown = model == "pbr" and settings.subsurface != "off" and settings.lobes in ("all", "uniform-diffuse")
+    if not is_shown or not material.medium.scatters:
+        return NO_SUBSURFACE
+    return ALONE if settings.subsurface == "slab" or material.alpha_mode == "blend" else SPREAD
 
 
 def _is_shown(name: str, lit: bool, common: dict[str, int]) -> bool:

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ..scene.schema import MAP_SWITCHES, MAPS
+from .model import ALONE, SPREAD
 
 MAX_SAMPLERS = 16
 _OPTIONAL = ("TRACED_REFRACTION", "TRACED_REFLECTION", "VISIBILITY")
@@ -20,6 +21,7 @@ def sampler_count(switches: Mapping[str, int]) -> int:
     is_pbr, is_lit = int("REFLECTS" in switches), int("LIGHT_COUNT" in switches)
     tables = on["REFLECTS"] + is_pbr * on["HAS_ENVIRONMENT"] * (1 + on["REFLECTS"]) + on["SHADOW_LAYERS"]
     passes = on["HAS_TRANSMISSION"] + 2 * on["VISIBILITY"] + 2 * on["TRACED_REFLECTION"] + 3 * on["TRACED_REFRACTION"]
+    passes += 2 * (switches.get("SUBSURFACE") == SPREAD)
     passes += on["MEDIA"] * (1 + is_lit) + on["VOLUMES"] * on["LIGHT_COUNT"]
     return sum(switches[f"{name.upper()}_MAP"] for name in MAPS) + tables + passes
 
@@ -28,6 +30,8 @@ def within_limit(switches: Mapping[str, int]) -> dict[str, int]:
     """The switches, with optional ones turned off until the program needs at most MAX_SAMPLERS samplers, and then maps
     from the last in the declaration of materials on: extensions before what glTF 2.0 itself has."""
     reduced = dict(switches)
+    if sampler_count(reduced) > MAX_SAMPLERS and reduced.get("SUBSURFACE") == SPREAD:
+        reduced["SUBSURFACE"] = ALONE
     for name in _OPTIONAL:
         if sampler_count(reduced) > MAX_SAMPLERS and reduced.get(name):
             reduced[name] = 0

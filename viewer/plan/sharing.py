@@ -49,7 +49,9 @@ def _maps(fragment: str) -> list[str]:
 def attributes_of(switches: Mapping[str, int]) -> tuple[str, ...]:
     """The vertex attributes that a program with these switches reads."""
     names = {"a_normal": switches["HAS_NORMAL"], "a_tangent": switches["HAS_TANGENT"], "a_color": switches["HAS_COLOR"],
-             "a_indirect": switches["INDIRECT"], "a_uv0": switches["UV_SETS"] & 1, "a_uv1": switches["UV_SETS"] & 2}
+             "a_indirect": switches["INDIRECT"], "a_interior": switches["SUBSURFACE"],
+             "a_behind": switches["SUBSURFACE"] and switches["INDIRECT"],
+             "a_uv0": switches["UV_SETS"] & 1, "a_uv1": switches["UV_SETS"] & 2}
     return ("a_position", *(name for name, is_read in names.items() if is_read))
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 import moderngl
 import numpy as np
 
@@ -9,7 +12,7 @@ from ..scene.mesh import Mesh
 from ..scene.triangles import triangles_of
 
 _FORMATS = {"a_position": "3f", "a_normal": "3f", "a_tangent": "4f", "a_color": "4f", "a_uv0": "2f", "a_uv1": "2f"}
-_INDIRECT = "a_indirect"
+_OF_INSTANCES = {"a_indirect": "4f", "a_interior": "2f", "a_behind": "4f"}
 # Values of attributes that a shared program reads and a mesh lacks: they change nothing.
 _BLANK = {"a_tangent": (0.577, 0.577, 0.577, 1.0), "a_color": (1.0, 1.0, 1.0, 1.0), "a_uv0": (0.0, 0.0),
           "a_uv1": (0.0, 0.0)}
@@ -26,7 +29,7 @@ class MeshBuffers:
     def __init__(self, gl: moderngl.Context, mesh: Mesh) -> None:
         self._gl, self._mesh = gl, mesh
         self._buffers: dict[str, moderngl.Buffer] = {}
-        self._arrays: dict[tuple[int, bool, int], moderngl.VertexArray] = {}
+        self._arrays: dict[tuple[int, ...], moderngl.VertexArray] = {}
         self._sorted: moderngl.Buffer | None = None
         self.to_mesh = _to_mesh(mesh)
 
@@ -40,16 +43,16 @@ class MeshBuffers:
                 buffer.write(self._data(name))
 
     def draw(self, program: moderngl.Program, order: np.ndarray | None = None,
-             indirect: moderngl.Buffer | None = None) -> None:
-        """Draw with `program`. `order`, from `back_to_front`, replaces the mesh's own indices; `indirect` has the
-        indirect light of one instance's vertices."""
+             of_instance: Mapping[str, moderngl.Buffer] = MappingProxyType({})) -> None:
+        """Draw with `program`. `order`, from `back_to_front`, replaces the mesh's own indices; `of_instance` has the
+        attributes that belong to one instance's vertices: a_indirect, a_interior, a_behind."""
         if order is not None:
             data = np.ascontiguousarray(order, np.uint32)
             if self._sorted is None:
                 self._sorted = self._gl.buffer(data, dynamic=True)
             else:
                 self._sorted.write(data)
-        self._array(program, order is not None, indirect).render()
+        self._array(program, order is not None, of_instance).render()
 
     def back_to_front(self, model: np.ndarray, forward: np.ndarray) -> np.ndarray | None:
         """Triangle indices, (3 M,), farthest first, for a mesh seen through `model` (eye-relative) along `forward`."""
@@ -61,13 +64,12 @@ class MeshBuffers:
         return triangles[np.argsort(-depth, kind="stable")].ravel()
 
     def _array(self, program: moderngl.Program, is_sorted: bool,
-               indirect: moderngl.Buffer | None) -> moderngl.VertexArray:
-        key = (program.glo, is_sorted, indirect.glo if indirect is not None else 0)
+               of_instance: Mapping[str, moderngl.Buffer]) -> moderngl.VertexArray:
+        key = (program.glo, is_sorted, *(buffer.glo for buffer in of_instance.values()))
         if key not in self._arrays:
             names = [name for name in _FORMATS if name in program]
             content = [(self._buffer(name), _FORMATS[name], name) for name in names]
-            if indirect is not None and _INDIRECT in program:
-                content.append((indirect, "4f", _INDIRECT))
+            content += [(buffer, _OF_INSTANCES[name], name) for name, buffer in of_instance.items() if name in program]
             if is_sorted:
                 index = self._sorted
             else:

@@ -36,6 +36,7 @@ from .gbuffer import GBuffer
 from .lights import pack_lights
 from .media import MediaPass
 from .shadows import Casters, ShadowMaps
+from .subsurface import SubsurfacePass
 from .surfaces import UNIT_DFG, UNIT_RADIANCE, UNIT_SHADOW, Surfaces
 from .target import Target
 from .traced.reflections import TracedReflections
@@ -78,6 +79,7 @@ class Renderer:
         self._reflections = TracedReflections(context, self.programs)
         self._refraction = TracedRefraction(context, self.programs, self._depth)
         self._media = MediaPass(context, self.programs)
+        self._subsurface = SubsurfacePass(context, self.programs, self._depth)
         self._surfaces = Surfaces(context, self.programs)
         self._curves = CurvePass(context, self.programs, self._depth)
         self._casters = Casters(self._surfaces.draw_depth, self._curves.draw_depth)
@@ -196,6 +198,10 @@ class Renderer:
             with self._pass("media"):
                 media = self._media.march(frame, settings, plan, self._environment, uniforms, target.size, still)
                 uniforms |= media
+        if plan.spreads_subsurface:
+            with self._pass("subsurface"):
+                uniforms |= self._subsurface.find(
+                    frame, lambda: self._surfaces.draw_gathered(frame, plan, uniforms))
         target.framebuffer.use()
         target.framebuffer.clear(depth=self._depth.far)  # alpha 0: the display pass adds the background colour
         with self._pass("surfaces"):
@@ -280,19 +286,33 @@ class Renderer:
         if self.plan.has_traced_refraction:
             with self._timed("refraction"):
                 self._refraction.prepare(scene)
+        if self.plan.has_subsurface and not self._surfaces.has_interiors:
+            with self._timed("thickness of solids"):
+                self._prepare_interiors(scene, self.plan)
         if self.plan.has_indirect:
             with self._timed("indirect light"):
-                self._prepare_indirect(scene, settings)
+                self._prepare_indirect(scene, settings, self.plan)
         return self.plan
 
-    def _prepare_indirect(self, scene: Scene, settings: Settings) -> None:
+    def _prepare_indirect(self, scene: Scene, settings: Settings, plan: Plan) -> None:
         """Bake indirect light at the vertices, anew under other lights."""
-        key = (scene.lights, scene.environment, settings.ndf, settings.masking, settings.fresnel, settings.multiscatter)
+        key = (scene.lights, scene.environment, settings.ndf, settings.masking, settings.fresnel, settings.multiscatter,
+               plan.has_subsurface)
         if self._indirect_key != key:
+            from ..trace.chords import light_behind
             from ..trace.vertex_light import bake_incoming
 
-            self._surfaces.light_vertices(bake_incoming(self.context, scene, settings, programs=self.programs))
+            light = bake_incoming(self.context, scene, settings, programs=self.programs)
+            solids = [draw.instance for draw in plan.draws if draw.has_subsurface]
+            self._surfaces.light_vertices(light, light_behind(self.context, scene, solids, light) if solids else {})
             self._indirect_key = key
+
+    def _prepare_interiors(self, scene: Scene, plan: Plan) -> None:
+        """Measure how thick the solids are that scatter light."""
+        from ..trace.chords import thickness_at_vertices
+
+        solids = [draw.instance for draw in plan.draws if draw.has_subsurface]
+        self._surfaces.set_interiors(thickness_at_vertices(self.context, scene, solids))
 
     def _prepare_surfaces(self, scene: Scene) -> None:
         """Take what is drawn. A pose of the scene before keeps its plan, and maps that are drawn anew."""
@@ -413,6 +433,6 @@ class Renderer:
         self.context.make_current()
         self._gl.screen.use()  # moderngl goes back to the framebuffer last used, be it gone
         self._release(self._display, self._target, self._backdrop, self._visibility, self._reflections,
-                      self._refraction, self._media, *self._gbuffers.values(), self._surfaces, self._curves,
-                      self._environment, *self._shadows, *self._blocks, *self._dfg.values())
+                      self._refraction, self._media, self._subsurface, *self._gbuffers.values(), self._surfaces,
+                      self._curves, self._environment, *self._shadows, *self._blocks, *self._dfg.values())
         self.programs.release()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..plan.model import Draw, Program
+from ..plan.model import GATHERED, Draw, Program
 from ..scene.schema import MAP_SWITCHES, no_switches
 
 VERTEX, SHADOW_VERTEX = "raster/surface.vert", "raster/shadow.vert"
@@ -21,6 +21,16 @@ def path_program(program: Program, has_bands: bool) -> Program:
     return Program("raster/refraction_rays.frag", tuple(sorted(switches.items())))
 
 
+def gathering_program(program: Program) -> Program:
+    """Of the light that a solid scatters inside, without what its surface reflects and what it wears."""
+    off = dict.fromkeys(("SHOW_SPECULAR", "SHOW_MULTISCATTER", "SHOW_EMISSION", "CLEARCOAT", "COAT_LOOKUPS", "SHEEN",
+                         "TRACED_REFRACTION", "TRACED_REFLECTION", "DISPERSIVE", "HALF_TARGET"), 0)
+    switches = dict(program.switches)
+    switches |= {name: value for name, value in off.items() if name in switches}
+    switches["LOOKUPS"] = min(switches["LOOKUPS"], 1)
+    return Program(program.fragment, tuple(sorted((switches | {"SAMPLES": 1, "SUBSURFACE": GATHERED}).items())))
+
+
 def shadow_program(draw: Draw) -> Program:
     """Of a shadow map, with SHADOW_VERTEX; it reads alpha where the surface is not opaque."""
     names = ["ALPHA_MODE", "HAS_COLOR", *(f"BASE_COLOR_{ending}" for ending in MAP_SWITCHES)]
@@ -34,7 +44,7 @@ def _geometry_switches(program: Program) -> tuple[tuple[str, int], ...]:
     """The switches that position, normal and roughness depend on. With only these, many materials share one program."""
     switches = dict(program.switches)
     maps = {"normal", "metallic_roughness"} | ({"base_color"} if switches["ALPHA_MODE"] else set())
-    fixed = {"INDIRECT": 0, "MEDIA": 0, "HAS_TANGENT": switches["NORMAL_MAP"]}
+    fixed = {"INDIRECT": 0, "MEDIA": 0, "SUBSURFACE": 0, "HAS_TANGENT": switches["NORMAL_MAP"]}
     if switches["SPECULAR_GLOSSINESS"]:
         maps.add("specular_glossiness")
         fixed["SPECULAR_GLOSSINESS"] = 1

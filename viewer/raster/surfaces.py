@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -20,7 +21,8 @@ from ..scene.scene import Scene
 from ..scene.schema import MAPS, Value
 from ..scene.transform import handedness, normal_matrix
 from .geometry import MeshBuffers
-from .surface_programs import SHADOW_VERTEX, VERTEX, gbuffer_program, path_program, shadow_program
+from .subsurface_uniforms import interior_uniforms
+from .surface_programs import SHADOW_VERTEX, VERTEX, gathering_program, gbuffer_program, path_program, shadow_program
 from .textures import Textures
 
 if TYPE_CHECKING:
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
 (UNIT_DFG, UNIT_PREFILTERED, UNIT_IRRADIANCE, UNIT_SHADOW, UNIT_BACKGROUND, UNIT_RADIANCE, UNIT_VISIBILITY,
  UNIT_REFLECTED, UNIT_RAY_POSITIONS, UNIT_REFRACTED, UNIT_MIRRORED, UNIT_PATH_POSITIONS, UNIT_MEDIA,
  UNIT_MEDIA_LIGHT, UNIT_VOLUME_DEPTH) = range(16, 31)
+UNIT_SUBSURFACE, UNIT_SUBSURFACE_POSITIONS = range(32, 34)  # moderngl itself uses the last of 32 to make textures
 UNIT_DENSITIES, UNIT_SKY_IN_FOG, UNIT_SKY_IN_VOLUMES = range(3)  # of the passes of media, which have no maps
 
 _SAMPLE_ALPHA_TO_COVERAGE, _SAMPLE_ALPHA_TO_ONE = 0x809E, 0x809F
@@ -48,6 +51,8 @@ class Surfaces:
         self.scene = Scene("nothing")
         self._meshes: dict[Mesh, MeshBuffers] = {}
         self._indirect: list[moderngl.Buffer] = []
+        self._interiors: dict[int, moderngl.Buffer] = {}
+        self._behind: dict[int, moderngl.Buffer] = {}
         self._casters: np.ndarray | None = None
         self._uniforms: dict[int, tuple[Material, list[tuple[str, Value]]]] = {}
         self._generation = programs.generation
@@ -61,10 +66,10 @@ class Surfaces:
         """
         before, self.scene, self._casters = self.scene, scene, None
         self._take_meshes(before, scene)
-        if self._indirect:
+        if self._indirect or self._interiors:
             for mesh_buffers in self._meshes.values():
-                mesh_buffers.drop_arrays()  # some read the indirect light of an instance
-            self._release_indirect()
+                mesh_buffers.drop_arrays()  # some read what belongs to an instance
+            self._release_of_instances()
         if ahead is not None or scene.materials is not before.materials:
             self.textures.keep(set(scene.images), ahead)
 
@@ -90,12 +95,26 @@ class Surfaces:
             self._mesh(draw.mesh)
         self.textures.upload()
 
-    def light_vertices(self, light: VertexLight) -> None:
-        """Upload the indirect light of all vertices."""
+    def light_vertices(self, light: VertexLight, behind: Mapping[int, np.ndarray]) -> None:
+        """Upload the indirect light of all vertices, and that behind the vertices of solids that scatter light."""
         if not self._indirect:
             self._indirect = [self._gl.buffer(reserve=max(values.nbytes, 16)) for values in light.per_instance]
         for buffer, values in zip(self._indirect, light.per_instance, strict=True):
             buffer.write(np.ascontiguousarray(values))
+        for number, values in behind.items():
+            if number not in self._behind:
+                self._behind[number] = self._gl.buffer(reserve=max(values.nbytes, 16))
+            self._behind[number].write(np.ascontiguousarray(values))
+
+    @property
+    def has_interiors(self) -> bool:
+        """Whether the thickness of solids that scatter light is there."""
+        return bool(self._interiors)
+
+    def set_interiors(self, thickness: Mapping[int, np.ndarray]) -> None:
+        """Upload the thickness and roundness behind the vertices of instances, (V, 2) float32 each."""
+        self._interiors = {number: self._gl.buffer(np.ascontiguousarray(values))
+                           for number, values in thickness.items()}
 
     def draw_gbuffer(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> None:
         """Draw the G-buffer of the surfaces that need one: shaders/raster/gbuffer.frag."""
@@ -107,6 +126,11 @@ class Surfaces:
         solids = [draw for draw in plan.draws if draw.traces_refraction]
         rays = [replace(draw, program=path_program(draw.program, plan.has_dispersion)) for draw in solids]
         self._draw_solid(rays, frame, plan, frame_uniforms)
+
+    def draw_gathered(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> None:
+        """Draw the light that solids scatter inside, before it is spread: shaders/raster/pbr.frag, SUBSURFACE = 2."""
+        draws = [replace(d, program=gathering_program(d.program)) for d in plan.draws if d.spreads_subsurface]
+        self._draw_solid(draws, frame, plan, frame_uniforms)
 
     def draw_opaque(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
         """Draw the surfaces that neither blend nor transmit light. Returns how many instances were drawn."""
@@ -191,6 +215,7 @@ class Surfaces:
             set_uniform(program, "u_model", matrix_uniform(model))
             set_uniform(program, "u_normal_matrix", matrix_uniform(normal_matrix(transform)))
             set_uniform(program, "u_handedness", hand)
+            set_uniform(program, "u_instance", float(draw.instance + 1))
             if VOLUME.is_on(material):
                 set_uniform(program, "u_thickness", material.thickness * frame.scale(transform))
             gl.front_face = "ccw" if hand > 0 else "cw"
@@ -200,11 +225,20 @@ class Surfaces:
                 gl.enable_direct(_SAMPLE_ALPHA_TO_COVERAGE)
                 gl.enable_direct(_SAMPLE_ALPHA_TO_ONE)
             order = mesh.back_to_front(frame.model(transform), frame.camera.forward) if is_sorted else None
-            mesh.draw(program, order, self._indirect[draw.instance] if draw.program["INDIRECT"] else None)
+            mesh.draw(program, order, self._of_instance(draw))
             if draw.alpha_mode == "mask":
                 gl.disable_direct(_SAMPLE_ALPHA_TO_COVERAGE)
                 gl.disable_direct(_SAMPLE_ALPHA_TO_ONE)
         gl.front_face = "ccw"
+
+    def _of_instance(self, draw: Draw) -> dict[str, moderngl.Buffer]:
+        """The attributes of the draw's program that belong to one instance's vertices."""
+        found = {"a_indirect": self._indirect[draw.instance]} if draw.program["INDIRECT"] else {}
+        if draw.has_subsurface:
+            found["a_interior"] = self._interiors[draw.instance]
+            if draw.program["INDIRECT"]:
+                found["a_behind"] = self._behind[draw.instance]
+        return found
 
     def _set_material(self, program: moderngl.Program, draw: Draw) -> None:
         material = draw.surface
@@ -212,6 +246,9 @@ class Surfaces:
             set_uniform(program, name, value)
         if VOLUME.is_on(material):
             set_uniform(program, "u_absorption", tuple(material.extinction * self.scene.radius))
+        if draw.has_subsurface:
+            for name, value in interior_uniforms(material, self.scene.radius):
+                set_uniform(program, name, value)
         set_uniform(program, "u_shininess", material.shininess or 0.0)
         for name in (*draw.maps, *draw.blank_maps):
             self._bind_map(program, draw, name)
@@ -244,15 +281,15 @@ class Surfaces:
             self._meshes[mesh] = MeshBuffers(self._gl, mesh)
         return self._meshes[mesh]
 
-    def _release_indirect(self) -> None:
-        for buffer in self._indirect:
+    def _release_of_instances(self) -> None:
+        for buffer in (*self._indirect, *self._interiors.values(), *self._behind.values()):
             buffer.release()
-        self._indirect = []
+        self._indirect, self._interiors, self._behind = [], {}, {}
 
     def release(self) -> None:
         for mesh_buffers in self._meshes.values():
             mesh_buffers.release()
-        self._release_indirect()
+        self._release_of_instances()
         self.textures.release()
 
 

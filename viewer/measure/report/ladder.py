@@ -212,6 +212,8 @@ def _image_based(scene: Scene, lights: Sequence[Light], settings: Settings,
         knobs.append("shadows")
     else:
         left_out.append(LeftOut(f"{PLAIN.title}, shadows off", "no light casts a shadow"))
+    if any(scene.materials[scene.meshes[instance.mesh].material].medium.scatters for instance in scene.instances):
+        knobs.append("subsurface")
     for name in knobs:
         for value in choices[name]:
             if value != getattr(settings, name):

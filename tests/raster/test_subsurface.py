@@ -1,0 +1,197 @@
+"""Light that solids scatter inside: against half-spaces, slabs and balls whose light is known, and against paths."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from shapes import constant, moved, orthographic, plate, scene, sphere
+
+from viewer.bake.half_space import returned_light
+from viewer.bake.interior import interior_of
+from viewer.scene.camera import Camera
+from viewer.scene.light import Light
+from viewer.scene.material import Material
+from viewer.scene.medium import Medium
+from viewer.scene.mesh import Mesh
+from viewer.settings import Settings
+from viewer.trace.chords import light_behind, thickness_at_vertices
+from viewer.trace.tracer import Tracer
+from viewer.trace.vertex_light import VertexLight
+
+SIZE = (48, 48)
+CAMERA = orthographic(0.4, 0.3, height=2.4)
+METHODS = ("slab", "screen")
+SOLID = Material(metallic=0.0, perceptual_roughness=0.3, transmission=1.0, ior=1.4, thickness=2.0)
+
+
+def filled(sigma_t: float, color: tuple[float, ...] = (1.0,) * 3, unit: float = 1.0, **more) -> Material:
+    """A solid with a medium of this extinction per unit, whose multiple-scattering albedo is `color`."""
+    return replace(SOLID, attenuation_distance=unit / sigma_t, attenuation_color=(math.exp(-1.0),) * 3,
+                   scatter_color=color, **more)
+
+
+def ball(material: Material, lights=(), environment=None, radius: float = 1.0):
+    environment = constant() if environment is None else environment
+    return scene((sphere(segments=48), moved((0, 0, 0), radius)), materials=[material], lights=lights,
+                 environment=environment)
+
+
+def box(half: tuple[float, float, float]) -> Mesh:
+    """A closed box about the origin, with a normal to each face."""
+    faces = []
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            a, b = np.eye(3)[(axis + 1) % 3], np.eye(3)[(axis + 2) % 3] * side
+            n = np.eye(3)[axis] * side
+            faces.append((n, [n - a - b, n + a - b, n + a + b, n - a + b]))
+    positions = np.concatenate([corners for _, corners in faces]) * half
+    normals = np.concatenate([[n] * 4 for n, _ in faces])
+    index = np.concatenate([np.array([0, 1, 2, 0, 2, 3]) + 4 * k for k in range(6)])
+    return Mesh("box", np.float32(positions), 0, indices=np.uint32(index), normals=np.float32(normals))
+
+
+@pytest.mark.parametrize(("method", "layers"), [
+    ("slab", {}), ("screen", {"scatter_anisotropy": 0.9, "perceptual_roughness": 1.0, "ior": 2.0}),
+    ("screen", {"ior": 1.0, "perceptual_roughness": 0.0}),
+    ("screen", {"transmission": 0.5, "diffuse_transmission": 0.5})], ids=str)
+def test_a_white_medium_vanishes_in_a_furnace(radiance, method, layers):
+    for sigma_t, error in ((1e-6, 4e-3), (0.3, 4e-3), (20.0, 1e-4), (1e6, 1e-4)):  # clear glass is 0.003 off
+        picture = radiance(ball(filled(sigma_t, **layers)), CAMERA, SIZE, subsurface=method)
+        assert np.abs(picture[..., :3] - 1).max() < error, sigma_t
+
+
+@pytest.mark.parametrize("color", [0.2, 0.6, 0.9])
+@pytest.mark.parametrize("ior", [1.0, 1.4])
+def test_a_thick_solid_is_a_half_space(radiance, color, ior):
+    """Seen along the normal, in light from all around: the reflection, and the share that returns of what enters."""
+    material = filled(1e4, (color,) * 3, ior=ior, perceptual_roughness=0.0)
+    picture = radiance(scene(box((1, 1, 1)), materials=[material], environment=constant()),
+                       Camera.look_at((0, 0, 5), (0, 0, 0), fov_y=0.2), SIZE, fresnel="exact", subsurface="slab")
+    albedo = material.medium.albedo[0]
+    share = returned_light(albedo, 0.0, ior)
+    f0 = ((ior - 1) / (ior + 1)) ** 2
+    assert abs(picture[24, 24, 0] - (f0 + (1 - f0) * share)) < 0.004
+
+
+@pytest.mark.parametrize("g", [0.0, 0.5])
+@pytest.mark.parametrize("albedo", [1.0, 0.97, 0.5])
+def test_slabs_and_balls_have_the_limits_of_thin_and_thick(gl, albedo, g):
+    """Slabs against two streams: R and T of the half-space's R and k, as Kubelka & Munk have them; in thin bodies of
+    little absorption, what is absorbed is sigma_a times the mean chord, whatever the shape."""
+    medium = Medium((1.0,) * 3, (albedo,) * 3, g)
+    inside = interior_of(medium, 1.0)
+    d = np.geomspace(0.1, 30, 8)
+
+    def shares(roundness):
+        interior = gl.call("raster/interior.glsl", "interior_of", k=inside.attenuation, h=inside.extrapolation,
+                           thickness=d, roundness=roundness * np.array(inside.albedo), unscattered=0.0)
+        found = gl.call("raster/interior.glsl", "leaving_light", inside=interior, reflected=0.0)
+        return found["own"][:, 0].astype(float), found["other"][:, 0].astype(float)
+
+    own, other = shares(0.0)
+    if albedo < 1:
+        r, e = returned_light(albedo, g, 1.0), np.exp(-inside.attenuation[0] * d)
+        expected = r * (1 - e * e) / (1 - r * r * e * e), (1 - r * r) * e / (1 - r * r * e * e)
+    else:
+        passed = 1 / (1 + 0.5 * d / inside.extrapolation[0])
+        expected = 1 - passed, passed
+    assert np.abs(own - expected[0]).max() < 1e-4 and np.abs(other - expected[1]).max() < 1e-4
+    ball_own, ball_other = shares(1.0)
+    assert np.all(ball_own + ball_other <= 1 + 1e-6) and np.all(ball_own + ball_other >= own + other - 1e-4)
+    if albedo == 0.97:
+        thin = 1 - (ball_own + ball_other)[0]
+        assert abs(thin / ((1 - albedo) * 2 * d[0]) - 1) < 0.15
+
+
+def test_thickness_of_a_slab_and_a_ball(context):
+    model = scene((box((1, 1, 0.05)), moved((0, 0, 0))), (sphere(segments=48), moved((4, 0, 0), 0.5)),
+                  materials=[SOLID])
+    slab, round_ = (thickness_at_vertices(context, model, [0, 1])[k] * [model.radius, 1] for k in (0, 1))
+    assert np.abs(round_[:, 0] - 1 / 3).max() < 0.02 and round_[:, 1].min() > 0.9
+    front = slab[8:]  # the last faces are those of +-z
+    assert np.median(front[-8:, 0]) < 0.12 and front[-8:, 1].max() < 0.35
+
+
+def test_light_that_waits_behind_a_sheet(context):
+    sheet = scene(box((1, 1, 0.02)), materials=[SOLID])
+    lit = np.zeros((24, 4), np.float32)
+    lit[16:20] = 1, 2, 3, 0.5  # the face towards -z
+    behind = light_behind(context, sheet, [0], VertexLight((lit,)))[0]
+    assert np.abs(behind[20:24] - lit[16]).max() < 0.3 and np.abs(behind[16:20]).max() < 0.3
+
+
+def test_light_bleeds_into_the_shadow_and_red_goes_farthest(radiance):
+    """Half of a wall of wax is in the sun. At each point alone, the edge of the shadow is as sharp as on stone."""
+    wax = replace(filled(1.0, (0.8, 0.8, 0.8)), attenuation_color=(0.5, 0.2, 0.02), attenuation_distance=0.03)
+    model = scene(box((1, 1, 1)), (plate(1), moved((-1.0, 0, 1.5))), materials=[wax, Material(double_sided=True)],
+                  lights=(Light("directional", intensity=3.0, direction=(0, 0, -1)),))
+    camera = Camera.look_at((3, 0, 4), (0, 0, 1), fov_y=0.1)
+    slab, screen = (radiance(model, camera, (96, 24), subsurface=method, background="none")[12, :, :3]
+                    for method in METHODS)
+    edge = 30 + int(np.argmax(slab[30:, 0] > 0.5 * slab[70, 0]))  # to the left there is the plate
+    sun = screen[edge + 30]
+    assert slab[edge - 15:edge - 3].max() < 0.02 * sun.min() and np.abs(slab[edge + 30] / sun - 1).max() < 0.05
+    near, far = screen[edge - 3] / sun, screen[edge - 10] / sun
+    assert near[0] > near[1] > near[2] > 0.001 and 0.02 < far[0] < 0.6 * near[0]
+    assert screen[edge + 3, 0] < 0.9 * sun[0]  # where the light in the shadow has come from
+
+
+def test_light_comes_through_a_thin_sheet_and_not_through_a_thick_one(radiance):
+    light = Light("directional", intensity=3.0, direction=(0, 0, 1))
+    seen = [radiance(scene(box((1, 1, half)), materials=[filled(10.0, (0.9,) * 3)], lights=(light,)),
+                     Camera.look_at((0, 0, 6), (0, 0, 0), fov_y=0.2), (8, 8), background="none")[4, 4, 0]
+            for half in (0.02, 0.1, 1.0)]
+    assert seen[0] > 1.3 * seen[1] > 4 * seen[2]
+    assert seen[0] < 3.0 / np.pi
+
+
+@pytest.mark.parametrize("unit", [1e-6, 1e6])
+def test_the_size_of_the_world_does_not_matter(radiance, unit):
+    lights = (Light("directional", intensity=2.0, direction=(-1, -0.02, -0.2)),)
+    camera = CAMERA
+    pictures = [radiance(ball(filled(8.0, (0.8, 0.6, 0.4), unit=size), lights, radius=size),
+                         Camera(np.block([[camera.pose[:3, :3], size * camera.pose[:3, 3:]], [np.zeros((1, 3)), 1]]),
+                                camera.fov_y, size * camera.height), SIZE)
+                for size in (1.0, unit)]
+    assert np.abs(pictures[0] - pictures[1]).max() < 2e-3 * pictures[0].max()
+
+
+@pytest.mark.parametrize("sigma_t", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("color", [0.0, 1e-4, 1.0])
+def test_extreme_media_are_finite_and_do_not_shine(radiance, sigma_t, color):
+    material = filled(sigma_t, (color, 1.0, 0.5), scatter_anisotropy=-0.99)
+    grazing = Light("directional", intensity=np.pi, direction=(-1, 0, 1e-3))
+    for lights in ((), (grazing,)):
+        picture = radiance(ball(material, lights), CAMERA, SIZE)
+        assert picture[..., :3].max() <= (1.003 if not lights else 1e3)
+
+
+def test_only_scenes_with_scattering_solids_have_the_pass(renderer, radiance):
+    for material, methods in ((SOLID, METHODS), (filled(5.0), ("off",))):
+        for method in methods:
+            radiance(ball(material), CAMERA, SIZE, subsurface=method)
+            plan = renderer.plan.to_json()
+            assert "subsurface" not in plan["passes"]
+            assert not any("SUBSURFACE" in program["on"] for program in plan["programs"])
+    radiance(ball(filled(5.0)), CAMERA, SIZE)
+    plan = renderer.plan.to_json()
+    assert "subsurface" in plan["passes"] and any("scattered inside of 1 solid" in line for line in plan["used"])
+
+
+def test_a_ball_of_wax_against_paths(context, radiance):
+    """Without the medium, nine tenths of its light are missing."""
+    material = filled(10.0, (0.8, 0.65, 0.5), perceptual_roughness=0.0)
+    model = ball(material)
+    tracer = Tracer(context)
+    try:
+        paths = tracer.render(model, CAMERA, Settings.of(mode="path", spp=24, bounces=255, fresnel="exact"), (16, 16))
+    finally:
+        tracer.release()
+    picture = radiance(model, CAMERA, (16, 16), fresnel="exact")
+    inside = (slice(5, 11), slice(5, 11))
+    assert np.abs(picture[inside].mean(axis=(0, 1)) / paths.linear[inside].mean(axis=(0, 1)) - 1)[:3].max() < 0.1
+
+
