@@ -1,7 +1,8 @@
 """Fog and volumes of the rasterizer against another renderer's: `python -m benchmarks.media`.
 
-Cases of ../shared/truth by every choice of steps, rays and scattering, with the time of a frame; and frames of the
-window's size. The cube of fog of two of them is a mesh in their files, which a volume of the same size replaces here.
+Cases of ../shared/truth by every choice of steps, rays and scattering, with the time of a frame; frames of the window's
+size; and the volumes of assets/ and the demo scene in fog against mode path. The cube of fog of two cases is a mesh in
+their files, which a volume of the same size replaces here.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ import numpy as np
 import viewer
 from viewer.gpu.context import open_context
 from viewer.image.image import Image
-from viewer.measure.compare.relmse import relmse
+from viewer.measure.compare.relmse import Halves, relmse
 from viewer.measure.report.ladder import MEDIA
 from viewer.raster.renderer import Renderer
 from viewer.scene.camera import Camera
@@ -30,11 +31,27 @@ from viewer.scene.light import Light
 from viewer.scene.scene import Scene
 from viewer.scene.volume import Volume
 from viewer.settings import Settings
+from viewer.trace.tracer import Tracer
 
 from .shot import REPOSITORY
 from .truth_cases import FOLDER
 
 CASES = ("fog-point", "fog-g07", "cloud", "smoke-absorbing")
+SIZE, SAMPLES = (128, 128), 256
+CLOUD, SMOKE, DEMO = "volumes/cloud.vdb", "volumes/smoke.vdb", "demo.glb"
+FURNACE = Environment("furnace", np.ones((32, 64, 3), np.float32))
+FULL = {"environment_shadows": "64", "antialias": "ssaa-9"}
+DENSE = {"volume_density": 2.0}
+PATHS: tuple[tuple[str, str, float, dict[str, Any], dict[str, Any]], ...] = (
+    *((CLOUD, "studio", 0.0, DENSE, way) for way in ({}, {"media_scattering": "single"}, {"mode": "phong"})),
+    (CLOUD, "furnace", 0.0, DENSE, {}),
+    (CLOUD, "none", 3.0, DENSE, {}),
+    (CLOUD, "studio", 0.0, DENSE | {"volume_g": 0.99}, {}),
+    *((SMOKE, "studio", 0.0, {}, way) for way in ({}, {"media_scattering": "single"}, {"mode": "phong"})),
+    *((DEMO, "studio", lux, {"fog": fog}, way)
+      for lux, fog in ((0.0, 0.5), (6.0, 0.5), (6.0, 2.0)) for way in ({}, FULL)),
+)
+"""Model, environment, illuminance of a sun in lux, settings of the medium, and those of a method."""
 
 
 def main() -> None:
@@ -57,6 +74,11 @@ def main() -> None:
             lines += _case(renderer, name, options.frames)
         lines += ["", "With the default settings:", "", "| frame of 512 x 512 | moving camera, ms | at rest, ms |",
                   "|---|---|---|", *_frames(renderer, options.frames)]
+        lines += ["", "## Against mode path", "",
+                  f"{SIZE[0]} x {SIZE[1]}, {SAMPLES} samples per pixel, in pixels of which media hide at least a "
+                  "twentieth; the floor is the noise of the paths.", "",
+                  "| model | environment | sun, lux | medium | method | relMSE | floor | mean / path |",
+                  "|---|---|---|---|---|---|---|---|", *_against_path(renderer)]
     print("\n".join(lines))
     if options.results is not None:
         options.results.write_text("\n".join(lines) + "\n")
@@ -116,6 +138,32 @@ def _frames(renderer: Renderer, frames: int) -> list[str]:
     return rows
 
 
+def _against_path(renderer: Renderer) -> list[str]:
+    tracer, known, rows = Tracer(renderer.context), {}, []
+    for model, environment, lux, medium, way in PATHS:
+        scene = viewer.load(REPOSITORY / "assets" / model, environment=environment.replace("furnace", "none"))
+        scene = replace(scene, environment=FURNACE if environment == "furnace" else scene.environment,
+                        lights=(*scene.lights, *[Light.from_angles(1.0, 0.7, lux)] * (lux > 0)))
+        camera = scene.framing_camera(1.0)
+        key = (model, environment, lux, str(medium))
+        if key not in known:
+            halves = [tracer.render(scene, camera, Settings.of(mode="path", spp=SAMPLES // 2, seed=seed, **medium),
+                                    SIZE).linear[..., :3] for seed in (1, 2)]
+            dark, alone = scene.relit(environment=None, lights=()), Settings.of(background="none", **medium)
+            hidden = renderer.render(dark, camera, alone, SIZE).linear[..., 3] > 0.05
+            known[key] = Halves(halves[0][hidden], halves[1][hidden]), hidden
+        paths, hidden = known[key]
+        picture = renderer.render(scene, camera, Settings.of(**medium, **way), SIZE).linear[hidden][:, :3]
+        rows.append(f"| {model} | {environment} | {lux:g} | {_told(medium)} | {_told(way) or 'default'} | "
+                    f"{relmse(picture, paths.mean):.4f} | {paths.floor(paths.mean):.4f} | "
+                    f"{picture.mean() / paths.mean.mean():.3f} |")
+    return rows
+
+
+def _told(settings: dict[str, Any]) -> str:
+    return ", ".join(f"{name.replace('_', '-')} {value}" for name, value in settings.items())
+
+
 def load_case(name: str) -> tuple[Scene, Camera, Settings, dict[str, Any]]:
     """A case of ../shared/truth with a volume: scene, camera, settings and what case.json says."""
     folder = FOLDER / name
@@ -141,7 +189,7 @@ def load_case(name: str) -> tuple[Scene, Camera, Settings, dict[str, Any]]:
         elif word.startswith("--light="):
             azimuth, elevation, lux = map(float, word.removeprefix("--light=").split(","))
             lights.append(Light.from_angles(math.radians(azimuth), math.radians(elevation), lux))
-    furnace = Environment("furnace", np.ones((32, 64, 3), np.float32), intensity=intensity)
+    furnace = replace(FURNACE, intensity=intensity)
     scene = replace(scene, environment=furnace if facts["env"] == "furnace" else None, lights=(*scene.lights, *lights))
     camera = Camera.look_at(facts["eye"], facts["target"], fov_y=math.radians(facts["fov"]))
     return scene, camera, settings, facts

@@ -164,6 +164,11 @@ def test_the_choice_is_told_in_a_line(ball):
     late = Choice(all_, replace(all_[1], seconds=0.3), 0.05, None, seconds=0.3)
     assert str(late) == ("time budget 0.05 s: image, in 0.3 s; expected error 0.2 "
                          "(nothing is ready within 0.05 s here, preparing the scene included)")
+    foggy = replace(late, budget=1.0, has_media=True)
+    assert str(foggy) == ("time budget 1 s: image, in 0.3 s; expected error 0.2 without fog and volumes, with which it "
+                          "is not known")
+    assert foggy.to_json()["error_is"] == "expected without fog and volumes"
+    assert "fog" not in str(replace(foggy, error=0.2)) + str(late)
     assert Choice(all_, all_[0], 2.0, 0.1, seconds=1.0, error=0.2).unmet == "the error asked for was not reached"
     assert Choice(all_, all_[0], 2.0, None, seconds=2.39).unmet == ""
 

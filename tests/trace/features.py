@@ -133,6 +133,15 @@ def leaf(environment=None, lights=(), turn: float = 0.0) -> Callable[[], tuple[S
     return make
 
 
+def cloud(environment: str | None = None, lights=()) -> Callable[[], tuple[Scene, Camera]]:
+    """The cloud of assets/volumes."""
+    def make() -> tuple[Scene, Camera]:
+        model = viewer.load(resource_folder("assets") / "volumes" / "cloud.vdb", environment=environment)
+        return replace(model, lights=lights), model.framing_camera(1.0)
+
+    return make
+
+
 GREY, PLASTIC = {"metallic": 0.0, "specular": 0.0, "base_color": (0.5, 0.5, 0.5, 1)}, {
     "metallic": 0.0, "perceptual_roughness": 0.4, "base_color": (0.6, 0.1, 0.1, 1)}
 ROUGH = {"metallic": 0.0, "specular": 0.0, "base_color": (0.7, 0.7, 0.7, 1), "diffuse_roughness": 1.0}
@@ -142,6 +151,7 @@ WAX = {"metallic": 0.0, "base_color": (0.6, 0.6, 0.6, 1), "diffuse_transmission"
 BEHIND = (Light("directional", direction=(0.2, -0.3, 1.0), intensity=3.0),)
 FILM = {"metallic": 0.5, "perceptual_roughness": 0.4, "iridescence": 1.0, "iridescence_ior": 1.7,
         "iridescence_thickness_maximum": 320.0}
+BRUSHED = {"perceptual_roughness": 0.4, "anisotropy_strength": 0.8, "anisotropy_rotation": 0.5}
 SUN = (Light.from_angles(-0.6, 0.7, 3.0),)
 LAMP = (Light("point", intensity=6.0, position=(-1.2, 1.5, 1.5)),)
 SPOT = (Light("spot", intensity=8.0, position=(-1.0, 1.2, 2.0), direction=(0.4, -0.5, -0.77), inner_cone=0.1,
@@ -152,6 +162,8 @@ TILTED = "The rasterizer reads the irradiance of one cosine lobe, tilted towards
 CAUGHT = "At each surface inside, the rasterizer follows only the stronger of reflection and refraction."
 EDGES = "Edges weigh much in a picture that is mostly empty."
 MIXED = "The rasterizer takes a solid for a slab; light inside of a ball goes everywhere."
+HAZE = "The rasterizer takes light that fog scatters more than once for diffuse, and surfaces do not light fog."
+DIFFUSE = "The rasterizer takes light that is scattered more than once for diffuse, on a coarse grid."
 FEATURES = [
     Feature("uniform light, diffuse", ball(constant(), **GREY), 0.004, 0.012),
     Feature("uniform light, plastic", ball(constant(), **PLASTIC), 0.004, 0.015),
@@ -183,6 +195,10 @@ FEATURES = [
     Feature("studio, film on half metal", ball("studio", **FILM), 0.02, 0.1, MAPS),
     Feature("sun, film on half metal", ball(lights=SUN, **FILM), 0.004, 0.015),
     Feature("sun, coated plastic", ball(lights=SUN, clearcoat=1.0, clearcoat_roughness=0.3, **PLASTIC), 0.004, 0.012),
+    Feature("furnace, brushed metal", ball(constant(), **BRUSHED), 0.006, 0.015),
+    Feature("studio, brushed metal", ball("studio", **BRUSHED), 0.02, 0.06,
+            "The rasterizer sums narrower lobes along the tangent."),
+    Feature("sun, brushed metal", ball(lights=SUN, **BRUSHED), 0.006, 0.03),
     Feature("sun, diffuse", ball(lights=SUN, **GREY), 0.004, 0.012),
     Feature("sun, plastic", ball(lights=SUN, **PLASTIC), 0.004, 0.012),
     Feature("sun, rough diffuse", ball(lights=SUN, **ROUGH), 0.004, 0.012),
@@ -199,6 +215,14 @@ FEATURES = [
     Feature("sheet, lopsided environment", leaf(environment=lopsided()), 0.01, 0.02, MAPS),
     Feature("furnace, white wax", ball(constant(), **(WAX | {"base_color": (1, 1, 1, 1)})), 0.004, 0.02),
     Feature("studio, wax", ball("studio", **WAX), 0.1, 0.2, MIXED),
+    Feature("furnace, white ball in white fog", ball(constant(), **(GREY | {"base_color": (1, 1, 1, 1)})), 0.006, 0.02,
+            settings={"fog": 0.5, "fog_albedo": (1, 1, 1)}, spp=16),
+    Feature("studio, ball in fog", ball("studio", **GREY), 0.07, 0.08, HAZE, settings={"fog": 0.3}),
+    Feature("sun, ball in fog", ball(lights=SUN, **GREY), 0.04, 0.06, HAZE, settings={"fog": 0.3}, spp=16),
+    Feature("studio, ball in fog of g 0.7", ball("studio", **GREY), 0.04, 0.1, HAZE,
+            settings={"fog": 0.3, "fog_g": 0.7}),
+    Feature("studio, cloud", cloud("studio"), 0.06, 0.18, DIFFUSE, settings={"volume_density": 2.0}),
+    Feature("sun, cloud", cloud(lights=SUN), 0.06, 0.22, DIFFUSE),
     Feature("unlit", ball("studio", base_color=(0.9, 0.4, 0.1, 1), unlit=True), 0.004, 0.012),
     Feature("shadow of a sun", shadows, 0.004, 0.015),
     Feature("blended pane", pane, 0.015, 0.02, "The path tracer includes interreflection between pane and wall."),

@@ -31,6 +31,8 @@ class Choice:
     """The path-traced picture that one of them was nearer to the truth than, with the error its samples tell."""
     unfinished: Candidate | None = None
     """What was meant to be made, and came to nothing in that time."""
+    has_media: bool = False
+    """Whether there is fog or a volume, with which no times and errors have been measured."""
 
     @property
     def is_drawn(self) -> bool:
@@ -54,7 +56,8 @@ class Choice:
     def to_json(self) -> dict[str, Any]:
         return {"method": self.taken.title, "seconds": self.seconds, "spp": self.samples,
                 "error": self.taken.error if self.error is None else self.error,
-                "error_is": "expected" if self.error is None else "measured",
+                "error_is": "measured" if self.error is not None else
+                            "expected without fog and volumes" if self.has_media else "expected",
                 "time_budget": self.budget, "error_target": self.target, "unmet": self.unmet or None,
                 "candidates": [one.to_json() for one in self.found],
                 "unfinished": self.unfinished and self.unfinished.title,
@@ -68,6 +71,7 @@ class Choice:
         words = self.taken.title + ("" if self.samples is None else f", {self.samples:.3g} samples a pixel")
         words += f", in {self.seconds:.2g} s"
         words += f"; expected error {self.taken.error:.2g}" if self.error is None else f"; error {self.error:.2g}"
+        words += " without fog and volumes, with which it is not known" * (self.error is None and self.has_media)
         other = self._runner_up()
         words += f"; {other[0]}: {other[1]:.2g}" if other else ""
         return f"{', '.join(wish)}: {words}" + (f" ({self.unmet})" if self.unmet else "")

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from ..gpu.context import Context
 from ..image.image import Image
+from ..plan.media import has_media
 from ..raster.renderer import Renderer
 from ..scene.camera import Camera
 from ..scene.scene import Scene
@@ -75,7 +76,7 @@ class Chooser:
         found = self.weigh(scene, settings, size, layers)
         budget, target = settings.time_budget, settings.error
         left = None if budget is None else max(budget - (time.perf_counter() - started), 0.0)
-        choice = Choice(found, choose(found, left, target), budget, target)
+        choice = Choice(found, choose(found, left, target), budget, target, has_media=has_media(scene, settings))
         making = Making(self._renderer, self._tracer, calibration, View(scene, camera, size, layers), started, choice)
         path = next((one for one in found if isinstance(one, TracedCandidate)), None)
         course = best_course(found, left) if left is not None else None
