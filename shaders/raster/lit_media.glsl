@@ -58,10 +58,13 @@ MediaLight light_around(vec3 p, vec3 mean) {
     fade = clamp(min(inside.x, min(inside.y, inside.z)) * 12.0, 0.0, 1.0);
 #endif
     hidden *= fade;
-    vec4 opacity = part_of_cubes(u_media_light, uvw, first + 2, 3 * GRIDS);
-    float from_there = clamp(opacity.x + dot(opacity.yzw, mean), 0.0, max(1.0, 2.0 * opacity.x));
-    float share = opacity.x > 1e-20 ? from_there / opacity.x : 1.0;
-    return MediaLight(part_of_cubes(u_media_light, uvw, first, 3 * GRIDS).rgb * (fade * share),
+    float share = fade;
+    if (mean != vec3(0.0)) {
+        vec4 opacity = part_of_cubes(u_media_light, uvw, first + 2, 3 * GRIDS);
+        float from_there = clamp(opacity.x + dot(opacity.yzw, mean), 0.0, max(1.0, 2.0 * opacity.x));
+        share *= opacity.x > 1e-20 ? from_there / opacity.x : 1.0;
+    }
+    return MediaLight(part_of_cubes(u_media_light, uvw, first, 3 * GRIDS).rgb * share,
                       1.0 - clamp(hidden.x + dot(hidden.yzw, mean), 0.0, 1.0), hidden);
 }
 
