@@ -47,7 +47,7 @@ def convert(scene: Scene, camera: Camera, size: tuple[int, int], depth: int = DE
     """A scene for `render`. Raises ValueError for what has no counterpart: spots, orthographic cameras."""
     mi = mitsuba()
     parts: dict[str, Any] = {"type": "scene", "integrator": {"type": "path", "max_depth": depth, "rr_depth": 4},
-                             "sensor": _sensor(mi, camera, size)}
+                             "sensor": mitsuba_sensor(mi, camera, size)}
     if scene.environment is not None:
         turn = 90 + np.degrees(scene.environment.rotation)
         parts["environment"] = {"type": "envmap", "bitmap": mi.Bitmap(for_mitsuba(scene.environment.radiance)),
@@ -58,7 +58,7 @@ def convert(scene: Scene, camera: Camera, size: tuple[int, int], depth: int = DE
     for k, instance in enumerate(scene.instances):
         mesh = scene.meshes[instance.mesh]
         if mesh.topology == "triangles":
-            parts[f"mesh{k}"] = _mesh(mi, mesh, scene.materials[mesh.material], instance.transform)
+            parts[f"mesh{k}"] = mitsuba_mesh(mi, mesh, scene.materials[mesh.material], instance.transform)
     return mi.load_dict(parts)
 
 
@@ -94,7 +94,8 @@ def _llvm() -> str:
     return next((path for path in found if Path(path).exists()), "")
 
 
-def _sensor(mi: Any, camera: Camera, size: tuple[int, int]) -> dict[str, Any]:
+def mitsuba_sensor(mi: Any, camera: Camera, size: tuple[int, int]) -> dict[str, Any]:
+    """The camera, with a box filter. Raises ValueError for an orthographic one."""
     if camera.height is not None:
         raise ValueError("an orthographic camera")
     pose = camera.pose @ np.diag([-1.0, 1.0, -1.0, 1.0])  # Mitsuba looks along +Z, with +X to the left
@@ -113,13 +114,17 @@ def _light(light: Light) -> dict[str, Any]:
     raise ValueError(f"a light of kind {light.kind}")
 
 
-def _mesh(mi: Any, mesh: Mesh, material: Material, transform: np.ndarray) -> Any:
+def mitsuba_mesh(mi: Any, mesh: Mesh, material: Material, transform: np.ndarray,
+                 inside: dict[str, Any] | None = None) -> Any:
+    """A mesh in its place, full of the medium `inside`."""
     triangles = np.arange(len(mesh.positions)) if mesh.indices is None else mesh.indices
     positions = mesh.positions @ transform[:3, :3].T + transform[:3, 3]
     mirrored = np.linalg.det(transform[:3, :3]) < 0
     triangles = triangles.reshape(-1, 3)[:, ::-1 if mirrored else 1]
     properties = mi.Properties()
     properties["bsdf"] = mi.load_dict(_bsdf(mi, material))
+    if inside is not None:
+        properties["interior"] = mi.load_dict(inside)
     if max(material.emissive) > 0:
         properties["emitter"] = mi.load_dict({"type": "area", "radiance": _color(
             mi, material.emissive, material.emissive_texture)})
@@ -144,6 +149,8 @@ def _bsdf(mi: Any, material: Material) -> dict[str, Any]:
     alpha = max(material.perceptual_roughness**2, 1e-4)
     rough = {"distribution": "ggx", "alpha": alpha, "sample_visible": True}
     color = _color(mi, material.base_color[:3], material.base_color_texture)
+    if getattr(material, "transmission", 0.0) == 1.0 and material.ior == 1.0:
+        return {"type": "null"}
     if getattr(material, "transmission", 0.0) == 1.0:
         kind = {"type": "dielectric"} if material.perceptual_roughness == 0 else {"type": "roughdielectric", **rough}
         return kind | {"int_ior": material.ior, "ext_ior": 1.0}
