@@ -59,7 +59,8 @@ MUTATIONS = [
              "return mix(shaped, 0.5 * INV_PI, m.p_uniform);", "return shaped;"),
     Mutation("normal map's scale ignored", "trace/interaction.glsl", "texel.xy *= scale;", ""),
     Mutation("sheen's density mixed by halves", "bsdf/surface.glsl",
-             "pdf = mix(pdf, 0.5 * INV_PI, sheen_probability(s, v));", "pdf = mix(pdf, 0.5 * INV_PI, 0.5);"),
+             "pdf = mix(pdf, sheen_pdf(v.sheen, a), sheen_probability(s, v));",
+             "pdf = mix(pdf, sheen_pdf(v.sheen, a), 0.5);"),
     Mutation("sheen takes nothing from the cloth in paths", "bsdf/layer/sheen.glsl",
              "return sheen + s.throughput * below;", "return sheen + below;"),
     Mutation("coat takes nothing from what lies below in paths", "bsdf/layer/coat.glsl",
@@ -79,6 +80,16 @@ MUTATIONS = [
              "diffuse *= 1.0 - below_probability(s, v);", ""),
     Mutation("share of diffuse transmission from the wrong channel", "material/records.glsl",
              "m.diffuse_transmission *= texel.a;", "m.diffuse_transmission *= texel.r;"),
+    Mutation("light in media by half too bright", "trace/medium.frag", "light, vec3(phase), phase);",
+             "light, vec3(1.5 * phase), phase);"),
+    Mutation("collisions in volumes without their albedo", "trace/medium.frag", "        p.throughput *= m.albedo;\n",
+             ""),
+    Mutation("volumes cast half a shadow", "media/tracking.glsl",
+             "transmittance *= max(1.0 - collision_density", "transmittance *= max(1.0 - 0.5 * collision_density"),
+    Mutation("thin walls scatter nothing", "bsdf/thin_scatter.glsl", "m.transmission * m.scatter_strength, kept",
+             "0.0, kept"),
+    Mutation("media of bodies isotropic in paths", "media/any_phase.glsl", "return phase_sample(phase, direction, u);",
+             "return phase_sample(0.0, direction, u);"),
 ]
 
 

@@ -8,12 +8,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from cases import sides
 from images import image_of
-from shapes import WHITE, facing_floor, moved, plate, scene, sphere
+from shapes import WHITE, constant, facing_floor, moved, plate, scene, sphere
 
 from viewer.scene.camera import Camera
 from viewer.scene.light import Light
 from viewer.scene.material import Material, Texture, UVTransform
 from viewer.scene.scene import Scene
+from viewer.scene.volume import Volume
 from viewer.settings import Settings
 
 SIZE = (32, 32)
@@ -242,6 +243,34 @@ def translucent() -> tuple[Scene, Camera]:
                  environment=sides()), VIEW
 
 
+def scattering() -> tuple[Scene, Camera]:
+    """Wax behind a boundary that refracts, fog in a ball of index 1, and a wall that scatters what it transmits."""
+    wax = Material(perceptual_roughness=0.7, ior=1.4, scatter_strength=0.9, multiscatter_color=(0.9, 0.7, 0.4),
+                   multiscatter_anisotropy=0.3, attenuation_distance=0.12, attenuation_color=(0.4, 0.3, 0.2), **GLASS)
+    fog = Material(perceptual_roughness=0.0, ior=1.0, scatter_color=(0.6, 0.8, 0.9), scatter_anisotropy=0.5,
+                   attenuation_distance=0.3, attenuation_color=(0.5, 0.4, 0.3), **GLASS)
+    wall = Material(perceptual_roughness=0.6, double_sided=True, scatter_strength=0.9, multiscatter_anisotropy=0.4,
+                    scatter_strength_texture=Texture(image_of(smooth_noise(4, 21))),
+                    multiscatter_color_texture=Texture(image_of(smooth_noise(3, 22))),
+                    **(GLASS | {"thickness": 0.0, "transmission": 0.9}))
+    return scene((plate(0, 3.0), facing_floor()), *_row(1, 2)[:1], (sphere(2, 32), moved((0.1, 0.36, 0), 0.36)),
+                 (plate(3, 0.36), _turned(0.85, 0.4, 0.1, 2.8)), materials=[FLOOR, wax, fog, wall],
+                 lights=(Light.from_angles(2.2, 0.6, 2.0),), environment=sides()), VIEW
+
+
+def cloud() -> tuple[Scene, Camera]:
+    """A cloud in fog that thins out with height, and a ball in both, under a sun and a lamp."""
+    z, y, x = np.mgrid[-1:1:9j, -1:1:7j, -1:1:11j]
+    density = np.maximum(1.2 - np.sqrt(x * x + y * y + z * z) + 0.3 * np.sin(5 * x) * np.cos(4 * z), 0)
+    volume = Volume.in_box(density.astype(np.float32), np.array([[-0.9, 0.1, -0.6], [0.5, 1.0, 0.3]]))
+    red = Material(base_color=(0.7, 0.2, 0.1, 1), **PLASTIC)
+    lamp = Light("point", (0.5, 0.7, 1.0), 0.3, (0.9, 0.7, 0.4))
+    model = scene((plate(0, 3.0), facing_floor()), (sphere(1, 32), moved((0.5, 0.3, -0.1), 0.3)),
+                  materials=[FLOOR, red], lights=(Light.from_angles(-0.8, 0.8, 2.0), lamp),
+                  environment=constant(0.4))
+    return replace(model, volumes=(volume,)), VIEW
+
+
 def dispersive() -> tuple[Scene, Camera]:
     """Glass that refracts colours apart, smooth and rough, before stripes."""
     stripes = np.where(np.arange(16) % 2, 230, 10)[None, :, None] * np.ones((16, 1, 3))
@@ -261,6 +290,11 @@ CASES = [
     PathCase("coated", coated),
     PathCase("translucent", translucent),
     PathCase("cloth", cloth),
+    PathCase("scattering", scattering),
+    PathCase("cloud", cloud, spp=32, settings={
+        "volume_density": 9.0, "volume_albedo": (0.95, 0.9, 0.8), "volume_g": 0.4,
+        "volume_emission": (0.2, 0.1, 0.0),
+        "fog": 0.08, "fog_albedo": (0.9, 0.9, 0.9), "fog_g": 0.3, "fog_height": 0.8}),
     PathCase("dispersive", dispersive, spp=192),  # a path has one colour: more noise
     PathCase("glass-smooth", glass_smooth),
     PathCase("glass-rough", glass_rough),
