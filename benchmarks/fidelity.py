@@ -1,0 +1,206 @@
+"""How near our pictures come to those of other engines: python -m benchmarks.fidelity [--pictures DIR] [--only NAME].
+
+The scenarios are those of the corpus, and so is the scorer, `score_fidelity.py`: mean FLIP over interior pixels,
+against the two path tracers of a scenario that agree best. Each version of ours is scored twice: as it is, and encoded
+as the reference is. Two path tracers encode by pow(1 / 2.2) where we and all other engines do as sRGB says.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import json
+import os
+import statistics
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+import viewer
+from viewer.gpu.context import open_context
+from viewer.scene.camera import Camera
+
+from . import corpus, machine, shot, tracing
+
+VERSIONS: dict[str, dict[str, Any]] = {
+    "default": {},
+    "gtao": {"ambient_occlusion": "gtao"},
+    "16 lights": {"environment_shadows": "16"},
+    "64 lights": {"environment_shadows": "64"},
+    "everything": {"environment_shadows": "64", "indirect": "baked", "reflections": "traced", "refraction": "traced"},
+    "path": {"mode": "path", "spp": 64},
+}
+SCALE = {"path": 1 / 3}
+"""Of the size that the scenario names; the scorer reduces to a third of it. Others have `DEFAULT_SCALE`."""
+DEFAULT_SCALE = 0.5
+POWER_CODED = ("blender-cycles", "vray")
+"""Path tracers whose pictures are encoded by pow(1 / 2.2)."""
+LIGHTLESS = {"khronos-GlamVelvetSofa": ("default", "path")}
+"""Scenarios whose references leave out the lights of the file, and the versions that are also drawn without them."""
+
+Picture = tuple[np.ndarray, np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
+class Scenario:
+    """One scenario, with all engines' pictures of it. `references` are the path tracers that agree best."""
+
+    facts: dict[str, Any]
+    pictures: dict[str, Picture]
+    references: tuple[str, ...]
+    floor: float
+
+    @property
+    def name(self) -> str:
+        return str(self.facts["scenario"])
+
+
+def main() -> None:
+    options = _parse()
+    scorer = _scorer()
+    rows: list[dict[str, Any]] = []
+    loads: list[float] = []
+    with machine.until_stopped():
+        for scenario in _agreed(scorer, options.only):
+            for without_lights in (False, True) if scenario.name in LIGHTLESS else (False,):
+                rows.append(_row(scorer, scenario, options, without_lights))
+                loads.append(round(os.getloadavg()[0], 1))
+                print(json.dumps(rows[-1]), flush=True)
+    with open_context() as context:
+        facts = machine.here() | {"renderer": context.renderer, "load average": f"{min(loads)} to {max(loads)}"}
+    tracing.keep("fidelity", facts, rows, _page(scorer, rows), options.results)
+
+
+def _scorer() -> ModuleType:
+    path = corpus.FOLDER.parent / "tools/score_fidelity.py"
+    spec = importlib.util.spec_from_file_location("score_fidelity", path)
+    if spec is None or spec.loader is None or not path.is_file():
+        raise SystemExit(f"{path}: the scorer of the corpus is not there")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def _agreed(scorer: ModuleType, only: str) -> Iterator[Scenario]:
+    """The scenarios with two path tracers that agree, by name."""
+    for path in sorted((corpus.FOLDER / "fidelity").glob("*/scenario.json")):
+        facts = json.loads(path.read_text())
+        if only not in facts["scenario"]:
+            continue
+        found = {e: path.parent / f"{e}-golden.thumb.webp" for e in (*scorer.REAL_TIME, *scorer.PATH_TRACED)}
+        pictures = {engine: scorer.load(file) for engine, file in found.items() if file.is_file()}
+        pictures = {e: p for e, p in pictures.items() if p[1].shape[::-1] == tuple(facts["golden_size"])}
+        traced = [engine for engine in scorer.PATH_TRACED if engine in pictures]
+        pairs = [(scorer.distance(pictures[a], pictures[b])[0], a, b) for k, a in enumerate(traced)
+                 for b in traced[k + 1:]]
+        floor, *pair = min((p for p in pairs if p[0] is not None), default=(1.0,))
+        if floor < scorer.AGREE:
+            yield Scenario(facts, pictures, tuple(pair), floor)
+
+
+def _row(scorer: ModuleType, scenario: Scenario, options: argparse.Namespace, without_lights: bool) -> dict[str, Any]:
+    label = scenario.name.removeprefix("khronos-") + ", without the file's lights" * without_lights
+    row: dict[str, Any] = {"scenario": label, "references": scenario.references, "floor": scenario.floor,
+                           "engines": {e: statistics.fmean(_distance(scorer, scenario, r, scenario.pictures[e])
+                                                           for r in scenario.references)
+                                       for e in scorer.REAL_TIME if e in scenario.pictures}}
+    for version in LIGHTLESS[scenario.name] if without_lights else VERSIONS:
+        file = options.pictures / version / f"{scenario.name}{'-lightless' * without_lights}.png"
+        if not file.is_file():
+            if options.kept:
+                continue
+            _draw(scenario, version, file, without_lights)
+        ours = scorer.load(file, tuple(scenario.facts["golden_size"]))
+        row[version] = _score(scorer, scenario, ours)
+    return row
+
+
+def _draw(scenario: Scenario, version: str, file: Path, without_lights: bool) -> None:
+    facts = scenario.facts
+    scene = viewer.load(corpus.FOLDER / facts["model"]["path"],
+                        environment=corpus.FOLDER / facts["environment"]["path"])
+    if without_lights:
+        scene = replace(scene, lights=())
+    camera = Camera.look_at(facts["camera"]["eye"], facts["camera"]["target"],
+                            fov_y=np.radians(facts["camera"]["fovy_deg"]))
+    scale = SCALE.get(version, DEFAULT_SCALE)
+    width, height = (max(1, round(side * scale)) for side in facts["render_size"])
+    background = "none" if facts["background"].startswith("transparent") else "env"
+    image = viewer.render(scene, (width, height), camera, background=background, tonemap="aces", **VERSIONS[version])
+    file.parent.mkdir(parents=True, exist_ok=True)
+    image.save(file)
+
+
+def _score(scorer: ModuleType, scenario: Scenario, picture: Picture) -> dict[str, float]:
+    """Mean distance to the references, as the picture is and encoded as each of them is."""
+    plain = {engine: _distance(scorer, scenario, engine, picture) for engine in scenario.references}
+    alike = {engine: _distance(scorer, scenario, engine, _power_coded(picture)) for engine in scenario.references
+             if engine in POWER_CODED}
+    return {"plain": statistics.fmean(plain.values()), "alike": statistics.fmean((plain | alike).values())}
+
+
+def _distance(scorer: ModuleType, scenario: Scenario, engine: str, picture: Picture) -> float:
+    return float(scorer.distance(scenario.pictures[engine], picture)[0])
+
+
+def _power_coded(picture: Picture) -> Picture:
+    """An sRGB picture encoded by pow(1 / 2.2). Where it is not opaque, which is not scored, it is not exact."""
+    rgb, alpha = picture
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    return (np.clip(linear, 0, 1) ** (1 / 2.2)).astype(np.float32), alpha
+
+
+def _page(scorer: ModuleType, rows: list[dict[str, Any]]) -> list[str]:
+    return ["# Fidelity: our pictures and other engines'", "",
+            "Mean FLIP over interior pixels against the two path tracers that agree best; less is better. A number in",
+            "brackets is of the same picture, encoded as each reference is. The rank is that of our default among four",
+            "real-time engines, the best of which would be 1 and the last 5.", "", *_table(scorer, rows), ""]
+
+
+def _table(scorer: ModuleType, rows: list[dict[str, Any]]) -> list[str]:
+    head = ["scenario", "references differ by", "rank", *VERSIONS, *scorer.REAL_TIME]
+    lines = [head, ["---"] * len(head)]
+    for row in rows:
+        engines = row["engines"]
+        rank = 1 + sum(score < row["default"]["plain"] for score in engines.values())
+        lines.append([row["scenario"], f"{row['floor']:.3f}", str(rank), *(_cell(row, v) for v in VERSIONS),
+                      *(f"{engines[e]:.3f}" if e in engines else "" for e in scorer.REAL_TIME)])
+    full = [row for row in rows if len(row["engines"]) == len(scorer.REAL_TIME) and "without" not in row["scenario"]]
+    complete = [row for row in full if VERSIONS.keys() <= row.keys()]
+    groups = {"mean": full, "mean of those that all versions have": complete}
+    for label, group in groups.items():
+        if group:
+            engines = (f"{statistics.fmean(row['engines'][e] for row in group):.3f}" for e in scorer.REAL_TIME)
+            lines.append([f"{label} ({len(group)})", f"{statistics.fmean(row['floor'] for row in group):.3f}", "",
+                          *(_mean(group, version) for version in VERSIONS), *engines])
+    return ["| " + " | ".join(line) + " |" for line in lines]
+
+
+def _cell(row: dict[str, Any], version: str) -> str:
+    return f"{row[version]['plain']:.3f} ({row[version]['alike']:.3f})" if version in row else ""
+
+
+def _mean(rows: list[dict[str, Any]], version: str) -> str:
+    if not all(version in row for row in rows):
+        return ""
+    plain, alike = (statistics.fmean(row[version][way] for row in rows) for way in ("plain", "alike"))
+    return f"{plain:.4f} ({alike:.4f})"
+
+
+def _parse() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.fidelity", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--only", default="", metavar="NAME", help="scenarios whose name has this in it")
+    parser.add_argument("--pictures", type=Path, default=Path("fidelity-pictures"), metavar="DIR",
+                        help="keep pictures there, and take those that are")
+    parser.add_argument("--kept", action="store_true", help="draw none; score those that are in --pictures")
+    parser.add_argument("--results", type=Path, default=shot.REPOSITORY / "benchmarks/results")
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,41 @@
+"""The table of our pictures beside other engines', of scores that are given."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from benchmarks import fidelity
+
+SCORER = SimpleNamespace(REAL_TIME=["one", "other"])
+
+
+def row(name: str, default: float, one: float, other: float, **more: float) -> dict[str, object]:
+    versions = {"default": default} | more
+    return {"scenario": name, "floor": 0.05, "engines": {"one": one, "other": other}} | {
+        version: {"plain": score, "alike": score / 2} for version, score in versions.items()}
+
+
+def cells(line: str) -> list[str]:
+    return [cell.strip() for cell in line.strip("|").split("|")]
+
+
+def test_power_coding_is_of_the_same_light() -> None:
+    rgb = np.array([[[0.5, 0.02, 1.0]]], np.float32)
+    coded, _ = fidelity._power_coded((rgb, np.ones((1, 1), np.float32)))
+    assert coded[0, 0] == pytest.approx([0.214041**(1 / 2.2), (0.02 / 12.92)**(1 / 2.2), 1.0], abs=1e-5)
+
+
+def test_ranks_and_means_are_those_of_the_scores(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fidelity, "VERSIONS", {"default": {}, "path": {}})
+    rows = [row("a", 0.2, 0.1, 0.3, path=0.1), row("b", 0.1, 0.2, 0.3),
+            row("a, without the file's lights", 0.9, 0.1, 0.3)]
+    head, _, *lines = fidelity._table(SCORER, rows)
+    at = cells(head).index
+    assert [cells(line)[at("rank")] for line in lines[:3]] == ["2", "1", "3"]
+    mean, of_all_versions = map(cells, lines[3:])
+    assert mean[0] == "mean (2)" and mean[at("default")] == "0.1500 (0.0750)" and mean[at("one")] == "0.150"
+    assert mean[at("path")] == ""  # one scenario lacks it
+    assert of_all_versions[0].endswith("(1)") and of_all_versions[at("path")] == "0.1000 (0.0500)"
