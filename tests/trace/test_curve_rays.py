@@ -9,6 +9,7 @@ from needs import needs
 from stand_ins import Geometry, mesh, trace
 from strands import strands
 
+from viewer.errors import UsageError
 from viewer.gpu.context import Context
 from viewer.scene.curves import Curves
 from viewer.scene.scene import Scene
@@ -140,3 +141,39 @@ def test_boxes_of_long_thin_segments_are_pieces_that_hold_them(radius: float) ->
             assert inside.any() and holds[inside].any(axis=0).all()
     whole = np.prod(all_bodies[..., :3].max(axis=1) - all_bodies[..., :3].min(axis=1), axis=1).sum()
     assert np.prod(upper.astype(np.float64) - lower, axis=1).sum() < 0.2 * whole
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_segment_without_length_is_a_sphere_and_one_without_radius_nothing(context: Context, kind: str) -> None:
+    points = np.float32([[0, 0, 0], [0, 0, 0], [0, 0, 0], [-1, 0.5, 0], [1, 0.5, 0]])
+    shape = Curves("dot", points, np.float32([0.3, 0.3, 0.3, 0, 0]), np.array([0, 3, 5]), np.zeros(2, bool))
+    shown = Scene("dot", curves=(shape,))
+    across = trace_curves(shown)
+    places = (np.float32([[0.1, 0.2, 0.9], [0.35, 0, 0.9], [0.1, 0.501, 0.9]]) - shown.center) / shown.radius
+    intersector = make_intersector(context, Geometry([], curves=across), kind=kind)
+    hits = trace(context, intersector, places.astype(np.float32), np.float32([[0, 0, -1]] * 3))
+    intersector.release()
+    np.testing.assert_array_equal(hits[:, 0], [FIBRES, MISS, MISS])
+
+
+def test_without_embrees_curves_the_bvh_traces_everything(
+    context: Context, curves: TraceCurves, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def missing() -> None:
+        raise ImportError("no curves here")
+
+    pytest.importorskip("embreex")
+    monkeypatch.setattr("viewer.trace.rays.embree_curves.embree_with_curves", missing)
+    intersector = make_intersector(context, Geometry([], curves=curves))
+    assert intersector.name == "bvh"
+    intersector.release()
+    with pytest.raises(UsageError, match="no curves here"):
+        make_intersector(context, Geometry([], curves=curves), kind="embree")
+
+
+def test_there_is_a_bound_on_boxes(monkeypatch: pytest.MonkeyPatch) -> None:
+    shape = trace_curves(Scene("thin", curves=strands(6, 3, 1e-4)))
+    free = len(curve_boxes(shape)[2])
+    monkeypatch.setattr("viewer.trace.rays.curve_boxes._MOST_BOXES", 30)
+    segment = curve_boxes(shape)[2]
+    assert len(segment) <= 30 < free and set(segment) == set(range(len(shape.first)))

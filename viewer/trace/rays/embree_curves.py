@@ -89,8 +89,9 @@ class EmbreeCurves:
         rows = curves.first.astype(np.int64)
         has_left, has_right = curves.points[rows - 1, 3] >= 0, curves.points[rows + 2, 3] >= 0
         flags = (_LEFT * has_left | _RIGHT * has_right).astype(np.uint8)
-        # Embree reads these arrays as long as the scene lives.
-        self._buffers = np.ascontiguousarray(curves.points), np.ascontiguousarray(curves.first), flags
+        points, first = _with_length(curves.points, rows)
+        flags[first != curves.first] = 0
+        self._buffers = points, first, flags  # Embree reads these arrays as long as the scene lives.
         self._scene = self._library.rtcNewScene(device)
         weakref.finalize(self, self._library.rtcReleaseScene, self._scene)
         self._library.rtcSetSceneFlags(self._scene, _ROBUST)
@@ -165,6 +166,21 @@ class EmbreeCurves:
             intersect(valid, scene, packet, None)
         t, normal = _take(words, _FAR, 1, count)[:, 0], _take(words, _NORMAL, 3, count)
         return _take(bits, _PRIMITIVE, 1, count)[:, 0].view(np.int32), t, normal
+
+
+def _with_length(points: NDArray[np.float32], rows: NDArray[np.int64]
+                 ) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
+    """The points, and the row of each segment's first. Embree shows no segment without length, which is a sphere: such
+    segments have points of their own, a thousandth of the radius apart."""
+    (short,) = np.nonzero((points[rows, :3] == points[rows + 1, :3]).all(axis=1))
+    if not len(short):
+        return np.ascontiguousarray(points), rows.astype(np.uint32)
+    spheres = np.repeat(points[rows[short]], 2, axis=0)
+    spheres[:, 3] = np.repeat(np.maximum(points[rows[short], 3], points[rows[short] + 1, 3]), 2)
+    spheres[1::2, 0] += np.maximum(spheres[1::2, 3] / 1024, np.spacing(np.abs(spheres[1::2, 0])))
+    rows = rows.copy()
+    rows[short] = len(points) + 2 * np.arange(len(short))
+    return np.concatenate([points, spheres]), rows.astype(np.uint32)
 
 
 def _aligned(shape: tuple[int, ...], dtype: type) -> NDArray:
