@@ -1,65 +1,116 @@
-"""Rays a second through curves by both intersectors, and what their trees cost to build: `python -m benchmarks.curves`.
+"""Rays a second through curves by both intersectors, what their trees cost to build, and the time of a picture:
+`python -m benchmarks.curves [MODEL...]`.
 
-Balls of fur of 10^4 to 10^6 segments: straight long segments, in every direction, and wavy short ones. A wavefront of
-65,536 paths has camera rays; rays in all directions from the fibres that those hit; shadow rays from there. Rates are
-by the wall clock and, in parentheses, by processor time on all threads, which is the one to compare on a busy machine.
+Balls of fur: straight long segments in every direction, and wavy short ones. A wavefront of 65,536 paths has camera
+rays; rays in all directions from the fibres that those hit; shadow rays from there. Rates are by the wall clock and, in
+parentheses, by processor time on all threads, which is the one to compare on a busy machine. MODELs are path traced at
+64 samples, 256 x 256.
 """
 
 from __future__ import annotations
 
 import argparse
+import resource
 import time
-import tracemalloc
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
+import viewer
 from viewer.gpu.context import Context, open_context
 from viewer.scene.curves import Curves
 from viewer.scene.scene import Scene
+from viewer.settings import Settings
 from viewer.trace.layout import FREE, MISS
 from viewer.trace.rays.bvh import build_bvh
 from viewer.trace.rays.intersect import Intersector, make_intersector
 from viewer.trace.scene.curves import TraceCurves, trace_curves
 from viewer.trace.scene.geometry import TraceGeometry
+from viewer.trace.tracer import Tracer
 
-from . import machine
-from .intersect import ROUNDS, SIDE, Rays, camera_rays, make_wavefront, rate
+from . import tracing
+from .intersect import SIDE, Rays, camera_rays, make_wavefront, rate
+from .shot import REPOSITORY
 
-SIZES = (10_000, 100_000, 1_000_000)
+T = TypeVar("T")
+
+SIZES = (10_000, 100_000)
+LARGEST = 1_000_000
+POINTS = {"straight": 2, "wavy": 26}
+RATES = {"fur": "fur", "segments": "segments:,", "by": "by", "ready in s": "ready:.2f", "camera": "camera",
+         "bounce": "bounce", "shadow": "shadow", "bounce and shadow": "both"}
+TREES = {"fur": "fur", "segments": "segments:,", "boxes": "boxes:,", "in tracer space in s": "flattened:.1f",
+         "Embree built in s": "embree:.1f", "BVH built in s": "bvh:.1f", "texture, MB": "megabytes:.0f",
+         "most memory of the process, MB": "resident:.0f"}
+PICTURES = {"model": "model", "segments": "segments:,", "rays": "rays:,", "s": "wall:.1f",
+            "processor s": "processor:.1f", "estimated error": "error:.3f"}
 
 
 def main() -> None:
     options = _parse()
-    print(", ".join(f"{key} {value}" for key, value in machine.here().items()))
+    trees = [_tree(name, points, options.largest) for name, points in POINTS.items()] if options.largest else []
     with open_context() as context:
-        print(f"{context.renderer}; million rays a second by the wall clock (by processor time), best of {ROUNDS}\n")
-        print("| fur | segments | by | ready in s | camera | bounce | shadow | bounce and shadow |")
-        print("|---|---|---|---|---|---|---|---|")
-        furs = {f"{name} {size:,}": fur(size, points) for size in options.sizes
-                for name, points in (("straight", 2), ("wavy", 26))}
-        for name, curves in furs.items():
-            geometry, rays = TraceGeometry([], [], [], curves=curves), None
-            for kind in ("embree", "bvh"):
-                start = time.perf_counter()
-                intersector = make_intersector(context, geometry, kind=kind)
-                ready = time.perf_counter() - start
-                rays = rays or make_rays(context, intersector, curves)
-                cells = [name, f"{len(curves.first):,}", intersector.name, f"{ready:.2f}"]
-                cells += [rate(context, intersector, *pair) for pair in rays.values()]
-                print(f"| {' | '.join(cells)} |", flush=True)
-                intersector.release()
-        print("\n| fur | BVH built in s | most memory meanwhile, MB | texture, MB |\n|---|---|---|---|")
-        for name, curves in furs.items():
-            geometry = TraceGeometry([], [], [], curves=curves)
-            start, processor = time.perf_counter(), time.process_time()
-            build_bvh(geometry)
-            seconds, processor = time.perf_counter() - start, time.process_time() - processor
-            tracemalloc.start()
-            texels = build_bvh(geometry).texels
-            peak = tracemalloc.get_traced_memory()[1]
-            tracemalloc.stop()
-            built = f"{seconds:.2f} ({processor:.2f})"
-            print(f"| {name} | {built} | {peak / 1e6:.0f} | {texels.nbytes / 1e6:.0f} |", flush=True)
+        tracer = Tracer(context)
+        pictures = [_picture(tracer, model) for model in options.models]
+        rates = [row for size in options.sizes for name, points in POINTS.items()
+                 if points > 2 or size <= options.sizes[0]
+                 for row in _rates(context, f"{name} {size:,}", fur(size, points))]
+        command = " ".join(["python -m benchmarks.curves", *(model.name for model in options.models)])
+        facts = tracing.conditions(tracer) | {"command": command}
+        tracer.release()
+    about = "Million rays a second by the wall clock (by processor time), the best of six:"
+    text = ["# Rays through curves", "", about, "", *tracing.table(rates, RATES), "", "Trees, by processor time:", "",
+            *tracing.table(trees, TREES)]
+    if pictures:
+        text += ["", "Path traced, 64 samples, 256 x 256, from the model in memory to the picture:", "",
+                 *tracing.table(pictures, PICTURES)]
+    tracing.keep("curves", facts, [*rates, *trees, *pictures], text, options.results)
+
+
+def _tree(name: str, points: int, size: int) -> dict[str, object]:
+    from viewer.trace.rays.embree_curves import EmbreeCurves
+
+    curves, flattened = _timed(lambda: fur(size, points))
+    _, embree = _timed(lambda: EmbreeCurves(curves))
+    bvh, seconds = _timed(lambda: build_bvh(TraceGeometry([], [], [], curves=curves)))
+    return {"fur": name, "segments": len(curves.first), "boxes": bvh.points - bvh.curves, "flattened": flattened,
+            "embree": embree, "bvh": seconds, "megabytes": bvh.texels.nbytes / 1e6,
+            "resident": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3}
+
+
+def _timed(work: Callable[[], T]) -> tuple[T, float]:
+    """What `work` returns, and the processor time that it took."""
+    start = time.process_time()
+    result = work()
+    return result, time.process_time() - start
+
+
+def _picture(tracer: Tracer, model: Path) -> dict[str, object]:
+    scene = viewer.load(model)
+    settings = Settings.of(mode="path", spp=64)
+    start, processor = time.perf_counter(), time.process_time()
+    image = tracer.render(scene, scene.framing_camera(1.0), settings, (256, 256))
+    curves = trace_curves(scene)
+    return {"model": model.name, "segments": 0 if curves is None else len(curves.first), "rays": image.stats["rays"],
+            "wall": time.perf_counter() - start, "processor": time.process_time() - processor,
+            "error": image.stats["estimated_error"]}
+
+
+def _rates(context: Context, name: str, curves: TraceCurves) -> list[dict[str, object]]:
+    geometry = TraceGeometry([], [], [], curves=curves)
+    rows: list[dict[str, object]] = []
+    rays: dict[str, tuple[Rays | None, Rays | None]] | None = None
+    for kind in ("embree", "bvh"):
+        start = time.perf_counter()
+        intersector = make_intersector(context, geometry, kind=kind)
+        ready = time.perf_counter() - start
+        rays = rays or make_rays(context, intersector, curves)
+        rows.append({"fur": name, "segments": len(curves.first), "by": intersector.name, "ready": ready}
+                    | {column: rate(context, intersector, *pair) for column, pair in rays.items()})
+        intersector.release()
+    return rows
 
 
 def fur(segments: int, points: int, seed: int = 0) -> TraceCurves:
@@ -107,7 +158,10 @@ def make_rays(context: Context, intersector: Intersector, curves: TraceCurves
 
 def _parse() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.curves", description=__doc__)
+    parser.add_argument("models", nargs="*", type=Path, help="files of curves to path trace")
     parser.add_argument("--sizes", type=int, nargs="+", default=SIZES, help="segments of the balls")
+    parser.add_argument("--largest", type=int, default=LARGEST, help="segments that trees are built over; 0: none")
+    parser.add_argument("--results", type=Path, default=REPOSITORY / "benchmarks/results")
     return parser.parse_args()
 
 
