@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from viewer.bake.prefilter import HEIGHT, LEVEL_ROUGHNESS, prefilter
+from viewer.bake.prefilter import HEIGHT, LEVEL_ROUGHNESS, irradiance_map, prefilter
 from viewer.scene.mip_levels import mip_levels
 
 from .light import NAMES, levels_texture, radiance, sphere_points, texels
@@ -79,8 +79,13 @@ def _levels(name: str, height: int) -> tuple[list[np.ndarray], float]:
 
 
 def levels(name: str, height: int = HEIGHT, dtype: type = np.float16) -> list[np.ndarray]:
-    """The levels of a built-in environment, by default as the renderer stores them."""
-    return [level.astype(dtype) for level in _levels(name, height)[0]]
+    """The mip chain of a built-in environment, by default as the renderer stores it."""
+    return [level.astype(dtype) for level in _levels(name, height)[0][:-1]]
+
+
+def wide_levels(name: str) -> list[np.ndarray]:
+    """Irradiance / pi and the widest level, as the renderer stores them."""
+    return [level.astype(np.float16) for level in (irradiance_map(radiance(name)), _levels(name, HEIGHT)[0][-1])]
 
 
 def _map(height: int, dtype: type) -> Variant:

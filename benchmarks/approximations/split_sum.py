@@ -9,12 +9,12 @@ import numpy as np
 from viewer.bake.dfg import SIZE, dfg_table
 from viewer.bake.lobe_samples import lobe_samples
 from viewer.bake.lobes import lobe_spectrum
-from viewer.bake.prefilter import irradiance_map, level_of_roughness
+from viewer.bake.prefilter import level_of_roughness
 from viewer.measure.check.reference import smith_lambda
 
-from .light import NAMES, levels_texture, map_texture, radiance, seen, sphere_points
+from .light import NAMES, levels_texture, map_texture, seen, sphere_points
 from .piece import SHADERS, Case, Kernel, Piece, Variant, logarithmic
-from .prefilter import levels
+from .prefilter import levels, wide_levels
 
 _NOV = np.array([0.1, 0.25, 0.45, 0.7, 0.95])
 _ROUGHNESS = np.array([0.25, 0.4, 0.55, 0.7, 0.85, 1.0])
@@ -52,7 +52,7 @@ def _piece(name: str, title: str, f0: float) -> Piece:
         truth = _integrals(environment, n, v, roughness, f0).reshape(len(n), -1, 3)
         cases.append(Case(parameters, logarithmic(truth)))
         textures.append({"u_map": levels_texture(levels(environment)), "u_dfg": map_texture(dfg_table()),
-                         "u_irradiance": map_texture(irradiance_map(radiance(environment)).astype(np.float16)),
+                         "u_irradiance": levels_texture(wide_levels(environment)),
                          "u_means": map_texture(_mean_directions())})
     size = sum(level.nbytes for level in levels(NAMES[0])) + dfg_table().nbytes
     variants = tuple(

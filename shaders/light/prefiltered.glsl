@@ -1,6 +1,9 @@
 // The prefiltered environment: a mip chain made by viewer/bake/prefilter.py, with one level for each of six
-// roughnesses.
+// roughnesses. The lobe of roughness 1 is that of the cosine, so a lobe between it and one that is wider is looked up in
+// the irradiance, which has the wider one as its mip level 1.
 #include "light/equirect.glsl"
+
+const float WIDEST_PREFILTERED = 5.0; // the level of roughness 1
 
 // The level is piecewise linear in x = alpha / (alpha + 0.4), with one ramp per level. The resulting blend of two
 // levels is close to the best one for a roughness in between. The levels are filtered for perceptual roughness 0, 0.12,

@@ -28,7 +28,10 @@ vec3 environment_irradiance_over_pi(vec3 n) {
 
 #if REFLECTS
 vec3 environment_level(vec3 d, float lod) {
-    return u_environment_intensity * prefiltered_radiance(u_prefiltered, to_environment(d), lod);
+    d = to_environment(d);
+    vec3 seen = lod > WIDEST_PREFILTERED ? wide_radiance(u_irradiance, d, lod - WIDEST_PREFILTERED)
+                                         : prefiltered_radiance(u_prefiltered, d, lod);
+    return u_environment_intensity * seen;
 }
 
 vec3 environment_specular(vec3 d, float perceptual_roughness) {

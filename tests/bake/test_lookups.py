@@ -8,15 +8,13 @@ import pytest
 from viewer.bake.dfg import SIZE, dfg_table
 from viewer.bake.irradiance import cosine_spectrum
 from viewer.bake.lobe_samples import lobe_samples
-from viewer.bake.lobes import lobe_spectrum
 from viewer.bake.lookups import fit_lookups
-from viewer.bake.prefilter import LEVEL_ROUGHNESS, level_of_roughness
+from viewer.bake.prefilter import LEVELS, level_of_roughness, level_spectrum
 from viewer.plan.planner import NARROW_ROUGHNESS
 
 DEGREE = 120
 VIEWS = [(NoV, roughness) for NoV in (0.1, 0.3, 0.6, 0.9) for roughness in (0.2, 0.35, 0.5, 0.7, 1.0)]
-FILTERS = np.stack([lobe_spectrum("ggx", r * r, DEGREE) if r else np.ones(DEGREE + 1) for r in LEVEL_ROUGHNESS]
-                   + [cosine_spectrum(DEGREE)])
+FILTERS = np.stack([level_spectrum("ggx", k, DEGREE) for k in range(LEVELS)] + [cosine_spectrum(DEGREE)])
 NODES, NODE_WEIGHTS = np.polynomial.legendre.leggauss(200)
 LEGENDRE = np.polynomial.legendre.legvander(NODES, DEGREE)
 
@@ -35,7 +33,7 @@ def as_filtered_lobes(NoV: float, lookups: np.ndarray) -> list[tuple[np.ndarray,
     theta, found = np.arccos(NoV), []
     for t, level, *_ in lookups:
         d = np.array([1 - t + t * NoV, t * np.sin(theta), 0.0])
-        low = min(int(level), len(LEVEL_ROUGHNESS) - 2)
+        low = min(int(level), LEVELS - 2)
         found.append((d / np.linalg.norm(d), FILTERS[low] * (1 - level + low) + FILTERS[low + 1] * (level - low)))
     weights = [*lookups[:, 2:], 1 - lookups[:, 2:].sum(axis=0)]
     return [(*lobe, w) for lobe, w in zip([*found, (np.array([1.0, 0, 0]), FILTERS[-1])], weights, strict=True)]
@@ -113,7 +111,7 @@ def test_weights_conserve_energy_and_lookups_are_above_the_surface():
                   *fit_lookups("beckmann", "v-cavity")):
         assert np.isfinite(found).all()
         assert found[..., 2:].min() >= 0 and found[..., 2:].sum(axis=2).max() <= 1 + 1e-6
-        assert found[..., 1].min() >= 0 and found[..., 1].max() <= len(LEVEL_ROUGHNESS) - 1
+        assert found[..., 1].min() >= 0 and found[..., 1].max() <= LEVELS - 1
         assert np.abs(np.diff(found[:, 2:, :, :2], axis=0)).max() < 1.5  # smooth enough to interpolate
 
 

@@ -5,18 +5,19 @@ import pytest
 from maps import bilinear, convolved, noise_with_sun, random_directions
 from needs import CORPUS, needs
 
-from viewer.bake.prefilter import LEVEL_ROUGHNESS, MARGIN, level_integral, prefilter, row_angles
+from viewer.bake.prefilter import LEVEL_ROUGHNESS, LEVELS, MARGIN, level_integral, prefilter, row_angles
 from viewer.bake.sun import extract_sun
 from viewer.gpu.call import call_glsl
 from viewer.scene.environment_files import load_environment
-from viewer.scene.equirect import sphere_integral, texel_directions
+from viewer.scene.equirect import sphere_integral, texel_directions, texel_solid_angles
 
 ENVIRONMENTS = CORPUS / "environments"
 
 
 def test_levels_are_a_mip_chain():
     levels, _ = prefilter(noise_with_sun())
-    assert [level.shape for level in levels] == [(512 >> k, 1024 >> k, 3) for k in range(6)]
+    assert [level.shape for level in levels[:-1]] == [(512 >> k, 1024 >> k, 3) for k in range(LEVELS - 1)]
+    assert levels[-1].shape == (32, 64, 3)  # the mip level after the irradiance
     assert all(level.dtype == np.float32 and level.min() >= 0 for level in levels)
 
 
@@ -56,6 +57,20 @@ def test_a_bright_texel_is_brightest_where_it_is_at_every_level(direction):
         towards = np.stack([np.sin(theta) * np.cos(phi), np.cos(theta) + 0 * phi, np.sin(theta) * np.sin(phi)], axis=-1)
         brightest = np.unravel_index(level[:, :, 1].argmax(), level.shape[:2])
         assert np.arccos(min(1.0, towards[brightest] @ direction)) < 1.6 * np.pi / height
+
+
+def test_the_widest_level_is_the_lobe_of_roughness_1_seen_at_a_grazing_angle():
+    """NoL / (NoL + NoV) for NoV = 1/4, by a sum over the texels at the level's own places."""
+    radiance = noise_with_sun(64, sun=30)
+    level = prefilter(radiance)[0][-1]
+    rows = row_angles(len(level))
+    phi = 2 * np.pi * ((np.arange(2 * len(level)) + 0.5) / (2 * len(level)) - 0.5)
+    n = np.stack([np.sin(rows)[:, None] * np.cos(phi), np.cos(rows)[:, None] + 0 * phi,
+                  np.sin(rows)[:, None] * np.sin(phi)], axis=-1).reshape(-1, 3)
+    NoL = np.maximum(n @ texel_directions(64, 128).reshape(-1, 3).T, 0)
+    weight = NoL / (NoL + 0.25) * np.repeat(texel_solid_angles(64, 128), 128)
+    exact = (weight @ radiance.reshape(-1, 3) / weight.sum(axis=1, keepdims=True)).reshape(level.shape)
+    assert np.abs(level - exact).max() < 0.02 * exact.mean()
 
 
 def test_levels_against_direct_quadrature():

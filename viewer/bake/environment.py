@@ -14,7 +14,7 @@ from ..scene.light import Light
 from ..settings import NDFS
 from . import cache as disk
 from .background import background_map
-from .prefilter import HEIGHT, LEVEL_ROUGHNESS, WIDTH, irradiance_map, prefilter
+from .prefilter import HEIGHT, LEVELS, WIDTH, irradiance_map, prefilter
 from .sun import extract_sun
 
 HALF_CEILING = 32768.0  # levels are scaled so that their maximum is below it and fits a half float, in any units
@@ -25,9 +25,10 @@ class BakedEnvironment:
     """An environment baked for image-based lighting, without its rotation and intensity.
 
     `levels` is the prefiltered mip chain (shaders/light/prefiltered.glsl), six arrays (512, 1024, 3) to (16, 32, 3)
-    float16, top row first, for wrap modes repeat in u and clamp in v. It is empty if it was not requested. `irradiance`
-    is irradiance / pi, (64, 128, 3) float16, with the same layout. Both are divided by `scale` (a power of two), so
-    shaders multiply what they read by it. `suns` are directional lights, in units of the environment, that were removed
+    float16, top row first, for wrap modes repeat in u and clamp in v, and then the widest level, (32, 64, 3). It is
+    empty if it was not requested. `irradiance` is irradiance / pi, (64, 128, 3) float16, with the same layout; the
+    widest level is the next level of its mip chain. All are divided by `scale` (a power of two), so shaders multiply
+    what they read by it. `suns` are directional lights, in units of the environment, that were removed
     from the levels and the irradiance. `background` is the map with its suns, see `background_map`.
     """
 
@@ -89,7 +90,7 @@ def _bake(environment: Environment, ndf: str, with_levels: bool) -> dict[str, np
 def _from_arrays(arrays: dict[str, np.ndarray]) -> BakedEnvironment:
     suns = (row.tolist() for row in arrays["suns"])
     return BakedEnvironment(
-        levels=tuple(arrays[f"level{k}"] for k in range(len(LEVEL_ROUGHNESS)) if f"level{k}" in arrays),
+        levels=tuple(arrays[f"level{k}"] for k in range(LEVELS) if f"level{k}" in arrays),
         irradiance=arrays["irradiance"].copy(),  # a view would keep the whole cache entry in memory
         scale=float(arrays["scale"][0]),
         suns=tuple(Light("directional", tuple(r[3:6]), r[6], direction=tuple(r[:3]), angular_radius=r[7], name="sun")

@@ -53,3 +53,13 @@ def lobe_spectrum(ndf: str, alpha: float, degree: int) -> np.ndarray:
         last, older = ((2 * n - 1) * cosine * last - (n - 1) * older) / n, last
         spectrum[n] = mass @ last
     return spectrum
+
+
+def grazing_spectrum(degree: int) -> np.ndarray:
+    """lambda_0 .. lambda_degree of the widest lobe that an environment is filtered with: that of roughness 1 seen at a
+    grazing angle, NoV = 1/4. Without Fresnel's part it is NoL / (NoL + NoV), whatever the azimuth, since D is constant
+    there and V = 1 / (2 (NoL + NoV)). The sum of a level with the cosine and of this one is near to it for all NoV."""
+    node, weight = np.polynomial.legendre.leggauss(600)
+    NoL = (node + 1) / 2
+    mass = weight * NoL / (NoL + 0.25)
+    return (mass / mass.sum()) @ np.polynomial.legendre.legvander(NoL, degree)

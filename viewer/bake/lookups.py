@@ -1,6 +1,6 @@
 """Where a microfacet lobe looks up the filtered environment.
 
-The environment is filtered for a lobe seen along the normal (n = v = r). An oblique lobe is another one. Masking and
+The environment is filtered for lobes seen along the normal (n = v = r). An oblique lobe is another one. Masking and
 the factor NoL lean it from the mirror direction towards n, and the Fresnel part b leans the other way. Half vectors
 that tilt by d in the plane of incidence turn the reflected direction by 2 d, but those that tilt across it only by
 2 d VoH: the lobe is stretched in that plane. So it is the sum of filtered lobes about as wide as it is across, along
@@ -9,17 +9,18 @@ directions in that plane. Its wide tails are a share of the irradiance at n, whi
     L ~ sum_i w_i filtered(d_i, level_i) + (1 - sum_i w_i) irradiance(n) / pi,    w_i >= 0, sum_i w_i <= 1
 
 The weights add up to 1, so a white furnace stays white. Both parts of the lobe, a and b, share the lookups and have
-weights of their own. The irradiance may not bring more light from farther than TAIL from the lobe's mean direction than
-the lobe does: a lamp out there can be a thousand times as bright as what the lobe sees.
+weights of their own.
 
-Directions and levels minimise the expected squared error in random environments, whose coefficients of degree n have
-the variance p_n = (n + 1)^-2, near that of photographed environments. With the spectra lambda of the filters, the
-normalised lobe K, and Z_i(x) = sum_n p_n (2 n + 1) / (4 pi) lambda_n,i P_n(x), the addition theorem of Legendre's
-polynomials gives the error
+Directions and levels minimise the expected squared relative error under uniform light of radiance 1 and a lamp
+somewhere, whose light is p g(c . l), where g is a blurred spot that integrates to 1. With the kernels K of the lobe and
+k_i of the filters, which integrate to 1 too, blurred by g,
 
-    <K, K> - 2 sum_i w_i <K, Z_i> + sum_ij w_i w_j <Z_i, Z_j>
-    <K, Z_i> = int K(l) Z_i(l . d_i) dl
-    <Z_i, Z_j> = sum_n p_n (2 n + 1) / (4 pi) lambda_n,i lambda_n,j P_n(d_i . d_j)
+    error = int dc u(c) (sum_i w_i k_i(c) - K(c))^2,    u(c) = (p / (1 + p K(c)))^2
+
+u is the weight of a relative error: a lamp that the lobe hardly sees must not be seen by a lookup, for it may be a
+thousand times as bright as what the lobe does see. (Without it, with the absolute errors of random environments, metals
+in a studio were too bright or too dark by half where no lamp is mirrored.) LAMPS are small, for what is mirrored, and
+large, for what lights a room.
 
 The best weights for given lookups are those of a small quadratic programme. The lookups themselves are found by a
 descent along one coordinate after the other, for all views and roughnesses at once. A small penalty on differences
@@ -34,21 +35,21 @@ import numpy as np
 
 from .irradiance import cosine_spectrum
 from .lobe_samples import lobe_samples
-from .lobes import lobe_spectrum
-from .prefilter import LEVEL_ROUGHNESS, level_of_roughness
+from .prefilter import LEVELS, level_of_roughness, level_spectrum
 
 GRID = 16  # rows and columns that are fitted; those between are interpolated
 DEGREE = 255
 TYPICAL_F0 = (0.04, 0.9)  # the errors of a dielectric and of a metal count alike
+LAMPS = ((0.0, 1.0, 10.0), (0.2, 0.0, 40.0))  # radius in radians, radius as a multiple of alpha, radiance
+_SMALLEST_LAMP = 0.02  # radians
 _NARROW_COLUMNS = 2  # roughnesses whose pair is twice half the single one: that lobe is narrow however it is seen
-TAIL = np.radians(60)
 T_BOUNDS = (-0.5, 5.0)  # of t: near the normal r = n and t has no effect
 WIDEST = np.radians(110)  # largest angle between a lookup and n
 
-_IRRADIANCE = len(LEVEL_ROUGHNESS)  # index of the irradiance among the filters
 _ANGLES = 2048  # steps of the tables over angles between 0 and pi
-_PSI = np.linspace(0, 1.02 * WIDEST, 200)  # angles of lookups that <K, Z> is tabulated for
-_NODES, _SWEEPS, _FIRM_SWEEPS, _SMOOTHNESS = 12, 10, 5, 1e-2
+_RINGS, _SECTORS = 14, 8  # places of the lamp: polar angles about the lobe, and azimuths of one half
+_NODES, _SWEEPS, _FIRM_SWEEPS, _SMOOTHNESS = 10, 10, 5, 8e-3
+_WIDE_ROUGHNESS = 0.75  # from here on the descent starts with one lookup that goes to the widest level at n
 
 
 def fit_lookups(ndf: str, masking: str) -> list[np.ndarray]:
@@ -66,42 +67,57 @@ def fit_lookups(ndf: str, masking: str) -> list[np.ndarray]:
 
 class _Fit:
     """The errors of lookups for all cells of the grid, C of them, row by row. Below, x is (C, 2 count): the t of
-    `count` lookups, then their levels."""
+    `count` lookups, then their levels. A lamp is at one of Q places."""
 
     def __init__(self, ndf: str, masking: str) -> None:
         axis = np.arange(GRID) / (GRID - 1)
         NoV = np.maximum(axis**2, 1e-4)
         NoV[-1] = np.cos(1e-3)  # for v = n the plane of incidence is undefined
         self.theta, self.roughness = np.repeat(np.arccos(NoV), GRID), np.tile(axis, GRID)
-        self.lobe_filter, self.filters = _filter_products(ndf)
-        columns = [self._column(ndf, masking, NoV, max(r, 0.03) ** 2) for r in axis]
-        self.on_lobe, albedo, self.most_irradiance = (
-            np.stack(kind, axis=1).reshape(GRID * GRID, *kind[0].shape[1:]) for kind in zip(*columns, strict=True))
-        of_parts = albedo[..., None] * np.stack([TYPICAL_F0, np.ones(2)])
-        self.shares = of_parts / of_parts.sum(axis=1, keepdims=True)  # of the parts in the lobes with TYPICAL_F0
+        self.column = np.tile(np.arange(GRID), GRID)
         # psi, the angle from n, has tan psi = t sin theta / (1 - t + t cos theta), solved for t
         slope = np.sin(WIDEST) * (1 - np.cos(self.theta)) + np.cos(WIDEST) * np.sin(self.theta)
         self.t_most = np.minimum(np.sin(WIDEST) / np.where(slope > 0, slope, 1e-9), T_BOUNDS[1])
+        columns = [self._column(ndf, masking, NoV, max(r, 0.05) ** 2) for r in axis]
+        self.places, self.of_lobe, self.weights, self.shares, self.tables = (
+            np.stack(kind, axis=1) for kind in zip(*columns, strict=True))
+        self.places, self.shares = self.places.reshape(-1, *self.places.shape[2:]), self.shares.reshape(-1, 2)
+        self.of_lobe, self.weights = (
+            kind.swapaxes(1, 2).reshape(len(LAMPS), GRID * GRID, *kind.shape[3:])
+            for kind in (self.of_lobe, self.weights))
+        self.on_lobe = self.weights * self.of_lobe
+        self.least = -(self.on_lobe * self.of_lobe).sum(axis=(0, 2))  # of no error: that of the weights is added to it
 
     def _column(self, ndf: str, masking: str, NoV: np.ndarray, alpha: float) -> tuple[np.ndarray, ...]:
-        """<K, Z>, (GRID, len(_PSI), filters, parts), and the albedos of the parts and the largest weights that they
-        allow the irradiance, (GRID, parts)."""
+        """Of one roughness: the places of the lamp, (GRID, Q, 3); K there and u, (lamps, GRID, Q, parts); how much the
+        errors of the parts count, (GRID, parts); and the kernels of the filters, (lamps, angles, filters)."""
         directions, parts = lobe_samples(ndf, masking, NoV, alpha, _NODES)
         albedo = parts.sum(axis=1)
-        most = np.stack([_tail(directions, part, of_lobe=True) / _tail(directions, part, of_lobe=False)
-                         for part in np.moveaxis(parts, 2, 0)], axis=1)
-        axes = np.stack([np.cos(_PSI), np.sin(_PSI)])
-        found = []
-        for l, weights in zip(directions, parts / albedo[:, None], strict=True):  # noqa: E741
-            angle = np.arccos(np.clip(l[:, :2].astype(np.float32) @ axes.astype(np.float32), -1, 1))
-            at = np.rint(angle.T * (_ANGLES / np.pi)).astype(np.int32)
-            found.append(np.einsum("psl,sq->plq", self.lobe_filter[at], weights.astype(np.float32), optimize=True))
-        return np.stack(found).astype(np.float64), albedo, np.clip(most, 0, 1)
+        parts = parts / albedo[:, None]
+        places, solid_angle = _places(directions, parts.mean(axis=2), alpha)
+        degrees = np.arange(DEGREE + 1)
+        legendre = np.polynomial.legendre.legvander(np.cos(np.linspace(0, np.pi, _ANGLES + 1)), DEGREE)
+        filters = np.stack([level_spectrum(ndf, k, DEGREE) for k in range(LEVELS)] + [cosine_spectrum(DEGREE)])
+        of_lobe, weights, tables = [], [], []
+        for radius, of_alpha, radiance in LAMPS:
+            sigma = max(radius + of_alpha * alpha, _SMALLEST_LAMP)
+            blurred = (2 * degrees + 1) / (4 * np.pi) * np.exp(-degrees * (degrees + 1) * sigma**2 / 2)
+            seen = _seen_lamp((legendre @ blurred).astype(np.float32), places, directions, parts)
+            power = radiance * 2 * np.pi * sigma**2
+            of_lobe.append(seen)
+            weights.append(solid_angle[:, None] * (power / (1 + power * seen)) ** 2)
+            tables.append(legendre @ (blurred * filters).T)
+        of_parts = albedo[..., None] * np.stack([TYPICAL_F0, np.ones(2)])
+        shares = ((of_parts / of_parts.sum(axis=1, keepdims=True)) ** 2).mean(axis=2)
+        return places, np.stack(of_lobe), np.stack(weights), shares, np.stack(tables)
 
     def starts(self) -> list[np.ndarray]:
         r, level = self.roughness, level_of_roughness(self.roughness)
+        wide = np.clip((r - _WIDE_ROUGHNESS) / (1 - _WIDE_ROUGHNESS), 0, 1)
+        wide = wide * wide * (3 - 2 * wide)
         return [np.stack([1 - 0.3 * r, 0.8 * level], axis=1),
-                np.stack([0.93 - 0.3 * r, 1 + 0 * r, (1 - 0.3 * r) * level, (0.45 + 0.25 * r) * level], axis=1)]
+                np.stack([(0.93 - 0.3 * r) * (1 - wide), 1 + 0 * r,
+                          (1 - wide) * (1 - 0.3 * r) * level + wide * 5.6, (0.45 + 0.25 * r) * level], axis=1)]
 
     def lookups(self, x: np.ndarray) -> np.ndarray:
         """(GRID, GRID, count, 4)"""
@@ -113,7 +129,6 @@ class _Fit:
         """Improves x in place. A step along a coordinate goes to the best of four values: the one that there is, one
         on either side, and the vertex of the parabola through these."""
         count = x.shape[1] // 2
-        scale = 0.7 * self._quadratic(x)[0][:, 0, 0]
         step = np.repeat([0.1, 0.3], count)[None] * np.ones_like(x)
         stiffness = np.repeat([1.0, 0.25], count)
         mirror = self.roughness == 0
@@ -125,7 +140,7 @@ class _Fit:
                 def tried(by: np.ndarray | float, k: int = k, around: np.ndarray = around,
                           penalty: float = smoothness * stiffness[k]) -> tuple[np.ndarray, np.ndarray]:
                     y = self._within(x, k, x[:, k] + by)
-                    return self.errors(y)[0] / scale + penalty * (y[:, k] - around) ** 2, y[:, k]
+                    return self.errors(y)[0] + penalty * (y[:, k] - around) ** 2, y[:, k]
 
                 here, less, more = tried(0.0), tried(-step[:, k]), tried(step[:, k])
                 bend = less[0] + more[0] - 2 * here[0]
@@ -146,7 +161,7 @@ class _Fit:
         """x with the coordinate k changed, within its bounds. The first lookup stays the one nearer to n."""
         x, count = x.copy(), x.shape[1] // 2
         if k >= count:
-            x[:, k] = np.clip(value, 0, len(LEVEL_ROUGHNESS) - 1)
+            x[:, k] = np.clip(value, 0, LEVELS - (1 if count == 2 else 2))  # one lookup alone is for narrow lobes
             return x
         x[:, k] = np.clip(value, T_BOUNDS[0], self.t_most)
         if count == 2:
@@ -154,94 +169,78 @@ class _Fit:
         return x
 
     def errors(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The error without <K, K>, summed over TYPICAL_F0, (C,), and the best weights, (C, count + 1, parts). The last
-        weight is that of the irradiance."""
-        products, on_lobe = self._quadratic(x)
-        weights = _best_weights(products, on_lobe, self.most_irradiance)
-        of_lobes = np.einsum("cip,cpf->cif", weights, self.shares)
-        square = np.einsum("cif,cij,cjf->c", of_lobes, products, of_lobes)
-        return square - 2 * np.einsum("cip,cpf,cif->c", on_lobe, self.shares, of_lobes), weights
+        """The error, of both parts as they count, (C,), and the best weights, (C, count + 1, parts). The last weight
+        is that of the irradiance."""
+        kernels = self._kernels(x)
+        products = np.einsum("aciq,acqp,acjq->cpij", kernels, self.weights, kernels, optimize=True)
+        on_lobe = np.einsum("aciq,acqp->cpi", kernels, self.on_lobe, optimize=True)
+        best = _nonnegative_weights(products, on_lobe)
+        error = np.einsum("cpi,cpij,cpj->cp", best, products, best) - 2 * (best * on_lobe).sum(axis=2) - self.least
+        return (error * self.shares).sum(axis=1), best.swapaxes(1, 2)
 
-    def _quadratic(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """<Z, Z>, (C, count + 1, count + 1), and <K, Z>, (C, count + 1, parts)."""
+    def _kernels(self, x: np.ndarray) -> np.ndarray:
+        """k of the lookups and of the irradiance at the places of the lamp, (lamps, C, count + 1, Q)."""
         t, level = np.split(x, 2, axis=1)
         theta = self.theta[:, None]
-        psi = np.arctan2(t * np.sin(theta), 1 - t + t * np.cos(theta))
-        psi = np.concatenate([np.clip(psi, 0, WIDEST), 0 * theta], axis=1)
-        low = np.minimum(level.astype(int), len(LEVEL_ROUGHNESS) - 2)
-        blend = np.zeros((*psi.shape, _IRRADIANCE + 1))
-        np.put_along_axis(blend[:, :-1], low[..., None], (1 - level + low)[..., None], -1)
-        np.put_along_axis(blend[:, :-1], low[..., None] + 1, (level - low)[..., None], -1)
-        blend[:, -1, _IRRADIANCE] = 1
-
-        place = psi / _PSI[1]
-        before = np.minimum(place.astype(int), len(_PSI) - 2)
-        part = (place - before)[..., None, None]
-        cell = np.arange(len(x))[:, None]
-        on_lobe = (1 - part) * self.on_lobe[cell, before] + part * self.on_lobe[cell, before + 1]
-        between = np.rint(np.abs(psi[:, :, None] - psi[:, None]) * (_ANGLES / np.pi)).astype(int)
-        rows = np.matmul(blend[:, :, None, None], self.filters[between])[:, :, :, 0]
-        return (rows * blend[:, None]).sum(axis=-1), np.matmul(blend[:, :, None], on_lobe)[:, :, 0]
+        psi = np.clip(np.arctan2(t * np.sin(theta), 1 - t + t * np.cos(theta)), 0, WIDEST)
+        psi = np.concatenate([psi, 0 * theta], axis=1)[..., None]
+        cosine = np.cos(psi) * self.places[:, None, :, 0] + np.sin(psi) * self.places[:, None, :, 1]
+        at = np.rint(np.arccos(np.clip(cosine, -1, 1)) * (_ANGLES / np.pi)).astype(int)
+        low = np.minimum(level.astype(int), LEVELS - 2)[..., None]
+        part, column = level[..., None] - low, self.column[:, None, None]
+        of_levels = ((1 - part) * self.tables[:, column, at[:, :-1], low]
+                     + part * self.tables[:, column, at[:, :-1], low + 1])
+        return np.concatenate([of_levels, self.tables[:, column, at[:, -1:], LEVELS]], axis=2)
 
 
-def _tail(directions: np.ndarray, part: np.ndarray, of_lobe: bool) -> np.ndarray:
-    """What share of a part's lobe, or else of the irradiance at n, comes from farther than TAIL from the mean direction
-    of the part, (GRID,)."""
-    mean = np.einsum("js,jsk->jk", part, directions) * [1, 1, 0]
+def _places(directions: np.ndarray, whole: np.ndarray, alpha: float) -> tuple[np.ndarray, np.ndarray]:
+    """Places all around, (GRID, Q, 3), dense about the mean direction of the lobes, and their solid angles, (Q,). The
+    coordinates are those of the directions."""
+    mean = np.einsum("js,jsk->jk", whole, directions) * [1, 1, 0]
     mean /= np.linalg.norm(mean, axis=1, keepdims=True)
-    if of_lobe:
-        far = np.einsum("jsk,jk->js", directions, mean) < np.cos(TAIL)
-        return (part * far).sum(axis=1) / part.sum(axis=1)
-    u, v = (np.indices((48, 48)).reshape(2, -1) + 0.5) / 48  # cosine-weighted directions
-    around = np.stack([np.sqrt(1 - u), np.sqrt(u) * np.cos(np.pi * v), np.sqrt(u) * np.sin(np.pi * v)])
-    return (mean @ around < np.cos(TAIL)).mean(axis=1)
+    node, weight = np.polynomial.legendre.leggauss(_RINGS)
+    node, weight = (node + 1) / 2, weight / 2
+    density = np.log(np.pi / (2 * alpha)) + 0.5
+    angle = np.pi * np.sinh(density * node) / np.sinh(density)
+    weight = weight * np.pi * density * np.cosh(density * node) / np.sinh(density) * np.sin(angle)
+    azimuth = (np.arange(_SECTORS) + 0.5) / _SECTORS * np.pi
+    along, up, across = (kind.ravel()[:, None] for kind in np.broadcast_arrays(
+        np.cos(angle)[:, None], np.outer(np.sin(angle), np.cos(azimuth)), np.outer(np.sin(angle), np.sin(azimuth))))
+    turned = mean[:, [1, 0, 2]] * [-1, 1, 0]
+    places = along * mean[:, None] + up * turned[:, None] + across * [0, 0, 1]
+    return places, np.repeat(weight, _SECTORS) * 2 * np.pi / _SECTORS
 
 
-def _filter_products(ndf: str) -> tuple[np.ndarray, np.ndarray]:
-    """Z, (angles, filters) float32, and <Z, Z>, (angles, filters, filters), over the angle from 0 to pi. The filters
-    are those of the levels, and of the irradiance."""
-    spectra = np.stack([lobe_spectrum(ndf, r * r, DEGREE) if r else np.ones(DEGREE + 1) for r in LEVEL_ROUGHNESS]
-                       + [cosine_spectrum(DEGREE)])
-    n = np.arange(DEGREE + 1)
-    power = (2 * n + 1) / (4 * np.pi * (n + 1.0) ** 2)
-    power[0] = 0  # the weights add up to 1, so the mean is exact
-    cosine = np.cos(np.linspace(0, np.pi, _ANGLES + 1))
-    legendre = [np.ones_like(cosine), cosine]
-    for k in range(2, DEGREE + 1):
-        legendre.append(((2 * k - 1) * cosine * legendre[-1] - (k - 1) * legendre[-2]) / k)
-    table = np.stack(legendre)
-    pairs = (power * spectra[:, None] * spectra).reshape(-1, DEGREE + 1) @ table
-    return ((power * spectra) @ table).T.astype(np.float32), pairs.T.reshape(-1, len(spectra), len(spectra)).copy()
+def _seen_lamp(lamp: np.ndarray, places: np.ndarray, directions: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """What both parts of the lobes see of a lamp at the places, (GRID, Q, parts). `lamp` is a table over the angle."""
+    found = []
+    for place, direction, part in zip(places, directions, parts, strict=True):
+        both = np.concatenate([direction, direction * [1, 1, -1]])  # the samples are one half of the lobe
+        angle = np.arccos(np.clip(place.astype(np.float32) @ both.T.astype(np.float32), -1, 1))
+        found.append(lamp[np.rint(angle * (_ANGLES / np.pi)).astype(np.int32)] @ np.concatenate([part, part]) / 2)
+    return np.maximum(np.stack(found), 0)
 
 
-def _best_weights(products: np.ndarray, on_lobe: np.ndarray, most: np.ndarray) -> np.ndarray:
-    """The weights, (C, n, parts), of least error: not negative, of sum 1, and the last one at most `most`, (C, parts).
-
-    The error is convex, so if the best last weight is too large, the best allowed one is `most`.
-    """
-    free = _nonnegative_weights(products, on_lobe, np.ones_like(most))
-    fixed = most[:, None]
-    bounded = _nonnegative_weights(products[:, :-1, :-1], on_lobe[:, :-1] - fixed * products[:, :-1, -1:], 1 - most)
-    return np.where(free[:, -1:] > fixed, np.concatenate([bounded, fixed], axis=1), free)
-
-
-def _nonnegative_weights(products: np.ndarray, on_lobe: np.ndarray, total: np.ndarray) -> np.ndarray:
-    """The weights, (C, n, parts), not negative and of sum `total`, (C, parts), of least error: the best of the
-    solutions in which some of the n are 0. A hair of regularisation makes equal lookups share alike."""
-    cells, n, parts = on_lobe.shape
+def _nonnegative_weights(products: np.ndarray, on_lobe: np.ndarray) -> np.ndarray:
+    """The weights, (C, parts, n), not negative and of sum 1, of least error: the best of the solutions in which some
+    of the n are 0. A hair of regularisation makes equal lookups share alike."""
+    cells, parts, n = on_lobe.shape
+    size = np.trace(products, axis1=2, axis2=3)[..., None]
+    products, on_lobe = products / size[..., None], on_lobe / size
     least = np.full((cells, parts), np.inf)
     best = np.zeros_like(on_lobe)
     for used in chain.from_iterable(combinations(range(n), k) for k in range(1, n + 1)):
         k, some = len(used), list(used)
-        system = np.ones((cells, k + 1, k + 1))
-        system[:, :k, :k] = products[:, some][:, :, some] + 1e-6 * products[:, :1, :1] * np.eye(k)
-        system[:, k, k] = 0
+        system = np.ones((cells, parts, k + 1, k + 1))
+        system[..., :k, :k] = products[:, :, some][..., some] + 1e-6 * np.eye(k)
+        system[..., k, k] = 0
         weights = np.zeros_like(on_lobe)
-        weights[:, some] = np.linalg.solve(system, np.concatenate([on_lobe[:, some], total[:, None]], axis=1))[:, :k]
-        error = np.einsum("cip,cij,cjp->cp", weights, products, weights) - 2 * (weights * on_lobe).sum(axis=1)
-        better = (weights.min(axis=1) > -1e-9) & (error < least)
+        asked = np.concatenate([on_lobe[..., some], np.ones((cells, parts, 1))], axis=2)
+        weights[..., some] = np.linalg.solve(system, asked[..., None])[..., :k, 0]
+        error = np.einsum("cpi,cpij,cpj->cp", weights, products, weights) - 2 * (weights * on_lobe).sum(axis=2)
+        better = (weights.min(axis=2) > -1e-9) & (error < least)
         least = np.where(better, error, least)
-        best = np.where(better[:, None], weights, best)
+        best = np.where(better[..., None], weights, best)
     return np.maximum(best, 0)
 
 

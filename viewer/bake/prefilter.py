@@ -1,8 +1,9 @@
-"""Prefilters an environment for rough reflections: each level of a mip chain is the map filtered for one roughness.
+"""Prefilters an environment for rough reflections: each level of a mip chain is the map filtered for one roughness. The
+last level is for a lobe that is wider than any of them; it is no part of the chain, which would make it too small.
 
 The levels are equirectangular, 1024 x 512 down to 32 x 16, with a margin at the poles. In every level theta runs from
 -pi/30 at the top edge to pi + pi/30 at the bottom: v = 1/32 + (15/16) theta / pi. Rows beyond a pole continue the map
-on the other side of the pole, so bilinear lookups need no special case at the poles (row 0 of the last level is the
+on the other side of the pole, so bilinear lookups need no special case at the poles (row 0 of the smallest level is the
 pole itself).
 """
 
@@ -13,7 +14,7 @@ import numpy as np
 from ..scene.equirect import resample, sphere_integral
 from .irradiance import HEIGHT as irradiance_rows
 from .irradiance import irradiance_filter
-from .lobes import lobe_spectrum
+from .lobes import grazing_spectrum, lobe_spectrum
 from .spherical_convolution import Filter, convolve
 
 WIDTH, HEIGHT = 1024, 512
@@ -22,22 +23,24 @@ MARGIN = 1 / 32  # of the height, above and below
 # The perceptual roughness that each level is filtered for. Level 1 is as sharp as degree 255 can represent (for GGX
 # lambda_255 < 0.002). The others are spaced so that blending two neighbours has about the same error everywhere.
 LEVEL_ROUGHNESS = (0.0, 0.12, 0.22, 0.36, 0.58, 1.0)
+LEVELS = len(LEVEL_ROUGHNESS) + 1
+WIDEST_HEIGHT = irradiance_rows // 2  # rows of the last level, the mip level after the irradiance
 
 
 def prefilter(
     radiance: np.ndarray, ndf: str = "ggx", height: int = HEIGHT
 ) -> tuple[list[np.ndarray], np.ndarray]:
-    """The levels, (512, 1024, 3) to (16, 32, 3) float32, and irradiance / pi, (64, 128, 3) float32, all with a margin.
+    """The levels, (512, 1024, 3) to (16, 32, 3) and the last one, (32, 64, 3), and irradiance / pi, (64, 128, 3), all
+    float32 with a margin.
 
-    `height` is the number of rows of the first level; the other levels scale with it. `radiance` is (H, W, 3), finite
+    `height` is the number of rows of the first level; those of the chain scale with it. `radiance` is (H, W, 3), finite
     and not negative. Level 0 is the map itself. Every level conserves energy: the integral over the sphere of its
     bilinear interpolation equals the integral of the map, for each channel.
     """
     energy = sphere_integral(radiance)
     source = resample(radiance, height, 2 * height)
-    filters = [Filter(row_angles(height >> k)[:height >> (k + 1)],
-                      lobe_spectrum(ndf, r * r, (height >> k) - 1)[:256])
-               for k, r in enumerate(LEVEL_ROUGHNESS) if k]
+    filters = [Filter(row_angles(rows)[:rows // 2], level_spectrum(ndf, k, rows - 1)[:256])
+               for k in range(1, LEVELS) for rows in [height >> k if k < LEVELS - 1 else WIDEST_HEIGHT]]
     *filtered, irradiance = convolve(source, [*filters, irradiance_filter(row_angles(irradiance_rows))])
     levels = [_with_margin(source)] + filtered
     return [_with_energy(level, energy) for level in levels], _with_energy(irradiance, energy)
@@ -47,6 +50,13 @@ def irradiance_map(radiance: np.ndarray, rows: int = irradiance_rows) -> np.ndar
     """irradiance / pi, (rows, 2 rows, 3) float32, as `prefilter` returns it, without computing the levels."""
     [irradiance] = convolve(resample(radiance, HEIGHT, WIDTH), [irradiance_filter(row_angles(rows))])
     return _with_energy(irradiance, sphere_integral(radiance))
+
+
+def level_spectrum(ndf: str, level: int, degree: int) -> np.ndarray:
+    """lambda_0 .. lambda_degree of the lobe that a level is filtered with, float64."""
+    if level == LEVELS - 1:
+        return grazing_spectrum(degree)
+    return lobe_spectrum(ndf, LEVEL_ROUGHNESS[level] ** 2, degree) if level else np.ones(degree + 1)
 
 
 def row_angles(height: int) -> np.ndarray:

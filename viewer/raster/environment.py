@@ -131,13 +131,14 @@ class EnvironmentLight:
             values["u_environment_intensity"] = self.environment.intensity * self._baked.scale
             values["u_environment_rotation"] = (math.cos(angle), math.sin(angle))
             if self._irradiance is None:
-                self._irradiance = float_texture(self._gl, self._baked.irradiance)
-                self._irradiance.repeat_x = True
+                widest = self._baked.levels[-1:]
+                self._irradiance = mipmapped_texture(self._context, [self._baked.irradiance, *widest])
+                self._irradiance.repeat_y = False
             self._irradiance.use(UNIT_IRRADIANCE)
             values["u_irradiance"] = UNIT_IRRADIANCE
         if plan.reflections:
             if self._prefiltered is None:
-                self._prefiltered = mipmapped_texture(self._context, self._baked.levels)
+                self._prefiltered = mipmapped_texture(self._context, self._baked.levels[:-1])
                 self._prefiltered.repeat_y = False
                 self._baked = replace(self._baked, levels=())
             self._prefiltered.use(UNIT_PREFILTERED)

@@ -42,7 +42,9 @@ vec3 reflected_by_lookups(sampler2D map, sampler2D dfg, sampler2D irradiance, ve
     vec3 r = reflect(-v, n), sum = vec3(0.0);
     for (int k = 0; k < count; ++k) {
         vec4 lookup = lobe_lookup(dfg, dot(n, v), perceptual_roughness, count + k);
-        sum += dot(ab, lookup.zw) * prefiltered_radiance(map, normalize(mix(n, r, lookup.x)), lookup.y);
+        vec3 d = normalize(mix(n, r, lookup.x));
+        sum += dot(ab, lookup.zw) * (lookup.y > WIDEST_PREFILTERED
+            ? wide_radiance(irradiance, d, lookup.y - WIDEST_PREFILTERED) : prefiltered_radiance(map, d, lookup.y));
         rest -= lookup.zw;
     }
     return sum + dot(ab, rest) * irradiance_over_pi(irradiance, n);
