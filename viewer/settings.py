@@ -221,6 +221,8 @@ class Settings:
     hair_tilt: float = _option(
         2.0, "curves: tilt of the fibres' scales in degrees; above 0, the first highlight leans to the tip, as in "
         "Mitsuba and pbrt; below 0 to the root, as on hair")
+    hair_scattering: Literal["single", "multiple"] = _option(
+        "multiple", "curves: light scattered once by fibres, or also from fibre to fibre, by a diffusion equation")
     hair_ior: float = _option(1.55, "curves: index of refraction of the fibres")
     media_steps: Literal["auto", "28", "56", "112", "224"] = _option(
         "auto", "steps of a ray through fog and volumes; auto: 56, but 28 while the camera moves and the CPU renders")
@@ -350,6 +352,7 @@ _USED_BY: dict[str, tuple[Mode, ...]] = {
     "phong": ("phong",),
     **dict.fromkeys(("curve_radius", "hair_melanin", "hair_color", "hair_absorption", "hair_roughness", "hair_tilt",
                      "hair_ior"), ("pbr", "path")),
+    "hair_scattering": ("pbr",),
     **dict.fromkeys(("shadows", "antialias"), ("pbr", "phong")),
     **dict.fromkeys(("media_steps", "media_rays", "media_scattering"), ("pbr", "phong")),
     **dict.fromkeys(("environment_shadows", "ambient_occlusion", "indirect", "reflections", "refraction",

@@ -43,7 +43,11 @@ vec3 light_on_fibre(int i, SeenFibre s, mat3 frame) {
     if (layer >= 0.0) {
         bool is_point = i >= DIRECTIONAL_COUNT && i < DIRECTIONAL_COUNT + POINT_COUNT;
         vec3 outside = v_position + 2.0 * v_radius * l; // a fibre does not shadow itself
-        irradiance *= shadow_visibility(int(layer), is_point, outside, l, l, u_lights[i].position.xyz);
+        float seen = shadow_visibility(int(layer), is_point, outside, l, l, u_lights[i].position.xyz);
+#if HAIR_LIGHT
+        seen += (1.0 - seen) * light_through_fibres(i, v_position);
+#endif
+        irradiance *= seen;
     }
 #endif
     return fibre_response(s, l * frame) * irradiance;
@@ -71,8 +75,8 @@ void main() {
     SeenFibre s = seen_fibre(f, vec3(dot(v, along), 0.0, cosine), clamp(v_across, -1.0, 1.0), v_pixels);
 
     vec3 radiance = vec3(0.0);
-#if HAS_ENVIRONMENT
-    vec3 around = fibre_environment(s, frame);
+#if HAS_ENVIRONMENT || HAIR_LIGHT
+    vec3 around = light_about_fibre(s, frame, v_position);
 #if MEDIA
     MediaLight media = light_around(v_position, vec3(0.0));
     around = around * media.sky + media.scattered;

@@ -30,6 +30,10 @@ WHITE = Fibre((0.0, 0.0, 0.0))
 ROUGH = Fibre((0.3, 0.6, 1.1), 0.4, 0.5, 0.05, 1.5)
 
 
+ALONE = {"background": "none", "hair_scattering": "single"}
+"""A strand that is alone scatters light once."""
+
+
 def facing(eye, target, height: float) -> Camera:
     """An orthographic camera that shows so much from top to bottom."""
     return replace(Camera.look_at(eye, target), height=height)
@@ -58,7 +62,7 @@ def shown(*curves: Curves, environment=FURNACE, **more) -> Scene:
 
 @pytest.mark.parametrize("radius", [0.3, 0.02])
 def test_a_white_fibre_in_a_furnace_is_white(radiance, radius):
-    pixels = radiance(shown(strand(radius)), CAMERA, (64, 64), background="none", antialias="ssaa-4")
+    pixels = radiance(shown(strand(radius)), CAMERA, (64, 64), **ALONE, antialias="ssaa-4")
     covered = pixels[..., 3].sum()
     np.testing.assert_allclose(pixels[..., :3].sum(axis=(0, 1)) / covered, 1, atol=0.012)
     full = pixels[pixels[..., 3] == 1][:, :3]
@@ -70,7 +74,7 @@ def test_a_white_fibre_in_a_furnace_is_white(radiance, radius):
 def test_curves_cover_their_width_of_the_picture(radiance, width, antialias, error):
     radius = width * PIXEL / 2
     curves = hatch(radius)
-    pixels = radiance(shown(curves), CAMERA, (64, 64), background="none", antialias=antialias)
+    pixels = radiance(shown(curves), CAMERA, (64, 64), **ALONE, antialias=antialias)
     length = 12 * np.linalg.norm(np.diff(curves.points[:3], axis=0), axis=1).sum()
     area = (length * 2 * radius + 12 * math.pi * radius**2) / PIXEL**2
     # The share of a thin strip is drawn by lot: of 12 strands of 33 pixels each.
@@ -78,9 +82,9 @@ def test_curves_cover_their_width_of_the_picture(radiance, width, antialias, err
 
 
 def test_ends_are_round_also_along_the_view(radiance):
-    disc = radiance(shown(strand(0.5, (0, 0, -1), (0, 0, 1))), CAMERA, (64, 64), background="none", antialias="ssaa-4")
+    disc = radiance(shown(strand(0.5, (0, 0, -1), (0, 0, 1))), CAMERA, (64, 64), **ALONE, antialias="ssaa-4")
     assert disc[..., 3].sum() * PIXEL**2 == pytest.approx(math.pi * 0.25, rel=0.02)
-    across = radiance(shown(strand(0.4)), CAMERA, (64, 64), background="none", antialias="ssaa-4")
+    across = radiance(shown(strand(0.4)), CAMERA, (64, 64), **ALONE, antialias="ssaa-4")
     assert across[..., 3].sum() * PIXEL**2 == pytest.approx(3 * 0.8 + math.pi * 0.16, rel=0.02)
 
 
@@ -88,7 +92,7 @@ def test_ends_are_round_also_along_the_view(radiance):
 def test_light_is_that_of_the_fibre_at_each_offset_or_their_mean(radiance, radius):
     light = Light("directional", intensity=2.0, direction=(-0.48, -0.6, -0.64))
     curves = strand(radius, (-3, 0, 0), (3, 0, 0), fibre=ROUGH)
-    pixels = radiance(shown(curves, environment=None, lights=(light,)), CAMERA, (64, 64), background="none",
+    pixels = radiance(shown(curves, environment=None, lights=(light,)), CAMERA, (64, 64), **ALONE,
                       shadows="off", antialias="none" if radius == 0.5 else "ssaa-16")
     columns = pixels[:, 20:44].mean(axis=1)
     m = {"sigma_a": np.array(ROUGH.sigma_a), "beta_m": ROUGH.beta_m, "beta_n": ROUGH.beta_n, "tilt": ROUGH.tilt,
@@ -107,7 +111,7 @@ def test_light_is_that_of_the_fibre_at_each_offset_or_their_mean(radiance, radiu
 
 def test_colours_of_points_count_unless_a_setting_names_one(radiance):
     curves = strand(0.3, (-1.5, 0, 0), (1.5, 0, 0), fibre=None, colors=[[0.9, 0.1, 0.1], [0.1, 0.1, 0.9]])
-    view = {"background": "none", "size": (64, 64)}
+    view = {**ALONE, "size": (64, 64)}
     pixels = radiance(shown(curves), CAMERA, **view)
     left, right = pixels[28:36, 10:14, :3].mean(axis=(0, 1)), pixels[28:36, 50:54, :3].mean(axis=(0, 1))
     assert left[0] > 1.15 * left[2] and right[2] > 1.15 * right[0]
@@ -119,10 +123,11 @@ def test_curves_and_surfaces_hide_each_other(radiance):
     wall = scene(plate(half=2.0), materials=(Material(base_color=(0, 0, 0, 1), metallic=0.0, specular=0.0),))
     for z, is_seen in ((-0.5, False), (0.5, True), (0.29, True)):
         curves = strand(0.3, (-1.5, 0, z), (1.5, 0, z))
-        pixels = radiance(replace(wall, curves=(curves,), environment=FURNACE), CAMERA, (64, 64))
+        pixels = radiance(replace(wall, curves=(curves,), environment=FURNACE), CAMERA, (64, 64),
+                          hair_scattering="single")
         assert (pixels[31, 20:44, 0] > 0.9).all() == is_seen and (pixels[31, 20:44, 0] < 0.1).all() != is_seen
     cut = replace(wall, curves=(strand(0.5, (0, -1, 0), (0, 1, 0)),), environment=FURNACE)
-    row = radiance(cut, CAMERA, (64, 64))[31, :, 0]
+    row = radiance(cut, CAMERA, (64, 64), hair_scattering="single")[31, :, 0]
     assert (row[25:39] > 0.9).all()  # half of the tube stands out of the wall, also at its sides
 
 
@@ -145,13 +150,13 @@ def test_curves_shadow_surfaces_by_their_width(radiance, width):
 def test_the_side_that_faces_a_light_is_lit(radiance):
     light = Light("directional", intensity=3.0, direction=(0, 0, -1))
     curves = strand(0.3, fibre=ROUGH)
-    lit = radiance(shown(curves, environment=None, lights=(light,)), CAMERA, (64, 64), background="none")
-    bare = radiance(shown(curves, environment=None, lights=(light,)), CAMERA, (64, 64), background="none",
+    lit = radiance(shown(curves, environment=None, lights=(light,)), CAMERA, (64, 64), **ALONE)
+    bare = radiance(shown(curves, environment=None, lights=(light,)), CAMERA, (64, 64), **ALONE,
                     shadows="off")
     np.testing.assert_allclose(lit, bare, rtol=1e-3, atol=1e-4)
     behind = strand(0.4, (-1.5, 0, 1.5), (1.5, 0, 1.5), fibre=ROUGH)
     below = facing((0, 0, -10), (0, 0, 0), 4.0)
-    scattered = {"background": "none", "size": (64, 64)}
+    scattered = {**ALONE, "size": (64, 64)}
     free = radiance(shown(curves, environment=None, lights=(light,)), below, **scattered)
     hidden = radiance(shown(curves, behind, environment=None, lights=(light,)), below, **scattered)
     assert free[31, 20:44, 0].min() > 0.05 and hidden[31, 20:44, 0].max() < 1e-3
@@ -159,13 +164,13 @@ def test_the_side_that_faces_a_light_is_lit(radiance):
 
 def test_the_radius_of_a_setting_is_that_of_all_curves(radiance, renderer):
     thin = shown(strand(0.001), strand(0.2, (-1.5, 1, 0), (1.5, 1, 0)))
-    pixels = radiance(thin, CAMERA, (64, 64), background="none", curve_radius=0.25)
+    pixels = radiance(thin, CAMERA, (64, 64), **ALONE, curve_radius=0.25)
     assert pixels[..., 3].sum() * PIXEL**2 == pytest.approx(2 * (3 * 0.5 + math.pi * 0.0625), rel=0.03)
     buffers = list(renderer._curves._buffers.values())
-    again = radiance(thin.relit(lights=(Light("directional"),)), CAMERA, (64, 64), background="none", curve_radius=0.25)
+    again = radiance(thin.relit(lights=(Light("directional"),)), CAMERA, (64, 64), **ALONE, curve_radius=0.25)
     assert again[..., :3].sum() > pixels[..., :3].sum()
     assert [a is b for a, b in zip(buffers, renderer._curves._buffers.values(), strict=True)] == [True, True]
-    radiance(thin, CAMERA, (64, 64))
+    radiance(thin, CAMERA, (64, 64), **ALONE)
     assert not set(map(id, buffers)) & set(map(id, renderer._curves._buffers.values()))
 
 
@@ -176,8 +181,8 @@ def test_far_from_the_origin_nothing_changes(radiance):
     view = facing((0, 0, 500), (0, 0, 0), 200.0)
     moved_view = facing(offset + (0, 0, 500), offset, 200.0)
     light = (Light("directional", intensity=3.0, direction=(0.3, -0.5, -0.8)),)
-    one = radiance(shown(near, lights=light), view, (48, 48), background="none")
-    two = radiance(shown(far, lights=light), moved_view, (48, 48), background="none")
+    one = radiance(shown(near, lights=light), view, (48, 48), **ALONE)
+    two = radiance(shown(far, lights=light), moved_view, (48, 48), **ALONE)
     np.testing.assert_allclose(one, two, atol=0.02)
 
 
@@ -188,7 +193,9 @@ def test_plans_name_curves_and_programs_have_them_only_where_there_are_any():
 
     model = shown(strand(0.1), hatch(0.1))
     found, bare = plan(model), plan(scene(plate(), environment=FURNACE))
-    assert "13 strands of curves, as strips that face the camera, with 2 programs; at least 0.000608 MB" in found.used
+    told = "13 strands of curves, as strips that face the camera, with 2 programs; at least 0.000608 MB"
+    assert told + "; light from fibre to fibre, by a diffusion equation" in found.used
+    assert told in plan(model, hair_scattering="single").used
     assert found.to_json()["passes"] == ["curves", "background", "display"]
     assert {p["fragment"] for p in found.to_json()["programs"]} == {"raster/curve.frag", "raster/curve_depth.frag"}
     assert bare.curves is None and "curves" not in bare.to_json()["passes"]
@@ -202,7 +209,43 @@ def test_plans_name_curves_and_programs_have_them_only_where_there_are_any():
 def test_curves_lie_in_media(radiance):
     light = (Light("point", intensity=20.0, position=(0, 1, 2)),)
     model = shown(strand(0.4, fibre=ROUGH), environment=make_preset("studio"), lights=light)
-    clear = radiance(model, CAMERA, (32, 32), background="none")
-    foggy = radiance(model, CAMERA, (32, 32), background="none", fog=0.2, fog_albedo=(0, 0, 0))
+    clear = radiance(model, CAMERA, (32, 32), **ALONE)
+    foggy = radiance(model, CAMERA, (32, 32), **ALONE, fog=0.2, fog_albedo=(0, 0, 0))
     ratio = foggy[15, 10:22, :3] / clear[15, 10:22, :3]
     assert (ratio < 0.9).all() and (ratio > 0.02).all()
+
+
+def bundle(fibre: Fibre) -> Curves:
+    """So many strands that most see little of the sky."""
+    x, z = np.meshgrid(np.linspace(-0.5, 0.5, 24), np.linspace(-0.5, 0.5, 24))
+    ends = [np.stack([x.ravel(), np.full(576, y), z.ravel()], axis=1) for y in (-1.0, 1.0)]
+    points = np.stack(ends, axis=1).reshape(-1, 3)
+    return Curves("bundle", points, np.full(1152, 0.015), 2 * np.arange(577), np.zeros(576, bool), fibre=fibre)
+
+
+def test_light_between_fibres(radiance, renderer):
+    """White hair in a furnace stays white, dark hair gets darker in itself, and blond hair hands light on."""
+    def mean(fibre: Fibre, scattering: str, **more) -> np.ndarray:
+        pixels = radiance(shown(bundle(fibre), **more), CAMERA, (32, 32), background="none", antialias="ssaa-4",
+                          hair_scattering=scattering)
+        return pixels[12:20, 13:19, :3].mean(axis=(0, 1))
+
+    np.testing.assert_allclose(mean(WHITE, "multiple"), 1, atol=0.05)
+    dark = Fibre((1.0, 1.0, 1.0))
+    assert mean(dark, "multiple")[0] < 0.75 * mean(dark, "single")[0]
+    sun = {"environment": None, "lights": (Light("directional", intensity=3.0, direction=(-0.8, 0, 0.6)),)}
+    single, multiple = mean(Fibre((0.03,) * 3), "single", **sun)[0], mean(Fibre((0.03,) * 3), "multiple", **sun)[0]
+    assert multiple > 1.5 * single
+    held = renderer._curves._light.held
+    mean(WHITE, "single")
+    assert held is not None and renderer._curves._light.held is None
+
+
+def test_light_between_fibres_is_baked_anew_only_if_it_changes(radiance, renderer):
+    model = shown(bundle(WHITE))
+    radiance(model, CAMERA, (16, 16))
+    held = renderer._curves._light.held
+    radiance(model, replace(CAMERA, height=2.0), (16, 16), exposure=1)
+    assert renderer._curves._light.held is held
+    radiance(replace(model, lights=(Light("directional"),)), CAMERA, (16, 16))
+    assert renderer._curves._light.held is not held

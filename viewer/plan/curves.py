@@ -25,6 +25,8 @@ class CurvePlan:
 
     shade: tuple[Program, ...]
     depth: Program
+    scatters_again: bool
+    """Whether light that one fibre has scattered reaches others."""
     strands: int
     megabytes: float
     """What the points take on the GPU, without those that splines are divided by."""
@@ -48,12 +50,14 @@ def plan_curves(scene: Scene, settings: Settings, common: Mapping[str, int]) -> 
     """The plan of the curves, None where none are drawn. `common` are the switches that lit surfaces share."""
     if not draws_curves(scene, settings):
         return None
-    lit = {name: common[name] for name in _LIT} | {"REFLECTS": 1, "POINTS_WIDTH": POINTS_WIDTH}
+    lit = {name: common[name] for name in _LIT} | {"REFLECTS": 1, "POINTS_WIDTH": POINTS_WIDTH,
+                                                 "HAIR_LIGHT": int(settings.hair_scattering == "multiple")}
     shade = tuple(_program("raster/curve.frag", lit | {"HAS_COLORS": int(has_colors(curves, settings))})
                   for curves in scene.curves)
     size = sum(len(curves.points) * (16 + 16 * has_colors(curves, settings)) for curves in scene.curves)
     return CurvePlan(shade, _program("raster/curve_depth.frag", {"HAS_COLORS": 0, "POINTS_WIDTH": POINTS_WIDTH}),
-                     sum(curves.strand_count for curves in scene.curves), size / 1e6)
+                     settings.hair_scattering == "multiple", sum(curves.strand_count for curves in scene.curves),
+                     size / 1e6)
 
 
 def _program(fragment: str, switches: Mapping[str, int]) -> Program:

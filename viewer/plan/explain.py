@@ -93,7 +93,8 @@ def _used(plan: Plan) -> tuple[str, ...]:
                      + ", and spread over the surface in screen space" * plan.spreads_subsurface)
     if plan.curves is not None:
         lines.append(f"{_count(plan.curves.strands, 'strand')} of curves, as strips that face the camera, with "
-                     f"{_count(len(plan.curves.programs), 'program')}; at least {plan.curves.megabytes:.3g} MB")
+                     f"{_count(len(plan.curves.programs), 'program')}; at least {plan.curves.megabytes:.3g} MB"
+                     + "; light from fibre to fibre, by a diffusion equation" * plan.curves.scatters_again)
     for layer, what in _LAYERS.items():
         count = sum(plan.count(draw) * _has(draw, layer) for draw in plan.kinds)
         if count:

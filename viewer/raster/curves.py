@@ -6,6 +6,7 @@ import moderngl
 import numpy as np
 
 from ..bake.fibre import fibre_table
+from ..base.reusable import Reusable
 from ..gpu.context import Context
 from ..gpu.programs import Programs, matrix_uniform, set_uniform
 from ..plan.curves import POINTS_WIDTH, VERTEX, has_colors
@@ -17,6 +18,8 @@ from ..scene.frame import Frame
 from ..scene.scene import Scene
 from ..settings import Settings
 from .depth import Depth
+from .environment import EnvironmentLight
+from .hair_light import HairLight, light_key
 from .surfaces import bind_blocks
 
 UNIT_POINTS, UNIT_COLORS, UNIT_TABLE = range(3)
@@ -91,10 +94,12 @@ class CurvePass:
         self._buffers: dict[tuple[Curves, float | None], CurveBuffers] = {}
         self._drawn: list[CurveBuffers] = []
         self._tables: dict[tuple[float, float], moderngl.Texture] = {}
+        self._light: Reusable[HairLight] = Reusable()
         self._generation = programs.generation
 
-    def prepare(self, scene: Scene, settings: Settings, plan: Plan) -> None:
-        """Upload what `plan` draws, unless an earlier frame has left it."""
+    def prepare(self, scene: Scene, settings: Settings, plan: Plan, environment: EnvironmentLight | None) -> None:
+        """Upload what `plan` draws, and bake the light that fibres scatter to each other, unless an earlier frame has
+        left them."""
         if self._generation != self._programs.generation:  # vertex arrays belong to programs
             self.release()
             self._generation = self._programs.generation
@@ -108,6 +113,12 @@ class CurvePass:
             if key not in self._buffers:
                 self._buffers[key] = CurveBuffers(self._gl, *key)
         self._drawn = [self._buffers[key] for key in keys]
+        if plan.curves is None or not plan.curves.scatters_again:
+            self._light.release()
+            return
+        sky = environment if plan.environment else None
+        key = light_key(scene, settings, plan, sky)
+        self._light.get(lambda held: held.key == key, lambda: HairLight(self._gl, scene, settings, plan, sky))
 
     def draw(self, frame: Frame, settings: Settings, plan: Plan, samples: int, uniforms: dict[str, object]) -> None:
         """Draw all curves into the framebuffer in use, within `Depth.test()`: first their depth, then their light."""
@@ -124,6 +135,8 @@ class CurvePass:
         with self._depth.equal():
             for curves, buffers, program in zip(frame.scene.curves, self._drawn, plan.curves.shade, strict=True):
                 fibre = curves.fibre or hair_fibre(settings)
+                if self._light.held is not None:
+                    uniforms = uniforms | self._light.held.bind(frame)
                 self._table(fibre.beta_n, fibre.ior).use(UNIT_TABLE)
                 values = uniforms | {"u_fibre_table": UNIT_TABLE, "u_sigma_a": fibre.sigma_a,
                                      "u_fibre": (fibre.beta_m, fibre.beta_n, fibre.tilt, fibre.ior)}
@@ -162,6 +175,7 @@ class CurvePass:
         return self._tables[key]
 
     def release(self) -> None:
+        self._light.release()
         for thing in (*self._buffers.values(), *self._tables.values()):
             thing.release()
         self._buffers, self._drawn, self._tables = {}, [], {}

@@ -270,7 +270,7 @@ class Renderer:
         key = (scene.layout, scene.lights, scene.environment, shape, shading, target.samples, target.half, orthographic)
         self.plan = next((plan for k, plan in self._plans if k == key), None) or self._make_plan(scene, key)
         with self._timed("curves"):
-            self._curves.prepare(scene, settings, self.plan)
+            self._curves.prepare(scene, settings, self.plan, self._environment)
         if self.plan.shadow_layer_count:
             with self._timed("shadows"):
                 self._prepare_shadows(scene, self.plan)
