@@ -362,6 +362,14 @@ def test_every_microfacet_model_compiles(programs):
                     programs.get("raster/surface.vert", program.fragment, dict(program.switches))
 
 
+def test_only_what_is_woven_has_yarns():
+    model = scene(lights=(SUN,), environment=ENVIRONMENT)
+    found, cloth = plan(model), plan(model, weave="twill")
+    assert "weave" not in code(found) and not any("woven" in line for line in found.used)
+    assert "weave_at" in code(cloth) and "yarns of 1 woven surface" in cloth.used
+    assert plan(model, mode="phong", weave="twill").programs == plan(model, mode="phong").programs
+
+
 def test_without_fog_there_is_no_pass_and_no_code_of_it():
     model = scene(lights=(SUN,), environment=ENVIRONMENT)
     found, foggy = plan(model), plan(model, fog=0.5)

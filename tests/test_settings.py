@@ -27,7 +27,7 @@ def test_every_setting_has_a_default_among_its_choices_and_a_meaning():
     assert of_numbers == {"background_blur", "bounces", "light_radius", "clamp", "volume_density", "volume_albedo",
                           "volume_g", "volume_droplets", "volume_emission", "fog", "fog_albedo", "fog_g",
                           "fog_droplets", "fog_height", "curve_radius", "hair_melanin", "hair_color",
-                          "hair_absorption", "hair_roughness", "hair_tilt", "hair_ior"} < RANGES.keys()
+                          "hair_absorption", "hair_roughness", "hair_tilt", "hair_ior", "weave"} < RANGES.keys()
     own_options = {"mode", "background", "exposure", "tonemap", "spp", "time_budget", "error", "seed", "denoise"}
     assert set(setting_meanings()) == {f.name for f in fields(Settings)} - own_options
 
@@ -64,6 +64,15 @@ def test_only_one_setting_may_say_what_colour_hair_has():
             Settings().with_option(names[0]).with_option(names[1])
     with pytest.raises(UsageError, match="^hair_melanin and hair_color and hair_absorption: only one"):
         Settings.of(hair_melanin=(1, 0), hair_color=(1, 1, 1), hair_absorption=(0, 0, 0))
+
+
+def test_a_weave_is_a_name_or_a_file_and_perhaps_a_material():
+    for value in ("off", "denim", "satin,Sofa, blue", "my weave.json,Cloth"):
+        assert Settings().with_option(f"weave={value}").weave == Settings.of(weave=value).weave == value
+    with pytest.raises(UsageError, match="^--set weave=velvet: weave must be off, plain, twill, satin, denim or FILE"):
+        Settings().with_option("weave=velvet")
+    with pytest.raises(UsageError, match="^weave has no effect in mode phong, only in modes pbr and path$"):
+        Settings.of(mode="phong", weave="plain").check_used()
 
 
 def test_what_a_mode_ignores_is_refused():

@@ -22,6 +22,8 @@ NDFS: tuple[Ndf, ...] = get_args(Ndf)
 """In the order of the shaders' switch NDF."""
 MASKINGS: tuple[Masking, ...] = get_args(Masking)
 """In the order of the shaders' switch MASKING."""
+WEAVE_NAMES = ("plain", "twill", "satin", "denim")
+"""Of `viewer.scene.weave.WEAVES`."""
 LAYERS = ("albedo", "normal", "depth", "variance", "samples")
 """The layers that mode path can add to a picture's colour; see `viewer.trace.paths.layers`."""
 MAX_EXPOSURE = 64.0
@@ -94,6 +96,23 @@ class Several(Range):
 _COUNTS = {1: "one number", 2: "two numbers", 3: "three numbers"}
 
 
+class WeaveName(Range):
+    """A weave by its name or its file, and the material that is woven."""
+
+    def __init__(self) -> None:
+        super().__init__(0, 0)
+
+    def number(self, value: object, prefix: str) -> Any:
+        """`value` as it is. Raises UsageError for what is neither a name nor a file of JSON."""
+        which = str(value).partition(",")[0]
+        if which not in ("off", *WEAVE_NAMES) and not which.endswith(".json"):
+            raise UsageError(f"{prefix} must be {self}")
+        return str(value)
+
+    def __str__(self) -> str:
+        return f"off, {', '.join(WEAVE_NAMES)} or FILE.json, and a comma and a material's name for that one alone"
+
+
 def _plain(number: float) -> str:
     return str(number) if isinstance(number, int) else f"{number:g}"
 
@@ -125,6 +144,7 @@ RANGES = {
     "hair_roughness": Several(0.0, 1.0, names="BM,BN"),
     "hair_tilt": Range(-45.0, 45.0),
     "hair_ior": Range(1.0, 3.0),
+    "weave": WeaveName(),
 }
 
 
@@ -166,6 +186,9 @@ class Settings:
     sheen: Literal["charlie", "zeltner"] = _option(
         "charlie", "lobe of the fibres of a sheen; charlie: that of KHR_materials_sheen; zeltner: with light that is "
         "scattered several times between them")
+    weave: str = _option(
+        "off", "show the model, or one of its materials, as woven cloth, laid out by the texture coordinates: plain, "
+        "twill, satin, denim, or a weave of your own")
     lobes: Lobes = _option("all", "show one contribution alone")
     phong: Literal["phong", "blinn-phong"] = _option("phong", "the highlight of --mode phong")
     shadows: Literal["on", "off"] = _option("on", "shadows of the lights")
@@ -348,7 +371,7 @@ HAIR_COLORS = ("hair_melanin", "hair_color", "hair_absorption")
 STOPPING = ("spp", "time_budget", "error")
 """The settings that end a path-traced picture."""
 _USED_BY: dict[str, tuple[Mode, ...]] = {
-    **dict.fromkeys(("ndf", "masking", "fresnel", "multiscatter", "sheen"), ("pbr", "path")),
+    **dict.fromkeys(("ndf", "masking", "fresnel", "multiscatter", "sheen", "weave"), ("pbr", "path")),
     "phong": ("phong",),
     **dict.fromkeys(("curve_radius", "hair_melanin", "hair_color", "hair_absorption", "hair_roughness", "hair_tilt",
                      "hair_ior"), ("pbr", "path")),

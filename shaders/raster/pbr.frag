@@ -59,6 +59,9 @@ struct Point {
 #if HAS_ENVIRONMENT || INDIRECT || MEDIA
 #include "raster/shade_environment.glsl"
 #endif
+#if WOVEN
+#include "raster/shade_woven.glsl"
+#endif
 #if HAS_TRANSMISSION
 #include "raster/transmission.glsl"
 #endif
@@ -195,9 +198,16 @@ void main() {
 #else
     const vec4 visible = vec4(1.0);
 #endif
+#if !WOVEN
     radiance += shade_environment(p, s, view, occlusion, visible);
 #endif
-#if LIGHT_COUNT > 0
+#elif WOVEN
+    const float occlusion = 1.0;
+    const vec4 visible = vec4(1.0);
+#endif
+#if WOVEN
+    radiance += shade_woven(p, occlusion, visible, covered);
+#elif LIGHT_COUNT > 0
     for (int i = 0; i < LIGHT_COUNT; ++i) radiance += shade_light(i, p, s, view);
 #endif
 #if SUBSURFACE == 2

@@ -16,7 +16,7 @@ from ..scene.curves import Curves
 from ..scene.decoding import Decoder
 from ..scene.environment import Environment
 from ..scene.scene import Scene
-from ..settings import RANGES, Settings, Several, setting_choices, setting_meanings
+from ..settings import RANGES, Settings, Several, WeaveName, setting_choices, setting_meanings
 
 if TYPE_CHECKING:
     from ..trace.plan import TracePlan
@@ -88,11 +88,15 @@ def settings_table() -> list[dict[str, object]]:
 
 def _range(name: str) -> Facts:
     numbers = RANGES[name]
+    if isinstance(numbers, WeaveName):
+        return {"form": str(numbers)}
     return {"range": [numbers.low, numbers.high], "whole": numbers.is_whole}
 
 
 def _placeholder(name: str) -> str:
     numbers = RANGES[name]
+    if isinstance(numbers, WeaveName):
+        return "WEAVE[,MATERIAL]"
     return numbers.names if isinstance(numbers, Several) else "N"
 
 

@@ -95,6 +95,9 @@ def _used(plan: Plan) -> tuple[str, ...]:
         lines.append(f"{_count(plan.curves.strands, 'strand')} of curves, as strips that face the camera, with "
                      f"{_count(len(plan.curves.programs), 'program')}; at least {plan.curves.megabytes:.3g} MB"
                      + "; light from fibre to fibre, by a diffusion equation" * plan.curves.scatters_again)
+    count = sum(plan.count(draw) * (draw.program.get("WOVEN") == 1) for draw in plan.kinds)
+    if count:
+        lines.append(f"yarns of {_count(count, 'woven surface')}")
     for layer, what in _LAYERS.items():
         count = sum(plan.count(draw) * _has(draw, layer) for draw in plan.kinds)
         if count:

@@ -18,6 +18,7 @@ from ..scene.material import ANISOTROPY, CLEARCOAT, DIFFUSE_TRANSMISSION, Materi
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.schema import MAP_SWITCHES, MAPS, SWITCHED
+from ..scene.woven import woven
 from ..settings import Settings
 from .bsdf_switches import bsdf_switches
 from .curves import draws_curves, plan_curves
@@ -71,6 +72,7 @@ def plan_scene(
     """
     if settings.mode == "path":
         raise UsageError("the raster cannot draw mode path")
+    scene = woven(scene, settings)
     lit = [is_lit(scene.meshes[i.mesh], scene.materials[scene.meshes[i.mesh].material]) for i in scene.instances]
     curves = draws_curves(scene, settings)
     shown_lights = _ordered_lights(lights) if any(lit) or curves or has_media(scene, settings) else ()
@@ -182,7 +184,8 @@ def _draw(
         "ALPHA_MODE": _ALPHA_MODES.index(material.alpha_mode),
         "HAS_COLOR": int(mesh.colors is not None),
         "IS_POINTS": int(mesh.topology == "points"),
-        "UV_SETS": sum(1 << uv_set for uv_set in {texture.uv_set for texture in textures.values()}),
+        "UV_SETS": sum(1 << uv_set for uv_set in {texture.uv_set for texture in textures.values()} | (
+            {0} if material.weave is not None else set())),
         "HAS_NORMAL": int(lit),
         "HAS_TANGENT": int(any(features[f.switch] for f in SWITCHED if f.needs_tangents)
                            or any(MAPS[name].info.needs_tangents for name in maps)),
@@ -271,6 +274,7 @@ def _pbr_switches(material: Material, settings: Settings, has_environment: bool)
     coat = _of_isotropic(material.clearcoat_roughness, settings)
     return {
         "REFLECTS": int(material.reflects),
+        "WOVEN": int(material.weave is not None),
         "METALNESS": metalness(material),
         **bsdf_switches(settings),
         "LOOKUPS": has_environment * lookups(material, settings),

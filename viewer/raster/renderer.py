@@ -28,6 +28,7 @@ from ..scene.environment import Environment
 from ..scene.frame import Frame
 from ..scene.light import Light
 from ..scene.scene import Scene
+from ..scene.woven import woven
 from ..settings import Settings
 from .curves import CurvePass
 from .depth import Depth
@@ -162,7 +163,7 @@ class Renderer:
         of the target stays as it was.
         """
         self.context.make_current()
-        scene = scene.with_curve_radius(settings.curve_radius)
+        scene = woven(scene.with_curve_radius(settings.curve_radius), settings)
         if still and settings.antialias == "auto" and self.context.is_software and draws_curves(scene, settings):
             # Mesa shades hidden fragments of a multisampled target to their end, and strips have many of them.
             settings = replace(settings, antialias="ssaa-4")

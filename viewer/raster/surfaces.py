@@ -12,6 +12,7 @@ import numpy as np
 from ..gpu.context import Context
 from ..gpu.programs import Programs, matrix_uniform, set_uniform
 from ..material.pack import uniforms
+from ..material.weave import weave_uniforms
 from ..plan.model import Draw, Plan
 from ..scene.decoding import Decoder
 from ..scene.frame import Frame
@@ -250,6 +251,8 @@ class Surfaces:
             for name, value in interior_uniforms(material, self.scene.radius):
                 set_uniform(program, name, value)
         set_uniform(program, "u_shininess", material.shininess or 0.0)
+        for name, value in weave_uniforms(material.weave):
+            set_uniform(program, name, value)
         for name in (*draw.maps, *draw.blank_maps):
             self._bind_map(program, draw, name)
 

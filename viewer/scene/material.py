@@ -15,6 +15,7 @@ import numpy as np
 from .medium import VACUUM, Medium, scaled, single_scattering_albedo
 from .parameter import Feature, parameter, texture_map
 from .texture_image import TextureImage
+from .weave import Weave
 
 Wrap = Literal["repeat", "clamp", "mirror"]
 Filter = Literal["nearest", "linear"]
@@ -296,6 +297,8 @@ class Material:
     double_sided: bool = False
     unlit: bool = False
     shininess: float | None = None
+    weave: Weave | None = None
+    """Of woven cloth, in place of all other parameters."""
 
     @property
     def is_dielectric(self) -> bool:

@@ -31,7 +31,8 @@ BOUNDARY = Kind("boundary", 3, "trace/boundary.frag", lambda material: material.
 """Between media of one index, where scattering shows: nothing but the medium changes, so that light samples pass it."""
 FIBRE = Kind("fibre", 4, "trace/fibre.frag", lambda material: False)
 """Curves, which have no material: a scene with any has this kind."""
-KINDS = (BOUNDARY, GLASS, TRANSLUCENT, SURFACE, FIBRE)
+WOVEN = Kind("woven", 5, "trace/woven.frag", lambda material: material.material.weave is not None)
+KINDS = (WOVEN, BOUNDARY, GLASS, TRANSLUCENT, SURFACE, FIBRE)
 """All kinds. A material is of the first one whose `when` holds."""
 
 

@@ -11,7 +11,7 @@ from ..plan.model import Program
 from ..scene.material import ANISOTROPY, DIFFUSE_TRANSMISSION, DISPERSION, SCATTER
 from ..scene.scene import Scene
 from ..settings import Settings, setting_choices
-from .kinds import BOUNDARY, FIBRE, GLASS, KINDS, Kind
+from .kinds import BOUNDARY, FIBRE, GLASS, KINDS, WOVEN, Kind
 from .scene.encode import unused_maps
 from .scene.geometry import TraceGeometry, TraceInstance
 
@@ -142,6 +142,8 @@ def _used(geometry: TraceGeometry, switches: Mapping[str, int]) -> tuple[str, ..
         segments, strands = len(geometry.curves.first), geometry.curves.strands
         lines.append(f"{segments} round segment{'s' * (segments != 1)} of {strands} strand{'s' * (strands != 1)}")
     lines += [what for name, what in (*_LIGHTS.items(), *_SURFACES.items()) if switches[name]]
+    if any(instance.kind == WOVEN for instance in geometry.instances):
+        lines.append("yarns of woven cloth")
     images = {texture.image for m in geometry.materials
               for texture in (*(use.texture for use in m.color_maps), *m.data_textures)}
     if images:

@@ -18,6 +18,7 @@ from ..image.image import Image
 from ..scene.camera import Camera
 from ..scene.frame import Frame
 from ..scene.scene import Scene
+from ..scene.woven import woven
 from ..settings import Settings
 from .denoise.denoiser import Denoiser, make_denoiser
 from .paths.camera_rays import camera_uniforms
@@ -93,6 +94,7 @@ class Tracer:
         """`first` are the uniforms of camera rays, and `pixel_angle` is that of their pixels, if `rays` is None. Of a
         perspective camera `eye` is the place, in tracer space."""
         self.context.make_current()
+        scene = woven(scene, settings)
         denoiser = self._denoiser(settings.denoise)
         traced = self._prepare(scene, settings)
         has_layers = bool(FIRST_HIT_LAYERS & set(layers)) or denoiser is not None or traced.is_everything

@@ -6,11 +6,14 @@ import moderngl
 from numpy.typing import NDArray
 
 from ...gpu.context import Context
+from ...gpu.programs import set_uniform
+from ...material.weave import weave_uniforms
 from ...scene.fibre import gives_color, hair_fibre
 from ...scene.fog import fog_of
 from ...scene.medium import VACUUM
 from ...scene.scene import Scene
 from ...scene.volume import volume_medium
+from ...scene.woven import woven
 from ...settings import Settings
 from ..plan import TracePlan, plan_trace
 from ..rays.intersect import EMBREE_TRIANGLES, make_intersector
@@ -120,6 +123,9 @@ class TracedScene:
         """Bind the textures and set the uniforms that do not depend on the picture."""
         self._data.bind(program)
         self._lights.bind(program)
+        woven = (m.material.weave for m in self.geometry.materials if m.material.weave is not None)
+        for name, value in weave_uniforms(next(woven, None)):
+            set_uniform(program, name, value)
         if self._grids is not None:
             self._grids.bind(program)
 
@@ -146,6 +152,7 @@ def _droplets(scene: Scene, settings: Settings) -> dict[str, int]:
 
 def plan_without_device(scene: Scene, settings: Settings) -> TracePlan:
     """The plan of a picture without layers; it needs no context. Raises InputError as `SceneLights` does."""
+    scene = woven(scene, settings)
     geometry = trace_geometry(scene, fog=fog_of(scene, settings), curves=trace_curves(scene))
     switches = geometry_switches(scene, geometry, settings.plan == "everything")
     lights = SceneLights(None, scene, geometry, SceneBufferBuilder(), settings)

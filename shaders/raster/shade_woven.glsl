@@ -1,0 +1,92 @@
+// Radiance of a woven cloth in pbr.frag, which includes this file. The cloth is filtered: where a pixel covers more than
+// a tenth of a yarn, the mean over several places in it. Where it covers the whole draft, these are places of the draft,
+// the same for all pixels, so that nothing flickers; light is neither lost nor gained, since every place keeps it.
+#include "bsdf/weave/weave.glsl"
+
+const int WEAVE_PLACES = 32;
+const int WEAVE_LOOKUPS = 8; // of mirrored light, for one place; each of several has one
+
+uniform vec3 u_weave_places[WEAVE_PLACES]; // of the whole draft, in units of cells, each with its weight
+
+// The place k of WEAVE_PLACES in a pixel, and its weight. `x` and `y` are the sides of the pixel in texture coordinates.
+vec3 weave_place(int k, vec2 uv, vec2 x, vec2 y) {
+    vec2 extent = (abs(x) + abs(y)) * u_weave_density / vec2(u_weave_size);
+    float whole = smoothstep(0.5, 1.0, max(extent.x, extent.y));
+    if (hammersley(uint(k / 2), uint(WEAVE_PLACES / 2)).y < whole) // pairs of warp and weft
+        return vec3(u_weave_places[k].xy / u_weave_density, u_weave_places[k].z);
+    vec2 at = hammersley(uint(k), uint(WEAVE_PLACES)) - 0.5;
+    return vec3(uv + at.x * x + at.y * y, 1.0);
+}
+
+vec3 shade_woven(Point p, float occlusion, vec4 visible, inout float covered) {
+    vec2 x = dFdx(v_uv0), y = dFdy(v_uv0);
+    vec3 px = dFdx(v_position), py = dFdy(v_position);
+    float hand = x.x * y.y - y.x * x.y < 0.0 ? -1.0 : 1.0;
+    vec3 t = tangent_beside(p.n, hand * (px * y.y - py * x.y));
+    mat3 frame = mat3(t, cross(p.n, t), p.n);
+    vec2 dv = ((hand * (py * x.x - px * y.x)) * frame).xy;
+    dv *= inversesqrt(max(dot(dv, dv), 1e-30));
+    vec3 wo = p.v * frame;
+    wo.z = max(wo.z, 1e-4);
+    bool is_front = gl_FrontFacing;
+
+    vec3 above = vec3(0.0), below = vec3(0.0); // the light of the environment on both sides
+#if HAS_ENVIRONMENT
+    above = environment_irradiance_over_pi(p.n);
+    below = environment_irradiance_over_pi(-p.n);
+#endif
+    vec3 unhidden = above;
+    mat2x3 shown = mat2x3(vec3(1.0), vec3(1.0)); // the share of mirrored light that other surfaces leave
+#if HAS_ENVIRONMENT || INDIRECT || MEDIA
+#if MEDIA
+    light_through_media(p.n, p.n, shown, above);
+#endif
+    meet_other_surfaces(p.NoV, 0.5, occlusion, visible, shown, above);
+#endif
+#if LIGHT_COUNT > 0
+    vec3 l[LIGHT_COUNT], irradiance[LIGHT_COUNT];
+    for (int i = 0; i < LIGHT_COUNT; ++i) {
+        irradiance[i] = punctual_irradiance(i, v_position, l[i]);
+        float side = dot(p.n, l[i]) < 0.0 ? -1.0 : 1.0;
+        irradiance[i] *= light_visibility(i, v_position, side * p.n_geometric, l[i]);
+        l[i] = l[i] * frame;
+    }
+#endif
+
+    vec2 cells = (abs(x) + abs(y)) * u_weave_density;
+    int places = max(cells.x, cells.y) > 0.1 ? WEAVE_PLACES : 1;
+    int lookups = places > 1 ? 1 : WEAVE_LOOKUPS;
+    vec3 radiance = vec3(0.0);
+    float straight = 0.0;
+    for (int k = 0; k < places; ++k) {
+        vec3 place = vec3(v_uv0, 1.0);
+        if (places > 1) place = weave_place(k, v_uv0, x, y);
+        Woven m = weave_at(place.xy, vec2(1.0, 0.0), dv, is_front);
+        WovenView v = woven_view(m, wo, k * lookups, lookups, places * lookups);
+        straight += place.z * v.straight;
+        vec3 sent = vec3(0.0);
+        vec3 around = above;
+#if HAS_ENVIRONMENT
+        around += environment_irradiance_over_pi(normalize(p.n + frame * m.normal)) - unhidden;
+#endif
+        sent += v.diffuse * mix(max(around, 0.0), below, m.through);
+#if HAS_ENVIRONMENT
+        for (int j = 0; j < lookups; ++j) {
+            vec3 h = flakes_sample(v.flakes, wo, hammersley(uint(k * lookups + j), uint(places * lookups)));
+            vec3 wi = 2.0 * dot(wo, h) * h - wo;
+            vec3 light = environment_specular(frame * wi, 0.5);
+            sent += m.specular * shown[0] * light * (woven_weight(v, m.thickness, wo, wi) / float(lookups));
+        }
+#endif
+#if LIGHT_COUNT > 0
+        for (int i = 0; i < LIGHT_COUNT; ++i) sent += woven_eval_pdf(m, v, wo, l[i]).rgb * irradiance[i];
+#endif
+        radiance += place.z * sent;
+    }
+#if ALPHA_MODE == 2
+    covered *= 1.0 - straight / float(places);
+    return radiance / max(float(places) - straight, 1e-4); // what is written is multiplied by the coverage
+#else
+    return radiance / float(places);
+#endif
+}
