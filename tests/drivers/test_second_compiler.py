@@ -69,6 +69,11 @@ def ours() -> tuple[list[str], dict[str, int], set[str]]:
             settings = Settings.of(mode=mode, **{name: choice})
             if settings.is_used:
                 wanted |= dict.fromkeys(keys(rich[0], settings))
+    for mode, weave, fog in product(("pbr", "path"), ("plain", "denim"), (0.0, 1.0)):  # with gaps, and without
+        wanted |= dict.fromkeys(keys(rich[0], Settings.of(mode=mode, weave=weave, fog=fog)))
+    [velvet] = [under(case.load()[0], GREY) for case in CASES if case.name == "sheen"]
+    for mode in ("pbr", "path"):
+        wanted |= dict.fromkeys(keys(velvet, Settings.of(mode=mode, sheen="zeltner")))
     path = Settings.of(mode="path", denoise="fast", clamp=1.0, light_radius=0.1)
     wanted |= dict.fromkeys(keys(rich[0], path))
     for scene in rich:
