@@ -28,10 +28,13 @@ vec3 environment_irradiance_over_pi(vec3 n) {
 
 #if REFLECTS
 vec3 environment_level(vec3 d, float lod) {
-    d = to_environment(d);
-    vec3 seen = lod > WIDEST_PREFILTERED ? wide_radiance(u_irradiance, d, lod - WIDEST_PREFILTERED)
-                                         : prefiltered_radiance(u_prefiltered, d, lod);
-    return u_environment_intensity * seen;
+    return u_environment_intensity * prefiltered_radiance(u_prefiltered, to_environment(d), lod);
+}
+
+// The same for levels up to the widest. llvmpipe looks both maps up, so it is for those that may be so wide.
+vec3 environment_wide_level(vec3 d, float lod) {
+    vec3 wide = wide_radiance(u_irradiance, to_environment(d), max(lod - WIDEST_PREFILTERED, 0.0));
+    return lod > WIDEST_PREFILTERED ? u_environment_intensity * wide : environment_level(d, lod);
 }
 
 vec3 environment_specular(vec3 d, float perceptual_roughness) {

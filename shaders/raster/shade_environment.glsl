@@ -21,12 +21,12 @@ void light_through_media(vec3 n, vec3 d, inout mat2x3 specular, inout vec3 mean_
 #endif
 
 #if HAS_ENVIRONMENT && REFLECTS
-// A level of the prefiltered environment for a facet with the normal h, along mix(h, mirror direction, t)
-vec3 reflected_along(Point p, vec3 h, float t, float level) {
+// mix(h, mirror direction, t) for a facet with the normal h
+vec3 reflected_direction(Point p, vec3 h, float t) {
     vec3 d = mix(h, reflect(-p.v, h), t);
     // With a normal map the reflected direction may be below the surface; it is mirrored to the upper side.
     d -= 2.0 * min(dot(d, p.n_geometric), 0.0) * p.n_geometric;
-    return environment_level(normalize(d), level);
+    return normalize(d);
 }
 
 // The light of both parts of a lobe about n. `around` is irradiance / pi at n, `count` the number of lookups: 1 or 2.
@@ -35,7 +35,10 @@ mat2x3 reflected_light(Point p, vec3 n, float NoV, float perceptual_roughness, i
     vec2 rest = vec2(1.0);
     for (int k = 0; k < count; ++k) {
         vec4 lookup = lobe_lookup(u_dfg, NoV, perceptual_roughness, count + k);
-        light += outerProduct(reflected_along(p, n, lookup.x, lookup.y), lookup.zw);
+        vec3 d = reflected_direction(p, n, lookup.x);
+        // Of two lookups the first is the wider one.
+        vec3 seen = k + 1 < count ? environment_wide_level(d, lookup.y) : environment_level(d, lookup.y);
+        light += outerProduct(seen, lookup.zw);
         rest -= lookup.zw;
     }
     return light + outerProduct(around, max(rest, 0.0));
@@ -59,7 +62,7 @@ mat2x3 stretched_light(Point p, Surface s, vec3 around) {
         vec3 h = normalize(facet);
         vec3 l = reflect(-p.v, h) * p.frame;
         float weight = max(dot(p.v, facet), 0.0) * max(l.z, 0.0) / (max(l.z, 0.0) + smith_t(l, alpha));
-        sum += weight * reflected_along(p, h, narrow.x, narrow.y);
+        sum += weight * environment_level(reflected_direction(p, h, narrow.x), narrow.y);
         weights += weight;
     }
     return outerProduct(sum / max(weights, 1e-6), narrow.zw) + outerProduct(around, 1.0 - narrow.zw);
