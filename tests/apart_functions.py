@@ -20,11 +20,13 @@ def refuse(data: bytes) -> dict[str, np.ndarray]:
 
 
 def misbehave(data: bytes, how: str) -> dict[str, np.ndarray]:
-    """Crash, hang, print, take memory, or answer with too much of it."""
+    """Crash, hang, compute, print, take memory, or answer with too much of it."""
     if how == "crash":
         os.abort()
     if how == "hang":
         time.sleep(1e6)
+    while how == "compute":
+        pass
     if how == "print":
         os.write(1, b"a library's words\n")
         print("and a script's", file=sys.stdout, flush=True)

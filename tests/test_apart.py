@@ -43,11 +43,19 @@ def test_a_value_error_is_told_and_the_process_goes_on(apart):
 
 
 @pytest.mark.parametrize("how, seconds, words", [
-    ("crash", 60, "too broken"), ("hang", 0.2, "takes longer than"), ("answer", 60, "too broken"),
+    ("crash", 60, "too broken"), ("hang", 0.05, "takes longer than"), ("answer", 60, "too broken"),
     pytest.param("take", 60, "too much memory", marks=needs("linux"))])
 def test_after_harm_the_next_call_works(apart, how, seconds, words):
     with pytest.raises(ApartError, match=words):
         apart.call(MISBEHAVE, b"", seconds, MEGABYTE, how=how)
+    assert apart.call(DOUBLE, bytes([1, 2]), 60, MEGABYTE)["doubled"].tolist() == [[2, 4]]
+
+
+@needs("linux")
+def test_what_computes_is_stopped_by_its_own_time_and_not_by_the_clock(apart, monkeypatch):
+    monkeypatch.setattr("viewer.base.apart._PATIENCE", 1e6)
+    with pytest.raises(ApartError, match="takes longer than 1 s"):
+        apart.call(MISBEHAVE, b"", 1, MEGABYTE, how="compute")
     assert apart.call(DOUBLE, bytes([1, 2]), 60, MEGABYTE)["doubled"].tolist() == [[2, 4]]
 
 

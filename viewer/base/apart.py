@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import atexit
 import json
+import math
 import os
+import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable
 from contextlib import suppress
 from importlib import import_module
@@ -19,6 +22,8 @@ Arrays = dict[str, np.ndarray]
 _MAIN = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from viewer.base.apart import serve; serve()"
 _OWN_MEMORY = 1 << 29
 """Address space that the other process takes before it is called."""
+_PATIENCE = 10.0
+"""Seconds by the clock that a busy machine may take for one of processor time."""
 
 
 class ApartError(Exception):
@@ -40,7 +45,8 @@ class Apart:
         """The arrays that `function`, such as "viewer.scene.decoders:draco", makes of `data` and JSON `arguments`.
 
         Raises ApartError with the text of a ValueError that it raises, or if it crashes, takes longer than `seconds`
-        or more than `memory` bytes. Where the system has no limit of memory, its result is limited alone.
+        of processor time or more than `memory` bytes. It is ended after ten times as long by the clock, too. Windows
+        has that limit of time alone, and instead of the memory it limits the result.
         """
         with self._lock:
             process = self._started()
@@ -50,9 +56,10 @@ class Apart:
                 late.set()
                 process.kill()
 
-            timer = threading.Timer(seconds, stop)
+            timer = threading.Timer(_PATIENCE * seconds, stop)
             try:
-                head = {"function": function, "size": len(data), "memory": memory, "arguments": arguments}
+                head = {"function": function, "size": len(data), "memory": memory, "seconds": seconds,
+                        "arguments": arguments}
                 assert process.stdin is not None and process.stdout is not None
                 _write(process.stdin, head, data)
                 _read(process.stdout)  # it has imported what it needs
@@ -60,7 +67,8 @@ class Apart:
                 return _read_arrays(process.stdout, memory)
             except (OSError, EOFError, ValueError) as error:
                 self.close()
-                raise ApartError(f"takes longer than {seconds:.0f} s" if late.is_set() else "is too broken") from error
+                was_slow = late.is_set() or process.returncode == -getattr(signal, "SIGXCPU", 0)
+                raise ApartError(f"takes longer than {seconds:.0f} s" if was_slow else "is too broken") from error
             except ApartError:
                 raise
             except BaseException:  # what was not read would be taken for the next call's answer
@@ -105,8 +113,6 @@ class Apart:
 
 def serve() -> None:
     """The other process: answers calls until its standard input ends."""
-    import signal
-
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that calls
     calls, answers = sys.stdin.buffer, os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a library prints is no answer
@@ -116,7 +122,7 @@ def serve() -> None:
             data = calls.read(head["size"])
             module, name = head["function"].split(":")
             function = getattr(import_module(module), name)
-            _limit_memory(head["memory"])
+            _limit(head["memory"], head["seconds"])
             _write(answers, {})
             _write_arrays(answers, function, data, head["arguments"])
 
@@ -161,15 +167,16 @@ def _read(pipe: IO[bytes]) -> dict[str, Any]:
     return json.loads(line)
 
 
-def _limit_memory(size: int) -> None:
+def _limit(memory: int, seconds: float) -> None:
     try:
         import resource
     except ImportError:  # Windows
         return
-    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
-    wanted = _OWN_MEMORY + size
-    with suppress(ValueError, OSError):
-        resource.setrlimit(resource.RLIMIT_AS, (wanted if hard < 0 else min(wanted, hard), hard))
+    for kind, most in ((resource.RLIMIT_AS, _OWN_MEMORY + memory),
+                       (resource.RLIMIT_CPU, math.ceil(time.process_time() + seconds))):
+        hard = resource.getrlimit(kind)[1]
+        with suppress(ValueError, OSError):
+            resource.setrlimit(kind, (most if hard < 0 else min(most, hard), hard))
 
 
 apart = Apart()
