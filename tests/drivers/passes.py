@@ -27,7 +27,7 @@ _OVER_PICTURES: dict[str, dict[str, tuple[int, ...]]] = {
     "raster/reflection_rays.frag": {"IS_ORTHOGRAPHIC": (0, 1)},
     "raster/reflected_light.frag": {"REFLECTS": (1,), "ENVIRONMENT_ROTATED": (0, 1)},
     "raster/reflected_mean.frag": {},
-    "raster/spread_subsurface.frag": {"POINTS": (48,)},
+    "raster/spread_subsurface.frag": {"POINTS": (18, 48)},
     "raster/refraction_step.frag": {"REFLECTS": (1,), "HAS_ENVIRONMENT": (0, 1), "ENVIRONMENT_ROTATED": (0, 1),
                                     "BANDS": (0, 1)},
     "trace/film/mean.frag": {}, "trace/film/error.frag": {}, "trace/count_rays.frag": {},

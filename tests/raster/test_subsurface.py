@@ -139,6 +139,17 @@ def test_light_bleeds_into_the_shadow_and_red_goes_farthest(radiance):
     assert screen[edge + 3, 0] < 0.9 * sun[0]  # where the light in the shadow has come from
 
 
+def test_a_moving_camera_spreads_the_same_light(renderer):
+    """By fewer points, where the CPU renders."""
+    model = ball(filled(5.0, (0.8,) * 3), (Light("directional", intensity=2.0, direction=(-1, 0, 0)),))
+    pictures = []
+    for still in (False, True):
+        renderer.draw(model, CAMERA, Settings.of(antialias="none"), SIZE, half=False, still=still)
+        pictures.append(renderer.read_radiance()[..., :3].astype(float))
+    assert abs(pictures[0].mean() / pictures[1].mean() - 1) < 0.01
+    assert (np.abs(pictures[0] - pictures[1]).max() > 0) == renderer.context.is_software
+
+
 def test_light_comes_through_a_thin_sheet_and_not_through_a_thick_one(radiance):
     light = Light("directional", intensity=3.0, direction=(0, 0, 1))
     seen = [radiance(scene(box((1, 1, half)), materials=[filled(10.0, (0.9,) * 3)], lights=(light,)),

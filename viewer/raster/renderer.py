@@ -202,7 +202,7 @@ class Renderer:
         if plan.spreads_subsurface:
             with self._pass("subsurface"):
                 uniforms |= self._subsurface.find(
-                    frame, lambda: self._surfaces.draw_gathered(frame, plan, uniforms))
+                    frame, lambda: self._surfaces.draw_gathered(frame, plan, uniforms), still)
         target.framebuffer.use()
         target.framebuffer.clear(depth=self._depth.far)  # alpha 0: the display pass adds the background colour
         with self._pass("surfaces"):

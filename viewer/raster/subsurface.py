@@ -15,8 +15,9 @@ from .depth import Depth
 from .gbuffer import nearest_texture
 from .surfaces import UNIT_SUBSURFACE, UNIT_SUBSURFACE_POSITIONS
 
-POINTS = 48
-"""How many points of the disk around each pixel are read: a third of them by the profile of each channel."""
+POINTS, MOVING_POINTS = 48, 18
+"""How many points of the disk around each pixel are read: a third of them by the profile of each channel. The second
+number is for a moving camera where the CPU renders."""
 
 
 class SubsurfacePass:
@@ -24,9 +25,10 @@ class SubsurfacePass:
 
     def __init__(self, context: Context, programs: Programs, depth: Depth) -> None:
         self._gl, self._programs, self._depth = context.gl, programs, depth
+        self._is_software = context.is_software
         self._targets: Reusable[_Targets] = Reusable()
 
-    def find(self, frame: Frame, draw_gathered: Callable[[], object]) -> dict[str, object]:
+    def find(self, frame: Frame, draw_gathered: Callable[[], object], still: bool) -> dict[str, object]:
         """Draw the light of the solids that `draw_gathered()` draws (shaders/raster/pbr.frag, SUBSURFACE = 2), spread
         it, and return the uniforms of shaders/raster/subsurface.glsl.
 
@@ -38,7 +40,8 @@ class SubsurfacePass:
         targets.gathering.clear(depth=self._depth.far)
         draw_gathered()
         self._gl.clear_samplers()
-        program = self._programs.get("display/fullscreen.vert", "raster/spread_subsurface.frag", {"POINTS": POINTS})
+        points = MOVING_POINTS if self._is_software and not still else POINTS
+        program = self._programs.get("display/fullscreen.vert", "raster/spread_subsurface.frag", {"POINTS": points})
         for unit, (name, texture) in enumerate(zip(("u_gathered", "u_positions", "u_profiles"), targets.found)):
             texture.use(unit)
             set_uniform(program, name, unit)
