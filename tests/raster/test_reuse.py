@@ -40,6 +40,13 @@ def shots():
     return [(s, s.cameras[0]) for s in scenes]
 
 
+def test_a_picture_of_another_size_makes_no_opengl_error(renderer):
+    """The framebuffer of the first is gone while it is the one in use."""
+    for size in (SIZE, (16, 24)):
+        renderer.draw(scene(plate()), orthographic(), SETTINGS, size, half=False, still=True)
+    assert renderer.context.gl.error == "GL_NO_ERROR"
+
+
 def test_two_renders_are_identical(renderer, shots):
     for model, camera in shots:
         for mode in ("pbr", "phong"):

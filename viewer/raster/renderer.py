@@ -423,8 +423,9 @@ class Renderer:
         self._gl.finish()
         self.pass_ms[name] = (time.perf_counter() - start) * 1e3
 
-    @staticmethod
-    def _release(*things) -> None:
+    def _release(self, *things) -> None:
+        """Free these; no framebuffer is in use afterwards."""
+        self._gl.screen.use()  # moderngl goes back to the framebuffer last used, be it gone
         for thing in things:
             if thing is not None:
                 thing.release()
@@ -432,7 +433,6 @@ class Renderer:
     def release(self) -> None:
         """Free what the renderer holds; the context stays."""
         self.context.make_current()
-        self._gl.screen.use()  # moderngl goes back to the framebuffer last used, be it gone
         self._release(self._display, self._target, self._backdrop, self._visibility, self._reflections,
                       self._refraction, self._media, self._subsurface, *self._gbuffers.values(), self._surfaces,
                       self._curves, self._environment, *self._shadows, *self._blocks, *self._dfg.values())
