@@ -23,7 +23,6 @@ from viewer.gpu.context import Context, open_context
 from viewer.scene.curves import Curves
 from viewer.scene.scene import Scene
 from viewer.settings import Settings
-from viewer.trace.layout import FREE, MISS
 from viewer.trace.rays.bvh import build_bvh
 from viewer.trace.rays.intersect import Intersector, make_intersector
 from viewer.trace.scene.curves import TraceCurves, trace_curves
@@ -31,7 +30,7 @@ from viewer.trace.scene.geometry import TraceGeometry
 from viewer.trace.tracer import Tracer
 
 from . import tracing
-from .intersect import SIDE, Rays, camera_rays, make_wavefront, rate
+from .intersect import Rays, camera_hits, columns, in_order_of_paths, rate
 from .shot import REPOSITORY
 
 T = TypeVar("T")
@@ -133,27 +132,21 @@ def make_rays(context: Context, intersector: Intersector, curves: TraceCurves
               ) -> dict[str, tuple[Rays | None, Rays | None]]:
     """For each column the rays and the shadow rays, (SIDE^2, 3) each of origins and of directions or vectors."""
     rng = np.random.default_rng(0)
-    origin, direction = camera_rays()
-    wavefront = make_wavefront(context, (origin, direction), None)
-    intersector.store(wavefront, intersector.trace(intersector.fetch(wavefront)))
-    hits = np.frombuffer(wavefront.hit.read(), np.uint32).reshape(-1, 4)
-    wavefront.release()
-    hit = np.flatnonzero(hits[:, 0] & ~np.uint32(FREE) != MISS)
-    a, b = curves.points[hits[hit, 1]], curves.points[hits[hit, 1] + 1]
+    camera, hits, hit = camera_hits(context, intersector)
+    origin, direction = camera[0][hit], camera[1][hit]
+    a, b = curves.points[hits[:, 1]], curves.points[hits[:, 1] + 1]
     # About the point that was hit: where the axis is nearest to the ray, a radius towards the camera
-    axis, across = b[:, :3] - a[:, :3], direction[hit]
+    axis, across = b[:, :3] - a[:, :3], direction
     normal = np.cross(np.cross(axis, across), axis)
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-20)
-    along = np.clip(np.einsum("ij,ij->i", np.cross(origin[hit] - a[:, :3], across), np.cross(axis, across))
+    along = np.clip(np.einsum("ij,ij->i", np.cross(origin - a[:, :3], across), np.cross(axis, across))
                     / np.maximum(np.einsum("ij,ij->i", *[np.cross(axis, across)] * 2), 1e-20), 0, 1)
     start = a[:, :3] + along[:, None] * axis - 1.01 * a[:, 3:] * normal
-    again = np.arange(SIDE * SIDE) * len(hit) // (SIDE * SIDE)  # in the order of the paths
-    above = start[again].astype(np.float32)
+    above = in_order_of_paths(start).astype(np.float32)
     bounce, shadow = (rng.normal(size=above.shape).astype(np.float32) for _ in range(2))
     for vectors in (bounce, shadow):
         vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
-    return {"camera": ((origin, direction), None), "bounce": ((above, bounce), None),
-            "shadow": (None, (above, 4 * shadow)), "both": ((above, bounce), (above, 4 * shadow))}
+    return columns(camera, above, bounce, shadow)
 
 
 def _parse() -> argparse.Namespace:

@@ -101,19 +101,34 @@ def make_rays(
 ) -> dict[str, tuple[Rays | None, Rays | None]]:
     """For each column the rays and the shadow rays, (SIDE^2, 3) each of origins and of directions or vectors."""
     rng = np.random.default_rng(0)
-    origin, direction = camera_rays()
-    wavefront = make_wavefront(context, (origin, direction), None)
+    camera, hits, hit = camera_hits(context, intersector)
+    start, normal = _surface(geometry, hits, camera[1][hit])
+    start, normal = in_order_of_paths(start), in_order_of_paths(normal)
+    bounce, shadow = (_normalized(normal + _normalized(rng.normal(size=normal.shape))) for _ in range(2))
+    return columns(camera, (start + 1e-5 * normal).astype(np.float32), bounce, shadow)
+
+
+def camera_hits(context: Context, intersector: Intersector) -> tuple[Rays, np.ndarray, np.ndarray]:
+    """The camera's rays, what those that meet anything hit, (N, 4) uint32, and which these are, (N,)."""
+    camera = camera_rays()
+    wavefront = make_wavefront(context, camera, None)
     intersector.store(wavefront, intersector.trace(intersector.fetch(wavefront)))
     hits = np.frombuffer(wavefront.hit.read(), np.uint32).reshape(-1, 4)
     wavefront.release()
     hit = np.flatnonzero(hits[:, 0] & ~np.uint32(FREE) != MISS)
-    start, normal = _surface(geometry, hits[hit], direction[hit])
-    again = np.arange(SIDE * SIDE) * len(hit) // (SIDE * SIDE)  # in the order of the paths
-    start, normal = start[again], normal[again]
-    bounce, shadow = (_normalized(normal + _normalized(rng.normal(size=normal.shape))) for _ in range(2))
-    above = (start + 1e-5 * normal).astype(np.float32)
-    return {"camera": ((origin, direction), None), "bounce": ((above, bounce), None),
-            "shadow": (None, (above, 4 * shadow)), "both": ((above, bounce), (above, 4 * shadow))}
+    return camera, hits[hit], hit
+
+
+def in_order_of_paths(points: np.ndarray) -> np.ndarray:
+    """(SIDE^2, 3) of these, each as often as the others."""
+    return points[np.arange(SIDE * SIDE) * len(points) // (SIDE * SIDE)]
+
+
+def columns(camera: Rays, start: np.ndarray, bounce: np.ndarray, shadow: np.ndarray
+            ) -> dict[str, tuple[Rays | None, Rays | None]]:
+    """The rays and the shadow rays of each column, of directions in which rays leave `start`."""
+    return {"camera": (camera, None), "bounce": ((start, bounce), None),
+            "shadow": (None, (start, 4 * shadow)), "both": ((start, bounce), (start, 4 * shadow))}
 
 
 def camera_rays() -> Rays:
