@@ -186,6 +186,18 @@ def test_far_from_the_origin_nothing_changes(radiance):
     np.testing.assert_allclose(one, two, atol=0.02)
 
 
+@pytest.mark.parametrize("size", [2.0**-60, 2.0**55])
+def test_the_size_of_a_scene_changes_nothing(radiance, size):
+    """Squares of lengths leave float32's range where strands are so small or large."""
+    one, other = [radiance(shown(replace(strand(0.2 * scale, fibre=ROUGH),
+                                         points=np.array([[-1.5, 0, 0], [1.5, 0.5, 0]]) * scale),
+                                 lights=(Light("directional", intensity=3.0, direction=(0.3, -0.5, -0.8)),)),
+                           facing((0, 0, 10 * scale), (0, 0, 0), 4.0 * scale), (32, 32), background="none")
+                  for scale in (1.0, size)]
+    assert one[..., 3].sum() > 80
+    np.testing.assert_allclose(one, other, rtol=0.01, atol=0.002)
+
+
 def test_plans_name_curves_and_programs_have_them_only_where_there_are_any():
     def plan(model: Scene, **settings):
         return plan_scene(model, Settings.of(**settings), model.lights, samples=1, half_target=False,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import moderngl
 import numpy as np
 
@@ -33,7 +35,8 @@ SHADOW_WIDTH = 1.0
 class CurveBuffers:
     """The points of one set of curves on the GPU: 16 bytes a point, and 16 more where colours count.
 
-    They are stored about the middle of their box, so that curves far from the origin keep their digits in float32.
+    They are stored about the middle of their box, so that curves far from the origin keep their digits in float32, and
+    in a unit of about their size, so that squares of lengths do not leave float32's range.
     """
 
     def __init__(self, gl: moderngl.Context, curves: Curves, beta_n: float | None) -> None:
@@ -41,6 +44,8 @@ class CurveBuffers:
         count."""
         pieces = segments(curves)
         self.center = curves.corners.reshape(-1, 3).mean(axis=0) if len(curves.points) else np.zeros(3)
+        size = float(np.ptp(curves.corners, axis=0).max()) if len(curves.points) else 1.0
+        self.unit = 2.0 ** round(math.log2(size)) if size > 0 else 1.0  # a power of two keeps all digits
         self.radius = float(curves.radii.max(initial=0.0))
         last = np.append(pieces.strand[1:] != pieces.strand[:-1], True) if len(pieces) else np.zeros(0, bool)
         self.count = len(pieces) + int(last.sum())
@@ -49,6 +54,7 @@ class CurveBuffers:
         is_last[np.flatnonzero(last) + np.arange(1, last.sum() + 1)] = True
         rows[~is_last], rows[is_last] = pieces.ends[:, 0], pieces.ends[last, 1]
         rows[:, :3] -= self.center
+        rows /= np.float32(self.unit)
         rows[is_last, 3] = np.copysign(rows[is_last, 3], -1.0)
         self._vertex_arrays: dict[int, moderngl.VertexArray] = {}
         self._gl, self._points = gl, _texture(gl, rows)
@@ -184,7 +190,7 @@ class CurvePass:
 def _set_view(program: moderngl.Program, buffers: CurveBuffers, to_clip: np.ndarray, to_eye: np.ndarray,
               size: tuple[int, int], is_reversed: bool, least: float) -> None:
     """`to_clip` and `to_eye` take world space to clip space and to eye-relative space."""
-    from_points = np.eye(4)
+    from_points = np.diag([buffers.unit, buffers.unit, buffers.unit, 1.0])
     from_points[:3, 3] = buffers.center
     set_uniform(program, "u_to_clip", matrix_uniform(to_clip @ from_points))
     set_uniform(program, "u_to_eye", matrix_uniform(to_eye @ from_points))
