@@ -9,7 +9,9 @@ import pytest
 from shapes import plate, scene, sphere
 
 from viewer.errors import InputError, UsageError
+from viewer.plan.warnings import picture_warnings
 from viewer.scene.material import Material
+from viewer.scene.scene import Scene
 from viewer.scene.weave import WEAVES, Weave, Yarn, read_weave
 from viewer.scene.woven import woven
 from viewer.settings import WEAVE_NAMES, Settings
@@ -19,12 +21,14 @@ PLAIN = {"draft": ["10", "01"]}
 
 def written(path, data) -> Weave:
     file = path / "own.json"
-    file.write_text(data if isinstance(data, str) else json.dumps(data))
+    text = data if isinstance(data, (str, bytes)) else json.dumps(data)
+    file.write_bytes(text.encode() if isinstance(text, str) else text)
     return read_weave(file)
 
 
 def test_a_weave_is_read(tmp_path):
     assert written(tmp_path, PLAIN) == Weave(((True, False), (False, True)))
+    assert written(tmp_path, "\ufeff" + json.dumps(PLAIN)) == written(tmp_path, PLAIN)
     full = {"draft": ["110", "011"], "density": [10, 20.5],
             "warp": {"color": [0.1, 0.2, 0.3], "specular": [0.3, 0, 0], "roughness": 0.5, "thickness": 2, "through": 1,
                      "twist": -20, "bend": 0, "width": 1}}
@@ -45,8 +49,10 @@ def test_the_named_weaves_are_valid(name, tmp_path):
 
 
 @pytest.mark.parametrize(("data", "problem"), [
-    ("{", "it is not JSON: "),
-    ("[" * 10_000, "it is not JSON: "),
+    ("{", "line 1: not valid JSON: "),
+    ("[" * 100_000, "not valid JSON: nested too deeply"),
+    ("1" * 5000, "not valid JSON: a number has thousands of digits"),
+    (b"\xff", "byte 0: the JSON is not valid UTF-8"),
     ([], "it must be an object"),
     ({}, "draft: it is missing"),
     ({"draft": ["10"]}, "draft: it must be a list of 2 to 16 rows"),
@@ -59,15 +65,17 @@ def test_the_named_weaves_are_valid(name, tmp_path):
     ({"draft": ["110", "101"]}, "draft, column 0: this warp yarn never crosses to the other side: the weave does not "
                                 "hold together"),
     (PLAIN | {"colour": 1}, "there is no key 'colour'; choose from density, draft, warp, weft"),
-    (PLAIN | {"weft": {"width": 1.2}}, "weft.width: 1.2 is wider than the yarn's cell, which is 1"),
+    (PLAIN | {"weft": {"width": 1.2}}, "weft.width: a yarn is not wider than its cell, which is 1"),
     (PLAIN | {"warp": {"ply": 3}}, "warp: there is no key 'ply'; choose from bend, color, "),
     (PLAIN | {"warp": 3}, "warp: it must be an object"),
     (PLAIN | {"warp": {"roughness": 0}}, "warp.roughness: it must be a number from 0.02 to 1"),
     (PLAIN | {"warp": {"twist": True}}, "warp.twist: it must be a number from -60 to 60"),
-    ('{"draft": ["10", "01"], "warp": {"bend": NaN}}', "warp.bend: it must be a number from 0 to 60"),
+    ('{"draft": ["10", "01"], "warp": {"bend": NaN}}', "not valid JSON: NaN is not a number"),
     (PLAIN | {"warp": {"color": [1, 2]}}, "warp.color: it must be three numbers, linear red, green and blue"),
     (PLAIN | {"warp": {"color": [1, 0, 2]}}, "warp.color[2]: it must be a number from 0 to 1"),
     (PLAIN | {"density": [1]}, "density: it must be two numbers"),
+    (PLAIN | {"density": [1, 10**400]}, "density[1]: it must be a number from 1e-06 to 1e+06"),
+    (PLAIN | {"weft": {"width": 10**400}}, "weft.width: a yarn is not wider than its cell"),
     (PLAIN | {"density": [1, 0]}, "density[1]: it must be a number from 1e-06 to 1e+06"),
 ])
 def test_what_is_no_weave_is_refused_in_one_line(data, problem, tmp_path):
@@ -75,8 +83,10 @@ def test_what_is_no_weave_is_refused_in_one_line(data, problem, tmp_path):
         written(tmp_path, data)
     message = str(caught.value)
     assert message.startswith(f"{tmp_path / 'own.json'}: {problem}") and "\n" not in message
-    with pytest.raises(InputError, match="No such file"):
+    with pytest.raises(InputError, match="no such file"):
         read_weave(tmp_path / "none.json")
+    with pytest.raises(InputError, match="is a folder, not a file"):
+        read_weave(tmp_path)
 
 
 def test_materials_become_woven():
@@ -93,3 +103,9 @@ def test_materials_become_woven():
     bare = scene(replace(plate(0), uvs=()), sphere(1), materials=[Material(name="a"), Material(name="b")])
     with pytest.raises(UsageError, match="has no texture coordinates, by which yarns are laid"):
         woven(bare, Settings.of(weave="plain"))
+
+
+def test_a_scene_without_triangles_is_told_that_nothing_is_woven():
+    settings = Settings(weave="denim")
+    assert picture_warnings(Scene("empty"), settings) == ["nothing is woven, because there are no triangles"]
+    assert not any("woven" in line for line in picture_warnings(scene(plate(0)), settings))

@@ -58,6 +58,8 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
     if len(scene.volumes) > MAX_VOLUMES and not is_traced:
         lines.append(f"only the first {MAX_VOLUMES} of {len(scene.volumes)} volumes are shown; mode path shows them "
                      "all")
+    if settings.weave != "off" and not any(mesh.topology == "triangles" for mesh in scene.meshes):
+        lines.append("nothing is woven, because there are no triangles")
     if scene.curves and settings.mode == "phong":
         lines.append(f"curves are not drawn in mode {settings.mode}")
     return lines

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
+from .files import read_file
+from .json_text import parse_json
 from .medium import RGB
 
 MAX_SIDE = 16
@@ -84,13 +84,7 @@ _RANGES = {"roughness": (0.02, 1.0), "thickness": (0.0, 1e4), "through": (0.0, 1
 def read_weave(path: Path) -> Weave:
     """A weave of a JSON file: `draft`, a list of rows of the same length, of "1" where the warp lies above and "0"; and
     optionally `density`, and `warp` and `weft` with the fields of `Yarn`. Raises InputError."""
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(path, "", error.strerror or str(error)) from error
-    except (ValueError, RecursionError) as error:
-        raise InputError(path, "", f"it is not JSON: {error}") from error
-    values = _object(path, "", data, {f.name for f in fields(Weave)})
+    values = _object(path, "", parse_json(path, read_file(path)), {f.name for f in fields(Weave)})
     if "draft" not in values:
         raise InputError(path, "draft", "it is missing")
     density = values.get("density", (100.0, 100.0))
@@ -126,7 +120,7 @@ def _yarn(path: Path, place: str, data: Any) -> Yarn:
         where = f"{place}.{name}"
         if name in _RANGES:
             if name == "width" and isinstance(value, (int, float)) and value > 1:
-                raise InputError(path, where, f"{value:g} is wider than the yarn's cell, which is 1")
+                raise InputError(path, where, "a yarn is not wider than its cell, which is 1")
             found[name] = _number(path, where, value, *_RANGES[name])
         elif not isinstance(value, list) or len(value) != 3:
             raise InputError(path, where, "it must be three numbers, linear red, green and blue")
@@ -147,6 +141,6 @@ def _object(path: Path, place: str, data: Any, known: set[str]) -> Mapping[str, 
 
 def _number(path: Path, place: str, value: Any, low: float, high: float) -> float:
     is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if not is_number or not math.isfinite(value) or not low <= value <= high:
+    if not is_number or not low <= value <= high:
         raise InputError(path, place, f"it must be a number from {low:g} to {high:g}")
     return float(value)

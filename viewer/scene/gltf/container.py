@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import struct
 from pathlib import Path
 
 from ...errors import InputError
+from ..json_text import parse_json
 
 GLB_MAGIC = b"glTF"
 _JSON_CHUNK = 0x4E4F534A
@@ -53,26 +53,7 @@ def _split_glb(path: Path, data: memoryview) -> tuple[memoryview, memoryview | N
 
 
 def _parse_json(path: Path, text: bytes) -> dict:
-    try:
-        root = json.loads(text.decode("utf-8-sig"), parse_constant=_reject_constant)
-    except UnicodeDecodeError as error:
-        raise InputError(path, f"byte {error.start}", "the JSON is not valid UTF-8") from error
-    except json.JSONDecodeError as error:
-        raise InputError(path, f"line {error.lineno}", f"not valid JSON: {error.msg}") from error
-    except RecursionError as error:
-        raise InputError(path, "", "not valid JSON: nested too deeply") from error
-    except _WrongConstant as error:
-        raise InputError(path, "", f"not valid JSON: {error} is not a number") from error
-    except ValueError as error:  # of CPython, which limits the digits that it converts
-        raise InputError(path, "", "not valid JSON: a number has thousands of digits") from error
+    root = parse_json(path, text)
     if not isinstance(root, dict):
         raise InputError(path, "", "the JSON of a glTF must be an object")
     return root
-
-
-class _WrongConstant(ValueError):
-    """NaN or Infinity, which Python's parser takes."""
-
-
-def _reject_constant(name: str) -> None:
-    raise _WrongConstant(name)
