@@ -136,6 +136,15 @@ def test_up_in_a_bcc_is_y_here_and_nothing_is_mirrored(tmp_path, up):
     assert np.linalg.det(found) == pytest.approx(np.linalg.det(axes)) == pytest.approx(1)
 
 
+def test_what_does_not_begin_as_its_ending_says_is_refused(tmp_path):
+    for make, name in ((hair, "HAIR"), (bcc, "BCC")):
+        path = make(tmp_path / f"bad.{name.lower()}")
+        path.write_bytes(b"X" + path.read_bytes()[1:])
+        with pytest.raises(InputError) as error:
+            load_scene(path)
+        assert str(error.value) == f"{path}: header: not a {name} file: it does not begin with '{name}'"
+
+
 @pytest.mark.parametrize("changes, problem", [
     ({"sizes": b"BCC\x88"}, "header: has numbers of other sizes than four bytes"),
     ({"kind": b"C1"}, "header: curves of the type 'C1' are not read"),

@@ -31,6 +31,8 @@ def read_bcc(path: Path, data: bytes, warnings: list[str]) -> tuple[Curves, str]
     if len(data) < _HEADER.size:
         raise InputError(path, "", f"the file ends in its header of {_HEADER.size} bytes")
     sizes, kind, dimensions, up, strands, count, text = _HEADER.unpack_from(data)
+    if sizes[:3] != _SIZES[:3]:
+        raise InputError(path, "header", "not a BCC file: it does not begin with 'BCC'")
     if sizes != _SIZES:
         raise InputError(path, "header", "has numbers of other sizes than four bytes, which are not read")
     if kind not in _KINDS:

@@ -26,7 +26,9 @@ def read_hair(path: Path, data: bytes, warnings: list[str]) -> tuple[Curves, str
     """
     if len(data) < _HEADER.size:
         raise InputError(path, "", f"the file ends in its header of {_HEADER.size} bytes")
-    _, strands, count, arrays, segments, thickness, transparency, *color, text = _HEADER.unpack_from(data)
+    signature, strands, count, arrays, segments, thickness, transparency, *color, text = _HEADER.unpack_from(data)
+    if signature != b"HAIR":
+        raise InputError(path, "header", "not a HAIR file: it does not begin with 'HAIR'")
     if arrays >= 2 * _UV:
         raise InputError(path, "header", f"names arrays that are not known: bits {arrays:#x}")
     if not arrays & _POINTS:
