@@ -70,8 +70,8 @@ def view(model: str, **options: Any) -> None:
 
     With --animation it plays, unless a --time is given, at which it stands still.
 
-    MODEL is a glTF file (.gltf, .glb), an OBJ, PLY, STL, OFF or XYZ, or a volume (.vdb, .npz, .vol). 3MF and COLLADA
-    (.dae) need `pip install 'pbr-viewer[formats]'`.
+    MODEL is a glTF file (.gltf, .glb), an OBJ, PLY, STL, OFF or XYZ, a volume (.vdb, .npz, .vol), or curves (.hair,
+    .bcc, .curves). 3MF and COLLADA (.dae) need `pip install 'pbr-viewer[formats]'`.
     """
     check_camera_options(options)
     from .app import open_window
@@ -104,9 +104,9 @@ def view(model: str, **options: Any) -> None:
 def render(models: tuple[str, ...], output: str, backend: str, stats: str | None, **options: Any) -> None:
     """Render a picture of each MODEL, without a screen.
 
-    MODEL is a glTF file (.gltf, .glb), an OBJ, PLY, STL, OFF or XYZ, or a volume (.vdb, .npz, .vol). 3MF and COLLADA
-    (.dae) need `pip install 'pbr-viewer[formats]'`. If one of several models cannot be rendered, it is reported on
-    stderr, the others are still rendered, and the exit status is not 0.
+    MODEL is a glTF file (.gltf, .glb), an OBJ, PLY, STL, OFF or XYZ, a volume (.vdb, .npz, .vol), or curves (.hair,
+    .bcc, .curves). 3MF and COLLADA (.dae) need `pip install 'pbr-viewer[formats]'`. If one of several models cannot be
+    rendered, it is reported on stderr, the others are still rendered, and the exit status is not 0.
 
     \b
     pbr-viewer render helmet.glb -o helmet.png
