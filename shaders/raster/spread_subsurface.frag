@@ -33,8 +33,7 @@ void main() {
     vec2 size = vec2(textureSize(u_positions, 0));
     vec4 here = texelFetch(u_positions, pixel, 0);
     vec3 s = texelFetch(u_profiles, pixel, 0).rgb;
-    vec3 sum = vec3(0.0), weights = vec3(1e-9);
-    sum = weights * texelFetch(u_gathered, pixel, 0).rgb;
+    vec3 weights = vec3(1e-9), sum = weights * texelFetch(u_gathered, pixel, 0).rgb;
     for (int k = 0; k < POINTS; ++k) {
         float r = profile_distance((float(k) + 0.5) / float(POINTS)) / s[k % 3];
         float angle = GOLDEN_ANGLE * float(k);

@@ -17,6 +17,7 @@ from viewer.scene.material import Material
 from viewer.scene.medium import Medium
 from viewer.scene.mesh import Mesh
 from viewer.settings import Settings
+from viewer.trace import chords
 from viewer.trace.chords import light_behind, thickness_at_vertices
 from viewer.trace.tracer import Tracer
 from viewer.trace.vertex_light import VertexLight
@@ -206,3 +207,25 @@ def test_a_ball_of_wax_against_paths(context, radiance):
     assert np.abs(picture[inside].mean(axis=(0, 1)) / paths.linear[inside].mean(axis=(0, 1)) - 1)[:3].max() < 0.1
 
 
+
+
+def test_the_thickness_of_solids_that_stand_still_is_kept(renderer, monkeypatch):
+    """It is measured of solids that move, or are others, and a picture is that of a fresh renderer."""
+    counted = []
+    monkeypatch.setattr(chords, "thickness_at_vertices",
+                        lambda *given: counted.append(given) or thickness_at_vertices(*given))
+    solid, plain = filled(3.0, (0.9, 0.6, 0.3)), Material()
+    meshes = sphere(segments=12), replace(sphere(segments=12), material=1)
+
+    def picture(x: float, mark: float, materials=(solid, plain)) -> np.ndarray:
+        placed = scene((meshes[0], moved((x, 0, 0), 0.5)), (meshes[1], moved((0, mark, 0), 0.1)),
+                       (meshes[1], moved((2, 2, 2), 0.1)), (meshes[1], moved((-2, -2, -2), 0.1)),
+                       materials=list(materials), environment=constant())
+        return renderer.render(placed, CAMERA, Settings(), SIZE).linear
+
+    first = picture(0.0, 1.0)
+    for given, count in (((0.0, 0.9), 1), ((0.2, 0.9), 2), ((0.0, 1.0, (solid, solid)), 3),
+                         ((0.0, 1.0, (plain, plain)), 3)):
+        picture(*given)
+        assert len(counted) == count
+    assert np.array_equal(picture(0.0, 1.0), first) and len(counted) == 4

@@ -85,6 +85,8 @@ class Renderer:
         self._curves = CurvePass(context, self.programs, self._depth)
         self._casters = Casters(self._surfaces.draw_depth, self._curves.draw_depth)
         self._indirect_key: tuple[object, ...] | None = None
+        self._solids: tuple[object, ...] | None = None
+        self._measured: Scene | None = None
         self._environment: EnvironmentLight | None = None
         self._ahead: Decoder | None = None
         self._generation = self.programs.generation
@@ -287,7 +289,7 @@ class Renderer:
         if self.plan.has_traced_refraction:
             with self._timed("refraction"):
                 self._refraction.prepare(scene)
-        if self.plan.has_subsurface and not self._surfaces.has_interiors:
+        if self._measured is not scene and (self.plan.has_subsurface or self._measured is not None):
             with self._timed("thickness of solids"):
                 self._prepare_interiors(scene, self.plan)
         if self.plan.has_indirect:
@@ -309,11 +311,16 @@ class Renderer:
             self._indirect_key = key
 
     def _prepare_interiors(self, scene: Scene, plan: Plan) -> None:
-        """Measure how thick the solids are that scatter light."""
+        """Measure how thick the solids are that scatter light, unless they are those of the scene before, unmoved."""
         from ..trace.chords import thickness_at_vertices
 
         solids = [draw.instance for draw in plan.draws if draw.has_subsurface]
-        self._surfaces.set_interiors(thickness_at_vertices(self.context, scene, solids))
+        placed = scene.radius, *((k, scene.meshes[scene.instances[k].mesh], scene.instances[k].transform.tobytes())
+                                 for k in solids)
+        if self._solids != placed:
+            self._surfaces.set_interiors(thickness_at_vertices(self.context, scene, solids) if solids else {})
+            self._solids = placed
+        self._measured = scene if solids else None
 
     def _prepare_surfaces(self, scene: Scene) -> None:
         """Take what is drawn. A pose of the scene before keeps its plan, and maps that are drawn anew."""

@@ -67,10 +67,9 @@ class Surfaces:
         """
         before, self.scene, self._casters = self.scene, scene, None
         self._take_meshes(before, scene)
-        if self._indirect or self._interiors:
-            for mesh_buffers in self._meshes.values():
-                mesh_buffers.drop_arrays()  # some read what belongs to an instance
-            self._release_of_instances()
+        if self._indirect:
+            self._drop_arrays()
+            self._release_indirect()
         if ahead is not None or scene.materials is not before.materials:
             self.textures.keep(set(scene.images), ahead)
 
@@ -87,8 +86,7 @@ class Surfaces:
         """Compile and upload everything that `plan` draws, so that the first frame takes no longer than others."""
         if self._generation != self._programs.generation:
             self._generation = self._programs.generation
-            for mesh in self._meshes.values():
-                mesh.drop_arrays()
+            self._drop_arrays()
         self._uniforms.clear()
         for program in plan.programs:
             self._program(program.fragment, dict(program.switches))
@@ -107,13 +105,14 @@ class Surfaces:
                 self._behind[number] = self._gl.buffer(reserve=max(values.nbytes, 16))
             self._behind[number].write(np.ascontiguousarray(values))
 
-    @property
-    def has_interiors(self) -> bool:
-        """Whether the thickness of solids that scatter light is there."""
-        return bool(self._interiors)
-
     def set_interiors(self, thickness: Mapping[int, np.ndarray]) -> None:
-        """Upload the thickness and roundness behind the vertices of instances, (V, 2) float32 each."""
+        """Upload the thickness and roundness behind the vertices of instances, (V, 2) float32 each.
+
+        They take the place of those before.
+        """
+        self._drop_arrays()
+        for buffer in self._interiors.values():
+            buffer.release()
         self._interiors = {number: self._gl.buffer(np.ascontiguousarray(values))
                            for number, values in thickness.items()}
 
@@ -284,15 +283,21 @@ class Surfaces:
             self._meshes[mesh] = MeshBuffers(self._gl, mesh)
         return self._meshes[mesh]
 
-    def _release_of_instances(self) -> None:
-        for buffer in (*self._indirect, *self._interiors.values(), *self._behind.values()):
+    def _drop_arrays(self) -> None:
+        """Release the vertex arrays, for other programs, or other buffers of what belongs to an instance."""
+        for mesh in self._meshes.values():
+            mesh.drop_arrays()
+
+    def _release_indirect(self) -> None:
+        for buffer in (*self._indirect, *self._behind.values()):
             buffer.release()
-        self._indirect, self._interiors, self._behind = [], {}, {}
+        self._indirect, self._behind = [], {}
 
     def release(self) -> None:
         for mesh_buffers in self._meshes.values():
             mesh_buffers.release()
-        self._release_of_instances()
+        self._release_indirect()
+        self.set_interiors({})
         self.textures.release()
 
 
