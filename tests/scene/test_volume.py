@@ -162,6 +162,17 @@ def test_a_volume_that_emits_is_not_black():
     assert "will be black" in black and empty == "volume 'density' is 0 everywhere: there is nothing to draw"
 
 
+def test_a_mean_cosine_beside_droplets_is_told_to_have_no_effect():
+    lit = replace(smoky(), lights=(Light("directional"),))
+    foggy = replace(scene(sphere(segments=12)), lights=lit.lights)
+    both = Settings(volume_g=0.5, volume_droplets=20.0, fog_g=-0.5, fog_droplets=20.0)
+    assert ["volume_g has no effect" in line for line in picture_warnings(lit, both)] == [True]
+    assert ["fog_g has no effect" in line for line in picture_warnings(foggy, replace(both, fog=1.0))] == [True]
+    assert picture_warnings(foggy, both) == []  # there is neither
+    for alone in (replace(both, volume_g=0.0), replace(both, volume_droplets=0.0)):
+        assert picture_warnings(lit, alone) == []
+
+
 def test_volumes_that_do_not_fit_into_a_program_are_told():
     lit = replace(smoky(), lights=(Light("directional"),))
     crowd = replace(lit, volumes=lit.volumes * (MAX_VOLUMES + 1))

@@ -52,6 +52,9 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
             if count > MANY_COLLISIONS:
                 lines.append(f"volume {volume.name!r} is so dense, and absorbs so little, that paths collide up to "
                              f"{count:.0f} times in it: the picture takes long")
+    for name, is_there in (("volume", bool(scene.volumes)), ("fog", settings.fog > 0)):
+        if is_there and getattr(settings, f"{name}_droplets") > 0 and getattr(settings, f"{name}_g") != 0:
+            lines.append(f"{name}_g has no effect together with {name}_droplets, whose phase function takes its place")
     if scene.volumes and any(settings.volume_emission) and _misses_emission(settings):
         lines.append("volume_density is 0, so that mode path does not show what volumes emit: its paths find it where "
                      "they collide")
