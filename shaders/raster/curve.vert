@@ -86,9 +86,9 @@ void main() {
     v_radius = radius * length(u_to_eye[0].xyz);
 
     float a = 2.0 * float(gl_VertexID >> 1) / float(u_columns - 1) - 1.0;
-    vec3 outwards = normalize(cross(along, side)); // towards the viewer, across the curve
-    if (dot(outwards, front) < 0.0) outwards = -outwards;
-    vec3 q = p.xyz + side * (half_width * a) + outwards * (radius * sqrt(max(1.0 - a * a, 0.0)));
+    // The half of the sphere about p that faces the viewer: a step towards the viewer moves nothing on the screen. One
+    // across the curve would move the strip along a curve that is seen at a slant.
+    vec3 q = p.xyz + side * (half_width * a) + front * (radius * sqrt(max(1.0 - a * a, 0.0)));
     if (is_tip[end]) {
         vec3 beyond = along - front * dot(along, front);
         beyond = dot(beyond, beyond) > 1e-8 ? normalize(beyond) : normalize(cross(side, front));

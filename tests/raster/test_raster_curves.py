@@ -88,6 +88,17 @@ def test_ends_are_round_also_along_the_view(radiance):
     assert across[..., 3].sum() * PIXEL**2 == pytest.approx(3 * 0.8 + math.pi * 0.16, rel=0.02)
 
 
+@pytest.mark.parametrize("degrees", [0, 20, 70])
+def test_a_strand_lies_where_it_is_also_seen_at_a_slant(radiance, degrees):
+    """It is as wide as a rectangle with a half disc at either end, about the middle of the picture."""
+    end = np.array([math.sin(math.radians(degrees)), 0, math.cos(math.radians(degrees))])
+    pixels = radiance(shown(strand(0.3, -end, end)), CAMERA, (64, 64), **ALONE, antialias="ssaa-4")
+    columns = pixels[..., 3].sum(axis=0)
+    assert (columns @ np.arange(64)) / columns.sum() == pytest.approx(31.5, abs=0.1)
+    assert np.count_nonzero(columns) * PIXEL == pytest.approx(2 * end[0] + 0.6, abs=2.5 * PIXEL)
+    assert columns.sum() * PIXEL**2 == pytest.approx(2 * end[0] * 0.6 + math.pi * 0.09, rel=0.05)
+
+
 @pytest.mark.parametrize("radius", [0.5, 0.03])
 def test_light_is_that_of_the_fibre_at_each_offset_or_their_mean(radiance, radius):
     light = Light("directional", intensity=2.0, direction=(-0.48, -0.6, -0.64))
