@@ -436,7 +436,8 @@ def iridescence() -> Glb:
     Below: weight by a texture, under a clear coat, on thin-walled and on solid glass."""
     glb, ball = Glb(), without(sphere(0.45), "TANGENT")
     waves = np.ones((16, 16, 4))
-    waves[..., :2] = 0.5 + 0.5 * np.sin(np.arange(16) / 16 * 2 * np.pi)[:, None, None]
+    wave = 0.5 + 0.5 * np.sin(np.arange(16) / 16 * 2 * np.pi)
+    waves[..., 0], waves[..., 1] = wave[:, None], np.roll(wave, 4)  # weight and thickness lie in different channels
     texture = glb.texture(waves, magFilter=9728, minFilter=9728)
     full = {"iridescenceFactor": 1.0}
     clear = {"KHR_materials_transmission": {"transmissionFactor": 1.0}}
@@ -444,8 +445,8 @@ def iridescence() -> Glb:
     cases = [
         ((0.02,) * 3, 0.0, 0.15, full | {"iridescenceIor": 1.8, "iridescenceThicknessMaximum": 350}, {}),
         ((1.0, 0.77, 0.34), 1.0, 0.3, full | {"iridescenceThicknessMaximum": 300}, {}),
-        ((0.4,) * 3, 0.5, 0.3, full | {"iridescenceIor": 2.0, "iridescenceThicknessMinimum": 900,
-                                       "iridescenceThicknessMaximum": 50, "iridescenceThicknessTexture": texture}, {}),
+        ((0.4,) * 3, 0.5, 0.3, full | {"iridescenceIor": 2.0, "iridescenceThicknessMinimum": 420,
+                                       "iridescenceThicknessMaximum": 180, "iridescenceThicknessTexture": texture}, {}),
         ((0.5, 0.2, 0.1), 0.0, 0.6, full | {"iridescenceIor": 2.5, "iridescenceThicknessMaximum": 120}, {}),
         ((0.9,) * 3, 1.0, 0.2, full | {"iridescenceTexture": texture}, {}),
         ((0.6,) * 3, 1.0, 0.5, full | {"iridescenceIor": 1.6, "iridescenceThicknessMaximum": 250},

@@ -211,6 +211,22 @@ def cloth() -> tuple[Scene, Camera]:
                  lights=(Light.from_angles(1.9, 0.4, 3.0),), environment=sides()), VIEW
 
 
+def films() -> tuple[Scene, Camera]:
+    """Films over plastic, over metal with thickness and weight by maps, and on both faces of thin glass."""
+    film = {"perceptual_roughness": 0.5, "iridescence": 1.0, "iridescence_ior": 1.9}
+    materials = [
+        FLOOR,
+        Material(base_color=(0.02, 0.02, 0.02, 1), metallic=0.0, iridescence_thickness_maximum=330.0, **film),
+        Material(base_color=(0.8, 0.7, 0.6, 1), iridescence_texture=Texture(image_of(smooth_noise(3, 18))),
+                 iridescence_thickness_minimum=420.0, iridescence_thickness_maximum=180.0,
+                 iridescence_thickness_texture=Texture(image_of(smooth_noise(3, 17))), **film),
+        Material(iridescence_thickness_maximum=250.0, **film, **(GLASS | {"thickness": 0.0}))]
+    balls = _row(1, 2, 3)
+    mapped = replace(balls[1][0], uvs=(np.abs(balls[1][0].positions[:, :2]),))
+    return scene((plate(0, 3.0), facing_floor()), balls[0], (mapped, balls[1][1]), balls[2], materials=materials,
+                 lights=(SUN,), environment=sides()), VIEW
+
+
 def coated() -> tuple[Scene, Camera]:
     """Coats over metal, over bumps, with bumps of their own over a lamp, and over a rough pane of glass."""
     bumps = [Texture(image_of((np.array([128, 128, 255]) + np.random.default_rng(k).uniform(-80, 80, (4, 4, 3))
@@ -288,6 +304,7 @@ CASES = [
     PathCase("specular-glossiness", specular_glossiness),
     PathCase("plaster", plaster),
     PathCase("coated", coated),
+    PathCase("films", films),
     PathCase("translucent", translucent),
     PathCase("cloth", cloth),
     PathCase("scattering", scattering),
