@@ -96,6 +96,10 @@ MUTATIONS = [
              "0.0, kept"),
     Mutation("media of bodies isotropic in paths", "media/any_phase.glsl", "return phase_sample(phase, direction, u);",
              "return phase_sample(0.0, direction, u);"),
+    Mutation("highlights of hair lean the other way in paths", "bsdf/fibre/fibre.glsl",
+             "vec2 t1 = vec2(cos(f.tilt), sin(f.tilt));", "vec2 t1 = vec2(cos(f.tilt), -sin(f.tilt));"),
+    Mutation("light on hair at the middle of each fibre", "trace/fibre.frag",
+             "float h = fibre_offset(vec3(0.0, 0.0, 1.0), wo);", "float h = 0.0;"),
 ]
 
 

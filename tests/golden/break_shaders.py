@@ -169,6 +169,12 @@ MUTATIONS = [
     Mutation("wax absorbs nothing", "raster/pbr.frag", "crossed_solid(s, exp(-u_absorption * m.thickness), p.returned)",
              "crossed_solid(s, vec3(1.0), p.returned)"),
     Mutation("wax shadows itself", "raster/shade_light.glsl", "v_position - p.behind * p.n_geometric", "v_position"),
+    Mutation("highlights of hair lean the other way", "bsdf/fibre/fibre.glsl",
+             "vec2 t1 = vec2(cos(f.tilt), sin(f.tilt));", "vec2 t1 = vec2(cos(f.tilt), -sin(f.tilt));"),
+    Mutation("hair too smooth", "bsdf/fibre/fibre.glsl", "return max(root * root, MIN_FIBRE_VARIANCE);",
+             "return max(0.25 * root * root, MIN_FIBRE_VARIANCE);"),
+    Mutation("hair lets no light through", "raster/curve_light.glsl",
+             "return exp(-depth) - exp(-depth / u_hair_onward);", "return 0.0;"),
     Mutation("exposure ignored", "display/display.frag", "straight * u_exposure", "straight"),
 ]
 
@@ -178,7 +184,7 @@ def caught_by(renderer: Renderer) -> list[str]:
     caught = []
     for case in CASES:
         scene, camera = case.load()
-        for mode in ("pbr", "phong"):
+        for mode in case.modes:
             name = f"{case.name}-{mode}"
             picture = renderer.display(scene, camera, case.with_mode(mode), SIZE)
             if judge(picture, Path(__file__).parent / "golden" / f"{name}.png", Limits(), name) is not None:

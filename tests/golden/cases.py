@@ -1,4 +1,4 @@
-"""What the golden images show: a scene of assets/scenes, its light and its settings."""
+"""What the golden images show: a scene of assets/scenes or a file of assets/curves, its light and its settings."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ SIZE = (112, 112)
 
 @dataclass(frozen=True)
 class Case:
-    """`environment` is "sides" (below), a built-in one or None; `lights` come to the scene's own. Without `view` the
+    """`scene` is a name of assets/scenes, or that of a file of assets/curves, with its ending. `environment` is "sides"
+    (below), a built-in one or None; `lights` come to the scene's own. Without `view` the
     scene's own camera, or the default one; `view` is "inside" (among the objects), "close" (what is refracted
     lies beside the picture) or "orthographic"."""
 
@@ -32,6 +33,11 @@ class Case:
     view: str = ""
     lights: tuple[Light, ...] = ()
     settings: dict[str, object] = field(default_factory=dict)
+
+    @property
+    def modes(self) -> tuple[str, ...]:
+        """The modes that draw it: Phong shading draws no curves."""
+        return ("pbr",) if "." in self.scene else ("pbr", "phong")
 
     def load(self) -> tuple[Scene, Camera]:
         scene = _scene(self.scene)
@@ -89,6 +95,7 @@ CASES = [
     Case("textures", "textures", settings={"tonemap": "none", "background": (0.1, 0.2, 0.05)}),
     Case("spheres-turned", "spheres", rotation=90.0, settings={"tonemap": "agx", "background": "none"}),
     Case("tiny", "tiny", view="orthographic"),
+    Case("hair", "lock.hair", lights=GRAZING, settings={"hair_melanin": (0.3, 0.2)}),
     Case("spheres-beckmann", "spheres", settings={"ndf": "beckmann", "phong": "blinn-phong", "exposure": 1.0}),
     Case("environment-shadows", "lights", settings={"environment_shadows": "64", "shadows": "off"}),
     Case("alpha", "alpha", "sky"),
@@ -144,4 +151,5 @@ def viewer_environment(name: str | None) -> Environment | None:
 
 @cache
 def _scene(name: str) -> Scene:
-    return viewer.load(resource_folder("assets") / "scenes" / f"{name}.glb", environment=None)
+    file = f"curves/{name}" if "." in name else f"scenes/{name}.glb"
+    return viewer.load(resource_folder("assets") / file, environment=None)

@@ -10,6 +10,8 @@ from cases import sides
 from images import image_of
 from shapes import WHITE, constant, facing_floor, moved, plate, scene, sphere
 
+import viewer
+from viewer.base.resources import resource_folder
 from viewer.scene.camera import Camera
 from viewer.scene.light import Light
 from viewer.scene.material import Material, Texture, UVTransform
@@ -297,6 +299,14 @@ def dispersive() -> tuple[Scene, Camera]:
                  environment=sides()), VIEW
 
 
+def hair() -> tuple[Scene, Camera]:
+    """A tuft of fur on a floor, with its shadow, under a sun and light from all around."""
+    fur = viewer.load(resource_folder("assets") / "curves" / "fur.curves", environment=None).curves[0]
+    tuft = replace(fur, points=50.0 * fur.points, radii=50.0 * fur.radii)
+    model = scene((plate(0, 3.0), facing_floor()), materials=[FLOOR], lights=(SUN,), environment=constant(0.4))
+    return replace(model, curves=(tuft,)), Camera.look_at((0.0, 1.6, 3.2), (0.1, 0.4, 0.0), fov_y=np.radians(28))
+
+
 CASES = [
     PathCase("maps", maps),
     PathCase("metal", metal),
@@ -312,6 +322,7 @@ CASES = [
         "volume_density": 9.0, "volume_albedo": (0.95, 0.9, 0.8), "volume_g": 0.4,
         "volume_emission": (0.2, 0.1, 0.0),
         "fog": 0.08, "fog_albedo": (0.9, 0.9, 0.9), "fog_g": 0.3, "fog_height": 0.8}),
+    PathCase("hair", hair, spp=96, settings={"hair_melanin": (0.3, 0.2), "hair_roughness": (0.4, 0.3)}),
     PathCase("dispersive", dispersive, spp=192),  # a path has one colour: more noise
     PathCase("glass-smooth", glass_smooth),
     PathCase("glass-rough", glass_rough),

@@ -25,9 +25,9 @@ def renderer(request) -> Iterator[Renderer]:
         renderer.release()
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
-@pytest.mark.parametrize("mode", ["pbr", "phong"])
-def test_scene(renderer: Renderer, golden, case: Case, mode: str) -> None:
+@pytest.mark.parametrize(("mode", "case"), [(mode, case) for mode in ("pbr", "phong") for case in CASES
+                                            if mode in case.modes], ids=lambda value: getattr(value, "name", value))
+def test_scene(renderer: Renderer, golden, mode: str, case: Case) -> None:
     scene, camera = case.load()
     picture = renderer.display(scene, camera, case.with_mode(mode), SIZE)
     assert renderer.context.gl.error == "GL_NO_ERROR"
@@ -36,7 +36,7 @@ def test_scene(renderer: Renderer, golden, case: Case, mode: str) -> None:
 
 def test_every_scene_has_a_golden_image() -> None:
     scenes = {path.stem for path in (resource_folder("assets") / "scenes").glob("*.glb")}
-    assert {case.scene for case in CASES} == scenes
+    assert {case.scene for case in CASES if "." not in case.scene} == scenes
 
 
 @pytest.mark.parametrize("mutation", MUTATIONS, ids=lambda mutation: mutation.name)

@@ -56,7 +56,7 @@ def take_raster(context: Context) -> tuple[Pictures, dict[str, object]]:
         renderer = Renderer(context, use_cache=False)
         for case in CASES:
             scene, camera = case.load()
-            for mode in ("pbr", "phong"):
+            for mode in case.modes:
                 picture = renderer.render(scene, camera, case.with_mode(mode), RASTER_SIZE)
                 pictures[f"{case.name} {mode}"] = picture.linear
         renderer.release()
@@ -105,7 +105,7 @@ def take_info(scenes: dict[str, Scene], refused: dict[str, str]) -> dict[str, ob
 
 def take_programs(scenes: dict[str, Scene]) -> dict[str, object]:
     """The programs that the plans of the golden cases, the shots and the models name."""
-    programs = [program for case in CASES for mode in ("pbr", "phong")
+    programs = [program for case in CASES for mode in case.modes
                 for program in planned(case.load()[0], case.with_mode(mode))]
     programs += [program for shot in SHOTS for program in planned(shot.make()[0], shot.with_mode())]
     programs += [program for scene in scenes.values() for mode in MODES
