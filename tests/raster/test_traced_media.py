@@ -24,7 +24,7 @@ def test_traced_rays_take_scattering_for_absorption(context: Context, effect: st
                   environment=constant())
     absorbing = replace(model, materials=(replace(wax, scatter_color=(0.0, 0.0, 0.0)), mirror))
     renderer = Renderer(context)
-    settings = Settings.of(**{effect: "traced"})
+    settings = Settings.of(subsurface="off", **{effect: "traced"})
     pictures = [renderer.render(shown, orthographic(0.4, 0.3, height=3.0), settings, (32, 32)).linear
                 for shown in (model, absorbing)]
     renderer.release()

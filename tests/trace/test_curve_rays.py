@@ -156,13 +156,13 @@ def test_a_segment_without_length_is_a_sphere_and_one_without_radius_nothing(con
     np.testing.assert_array_equal(hits[:, 0], [FIBRES, MISS, MISS])
 
 
+@needs("embree")
 def test_without_embrees_curves_the_bvh_traces_everything(
     context: Context, curves: TraceCurves, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def missing() -> None:
         raise ImportError("no curves here")
 
-    pytest.importorskip("embreex")
     monkeypatch.setattr("viewer.trace.rays.embree_curves.embree_with_curves", missing)
     intersector = make_intersector(context, Geometry([], curves=curves))
     assert intersector.name == "bvh"

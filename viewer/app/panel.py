@@ -33,6 +33,7 @@ _LABELS = {
     "off": "Off", "fast": "Fast", "mis": "Both (MIS)", "bsdf": "BSDF sampling only",
     "lights": "Light sampling only", "environment": "Environment only", "screen": "Screen space", "traced": "Traced",
     "baked": "Baked", "single": "Once", "multiple": "Many times", "quarter": "A quarter", "sixteenth": "A sixteenth",
+    "charlie": "Charlie", "zeltner": "Zeltner et al.", "slab": "Slab",
 }
 _MODES = ((("pbr",), ("phong",), ("path",)), (("phong", "pbr"), ("pbr", "path")))
 _TONEMAPS = ("neutral", "agx", "aces", "none")
@@ -131,11 +132,14 @@ class Panel:
         self._choice("Masking G", "masking")
         self._choice("Fresnel F", "fresnel")
         self._switch("Multiple scattering", "multiscatter")
+        self._choice("Sheen", "sheen")
         self._choice("Environment shadows", "environment_shadows")
         self._choice("Ambient occlusion", "ambient_occlusion")
         self._choice("Indirect light", "indirect")
         self._choice("Reflections", "reflections")
         self._choice("Refraction", "refraction")
+        self._choice("Light inside solids", "subsurface")
+        self._choice("Light between hairs", "hair_scattering")
         self._choice("Scattering in media", "media_scattering")
         self._choice("Rays in media", "media_rays")
         self._choice("Steps of a ray", "media_steps")

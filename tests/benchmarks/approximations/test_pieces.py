@@ -80,8 +80,8 @@ def test_the_split_sum(rms):
     dielectric, metal = rms(split_sum.dielectric_piece()), rms(split_sum.metal_piece())
     two, one = "two lookups and the irradiance", "one lookup and the irradiance"
     parts, common = "each part's mean direction", "the parts' common mean direction"
-    assert 1.4 * dielectric[two] < dielectric[parts] < dielectric[one] < 0.7 * dielectric[common]
-    assert 1.4 * metal[two] < metal[one] < metal[common] < 1.01 * metal[parts] < 0.15
+    assert 1.6 * dielectric[two] < dielectric[one] < dielectric[parts] < 0.7 * dielectric[common]
+    assert 2 * metal[two] < metal[one] < 0.9 * metal[common] < metal[parts] < 0.15
     for found in (dielectric, metal):
         assert 3 * found[two] < found["mirror direction"] < 0.4 and found[common] < found["Frostbite's fit of the peak"]
 
