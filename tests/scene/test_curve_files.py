@@ -176,7 +176,8 @@ def test_text(tmp_path):
 
 @pytest.mark.parametrize("content, problem", [
     ("0 0 0 1\n\n\n1 1 1\n", "line 4: has 3 numbers; a point has 4: x, y, z and its radius"),
-    ("0 0 0 1\n1 1 x 1\n", "row 2 of numbers: 'x' is not a number"),
+    ("0 0 0 1\n1 1 x 1\n", "line 2: 'x' is not a number"),
+    ("0 0 0 1\n1 1 1 1\n\n\n2 2 2 1\n3 3 x 1\n", "line 6: 'x' is not a number"),
     ("0 0 0 1\n1 1 nan 1\n", "line 2: a coordinate is infinite or NaN"),
     ("0 0 0 1\n1 1 1e99 1\n", "line 2: a coordinate is infinite or NaN"),
     ("\n0 0 0 1\n1 1 1 -.5\n", "line 3: the radius -0.5 is negative"), ("0 0 0 0\n1 1 1 0\n", "all radii are 0"),

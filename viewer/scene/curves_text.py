@@ -17,7 +17,13 @@ from .text import number_rows, plain_text
 
 def read_curves(path: Path, data: bytes, warnings: list[str]) -> tuple[Curves, str]:
     """The curves, and no text. Raises InputError."""
-    rows = number_rows(path, plain_text(data), lambda row: f"row {row + 1} of numbers")
+    text = plain_text(data)
+
+    def place(row: int) -> str:
+        lines = [line for line, words in enumerate(text.split(b"\n"), 1) if words.strip()]
+        return f"line {lines[row]}"
+
+    rows = number_rows(path, text, place)
     if (bad := rows.counts != 4).any():
         worst = int(bad.argmax())
         raise InputError(path, f"line {rows.lines[worst] + 1}",

@@ -47,7 +47,7 @@ def _materials(scene: Scene, weave: Weave, name: str) -> tuple[Material, ...]:
     names = [material.name for material in scene.materials]
     if name and name not in names:
         listed = ", ".join(repr(known) for known in names if known) or "none has a name"
-        raise UsageError(f"weave={name!r}: there is no such material in {scene.name!r}; there are {listed}")
+        raise UsageError(f"weave: there is no material {name!r} in {scene.name!r}; there are {listed}")
     chosen = {k for k, known in enumerate(names) if not name or known == name}
     for mesh in scene.meshes:
         if mesh.material in chosen and not mesh.uvs and mesh.topology == "triangles":
