@@ -11,6 +11,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
+# As in viewer/__main__.py: numpy reads this once, so it stands before all that imports numpy. BLAS threads that wait
+# for each other take the cores from the tests beside them.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 from command_line import Run, runner
 from contexts import open_or_skip
 from needs import in_words, require, skip
