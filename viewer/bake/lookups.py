@@ -78,6 +78,8 @@ class _Fit:
         # psi, the angle from n, has tan psi = t sin theta / (1 - t + t cos theta), solved for t
         slope = np.sin(WIDEST) * (1 - np.cos(self.theta)) + np.cos(WIDEST) * np.sin(self.theta)
         self.t_most = np.minimum(np.sin(WIDEST) / np.where(slope > 0, slope, 1e-9), T_BOUNDS[1])
+        self.legendre = np.polynomial.legendre.legvander(np.cos(np.linspace(0, np.pi, _ANGLES + 1)), DEGREE)
+        self.filters = np.stack([level_spectrum(ndf, k, DEGREE) for k in range(LEVELS)] + [cosine_spectrum(DEGREE)])
         columns = [self._column(ndf, masking, NoV, max(r, 0.05) ** 2) for r in axis]
         self.places, self.of_lobe, self.weights, self.shares, self.tables = (
             np.stack(kind, axis=1) for kind in zip(*columns, strict=True))
@@ -96,17 +98,15 @@ class _Fit:
         parts = parts / albedo[:, None]
         places, solid_angle = _places(directions, parts.mean(axis=2), alpha)
         degrees = np.arange(DEGREE + 1)
-        legendre = np.polynomial.legendre.legvander(np.cos(np.linspace(0, np.pi, _ANGLES + 1)), DEGREE)
-        filters = np.stack([level_spectrum(ndf, k, DEGREE) for k in range(LEVELS)] + [cosine_spectrum(DEGREE)])
         of_lobe, weights, tables = [], [], []
         for radius, of_alpha, radiance in LAMPS:
             sigma = max(radius + of_alpha * alpha, _SMALLEST_LAMP)
             blurred = (2 * degrees + 1) / (4 * np.pi) * np.exp(-degrees * (degrees + 1) * sigma**2 / 2)
-            seen = _seen_lamp((legendre @ blurred).astype(np.float32), places, directions, parts)
+            seen = _seen_lamp((self.legendre @ blurred).astype(np.float32), places, directions, parts)
             power = radiance * 2 * np.pi * sigma**2
             of_lobe.append(seen)
             weights.append(solid_angle[:, None] * (power / (1 + power * seen)) ** 2)
-            tables.append(legendre @ (blurred * filters).T)
+            tables.append(self.legendre @ (blurred * self.filters).T)
         of_parts = albedo[..., None] * np.stack([TYPICAL_F0, np.ones(2)])
         shares = ((of_parts / of_parts.sum(axis=1, keepdims=True)) ** 2).mean(axis=2)
         return places, np.stack(of_lobe), np.stack(weights), shares, np.stack(tables)
