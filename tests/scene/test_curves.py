@@ -152,7 +152,7 @@ def test_too_many_segments_are_refused(monkeypatch):
     for many in (wave("linear"), wave("b-spline"), wave("catmull-rom", 5)):
         with pytest.raises(UsageError, match=problem):
             segments(many)
-    with pytest.raises(UsageError, match="error=0: it must be above 0"):
+    with pytest.raises(UsageError, match="error=0, longest=inf: both must be above 0"):
         segments(curves(), 0)
 
 

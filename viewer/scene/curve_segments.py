@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,8 @@ _BLOCK = 1 << 18
 """Cubics, or pieces of them, that are worked out at a time in float64: 25 MiB."""
 
 # The cubic over one span from the four points about it, as coefficients of 1, t, t^2 and t^3.
-_CUBICS = {"catmull-rom": np.array([[0, 2, 0, 0], [-1, 0, 1, 0], [2, -5, 4, -1], [-1, 3, -3, 1]]) / 2,
+_CUBICS = {"linear": np.array([[0, 1, 0, 0], [0, -1, 1, 0], [0, 0, 0, 0], [0, 0, 0, 0]], np.float64),
+           "catmull-rom": np.array([[0, 2, 0, 0], [-1, 0, 1, 0], [2, -5, 4, -1], [-1, 3, -3, 1]]) / 2,
            "b-spline": np.array([[1, 4, 1, 0], [-3, 0, 3, 0], [3, -6, 3, 0], [-1, 3, -3, 1]]) / 6}
 
 
@@ -40,27 +42,26 @@ class Segments:
         return len(self.strand)
 
 
-def segments(curves: Curves, error: float = 0.05) -> Segments:
+def segments(curves: Curves, error: float = 0.05, longest: float = math.inf) -> Segments:
     """The curves as round linear segments.
 
     Segments of cubics depart from the curve by at most `error` times the larger radius of the four points that define
-    the cubic, unless that takes more than MAX_PIECES of them for one cubic. Raises UsageError if there are more than
-    MAX_SEGMENTS.
+    the cubic, unless that takes more than MAX_PIECES of them for one cubic. With `longest`, none is much longer than so
+    many of these radii. Raises UsageError if there are more than MAX_SEGMENTS.
     """
-    if not error > 0:
-        raise UsageError(f"error={error}: it must be above 0")
+    if not error > 0 or not longest > 0:
+        raise UsageError(f"error={error}, longest={longest}: both must be above 0")
     spans = curves.spans
     if (total := int(spans.sum())) > MAX_SEGMENTS:
         raise _too_many(curves, total)
-    values = [curves.points, curves.radii[:, None]] + ([curves.colors] if curves.colors is not None else [])
-    stacked = np.concatenate(values, axis=1)
-    if curves.kind == "linear":
+    stacked = _stacked(curves)
+    if curves.kind == "linear" and longest == math.inf:
         first = np.arange(total) + np.repeat(curves.offsets[:-1] - (np.cumsum(spans) - spans), spans)
         strand = np.repeat(np.arange(len(spans), dtype=np.int32), spans)
         begin, end = stacked[first], stacked[_wrapped(curves, first + 1, strand)]
         counts = spans
     else:
-        begin, end, counts = _flattened(curves, stacked, error)
+        begin, end, counts = _flattened(curves, stacked, error, longest)
         strand = np.repeat(np.arange(len(spans), dtype=np.int32), counts)
     both = np.stack([begin, end], axis=1)
     np.maximum(both[..., 3:], 0.0, out=both[..., 3:])  # Catmull-Rom splines overshoot
@@ -79,13 +80,29 @@ def _wrapped(curves: Curves, points: np.ndarray, strand: np.ndarray) -> np.ndarr
     return np.where(over, points - curves.lengths[strand], points)
 
 
-def _flattened(curves: Curves, stacked: np.ndarray, error: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Both ends of the pieces of all cubics, (m, columns) float32 each, and the pieces of each strand, (strands,)."""
+def segment_count(curves: Curves, error: float = 0.05, longest: float = math.inf) -> int:
+    """How many segments `segments` makes, or would make if they were not too many."""
+    return int(_pieces(curves, _stacked(curves), error, longest).sum())
+
+
+def _stacked(curves: Curves) -> np.ndarray:
+    """Position, radius and colour of all points, (n, 4 or 7) float32."""
+    values = [curves.points, curves.radii[:, None]] + ([curves.colors] if curves.colors is not None else [])
+    return np.concatenate(values, axis=1)
+
+
+def _spans(curves: Curves) -> tuple[np.ndarray, np.ndarray, list[slice]]:
+    """The strand of each span and its number there, and blocks of spans."""
     spans = curves.spans
     strand = np.repeat(np.arange(len(spans)), spans)
     number = np.arange(len(strand)) - np.repeat(np.cumsum(spans) - spans, spans)
+    return strand, number, [slice(k, k + _BLOCK) for k in range(0, len(strand), _BLOCK)]
+
+
+def _pieces(curves: Curves, stacked: np.ndarray, error: float, longest: float) -> np.ndarray:
+    """The number of segments of each span, (spans,) int64."""
+    strand, number, blocks = _spans(curves)
     pieces = np.empty(len(strand), np.int64)
-    blocks = [slice(k, k + _BLOCK) for k in range(0, len(strand), _BLOCK)]
     for block in blocks:
         cubics, radii = _cubics(curves, stacked, strand[block], number[block])
         # A chord over a parameter step h departs from the curve by at most max|c''| h^2 / 8, and c'' is linear in t.
@@ -95,7 +112,20 @@ def _flattened(curves: Curves, stacked: np.ndarray, error: float) -> tuple[np.nd
         allowed = np.maximum(error * radii, 2.0**-23 * np.abs(cubics[:, 0, :3]).max(axis=1))
         with np.errstate(divide="ignore", invalid="ignore"):
             wanted = np.sqrt(bend / (8 * allowed))
-        pieces[block] = np.ceil(np.clip(np.nan_to_num(wanted, nan=1.0, posinf=MAX_PIECES), 1, MAX_PIECES))
+            chords = np.linalg.norm(cubics[:, 1:, :3].sum(axis=1), axis=1) / (longest * radii)
+        needed = np.clip(np.nan_to_num(wanted, nan=1.0, posinf=MAX_PIECES), 1, MAX_PIECES)
+        # Of a radius of 0 nothing is seen, however long its segments are.
+        chords = np.clip(np.where(radii > 0, chords, 1.0), 1, MAX_SEGMENTS + 1)
+        pieces[block] = np.ceil(np.maximum(needed, chords))
+    return pieces
+
+
+def _flattened(curves: Curves, stacked: np.ndarray, error: float,
+               longest: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Both ends of the pieces of all cubics, (m, columns) float32 each, and the pieces of each strand, (strands,)."""
+    spans = curves.spans
+    strand, number, blocks = _spans(curves)
+    pieces = _pieces(curves, stacked, error, longest)
     total = int(pieces.sum())
     if total > MAX_SEGMENTS:
         raise _too_many(curves, total)
