@@ -12,11 +12,12 @@ from viewer.jobs.assemble import make_environment, make_light, make_settings
 from viewer.measure.report import ladder as module
 from viewer.measure.report.command import command_line
 from viewer.measure.report.ladder import PLAIN, Method, ladder, settings_of
+from viewer.scene.curves import Curves
 from viewer.scene.environment import Environment
 from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.scene.volume import Volume
-from viewer.settings import Settings
+from viewer.settings import Settings, setting_choices
 
 DEFAULT = Settings()
 BALL = shapes.sphere(segments=8)
@@ -114,6 +115,24 @@ def test_methods_of_surfaces_are_left_out_where_there_are_none_and_come_after_me
     alone, left_out = methods_of(replace(model, instances=()))
     assert [method.name for method in alone if method.mode == "pbr"] == [*["lights"] * 2, "ibl", *["media"] * 7]
     assert left_out["other methods of surfaces"] == "there are none"
+
+
+def test_curves_have_methods_of_their_own_and_none_that_only_surfaces_have():
+    hair = Curves("hair", np.eye(3), np.ones(3), [0, 3], [False])
+    model = replace(shapes.scene(BALL, environment=sunny()), curves=(hair,))
+    steps, _ = methods_of(replace(model, instances=()))
+    methods = [method for method in steps if method.mode == "pbr"]
+    changes = [method.changes for method in methods if method.name == "ibl"]
+    assert [change["hair_scattering"] for change in changes if "hair_scattering" in change] == ["single"]
+    assert {change["antialias"] for change in changes} == {*setting_choices()["antialias"]} - {"auto"}
+    assert [change["shadows"] for change in changes if "shadows" in change] == ["off"]
+    assert not {"ambient-occlusion", "environment-shadows"} & {method.name for method in methods}
+    assert not any(knob in change for change in changes for knob in module.KNOBS)
+    both = [method.changes for method in methods_of(model)[0]]
+    assert any("hair_scattering" in change for change in both) and any("fresnel" in change for change in both)
+    bare, left_out = methods_of(shapes.scene(BALL, environment=sunny()))
+    assert not any("hair_scattering" in method.changes for method in bare)
+    assert left_out["methods of curves"] == "there are none"
 
 
 def test_a_denoiser_that_is_not_installed_is_left_out(monkeypatch):

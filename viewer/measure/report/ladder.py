@@ -14,6 +14,7 @@ from typing import Any
 
 from ...bake.dominant import ambient_and_key
 from ...bake.environment import BakedEnvironment, bake_environment
+from ...plan.curves import draws_curves
 from ...plan.planner import plan_scene
 from ...scene.color import LUMINANCE
 from ...scene.environment import Environment
@@ -27,6 +28,8 @@ TARGETS = (0.1, 0.05, 0.03, 0.02, 0.01)
 """Estimated relative errors at which adaptive path tracing stops."""
 KNOBS = ("multiscatter", "specular_aa", "fresnel")
 """Settings of which the choices beside the user's are measured, one at a time, with image-based light."""
+CURVE_KNOBS = ("hair_scattering",)
+"""The same of scenes with curves."""
 SHADOWS = "environment-shadows", "shadows of the environment"
 """Name and title."""
 OCCLUDED = ("none", "msaa-4", "ssaa-4")
@@ -200,14 +203,18 @@ def _as_option(light: Light, rotation: float, intensity: float) -> Light:
 
 def _image_based(scene: Scene, lights: Sequence[Light], settings: Settings,
                  left_out: list[LeftOut]) -> Iterator[Method]:
+    has_curves = draws_curves(scene, replace(settings, mode="pbr"))
     if not scene.instances:
         left_out.append(LeftOut("other methods of surfaces", "there are none"))
-        yield PLAIN
-        return
+    if not has_curves:
+        left_out.append(LeftOut("methods of curves", "there are none"))
+        if not scene.instances:
+            yield PLAIN
+            return
     choices = setting_choices()
     for antialias in sorted(choices["antialias"][1:], key=lambda name: name != PLAIN.changes["antialias"]):
         yield replace(PLAIN, changes={**PLAIN.changes, "antialias": antialias})
-    knobs = [*KNOBS]
+    knobs = [*CURVE_KNOBS] * has_curves + [*KNOBS] * bool(scene.instances)
     if any(light.casts_shadow for light in lights):
         knobs.append("shadows")
     else:
@@ -218,6 +225,8 @@ def _image_based(scene: Scene, lights: Sequence[Light], settings: Settings,
         for value in choices[name]:
             if value != getattr(settings, name):
                 yield replace(PLAIN, changes={**PLAIN.changes, name: value})
+    if not scene.instances:
+        return
     for antialias in OCCLUDED:
         yield Method("ambient-occlusion", "ambient occlusion", {"ambient_occlusion": "gtao", "antialias": antialias})
     yield from _shadowed(*SHADOWS, SHADOWED)
