@@ -373,8 +373,7 @@ STOPPING = ("spp", "time_budget", "error")
 _USED_BY: dict[str, tuple[Mode, ...]] = {
     **dict.fromkeys(("ndf", "masking", "fresnel", "multiscatter", "sheen", "weave"), ("pbr", "path")),
     "phong": ("phong",),
-    **dict.fromkeys(("curve_radius", "hair_melanin", "hair_color", "hair_absorption", "hair_roughness", "hair_tilt",
-                     "hair_ior"), ("pbr", "path")),
+    "hair_tilt": ("pbr", "path"),
     "hair_scattering": ("pbr",),
     **dict.fromkeys(("shadows", "antialias"), ("pbr", "phong")),
     **dict.fromkeys(("media_steps", "media_rays", "media_scattering"), ("pbr", "phong")),

@@ -34,11 +34,6 @@ class Case:
     lights: tuple[Light, ...] = ()
     settings: dict[str, object] = field(default_factory=dict)
 
-    @property
-    def modes(self) -> tuple[str, ...]:
-        """The modes that draw it: Phong shading draws no curves."""
-        return ("pbr",) if "." in self.scene else ("pbr", "phong")
-
     def load(self) -> tuple[Scene, Camera]:
         scene = _scene(self.scene)
         environment = sides() if self.environment == "sides" else viewer_environment(self.environment)

@@ -16,7 +16,7 @@ from viewer.plan.warnings import picture_warnings
 from viewer.scene.camera import Camera
 from viewer.scene.curves import Curves
 from viewer.scene.environment_presets import make_preset
-from viewer.scene.fibre import Fibre
+from viewer.scene.fibre import Fibre, sigma_a_of_color
 from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.scene.scene import Scene
@@ -118,6 +118,35 @@ def test_light_is_that_of_the_fibre_at_each_offset_or_their_mean(radiance, radiu
         h = (np.arange(400) + 0.5) / 200 - 1
         expected = 2 * np.mean([evaluate(m, k, wo, wi) for k in h], axis=0)
         np.testing.assert_allclose(columns[:, :3].sum(axis=0) / columns[:, 3].sum(), expected, rtol=0.05)
+
+
+def kajiya_kay(color: np.ndarray, f0: float, shininess: float, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+    """f cos theta_i of a curve along x, with the highlight's norm by its integral at theta_o = 0."""
+    theta = np.linspace(-np.pi / 2, np.pi / 2, 20001)
+    norm = 2 * np.pi * np.trapezoid(np.cos(theta)**(shininess + 2), theta)
+    both = np.arcsin(wo[0]) + np.arcsin(wi[0])
+    return (color / np.pi**2 + f0 * max(np.cos(both), 0)**shininess / norm) * np.hypot(wi[1], wi[2])
+
+
+@pytest.mark.parametrize("lobes, d, s", [("all", 1, 1), ("uniform-diffuse", 1, 0), ("specular", 0, 1)])
+def test_phongs_model_of_curves_is_that_of_kajiya_and_kay(radiance, lobes, d, s):
+    color, beta_m = np.array([0.7, 0.4, 0.1]), 0.2
+    sigma_a = sigma_a_of_color(color, 0.5)
+    root = 0.726 * beta_m + 0.812 * beta_m**2 + 3.7 * beta_m**20
+    f0 = (0.55 / 2.55)**2
+    view = {"mode": "phong", "lobes": lobes, "background": "none", "shadows": "off"}
+    curves = strand(0.3, (-3, 0, 0), (3, 0, 0), fibre=Fibre(tuple(sigma_a), beta_m, 0.5))
+    for tilt in (-20.0, 25.0):  # the eye's inclination
+        a = math.radians(tilt)
+        wo = np.array([math.sin(a), 0, math.cos(a)])
+        for wi in (np.array([-0.48, 0.6, 0.64]), np.array([-math.sin(a), 0, -math.cos(a)])):
+            light = Light("directional", intensity=2.0, direction=tuple(-wi))
+            pixels = radiance(shown(curves, environment=None, lights=(light,)), facing(10 * wo, (0, 0, 0), 4.0),
+                              (32, 32), **view)
+            expected = 2 * kajiya_kay(d * color, s * f0, 1 / root**2, wo, wi)
+            np.testing.assert_allclose(pixels[15:17, 15:17, :3].reshape(-1, 3), np.tile(expected, (4, 1)), rtol=5e-3)
+    white = radiance(shown(curves), CAMERA, (32, 32), **view)
+    np.testing.assert_allclose(white[15, 15, :3], d * color + s * f0, rtol=0.01)
 
 
 def test_colours_of_points_count_unless_a_setting_names_one(radiance):
@@ -223,9 +252,11 @@ def test_plans_name_curves_and_programs_have_them_only_where_there_are_any():
     assert {p["fragment"] for p in found.to_json()["programs"]} == {"raster/curve.frag", "raster/curve_depth.frag"}
     assert bare.curves is None and "curves" not in bare.to_json()["passes"]
     assert "curves: there are none" in bare.left_out and not any("curves" in line for line in found.left_out)
-    assert "curves: mode phong does not show them" in plan(model, mode="phong").left_out
+    assert {p["fragment"] for p in plan(model, mode="phong").to_json()["programs"]} == {
+        "raster/curve_phong.frag", "raster/curve_depth.frag"}
+    assert "curves: not requested" in plan(model, lobes="uniform-diffuse").left_out
     assert picture_warnings(model, Settings()) == []
-    assert picture_warnings(model, Settings(mode="phong")) == ["curves are not drawn in mode phong"]
+    assert picture_warnings(model, Settings(mode="phong")) == []
     assert "will be black" in picture_warnings(replace(model, environment=None), Settings())[0]
 
 

@@ -9,6 +9,7 @@ from ..scene.curves import Curves
 from ..scene.fibre import gives_color
 from ..scene.scene import Scene
 from ..settings import Settings
+from .bsdf_switches import bsdf_switches
 from .model import Program
 
 VERTEX = "raster/curve.vert"
@@ -38,7 +39,8 @@ class CurvePlan:
 
 def draws_curves(scene: Scene, settings: Settings) -> bool:
     """Whether the raster draws curves of the scene."""
-    return bool(scene.curves) and settings.mode == "pbr" and settings.lobes in ("all", "specular")
+    shows_fibres = settings.mode == "phong" or (settings.mode == "pbr" and settings.lobes in ("all", "specular"))
+    return bool(scene.curves) and shows_fibres
 
 
 def has_colors(curves: Curves, settings: Settings) -> bool:
@@ -50,13 +52,19 @@ def plan_curves(scene: Scene, settings: Settings, common: Mapping[str, int]) -> 
     """The plan of the curves, None where none are drawn. `common` are the switches that lit surfaces share."""
     if not draws_curves(scene, settings):
         return None
-    lit = {name: common[name] for name in _LIT} | {"REFLECTS": 1, "POINTS_WIDTH": POINTS_WIDTH,
-                                                 "HAIR_LIGHT": int(settings.hair_scattering == "multiple")}
-    shade = tuple(_program("raster/curve.frag", lit | {"HAS_COLORS": int(has_colors(curves, settings))})
+    lit = {name: common[name] for name in _LIT} | {"POINTS_WIDTH": POINTS_WIDTH}
+    scatters_again = settings.mode == "pbr" and settings.hair_scattering == "multiple"
+    if settings.mode == "pbr":
+        fragment = "raster/curve.frag"
+        lit |= {"REFLECTS": 1, "HAIR_LIGHT": int(scatters_again)}
+    else:
+        fragment, shown = "raster/curve_phong.frag", bsdf_switches(settings)
+        lit |= {name: shown[name] for name in ("SHOW_DIFFUSE", "SHOW_SPECULAR")}
+    shade = tuple(_program(fragment, lit | {"HAS_COLORS": int(has_colors(curves, settings))})
                   for curves in scene.curves)
     size = sum(len(curves.points) * (16 + 16 * has_colors(curves, settings)) for curves in scene.curves)
     return CurvePlan(shade, _program("raster/curve_depth.frag", {"HAS_COLORS": 0, "POINTS_WIDTH": POINTS_WIDTH}),
-                     settings.hair_scattering == "multiple", sum(curves.strand_count for curves in scene.curves),
+                     scatters_again, sum(curves.strand_count for curves in scene.curves),
                      size / 1e6)
 
 

@@ -164,7 +164,7 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
     if not scene.curves:
         lines.append("curves: there are none")
     elif plan.curves is None:
-        lines.append(f"curves: {'mode phong does not show them' if settings.mode == 'phong' else 'not requested'}")
+        lines.append("curves: not requested")
     if not scene.volumes:
         lines.append("volumes: there are none")
     elif len(scene.volumes) > MAX_VOLUMES:

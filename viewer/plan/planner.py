@@ -57,7 +57,7 @@ def environment_use(scene: Scene, settings: Settings) -> tuple[bool, bool]:
     lit = [material for mesh in meshes if is_lit(mesh, material := scene.materials[mesh.material])]
     shows = settings.mode == "pbr" and settings.lobes in ("all", "specular")
     curves = draws_curves(scene, settings)
-    is_reflected = curves or (shows and any(material.reflects for material in lit))
+    is_reflected = (curves and settings.mode == "pbr") or (shows and any(material.reflects for material in lit))
     return curves or bool(lit) or has_media(scene, settings), is_reflected
 
 

@@ -63,8 +63,6 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
                      "all")
     if settings.weave != "off" and not any(mesh.topology == "triangles" for mesh in scene.meshes):
         lines.append("nothing is woven, because there are no triangles")
-    if scene.curves and settings.mode == "phong":
-        lines.append(f"curves are not drawn in mode {settings.mode}")
     return lines
 
 

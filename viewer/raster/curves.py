@@ -15,7 +15,7 @@ from ..plan.curves import POINTS_WIDTH, VERTEX, has_colors
 from ..plan.model import Plan, Program
 from ..scene.curve_segments import segments
 from ..scene.curves import Curves
-from ..scene.fibre import hair_fibre, sigma_a_of_color
+from ..scene.fibre import Fibre, color_fit, hair_fibre, longitudinal_variance, sigma_a_of_color
 from ..scene.frame import Frame
 from ..scene.scene import Scene
 from ..settings import Settings
@@ -140,12 +140,9 @@ class CurvePass:
         target.use()
         with self._depth.equal():
             for curves, buffers, program in zip(frame.scene.curves, self._drawn, plan.curves.shade, strict=True):
-                fibre = curves.fibre or hair_fibre(settings)
                 if self._light.held is not None:
                     uniforms = uniforms | self._light.held.bind(frame)
-                self._table(fibre.beta_n, fibre.ior).use(UNIT_TABLE)
-                values = uniforms | {"u_fibre_table": UNIT_TABLE, "u_sigma_a": fibre.sigma_a,
-                                     "u_fibre": (fibre.beta_m, fibre.beta_n, fibre.tilt, fibre.ior)}
+                values = uniforms | self._of_fibre(curves.fibre or hair_fibre(settings), settings.mode)
                 self._draw_one(buffers, program, frame, samples, values)
 
     def draw_depth(self, world_to_clip: np.ndarray, size: int) -> None:
@@ -169,6 +166,15 @@ class CurvePass:
         per_unit = frame.size[1] / frame.camera.height if frame.camera.height is not None else (
             1.0 / (frame.pixel_angle * near * frame.unit))
         buffers.draw(program, THIN if 2 * buffers.radius * per_unit < THIN_PIXELS else THICK)
+
+    def _of_fibre(self, fibre: Fibre, mode: str) -> dict[str, object]:
+        """The uniforms of shaders/raster/curve.frag or curve_phong.frag; binds the table."""
+        if mode == "phong":
+            return {"u_sigma_a": fibre.sigma_a,
+                    "u_fibre": (color_fit(fibre.beta_n), 1 / longitudinal_variance(fibre.beta_m), fibre.ior)}
+        self._table(fibre.beta_n, fibre.ior).use(UNIT_TABLE)
+        return {"u_fibre_table": UNIT_TABLE, "u_sigma_a": fibre.sigma_a,
+                "u_fibre": (fibre.beta_m, fibre.beta_n, fibre.tilt, fibre.ior)}
 
     def _table(self, beta_n: float, ior: float) -> moderngl.Texture:
         key = beta_n, ior

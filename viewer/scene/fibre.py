@@ -16,6 +16,8 @@ from .medium import RGB
 EUMELANIN = np.array([0.419, 0.697, 1.37])
 PHEOMELANIN = np.array([0.187, 0.4, 1.05])
 """Absorption of a unit of each pigment, RGB per radius of the fibre (d'Eon and others 2011; as in Mitsuba and pbrt)."""
+MIN_VARIANCE = 4e-6
+"""As MIN_FIBRE_VARIANCE in shaders/bsdf/fibre/fibre.glsl."""
 BROWN = (1.3, 0.0)
 """The melanin of hair whose colour nothing says."""
 DARKEST = 1e-4
@@ -62,8 +64,18 @@ def sigma_a_of_color(color: ArrayLike, beta_n: float) -> np.ndarray:
 
     The fit has no absorption below 0 for colours above 1; they are taken as 1.
     """
-    fit = (5.969 - 0.215 * beta_n + 2.532 * beta_n**2 - 10.73 * beta_n**3 + 5.574 * beta_n**4 + 0.245 * beta_n**5)
-    return np.square(np.log(np.clip(np.asarray(color, np.float64), DARKEST, 1.0)) / fit)
+    return np.square(np.log(np.clip(np.asarray(color, np.float64), DARKEST, 1.0)) / color_fit(beta_n))
+
+
+def color_fit(beta_n: float) -> float:
+    """The factor f in color = exp(-f sqrt(sigma_a)) (ibid.)."""
+    return 5.969 - 0.215 * beta_n + 2.532 * beta_n**2 - 10.73 * beta_n**3 + 5.574 * beta_n**4 + 0.245 * beta_n**5
+
+
+def longitudinal_variance(beta_m: float) -> float:
+    """Of the inclinations that one reflection spreads light over (ibid., equation 7)."""
+    root = 0.726 * beta_m + 0.812 * beta_m**2 + 3.7 * beta_m**20
+    return max(root**2, MIN_VARIANCE)
 
 
 def hair_fibre(settings: Settings) -> Fibre:
