@@ -2,6 +2,7 @@
 // a tenth of a yarn, the mean over several places in it. Where it covers the whole draft, these are places of the draft,
 // the same for all pixels, so that nothing flickers; light is neither lost nor gained, since every place keeps it.
 #include "bsdf/weave/weave.glsl"
+#include "sample/lattice.glsl"
 
 const int WEAVE_PLACES = 32;
 const int WEAVE_LOOKUPS = 8; // of mirrored light, for one place; each of several has one
@@ -57,32 +58,39 @@ vec3 shade_woven(Point p, float occlusion, vec4 visible, inout float covered) {
     int places = max(cells.x, cells.y) > 0.1 ? WEAVE_PLACES : 1;
     int lookups = places > 1 ? 1 : WEAVE_LOOKUPS;
     vec3 radiance = vec3(0.0);
+    vec3 mirrored = vec3(0.0), weights = vec3(0.0), due = vec3(0.0); // of the environment; of its samples; from the table
     float straight = 0.0;
     for (int k = 0; k < places; ++k) {
         vec3 place = vec3(v_uv0, 1.0);
         if (places > 1) place = weave_place(k, v_uv0, x, y);
         Woven m = weave_at(place.xy, vec2(1.0, 0.0), dv, is_front);
-        WovenView v = woven_view(m, wo, k * lookups, lookups, places * lookups);
+        WovenView v = woven_view(m, wo, u_weave_table);
         straight += place.z * v.straight;
         vec3 sent = vec3(0.0);
         vec3 around = above;
 #if HAS_ENVIRONMENT
-        around += environment_irradiance_over_pi(normalize(p.n + frame * m.normal)) - unhidden;
+        // What the yarn here sees, and those about it, are all the light from above.
+        float own = (v.seen - v.mean_seen) / max(1.0 - v.mean_seen, 1e-3);
+        vec3 leaning = environment_irradiance_over_pi(normalize(p.n + frame * m.normal)) - unhidden;
+        around += clamp(own, -1.0, 1.0) * leaning;
 #endif
         sent += v.diffuse * mix(max(around, 0.0), below, m.through);
 #if HAS_ENVIRONMENT
+        due += place.z * v.mirrored * m.specular;
         for (int j = 0; j < lookups; ++j) {
             vec3 h = flakes_sample(v.flakes, wo, hammersley(uint(k * lookups + j), uint(places * lookups)));
             vec3 wi = 2.0 * dot(wo, h) * h - wo;
-            vec3 light = environment_specular(frame * wi, 0.5);
-            sent += m.specular * shown[0] * light * (woven_weight(v, m.thickness, wo, wi) / float(lookups));
+            vec3 weight = m.specular * (place.z * woven_weight(v, m.thickness, wo, wi) / float(lookups));
+            weights += weight;
+            mirrored += weight * environment_specular(frame * wi, 0.5);
         }
 #endif
 #if LIGHT_COUNT > 0
-        for (int i = 0; i < LIGHT_COUNT; ++i) sent += woven_eval_pdf(m, v, wo, l[i]).rgb * irradiance[i];
+        for (int i = 0; i < LIGHT_COUNT; ++i) sent += woven_eval_pdf(m, v, wo, l[i], u_weave_table).rgb * irradiance[i];
 #endif
         radiance += place.z * sent;
     }
+    radiance += shown[0] * mirrored * due / max(weights, vec3(1e-6));
 #if ALPHA_MODE == 2
     covered *= 1.0 - straight / float(places);
     return radiance / max(float(places) - straight, 1e-4); // what is written is multiplied by the coverage

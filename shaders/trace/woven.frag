@@ -36,16 +36,16 @@ Bsdf bsdf_at(Interaction i, SurfaceMaterial m, vec3 wo, vec3 n_coat) {
     weave_directions(tri, shading_frame(i, m.inputs), du, dv);
     Bsdf b;
     b.woven = weave_at(i.uv0, du, dv, i.is_front);
-    b.view = woven_view(b.woven, wo);
+    b.view = woven_view(b.woven, wo, u_weave_table);
     return b;
 }
 
 vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi) {
-    return woven_eval_pdf(b.woven, b.view, wo, wi);
+    return woven_eval_pdf(b.woven, b.view, wo, wi, u_weave_table);
 }
 
 BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u) {
-    return woven_sample(b.woven, b.view, wo, u);
+    return woven_sample(b.woven, b.view, wo, u, u_weave_table);
 }
 
 #include "trace/shade.glsl"

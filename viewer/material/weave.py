@@ -1,22 +1,49 @@
-"""A weave as the uniforms of shaders/bsdf/weave/weave.glsl. A picture has one, so that no material needs a record."""
+"""A weave as the uniforms and the table of shaders/bsdf/weave/weave.glsl. A picture has one, so no material needs a
+record."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 
+import moderngl
 import numpy as np
 
+from ..bake.yarn import weave_table
+from ..gpu.float_texture import float_texture
+from ..gpu.programs import set_uniform
 from ..scene.weave import MAX_SIDE, Weave
 
 PLACES = 32
 """WEAVE_PLACES of shaders/raster/shade_woven.glsl."""
 
 
-def weave_uniforms(weave: Weave | None) -> Iterator[tuple[str, object]]:
-    """Names and values; none without a weave."""
-    if weave is None:
-        return
+class WeaveBinding:
+    """The weave of the last picture on the GPU."""
+
+    def __init__(self, gl: moderngl.Context) -> None:
+        self._gl = gl
+        self._held: tuple[Weave, moderngl.Texture] | None = None
+
+    def bind(self, program: moderngl.Program, weave: Weave | None, unit: int) -> None:
+        """Set the uniforms of a program, and bind the table to a texture unit; nothing without a weave."""
+        if weave is None:
+            return
+        if self._held is None or self._held[0] != weave:
+            self.release()
+            self._held = weave, float_texture(self._gl, weave_table(weave))
+        self._held[1].use(unit)
+        set_uniform(program, "u_weave_table", unit)
+        for name, value in _uniforms(weave):
+            set_uniform(program, name, value)
+
+    def release(self) -> None:
+        if self._held is not None:
+            self._held[1].release()
+            self._held = None
+
+
+def _uniforms(weave: Weave) -> Iterator[tuple[str, object]]:
     rows = [sum(above << k for k, above in enumerate(row)) for row in weave.draft]
     yarns = [(*yarn.color, yarn.through, *yarn.specular, yarn.thickness, yarn.roughness, math.radians(yarn.twist),
               math.radians(yarn.bend), yarn.width) for yarn in (weave.warp, weave.weft)]

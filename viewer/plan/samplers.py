@@ -17,11 +17,12 @@ def sampler_count(switches: Mapping[str, int]) -> int:
     """The number of samplers of a program with these switches: those of its maps, of tables and of earlier passes."""
     on = {name: int(switches.get(name, 0) > 0) for name in (
         "REFLECTS", "HAS_ENVIRONMENT", "SHADOW_LAYERS", "HAS_TRANSMISSION", "MEDIA", "VOLUMES", "LIGHT_COUNT",
-        *_OPTIONAL)}
+        "WOVEN", *_OPTIONAL)}
     is_pbr, is_lit = int("REFLECTS" in switches), int("LIGHT_COUNT" in switches)
     tables = on["REFLECTS"] + is_pbr * on["HAS_ENVIRONMENT"] * (1 + on["REFLECTS"]) + on["SHADOW_LAYERS"]
     passes = on["HAS_TRANSMISSION"] + 2 * on["VISIBILITY"] + 2 * on["TRACED_REFLECTION"] + 3 * on["TRACED_REFRACTION"]
     passes += 2 * (switches.get("SUBSURFACE") == SPREAD)
+    tables += on["WOVEN"]
     passes += on["MEDIA"] * (1 + is_lit) + on["VOLUMES"] * on["LIGHT_COUNT"]
     return sum(switches[f"{name.upper()}_MAP"] for name in MAPS) + tables + passes
 

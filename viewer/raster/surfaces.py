@@ -12,7 +12,7 @@ import numpy as np
 from ..gpu.context import Context
 from ..gpu.programs import Programs, matrix_uniform, set_uniform
 from ..material.pack import uniforms
-from ..material.weave import weave_uniforms
+from ..material.weave import WeaveBinding
 from ..plan.model import Draw, Plan
 from ..scene.decoding import Decoder
 from ..scene.frame import Frame
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 (UNIT_DFG, UNIT_PREFILTERED, UNIT_IRRADIANCE, UNIT_SHADOW, UNIT_BACKGROUND, UNIT_RADIANCE, UNIT_VISIBILITY,
  UNIT_REFLECTED, UNIT_RAY_POSITIONS, UNIT_REFRACTED, UNIT_MIRRORED, UNIT_PATH_POSITIONS, UNIT_MEDIA,
  UNIT_MEDIA_LIGHT, UNIT_VOLUME_DEPTH) = range(16, 31)
-UNIT_SUBSURFACE, UNIT_SUBSURFACE_POSITIONS = range(32, 34)  # moderngl itself uses the last of 32 to make textures
+UNIT_SUBSURFACE, UNIT_SUBSURFACE_POSITIONS, UNIT_WEAVE = range(32, 35)  # moderngl makes textures with the last of 32
 UNIT_DENSITIES, UNIT_SKY_IN_FOG, UNIT_SKY_IN_VOLUMES = range(3)  # of the passes of media, which have no maps
 
 _SAMPLE_ALPHA_TO_COVERAGE, _SAMPLE_ALPHA_TO_ONE = 0x809E, 0x809F
@@ -58,6 +58,7 @@ class Surfaces:
         self._uniforms: dict[int, tuple[Material, list[tuple[str, Value]]]] = {}
         self._generation = programs.generation
         self.textures = Textures(context)
+        self._weave = WeaveBinding(context.gl)
 
     def take(self, scene: Scene, ahead: Decoder | None = None) -> None:
         """Make `scene` the current scene, and release what it does not share with the one before.
@@ -250,8 +251,7 @@ class Surfaces:
             for name, value in interior_uniforms(material, self.scene.radius):
                 set_uniform(program, name, value)
         set_uniform(program, "u_shininess", material.shininess or 0.0)
-        for name, value in weave_uniforms(material.weave):
-            set_uniform(program, name, value)
+        self._weave.bind(program, material.weave, UNIT_WEAVE)
         for name in (*draw.maps, *draw.blank_maps):
             self._bind_map(program, draw, name)
 
@@ -297,6 +297,7 @@ class Surfaces:
         for mesh_buffers in self._meshes.values():
             mesh_buffers.release()
         self._release_indirect()
+        self._weave.release()
         self.set_interiors({})
         self.textures.release()
 

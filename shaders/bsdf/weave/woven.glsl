@@ -4,48 +4,54 @@
 // With Lambda(w) = sigma(w) / |w.z| and the optical thickness T of the layer, light is mirrored once by
 //   f = D(h) / (4 |o.z| |i.z|) K,   K = (1 - exp(-T (Lo + Li))) / (Lo + Li)          on the side of wo,
 //                                   K = (exp(-T Lo) - exp(-T Li)) / (Li - Lo)        on the other side
-// A share exp(-T Lo) goes straight through. What is left, since it is mirrored again in the layer or enters a fibre, is
-// the yarn's diffuse light, of which a share leaves on the other side. It leaves by the cosine to the yarn's normal n;
-// what that sends below the cloth meets other yarns and is taken to be sent back up, mirrored at the cloth:
-//   f |i.z| = (max(n . i, 0) + max(n . i', 0)) / pi,   i' the mirror image of i
-// White yarns keep all light, whatever their
-// fibres' direction; but what the diffuse light takes depends on wo alone, so it is not reciprocal.
+// A share exp(-T L) goes straight through, and a share S m is mirrored once (mirrored.glsl). The rest,
+//   A(w) = 1 - exp(-T L) - S m(w),
+// which is mirrored again or enters fibres, is the diffuse light. It is a sum of products of a function of o and the
+// same function of i, divided by its mean, so that it is reciprocal, and no light is lost if fibres absorb none:
+//   f = (1 - through) (c1 a s(o) s(i) / s' + c a (1 - s(o)) (1 - s(i)) / (1 - s') + c B(o) B(i) / B') / pi
+//     + through c A(o) A(i) / (A' pi) on the other side,        a <= A, B = A - a, primes mark means.
+// Of light from w a share s(w) falls on the yarn here, and 1 - s on the yarns about it (woven_seen). What leaves here and
+// meets those is scattered again: of the albedo c is left c1 = c E / (1 - c (1 - E)), where a share E gets away.
+//
+// Between yarns light goes straight on as far as they leave a gap, and else is scattered by them.
 //
 // As bsdf/bsdf.glsl, but wo and wi may lie on either side of the surface.
 #include "bsdf/bsdf.glsl"
 #include "bsdf/weave/flakes.glsl"
+#include "bsdf/weave/mirrored.glsl"
 #include "media/one_minus_exp.glsl"
-#include "sample/lattice.glsl"
 #include "sample/luminance.glsl"
 
 struct Woven {
-    vec3 axis;        // of the fibres, unit, in the frame of the surface
+    vec3 axis;        // of the fibres, unit, in the frame of the surface; of a gap, any direction in the surface
     vec3 normal;      // of the yarn, unit, on the side of wo
     float alpha;      // how far their normals spread from perpendicular to it
-    float thickness;  // T; 0 in a gap between yarns
+    float thickness;  // T
     vec3 specular;    // share of the light that is mirrored where it meets a fibre
     vec3 diffuse;     // albedo of the rest
     float through;    // share of the diffuse light that leaves on the other side
+    float slice;      // place in the table of mirrored.glsl
+    float horizon;    // tangent of the angle to the surface's normal below which the next yarn hides light that comes
+                      // from the side to which the yarn's normal leans
+    vec2 gap;         // of a gap, such tangents of the yarns across the axis and along it; -1: no gap
 };
 
-// What depends on wo alone
+// What depends on the place and on wo
 struct WovenView {
     Flakes flakes;
     float Lambda;     // of wo
     float straight;   // share of the light that meets no fibre
     float mirrored;   // share that leaves after it is mirrored once, for a specular share of 1
+    vec3 rest;        // A(wo)
+    vec3 least, mean; // of A
+    float seen;       // s(wo)
+    float mean_seen;
+    vec3 here;        // c1
     vec3 diffuse;     // share of the diffuse light
     vec3 chance;      // of sampling what goes straight on, is mirrored, is diffuse
 };
 
-const int WOVEN_POINTS = 32; // of the mean of what is mirrored
-const float WOVEN_MIN_ALPHA = 0.02; // narrower lobes would lie between the points of the lattice
-
-// The density of diffuse light on one side
-float woven_diffuse(vec3 normal, vec3 wi) {
-    float plane = dot(normal.xy, wi.xy), up = normal.z * abs(wi.z);
-    return INV_PI * (max(plane + up, 0.0) + max(plane - up, 0.0));
-}
+const float WOVEN_MIN_ALPHA = 0.02;
 
 float woven_lambda(Flakes f, vec3 w) {
     return flakes_area(f, w) / max(abs(w.z), 1e-6);
@@ -63,47 +69,92 @@ float woven_weight(WovenView v, float T, vec3 wo, vec3 wi) {
     return v.Lambda * woven_k(T, v.Lambda, woven_lambda(v.flakes, wi), wi.z * wo.z < 0.0);
 }
 
-// `points` are those of a set of `total` from `first` on.
-WovenView woven_view(Woven m, vec3 wo, int first, int points, int total) {
+bool woven_is_gap(Woven m) {
+    return m.gap.x >= 0.0;
+}
+
+// The share of light from w that meets fibres. Yarns beside a gap are straight cylinders, whose shadows are wider at a
+// slant.
+float woven_met(Woven m, Flakes f, vec3 w) {
+    if (!woven_is_gap(m)) return one_minus_exp(min(m.thickness * woven_lambda(f, w), 80.0));
+    vec2 across = abs(vec2(m.axis.x * w.y - m.axis.y * w.x, dot(m.axis.xy, w.xy)));
+    bool is_open = all(lessThan(across, m.gap * abs(w.z)));
+    return is_open ? 0.0 : one_minus_exp(min(m.thickness, 80.0));
+}
+
+// m(w), less than what meets fibres
+float woven_mirrored(Woven m, vec3 w, float met, sampler2D table) {
+    return woven_is_gap(m) ? 0.0 : min(mirrored_share(table, m.slice, m.axis, w), met);
+}
+
+// s(w). Light from the side from which the normal n leans away meets the yarn's own crown, by as much as it would come
+// short of a plane with this normal: 1 + n.xy . w.xy / (n.z w.z). Light from the other side may be hidden by the next yarn.
+float woven_seen(Woven m, vec3 w) {
+    float lean = dot(m.normal.xy, w.xy) / (max(abs(m.normal.z), 1e-3) * max(abs(w.z), 1e-6));
+    lean *= (m.normal.z < 0.0) == (w.z < 0.0) ? 1.0 : -1.0;
+    float slope = length(m.normal.xy) / max(abs(m.normal.z), 1e-3);
+    return lean > slope * m.horizon ? 0.0 : clamp(1.0 + lean, 0.0, 1.0);
+}
+
+// The share of directions, by the cosine, in which a gap is open: the form factor of a rectangle
+float woven_open(vec2 gap) {
+    vec2 r = sqrt(1.0 + gap * gap);
+    return 2.0 * INV_PI * (gap.x / r.x * atan(gap.y / r.x) + gap.y / r.y * atan(gap.x / r.y));
+}
+
+WovenView woven_view(Woven m, vec3 wo, sampler2D table) {
     WovenView v;
     v.flakes = Flakes(m.axis, clamp(m.alpha, WOVEN_MIN_ALPHA, 1.0));
     v.Lambda = woven_lambda(v.flakes, wo);
-    float depth = m.thickness * v.Lambda;
-    v.straight = exp(-depth);
-    // The mean weight of the samples, over a few points. It is at most the share that
-    // meets fibres, and so is every weight.
-    v.mirrored = 0.0;
-    for (int k = 0; k < points; ++k) {
-
-        vec2 u = hammersley(uint(first + k), uint(total));
-        vec3 h = flakes_sample(v.flakes, wo, u);
-        v.mirrored += woven_weight(v, m.thickness, wo, 2.0 * dot(wo, h) * h - wo);
+    float met = woven_met(m, v.flakes, wo);
+    v.straight = 1.0 - met;
+    v.mirrored = woven_mirrored(m, wo, met, table);
+    v.rest = met - m.specular * v.mirrored;
+    if (woven_is_gap(m)) {
+        v.least = vec3(0.0);
+        v.mean = vec3(one_minus_exp(min(m.thickness, 80.0)) * (1.0 - woven_open(m.gap)));
+        v.seen = v.mean_seen = 1.0;
+        v.here = m.diffuse;
+    } else {
+        // The least A is a concave function of S, hence no less than between its values for 0 and 1
+        vec4 all = mirrored_statistics(table, m.slice);
+        v.least = clamp(1.0 - all.x - m.specular * all.y, vec3(0.0), v.rest);
+        v.mean = 1.0 - all.z - m.specular * all.w;
+        float sine = length(m.normal.xy), cosine = max(abs(m.normal.z), 1e-3), secant = sqrt(1.0 + m.horizon * m.horizon);
+        v.seen = woven_seen(m, wo);
+        v.mean_seen = clamp(0.5 * (m.horizon / secant + cosine / (1.0 + sine)), 1e-3, 1.0); // (1 - sine) / cosine
+        float away = 0.5 + 0.5 * (m.horizon * cosine - sine) / secant; // by the cosine to the yarn's normal
+        v.here = m.diffuse * away / max(1.0 - m.diffuse * (1.0 - away), 1e-6);
     }
-    float met = one_minus_exp(min(depth, 80.0));
-    v.mirrored = min(v.mirrored / float(points), met);
-    v.diffuse = m.diffuse * (met - m.specular * v.mirrored);
+    v.diffuse = (1.0 - m.through) * v.least * v.seen * (v.here - m.diffuse) + v.rest * m.diffuse;
     v.chance = vec3(v.straight, luminance(m.specular) * v.mirrored, luminance(v.diffuse));
     v.chance /= max(v.chance.x + v.chance.y + v.chance.z, 1e-20);
     return v;
 }
 
-WovenView woven_view(Woven m, vec3 wo) {
-    return woven_view(m, wo, 0, WOVEN_POINTS, WOVEN_POINTS);
+// f |cos| of the diffuse light
+vec3 woven_diffuse(Woven m, WovenView v, vec3 wo, vec3 wi, sampler2D table) {
+    float met = woven_met(m, v.flakes, wi);
+    vec3 rest = met - m.specular * woven_mirrored(m, wi, met, table);
+    if (wi.z * wo.z < 0.0) return INV_PI * abs(wi.z) * m.through * m.diffuse * v.rest * rest / max(v.mean, 1e-6);
+    float seen = woven_seen(m, wi);
+    vec3 about = max(v.rest - v.least, 0.0) * max(rest - v.least, 0.0) / max(v.mean - v.least, 1e-6);
+    if (v.mean_seen < 1.0) about += v.least * ((1.0 - v.seen) * (1.0 - seen) / max(1.0 - v.mean_seen, 1e-6));
+    vec3 here = v.least * (v.seen * seen / v.mean_seen);
+    return INV_PI * abs(wi.z) * (1.0 - m.through) * (v.here * here + m.diffuse * about);
 }
 
 // xyz: f |cos|, w: the pdf, both without what goes straight on
-vec4 woven_eval_pdf(Woven m, WovenView v, vec3 wo, vec3 wi) {
+vec4 woven_eval_pdf(Woven m, WovenView v, vec3 wo, vec3 wi, sampler2D table) {
     if (wo.z == 0.0 || wi.z == 0.0) return vec4(0.0);
-    bool is_through = wo.z * wi.z < 0.0;
-    float area = flakes_area(v.flakes, wo);
-    float mirrored = flakes_mirroring(v.flakes, wo, wi) / (4.0 * area);
-    float side = is_through ? m.through : 1.0 - m.through;
-    float diffuse = side * woven_diffuse(m.normal, wi);
-    vec3 f = m.specular * (mirrored * woven_weight(v, m.thickness, wo, wi)) + v.diffuse * diffuse;
-    return vec4(f, v.chance.y * mirrored + v.chance.z * diffuse);
+    float side = wo.z * wi.z < 0.0 ? m.through : 1.0 - m.through;
+    vec4 f = vec4(woven_diffuse(m, v, wo, wi, table), v.chance.z * side * INV_PI * abs(wi.z));
+    if (woven_is_gap(m)) return f;
+    float mirrored = flakes_mirroring(v.flakes, wo, wi) / (4.0 * flakes_area(v.flakes, wo));
+    return f + mirrored * vec4(m.specular * woven_weight(v, m.thickness, wo, wi), v.chance.y);
 }
 
-BsdfSample woven_sample(Woven m, WovenView v, vec3 wo, vec3 u) {
+BsdfSample woven_sample(Woven m, WovenView v, vec3 wo, vec3 u, sampler2D table) {
     if (u.z < v.chance.x)
         return BsdfSample(-wo, vec3(v.straight / v.chance.x), v.chance.x, TRANSMISSION | DELTA, 1.0);
     vec3 wi;
@@ -111,30 +162,29 @@ BsdfSample woven_sample(Woven m, WovenView v, vec3 wo, vec3 u) {
         vec3 h = flakes_sample(v.flakes, wo, u.xy);
         wi = 2.0 * dot(wo, h) * h - wo;
     } else {
-        wi = orthonormal_basis(m.normal) * sample_cosine_hemisphere(u.xy);
+        wi = sample_cosine_hemisphere(u.xy);
         float rest = (u.z - v.chance.x - v.chance.y) / max(v.chance.z, 1e-20);
-        bool is_through = rest < m.through;
-        wi.z = (wo.z < 0.0) != is_through ? -abs(wi.z) : abs(wi.z);
+        if ((wo.z < 0.0) != (rest < m.through)) wi.z = -wi.z;
     }
-    vec4 f = woven_eval_pdf(m, v, wo, wi);
+    vec4 f = woven_eval_pdf(m, v, wo, wi, table);
     if (f.w <= 0.0) return NO_SAMPLE;
     return BsdfSample(wi, f.rgb / f.w, f.w, wi.z * wo.z < 0.0 ? TRANSMISSION : REFLECTION, 1.0);
 }
 
-vec3 woven_eval(Woven m, vec3 wo, vec3 wi) {
-    return woven_eval_pdf(m, woven_view(m, wo), wo, wi).rgb / max(abs(wi.z), 1e-20);
+vec3 woven_eval(Woven m, vec3 wo, vec3 wi, sampler2D table) {
+    return woven_eval_pdf(m, woven_view(m, wo, table), wo, wi, table).rgb / max(abs(wi.z), 1e-20);
 }
 
-float woven_pdf(Woven m, vec3 wo, vec3 wi) {
-    return woven_eval_pdf(m, woven_view(m, wo), wo, wi).w;
+float woven_pdf(Woven m, vec3 wo, vec3 wi, sampler2D table) {
+    return woven_eval_pdf(m, woven_view(m, wo, table), wo, wi, table).w;
 }
 
-BsdfSample woven_sample(Woven m, vec3 wo, vec3 u) {
-    return woven_sample(m, woven_view(m, wo), wo, u);
+BsdfSample woven_sample(Woven m, vec3 wo, vec3 u, sampler2D table) {
+    return woven_sample(m, woven_view(m, wo, table), wo, u, table);
 }
 
 // Of all light but what goes straight on
-vec3 woven_albedo(Woven m, vec3 wo) {
-    WovenView v = woven_view(m, wo);
+vec3 woven_albedo(Woven m, vec3 wo, sampler2D table) {
+    WovenView v = woven_view(m, wo, table);
     return m.specular * v.mirrored + v.diffuse;
 }

@@ -6,8 +6,7 @@ import moderngl
 from numpy.typing import NDArray
 
 from ...gpu.context import Context
-from ...gpu.programs import set_uniform
-from ...material.weave import weave_uniforms
+from ...material.weave import WeaveBinding
 from ...scene.fibre import gives_color, hair_fibre
 from ...scene.fog import fog_of
 from ...scene.medium import VACUUM
@@ -27,6 +26,8 @@ from .scene_buffer import SceneBufferBuilder
 from .scene_data import SceneData
 from .volumes import VolumeGrids
 
+UNIT_WEAVE = 22  # beyond that of viewer/trace/scene/volumes.py
+
 
 class TracedScene:
     """Begins with the lights of `scene` under `settings`. `relight` changes to other lights on the same triangles."""
@@ -38,6 +39,7 @@ class TracedScene:
         self.is_everything = settings.plan == "everything"
         self._data = SceneData(context, scene, self.geometry, self.is_everything)
         self._grids: VolumeGrids | None = None
+        self._weave = WeaveBinding(context.gl)
         self._take_volumes(scene)
         self._set_lights(scene, settings, None)
         self.intersector = make_intersector(context, self.geometry, self._data, intersector)
@@ -124,14 +126,14 @@ class TracedScene:
         self._data.bind(program)
         self._lights.bind(program)
         woven = (m.material.weave for m in self.geometry.materials if m.material.weave is not None)
-        for name, value in weave_uniforms(next(woven, None)):
-            set_uniform(program, name, value)
+        self._weave.bind(program, next(woven, None), UNIT_WEAVE)
         if self._grids is not None:
             self._grids.bind(program)
 
     def release(self) -> None:
         self._data.release()
         self._lights.release()
+        self._weave.release()
         if self._grids is not None:
             self._grids.release()
 
