@@ -41,6 +41,17 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
     config.add_cleanup(tell)  # after pytest's own last line
 
 
+@pytest.fixture(scope="session", autouse=True)
+def shared_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Tests leave the user's cache alone. All processes of a run share one, so that each bake is made once."""
+    folder = tmp_path_factory.getbasetemp()
+    if os.environ.get("PYTEST_XDIST_WORKER"):
+        folder = folder.parent
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PBR_VIEWER_CACHE", str(folder / "cache"))
+        yield
+
+
 @pytest.fixture(scope="session")
 def display() -> Iterator[str]:
     """A display to open windows on: a virtual one, so that nobody's desktop is disturbed, or else the desktop's."""

@@ -14,14 +14,6 @@ from viewer.scene.scene import Scene
 from viewer.settings import Settings
 
 
-@pytest.fixture(scope="package", autouse=True)
-def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Tests here bake anew, each environment once, and leave the user's cache alone."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("PBR_VIEWER_CACHE", str(tmp_path_factory.mktemp("cache")))
-        yield
-
-
 @pytest.fixture(scope="module")
 def renderer(context: Context) -> Iterator[Renderer]:
     renderer = Renderer(context)

@@ -11,12 +11,10 @@ from viewer.raster.renderer import Renderer
 
 
 @pytest.fixture(scope="module")
-def renderer(context, tmp_path_factory) -> Iterator[Renderer]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("PBR_VIEWER_CACHE", str(tmp_path_factory.mktemp("cache")))
-        renderer = Renderer(context)
-        yield renderer
-        renderer.release()
+def renderer(context) -> Iterator[Renderer]:
+    renderer = Renderer(context)
+    yield renderer
+    renderer.release()
 
 
 @pytest.mark.parametrize("feature", FEATURES, ids=lambda feature: feature.name)
