@@ -33,7 +33,7 @@ def dfg_table(ndf: str = "ggx", masking: str = "smith", size: int = SIZE) -> np.
 
     Row j of each quarter is NoV = (j / (size-1))^2; column i is perceptual roughness i / (size-1). In texture
     coordinates that is u = roughness and v = sqrt(NoV), each inset by half a texel (shaders/light/dfg.glsl). The
-    default table is in the package's assets. Any other is computed (four seconds) and stored in the cache on disk.
+    default table is in the package's assets. Any other is computed (two seconds) and stored in the cache on disk.
     """
     if (ndf, masking, size) == ("ggx", "smith", SIZE):
         table = np.load(resource_folder("assets") / "dfg_ggx_smith.npy", allow_pickle=False)

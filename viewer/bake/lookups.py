@@ -29,7 +29,9 @@ between neighbours makes the table smooth, so that it can be interpolated.
 
 from __future__ import annotations
 
+from functools import reduce
 from itertools import chain, combinations
+from typing import NamedTuple
 
 import numpy as np
 
@@ -65,6 +67,15 @@ def fit_lookups(ndf: str, masking: str) -> list[np.ndarray]:
     return [single, pair]
 
 
+class _Sum(NamedTuple):
+    """Lookups and the irradiance, n = count + 1 of them, for all cells: their kernels at the places of all lamps,
+    (C, n, lamps Q); the integrals of u k_i k_j, (C, parts, n, n); and those of u k_i K, (C, parts, n)."""
+
+    kernels: np.ndarray
+    products: np.ndarray
+    on_lobe: np.ndarray
+
+
 class _Fit:
     """The errors of lookups for all cells of the grid, C of them, row by row. Below, x is (C, 2 count): the t of
     `count` lookups, then their levels. A lamp is at one of Q places."""
@@ -74,21 +85,24 @@ class _Fit:
         NoV = np.maximum(axis**2, 1e-4)
         NoV[-1] = np.cos(1e-3)  # for v = n the plane of incidence is undefined
         self.theta, self.roughness = np.repeat(np.arccos(NoV), GRID), np.tile(axis, GRID)
-        self.column = np.tile(np.arange(GRID), GRID)
         # psi, the angle from n, has tan psi = t sin theta / (1 - t + t cos theta), solved for t
         slope = np.sin(WIDEST) * (1 - np.cos(self.theta)) + np.cos(WIDEST) * np.sin(self.theta)
         self.t_most = np.minimum(np.sin(WIDEST) / np.where(slope > 0, slope, 1e-9), T_BOUNDS[1])
         self.legendre = np.polynomial.legendre.legvander(np.cos(np.linspace(0, np.pi, _ANGLES + 1)), DEGREE)
         self.filters = np.stack([level_spectrum(ndf, k, DEGREE) for k in range(LEVELS)] + [cosine_spectrum(DEGREE)])
         columns = [self._column(ndf, masking, NoV, max(r, 0.05) ** 2) for r in axis]
-        self.places, self.of_lobe, self.weights, self.shares, self.tables = (
-            np.stack(kind, axis=1) for kind in zip(*columns, strict=True))
-        self.places, self.shares = self.places.reshape(-1, *self.places.shape[2:]), self.shares.reshape(-1, 2)
-        self.of_lobe, self.weights = (
-            kind.swapaxes(1, 2).reshape(len(LAMPS), GRID * GRID, *kind.shape[3:])
-            for kind in (self.of_lobe, self.weights))
-        self.on_lobe = self.weights * self.of_lobe
-        self.least = -(self.on_lobe * self.of_lobe).sum(axis=(0, 2))  # of no error: that of the weights is added to it
+        places, of_lobe, weights, shares, tables = (np.stack(kind) for kind in zip(*columns, strict=True))
+        self.places, self.shares = (kind.swapaxes(0, 1).reshape(GRID * GRID, *kind.shape[2:])
+                                    for kind in (places, shares))
+        # (columns, lamps, GRID, Q, parts) to (C, parts, lamps Q)
+        of_lobe, self.weights = (kind.transpose(2, 0, 4, 1, 3).reshape(GRID * GRID, 2, -1)
+                                 for kind in (of_lobe, weights))
+        self.on_lobe = self.weights * of_lobe
+        self.least = -(self.on_lobe * of_lobe).sum(axis=2)  # of no error: that of the weights is added to it
+        self.tables = tables.ravel()
+        lamps, of_column = tables.shape[1], tables[0, 0].size
+        self.first = ((np.tile(np.arange(GRID), GRID)[:, None] * lamps + np.arange(lamps)) * of_column)[..., None]
+        self.irradiance = self.tables[self.first + self._angles(0 * self.theta) + LEVELS].reshape(GRID * GRID, -1)
 
     def _column(self, ndf: str, masking: str, NoV: np.ndarray, alpha: float) -> tuple[np.ndarray, ...]:
         """Of one roughness: the places of the lamp, (GRID, Q, 3); K there and u, (lamps, GRID, Q, parts); how much the
@@ -123,7 +137,8 @@ class _Fit:
         """(GRID, GRID, count, 4)"""
         count = x.shape[1] // 2
         places = x.reshape(-1, 2, count).swapaxes(1, 2)
-        return np.concatenate([places, self.errors(x)[1][:, :count]], axis=2).reshape(GRID, GRID, count, 4)
+        weights = self._errors(self._sum(x))[1][:, :count]
+        return np.concatenate([places, weights], axis=2).reshape(GRID, GRID, count, 4)
 
     def descend(self, x: np.ndarray) -> np.ndarray:
         """Improves x in place. A step along a coordinate goes to the best of four values: the one that there is, one
@@ -132,17 +147,21 @@ class _Fit:
         step = np.repeat([0.1, 0.3], count)[None] * np.ones_like(x)
         stiffness = np.repeat([1.0, 0.25], count)
         mirror = self.roughness == 0
+        now = self._sum(x)
         for sweep in range(_SWEEPS):
             smoothness = _SMOOTHNESS * (10 if sweep < _FIRM_SWEEPS else 1)
             for k in range(2 * count):
                 around = _mean_of_neighbours(x[:, k])
 
-                def tried(by: np.ndarray | float, k: int = k, around: np.ndarray = around,
-                          penalty: float = smoothness * stiffness[k]) -> tuple[np.ndarray, np.ndarray]:
-                    y = self._within(x, k, x[:, k] + by)
-                    return self.errors(y)[0] + penalty * (y[:, k] - around) ** 2, y[:, k]
+                def penalised(value: np.ndarray, lookups: _Sum, around: np.ndarray = around,
+                              penalty: float = smoothness * stiffness[k]) -> np.ndarray:
+                    return self._errors(lookups)[0] + penalty * (value - around) ** 2
 
-                here, less, more = tried(0.0), tried(-step[:, k]), tried(step[:, k])
+                def tried(by: np.ndarray, k: int = k, now: _Sum = now) -> tuple[np.ndarray, np.ndarray]:
+                    y = self._within(x, k, x[:, k] + by)
+                    return penalised(y[:, k], self._with(now, y, k % count)), y[:, k]
+
+                here, less, more = (penalised(x[:, k], now), x[:, k]), tried(-step[:, k]), tried(step[:, k])
                 bend = less[0] + more[0] - 2 * here[0]
                 slope = less[0] - more[0]
                 vertex = np.where(bend > 1e-12, 0.5 * slope / np.maximum(bend, 1e-12), 2 * np.sign(slope))
@@ -153,6 +172,7 @@ class _Fit:
                 x[:, k] = np.where(mirror, float(k < count), chosen)
                 if k < count:  # at the normal t has no effect, but what is beside it is interpolated with it
                     x[-GRID:, k] = x[-2 * GRID:-GRID, k]
+                now = self._with(now, x, k % count)
                 step[:, k] *= np.where(best == 0, 0.5, np.where(np.abs(vertex) > 1, 1.3, 0.8))
                 step[:, k] = np.clip(step[:, k], 5e-3, 0.5)
         return x
@@ -168,29 +188,42 @@ class _Fit:
             x[:, k] = np.minimum(x[:, 0], x[:, 1]) if k == 0 else np.maximum(x[:, 0], x[:, 1])
         return x
 
-    def errors(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _errors(self, lookups: _Sum) -> tuple[np.ndarray, np.ndarray]:
         """The error, of both parts as they count, (C,), and the best weights, (C, count + 1, parts). The last weight
         is that of the irradiance."""
-        kernels = self._kernels(x)
-        products = np.einsum("aciq,acqp,acjq->cpij", kernels, self.weights, kernels, optimize=True)
-        on_lobe = np.einsum("aciq,acqp->cpi", kernels, self.on_lobe, optimize=True)
-        best = _nonnegative_weights(products, on_lobe)
-        error = np.einsum("cpi,cpij,cpj->cp", best, products, best) - 2 * (best * on_lobe).sum(axis=2) - self.least
-        return (error * self.shares).sum(axis=1), best.swapaxes(1, 2)
+        best = _nonnegative_weights(lookups.products, lookups.on_lobe)
+        error = np.einsum("cpi,cpij,cpj->cp", best, lookups.products, best) - 2 * (best * lookups.on_lobe).sum(axis=2)
+        return ((error - self.least) * self.shares).sum(axis=1), best.swapaxes(1, 2)
 
-    def _kernels(self, x: np.ndarray) -> np.ndarray:
-        """k of the lookups and of the irradiance at the places of the lamp, (lamps, C, count + 1, Q)."""
-        t, level = np.split(x, 2, axis=1)
-        theta = self.theta[:, None]
-        psi = np.clip(np.arctan2(t * np.sin(theta), 1 - t + t * np.cos(theta)), 0, WIDEST)
-        psi = np.concatenate([psi, 0 * theta], axis=1)[..., None]
-        cosine = np.cos(psi) * self.places[:, None, :, 0] + np.sin(psi) * self.places[:, None, :, 1]
+    def _sum(self, x: np.ndarray) -> _Sum:
+        cells, count = len(x), x.shape[1] // 2
+        n, parts = count + 1, self.weights.shape[1]
+        empty = _Sum(np.zeros((cells, n, self.weights.shape[2])), np.zeros((cells, parts, n, n)),
+                     np.zeros((cells, parts, n)))
+        return reduce(lambda found, i: self._with(found, x, i), range(n), empty)
+
+    def _with(self, lookups: _Sum, x: np.ndarray, i: int) -> _Sum:
+        """The sum with lookup i taken anew from x; the irradiance is the last one."""
+        kernels, products, on_lobe = (array.copy() for array in lookups)
+        count = x.shape[1] // 2
+        kernels[:, i] = self._kernel(x[:, i], x[:, count + i]) if i < count else self.irradiance
+        row = (self.weights * kernels[:, None, i]) @ kernels.swapaxes(1, 2)
+        products[:, :, i] = products[..., i] = row
+        on_lobe[..., i] = (self.on_lobe @ kernels[:, i, :, None])[..., 0]
+        return _Sum(kernels, products, on_lobe)
+
+    def _kernel(self, t: np.ndarray, level: np.ndarray) -> np.ndarray:
+        """k of a lookup at the places of all lamps, (C, lamps Q)."""
+        psi = np.clip(np.arctan2(t * np.sin(self.theta), 1 - t + t * np.cos(self.theta)), 0, WIDEST)
+        low = np.minimum(level.astype(int), LEVELS - 2)[:, None, None]
+        part, at = level[:, None, None] - low, self.first + self._angles(psi) + low
+        return ((1 - part) * self.tables[at] + part * self.tables[at + 1]).reshape(len(t), -1)
+
+    def _angles(self, psi: np.ndarray) -> np.ndarray:
+        """Where the places of the lamp are in a table, (C, 1, Q), for a lookup at the angle psi, (C,), from n."""
+        cosine = np.cos(psi)[:, None] * self.places[..., 0] + np.sin(psi)[:, None] * self.places[..., 1]
         at = np.rint(np.arccos(np.clip(cosine, -1, 1)) * (_ANGLES / np.pi)).astype(int)
-        low = np.minimum(level.astype(int), LEVELS - 2)[..., None]
-        part, column = level[..., None] - low, self.column[:, None, None]
-        of_levels = ((1 - part) * self.tables[:, column, at[:, :-1], low]
-                     + part * self.tables[:, column, at[:, :-1], low + 1])
-        return np.concatenate([of_levels, self.tables[:, column, at[:, -1:], LEVELS]], axis=2)
+        return (at * (LEVELS + 1))[:, None]
 
 
 def _places(directions: np.ndarray, whole: np.ndarray, alpha: float) -> tuple[np.ndarray, np.ndarray]:
