@@ -27,7 +27,8 @@ def test_every_setting_has_a_default_among_its_choices_and_a_meaning():
     assert of_numbers == {"background_blur", "bounces", "light_radius", "clamp", "volume_density", "volume_albedo",
                           "volume_g", "volume_droplets", "volume_emission", "fog", "fog_albedo", "fog_g",
                           "fog_droplets", "fog_height", "curve_radius", "hair_melanin", "hair_color",
-                          "hair_absorption", "hair_roughness", "hair_tilt", "hair_ior", "weave"} < RANGES.keys()
+                          "hair_absorption", "hair_roughness", "hair_tilt", "hair_ior", "weave", "yarn_plies",
+                          "yarn_fibres", "yarn_twist", "yarn_hairs"} < RANGES.keys()
     own_options = {"mode", "background", "exposure", "tonemap", "spp", "time_budget", "error", "seed", "denoise"}
     assert set(setting_meanings()) == {f.name for f in fields(Settings)} - own_options
 
@@ -55,6 +56,16 @@ def test_settings_that_are_numbers():
     assert Settings().with_option("hair-melanin=0.2,.08").hair_melanin == (0.2, 0.08)
     assert Settings.of(hair_color=(1, 0.5, 0)).with_option("hair-color=none").hair_color is None
     assert Settings.of(hair_absorption=None, hair_roughness=[0, 1]).hair_roughness == (0.0, 1.0)
+
+
+def test_numbers_of_a_yarn_may_be_left_to_its_kind():
+    settings = Settings.of(yarn="wool", yarn_plies=2, yarn_twist=None).with_option("yarn-hairs=0.5")
+    assert (settings.yarn_plies, settings.yarn_twist, settings.yarn_hairs) == (2, None, 0.5)
+    assert settings.with_option("yarn-plies=none").yarn_plies is None
+    with pytest.raises(UsageError, match="^--set yarn-plies=9: yarn_plies must be none or a whole number from 1 to 8$"):
+        settings.with_option("yarn-plies=9")
+    with pytest.raises(UsageError, match="^yarn_twist=80: it must be none or a number from -60 to 60$"):
+        Settings.of(yarn_twist=80)
 
 
 def test_only_one_setting_may_say_what_colour_hair_has():

@@ -35,15 +35,19 @@ MAX_SPP = 1 << 16
 
 @dataclass(frozen=True)
 class Range:
-    """The numbers that a setting can have, from `low` to `high`, both included, and 0 if `or_zero`."""
+    """The numbers that a setting can have: `low` to `high`, both included; also 0 if `or_zero`, and None, for "none",
+    if `or_none`."""
 
     low: float
     high: float
     is_whole: bool = False
     or_zero: bool = False
+    or_none: bool = False
 
-    def number(self, value: object, prefix: str) -> float:
+    def number(self, value: object, prefix: str) -> Any:
         """`value` as a number in this range, an int if `is_whole`. Raises UsageError, which starts with `prefix`."""
+        if self.or_none and value in (None, "none"):
+            return None
         try:
             number = self._whole(value) if self.is_whole else float(value)  # type: ignore[arg-type]
         except (TypeError, ValueError):
@@ -57,17 +61,16 @@ class Range:
         return int(value) if isinstance(value, str) else index(value)  # type: ignore[arg-type]
 
     def __str__(self) -> str:
-        return (f"{'0 or ' * self.or_zero}a {'whole ' * self.is_whole}number from {_plain(self.low)} to "
-                f"{_plain(self.high)}")
+        return (f"{'none or ' * self.or_none}{'0 or ' * self.or_zero}a {'whole ' * self.is_whole}number from "
+                f"{_plain(self.low)} to {_plain(self.high)}")
 
 
 @dataclass(frozen=True)
 class Several(Range):
-    """As many numbers as `names` has, each in this range; None for "none" if `or_none`. By default a colour, in linear
-    Rec. 709, for which one number stands for all."""
+    """As many numbers as `names` has, each in this range. By default a colour, in linear Rec. 709, for which one number
+    stands for all."""
 
     names: str = "R,G,B"
-    or_none: bool = False
 
     def number(self, value: object, prefix: str) -> Any:
         """`value`, a number, a sequence or text with commas, as a tuple of numbers. Raises UsageError as Range does."""
@@ -144,6 +147,10 @@ RANGES = {
     "hair_roughness": Several(0.0, 1.0, names="BM,BN"),
     "hair_tilt": Range(-45.0, 45.0),
     "hair_ior": Range(1.0, 3.0),
+    "yarn_plies": Range(1, 8, is_whole=True, or_none=True),
+    "yarn_fibres": Range(1, 4096, is_whole=True, or_none=True),
+    "yarn_twist": Range(-60.0, 60.0, or_none=True),
+    "yarn_hairs": Range(0.0, 100.0, or_none=True),
     "weave": WeaveName(),
 }
 
@@ -247,6 +254,14 @@ class Settings:
     hair_scattering: Literal["single", "multiple"] = _option(
         "multiple", "curves: light scattered once by fibres, or also from fibre to fibre, by a diffusion equation")
     hair_ior: float = _option(1.55, "curves: index of refraction of the fibres")
+    yarn: Literal["off", "cotton", "wool", "silk"] = _option(
+        "off", "curves: show each as a yarn of plies and fibres, whose radius is that of the curve")
+    yarn_plies: int | None = _option(None, "number of plies of a yarn; none: that of its kind")
+    yarn_fibres: int | None = _option(None, "number of fibres of a ply; none: that of the kind of yarn")
+    yarn_twist: float | None = _option(
+        None, "angle between plies and yarn in degrees; above 0, a right-handed screw; none: that of the kind of yarn")
+    yarn_hairs: float | None = _option(
+        None, "number of fibres that leave a yarn on each radius of its length; none: that of its kind")
     media_steps: Literal["auto", "28", "56", "112", "224"] = _option(
         "auto", "steps of a ray through fog and volumes; auto: 56, but 28 while the camera moves and the CPU renders")
     media_rays: Literal["auto", "all", "quarter", "sixteenth"] = _option(
@@ -375,6 +390,7 @@ _USED_BY: dict[str, tuple[Mode, ...]] = {
     "phong": ("phong",),
     "hair_tilt": ("pbr", "path"),
     "hair_scattering": ("pbr",),
+    **dict.fromkeys(("yarn", "yarn_plies", "yarn_fibres", "yarn_twist", "yarn_hairs"), ("path",)),
     **dict.fromkeys(("shadows", "antialias"), ("pbr", "phong")),
     **dict.fromkeys(("media_steps", "media_rays", "media_scattering"), ("pbr", "phong")),
     **dict.fromkeys(("environment_shadows", "ambient_occlusion", "indirect", "reflections", "refraction",

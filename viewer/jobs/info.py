@@ -16,6 +16,8 @@ from ..scene.curves import Curves
 from ..scene.decoding import Decoder
 from ..scene.environment import Environment
 from ..scene.scene import Scene
+from ..scene.yarn.fibres import FIBRE_BYTES, yarn_fibres
+from ..scene.yarn.spun import yarn_kind
 from ..settings import RANGES, Settings, Several, WeaveName, setting_choices, setting_meanings
 
 if TYPE_CHECKING:
@@ -45,6 +47,7 @@ def describe_scene(scene: Scene, settings: Settings) -> Facts:
         "radius_m": scene.radius,
         "materials": [_material_line(scene, k) for k in range(len(scene.materials))],
         "curves": [_curves_facts(curves) for curves in scene.curves],
+        **({"yarns": [_yarn_facts(curves, settings) for curves in scene.curves]} if settings.yarn != "off" else {}),
         "lights": [f"{light.kind} {light.name or '(unnamed)'}, {light.intensity:g} {_unit(light.kind)}"
                    for light in scene.lights],
         "cameras": [camera.name or "(unnamed)" for camera in scene.cameras],
@@ -168,6 +171,16 @@ def _curves_facts(curves: Curves) -> Facts:
             "closed": int(np.count_nonzero(curves.closed)), "points": len(curves.points), "segments": len(pieces),
             "length": float(length), "radii": [float(curves.radii.min()), float(curves.radii.max())],
             "colors": curves.colors is not None}
+
+
+def _yarn_facts(curves: Curves, settings: Settings) -> Facts:
+    """What becomes of a set of curves as yarns."""
+    kind = yarn_kind(settings)
+    made = yarn_fibres(curves, kind)
+    own = kind.plies * kind.fibres * curves.strand_count
+    return {"name": curves.name, "kind": settings.yarn, "yarns": curves.strand_count,
+            "plies": kind.plies * curves.strand_count, "fibres": own, "hairs": made.strand_count - own,
+            "segments": int(made.spans.sum()), "megabytes": float(made.spans.sum()) * FIBRE_BYTES / 1e6}
 
 
 def _unit(kind: str) -> str:

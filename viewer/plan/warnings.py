@@ -63,6 +63,12 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
                      "all")
     if settings.weave != "off" and not any(mesh.topology == "triangles" for mesh in scene.meshes):
         lines.append("nothing is woven, because there are no triangles")
+    if settings.yarn != "off" and not scene.curves:
+        lines.append("there are no yarns, because there are no curves")
+    numbers = ("yarn_plies", "yarn_fibres", "yarn_twist", "yarn_hairs")
+    given = [name for name in numbers if getattr(settings, name) is not None]
+    if settings.yarn == "off" and given:
+        lines.append(f"{' and '.join(given)} {'has' if len(given) == 1 else 'have'} no effect without yarn")
     return lines
 
 

@@ -19,6 +19,7 @@ from ..scene.camera import Camera
 from ..scene.frame import Frame
 from ..scene.scene import Scene
 from ..scene.woven import woven
+from ..scene.yarn.spun import spun
 from ..settings import Settings
 from .denoise.denoiser import Denoiser, make_denoiser
 from .paths.camera_rays import camera_uniforms
@@ -54,7 +55,7 @@ class Tracer:
         self._scene: TracedScene | None = None
         self._dfg: dict[tuple[str, str], moderngl.Texture] = {}
         self._denoisers: dict[str, Denoiser] = {}
-        self._thickened: tuple[Scene, Scene] | None = None
+        self._shown: tuple[Scene, Scene] | None = None
 
     def render(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
                layers: Collection[str] = ()) -> Image:
@@ -77,7 +78,7 @@ class Tracer:
         denoiser that is not installed, InputError for a scene that does not fit. The render can be continued until
         another scene is begun.
         """
-        scene = self._with_radius(scene, settings.curve_radius)
+        scene = self._with_curves(scene, settings)
         first = camera_uniforms(scene, camera, size)
         eye = (camera.eye - scene.center) / scene.radius if camera.height is None else None
         return self._begin(scene, first, settings, size, layers, eye=eye,
@@ -85,7 +86,7 @@ class Tracer:
 
     def begin_at(self, scene: Scene, rays: SurfaceRays, settings: Settings) -> PathRender:
         """As `begin`, with one pixel for each ray of the list. Alpha is the fraction of rays that hit something."""
-        scene = self._with_radius(scene, settings.curve_radius)
+        scene = self._with_curves(scene, settings)
         return self._begin(scene, {}, replace(settings, background="none"), rays.size, (), rays)
 
     def _begin(self, scene: Scene, first: Mapping[str, object], settings: Settings, size: tuple[int, int],
@@ -121,7 +122,7 @@ class Tracer:
 
     def holds(self, scene: Scene) -> bool:
         """Whether the last picture was of this scene; its lights may differ."""
-        shown = scene if self._thickened is None or self._thickened[0] is not scene else self._thickened[1]
+        shown = scene if self._shown is None or self._shown[0] is not scene else self._shown[1]
         return self._scene is not None and self._scene.holds(shown)
 
     @property
@@ -129,14 +130,14 @@ class Tracer:
         """About the size of the last scene's textures on the GPU."""
         return self._scene.texture_bytes if self._scene is not None else 0
 
-    def _with_radius(self, scene: Scene, radius: float) -> Scene:
-        """The scene with curves of this radius: the same object as last time, if it is the same scene and radius."""
-        thick = scene.with_curve_radius(radius)
-        known = self._thickened
-        if known is not None and known[0] is scene and all(a is b for a, b in zip(known[1].curves, thick.curves)):
+    def _with_curves(self, scene: Scene, settings: Settings) -> Scene:
+        """The scene with its curves as the settings show them: the same object as last time, if they are the same."""
+        shown = spun(scene.with_curve_radius(settings.curve_radius), settings)
+        known = self._shown
+        if known is not None and known[0] is scene and all(a is b for a, b in zip(known[1].curves, shown.curves)):
             return known[1]
-        self._thickened = scene, thick
-        return thick
+        self._shown = scene, shown
+        return shown
 
     def _denoiser(self, kind: str) -> Denoiser | None:
         if kind == "off":

@@ -13,6 +13,7 @@ from ...scene.medium import VACUUM
 from ...scene.scene import Scene
 from ...scene.volume import volume_medium
 from ...scene.woven import woven
+from ...scene.yarn.spun import spun
 from ...settings import Settings
 from ..plan import TracePlan, plan_trace
 from ..rays.intersect import EMBREE_TRIANGLES, make_intersector
@@ -154,7 +155,7 @@ def _droplets(scene: Scene, settings: Settings) -> dict[str, int]:
 
 def plan_without_device(scene: Scene, settings: Settings) -> TracePlan:
     """The plan of a picture without layers; it needs no context. Raises InputError as `SceneLights` does."""
-    scene = woven(scene, settings)
+    scene = spun(woven(scene, settings), settings)
     geometry = trace_geometry(scene, fog=fog_of(scene, settings), curves=trace_curves(scene))
     switches = geometry_switches(scene, geometry, settings.plan == "everything")
     lights = SceneLights(None, scene, geometry, SceneBufferBuilder(), settings)
