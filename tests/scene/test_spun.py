@@ -63,7 +63,7 @@ def test_info_counts_plies_and_fibres() -> None:
     yarns, = describe_scene(SCENE.relit(lights=(Light("directional"),)), WOOL)["yarns"]
     made, = spun(SCENE, WOOL).curves
     assert {name: yarns[name] for name in ("kind", "yarns", "plies", "fibres", "hairs", "segments")} == {
-        "kind": "wool", "yarns": 1, "plies": 2, "fibres": 48, "hairs": 14, "segments": int(made.spans.sum())}
+        "kind": "wool", "yarns": 1, "plies": 2, "fibres": 36, "hairs": 10, "segments": int(made.spans.sum())}
     assert "yarns" not in describe_scene(SCENE, replace(WOOL, yarn="off"))
 
 

@@ -16,6 +16,7 @@ from viewer.scene.yarn.woven import weave_fibres, weave_yarns
 
 UNEVEN = Weave(((True, True, False), (False, True, True), (True, False, True)), Yarn((0.1, 0.2, 0.3), width=0.5),
                Yarn((0.9, 0.8, 0.7), width=0.8, bend=10.0), (10.0, 16.0))
+KIND = replace(YARNS["silk"], hairs=0.0)
 ALL = pytest.mark.parametrize("weave", [*WEAVES.values(), UNEVEN], ids=[*WEAVES, "uneven"])
 
 
@@ -58,17 +59,16 @@ def test_no_yarn_goes_through_another(weave: Weave) -> None:
 @ALL
 def test_flat_yarns_bend_as_the_weave_says_and_stay_apart(weave: Weave) -> None:
     """At each crossing the fibres of the yarn that lies above are above those of the other."""
-    kind = replace(YARNS["silk"], hairs=0.0)
-    made, (columns, rows) = weave_fibres(weave, kind), (len(weave.draft[0]), len(weave.draft))
-    assert made.strand_count == 48 * (columns + rows)
+    made, (columns, rows) = weave_fibres(weave, KIND), (len(weave.draft[0]), len(weave.draft))
+    assert made.strand_count == KIND.fibres * (columns + rows)
     points, strand = made.points.astype(np.float64), np.repeat(np.arange(made.strand_count), made.lengths)
-    is_warp = strand < 48 * columns
+    is_warp = strand < KIND.fibres * columns
     for yarn, along, of_system in ((weave.warp, 1, is_warp), (weave.weft, 0, ~is_warp)):
         steps = np.diff(points[of_system], axis=0)
         steps = steps[steps[:, along] > 0]
         steepest = np.percentile(np.abs(steps[:, 2] / steps[:, along]), 99)
         assert np.degrees(np.arctan(steepest)) == pytest.approx(yarn.bend, rel=0.25)
-    yarn = np.where(is_warp, strand % columns, (strand - 48 * columns) % rows)
+    yarn = np.where(is_warp, strand % columns, (strand - KIND.fibres * columns) % rows)
     for j in range(rows):
         for i in range(columns):
             middle = (np.array([i, j]) + 0.5 - np.array([columns, rows]) / 2) / weave.density
@@ -79,8 +79,8 @@ def test_flat_yarns_bend_as_the_weave_says_and_stay_apart(weave: Weave) -> None:
 
 
 def test_the_width_is_the_weaves() -> None:
-    made = weave_fibres(WEAVES["plain"], replace(YARNS["silk"], hairs=0.0))
-    first = np.concatenate([made.points[made.offsets[k]:made.offsets[k + 1], 0] for k in range(0, 96, 2)])
+    made = weave_fibres(WEAVES["plain"], replace(KIND, fibres=400))
+    first = np.concatenate([made.points[made.offsets[k]:made.offsets[k + 1], 0] for k in range(0, 800, 2)])
     assert np.ptp(first) == pytest.approx(0.0095, rel=0.1)
 
 

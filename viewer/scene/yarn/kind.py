@@ -95,11 +95,12 @@ class YarnKind:
 
 
 YARNS = {
-    "cotton": YarnKind(3, 16, twist=32.0, fibre_twist=-25.0, radius=0.055, color=(0.75, 0.7, 0.6),
-                       roughness=(0.4, 0.5)),
-    "wool": YarnKind(2, 24, twist=25.0, fibre_twist=-20.0, radius=0.05, color=(0.6, 0.5, 0.38), roughness=(0.35, 0.4),
-                     tilt=-3.0, lowest=0.6, loops=0.2, loop_reach=1.6, hairs=0.8, hair_length=5.0, hair_reach=0.9),
-    "silk": YarnKind(1, 48, twist=8.0, fibre_twist=0.0, radius=0.06, color=(0.7, 0.35, 0.3), roughness=(0.12, 0.25),
+    "cotton": YarnKind(3, 12, twist=32.0, fibre_twist=-25.0, radius=0.06, color=(0.6, 0.52, 0.4),
+                       roughness=(0.4, 0.5), hairs=0.2),
+    "wool": YarnKind(2, 18, twist=25.0, fibre_twist=-20.0, radius=0.055, color=(0.45, 0.36, 0.27),
+                     roughness=(0.35, 0.4), tilt=-3.0, lowest=0.6, loops=0.2, loop_reach=1.6, hairs=0.6,
+                     hair_length=5.0, hair_reach=0.9),
+    "silk": YarnKind(1, 36, twist=8.0, fibre_twist=0.0, radius=0.07, color=(0.6, 0.2, 0.18), roughness=(0.12, 0.25),
                      lowest=0.95, loops=0.0, hairs=0.02),
 }
 """Yarns by their names. Real yarns have a few times as many fibres, and thinner ones."""
