@@ -8,13 +8,13 @@
 uniform vec4 u_fibre; // beta_m, beta_n, tilt, index of refraction
 
 #if LIGHT_COUNT > 0
-vec3 light_on_fibre(int i, SeenFibre s, mat3 frame) {
-    vec3 l, irradiance = light_before_shadow(i, l);
+vec3 light_on_fibre(int i, CurvePoint at, SeenFibre s, mat3 frame) {
+    vec3 l, irradiance = light_before_shadow(i, at, l);
 #if SHADOW_LAYERS > 0
     if (has_shadow(i)) {
-        float seen = seen_by_light(i, l);
+        float seen = seen_by_light(i, at, l);
 #if HAIR_LIGHT
-        seen += (1.0 - seen) * light_through_fibres(i, v_position);
+        seen += (1.0 - seen) * light_through_fibres(i, at.position);
 #endif
         irradiance *= seen;
     }
@@ -24,21 +24,23 @@ vec3 light_on_fibre(int i, SeenFibre s, mat3 frame) {
 #endif
 
 void main() {
-    CurveFrame c = curve_frame();
+    CurvePoint at;
+    if (!curve_point(at)) discard;
+    CurveFrame c = curve_frame(at);
     Fibre f = Fibre(absorption(), u_fibre.x, u_fibre.y, u_fibre.z, u_fibre.w);
-    SeenFibre s = seen_fibre(f, vec3(c.sine, 0.0, c.cosine), clamp(v_across, -1.0, 1.0), v_pixels);
+    SeenFibre s = seen_fibre(f, vec3(c.sine, 0.0, c.cosine), at.across, at.pixels);
 
     vec3 radiance = vec3(0.0);
 #if HAS_ENVIRONMENT || HAIR_LIGHT
-    vec3 around = light_about_fibre(s, c.axes, v_position);
+    vec3 around = light_about_fibre(s, c.axes, at.position);
 #if MEDIA
-    MediaLight media = light_around(v_position, vec3(0.0));
+    MediaLight media = light_around(at.position, vec3(0.0));
     around = around * media.sky + media.scattered;
 #endif
     radiance += around;
 #endif
 #if LIGHT_COUNT > 0
-    for (int i = 0; i < LIGHT_COUNT; ++i) radiance += light_on_fibre(i, s, c.axes);
+    for (int i = 0; i < LIGHT_COUNT; ++i) radiance += light_on_fibre(i, at, s, c.axes);
 #endif
-    write_curve(radiance);
+    write_curve(radiance, at);
 }

@@ -6,12 +6,16 @@ uniform sampler2D u_points; // x, y, z and radius of one point after the other; 
 uniform sampler2D u_colors; // absorption at each point
 out vec3 v_sigma_a;
 #endif
-uniform mat4 u_to_clip;      // from the space of the points
+#include "raster/curve_sight.glsl"
+#if ROUND
+#include "raster/curve_blunt.glsl"
+out vec2 v_screen;           // place on the screen, in (-1, 1)
+flat out vec4 v_a, v_b;      // ends of a segment that is drawn as a rectangle about it; radii below 0: it is a strip
+flat out vec3 v_along_a, v_along_b; // the curve's direction at both, which its neighbours share
+#endif
 uniform mat4 u_to_eye;       // to eye-relative space
-uniform vec2 u_half_size;    // of the picture, in pixels
 uniform float u_least_width; // in pixels: thinner strips are widened to it and cover a share of it
 uniform int u_columns;
-uniform float u_nearer;      // 1 where z / w grows towards the viewer, else -1
 
 out vec3 v_position;          // eye-relative
 out vec3 v_along;             // along the curve, root to tip
@@ -31,18 +35,26 @@ bool is_last(vec4 p) {
     return (floatBitsToUint(p.w) & 0x80000000u) != 0u;
 }
 
-// The direction along which a point moves without moving on the screen: where the gradients of x / w and y / w are 0
-vec3 sight(vec3 p, out vec3 gradient_x, out vec3 gradient_y) {
-    mat4 rows = transpose(u_to_clip);
-    vec4 clip = u_to_clip * vec4(p, 1.0);
-    gradient_x = (rows[0].xyz - clip.x / clip.w * rows[3].xyz) / clip.w;
-    gradient_y = (rows[1].xyz - clip.y / clip.w * rows[3].xyz) / clip.w;
-    return normalize(cross(gradient_x, gradient_y));
-}
-
 vec3 any_across(vec3 d) {
     return normalize(cross(d, abs(d.x) < 0.6 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0)));
 }
+
+// The direction of a strip at an end of segment k which is not the strand's: the mean of both segments
+vec3 along_at(int k, int end, vec3 axis) {
+    vec3 other = end == 0 ? point(k).xyz - point(k - 1).xyz : point(k + 2).xyz - point(k + 1).xyz;
+    if (dot(other, other) == 0.0) return axis;
+    vec3 mean = axis + normalize(other);
+    return dot(mean, mean) > 0.5 ? normalize(mean) : axis; // not round a hairpin
+}
+
+#if ROUND
+// The sine between the axis of segment k and that direction; 1 round a hairpin
+float sine_at(int k, int end, vec3 axis) {
+    vec3 along = along_at(k, end, axis);
+    vec3 other = end == 0 ? point(k).xyz - point(k - 1).xyz : point(k + 2).xyz - point(k + 1).xyz;
+    return along == axis && dot(axis, other) < 0.0 ? 1.0 : length(cross(axis, along));
+}
+#endif
 
 void main() {
     int k = gl_InstanceID, end = gl_VertexID & 1;
@@ -60,20 +72,12 @@ void main() {
 
     vec4 p = end == 0 ? here : next;
     vec3 chord = next.xyz - here.xyz;
-    vec3 along = dot(chord, chord) > 0.0 ? normalize(chord) : vec3(0.0, 0.0, 1.0);
+    vec3 axis = dot(chord, chord) > 0.0 ? normalize(chord) : vec3(0.0, 0.0, 1.0);
     bvec2 is_tip = bvec2(k == 0 || is_last(point(max(k - 1, 0))), is_last(next));
-    if (!is_tip[end]) {
-        vec3 other = end == 0 ? here.xyz - point(k - 1).xyz : point(k + 2).xyz - next.xyz;
-        if (dot(other, other) > 0.0) {
-            vec3 mean = along + normalize(other);
-            if (dot(mean, mean) > 0.5) along = normalize(mean); // not round a hairpin
-        }
-    }
+    vec3 along = is_tip[end] ? axis : along_at(k, end, axis);
     float radius = abs(p.w);
     vec3 gradient_x, gradient_y;
     vec3 front = sight(p.xyz, gradient_x, gradient_y);
-    vec4 towards = u_to_clip * vec4(front, 0.0), clip = u_to_clip * vec4(p.xyz, 1.0);
-    if ((towards.z * clip.w - clip.z * towards.w) * u_nearer < 0.0) front = -front;
     vec3 side = cross(front, along);
     side = dot(side, side) > 1e-8 ? normalize(side) : any_across(front);
 
@@ -101,4 +105,27 @@ void main() {
     v_along = mat3(u_to_eye) * along;
     v_position = (u_to_eye * vec4(q, 1.0)).xyz;
     gl_Position = u_to_clip * vec4(q, 1.0);
+#if ROUND
+    v_screen = vec2(0.0);
+    v_a = v_b = vec4(-1.0);
+    v_along_a = v_along_b = axis;
+    bool is_sphere = dot(chord, chord) == 0.0;
+    if (is_sphere && !is_tip.y && point(k + 2).xyz != next.xyz)
+        v_along_a = v_along_b = normalize(point(k + 2).xyz - next.xyz);
+    vec4 a_sphere = here, b_sphere = vec4(next.xyz, abs(next.w));
+    vec2 sines = vec2(is_tip.x ? 0.0 : sine_at(k, 0, axis), is_tip.y ? 0.0 : sine_at(k, 1, axis));
+    float widest = 2.0 * max(pixels_of_sphere(a_sphere), pixels_of_sphere(b_sphere));
+    bool is_round = is_blunt(length(chord), vec2(a_sphere.w, b_sphere.w), sines);
+    is_round = is_round || is_near(a_sphere) || is_near(b_sphere);
+    if (is_round && !(widest >= 0.0 && widest < LEAST_ROUND)) {
+        v_a = a_sphere;
+        v_b = b_sphere;
+        v_share = 1.0;
+        v_beyond = vec2(-1.0);
+        if (!is_tip.x && !is_sphere) v_along_a = along_at(k, 0, axis);
+        if (!is_tip.y && !is_sphere) v_along_b = along_at(k, 1, axis);
+        v_screen = corner_about(v_a, v_b, end, a);
+        gl_Position = vec4(v_screen, 0.5, is_sphere && !is_tip.x ? -1.0 : 1.0); // the segment before shows the sphere
+    }
+#endif
 }

@@ -28,10 +28,10 @@ vec3 absorption() {
 
 #if LIGHT_COUNT > 0
 // Of light i, from the direction l, before its shadow
-vec3 light_before_shadow(int i, out vec3 l) {
-    vec3 irradiance = punctual_irradiance(i, v_position, l);
+vec3 light_before_shadow(int i, CurvePoint at, out vec3 l) {
+    vec3 irradiance = punctual_irradiance(i, at.position, l);
 #if MEDIA
-    irradiance *= transmittance_to_light(i, v_position, l);
+    irradiance *= transmittance_to_light(i, at.position, l);
 #endif
     return irradiance;
 }
@@ -41,17 +41,17 @@ bool has_shadow(int i) {
     return u_lights[i].direction.w >= 0.0;
 }
 
-float seen_by_light(int i, vec3 l) {
+float seen_by_light(int i, CurvePoint at, vec3 l) {
     bool is_point = i >= DIRECTIONAL_COUNT && i < DIRECTIONAL_COUNT + POINT_COUNT;
-    vec3 outside = v_position + 2.0 * v_radius * l; // a fibre does not shadow itself
+    vec3 outside = at.position + 2.0 * at.radius * l; // a fibre does not shadow itself
     return shadow_visibility(int(u_lights[i].direction.w), is_point, outside, l, l, u_lights[i].position.xyz);
 }
 #endif
 #endif
 
-void write_curve(vec3 radiance) {
+void write_curve(vec3 radiance, CurvePoint at) {
 #if MEDIA
-    radiance = seen_in_media(radiance, v_position);
+    radiance = seen_in_media(radiance, at.position);
 #endif
 #if HALF_TARGET
     radiance = min(radiance, vec3(65504.0));

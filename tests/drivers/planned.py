@@ -38,7 +38,9 @@ def raster_keys(scene: Scene, settings: Settings, *, half: bool = True, orthogra
             yield "display/fullscreen.vert", program.fragment, program.switches
     if plan.curves is not None:
         for program in plan.curves.programs:
-            yield CURVE_VERTEX, program.fragment, program.switches
+            for is_round in (0, 1):
+                switches = dict(program.switches) | {"ROUND": is_round}
+                yield CURVE_VERTEX, program.fragment, tuple(sorted(switches.items()))
     for draw in plan.draws:
         yield VERTEX, draw.program.fragment, draw.program.switches
         if plan.shadow_layer_count or plan.environment_shadows:

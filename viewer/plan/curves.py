@@ -22,7 +22,8 @@ _LIT = ("HALF_TARGET", "IS_ORTHOGRAPHIC", "LIGHT_COUNT", "DIRECTIONAL_COUNT", "P
 @dataclass(frozen=True)
 class CurvePlan:
     """The programs of curves, with the vertex shader VERTEX. `shade` has one for each set of curves of the scene;
-    `depth` is that of shadow maps, and of the pass before curves are shaded."""
+    `depth` is that of shadow maps, and of the pass before curves are shaded. Where segments are wide that a strip does
+    not show well, ROUND is 1 in them (shaders/raster/curve_blunt.glsl)."""
 
     shade: tuple[Program, ...]
     depth: Program
@@ -52,7 +53,7 @@ def plan_curves(scene: Scene, settings: Settings, common: Mapping[str, int]) -> 
     """The plan of the curves, None where none are drawn. `common` are the switches that lit surfaces share."""
     if not draws_curves(scene, settings):
         return None
-    lit = {name: common[name] for name in _LIT} | {"POINTS_WIDTH": POINTS_WIDTH}
+    lit = {name: common[name] for name in _LIT} | {"POINTS_WIDTH": POINTS_WIDTH, "ROUND": 0}
     scatters_again = settings.mode == "pbr" and settings.hair_scattering == "multiple"
     if settings.mode == "pbr":
         fragment = "raster/curve.frag"
@@ -63,7 +64,8 @@ def plan_curves(scene: Scene, settings: Settings, common: Mapping[str, int]) -> 
     shade = tuple(_program(fragment, lit | {"HAS_COLORS": int(has_colors(curves, settings))})
                   for curves in scene.curves)
     size = sum(len(curves.points) * (16 + 16 * has_colors(curves, settings)) for curves in scene.curves)
-    return CurvePlan(shade, _program("raster/curve_depth.frag", {"HAS_COLORS": 0, "POINTS_WIDTH": POINTS_WIDTH}),
+    return CurvePlan(shade, _program("raster/curve_depth.frag", {"HAS_COLORS": 0, "POINTS_WIDTH": POINTS_WIDTH,
+                                                                   "ROUND": 0}),
                      scatters_again, sum(curves.strand_count for curves in scene.curves),
                      size / 1e6)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import nullcontext
 
 import moderngl
 import numpy as np
@@ -13,7 +14,7 @@ from ..gpu.context import Context
 from ..gpu.programs import Programs, matrix_uniform, set_uniform
 from ..plan.curves import POINTS_WIDTH, VERTEX, has_colors
 from ..plan.model import Plan, Program
-from ..scene.curve_segments import segments
+from ..scene.curve_segments import Segments, segments
 from ..scene.curves import Curves
 from ..scene.fibre import Fibre, color_fit, hair_fibre, longitudinal_variance, sigma_a_of_color
 from ..scene.frame import Frame
@@ -28,6 +29,10 @@ UNIT_POINTS, UNIT_COLORS, UNIT_TABLE = range(3)
 THIN, THICK = 3, 7
 """Pairs of vertices across a strip. The tube about a curve of up to THIN_PIXELS needs no more than its middle."""
 THIN_PIXELS = 4.0
+ROUND_PIXELS = 3.0
+"""As LEAST_ROUND in shaders/raster/curve_blunt.glsl."""
+NUDGE = 1e-5
+"""Share by which shaded fragments that write their depth are nearer than those drawn before."""
 SHADOW_WIDTH = 1.0
 """The least width of a strip in shadow maps, in texels."""
 
@@ -47,6 +52,7 @@ class CurveBuffers:
         size = float(np.ptp(curves.corners, axis=0).max()) if len(curves.points) else 1.0
         self.unit = 2.0 ** round(math.log2(size)) if size > 0 else 1.0  # a power of two keeps all digits
         self.radius = float(curves.radii.max(initial=0.0))
+        self.blunt_radius = blunt_radius(pieces)
         last = np.append(pieces.strand[1:] != pieces.strand[:-1], True) if len(pieces) else np.zeros(0, bool)
         self.count = len(pieces) + int(last.sum())
         rows = np.zeros((self.count, 4), np.float32)
@@ -81,6 +87,26 @@ class CurveBuffers:
         for thing in (*self._vertex_arrays.values(), self._points, self._colors):
             if thing is not None:
                 thing.release()
+
+
+def blunt_radius(pieces: Segments) -> float:
+    """The largest radius of the segments that strips do not show well, 0 if there are none: those that are thick beside
+    their length, turn sharply or taper quickly (shaders/raster/curve_blunt.glsl)."""
+    if not len(pieces):
+        return 0.0
+    way = pieces.ends[:, 1, :3].astype(np.float64) - pieces.ends[:, 0, :3]
+    size = np.linalg.norm(way, axis=1)
+    axis = way / np.maximum(size, 1e-300)[:, None]
+    sines = np.zeros((len(pieces) + 1, 1))  # at the joint before each segment
+    joined = (pieces.strand[1:] == pieces.strand[:-1]) & (size[1:] > 0) & (size[:-1] > 0)
+    mean = axis[1:] + axis[:-1]
+    length = np.linalg.norm(mean, axis=1)
+    sine = np.linalg.norm(np.cross(axis[1:], mean / np.maximum(length, 1e-300)[:, None]), axis=1)
+    sines[1:-1, 0] = np.where(joined, np.where(length**2 > 0.5, sine, 1.0), 0.0)
+    both, radii = np.concatenate([sines[:-1], sines[1:]], axis=1), pieces.ends[:, :, 3].astype(np.float64)
+    is_blunt = ((radii * both).sum(axis=1) >= 0.49 * size) | (both.max(axis=1) > 0.39) | (
+        np.abs(radii[:, 0] - radii[:, 1]) > 0.149 * size)  # a little more than the shader finds
+    return float(radii[is_blunt].max(initial=0.0))
 
 
 def _texture(gl: moderngl.Context, rows: np.ndarray) -> moderngl.Texture:
@@ -138,34 +164,42 @@ class CurvePass:
             self._draw_one(buffers, plan.curves.depth, frame, samples, {})
         target.color_mask = True, True, True, True
         target.use()
-        with self._depth.equal():
-            for curves, buffers, program in zip(frame.scene.curves, self._drawn, plan.curves.shade, strict=True):
-                if self._light.held is not None:
-                    uniforms = uniforms | self._light.held.bind(frame)
-                values = uniforms | self._of_fibre(curves.fibre or hair_fibre(settings), settings.mode)
+        for curves, buffers, program in zip(frame.scene.curves, self._drawn, plan.curves.shade, strict=True):
+            if self._light.held is not None:
+                uniforms = uniforms | self._light.held.bind(frame)
+            values = uniforms | self._of_fibre(curves.fibre or hair_fibre(settings), settings.mode) | {
+                "u_nudge": NUDGE}
+            # What fragments write as their depth need not be the same to the last bit in two programs.
+            with nullcontext() if self._is_round(buffers, frame) else self._depth.equal():
                 self._draw_one(buffers, program, frame, samples, values)
 
     def draw_depth(self, world_to_clip: np.ndarray, size: int) -> None:
         """Draw all curves into a tile of `size` texels of a shadow map."""
         for buffers in self._drawn:
-            program = self._programs.get(VERTEX, "raster/curve_depth.frag", {"HAS_COLORS": 0,
-                                                                             "POINTS_WIDTH": POINTS_WIDTH})
+            is_round = int(buffers.blunt_radius > 0)
+            program = self._programs.get(VERTEX, "raster/curve_depth.frag", {
+                "HAS_COLORS": 0, "POINTS_WIDTH": POINTS_WIDTH, "ROUND": is_round})
             _set_view(program, buffers, world_to_clip, np.eye(4), (size, size), is_reversed=False, least=SHADOW_WIDTH)
             buffers.draw(program, THIN)
 
     def _draw_one(self, buffers: CurveBuffers, wanted: Program, frame: Frame, samples: int,
                   uniforms: dict[str, object]) -> None:
-        program = self._programs.get(VERTEX, wanted.fragment, dict(wanted.switches))
+        is_round = int(self._is_round(buffers, frame))
+        program = self._programs.get(VERTEX, wanted.fragment, dict(wanted.switches) | {"ROUND": is_round})
         for name, value in uniforms.items():
             set_uniform(program, name, value)
         bind_blocks(program)
         to_eye = frame.model(np.eye(4))
         _set_view(program, buffers, frame.view_projection @ to_eye, to_eye, frame.size,
                   self._depth.is_reversed, 1.0 / samples)
-        near = max(frame.depth_range[0], 1e-6)
-        per_unit = frame.size[1] / frame.camera.height if frame.camera.height is not None else (
-            1.0 / (frame.pixel_angle * near * frame.unit))
-        buffers.draw(program, THIN if 2 * buffers.radius * per_unit < THIN_PIXELS else THICK)
+        is_thin = 2 * buffers.radius * _pixels_per_unit(frame) < THIN_PIXELS
+        buffers.draw(program, THIN if is_thin else THICK)
+
+    def _is_round(self, buffers: CurveBuffers, frame: Frame) -> bool:
+        """Whether segments may be drawn that are wide, and blunt or near."""
+        if frame.camera.height is None and buffers.radius > 0.15 * max(frame.depth_range[0], 1e-6) * frame.unit:
+            return True
+        return 2 * buffers.blunt_radius * _pixels_per_unit(frame) >= ROUND_PIXELS
 
     def _of_fibre(self, fibre: Fibre, mode: str) -> dict[str, object]:
         """The uniforms of shaders/raster/curve.frag or curve_phong.frag; binds the table."""
@@ -193,12 +227,21 @@ class CurvePass:
         self._buffers, self._drawn, self._tables = {}, [], {}
 
 
+def _pixels_per_unit(frame: Frame) -> float:
+    """How many pixels a unit of length takes where the scene is nearest to the camera."""
+    if frame.camera.height is not None:
+        return frame.size[1] / frame.camera.height
+    return 1.0 / (frame.pixel_angle * max(frame.depth_range[0], 1e-6) * frame.unit)
+
+
 def _set_view(program: moderngl.Program, buffers: CurveBuffers, to_clip: np.ndarray, to_eye: np.ndarray,
               size: tuple[int, int], is_reversed: bool, least: float) -> None:
     """`to_clip` and `to_eye` take world space to clip space and to eye-relative space."""
     from_points = np.diag([buffers.unit, buffers.unit, buffers.unit, 1.0])
     from_points[:3, 3] = buffers.center
     set_uniform(program, "u_to_clip", matrix_uniform(to_clip @ from_points))
+    if "u_from_clip" in program:
+        set_uniform(program, "u_from_clip", matrix_uniform(np.linalg.inv(to_clip @ from_points)))
     set_uniform(program, "u_to_eye", matrix_uniform(to_eye @ from_points))
     set_uniform(program, "u_half_size", (size[0] / 2, size[1] / 2))
     set_uniform(program, "u_least_width", least)
