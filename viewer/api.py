@@ -21,7 +21,7 @@ from .base.expect import expect, expect_path
 from .errors import UsageError
 from .scene.camera import Camera
 from .scene.scene import Scene
-from .settings import LAYERS, Settings
+from .settings import LAYERS, RANGES, Settings
 
 if TYPE_CHECKING:
     from .budget.chooser import Chooser
@@ -76,6 +76,7 @@ def render(
     animation: str | int | None = None,
     backend: str = "auto",
     aov: Sequence[str] = (),
+    tell_error: float | None = None,
     **settings: Any,
 ) -> Image:
     """Render a picture of `scene`; `size` is (width, height) in pixels.
@@ -88,6 +89,9 @@ def render(
     without `mode`, the best method is chosen (docs/budget.md); `Image.stats` names it. The first such call on a machine
     measures its device, which takes half a minute or more.
 
+    With `tell_error`, seconds of path tracing, `Image.stats["estimated_error"]` says how far a picture of another mode
+    is from the truth (docs/tell-error.md), and the layer "error" where.
+
     A texture that cannot be decoded is left out, with a UserWarning. Another one says that the picture will be black
     because nothing lights the scene, and another one how many samples mode path has left out. Raises UsageError for
     arguments of the wrong type, an invalid size or a setting that does not exist, InputError for an environment that
@@ -99,7 +103,7 @@ def render(
     scene = _at(scene, time, animation)
     known = scene.all_warnings
     started = perf_counter()
-    image = _rendered(scene, size, camera, backend, aov, settings)
+    image = _rendered(scene, size, camera, backend, aov, tell_error, settings)
     image = replace(image, stats={"wall_s": {"render": perf_counter() - started}, **image.stats})
     lost = [line for line in scene.all_warnings if line not in known]
     for line in [*lost, *picture_warnings(scene, Settings.of(**settings)), *sample_warnings(image.stats)]:
@@ -108,13 +112,17 @@ def render(
 
 
 def _rendered(scene: Scene, size: tuple[int, int], camera: Camera | None, backend: str, aov: Sequence[str],
-              settings: dict[str, Any]) -> Image:
+              tell_error: float | None, settings: dict[str, Any]) -> Image:
     chosen, size = Settings.of(**settings), _checked(size)
     is_open = "mode" not in settings and not (chosen.time_budget is None and chosen.error is None)
     if not is_open:
         chosen.check_used()
     if camera is None:
         camera = scene.framing_camera(size[0] / size[1])
+    if tell_error is not None:
+        tell_error = RANGES["time_budget"].number(tell_error, f"tell_error={tell_error!r}: it")
+        if is_open or chosen.mode == "path":
+            raise UsageError("tell_error is for pictures of the real-time modes; others tell their error themselves")
     if is_open:
         chosen.check_open()
         image, choice = shared_chooser(backend).make(scene, camera, chosen, size, _checked_layers(aov))
@@ -126,7 +134,21 @@ def _rendered(scene: Scene, size: tuple[int, int], camera: Camera | None, backen
     renderer = shared_renderer(backend)
     renderer.times.clear()
     image = renderer.render(scene, camera, chosen, size)
-    return replace(image, stats={"prepare_s": dict(renderer.times), **image.stats})
+    image = replace(image, stats={"prepare_s": dict(renderer.times), **image.stats})
+    return image if tell_error is None else _with_error(image, scene, camera, chosen, backend, tell_error)
+
+
+def _with_error(image: Image, scene: Scene, camera: Camera, settings: Settings, backend: str,
+                seconds: float) -> Image:
+    """The picture that the shared renderer has drawn last, with its error."""
+    from .estimate.measure import measure_error
+
+    radiance = shared_renderer(backend).read_radiance()
+    error = measure_error(shared_tracer(backend), radiance, scene, camera, settings, image.size, seconds)
+    assert error is not None
+    for note in error.notes:
+        warnings.warn(note, stacklevel=4)
+    return replace(image, stats={**image.stats, "estimated_error": error.to_json()}, layers={"error": error.map})
 
 
 def show(

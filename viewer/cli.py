@@ -25,6 +25,7 @@ from .jobs.options import (
     BACKEND_OPTION,
     CAMERA_OPTIONS,
     COMMON_OPTIONS,
+    ERROR_OPTIONS,
     FILM_OPTIONS,
     JSON_OPTION,
     LOOK_OPTIONS,
@@ -99,8 +100,8 @@ def view(model: str, **options: Any) -> None:
 @BACKEND_OPTION
 @click.option("--stats", metavar="FILE.json",
               help="Write times, plan and memory as JSON; for several models a list of them.")
-@with_options([*SCENE_OPTIONS, *TIME_OPTIONS, *FILM_OPTIONS, *PATH_OPTIONS, AOV_OPTION, *CAMERA_OPTIONS,
-               *COMMON_OPTIONS])
+@with_options([*SCENE_OPTIONS, *TIME_OPTIONS, *FILM_OPTIONS, *PATH_OPTIONS, *ERROR_OPTIONS, AOV_OPTION,
+               *CAMERA_OPTIONS, *COMMON_OPTIONS])
 def render(models: tuple[str, ...], output: str, backend: str, stats: str | None, **options: Any) -> None:
     """Render a picture of each MODEL, without a screen.
 
@@ -122,6 +123,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     from .jobs.assemble import make_camera, make_environment, make_scene, make_settings
     from .jobs.film import check_film_options, make_film
     from .jobs.render_job import RenderJob, check_layers, check_output, output_paths
+    from .jobs.tell_error import check_tell_error, map_paths
 
     settings = make_settings(options)
     chooses = _leaves_mode_open(settings)
@@ -130,6 +132,8 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     paths, folders = output_paths(models, output)
     check_layers(options["aov"], settings, paths, chooses)
     check_film_options(paths, options, chooses)
+    check_tell_error(settings, options, paths, chooses)
+    maps, map_folders = map_paths(models, options["error_map"])
 
     def load(model: str) -> Any:
         scene = make_scene(model, environment, options)
@@ -137,9 +141,10 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
         return scene
 
     job = RenderJob(backend, settings, options["size"], options["aov"], use_cache=not options["no_cache"],
-                    measure=stats is not None, quiet=options["quiet"], verbose=options["verbose"], chooses=chooses)
-    with made_folders(*folders):
-        for path in paths:
+                    measure=stats is not None, quiet=options["quiet"], verbose=options["verbose"], chooses=chooses,
+                    tell_error=options["tell_error"], error_maps=dict(zip(paths, maps)))
+    with made_folders(*folders, *map_folders):
+        for path in (*paths, *maps):
             check_output(path)
         if stats is not None:
             check_output(stats)

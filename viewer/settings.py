@@ -29,6 +29,8 @@ LAYERS = ("albedo", "normal", "depth", "variance", "samples")
 MAX_EXPOSURE = 64.0
 """In EV. 2**64 times the largest half float still fits in a float32."""
 DEFAULT_SPP = 64
+TELL_ERROR_S = 5.0
+"""Seconds of path tracing for the error of a picture of the raster."""
 MAX_SPP = 1 << 16
 """The error of a float32 sum of so many samples is at most 0.4 %, even if all are rounded in the same direction."""
 

@@ -30,6 +30,7 @@ class RasterMaker(PictureMaker):
     def __init__(self, request: RenderRequest) -> None:
         super().__init__(request)
         self._renderer: Renderer | None = None
+        self._tracer: Tracer | None = None
 
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
         """As `PictureMaker.make`."""
@@ -51,7 +52,26 @@ class RasterMaker(PictureMaker):
         self.stats = {"prepare_s": dict(renderer.times), "pass_ms": dict(renderer.pass_ms),
                       "plan": renderer.plan.to_json()}
         self.texture_bytes = renderer.texture_bytes
+        if request.tell_error is not None:
+            self._tell_error(renderer, scene, camera, path, progress, request.tell_error)
         return image
+
+    def _tell_error(self, renderer: Renderer, scene: Scene, camera: Camera, path: Path, progress: Progress,
+                    seconds: float) -> None:
+        """Trace paths for so long. The first signal to stop ends it, without a figure if it comes too early for one."""
+        from ..estimate.measure import measure_error
+        from ..trace.tracer import Tracer
+
+        request = self._request
+        if self._tracer is None:
+            self._tracer = Tracer(request.open(), use_cache=request.use_cache)
+        progress.part(0.0, f"{path.name}: tracing paths for its error, {seconds:g} s")
+        with postponed() as stop_request:
+            self.error = measure_error(self._tracer, renderer.read_radiance(), scene, camera, request.settings,
+                                       request.size, seconds, lambda: stop_request.number is not None)
+        self.stopped = stop_request.number
+        if self.error is not None:
+            self.stats["estimated_error"] = self.error.to_json()
 
 
 class PathMaker(PictureMaker):

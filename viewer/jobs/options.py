@@ -13,7 +13,17 @@ from typing import Any, get_args
 import click
 
 from ..errors import UsageError
-from ..settings import DEFAULT_SPP, LAYERS, MAX_EXPOSURE, RANGES, Background, Denoise, Mode, parse_background
+from ..settings import (
+    DEFAULT_SPP,
+    LAYERS,
+    MAX_EXPOSURE,
+    RANGES,
+    TELL_ERROR_S,
+    Background,
+    Denoise,
+    Mode,
+    parse_background,
+)
 
 MAX_NUMBER = 1e18
 """The largest number of metres or lux. Models have no larger coordinates, and its square still fits in a float32."""
@@ -187,6 +197,15 @@ PATH_OPTIONS = [
     click.option("--denoise", type=click.Choice(get_args(Denoise)), default="off", show_default=True,
                  help="Mode path: remove noise, which also blurs some detail: fast (a wavelet filter) or oidn (Intel "
                       "Open Image Denoise, an optional dependency)."),
+]
+ERROR_OPTIONS = [
+    click.option("--tell-error", type=Number(*_ends("time_budget")), is_flag=False, flag_value=TELL_ERROR_S,
+                 metavar="[SECONDS]",
+                 help="Tell how far the picture of a real-time mode is from the truth, which so many seconds of path "
+                      f"tracing show. Default: {TELL_ERROR_S:g}. A MODEL after it needs `--tell-error=SECONDS`."),
+    click.option("--error-map", metavar="FILE",
+                 help="With --tell-error: write where the picture is wrong. An .exr has the relative error; a .png is "
+                      "black at 0 and pale at 100 %. For several models a folder or a pattern, as for -o."),
 ]
 AOV_OPTION = click.option("--aov", type=Layers(), default=(), help=(
     f"Mode path: add these layers to the .exr, separated by commas: {', '.join(LAYERS)}."))

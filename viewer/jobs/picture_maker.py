@@ -15,6 +15,7 @@ from ..scene.scene import Scene
 from ..settings import Settings
 
 if TYPE_CHECKING:
+    from ..estimate.raster_error import RasterError
     from ..gpu.context import Context
 
 
@@ -34,6 +35,8 @@ class RenderRequest:
     quiet: bool = True
     chooses: bool = False
     """Whether the method is chosen for each picture by its time budget or error; `settings.mode` is ignored then."""
+    tell_error: float | None = None
+    """Seconds of path tracing for the error of each picture of the raster."""
 
 
 class Opener(Protocol):
@@ -53,6 +56,8 @@ class PictureMaker(ABC):
         """About how many bytes the scene's textures take on the GPU."""
         self.stopped: int | None = None
         """The number of the signal that stopped the last picture early; None if the picture is complete."""
+        self.error: RasterError | None = None
+        """The error of the last picture, where it was asked for."""
 
     @abstractmethod
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:

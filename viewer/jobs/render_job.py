@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -37,7 +37,8 @@ class RenderJob:
 
     `aov` are the layers to add, of `viewer.settings.LAYERS`. With `measure` each pass is timed, which waits for its
     end. With `quiet` there is no progress bar, and with `verbose` times are printed. With `chooses` the method is
-    chosen for each picture.
+    chosen for each picture. `tell_error` are the seconds of path tracing that tell the error of each picture, and
+    `error_maps` the files for the maps of the error, by the pictures' files.
     """
 
     backend: str
@@ -49,6 +50,8 @@ class RenderJob:
     quiet: bool = False
     verbose: bool = False
     chooses: bool = False
+    tell_error: float | None = None
+    error_maps: Mapping[Path, Path] = field(default_factory=dict)
     _context: Context | None = field(default=None, init=False)
 
     def run(
@@ -72,7 +75,8 @@ class RenderJob:
         records: list[Record] = []
         status = 0
         maker = make_picture_maker(RenderRequest(
-            self._open, self.settings, self.size, self.aov, self.use_cache, self.measure, self.quiet, self.chooses))
+            self._open, self.settings, self.size, self.aov, self.use_cache, self.measure, self.quiet, self.chooses,
+            self.tell_error))
         with Progress(len(work), enabled=not self.quiet) as progress, self._opened():
             for model, path in work:
                 try:
@@ -110,6 +114,12 @@ class RenderJob:
         rendered = time.perf_counter()
         if image is not None:
             image.save(path)
+        if maker.error is not None:
+            if not self.quiet:
+                for line in (str(maker.error), *(f"warning: {note}" for note in maker.error.notes)):
+                    say(f"{path}: {line}")
+            if path in self.error_maps:
+                maker.error.map_image().save(self.error_maps[path])
         saved = time.perf_counter()
         seconds = {"load": loaded - start, "render": rendered - loaded, "save": saved - rendered,
                    "total": saved - start}

@@ -52,6 +52,11 @@ class TracePlan:
         """Whether surfaces transmit light, so that paths have a medium."""
         return bool(self.programs["generate"]["HAS_TRANSMISSION"])
 
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """The lines of `left_out` about what the picture lacks, and not about code that it does not need."""
+        return tuple(line for line in self.left_out if any(words in line for words in _MISSING))
+
     def to_json(self) -> dict[str, object]:
         return {
             "passes": ["intersect", *self.programs, "display"],
@@ -65,6 +70,7 @@ class TracePlan:
         }
 
 
+_MISSING = "no path from the camera can hit them", "the path tracer shows triangles only"
 _MEDIA = {"medium": "HAS_SCATTERING", "airlight": "HAS_AIRLIGHT"}
 """The passes between surfaces, and their switches."""
 _NEUTRAL = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "HAS_PUNCTUAL", "LIGHT_RADIUS", "HAS_LIGHTS", "CLAMP")

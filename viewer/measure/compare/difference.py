@@ -12,17 +12,12 @@ import numpy as np
 
 from ...errors import InputError
 from ...image.image import LINEAR_FORMATS, Image
+from ...image.magma import magma
 from ...scene.color import LUMINANCE
 
 Kind = Literal["ldr", "hdr"]
 # The largest radiance FLIP's tone map (ACES, Narkowicz' fit) takes to 0.85; sets the exposures of HDR-FLIP.
 _WHITE = 2.11887
-
-# Magma as a polynomial of degree 6 (Zucker 2019, public domain); within 0.022 of the table.
-_MAGMA = np.array([
-    [-0.0021364, -0.0007496, -0.0053861], [0.2516605, 0.6775232, 2.4940266], [8.3537173, -3.5777195, 0.3144679],
-    [-27.6687331, 14.2647308, -13.6492132], [52.1761398, -27.9436061, 12.9441694],
-    [-50.7685254, 29.0465828, 4.234153], [18.6557051, -11.4897735, -5.6019615]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,12 +57,6 @@ class Difference:
     def save_map(self, path: str | PathLike[str]) -> None:
         """Writes `map_image`; OutputError as `Image.save`."""
         self.map_image().save(path)
-
-
-def magma(values: np.ndarray) -> np.ndarray:
-    """(H, W) in [0, 1] as colours, (H, W, 3) uint8: black, purple, orange, pale yellow."""
-    colors = np.polynomial.polynomial.polyval(values, _MAGMA).transpose(1, 2, 0)
-    return (np.clip(colors, 0, 1) * 255 + 0.5).astype(np.uint8)
 
 
 def compare(a: Image, b: Image, kind: Kind = "ldr", names: tuple[str, str] = ("a", "b")) -> Difference:

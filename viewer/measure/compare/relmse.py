@@ -11,8 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-EPSILON = 0.01
-"""Added to the squared reference: the darkest pixels count by their absolute error of about a tenth."""
+from ...estimate.neighbourhood import EPSILON
 
 
 def relmse(picture: np.ndarray, reference: np.ndarray) -> float:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...base.atomic import atomic_write, write_json
-from ..compare.difference import magma
+from ...image.magma import magma
 from ..drawing import to_svg
 from ..drawing_png import save_png
 from ..html_page import html_page

@@ -157,11 +157,19 @@ class PathRender:
     @property
     def radiance(self) -> moderngl.Texture:
         """The mean radiance so far, RGBA32F, row 0 at the bottom, associated alpha."""
+        self._develop()
+        return self.film.radiance
+
+    def _develop(self) -> None:
         if not self._is_developed:
             self._passes.context.make_current()
             self.film.develop()
             self._is_developed = True
-        return self.film.radiance
+
+    def read_radiance(self) -> np.ndarray:
+        """`radiance`, (H, W, 4) float32, row 0 at the top."""
+        self._develop()
+        return self.film.read_radiance()
 
     @property
     def shown(self) -> moderngl.Texture:

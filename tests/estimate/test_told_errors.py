@@ -1,0 +1,131 @@
+"""`render --tell-error` and `viewer.render(tell_error=...)`: what is told, and that it is true."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from command_line import SCENES, names
+from shapes import WHITE, facing_floor, moved, plate, scene, sphere
+
+import viewer
+from viewer.errors import UsageError
+from viewer.estimate.measure import error_notes, measure_error
+from viewer.estimate.paths import LEAST_GROUPS, PathGroups, path_settings
+from viewer.estimate.raster_error import raster_error
+from viewer.image.image import Image
+from viewer.measure.compare.relmse import relmse
+from viewer.raster.renderer import Renderer
+from viewer.scene.light import Light
+from viewer.settings import Settings
+from viewer.trace.tracer import Tracer
+
+MODEL = SCENES / "spheres.glb"
+TELL = ("--size", "24", "--env", "furnace", "--tell-error=0.05")
+LINE = r"(.*): [\d.]+ % from the truth \(95 %: [\d.]+ to [\d.]+\), of that brightness alone [\d.]+ %; .*\n"
+
+
+@pytest.fixture(scope="module")
+def ball():
+    """On a floor, lit from above: light that the floor sends back is what the raster lacks."""
+    material = replace(WHITE, base_color=(0.8, 0.8, 0.8, 1.0))
+    light = Light.from_angles(0.6, 0.9, 3.0)
+    return scene((sphere(segments=24), moved((0, 1, 0))), (plate(half=4), facing_floor()), materials=(material,),
+                 lights=(light,))
+
+
+def test_the_interval_holds_the_error_of_real_pictures(context, ball):
+    size, camera = (32, 32), ball.framing_camera(1.0)
+    renderer, tracer = Renderer(context), Tracer(context)
+    reference = tracer.render(ball, camera, replace(path_settings(Settings()), spp=512, seed=7), size).linear
+    paths = PathGroups(tracer, ball, camera, Settings(), size)
+    while paths.samples < 32:
+        paths.step(math.inf)
+    assert paths.groups.shape == (8, 32, 32, 3) and paths.is_enough
+    mask = paths.shows_model
+    assert 0.1 < mask.mean() < 1
+    for settings in (Settings(), Settings(mode="phong"), Settings(shadows="off")):
+        picture = renderer.render(ball, camera, settings, size).linear
+        true = relmse(picture[mask][:, :3], reference[mask][:, :3])
+        told = raster_error(picture, paths.groups, mask, paths.samples, paths.seconds)
+        assert true > 0.003 and told.low <= true <= told.high
+        assert told.relmse == pytest.approx(true, rel=0.3)
+    paths.release()
+    tracer.release()
+    renderer.release()
+
+
+def test_rounds_fill_the_groups_one_after_the_other_and_time_ends_them(context, ball):
+    camera, tracer = ball.framing_camera(1.0), Tracer(context)
+    paths = PathGroups(tracer, ball, camera, Settings(), (8, 8))
+    counts = []
+    while paths.samples < 40:
+        paths.step(math.inf)
+        counts.append(paths.samples)
+    assert counts[:9] == [1, 2, 3, 4, 5, 6, 7, 8, 9] and counts[16:18] == [18, 20]
+    assert paths.is_over(0.0) and not paths.is_over(1e6)
+    first = PathGroups(tracer, ball, camera, Settings(), (8, 8))
+    first.step(math.inf)
+    assert not first.is_over(0.0) and not first.is_enough
+    again = PathGroups(tracer, ball, camera, Settings(background=(1.0, 0.0, 0.0)), (8, 8))
+    again.step(math.inf)
+    assert np.array_equal(first.groups, again.groups)  # the same seeds, and no colour behind the model
+    assert measure_error(tracer, np.zeros((8, 8, 4), np.float32), ball, camera, Settings(), (8, 8), 9.0,
+                         lambda: True) is None
+    assert LEAST_GROUPS >= 3  # the jackknife leaves one out, and needs pairs of the others
+    tracer.release()
+
+
+def test_paths_show_what_the_raster_shows():
+    raster = Settings(ndf="beckmann", antialias="ssaa-4", environment_shadows="16", fog=0.5, exposure=2.0)
+    chosen = path_settings(raster)
+    assert chosen == Settings(mode="path", ndf="beckmann", fog=0.5, exposure=2.0)
+    chosen.check_used()
+    assert path_settings(replace(raster, background=(1.0, 0.0, 0.0))).background == "none"
+    assert error_notes(Settings(), ()) == ()
+    notes = error_notes(Settings(shadows="off", media_scattering="single"), ("light through glass: none",))
+    assert [re.split(r" |:", note)[0] for note in notes] == ["shadows=off", "media-scattering=single", "not"]
+
+
+def test_the_command_line_tells_it_and_writes_the_map(run, folder):
+    outcome = run("render", MODEL, "-o", "a.png", *TELL, "--error-map", "m.exr", "--stats", "s.json")
+    assert outcome.status == 0 and re.fullmatch(LINE, outcome.err)
+    told = json.loads((folder / "s.json").read_text())["estimated_error"]
+    assert set(told) >= {"relmse", "low", "high", "relative", "trimmed_relmse", "samples", "seconds"}
+    assert 0 <= told["low"] <= told["relmse"] <= told["high"] and told["samples"] >= LEAST_GROUPS
+    assert told["relative"] == pytest.approx(math.sqrt(told["relmse"]))
+    error = Image.open("m.exr").linear
+    assert error.shape == (24, 24, 4) and error[..., 0].max() > 0 and np.array_equal(error[..., 0], error[..., 2])
+    models = [MODEL, SCENES / "emissive.glb"]
+    outcome = run("render", *models, "-o", "out/", "-q", *TELL, "--error-map", "out/{name}-map.png")
+    assert (outcome.status, outcome.err) == (0, "")
+    assert names(folder / "out") == ["emissive-map.png", "emissive.png", "spheres-map.png", "spheres.png"]
+
+
+@pytest.mark.parametrize("arguments, problem", [
+    (("--error-map", "m.png"), "--error-map needs --tell-error"),
+    (("--tell-error", "--mode", "path"), "--tell-error is for pictures of the real-time modes"),
+    (("--tell-error=2", "--time-budget", "2"), "--tell-error with --time-budget or --error"),
+    (("--tell-error", "--error-map", "m.jpg"), "the name of a map must end in .exr or .png"),
+    (("--tell-error", "--error-map", "no/m.png"), "no/m.png: the folder no does not exist"),
+    (("--tell-error", "--turntable", "2", "-o", "b.webp"), "it tells the error of pictures, not of films"),
+])
+def test_what_it_cannot_tell_is_refused(run, folder, arguments, problem):
+    outcome = run("render", MODEL, "-o", "a.png", "--size", "8", *arguments)
+    assert outcome.status in (1, 2) and problem in outcome.error and names(folder) == []
+
+
+def test_from_python(ball):
+    with pytest.warns(UserWarning, match="shadows=off leaves out light"):
+        image = viewer.render(ball, (16, 16), tell_error=0.02, shadows="off")
+    told = image.stats["estimated_error"]
+    assert json.loads(json.dumps(told))["notes"] and image.layers["error"].shape == (16, 16)
+    for wrong in ({"mode": "path"}, {"time_budget": 1.0}):
+        with pytest.raises(UsageError, match="tell_error"):
+            viewer.render(ball, (16, 16), tell_error=1.0, **wrong)
+    with pytest.raises(UsageError, match=r"tell_error=-1: it must be a number from 0.01"):
+        viewer.render(ball, (16, 16), tell_error=-1)

@@ -1,0 +1,88 @@
+"""Estimates of radiance from noisy pictures and a picture without noise, each in its neighbourhood.
+
+Pictures are linear radiance, (H, W, 3) float32. `groups` (G, H, W, 3) are independent noisy pictures of one
+expectation.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..scene.color import LUMINANCE
+
+EPSILON = 0.01
+"""Of relMSE, added to the squared reference: the darkest pixels count by their absolute error of about a tenth."""
+REACH = 2
+"""Energies are means over (2 REACH + 1)^2 pixels."""
+_GUIDE_REACH = 3
+_SHARPNESS = 4.0
+"""A neighbour whose radiance differs from that of a pixel by one part in _SHARPNESS counts 1/e."""
+_DARK = 0.05
+"""Below this radiance, pixels are alike."""
+
+
+def pulled(base: np.ndarray, groups: np.ndarray) -> np.ndarray:
+    """The weighted mean of `base` and the mean of the groups that has the least error, in each neighbourhood.
+
+    base + a (mean - base), where a = 1 - noise / energy is the Wiener filter: energy is the mean over a neighbourhood
+    of (mean - base)^2, which is the squared error of the base plus the noise of the mean. The noise follows from how
+    far the groups are apart. Without noise it is the mean of the groups.
+    """
+    mean = groups.mean(axis=0)
+    noise = noise_of(groups)
+    scale = 1 / (smooth(smooth(luminance(mean), 1), 2) ** 2 + EPSILON)
+    energy = box((scale * (mean - base) ** 2).mean(axis=-1, keepdims=True))
+    share = box((scale * noise).mean(axis=-1, keepdims=True)) / np.maximum(energy, 1e-12)
+    return base + np.clip(1 - share, 0, 1) * (mean - base)
+
+
+def noise_of(groups: np.ndarray) -> np.ndarray:
+    """The variance of the mean of the groups, (H, W, 3)."""
+    count = len(groups)
+    return groups.var(axis=0, ddof=1) / count
+
+
+def guided(picture: np.ndarray, guide: np.ndarray) -> np.ndarray:
+    """`picture`, averaged over those pixels nearby in which `guide`, a picture without noise, looks the same.
+
+    The cross-bilateral filter (Petschnigg et al. 2004; Eisemann and Durand 2004), by the logarithm of the guide.
+    """
+    reach, (height, width) = _GUIDE_REACH, picture.shape[:2]
+    feature = _SHARPNESS * np.log(np.maximum(guide, 0) + _DARK).astype(np.float32)
+    around, features = (np.pad(each, ((reach, reach), (reach, reach), (0, 0)), mode="edge")
+                        for each in (picture.astype(np.float32), feature))
+    total, weights = np.zeros_like(picture, np.float32), np.zeros((height, width, 1), np.float32)
+    for y in range(2 * reach + 1):
+        for x in range(2 * reach + 1):
+            part = slice(y, y + height), slice(x, x + width)
+            apart = ((y - reach) ** 2 + (x - reach) ** 2) / (reach**2 / 2)
+            weight = np.exp(-np.square(features[part] - feature).sum(axis=-1, keepdims=True) - apart)
+            total += weight * around[part]
+            weights += weight
+    return total / weights
+
+
+def smooth(picture: np.ndarray, step: int) -> np.ndarray:
+    """(H, W, C) convolved with the cubic B-spline (1 4 6 4 1) / 16, its taps `step` pixels apart, along both axes."""
+    for axis in (0, 1):
+        last = picture.shape[axis] - 1
+        taps = [np.take(picture, np.clip(np.arange(last + 1) + k * step, 0, last), axis=axis) for k in range(-2, 3)]
+        picture = (6 * taps[2] + 4 * (taps[1] + taps[3]) + taps[0] + taps[4]) / 16
+    return picture
+
+
+def box(picture: np.ndarray, reach: int = REACH) -> np.ndarray:
+    """The means of (H, W, C) over squares of 2 reach + 1 pixels, of what lies inside of the picture."""
+    for axis in (0, 1):
+        size = picture.shape[axis]
+        sums = np.concatenate([np.zeros_like(np.take(picture, [0], axis), np.float64),
+                               np.cumsum(picture, axis=axis, dtype=np.float64)], axis=axis)
+        low, high = np.maximum(np.arange(size) - reach, 0), np.minimum(np.arange(size) + reach + 1, size)
+        count = (high - low).reshape([-1 if k == axis else 1 for k in range(picture.ndim)])
+        picture = (np.take(sums, high, axis) - np.take(sums, low, axis)) / count
+    return picture
+
+
+def luminance(picture: np.ndarray) -> np.ndarray:
+    """(H, W, 1), of what is not negative."""
+    return np.maximum(picture, 0) @ LUMINANCE.astype(picture.dtype)[:, None]

@@ -1,0 +1,159 @@
+"""The error of a picture of the raster, from path-traced pictures of few samples and without a reference.
+
+Let R be the raster's picture, T the right one, and P_i independent path-traced ones, whose expectation is T. Then
+(R - P_i)(R - P_j) for i != j has the expectation (R - T)^2, whatever the noise of paths is: no variance is subtracted.
+The mean over all pairs is a U-statistic (Hoeffding 1948):
+
+    u = ((sum d_i)^2 - sum d_i^2) / (G (G - 1)),   d_i = R - P_i
+
+relMSE divides it by T^2 + 0.01, which only noisy paths tell. The estimate is the mean of w u, w = 1 / (C^2 + 0.01),
+where C is the mean of the paths, filtered (`neighbourhood`); C becomes T with time. The interval holds all of
+
+    the estimate +- 2 standard deviations (jackknife over the groups, each pixel for itself: Efron and Stein 1981),
+    the same where C is the mean of the paths alone: often too small where it is noisy, so that the error is too large,
+    the same where C is the mixture of R and the paths with the least error: too small where R is too dark,
+    the same where C is larger by what n samples a pixel may have missed of a raster that is brighter. If none of n
+      samples has met something, its share of the pixel is below 3 / n, with 95 % (rule of three: Hanley and
+      Lippman-Hand 1983); the raster has seen it by one of four samples or more, so that it adds up to 12 / n of R.
+
+and 0.4 / sqrt(n) of the estimate more on either side, for what C is wrong by.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..image.image import Image
+from ..image.magma import magma
+from .neighbourhood import EPSILON, box, guided, pulled, smooth
+
+TRIMMED = 0.01
+"""Share of the pixels, those with the largest errors, that `trimmed` leaves out."""
+_SURE = 2.0
+"""Standard deviations on each side: 95 % of a normal distribution."""
+_MISSED = 12.0
+_WEIGHTS = 0.4
+"""So that the interval holds the truth in 95 % of the cases of benchmarks/tell_error.py."""
+
+
+@dataclass(frozen=True, eq=False)
+class RasterError:
+    """The error over the pixels that show the model, with the ends of the 95 % interval of relMSE."""
+
+    relmse: float
+    """The mean of (x - truth)^2 / (truth^2 + 0.01), estimated; not below 0."""
+    low: float
+    high: float
+    trimmed: float
+    """The same without the pixels of the largest errors, TRIMMED of all."""
+    brightness: float
+    """Share of relMSE that one factor for the whole picture would remove."""
+    samples: float
+    """Path-traced ones a pixel."""
+    seconds: float
+    map: np.ndarray = field(repr=False)
+    """The relative error in the neighbourhood of each pixel, (H, W) float32; 0 beside the model."""
+    notes: tuple[str, ...] = ()
+    """What of it is there on purpose, and what is not part of it, since paths do not find it."""
+
+    @property
+    def relative(self) -> float:
+        return math.sqrt(self.relmse)
+
+    def to_json(self) -> dict[str, object]:
+        return {"relmse": self.relmse, "low": self.low, "high": self.high, "relative": self.relative,
+                "trimmed_relmse": self.trimmed, "brightness": self.brightness, "samples": self.samples,
+                "seconds": self.seconds, "notes": list(self.notes)}
+
+    def __str__(self) -> str:
+        ends = f"95 %: {percent(math.sqrt(self.low))} to {percent(math.sqrt(self.high))}"
+        rest = f"{percent(math.sqrt(self.trimmed))} % without the worst {percent(TRIMMED)} % of the pixels"
+        return (f"{percent(self.relative)} % from the truth ({ends}), of that brightness alone "
+                f"{percent(self.brightness)} %; {rest}")
+
+    def map_image(self) -> Image:
+        """The map as a picture: `linear` is the relative error, and displayed it is black at 0 and pale at 100 %."""
+        grey = np.repeat(self.map[..., None], 3, axis=-1).astype(np.float32)
+        alpha = np.ones_like(grey[..., :1])
+        displayed = np.concatenate([magma(np.minimum(self.map, 1)), np.full_like(alpha, 255, np.uint8)], axis=-1)
+        return Image(np.concatenate([grey, alpha], axis=-1), displayed)
+
+
+def raster_error(raster: np.ndarray, groups: np.ndarray, mask: np.ndarray, samples: float, seconds: float,
+                 notes: tuple[str, ...] = ()) -> RasterError:
+    """The error of `raster`, linear radiance (H, W, 3 or 4), by independent path-traced pictures of few samples.
+
+    `groups` (G, H, W, 3), G of 4 or more; errors are taken where `mask` (H, W) bool is true, which it is somewhere.
+    Pixels of the raster that are not finite count as black.
+    """
+    picture = raster[..., :3].astype(np.float32)
+    picture = np.where(np.isfinite(picture).all(axis=-1, keepdims=True), picture, np.float32(0))
+    mean = groups.mean(axis=0)
+    level = np.maximum(pulled(guided(mean, picture), groups), 0)
+    missed = min(_MISSED / samples, 1.0) * np.maximum(picture - level, 0)
+    levels = level, mean, pulled(picture, groups), level + missed
+    weights = [1 / (np.maximum(level, 0)[mask].astype(np.float64) ** 2 + EPSILON) for level in levels]
+    apart = (picture - groups)[:, mask].astype(np.float64)
+    estimates = [_mean_and_deviation(apart, weight) for weight in weights]
+    relmse = max(estimates[0][0], 0.0)
+    more = _WEIGHTS / math.sqrt(samples) * relmse
+    low = max(min(value - _SURE * deviation for value, deviation in estimates) - more, 0.0)
+    high = max(value + _SURE * deviation for value, deviation in estimates) + more
+    trimmed = min(max(_trimmed(apart, weights[0]), 0.0), high)
+    share = _brightness(picture[mask].astype(np.float64), groups[:, mask].astype(np.float64), weights[0])
+    errors = np.zeros(picture.shape, np.float32)
+    errors[mask] = weights[0] * squared_error(apart)
+    return RasterError(relmse, low, max(high, relmse), trimmed, share, samples, seconds, _map(errors, mask), notes)
+
+
+def squared_error(apart: np.ndarray) -> np.ndarray:
+    """u of `apart`, (G, ...): how far a picture is from each of G independent ones."""
+    count = len(apart)
+    return (apart.sum(axis=0) ** 2 - (apart**2).sum(axis=0)) / (count * (count - 1))
+
+
+def _mean_and_deviation(apart: np.ndarray, weight: np.ndarray) -> tuple[float, float]:
+    """The mean over pixels (G, N, 3) of weight * u, and its standard deviation by a jackknife in each pixel.
+
+    The noise of each pixel has nothing to do with that of another, so that their variances add up.
+    """
+    count = len(apart)
+    total, squares = apart.sum(axis=0), (apart**2).sum(axis=0)
+    whole = (weight * (total**2 - squares)).mean(axis=-1) / (count * (count - 1))
+    variance = 0.0
+    for one in apart:
+        rest = (weight * ((total - one) ** 2 - squares + one**2)).mean(axis=-1) / ((count - 1) * (count - 2))
+        variance += float(((rest - whole) ** 2).sum()) * (count - 1) / count
+    return float(whole.mean()), math.sqrt(variance) / len(whole)
+
+
+def _trimmed(apart: np.ndarray, weight: np.ndarray) -> float:
+    """Which pixels are the worst is decided by one half of the groups, and what the others have by the other half."""
+    halves = [(weight * squared_error(apart[k::2])).mean(axis=-1) for k in range(2)]
+    kept = len(halves[0]) - int(TRIMMED * len(halves[0]))
+    return float(np.mean([second[np.argsort(first)[:kept]].mean() for first, second in (halves, halves[::-1])]))
+
+
+def _brightness(raster: np.ndarray, groups: np.ndarray, weight: np.ndarray) -> float:
+    """The share of sum w (R - T)^2 that is gone for the best s in sum w (s R - T)^2: with <a, b> = sum w a b,
+    the least is <T, T> - <R, T>^2 / <R, R>. <T, T> is the mean over pairs of groups."""
+    own, with_truth = (weight * raster**2).sum(), (weight * raster * groups.mean(axis=0)).sum()
+    truth = (weight * squared_error(groups)).sum()
+    whole, best = own - 2 * with_truth + truth, truth - with_truth**2 / max(own, 1e-12)
+    return float(np.clip(1 - best / whole, 0, 1)) if whole > 0 else 0.0
+
+
+def _map(errors: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """The root of the mean of `errors`, (H, W, 3), around each pixel of the mask."""
+    inside = mask[..., None].astype(np.float32)
+    around = box(smooth(errors.mean(axis=-1, keepdims=True), 1)) / np.maximum(box(smooth(inside, 1)), 1e-6)
+    return np.where(mask, np.sqrt(np.maximum(around[..., 0], 0)), 0).astype(np.float32)
+
+
+def percent(share: float) -> str:
+    """Of 100, to two digits."""
+    value = 100 * share
+    return f"{value:.2g}" if value < 99.5 else f"{value:.0f}"
