@@ -6,6 +6,7 @@ uniform float u_camera_depth; // distance from the eye to that plane; 1e30 for a
 uniform vec3 u_camera_eye;
 uniform vec3 u_camera_forward; // 0 for a perspective camera
 uniform float u_camera_unit;   // world units in one of tracer space
+uniform ivec2 u_camera_skip;   // how many pixels of the view lie between two that are traced, and before the first
 
 // The ray through `pixel`, which counts from the lower left corner of the picture; pixel centres are at a half. The ray
 // starts at the eye. If the eye is far away, the ray starts at a nearer point in front of the unit ball that holds the
@@ -17,6 +18,11 @@ void camera_ray(vec2 pixel, out vec3 o, out vec3 d) {
     float per_depth = length(ray);
     d = ray / per_depth;
     o = p - min(dot(p, d) + (HAS_FOG > 0 ? MEDIA_REACH : 2.0), u_camera_depth * per_depth) * d;
+}
+
+// The pixel of the view that is pixel p of what is traced, which is all of them or each few'th
+ivec2 view_pixel(ivec2 p) {
+    return p + u_camera_skip.x * p + u_camera_skip.y;
 }
 
 // Distance from the eye to p in world units; for an orthographic camera it is measured along the view.

@@ -39,7 +39,7 @@ void main() {
         return;
     }
 #else
-    camera_ray(vec2(s.pixel) + u, p.origin, p.direction); // a box filter over the pixel
+    camera_ray(vec2(view_pixel(s.pixel)) + u, p.origin, p.direction); // a box filter over the pixel
 #endif
     p.pdf = p.travelled = 0.0;
     p.throughput = vec3(1.0);

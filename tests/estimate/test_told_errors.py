@@ -80,6 +80,28 @@ def test_rounds_fill_the_groups_one_after_the_other_and_time_ends_them(context, 
     tracer.release()
 
 
+def test_of_a_large_picture_each_few_th_pixel_is_traced(context, ball, monkeypatch):
+    camera, tracer, size = ball.framing_camera(1.0), Tracer(context), (50, 50)
+    settings = replace(path_settings(Settings()), spp=256)
+    whole = tracer.render(ball, camera, settings, size).linear[..., :3]
+    monkeypatch.setattr("viewer.estimate.paths._MOST_PIXELS", 400)
+    paths = PathGroups(tracer, ball, camera, Settings(), size)
+    if not context.is_software:
+        assert paths.every == 1
+        return
+    part = tracer.begin(ball, camera, settings, size, every=3)
+    part.step(math.inf)
+    assert paths.every == 3 and part.film.size == (16, 16)
+    assert relmse(part.read_radiance()[..., :3], paths.of(whole)) < 0.003 < relmse(whole[17:33, 17:33], paths.of(whole))
+    assert np.array_equal(paths.of(paths.spread(np.arange(256).reshape(16, 16))), np.arange(256).reshape(16, 16))
+    inside = whole[17:33, 17:33]
+    some, every = (raster_error(0.9 * inside, np.stack([inside] * 4), np.ones((16, 16), bool), 8.0, 1.0, left_out=share)
+                   for share in (8 / 9, 0.0))
+    assert some.high > every.high
+    part.release()
+    tracer.release()
+
+
 def test_paths_show_what_the_raster_shows():
     raster = Settings(ndf="beckmann", antialias="ssaa-4", environment_shadows="16", fog=0.5, exposure=2.0)
     chosen = path_settings(raster)

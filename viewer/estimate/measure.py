@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,7 +36,9 @@ def measure_error(tracer: Tracer, raster: np.ndarray, scene: Scene, camera: Came
         if not paths.is_enough:
             return None
         notes = error_notes(settings, paths.missing)
-        return raster_error(raster, paths.groups, paths.shows_model, paths.samples, paths.seconds, notes)
+        error = raster_error(paths.of(raster), paths.groups, paths.shows_model, paths.samples, paths.seconds, notes,
+                             1 - 1 / paths.every**2)
+        return replace(error, map=paths.spread(error.map))
     finally:
         paths.release()
 

@@ -27,6 +27,8 @@ _SEED = 0x51ED270B
 """Its multiples are far from seeds that users choose."""
 _MOST_SPP = 64
 """Of one picture, so that they come often."""
+_MOST_PIXELS = 1 << 16
+"""Where the CPU renders: more samples of so many pixels, evenly spaced, tell more than one or two of all."""
 SLICE_S = 0.2
 """Longest time between two checks whether to stop."""
 
@@ -49,7 +51,10 @@ class PathGroups:
     def __init__(self, tracer: Tracer, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> None:
         self._tracer, self._scene, self._camera, self._size = tracer, scene, camera, size
         self._settings = path_settings(settings)
-        shape = size[1], size[0]
+        is_slow = tracer.context.is_software
+        self.every = math.ceil(math.sqrt(size[0] * size[1] / _MOST_PIXELS)) if is_slow else 1
+        """Each so many'th pixel of a row and of a column is traced."""
+        shape = size[1] // self.every, size[0] // self.every
         self._sums = np.zeros((GROUPS, *shape, 3), np.float32)
         self._spp = np.zeros(GROUPS, int)
         self._hits = np.zeros(shape, bool)
@@ -81,6 +86,17 @@ class PathGroups:
         """The pixels, (H, W) bool, in which some camera ray met the model or a medium: those errors are taken over."""
         return self._hits if self._hits.any() else np.ones_like(self._hits)
 
+    def of(self, picture: np.ndarray) -> np.ndarray:
+        """The pixels of `picture`, (H, W, ...) of the whole size, that are traced."""
+        upwards = picture[::-1][self.every // 2::self.every, self.every // 2::self.every]
+        return upwards[:self._hits.shape[0], :self._hits.shape[1]][::-1]
+
+    def spread(self, values: np.ndarray) -> np.ndarray:
+        """(H, W) of the whole size, each pixel with the value of the nearest that is traced."""
+        rows, columns = (np.minimum(np.arange(side) // self.every, count - 1)
+                         for side, count in zip(self._size[::-1], values.shape, strict=True))
+        return values[::-1][np.ix_(rows, columns)][::-1]
+
     def step(self, seconds: float, left: float = math.inf) -> None:
         """Trace for about so long, or to the end of a picture; `left` is the time that there is for all to come."""
         started = time.perf_counter()
@@ -105,7 +121,7 @@ class PathGroups:
         self._begun += 1
         settings = replace(self._settings, seed=_SEED * self._begun & 0xFFFFFFFF, spp=self._round)
         layers = () if self._spp[group] else ("depth",)
-        render = self._tracer.begin(self._scene, self._camera, settings, self._size, layers)
+        render = self._tracer.begin(self._scene, self._camera, settings, self._size, layers, self.every)
         self.missing = render.plan.missing
         return render
 

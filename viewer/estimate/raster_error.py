@@ -83,10 +83,11 @@ class RasterError:
 
 
 def raster_error(raster: np.ndarray, groups: np.ndarray, mask: np.ndarray, samples: float, seconds: float,
-                 notes: tuple[str, ...] = ()) -> RasterError:
+                 notes: tuple[str, ...] = (), left_out: float = 0.0) -> RasterError:
     """The error of `raster`, linear radiance (H, W, 3 or 4), by independent path-traced pictures of few samples.
 
-    `groups` (G, H, W, 3), G of 4 or more; errors are taken where `mask` (H, W) bool is true, which it is somewhere.
+    These are a part of the picture's pixels where `left_out` is the share of the others. `groups` (G, H, W, 3), G of 4
+    or more; errors are taken where `mask` (H, W) bool is true, which it is somewhere.
     Pixels of the raster that are not finite count as black.
     """
     picture = raster[..., :3].astype(np.float32)
@@ -97,7 +98,7 @@ def raster_error(raster: np.ndarray, groups: np.ndarray, mask: np.ndarray, sampl
     levels = level, mean, pulled(picture, groups), level + missed
     weights = [1 / (np.maximum(level, 0)[mask].astype(np.float64) ** 2 + EPSILON) for level in levels]
     apart = (picture - groups)[:, mask].astype(np.float64)
-    estimates = [_mean_and_deviation(apart, weight) for weight in weights]
+    estimates = [_mean_and_deviation(apart, weight, left_out) for weight in weights]
     relmse = max(estimates[0][0], 0.0)
     more = _WEIGHTS / math.sqrt(samples) * relmse
     low = max(min(value - _SURE * deviation for value, deviation in estimates) - more, 0.0)
@@ -115,10 +116,11 @@ def squared_error(apart: np.ndarray) -> np.ndarray:
     return (apart.sum(axis=0) ** 2 - (apart**2).sum(axis=0)) / (count * (count - 1))
 
 
-def _mean_and_deviation(apart: np.ndarray, weight: np.ndarray) -> tuple[float, float]:
+def _mean_and_deviation(apart: np.ndarray, weight: np.ndarray, left_out: float) -> tuple[float, float]:
     """The mean over pixels (G, N, 3) of weight * u, and its standard deviation by a jackknife in each pixel.
 
-    The noise of each pixel has nothing to do with that of another, so that their variances add up.
+    The noise of each pixel has nothing to do with that of another, so that their variances add up. Where pixels are
+    left out, their mean differs from that of the others by chance, too (the finite population correction).
     """
     count = len(apart)
     total, squares = apart.sum(axis=0), (apart**2).sum(axis=0)
@@ -127,6 +129,7 @@ def _mean_and_deviation(apart: np.ndarray, weight: np.ndarray) -> tuple[float, f
     for one in apart:
         rest = (weight * ((total - one) ** 2 - squares + one**2)).mean(axis=-1) / ((count - 1) * (count - 2))
         variance += float(((rest - whole) ** 2).sum()) * (count - 1) / count
+    variance += left_out * float(whole.var()) * len(whole)
     return float(whole.mean()), math.sqrt(variance) / len(whole)
 
 

@@ -71,17 +71,18 @@ class Tracer:
             path_render.release()
 
     def begin(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
-              layers: Collection[str] = ()) -> PathRender:
+              layers: Collection[str] = (), every: int = 1) -> PathRender:
         """A progressive render that has no samples yet.
 
+        With `every` of 2 or more the picture is of each so many'th pixel along both axes, size // every of them.
         `layers` are names of `viewer.settings.LAYERS`. Raises UsageError for a size that this OpenGL cannot draw or a
         denoiser that is not installed, InputError for a scene that does not fit. The render can be continued until
         another scene is begun.
         """
         scene = self._with_curves(scene, settings)
-        first = camera_uniforms(scene, camera, size)
+        first = camera_uniforms(scene, camera, size, every)
         eye = (camera.eye - scene.center) / scene.radius if camera.height is None else None
-        return self._begin(scene, first, settings, size, layers, eye=eye,
+        return self._begin(scene, first, settings, (size[0] // every, size[1] // every), layers, eye=eye,
                            pixel_angle=Frame(scene, camera, size).pixel_angle)
 
     def begin_at(self, scene: Scene, rays: SurfaceRays, settings: Settings) -> PathRender:

@@ -14,8 +14,9 @@ NEAR = 4.0
 INFINITE = 1e30
 
 
-def camera_uniforms(scene: Scene, camera: Camera, size: tuple[int, int]) -> dict[str, object]:
-    """Uniforms for pictures of `size` (width, height), framed as viewer/scene/frame.py does.
+def camera_uniforms(scene: Scene, camera: Camera, size: tuple[int, int], every: int = 1) -> dict[str, object]:
+    """Uniforms for pictures of `size` (width, height), framed as viewer/scene/frame.py does, of which each `every`'th
+    pixel of a row and of a column is traced; the first is the middle one of the first so many.
 
     The shader makes a ray from the point where it crosses a plane through the scene's centre. The distance of the eye
     from that plane may be a million times the extent of the picture, so the computation with it is done here in
@@ -41,4 +42,5 @@ def camera_uniforms(scene: Scene, camera: Camera, size: tuple[int, int]) -> dict
         "u_camera_eye": tuple(eye.tolist()),
         "u_camera_forward": tuple(camera.forward.tolist()) if camera.height is not None else (0.0, 0.0, 0.0),
         "u_camera_unit": scene.radius,
+        "u_camera_skip": (every - 1, every // 2),
     }
