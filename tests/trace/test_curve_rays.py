@@ -109,6 +109,29 @@ def test_a_ray_leaves_the_strand_that_it_starts_in(context: Context, curves: Tra
 
 
 @pytest.mark.parametrize("kind", KINDS)
+def test_strands_seen_along_their_axis_are_hit_at_their_ends(context: Context, kind: str) -> None:
+    """Embree misses even segments that rays are parallel to."""
+    points = np.array([[-1, 0, 0], [0, 0, 0], [1, 0, 0]], np.float32)
+    straight = trace_curves(Scene("straight", curves=(
+        Curves("one", points, np.full(3, 0.2, np.float32), [0, 3], [False]),)))
+    radius = float(straight.points[1, 3])
+    y, z = (values.ravel() for values in np.meshgrid(*[np.linspace(-1.3, 1.3, 20) * radius] * 2))
+    intersector = make_intersector(context, Geometry([], curves=straight), kind=kind)
+    for sign in (-1, 1):
+        for slant in (0.0, 1e-4):
+            o = np.stack([np.full(400, -2.0 * sign), y, z], axis=1).astype(np.float32)
+            hits = trace(context, intersector, o, np.tile(np.float32([sign, slant, 0]), (400, 1)))
+            near_edge = np.abs(np.hypot(y, z) / radius - 1) < 0.01
+            np.testing.assert_array_equal((hits[:, 0] != MISS)[~near_edge], (np.hypot(y, z) < radius)[~near_edge])
+            seen = hits[hits[:, 0] != MISS, 1]
+            assert set(seen.tolist()) == {int(straight.first[0 if sign > 0 else 1])}
+    inside = np.float32([[0.1, 0, 0], [-0.1, 0.5 * radius, 0]])
+    hits = trace(context, intersector, inside, np.float32([[1, 0, 0], [-1, 0, 0]]))
+    intersector.release()
+    assert (hits[:, 0] == MISS).all()
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_the_nearer_of_a_triangle_and_a_strand_is_hit(context: Context, kind: str) -> None:
     line = Curves("line", np.float32([[-0.5, 0, 0], [0.5, 0, 0]]), np.float32([0.1, 0.1]), np.array([0, 2]),
                   np.array([False]))

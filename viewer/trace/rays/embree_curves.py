@@ -5,12 +5,16 @@ No other Python binding has curves. Where the library cannot be found, `EmbreeCu
 a shader traces everything.
 
 Embree may be built so that it reports where rays leave a curve, too. Such hits are passed.
+
+Embree misses a segment of one radius where the ray is parallel to it, to within about 0.03 degrees. Such a ray enters
+the strand by its end, so that the ends of strands are spheres of their own as well.
 """
 
 from __future__ import annotations
 
 import ctypes
 import weakref
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -31,12 +35,14 @@ _WORDS = 21
 the normal, u, v, and the numbers of primitive, geometry, instance and of the primitive of instances."""
 _ORIGIN, _NEAR, _DIRECTION, _FAR, _MASK, _NORMAL, _PRIMITIVE, _GEOMETRY = 0, 3, 4, 8, 9, 12, 17, 18
 
-_ROUND_LINEAR_CURVE = 16
+_ROUND_LINEAR_CURVE, _SPHERE_POINT = 16, 50
 _INDEX, _VERTEX, _FLAGS = 0, 1, 32  # RTCBufferType
 _UCHAR, _UINT, _FLOAT4 = 0x1001, 0x5001, 0x9004  # RTCFormat
 _LEFT, _RIGHT = 1, 2  # RTCCurveFlags: the segment has a neighbour there
 _ROBUST = 1 << 2  # RTCSceneFlags
 
+_EVEN = 2e-3
+"""The slope of a segment's radius up to which Embree may miss it."""
 _STEP = 1e-6
 """Step behind the back of a curve, in tracer units."""
 _MAX_BACKS = 256
@@ -95,18 +101,26 @@ class EmbreeCurves:
         self._scene = self._library.rtcNewScene(device)
         weakref.finalize(self, self._library.rtcReleaseScene, self._scene)
         self._library.rtcSetSceneFlags(self._scene, _ROBUST)
-        geometry = self._library.rtcNewGeometry(device, _ROUND_LINEAR_CURVE)
-        for kind, form, buffer in zip((_VERTEX, _INDEX, _FLAGS), (_FLOAT4, _UINT, _UCHAR), self._buffers, strict=True):
-            self._library.rtcSetSharedGeometryBuffer(geometry, kind, 0, form, buffer.ctypes.data, 0, buffer.strides[0],
-                                                     len(buffer))
-        self._library.rtcCommitGeometry(geometry)
-        self._library.rtcAttachGeometry(self._scene, geometry)
-        self._library.rtcReleaseGeometry(geometry)
+        self._attach(device, _ROUND_LINEAR_CURVE, *zip((_VERTEX, _INDEX, _FLAGS), (_FLOAT4, _UINT, _UCHAR),
+                                                       self._buffers, strict=True))
+        self._ends = _ends(curves, has_left, has_right)
+        if len(self._ends.segment):
+            self._attach(device, _SPHERE_POINT, (_VERTEX, _FLOAT4, self._ends.spheres))
         self._library.rtcCommitScene(self._scene)
         if self._library.rtcGetDeviceError(device):
             raise ImportError("the Embree that embreex brings along cannot build a tree over curves")
         self._valid = _aligned((_WIDTH,), np.int32)
         self._valid[:] = -1
+
+    def _attach(self, device: int, kind: int, *buffers: tuple[int, int, NDArray]) -> None:
+        """Add a geometry with these buffers: what each holds, its format and its values."""
+        geometry = self._library.rtcNewGeometry(device, kind)
+        for what, form, values in buffers:
+            self._library.rtcSetSharedGeometryBuffer(geometry, what, 0, form, values.ctypes.data, 0, values.strides[0],
+                                                     len(values))
+        self._library.rtcCommitGeometry(geometry)
+        self._library.rtcAttachGeometry(self._scene, geometry)
+        self._library.rtcReleaseGeometry(geometry)
 
     def intersect(
         self, origins: NDArray[np.float32], directions: NDArray[np.float32], reach: NDArray[np.float32] | float
@@ -122,9 +136,12 @@ class EmbreeCurves:
         for _ in range(_MAX_BACKS):
             if not len(pending):
                 break
-            found, t, normal = self._first(origins[pending], directions[pending], near[pending], far[pending])
+            found, t, normal, is_end = self._first(origins[pending], directions[pending], near[pending], far[pending])
             is_hit = found >= 0
             is_back = is_hit & (np.einsum("ij,ij->i", normal, directions[pending]) > 0)
+            end = found[is_end]
+            is_back[is_end] |= np.einsum("ij,ij->i", normal[is_end], self._ends.outwards[end]) < 0  # within the strand
+            found[is_end] = self._ends.segment[end]
             entered = is_hit & ~is_back
             segment[pending[entered]], far[pending[entered]] = found[entered], t[entered]
             step = _STEP / np.linalg.norm(directions[pending[is_back]], axis=1)
@@ -144,8 +161,9 @@ class EmbreeCurves:
         hits[rows, 2:] = 0
 
     def _first(self, origins: NDArray, directions: NDArray, near: NDArray, far: NDArray
-               ) -> tuple[NDArray[np.int32], NDArray[np.float32], NDArray[np.float32]]:
-        """What Embree finds first: segments (N,), t (N,) and normals (N, 3)."""
+               ) -> tuple[NDArray[np.int32], NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_]]:
+        """What Embree finds first: segments (N,), t (N,), normals (N, 3), and whether it is the end of a strand, whose
+        number then stands for the segment's, (N,)."""
         count = len(origins)
         packets = -(-count // _WIDTH)
         words = _aligned((packets, _WORDS, _WIDTH), np.float32)
@@ -165,7 +183,28 @@ class EmbreeCurves:
         for packet in range(first, first + packets * size, size):
             intersect(valid, scene, packet, None)
         t, normal = _take(words, _FAR, 1, count)[:, 0], _take(words, _NORMAL, 3, count)
-        return _take(bits, _PRIMITIVE, 1, count)[:, 0].view(np.int32), t, normal
+        found = _take(bits, _PRIMITIVE, 1, count)[:, 0].view(np.int32)
+        return found, t, normal, (_take(bits, _GEOMETRY, 1, count)[:, 0] == 1) & (found >= 0)
+
+
+@dataclass(frozen=True, eq=False)
+class _Ends:
+    """Ends of strands: spheres (n, 4) float32, the segment of each (n,) and the direction out of it (n, 3)."""
+
+    spheres: NDArray[np.float32]
+    segment: NDArray[np.int64]
+    outwards: NDArray[np.float32]
+
+
+def _ends(curves: TraceCurves, has_left: NDArray[np.bool_], has_right: NDArray[np.bool_]) -> _Ends:
+    """The ends of segments that Embree may miss."""
+    first = curves.first.astype(np.int64)
+    way = curves.points[first + 1] - curves.points[first]
+    is_even = np.abs(way[:, 3]) <= _EVEN * np.linalg.norm(way[:, :3], axis=1)
+    (left,), (right,) = np.nonzero(is_even & ~has_left), np.nonzero(is_even & ~has_right)
+    spheres = np.concatenate([curves.points[first[left]], curves.points[first[right] + 1]])
+    return _Ends(np.ascontiguousarray(spheres), np.concatenate([left, right]),
+                 np.concatenate([-way[left, :3], way[right, :3]]))
 
 
 def _with_length(points: NDArray[np.float32], rows: NDArray[np.int64]
