@@ -62,6 +62,9 @@ def test_hair_with_the_values_of_its_header(tmp_path):
     assert scene.facts == {"format": "HAIR", "comment": "made up"} and scene.name == "lock"
     colored = only(hair(tmp_path / "lock.hair", color=(1, 0.5, 0.25)))
     np.testing.assert_array_equal(colored.colors, [[1, 0.5, 0.25]] * 5)
+    for color, is_told in (((1, 0.5, 0.25), False), ((1.5, 0.5, 0.25), True), ((1, -0.5, 0.25), True)):
+        told = load_scene(hair(tmp_path / "lock.hair", color=color)).warnings
+        assert list(told) == ["colours below 0 are taken as 0, and those above 1 as 1"] * is_told
 
 
 def test_hair_with_every_array(tmp_path):

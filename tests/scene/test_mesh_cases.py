@@ -242,6 +242,8 @@ def test_off_faces_with_colours(load):
     ("m.obj", QUAD + "v 1 2\n", r"line 5 \(v\): 2 numbers"), ("m.obj", "v 1 2,5 3\n", r"line 1 \(v\): '2,5'"),
     ("m.off", "OFF BINARY\n", "binary OFF"),
     ("m.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n9 0 1 2\n", "face 0: 9 corners"),
+    ("m.off", "OFF # four lines\n\n1 0 0\n# a point\n0 y 0\n", "line 5: 'y' is not a number"),
+    ("m.off", "1 0 0\n0 y 0\n", "line 2: 'y' is not a number"),
     ("m.off", "OFF\n1 0 0\n0 0\n", "vertex 0: 2 numbers"), ("m.stl", b"\0" * 50, "84 bytes"),
     ("m.stl", ASCII_STL.replace(b"vertex 0 1 0\n", b"") % (b"a", b"a"), "no multiple of three"),
     ("m.stl", ASCII_STL.replace(b"0 1 0", b"0 b 0") % (b"a", b"a"), "solid a, vertex 3: 'b'"),

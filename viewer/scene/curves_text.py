@@ -12,18 +12,13 @@ from ..errors import InputError
 from .curve_points import curves_of
 from .curve_segments import segments
 from .curves import Curves
-from .text import number_rows, plain_text
+from .text import line_of_row, number_rows, plain_text
 
 
 def read_curves(path: Path, data: bytes, warnings: list[str]) -> tuple[Curves, str]:
     """The curves, and no text. Raises InputError."""
     text = plain_text(data)
-
-    def place(row: int) -> str:
-        lines = [line for line, words in enumerate(text.split(b"\n"), 1) if words.strip()]
-        return f"line {lines[row]}"
-
-    rows = number_rows(path, text, place)
+    rows = number_rows(path, text, line_of_row(text))
     if (bad := rows.counts != 4).any():
         worst = int(bad.argmax())
         raise InputError(path, f"line {rows.lines[worst] + 1}",

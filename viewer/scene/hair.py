@@ -64,5 +64,7 @@ def read_hair(path: Path, data: bytes, warnings: list[str]) -> tuple[Curves, str
     colors = found.get(_COLOR)
     if colors is None and color != [1.0, 1.0, 1.0]:
         colors = np.tile(np.array(color, np.float32), (count, 1))
+    if colors is not None and (colors.min(initial=0) < 0 or colors.max(initial=0) > 1):
+        warnings.append("colours below 0 are taken as 0, and those above 1 as 1")
     curves = curves_of(path, found[_POINTS], thick / np.float32(2), offsets, np.zeros(strands, bool), colors=colors)
     return curves, text.split(b"\0")[0].decode("latin-1").strip()

@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import InputError
 from .mtl import PLAIN
 from .raw_mesh import RawMesh, RawModel, colored, cut_polygons, linear_colors
-from .text import number_rows, plain_text, without_comments
+from .text import line_of_row, number_rows, plain_text, without_comments
 
 _KEYWORD = re.compile(rb"\s*(ST)?([CN4n]*)OFF\b")
 
@@ -31,7 +31,7 @@ def read_off(path: Path, data: bytes, warnings: list[str]) -> RawModel:
     if b"n" in letters:
         raise InputError(path, "", "an nOFF, whose vertices have other than three dimensions")
 
-    rows = number_rows(path, body, lambda row: f"line {row + 1} of numbers")
+    rows = number_rows(path, body, line_of_row(body, 1 + text[:len(text) - len(body)].count(b"\n")))
     if not len(rows) or rows.counts[0] < 2:
         raise InputError(path, "", "there are no numbers of vertices and faces")
     vertex_count, face_count = (int(x) if 0 <= x < len(data) else -1 for x in rows.values[:2])

@@ -43,6 +43,15 @@ def without_comments(text: bytes) -> bytes:
     return re.sub(rb"#[^\n]*", b"", text) if b"#" in text else text
 
 
+def line_of_row(text: bytes, first: int = 1) -> Callable[[int], str]:
+    """Names a row of `number_rows(text)` by its line in the file, in which the text begins with line `first`."""
+    def place(row: int) -> str:
+        lines = [line for line, words in enumerate(text.split(b"\n"), first) if words.strip()]
+        return f"line {lines[row]}"
+
+    return place
+
+
 @dataclass(frozen=True)
 class NumberRows:
     """Lines of numbers: row r is values[starts[r]:starts[r + 1]], and stands in line lines[r], counted from 0."""
