@@ -57,7 +57,7 @@ def test_every_setting_is_listed_with_its_choices():
     assert list(rows) == list(setting_meanings())
     assert rows["bounces"]["range"] == [1, 255] and rows["bounces"]["default"] == 32
     assert "--set bounces=N, a whole number from 1 to 255\n" in text
-    assert "--set hair_melanin=EU,PHEO, none or two numbers from 0 to 1000\n" in text
-    assert rows["hair_melanin"]["default"] is None and "default: none\n--set hair_color=R,G,B, none or" in text
+    assert "--set hair-melanin=EU,PHEO, none or two numbers from 0 to 1000\n" in text
+    assert rows["hair_melanin"]["default"] is None and "default: none\n--set hair-color=R,G,B, none or" in text
     for name, choices in setting_choices().items():
-        assert f"--set {name}={'|'.join(choices)}\n" in text
+        assert f"--set {name.replace('_', '-')}={'|'.join(choices)}\n" in text

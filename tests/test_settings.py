@@ -17,6 +17,7 @@ from viewer.settings import (
     parse_background,
     setting_choices,
     setting_meanings,
+    with_dashes,
 )
 
 
@@ -84,6 +85,14 @@ def test_a_weave_is_a_name_or_a_file_and_perhaps_a_material():
         Settings().with_option("weave=velvet")
     with pytest.raises(UsageError, match="^weave has no effect in mode phong, only in modes pbr and path$"):
         Settings.of(mode="phong", weave="plain").check_used()
+
+
+def test_the_command_line_names_settings_with_dashes():
+    assert with_dashes("hair_melanin and fog_g: spp=2.") == "hair-melanin and fog-g: spp=2."
+    assert with_dashes("hair_tilt.") == "hair-tilt."
+    for typed in ("--set hair_melanin=3: no", "'fog_g' is none", "a/hair_color.png", "hair_color.png", "my_fog_g",
+                  "fog_gs"):
+        assert with_dashes(typed) == typed
 
 
 def test_what_a_mode_ignores_is_refused():

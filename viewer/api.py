@@ -92,11 +92,12 @@ def render(
     With `tell_error`, seconds of path tracing, `Image.stats["estimated_error"]` says how far a picture of another mode
     is from the truth (docs/tell-error.md), and the layer "error" where.
 
-    A texture that cannot be decoded is left out, with a UserWarning. Another one says that the picture will be black
-    because nothing lights the scene, and another one how many samples mode path has left out. Raises UsageError for
-    arguments of the wrong type, an invalid size or a setting that does not exist, InputError for an environment that
-    cannot be decoded, and ContextError if there is no OpenGL.
+    A texture that cannot be decoded is left out, with a UserWarning. Others say that the picture will be black
+    because nothing lights the scene, which settings have no effect on it, and how many samples mode path has left
+    out. Raises UsageError for arguments of the wrong type, an invalid size or a setting that does not exist,
+    InputError for an environment that cannot be decoded, and ContextError if there is no OpenGL.
     """
+    from .plan.unused import unused_settings
     from .plan.warnings import picture_warnings, sample_warnings
 
     _expect_scene(scene, camera)
@@ -106,7 +107,9 @@ def render(
     image = _rendered(scene, size, camera, backend, aov, tell_error, settings)
     image = replace(image, stats={"wall_s": {"render": perf_counter() - started}, **image.stats})
     lost = [line for line in scene.all_warnings if line not in known]
-    for line in [*lost, *picture_warnings(scene, Settings.of(**settings)), *sample_warnings(image.stats)]:
+    chosen = Settings.of(**settings)
+    known_before = [*picture_warnings(scene, chosen), *unused_settings(scene, chosen)]
+    for line in [*lost, *known_before, *sample_warnings(image.stats)]:
         warnings.warn(line, stacklevel=2)
     return image
 

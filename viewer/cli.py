@@ -348,6 +348,11 @@ def _run(arguments: Sequence[str] | None) -> int:
         with stoppable():
             cli.main(args=arguments, prog_name="pbr-viewer", standalone_mode=False)
         return 0
+    except UsageError as error:
+        from .settings import with_dashes
+
+        say_error(with_dashes(str(error)))
+        return error.exit_status
     except (Stopped, ViewerError) as error:
         say_error(error)
         return error.exit_status
@@ -386,9 +391,12 @@ def _leaves_mode_open(settings: Any) -> bool:
 def _warn(model: str, scene: Any, settings: Any, options: dict[str, Any]) -> None:
     if options["quiet"]:
         return
+    from .plan.unused import unused_settings
     from .plan.warnings import picture_warnings
+    from .settings import with_dashes
 
-    for warning in [*scene.all_warnings, *picture_warnings(scene, settings)]:
+    about_settings = [*picture_warnings(scene, settings), *unused_settings(scene, settings)]
+    for warning in [*scene.all_warnings, *map(with_dashes, about_settings)]:
         say(f"{model}: warning: {warning}")
 
 

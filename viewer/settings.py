@@ -407,6 +407,13 @@ def ignored(*modes: Mode) -> tuple[str, ...]:
     return tuple(name for name, users in _USED_BY.items() if not set(users) & set(modes))
 
 
+def with_dashes(text: str) -> str:
+    """`text` with the names of settings as the command line documents them: hair-melanin for hair_melanin. What was
+    typed (hair_melanin=2, 'hair_melanin') stays, and so do names within paths."""
+    names = "|".join(f.name for f in fields(Settings) if "_" in f.name)
+    return re.sub(rf"(?<![\w./\\'\"-])({names})(?![\w=/\\'\"-]|\.\w)", lambda m: m[0].replace("_", "-"), text)
+
+
 def parse_background(value: object) -> Background:
     """A value of `Settings.background` from "env", "none", "#rrggbb" (sRGB) or linear (r, g, b).
 

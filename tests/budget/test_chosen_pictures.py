@@ -77,7 +77,7 @@ def test_nothing_is_told_where_quiet_is_wanted(run, known, tmp_path):
 
 
 @pytest.mark.parametrize("options, problem", [
-    (("--mode", "pbr", "--time-budget", "1"), "time_budget has no effect in mode pbr"),
+    (("--mode", "pbr", "--time-budget", "1"), "time-budget has no effect in mode pbr"),
     (("--time-budget", "1", "--seed", "3", "--set", "shadows=off"), "give a mode"),
     (("--spp", "3"), "spp has no effect in mode pbr"),
 ])

@@ -10,6 +10,7 @@ from shapes import WHITE, constant, facing_floor, lopsided, moved, orthographic,
 
 from viewer.bake.many_lights import many_lights
 from viewer.bake.prefilter import prefilter
+from viewer.scene.curves import Curves
 from viewer.scene.light import Light
 from viewer.scene.scene import Instance
 
@@ -39,6 +40,17 @@ def error(radiance, lights: str) -> float:
 
 def test_a_wall_hides_what_its_form_factor_says(radiance):
     assert error(radiance, "256") < 0.018
+
+
+def test_strands_side_by_side_hide_what_a_wall_does(radiance):
+    count = 40
+    y = np.repeat((np.arange(count) + 0.5) / count, 2)
+    points = np.stack([np.tile([-8.0, 8.0], count), y, np.zeros(2 * count)], axis=1)
+    fence = Curves("fence", points, np.full(2 * count, 0.5 / count), 2 * np.arange(count + 1), np.zeros(count, bool))
+    floor = replace(scene((plate(0, half=2.0), facing_floor()), environment=constant()), curves=(fence,))
+    beside = expected_and_place()[1] > 0.15
+    found, wall = (radiance(model, VIEW, SIZE, environment_shadows="64")[..., 0] for model in (floor, corner()))
+    assert np.sqrt(np.mean((found - wall)[beside]**2)) < 0.03 and wall[beside].min() < 0.75
 
 
 def test_more_lights_are_nearer(radiance):

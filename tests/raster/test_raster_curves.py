@@ -254,10 +254,16 @@ def test_plans_name_curves_and_programs_have_them_only_where_there_are_any():
     assert "curves: there are none" in bare.left_out and not any("curves" in line for line in found.left_out)
     assert {p["fragment"] for p in plan(model, mode="phong").to_json()["programs"]} == {
         "raster/curve_phong.frag", "raster/curve_depth.frag"}
-    assert "curves: not requested" in plan(model, lobes="uniform-diffuse").left_out
+    assert "curves: lobes=uniform-diffuse is without it" in plan(model, lobes="uniform-diffuse").left_out
     assert picture_warnings(model, Settings()) == []
     assert picture_warnings(model, Settings(mode="phong")) == []
     assert "will be black" in picture_warnings(replace(model, environment=None), Settings())[0]
+    on_a_plate = replace(scene(plate(), environment=FURNACE), curves=model.curves)
+    told = picture_warnings(on_a_plate, Settings(ambient_occlusion="gtao", reflections="traced", indirect="baked"))
+    assert told == ["ambient_occlusion knows nothing of curves; environment_shadows does",
+                    "the light of reflections and indirect is without curves"]
+    assert picture_warnings(on_a_plate, Settings(ambient_occlusion="gtao", environment_shadows="16")) == []
+    assert picture_warnings(model, Settings(ambient_occlusion="gtao", refraction="traced")) == []
 
 
 def test_curves_lie_in_media(radiance):

@@ -111,7 +111,7 @@ def format_settings() -> str:
         value = getattr(default, name)
         value = "none" if value is None else value
         shown = ",".join(f"{part:g}" for part in value) if isinstance(value, tuple) else value
-        lines += [f"--set {name}={values}", f"      {meaning}; default: {shown}"]
+        lines += [f"--set {name.replace('_', '-')}={values}", f"      {meaning}; default: {shown}"]
     return "\n".join(lines)
 
 

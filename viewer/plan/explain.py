@@ -111,6 +111,11 @@ def _used(plan: Plan) -> tuple[str, ...]:
     return tuple(lines)
 
 
+def _reason(settings: Settings, is_wanted: bool) -> str:
+    """Why something is left out that all lobes together would show, if the settings want it."""
+    return f"lobes={settings.lobes} is without it" if is_wanted and settings.lobes != "all" else "not requested"
+
+
 def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Light]) -> list[str]:
     """One line for each thing that the scene or the settings make unnecessary."""
     lines, draws = [], plan.kinds
@@ -152,7 +157,8 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
     scattering = sum(material.medium.scatters for material in scene.materials)
     if scattering and not plan.has_subsurface:
         lines.append(f"scattering in the volumes of {_count(scattering, 'material')}: "
-                     + ("not requested" if settings.mode == "pbr" else "modes pbr and path have it"))
+                     + (_reason(settings, settings.subsurface != "off") if settings.mode == "pbr" else
+                        "modes pbr and path have it"))
     if any_lit and not plan.has_indirect and settings.mode == "pbr":
         reason = "not requested" if settings.indirect == "off" else "the scene is convex: no surface sees another"
         lines.append(f"indirect light: {reason}")
@@ -164,7 +170,7 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
     if not scene.curves:
         lines.append("curves: there are none")
     elif plan.curves is None:
-        lines.append("curves: not requested")
+        lines.append(f"curves: {_reason(settings, True)}")
     if not scene.volumes:
         lines.append("volumes: there are none")
     elif len(scene.volumes) > MAX_VOLUMES:

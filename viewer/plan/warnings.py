@@ -69,6 +69,13 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
     given = [name for name in numbers if getattr(settings, name) is not None]
     if settings.yarn == "off" and given:
         lines.append(f"{' and '.join(given)} {'has' if len(given) == 1 else 'have'} no effect without yarn")
+    if scene.curves and scene.instances and settings.mode == "pbr":
+        if settings.ambient_occlusion != "off" and settings.environment_shadows == "off":
+            lines.append("ambient_occlusion knows nothing of curves; environment_shadows does")
+        traced = [name for name, value in (("reflections", "traced"), ("refraction", "traced"), ("indirect", "baked"))
+                  if getattr(settings, name) == value]
+        if traced:
+            lines.append(f"the light of {' and '.join(traced)} is without curves")
     return lines
 
 
