@@ -128,6 +128,11 @@ class Panel:
         self._choice("Show", "lobes")
         if imgui.checkbox("White furnace", state.before_furnace is not None)[0]:
             state.toggle_furnace()
+        if state.has_error:
+            if imgui.checkbox("Tell the error, at rest", state.tells_error)[0]:
+                state.toggle_error()
+            if state.tells_error and imgui.checkbox("Show where", state.shows_error)[0]:
+                state.toggle_error(shows=True)
         self._choice("Distribution D", "ndf")
         self._choice("Masking G", "masking")
         self._choice("Fresnel F", "fresnel")

@@ -141,7 +141,8 @@ class ViewerWindow:
             if action == "inertia":
                 state.say(f"Inertia {'on' if state.inertia else 'off'}")
         else:
-            {"pause": state.toggle_pause, "denoise": state.toggle_denoise, "play": state.toggle_play,
+            {"pause": state.toggle_pause, "denoise": state.toggle_denoise, "tell_error": state.toggle_error,
+             "error_map": lambda: state.toggle_error(shows=True), "play": state.toggle_play,
              "next_animation": state.show_next_animation,
              "step_back": lambda: state.seek(state.playback.time - STEP_SECONDS),
              "step_on": lambda: state.seek(state.playback.time + STEP_SECONDS),
@@ -166,7 +167,7 @@ class ViewerWindow:
         scale, width = self._gui.scale, self._picture_size()[0]
         if self.state.split is not None:
             draw_split(self.state.split, self.state.sides, scale, width)
-        if status := self.picture.paths.status():
+        if status := self.picture.status():
             draw_status(status, scale)
         if self.state.panel:
             self._panel.draw(scale)
@@ -287,7 +288,7 @@ class ViewerWindow:
         return self
 
     def __exit__(self, *exc: object) -> None:
-        self.picture.paths.release()
+        self.picture.release()
         self.renderer.release()
         self._gui.release()
         self.context.release()

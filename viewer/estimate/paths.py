@@ -34,8 +34,12 @@ SLICE_S = 0.2
 
 
 def path_settings(settings: Settings) -> Settings:
-    """Settings of mode path for the picture that the raster draws with `settings`, without a coloured background."""
-    unused: dict[str, Any] = {f.name: f.default for f in fields(Settings) if f.name in ignored("path")}
+    """Settings of mode path for the picture that the raster draws with `settings`, without a coloured background.
+
+    What only one of the two uses has its default.
+    """
+    others = {*ignored("path"), *ignored("pbr", "phong")}
+    unused: dict[str, Any] = {f.name: f.default for f in fields(Settings) if f.name in others}
     if isinstance(settings.background, tuple):
         unused["background"] = "none"
     return replace(settings, **unused, mode="path")
@@ -84,7 +88,7 @@ class PathGroups:
     @property
     def shows_model(self) -> np.ndarray:
         """The pixels, (H, W) bool, in which some camera ray met the model or a medium: those errors are taken over."""
-        return self._hits if self._hits.any() else np.ones_like(self._hits)
+        return self._hits.copy() if self._hits.any() else np.ones_like(self._hits)
 
     def of(self, picture: np.ndarray) -> np.ndarray:
         """The pixels of `picture`, (H, W, ...) of the whole size, that are traced."""

@@ -76,10 +76,15 @@ class RasterError:
 
     def map_image(self) -> Image:
         """The map as a picture: `linear` is the relative error, and displayed it is black at 0 and pale at 100 %."""
-        grey = np.repeat(self.map[..., None], 3, axis=-1).astype(np.float32)
-        alpha = np.ones_like(grey[..., :1])
-        displayed = np.concatenate([magma(np.minimum(self.map, 1)), np.full_like(alpha, 255, np.uint8)], axis=-1)
-        return Image(np.concatenate([grey, alpha], axis=-1), displayed)
+        return shown_map(self.map)
+
+
+def shown_map(relative: np.ndarray) -> Image:
+    """As `RasterError.map_image`, of a map (H, W)."""
+    grey = np.repeat(relative[..., None], 3, axis=-1).astype(np.float32)
+    alpha = np.ones_like(grey[..., :1])
+    displayed = np.concatenate([magma(np.minimum(relative, 1)), np.full_like(alpha, 255, np.uint8)], axis=-1)
+    return Image(np.concatenate([grey, alpha], axis=-1), displayed)
 
 
 def raster_error(raster: np.ndarray, groups: np.ndarray, mask: np.ndarray, samples: float, seconds: float,

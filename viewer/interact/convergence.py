@@ -171,6 +171,14 @@ class Convergence:
             self._path_render.step(SLICE_SECONDS)
         return self._update_is_due and self._update()
 
+    def tracer(self) -> Tracer:
+        """The path tracer of the window, made when it is first needed."""
+        from ..trace.tracer import Tracer
+
+        if self._tracer is None:
+            self._tracer = Tracer(self._context, programs=self._programs)
+        return self._tracer
+
     def present(self, settings: Settings, framebuffer: moderngl.Framebuffer) -> None:
         """Draw the picture into `framebuffer`, with exposure and tone map."""
         assert self.picture is not None
@@ -186,16 +194,15 @@ class Convergence:
 
     def _begin(self) -> None:
         from ..trace.denoise.wavelet import Wavelet
-        from ..trace.tracer import Tracer
 
         assert self._view is not None
-        if self._tracer is None:
-            self._tracer = Tracer(self._context, programs=self._programs)
+        tracer = self.tracer()
+        if self._wavelet is None:
             self._wavelet = Wavelet(self._context, self._programs)
         self._has_layers = self._state.settings.denoise != "off"
         layers = ("albedo", "normal") if self._has_layers else ()
         camera, size = self._view
-        self._path_render = self._tracer.begin(self._state.scene, camera, self._settings(), size, layers)
+        self._path_render = tracer.begin(self._state.scene, camera, self._settings(), size, layers)
         self._updated, self._update_at, self._update_cost = (0.0, ""), 0.0, 0.0
 
     @property

@@ -28,6 +28,8 @@ KEYS = (
     Binding("Shading", ("9",), "path_split", "PBR | path-traced"),
     Binding("Shading", ("SPACE",), "pause", "Path tracing: pause or continue"),
     Binding("Shading", ("N",), "denoise", "Path tracing: denoise, or show the noise"),
+    Binding("Shading", ("E",), "tell_error", "Error: tell how far the picture is from the truth, at rest"),
+    Binding("Shading", ("Shift+E",), "error_map", "Error: show where the picture is wrong"),
     Binding("Camera", ("F", "HOME"), "frame_all", "Frame the whole model"),
     Binding("Camera", ("V",), "view_default", "Three-quarter view"),
     Binding("Camera", ("Z", "KP_1"), "view_front", "Front view"),

@@ -18,6 +18,7 @@ from ..raster.renderer import Renderer
 from ..settings import Background, Settings
 from .convergence import Convergence
 from .orbit import OrbitController
+from .rest_error import RestError
 from .state import ViewState, free_path
 
 REST_SECONDS = 0.3
@@ -30,6 +31,9 @@ class Picture:
     def __init__(self, renderer: Renderer, state: ViewState, orbit: OrbitController) -> None:
         self._renderer, self._state, self._orbit = renderer, state, orbit
         self.paths = Convergence(renderer.context, renderer.programs, state)
+        self.error = RestError(renderer.context, renderer.programs, self.paths.tracer)
+        self._prepares_error = False
+        self._size = 0, 0
         self._drawn: tuple[object, ...] | None = None
         self._drawn_at = 0.0
         self._quality: tuple[object, ...] = ()
@@ -49,7 +53,15 @@ class Picture:
     @property
     def seconds_until_work(self) -> float:
         """The seconds until there is something to do without user input; infinite if there is nothing."""
-        return min(self.paths.seconds_until_work, math.inf if self.is_refined else REST_SECONDS)
+        measures = self._state.tells_error and self._state.has_error and not self.error.is_done
+        waits = REST_SECONDS if not self.is_refined else 0.0 if measures else math.inf
+        return min(self.paths.seconds_until_work, waits)
+
+    def status(self) -> str:
+        """The state of path tracing, or the error of the picture, in one line for the user; empty if there is none."""
+        if self.paths.status() or not self._prepares_error:
+            return self.paths.status()
+        return self.error.status() or "Preparing to trace paths …"
 
     @property
     def left_out(self) -> Sequence[str]:
@@ -79,6 +91,8 @@ class Picture:
             self._go_back(error)
             return self.update(size)
         self._drawn, self._drawn_at, self._quality = wanted, time.monotonic(), self._wanted_quality(still)
+        self._size = size
+        self._forget_error()
         self._good = {"state": state.shown(), "orbit": dict(vars(self._orbit))}
         return True
 
@@ -88,15 +102,46 @@ class Picture:
         If the scene cannot be traced, mode pbr is shown instead, with a message.
         """
         try:
-            return self.paths.step()
+            return self.paths.step() or self._measure()
         except (ViewerError, moderngl.Error, MemoryError) as error:
             self._state.say(str(error) or "out of memory", is_error=True)
-            self._state.show_mode("pbr")
+            self._state.tells_error = False
+            if self._state.shows("path"):
+                self._state.show_mode("pbr")
             self.paths.discard()
             return True
 
+    def _measure(self) -> bool:
+        """Go on to measure the error of the picture at rest. Returns whether there is something new to show."""
+        state = self._state
+        if not (state.tells_error and state.has_error and self.is_refined and self._drawn is not None):
+            return self._forget_error()
+        if time.monotonic() - self._drawn_at < REST_SECONDS:
+            return False
+        if not self._prepares_error:  # "Preparing ..." is shown first; preparing the scene may take long
+            self._prepares_error = True
+            return True
+        if not self.error.is_begun:
+            self.error.begin(self._renderer.read_radiance(), state.scene, self._orbit.camera, state.settings,
+                             self._size)
+            return True
+        return self.error.step()
+
+    def _forget_error(self) -> bool:
+        """Returns whether something was shown that is not any more."""
+        had, self._prepares_error = self._prepares_error, False
+        self.error.discard()
+        return had
+
     def present(self, framebuffer: moderngl.Framebuffer) -> None:
-        self._present(self._state.on_screen(), framebuffer)
+        if self._state.shows_error and self.error.has_map:
+            self.error.present(framebuffer)
+        else:
+            self._present(self._state.on_screen(), framebuffer)
+
+    def release(self) -> None:
+        self.error.release()
+        self.paths.release()
 
     def save(self, size: tuple[int, int]) -> None:
         """Save the picture as PNG in the current folder, under a free name, and show a message."""
@@ -114,6 +159,7 @@ class Picture:
         else:
             self._state.say(f"Saved {path.name}")
         self._drawn = None
+        self._forget_error()
 
     def _draw(self, settings: Settings, size: tuple[int, int], still: bool) -> None:
         for shot, part in self._state.shots(settings, size):

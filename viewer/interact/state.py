@@ -44,6 +44,10 @@ class ViewState:
     sides: tuple[Mode, Mode] = ("phong", "pbr")
     paused: bool = False
     """Whether path tracing is paused."""
+    tells_error: bool = False
+    """Whether the error of the picture is measured while it is at rest."""
+    shows_error: bool = False
+    """Whether the map of the error is shown in place of the picture."""
     panel: bool = True
     help: bool = False
     inertia: bool = False
@@ -98,6 +102,19 @@ class ViewState:
             self.paused = not self.paused
         else:
             self.say("There is nothing to pause: this picture is not path-traced")
+
+    @property
+    def has_error(self) -> bool:
+        """Whether the picture is one whose error can be told: one real-time mode alone."""
+        return self.split is None and self.settings.mode != "path"
+
+    def toggle_error(self, shows: bool = False) -> None:
+        """Tell the error of the picture at rest, or stop that; with `shows`, its map takes turns with the picture."""
+        if not self.has_error:
+            self.say("The error is told of pictures of one real-time mode")
+            return
+        self.shows_error = shows and not self.shows_error
+        self.tells_error = shows or not self.tells_error
 
     def toggle_denoise(self) -> None:
         self.settings = replace(self.settings, denoise="fast" if self.settings.denoise == "off" else "off")

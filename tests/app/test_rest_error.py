@@ -1,0 +1,115 @@
+"""The error of the picture in the window, without a window."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from waiting import wait_until
+
+from viewer.estimate.paths import path_settings
+from viewer.gpu.context import Context
+from viewer.interact import picture
+from viewer.interact.orbit import OrbitController
+from viewer.interact.picture import Picture
+from viewer.interact.state import ViewState
+from viewer.raster.renderer import Renderer
+from viewer.settings import Settings
+
+SIZE = (48, 36)
+WINDOW = Settings(denoise="fast", spp=2, bounces=1, clamp=1.0, background="none")
+"""Settings of mode path are those of a window that shows it, too, and no business of the error."""
+
+
+class Rest:
+    """A picture at rest, and a framebuffer to show it in."""
+
+    def __init__(self, context: Context, scene) -> None:
+        self.state = ViewState(scene, WINDOW)
+        self.orbit = OrbitController(scene, SIZE[0] / SIZE[1])
+        self.renderer = Renderer(context)
+        self.picture = Picture(self.renderer, self.state, self.orbit)
+        self._target = context.gl.framebuffer([context.gl.renderbuffer(SIZE, 4)])
+
+    def step(self) -> None:
+        self.picture.update(SIZE)
+        self.picture.converge()
+
+    def shown(self) -> np.ndarray:
+        self.picture.present(self._target)
+        return np.frombuffer(self._target.read(components=4), np.uint8).reshape(*SIZE[::-1], 4)[::-1].astype(int)
+
+
+@pytest.fixture
+def rest(context, scene, monkeypatch) -> Iterator[Rest]:
+    monkeypatch.setattr(picture, "REST_SECONDS", 0.0)
+    made = Rest(context, scene)
+    yield made
+    made.picture.release()
+    made.renderer.release()
+
+
+def test_it_is_told_shown_and_forgotten(rest):
+    rest.step()
+    rest.step()
+    assert rest.picture.is_refined and rest.picture.seconds_until_work == np.inf and rest.picture.status() == ""
+    plain = rest.shown()
+    rest.state.toggle_error()
+    assert rest.picture.seconds_until_work == 0
+    rest.step()
+    assert rest.picture.status() == "Preparing to trace paths …"
+    rest.step()
+    assert rest.picture.status() == "Tracing paths to tell the error …"
+    wait_until(lambda: rest.picture.error.error is not None, rest.step)
+    error = rest.picture.error.error
+    assert error.low <= error.relmse <= error.high and error.samples >= 4
+    assert rest.picture.status().startswith(f"{rest.picture.status().split()[0]} % from the truth, ± ")
+    assert np.array_equal(rest.shown(), plain)
+    rest.state.toggle_error(shows=True)
+    seen, expected = rest.shown(), rest.picture.error.error.map_image().srgb.astype(int)
+    assert np.abs(seen - expected).max() <= 1 and not np.array_equal(seen, plain)
+    samples = error.samples
+    wait_until(lambda: rest.picture.error.error.samples > samples, rest.step)
+    rest.orbit.orbit(0.3, 0.0)
+    rest.picture.update(SIZE)  # another picture, whose error is not known
+    assert rest.picture.error.error is None and not rest.picture.error.has_map
+    wait_until(lambda: rest.picture.error.error is not None, rest.step)
+    rest.state.toggle_error()
+    rest.step()
+    assert rest.picture.error.error is None and rest.picture.status() == ""
+    assert rest.picture.seconds_until_work == np.inf
+
+
+def test_no_slice_waits_for_the_estimate(rest, monkeypatch):
+    def slow(*arguments):
+        time.sleep(0.4)
+        raise AssertionError("not needed")
+
+    monkeypatch.setattr("viewer.interact.rest_error.raster_error", slow)
+    rest.state.toggle_error()
+    wait_until(lambda: rest.picture.error.is_begun, rest.step)
+    paths = rest.picture.error._paths
+    wait_until(lambda: rest.picture.error._future is not None, rest.step)
+    seconds = paths.seconds
+    rest.step()
+    assert paths.seconds > seconds and not rest.picture.error._future.done()
+    rest.picture.error.discard()  # and its outcome with it
+
+
+def test_only_of_one_real_time_mode(rest):
+    state = rest.state
+    for view in ("split", "path", "path_split"):
+        state.show_view(view)
+        state.toggle_error()
+        assert not state.tells_error and "one real-time mode" in state.message
+    state.show_view("phong")
+    state.toggle_error(shows=True)
+    assert state.tells_error and state.shows_error
+    state.toggle_error()
+    assert not state.tells_error and not state.shows_error
+
+
+def test_paths_are_not_those_that_the_window_shows():
+    assert path_settings(WINDOW) == Settings(mode="path", background="none")
