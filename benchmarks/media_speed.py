@@ -3,7 +3,8 @@
 
 Both render a case of ../shared/truth in turn, in one process, after a warm-up. The error that a renderer makes falls
 with the square root of its time, so squared error times seconds is what it needs for an error of 1; the quotient of
-these is how much longer one takes to the same error.
+these is how much longer one takes to the same error. Processor time, of all threads, depends less on what else the
+machine does.
 """
 
 from __future__ import annotations
@@ -36,23 +37,26 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--spp", type=int, default=16)
+    parser.add_argument("--only", default=",".join(CASES), help="cases, separated by commas")
     options = parser.parse_args()
-    print("| case | seconds, ours | Mitsuba | relMSE, ours | Mitsuba | time to one error, ours / Mitsuba |\n"
-          "|---|---|---|---|---|---|")
+    print("| case | seconds, ours | Mitsuba | of processor time, ours | Mitsuba | relMSE, ours | Mitsuba "
+          "| time to one error, ours / Mitsuba | of processor time |\n|---|---|---|---|---|---|---|---|---|")
     with open_context() as context:
-        for name in CASES:
+        for name in options.only.split(","):
             case = load_case(name)
             both = _ours(Tracer(context), case, options.spp), _mitsuba(case, options.spp)
-            found: tuple[list[tuple[float, float]], ...] = [], []
+            found: tuple[list[tuple[float, float, float]], ...] = [], []
             for turn in range(options.rounds + 1):
                 for render, rows in zip(both, found, strict=True):
-                    start = time.perf_counter()
+                    start, used = time.perf_counter(), time.process_time()
                     pixels = render(turn)
-                    rows.append((time.perf_counter() - start, _relmse(case, pixels)))
+                    rows.append((time.perf_counter() - start, time.process_time() - used, _relmse(case, pixels)))
             medians = [[statistics.median(column) for column in zip(*rows[1:])] for rows in found]
-            (ours, our_error), (theirs, their_error) = medians
-            print(f"| {name} | {ours:.2f} | {theirs:.2f} | {our_error:.4f} | {their_error:.4f} "
-                  f"| {ours * our_error / (theirs * their_error):.2f} |", flush=True)
+            (ours, our_work, our_error), (theirs, their_work, their_error) = medians
+            quotient = our_error / their_error
+            print(f"| {name} | {ours:.2f} | {theirs:.2f} | {our_work:.2f} | {their_work:.2f} | {our_error:.4f} "
+                  f"| {their_error:.4f} | {ours / theirs * quotient:.2f} | {our_work / their_work * quotient:.2f} |",
+                  flush=True)
         print(f"\n{options.spp} samples, {options.rounds} rounds; {context.renderer}; {os.cpu_count()} cores, "
               f"load average {os.getloadavg()[0]:.0f}")
 

@@ -19,7 +19,7 @@ int class_in_medium(ivec2 texel, int path_class) {
 #if HAS_AIRLIGHT
         if (!p.is_lit && asks_lights(m)) return CLASS_AIRLIGHT;
 #endif
-        is_in_medium = flight_of(p, m, path_sample(texel, p.left)) < way_of(p);
+        is_in_medium = flight_of(p, m, vertex_numbers(path_sample(texel, p.left), p, FLIGHT_GROUP).x) < way_of(p);
     }
 #if HAS_GRIDS
     is_in_medium = is_in_medium || texelFetch(u_flight, texel, 0).x < NO_COLLISION;
@@ -36,7 +36,8 @@ void main() {
     if (status == IDLE) path_class = CLASS_IDLE;
     else if (status == ENDED || kind == NO_KIND) path_class = CLASS_ENDED;
 #if HAS_SCATTERING && !FIRST_HITS
-    if (status == IN_FLIGHT) path_class = class_in_medium(texel, path_class);
+    // A loop of at most one step stands for an `if`, because software OpenGL skips only loops.
+    for (float k = status; k == IN_FLIGHT; k = IDLE) path_class = class_in_medium(texel, path_class);
 #endif
 #if FIRST_HITS
     bool is_first = path_class >= CLASS_SHADE && unpack_depth(texelFetch(u_radiance, texel, 0).w) == 0;

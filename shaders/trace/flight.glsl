@@ -15,9 +15,9 @@ float way_of(Path p) {
     return p.reach >= 0.0 ? p.reach : leaves_media(p.origin, p.direction);
 }
 
-// The distance to the next collision, if nothing is hit before
-float flight_of(Path p, Medium m, Sample s) {
-    float way = free_distance(m.sigma_t, channel_chances(p.throughput), vertex_numbers(s, p, FLIGHT_GROUP).x);
+// The distance to the next collision, if nothing is hit before; u is the first number of FLIGHT_GROUP.
+float flight_of(Path p, Medium m, float u) {
+    float way = free_distance(m.sigma_t, channel_chances(p.throughput), u);
     return distance_in(innermost(p.medium), p.origin, p.direction, way);
 }
 #endif

@@ -2,17 +2,45 @@
 #include "trace/bounce.glsl"
 #include "trace/write_state.glsl"
 #include "media/any_phase.glsl"
+#if HAS_CLEARANCE
+#include "media/clearance.glsl"
+#endif
 #if HAS_GRIDS
 #include "media/volume_medium.glsl"
 #include "trace/volume_flight.glsl"
 #endif
+
+const int MOST_AT_ONCE = 32; // collisions of a path in one pass
+
+// Samples the direction in which a path that has collided goes on. Returns false if it ends there.
+bool scatter_in(inout Path p, Medium m, vec3 u) {
+    vec3 direction = any_phase_sample(m.phase, p.direction, u.xy);
+    // Where no light is asked, light that is hit counts in full.
+    p.pdf = asks_lights(m) ? any_phase(m.phase, p.direction, direction) : 0.0;
+    // Roulette alone ends paths, with the probability that they are absorbed; a white medium keeps them all.
+    float survival = min(max(p.throughput.r, max(p.throughput.g, p.throughput.b)) * p.eta2, 1.0);
+    bool continues = u.z < survival;
+    // A path that would not end spoils its sample, which is then left out of the picture and counted.
+    if (continues && p.steps >= MOST_STEPS) {
+        continues = false;
+        p.radiance = vec3(uintBitsToFloat(0x7fc00000u));
+    }
+    p.throughput /= max(survival, 1e-30);
+    p.direction = direction;
+    p.travelled = 0.0;
+    p.is_lit = false;
+    ++p.steps;
+    if (p.depth < 2) ++p.depth; // indirect light has at least 2; `bounces` does not count collisions
+    return continues;
+}
 
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     Path p = read_path(texel, uvec4(0u));
     Sample s = path_sample(texel, p.left);
     Medium m = medium_of(innermost(p.medium));
-    float way = scatters(m) ? flight_of(p, m, s) : 3e38;
+    vec4 u = vertex_numbers(s, p, FLIGHT_GROUP);
+    float way = scatters(m) ? flight_of(p, m, u.x) : 3e38;
     bool is_in_grid = false;
 #if HAS_GRIDS
     vec4 flight = texelFetch(u_flight, texel, 0);
@@ -36,24 +64,18 @@ void main() {
         send_shadow_ray(p, p.origin, vec3(0.0), p.medium, light, vec3(phase), phase);
     }
 #endif
-    vec4 u = vertex_numbers(s, p, BSDF_GROUP);
-    vec3 direction = any_phase_sample(m.phase, p.direction, u.xy);
-    // Where no light is asked, light that is hit counts in full.
-    float pdf = asks_lights(m) ? any_phase(m.phase, p.direction, direction) : 0.0;
-    // Roulette alone ends paths, with the probability that they are absorbed; a white medium keeps them all.
-    float survival = min(max(p.throughput.r, max(p.throughput.g, p.throughput.b)) * p.eta2, 1.0);
-    bool continues = u.z < survival;
-    // A path that would not end spoils its sample, which is then left out of the picture and counted.
-    if (continues && p.steps >= MOST_STEPS) {
-        continues = false;
-        p.radiance = vec3(uintBitsToFloat(0x7fc00000u));
+    // In media where no light is asked, all numbers of a collision are of one group.
+    bool continues = scatter_in(p, m, asks_lights(m) ? vertex_numbers(s, p, BSDF_GROUP).xyz : u.yzw);
+#if HAS_CLEARANCE
+    // Where no light is asked, the next collisions need no rays as long as no surface is near.
+    for (int k = 1; k < MOST_AT_ONCE && continues && !asks_lights(m); ++k) {
+        u = vertex_numbers(s, p, FLIGHT_GROUP);
+        way = flight_of(p, m, u.x);
+        if (!is_clear(p.origin, p.direction, way)) break;
+        p.throughput *= m.albedo * collision_weight(m.sigma_t, channel_chances(p.throughput), way);
+        p.origin += way * p.direction;
+        continues = scatter_in(p, m, u.yzw);
     }
-    p.throughput /= max(survival, 1e-30);
-    p.direction = direction;
-    p.pdf = pdf;
-    p.travelled = 0.0;
-    p.is_lit = false;
-    ++p.steps;
-    if (p.depth < 2) ++p.depth; // indirect light has at least 2; `bounces` does not count collisions
+#endif
     write_path(p, continues ? IN_FLIGHT : ENDED);
 }

@@ -15,7 +15,7 @@ void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     Path p = read_path(texel, uvec4(0u));
     Medium m = medium_of(innermost(p.medium));
-    float way = scatters(m) ? flight_of(p, m, path_sample(texel, p.left)) : 3e38;
+    float way = scatters(m) ? flight_of(p, m, vertex_numbers(path_sample(texel, p.left), p, FLIGHT_GROUP).x) : 3e38;
 #if HAS_GRIDS
     vec4 flight = texelFetch(u_flight, texel, 0);
     if (flight.x < way) {

@@ -41,6 +41,8 @@ lies within |p| <= 1.
 """
 MEDIA_REACH = 4.0
 """In scenes with scattering, media end at this distance from the centre, in tracer units. `FAR` is then twice that."""
+CLEARANCE_STEPS = 4.0
+"""Steps, in the side of a cell, of the distances in the grid of shaders/media/clearance.glsl. A byte holds one."""
 MOST_STEPS = 8000
 """A path that has so many collisions in media, and would go on, is left out of the picture and counted. The counter of
 shaders/trace/state.glsl holds a few more."""

@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 
 SOFTWARE_SIDE, DEVICE_SIDE = 16, 32
 """Most blocks of a wavefront along each side, for software OpenGL and for a GPU."""
+SCATTERING_SIDE = 8
+"""The same for software OpenGL in scenes with scattering. Some paths there have hundreds of collisions, and in a smaller
+wavefront fewer texels wait for them, and what is read and drawn stays in the caches."""
 DEVICE_CHECK_INTERVAL = 4
 """Iterations of a wavefront on a GPU between two checks which blocks are done, since each check waits for the GPU."""
 
@@ -64,7 +67,8 @@ class PathRender:
         self._passes, self._intersector, self._schedule, self._display = passes, intersector, schedule, display
         self._expected_samples = 0
         context = passes.context
-        columns = SOFTWARE_SIDE if context.is_software else DEVICE_SIDE
+        software = SCATTERING_SIDE if plan.has_scattering else SOFTWARE_SIDE
+        columns = software if context.is_software else DEVICE_SIDE
         self._check_interval = 1 if context.is_software else DEVICE_CHECK_INTERVAL
         rows = min(math.ceil(math.prod(film.tiles) * settings.most_spp / columns / 2), columns)
         self._wavefronts = [_TracedWavefront(Wavefront(context, columns, rows, plan.has_transmission,

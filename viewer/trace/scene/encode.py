@@ -14,6 +14,7 @@ from ...scene.schema import MAPS, PATH_TRACED, SWITCHED
 from ...scene.texture_image import TextureImage
 from ..layout import DOUBLE_SIDED, INSTANCE_TEXELS, MIRRORED, SEE_THROUGH, THIN, UNLIT, medium_layout, vertex_layout
 from .atlas import Page
+from .clearance import clearance_texels, has_clearance
 from .geometry import TraceGeometry, TraceInstance, TraceMesh
 from .glass import glass_switches
 from .materials import MapUse, TraceMaterial, map_texels, material_texels
@@ -49,6 +50,7 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
     return {name: int(value or everything) for name, value in switches.items()} | {
         "HAS_SCATTERING": int(geometry.scatters),  # other random numbers: `everything` would be another picture with it
         "HAS_GRIDS": int(geometry.has_grids),
+        "HAS_CLEARANCE": int(has_clearance(geometry)),
         "HAS_FOG": 0 if geometry.fog is None else 1 + geometry.fog.thins,
         "HAS_CURVES": int(geometry.curves is not None),
         "HAS_FIBRE_COLORS": int(geometry.curves is not None and geometry.curves.colors is not None),
@@ -103,6 +105,8 @@ def add_geometry(
     buffer.add("vertices", vertices.reshape(-1, 4))
     if switches["HAS_VOLUME"]:
         buffer.add("media", _media_texels(geometry, medium_layout(switches)["MEDIUM_TEXELS"]))
+    if switches["HAS_CLEARANCE"]:
+        buffer.add("clearance", clearance_texels(geometry))
     if geometry.fog is not None:
         buffer.add("fog", geometry.fog.texels())
 
