@@ -17,6 +17,7 @@ from viewer.trace.layout import CLEARANCE_STEPS, SCENE_WIDTH
 from viewer.trace.scene import clearance, encode
 from viewer.trace.scene.clearance import clearance_texels, has_clearance
 from viewer.trace.scene.geometry import trace_geometry
+from viewer.trace.tracer import Tracer
 
 WAX = fog((20.0, 12.0, 30.0), 0.8, 0.3, ior=1.4)
 
@@ -38,7 +39,7 @@ def grid_of(geometry) -> tuple[np.ndarray, np.ndarray, float]:
 
 def test_no_surface_is_nearer(wax, monkeypatch):
     """Points all over the triangles, against every cell: none is nearer to any point of it than the grid says."""
-    monkeypatch.setattr(clearance, "MOST_CELLS", 1 << 12)
+    monkeypatch.setattr(clearance, "MOST_CELLS", 1 << 13)
     geometry = trace_geometry(wax)
     radius, low, side = grid_of(geometry)
     rng = np.random.default_rng(3)
@@ -85,18 +86,19 @@ def test_ways_are_clear_up_to_the_surface(context, tmp_path, wax):
     assert (found == np.concatenate([np.zeros(8), np.ones(24), np.zeros(32)])).all()
 
 
-def test_pictures_are_the_same_with_it(tracer, wax, monkeypatch):
+def test_pictures_are_the_same_with_it(context, wax, monkeypatch):
     """Collisions that need no rays are those that would have been found with them."""
     camera, rays, pictures = orthographic(0.4, 0.3, height=2.2), [], []
     for there in (True, False):
         monkeypatch.setattr(encode, "has_clearance", lambda geometry, there=there: there)
-        model = replace(wax)
-        path_render = tracer.begin(model, camera, Settings.of(mode="path", spp=8, fresnel="exact"), (24, 24))
+        tracer = Tracer(context)
+        path_render = tracer.begin(wax, camera, Settings.of(mode="path", spp=8, fresnel="exact"), (24, 24))
         while not path_render.is_done:
             path_render.step(1.0)
         rays.append(path_render.rays)
         pictures.append(path_render.image().linear)
         path_render.release()
+        tracer.release()
     assert rays[0] < 0.6 * rays[1]
     assert np.abs(pictures[0] - pictures[1]).max() < 1e-4
 
