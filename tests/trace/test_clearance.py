@@ -62,7 +62,7 @@ def test_no_surface_is_nearer(wax, monkeypatch):
 
 
 def test_ways_are_clear_up_to_the_surface(context, tmp_path, wax):
-    """From the middle of a ball: a way within it is clear, one to its surface is not, nor is one that begins outside."""
+    """From near the middle of a ball: a way within it is clear, one to its surface is not, nor one from outside."""
     geometry = trace_geometry(replace(wax, instances=wax.instances[:1], meshes=wax.meshes[:1]))
     texels = clearance_texels(geometry)
     radius = np.linalg.norm(geometry.meshes[0].positions, axis=1).max() * geometry.instances[0].transform[0, 0]
@@ -106,7 +106,7 @@ def test_pictures_are_the_same_with_it(context, wax, monkeypatch):
 @pytest.mark.parametrize("model, expected", [
     (scene(sphere(), materials=[WAX], environment=constant()), True),
     (scene(sphere(), materials=[fog(2.0, 0.5)], environment=constant()), False),  # lights are asked at each collision
-    (scene(box((1.0, 1.0, 1.0)), materials=[replace(WAX, scatter_color=(0.0, 0.0, 0.0))], environment=constant()), False),
+    (scene(box((1.0, 1.0, 1.0)), materials=[replace(WAX, scatter_color=(0.0, 0.0, 0.0))]), False),
 ])
 def test_only_media_behind_refraction_have_it(model, expected):
     assert has_clearance(trace_geometry(model)) is expected

@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 SOFTWARE_SIDE, DEVICE_SIDE = 16, 32
 """Most blocks of a wavefront along each side, for software OpenGL and for a GPU."""
 SCATTERING_SIDE = 8
-"""The same for software OpenGL in scenes with scattering. Some paths there have hundreds of collisions, and in a smaller
-wavefront fewer texels wait for them, and what is read and drawn stays in the caches."""
+"""The same for software OpenGL in scenes with scattering. Some paths there have hundreds of collisions, and in a
+smaller wavefront fewer texels wait for them, and what is read and drawn stays in the caches."""
 DEVICE_CHECK_INTERVAL = 4
 """Iterations of a wavefront on a GPU between two checks which blocks are done, since each check waits for the GPU."""
 

@@ -20,8 +20,8 @@ _CHUNK = 1 << 16  # triangles that are cut at a time
 
 
 def has_clearance(geometry: TraceGeometry) -> bool:
-    """Whether a medium scatters behind a boundary that refracts. Curves are not in the grid: a scene with them has none.
-    """
+    """Whether a medium scatters behind a boundary that refracts. Scenes with curves have no grid: it would have to know
+    them, too."""
     return geometry.curves is None and bool(_closed(geometry))
 
 
@@ -73,7 +73,8 @@ def _touched(vertices: NDArray, triangles: NDArray, cells: NDArray[np.int64]) ->
             touched[z, y, x] = True
         a, b, c = part[inside & ~small].transpose(1, 0, 2)
         ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
-        fourths = np.stack([(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]).transpose(0, 2, 1, 3).reshape(-1, 3, 3)
+        fourths = np.stack([(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)])
+        fourths = fourths.transpose(0, 2, 1, 3).reshape(-1, 3, 3)
         pending += [fourths[k : k + _CHUNK] for k in range(0, len(fourths), _CHUNK)]
     return touched
 
