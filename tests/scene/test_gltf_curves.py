@@ -92,15 +92,77 @@ def test_hidden_nodes_have_no_curves():
     assert not builder.load().curves
 
 
-def test_what_is_left_out_is_told():
-    builder = lines(3, targets=[])
-    track = {"input": builder.accessor([0, 1]), "output": builder.accessor([[1, 2, 3], [11, 2, 3]])}
+def animated(builder: GltfBuilder, node: int, path: str, values) -> GltfBuilder:
+    """One second long, from the first of two values to the other."""
+    track = {"input": builder.accessor(np.float32([0, 1])), "output": builder.accessor(np.float32(values))}
     builder.json["animations"] = [{"samplers": [track], "channels": [
-        {"sampler": 0, "target": {"node": 0, "path": "translation"}}]}]
+        {"sampler": 0, "target": {"node": node, "path": path}}]}]
+    return builder
+
+
+def test_morph_targets_are_left_out():
+    assert lines(3, targets=[]).load().warnings == (
+        "meshes[0].primitives[0].targets: the targets of curves are left out",)
+
+
+def test_curves_move_with_their_node_and_those_above():
+    builder = lines(3)
+    builder.json["nodes"][0] = {"mesh": 0, "translation": [1, 0, 0]}
+    builder.json["nodes"] += [{"children": [0]}, {"mesh": 0}]
+    builder.json["scenes"] = [{"nodes": [1, 2]}]
+    scene = animated(builder, 1, "scale", [[1, 1, 1], [3, 3, 3]]).load()
+    assert not scene.warnings
+    moving, still = (next(k for k in (0, 1) if (scene.curves[k].points[0, 0] == x)) for x in (1, 0))
+    later = scene.at(0.5)
+    np.testing.assert_allclose(later.curves[moving].points, 2 * (POINTS + (1, 0, 0)), rtol=1e-6)
+    np.testing.assert_allclose(later.curves[moving].radii, 2 * RADII, rtol=1e-6)
+    assert later.curves[still] is scene.curves[still] and later.layout == scene.layout
+    assert later.at(0.5).curves is later.curves  # what has not moved since is the same
+    back = later.at(0)
+    assert all(a is b for a, b in zip(back.curves, scene.curves, strict=True))
+    assert scene.at(0).curves is scene.curves and later.bounds[1].max() > scene.bounds[1].max()
+
+
+def test_curves_move_with_the_joints_of_a_skin():
+    builder = GltfBuilder()
+    joints = np.zeros((6, 4), np.uint8)
+    joints[:, 1] = 1
+    weights = np.zeros((6, 4), np.float32)
+    weights[:, 1] = [0, 0, 0.5, 1, 1, 1]
+    weights[:, 0] = 1 - weights[:, 1]
+    builder.mesh({"POSITION": builder.accessor(POINTS), "_RADIUS": builder.accessor(RADII),
+                  "JOINTS_0": builder.accessor(joints, "uint8"), "WEIGHTS_0": builder.accessor(weights)},
+                 mode=3, indices=builder.accessor(np.uint16([5, 4, 3, 2, 1, 0]), "uint16"))
+    for node in ({"mesh": 0, "skin": 0, "translation": [7, 7, 7]}, {}, {}):
+        builder.node(**node)
+    builder.json["skins"] = [{"joints": [1, 2]}]
+    scene = animated(builder, 2, "translation", [[0, 0, 0], [0, 4, 0]]).load()
+    assert not scene.warnings
+    order = [5, 4, 3, 2, 1, 0]
+    np.testing.assert_allclose(scene.curves[0].points, POINTS[order])  # only the joints place what has a skin
+    np.testing.assert_allclose(scene.at(1).curves[0].points, (POINTS + np.outer(weights[:, 1], (0, 4, 0)))[order])
+    np.testing.assert_allclose(scene.at(1).curves[0].radii, RADII[order])
+
+
+def test_curves_appear_when_their_node_does():
+    builder = lines(3)
+    builder.json["nodes"][0]["extensions"] = {VISIBILITY: {"visible": False}}
+    builder.json["extensionsUsed"] = [VISIBILITY, "KHR_animation_pointer"]
+    track = {"input": builder.accessor(np.float32([0, 1])), "output": builder.accessor(np.uint8([0, 1]), "uint8"),
+             "interpolation": "STEP"}
+    pointer = {"pointer": f"/nodes/0/extensions/{VISIBILITY}/visible"}
+    builder.json["animations"] = [{"samplers": [track], "channels": [
+        {"sampler": 0, "target": {"path": "pointer", "extensions": {"KHR_animation_pointer": pointer}}}]}]
     scene = builder.load()
-    assert scene.warnings == ("meshes[0].primitives[0].targets: curves do not deform; they stay as they are",
-                              "nodes[0]: an animation moves its curves; they are drawn as they are at rest")
-    assert scene.at(1).curves is scene.curves
+    assert not scene.curves[0].radii.any()
+    np.testing.assert_array_equal(scene.at(1).curves[0].radii, RADII)
+    np.testing.assert_array_equal(scene.at(1).curves[0].points, POINTS)
+
+
+def test_a_pose_beyond_what_can_be_drawn_is_told():
+    scene = animated(lines(3), 0, "scale", [[1, 1, 1], [3e38, 1, 1]]).load()
+    with pytest.raises(InputError, match="at 1 s the model cannot be drawn"):
+        scene.at(1)
 
 
 @pytest.mark.parametrize("builder, problem", [

@@ -11,6 +11,7 @@ import numpy as np
 from ..errors import InputError, UsageError
 from .animation import Animation, Target
 from .camera import Camera
+from .curves import Curves
 from .light import Light
 from .mesh import Mesh
 from .posed_materials import plain, posed_materials
@@ -19,6 +20,8 @@ from .scene import MAX_EXTENT, Instance, Scene
 
 _SHAPE = "deformed by"
 """The attribute of a posed scene with what each of its deformed meshes was made from."""
+_STRANDS = "curves moved by"
+"""The same of its curves: the bytes of their matrices."""
 
 
 @dataclass(frozen=True)
@@ -42,18 +45,19 @@ def posed(scene: Scene, animation: Animation, time: float) -> Scene:
             world = _world(rig.nodes, values)
             hidden = _hidden(rig.nodes, values)
             meshes, made = _meshes(scene, rig, values, world)
+            curves, moved_by = _curves(scene, rig, world, hidden)
             changes: dict[str, Any] = {
-                "meshes": meshes, "instances": _instances(scene, rig, world, hidden),
+                "meshes": meshes, "curves": curves, "instances": _instances(scene, rig, world, hidden),
                 "materials": posed_materials(scene, values), "lights": _lights(scene, rig, world, values, hidden),
                 "cameras": _cameras(scene, rig, world, values)}
             changes = {name: value for name, value in changes.items() if value is not getattr(scene, name)}
             moved = replace(scene, **changes) if changes else scene
-            if changes.keys() & {"meshes", "instances"} and not np.abs(moved.bounds).max() < MAX_EXTENT:
+            if changes.keys() & {"meshes", "instances", "curves"} and not np.abs(moved.bounds).max() < MAX_EXTENT:
                 raise UsageError(f"it has coordinates beyond {MAX_EXTENT:g}")
     except UsageError as error:
         raise InputError(scene.name, f"animation {animation.name!r}",
                          f"at {time:g} s the model cannot be drawn: {error}") from error
-    moved.__dict__[_SHAPE] = made
+    moved.__dict__[_SHAPE], moved.__dict__[_STRANDS] = made, moved_by
     return moved
 
 
@@ -91,6 +95,21 @@ def _meshes(scene: Scene, rig: Rig, values: dict[Target, np.ndarray],
         if made[number] != before.get(number):
             meshes[number] = deformed.at(weights, world)
     return (scene.meshes if made == before else tuple(meshes)), made
+
+
+def _curves(scene: Scene, rig: Rig, world: np.ndarray,
+            hidden: np.ndarray) -> tuple[tuple[Curves, ...], dict[int, bytes]]:
+    """The curves, and the bytes of the matrices that moved them."""
+    if len(scene.curves) < len(rig.curves):  # some were taken away
+        return scene.curves, {}
+    before: dict[int, bytes] = scene.__dict__.get(_STRANDS, {})
+    made, curves = {}, list(scene.curves)
+    for number, moving in enumerate(rig.curves):
+        matrices = moving.mover.matrices(world, hidden)
+        made[number] = matrices.tobytes()
+        if made[number] != before.get(number):
+            curves[number] = moving.at(matrices)
+    return (scene.curves if all(a is b for a, b in zip(curves, scene.curves)) else tuple(curves)), made
 
 
 def _instances(scene: Scene, rig: Rig, world: np.ndarray, hidden: np.ndarray) -> tuple[Instance, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +12,9 @@ from .animation import Target
 from .camera import Camera
 from .deform import Deformation
 from .mesh import Mesh
+
+if TYPE_CHECKING:
+    from .moving_curves import MovingCurves
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,9 +111,9 @@ class Rig:
     `instances`, `lights` and `cameras` have the node of each of the scene's. The instances that `is_skinned` are placed
     by the joints of a skin and not by their node; the others have a matrix to their node in `offsets` (I, 4, 4), unless
     that is None. Lights and cameras that were added to the scene follow these. `deformed` has the meshes that move in
-    themselves, by their number. Tracks name lights, cameras and materials by their numbers in the file: `light_items`
-    and `camera_items` have that number of each of the scene's, and so have `materials`, with -1 for none. `at_rest` has
-    the values at rest of what tracks move beside nodes.
+    themselves, by their number, and `curves` the first curves of the scene. Tracks name lights, cameras and materials
+    by their numbers in the file: `light_items` and `camera_items` have that number of each of the scene's, and so have
+    `materials`, with -1 for none. `at_rest` has the values at rest of what tracks move beside nodes.
     """
 
     nodes: Nodes
@@ -123,6 +127,7 @@ class Rig:
     at_rest: dict[Target, np.ndarray] = field(default_factory=dict)
     is_skinned: np.ndarray | None = None
     offsets: np.ndarray | None = None
+    curves: tuple[MovingCurves, ...] = ()
 
     def transforms(self, world: np.ndarray, hidden: np.ndarray) -> np.ndarray:
         """The instances' matrices to the world, (I, 4, 4), from those of nodes and from which of these are hidden.

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..curves import Curves
+from ..moving_curves import Strands
 from .accessors import Accessors
 from .element import Element
-from .primitives import finite_part
+from .primitives import finite_part, read_influences
 from .topology import MODES
 from .vertices import Vertices
 
@@ -24,19 +25,19 @@ def is_curves(primitive: Element) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """The strands of a primitive as it stands in the file. `points` (n, 3), `radii` (n,) and `colors` (n, 3) or None
-    are float32; `offsets` and `closed` are those of `Curves`."""
+    """The strands of a primitive as it stands in the file. `colors` (n, 3) are float32 or None; `offsets` and `closed`
+    are those of `Curves`."""
 
     primitive: Element
-    points: np.ndarray
-    radii: np.ndarray
+    strands: Strands
     offsets: np.ndarray
     closed: np.ndarray
     colors: np.ndarray | None
 
 
-def read_lines(accessors: Accessors, primitive: Element, materials: list[Element]) -> Lines | None:
-    """The lines of a primitive of which `is_curves`; None, with a warning, if there are too few vertices.
+def read_lines(accessors: Accessors, primitive: Element, materials: list[Element], joint_count: int) -> Lines | None:
+    """The lines of a primitive of which `is_curves`; None, with a warning, if there are too few vertices. `joint_count`
+    is the number of its skin's joints, 0 without a skin.
 
     Lines that share a vertex of the file, the last of one and the first of the next, are one strand. The colour of
     many fibres together is that of the vertices times the material's base colour, where the file has either.
@@ -52,14 +53,16 @@ def read_lines(accessors: Accessors, primitive: Element, materials: list[Element
     positions, indices = finite_part(attributes, positions, vertices.indices, "lines")
     indices = np.arange(len(positions), dtype=np.uint32) if indices is None else indices
     pairs = indices[:len(indices) // 2 * 2].reshape(-1, 2)
-    for key in ("skin", "targets"):
-        if key in primitive:
-            primitive.warn("curves do not deform; they stay as they are", key)
+    if "targets" in primitive:
+        primitive.warn("the targets of curves are left out", "targets")
     if not len(pairs) or not radii.any():
         primitive.warn("there are too few vertices, or all radii are 0; nothing is drawn")
         return None
     order, offsets, closed = _strands(pairs)
-    return Lines(primitive, positions[order], radii[order], offsets, closed,
+    joints = weights = None
+    if joint_count:
+        joints, weights = (values[:, order] for values in read_influences(attributes, vertices, joint_count))
+    return Lines(primitive, Strands(positions[order], radii[order], joints, weights), offsets, closed,
                  _colors(vertices, primitive, materials, order))
 
 
@@ -95,14 +98,12 @@ def _colors(vertices: Vertices, primitive: Element, materials: list[Element], or
     return colors
 
 
-def placed(accessors: Accessors, lines: Lines, name: str, matrices: np.ndarray) -> Curves:
-    """A copy for each of `matrices` (K, 4, 4) float64 to world space. Radii take the mean scale of the matrix."""
-    copies, count = len(matrices), len(lines.points)
+def placed(accessors: Accessors, lines: Lines, name: str, matrices: np.ndarray, copies: int) -> Curves:
+    """So many copies in the world, under the matrices that `Strands.moved` takes."""
+    count = len(lines.strands.points)
     if copies > 1:
         accessors.claim(lines.primitive, (copies - 1) * count, f"{copies} copies of {count} points of curves")
-    points = np.concatenate([lines.points @ m[:3, :3].T + m[:3, 3] for m in matrices])
-    scales = np.cbrt(np.abs(np.linalg.det(matrices[:, :3, :3])))
+    points, radii = lines.strands.moved(matrices)
     offsets = (lines.offsets[None, :-1] + count * np.arange(copies)[:, None]).ravel()
-    return Curves(name, points, np.outer(scales, lines.radii).ravel(), np.append(offsets, copies * count),
-                  np.tile(lines.closed, copies), colors=None if lines.colors is None else np.tile(lines.colors,
-                                                                                                  (copies, 1)))
+    return Curves(name, points, radii, np.append(offsets, copies * count), np.tile(lines.closed, copies),
+                  colors=None if lines.colors is None else np.tile(lines.colors, (copies, 1)))

@@ -82,7 +82,7 @@ def _deformation(primitive: Element, vertices: Vertices, values: dict[str, np.nd
                     for target, weight in zip(items, weights))
     joints, influence = None, None
     if joint_count:
-        joints, influence = _influences(primitive.object("attributes"), vertices, joint_count)
+        joints, influence = read_influences(primitive.object("attributes"), vertices, joint_count)
     return Deformation(targets, joints, influence) if joint_count or (any(weights) and targets) else None
 
 
@@ -103,7 +103,7 @@ def _target(target: Element, vertices: Vertices, values: dict[str, np.ndarray]) 
                        tuple(read(f"TEXCOORD_{k}") for k in range(MAX_UV_SETS)), read("COLOR_0"))
 
 
-def _influences(attributes: Element, vertices: Vertices, joint_count: int) -> tuple[np.ndarray, np.ndarray]:
+def read_influences(attributes: Element, vertices: Vertices, joint_count: int) -> tuple[np.ndarray, np.ndarray]:
     """The joints and the weights of each vertex, (K, N) of both, of all sets that the primitive has."""
     sets = [k for k in range(MAX_INFLUENCE_SETS) if f"JOINTS_{k}" in attributes]
     joints = np.concatenate([vertices.raw(attributes, f"JOINTS_{k}", "VEC4") for k in sets], axis=1)

@@ -12,10 +12,10 @@ import numpy as np
 from ...errors import UsageError
 from ..animation import Target
 from ..camera import Camera
-from ..curves import Curves
 from ..light import Light
 from ..mesh import Mesh
-from ..rig import Deformed, Rig
+from ..moving_curves import Mover, MovingCurves
+from ..rig import Deformed, Rig, Skin
 from ..scene import Instance, Scene
 from .accessors import Accessors
 from .animations import read_animations
@@ -75,9 +75,9 @@ class _Reader:
         self._drawn: list[int] = []
         self._deformed: dict[int, Deformed] = {}
         self._known: dict[tuple, list[int]] = {}
-        self._lines: dict[int, list[Lines]] = {}
-        """Of each mesh."""
-        self._curves: list[Curves] = []
+        self._lines: dict[tuple[int, int | None], list[Lines]] = {}
+        """Of each mesh and skin."""
+        self._curves: list[MovingCurves] = []
 
     def scene(self, wanted: int | str | None) -> Scene:
         name, nodes = self._scene_nodes(wanted)
@@ -110,13 +110,13 @@ class _Reader:
         rig = Rig(self.nodes.hierarchy, np.array(self._placed_by, np.intp), tuple(light_nodes), tuple(camera_nodes),
                   self._deformed, tuple(light_items), tuple(camera_items), variants[0].numbers,
                   self._at_rest(dict(zip(light_items, lights)), dict(zip(camera_items, cameras))),
-                  np.array(self._skinned, bool), self._all_offsets())
+                  np.array(self._skinned, bool), self._all_offsets(), tuple(self._curves))
         lights = [replace(light, intensity=0.0) if hidden[node] else light for light, node in zip(lights, light_nodes)]
         return Scene(name or self.root.document.path.stem, tuple(self.meshes), variants[0].materials,
                      self._instances(rig, hidden), tuple(lights), tuple(cameras),
                      warnings=tuple(self.root.document.warnings), facts=self._facts(), animations=self.animations,
                      rig=rig if self.animations else None, variants=variants if len(variants) > 1 else (),
-                     curves=tuple(self._curves))
+                     curves=tuple(moving.at_rest for moving in self._curves))
 
     def _at_rest(self, lights: dict[int, Light], cameras: dict[int, Camera]) -> dict[Target, np.ndarray]:
         """The values of all that tracks move of materials, lights and cameras that are there."""
@@ -177,8 +177,8 @@ class _Reader:
         if offsets is not None and skin is not None:
             node.warn(f"{EXTENSION} is for meshes without a skin; the mesh is drawn once")
             offsets = None
-        if self._lines.get(mesh):
-            self._add_curves(number, node, self._lines[mesh], offsets)
+        for lines in self._lines[mesh, skin]:
+            self._add_curves(number, node, lines, None if skin is None else self.skins.skin(skin), offsets)
         times = 1 if offsets is None else len(offsets)
         count = len(self._known[key]) * times
         if len(self._drawn) + count > MAX_INSTANCES:
@@ -189,21 +189,18 @@ class _Reader:
         self._placed_by += [number] * count
         self._skinned += [skin is not None] * count  # only the joints place a skinned mesh (glTF 2.0, 3.7.3.3)
 
-    def _add_curves(self, number: int, node: Element, lines: list[Lines], offsets: np.ndarray | None) -> None:
-        """Add the curves of a mesh, as the node places them at rest."""
-        if self.nodes.hierarchy.hidden(self.nodes.hierarchy.visible)[number]:
-            return
-        if any(self.nodes.hierarchy.is_below(number, track.target.number) for animation in self.animations
-               for track in animation.tracks if track.target.kind == "node"):
-            node.warn("an animation moves its curves; they are drawn as they are at rest")
-        world = self.nodes.world[number]
-        matrices = world[None] if offsets is None else world @ offsets
+    def _add_curves(self, number: int, node: Element, lines: Lines, skin: Skin | None,
+                    offsets: np.ndarray | None) -> None:
+        """Add the curves of a mesh, as the node or the skin places them at rest."""
+        hierarchy = self.nodes.hierarchy
+        mover = Mover(number, np.eye(4)[None] if offsets is None else offsets, skin)
+        matrices = mover.matrices(self.nodes.world, hierarchy.hidden(hierarchy.visible))
         name = node.string("name", "") or node.place
-        for part in lines:
-            try:
-                self._curves.append(placed(self.accessors, part, name, matrices))
-            except UsageError as error:
-                raise part.primitive.error(str(error)) from error
+        try:
+            at_rest = placed(self.accessors, lines, name, matrices, len(mover.offsets))
+        except UsageError as error:
+            raise lines.primitive.error(str(error)) from error
+        self._curves.append(MovingCurves(at_rest, lines.strands, mover))
 
     def _all_offsets(self) -> np.ndarray | None:
         """The matrices of all instances to their nodes, (I, 4, 4); None if all are at their nodes."""
@@ -229,16 +226,18 @@ class _Reader:
         element = self.mesh_items[index]
         name = element.string("name", "") or element.place
         bound = None if skin is None else self.skins.skin(skin)
-        numbers, self._lines[index] = [], []
+        numbers: list[int] = []
+        joint_count = 0 if bound is None else len(bound.joints)
+        lines = self._lines[index, skin] = []
         for primitive in element.array("primitives"):
             if is_curves(primitive):
-                lines = read_lines(self.accessors, primitive, self.root.array("materials"))
-                self._lines[index] += [lines] if lines is not None else []
+                strands = read_lines(self.accessors, primitive, self.root.array("materials"), joint_count)
+                lines += [strands] if strands is not None else []
                 continue
             material = self.materials.number(primitive)
             wanted: Sequence[float] = [1.0] * len(primitive.array("targets")) if node in self._weighted else weights
             read = read_primitive(self.accessors, primitive, name, material, self.materials.looks(material), wanted,
-                                  0 if bound is None else len(bound.joints))
+                                  joint_count)
             if read is None:
                 continue
             mesh, deformation = read
