@@ -98,22 +98,26 @@ def _reduced(sigma_t: np.ndarray, albedos: np.ndarray, g: float) -> np.ndarray:
 def _solve(sigma_t: np.ndarray, albedos: np.ndarray, g: float, source: np.ndarray) -> np.ndarray:
     """Conjugate gradients, preconditioned by the diagonal, for unit cells and each albedo (k, 1, 1, 1)."""
     resistance = 1.5 * _reduced(sigma_t, albedos, g)  # of half a cell: 1 / (2 D)
-    faces = [1 / (_before(resistance, axis) + _after(resistance, axis)) for axis in (1, 2, 3)]
     diagonal = sigma_t * (1 - albedos)
-    for axis, face in zip((1, 2, 3), faces, strict=True):
-        _before(diagonal, axis)[...] += face
-        _after(diagonal, axis)[...] += face
+    faces = []  # by the cells before them, and 0 for the last, which has none
+    for axis in (1, 2, 3):
+        face = np.zeros_like(resistance)
+        _before(face, axis)[...] = 1 / (_before(resistance, axis) + _after(resistance, axis))
+        _before(diagonal, axis)[...] += _before(face, axis)
+        _after(diagonal, axis)[...] += _before(face, axis)
+        faces.append(face.ravel())
         for end in (0, -1):
-            at = [slice(None)] * 4
-            at[axis] = end  # type: ignore[call-overload]
-            diagonal[tuple(at)] += 1 / (resistance[tuple(at)] + 2)
+            at = (slice(None),) * axis + (end,)
+            diagonal[at] += 1 / (resistance[at] + 2)
+    strides = [len(sigma_t) ** (3 - axis) for axis in (1, 2, 3)]
+    flow = np.empty(diagonal.size, diagonal.dtype)
 
     def apply(phi: np.ndarray) -> np.ndarray:
-        result = diagonal * phi
-        for axis, face in zip((1, 2, 3), faces, strict=True):
-            _before(result, axis)[...] -= face * _after(phi, axis)
-            _after(result, axis)[...] -= face * _before(phi, axis)
-        return result
+        result, phi = (diagonal * phi).ravel(), phi.ravel()
+        for face, stride in zip(faces, strides, strict=True):  # in whole arrays, which are longer than rows of a grid
+            result[:-stride] -= np.multiply(face[:-stride], phi[stride:], out=flow[:-stride])
+            result[stride:] -= np.multiply(face[:-stride], phi[:-stride], out=flow[:-stride])
+        return result.reshape(diagonal.shape)
 
     def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
         return np.einsum("kzyx,kzyx->k", a, b, dtype=np.float64)[:, None, None, None]
@@ -138,8 +142,8 @@ def _solve(sigma_t: np.ndarray, albedos: np.ndarray, g: float, source: np.ndarra
 
 def _before(values: np.ndarray, axis: int) -> np.ndarray:
     """A view of the cells that have another behind them along an axis."""
-    return np.moveaxis(np.moveaxis(values, axis, 0)[:-1], 0, axis)
+    return values[(slice(None),) * axis + (slice(-1),)]
 
 
 def _after(values: np.ndarray, axis: int) -> np.ndarray:
-    return np.moveaxis(np.moveaxis(values, axis, 0)[1:], 0, axis)
+    return values[(slice(None),) * axis + (slice(1, None),)]
