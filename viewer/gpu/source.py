@@ -12,9 +12,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 from ..base.resources import resource_folder
 from ..errors import ShaderError
@@ -26,6 +28,18 @@ _DIRECTIVE = re.compile(r"\s*#\s*(\w+)\s*(.*)")
 _INCLUDE = re.compile(r'"([^"]+)"\s*$')
 _IDENTIFIER = re.compile(r"\b[A-Za-z_]\w*")
 _PREDEFINED = re.compile(r"GL_\w+|__\w+__|defined")
+
+
+class _Block(NamedTuple):
+    """Lines without a directive, each with its origin, and the directive that ends them: the number of its line, the
+    line, its name, and what follows the name. In the last block of a file the name is empty."""
+
+    lines: list[str]
+    origins: list[tuple[Path, int]]
+    number: int
+    code: str
+    name: str
+    rest: str
 
 
 @dataclass
@@ -67,21 +81,31 @@ def source_files(*paths: str | Path) -> list[Path]:
     return list(assembly.files)
 
 
+@cache
 def display_name(file: Path) -> str:
     """A source file's name for messages: relative ("shaders/...") inside the shaders folder, else the full path."""
     folder = resource_folder("shaders")
     return file.relative_to(folder.parent).as_posix() if file.is_relative_to(folder) else str(file)
 
 
+class _File(NamedTuple):
+    """A file of a program: its guard, its name for messages, whether it is in the shaders folder, and its blocks."""
+
+    guard: str
+    shown: str
+    is_ours: bool
+    blocks: list[_Block]
+
+
 @dataclass
 class _Assembly:
     lines: list[str] = field(default_factory=list)
     origins: list[tuple[Path, int]] = field(default_factory=list)
-    files: dict[Path, tuple[str, str]] = field(default_factory=dict)  # each with its guard and its name for messages
+    files: dict[Path, _File] = field(default_factory=dict)
     complete: set[Path] = field(default_factory=set)  # files that are in the text for any values of the switches
     defined: set[str] = field(default_factory=set)
     used: dict[str, str] = field(default_factory=dict)  # switch -> the place that first tests it
-    found: dict[Path, Path] = field(default_factory=dict)  # paths that are included, and what they resolve to
+    found: dict[tuple[str, Path | None], Path] = field(default_factory=dict)  # by what is included, and by whose shader
     shaders: Path = field(default_factory=lambda: resource_folder("shaders"))
     version: int = 0  # the #version of a user's own shader; 0 for OpenGL ES, which has other numbers
 
@@ -100,25 +124,29 @@ class _Assembly:
         if len(chain) == _MAX_DEPTH:
             raise ShaderError(f"{display_name(chain[-1])}: #include is nested more than {_MAX_DEPTH} deep")
         if file not in self.files:
-            self.files[file] = (f"INCLUDED_{len(self.files)}", display_name(file))
-        guard, shown = self.files[file]
+            is_ours = file.is_relative_to(self.shaders)
+            blocks = _parsed(file, _read(file))
+            self.files[file] = _File(f"INCLUDED_{len(self.files)}", display_name(file), is_ours, blocks)
+        guard, shown, is_ours, blocks = self.files[file]
         # A copy inside an #if may be skipped by the preprocessor, so a later copy is needed too. The guard makes the
         # first copy that is compiled the only one.
         self.emit(f"#ifndef {guard}", file, 1)
         self.emit(f"#define {guard}", file, 1)
         depth = 0
-        for line, (code, name, rest) in enumerate(_parsed(_read(file)), start=1):
+        for lines, origins, line, code, name, rest in blocks:
+            self.lines += lines
+            self.origins += origins
             if not name:
-                self.emit(code, file, line)
-                continue
+                break
             place = f"{shown}:{line}"
             if name == "include":
                 included = _INCLUDE.match(rest)
                 if not included:
                     raise ShaderError(f'{place}: expected #include "file", found {code.strip()}')
-                self.add(self._find_include(included[1], file, chain, place), [*chain, file], conditional or depth > 0)
+                root = None if is_ours else chain[0] if chain else file
+                self.add(self._find_include(included[1], root, place), [*chain, file], conditional or depth > 0)
                 continue
-            if name == "version" and not chain and not file.is_relative_to(self.shaders):
+            if name == "version" and not chain and not is_ours:
                 number, _, profile = rest.strip().partition(" ")
                 self.version = int(number) if number.isdigit() and profile.strip() != "es" else 0
                 self.emit("", file, line)
@@ -133,15 +161,16 @@ class _Assembly:
         if not conditional:
             self.complete.add(file)
 
-    def _find_include(self, name: str, includer: Path, chain: list[Path], place: str) -> Path:
-        root = chain[0] if chain else includer
-        for folder in [self.shaders] if includer.is_relative_to(self.shaders) else [root.parent, self.shaders]:
-            path = folder / name
-            if path not in self.found:
-                self.found[path] = path.resolve()
-            if self.found[path].is_file():
-                return self.found[path]
-        raise ShaderError(f"{place}: there is no shader file {name}")
+    def _find_include(self, name: str, root: Path | None, place: str) -> Path:
+        """The file that a shader of ours includes; or that the user's shader `root` does, or what it includes."""
+        if (name, root) not in self.found:
+            for folder in ([root.parent] if root else []) + [self.shaders]:
+                with suppress(FileNotFoundError):
+                    self.found[name, root] = _resolved(folder / name)
+                    break
+            else:
+                raise ShaderError(f"{place}: there is no shader file {name}")
+        return self.found[name, root]
 
     def _note_switches(self, directive: str, rest: str, place: str) -> None:
         if directive == "define":
@@ -163,15 +192,28 @@ def _find(path: str | Path) -> Path:
     return file
 
 
-@cache
-def _parsed(text: str) -> list[tuple[str, str, str]]:
-    """The lines of a file without comments: each line, the name of its directive, and what follows the name.
+@cache  # resolving asks the system about each folder on the way
+def _resolved(file: Path) -> Path:
+    if not file.is_file():
+        raise FileNotFoundError(file)
+    return file.resolve()
 
-    A file of many programs is parsed once.
-    """
+
+@cache  # a file of many programs is parsed once
+def _parsed(file: Path, text: str) -> list[_Block]:
+    """The lines of a file without comments, in blocks."""
     code = _COMMENT.sub(lambda match: "\n" * match[0].count("\n") or " ", text)
-    directives = [(line, _DIRECTIVE.match(line)) for line in code.split("\n")]
-    return [(line, found[1], found[2]) if found else (line, "", "") for line, found in directives]
+    blocks: list[_Block] = []
+    lines: list[str] = []
+    origins: list[tuple[Path, int]] = []
+    for number, line in enumerate(code.split("\n"), start=1):
+        if found := _DIRECTIVE.match(line):
+            blocks.append(_Block(lines, origins, number, line, found[1], found[2]))
+            lines, origins = [], []
+        else:
+            lines.append(line)
+            origins.append((file, number))
+    return [*blocks, _Block(lines, origins, number, "", "", "")]
 
 
 def _read(file: Path) -> str:
