@@ -31,12 +31,12 @@ def within_limit(switches: Mapping[str, int]) -> dict[str, int]:
     """The switches, with optional ones turned off until the program needs at most MAX_SAMPLERS samplers, and then maps
     from the last in the declaration of materials on: extensions before what glTF 2.0 itself has."""
     reduced = dict(switches)
-    if sampler_count(reduced) > MAX_SAMPLERS and reduced.get("SUBSURFACE") == SPREAD:
+    if reduced.get("SUBSURFACE") == SPREAD and sampler_count(reduced) > MAX_SAMPLERS:
         reduced["SUBSURFACE"] = ALONE
     for name in _OPTIONAL:
-        if sampler_count(reduced) > MAX_SAMPLERS and reduced.get(name):
+        if reduced.get(name) and sampler_count(reduced) > MAX_SAMPLERS:
             reduced[name] = 0
     for name in reversed(MAPS):
-        if sampler_count(reduced) > MAX_SAMPLERS and reduced[f"{name.upper()}_MAP"]:
+        if reduced[f"{name.upper()}_MAP"] and sampler_count(reduced) > MAX_SAMPLERS:
             reduced |= {f"{name.upper()}_{ending}": 0 for ending in MAP_SWITCHES}
     return reduced

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from functools import cache
 from typing import cast
 
 from .material import Material, Texture
@@ -65,6 +66,7 @@ MAP_SWITCHES = ("MAP", "UV", "TRANSFORM", "MIRROR")
 shaders/raster/attributes.glsl."""
 
 
+@cache
 def multiplied_by(name: str) -> tuple[Parameter, ...]:
     """The parameters that a map multiplies."""
     return tuple(p for p in PARAMETERS.values() if p.map_and_channels[0] == name)
