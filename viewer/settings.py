@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, field, fields, replace
+from functools import cache
 from operator import index
 from typing import Any, Literal, get_args, get_type_hints
 
@@ -435,6 +436,7 @@ def parse_background(value: object) -> Background:
     raise UsageError(f"background={value!r}: it must be env, none, #rrggbb or three linear numbers from 0 to 1")
 
 
+@cache
 def setting_choices() -> dict[str, tuple[str, ...]]:
     """The `--set` settings with choices, each with its allowed values. Numbers are in `RANGES`."""
     hints = get_type_hints(Settings)

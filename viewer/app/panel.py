@@ -6,7 +6,6 @@ import math
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
 
 import numpy as np
 from imgui_bundle import imgui
@@ -301,7 +300,7 @@ class Panel:
     def _choice(self, label: str, name: str) -> None:
         """A row for a setting with choices, if a mode that is shown uses it."""
         if name not in ignored(*self._state.modes):
-            self._combo(label, name, _choices()[name])
+            self._combo(label, name, setting_choices()[name])
 
     def _combo(self, label: str, name: str, values: Sequence[str]) -> None:
         self._row(label)
@@ -317,6 +316,3 @@ class Panel:
         changed, on = imgui.checkbox(label, getattr(self._state.settings, name) == "on")
         if changed:
             self._state.settings = replace(self._state.settings, **{name: "on" if on else "off"})
-
-
-_choices = cache(setting_choices)
