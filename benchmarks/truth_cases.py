@@ -51,8 +51,8 @@ class Case:
         return Settings.of(mode="path", **(self.settings | more))
 
 
-_BUILT = ("aniso-metal", "cloud", "fog-g07", "fog-point", "hair-blond", "hair-lock", "milk-rough", "smoke-absorbing",
-          "wax")
+_BUILT = ("aniso-metal", "caustic-ring", "caustic-sphere", "cloud", "fog-g07", "fog-point",
+          "hair-blond", "hair-lock", "milk-rough", "smoke-absorbing", "wax")
 """Cases that are marked `todo` for a feature that is there by now."""
 
 
@@ -97,5 +97,8 @@ def _options(words: list[str]) -> defaultdict[str, list[str]]:
 
 def _setting(assignment: str) -> tuple[str, object]:
     name, _, value = assignment.partition("=")
-    numbers = tuple(map(float, value.split(",")))
+    try:
+        numbers = tuple(map(float, value.split(",")))
+    except ValueError:
+        return name.replace("-", "_"), value  # a word
     return name.replace("-", "_"), numbers if len(numbers) > 1 else numbers[0]

@@ -281,6 +281,9 @@ class Settings:
         "mis", "mode path: sample the BSDF, the lights, or both (mis: multiple importance sampling)")
     bounces: int = _option(32, "mode path: the maximum number of reflections and refractions of a path")
     light_radius: float = _option(0.0, "mode path: radius of point and spot lights, in the scene's unit")
+    caustics: Literal["off", "photons"] = _option(
+        "off", "mode path: light from point, spot and directional lights that smooth glass or a smooth mirror scatters "
+        "first, by photons from the lights, as many as camera paths")
     clamp: float = _option(
         0.0, "mode path: maximum luminance of an indirect sample, which removes bright noise but loses light; 0: none")
 
@@ -398,7 +401,8 @@ _USED_BY: dict[str, tuple[Mode, ...]] = {
     **dict.fromkeys(("media_steps", "media_rays", "media_scattering"), ("pbr", "phong")),
     **dict.fromkeys(("environment_shadows", "ambient_occlusion", "indirect", "reflections", "refraction",
                      "subsurface", "specular_aa"), ("pbr",)),
-    **dict.fromkeys((*STOPPING, "seed", "denoise", "sampling", "bounces", "light_radius", "clamp"), ("path",)),
+    **dict.fromkeys((*STOPPING, "seed", "denoise", "sampling", "bounces", "light_radius", "caustics", "clamp"),
+                    ("path",)),
 }
 """The modes that use a setting, for the settings that not all modes use."""
 

@@ -1,4 +1,6 @@
 // Curves: fibres that scatter light by the model of bsdf/fibre/fibre.glsl. They do not emit.
+// PHOTONS: paths from lights end here. The model asks for the light from all sides at the place that the camera sees; a
+// photon comes to one place only, and most of its light leaves at others.
 #include "trace/bounce.glsl"
 #include "trace/write_state.glsl"
 #include "trace/fibre_hit.glsl"
@@ -7,6 +9,9 @@ void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     uvec4 hit = texelFetch(u_hit, texel, 0);
     Path p = read_path(texel, hit);
+#if PHOTONS
+    write_path(p, ENDED);
+#else
     Sample s = path_sample(texel, p.left);
     vec4 u_light = vertex_numbers(s, p, LIGHT_GROUP), u_bsdf = vertex_numbers(s, p, BSDF_GROUP);
     FibreHit i = fibre_hit(unpack_hit(hit), p.origin, p.direction);
@@ -36,4 +41,5 @@ void main() {
     bool continues = pdf > 0.0 && scatter(p, i.position, i.n, wi, weight, pdf, u_light.w, 1.0);
     p.origin = leave_fibre(i, wi);
     write_path(p, continues ? IN_FLIGHT : ENDED);
+#endif
 }

@@ -1,9 +1,13 @@
 // A path collides in its medium: sends a shadow ray to a light and samples the direction in which it is scattered.
+// PHOTONS: the path comes from a light, and its shadow ray goes to the camera.
 #include "trace/bounce.glsl"
 #include "trace/write_state.glsl"
 #include "media/any_phase.glsl"
 #if HAS_CLEARANCE
 #include "media/clearance.glsl"
+#endif
+#if PHOTONS
+#include "trace/connect.glsl"
 #endif
 #if HAS_GRIDS
 #include "media/volume_medium.glsl"
@@ -49,14 +53,24 @@ void main() {
         way = flight.x;
         pass_medium(p, way);
         m = volume_medium(int(flight.y));
+#if !PHOTONS
         p.radiance += clamped(p.throughput * volume_emission(int(flight.y)), p.depth);
+#endif
         p.throughput *= m.albedo;
     }
 #endif
     if (!is_in_grid) p.throughput *= m.albedo * collision_weight(m.sigma_t, channel_chances(p.throughput), way);
     p.origin += way * p.direction;
 
-#if HAS_ENVIRONMENT || HAS_EMITTERS || HAS_PUNCTUAL && HAS_GRIDS
+#if PHOTONS
+    p.radiance = vec3(0.0);
+    if (p.depth == 0) { // paths from the camera find light that comes straight from a lamp
+        write_path(p, ENDED);
+        return;
+    }
+    CameraSample c = sample_camera(p.origin);
+    connect_camera(p, p.origin, p.origin, c, p.medium, p.throughput * any_phase(m.phase, p.direction, c.direction));
+#elif HAS_ENVIRONMENT || HAS_EMITTERS || HAS_PUNCTUAL && HAS_GRIDS
     if (asks_lights(m)) {
         LightSample light = sample_light(p.origin, vertex_numbers(s, p, LIGHT_GROUP).xyz);
         if (light.is_delta && !is_in_grid) light.pdf = 0.0; // trace/airlight.frag has counted it

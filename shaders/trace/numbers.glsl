@@ -20,6 +20,7 @@ vec4 sample_numbers(Sample s, uint group) {
 }
 
 const uint CAMERA_GROUP = 0u;
+const uint EMISSION_GROUP = 0xffffffffu, EMISSION_DISK_GROUP = 0xfffffffeu; // of photons, beyond all groups of vertices
 
 // The groups of decisions at a surface; and on the way to it, through a medium
 const uint BSDF_GROUP = 0u, LIGHT_GROUP = 1u, FLIGHT_GROUP = 2u, AIRLIGHT_GROUP = 3u;

@@ -7,6 +7,7 @@
 //   vec4 bsdf_eval_pdf(Bsdf b, vec3 wo, vec3 wi)     rgb: f |cos|, w: the pdf of bsdf_sample; 0 for delta lobes
 //   BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u)
 // with wo, wi and the normal n_coat of the clear coat in the frame of the shading normal (bsdf/bsdf.glsl).
+// PHOTONS: paths come from lights, and trace/photon_surface.glsl shades them.
 #include "trace/bounce.glsl"
 #include "trace/write_state.glsl"
 #if DISPERSIVE && REFRACTS
@@ -77,6 +78,9 @@ void disperse(inout Path p, inout SurfaceMaterial m, float u) {
 }
 #endif
 
+#if PHOTONS
+#include "trace/photon_surface.glsl"
+#else
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     uvec4 hit = texelFetch(u_hit, texel, 0);
@@ -158,3 +162,4 @@ void main() {
 #endif
     write_path(p, continues ? IN_FLIGHT : ENDED);
 }
+#endif

@@ -30,7 +30,8 @@ _OVER_PICTURES: dict[str, dict[str, tuple[int, ...]]] = {
     "raster/spread_subsurface.frag": {"POINTS": (18, 48)},
     "raster/refraction_step.frag": {"REFLECTS": (1,), "HAS_ENVIRONMENT": (0, 1), "ENVIRONMENT_ROTATED": (0, 1),
                                     "BANDS": (0, 1)},
-    "trace/film/mean.frag": {}, "trace/film/error.frag": {}, "trace/count_rays.frag": {},
+    "trace/film/mean.frag": {}, "trace/film/add.frag": {}, "trace/film/join.frag": {},
+    "trace/film/error.frag": {}, "trace/count_rays.frag": {},
     "trace/denoise/prepare.frag": {}, "trace/denoise/variance.frag": {}, "trace/denoise/wavelet.frag": {},
     "trace/denoise/resolve.frag": {},
 }

@@ -55,8 +55,9 @@ def raster_keys(scene: Scene, settings: Settings, *, half: bool = True, orthogra
 
 
 def path_keys(scene: Scene, settings: Settings) -> Iterator[Key]:
-    """Of the passes over a wavefront, all but intersection."""
-    for name, program in plan_without_device(scene, settings).programs.items():
+    """Of the passes over wavefronts of paths and photons, all but intersection."""
+    plan = plan_without_device(scene, settings)
+    for name, program in (*plan.programs.items(), *plan.photons.items()):
         yield vertex_shader(name), program.fragment, tuple(shader_defines(dict(program.switches)).items())
 
 

@@ -74,7 +74,7 @@ def ours() -> tuple[list[str], dict[str, int], set[str]]:
     [velvet] = [under(case.load()[0], GREY) for case in CASES if case.name == "sheen"]
     for mode in ("pbr", "path"):
         wanted |= dict.fromkeys(keys(velvet, Settings.of(mode=mode, sheen="zeltner")))
-    path = Settings.of(mode="path", denoise="fast", clamp=1.0, light_radius=0.1)
+    path = Settings.of(mode="path", denoise="fast", clamp=1.0, light_radius=0.1, caustics="photons")
     wanted |= dict.fromkeys(keys(rich[0], path))
     for scene in rich:
         for material in range(len(scene.materials)):  # each but one keeps its maps
@@ -111,6 +111,11 @@ def ours() -> tuple[list[str], dict[str, int], set[str]]:
         wanted |= dict.fromkeys(keys(hairy, settings))
         geometry = trace_geometry(hairy, fog=fog_of(hairy, settings), curves=trace_curves(hairy))
         programs += intersections(geometry_switches(hairy, geometry, False))
+    smooth = replace(rich[0], lights=lamps[:1],
+                     materials=tuple(replace(m, perceptual_roughness=0.0) for m in rich[0].materials))
+    for more, fog in (({}, 0.0), ({"volumes": (smoke,)}, 0.0), ({"curves": (_strand(None),)}, 1.0)):
+        settings = replace(path, fog=fog)
+        wanted |= dict.fromkeys(keys(replace(smooth, **more), settings))  # with photons
     programs += [*assembled(wanted), *passes()]
     found, most = problems([as_330(program) for program in programs])
     newer, _ = problems([as_400(p) for p in programs if p["fragment"].files[0].name.startswith("intersect")])

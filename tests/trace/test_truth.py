@@ -23,6 +23,7 @@ REDUCTIONS, BLOCK = (3, 4), 8
 # Samples a pixel, and how far the mean may be off; caustics through smooth glass converge slowly.
 CASES = {"diffuse-sphere": (32, 0.005), "mirror-0.16": (48, 0.007), "cornell-box": (64, 0.007),
          "glass-rough-0.25": (64, 0.010), "glass-smooth": (96, 0.020), "aniso-metal": (96, 0.007),
+         "caustic-sphere": (48, 0.005),
          "cloud": (64, 0.005), "smoke-absorbing": (48, 0.005)}
 
 

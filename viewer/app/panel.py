@@ -33,6 +33,7 @@ _LABELS = {
     "lights": "Light sampling only", "environment": "Environment only", "screen": "Screen space", "traced": "Traced",
     "baked": "Baked", "single": "Once", "multiple": "Many times", "quarter": "A quarter", "sixteenth": "A sixteenth",
     "charlie": "Charlie", "zeltner": "Zeltner et al.", "slab": "Slab",
+    "photons": "Photons",
 }
 _MODES = ((("pbr",), ("phong",), ("path",)), (("phong", "pbr"), ("pbr", "path")))
 _TONEMAPS = ("neutral", "agx", "aces", "none")
@@ -154,6 +155,7 @@ class Panel:
         state = self._state
         self._combo("Denoising", "denoise", ("off", "fast"))
         self._choice("Sampling", "sampling")
+        self._choice("Caustics of lamps", "caustics")
         self._row("Bounces")
         changed, bounces = imgui.slider_int("##bounces", state.settings.bounces, 1, 64, "%d",
                                             imgui.SliderFlags_.logarithmic | imgui.SliderFlags_.always_clamp)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ..plan.bsdf_switches import bsdf_switches, feature_switches_shown
 from ..plan.explain import omitted_anisotropy
@@ -13,7 +13,8 @@ from ..scene.scene import Scene
 from ..settings import Settings, setting_choices
 from .kinds import BOUNDARY, FIBRE, GLASS, KINDS, WOVEN, Kind
 from .scene.encode import unused_maps
-from .scene.geometry import TraceGeometry, TraceInstance
+from .scene.geometry import TraceGeometry
+from .scene.photons import Photons
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,8 @@ class TracePlan:
     instances: int
     used: tuple[str, ...]
     left_out: tuple[str, ...]
+    photons: Mapping[str, Program] = field(default_factory=dict)
+    """The programs of each pass over a wavefront of photons; none if there are no photons."""
 
     @property
     def surfaces(self) -> tuple[str, ...]:
@@ -59,9 +62,9 @@ class TracePlan:
 
     def to_json(self) -> dict[str, object]:
         return {
-            "passes": ["intersect", *self.programs, "display"],
+            "passes": ["intersect", *self.programs, *(f"photons: {name}" for name in self.photons), "display"],
             "programs": [{"fragment": p.fragment, "on": {k: v for k, v in p.switches if v}}
-                         for p in self.programs.values()],
+                         for p in (*self.programs.values(), *self.photons.values())],
             "intersector": self.intersector,
             "triangles": self.triangles,
             "instances": self.instances,
@@ -80,13 +83,13 @@ _NEUTRAL = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "HAS_PUNCTUAL", "LIGHT_RAD
 def plan_trace(
     scene: Scene, settings: Settings, geometry: TraceGeometry, switches: Mapping[str, int], *, intersector: str,
     has_layers: bool, left_out: Sequence[str] = (), rays: int = 0,
-    is_background_smooth: bool = False,
+    is_background_smooth: bool = False, photons: Photons | None = None,
 ) -> TracePlan:
     """The plan for `scene` under `settings`.
 
     `switches` are those of the scene's data and lights, `left_out` their lines for the user. `rays` is the kind of rays
     in shaders/trace/surface_ray.glsl, 0 for camera rays. `is_background_smooth` says whether these see the environment
-    by B-splines (shaders/trace/background.glsl).
+    by B-splines (shaders/trace/background.glsl). `photons` says what photons are aimed at.
     """
     sampling = setting_choices()["sampling"].index(settings.sampling)
     switches = dict(switches) | bsdf_switches(settings) | {"SAMPLING": sampling}
@@ -97,6 +100,7 @@ def plan_trace(
     switches["HAS_LIGHTS"] = int(any(switches[name] for name in ("HAS_ENVIRONMENT", "HAS_PUNCTUAL", "HAS_EMITTERS")))
     switches["BACKGROUND"] = (1 + is_background_smooth) * (settings.background == "env" and switches["HAS_ENVIRONMENT"])
     switches["CLAMP"] = int(settings.clamp > 0)
+    switches["PHOTONS"] = 0
     kinds = {instance.kind for instance in geometry.instances}
     if settings.plan == "everything":
         kinds = {kind for kind in KINDS if kind is not FIBRE and (kind is not BOUNDARY or geometry.scatters)}
@@ -129,9 +133,32 @@ def plan_trace(
             programs["fibre layers"] = _program("trace/fibre_layers.frag", switches)
         if switches["HAS_SCATTERING"]:
             programs["medium layers"] = _program("trace/medium_layers.frag", classes)
-    lines = [*_left_out(scene, settings, geometry, switches, programs, has_layers), *left_out]
-    return TracePlan(programs, intersector, geometry.triangle_count, len(geometry.instances), _used(geometry, switches),
-                     ("nothing, as requested",) if settings.plan == "everything" else tuple(lines))
+    has_photons = photons is not None and photons.count > 0
+    lines = [*_left_out(scene, settings, geometry, switches, programs, has_layers, photons), *left_out]
+    return TracePlan(programs, intersector, geometry.triangle_count, len(geometry.instances),
+                     (*_used(geometry, switches), *([photons.description] if photons and has_photons else [])),
+                     ("nothing, as requested",) if settings.plan == "everything" else tuple(lines),
+                     _photon_programs(programs, switches, classes) if has_photons else {})
+
+
+def _photon_programs(programs: Mapping[str, Program], switches: Mapping[str, int], classes: Mapping[str, int],
+                     ) -> dict[str, Program]:
+    """The programs for paths from lights: those of `programs` that change, and the same ones for the rest."""
+    light = {"PHOTONS": 1}
+    first = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_GRIDS", "HAS_FOG",
+                                               DISPERSION.switch, "LIGHT_RADIUS")}
+    shading = {name: _program(program.fragment, dict(program.switches) | light)
+               for name, program in programs.items() if name in {kind.name for kind in KINDS} | {"medium"}}
+    return {
+        "begin": _program("trace/emit.frag", first | {"BEGINS": 1}),
+        **({"track": programs["track"]} if "track" in programs else {}),
+        "classify": _program("trace/classify.frag", dict(classes) | {"FIRST_HITS": 0, "HAS_AIRLIGHT": 0}),
+        "generate": _program("trace/emit.frag", first | {"BEGINS": 0}),
+        **shading,
+        "idle": programs["idle"],
+        "alive": programs["alive"],
+        "splat": _program("trace/splat.frag", dict(classes)),
+    }
 
 
 def _switches_of(kind: Kind, settings: Settings, geometry: TraceGeometry) -> dict[str, int]:
@@ -164,7 +191,7 @@ def _program(file: str, switches: Mapping[str, int]) -> Program:
 
 def _left_out(
     scene: Scene, settings: Settings, geometry: TraceGeometry, switches: Mapping[str, int],
-    programs: Mapping[str, Program], has_layers: bool,
+    programs: Mapping[str, Program], has_layers: bool, photons: Photons | None,
 ) -> list[str]:
     """Lines for the user: what the scene or the settings made unnecessary, and what is not shown."""
     lines = []
@@ -187,19 +214,12 @@ def _left_out(
     lines += omitted
     if GLASS.name not in programs:
         lines.append("the pass for glass: nothing transmits light")
-    elif switches["HAS_PUNCTUAL"] and any(_is_smooth_glass(geometry, instance) for instance in geometry.instances):
-        lines.append("light from point, spot or directional lights through smooth glass: no path from the camera can "
-                     "hit them")
+    lines += [] if photons is None else photons.left_out
     if not has_layers:
         lines.append("the pass for layers (albedo, normal, depth): nobody asked for them")
     if not switches["CLAMP"]:
         lines.append("the clamp on indirect light: not requested")
     return lines
-
-
-def _is_smooth_glass(geometry: TraceGeometry, instance: TraceInstance) -> bool:
-    material = geometry.materials[instance.material].material
-    return instance.kind == GLASS and material.perceptual_roughness == 0.0 and not ANISOTROPY.is_on(material)
 
 
 _LIGHTS = {

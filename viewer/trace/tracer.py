@@ -27,6 +27,7 @@ from .paths.film import Film
 from .paths.layers import FIRST_HIT_LAYERS
 from .paths.passes import Passes
 from .paths.path_render import PathRender
+from .paths.photon_passes import PhotonPasses
 from .paths.run import run
 from .paths.schedule import Schedule
 from .paths.surface_rays import SurfaceRays
@@ -88,7 +89,8 @@ class Tracer:
     def begin_at(self, scene: Scene, rays: SurfaceRays, settings: Settings) -> PathRender:
         """As `begin`, with one pixel for each ray of the list. Alpha is the fraction of rays that hit something."""
         scene = self._with_curves(scene, settings)
-        return self._begin(scene, {}, replace(settings, background="none"), rays.size, (), rays)
+        settings = replace(settings, background="none", caustics="off")
+        return self._begin(scene, {}, settings, rays.size, (), rays)
 
     def _begin(self, scene: Scene, first: Mapping[str, object], settings: Settings, size: tuple[int, int],
                layers: Collection[str], rays: SurfaceRays | None = None, eye: NDArray | None = None,
@@ -100,10 +102,10 @@ class Tracer:
         denoiser = self._denoiser(settings.denoise)
         traced = self._prepare(scene, settings)
         has_layers = bool(FIRST_HIT_LAYERS & set(layers)) or denoiser is not None or traced.is_everything
-        film = Film(self.context.gl, self.programs, size, has_layers)
         plan = plan_trace(scene, settings, traced.geometry, traced.switches, intersector=traced.intersector.name,
-                          has_layers=film.albedo is not None, left_out=traced.left_out, rays=rays.kind if rays else 0,
-                          is_background_smooth=traced.is_background_smooth(pixel_angle))
+                          has_layers=has_layers, left_out=traced.left_out, rays=rays.kind if rays else 0,
+                          is_background_smooth=traced.is_background_smooth(pixel_angle), photons=traced.photons)
+        film = Film(self.context.gl, self.programs, size, has_layers, bool(plan.photons))
         uniforms = {
             **first, **traced.media_uniforms(eye),
             "u_size": size, "u_seed": settings.seed, "u_bounces": settings.bounces, "u_clamp": settings.clamp or 3e38,
@@ -118,8 +120,10 @@ class Tracer:
                 rays.bind(program)
 
         passes = Passes(self.context, self.programs, plan, bind, uniforms)
+        photons = PhotonPasses(self.context, self.programs, plan, bind, uniforms) if plan.photons else None
         schedule = Schedule(film, settings)
-        return PathRender(passes, traced.intersector, plan, film, schedule, settings, self._display, layers, denoiser)
+        return PathRender(passes, traced.intersector, plan, film, schedule, settings, self._display, layers, denoiser,
+                          photons)
 
     def holds(self, scene: Scene) -> bool:
         """Whether the last picture was of this scene; its lights may differ."""

@@ -14,11 +14,16 @@ from ...gpu.programs import Programs
 class NoisyFilm(Protocol):
     """The textures that a denoiser reads, RGBA32F and of one size. Sums are over the samples of a pixel."""
 
+    @property
+    def sum(self) -> moderngl.Texture:
+        """Sum of radiance, and the number of samples."""
+
+    @property
+    def squares(self) -> moderngl.Texture:
+        """Sum of the squares of radiance, and of alpha."""
+
     radiance: moderngl.Texture
     """The noisy picture: mean radiance with associated alpha."""
-    sum: moderngl.Texture
-    """Sum of radiance, and the number of samples."""
-    squares: moderngl.Texture
     albedo: moderngl.Texture
     """Sum of the albedo of the first hits, and the number of hits."""
     normal: moderngl.Texture

@@ -30,10 +30,18 @@ def camera_uniforms(scene: Scene, camera: Camera, size: tuple[int, int], every: 
         plane = np.stack([camera.pose[:3, 0] * half_height * size[0] / size[1], camera.pose[:3, 1] * half_height,
                           eye + depth * camera.forward], axis=1)
         start = INFINITE
+        project = np.linalg.inv(np.stack([plane[:, 0], plane[:, 1], camera.forward], axis=1))
+        project_from = -project @ plane[:, 2]
+        project[2], project_from[2] = 0.0, 1.0
+        area = np.linalg.norm(np.cross(plane[:, 0], plane[:, 1]))
     else:
         start = depth if depth > 0 and np.linalg.norm(eye) > NEAR else 0.0
         plane = ray * start
         plane[:, 2] += eye
+        unit = max(depth, 1.0)  # of depth, so that float32 does not lose digits to a large distance
+        project = np.linalg.inv(ray) / unit
+        project_from = -project @ eye
+        area = np.linalg.norm(np.cross(ray[:, 0], ray[:, 1])) * unit * unit
     return {
         "u_camera_pixel": (2 / size[0], 2 / size[1]),
         "u_camera_ray": matrix_uniform(ray),
@@ -43,4 +51,8 @@ def camera_uniforms(scene: Scene, camera: Camera, size: tuple[int, int], every: 
         "u_camera_forward": tuple(camera.forward.tolist()) if camera.height is not None else (0.0, 0.0, 0.0),
         "u_camera_unit": scene.radius,
         "u_camera_skip": (every - 1, every // 2),
+        "u_camera_size": (size[0] // every, size[1] // every),
+        "u_camera_project": matrix_uniform(project),
+        "u_camera_project_from": tuple(project_from.tolist()),
+        "u_camera_pixel_area": float(area * 4 / (size[0] * size[1])),
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import moderngl
@@ -14,17 +15,22 @@ from ..defines import shader_defines
 from ..layout import TILE
 from .wavefront import LAYERS, SUMS, UNIT_BLOCKS, Sums, Wavefront, float_target
 
+_SAMPLERS = ("u_sum", "u_squares", "u_photon_sum", "u_photon_squares")
+
 
 class Film:
     """Sums over the samples of each pixel of a picture of `size` (width, height), row 0 at the bottom.
 
     `sum` has rgb and the number of samples, `squares` the squares of rgb, and alpha. With `has_layers` there are sums
     of the first hits: `albedo` (rgb, hits), `normal` (xyz, distance along the ray in world units) and `emission` (rgb).
+    With `has_photons` what photons have brought to the pixels is in `sum` and `squares`, too, as if each sample had
+    found its share of it: mean and variance are those of both.
     `radiance` is the mean with associated alpha, as of the last `develop`. Raises UsageError for a size for which this
     OpenGL has no textures.
     """
 
-    def __init__(self, gl: moderngl.Context, programs: Programs, size: tuple[int, int], has_layers: bool) -> None:
+    def __init__(self, gl: moderngl.Context, programs: Programs, size: tuple[int, int], has_layers: bool,
+                 has_photons: bool = False) -> None:
         limit = gl.info["GL_MAX_TEXTURE_SIZE"]
         if max(size) > limit or min(size) < 1:
             raise UsageError(f"a picture of {size[0]}x{size[1]}: this OpenGL draws from 1x1 to {limit}x{limit}")
@@ -33,21 +39,73 @@ class Film:
         try:
             self._sums = Sums(gl, size, SUMS)
             self._layers = Sums(gl, size, LAYERS) if has_layers else None
+            self._photons = Sums(gl, size, SUMS) if has_photons else None
+            self._with_photons = Sums(gl, size, SUMS) if has_photons else None
             self.radiance = float_target(gl, size)
             self._tile_errors = float_target(gl, self.tiles)
         except moderngl.Error as error:
             raise UsageError(f"a picture of {size[0]}x{size[1]} is more than this OpenGL can hold ({error})") from error
         self._developed = gl.framebuffer([self.radiance])
         self._estimated = gl.framebuffer([self._tile_errors])
-        self.sum, self.squares = self._sums.textures
+        self._is_joined = False
+        self.photons = 0
+        """Number of photons whose light is in the film."""
         layers: list[Any] = self._layers.textures if self._layers else [None] * LAYERS
         self.albedo, self.normal, self.emission = layers
 
     def add(self, wavefront: Wavefront, blocks: np.ndarray) -> None:
         """Add the sums of these blocks of the wavefront to their tiles, in this order."""
+        self._is_joined = False
         self._resolve(wavefront, blocks, wavefront.sums, self._sums)
         if self._layers is not None and wavefront.layers is not None:
             self._resolve(wavefront, blocks, wavefront.layers, self._layers)
+
+    def add_photons(self, splats: Sums, count: int) -> None:
+        """Add the splats of `count` photons, (rgb, splats) and (rgb squared, splats that were not finite)."""
+        assert self._photons is not None
+        self._gl.blend_func = moderngl.ONE, moderngl.ONE
+        self._over_picture("add", self._photons.framebuffer, splats.textures, moderngl.BLEND)
+        self.photons += count
+        self._is_joined = False
+
+    @property
+    def sum(self) -> moderngl.Texture:
+        """rgb and the number of samples of each pixel."""
+        return self._total.textures[0]
+
+    @property
+    def squares(self) -> moderngl.Texture:
+        """The squares of rgb, and alpha, of each pixel."""
+        return self._total.textures[1]
+
+    @property
+    def bad_photons(self) -> int:
+        """Number of splats that were not finite and so were left out."""
+        return 0 if self._photons is None else round(float(_read(self._photons.framebuffer, 1)[..., 3].sum()))
+
+    @property
+    def _total(self) -> Sums:
+        """The sums of paths, with those of photons if there are any."""
+        if self._photons is None or self._with_photons is None:
+            return self._sums
+        if not self._is_joined:
+            self._is_joined = True
+            self._over_picture("join", self._with_photons.framebuffer, [*self._sums.textures, *self._photons.textures],
+                               moderngl.NOTHING, u_photons=float(self.photons))
+        return self._with_photons
+
+    def _over_picture(self, name: str, target: moderngl.Framebuffer, sources: Sequence[moderngl.Texture], flags: int,
+                      **uniforms: float) -> None:
+        program = self._programs.get("display/fullscreen.vert", f"trace/film/{name}.frag", shader_defines())
+        target.use()
+        self._gl.enable_only(flags)
+        for unit, (sampler, texture) in enumerate(zip(_SAMPLERS, sources, strict=False)):
+            texture.use(unit)
+            set_uniform(program, sampler, unit)
+        for uniform, value in uniforms.items():
+            set_uniform(program, uniform, value)
+        fullscreen(self._gl, program).render(vertices=3)
+        self._gl.enable_only(moderngl.NOTHING)
 
     def _resolve(self, wavefront: Wavefront, blocks: np.ndarray, source: Sums, target: Sums) -> None:
         program = self._programs.get("trace/film/resolve.vert", "trace/film/resolve.frag",
@@ -81,14 +139,7 @@ class Film:
         return _read(self._estimated)
 
     def _draw(self, name: str, target: moderngl.Framebuffer) -> None:
-        program = self._programs.get("display/fullscreen.vert", f"trace/film/{name}.frag", shader_defines())
-        target.use()
-        self._gl.enable_only(moderngl.NOTHING)
-        self.sum.use(0)
-        self.squares.use(1)
-        set_uniform(program, "u_sum", 0)
-        set_uniform(program, "u_squares", 1)
-        fullscreen(self._gl, program).render(vertices=3)
+        self._over_picture(name, target, self._total.textures, moderngl.NOTHING)
 
     def read_radiance(self) -> np.ndarray:
         """`radiance`, (H, W, 4) float32, row 0 at the top."""
@@ -96,7 +147,7 @@ class Film:
 
     def read_sums(self) -> tuple[np.ndarray, np.ndarray]:
         """`sum` and `squares`, (H, W, 4) float32 each, row 0 at the top."""
-        first, second = (_read(self._sums.framebuffer, attachment)[::-1] for attachment in range(2))
+        first, second = (_read(self._total.framebuffer, attachment)[::-1] for attachment in range(2))
         return first, second
 
     def read_layers(self) -> tuple[np.ndarray, ...]:
@@ -105,7 +156,8 @@ class Film:
         return tuple(_read(self._layers.framebuffer, attachment)[::-1] for attachment in range(LAYERS))
 
     def release(self) -> None:
-        for thing in (self._sums, self._layers, self._developed, self._estimated, self.radiance, self._tile_errors):
+        for thing in (self._sums, self._layers, self._photons, self._with_photons, self._developed, self._estimated,
+                      self.radiance, self._tile_errors):
             if thing is not None:
                 thing.release()
 

@@ -34,6 +34,8 @@ _OVER_BLOCKS = ("begin", "zero")
 
 def vertex_shader(name: str) -> str:
     """The vertex shader of the pass `name`."""
+    if name == "splat":
+        return "trace/splat.vert"
     if name in ("alive", "track"):
         return "display/fullscreen.vert"
     return "trace/blocks.vert" if name in _OVER_BLOCKS else "trace/path_class.vert"
@@ -75,12 +77,7 @@ class Passes:
         No pass reads what another pass has drawn, except the depth, so that a driver need not wait between them.
         """
         gl = self._gl
-        wavefront.bind()
-        if wavefront.tracked is not None:
-            wavefront.tracked.use()
-            gl.enable_only(moderngl.NOTHING)
-            self._draw("track")
-            wavefront.bind_tracked()
+        self._bind_wavefront(wavefront)
         gl.blend_func = moderngl.ONE, moderngl.ONE
         if wavefront.layers is not None:
             self._classify(wavefront, "classify first hits")
@@ -92,6 +89,20 @@ class Passes:
         wavefront.sums.framebuffer.use()
         gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
         self._draw("finish")
+        self._advance(wavefront)
+
+    def _bind_wavefront(self, wavefront: Wavefront) -> None:
+        """Bind the present state, and follow its rays through volumes."""
+        wavefront.bind()
+        if wavefront.tracked is not None:
+            wavefront.tracked.use()
+            self._gl.enable_only(moderngl.NOTHING)
+            self._draw("track")
+            wavefront.bind_tracked()
+
+    def _advance(self, wavefront: Wavefront) -> None:
+        """Draw the next state, by the classes that the depth holds, and make it the present one."""
+        gl = self._gl
         wavefront.next.use()
         gl.enable_only(moderngl.DEPTH_TEST)
         for name in ("generate", *self._shading):

@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import moderngl
@@ -19,15 +18,18 @@ from ...image.image import Image
 from ...settings import Settings
 from ..layout import TILE
 from ..plan import TracePlan
-from ..rays.intersect import Answer, Intersector
+from ..rays.intersect import Intersector
 from .film import Film, relative_error
 from .layers import read_layers
+from .photon_render import PhotonRender
 from .schedule import Schedule
+from .traced_wavefront import TracedWavefront
 from .wavefront import Wavefront
 
 if TYPE_CHECKING:
     from ..denoise.denoiser import Denoiser
     from .passes import Passes
+    from .photon_passes import PhotonPasses
 
 SOFTWARE_SIDE, DEVICE_SIDE = 16, 32
 """Most blocks of a wavefront along each side, for software OpenGL and for a GPU."""
@@ -38,25 +40,12 @@ DEVICE_CHECK_INTERVAL = 4
 """Iterations of a wavefront on a GPU between two checks which blocks are done, since each check waits for the GPU."""
 
 
-@dataclass
-class _TracedWavefront:
-    """A wavefront, and the hits of its rays until it is shaded."""
-
-    wavefront: Wavefront
-    answer: Answer | None = None
-    iterations: int = 0
-
-    @property
-    def is_busy(self) -> bool:
-        return bool(self.wavefront.is_busy.any())
-
-
 class PathRender:
     """A picture in progress, made by `viewer.trace.tracer.Tracer.begin`. `step` traces more samples."""
 
     def __init__(self, passes: Passes, intersector: Intersector, plan: TracePlan, film: Film, schedule: Schedule,
                  settings: Settings, display: DisplayPass, layers: Collection[str],
-                 denoiser: Denoiser | None) -> None:
+                 denoiser: Denoiser | None, photon_passes: PhotonPasses | None = None) -> None:
         self.plan = plan
         self.film = film
         self.settings = settings
@@ -71,9 +60,16 @@ class PathRender:
         columns = software if context.is_software else DEVICE_SIDE
         self._check_interval = 1 if context.is_software else DEVICE_CHECK_INTERVAL
         rows = min(math.ceil(math.prod(film.tiles) * settings.most_spp / columns / 2), columns)
-        self._wavefronts = [_TracedWavefront(Wavefront(context, columns, rows, plan.has_transmission,
-                                                       "layers" in plan.programs, plan.has_scattering, plan.has_grids))
-                            for _ in range(2)]
+
+        def wavefront(has_layers: bool) -> Wavefront:
+            return Wavefront(context, columns, rows, plan.has_transmission, has_layers, plan.has_scattering,
+                             plan.has_grids)
+
+        self._wavefronts = [TracedWavefront(wavefront("layers" in plan.programs)) for _ in range(2)]
+        self._photons: PhotonRender | None = None
+        if photon_passes is not None:
+            self._photons = PhotonRender(photon_passes, intersector, film, lambda: wavefront(False),
+                                         self._check_interval, math.prod(film.size) * settings.most_spp)
         self._flush: Callable[[], None] = context.function("glFlush")
         self._layers, self._denoiser = layers, denoiser
         self._is_developed = False
@@ -82,7 +78,16 @@ class PathRender:
     @property
     def is_done(self) -> bool:
         """Whether the film has all the samples that were asked for."""
+        return self._has_samples and not self._lacks_photons
+
+    @property
+    def _has_samples(self) -> bool:
         return self._schedule.done and not any(traced.is_busy for traced in self._wavefronts)
+
+    @property
+    def _lacks_photons(self) -> bool:
+        """Whether the film has fewer photons than samples; it gets as many of both."""
+        return self._photons is not None and self.film.photons < self._expected_samples
 
     @property
     def samples(self) -> float:
@@ -105,10 +110,20 @@ class PathRender:
         start = time.perf_counter()
         self._passes.context.make_current()
         while not self.is_done:
-            self._iterate()
+            if not self._has_samples:
+                self._iterate()
+            if self._photons is not None and self._lacks_photons:
+                self._trace_photons(self._photons)
             if time.perf_counter() - start >= seconds:
                 break
         self.seconds += time.perf_counter() - start
+
+    def _trace_photons(self, photons: PhotonRender) -> None:
+        before = photons.rays, self.film.photons
+        photons.iterate()
+        self.rays += photons.rays - before[0]
+        if self.film.photons > before[1]:
+            self._is_developed, self._shown = False, None
 
     def _iterate(self) -> None:
         """Trace the rays of the first wavefront while the second is shaded; then swap the two.
@@ -211,6 +226,7 @@ class PathRender:
             "plan": self.plan.to_json(), "intersector": self.plan.intersector, "spp": self.samples,
             "samples": round(self.samples * self.film.size[0] * self.film.size[1]), "bad_samples": self.bad_samples,
             "estimated_error": error if np.isfinite(error) else None, "rays": self.rays, "trace_s": self.seconds,
+            **({"photons": self.film.photons, "bad_splats": self.film.bad_photons} if self._photons else {}),
             "rays_per_s": self.rays / self.seconds if self.seconds else None, "denoised": self.settings.denoise,
         }
 
@@ -229,4 +245,6 @@ class PathRender:
         self._passes.context.gl.screen.use()  # moderngl would return to the framebuffer used last, even a released one
         for traced in self._wavefronts:
             traced.wavefront.release()
+        if self._photons is not None:
+            self._photons.release()
         self.film.release()

@@ -98,6 +98,8 @@ class SceneLights:
             buffer.add("punctual", punctual_texels(lit, scene))
         if len(emitters):
             buffer.add("emitters", emitters)
+        self.lit = lit
+        """The lights without size that reach the scene, in the order of their records."""
         self.switches = {
             "HAS_ENVIRONMENT": int(has_environment),
             "ENVIRONMENT_ROTATED": int(has_environment and environment is not None and environment.rotation != 0),

@@ -16,7 +16,7 @@ _BRIGHTEST = 1e300  # so that sums of them stay finite
 def light_powers(lights: Sequence[Light], scene: Scene) -> np.ndarray:
     """About the power that reaches the scene's bounding sphere, luminance in tracer units, (N,); 0 only if none
     does."""
-    is_far, position, intensity, cosines, reach = _columns(lights, scene)
+    is_far, position, intensity, cosines, reach = light_columns(lights, scene)
     distance = np.linalg.norm(position, axis=1)
     # Seen from a distance d, the sphere has the solid angle pi / d^2. For a light within it, all directions count. A
     # spot light fills a cone.
@@ -28,7 +28,7 @@ def light_powers(lights: Sequence[Light], scene: Scene) -> np.ndarray:
 
 def punctual_texels(lights: Sequence[Light], scene: Scene) -> np.ndarray:
     """(3 N, 4) float32: three texels for each light, as shaders/trace/punctual.glsl reads them."""
-    is_far, position, intensity, cosines, reach = _columns(lights, scene)
+    is_far, position, intensity, cosines, reach = light_columns(lights, scene)
     direction = np.array([light.direction for light in lights])
     is_spot = np.array([light.kind == "spot" for light in lights])
     # KHR_lights_punctual: clamp(cos * scale + offset). Lights without a cone have 0 and 1.
@@ -43,7 +43,7 @@ def punctual_texels(lights: Sequence[Light], scene: Scene) -> np.ndarray:
     return np.clip(texels, -3e38, 3e38).astype(np.float32).reshape(-1, 4)
 
 
-def _columns(lights: Sequence[Light], scene: Scene) -> tuple[np.ndarray, ...]:
+def light_columns(lights: Sequence[Light], scene: Scene) -> tuple[np.ndarray, ...]:
     """For each light: whether it is directional; position, intensity and range in tracer units; cosines of its cone's
     angles.
 

@@ -23,6 +23,7 @@ from .geometry import trace_geometry
 from .inside import solids_around
 from .lights import SceneLights
 from .nesting import Nesting
+from .photons import Photons
 from .scene_buffer import SceneBufferBuilder
 from .scene_data import SceneData
 from .volumes import VolumeGrids
@@ -88,6 +89,7 @@ class TracedScene:
         if self.geometry.curves is not None:
             for name, texels in self.geometry.curves.texels(settings).items():
                 buffer.add(name, texels)
+        self.photons = Photons(scene, self.geometry, buffer, settings, self._lights.lit)
         self._data.upload(buffer)
         self._scene, self._droplets = scene, _droplets(scene, settings)
         self._light_key: tuple[object, ...] = _light_key(scene, settings)
@@ -126,6 +128,8 @@ class TracedScene:
         """Bind the textures and set the uniforms that do not depend on the picture."""
         self._data.bind(program)
         self._lights.bind(program)
+        for name, value in self.photons.uniforms.items():
+            set_uniform(program, name, value)
         woven = (m.material.weave for m in self.geometry.materials if m.material.weave is not None)
         self._weave.bind(program, next(woven, None), UNIT_WEAVE)
         if self._grids is not None:
@@ -143,7 +147,7 @@ def _light_key(scene: Scene, settings: Settings) -> tuple[object, ...]:
     """What the lights depend on. Environments are compared by identity."""
     fibres = (hair_fibre(settings), gives_color(settings)) if scene.curves else None
     return (scene.environment, scene.lights, settings.light_radius, settings.lobes == "all",
-            settings.background_blur, volume_medium(settings), fibres)
+            settings.background_blur, settings.caustics, volume_medium(settings), fibres)
 
 
 def _droplets(scene: Scene, settings: Settings) -> dict[str, int]:
@@ -158,7 +162,9 @@ def plan_without_device(scene: Scene, settings: Settings) -> TracePlan:
     scene = spun(woven(scene, settings), settings)
     geometry = trace_geometry(scene, fog=fog_of(scene, settings), curves=trace_curves(scene))
     switches = geometry_switches(scene, geometry, settings.plan == "everything")
-    lights = SceneLights(None, scene, geometry, SceneBufferBuilder(), settings)
+    buffer = SceneBufferBuilder()
+    lights = SceneLights(None, scene, geometry, buffer, settings)
+    photons = Photons(scene, geometry, buffer, settings, lights.lit)
     return plan_trace(scene, settings, geometry, switches | lights.switches | _droplets(scene, settings),
-                      has_layers=settings.denoise != "off", left_out=lights.left_out,
+                      has_layers=settings.denoise != "off", left_out=lights.left_out, photons=photons,
                       intersector="Embree where OpenGL is software, a BVH in a shader elsewhere")

@@ -1,0 +1,183 @@
+"""Light that photons bring: against closed forms in float64, and against the same scene without glass."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pictures import picture
+from shapes import WHITE, constant, facing_floor, moved, plate, scene, sphere
+
+from viewer.measure.compare.relmse import reduced
+from viewer.scene.camera import Camera
+from viewer.scene.light import Light
+from viewer.scene.material import Material
+from viewer.scene.scene import Instance, Scene
+from viewer.settings import Settings
+from viewer.trace.scene.traced_scene import plan_without_device
+from viewer.trace.tracer import Tracer
+
+GLASS = Material(metallic=0.0, perceptual_roughness=0.0, transmission=1.0, thickness=1.0)
+GREY = replace(WHITE, base_color=(0.5, 0.5, 0.5, 1.0))
+POINT = Light("point", intensity=10.0, position=(0.2, 2.4, 0.1))
+BELOW = Camera.look_at((0, 0.9, 0.9), (0, 0, 0.1), fov_y=np.radians(36))
+"""Looks at the floor from below the slab."""
+BESIDE = replace(Camera.look_at((0, 1.0, 2.85), (0, 0, 0.1)), height=0.5)
+"""Orthographic; its rays, which begin behind it, pass below the slab."""
+FLIPPED = np.diag([1.0, -1.0, -1.0, 1.0])
+
+
+def slab(light: Light, ior: float, pieces: int = 1, unit: float = 1.0, intensity: float = 1.0) -> Scene:
+    """A slab of glass between y = 1 and y = 1.4, in pieces side by side, over a grey floor."""
+    glass = replace(GLASS, ior=ior)
+    width = 3.0 / pieces
+    meshes = [(plate(0, half=3.0), facing_floor())]
+    for k in range(pieces):
+        shape = moved((width * (k + 0.5) - 1.5, 0, 0), (1 / pieces, 1, 1))
+        meshes += [(plate(1, half=1.5), shape @ facing_floor(y=1.4)),
+                   (plate(1, half=1.5), shape @ moved((0, 1, 0)) @ FLIPPED @ facing_floor())]
+    made = scene(*meshes, materials=[GREY, glass],
+                 lights=(replace(light, intensity=light.intensity * intensity,
+                                 position=tuple(unit * x for x in light.position)),))
+    bigger = np.diag([unit, unit, unit, 1.0])
+    return replace(made, instances=tuple(Instance(i.mesh, bigger @ i.transform) for i in made.instances))
+
+
+def floor_points(camera: Camera, size: int, each: int = 3) -> np.ndarray:
+    """Where the rays through `each`^2 points of every pixel meet y = 0, (size, size, each^2, 3)."""
+    steps = (np.arange(size * each) + 0.5) / (size * each) * 2 - 1
+    tan = np.tan(camera.fov_y / 2)
+    x, y = np.meshgrid(steps * tan, -steps * tan)
+    d = camera.forward + x[..., None] * camera.pose[:3, 0] + y[..., None] * camera.pose[:3, 1]
+    points = camera.eye - camera.eye[1] / d[..., 1:2] * d
+    return points.reshape(size, each, size, each, 3).swapaxes(1, 2).reshape(size, size, each * each, 3)
+
+
+def irradiance_below_slab(points: np.ndarray, ior: float) -> np.ndarray:
+    """Of the floor by light that both faces transmit. The ring of angles [t, t + dt] about the light has the flux
+    2 pi I T sin t dt, and falls on the ring [x, x + dx] of the floor: E = I T sin t / (x dx/dt)."""
+    t = np.linspace(1e-5, 1.5, 200_000)
+    inside = np.arcsin(np.sin(t) / ior)
+    cos_o, cos_i = np.cos(t), np.cos(inside)
+    reflected = (((cos_o - ior * cos_i) / (cos_o + ior * cos_i)) ** 2
+                 + ((ior * cos_o - cos_i) / (ior * cos_o + cos_i)) ** 2) / 2
+    x = 2.0 * np.tan(t) + 0.4 * np.tan(inside)  # 1 m above the slab and 1 m below
+    e = POINT.intensity * (1 - reflected) ** 2 * np.sin(t) / (x * np.gradient(x, t))
+    at = np.linalg.norm(points[..., [0, 2]] - np.array(POINT.position)[[0, 2]], axis=-1)
+    return np.interp(at, x, e)
+
+
+def test_caustic_of_a_slab_against_its_closed_form(tracer):
+    """`bounces` 4 leaves no more than one way: through both faces to the floor."""
+    model = slab(POINT, 1.5)
+    pixels = picture(tracer, model, BELOW, (12, 12), spp=1024, bounces=4, caustics="photons")[..., :3]
+    expected = 0.5 / np.pi * irradiance_below_slab(floor_points(BELOW, 12), 1.5).mean(axis=2)
+    assert pixels.mean() == pytest.approx(expected.mean(), rel=4e-3)
+    assert np.abs(reduced(pixels, 4)[..., 0] / reduced(expected[..., None], 4)[..., 0] - 1).max() < 0.04
+    assert picture(tracer, model, BELOW, (8, 8), spp=1, bounces=4)[..., :3].max() == 0
+    out_of_range = slab(replace(POINT, range=0.9), 1.5)  # the slab is 1 m away
+    assert picture(tracer, out_of_range, BELOW, (8, 8), spp=1, bounces=4, caustics="photons")[..., :3].max() == 0
+
+
+def unit(*direction: float) -> tuple[float, ...]:
+    return tuple((np.array(direction) / np.linalg.norm(direction)).tolist())
+
+
+LIGHTS = {
+    "point": POINT,
+    "spot": Light("spot", intensity=10.0, position=(0.2, 2.4, 0.1), direction=unit(0.1, -1, 0.2), inner_cone=0.3,
+                  outer_cone=0.8),
+    "narrow spot from far away": Light("spot", intensity=1e9, position=(0, 1e4, 0), direction=(0, -1, 0),
+                                       inner_cone=1e-3, outer_cone=2e-3),
+    "directional": Light("directional", intensity=3.0, direction=unit(0.3, -1, 0.1)),
+    "grazing": Light("directional", intensity=30.0, direction=unit(0.3, -0.4, 0.3)),
+}
+
+
+@pytest.mark.parametrize("name", LIGHTS)
+def test_glass_of_index_1_changes_nothing(tracer, name):
+    """What photons bring through it is the direct light of the same scene without glass. Three pieces are three targets
+    with spheres that overlap."""
+    light = LIGHTS[name]
+    camera = BESIDE if name in ("spot", "grazing") else BELOW
+    size = (12, 8)
+    found = picture(tracer, slab(light, 1.0, pieces=3), camera, size, spp=512, caustics="photons")[..., :3]
+    bare = scene((plate(0, half=3.0), facing_floor()), materials=[GREY], lights=(light,))
+    expected = picture(tracer, bare, camera, size, spp=16)[..., :3]
+    assert expected.mean() > 1e-4
+    assert found.mean() == pytest.approx(expected.mean(), rel=4e-3)
+    assert np.abs(found - expected).mean() < 0.1 * expected.mean()
+
+
+@pytest.mark.parametrize("unit", (1e-6, 1e6))
+def test_a_scene_of_any_size(tracer, unit):
+    """A micron or a thousand kilometres; a light's intensity grows with the square."""
+    camera = Camera.look_at(BELOW.eye * unit, (0, 0, 0.1 * unit), fov_y=np.radians(36))
+    one, other = (picture(tracer, model, view, (8, 8), spp=2, caustics="photons") for model, view in (
+        (slab(POINT, 1.5), BELOW), (slab(POINT, 1.5, unit=unit, intensity=unit * unit), camera)))
+    assert one[..., :3].mean() > 0.01
+    assert np.abs(one - other).mean() < 0.01 * one[..., :3].mean()
+
+
+def test_no_light_is_lost_or_made_between_white_walls(tracer):
+    """A lamp in the middle of a glass ball, in a room that is a ball: the glass absorbs nothing, so the wall has the
+    irradiance I / R^2 / (1 - albedo) everywhere, by light that has been reflected any number of times."""
+    wall = replace(WHITE, base_color=(0.6, 0.6, 0.6, 1.0), double_sided=True)
+    lamp = Light("point", intensity=4.0, position=(0, 0, 0))
+    room = scene((sphere(0, 64), moved((0, 0, 0), 2.0)), (sphere(1, 64), moved((0, 0, 0), 0.5)),
+                 materials=[wall, replace(GLASS, ior=1.5)], lights=(lamp,))
+    camera = Camera.look_at((0, 1.2, 0), (0.4, 2.0, 0.3), fov_y=np.radians(50))
+    pixels = picture(tracer, room, camera, (8, 8), spp=256, bounces=64, caustics="photons")[..., :3]
+    assert pixels.mean() == pytest.approx(0.6 / np.pi * 4.0 / 2.0**2 / (1 - 0.6), rel=0.01)
+
+
+def test_without_smooth_surfaces_nothing_changes(tracer):
+    """The same picture to the bit, no program and no photon, and the plan says why."""
+    rough = replace(GLASS, perceptual_roughness=0.4)
+    reasons = {"no surface is smooth": ((POINT,), rough, None), "no point, spot or directional light": (
+        (), GLASS, constant())}
+    for reason, (lights, glass, environment) in reasons.items():
+        model = scene((plate(0, half=3.0), facing_floor()), (sphere(1, 24), moved((0, 1.2, 0), 0.4)),
+                      materials=[GREY, glass], lights=lights, environment=environment)
+        with_photons, without = (picture(tracer, model, BELOW, (8, 8), spp=1, caustics=caustics)
+                                 for caustics in ("photons", "off"))
+        assert np.array_equal(with_photons, without)
+        plan = plan_without_device(model, Settings(mode="path", caustics="photons"))
+        assert not plan.photons
+        assert any(reason in line for line in plan.left_out)
+
+
+def test_error_and_variance_count_photons(tracer):
+    """Where photons alone bring light, the estimated variance is that of pictures of several seeds."""
+    settings = {"mode": "path", "spp": 8, "caustics": "photons", "bounces": 4}
+    means, variances = [], []
+    for seed in range(12):
+        path_render = tracer.begin(slab(POINT, 1.5), BELOW, Settings.of(seed=seed, **settings), (12, 12), ["variance"])
+        while not path_render.is_done:
+            path_render.step(1.0)
+        image = path_render.image()
+        assert image.stats["photons"] >= 8 * 12 * 12 and image.stats["bad_splats"] == 0
+        assert 0.01 < path_render.error < 1
+        path_render.release()
+        means.append(image.linear[..., 0])
+        variances.append(image.layers["variance"][..., 0])
+    spread = np.var(means, axis=0, ddof=1).mean()
+    assert 0.3 < spread / np.mean(variances) < 1.2  # low discrepancy makes it smaller than independent photons would
+
+
+def test_a_caustic_in_fog(tracer):
+    """A slab of index 1.0001 stops shadow rays, and photons bring what one of index 1 lets through, on the floor and in
+    the fog."""
+    settings = {"fog": 0.4, "fog_g": 0.5, "spp": 48, "bounces": 8}
+    found = picture(tracer, slab(POINT, 1.0001), BELOW, (12, 8), caustics="photons", **settings)[..., :3]
+    expected = picture(tracer, slab(POINT, 1.0), BELOW, (12, 8), **settings)[..., :3]
+    assert found.mean() == pytest.approx(expected.mean(), rel=0.06)
+
+
+def test_both_intersectors_trace_the_same_photons(context, tracer):
+    other = Tracer(context, intersector="bvh")
+    one, two = (picture(t, slab(POINT, 1.5), BELOW, (12, 8), spp=8, caustics="photons") for t in (tracer, other))
+    other.release()
+    assert one[..., :3].mean() > 0.01
+    assert np.abs(one - two).mean() < 1e-3 * one[..., :3].mean()
