@@ -20,7 +20,8 @@ def camera_uniforms(scene: Scene, camera: Camera, size: tuple[int, int], every: 
 
     The shader makes a ray from the point where it crosses a plane through the scene's centre. The distance of the eye
     from that plane may be a million times the extent of the picture, so the computation with it is done here in
-    float64. An orthographic camera also sees what is behind its eye, as in the raster.
+    float64. An orthographic camera also sees what is behind its eye, as in the raster. For photons the uniforms of
+    shaders/trace/connect.glsl, which find a point's pixel, are computed in the same way.
     """
     ray = Frame(scene, camera, size).ray
     eye = (camera.eye - scene.center) / scene.radius

@@ -6,6 +6,7 @@ import moderngl
 from numpy.typing import NDArray
 
 from ...gpu.context import Context
+from ...gpu.programs import set_uniform
 from ...material.weave import WeaveBinding
 from ...scene.fibre import gives_color, hair_fibre
 from ...scene.fog import fog_of
