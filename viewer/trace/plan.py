@@ -144,7 +144,7 @@ def plan_trace(
 def _photon_programs(programs: Mapping[str, Program], switches: Mapping[str, int], classes: Mapping[str, int],
                      ) -> dict[str, Program]:
     """The programs for paths from lights: those of `programs` that change, and the same ones for the rest."""
-    light = {"PHOTONS": 1}
+    light = {"PHOTONS": 1, "HAS_CLEARANCE": 0}  # photons are connected at every collision
     first = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_GRIDS", "HAS_FOG",
                                                DISPERSION.switch, "LIGHT_RADIUS")}
     shading = {name: _program(program.fragment, dict(program.switches) | light)
