@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 _KINDS = {"float": "", "int": "i", "uint": "u", "bool": "b"}
 _TO_WORD = {"float": "floatBitsToUint({})", "int": "uint({})", "uint": "{}", "bool": "uint({})"}
@@ -133,6 +134,7 @@ _PARAMETER = re.compile(
 _PRECISION = re.compile(r"\b(?:highp|mediump|lowp)\b")
 
 
+@lru_cache(maxsize=64)  # the functions of a file are called again and again
 def find_functions(text: str) -> list[Function]:
     """The functions that GLSL `text` (without comments) defines, in order, as far as this module has their types.
 

@@ -67,7 +67,7 @@ def mirrored(directions: Directions) -> Directions:
 def reflect(wo: np.ndarray, theta: np.ndarray, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """wi (K, Q, 3) and dwi / dh (K, Q), 0 where h faces away or wi lies below."""
     h = _half_vector(wo, theta, phi)
-    VoH = (wo[:, None] * h).sum(axis=-1)
+    VoH = np.einsum("kc,kqc->kq", wo, h)
     wi = 2 * VoH[..., None] * h - wo[:, None]
     return wi, np.where((VoH > 0) & (wi[..., 2] > 0), 4 * VoH, 0.0)
 
@@ -75,7 +75,7 @@ def reflect(wo: np.ndarray, theta: np.ndarray, phi: np.ndarray) -> tuple[np.ndar
 def refract(wo: np.ndarray, eta: np.ndarray, theta: np.ndarray, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """As `reflect`, through the surface; 0 at total reflection, too."""
     h, eta = _half_vector(wo, theta, phi), eta[:, None]
-    VoH = (wo[:, None] * h).sum(axis=-1)
+    VoH = np.einsum("kc,kqc->kq", wo, h)
     cos2_t = 1 - (1 - VoH**2) / eta**2
     cos_t = np.sqrt(np.maximum(cos2_t, 0))
     wi = (VoH / eta - cos_t)[..., None] * h - wo[:, None] / eta[..., None]
@@ -144,8 +144,8 @@ def _horizon(sin_o: np.ndarray, cos_o: np.ndarray, theta: np.ndarray) -> np.ndar
 
 
 def _half_vector(wo: np.ndarray, theta: np.ndarray, phi: np.ndarray) -> np.ndarray:
-    turned = phi + np.arctan2(wo[:, 1], wo[:, 0])[:, None]
-    return np.stack([np.sin(theta) * np.cos(turned), np.sin(theta) * np.sin(turned), np.cos(theta)], axis=-1)
+    turned, sine = phi + np.arctan2(wo[:, 1], wo[:, 0])[:, None], np.sin(theta)
+    return np.stack([sine * np.cos(turned), sine * np.sin(turned), np.cos(theta)], axis=-1)
 
 
 def _unit_nodes(count: int) -> tuple[np.ndarray, np.ndarray]:
