@@ -8,7 +8,7 @@ that a slip would have to be made twice to go unnoticed.
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache, lru_cache
 from math import lgamma
 
 import numpy as np
@@ -65,7 +65,11 @@ def ggx_lambda(w, alpha):
     """Heitz 2014, eqs. 72 and 86, by the roughness along w and the tangent of its angle."""
     s2 = w[..., 0] ** 2 + w[..., 1] ** 2
     projected2 = np.where(s2 > 0, ((alpha * w[..., :2]) ** 2).sum(axis=-1) / np.maximum(s2, 1e-300), 0)
-    x = projected2 * s2 / w[..., 2] ** 2
+    return _ggx_lambda_of(projected2 * s2 / w[..., 2] ** 2)
+
+
+def _ggx_lambda_of(x):
+    """By x = (alpha tan theta)^2."""
     return np.where(x > 1e-6, (np.sqrt(1 + x) - 1) / 2, x / 4 - x * x / 16)
 
 
@@ -99,28 +103,35 @@ def _ggx_albedos(cosines: tuple[float, ...], alpha: float):
     return out
 
 
-@lru_cache(maxsize=256)
-def visible_normals(NoV: float, alpha: float):
-    """VoH of visible normals that reflect upwards, and G2 / G1(o) over their number."""
+@cache
+def _disk():
+    """A Fibonacci lattice on the unit disk: its points x and y, and sqrt(1 - x^2)."""
     i = np.arange(17711)
     u1, u2 = (i + 0.5) / len(i), (i * 10946 / len(i)) % 1
     r, phi = np.sqrt(u1), 2 * np.pi * u2
-    p1, across = r * np.cos(phi), r * np.sin(phi)
-    side = np.sqrt(np.maximum(1 - p1**2, 0))
-    o = np.array([np.sqrt(1 - NoV**2), 0.0, NoV])
-    v = unit(o * [alpha, alpha, 1])
-    t1 = np.array([0.0, 1.0, 0.0])
-    t2 = np.cross(v, t1)
-    s = (1 + v[2]) / 2
+    x = r * np.cos(phi)
+    return x, r * np.sin(phi), np.sqrt(np.maximum(1 - x**2, 0))
+
+
+@lru_cache(maxsize=256)
+def visible_normals(NoV: float, alpha: float):
+    """VoH of visible normals that reflect upwards, and G2 / G1(o) over their number.
+
+    Heitz 2018's steps by components: o and v lie in the plane of x and z, and T1 is along y.
+    """
+    p1, across, side = _disk()
+    o_x, o_z = np.sqrt(1 - NoV**2), NoV
+    v_x, v_z = np.array([alpha * o_x, o_z]) / np.hypot(alpha * o_x, o_z)
+    s = (1 + v_z) / 2
     p2 = (1 - s) * side + s * across
-    n = p1[:, None] * t1 + p2[:, None] * t2 + np.sqrt(np.maximum(1 - p1**2 - p2**2, 0))[:, None] * v
-    h = unit(np.stack([alpha * n[:, 0], alpha * n[:, 1], np.maximum(n[:, 2], 1e-9)], axis=-1))
-    OoH = dot(o, h)
-    wi = 2 * OoH[:, None] * h - o
-    up = wi[:, 2] > 1e-12
-    lambda_o = ggx_lambda(o, np.array([alpha, alpha]))
-    share = (1 + lambda_o) / (1 + lambda_o + ggx_lambda(wi[up], np.array([alpha, alpha])))
-    return np.clip(OoH[up], 0, 1), share / len(i)
+    along_v = np.sqrt(np.maximum(1 - p1**2 - p2**2, 0))
+    h_x, h_y, h_z = alpha * (along_v * v_x - p2 * v_z), alpha * p1, np.maximum(along_v * v_z + p2 * v_x, 1e-9)
+    length = np.sqrt(h_x**2 + h_y**2 + h_z**2)
+    OoH = (o_x * h_x + o_z * h_z) / length
+    wi_z = 2 * OoH * h_z / length - o_z
+    up = wi_z > 1e-12
+    lambda_o, lambda_i = (_ggx_lambda_of(alpha**2 * (1 - z**2) / z**2) for z in (o_z, wi_z[up]))
+    return np.clip(OoH[up], 0, 1), (1 + lambda_o) / (1 + lambda_o + lambda_i) / len(p1)
 
 
 @lru_cache
@@ -274,9 +285,11 @@ def glass_fresnel(m, mu):
 def thin_dielectric(m, wo, wi, is_separable=False):
     """KHR_materials_transmission's mirrored lobe, with what goes to and fro inside added up bounce by bounce."""
     dv, VoH = glass_reflection(m["alpha"], wo, wi * np.where(wi[..., 2:] < 0, [1, 1, -1], 1), is_separable)
-    R, there = glass_fresnel(m, VoH), 0.0
-    for k in range(4000):
-        there = there + R ** (2 * k) * (1 - R) ** 2
+    R = glass_fresnel(m, VoH)
+    there, bounce = np.zeros_like(R), (1 - R) ** 2
+    for _ in range(4000):
+        there += bounce
+        bounce *= R * R
     return dv[..., None] * np.where(wi[..., 2:] > 0, 1 - there, there)
 
 
