@@ -1,0 +1,42 @@
+"""The commands about this machine: doctor, cache."""
+
+from __future__ import annotations
+
+import sys
+
+import click
+
+from ..jobs.options import JSON_OPTION
+from .output import print_text, write_or_print_json
+
+
+@click.command(short_help="Show which OpenGL contexts work here.")
+@JSON_OPTION
+def doctor(json_file: str | None) -> None:
+    """Show which OpenGL contexts work here, and how to fix those that do not. Exit status 3: none works."""
+    from ..jobs.doctor import calibration_line, diagnose, exit_status, format_findings
+
+    findings = diagnose()
+    if json_file:
+        write_or_print_json(json_file, [finding.to_json() for finding in findings])
+    else:
+        print_text("\n".join(filter(None, [format_findings(findings), calibration_line(findings)])))
+    sys.exit(exit_status(findings))
+
+
+@click.command(short_help="Show or clear the cache on disk.")
+@click.option("--clear", is_flag=True, help="Delete all entries of the cache.")
+def cache(clear: bool) -> None:
+    """Show the folder and size of the cache, which holds prepared environments and measurements of this device.
+
+    The environment variable PBR_VIEWER_CACHE names another folder, or is `off`.
+    """
+    from ..bake.cache import cache_folder, cache_size, clear_cache
+
+    folder = cache_folder()
+    if folder is None:
+        print_text("the cache is switched off")
+    elif clear:
+        print_text(f"{folder}: {clear_cache() / 1e6:.1f} MB freed")
+    else:
+        print_text(f"{folder}: {cache_size() / 1e6:.1f} MB")

@@ -1,0 +1,163 @@
+"""The commands that show models: view, render, info."""
+
+from __future__ import annotations
+
+import sys
+import time
+from typing import Any
+
+import click
+
+from ..base.messages import say
+from ..jobs.options import (
+    AOV_OPTION,
+    BACKEND_OPTION,
+    CAMERA_OPTIONS,
+    COMMON_OPTIONS,
+    ERROR_OPTIONS,
+    FILM_OPTIONS,
+    JSON_OPTION,
+    PATH_OPTIONS,
+    QUIET_OPTION,
+    SCENE_OPTIONS,
+    TIME_OPTIONS,
+    check_camera_options,
+    with_options,
+)
+from .output import print_facts, print_text, warn, write_or_print_json
+
+
+@click.command(short_help="Open a model in a window.", context_settings={"default_map": {"denoise": "fast"}})
+@click.argument("model")
+@with_options([*SCENE_OPTIONS, *TIME_OPTIONS, *PATH_OPTIONS, *CAMERA_OPTIONS, *COMMON_OPTIONS])
+def view(model: str, **options: Any) -> None:
+    """Open MODEL in a window. Drag to orbit, scroll to move closer, press H for a list of all keys.
+
+    With --animation it plays, unless a --time is given, at which it stands still.
+
+    MODEL is a glTF file (.gltf, .glb), an OBJ, PLY, STL, OFF or XYZ, a volume (.vdb, .npz, .vol), or curves (.hair,
+    .bcc, .curves). 3MF and COLLADA (.dae) need `pip install 'pbr-viewer[formats]'`.
+    """
+    check_camera_options(options)
+    from ..app import open_window
+    from ..jobs.assemble import make_camera, make_environment, make_playback, make_scene, make_settings
+
+    settings = make_settings(options)
+    start = time.perf_counter()
+    scene = make_scene(model, make_environment(options), options)
+    warn(model, scene, settings, options)
+    tell = say if options["verbose"] else None
+    if tell:
+        tell(f"{model}: load {time.perf_counter() - start:.3f} s")
+    asked = any(options[name] is not None for name in ("orbit", "eye", "camera", "fov", "target"))
+    camera = make_camera(model, scene, options) if asked else None
+    open_window(scene, settings, camera, options["size"], use_cache=not options["no_cache"], tell=tell,
+                playback=make_playback(model, scene, options))
+
+
+@click.command(short_help="Render pictures of models, without a screen.")
+@click.argument("models", metavar="MODEL...", nargs=-1, required=True)
+@click.option("-o", "--output", required=True, metavar="OUT",
+              help="The picture: .png .jpg .webp (as displayed), .exr (linear light). A film of what moves: .mp4 .webp "
+                   ".gif .apng. For several models: a folder, which ends in / and is made if it is missing, or a "
+                   "pattern such as out/{name}.png.")
+@BACKEND_OPTION
+@click.option("--stats", metavar="FILE.json",
+              help="Write times, plan and memory as JSON; for several models a list of them.")
+@with_options([*SCENE_OPTIONS, *TIME_OPTIONS, *FILM_OPTIONS, *PATH_OPTIONS, *ERROR_OPTIONS, AOV_OPTION,
+               *CAMERA_OPTIONS, *COMMON_OPTIONS])
+def render(models: tuple[str, ...], output: str, backend: str, stats: str | None, **options: Any) -> None:
+    """Render a picture of each MODEL, without a screen.
+
+    MODEL is a glTF file (.gltf, .glb), an OBJ, PLY, STL, OFF or XYZ, a volume (.vdb, .npz, .vol), or curves (.hair,
+    .bcc, .curves). 3MF and COLLADA (.dae) need `pip install 'pbr-viewer[formats]'`. If one of several models cannot be
+    rendered, it is reported on stderr, the others are still rendered, and the exit status is not 0.
+
+    \b
+    pbr-viewer render helmet.glb -o helmet.png
+    pbr-viewer render *.glb -o thumbnails/ --size 256 --background none
+    pbr-viewer render car.obj -o car.exr --env studio.hdr --orbit -30,15
+    pbr-viewer render room.glb -o room.png --mode path --spp 256 --denoise fast
+    pbr-viewer render fox.glb -o fox.png --animation Run --time 0.4
+    pbr-viewer render fox.glb -o fox.mp4 --animation Run --fps 30
+    pbr-viewer render helmet.glb -o helmet.webp --turntable 90
+    """
+    check_camera_options(options)
+    from ..base.atomic import made_folders
+    from ..jobs.assemble import make_camera, make_environment, make_scene, make_settings
+    from ..jobs.film import check_film_options, make_film
+    from ..jobs.render_job import RenderJob, check_layers, check_output, output_paths
+    from ..jobs.tell_error import check_tell_error, map_paths
+
+    settings = make_settings(options)
+    chooses = _leaves_mode_open(settings)
+    if not chooses:
+        settings.check_used()
+    paths, folders = output_paths(models, output)
+    check_layers(options["aov"], settings, paths, chooses)
+    check_film_options(paths, options, chooses)
+    check_tell_error(settings, options, paths, chooses)
+    maps, map_folders = map_paths(models, options["error_map"])
+
+    def load(model: str) -> Any:
+        scene = make_scene(model, environment, options)
+        warn(model, scene, settings, options)
+        return scene
+
+    job = RenderJob(backend, settings, options["size"], options["aov"], use_cache=not options["no_cache"],
+                    measure=stats is not None, quiet=options["quiet"], verbose=options["verbose"], chooses=chooses,
+                    tell_error=options["tell_error"], error_maps=dict(zip(paths, maps)))
+    with made_folders(*folders, *map_folders):
+        for path in (*paths, *maps):
+            check_output(path)
+        if stats is not None:
+            check_output(stats)
+        environment = make_environment(options)
+        if environment is not None and len(models) > 1:
+            environment.radiance  # noqa: B018  decode it here, so that an error is reported once, not for every model
+        status = job.run(list(zip(models, paths, strict=True)), load,
+                         lambda model, scene: make_camera(model, scene, options), stats,
+                         lambda model, path, scene: make_film(model, path, scene, options))
+    sys.exit(status)
+
+
+@click.command(short_help="Show what is in a model and how it will be rendered.")
+@click.argument("model", required=False)
+@JSON_OPTION
+@click.option("--settings", "list_settings", is_flag=True, help="List what --set takes.")
+@with_options([*SCENE_OPTIONS, QUIET_OPTION])
+def info(model: str | None, json_file: str | None, list_settings: bool, **options: Any) -> None:
+    """Show what MODEL contains, what is needed to render it, and what is left out and why.
+
+    Without MODEL: show the supported formats and the folder of the cache. No OpenGL is needed.
+    """
+    from ..jobs.info import describe_package, describe_scene, format_settings, settings_table
+
+    if list_settings:
+        if json_file:
+            write_or_print_json(json_file, settings_table())
+        else:
+            print_text(format_settings())
+        return
+    if model is None:
+        facts = describe_package()
+    else:
+        from ..jobs.assemble import make_environment, make_scene, make_settings
+
+        settings = make_settings(options)
+        scene = make_scene(model, make_environment(options), options)
+        facts = describe_scene(scene, settings)
+        warn(model, scene, settings, options)  # of images that do not decode, too
+    print_facts(facts, json_file)
+
+
+def _leaves_mode_open(settings: Any) -> bool:
+    """Whether the method shall be chosen: there is a time budget or an error, and no --mode.
+
+    Raises UsageError if no method supports all settings.
+    """
+    source = click.get_current_context().get_parameter_source("mode")
+    if source is not click.core.ParameterSource.DEFAULT or (settings.time_budget is None and settings.error is None):
+        return False
+    settings.check_open()
+    return True
