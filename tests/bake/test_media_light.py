@@ -45,6 +45,18 @@ def test_a_white_furnace_is_exact(tau, g):
         np.repeat(4 * np.pi * (1 - arriving)[extinction > 0][:, None], 3, axis=1), rel=1e-3)
 
 
+def test_a_grid_may_have_any_sides():
+    """That of hair is no cube. With x and y exchanged it has the same light so."""
+    rng = np.random.default_rng(5)
+    extinction, light = rng.uniform(0, 4, (5, 8, 13)), rng.uniform(0, 1, (5, 8, 13, 4))
+    flux, hidden = rng.uniform(-0.2, 0.2, (3, 5, 8, 13, 4)), rng.uniform(0.3, 1, (5, 8, 13))
+    found = scattered_light(extinction, light, flux, hidden, 0.5, (0.9, 0.5, 0.2), 0.3)
+    turned = scattered_light(extinction.swapaxes(1, 2), light.swapaxes(1, 2), flux[[1, 0, 2]].swapaxes(2, 3),
+                             hidden.swapaxes(1, 2), 0.5, (0.9, 0.5, 0.2), 0.3)
+    assert np.isfinite(found.fluence).all() and found.fluence.max() < 100
+    np.testing.assert_allclose(found.fluence, turned.fluence.swapaxes(1, 2), rtol=1e-3, atol=1e-3)
+
+
 @pytest.mark.parametrize(("tau", "albedo", "g"), [
     (0.5, 0.9, 0.0), (2.0, 0.9, 0.0), (2.0, 0.5, 0.0), (6.0, 0.95, 0.0), (6.0, 0.95, 0.7),
     (4.0, 0.95, -0.5)])

@@ -109,7 +109,8 @@ def _solve(sigma_t: np.ndarray, albedos: np.ndarray, g: float, source: np.ndarra
         for end in (0, -1):
             at = (slice(None),) * axis + (end,)
             diagonal[at] += 1 / (resistance[at] + 2)
-    strides = [len(sigma_t) ** (3 - axis) for axis in (1, 2, 3)]
+    _, _, height, width = diagonal.shape
+    strides = [height * width, width, 1]  # from a cell to the next one along z, y and x
     flow = np.empty(diagonal.size, diagonal.dtype)
 
     def apply(phi: np.ndarray) -> np.ndarray:
