@@ -41,9 +41,9 @@ class Widgets:
 def widgets(monkeypatch) -> Iterator[Widgets]:
     from imgui_bundle import imgui
 
-    from viewer.app import panel
+    from viewer.app import panel, setting_rows
 
-    seen, row, combo, field = Widgets(), panel.row, panel.combo, panel.imgui.input_text_with_hint
+    seen, row, combo, field = Widgets(), setting_rows.row, setting_rows.combo, panel.imgui.input_text_with_hint
 
     def seen_row(label: str, scale: float) -> None:
         start = imgui.get_cursor_pos_x()
@@ -64,8 +64,9 @@ def widgets(monkeypatch) -> Iterator[Widgets]:
         seen.note(label)
         return result
 
-    monkeypatch.setattr(panel, "row", seen_row)
-    monkeypatch.setattr(panel, "combo", seen_combo)
+    monkeypatch.setattr(setting_rows, "row", seen_row)
+    for module in (panel, setting_rows):
+        monkeypatch.setattr(module, "combo", seen_combo)
     monkeypatch.setattr(panel.imgui, "input_text_with_hint", seen_field)
     yield seen
 

@@ -67,10 +67,10 @@ def test_paths_begin_again_at_another_time(open_window, rolling):
 
 
 def test_the_panel_has_a_section_for_what_moves(open_window, rolling, scene, monkeypatch):
-    from viewer.app import panel
+    from viewer.app import setting_rows
 
-    seen = []
-    monkeypatch.setattr(panel, "row", lambda label, scale, real=panel.row: (seen.append(label), real(label, scale))[1])
+    seen, real = [], setting_rows.row
+    monkeypatch.setattr(setting_rows, "row", lambda label, scale: (seen.append(label), real(label, scale))[1])
     hands = open_window(rolling, Settings(antialias="none"), size=(1000, 500), playback=Playback(0))
     hands.settle()
     assert {"Animation", "Time", "Speed", "Exposure"} <= set(seen)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -14,27 +13,13 @@ from ..interact.playback import SPEEDS
 from ..interact.state import ViewState, scene_facts
 from ..scene.environment_files import load_environment
 from ..scene.environment_presets import PRESETS
-from ..scene.light import Light
-from ..settings import ignored, setting_choices
+from .light_rows import edited_lights
 from .overlay import MODE_NAMES
-from .widgets import color_edit, combo, logarithmic, row, wrapped
+from .setting_rows import SettingRows
+from .widgets import color_edit, combo, logarithmic, wrapped
 
 WIDTH = 344.0
 """In window coordinates, before the desktop's scale."""
-_LABELS = {
-    "ggx": "GGX", "beckmann": "Beckmann", "blinn-phong": "Blinn–Phong", "smith": "Smith, height-correlated",
-    "smith-separable": "Smith, separable", "v-cavity": "V-cavity", "none": "None", "schlick": "Schlick",
-    "exact": "Exact", "phong": "Phong", "all": "All", "uniform-diffuse": "Uniform diffuse", "specular": "Specular",
-    "directional-diffuse": "Directional diffuse", "neutral": "Khronos PBR Neutral", "agx": "AgX", "aces": "ACES (Hill)",
-    "auto": "Automatic", "msaa-2": "MSAA 2×", "msaa-4": "MSAA 4×", "msaa-8": "MSAA 8×", "ssaa-4": "SSAA 4×",
-    "ssaa-9": "SSAA 9×", "ssaa-16": "SSAA 16×", "gtao": "GTAO",
-    **{count: f"{count} lights" for count in ("16", "64", "256", "1024")},
-    "off": "Off", "fast": "Fast", "mis": "Both (MIS)", "bsdf": "BSDF sampling only",
-    "lights": "Light sampling only", "environment": "Environment only", "screen": "Screen space", "traced": "Traced",
-    "baked": "Baked", "single": "Once", "multiple": "Many times", "quarter": "A quarter", "sixteenth": "A sixteenth",
-    "charlie": "Charlie", "zeltner": "Zeltner et al.", "slab": "Slab",
-    "photons": "Photons",
-}
 _MODES = ((("pbr",), ("phong",), ("path",)), (("phong", "pbr"), ("pbr", "path")))
 _TONEMAPS = ("neutral", "agx", "aces", "none")
 _FIRST_COLOR = (0.18, 0.18, 0.18)
@@ -66,7 +51,7 @@ class Panel:
     def __init__(self, state: ViewState, readings: Readings, open_file: Callable[[str], None]) -> None:
         self._state, self._readings, self._open_file = state, readings, open_file
         self._path = ""
-        self._scale = 1.0
+        self._rows = SettingRows(state)
         self._sections = (
             Section("Warnings", self._warnings, is_there=lambda: bool(state.scene.all_warnings)),
             Section("Variant", self._variant, is_there=lambda: bool(state.scene.variants)),
@@ -87,7 +72,7 @@ class Panel:
 
     def draw(self, scale: float) -> None:
         """Draw the panel at the right of the window."""
-        self._scale = scale
+        self._rows.scale = scale
         width, height = imgui.get_io().display_size
         panel_width = self.width(width, scale)
         imgui.set_next_window_pos(imgui.ImVec2(width - panel_width, 0))
@@ -111,7 +96,7 @@ class Panel:
     def _variant(self) -> None:
         scene = self._state.scene
         names = [variant.name for variant in scene.variants]
-        self._row("Materials")
+        self._rows.row("Materials")
         index = combo("variant", names.index(scene.variant), ["The file's own", *names[1:]])
         if index is not None:
             self._state.choose_variant(names[index])
@@ -123,9 +108,9 @@ class Panel:
                 if imgui.radio_button(" | ".join(MODE_NAMES[m] for m in modes), state.modes == modes) and (
                         state.modes != modes):
                     state.show_split(*modes) if len(modes) > 1 else state.show_mode(*modes, state.settings.lobes)
-                imgui.same_line(spacing=14 * self._scale)
+                imgui.same_line(spacing=14 * self._rows.scale)
             imgui.new_line()
-        self._choice("Show", "lobes")
+        self._rows.choice("Show", "lobes")
         if imgui.checkbox("White furnace", state.before_furnace is not None)[0]:
             state.toggle_furnace()
         if state.has_error:
@@ -133,30 +118,30 @@ class Panel:
                 state.toggle_error()
             if state.tells_error and imgui.checkbox("Show where", state.shows_error)[0]:
                 state.toggle_error(shows=True)
-        self._choice("Distribution D", "ndf")
-        self._choice("Masking G", "masking")
-        self._choice("Fresnel F", "fresnel")
-        self._switch("Multiple scattering", "multiscatter")
-        self._choice("Sheen", "sheen")
-        self._choice("Environment shadows", "environment_shadows")
-        self._choice("Ambient occlusion", "ambient_occlusion")
-        self._choice("Indirect light", "indirect")
-        self._choice("Reflections", "reflections")
-        self._choice("Refraction", "refraction")
-        self._choice("Light inside solids", "subsurface")
-        self._choice("Light between hairs", "hair_scattering")
-        self._choice("Scattering in media", "media_scattering")
-        self._choice("Rays in media", "media_rays")
-        self._choice("Steps of a ray", "media_steps")
-        self._switch("Specular antialiasing", "specular_aa")
-        self._choice("Phong highlight", "phong")
+        self._rows.choice("Distribution D", "ndf")
+        self._rows.choice("Masking G", "masking")
+        self._rows.choice("Fresnel F", "fresnel")
+        self._rows.switch("Multiple scattering", "multiscatter")
+        self._rows.choice("Sheen", "sheen")
+        self._rows.choice("Environment shadows", "environment_shadows")
+        self._rows.choice("Ambient occlusion", "ambient_occlusion")
+        self._rows.choice("Indirect light", "indirect")
+        self._rows.choice("Reflections", "reflections")
+        self._rows.choice("Refraction", "refraction")
+        self._rows.choice("Light inside solids", "subsurface")
+        self._rows.choice("Light between hairs", "hair_scattering")
+        self._rows.choice("Scattering in media", "media_scattering")
+        self._rows.choice("Rays in media", "media_rays")
+        self._rows.choice("Steps of a ray", "media_steps")
+        self._rows.switch("Specular antialiasing", "specular_aa")
+        self._rows.choice("Phong highlight", "phong")
 
     def _path_tracing(self) -> None:
         state = self._state
-        self._combo("Denoising", "denoise", ("off", "fast"))
-        self._choice("Sampling", "sampling")
-        self._choice("Caustics of lamps", "caustics")
-        self._row("Bounces")
+        self._rows.combo("Denoising", "denoise", ("off", "fast"))
+        self._rows.choice("Sampling", "sampling")
+        self._rows.choice("Caustics of lamps", "caustics")
+        self._rows.row("Bounces")
         changed, bounces = imgui.slider_int("##bounces", state.settings.bounces, 1, 64, "%d",
                                             imgui.SliderFlags_.logarithmic | imgui.SliderFlags_.always_clamp)
         if changed:
@@ -166,7 +151,7 @@ class Panel:
 
     def _animation(self) -> None:
         state, playback = self._state, self._state.playback
-        self._row("Animation")
+        self._rows.row("Animation")
         names = ["At rest", *(animation.name for animation in state.scene.animations)]
         index = combo("animation", 0 if playback.animation is None else playback.animation + 1, names)
         if index is not None:
@@ -175,13 +160,13 @@ class Panel:
             state.toggle_play()
         if playback.animation is None:
             return
-        self._row("Time")
+        self._rows.row("Time")
         duration = playback.duration(state.scene)
         flags = imgui.SliderFlags_.always_clamp
         moved, moment = imgui.slider_float("##time", playback.time, 0.0, duration, f"%.2f of {duration:.2f} s", flags)
         if moved:
             state.seek(moment)
-        self._row("Speed")
+        self._rows.row("Speed")
         changed, speed = logarithmic("##speed", playback.speed, *SPEEDS)
         if changed:
             playback.speed = min(max(speed, SPEEDS[0]), SPEEDS[1])
@@ -193,72 +178,39 @@ class Panel:
         current = "none" if environment is None else environment.name
         if current not in names:
             names.append(current)
-        self._row("Environment")
+        self._rows.row("Environment")
         index = combo("environment", names.index(current), names)
         if index is not None and names[index] != current:
             state.relight(load_environment(names[index]))
-        self._row("File")
+        self._rows.row("File")
         entered, self._path = imgui.input_text_with_hint("##file", "path, or drop a file", self._path,
                                                          imgui.InputTextFlags_.enter_returns_true)
         if entered and self._path.strip():
             self._open_file(self._path.strip())
         if environment is None:
             return
-        self._row("Rotation")
+        self._rows.row("Rotation")
         turned, rotation = imgui.slider_angle("##rotation", environment.rotation, -180, 180, "%.0f°")
-        self._row("Intensity")
+        self._rows.row("Intensity")
         scaled, intensity = logarithmic("##intensity", environment.intensity, 0.01, 100.0)
         if turned or scaled:
             changed = replace(environment, rotation=rotation, intensity=intensity)
             state.scene = state.scene.relit(environment=changed)
 
     def _lights(self) -> None:
-        lights = list(self._state.scene.lights)
-        changed = False
-        for k, light in enumerate(self._state.scene.lights):
-            imgui.push_id(k)
-            imgui.align_text_to_frame_padding()
-            imgui.text(f"{k + 1}  {light.kind.capitalize()}  {light.name.lstrip('-')}")
-            imgui.same_line(imgui.get_content_region_avail().x - 62 * self._scale)
-            if imgui.button("Remove", imgui.ImVec2(-1, 0)):
-                lights[k], changed = None, True
-            else:
-                edited = self._light(light)
-                changed, lights[k] = changed or edited != light, edited
-            imgui.pop_id()
-        if imgui.button("Add a directional light", imgui.ImVec2(-1, 0)):
-            lights.append(Light.from_angles(math.radians(40), math.radians(45), math.pi))
-            changed = True
-        if changed:
-            self._state.set_lights(tuple(light for light in lights if light is not None))
-
-    def _light(self, light: Light) -> Light:
-        if light.kind == "directional":
-            x, y, z = (-d for d in light.direction)
-            azimuth, elevation = math.atan2(x, z), math.atan2(y, math.hypot(x, z))
-            self._row("Azimuth")
-            turned, azimuth = imgui.slider_angle("##azimuth", azimuth, -180, 180, "%.0f°")
-            self._row("Elevation")
-            raised, elevation = imgui.slider_angle("##elevation", elevation, -89, 89, "%.0f°")
-            if turned or raised:
-                light = replace(light, direction=Light.from_angles(azimuth, elevation, 1.0).direction)
-        self._row("Lux" if light.kind == "directional" else "Candela")
-        changed, intensity = logarithmic("##intensity", light.intensity, 0.001, 1e5)
-        if changed:
-            light = replace(light, intensity=intensity)
-        self._row("Colour")
-        changed, color = color_edit("##color", light.color)
-        return replace(light, color=color) if changed else light
+        lights = edited_lights(self._state.scene.lights, self._rows)
+        if lights is not None:
+            self._state.set_lights(lights)
 
     def _picture(self) -> None:
         state = self._state
         settings = state.settings
-        self._row("Exposure")
+        self._rows.row("Exposure")
         exposed, exposure = imgui.slider_float("##exposure", settings.exposure, -8.0, 8.0, "%+.2f EV")
         if exposed:
             state.settings = replace(settings, exposure=exposure)
-        self._combo("Tone map", "tonemap", _TONEMAPS)
-        self._row("Background")
+        self._rows.combo("Tone map", "tonemap", _TONEMAPS)
+        self._rows.row("Background")
         kinds = ("env", "none", "color")
         kind = settings.background if isinstance(settings.background, str) else "color"
         index = combo("background", kinds.index(kind), ["Environment", "None", "Colour"])
@@ -266,21 +218,21 @@ class Panel:
             background = _FIRST_COLOR if kinds[index] == "color" else kinds[index]
             state.settings = replace(state.settings, background=background)
         if kind == "color":
-            self._row("")
+            self._rows.row("")
             changed, color = color_edit("##background color", settings.background)
             if changed:
                 state.settings = replace(state.settings, background=color)
         if kind == "env" and state.scene.environment is not None:
-            self._row("Background blur")
+            self._rows.row("Background blur")
             changed, blur = imgui.slider_float("##background blur", settings.background_blur, 0.0, 20.0, "%.1f°")
             if changed:
                 state.settings = replace(state.settings, background_blur=blur)
-        self._choice("Antialiasing", "antialias")
-        self._switch("Shadows", "shadows")
+        self._rows.choice("Antialiasing", "antialias")
+        self._rows.switch("Shadows", "shadows")
 
     def _model(self) -> None:
         for name, value in scene_facts(self._state.scene):
-            self._row(name)
+            self._rows.row(name)
             wrapped(value)
 
     def _left_out(self) -> None:
@@ -291,30 +243,7 @@ class Panel:
         times = np.array(self._readings.frame_ms, np.float32)
         if len(times):
             text = f"median {np.median(times):.1f} ms, last {times[-1]:.1f} ms"
-            size = imgui.ImVec2(-1, 46 * self._scale)
+            size = imgui.ImVec2(-1, 46 * self._rows.scale)
             imgui.plot_lines("##ms", times, 0, None, 0.0, float(times.max()) * 1.2, size)
             imgui.text(text)
         wrapped(self._readings.device, imgui.get_style_color_vec4(imgui.Col_.text_disabled))
-
-    def _row(self, label: str) -> None:
-        row(label, self._scale)
-
-    def _choice(self, label: str, name: str) -> None:
-        """A row for a setting with choices, if a mode that is shown uses it."""
-        if name not in ignored(*self._state.modes):
-            self._combo(label, name, setting_choices()[name])
-
-    def _combo(self, label: str, name: str, values: Sequence[str]) -> None:
-        self._row(label)
-        current = values.index(getattr(self._state.settings, name))
-        index = combo(name, current, [_LABELS.get(value, value) for value in values])
-        if index is not None:
-            self._state.settings = replace(self._state.settings, **{name: values[index]})
-
-    def _switch(self, label: str, name: str) -> None:
-        """A check box for a setting that is on or off, if a mode that is shown uses it."""
-        if name in ignored(*self._state.modes):
-            return
-        changed, on = imgui.checkbox(label, getattr(self._state.settings, name) == "on")
-        if changed:
-            self._state.settings = replace(self._state.settings, **{name: "on" if on else "off"})

@@ -1,0 +1,58 @@
+"""Rows of the panel that show a setting and change it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from imgui_bundle import imgui
+
+from ..interact.state import ViewState
+from ..settings import ignored, setting_choices
+from .widgets import combo, row
+
+_LABELS = {
+    "ggx": "GGX", "beckmann": "Beckmann", "blinn-phong": "Blinn–Phong", "smith": "Smith, height-correlated",
+    "smith-separable": "Smith, separable", "v-cavity": "V-cavity", "none": "None", "schlick": "Schlick",
+    "exact": "Exact", "phong": "Phong", "all": "All", "uniform-diffuse": "Uniform diffuse", "specular": "Specular",
+    "directional-diffuse": "Directional diffuse", "neutral": "Khronos PBR Neutral", "agx": "AgX", "aces": "ACES (Hill)",
+    "auto": "Automatic", "msaa-2": "MSAA 2×", "msaa-4": "MSAA 4×", "msaa-8": "MSAA 8×", "ssaa-4": "SSAA 4×",
+    "ssaa-9": "SSAA 9×", "ssaa-16": "SSAA 16×", "gtao": "GTAO",
+    **{count: f"{count} lights" for count in ("16", "64", "256", "1024")},
+    "off": "Off", "fast": "Fast", "mis": "Both (MIS)", "bsdf": "BSDF sampling only",
+    "lights": "Light sampling only", "environment": "Environment only", "screen": "Screen space", "traced": "Traced",
+    "baked": "Baked", "single": "Once", "multiple": "Many times", "quarter": "A quarter", "sixteenth": "A sixteenth",
+    "charlie": "Charlie", "zeltner": "Zeltner et al.", "slab": "Slab",
+    "photons": "Photons",
+}
+
+
+class SettingRows:
+    """`scale` is the desktop's."""
+
+    def __init__(self, state: ViewState) -> None:
+        self._state = state
+        self.scale = 1.0
+
+    def row(self, label: str) -> None:
+        row(label, self.scale)
+
+    def choice(self, label: str, name: str) -> None:
+        """A row for a setting with choices, if a mode that is shown uses it."""
+        if name not in ignored(*self._state.modes):
+            self.combo(label, name, setting_choices()[name])
+
+    def combo(self, label: str, name: str, values: Sequence[str]) -> None:
+        self.row(label)
+        current = values.index(getattr(self._state.settings, name))
+        index = combo(name, current, [_LABELS.get(value, value) for value in values])
+        if index is not None:
+            self._state.settings = replace(self._state.settings, **{name: values[index]})
+
+    def switch(self, label: str, name: str) -> None:
+        """A check box for a setting that is on or off, if a mode that is shown uses it."""
+        if name in ignored(*self._state.modes):
+            return
+        changed, on = imgui.checkbox(label, getattr(self._state.settings, name) == "on")
+        if changed:
+            self._state.settings = replace(self._state.settings, **{name: "on" if on else "off"})
