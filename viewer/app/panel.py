@@ -130,6 +130,7 @@ class Panel:
         self._rows.choice("Refraction", "refraction")
         self._rows.choice("Light inside solids", "subsurface")
         self._rows.choice("Light between hairs", "hair_scattering")
+        self._rows.choice("Curves as yarn", "yarn")
         self._rows.choice("Scattering in media", "media_scattering")
         self._rows.choice("Rays in media", "media_rays")
         self._rows.choice("Steps of a ray", "media_steps")
