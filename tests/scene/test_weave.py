@@ -10,11 +10,12 @@ from shapes import plate, scene, sphere
 
 from viewer.errors import InputError, UsageError
 from viewer.plan.warnings import picture_warnings
+from viewer.ranges import WEAVE_NAMES
 from viewer.scene.material import Material
 from viewer.scene.scene import Scene
 from viewer.scene.weave import WEAVES, Weave, Yarn, read_weave
 from viewer.scene.woven import woven
-from viewer.settings import WEAVE_NAMES, Settings
+from viewer.settings import Settings
 
 PLAIN = {"draft": ["10", "01"]}
 

@@ -11,6 +11,7 @@ import numpy as np
 from ..bake.environment import bake_environment
 from ..plan.model import Plan
 from ..plan.planner import environment_use, plan_scene
+from ..ranges import Several, WeaveName
 from ..scene.curve_segments import segments
 from ..scene.curves import Curves
 from ..scene.decoding import Decoder
@@ -18,7 +19,7 @@ from ..scene.environment import Environment
 from ..scene.scene import Scene
 from ..scene.yarn.fibres import FIBRE_BYTES, yarn_fibres
 from ..scene.yarn.spun import yarn_kind
-from ..settings import RANGES, Settings, Several, WeaveName, setting_choices, setting_meanings
+from ..settings import RANGES, Settings, setting_choices, setting_meanings
 
 if TYPE_CHECKING:
     from ..trace.plan import TracePlan
