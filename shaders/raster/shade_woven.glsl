@@ -74,7 +74,7 @@ vec3 shade_woven(Point p, float occlusion, vec4 visible, inout float covered) {
         vec3 leaning = environment_irradiance_over_pi(normalize(p.n + frame * m.normal)) - unhidden;
         around += clamp(own, -1.0, 1.0) * leaning;
 #endif
-        sent += v.diffuse * mix(max(around, 0.0), below, m.through);
+        sent += v.back * max(around, 0.0) + v.through * below;
 #if HAS_ENVIRONMENT
         due += place.z * v.mirrored * m.specular;
         for (int j = 0; j < lookups; ++j) {

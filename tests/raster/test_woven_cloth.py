@@ -50,7 +50,7 @@ def pictures(radiance, tracer):
 @pytest.mark.parametrize("height", [0.05, 1.2])
 def test_white_cloth_vanishes_in_a_furnace(pictures, weave, height):
     """Near, where a yarn fills the picture, and far: yarns, fibres and gaps keep all light."""
-    raster, path = pictures(scene(plate(), environment=constant()), orthographic(0.5, 0.6, height), 12,
+    raster, path = pictures(scene(plate(), environment=constant()), orthographic(0.5, 0.6, height), 48,
                             weave=weave(WHITE))
     assert np.abs(raster.mean() - 1) < 5e-3 and np.abs(raster - 1).max() < 0.05
     assert np.abs(path.mean() - 1) < 6e-3

@@ -46,8 +46,9 @@ def cloth(yarn=WARP, tilt=0.0, turn=0.0, lean=None, **parameters):
     rise = np.minimum(np.abs(axis[..., 2]) / max_rise(yarn), 1)
     slice_ = (0 if yarn is WARP else SLICES) + rise * (SLICES - 1)
     return {"axis": f32(axis), "normal": f32(normal), "alpha": yarn.roughness, "thickness": yarn.thickness,
-            "specular": 0.5, "diffuse": 1.0, "through": 0.3, "slice": f32(slice_), "horizon": 1e6,
-            "gap": np.array([-1.0, -1.0]), **{name: f32(value) for name, value in parameters.items()}}
+            "specular": 0.5, "diffuse": 1.0, "through": 0.3, "below": np.ones(3), "below_through": 0.4,
+            "slice": f32(slice_), "horizon": 1e6, "gap": np.array([-1.0, -1.0]),
+            **{name: f32(value) for name, value in parameters.items()}}
 
 
 CLOTHS = (cloth(tilt=0.4), cloth(tilt=-0.5, turn=1.2, lean=(0.8, -0.3), horizon=0.7),
@@ -111,7 +112,7 @@ def test_what_is_diffuse_against_float64():
     wi, area = (part.reshape(-1, *part.shape[2:]) for part in sphere(12, 8))
     above = wi[:, 2] > 0
     for m in CLOTHS[:4]:
-        m = {**m, "diffuse": f32(0.7), "specular": f32(0.4)}
+        m = {**m, "diffuse": f32(0.7), "specular": f32(0.4), "below": f32(0.9)}
         yarn = WARP if m["alpha"] == WARP.roughness else WEFT
 
         def shares(w, m=m, yarn=yarn):
@@ -195,7 +196,8 @@ def test_extremes_are_finite():
     m = cloth(tilt=rng.choice([0, 0.5, -1.5, np.pi / 2], count), turn=rng.choice([0, 1, np.pi / 2], count),
               alpha=rng.choice([0, *ALPHA], count), thickness=rng.choice(THICKNESS, count),
               specular=rng.choice([0, 0.04, 1], (count, 3)), diffuse=rng.choice([0, 0.5, 1], (count, 3)),
-              through=rng.choice([0, 0.5, 1], count), horizon=rng.choice([0, 1, 1e6], count),
+              through=rng.choice([0, 0.5, 1], count), below=rng.choice([0, 0.5, 1], (count, 3)),
+              below_through=rng.choice([0, 0.5, 1], count), horizon=rng.choice([0, 1, 1e6], count),
               gap=rng.choice([-1, 0, 1, 1e3], (count, 2)))
     wo, wi = (seen(rng.choice(COSINES, count) * rng.choice([1, -1], count), rng.choice([0, 0.7, 2], count))
               for _ in range(2))

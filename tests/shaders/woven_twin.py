@@ -68,7 +68,53 @@ def diffuse(m, shares, wo, wi, hemisphere):
     # By the cosine to the yarn's normal, what gets away past the next yarn: between its own plane and the horizon
     lean = np.arctan2(np.linalg.norm(m["normal"][:2]), m["normal"][2])
     away = (1 + np.sin(np.arctan(m["horizon"]) - lean)) / 2
-    here = m["diffuse"] * away / (1 - m["diffuse"] * (1 - away))
-    f = here * least * own[0] * own[1] / mean_own + m["diffuse"] * (
-        least * (1 - own[0]) * (1 - own[1]) / (1 - mean_own) + (rest(wo) - least) * (rest(wi) - least) / (mean - least))
-    return (1 - m["through"]) * f * wi[..., 2] / np.pi
+    c = m["diffuse"]
+    here = away / (1 - c * (1 - away))
+    shape = here * own[0] * own[1] / mean_own + (1 - own[0]) * (1 - own[1]) / (1 - mean_own) - 1
+    f = least * (layer_back(m, wo, wi) + layer_least(m) * shape)
+    f += (1 - m["through"]) * c * (rest(wo) - least) * (rest(wi) - least) / (mean - least)
+    return f * wi[..., 2] / np.pi
+
+
+def layer(c, t):
+    """gamma, w, what a half space reflects, what goes through a layer, and what is therefore missing in its
+    reflection, for t below 0.6."""
+    g = (1 - c) / (1 + 2.5 * c)
+    w, r, x = 1 - g * g, (1 - g) / (1 + g), np.exp(-3.5 * g * (7 / (9 * t) - 1))
+    through = 7 / 9 * w * (1 - c * c) * x / (1 - c * c * x * x)
+    return g, w, r, through, c * x * through
+
+
+def layers(m):
+    """gamma and w of the upper one of two layers, and what is missing in the reflection of both. Light goes to and fro
+    between them: a sum over the times it does."""
+    g, w, r, through, missing = layer(m["diffuse"], m["through"])
+    _, _, r2, _, missing2 = layer(m["below"], m["below_through"])
+    lower, upper = r2 - missing2, r - missing
+    return g, w, missing - sum(through * lower * (upper * lower)**k * through for k in range(400))
+
+
+def layer_back(m, wo, wi):
+    """pi f of a layer of fibres over another."""
+    c = m["diffuse"]
+    g, w, missing = layers(m)
+    o, i = wo[..., 2], wi[..., 2]
+    h = [(1 + 2 * mu) / (1 + 2 * g * mu) for mu in (o, i)]
+    scale = 1 / (1.5 * np.log(2))
+    half_space = scale * w / 4 * (h[0] * h[1] - (wo[..., :2] * wi[..., :2]).sum(axis=-1)) / (o + i)
+    node, weight = (part / 2 for part in np.polynomial.legendre.leggauss(200))
+    node = node + 0.5
+
+    def lacking(mu):
+        white = (1 + 2 * mu[..., None]) / 2 * (1 + 2 * node) * node / (mu[..., None] + node)
+        return 1 - scale * (white * weight).sum(axis=-1)
+
+    mean = 2 * (lacking(node) * node * weight).sum()
+    k = [3 / 7 * (1 + 2 * mu) for mu in (o, i)]
+    return half_space + c * lacking(o) * lacking(i) / mean - missing * k[0] * k[1]
+
+
+def layer_least(m):
+    """What that exceeds everywhere."""
+    g, w, missing = layers(m)
+    return max(w * (1 - g) / (1 + 2 * g) / 2 / (1.5 * np.log(2)) - max(missing, 0) * (9 / 7)**2, 0)

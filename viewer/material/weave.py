@@ -49,6 +49,7 @@ def _uniforms(weave: Weave) -> Iterator[tuple[str, object]]:
               math.radians(yarn.bend), yarn.width) for yarn in (weave.warp, weave.weft)]
     yield "u_weave_size", (len(weave.draft[0]), len(rows))
     yield "u_weave_density", weave.density
+    yield "u_weave_flatness", weave.flatness
     yield "u_weave_draft", np.array(rows + [0] * (MAX_SIDE - len(rows)), np.int32).tobytes()
     yield "u_weave_yarns", np.array(yarns, np.float32).tobytes()
     yield "u_weave_places", _places(weave).astype(np.float32).tobytes()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -14,6 +15,8 @@ from .medium import RGB
 
 MAX_SIDE = 16
 """The most yarns of one system in a draft."""
+LEAST_BEND = 4.0
+"""In degrees: how much yarns bend at least, for they cross."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,17 @@ class Weave:
     def has_gaps(self) -> bool:
         """Whether anything shows through between yarns."""
         return self.warp.width < 1 and self.weft.width < 1
+
+    @property
+    def flatness(self) -> tuple[float, float]:
+        """The height of a warp yarn over its width, and that of a weft yarn, where they fill the room between them.
+
+        Where a yarn goes over one other, its axis is an arc whose slope at the ends is that of `Yarn.bend`, and a
+        quarter of that slope high, in lengths of the arc. Where two yarns cross, two arcs and two halves of
+        cross-sections fill the same height (Hearle and Shanahan 1978): each is as thick as the other's arc is high.
+        """
+        warp, weft = (math.tan(math.radians(max(yarn.bend, LEAST_BEND))) for yarn in (self.warp, self.weft))
+        return weft / (2 * self.warp.width), warp / (2 * self.weft.width)
 
     @property
     def mean_color(self) -> RGB:

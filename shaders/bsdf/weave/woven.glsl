@@ -6,17 +6,19 @@
 //                                   K = (exp(-T Lo) - exp(-T Li)) / (Li - Lo)        on the other side
 // A share exp(-T L) goes straight through, and a share S m is mirrored once (mirrored.glsl). The rest,
 //   A(w) = 1 - exp(-T L) - S m(w),
-// which is mirrored again or enters fibres, is the diffuse light. It is a sum of products of a function of o and the
-// same function of i, divided by its mean, so that it is reciprocal, and no light is lost if fibres absorb none:
-//   f = (1 - through) (c1 a s(o) s(i) / s' + c a (1 - s(o)) (1 - s(i)) / (1 - s') + c B(o) B(i) / B') / pi
-//     + through c A(o) A(i) / (A' pi) on the other side,        a <= A, B = A - a, primes mark means.
-// Of light from w a share s(w) falls on the yarn here, and 1 - s on the yarns about it (woven_seen). What leaves here and
-// meets those is scattered again: of the albedo c is left c1 = c E / (1 - c (1 - E)), where a share E gets away.
+// which is mirrored again or enters fibres, is the diffuse light. With pi f_d of a deep layer (depth.glsl), l <= pi f_d
+// on the side of wo, a <= A and B = A - a, primes being means over the hemisphere by the cosine,
+//   pi f = a (pi f_d + l (s(o) s(i) e / s' + (1 - s(o)) (1 - s(i)) / (1 - s') - 1)) + (1 - t) c B(o) B(i) / B'
+//        = a pi f_d + t c B(o) B(i) / B' on the other side.
+// All terms are reciprocal. If fibres absorb nothing, the first one gives a, the second none and the third B: no light is
+// lost. Of light from w a share s(w) falls on the yarn here, and 1 - s on the yarns about it (woven_seen). Of what leaves
+// here a share E gets past those; the rest is scattered again, so that e = E / (1 - c (1 - E)).
 //
 // Between yarns light goes straight on as far as they leave a gap, and else is scattered by them.
 //
 // As bsdf/bsdf.glsl, but wo and wi may lie on either side of the surface.
 #include "bsdf/bsdf.glsl"
+#include "bsdf/weave/depth.glsl"
 #include "bsdf/weave/flakes.glsl"
 #include "bsdf/weave/mirrored.glsl"
 #include "media/one_minus_exp.glsl"
@@ -28,8 +30,10 @@ struct Woven {
     float alpha;      // how far their normals spread from perpendicular to it
     float thickness;  // T
     vec3 specular;    // share of the light that is mirrored where it meets a fibre
-    vec3 diffuse;     // albedo of the rest
-    float through;    // share of the diffuse light that leaves on the other side
+    vec3 diffuse;     // c: albedo of what is scattered in a thick yarn seen along the normal
+    float through;    // t: share of the diffuse light that leaves on the other side, for fibres that absorb nothing
+    vec3 below;       // c and t of the yarn that lies below; 0 and 1 without one
+    float below_through;
     float slice;      // place in the table of mirrored.glsl
     float horizon;    // tangent of the angle to the surface's normal below which the next yarn hides light that comes
                       // from the side to which the yarn's normal leans
@@ -46,8 +50,10 @@ struct WovenView {
     vec3 least, mean; // of A
     float seen;       // s(wo)
     float mean_seen;
-    vec3 here;        // c1
-    vec3 diffuse;     // share of the diffuse light
+    vec3 here;        // e
+    Depth depth;
+    vec3 back, through; // shares of the diffuse light on either side
+    vec3 diffuse;     // of both
     vec3 chance;      // of sampling what goes straight on, is mirrored, is diffuse
 };
 
@@ -114,7 +120,7 @@ WovenView woven_view(Woven m, vec3 wo, sampler2D table) {
         v.least = vec3(0.0);
         v.mean = vec3(one_minus_exp(min(m.thickness, 80.0)) * (1.0 - woven_open(m.gap)));
         v.seen = v.mean_seen = 1.0;
-        v.here = m.diffuse;
+        v.here = vec3(1.0);
     } else {
         // The least A is a concave function of S, hence no less than between its values for 0 and 1
         vec4 all = mirrored_statistics(table, m.slice);
@@ -124,9 +130,16 @@ WovenView woven_view(Woven m, vec3 wo, sampler2D table) {
         v.seen = woven_seen(m, wo);
         v.mean_seen = clamp(0.5 * (m.horizon / secant + cosine / (1.0 + sine)), 1e-3, 1.0); // (1 - sine) / cosine
         float away = 0.5 + 0.5 * (m.horizon * cosine - sine) / secant; // by the cosine to the yarn's normal
-        v.here = m.diffuse * away / max(1.0 - m.diffuse * (1.0 - away), 1e-6);
+        v.here = away / max(1.0 - m.diffuse * (1.0 - away), 1e-6);
     }
-    v.diffuse = (1.0 - m.through) * v.least * v.seen * (v.here - m.diffuse) + v.rest * m.diffuse;
+    v.depth = depth_of(m.diffuse, m.through);
+    depth_lay_over(v.depth, depth_of(m.below, m.below_through));
+    depth_finish(v.depth);
+    depth_albedo(v.depth, abs(wo.z), v.back, v.through);
+    vec3 above = max(v.rest - v.least, 0.0) * m.diffuse;
+    v.back = v.least * (v.back + v.depth.least * v.seen * (v.here - 1.0)) + (1.0 - m.through) * above;
+    v.through = v.least * v.through + m.through * above;
+    v.diffuse = v.back + v.through;
     v.chance = vec3(v.straight, luminance(m.specular) * v.mirrored, luminance(v.diffuse));
     v.chance /= max(v.chance.x + v.chance.y + v.chance.z, 1e-20);
     return v;
@@ -136,18 +149,25 @@ WovenView woven_view(Woven m, vec3 wo, sampler2D table) {
 vec3 woven_diffuse(Woven m, WovenView v, vec3 wo, vec3 wi, sampler2D table) {
     float met = woven_met(m, v.flakes, wi);
     vec3 rest = met - m.specular * woven_mirrored(m, wi, met, table);
-    if (wi.z * wo.z < 0.0) return INV_PI * abs(wi.z) * m.through * m.diffuse * v.rest * rest / max(v.mean, 1e-6);
+    vec3 above = max(v.rest - v.least, 0.0) * max(rest - v.least, 0.0) / max(v.mean - v.least, 1e-6) * m.diffuse;
+    if (wi.z * wo.z < 0.0)
+        return INV_PI * abs(wi.z) * (v.least * depth_through(v.depth, wo, wi) + m.through * above);
     float seen = woven_seen(m, wi);
-    vec3 about = max(v.rest - v.least, 0.0) * max(rest - v.least, 0.0) / max(v.mean - v.least, 1e-6);
-    if (v.mean_seen < 1.0) about += v.least * ((1.0 - v.seen) * (1.0 - seen) / max(1.0 - v.mean_seen, 1e-6));
-    vec3 here = v.least * (v.seen * seen / v.mean_seen);
-    return INV_PI * abs(wi.z) * (1.0 - m.through) * (v.here * here + m.diffuse * about);
+    vec3 shape = v.here * (v.seen * seen / v.mean_seen) - 1.0;
+    shape += v.mean_seen < 1.0 ? (1.0 - v.seen) * (1.0 - seen) / max(1.0 - v.mean_seen, 1e-6) : 0.0;
+    vec3 layer = v.least * (depth_back(v.depth, wo, wi) + v.depth.least * shape);
+    return INV_PI * abs(wi.z) * max(layer + (1.0 - m.through) * above, 0.0);
+}
+
+// Of samples of the diffuse light
+float woven_share_through(WovenView v) {
+    return luminance(v.through) / max(luminance(v.diffuse), 1e-20);
 }
 
 // xyz: f |cos|, w: the pdf, both without what goes straight on
 vec4 woven_eval_pdf(Woven m, WovenView v, vec3 wo, vec3 wi, sampler2D table) {
     if (wo.z == 0.0 || wi.z == 0.0) return vec4(0.0);
-    float side = wo.z * wi.z < 0.0 ? m.through : 1.0 - m.through;
+    float side = wo.z * wi.z < 0.0 ? woven_share_through(v) : 1.0 - woven_share_through(v);
     vec4 f = vec4(woven_diffuse(m, v, wo, wi, table), v.chance.z * side * INV_PI * abs(wi.z));
     if (woven_is_gap(m)) return f;
     float mirrored = flakes_mirroring(v.flakes, wo, wi) / (4.0 * flakes_area(v.flakes, wo));
@@ -164,7 +184,7 @@ BsdfSample woven_sample(Woven m, WovenView v, vec3 wo, vec3 u, sampler2D table) 
     } else {
         wi = sample_cosine_hemisphere(u.xy);
         float rest = (u.z - v.chance.x - v.chance.y) / max(v.chance.z, 1e-20);
-        if ((wo.z < 0.0) != (rest < m.through)) wi.z = -wi.z;
+        if ((wo.z < 0.0) != (rest < woven_share_through(v))) wi.z = -wi.z;
     }
     vec4 f = woven_eval_pdf(m, v, wo, wi, table);
     if (f.w <= 0.0) return NO_SAMPLE;

@@ -9,14 +9,12 @@ import numpy as np
 
 from ...errors import UsageError
 from ..curves import Curves
-from ..weave import Weave, Yarn
+from ..weave import LEAST_BEND, Weave, Yarn
 from .fibres import joined, yarn_fibres
 from .kind import YarnKind
 
 _STEPS = 6
 """Points of a yarn's axis on each cell."""
-_LEAST_BEND = 4.0
-"""In degrees: how much yarns bend at least, for they cross."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +93,7 @@ def _check(repeats: tuple[int, int]) -> None:
 def _flat(weave: Weave, repeats: tuple[int, int]) -> tuple[_System, _System]:
     above = np.tile(np.array(weave.draft), repeats[::-1])
     across, along = 1 / weave.density[0], 1 / weave.density[1]
-    slopes = [math.tan(math.radians(max(yarn.bend, _LEAST_BEND))) for yarn in (weave.warp, weave.weft)]
+    slopes = [math.tan(math.radians(max(yarn.bend, LEAST_BEND))) for yarn in (weave.warp, weave.weft)]
     return (_System(weave.warp, 1, above.T, across, along, slopes[0] * along / 4),
             _System(weave.weft, 0, ~above, along, across, slopes[1] * across / 4))
 
