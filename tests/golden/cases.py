@@ -79,6 +79,7 @@ CASES = [
     Case("translucent", "translucent"),
     Case("subsurface", "subsurface"),
     Case("sheen", "sheen"),
+    Case("cloth", "cloth", settings={"weave": "denim"}),
     Case("iridescence", "iridescence"),
     Case("dispersion", "dispersion"),
     Case("dispersion-traced", "dispersion", settings={"refraction": "traced"}),
