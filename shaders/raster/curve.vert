@@ -9,9 +9,11 @@ out vec3 v_sigma_a;
 #include "raster/curve_sight.glsl"
 #if ROUND
 #include "raster/curve_blunt.glsl"
+#if ROUND == 2
 out vec2 v_screen;           // place on the screen, in (-1, 1)
-flat out vec4 v_a, v_b;      // ends of a segment that is drawn as a rectangle about it; radii below 0: it is a strip
+flat out vec4 v_a, v_b;      // the ends of the segment and their radii
 flat out vec3 v_along_a, v_along_b; // the curve's direction at both, which its neighbours share
+#endif
 #endif
 uniform mat4 u_to_eye;       // to eye-relative space
 uniform float u_least_width; // in pixels: thinner strips are widened to it and cover a share of it
@@ -64,6 +66,11 @@ void main() {
     v_position = v_along = vec3(0.0);
     v_across = v_share = v_pixels = v_radius = 0.0;
     v_beyond = vec2(-1.0);
+#if ROUND == 2
+    v_screen = vec2(0.0);
+    v_a = v_b = vec4(0.0);
+    v_along_a = v_along_b = vec3(0.0);
+#endif
 #if HAS_COLORS
     ivec2 at = ivec2((k + end) & (POINTS_WIDTH - 1), (k + end) / POINTS_WIDTH);
     v_sigma_a = texelFetch(u_colors, at, 0).rgb;
@@ -106,26 +113,27 @@ void main() {
     v_position = (u_to_eye * vec4(q, 1.0)).xyz;
     gl_Position = u_to_clip * vec4(q, 1.0);
 #if ROUND
-    v_screen = vec2(0.0);
-    v_a = v_b = vec4(-1.0);
-    v_along_a = v_along_b = axis;
+    vec4 first = here, second = vec4(next.xyz, abs(next.w));
+    vec2 sines = vec2(is_tip.x ? 0.0 : sine_at(k, 0, axis), is_tip.y ? 0.0 : sine_at(k, 1, axis));
+    float widest = 2.0 * max(pixels_of_sphere(first), pixels_of_sphere(second));
+    bool is_round = is_blunt(length(chord), vec2(first.w, second.w), sines) || is_near(first) || is_near(second);
+    is_round = is_round && !(widest >= 0.0 && widest < LEAST_ROUND);
+#if ROUND == 1
+    if (is_round) gl_Position = vec4(0.0, 0.0, 0.0, -1.0);
+#else
     bool is_sphere = dot(chord, chord) == 0.0;
+    v_a = first;
+    v_b = second;
+    v_along_a = v_along_b = axis;
     if (is_sphere && !is_tip.y && point(k + 2).xyz != next.xyz)
         v_along_a = v_along_b = normalize(point(k + 2).xyz - next.xyz);
-    vec4 a_sphere = here, b_sphere = vec4(next.xyz, abs(next.w));
-    vec2 sines = vec2(is_tip.x ? 0.0 : sine_at(k, 0, axis), is_tip.y ? 0.0 : sine_at(k, 1, axis));
-    float widest = 2.0 * max(pixels_of_sphere(a_sphere), pixels_of_sphere(b_sphere));
-    bool is_round = is_blunt(length(chord), vec2(a_sphere.w, b_sphere.w), sines);
-    is_round = is_round || is_near(a_sphere) || is_near(b_sphere);
-    if (is_round && !(widest >= 0.0 && widest < LEAST_ROUND)) {
-        v_a = a_sphere;
-        v_b = b_sphere;
-        v_share = 1.0;
-        v_beyond = vec2(-1.0);
-        if (!is_tip.x && !is_sphere) v_along_a = along_at(k, 0, axis);
-        if (!is_tip.y && !is_sphere) v_along_b = along_at(k, 1, axis);
-        v_screen = corner_about(v_a, v_b, end, a);
-        gl_Position = vec4(v_screen, 0.5, is_sphere && !is_tip.x ? -1.0 : 1.0); // the segment before shows the sphere
-    }
+    if (!is_tip.x && !is_sphere) v_along_a = along_at(k, 0, axis);
+    if (!is_tip.y && !is_sphere) v_along_b = along_at(k, 1, axis);
+    v_share = 1.0;
+    v_beyond = vec2(-1.0);
+    v_screen = corner_about(v_a, v_b, end, a);
+    bool is_shown = is_round && (is_tip.x || !is_sphere); // the segment before a sphere shows it
+    gl_Position = vec4(v_screen, 0.5, is_shown ? 1.0 : -1.0);
+#endif
 #endif
 }

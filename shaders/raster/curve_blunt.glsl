@@ -1,11 +1,12 @@
 // Segments that a strip does not show well, since they are thick beside their length, turn sharply, taper quickly or lie
 // near to the eye beside their radius. They are drawn as what they are, a cone with a sphere at either end, by a
-// rectangle in which each fragment meets the cone (curve_point.glsl).
+// rectangle in which each fragment meets the cone (curve_point.glsl), by a program of their own (ROUND = 2), since
+// fragments that write their depth are all shaded. The other program leaves them out (ROUND = 1).
 const float LEAST_ROUND = 3.0; // pixels that such a segment is wide
 
 // As `blunt_radius` in viewer/raster/curves.py. The sines are those between the segment and the strip's ends.
 bool is_blunt(float size, vec2 radii, vec2 sines) {
-    return dot(radii, sines) >= 0.5 * size || max(sines.x, sines.y) > 0.4 || abs(radii.x - radii.y) > 0.15 * size;
+    return dot(radii, sines) >= 0.8 * size || max(sines.x, sines.y) > 0.4 || abs(radii.x - radii.y) > 0.15 * size;
 }
 
 // Whether it is nearer to the eye than 1 / 0.15 of its radius. It then covers 1 % more than this radius says.

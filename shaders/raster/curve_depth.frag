@@ -2,7 +2,7 @@
 #include "raster/curve_point.glsl"
 
 void main() {
-#if ROUND
+#if ROUND == 2
     CurvePoint at;
     if (!curve_point(at)) discard;
 #else

@@ -1,5 +1,4 @@
-// The point of a curve that a fragment shows. In sets of curves that have blunt segments (curve_blunt.glsl) fragments
-// write their depth.
+// The point of a curve that a fragment shows. The fragments of blunt segments (curve_blunt.glsl) write their depth.
 #include "raster/curve_coverage.glsl"
 in vec3 v_position;
 in vec3 v_along;
@@ -14,14 +13,14 @@ struct CurvePoint {
     float radius;  // in eye-relative units
 };
 
-#if ROUND
+#if ROUND == 2
 #include "raster/curve_sight.glsl"
 #include "trace/curve.glsl"
 uniform mat4 u_from_clip; // to the space of the points
 uniform mat4 u_to_eye;    // from the space of the points
 uniform float u_nudge;    // share by which depth comes nearer, so that what was drawn before does not hide itself
 in vec2 v_screen;
-flat in vec4 v_a, v_b;    // ends of a blunt segment and their radii, which are negative for a strip
+flat in vec4 v_a, v_b;    // the ends of the segment and their radii
 flat in vec3 v_along_a, v_along_b;
 
 float nudged(float depth) {
@@ -61,10 +60,8 @@ bool round_point(out CurvePoint at) {
 // Whether there is one
 bool curve_point(out CurvePoint at) {
     at = CurvePoint(v_position, normalize(v_along), clamp(v_across, -1.0, 1.0), v_pixels, v_radius);
-#if ROUND
-    if (v_a.w >= 0.0) return round_point(at);
-    gl_FragDepth = nudged(gl_FragCoord.z);
-    return is_covered();
+#if ROUND == 2
+    return round_point(at);
 #else
     return true; // the pass before has left out what is not covered
 #endif

@@ -12,6 +12,7 @@ from compiled import Sources
 from viewer.gpu.source import ProgramSource, assemble
 from viewer.plan.curves import VERTEX as CURVE_VERTEX
 from viewer.plan.planner import plan_scene
+from viewer.raster.curves import ALL, BESIDE
 from viewer.raster.surface_programs import SHADOW_VERTEX, VERTEX, gbuffer_program, path_program, shadow_program
 from viewer.scene.environment import Environment
 from viewer.scene.light import Light
@@ -38,8 +39,8 @@ def raster_keys(scene: Scene, settings: Settings, *, half: bool = True, orthogra
             yield "display/fullscreen.vert", program.fragment, program.switches
     if plan.curves is not None:
         for program in plan.curves.programs:
-            for is_round in (0, 1):
-                switches = dict(program.switches) | {"ROUND": is_round}
+            for part in (*ALL, *BESIDE):
+                switches = dict(program.switches) | {"ROUND": part}
                 yield CURVE_VERTEX, program.fragment, tuple(sorted(switches.items()))
     for draw in plan.draws:
         yield VERTEX, draw.program.fragment, draw.program.switches

@@ -23,7 +23,7 @@ _LIT = ("HALF_TARGET", "IS_ORTHOGRAPHIC", "LIGHT_COUNT", "DIRECTIONAL_COUNT", "P
 class CurvePlan:
     """The programs of curves, with the vertex shader VERTEX. `shade` has one for each set of curves of the scene;
     `depth` is that of shadow maps, and of the pass before curves are shaded. Where segments are wide that a strip does
-    not show well, ROUND is 1 in them (shaders/raster/curve_blunt.glsl)."""
+    not show well, two of each are drawn, with other values of ROUND (shaders/raster/curve_blunt.glsl)."""
 
     shade: tuple[Program, ...]
     depth: Program

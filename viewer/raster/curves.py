@@ -29,6 +29,10 @@ UNIT_POINTS, UNIT_COLORS, UNIT_TABLE = range(3)
 THIN, THICK = 3, 7
 """Pairs of vertices across a strip. The tube about a curve of up to THIN_PIXELS needs no more than its middle."""
 THIN_PIXELS = 4.0
+ROUND = 2
+ALL, BESIDE = (0,), (1, ROUND)
+"""Values of the switch ROUND (shaders/raster/curve_blunt.glsl): strips alone; strips, and the blunt segments beside
+them."""
 ROUND_PIXELS = 3.0
 """As LEAST_ROUND in shaders/raster/curve_blunt.glsl."""
 NUDGE = 1e-5
@@ -104,7 +108,7 @@ def blunt_radius(pieces: Segments) -> float:
     sine = np.linalg.norm(np.cross(axis[1:], mean / np.maximum(length, 1e-300)[:, None]), axis=1)
     sines[1:-1, 0] = np.where(joined, np.where(length**2 > 0.5, sine, 1.0), 0.0)
     both, radii = np.concatenate([sines[:-1], sines[1:]], axis=1), pieces.ends[:, :, 3].astype(np.float64)
-    is_blunt = ((radii * both).sum(axis=1) >= 0.49 * size) | (both.max(axis=1) > 0.39) | (
+    is_blunt = ((radii * both).sum(axis=1) >= 0.79 * size) | (both.max(axis=1) > 0.39) | (
         np.abs(radii[:, 0] - radii[:, 1]) > 0.149 * size)  # a little more than the shader finds
     return float(radii[is_blunt].max(initial=0.0))
 
@@ -161,31 +165,33 @@ class CurvePass:
         target.color_mask = False, False, False, False
         target.use()
         for buffers in self._drawn:
-            self._draw_one(buffers, plan.curves.depth, frame, samples, {})
+            for part in self._parts(buffers, frame):
+                self._draw_one(buffers, plan.curves.depth, part, frame, samples, {})
         target.color_mask = True, True, True, True
         target.use()
         for curves, buffers, program in zip(frame.scene.curves, self._drawn, plan.curves.shade, strict=True):
             if self._light.held is not None:
                 uniforms = uniforms | self._light.held.bind(frame)
-            values = uniforms | self._of_fibre(curves.fibre or hair_fibre(settings), settings.mode) | {
-                "u_nudge": NUDGE}
-            # What fragments write as their depth need not be the same to the last bit in two programs.
-            with nullcontext() if self._is_round(buffers, frame) else self._depth.equal():
-                self._draw_one(buffers, program, frame, samples, values)
+            values = uniforms | self._of_fibre(curves.fibre or hair_fibre(settings), settings.mode)
+            for part in self._parts(buffers, frame):
+                # What fragments write as their depth need not be the same to the last bit in two programs.
+                with nullcontext() if part == ROUND else self._depth.equal():
+                    self._draw_one(buffers, program, part, frame, samples, values | {"u_nudge": NUDGE})
 
     def draw_depth(self, world_to_clip: np.ndarray, size: int) -> None:
         """Draw all curves into a tile of `size` texels of a shadow map."""
         for buffers in self._drawn:
-            is_round = int(buffers.blunt_radius > 0)
-            program = self._programs.get(VERTEX, "raster/curve_depth.frag", {
-                "HAS_COLORS": 0, "POINTS_WIDTH": POINTS_WIDTH, "ROUND": is_round})
-            _set_view(program, buffers, world_to_clip, np.eye(4), (size, size), is_reversed=False, least=SHADOW_WIDTH)
-            buffers.draw(program, THIN)
+            is_blunt = 2 * buffers.blunt_radius * _texels_per_unit(world_to_clip, size) >= ROUND_PIXELS
+            for part in BESIDE if is_blunt else ALL:
+                program = self._programs.get(VERTEX, "raster/curve_depth.frag", {
+                    "HAS_COLORS": 0, "POINTS_WIDTH": POINTS_WIDTH, "ROUND": part})
+                _set_view(program, buffers, world_to_clip, np.eye(4), (size, size), is_reversed=False,
+                          least=SHADOW_WIDTH)
+                buffers.draw(program, THIN)
 
-    def _draw_one(self, buffers: CurveBuffers, wanted: Program, frame: Frame, samples: int,
+    def _draw_one(self, buffers: CurveBuffers, wanted: Program, part: int, frame: Frame, samples: int,
                   uniforms: dict[str, object]) -> None:
-        is_round = int(self._is_round(buffers, frame))
-        program = self._programs.get(VERTEX, wanted.fragment, dict(wanted.switches) | {"ROUND": is_round})
+        program = self._programs.get(VERTEX, wanted.fragment, dict(wanted.switches) | {"ROUND": part})
         for name, value in uniforms.items():
             set_uniform(program, name, value)
         bind_blocks(program)
@@ -195,11 +201,12 @@ class CurvePass:
         is_thin = 2 * buffers.radius * _pixels_per_unit(frame) < THIN_PIXELS
         buffers.draw(program, THIN if is_thin else THICK)
 
-    def _is_round(self, buffers: CurveBuffers, frame: Frame) -> bool:
-        """Whether segments may be drawn that are wide, and blunt or near."""
-        if frame.camera.height is None and buffers.radius > 0.15 * max(frame.depth_range[0], 1e-6) * frame.unit:
-            return True
-        return 2 * buffers.blunt_radius * _pixels_per_unit(frame) >= ROUND_PIXELS
+    def _parts(self, buffers: CurveBuffers, frame: Frame) -> tuple[int, ...]:
+        """The values of ROUND that are drawn: two where segments may be wide, and blunt or near."""
+        is_near = frame.camera.height is None and (
+            buffers.radius > 0.15 * max(frame.depth_range[0], 1e-6) * frame.unit)
+        is_blunt = 2 * buffers.blunt_radius * _pixels_per_unit(frame) >= ROUND_PIXELS
+        return BESIDE if is_near or is_blunt else ALL
 
     def _of_fibre(self, fibre: Fibre, mode: str) -> dict[str, object]:
         """The uniforms of shaders/raster/curve.frag or curve_phong.frag; binds the table."""
@@ -232,6 +239,13 @@ def _pixels_per_unit(frame: Frame) -> float:
     if frame.camera.height is not None:
         return frame.size[1] / frame.camera.height
     return 1.0 / (frame.pixel_angle * max(frame.depth_range[0], 1e-6) * frame.unit)
+
+
+def _texels_per_unit(world_to_clip: np.ndarray, size: int) -> float:
+    """How many texels of a shadow map a unit of length takes at most; any number where it is seen in perspective."""
+    if world_to_clip[3, :3].any():
+        return math.inf
+    return float(np.linalg.norm(world_to_clip[:2, :3], axis=1).max()) * size / 2 / float(world_to_clip[3, 3])
 
 
 def _set_view(program: moderngl.Program, buffers: CurveBuffers, to_clip: np.ndarray, to_eye: np.ndarray,
