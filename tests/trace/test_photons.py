@@ -10,6 +10,7 @@ from pictures import picture
 from shapes import WHITE, constant, facing_floor, moved, plate, scene, sphere
 
 from viewer.measure.compare.relmse import reduced
+from viewer.plan.warnings import sample_warnings
 from viewer.scene.camera import Camera
 from viewer.scene.light import Light
 from viewer.scene.material import Material
@@ -197,3 +198,19 @@ def test_each_third_pixel_gets_what_it_has_in_the_whole_picture(tracer):
     whole, few = pictures
     assert few.shape == (6, 6)
     assert few.mean() == pytest.approx(whole.mean(), rel=0.05)
+
+
+def test_light_behind_glass_is_measured(tracer):
+    """From above, the floor that the slab lights is seen through the slab alone; from below, without it."""
+    def share(camera: Camera) -> float:
+        settings = Settings.of(mode="path", spp=4, caustics="photons")
+        path_render = tracer.begin(slab(POINT, 1.5), camera, settings, (16, 16))
+        while not path_render.is_done:
+            path_render.step(1.0)
+        stats = path_render.stats()
+        path_render.release()
+        assert bool(sample_warnings(stats)) == (stats["photons_behind_glass"] >= 0.01)
+        return stats["photons_behind_glass"]
+
+    assert share(Camera.look_at((0, 4, 0.5), (0, 0, 0), fov_y=np.radians(20))) > 0.99
+    assert share(BELOW) < 1e-3

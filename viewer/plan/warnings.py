@@ -79,10 +79,17 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
     return lines
 
 
+TOLD_SHARE = 0.01
+"""Of the photons' light: less than this that is missing is told in the statistics alone."""
+
+
 def sample_warnings(stats: Mapping[str, Any]) -> list[str]:
-    """Warnings that follow from `Image.stats`: of samples that mode path leaves out of the picture."""
-    bad = stats.get("bad_samples", 0)
-    if not bad:
-        return []
-    every = bad + stats["samples"]
-    return [f"{bad} of {every} samples are left out of the picture, because their light could not be computed"]
+    """Warnings that follow from `Image.stats`: of samples that mode path leaves out of the picture, and of light."""
+    lines = []
+    if bad := stats.get("bad_samples", 0):
+        every = bad + stats["samples"]
+        lines.append(f"{bad} of {every} samples are left out of the picture, because their light could not be computed")
+    if (share := stats.get("photons_behind_glass", 0.0)) >= TOLD_SHARE:
+        lines.append(f"about {share:.0%} of the light that photons bring is seen only through smooth glass, and is not "
+                     "in the picture")
+    return lines

@@ -158,6 +158,8 @@ def _photon_programs(programs: Mapping[str, Program], switches: Mapping[str, int
         "idle": programs["idle"],
         "alive": programs["alive"],
         "splat": _program("trace/splat.frag", dict(classes)),
+        **({"probe": _program("trace/probe.frag", dict(classes)), "weigh": _program("trace/weigh.frag", switches)}
+           if "glass" in shading else {}),
     }
 
 

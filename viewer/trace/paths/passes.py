@@ -34,9 +34,9 @@ _OVER_BLOCKS = ("begin", "zero")
 
 def vertex_shader(name: str) -> str:
     """The vertex shader of the pass `name`."""
-    if name == "splat":
-        return "trace/splat.vert"
-    if name in ("alive", "track"):
+    if name in ("splat", "weigh"):
+        return f"trace/{name}.vert"
+    if name in ("alive", "track", "probe"):
         return "display/fullscreen.vert"
     return "trace/blocks.vert" if name in _OVER_BLOCKS else "trace/path_class.vert"
 

@@ -69,7 +69,8 @@ class PathRender:
         self._photons: PhotonRender | None = None
         if photon_passes is not None:
             self._photons = PhotonRender(photon_passes, intersector, film, lambda: wavefront(False),
-                                         self._check_interval, math.prod(film.size) * settings.most_spp)
+                                         self._check_interval, math.prod(film.size) * settings.most_spp,
+                                         "glass" in plan.photons)
         self._flush: Callable[[], None] = context.function("glFlush")
         self._layers, self._denoiser = layers, denoiser
         self._is_developed = False
@@ -226,7 +227,8 @@ class PathRender:
             "plan": self.plan.to_json(), "intersector": self.plan.intersector, "spp": self.samples,
             "samples": round(self.samples * self.film.size[0] * self.film.size[1]), "bad_samples": self.bad_samples,
             "estimated_error": error if np.isfinite(error) else None, "rays": self.rays, "trace_s": self.seconds,
-            **({"photons": self.film.photons, "bad_splats": self.film.bad_photons} if self._photons else {}),
+            **({"photons": self.film.photons, "bad_splats": self.film.bad_photons,
+                "photons_behind_glass": self._photons.behind_glass} if self._photons else {}),
             "rays_per_s": self.rays / self.seconds if self.seconds else None, "denoised": self.settings.denoise,
         }
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..layout import TILE
 from ..rays.intersect import Intersector
+from .behind_glass import BehindGlass
 from .film import Film
 from .photon_passes import PhotonPasses
 from .traced_wavefront import TracedWavefront
@@ -26,11 +27,12 @@ class PhotonRender:
     photons that the picture may have at last."""
 
     def __init__(self, passes: PhotonPasses, intersector: Intersector, film: Film,
-                 make_wavefront: Callable[[], Wavefront], check_interval: int, most: int) -> None:
+                 make_wavefront: Callable[[], Wavefront], check_interval: int, most: int, has_glass: bool) -> None:
         self.rays = 0
         self._passes, self._intersector, self._film = passes, intersector, film
         self._check_interval = check_interval
         self._wavefronts = [TracedWavefront(make_wavefront()) for _ in range(2)]
+        self._behind_glass = BehindGlass(passes, intersector, make_wavefront()) if has_glass else None
         self._splats = Sums(passes.context.gl, film.size, SUMS)
         self._flush: Callable[[], None] = passes.context.function("glFlush")
         blocks = 2 * len(self._wavefronts[0].wavefront.is_busy)
@@ -46,16 +48,19 @@ class PhotonRender:
                 self._begin(traced)
         if first.iterations % self._check_interval == 0 and first.is_busy and first.iterations:
             first.wavefront.is_busy[:] = self._passes.find_alive(first.wavefront)
+        probe = self._behind_glass if self._film.photons == 0 and second.answer is not None else None
         rays = self._intersector.fetch(first.wavefront) if first.is_busy else None
         if second.answer is not None:
             self._intersector.store(second.wavefront, second.answer)
             second.answer = None
-            self._passes.shade_onto(second.wavefront, self._splats)
+            self._passes.shade_onto(second.wavefront, self._splats, probe.rays if probe else None)
             second.iterations += 1
             self._flush()
         if rays is not None:
             first.answer = self._intersector.trace(rays)
             self.rays += first.answer.rays or 0
+        if probe is not None:
+            probe.measure()
         self._wavefronts = [second, first]
         if not (first.is_busy or second.is_busy or first.answer):
             self._film.add_photons(self._splats, self._round)
@@ -72,7 +77,14 @@ class PhotonRender:
         traced.iterations = 0
         self._passes.begin(traced.wavefront, blocks)
 
+    @property
+    def behind_glass(self) -> float:
+        """The share of the photons' light that is seen only through smooth glass (`BehindGlass.share`)."""
+        return 0.0 if self._behind_glass is None else self._behind_glass.share
+
     def release(self) -> None:
+        if self._behind_glass is not None:
+            self._behind_glass.release()
         for traced in self._wavefronts:
             traced.wavefront.release()
         self._splats.release()
