@@ -31,6 +31,13 @@ const uint NOTHING = ~0u;
 bool shadow_ray_passes(Hit hit, vec3 vector); // trace/see_through.glsl
 #endif
 
+// Whether shadow rays go to the camera, whose rays pass the backs of single-sided surfaces: these come to the fronts.
+uniform bool u_sees_backs;
+
+bool leaves_by_back(Found found) {
+    return (found.flags & HAS_OPEN_BACK) != 0u && found.is_front != ((found.flags & IS_MIRRORED) != 0u);
+}
+
 void sort(inout vec4 t, inout uvec4 children, int i, int j) {
     if (t[j] < t[i]) {
         float nearer = t[j];
@@ -48,7 +55,7 @@ bool traverse(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
     uint stack[STACK]; // references that are still to be visited, and the distances to their boxes
     float stack_t[STACK];
     int count = 0;
-    nearest = Found(t_max, MISS, 0u, vec2(0.0), 0u);
+    nearest = Found(t_max, MISS, 0u, vec2(0.0), 0u, true);
     bool is_hit = false;
     PreparedRay ray = prepare(o, d);
 #if HAS_INSTANCES
@@ -114,11 +121,12 @@ bool traverse(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
 #if HAS_INSTANCES
                 if (outer_count >= 0) {
                     found.code = instance.y;
-                    found.is_see_through = instance.z;
+                    found.flags = instance.z;
                 }
 #endif
+                if (is_shadow && u_sees_backs && leaves_by_back(found)) continue;
 #if HAS_SEE_THROUGH
-                if (is_shadow && found.is_see_through != 0u) {
+                if (is_shadow && (found.flags & IS_SEE_THROUGH) != 0u) {
                     Hit hit = Hit(int(found.code & INSTANCE_MASK), int(found.triangle), found.barycentric);
                     if (shadow_ray_passes(hit, d)) continue;
                 }

@@ -17,8 +17,12 @@ struct Found {
     uint code; // kind << KIND_SHIFT | instance
     uint triangle;
     vec2 barycentric;
-    uint is_see_through;
+    uint flags;    // of the triangle, below
+    bool is_front; // its corners are in counter-clockwise order, seen from the ray's origin
 };
+
+// As viewer/trace/rays/bvh.py
+const uint IS_SEE_THROUGH = 1u, HAS_OPEN_BACK = 2u, IS_MIRRORED = 4u;
 
 // A ray with what the intersection tests need
 struct PreparedRay {
@@ -60,7 +64,7 @@ bool intersect_triangle(PreparedRay ray, int texel, float t_max, out Found found
     PRECISE float w = b2.x * a2.y - b2.y * a2.x;
     float determinant = u + v + w;
     float t = ray.shear.z * (u * a.z + v * b.z + w * c.z) / determinant;
-    found = Found(t, bits_b.w, bits_a.w, vec2(v, w) / determinant, bits_c.w);
+    found = Found(t, bits_b.w, bits_a.w, vec2(v, w) / determinant, bits_c.w, determinant * ray.shear.z > 0.0);
     bool is_inside = !(min(u, min(v, w)) < 0.0 && max(u, max(v, w)) > 0.0);
     return is_inside && determinant != 0.0 && t > 0.0 && t < t_max;
 }
@@ -72,7 +76,7 @@ bool intersect_curve(vec3 o, vec3 d, int texel, float t_max, out Found found) {
     vec4 a = uintBitsToFloat(bvh_texel(point)), b = uintBitsToFloat(bvh_texel(point + 1));
     float along, t = segment_entry(o, d, a, b, along);
     if (!(t > 0.0 && t < t_max)) return false;
-    found = Found(t, link.y, link.x, vec2(0.0), 0u);
+    found = Found(t, link.y, link.x, vec2(0.0), 0u, true);
     vec4 before = uintBitsToFloat(bvh_texel(point - 1)), after = uintBitsToFloat(bvh_texel(point + 2));
     return !hides(before, a, o + t * d) && !hides(b, after, o + t * d);
 }

@@ -111,8 +111,9 @@ def ours() -> tuple[list[str], dict[str, int], set[str]]:
         wanted |= dict.fromkeys(keys(hairy, settings))
         geometry = trace_geometry(hairy, fog=fog_of(hairy, settings), curves=trace_curves(hairy))
         programs += intersections(geometry_switches(hairy, geometry, False))
+    clear = Material(metallic=0.0, perceptual_roughness=0.0, transmission=1.0, thickness=1.0)
     smooth = replace(rich[0], lights=lamps[:1],
-                     materials=tuple(replace(m, perceptual_roughness=0.0) for m in rich[0].materials))
+                     materials=(clear, *(replace(m, perceptual_roughness=0.0) for m in rich[0].materials[1:])))
     for more, fog in (({}, 0.0), ({"volumes": (smoke,)}, 0.0), ({"curves": (_strand(None),)}, 1.0)):
         settings = replace(path, fog=fog)
         wanted |= dict.fromkeys(keys(replace(smooth, **more), settings))  # with photons

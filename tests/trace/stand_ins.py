@@ -26,6 +26,8 @@ class Instance:
     transform: np.ndarray
     kind: Kind = SURFACE
     see_through: bool = False
+    has_open_back: bool = False
+    is_mirrored: bool = False
 
 
 @dataclass
@@ -74,7 +76,7 @@ def make_wavefront(gl: moderngl.Context, size: tuple[int, int]) -> SimpleNamespa
     wavefront = SimpleNamespace(**textures, hit=gl.texture(size, 4, dtype="u4"))
     for texture in vars(wavefront).values():
         texture.filter = moderngl.NEAREST, moderngl.NEAREST
-    wavefront.along = None
+    wavefront.along, wavefront.sees_backs = None, False
     return wavefront
 
 

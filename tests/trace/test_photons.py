@@ -214,3 +214,28 @@ def test_light_behind_glass_is_measured(tracer):
 
     assert share(Camera.look_at((0, 4, 0.5), (0, 0, 0), fov_y=np.radians(20))) > 0.99
     assert share(BELOW) < 1e-3
+
+
+@pytest.mark.parametrize(("intersector", "fog"), (("embree", 0.0), ("embree", 0.05), ("bvh", 0.0), ("bvh", 0.05)))
+def test_the_camera_sees_through_the_back_of_a_wall(context, tracer, intersector, fog):
+    """As camera rays do, those of photons pass the back of a single-sided surface, also of a mirrored one, but not the
+    front."""
+    to_camera = np.eye(4)
+    to_camera[:3, :3] = BELOW.pose[:3, :3]
+    to_camera[:3, 3] = BELOW.eye + 0.1 * BELOW.forward
+    walls = {"none": None, "back": to_camera @ FLIPPED, "mirrored": to_camera @ FLIPPED @ np.diag([-1.0, 1, 1, 1]),
+             "front": to_camera}
+    other = tracer if intersector == "embree" else Tracer(context, intersector="bvh")
+    found = {}
+    for name, wall in walls.items():
+        open_view = slab(POINT, 1.5)
+        model = open_view if wall is None else replace(
+            open_view, meshes=(*open_view.meshes, plate(0, half=0.05)),
+            instances=(*open_view.instances, Instance(len(open_view.meshes), wall)))
+        found[name] = picture(other, model, BELOW, (12, 8), spp=2, caustics="photons", fog=fog)[..., :3].mean()
+    if other is not tracer:
+        other.release()
+    assert found["none"] > 0.1
+    assert found["back"] == pytest.approx(found["none"], rel=0.02)
+    assert found["mirrored"] == pytest.approx(found["none"], rel=0.02)
+    assert found["front"] < 0.92 * found["none"]

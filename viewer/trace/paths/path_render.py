@@ -61,14 +61,14 @@ class PathRender:
         self._check_interval = 1 if context.is_software else DEVICE_CHECK_INTERVAL
         rows = min(math.ceil(math.prod(film.tiles) * settings.most_spp / columns / 2), columns)
 
-        def wavefront(has_layers: bool) -> Wavefront:
+        def wavefront(has_layers: bool, sees_backs: bool) -> Wavefront:
             return Wavefront(context, columns, rows, plan.has_transmission, has_layers, plan.has_scattering,
-                             plan.has_grids)
+                             plan.has_grids, sees_backs)
 
-        self._wavefronts = [TracedWavefront(wavefront("layers" in plan.programs)) for _ in range(2)]
+        self._wavefronts = [TracedWavefront(wavefront("layers" in plan.programs, False)) for _ in range(2)]
         self._photons: PhotonRender | None = None
         if photon_passes is not None:
-            self._photons = PhotonRender(photon_passes, intersector, film, lambda: wavefront(False),
+            self._photons = PhotonRender(photon_passes, intersector, film, lambda: wavefront(False, True),
                                          self._check_interval, math.prod(film.size) * settings.most_spp,
                                          "glass" in plan.photons)
         self._flush: Callable[[], None] = context.function("glFlush")

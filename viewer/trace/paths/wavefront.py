@@ -69,9 +69,10 @@ class Wavefront:
     medium: moderngl.Texture
 
     def __init__(self, context: Context, columns: int, rows: int, has_medium: bool, has_layers: bool,
-                 has_scattering: bool = False, has_grids: bool = False) -> None:
+                 has_scattering: bool = False, has_grids: bool = False, sees_backs: bool = False) -> None:
         gl = self._gl = context.gl
         self.grid = columns, rows
+        self.sees_backs = sees_backs
         self.size = columns * TILE, rows * TILE
         depth = float_depth_renderbuffer(context, self.size)
         self.classes = gl.framebuffer(depth_attachment=depth)

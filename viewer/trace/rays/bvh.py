@@ -7,8 +7,8 @@ float32. Curves have a tree of their own in tracer space (curve_boxes.py), besid
 
 Texels (RGBA32UI):
     node      7: lower x, upper x, lower y, upper y, lower z, upper z of its four children, and their references
-    triangle  3: a corner each, and in w the number in its mesh, x of a hit (kind and instance), see-through
-    instance  4: rows of tracer-to-mesh, then the reference to its tree, x of a hit, see-through, 0
+    triangle  3: a corner each, and in w the number in its mesh, x of a hit (kind and instance), flags
+    instance  4: rows of tracer-to-mesh, then the reference to its tree, x of a hit, flags, 0
     curve     1: the row of a segment's first point, x of a hit, 0, 0
     point     1: x, y, z and radius, the rows of `TraceCurves.points`
 """
@@ -67,6 +67,9 @@ class Bvh:
     trees: dict[int, Bvh4]
 
 
+IS_SEE_THROUGH, HAS_OPEN_BACK, IS_MIRRORED = 1, 2, 4
+"""Flags of triangles and instances, as shaders/trace/bvh_tests.glsl reads them."""
+
 COPIED, INSTANCES, CURVES = -1, -2, -3
 
 
@@ -85,13 +88,15 @@ def build_bvh(geometry: TraceGeometry, before: Bvh | None = None) -> Bvh:
             placed.setdefault(instance.mesh, []).append((index, instance))
     forest = _Forest({} if before is None else before.trees)
     vertices, triangles, hits = flatten(geometry, copied)
-    see_through = np.array([instance.see_through for instance in geometry.instances], bool)
-    root = forest.add(COPIED, vertices, triangles, hits[:-1], see_through)
+    # In the space of a mesh, fronts are those of its triangles; a copy of a mirrored one has them on the other side.
+    flags = np.array([_flags(instance) | IS_MIRRORED * instance.is_mirrored for instance in geometry.instances],
+                     np.uint32)
+    root = forest.add(COPIED, vertices, triangles, hits[:-1], flags)
     if placed:
         root = forest.place(geometry, placed, vertices, root)
     if geometry.curves is not None:
         root = forest.add_curves(geometry.curves, root)
-    return forest.packed(root, bool(see_through.any()))
+    return forest.packed(root, bool((flags & IS_SEE_THROUGH).any()))
 
 
 class _Forest:
@@ -113,7 +118,7 @@ class _Forest:
         vertices: NDArray[np.float32],
         triangles: NDArray[np.integer],
         hits: NDArray[np.uint32] | None = None,
-        see_through: NDArray[np.bool_] | None = None,
+        flags: NDArray[np.uint32] | None = None,
     ) -> int:
         """Add a tree over triangles (T, 3); returns the reference to it. `hits` (T, 2) are x and y of their hits."""
         corners = vertices[triangles]
@@ -121,9 +126,9 @@ class _Forest:
         texels = np.zeros((len(triangles), TRIANGLE_TEXELS, 4), np.uint32)
         texels[..., :3] = corners[tree.order].view(np.uint32)
         texels[:, 0, 3] = tree.order
-        if hits is not None and see_through is not None:
+        if hits is not None and flags is not None:
             texels[:, 0, 3], texels[:, 1, 3] = hits[tree.order, 1], hits[tree.order, 0]
-            texels[:, 2, 3] = see_through[texels[:, 1, 3] & INSTANCE_MASK]
+            texels[:, 2, 3] = flags[texels[:, 1, 3] & INSTANCE_MASK]
         inner = (tree.children & LEAF) == 0
         leaf = ~inner & (tree.children != NOTHING)
         tree.children[inner] += np.uint32(self._node_count)
@@ -165,7 +170,7 @@ class _Forest:
             record[:, :3] = _inverse(transforms).astype(np.float32).view(np.uint32)
             record[:, 3, 0] = root
             record[:, 3, 1] = [instance.kind.number << KIND_SHIFT | index for index, instance in instances]
-            record[:, 3, 2] = [instance.see_through for _, instance in instances]
+            record[:, 3, 2] = [_flags(instance) for _, instance in instances]
             records.append(record)
         self._instances = np.concatenate(records)
         references = INSTANCE | np.arange(len(self._instances), dtype=np.int64)
@@ -224,6 +229,10 @@ class _Forest:
         curves = instances + len(self._instances) * INSTANCE_TEXELS
         return Bvh(np.concatenate(parts), triangles, instances, curves, curves + len(self._curves), root, self._stack,
                    len(self._instances) > 0, has_see_through, len(self._curves) > 0, self._trees)
+
+
+def _flags(instance: TraceInstance) -> int:
+    return IS_SEE_THROUGH * instance.see_through | HAS_OPEN_BACK * instance.has_open_back
 
 
 def _moved_box(

@@ -108,6 +108,7 @@ class BvhIntersector:
         set_uniform(self._program, "u_bvh_instances", self._built.instances)
         set_uniform(self._program, "u_bvh_curves", self._built.curves)
         set_uniform(self._program, "u_bvh_points", self._built.points)
+        set_uniform(self._program, "u_sees_backs", wavefront.sees_backs)
         if self._surfaces is not None:
             self._surfaces.bind(self._program)
         if self._media is not None:

@@ -36,7 +36,7 @@ is the same."""
 class Rays:
     """The rays of a wavefront in memory, (paths, 4) float32 each, as the textures have them.
 
-    `medium` is read only in scenes with scattering.
+    `medium` is read only in scenes with scattering. `sees_backs` is that of the wavefront.
     """
 
     origin: NDArray[np.float32]
@@ -44,6 +44,7 @@ class Rays:
     shadow_origin: NDArray[np.float32]
     shadow_vector: NDArray[np.float32]
     medium: NDArray[np.float32]
+    sees_backs: bool = False
 
 
 class EmbreeIntersector:
@@ -53,6 +54,7 @@ class EmbreeIntersector:
         self.name = "embree " + ".".join(embreex.__version__.split(".")[:2])
         self._triangles = _Triangles(geometry)
         self._is_see_through = np.array([instance.see_through for instance in geometry.instances], bool)
+        self._open_back = _open_backs(geometry)
         self._coverage: SeeThrough | None = None
         if self._is_see_through.any():
             if surfaces is None:
@@ -65,8 +67,9 @@ class EmbreeIntersector:
     def fetch(self, wavefront: WavefrontTextures) -> Rays:
         count = wavefront.origin.width * wavefront.origin.height
         if self._rays is None or len(self._rays.origin) != count:
-            self._rays = Rays(*(np.empty((count, 4), np.float32) for _ in range(5)))
+            self._rays = Rays(*np.empty((5, count, 4), np.float32))
         rays = self._rays
+        rays.sees_backs = wavefront.sees_backs
         wavefront.origin.read_into(rays.origin)
         wavefront.direction.read_into(rays.direction)
         wavefront.shadow_origin.read_into(rays.shadow_origin)
@@ -95,10 +98,10 @@ class EmbreeIntersector:
             medium = rays.medium[shadowed]
             nesting = np.where(medium[:, 3] < 0, medium[:, 0], medium[:, 1]).astype(np.int64)
             along[shadowed, :3] = self._transmittance(
-                _rows(rays.shadow_origin, shadowed), _rows(vector, shadowed), nesting, self._media)
+                _rows(rays.shadow_origin, shadowed), _rows(vector, shadowed), nesting, self._media, rays.sees_backs)
             return Answer(int(np.count_nonzero(status)), len(in_flight) + len(shadowed), hits, along)
         free = np.zeros(len(hits), np.uint32)
-        free[shadowed] = self._free(_rows(rays.shadow_origin, shadowed), _rows(vector, shadowed))
+        free[shadowed] = self._free(_rows(rays.shadow_origin, shadowed), _rows(vector, shadowed), rays.sees_backs)
         hits[:, 0] |= free * np.uint32(FREE)
         return Answer(int(np.count_nonzero(status)), len(in_flight) + len(shadowed), hits)
 
@@ -113,6 +116,7 @@ class EmbreeIntersector:
         if not self._triangles.are_those_of(geometry):
             self._triangles = _Triangles(geometry)
         self._is_see_through = np.array([instance.see_through for instance in geometry.instances], bool)
+        self._open_back = _open_backs(geometry)
         self._media = ShadowMedia(geometry) if geometry.scatters else None
         if geometry.curves is None:
             self._curves = None
@@ -123,16 +127,17 @@ class EmbreeIntersector:
         if self._coverage is not None:
             self._coverage.release()
 
-    def _free(self, origins: NDArray, vectors: NDArray) -> NDArray[np.bool_]:
+    def _free(self, origins: NDArray, vectors: NDArray, sees_backs: bool) -> NDArray[np.bool_]:
         """Which shadow rays are unoccluded."""
-        free = self._free_of_triangles(origins, vectors)
+        free = self._free_of_triangles(origins, vectors, sees_backs)
         if self._curves is not None:
             asked = np.flatnonzero(free)
             free[asked] = self._curves.intersect(origins[asked], vectors[asked], SHADOW_REACH)[0] < 0
         return free
 
-    def _free_of_triangles(self, origins: NDArray, vectors: NDArray) -> NDArray[np.bool_]:
-        if self._coverage is None:
+    def _free_of_triangles(self, origins: NDArray, vectors: NDArray, sees_backs: bool) -> NDArray[np.bool_]:
+        sees_backs = sees_backs and bool((self._open_back != 0).any())
+        if self._coverage is None and not sees_backs:
             return ~self._triangles.occluded(origins, vectors)
         # One layer at a time: Embree finds the nearest triangle, and the shaders decide whether the ray passes it. (To
         # test for opaque occluders first costs more time than it saves.)
@@ -145,17 +150,28 @@ class EmbreeIntersector:
             self._triangles.write_hits(found, hits, np.arange(len(pending)))
             hit = found["primID"] >= 0
             free[pending[~hit]] = True
-            (asked,) = np.nonzero(hit)
+            passes = hit & self._leaves_by_back(found, hits, vector) if sees_backs else np.zeros(len(pending), bool)
+            (asked,) = np.nonzero(hit & ~passes)
             asked = asked[self._is_see_through[hits[asked, 0] & INSTANCE_MASK]]
-            if not len(asked):
+            if len(asked) and self._coverage is not None:
+                passes[asked] = self._coverage.pass_through(hits[asked], vectors[pending[asked]])
+            (on,) = np.nonzero(passes)
+            if not len(on):
                 break
-            on = asked[self._coverage.pass_through(hits[asked], vectors[pending[asked]])]
             step = found["tfar"][on] + (_STEP / np.linalg.norm(vector[on], axis=1)).astype(np.float32)
             pending, vector, reach = pending[on], vector[on], reach[on] - step
             start = start[on] + step[:, None] * vector
         return free
 
-    def _transmittance(self, origins: NDArray, vectors: NDArray, nesting: NDArray, media: ShadowMedia) -> NDArray:
+    def _leaves_by_back(self, found: dict[str, NDArray], hits: NDArray[np.uint32],
+                        vectors: NDArray) -> NDArray[np.bool_]:
+        """Whether a shadow ray to the camera comes to the front of a single-sided surface, whose back the rays of the
+        camera pass, (N,)."""
+        instances = np.minimum(hits[:, 0] & INSTANCE_MASK, len(self._open_back) - 1)  # of misses: any
+        return np.einsum("ij,ij->i", found["Ng"], vectors) * self._open_back[instances] < 0
+
+    def _transmittance(self, origins: NDArray, vectors: NDArray, nesting: NDArray, media: ShadowMedia,
+                       sees_backs: bool) -> NDArray:
         """The part of the light that shadow rays leave, (N, 3): they begin inside of `nesting`."""
         light = np.zeros((len(origins), 3), np.float32)
         left = np.ones_like(light)
@@ -174,8 +190,8 @@ class EmbreeIntersector:
             left *= media.along(nesting, origins[pending], vector, begin, end)
             light[pending[~hit]] = left[~hit]
             crosses = hit & is_boundary(hits)
-            passes = crosses.copy()
-            (asked,) = np.nonzero(hit & ~crosses)
+            passes = crosses | (hit & self._leaves_by_back(found, hits, vector)) if sees_backs else crosses.copy()
+            (asked,) = np.nonzero(hit & ~passes)
             asked = asked[self._is_see_through[instances_of(hits[asked])]]
             if len(asked) and self._coverage is not None:
                 passes[asked] = self._coverage.pass_through(hits[asked], vector[asked])
@@ -192,6 +208,12 @@ class EmbreeIntersector:
             begin = np.einsum("ij,ij->i", start - origins[pending], vector) / np.einsum("ij,ij->i", vector, vector)
             begin = begin.astype(np.float32)
         return light
+
+
+def _open_backs(geometry: TraceGeometry) -> NDArray[np.int8]:
+    """1 for each instance that rays of the camera pass from behind, -1 if it is mirrored; 0 for all others; (N,)."""
+    return np.array([instance.has_open_back * (-1 if instance.is_mirrored else 1) for instance in geometry.instances],
+                    np.int8)
 
 
 class _Triangles:

@@ -44,6 +44,8 @@ class WavefrontTextures(Protocol):
     medium: moderngl.Texture
     hit: moderngl.Texture
     along: Any
+    sees_backs: bool
+    """Whether shadow rays go to the camera, and so pass single-sided surfaces if they come to the front."""
 
 
 @dataclass

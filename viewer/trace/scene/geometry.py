@@ -44,7 +44,8 @@ class TraceMesh:
 class TraceInstance:
     """A mesh placed in tracer space by `transform`, (3, 4) float64, from the mesh's normalised positions.
 
-    `see_through`: the coverage of its triangles may be below 1, so that rays may pass. `material` and `medium`, that of
+    `see_through`: the coverage of its triangles may be below 1, so that rays may pass. `has_open_back`: rays of the
+    camera pass it from behind. `material` and `medium`, that of
     the inside, are numbers in `TraceGeometry.materials` and `.media`; `source` is the instance's number in
     `scene.instances`. `first_emitter` is the number of its first triangle among all emissive triangles, and its other
     triangles follow in their order; it is -1 if the instance does not emit.
@@ -56,6 +57,7 @@ class TraceInstance:
     see_through: bool = False
     material: int = 0
     medium: int = 0
+    has_open_back: bool = False
     source: int = -1
     first_emitter: int = -1
 
@@ -148,6 +150,7 @@ def trace_geometry(
             kind=kind_of(traced),
             see_through=_is_see_through(material, mesh),
             material=materials[key],
+            has_open_back=kind_of(traced) == SURFACE and not material.double_sided,
             medium=media.setdefault(inside, len(media)) if traced.is_solid or fog is None else 0,
             source=number,
             first_emitter=emitters if is_emitter else -1,
