@@ -9,7 +9,7 @@ from ..scene.medium import Medium
 from ..scene.phase import spectrum
 from .irradiance import HEIGHT
 from .prefilter import MARGIN, row_angles
-from .spherical_convolution import Filter, convolve
+from .spherical_convolution import Filter, convolve_each
 
 MAPS = 4
 
@@ -28,6 +28,6 @@ def scattered_sky(level: np.ndarray, medium: Medium) -> np.ndarray:
     theta = row_angles(HEIGHT)
     phase = Filter(theta[:HEIGHT // 2], spectrum(medium, HEIGHT))
     axes = texel_directions(*radiance.shape[:2]).astype(np.float32)
-    [scattered] = convolve(radiance, [phase])
-    moments = [convolve(radiance * axes[..., k, None], [phase])[0] for k in range(3)]
+    weighted = [radiance, *(radiance * axes[..., k, None] for k in range(3))]
+    scattered, *moments = (result for [result] in convolve_each(weighted, [phase]))
     return np.concatenate([np.maximum(scattered, 0), *moments])

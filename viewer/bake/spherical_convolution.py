@@ -48,33 +48,39 @@ def convolve(radiance: np.ndarray, filters: Sequence[Filter]) -> list[np.ndarray
     kernel with lambda_0 = 1 does not change the total. Degrees at or above a filter's height are dropped, since its map
     could not represent them.
     """
-    height = len(radiance)
+    return convolve_each([radiance], filters)[0]
+
+
+def convolve_each(maps: Sequence[np.ndarray], filters: Sequence[Filter]) -> list[list[np.ndarray]]:
+    """What `convolve` returns for each of several maps of one size; the Legendre functions are computed once."""
+    height = len(maps[0])
     half = height // 2
     degree = max(min(len(f.spectrum), f.height) for f in filters) - 1
-    mean = sphere_integral(radiance) / (4 * np.pi)
-    waves = _longitude_waves(radiance, mean, degree)
+    means = [sphere_integral(radiance) / (4 * np.pi) for radiance in maps]
+    waves_of = [_longitude_waves(radiance, mean, degree) for radiance, mean in zip(maps, means)]
     latitudes = [np.pi * (np.arange(half) + 0.5) / height] + [f.theta for f in filters]
     ends = np.cumsum([len(theta) for theta in latitudes])
     spans = [slice(end - len(theta), end) for end, theta in zip(ends, latitudes)]
     spectra = [np.asarray(f.spectrum[:min(f.height, degree + 1)], np.float32) for f in filters]
-    rows = [np.zeros((f.height, 3, f.height + 1), np.complex64) for f in filters]
+    rows_of = [[np.zeros((f.height, 3, f.height + 1), np.complex64) for f in filters] for _ in maps]
 
     for first, table in legendre_tables(degree, np.concatenate(latitudes)):
         for m, values in enumerate(table, start=first):
             values = values[m:]  # degrees m .. L, at every latitude of the upper half
-            a = np.empty((degree + 1 - m, 6), np.float32)
-            a[0::2] = values[0::2, spans[0]] @ waves[0, m]
-            a[1::2] = values[1::2, spans[0]] @ waves[1, m]
-            for spectrum, span, out in zip(spectra, spans[1:], rows):
-                count = len(spectrum) - m
-                if count <= 0:
-                    continue
-                scaled = a[:count] * spectrum[m:, None]
-                even = (values[0:count:2, span].T @ scaled[0::2]).view(np.complex64)
-                odd = (values[1:count:2, span].T @ scaled[1::2]).view(np.complex64)
-                out[:len(even), :, m] = even + odd
-                out[len(even):, :, m] = (even - odd)[::-1]
-    return [_from_waves(row, mean) for row in rows]
+            for waves, rows in zip(waves_of, rows_of):
+                a = np.empty((degree + 1 - m, 6), np.float32)
+                a[0::2] = values[0::2, spans[0]] @ waves[0, m]
+                a[1::2] = values[1::2, spans[0]] @ waves[1, m]
+                for spectrum, span, out in zip(spectra, spans[1:], rows):
+                    count = len(spectrum) - m
+                    if count <= 0:
+                        continue
+                    scaled = a[:count] * spectrum[m:, None]
+                    even = (values[0:count:2, span].T @ scaled[0::2]).view(np.complex64)
+                    odd = (values[1:count:2, span].T @ scaled[1::2]).view(np.complex64)
+                    out[:len(even), :, m] = even + odd
+                    out[len(even):, :, m] = (even - odd)[::-1]
+    return [[_from_waves(row, mean) for row in rows] for rows, mean in zip(rows_of, means)]
 
 
 def legendre_tables(degree: int, theta: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
