@@ -16,6 +16,7 @@ from viewer.measure.check.furnace import check_balance, check_material, furnace_
 from viewer.measure.check.half_vector import bin_coordinates, binned_grid, reflected_grid, refracted_grid
 from viewer.measure.check.lobe_cases import lobe_cases
 from viewer.measure.check.media import check_media
+from viewer.measure.check.woven import check_woven, check_woven_extremes
 from viewer.raster.renderer import Renderer
 from viewer.scene.material import Material
 from viewer.settings import Settings
@@ -148,3 +149,11 @@ def test_fibres():
     assert {check.check for check in checks} == {
         "white furnace", "albedo", "pdf integrates to 1", "samples follow pdf", "weight = f cos / pdf",
         "sample's pdf = pdf", "no NaN, no Inf"}
+
+
+def test_woven_cloth():
+    checks = [*check_woven(), *check_woven_extremes()]
+    assert not [check for check in checks if check.is_defect]
+    assert {check.check for check in checks} == {
+        "reflects at most all", "white furnace", "albedo", "reciprocity", "samples follow pdf",
+        "mean weight of samples = albedo", "no NaN, no Inf"}

@@ -22,6 +22,7 @@ from .media import check_media
 from .media_pictures import check_media_extremes, check_media_furnaces
 from .stability import check_stability
 from .user_lobe import user_case
+from .woven import check_woven, check_woven_extremes
 
 Part = tuple[str, Callable[[], Iterator[Check]]]
 
@@ -33,14 +34,15 @@ def run_checks(what: str, quiet: bool = False) -> list[Check]:
         parts: list[Part] = []
         if what != "stability":
             parts += _lobe_parts(lobe_cases())
-            parts += [("media", check_media), ("fibres", check_fibres)]
+            parts += [("media", check_media), ("fibres", check_fibres), ("woven cloth", check_woven)]
             parts += [("furnace", partial(check_furnaces, renderer))]
             parts += [("balance", partial(check_renderer_balance, renderer))]
             parts += [("media in furnaces", partial(check_media_furnaces, tracer))]
         if what != "energy":
             parts += [("float32", check_stability)]
             parts += [("lobes' values", check_lobe_stability), ("lobes' extremes", check_lobe_extremes)]
-            parts += [("extreme fibres", check_fibre_extremes), ("extremes", partial(check_extremes, renderer))]
+            parts += [("extreme fibres", check_fibre_extremes), ("extreme cloth", check_woven_extremes)]
+            parts += [("extremes", partial(check_extremes, renderer))]
             parts += [("extreme media", partial(check_media_extremes, tracer))]
         return _run(parts, quiet)
 
