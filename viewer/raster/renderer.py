@@ -34,6 +34,7 @@ from .curves import CurvePass
 from .depth import Depth
 from .environment import EnvironmentLight
 from .gbuffer import GBuffer
+from .interiors import Interiors
 from .lights import pack_lights
 from .media import MediaPass
 from .shadows import Casters, ShadowMaps
@@ -85,7 +86,7 @@ class Renderer:
         self._curves = CurvePass(context, self.programs, self._depth)
         self._casters = Casters(self._surfaces.draw_depth, self._curves.draw_depth)
         self._indirect_key: tuple[object, ...] | None = None
-        self._solids: tuple[object, ...] | None = None
+        self._interiors = Interiors(context)
         self._measured: Scene | None = None
         self._environment: EnvironmentLight | None = None
         self._ahead: Decoder | None = None
@@ -311,15 +312,11 @@ class Renderer:
             self._indirect_key = key
 
     def _prepare_interiors(self, scene: Scene, plan: Plan) -> None:
-        """Measure how thick the solids are that scatter light, unless they are those of the scene before, unmoved."""
-        from ..trace.chords import thickness_at_vertices
-
+        """Take the thickness of the solids that scatter light, which is measured if it has changed."""
         solids = [draw.instance for draw in plan.draws if draw.has_subsurface]
-        placed = scene.radius, *((k, scene.meshes[scene.instances[k].mesh], scene.instances[k].transform.tobytes())
-                                 for k in solids)
-        if self._solids != placed:
-            self._surfaces.set_interiors(thickness_at_vertices(self.context, scene, solids) if solids else {})
-            self._solids = placed
+        thickness = self._interiors.take(scene, solids)
+        if thickness is not None:
+            self._surfaces.set_interiors(thickness)
         self._measured = scene if solids else None
 
     def _prepare_surfaces(self, scene: Scene) -> None:
