@@ -307,6 +307,22 @@ def hair() -> tuple[Scene, Camera]:
     return replace(model, curves=(tuft,)), Camera.look_at((0.0, 1.6, 3.2), (0.1, 0.4, 0.0), fov_y=np.radians(28))
 
 
+def knitted() -> tuple[Scene, Camera]:
+    """Stitches of one yarn behind the other, under a sun and light from all around; near enough to see fibres."""
+    return _yarns("knit.bcc"), Camera.look_at((0.5, 0.8, 2.2), (0.0, 0.0, 0.0), fov_y=np.radians(24))
+
+
+def interlaced() -> tuple[Scene, Camera]:
+    """Warp and weft of two colours."""
+    return _yarns("woven.hair"), Camera.look_at((0.7, 0.4, 2.2), (0.0, 0.0, 0.0), fov_y=np.radians(22))
+
+
+def _yarns(name: str) -> Scene:
+    yarns = viewer.load(resource_folder("assets") / "curves" / name, environment=None).curves[0]
+    larger = replace(yarns, points=40.0 * yarns.points, radii=40.0 * yarns.radii)
+    return Scene(name, curves=(larger,), lights=(SUN,), environment=constant(0.4))
+
+
 CASES = [
     PathCase("maps", maps),
     PathCase("metal", metal),
@@ -323,6 +339,8 @@ CASES = [
         "volume_emission": (0.2, 0.1, 0.0),
         "fog": 0.08, "fog_albedo": (0.9, 0.9, 0.9), "fog_g": 0.3, "fog_height": 0.8}),
     PathCase("hair", hair, spp=96, settings={"hair_melanin": (0.3, 0.2), "hair_roughness": (0.4, 0.3)}),
+    PathCase("knitted", knitted, spp=48, settings={"yarn": "wool", "hair_color": (0.1, 0.05, 0.03)}),
+    PathCase("interlaced", interlaced, spp=48, settings={"yarn": "cotton", "yarn_fibres": 8, "yarn_hairs": 0.1}),
     PathCase("dispersive", dispersive, spp=192),  # a path has one colour: more noise
     PathCase("glass-smooth", glass_smooth),
     PathCase("glass-rough", glass_rough),
