@@ -1,7 +1,14 @@
 // A strip that faces the viewer (or the light, in shadow maps) along each segment of a curve. A segment is an instance,
 // and has u_columns pairs of vertices across, the middle ones nearer to the viewer, as on a tube. Strips share their
 // ends with their neighbours. At both ends of a strand they go on by its radius, for the round end.
+#if YARN
+#include "raster/yarn_points.glsl"
+out vec3 v_yarn;         // from the yarn's axis to the strand's, in radii of the yarn
+out vec3 v_yarn_along;   // along the yarn
+out float v_yarn_radius; // in eye-relative units
+#else
 uniform sampler2D u_points; // x, y, z and radius of one point after the other; the sign of the radius marks the last
+#endif
 #if HAS_COLORS
 uniform sampler2D u_colors; // absorption at each point
 out vec3 v_sigma_a;
@@ -29,9 +36,11 @@ out float v_radius;           // in eye-relative units
 flat out uint v_number;       // of the segment
 invariant gl_Position;
 
+#if !YARN
 vec4 point(int k) {
     return texelFetch(u_points, ivec2(k & (POINTS_WIDTH - 1), k / POINTS_WIDTH), 0);
 }
+#endif
 
 bool is_last(vec4 p) {
     return (floatBitsToUint(p.w) & 0x80000000u) != 0u;
@@ -60,8 +69,15 @@ float sine_at(int k, int end, vec3 axis) {
 
 void main() {
     int k = gl_InstanceID, end = gl_VertexID & 1;
-    vec4 here = point(k), next = point(k + 1);
     v_number = uint(k);
+#if YARN
+    g_strand = k % u_shown.y;
+    k = u_shown.x + k / u_shown.y;
+    v_number = uint(k * u_shown.y + g_strand);
+    v_yarn = v_yarn_along = vec3(0.0);
+    v_yarn_radius = 0.0;
+#endif
+    vec4 here = point(k), next = point(k + 1);
     gl_Position = vec4(0.0, 0.0, 0.0, -1.0); // clipped
     v_position = v_along = vec3(0.0);
     v_across = v_share = v_pixels = v_radius = 0.0;
@@ -110,6 +126,12 @@ void main() {
     if (is_tip.y) v_beyond.y = end == 1 ? 1.0 : -reach - float(is_tip.x);
     v_across = a;
     v_along = mat3(u_to_eye) * along;
+#if YARN
+    vec4 center = axis_texel(k + end, 0);
+    v_yarn_radius = abs(center.w) * length(u_to_eye[0].xyz);
+    v_yarn = mat3(u_to_eye) * (p.xyz - center.xyz) / max(v_yarn_radius, 1e-30);
+    v_yarn_along = mat3(u_to_eye) * cross(axis_texel(k + end, 1).xyz, axis_texel(k + end, 2).xyz);
+#endif
     v_position = (u_to_eye * vec4(q, 1.0)).xyz;
     gl_Position = u_to_clip * vec4(q, 1.0);
 #if ROUND

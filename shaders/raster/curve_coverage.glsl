@@ -3,6 +3,9 @@ in float v_across;
 in vec2 v_beyond;
 in float v_share;
 flat in uint v_number;
+#if YARN
+#include "raster/yarn_medium.glsl"
+#endif
 
 // A threshold in (0, 1) for each pixel and segment, so that what several thin curves leave free is about the product of
 // their shares. The hash is PCG3D (Jarzynski and Olano 2020).
@@ -19,5 +22,9 @@ float threshold() {
 bool is_covered() {
     float beyond = max(v_beyond.x, v_beyond.y);
     if (beyond > 0.0 && beyond * beyond + v_across * v_across > 1.0) return false;
-    return v_share >= 1.0 || threshold() < v_share;
+    float share = v_share;
+#if YARN
+    if (u_tube > 0.0) share *= tube_opacity(v_across);
+#endif
+    return share >= 1.0 || threshold() < share;
 }

@@ -92,6 +92,7 @@ def ours() -> tuple[list[str], dict[str, int], set[str]]:
     for fog in (0.0, 1.0):
         wanted |= dict.fromkeys(keys(hairy, Settings.of(fog=fog)))
         wanted |= dict.fromkeys(keys(hairy, Settings.of(fog=fog, hair_scattering="single")))
+        wanted |= dict.fromkeys(keys(hairy, Settings.of(fog=fog, yarn="silk")))
         wanted |= dict.fromkeys(raster_keys(hairy, Settings.of(fog=fog), half=False, orthographic=True))
     lamps = tuple(Light("point", intensity=1.0, position=(0, 0, 1 + k)) for k in range(MAX_LIGHTS))
     wanted |= dict.fromkeys(keys(replace(rich[0], lights=lamps), Settings()))

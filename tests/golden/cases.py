@@ -92,6 +92,8 @@ CASES = [
     Case("spheres-turned", "spheres", rotation=90.0, settings={"tonemap": "agx", "background": "none"}),
     Case("tiny", "tiny", view="orthographic"),
     Case("hair", "lock.hair", lights=GRAZING, settings={"hair_melanin": (0.3, 0.2)}),
+    Case("knitted", "knit.bcc", lights=GRAZING, settings={"yarn": "wool"}),
+    Case("interlaced", "woven.hair", settings={"yarn": "cotton"}),
     Case("spheres-beckmann", "spheres", settings={"ndf": "beckmann", "phong": "blinn-phong", "exposure": 1.0}),
     Case("environment-shadows", "lights", settings={"environment_shadows": "64", "shadows": "off"}),
     Case("alpha", "alpha", "sky"),

@@ -15,7 +15,7 @@ from viewer.scene.fibre import Fibre, hair_fibre
 from viewer.scene.light import Light
 from viewer.scene.scene import Scene
 from viewer.scene.yarn.kind import YARNS
-from viewer.scene.yarn.spun import spun
+from viewer.scene.yarn.spun import as_yarns, dense_curves, spun
 from viewer.settings import Settings
 
 YARN = Curves("yarn", [[0, 0, 0], [0, 9, 0]], [0.5, 0.5], [0, 2], [False], colors=[[0.2, 0.4, 0.6]] * 2)
@@ -57,6 +57,19 @@ def test_the_fibres_are_kept_for_other_scenes_of_the_same_curves() -> None:
     made, = spun(SCENE, WOOL).curves
     assert spun(SCENE.relit(lights=(Light("directional"),)), WOOL).curves[0] is made
     assert spun(SCENE, replace(WOOL, yarn_plies=3)).curves[0] is not made
+
+
+def test_axes_of_yarns_have_the_fibre_and_stand_for_all_of_them() -> None:
+    shown = as_yarns(SCENE, WOOL)
+    yarn, = shown.curves
+    assert yarn.fibre == YARNS["wool"].fibre and yarn.points is YARN.points and yarn.colors is YARN.colors
+    assert as_yarns(SCENE, WOOL) is shown and as_yarns(shown, WOOL) is shown and as_yarns(SCENE, Settings()) is SCENE
+    assert as_yarns(SCENE.relit(lights=()), WOOL).curves[0] is yarn
+    assert as_yarns(SCENE, replace(WOOL, hair_color=(1, 0, 0))).curves[0].colors is None
+    kind = YARNS["wool"]
+    dense, = dense_curves(SCENE, WOOL)
+    np.testing.assert_allclose(dense.radii, 0.5 * kind.radius * kind.plies * kind.fibres, rtol=1e-6)
+    assert dense_curves(SCENE, Settings()) == SCENE.curves
 
 
 def test_info_counts_plies_and_fibres() -> None:

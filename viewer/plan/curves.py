@@ -15,6 +15,8 @@ from .model import Program
 VERTEX = "raster/curve.vert"
 POINTS_WIDTH = 4096
 """Points in a row of the texture that holds them."""
+PLY_PIXELS, FIBRE_PIXELS = 8.0, 20.0
+"""Widths of a yarn in pixels from which its plies are drawn, and its fibres."""
 _LIT = ("HALF_TARGET", "IS_ORTHOGRAPHIC", "LIGHT_COUNT", "DIRECTIONAL_COUNT", "POINT_COUNT", "SHADOW_LAYERS",
         "SHADOW_PATTERN", "HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "MEDIA", "FOG", "FOG_HEIGHT", "VOLUMES")
 
@@ -29,6 +31,7 @@ class CurvePlan:
     depth: Program
     scatters_again: bool
     """Whether light that one fibre has scattered reaches others."""
+    are_yarns: bool
     strands: int
     megabytes: float
     """What the points take on the GPU, without those that splines are divided by."""
@@ -53,20 +56,21 @@ def plan_curves(scene: Scene, settings: Settings, common: Mapping[str, int]) -> 
     """The plan of the curves, None where none are drawn. `common` are the switches that lit surfaces share."""
     if not draws_curves(scene, settings):
         return None
-    lit = {name: common[name] for name in _LIT} | {"POINTS_WIDTH": POINTS_WIDTH, "ROUND": 0}
+    drawn = {"POINTS_WIDTH": POINTS_WIDTH, "ROUND": 0, "YARN": int(settings.yarn != "off")}
+    lit = {name: common[name] for name in _LIT} | drawn
     scatters_again = settings.mode == "pbr" and settings.hair_scattering == "multiple"
     if settings.mode == "pbr":
-        fragment = "raster/curve.frag"
+        fragment = "raster/yarn.frag" if drawn["YARN"] else "raster/curve.frag"
         lit |= {"REFLECTS": 1, "HAIR_LIGHT": int(scatters_again)}
     else:
         fragment, shown = "raster/curve_phong.frag", bsdf_switches(settings)
         lit |= {name: shown[name] for name in ("SHOW_DIFFUSE", "SHOW_SPECULAR")}
     shade = tuple(_program(fragment, lit | {"HAS_COLORS": int(has_colors(curves, settings))})
                   for curves in scene.curves)
-    size = sum(len(curves.points) * (16 + 16 * has_colors(curves, settings)) for curves in scene.curves)
-    return CurvePlan(shade, _program("raster/curve_depth.frag", {"HAS_COLORS": 0, "POINTS_WIDTH": POINTS_WIDTH,
-                                                                   "ROUND": 0}),
-                     scatters_again, sum(curves.strand_count for curves in scene.curves),
+    own = 64 if drawn["YARN"] else 16
+    size = sum(len(curves.points) * (own + 16 * has_colors(curves, settings)) for curves in scene.curves)
+    return CurvePlan(shade, _program("raster/curve_depth.frag", drawn | {"HAS_COLORS": 0}),
+                     scatters_again, bool(drawn["YARN"]), sum(curves.strand_count for curves in scene.curves),
                      size / 1e6)
 
 

@@ -26,6 +26,7 @@ from ..scene.parameter import Feature
 from ..scene.scene import Scene
 from ..scene.schema import MAPS, SWITCHED
 from ..settings import Settings
+from .curves import FIBRE_PIXELS, PLY_PIXELS
 from .media import MAX_VOLUMES
 from .model import Draw, Plan
 from .samplers import MAX_SAMPLERS
@@ -92,7 +93,9 @@ def _used(plan: Plan) -> tuple[str, ...]:
         lines.append(f"light scattered inside of {_count(inside, 'solid')}, by the thickness behind each point"
                      + ", and spread over the surface in screen space" * plan.spreads_subsurface)
     if plan.curves is not None:
-        lines.append(f"{_count(plan.curves.strands, 'strand')} of curves, as strips that face the camera, with "
+        shown = "strips that face the camera" if not plan.curves.are_yarns else (
+            f"yarns, as tubes, from {PLY_PIXELS:g} pixels on as plies and from {FIBRE_PIXELS:g} as fibres")
+        lines.append(f"{_count(plan.curves.strands, 'strand')} of curves, as {shown}, with "
                      f"{_count(len(plan.curves.programs), 'program')}; at least {plan.curves.megabytes:.3g} MB"
                      + "; light from fibre to fibre, by a diffusion equation" * plan.curves.scatters_again)
     count = sum(plan.count(draw) * (draw.program.get("WOVEN") == 1) for draw in plan.kinds)

@@ -19,11 +19,15 @@ from ..scene.curves import Curves
 from ..scene.fibre import Fibre, color_fit, hair_fibre, longitudinal_variance, sigma_a_of_color
 from ..scene.frame import Frame
 from ..scene.scene import Scene
+from ..scene.yarn.kind import YarnKind
+from ..scene.yarn.spun import yarn_kind
 from ..settings import Settings
+from .curve_texture import curve_texture
 from .depth import Depth
 from .environment import EnvironmentLight
-from .hair_light import HairLight, light_key
+from .hair_light import HairLight, light_key, mean_fibre
 from .surfaces import bind_blocks
+from .yarns import TUBES, YarnBuffers
 
 UNIT_POINTS, UNIT_COLORS, UNIT_TABLE = range(3)
 THIN, THICK = 3, 7
@@ -67,13 +71,13 @@ class CurveBuffers:
         rows /= np.float32(self.unit)
         rows[is_last, 3] = np.copysign(rows[is_last, 3], -1.0)
         self._vertex_arrays: dict[int, moderngl.VertexArray] = {}
-        self._gl, self._points = gl, _texture(gl, rows)
+        self._gl, self._points = gl, curve_texture(gl, rows)
         self._colors = None
         if beta_n is not None and pieces.colors is not None:
             absorbed = np.zeros((self.count, 4), np.float32)
             absorbed[~is_last, :3] = sigma_a_of_color(pieces.colors[:, 0], beta_n)
             absorbed[is_last, :3] = sigma_a_of_color(pieces.colors[last, 1], beta_n)
-            self._colors = _texture(gl, absorbed)
+            self._colors = curve_texture(gl, absorbed)
 
     def draw(self, program: moderngl.Program, columns: int) -> None:
         self._points.use(UNIT_POINTS)
@@ -113,22 +117,13 @@ def blunt_radius(pieces: Segments) -> float:
     return float(radii[is_blunt].max(initial=0.0))
 
 
-def _texture(gl: moderngl.Context, rows: np.ndarray) -> moderngl.Texture:
-    height = max(-(-len(rows) // POINTS_WIDTH), 1)
-    padded = np.zeros((height * POINTS_WIDTH, 4), np.float32)
-    padded[:len(rows)] = rows
-    texture = gl.texture((POINTS_WIDTH, height), 4, padded, dtype="f4")
-    texture.filter = moderngl.NEAREST, moderngl.NEAREST
-    return texture
-
-
 class CurvePass:
     """Draws the curves of a scene. It keeps the buffers of those that the next scene shares."""
 
     def __init__(self, context: Context, programs: Programs, depth: Depth) -> None:
         self._gl, self._programs, self._depth = context.gl, programs, depth
-        self._buffers: dict[tuple[Curves, float | None], CurveBuffers] = {}
-        self._drawn: list[CurveBuffers] = []
+        self._buffers: dict[tuple[Curves, float | None, YarnKind | None], CurveBuffers | YarnBuffers] = {}
+        self._drawn: list[CurveBuffers | YarnBuffers] = []
         self._tables: dict[tuple[float, float], moderngl.Texture] = {}
         self._light: Reusable[HairLight] = Reusable()
         self._generation = programs.generation
@@ -139,15 +134,18 @@ class CurvePass:
         if self._generation != self._programs.generation:  # vertex arrays belong to programs
             self.release()
             self._generation = self._programs.generation
-        keys: list[tuple[Curves, float | None]] = []
+        keys: list[tuple[Curves, float | None, YarnKind | None]] = []
+        kind = yarn_kind(settings) if settings.yarn != "off" else None
         for curves in scene.curves if plan.curves is not None else ():
             beta_n = (curves.fibre or hair_fibre(settings)).beta_n
-            keys.append((curves, beta_n if has_colors(curves, settings) else None))
+            keys.append((curves, beta_n if has_colors(curves, settings) else None, kind))
         for key in self._buffers.keys() - set(keys):
             self._buffers.pop(key).release()
         for key in keys:
             if key not in self._buffers:
-                self._buffers[key] = CurveBuffers(self._gl, *key)
+                curves, colored, _ = key
+                self._buffers[key] = CurveBuffers(self._gl, curves, colored) if kind is None else YarnBuffers(
+                    self._gl, curves, colored, kind)
         self._drawn = [self._buffers[key] for key in keys]
         if plan.curves is None or not plan.curves.scatters_again:
             self._light.release()
@@ -173,6 +171,9 @@ class CurvePass:
             if self._light.held is not None:
                 uniforms = uniforms | self._light.held.bind(frame)
             values = uniforms | self._of_fibre(curves.fibre or hair_fibre(settings), settings.mode)
+            if plan.curves.are_yarns and plan.curves.scatters_again:
+                mean = mean_fibre(frame.scene, settings)
+                values["u_mean_fibre"] = (*mean.sigma_a, color_fit(mean.beta_n))
             for part in self._parts(buffers, frame):
                 # What fragments write as their depth need not be the same to the last bit in two programs.
                 with nullcontext() if part == ROUND else self._depth.equal():
@@ -184,12 +185,16 @@ class CurvePass:
             is_blunt = 2 * buffers.blunt_radius * _texels_per_unit(world_to_clip, size) >= ROUND_PIXELS
             for part in BESIDE if is_blunt else ALL:
                 program = self._programs.get(VERTEX, "raster/curve_depth.frag", {
-                    "HAS_COLORS": 0, "POINTS_WIDTH": POINTS_WIDTH, "ROUND": part})
+                    "HAS_COLORS": 0, "POINTS_WIDTH": POINTS_WIDTH, "ROUND": part,
+                    "YARN": int(isinstance(buffers, YarnBuffers))})
                 _set_view(program, buffers, world_to_clip, np.eye(4), (size, size), is_reversed=False,
                           least=SHADOW_WIDTH)
-                buffers.draw(program, THIN)
+                if isinstance(buffers, YarnBuffers):  # what a yarn's own fibres hide follows from their depth in it
+                    buffers.draw(program, np.minimum(buffers.levels(world_to_clip, (size, size)), TUBES))
+                else:
+                    buffers.draw(program, THIN)
 
-    def _draw_one(self, buffers: CurveBuffers, wanted: Program, part: int, frame: Frame, samples: int,
+    def _draw_one(self, buffers: CurveBuffers | YarnBuffers, wanted: Program, part: int, frame: Frame, samples: int,
                   uniforms: dict[str, object]) -> None:
         program = self._programs.get(VERTEX, wanted.fragment, dict(wanted.switches) | {"ROUND": part})
         for name, value in uniforms.items():
@@ -198,10 +203,13 @@ class CurvePass:
         to_eye = frame.model(np.eye(4))
         _set_view(program, buffers, frame.view_projection @ to_eye, to_eye, frame.size,
                   self._depth.is_reversed, 1.0 / samples)
+        if isinstance(buffers, YarnBuffers):
+            buffers.draw(program, buffers.levels(frame.view_projection @ to_eye, frame.size))
+            return
         is_thin = 2 * buffers.radius * _pixels_per_unit(frame) < THIN_PIXELS
         buffers.draw(program, THIN if is_thin else THICK)
 
-    def _parts(self, buffers: CurveBuffers, frame: Frame) -> tuple[int, ...]:
+    def _parts(self, buffers: CurveBuffers | YarnBuffers, frame: Frame) -> tuple[int, ...]:
         """The values of ROUND that are drawn: two where segments may be wide, and blunt or near."""
         is_near = frame.camera.height is None and (
             buffers.radius > 0.15 * max(frame.depth_range[0], 1e-6) * frame.unit)
@@ -248,8 +256,8 @@ def _texels_per_unit(world_to_clip: np.ndarray, size: int) -> float:
     return float(np.linalg.norm(world_to_clip[:2, :3], axis=1).max()) * size / 2 / float(world_to_clip[3, 3])
 
 
-def _set_view(program: moderngl.Program, buffers: CurveBuffers, to_clip: np.ndarray, to_eye: np.ndarray,
-              size: tuple[int, int], is_reversed: bool, least: float) -> None:
+def _set_view(program: moderngl.Program, buffers: CurveBuffers | YarnBuffers, to_clip: np.ndarray,
+              to_eye: np.ndarray, size: tuple[int, int], is_reversed: bool, least: float) -> None:
     """`to_clip` and `to_eye` take world space to clip space and to eye-relative space."""
     from_points = np.diag([buffers.unit, buffers.unit, buffers.unit, 1.0])
     from_points[:3, 3] = buffers.center

@@ -14,6 +14,7 @@ from ..scene.curves import Curves
 from ..scene.fibre import Fibre, hair_fibre, sigma_a_of_color
 from ..scene.frame import Frame
 from ..scene.scene import Scene
+from ..scene.yarn.spun import dense_curves, yarn_kind
 from ..settings import Settings
 from .environment import EnvironmentLight
 
@@ -26,16 +27,17 @@ def light_key(scene: Scene, settings: Settings, plan: Plan, environment: Environ
     """All that the light depends on."""
     sky = environment and (environment.environment.source, environment.environment.rotation,
                            environment.environment.intensity)
-    return scene.curves, _fibre(scene, settings), plan.lights, sky
+    yarn = yarn_kind(settings) if settings.yarn != "off" else None
+    return scene.curves, yarn, mean_fibre(scene, settings), plan.lights, sky
 
 
 class HairLight:
     def __init__(self, gl: moderngl.Context, scene: Scene, settings: Settings, plan: Plan,
                  environment: EnvironmentLight | None) -> None:
         self.key = light_key(scene, settings, plan, environment)
-        grid = fibre_grid(scene.curves)
+        grid = fibre_grid(dense_curves(scene, settings))
         sky = environment.sky_lights(plan) if environment is not None else None
-        light = hair_light(grid, _fibre(scene, settings), plan.lights, sky)
+        light = hair_light(grid, mean_fibre(scene, settings), plan.lights, sky)
         padded = np.concatenate([light.scattered, np.zeros((*light.hidden.shape[:3], 1))], axis=3)
         self._onward = light.onward
         self._low, self._sides = grid.low, grid.cell * np.array(grid.extinction.shape[::-1])
@@ -56,7 +58,7 @@ class HairLight:
             texture.release()
 
 
-def _fibre(scene: Scene, settings: Settings) -> Fibre:
+def mean_fibre(scene: Scene, settings: Settings) -> Fibre:
     """The fibre that stands for all: that of the set of curves with the most points, in the mean of its colours."""
     curves: Curves = max(scene.curves, key=lambda curves: len(curves.points))
     fibre = curves.fibre or hair_fibre(settings)

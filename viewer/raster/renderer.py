@@ -29,6 +29,7 @@ from ..scene.frame import Frame
 from ..scene.light import Light
 from ..scene.scene import Scene
 from ..scene.woven import woven
+from ..scene.yarn.spun import as_yarns
 from ..settings import Settings
 from .curves import CurvePass
 from .depth import Depth
@@ -166,7 +167,7 @@ class Renderer:
         of the target stays as it was.
         """
         self.context.make_current()
-        scene = woven(scene.with_curve_radius(settings.curve_radius), settings)
+        scene = woven(as_yarns(scene.with_curve_radius(settings.curve_radius), settings), settings)
         if still and settings.antialias == "auto" and self.context.is_software and draws_curves(scene, settings):
             # Mesa shades hidden fragments of a multisampled target to their end, and strips have many of them.
             settings = replace(settings, antialias="ssaa-4")

@@ -34,13 +34,18 @@ def yarn_fibres(curves: Curves, kind: YarnKind) -> Curves:
     for more than MAX_SEGMENTS segments, which take FIBRE_BYTES each.
     """
     count = kind.plies * kind.fibres
-    axis = _axis(curves, kind, count)
+    axis = axis_of(curves, kind, count)
     has_size = np.maximum.reduceat(axis.radii, axis.offsets[:-1]) > 0
     hairs = np.floor(kind.hairs * np.where(has_size, axis.whole, 0.0)).astype(np.int64)
     rng = np.random.default_rng(1)
     points = np.empty((count, len(axis.points), 3), np.float32)
-    for ply in range(kind.plies):
-        _fill(points[ply * kind.fibres:(ply + 1) * kind.fibres], axis, kind, _ply(axis, kind, ply), rng)
+    about_yarn, (about_ply, migrated) = ply_angle(axis, kind), fibre_angles(axis, kind)
+    for k, numbers in enumerate(fibre_numbers(axis, kind, rng)):
+        r, start, phase, highest = numbers[axis.yarn].T
+        r = r * (highest + kind.lowest + (highest - kind.lowest) * np.cos(migrated + phase)) / 2
+        points[k] = _placed(axis, about_yarn + 2 * np.pi * (k // kind.fibres) / kind.plies,
+                            kind.ply_offset + kind.ply_radius * r * np.cos(about_ply + start),
+                            kind.ply_width * r * np.sin(about_ply + start))
     made = _repeated(curves, axis, kind, points, kind.radius)
     return joined(made, _hairs(made, axis, kind, hairs, rng)) if hairs.any() else made
 
@@ -48,15 +53,16 @@ def yarn_fibres(curves: Curves, kind: YarnKind) -> Curves:
 def yarn_plies(curves: Curves, kind: YarnKind) -> Curves:
     """The plies of yarns, as straight strands that are as thick as a ply. What else holds for `yarn_fibres` holds
     here."""
-    axis = _axis(curves, kind, kind.plies)
+    axis = axis_of(curves, kind, kind.plies)
     points = np.empty((kind.plies, len(axis.points), 3), np.float32)
     for ply in range(kind.plies):
-        points[ply] = _placed(axis, _ply(axis, kind, ply), np.full(len(axis.points), kind.ply_offset), np.zeros(1))
+        angle = ply_angle(axis, kind) + 2 * np.pi * ply / kind.plies
+        points[ply] = _placed(axis, angle, np.full(len(axis.points), kind.ply_offset), np.zeros(1))
     return _repeated(curves, axis, kind, points, kind.ply_radius)
 
 
-def _axis(curves: Curves, kind: YarnKind, times: int) -> Axis:
-    """The axis of yarns, for so many strands that follow each. Raises UsageError for too many segments."""
+def axis_of(curves: Curves, kind: YarnKind, times: int) -> Axis:
+    """The axis of yarns, fine enough for so many strands that follow each. Raises UsageError for too many segments."""
     about_yarn, about_ply = (abs(turns) for turns in kind.turns)
     longest = 1 / max(_PLY_STEPS * about_yarn, _FIBRE_STEPS * about_ply, 1 / _LONGEST)
     total = times * segment_count(curves, _ERROR, longest)
@@ -68,11 +74,6 @@ def _axis(curves: Curves, kind: YarnKind, times: int) -> Axis:
     return yarn_axis(curves, _ERROR, longest)
 
 
-def _ply(axis: Axis, kind: YarnKind, ply: int) -> np.ndarray:
-    """The angle of a ply's axis about the yarn's, (n,)."""
-    return axis.turned(kind.turns[0]) + 2 * np.pi * ply / kind.plies
-
-
 def _placed(axis: Axis, angle: np.ndarray, outwards: np.ndarray, around: np.ndarray) -> np.ndarray:
     """Points (n, 3) that lie so many radii of the yarn from its axis, in the direction `angle` and at a right angle to
     it."""
@@ -82,26 +83,33 @@ def _placed(axis: Axis, angle: np.ndarray, outwards: np.ndarray, around: np.ndar
     return placed
 
 
-def _fill(points: np.ndarray, axis: Axis, kind: YarnKind, angle: np.ndarray, rng: np.random.Generator) -> None:
-    """Write the fibres of one ply of all yarns, (fibres, n, 3)."""
-    count, yarns = len(points), len(axis.closed)
-    k = np.arange(count)[:, None]
+def ply_angle(axis: Axis, kind: YarnKind) -> np.ndarray:
+    """The angle of the first ply's axis about the yarn's, (n,); the others follow evenly."""
+    return axis.turned(kind.turns[0])
+
+
+def fibre_angles(axis: Axis, kind: YarnKind) -> tuple[np.ndarray, np.ndarray]:
+    """How far fibres have gone round their ply, in a frame that turns with it, and how far they have migrated, (n,)
+    each."""
+    return axis.turned(kind.turns[1]), axis.turned(kind.migration * (abs(kind.turns[1]) or abs(kind.turns[0])))
+
+
+def fibre_numbers(axis: Axis, kind: YarnKind, rng: np.random.Generator) -> np.ndarray:
+    """For each fibre of each yarn, in the order of its plies, (plies * fibres, yarns, 4): R, so reduced that also the
+    fibre's side stays within its ply; the angles at which it begins about its ply and to migrate; and the highest share
+    of R to which it migrates. The lowest is `YarnKind.lowest`."""
+    return np.concatenate([_numbers_of_ply(len(axis.closed), kind, rng) for _ in range(kind.plies)])
+
+
+def _numbers_of_ply(yarns: int, kind: YarnKind, rng: np.random.Generator) -> np.ndarray:
+    k, shape = np.arange(kind.fibres)[:, None], (kind.fibres, yarns)
     # Spread evenly over the cross-section, as the points of a sunflower, and turned by chance in each yarn
-    distance = _distances((k + rng.random((count, yarns))) / count, kind)
-    start = _GOLDEN_ANGLE * k + 2 * np.pi * rng.random((1, yarns)) + 0.5 * rng.standard_normal((count, yarns))
-    phase = 2 * np.pi * rng.random((count, yarns))
-    highest = np.where((rng.random((count, yarns)) < kind.loops) & (distance > 0.5), kind.loop_reach / distance,
-                       kind.highest)
-    about_ply = axis.turned(kind.turns[1])
-    migrated = axis.turned(kind.migration * (abs(kind.turns[1]) or abs(kind.turns[0])))
-    slim = 1 - kind.radius / kind.ply_radius  # so that the fibre's side, too, stays within its ply
-    for fibre in range(count):
-        mean, swing = (highest[fibre] + kind.lowest) / 2, (highest[fibre] - kind.lowest) / 2
-        r = slim * distance[fibre][axis.yarn] * (
-            mean[axis.yarn] + swing[axis.yarn] * np.cos(migrated + phase[fibre][axis.yarn]))
-        phi = about_ply + start[fibre][axis.yarn]
-        points[fibre] = _placed(axis, angle, kind.ply_offset + kind.ply_radius * r * np.cos(phi),
-                                kind.ply_width * r * np.sin(phi))
+    distance = _distances((k + rng.random(shape)) / kind.fibres, kind)
+    start = _GOLDEN_ANGLE * k + 2 * np.pi * rng.random((1, yarns)) + 0.5 * rng.standard_normal(shape)
+    phase = 2 * np.pi * rng.random(shape)
+    is_loop = (rng.random(shape) < kind.loops) & (distance > 0.5)
+    highest = np.where(is_loop, kind.loop_reach / distance, kind.highest)
+    return np.stack([(1 - kind.radius / kind.ply_radius) * distance, start, phase, highest], axis=-1)
 
 
 def _distances(shares: np.ndarray, kind: YarnKind) -> np.ndarray:
