@@ -27,6 +27,27 @@ Sky scattered_sky(sampler2D map, vec3 direction) {
     return Sky(maps[0], mat3(maps[1], maps[2], maps[3]));
 }
 
+#if SKY_SHADOWS
+#if FOG
+uniform vec4 u_scene_grid; // about the meshes: finer than that about the fog
+#endif
+
+// The opacity of media and meshes before the environment as a + b . direction, of a grid that p is in
+vec4 hidden_by_all(vec3 p) {
+    vec3 uvw;
+#if VOLUMES > 0
+    uvw = in_grid(u_volume_grid, p);
+    if (is_inside(uvw)) return part_of_cubes(u_media_light, uvw, 3 * GRIDS + FOG);
+#endif
+#if FOG
+    uvw = in_grid(u_scene_grid, p);
+    if (is_inside(uvw)) return part_of_cubes(u_media_light, uvw, 4 * GRIDS);
+    uvw = in_grid(u_fog_grid, p);
+#endif
+    return part_of_cubes(u_media_light, uvw, 3 * GRIDS);
+}
+#endif
+
 // The same where media hide a + b . w of it. As no point gets more than all of the light, what a fit has too much is cut.
 vec3 seen_sky(Sky sky, vec4 hidden) {
     vec3 light = sky.mean * (1.0 - hidden.x) - sky.moments * to_environment(hidden.yzw);
@@ -125,6 +146,9 @@ vec3 source(Ray ray, float at, float from, float to, Scattering medium) {
     MediaLight around = light_around(p, medium.mean_cosine * ray.direction);
     vec3 sum = around.scattered;
 #if HAS_ENVIRONMENT
+#if SKY_SHADOWS
+    around.hidden = hidden_by_all(p);
+#endif
     sum += seen_sky(medium.sky, around.hidden);
 #endif
     sum *= medium.albedo;

@@ -9,7 +9,8 @@ uniform sampler3D u_volume_depth; // optical depth of volumes towards each light
 #endif
 
 // A grid about the fog, and one about the volumes. Each has three parts of the texture, one above the other along z:
-// scattered radiance, and opacity as a + b . direction, before the light of the environment and all around.
+// scattered radiance, and opacity as a + b . direction, before the light of the environment and all around. Above them
+// all stand those of in_scattered.glsl.
 #define GRIDS (FOG + (VOLUMES > 0 ? 1 : 0))
 uniform sampler3D u_media_light;
 uniform vec4 u_fog_grid, u_volume_grid; // lowest corner in eye-relative units, and 1 / side
@@ -22,10 +23,11 @@ bool is_inside(vec3 uvw) {
     return min(uvw.x, min(uvw.y, uvw.z)) >= 0.0 && max(uvw.x, max(uvw.y, uvw.z)) <= 1.0;
 }
 
-// A part of `count` of a texture of cubes that lie one above the other along z
-vec4 part_of_cubes(sampler3D cubes, vec3 uvw, int part, int count) {
-    float margin = 0.5 / float(textureSize(cubes, 0).x);
-    return textureLod(cubes, vec3(uvw.xy, (clamp(uvw.z, margin, 1.0 - margin) + float(part)) / float(count)), 0.0);
+// A part of a texture of cubes that lie one above the other along z
+vec4 part_of_cubes(sampler3D cubes, vec3 uvw, int part) {
+    ivec3 size = textureSize(cubes, 0);
+    float margin = 0.5 / float(size.x), count = float(size.z / size.x);
+    return textureLod(cubes, vec3(uvw.xy, (clamp(uvw.z, margin, 1.0 - margin) + float(part)) / count), 0.0);
 }
 
 // Light that arrives at a point over a lobe, beside that of lights
@@ -51,7 +53,7 @@ MediaLight light_around(vec3 p, vec3 mean) {
 #else
     vec3 uvw = in_grid(u_fog_grid, p);
 #endif
-    vec4 hidden = part_of_cubes(u_media_light, uvw, first + 1, 3 * GRIDS);
+    vec4 hidden = part_of_cubes(u_media_light, uvw, first + 1);
     float fade = 1.0;
 #if VOLUMES > 0 && !FOG // beside the volumes their light fades out to the edge of the grid
     vec3 inside = min(uvw, 1.0 - uvw);
@@ -60,11 +62,11 @@ MediaLight light_around(vec3 p, vec3 mean) {
     hidden *= fade;
     float share = fade;
     if (mean != vec3(0.0)) {
-        vec4 opacity = part_of_cubes(u_media_light, uvw, first + 2, 3 * GRIDS);
+        vec4 opacity = part_of_cubes(u_media_light, uvw, first + 2);
         float from_there = clamp(opacity.x + dot(opacity.yzw, mean), 0.0, max(1.0, 2.0 * opacity.x));
         share *= opacity.x > 1e-20 ? from_there / opacity.x : 1.0;
     }
-    return MediaLight(part_of_cubes(u_media_light, uvw, first, 3 * GRIDS).rgb * share,
+    return MediaLight(part_of_cubes(u_media_light, uvw, first).rgb * share,
                       1.0 - clamp(hidden.x + dot(hidden.yzw, mean), 0.0, 1.0), hidden);
 }
 
@@ -81,7 +83,7 @@ float volumes_depth_to_light(int i, vec3 p, vec3 l, float reach) {
         if (from >= to || from < 0.0 || from >= reach) return 0.0;
         at += from * direction;
     }
-    vec4 depths = part_of_cubes(u_volume_depth, clamp(at, 0.0, 1.0), i / 4, (LIGHT_COUNT + 3) / 4);
+    vec4 depths = part_of_cubes(u_volume_depth, clamp(at, 0.0, 1.0), i / 4);
     return max(depths[i % 4], 0.0);
 }
 #endif

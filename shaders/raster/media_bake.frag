@@ -11,6 +11,28 @@ uniform vec4 u_sky_irradiance[SKY_LIGHTS]; // w: the share of the sphere
 // For fits with these weights: inverse of the matrix of second moments of (1, direction)
 uniform mat4 u_light_fit, u_sphere_fit;
 
+#if SKY_SHADOWS
+// Shadow maps in these directions, side by side: three rows of the matrix from eye-relative position to the atlas
+uniform sampler2DShadow u_sky_atlas;
+uniform vec4 u_sky_shadows[3 * SKY_LIGHTS];
+// What meshes in the way of a direction send instead; w: its luminance as a share of the environment's light
+uniform vec4 u_sky_reflected[SKY_LIGHTS];
+
+const int TAPS = 4; // points of a cell: the corners of a tetrahedron
+
+// The share of a cell in which no mesh stands before the sky in direction k
+float seen_past_meshes(int k, vec3 p, float side) {
+    float seen = 0.0;
+    for (int tap = 0; tap < TAPS; ++tap) {
+        vec3 corner = vec3(tap & 1, tap >> 1, (tap ^ tap >> 1) & 1) - 0.5;
+        vec4 at = vec4(p + 0.5 * side * corner, 1.0);
+        seen += textureLod(u_sky_atlas, vec3(dot(u_sky_shadows[3 * k], at), dot(u_sky_shadows[3 * k + 1], at),
+                                             dot(u_sky_shadows[3 * k + 2], at)), 0.0);
+    }
+    return seen / float(TAPS);
+}
+#endif
+
 uniform int u_side; // cells along a side of the grid
 uniform vec4 u_grid; // its lowest corner in eye-relative units, and 1 / its length
 
@@ -20,6 +42,9 @@ layout(location = 1) out vec4 o_hidden;
 layout(location = 2) out vec4 o_opacity;
 layout(location = 3) out vec4 o_extinction;
 layout(location = 4) out vec4 o_flux[3]; // of the light of o_fluence, along each axis
+#if SKY_SHADOWS
+layout(location = 7) out vec4 o_hidden_by_all; // as o_hidden, by media and meshes
+#endif
 
 // The optical depth from p to the distance `reach` along d
 float media_depth(vec3 p, vec3 d, float reach) {
@@ -59,11 +84,20 @@ void main() {
     vec4 fluence = vec4(0.0);
     for (int axis = 0; axis < 3; ++axis) o_flux[axis] = vec4(0.0);
     vec4 of_light = vec4(0.0), of_sphere = vec4(0.0);
+#if SKY_SHADOWS
+    vec4 of_light_and_meshes = vec4(0.0);
+#endif
     for (int k = 0; k < SKY_LIGHTS; ++k) {
         vec3 d = u_sky_directions[k].xyz;
         float depth = media_depth(p, d, 1e18);
         float arriving = mean_transmittance(depth, depth_of_cell);
         vec4 light = u_sky_irradiance[k] * arriving;
+#if SKY_SHADOWS
+        float seen = seen_past_meshes(k, p, 1.0 / (u_grid.w * float(u_side)));
+        light.rgb = mix(u_sky_reflected[k].rgb, u_sky_irradiance[k].rgb, seen) * arriving;
+        float share = u_sky_directions[k].w;
+        of_light_and_meshes += (share - exp(-depth) * mix(u_sky_reflected[k].w, share, seen)) * vec4(1.0, d);
+#endif
         fluence += light;
         for (int axis = 0; axis < 3; ++axis) o_flux[axis] -= light * d[axis];
         vec4 hidden = one_minus_exp(depth) * vec4(1.0, d);
@@ -72,6 +106,9 @@ void main() {
     }
     o_hidden = u_light_fit * of_light;
     o_opacity = u_sphere_fit * of_sphere;
+#if SKY_SHADOWS
+    o_hidden_by_all = u_light_fit * of_light_and_meshes;
+#endif
 #if LIGHT_COUNT > 0
     float nearest = 0.5 / (u_grid.w * float(u_side)); // a cell's mean of 1 / d^2 about a light is finite
     for (int i = 0; i < LIGHT_COUNT; ++i) {

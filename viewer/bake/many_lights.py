@@ -25,6 +25,8 @@ class ManyLights:
     """Unit vectors to the lights, (N, 3) float64, without the environment's rotation."""
     irradiance: np.ndarray
     """The irradiance of a surface that faces the light, (N, 3) float64: radiance / (probability density * N)."""
+    solid_angles: np.ndarray
+    """That of the sphere which each light stands for, (N,) float64: 1 / (probability density * N)."""
 
 
 def uniform_lights(count: int, radiance: ArrayLike) -> ManyLights:
@@ -32,7 +34,8 @@ def uniform_lights(count: int, radiance: ArrayLike) -> ManyLights:
     height = 1 - (2 * np.arange(count) + 1) / count
     turn, width = 2 * np.pi * _GOLDEN * np.arange(count), np.sqrt(1 - height**2)
     directions = np.stack([width * np.cos(turn), height, width * np.sin(turn)], axis=1)
-    return ManyLights(directions, np.tile(np.asarray(radiance, np.float64) * (4 * np.pi / count), (count, 1)))
+    solid_angles = np.full(count, 4 * np.pi / count)
+    return ManyLights(directions, solid_angles[:, None] * np.asarray(radiance, np.float64), solid_angles)
 
 
 def many_lights(level: np.ndarray, count: int) -> ManyLights:
@@ -56,7 +59,7 @@ def many_lights(level: np.ndarray, count: int) -> ManyLights:
     phi = 2 * np.pi * (x / width - 0.5)
     directions = np.stack([sin_theta * np.cos(phi), cos_theta, sin_theta * np.sin(phi)], axis=1)
     pdf = density[row, column] / (2 * np.pi * rows.sum())
-    return ManyLights(directions, radiance[row, column] / (pdf * count)[:, None])
+    return ManyLights(directions, radiance[row, column] / (pdf * count)[:, None], 1 / (pdf * count))
 
 
 def _warp(weights: np.ndarray, row: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

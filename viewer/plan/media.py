@@ -30,6 +30,11 @@ class MediaPlan:
     """Whether light that has been scattered is scattered once more."""
 
     @property
+    def has_sky_shadows(self) -> bool:
+        """Whether meshes stand before the environment."""
+        return self.bake["SKY_SHADOWS"] == 1
+
+    @property
     def has_fog(self) -> bool:
         return self.march["FOG"] == 1
 
@@ -64,6 +69,7 @@ def plan_media(scene: Scene, settings: Settings, common: Mapping[str, int]) -> M
              "ENVIRONMENT_ROTATED")
     lights = {name: common[name] for name in names}
     lit = switches | lights | {"SHADOW_PATTERN": 0, "REFLECTS": 0}
+    lit["SKY_SHADOWS"] = int(common["HAS_ENVIRONMENT"] and _hides_light(scene, settings))
     has_depth = switches["VOLUMES"] and common["LIGHT_COUNT"]
     droplets = any(medium.droplet_diameter > 0 for medium, is_there in (
         (fog_medium(settings), switches["FOG"]), (volume_medium(settings), switches["VOLUMES"])) if is_there)
@@ -71,6 +77,14 @@ def plan_media(scene: Scene, settings: Settings, common: Mapping[str, int]) -> M
                      _program("raster/media_bake.frag", lit | {"SKY_LIGHTS": SKY_LIGHTS}),
                      _program("raster/volume_depth.frag", switches | lights) if has_depth else None,
                      settings.media_scattering == "multiple")
+
+
+def _hides_light(scene: Scene, settings: Settings) -> bool:
+    """Whether anything stands before the environment that no light passes."""
+    meshes = [scene.meshes[k] for k in {instance.mesh for instance in scene.instances}]
+    return bool(scene.curves) or any(
+        mesh.topology == "triangles" and not (settings.mode == "pbr" and scene.materials[mesh.material].transmits)
+        for mesh in meshes)
 
 
 def _program(fragment: str, switches: Mapping[str, int]) -> Program:

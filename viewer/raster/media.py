@@ -23,7 +23,7 @@ from ..plan.model import Plan
 from ..scene.camera import Camera
 from ..scene.fog import REACH, fog_medium, fog_of
 from ..scene.frame import Frame
-from ..scene.medium import Medium
+from ..scene.medium import VACUUM, Medium
 from ..scene.phase import mean_cosine
 from ..scene.scene import Scene
 from ..scene.volume import volume_medium
@@ -33,8 +33,9 @@ from .environment import EnvironmentLight
 from .lights import pack_lights
 from .media_light import Grid, MediaLight
 from .media_slices import MediaSlices
-from .shadows import ShadowMaps
-from .surfaces import UNIT_MEDIA, UNIT_MEDIA_LIGHT, UNIT_SHADOW, UNIT_VOLUME_DEPTH
+from .shadows import Casters, ShadowMaps
+from .sky_shadows import SkyShadows
+from .surfaces import UNIT_MEDIA, UNIT_MEDIA_LIGHT, UNIT_SHADOW, UNIT_SKY_SHADOWS, UNIT_VOLUME_DEPTH
 from .volume_textures import VolumeTextures
 
 _KEPT = 2
@@ -56,9 +57,9 @@ class MediaPass:
         self._scene: Scene | None = None
 
     def prepare(self, scene: Scene, settings: Settings, plan: Plan, environment: EnvironmentLight | None,
-                shadows: ShadowMaps | None) -> None:
+                shadows: ShadowMaps | None, casters: Casters) -> None:
         """Upload volumes and bake the light in the media, unless an earlier frame has left them. Binds uniform blocks
-        of its own."""
+        of its own. `casters` draw what stands before the environment."""
         self._take_volumes(scene)
         sky = environment.environment if environment is not None else None
         key = (fog_of(scene, settings), volume_medium(settings), plan.media.bake, plan.media.scatters_again,
@@ -84,12 +85,20 @@ class MediaPass:
             buffer.bind_to_uniform_block(binding)
         grids = [grid for grid in _grids(frame, settings) if grid is not None]
         self._drop_lights(_KEPT - 1)
-        light = MediaLight(self._gl, len(grids), len(plan.lights) if scene.volumes else 0)
         from_sky = environment.sky_lights(plan) if environment is not None else None
-        light.bake(self._programs, plan.media, grids, from_sky, uniforms)
+        around_meshes, sky_shadows, parts = [], None, 3 * len(grids)
+        if plan.media.has_sky_shadows and from_sky is not None:
+            around_meshes = [_scene_grid(frame, grids[0].medium)] * plan.media.has_fog
+            parts += len(grids) + len(around_meshes)
+            sky_shadows = SkyShadows(self._gl, scene, plan, from_sky, casters)
+            uniforms |= sky_shadows.uniforms
+            sky_shadows.texture.use(UNIT_SKY_SHADOWS)
+        light = MediaLight(self._gl, parts, len(plan.lights) if scene.volumes else 0)
+        light.bake(self._programs, plan.media, grids, around_meshes, from_sky, uniforms)
         self._lights.insert(0, (key, light))
-        for buffer in buffers:
-            buffer.release()
+        for thing in (*buffers, sky_shadows):
+            if thing is not None:
+                thing.release()
 
     def _drop_lights(self, count: int) -> None:
         """All but the `count` that were used last."""
@@ -154,6 +163,7 @@ class MediaPass:
         for name, grid in zip(("u_fog_grid", "u_volume_grid"), _grids(frame, settings), strict=True):
             if grid is not None:
                 values[name] = grid.uniform
+        values["u_scene_grid"] = _scene_grid(frame, VACUUM).uniform
         fog = fog_of(frame.scene, settings)
         if fog is not None:
             values |= {
@@ -212,6 +222,11 @@ def _grids(frame: Frame, settings: Settings) -> tuple[Grid | None, Grid | None]:
         medium = _travelled(volume_medium(settings), settings)
         volumes = Grid(_corner(frame.position((low + high) / 2), half), 2 * half, medium)
     return around_fog, volumes
+
+
+def _scene_grid(frame: Frame, medium: Medium) -> Grid:
+    """The cube about the scene's ball."""
+    return Grid(_corner(frame.position(frame.scene.center), 1.0), 2.0, medium)
 
 
 def _corner(center: np.ndarray, half: float) -> tuple[float, float, float]:

@@ -43,16 +43,17 @@ class Grid:
 
 class MediaLight:
     """`texture` has three parts along z for each grid: scattered radiance, and the opacity of the media as
-    a + b . direction, before the light of the environment and all around. `depths` has a part for every four lights,
-    and is None without volumes or lights."""
+    a + b . direction, before the light of the environment and all around. Where meshes stand before the environment,
+    one more part follows for each grid, and for that about the meshes: the opacity of both before its light. `depths`
+    has a part for every four lights, and is None without volumes or lights."""
 
-    def __init__(self, gl: moderngl.Context, grids: int, lights: int) -> None:
+    def __init__(self, gl: moderngl.Context, parts: int, lights: int) -> None:
         self._gl = gl
-        self.texture = _cubes(gl, SIDE, 3 * grids)
+        self.texture = _cubes(gl, SIDE, parts)
         self.depths = _cubes(gl, DEPTH_SIDE, -(-lights // 4)) if lights else None
 
-    def bake(self, programs: Programs, plan: MediaPlan, grids: Sequence[Grid], sky: ManyLights | None,
-             uniforms: dict[str, object]) -> None:
+    def bake(self, programs: Programs, plan: MediaPlan, grids: Sequence[Grid], around_meshes: Sequence[Grid],
+             sky: ManyLights | None, uniforms: dict[str, object]) -> None:
         """Fill the grids. `sky` is the environment's light in SKY_LIGHTS directions, None without one."""
         uniforms = uniforms | _sky_uniforms(sky)
         if self.depths is not None:
@@ -60,19 +61,22 @@ class MediaLight:
             parts = [self._draw(programs, plan.depth, 1, DEPTH_SIDE, uniforms | {"u_first": 4 * k}, grids[-1])[0]
                      for k in range(steps)]
             self.depths.write(np.stack(parts))
-        layers = []
+        outputs, layers, hidden_by_all = 7 + plan.has_sky_shadows, [], []
         for grid in grids:
-            unscattered, hidden, opacity, extinction, *flux = self._draw(programs, plan.bake, 7, SIDE, uniforms, grid)
+            unscattered, hidden, opacity, extinction, *flux = self._draw(
+                programs, plan.bake, outputs, SIDE, uniforms, grid)
+            hidden_by_all += flux[3:]
             scattered = np.zeros((SIDE, SIDE, SIDE, 4), np.float32)
             if plan.scatters_again:
                 light = scattered_light(
-                    extinction[..., 0], _finite(unscattered), _finite(np.stack(flux)), opacity[..., 0],
+                    extinction[..., 0], _finite(unscattered), _finite(np.stack(flux[:3])), opacity[..., 0],
                     grid.length / SIDE, grid.medium.albedo, mean_cosine(grid.medium))
                 scattered[..., :3] = light.fluence / (4 * np.pi)
                 opacity = opacity.copy()
                 opacity[..., 1:] += opacity[..., :1] * light.origin
             layers += [scattered, hidden, opacity]
-        self.texture.write(np.stack(layers))
+        hidden_by_all += [self._draw(programs, plan.bake, outputs, SIDE, uniforms, grid)[7] for grid in around_meshes]
+        self.texture.write(np.stack([*layers, *hidden_by_all]))
 
     def _draw(self, programs: Programs, planned: Program, outputs: int, side: int, uniforms: dict[str, object],
               grid: Grid) -> list[np.ndarray]:

@@ -281,7 +281,8 @@ class Renderer:
                 self._prepare_shadows(scene, self.plan)
         if self.plan.media is not None:
             with self._timed("media"):
-                self._media.prepare(scene, settings, self.plan, self._environment, self._shadows_of(self.plan))
+                self._media.prepare(scene, settings, self.plan, self._environment, self._shadows_of(self.plan),
+                                    self._casters)
         if self.plan.environment_shadows and self.plan.has_visibility:
             with self._timed("environment shadows"):
                 self._visibility.prepare(scene, self.plan, self._environment, self._casters)

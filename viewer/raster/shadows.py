@@ -77,6 +77,15 @@ class Atlas:
         """Of tile k, in texels."""
         return k % self._columns * self.tile_size, k // self._columns * self.tile_size
 
+    def to_texture(self, k: int) -> np.ndarray:
+        """The matrix (4, 4) from clip space of tile k to texture coordinates and depth."""
+        matrix = np.diag([0.5, 0.5, 0.5, 1.0])
+        matrix[:3, 3] = 0.5
+        width, height = self.texture.size
+        scale = np.diag([self.tile_size / width, self.tile_size / height, 1.0, 1.0])
+        scale[:2, 3] = np.divide(self.corner(k), (width, height))
+        return scale @ matrix
+
     def release(self) -> None:
         self._framebuffer.release()
         self.texture.release()

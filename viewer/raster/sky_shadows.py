@@ -1,0 +1,61 @@
+"""What stands before the environment, for the light in media: a shadow map in each of the directions of its light."""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+
+from ..bake.many_lights import ManyLights
+from ..plan.media import SKY_LIGHTS
+from ..plan.model import Plan
+from ..scene.color import LUMINANCE
+from ..scene.light import Light
+from ..scene.scene import Scene
+from .shadows import Atlas, Casters, light_tiles
+from .surfaces import UNIT_SKY_SHADOWS
+
+_TILE = 256
+_TEXTURE = 0.5
+"""The mean of a texture of colours, which is not read for this."""
+
+
+class SkyShadows:
+    """The maps of `sky`, whose directions are in world axes. `texture` is bound to the unit of `uniforms`, those of
+    shaders/raster/media_bake.frag about the centre of the scene."""
+
+    def __init__(self, gl: moderngl.Context, scene: Scene, plan: Plan, sky: ManyLights, casters: Casters) -> None:
+        self._atlas = Atlas(gl, SKY_LIGHTS, _TILE)
+        tiles = [light_tiles(Light("directional", direction=tuple(-direction)), scene, self._atlas.tile_size)[0]
+                 for direction in sky.directions]
+        self._atlas.draw(scene, tiles, [draw for draw in plan.draws if not draw.transmits], casters)
+        rows = np.stack([(self._atlas.to_texture(k) @ tile.matrix)[:3] for k, tile in enumerate(tiles)])
+        self.texture = self._atlas.texture
+        self.uniforms: dict[str, object] = {
+            "u_sky_atlas": UNIT_SKY_SHADOWS, "u_sky_shadows": np.float32(rows).tobytes(),
+            "u_sky_reflected": np.float32(reflected(sky, mean_reflectance(scene))).tobytes()}
+
+    def release(self) -> None:
+        self._atlas.release()
+
+
+def mean_reflectance(scene: Scene) -> np.ndarray:
+    """(3,) of the instances of triangles, weighted by the surfaces of their boxes, whatever they are made of."""
+    size = np.ptp(scene.corners, axis=1)
+    weights = (size * np.roll(size, 1, axis=1)).sum(axis=1) + 1e-12 * scene.radius**2
+    materials = [scene.materials[scene.meshes[instance.mesh].material] for instance in scene.instances]
+    colors = [np.array(m.base_color[:3]) * (1.0 if m.base_color_texture is None else _TEXTURE) for m in materials]
+    return np.average(np.reshape(colors, (-1, 3)), axis=0, weights=weights) if materials else np.zeros(3)
+
+
+def reflected(sky: ManyLights, reflectance: np.ndarray) -> np.ndarray:
+    """The irradiance (N, 3) that takes the place of each light's where a mesh stands before it, and its luminance as a
+    share of that of all lights, (N, 1).
+
+    The mesh is taken to face the point, and to get the mean radiance of the half of the sky before it, by the cosine:
+    in a white furnace, a white mesh changes nothing. The media about it are taken to be those before the sky.
+    """
+    facing = np.maximum(-sky.directions @ sky.directions.T, 0)
+    light = np.clip(sky.irradiance, 0, 1e30)
+    radiance = reflectance * (facing @ light) / np.maximum(facing @ sky.solid_angles, 1e-30)[:, None]
+    instead = radiance * sky.solid_angles[:, None]
+    return np.concatenate([instead, instead @ LUMINANCE[:, None] / max((light @ LUMINANCE).sum(), 1e-300)], axis=1)
