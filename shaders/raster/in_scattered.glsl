@@ -32,19 +32,27 @@ Sky scattered_sky(sampler2D map, vec3 direction) {
 uniform vec4 u_scene_grid; // about the meshes: finer than that about the fog
 #endif
 
-// The opacity of media and meshes before the environment as a + b . direction, of a grid that p is in
-vec4 hidden_by_all(vec3 p) {
+// What meshes change of the light around a point. xyzw: the opacity of media and meshes before the environment, as
+// a + b . direction; and what is left of the light that media scatter, where they are in the way of it
+vec4 hidden_by_all(vec3 p, out float left) {
     vec3 uvw;
+    int grid = 0;
 #if VOLUMES > 0
     uvw = in_grid(u_volume_grid, p);
-    if (is_inside(uvw)) return part_of_cubes(u_media_light, uvw, 3 * GRIDS + FOG);
+    if (is_inside(uvw)) grid = FOG;
+#if FOG
+    else
+#endif
 #endif
 #if FOG
-    uvw = in_grid(u_scene_grid, p);
-    if (is_inside(uvw)) return part_of_cubes(u_media_light, uvw, 4 * GRIDS);
-    uvw = in_grid(u_fog_grid, p);
+    {
+        uvw = in_grid(u_scene_grid, p);
+        if (is_inside(uvw)) grid = GRIDS;
+        else uvw = in_grid(u_fog_grid, p);
+    }
 #endif
-    return part_of_cubes(u_media_light, uvw, 3 * GRIDS);
+    left = part_of_cubes(u_media_light, uvw, 3 * GRIDS + 2 * grid + 1).g;
+    return part_of_cubes(u_media_light, uvw, 3 * GRIDS + 2 * grid);
 }
 #endif
 
@@ -144,11 +152,13 @@ float near_light(Ray ray, vec3 position, float from, float to, float at) {
 vec3 source(Ray ray, float at, float from, float to, Scattering medium) {
     vec3 p = ray.origin + at * ray.direction;
     MediaLight around = light_around(p, medium.mean_cosine * ray.direction);
+#if SKY_SHADOWS
+    float left;
+    around.hidden = hidden_by_all(p, left);
+    around.scattered *= left;
+#endif
     vec3 sum = around.scattered;
 #if HAS_ENVIRONMENT
-#if SKY_SHADOWS
-    around.hidden = hidden_by_all(p);
-#endif
     sum += seen_sky(medium.sky, around.hidden);
 #endif
     sum *= medium.albedo;

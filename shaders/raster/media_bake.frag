@@ -12,24 +12,33 @@ uniform vec4 u_sky_irradiance[SKY_LIGHTS]; // w: the share of the sphere
 uniform mat4 u_light_fit, u_sphere_fit;
 
 #if SKY_SHADOWS
-// Shadow maps in these directions, side by side: three rows of the matrix from eye-relative position to the atlas
-uniform sampler2DShadow u_sky_atlas;
+// Depth maps in these directions, each a tile of an atlas: three rows of the matrix from eye-relative position to [0, 1]
+// over the tile. What is beside a tile is beside all meshes.
+uniform sampler2D u_sky_atlas;
 uniform vec4 u_sky_shadows[3 * SKY_LIGHTS];
+uniform ivec2 u_sky_tiles; // columns, rows
 // What meshes in the way of a direction send instead; w: its luminance as a share of the environment's light
 uniform vec4 u_sky_reflected[SKY_LIGHTS];
 
 const int TAPS = 4; // points of a cell: the corners of a tetrahedron
 
-// The share of a cell in which no mesh stands before the sky in direction k
-float seen_past_meshes(int k, vec3 p, float side) {
-    float seen = 0.0;
+// x: the share of a cell in which no mesh stands before the sky in direction k; y: the mean distance of those that do,
+// up to their far side
+vec2 seen_past_meshes(int k, vec3 p, float side) {
+    float hidden = 0.0, distance = 0.0;
+    vec4 u = u_sky_shadows[3 * k], v = u_sky_shadows[3 * k + 1], depth = u_sky_shadows[3 * k + 2];
     for (int tap = 0; tap < TAPS; ++tap) {
         vec3 corner = vec3(tap & 1, tap >> 1, (tap ^ tap >> 1) & 1) - 0.5;
         vec4 at = vec4(p + 0.5 * side * corner, 1.0);
-        seen += textureLod(u_sky_atlas, vec3(dot(u_sky_shadows[3 * k], at), dot(u_sky_shadows[3 * k + 1], at),
-                                             dot(u_sky_shadows[3 * k + 2], at)), 0.0);
+        vec2 uv = vec2(dot(u, at), dot(v, at));
+        if (uv != clamp(uv, 0.0, 1.0)) continue;
+        vec2 place = (vec2(k % u_sky_tiles.x, k / u_sky_tiles.x) + uv) / vec2(u_sky_tiles);
+        float behind = dot(depth, at) - textureLod(u_sky_atlas, place, 0.0).r;
+        if (behind <= 0.0) continue;
+        hidden += 1.0;
+        distance += behind / length(depth.xyz);
     }
-    return seen / float(TAPS);
+    return vec2(1.0 - hidden / float(TAPS), distance / max(hidden, 1.0));
 }
 #endif
 
@@ -40,7 +49,7 @@ layout(location = 0) out vec4 o_fluence; // rgb; a: of light that has the fluenc
 // The opacity of the media as a + b . direction, by least squares: before the light of the environment, and all around
 layout(location = 1) out vec4 o_hidden;
 layout(location = 2) out vec4 o_opacity;
-layout(location = 3) out vec4 o_extinction;
+layout(location = 3) out vec4 o_extinction; // r; g: with meshes, what they leave of the opacity of o_opacity
 layout(location = 4) out vec4 o_flux[3]; // of the light of o_fluence, along each axis
 #if SKY_SHADOWS
 layout(location = 7) out vec4 o_hidden_by_all; // as o_hidden, by media and meshes
@@ -86,22 +95,27 @@ void main() {
     vec4 of_light = vec4(0.0), of_sphere = vec4(0.0);
 #if SKY_SHADOWS
     vec4 of_light_and_meshes = vec4(0.0);
+    float before_meshes = 0.0;
 #endif
     for (int k = 0; k < SKY_LIGHTS; ++k) {
         vec3 d = u_sky_directions[k].xyz;
         float depth = media_depth(p, d, 1e18);
         float arriving = mean_transmittance(depth, depth_of_cell);
         vec4 light = u_sky_irradiance[k] * arriving;
+        vec4 hidden = one_minus_exp(depth) * vec4(1.0, d);
+        of_light += u_sky_directions[k].w * hidden;
 #if SKY_SHADOWS
-        float seen = seen_past_meshes(k, p, 1.0 / (u_grid.w * float(u_side)));
-        light.rgb = mix(u_sky_reflected[k].rgb, u_sky_irradiance[k].rgb, seen) * arriving;
-        float share = u_sky_directions[k].w;
-        of_light_and_meshes += (share - exp(-depth) * mix(u_sky_reflected[k].w, share, seen)) * vec4(1.0, d);
+        // A white mesh sends as much as it gets, so that a white furnace stays white.
+        vec2 seen = seen_past_meshes(k, p, 1.0 / (u_grid.w * float(u_side)));
+        float to_mesh = media_depth(p, d, seen.y), share = u_sky_directions[k].w;
+        light = mix(vec4(u_sky_reflected[k].rgb, u_sky_irradiance[k].w) * mean_transmittance(to_mesh, depth_of_cell),
+                    light, seen.x);
+        of_light_and_meshes += (share - mix(u_sky_reflected[k].w * exp(-to_mesh), share * exp(-depth), seen.x))
+                             * vec4(1.0, d);
+        before_meshes += u_sky_irradiance[k].w * mix(one_minus_exp(to_mesh), hidden.x, seen.x);
 #endif
         fluence += light;
         for (int axis = 0; axis < 3; ++axis) o_flux[axis] -= light * d[axis];
-        vec4 hidden = one_minus_exp(depth) * vec4(1.0, d);
-        of_light += u_sky_directions[k].w * hidden;
         of_sphere += u_sky_irradiance[k].w * hidden;
     }
     o_hidden = u_light_fit * of_light;
@@ -126,4 +140,7 @@ void main() {
 #endif
     o_fluence = fluence;
     o_extinction = vec4(extinction);
+#if SKY_SHADOWS
+    o_extinction.g = (before_meshes + 1e-30) / (of_sphere.x + 1e-30);
+#endif
 }

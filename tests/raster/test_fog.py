@@ -161,3 +161,26 @@ def test_more_scattering_adds_light(radiance):
     once, often = (radiance(model, perspective(3.0), SIZE, fog=1.0, media_scattering=choice)[..., :3].mean()
                    for choice in ("single", "multiple"))
     assert often > 1.3 * once
+
+
+def test_meshes_hide_the_sky_from_fog(radiance):
+    """Thin fog between two wide black lids sees the sky at the sides only: what it scatters once is the integral of that
+    over the ray, the share of the sphere between the lids being a quadrature."""
+    lid = np.eye(4)[[0, 2, 1, 3]]
+    model = scene(*((plate(half=2.0), moved((0, y, 0)) @ lid) for y in (-0.5, 0.5)),
+                  materials=[replace(BLACK, double_sided=True)], environment=constant())
+    camera = orthographic(0.0, 0.0, height=0.1)
+    found = radiance(model, camera, (4, 4), fog=1e-3, media_scattering="single", background="none", **FINE)
+    fog = fog_of(model, Settings.of(fog=1e-3))
+    z = np.linspace(-fog.radius, fog.radius, 400)
+    rng = np.random.default_rng(1)
+    d = rng.normal(size=(4000, 3))
+    d /= np.linalg.norm(d, axis=1, keepdims=True)
+    seen = np.ones((len(z), len(d)), bool)
+    for y in (-0.5, 0.5):
+        t = y / d[:, 1]
+        hits = (t > 0) & (np.abs(t * d[:, 0]) < 2) & (np.abs(z[:, None] + t * d[:, 2]) < 2)
+        seen &= ~hits
+    expected = 1e-3 * np.trapezoid(seen.mean(axis=1), z)
+    assert expected < 0.9 * 1e-3 * 2 * fog.radius
+    assert found[..., :3].mean() == pytest.approx(expected, rel=0.03)

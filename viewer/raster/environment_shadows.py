@@ -58,7 +58,7 @@ class EnvironmentShadows:
             tiles = [light_tiles(Light("directional", direction=tuple(-direction)), scene, atlas.tile_size)[0]
                      for direction in lights.directions[part]]
             atlas.draw(scene, tiles, draws, self._casters)
-            matrices = np.stack([atlas.to_texture(k) @ tile.matrix for k, tile in enumerate(tiles)])
+            matrices = np.stack([_to_atlas(atlas, k) @ tile.matrix for k, tile in enumerate(tiles)])
             rows = np.zeros((len(tiles), 5, 4))
             rows[:, 3, :3], rows[:, 3, 3] = lights.directions[part], [tile.texel for tile in tiles]
             rows[:, 4, :3] = lights.irradiance[part] / max(lights.irradiance.max(), 1e-300)
@@ -93,3 +93,13 @@ class EnvironmentShadows:
     def release(self) -> None:
         for atlas in self._atlases:
             atlas.release()
+
+
+def _to_atlas(atlas: Atlas, k: int) -> np.ndarray:
+    """Clip space of tile k to texture coordinates and depth in the atlas."""
+    matrix = np.diag([0.5, 0.5, 0.5, 1.0])
+    matrix[:3, 3] = 0.5
+    width, height = atlas.texture.size
+    scale = np.diag([atlas.tile_size / width, atlas.tile_size / height, 1.0, 1.0])
+    scale[:2, 3] = np.divide(atlas.corner(k), (width, height))
+    return scale @ matrix

@@ -89,7 +89,7 @@ class MediaPass:
         around_meshes, sky_shadows, parts = [], None, 3 * len(grids)
         if plan.media.has_sky_shadows and from_sky is not None:
             around_meshes = [_scene_grid(frame, grids[0].medium)] * plan.media.has_fog
-            parts += len(grids) + len(around_meshes)
+            parts += 2 * (len(grids) + len(around_meshes))
             sky_shadows = SkyShadows(self._gl, scene, plan, from_sky, casters)
             uniforms |= sky_shadows.uniforms
             sky_shadows.texture.use(UNIT_SKY_SHADOWS)

@@ -44,8 +44,9 @@ class Grid:
 class MediaLight:
     """`texture` has three parts along z for each grid: scattered radiance, and the opacity of the media as
     a + b . direction, before the light of the environment and all around. Where meshes stand before the environment,
-    one more part follows for each grid, and for that about the meshes: the opacity of both before its light. `depths`
-    has a part for every four lights, and is None without volumes or lights."""
+    two more parts follow for each grid, and for that about the meshes: the opacity of both before its light, and in g
+    what meshes leave of the scattered radiance. `depths` has a part for every four lights, and is None without volumes
+    or lights."""
 
     def __init__(self, gl: moderngl.Context, parts: int, lights: int) -> None:
         self._gl = gl
@@ -61,11 +62,12 @@ class MediaLight:
             parts = [self._draw(programs, plan.depth, 1, DEPTH_SIDE, uniforms | {"u_first": 4 * k}, grids[-1])[0]
                      for k in range(steps)]
             self.depths.write(np.stack(parts))
-        outputs, layers, hidden_by_all = 7 + plan.has_sky_shadows, [], []
+        outputs, layers, past_meshes = 7 + plan.has_sky_shadows, [], []
         for grid in grids:
             unscattered, hidden, opacity, extinction, *flux = self._draw(
                 programs, plan.bake, outputs, SIDE, uniforms, grid)
-            hidden_by_all += flux[3:]
+            if plan.has_sky_shadows:
+                past_meshes += [flux[3], extinction]
             scattered = np.zeros((SIDE, SIDE, SIDE, 4), np.float32)
             if plan.scatters_again:
                 light = scattered_light(
@@ -75,8 +77,10 @@ class MediaLight:
                 opacity = opacity.copy()
                 opacity[..., 1:] += opacity[..., :1] * light.origin
             layers += [scattered, hidden, opacity]
-        hidden_by_all += [self._draw(programs, plan.bake, outputs, SIDE, uniforms, grid)[7] for grid in around_meshes]
-        self.texture.write(np.stack([*layers, *hidden_by_all]))
+        for grid in around_meshes:
+            drawn = self._draw(programs, plan.bake, outputs, SIDE, uniforms, grid)
+            past_meshes += [drawn[7], drawn[3]]
+        self.texture.write(np.stack([*layers, *past_meshes]))
 
     def _draw(self, programs: Programs, planned: Program, outputs: int, side: int, uniforms: dict[str, object],
               grid: Grid) -> list[np.ndarray]:

@@ -50,6 +50,7 @@ class Atlas:
         self._columns = math.ceil(math.sqrt(count))
         self.tile_size = min(max_tile, ATLAS_SIDE // self._columns)
         rows = math.ceil(count / self._columns)
+        self.tiles = self._columns, rows
         self.texture = gl.depth_texture((self._columns * self.tile_size, rows * self.tile_size))
         self.texture.compare_func = "<="
         self.texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
@@ -76,15 +77,6 @@ class Atlas:
     def corner(self, k: int) -> tuple[int, int]:
         """Of tile k, in texels."""
         return k % self._columns * self.tile_size, k // self._columns * self.tile_size
-
-    def to_texture(self, k: int) -> np.ndarray:
-        """The matrix (4, 4) from clip space of tile k to texture coordinates and depth."""
-        matrix = np.diag([0.5, 0.5, 0.5, 1.0])
-        matrix[:3, 3] = 0.5
-        width, height = self.texture.size
-        scale = np.diag([self.tile_size / width, self.tile_size / height, 1.0, 1.0])
-        scale[:2, 3] = np.divide(self.corner(k), (width, height))
-        return scale @ matrix
 
     def release(self) -> None:
         self._framebuffer.release()

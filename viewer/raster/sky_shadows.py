@@ -10,6 +10,7 @@ from ..plan.media import SKY_LIGHTS
 from ..plan.model import Plan
 from ..scene.color import LUMINANCE
 from ..scene.light import Light
+from ..scene.material import Material
 from ..scene.scene import Scene
 from .shadows import Atlas, Casters, light_tiles
 from .surfaces import UNIT_SKY_SHADOWS
@@ -28,10 +29,13 @@ class SkyShadows:
         tiles = [light_tiles(Light("directional", direction=tuple(-direction)), scene, self._atlas.tile_size)[0]
                  for direction in sky.directions]
         self._atlas.draw(scene, tiles, [draw for draw in plan.draws if not draw.transmits], casters)
-        rows = np.stack([(self._atlas.to_texture(k) @ tile.matrix)[:3] for k, tile in enumerate(tiles)])
+        rows = np.stack([(tile.matrix[:3] + np.eye(4)[3]) / 2 for tile in tiles])
         self.texture = self._atlas.texture
+        self.texture.compare_func = ""
+        self.texture.filter = moderngl.NEAREST, moderngl.NEAREST
         self.uniforms: dict[str, object] = {
             "u_sky_atlas": UNIT_SKY_SHADOWS, "u_sky_shadows": np.float32(rows).tobytes(),
+            "u_sky_tiles": self._atlas.tiles,
             "u_sky_reflected": np.float32(reflected(sky, mean_reflectance(scene))).tobytes()}
 
     def release(self) -> None:
@@ -39,12 +43,20 @@ class SkyShadows:
 
 
 def mean_reflectance(scene: Scene) -> np.ndarray:
-    """(3,) of the instances of triangles, weighted by the surfaces of their boxes, whatever they are made of."""
+    """(3,) of the instances of triangles, weighted by the surfaces of their boxes and by how much light they hide."""
     size = np.ptp(scene.corners, axis=1)
-    weights = (size * np.roll(size, 1, axis=1)).sum(axis=1) + 1e-12 * scene.radius**2
     materials = [scene.materials[scene.meshes[instance.mesh].material] for instance in scene.instances]
+    weights = (size * np.roll(size, 1, axis=1)).sum(axis=1) * [_hidden_share(material) for material in materials]
     colors = [np.array(m.base_color[:3]) * (1.0 if m.base_color_texture is None else _TEXTURE) for m in materials]
-    return np.average(np.reshape(colors, (-1, 3)), axis=0, weights=weights) if materials else np.zeros(3)
+    return np.reshape(colors, (-1, 3)).T @ weights / max(weights.sum(), 1e-300)
+
+
+def _hidden_share(material: Material) -> float:
+    """Of the light that meets a surface, by its alpha but for textures."""
+    if material.alpha_mode == "blend":
+        return material.base_color[3]
+    is_cut = material.alpha_mode == "mask" and material.base_color[3] < material.alpha_cutoff
+    return float(not (material.transmits or is_cut))
 
 
 def reflected(sky: ManyLights, reflectance: np.ndarray) -> np.ndarray:
