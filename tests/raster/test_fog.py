@@ -164,8 +164,8 @@ def test_more_scattering_adds_light(radiance):
 
 
 def test_meshes_hide_the_sky_from_fog(radiance):
-    """Thin fog between two wide black lids sees the sky at the sides only: what it scatters once is the integral of that
-    over the ray, the share of the sphere between the lids being a quadrature."""
+    """Thin fog between two wide black lids sees the sky at the sides only. What it scatters once is an integral over the
+    ray of the share of the sphere between the lids, by quadrature."""
     lid = np.eye(4)[[0, 2, 1, 3]]
     model = scene(*((plate(half=2.0), moved((0, y, 0)) @ lid) for y in (-0.5, 0.5)),
                   materials=[replace(BLACK, double_sided=True)], environment=constant())
