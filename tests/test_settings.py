@@ -166,7 +166,7 @@ def test_a_wrong_assignment_says_what_there_is(assignment, words):
     ({"spp": 1.5}, "a whole number"),
     ({"error": -1}, "error=-1: it must be a number from 1e-05 to 1"),
     ({"seed": None}, "seed=None: it must be a whole number from 0 to 4294967295"),
-    ({"denoise": "on"}, "denoise must be one of off, fast, oidn"),
+    ({"denoise": "on"}, "denoise must be one of off, fast, raster, oidn"),
     ({"tonemap": None}, "tonemap must be one of neutral, agx, aces, none"),
     ({"exposure": "bright"}, "exposure='bright': it must be a number from -64 to 64"),
     ({"exposure": float("nan")}, "a number from -64 to 64"),

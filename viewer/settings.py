@@ -12,7 +12,7 @@ from .errors import UsageError
 from .ranges import Range, Several, WeaveName
 
 Mode = Literal["pbr", "phong", "path"]
-Denoise = Literal["off", "fast", "oidn"]
+Denoise = Literal["off", "fast", "raster", "oidn"]
 Lobes = Literal["all", "uniform-diffuse", "specular", "directional-diffuse"]
 Tonemap = Literal["neutral", "agx", "aces", "none"]
 Background = Literal["env", "none"] | tuple[float, float, float]
@@ -245,8 +245,10 @@ class Settings:
     def check_open(self) -> tuple[Settings | None, Settings | None]:
         """These settings in mode pbr and in mode path, for choosing between them; None for a mode that ignores some.
 
-        Raises UsageError if both modes ignore some of them.
+        Raises UsageError if both modes ignore some of them, or for what only a picture of mode path has.
         """
+        if self.denoise == "raster":
+            raise UsageError("denoise raster is for mode path: give that mode")
         modes = replace(self, mode="pbr", time_budget=None, error=None), replace(self, mode="path")
         usable = [settings if settings.is_used else None for settings in modes]
         if usable == [None, None]:

@@ -6,21 +6,15 @@ from itertools import permutations
 
 import numpy as np
 import pytest
+from right_pictures import RASTERS, SIZE, truth
 
-from viewer.estimate.neighbourhood import EPSILON, box, guided, pulled, smooth
+from viewer.estimate.neighbourhood import EPSILON, box, guided, noise_of, pulled, smooth
 from viewer.estimate.raster_error import TRIMMED, RasterError, raster_error, squared_error
 from viewer.measure.compare.relmse import relmse
 
-SIZE, GROUPS = 48, 8
+GROUPS = 8
 MASK = np.ones((SIZE, SIZE), bool)
 MASK[:6] = False
-
-
-def truth() -> np.ndarray:
-    """Light and dark sides with an edge, and a texture."""
-    y, x = np.mgrid[:SIZE, :SIZE] / SIZE
-    shade = np.where(x + y < 1, 0.1, 0.8) * (1 + 0.3 * np.sin(40 * x) * np.cos(31 * y))
-    return (shade[..., None] * [1.0, 0.8, 0.5]).astype(np.float32)
 
 
 def paths(right: np.ndarray, samples: int, seed: int) -> np.ndarray:
@@ -32,14 +26,6 @@ def paths(right: np.ndarray, samples: int, seed: int) -> np.ndarray:
 
 def told(raster: np.ndarray, samples: int, seed: int = 0) -> RasterError:
     return raster_error(raster, paths(truth(), samples, seed), MASK, GROUPS * samples, 1.0)
-
-
-RASTERS = {
-    "too bright": truth() * 1.3,
-    "too dark in the shade": truth() * np.where(truth() < 0.2, 0.5, 1).astype(np.float32),
-    "without texture": smooth(smooth(truth(), 2), 4),
-    "one bright spot": truth() + np.float32(0.7) * (np.hypot(*(np.mgrid[:SIZE, :SIZE] - 24)) < 2)[..., None],
-}
 
 
 def test_products_of_different_ones_have_no_noise_on_average():
@@ -114,9 +100,8 @@ def test_neighbourhoods_keep_what_is_even_and_do_not_cross_edges():
 
 def test_the_mixture_leaves_a_right_picture_and_follows_paths_without_noise():
     raster = RASTERS["too bright"]
-    exact = np.stack([truth()] * 4)
-    np.testing.assert_allclose(pulled(raster, exact), truth(), rtol=1e-6)
+    np.testing.assert_allclose(pulled(raster, truth(), np.zeros_like(raster), truth()), truth(), rtol=1e-6)
     noisy = paths(truth(), 4, 3)
     for base in (truth(), raster, RASTERS["without texture"]):
-        mixed = relmse(pulled(base, noisy), truth())
+        mixed = relmse(pulled(base, noisy.mean(axis=0), noise_of(noisy), noisy.mean(axis=0)), truth())
         assert mixed < 1.05 * min(relmse(base, truth()), relmse(noisy.mean(axis=0), truth())) + 0.01

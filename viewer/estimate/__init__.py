@@ -1,1 +1,1 @@
-"""What both renderers say together: how wrong a picture of the raster is, measured by paths."""
+"""What both renderers say together: how wrong a picture of the raster is, and the best mixture of both."""

@@ -1,7 +1,6 @@
 """Estimates of radiance from noisy pictures and a picture without noise, each in its neighbourhood.
 
-Pictures are linear radiance, (H, W, 3) float32. `groups` (G, H, W, 3) are independent noisy pictures of one
-expectation.
+Pictures are linear radiance, (H, W, 3) float32.
 """
 
 from __future__ import annotations
@@ -19,27 +18,49 @@ _SHARPNESS = 4.0
 """A neighbour whose radiance differs from that of a pixel by one part in _SHARPNESS counts 1/e."""
 _DARK = 0.05
 """Below this radiance, pixels are alike."""
+_ALIKE = 12
+"""About how many pixels an average of `guided` is of."""
+_CAUTION = 0.6
+"""The noise is known roughly in each neighbourhood. Less of it errs to the side of the paths, which have no bias."""
+_CENTRE = (6 / 16) ** 2
+"""The weight of the pixel itself in `smooth`."""
+_SPIKE, _FAINT = 4.0, 0.02
+"""A pixel so many times as bright as those around it, and as this radiance, is single."""
 
 
-def pulled(base: np.ndarray, groups: np.ndarray) -> np.ndarray:
-    """The weighted mean of `base` and the mean of the groups that has the least error, in each neighbourhood.
+def mixture(raster: np.ndarray, mean: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """The best picture that `raster` and the noisy `mean` of paths give together; without noise it is the latter.
 
-    base + a (mean - base), where a = 1 - noise / energy is the Wiener filter: energy is the mean over a neighbourhood
-    of (mean - base)^2, which is the squared error of the base plus the noise of the mean. The noise follows from how
-    far the groups are apart. Without noise it is the mean of the groups.
+    `noise` is the variance of the mean. First the raster is corrected by what paths, averaged over alike pixels, differ
+    from it; then that is mixed with the raster, and what comes of it with the paths, by the least error (`pulled`).
+    Single bright pixels are left out of the average, which would spread them.
     """
-    mean = groups.mean(axis=0)
-    noise = noise_of(groups)
-    scale = 1 / (smooth(smooth(luminance(mean), 1), 2) ** 2 + EPSILON)
-    energy = box((scale * (mean - base) ** 2).mean(axis=-1, keepdims=True))
+    noise = _CAUTION * noise
+    around = (smooth(mean, 1) - _CENTRE * mean) / (1 - _CENTRE)
+    calm = np.minimum(mean, _SPIKE * np.maximum(around, _FAINT))
+    corrected = raster + guided(calm - raster, raster)
+    base = pulled(raster, corrected, guided(noise, raster) / _ALIKE, mean)
+    return pulled(base, mean, noise, mean)
+
+
+def pulled(base: np.ndarray, other: np.ndarray, noise: np.ndarray, level: np.ndarray) -> np.ndarray:
+    """The weighted mean of `base` and `other`, of which `noise` is the variance, that has the least relative error in
+    each neighbourhood; `level` says how bright it is there.
+
+    base + a (other - base), where a = 1 - noise / energy is the Wiener filter: energy is the mean over a neighbourhood
+    of (other - base)^2, which is the squared error of the base plus the noise of the other. Dark pixels count by their
+    relative error, so that a bright one beside them does not decide for them.
+    """
+    bright = luminance(level)
+    scale = 1 / (np.minimum(bright, smooth(smooth(bright, 1), 2)) ** 2 + EPSILON)
+    energy = box((scale * (other - base) ** 2).mean(axis=-1, keepdims=True))
     share = box((scale * noise).mean(axis=-1, keepdims=True)) / np.maximum(energy, 1e-12)
-    return base + np.clip(1 - share, 0, 1) * (mean - base)
+    return base + np.clip(1 - share, 0, 1) * (other - base)
 
 
 def noise_of(groups: np.ndarray) -> np.ndarray:
-    """The variance of the mean of the groups, (H, W, 3)."""
-    count = len(groups)
-    return groups.var(axis=0, ddof=1) / count
+    """The variance of the mean of independent pictures (G, H, W, 3)."""
+    return groups.var(axis=0, ddof=1) / len(groups)
 
 
 def guided(picture: np.ndarray, guide: np.ndarray) -> np.ndarray:

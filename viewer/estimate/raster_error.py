@@ -28,7 +28,7 @@ import numpy as np
 
 from ..image.image import Image
 from ..image.magma import magma
-from .neighbourhood import EPSILON, box, guided, pulled, smooth
+from .neighbourhood import EPSILON, box, guided, noise_of, pulled, smooth
 
 TRIMMED = 0.01
 """Share of the pixels, those with the largest errors, that `trimmed` leaves out."""
@@ -98,9 +98,10 @@ def raster_error(raster: np.ndarray, groups: np.ndarray, mask: np.ndarray, sampl
     picture = raster[..., :3].astype(np.float32)
     picture = np.where(np.isfinite(picture).all(axis=-1, keepdims=True), picture, np.float32(0))
     mean = groups.mean(axis=0)
-    level = np.maximum(pulled(guided(mean, picture), groups), 0)
+    noise = noise_of(groups)
+    level = np.maximum(pulled(guided(mean, picture), mean, noise, mean), 0)
     missed = min(_MISSED / samples, 1.0) * np.maximum(picture - level, 0)
-    levels = level, mean, pulled(picture, groups), level + missed
+    levels = level, mean, pulled(picture, mean, noise, mean), level + missed
     weights = [1 / (np.maximum(level, 0)[mask].astype(np.float64) ** 2 + EPSILON) for level in levels]
     apart = (picture - groups)[:, mask].astype(np.float64)
     estimates = [_mean_and_deviation(apart, weight, left_out) for weight in weights]

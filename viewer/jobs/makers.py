@@ -23,7 +23,9 @@ def make_picture_maker(request: RenderRequest) -> PictureMaker:
         from .choosing_maker import ChoosingMaker
 
         return ChoosingMaker(request)
-    return PathMaker(request) if request.settings.mode == "path" else RasterMaker(request)
+    if request.settings.mode != "path":
+        return RasterMaker(request)
+    return MixtureMaker(request) if request.settings.denoise == "raster" else PathMaker(request)
 
 
 class RasterMaker(PictureMaker):
@@ -107,6 +109,39 @@ class PathMaker(PictureMaker):
             self.summary = f"{how_far(path_render)}, {rays / 1e6:.3g} million rays by {intersector}"
         finally:
             path_render.release()
+        return image
+
+
+class MixtureMaker(PictureMaker):
+    """Of `--denoise raster`."""
+
+    def __init__(self, request: RenderRequest) -> None:
+        super().__init__(request)
+        self._tracer: Tracer | None = None
+        self._renderer: Renderer | None = None
+
+    def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
+        """As `PictureMaker.make`. The first signal to stop ends the picture early, with the samples so far."""
+        from ..estimate.mixture import render_mixture
+        from ..raster.renderer import Renderer
+        from ..trace.tracer import Tracer
+
+        request = self._request
+        if self._tracer is None or self._renderer is None:
+            self._renderer = Renderer(request.open(), use_cache=request.use_cache)
+            self._tracer = Tracer(request.open(), use_cache=request.use_cache)
+
+        def report(fraction: float, seconds_left: float) -> None:
+            progress.part(fraction, f"{path.name}: {seconds_left:.0f} s left")
+
+        with postponed() as stop_request:
+            image = render_mixture(self._tracer, self._renderer, scene, camera, request.settings, request.size, report,
+                                   lambda: stop_request.number is not None)
+        samples = float(image.stats["spp"])  # type: ignore[arg-type]
+        self.stopped = _stop_signal(stop_request, samples)
+        self.stats = {**image.stats, "stopped": self.stopped is not None}
+        self.texture_bytes = max(self._renderer.texture_bytes, self._tracer.texture_bytes)
+        self.summary = f"{samples:.3g} samples a pixel, mixed with the raster"
         return image
 
 

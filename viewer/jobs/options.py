@@ -195,8 +195,9 @@ PATH_OPTIONS = [
     click.option("--seed", type=click.IntRange(*_ends("seed")), default=0, metavar="N",
                  help="Mode path: the seed of the random numbers; the same N gives the same noise."),
     click.option("--denoise", type=click.Choice(get_args(Denoise)), default="off", show_default=True,
-                 help="Mode path: remove noise, which also blurs some detail: fast (a wavelet filter) or oidn (Intel "
-                      "Open Image Denoise, an optional dependency)."),
+                 help="Mode path: remove noise, which also blurs some detail: fast (a wavelet filter), raster (mix in "
+                      "a picture of mode pbr, where that is nearer to the truth) or oidn (Intel Open Image Denoise, "
+                      "an optional dependency)."),
 ]
 ERROR_OPTIONS = [
     click.option("--tell-error", type=Number(*_ends("time_budget")), is_flag=False, flag_value=TELL_ERROR_S,

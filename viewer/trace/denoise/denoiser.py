@@ -7,6 +7,7 @@ from typing import Protocol
 
 import moderngl
 
+from ...errors import UsageError
 from ...gpu.context import Context
 from ...gpu.programs import Programs
 
@@ -46,7 +47,10 @@ class Denoiser(Protocol):
 
 
 def make_denoiser(context: Context, programs: Programs, kind: str) -> Denoiser:
-    """The denoiser of `Settings.denoise`, fast or oidn. Raises UsageError if that one is not installed."""
+    """The denoiser of `Settings.denoise`, fast or oidn. Raises UsageError if that one is not installed, or for raster,
+    which is no filter of one film (viewer/estimate/mixture.py)."""
+    if kind == "raster":
+        raise UsageError("denoise raster is for pictures of render: here the raster draws nothing")
     if kind == "oidn":
         from .oidn import OpenImageDenoise
 
