@@ -23,11 +23,11 @@ LEAST_BEND = 4.0
 class Yarn:
     """A yarn: a layer of about parallel fibres on a bent cylinder.
 
-    `color` is the albedo of what its fibres scatter, linear; `specular` the share of light that they mirror, and
-    `roughness` in (0, 1] the alpha of the spread of their directions. `thickness` is the optical thickness of the yarn,
-    `through` the share of its scattered light that leaves on the other side. `twist`, in degrees, is the angle of the
-    fibres to the yarn, `bend` the largest angle of the yarn to the cloth, and `width` the share of its cell that it
-    fills.
+    `color` is the albedo of a thick layer of its fibres seen along the normal, without what they mirror, linear;
+    `specular` the share of light that they mirror, and `roughness` in (0, 1] the alpha of the spread of their
+    directions. `thickness` is the optical thickness of the yarn, `through` the share of the light that it scatters
+    which leaves on the other side, if the fibres absorb none. `twist`, in degrees, is the angle of the fibres to the
+    yarn, `bend` the largest angle of the yarn to the cloth, and `width` the share of its cell that it fills.
     """
 
     color: RGB = (0.5, 0.5, 0.5)
