@@ -14,9 +14,10 @@ vec3 light_on_fibre(int i, CurvePoint at, SeenFibre s, mat3 frame) {
     if (has_shadow(i)) {
         float seen = seen_by_light(i, at, l);
 #if HAIR_LIGHT
-        seen += (1.0 - seen) * light_through_fibres(i, at.position);
-#endif
+        irradiance *= seen + (1.0 - seen) * light_through_fibres(i, at.position);
+#else
         irradiance *= seen;
+#endif
     }
 #endif
     return fibre_response(s, l * frame) * irradiance;

@@ -43,10 +43,15 @@ vec3 fibre_response(SeenFibre s, vec3 wi) {
     return response;
 }
 
+const int STEPS_ABOUT = 8; // directions about the fibre
+
 #if HAIR_LIGHT
-// Light from other fibres, on a grid (viewer/bake/hair_light.py): the mean radiance that they scatter, and how much they
-// hide in the direction d, a + b . d with a in the first channel.
-uniform sampler3D u_hair_scattered, u_hair_hidden;
+// Light between fibres, on a grid (viewer/bake/hair_light.py): the mean radiance that they scatter; the Legendre moments
+// 1 to 4 of its inclination to the fibres, over its mean; and how much they hide in the direction d, a + b . d with a in
+// the first channel. Fibres hide another share in each channel: u_hair_exponents are the extinctions over that of
+// u_hair_hidden.
+uniform sampler3D u_hair_scattered, u_hair_inclined, u_hair_hidden;
+uniform vec3 u_hair_exponents;
 uniform vec3 u_hair_low, u_hair_scale; // the grid's corner in eye-relative units, and 1 / its sides
 
 vec3 in_hair(vec3 position) {
@@ -55,54 +60,80 @@ vec3 in_hair(vec3 position) {
 
 #if LIGHT_COUNT > 0
 uniform sampler3D u_hair_depths; // optical depth to each light, one grid above the other along z
-uniform float u_hair_onward;     // of what fibres take away, the share that does not go on almost straight through them
+uniform vec3 u_hair_kept;        // of what fibres take away, the share that does not go on almost straight through them
 
 // The share of light i that comes through fibres almost straight on, beside what comes past them
-float light_through_fibres(int i, vec3 position) {
+vec3 light_through_fibres(int i, vec3 position) {
     float margin = 0.5 * float(LIGHT_COUNT) / float(textureSize(u_hair_depths, 0).z);
     vec3 at = in_hair(position);
     at.z = (clamp(at.z, margin, 1.0 - margin) + float(i)) / float(LIGHT_COUNT);
     float depth = textureLod(u_hair_depths, at, 0.0).r;
-    return exp(-depth) - exp(-depth / u_hair_onward);
+    return exp(-depth * u_hair_kept) - exp(-depth);
 }
 #endif
 #endif
 
 #if HAS_ENVIRONMENT || HAIR_LIGHT
-// Light from all around over all lobes: from so many directions on the cone where theta_i = -theta_o, about which they
-// lie. A lookup of the environment is as wide as R along the fibre and as the distance of the directions about it.
-const int STEPS_ABOUT = 8;
+// Light from all around over all lobes: from directions on the cone where theta_i = -theta_o, about which they lie.
+struct LightAround {
+    float lod;      // of the environment, as wide as R along the fibre and as the distance of the directions about it
+    vec3 scattered; // mean radiance of light from fibres
+    vec4 hidden;
+};
 
-vec3 arriving_from(vec3 d, float lod, vec4 hidden, vec3 scattered) {
-    float opacity = clamp(hidden.x + dot(hidden.yzw, d), 0.0, 1.0);
-    vec3 radiance = vec3(0.0);
-#if HAS_ENVIRONMENT
-    radiance += environment_level(d, lod) * (1.0 - opacity);
+// Fibres scatter light from where they hide the sky: in a white furnace the two add up to 1.
+vec3 hair_opacity(float opacity) {
+#if HAIR_LIGHT
+    return 1.0 - pow(vec3(clamp(1.0 - opacity, 0.0, 1.0)), u_hair_exponents);
+#else
+    return vec3(0.0);
 #endif
-    // Fibres scatter light from where they hide the sky: in a white furnace the two add up to 1.
-    return radiance + scattered * (opacity / max(hidden.x, 1e-4));
+}
+
+// `share` of the environment from d, and `inclined` of the light from fibres
+vec3 arriving_from(LightAround a, vec3 d, vec3 share, vec3 inclined) {
+    vec3 opacity = hair_opacity(a.hidden.x + dot(a.hidden.yzw, d)), radiance = vec3(0.0);
+#if HAS_ENVIRONMENT
+    radiance += share * environment_level(d, a.lod) * (1.0 - opacity);
+#endif
+    return radiance + inclined * a.scattered * opacity / max(hair_opacity(a.hidden.x), vec3(1e-4));
+}
+
+// How much of the light from fibres each lobe gathers, over its mean. The lobe widens what it gathers from: a Legendre
+// moment of order l counts exp(-l (l + 1) v / 2) times.
+vec4 gathered_by_lobes(SeenFibre s, vec4 inclined) {
+    vec4 gathered;
+    for (int p = 0; p < 4; ++p) {
+        float x = s.lobes.mean[p].y, x2 = x * x;
+        vec4 legendre = vec4(x, 1.5 * x2 - 0.5, x * (2.5 * x2 - 1.5), (4.375 * x2 - 3.75) * x2 + 0.375);
+        vec4 widened = exp(-vec4(1.0, 3.0, 6.0, 10.0) * s.lobes.variance[p]);
+        gathered[p] = max(1.0 + dot(inclined, vec4(3.0, 5.0, 7.0, 9.0) * legendre * widened), 0.0);
+    }
+    return gathered;
 }
 
 vec3 light_about_fibre(SeenFibre s, mat3 frame, vec3 position) {
-    vec4 hidden = vec4(0.0);
-    vec3 scattered = vec3(0.0);
+    LightAround a = LightAround(0.0, vec3(0.0), vec4(0.0));
+    vec4 gathered = vec4(1.0);
 #if HAIR_LIGHT
-    hidden = textureLod(u_hair_hidden, in_hair(position), 0.0);
-    scattered = textureLod(u_hair_scattered, in_hair(position), 0.0).rgb;
+    vec3 at = in_hair(position);
+    a.hidden = textureLod(u_hair_hidden, at, 0.0);
+    a.scattered = textureLod(u_hair_scattered, at, 0.0).rgb;
+    gathered = gathered_by_lobes(s, textureLod(u_hair_inclined, at, 0.0));
 #endif
-    float step = 2.0 * PI / float(STEPS_ABOUT), lod = 0.0;
+    float step = 2.0 * PI / float(STEPS_ABOUT);
 #if HAS_ENVIRONMENT
     float variance = 0.5 * (s.lobes.variance.x + step * step / 12.0 * s.wo.z * s.wo.z);
-    lod = lod_of_roughness(min(sqrt(sqrt(variance)), 1.0)); // a half vector turns by half the angle
+    a.lod = lod_of_roughness(min(sqrt(sqrt(variance)), 1.0)); // a half vector turns by half the angle
 #endif
     vec3 radiance = vec3(0.0);
     for (int k = 0; k <= STEPS_ABOUT / 2; ++k) {
         float phi = float(k) * step;
-        vec3 share = vec4(step) * far_lobes(s, phi); // the integral of M is 1
+        mat3x4 lobes = far_lobes(s, phi) * step;
+        vec3 share = vec4(1.0) * lobes, inclined = gathered * lobes; // the integral of M is 1
         vec3 d = vec3(-s.wo.x, sin(phi) * s.wo.z, cos(phi) * s.wo.z);
-        vec3 arriving = arriving_from(frame * d, lod, hidden, scattered);
-        if (k > 0 && 2 * k < STEPS_ABOUT) arriving += arriving_from(frame * vec3(d.x, -d.y, d.z), lod, hidden, scattered);
-        radiance += share * arriving;
+        radiance += arriving_from(a, frame * d, share, inclined);
+        if (k > 0 && 2 * k < STEPS_ABOUT) radiance += arriving_from(a, frame * vec3(d.x, -d.y, d.z), share, inclined);
     }
     return radiance;
 }

@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 import math
+import sys
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from viewer.bake.hair_light import FibreGrid, fibre_grid, fibre_medium, hair_light
+from viewer.bake.fibre import fibre_table, variance
+from viewer.bake.fibre_grid import FibreGrid, fibre_grid
+from viewer.bake.fibre_medium import ORDERS, fibre_medium
+from viewer.bake.hair_light import HairLight, HairMedium
 from viewer.bake.many_lights import uniform_lights
 from viewer.scene.curves import Curves
 from viewer.scene.fibre import Fibre
 from viewer.scene.light import Light
+
+sys.path.append(str(Path(__file__).parents[1] / "shaders"))
+from fibre_twin import longitudinal
 
 RNG = np.random.default_rng(0)
 WHITE, BROWN = Fibre((0.0, 0.0, 0.0)), Fibre((0.5, 0.9, 1.8))
@@ -29,18 +38,37 @@ def grid() -> FibreGrid:
     return fibre_grid((tuft(),))
 
 
+@pytest.fixture(scope="module")
+def white(grid) -> HairMedium:
+    return HairMedium(grid, WHITE)
+
+
+@pytest.fixture(scope="module")
+def brown(grid) -> HairMedium:
+    return HairMedium(grid, BROWN)
+
+
+def row_of(direction: tuple[float, float, float], count: int = 200) -> Curves:
+    """Parallel strands in a cube of side 1."""
+    roots = np.random.default_rng(1).uniform(-0.5, 0.5, (count, 3))
+    points = np.stack([roots, roots + 0.4 * np.array(direction)], axis=1).reshape(-1, 3)
+    return Curves("row", points, np.full(2 * count, 0.01), 2 * np.arange(count + 1), np.zeros(count, bool))
+
+
 def test_the_density_is_that_of_all_fibres(grid):
     curves = tuft()
     lengths = np.linalg.norm(curves.points[1::2] - curves.points[::2], axis=1)
-    total = grid.extinction.sum() * grid.cell**3
-    assert total == pytest.approx(2 * 0.01 * lengths.sum() * math.pi / 4, rel=0.05)  # other random strands
-    filled = grid.centers[grid.extinction.ravel() > 0]
+    total = grid.density.sum() * grid.cell**2
+    assert total == pytest.approx(2 * 0.01 * lengths.sum(), rel=0.05)  # other random strands
+    filled = grid.centers[grid.density.ravel() > 0]
     assert (filled > curves.corners[0] - grid.cell).all() and (filled < curves.corners[7] + grid.cell).all()
 
 
 @pytest.mark.parametrize("direction", [(0, 0, 1), (0, -1, 0), (0.6, -0.64, 0.48), (-0.36, 0.48, -0.8), (0.8, 0.6, 0)])
 def test_the_depth_of_a_box_is_its_way_out(direction):
-    box = FibreGrid(np.array([-1.0, -2.0, 0.5]), 0.1, np.pad(np.full((20, 16, 24), 3.0), 1))
+    density = np.pad(np.full((20, 16, 24), 0.3, np.float32), 1)
+    none = np.zeros((6, *density.shape), np.float32)  # as if all fibres were across the light
+    box = FibreGrid(np.array([-1.0, -2.0, 0.5]), 0.1, density, none, none[:3])
     direction = np.array(direction, float)
     low = box.low + 0.1
     high = low + 0.1 * np.array([24, 16, 20])
@@ -57,46 +85,106 @@ def test_a_far_point_is_a_direction(grid):
     one, two = grid.depth(direction), grid.depth_to(direction * 1e4)
     assert np.abs(one - two).mean() < 0.2 * one.mean() and two.mean() == pytest.approx(one.mean(), rel=0.05)
     near = grid.depth_to(np.array([0.0, 0.5, 0.0]))
-    assert near.max() < two.max() and near[grid.extinction.shape[0] // 2].min() < 0.2
+    assert near.max() < two.max() and near[grid.shape[0] // 2].min() < 0.2
 
 
-def test_white_fibres_in_a_furnace_scatter_what_they_hide(grid):
-    light = hair_light(grid, WHITE, (), uniform_lights(32, np.ones(3)))
-    scattered, hidden = light.scattered, light.hidden
-    inside = grid.extinction > 0
-    np.testing.assert_allclose(scattered[inside], np.tile(hidden[inside][:, :1], 3), atol=2e-3)
-    assert hidden[inside][:, 0].max() > 0.7 and hidden[..., 0].min() >= 0
+@pytest.mark.parametrize("along", [(0, 1, 0), (0.6, 0, -0.8)])
+def test_light_along_fibres_meets_few_of_them(along):
+    row = fibre_grid((row_of(along),))
+    direction = np.array([0.48, 0.6, 0.64])
+    sine = math.sqrt(1 - (direction @ along)**2)
+    np.testing.assert_allclose(row.extinction(direction), row.density * sine, rtol=1e-3, atol=1e-6)
+    assert row.extinction(np.array(along)).max() < 1e-2 * row.density.max()
+    point = np.array([0.3, 4e3, -0.2])
+    far = row.depth(np.array([0.0, 1, 0])).mean()
+    np.testing.assert_allclose(row.depth_to(point).mean(), far, rtol=0.05, atol=1e-3)
 
 
-def test_the_upper_side_hides_what_is_below(grid):
-    hidden = hair_light(grid, WHITE, (), None).hidden
-    top = hidden[:, -3][grid.extinction[:, -3] > 0]
+def test_the_axis_of_fibres():
+    axis, order = fibre_grid((row_of((0, -0.6, 0.8)),)).moments()
+    filled = order[0] > 0
+    np.testing.assert_allclose(axis[:, filled].T, np.tile([0, -0.6, 0.8], (filled.sum(), 1)), atol=1e-3)
+    np.testing.assert_allclose(order[:, filled], 1, atol=1e-3)
+    there, back = row_of((0, 1, 0)), row_of((0, -1, 0))
+    _, order = fibre_grid((there, replace(back, points=back.points + (0, 0.4, 0)))).moments()
+    filled = order[0] > 0  # two strands at each place, one up and one down
+    assert order[1, filled].max() < 0.1 and order[2, filled].min() > 0.99
+
+
+def test_white_fibres_in_a_furnace_scatter_what_they_hide(grid, white):
+    light = white.lit((), uniform_lights(32, np.ones(3)))
+    inside = grid.density > 0
+    np.testing.assert_allclose(light.radiance[inside], np.tile(white.hidden[inside][:, :1], 3), atol=2e-3)
+    assert white.hidden[inside][:, 0].max() > 0.6 and white.hidden[..., 0].min() >= 0
+    assert np.abs(light.inclined[inside]).max() < 0.02  # from all sides alike
+
+
+def test_the_upper_side_hides_what_is_below(grid, white):
+    top = white.hidden[:, -3][grid.density[:, -3] > 0]
     assert (top[:, 2] < 0).mean() > 0.95
 
 
-def test_dark_fibres_scatter_less_and_lights_add_up(grid):
+def test_dark_fibres_scatter_less_and_lights_add_up(white, brown):
     sun = Light("directional", direction=(0, -1, 0), intensity=2.0, color=(1, 0.5, 0))
     lamp = Light("point", position=(0, 1e3, 0), intensity=2e6, color=(0, 0, 1))
-    both = hair_light(grid, BROWN, (sun, lamp), None).scattered
-    white = hair_light(grid, WHITE, (sun, lamp), None).scattered
-    assert (both <= white + 1e-5).all() and both.mean() < 0.3 * white.mean()
-    np.testing.assert_allclose(white[..., 2], white[..., 0], rtol=0.1, atol=0.02 * white.max())
-    np.testing.assert_allclose(white[..., 1], white[..., 0] / 2, rtol=1e-3, atol=1e-4)
+    both, bright = brown.lit((sun, lamp), None).radiance, white.lit((sun, lamp), None).radiance
+    assert (both <= bright + 1e-5).all() and both.mean() < 0.3 * bright.mean()
+    np.testing.assert_allclose(bright[..., 2], bright[..., 0], rtol=0.1, atol=0.02 * bright.max())
+    np.testing.assert_allclose(bright[..., 1], bright[..., 0] / 2, rtol=1e-3, atol=1e-4)
     aside = Light("spot", position=(0, 5, 0), direction=(0, 1, 0), intensity=9.0, outer_cone=0.5)
-    assert not hair_light(grid, BROWN, (aside,), None).scattered.any()
+    assert not brown.lit((aside,), None).radiance.any()
+
+
+def radiance_at(light: HairLight, where: np.ndarray, sine: float) -> np.ndarray:
+    """The series of Legendre polynomials, over its mean."""
+    orders = np.arange(1, ORDERS)
+    legendre = np.polynomial.legendre.legvander(np.array([sine]), ORDERS - 1)[0, 1:]
+    return 1 + light.inclined[where] @ ((2 * orders + 1) * legendre)
+
+
+def test_light_keeps_its_inclination_between_parallel_fibres(grid, brown):
+    """Sunlight that comes down at 45 degrees does not go up after it has been scattered, and little goes across."""
+    sun = Light("directional", direction=(0.8**0.5 * 0.5**0.5, -0.5**0.5, 0.1**0.5))
+    light = brown.lit((sun,), None)
+    inside = grid.density > np.quantile(grid.density[grid.density > 0], 0.5)
+    down, across, up = (radiance_at(light, inside, s).mean() for s in (0.7, 0.0, -0.7))
+    assert down > 1.5 and across < 0.75 * down and up < 0.3 * down
 
 
 def test_the_medium_of_fibres():
-    (red, green, blue), g = fibre_medium(WHITE)
-    assert (red, green, blue) == pytest.approx((1, 1, 1), abs=2e-3) and 0.5 < g < 0.9
-    (red, green, blue), _ = fibre_medium(BROWN)
-    assert 0.5 > red > green > blue > 0.05
+    medium = fibre_medium(WHITE)
+    np.testing.assert_allclose(medium.albedo, 1, atol=2e-3)
+    assert (medium.kept > 0.2).all() and (medium.kept < 0.35).all()
+    medium = fibre_medium(BROWN)
+    assert 0.35 > medium.albedo[0] > medium.albedo[1] > medium.albedo[2] > 0.05 and (np.diff(medium.kept) > 0).all()
 
 
-def test_what_goes_straight_on_counts_as_not_scattered(grid):
+@pytest.mark.parametrize("tilt", [0.0, 0.1])
+def test_what_fibres_do_to_the_inclination_of_light(tilt):
+    """Against an integral over M: what light of the radiance P_l(sin theta_i) makes of the radiance towards theta_o,
+    which reaches the next fibre from -theta_o."""
+    fibre = Fibre((0.0, 0.0, 0.0), 0.4, 0.3, tilt)
+    medium = fibre_medium(fibre)
+    np.testing.assert_allclose(medium.inclined[0, :, 0], np.eye(ORDERS)[0], atol=1e-9)  # light from all around stays so
+    theta = (np.arange(400) + 0.5) / 400 * math.pi - math.pi / 2
+    measure = np.cos(theta) * math.pi / 400
+    polynomials = np.polynomial.legendre.legvander(np.sin(theta), ORDERS - 1)
+    table = fibre_table(fibre.beta_n, fibre.ior)[0].mean(axis=1, dtype=np.float64) * 2 * math.pi
+    met = np.cos(theta) * measure / (np.cos(theta) @ measure)
+    found = np.zeros((ORDERS, ORDERS))
+    for p, turn in enumerate((2, -1, -4, 0)):
+        share = met @ np.interp(np.cos(theta), np.linspace(0, 1, len(table)), table[:, p])
+        v = variance(fibre.beta_m) * (1, 0.25, 4, 4)[p]
+        mean = theta + turn * tilt  # with theta_o = -theta
+        mean = np.arctan2(np.sin(mean), np.abs(np.cos(mean)))  # beyond a right angle on the other side
+        M = np.stack([longitudinal(t, m, v) for t, m in zip(*np.broadcast_arrays(theta, mean[:, None]), strict=True)])
+        found += share * (polynomials.T * measure) @ M @ (polynomials * (measure[:, None] * (np.arange(ORDERS) + 0.5)))
+    straight = 1 - medium.kept[0]
+    np.testing.assert_allclose(straight * np.eye(ORDERS) + (1 - straight) * medium.inclined[0], found, atol=0.02)
+
+
+def test_what_goes_straight_on_counts_as_not_scattered(grid, brown, white):
     sun = Light("directional", direction=(0, -1, 0))
-    light = hair_light(grid, WHITE, (sun,), None)
-    g = fibre_medium(WHITE)[1]
-    assert light.onward == pytest.approx(1 - g * g, abs=1e-3)
-    np.testing.assert_allclose(light.depths[0], grid.depth(np.array([0.0, 1, 0])) * light.onward, atol=1e-9)
-    assert hair_light(grid, BROWN, (), None).onward > light.onward
+    depth = white.lit((sun,), None).depths[0]
+    np.testing.assert_allclose(depth, grid.depth(np.array([0.0, 1, 0])), atol=1e-9)
+    assert (brown.medium.kept > white.medium.kept).all()

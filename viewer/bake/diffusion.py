@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 MAX_ITERATIONS, TOLERANCE = 300, 1e-3
-_MOST_CORRECTED = 1e3
+MOST_CORRECTED = 1e3
 _AXES = 3, 2, 1
 """Of arrays (k, n, n, n), those along x, y and z."""
 _THICKEST = 1e3
@@ -46,7 +46,7 @@ def scattered_light(extinction: np.ndarray, unscattered: np.ndarray, flux: np.nd
     `hidden` (n, n, n) is the mean opacity towards the outside over all directions.
     """
     depth = np.clip(extinction, 0, 1e30) * np.float64(cell)
-    sigma_t = np.minimum(depth, _THICKEST).astype(np.float32)
+    sigma_t = thinned(depth)
     albedos = np.array([*albedo, 1.0], np.float32)[:, None, None, None]
     hidden = np.clip(hidden, 0, 1)
     light = np.moveaxis(unscattered, -1, 0).astype(np.float64)
@@ -59,9 +59,9 @@ def scattered_light(extinction: np.ndarray, unscattered: np.ndarray, flux: np.nd
     for face, axis in zip(carried, _AXES, strict=True):
         _before(source, axis)[...] -= face
         _after(source, axis)[...] += face
-    phi = _solve(sigma_t, albedos, g, source)
+    phi = solve(sigma_t, albedos, _reduced(sigma_t, albedos, g), source)
     origin = _origin(phi, _flux(phi, 1.5 * _reduced(sigma_t, albedos, g), carried), scale) * hidden[..., None]
-    correction = np.minimum(hidden / np.maximum(phi[3] * scale[3], 1e-30), _MOST_CORRECTED)
+    correction = np.minimum(hidden / np.maximum(phi[3] * scale[3], 1e-30), MOST_CORRECTED)
     fluence = np.maximum(phi[:3] * scale[:3] * correction, 0)
     return Scattered(np.ascontiguousarray(np.moveaxis(fluence, 0, -1), np.float32), origin.astype(np.float32))
 
@@ -95,9 +95,16 @@ def _reduced(sigma_t: np.ndarray, albedos: np.ndarray, g: float) -> np.ndarray:
     return sigma_t * (1 - albedos * np.float32(g)) + np.float32(1 / len(sigma_t))
 
 
-def _solve(sigma_t: np.ndarray, albedos: np.ndarray, g: float, source: np.ndarray) -> np.ndarray:
-    """Conjugate gradients, preconditioned by the diagonal, for unit cells and each albedo (k, 1, 1, 1)."""
-    resistance = 1.5 * _reduced(sigma_t, albedos, g)  # of half a cell: 1 / (2 D)
+def thinned(depth: np.ndarray) -> np.ndarray:
+    """`depth`, the optical depth of cells, as thick as `solve` can take it."""
+    return np.minimum(depth, _THICKEST).astype(np.float32)
+
+
+def solve(sigma_t: np.ndarray, albedos: np.ndarray, reduced: np.ndarray, source: np.ndarray) -> np.ndarray:
+    """The fluence (k, n, n, n) of k media at once, in cells of side 1, by conjugate gradients that are preconditioned
+    by the diagonal. `sigma_t` (n, n, n) or (k, n, n, n) and `albedos` (k, 1, 1, 1) or (k, n, n, n) are those of the
+    media; `reduced` and `source` (k, n, n, n) float32 are 1 / 3 D and the right side of the equation."""
+    resistance = 1.5 * reduced  # of half a cell: 1 / (2 D)
     diagonal = sigma_t * (1 - albedos)
     faces = []  # by the cells before them, and 0 for the last, which has none
     for axis in (1, 2, 3):

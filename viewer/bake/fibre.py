@@ -53,7 +53,8 @@ def fibre_table(beta_n: float, ior: float) -> np.ndarray:
         rest = (shares[2] * fresnel * passed / np.maximum(1 - fresnel * passed, 1e-12)) @ weights
         for p, share in enumerate(shares):
             turned = _turned(edges[:, None] - (2 * p * gamma_t - 2 * gamma_o + p * math.pi), scale)
-            out[:, j, :, p] = (share * weights) @ turned.T
+            # No product of matrices: where other processes are busy, its threads wait for each other for seconds.
+            out[:, j, :, p] = np.einsum("ko,io->ki", share * weights, turned)
         out[:, j, :, 3] = rest[:, None] / (2 * math.pi)
     return out.astype(np.float32)
 
@@ -68,6 +69,12 @@ def _turned(edges: np.ndarray, scale: float) -> np.ndarray:
     keep = math.tanh(math.pi / (2 * scale))
     upto = 0.5 + 0.5 * np.tanh(wrapped / (2 * scale)) / keep + whole
     return np.diff(upto, axis=0) * ANGLES / math.pi
+
+
+def variance(beta_m: float) -> float:
+    """Of M of R, as fibre_variance() in shaders/bsdf/fibre/fibre.glsl. TT has a quarter of it, TRT and the rest 4
+    times."""
+    return max((0.726 * beta_m + 0.812 * beta_m**2 + 3.7 * beta_m**20)**2, 4e-6)
 
 
 def _scale(beta_n: float) -> float:

@@ -9,6 +9,7 @@ import moderngl
 import numpy as np
 
 from ..bake.fibre import fibre_table
+from ..bake.hair_light import HairMedium
 from ..base.reusable import Reusable
 from ..gpu.context import Context
 from ..gpu.programs import Programs, matrix_uniform, set_uniform
@@ -25,7 +26,7 @@ from ..settings import Settings
 from .curve_texture import curve_texture
 from .depth import Depth
 from .environment import EnvironmentLight
-from .hair_light import HairLight, light_key, mean_fibre
+from .hair_light import HairLight, hair_medium, light_key, mean_fibre, medium_key
 from .surfaces import bind_blocks
 from .yarns import TUBES, YarnBuffers
 
@@ -125,6 +126,7 @@ class CurvePass:
         self._buffers: dict[tuple[Curves, float | None, YarnKind | None], CurveBuffers | YarnBuffers] = {}
         self._drawn: list[CurveBuffers | YarnBuffers] = []
         self._tables: dict[tuple[float, float], moderngl.Texture] = {}
+        self._medium: tuple[tuple[object, ...], HairMedium] | None = None
         self._light: Reusable[HairLight] = Reusable()
         self._generation = programs.generation
 
@@ -149,10 +151,15 @@ class CurvePass:
         self._drawn = [self._buffers[key] for key in keys]
         if plan.curves is None or not plan.curves.scatters_again:
             self._light.release()
+            self._medium = None
             return
-        sky = environment if plan.environment else None
-        key = light_key(scene, settings, plan, sky)
-        self._light.get(lambda held: held.key == key, lambda: HairLight(self._gl, scene, settings, plan, sky))
+        key = medium_key(scene, settings)
+        if self._medium is None or self._medium[0] != key:
+            self._medium = key, hair_medium(scene, settings)
+        medium, sky = self._medium[1], environment if plan.environment else None
+        lit = light_key(plan, sky)
+        self._light.get(lambda held: held.medium is medium and held.key == lit,
+                        lambda: HairLight(self._gl, medium, plan, sky))
 
     def draw(self, frame: Frame, settings: Settings, plan: Plan, samples: int, uniforms: dict[str, object]) -> None:
         """Draw all curves into the framebuffer in use, within `Depth.test()`: first their depth, then their light."""

@@ -1,4 +1,4 @@
-"""Light that fibres scatter to each other, on the GPU: two 3D textures over the box of all curves."""
+"""Light that fibres scatter to each other, on the GPU: 3D textures over the box of all curves."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from dataclasses import replace
 import moderngl
 import numpy as np
 
-from ..bake.hair_light import fibre_grid, hair_light
+from ..bake.fibre_grid import fibre_grid
+from ..bake.hair_light import HairMedium
 from ..plan.curves import has_colors
 from ..plan.model import Plan
 from ..scene.curves import Curves
@@ -18,40 +19,50 @@ from ..scene.yarn.spun import dense_curves, yarn_kind
 from ..settings import Settings
 from .environment import EnvironmentLight
 
-UNIT_SCATTERED, UNIT_HIDDEN, UNIT_DEPTHS = 3, 4, 5
+UNIT_HAIR = 3
 _MOST = 6e4
 """A half float holds a little more."""
 
 
-def light_key(scene: Scene, settings: Settings, plan: Plan, environment: EnvironmentLight | None) -> tuple[object, ...]:
-    """All that the light depends on."""
+def medium_key(scene: Scene, settings: Settings) -> tuple[object, ...]:
+    """All that the medium depends on."""
+    yarn = yarn_kind(settings) if settings.yarn != "off" else None
+    return scene.curves, yarn, mean_fibre(scene, settings)
+
+
+def hair_medium(scene: Scene, settings: Settings) -> HairMedium:
+    """The medium that the scene's curves are."""
+    return HairMedium(fibre_grid(dense_curves(scene, settings)), mean_fibre(scene, settings))
+
+
+def light_key(plan: Plan, environment: EnvironmentLight | None) -> tuple[object, ...]:
+    """All else that the light depends on."""
     sky = environment and (environment.environment.source, environment.environment.rotation,
                            environment.environment.intensity)
-    yarn = yarn_kind(settings) if settings.yarn != "off" else None
-    return scene.curves, yarn, mean_fibre(scene, settings), plan.lights, sky
+    return plan.lights, sky
 
 
 class HairLight:
-    def __init__(self, gl: moderngl.Context, scene: Scene, settings: Settings, plan: Plan,
+    def __init__(self, gl: moderngl.Context, hair: HairMedium, plan: Plan,
                  environment: EnvironmentLight | None) -> None:
-        self.key = light_key(scene, settings, plan, environment)
-        grid = fibre_grid(dense_curves(scene, settings))
-        sky = environment.sky_lights(plan) if environment is not None else None
-        light = hair_light(grid, mean_fibre(scene, settings), plan.lights, sky)
-        padded = np.concatenate([light.scattered, np.zeros((*light.hidden.shape[:3], 1))], axis=3)
-        self._onward = light.onward
-        self._low, self._sides = grid.low, grid.cell * np.array(grid.extinction.shape[::-1])
+        self.medium, self.key = hair, light_key(plan, environment)
+        light = hair.lit(plan.lights, environment.sky_lights(plan) if environment is not None else None)
+        self._kept, self._exponents = tuple(hair.medium.kept.tolist()), tuple((hair.medium.kept / hair.kept).tolist())
+        self._low, self._sides = hair.grid.low, hair.grid.cell * np.array(hair.grid.shape[::-1])
+        scattered = np.pad(np.minimum(light.radiance, _MOST), ((0, 0),) * 3 + ((0, 1),))
         # The depths to all lights lie one above the other along z.
         depths = np.concatenate(light.depths)[..., None] if light.depths else np.zeros((1, 1, 1, 1))
-        self._textures = [_texture(gl, np.minimum(values, _MOST)) for values in (padded, light.hidden, depths)]
+        self._textures = [_texture(gl, values) for values in (
+            scattered, light.inclined, hair.hidden, np.minimum(depths, _MOST))]
 
     def bind(self, frame: Frame) -> dict[str, object]:
         """The uniforms of shaders/raster/curve_light.glsl; binds the textures."""
-        for texture, unit in zip(self._textures, (UNIT_SCATTERED, UNIT_HIDDEN, UNIT_DEPTHS), strict=True):
-            texture.use(unit)
-        return {"u_hair_scattered": UNIT_SCATTERED, "u_hair_hidden": UNIT_HIDDEN, "u_hair_depths": UNIT_DEPTHS,
-                "u_hair_onward": self._onward,
-                "u_hair_low": tuple(frame.position(self._low)), "u_hair_scale": tuple(frame.unit / self._sides)}
+        units = {}
+        for k, name in enumerate(("u_hair_scattered", "u_hair_inclined", "u_hair_hidden", "u_hair_depths")):
+            self._textures[k].use(UNIT_HAIR + k)
+            units[name] = UNIT_HAIR + k
+        return units | {"u_hair_kept": self._kept, "u_hair_exponents": self._exponents,
+                        "u_hair_low": tuple(frame.position(self._low)), "u_hair_scale": tuple(frame.unit / self._sides)}
 
     def release(self) -> None:
         for texture in self._textures:

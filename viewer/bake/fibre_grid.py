@@ -1,0 +1,152 @@
+"""The density of fibres on a grid, with their directions.
+
+A fibre of radius r and length l in a volume V adds 2 r l sin(a) / V to the extinction of light that meets it at the
+angle a. Over directions from all around the sine is pi / 4 in the mean. The unit of length is the side of a cell.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..scene.curve_segments import segments
+from ..scene.curves import Curves
+
+CELLS = 1 << 13
+"""About so many cells, as cubes, in the box about all curves."""
+MEAN_SINE = math.pi / 4
+_PAIRS = (0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)
+
+
+@dataclass(frozen=True, eq=False)
+class FibreGrid:
+    """Fibres in cells of side `cell` from the corner `low` (x, y, z) on.
+
+    `density` (nz, ny, nx) is 2 r l / V: the extinction of light across them. `spread` (6, nz, ny, nx) is the mean
+    of t t^T of their directions t, times the density: xx, yy, zz, xy, xz, yz. `mean` (3, nz, ny, nx) is that of t.
+    """
+
+    low: np.ndarray
+    cell: float
+    density: np.ndarray
+    spread: np.ndarray
+    mean: np.ndarray
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        return self.density.shape
+
+    @property
+    def centers(self) -> np.ndarray:
+        """(cells, 3), x fastest."""
+        z, y, x = np.indices(self.shape).reshape(3, -1)
+        return self.low + self.cell * (np.stack([x, y, z], axis=1) + 0.5)
+
+    def moments(self) -> tuple[np.ndarray, np.ndarray]:
+        """The axis (3, nz, ny, nx) of the fibres in each cell, and (5, nz, ny, nx) the mean over them of the Legendre
+        polynomials P_0 to P_4 of the cosine of the angle to it. Those of P_3 and P_4 follow from P_2, as for a normal
+        distribution."""
+        filled = self.density > 0
+        tensor = self.spread[:, filled] / self.density[filled]
+        values, vectors = np.linalg.eigh(tensor[[0, 3, 4, 3, 1, 5, 4, 5, 2]].T.reshape(-1, 3, 3))
+        found = vectors[:, :, 2].T
+        cosine = (self.mean[:, filled] / self.density[filled] * found).sum(axis=0)
+        first, second = np.minimum(np.abs(cosine), 1), np.clip(1.5 * values[:, 2] - 0.5, 0, 1)
+        axis, means = np.zeros((3, *self.shape), np.float32), np.zeros((5, *self.shape), np.float32)
+        axis[:, filled] = found * np.where(cosine < 0, -1, 1)
+        means[:, filled] = np.ones_like(first), first, second, first * second**(5 / 3), second**(10 / 3)
+        return axis, means
+
+    def extinction(self, direction: np.ndarray) -> np.ndarray:
+        """Of light along `direction` (x, y, z), or (3, nz, ny, nx): (nz, ny, nx). The mean of the sine over the fibres
+        of a cell is taken for the root of the mean of its square."""
+        d = np.asarray(direction, np.float32)
+        across = self.density.copy()
+        for part, (i, j) in zip(self.spread, _PAIRS, strict=True):
+            across -= part * ((1 if i == j else 2) * d[i] * d[j])
+        return np.sqrt(self.density * np.maximum(across, 0))
+
+    def depth(self, direction: np.ndarray) -> np.ndarray:
+        """The optical depth from the centre of each cell along `direction` (x, y, z), (nz, ny, nx).
+
+        It is carried from slice to slice along the axis that the direction follows most, and interpolated within them.
+        """
+        along = np.asarray(direction, np.float64)[::-1]  # z, y, x
+        axis = int(np.abs(along).argmax())
+        slices = np.moveaxis(self.extinction(direction), axis, 0)
+        slices = slices[::-1] if along[axis] > 0 else slices  # the first is the last that the ray passes
+        halves = slices / np.float32(2 * abs(along[axis]))
+        slopes = np.delete(along, axis) / abs(along[axis])
+        out = np.empty_like(halves)
+        behind = np.zeros(halves.shape[1:], halves.dtype)
+        for k, half in enumerate(halves):
+            out[k] = _moved(behind, slopes) + half
+            behind = out[k] + half
+        return np.moveaxis(out[::-1] if along[axis] > 0 else out, 0, axis)
+
+    def depth_to(self, point: np.ndarray) -> np.ndarray:
+        """The optical depth from the centre of each cell to a point, (nz, ny, nx), by steps of a cell."""
+        shape = np.array(self.shape[::-1])
+        way = point - self.centers
+        reach = np.maximum(np.linalg.norm(way, axis=1), 1e-30)
+        steps = (way / reach[:, None]).astype(np.float32)
+        at = ((self.centers - self.low) / self.cell + 0.5 + 0.5 * steps).astype(np.float32)  # centres at whole numbers
+        fields = np.pad(np.concatenate([self.density[None], self.spread]), ((0, 0), (1, 1), (1, 1), (1, 1)))
+        weights = np.stack([np.ones(len(at)), *(-(1 if i == j else 2) * steps[:, i] * steps[:, j] for i, j in _PAIRS)])
+        depth = np.zeros(len(at))
+        for step in range(int(np.ceil(np.linalg.norm(shape)))):
+            inside = np.clip(at, 0, shape + 0.999)
+            low = inside.astype(np.int32)
+            x, y, z = low.T
+            a, b, c = (inside - low).T
+            lines = [(1 - a) * fields[:, z + k, y + j, x] + a * fields[:, z + k, y + j, x + 1]
+                     for k in (0, 1) for j in (0, 1)]
+            here = (1 - c) * ((1 - b) * lines[0] + b * lines[1]) + c * ((1 - b) * lines[2] + b * lines[3])
+            across = np.sqrt(np.maximum(here[0] * (here * weights).sum(axis=0), 0))
+            depth += across * ((step + 0.5) * self.cell < reach)
+            at += steps
+        return depth.reshape(self.shape)
+
+
+def _moved(values: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+    """`values` (n, m) at a place that lies by `slopes`, at most 1, farther along both axes; 0 beyond the edges."""
+    padded = np.pad(values, 1)
+    low = np.floor(slopes).astype(int)
+    a, b = slopes - low
+    n, m = values.shape
+    parts = [[padded[1 + y:1 + y + n, 1 + x:1 + x + m] for x in (low[1], min(low[1] + 1, 1))]
+             for y in (low[0], min(low[0] + 1, 1))]
+    moved: np.ndarray = ((1 - a) * ((1 - b) * parts[0][0] + b * parts[0][1])
+                         + a * ((1 - b) * parts[1][0] + b * parts[1][1]))
+    return moved
+
+
+def fibre_grid(all_curves: Sequence[Curves]) -> FibreGrid:
+    """The density of all curves' fibres."""
+    corners = np.concatenate([curves.corners for curves in all_curves])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    sides = np.maximum(high - low, 1e-3 * (high - low).max() + 1e-30)
+    cell = float(np.cbrt(sides.prod() / CELLS))
+    cell = max(cell, float(sides.max()) / 256)
+    shape = np.ceil(sides / cell).astype(int) + 2
+    low = (low + high) / 2 - shape * cell / 2
+    total = np.zeros((10, shape.prod()))
+    for curves in all_curves:
+        ends = segments(curves).ends.astype(np.float64)
+        chord = ends[:, 1, :3] - ends[:, 0, :3]
+        way = np.linalg.norm(chord, axis=1)
+        along = (chord / np.maximum(way, 1e-300)[:, None]).T
+        count = np.clip(np.ceil(2 * way / cell), 1, 512).astype(np.int64)
+        which = np.repeat(np.arange(len(way)), count)
+        t = (np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count) + 0.5) / count[which]
+        points = ends[which, 0] + t[:, None] * (ends[which, 1] - ends[which, 0])
+        x, y, z = np.clip(((points[:, :3] - low) / cell).astype(np.int64), 0, shape - 1).T
+        area = 2 * points[:, 3] * (way / count)[which]
+        cells = (z * shape[1] + y) * shape[0] + x
+        for k, share in enumerate([np.ones(len(way)), *(along[i] * along[j] for i, j in _PAIRS), *along]):
+            total[k] += np.bincount(cells, area * share[which], len(total[k]))
+    total = (total / cell**2).astype(np.float32).reshape(10, *shape[::-1])
+    return FibreGrid(low, cell, total[0], total[1:7], total[7:])
