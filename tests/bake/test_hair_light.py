@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from viewer.bake.fibre import fibre_table, variance
+from viewer.bake.fibre import fibre_table
 from viewer.bake.fibre_grid import FibreGrid, fibre_grid
 from viewer.bake.fibre_medium import ORDERS, fibre_medium
 from viewer.bake.hair_light import HairLight, HairMedium
 from viewer.bake.many_lights import uniform_lights
 from viewer.scene.curves import Curves
-from viewer.scene.fibre import Fibre
+from viewer.scene.fibre import Fibre, longitudinal_variance
 from viewer.scene.light import Light
 
 sys.path.append(str(Path(__file__).parents[1] / "shaders"))
@@ -174,7 +174,7 @@ def test_what_fibres_do_to_the_inclination_of_light(tilt):
     found = np.zeros((ORDERS, ORDERS))
     for p, turn in enumerate((2, -1, -4, 0)):
         share = met @ np.interp(np.cos(theta), np.linspace(0, 1, len(table)), table[:, p])
-        v = variance(fibre.beta_m) * (1, 0.25, 4, 4)[p]
+        v = longitudinal_variance(fibre.beta_m) * (1, 0.25, 4, 4)[p]
         mean = theta + turn * tilt  # with theta_o = -theta
         mean = np.arctan2(np.sin(mean), np.abs(np.cos(mean)))  # beyond a right angle on the other side
         M = np.stack([longitudinal(t, m, v) for t, m in zip(*np.broadcast_arrays(theta, mean[:, None]), strict=True)])

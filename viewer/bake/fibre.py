@@ -71,12 +71,6 @@ def _turned(edges: np.ndarray, scale: float) -> np.ndarray:
     return np.diff(upto, axis=0) * ANGLES / math.pi
 
 
-def variance(beta_m: float) -> float:
-    """Of M of R, as fibre_variance() in shaders/bsdf/fibre/fibre.glsl. TT has a quarter of it, TRT and the rest 4
-    times."""
-    return max((0.726 * beta_m + 0.812 * beta_m**2 + 3.7 * beta_m**20)**2, 4e-6)
-
-
 def _scale(beta_n: float) -> float:
     """As fibre_scale() in shaders/bsdf/fibre/fibre.glsl."""
     return max(math.sqrt(math.pi / 8) * (0.265 * beta_n + 1.194 * beta_n**2 + 5.372 * beta_n**22), 1e-3)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..scene.fibre import Fibre
-from .fibre import ABSORPTIONS, ANGLES, COSINES, HALF_ABSORPTION, fibre_table, variance
+from ..scene.fibre import Fibre, longitudinal_variance
+from .fibre import ABSORPTIONS, ANGLES, COSINES, HALF_ABSORPTION, fibre_table
 
 ORDERS = 5
 """Legendre moments of the inclination, from 0 on."""
@@ -68,13 +68,13 @@ def _inclined(fibre: Fibre) -> np.ndarray:
     Light from the inclination theta is seen by the next fibre from theta + shift: the scales tilt the lobes. M spreads
     it as a normal distribution on the sphere would, by which a moment of order l counts exp(-l (l + 1) v / 2) times.
     """
-    v = variance(fibre.beta_m) * np.array([1, 0.25, 4, 4])
+    v = longitudinal_variance(fibre.beta_m) * np.array([1, 0.25, 4, 4])
     shift = np.array([-2, 1, 4, 0]) * fibre.tilt
     sines, weights = np.polynomial.legendre.leggauss(64)
     orders = np.arange(ORDERS)
     after = np.polynomial.legendre.legvander(sines, ORDERS - 1) * weights[:, None]
     out = []
-    for variance_, angle in zip(v, shift, strict=True):
+    for variance, angle in zip(v, shift, strict=True):
         before = np.polynomial.legendre.legvander(np.sin(np.arcsin(sines) - angle), ORDERS - 1)
-        out.append(after.T @ before * (orders + 0.5) * np.exp(-0.5 * orders * (orders + 1) * variance_))
+        out.append(after.T @ before * (orders + 0.5) * np.exp(-0.5 * orders * (orders + 1) * variance))
     return np.stack(out)
