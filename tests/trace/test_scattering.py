@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from pictures import halves, picture
-from shapes import WHITE, constant, moved, orthographic, plate, scene, sphere
+from shapes import WHITE, constant, facing_floor, moved, orthographic, plate, scene, sphere
 from slab import slab_radiance
 
 from viewer.scene.camera import Camera
@@ -178,6 +178,22 @@ def test_both_intersectors_trace_the_same(context, everything_in_fog):
         tracer.release()
     assert np.median(np.abs(pictures[0] - pictures[1])) < 1e-4  # rounding sends few paths another way
     assert pictures[0].mean() == pytest.approx(pictures[1].mean(), rel=0.01)
+
+
+@pytest.mark.parametrize("intersector", ["embree", "bvh"])
+def test_shadow_rays_cross_mirrored_solids(context, intersector):
+    """The sun on a floor behind a medium, whose mesh is placed by a matrix of either hand."""
+    from viewer.trace.tracer import Tracer
+
+    medium = fog(1.0, 1e-4)
+    tracer = Tracer(context, intersector=intersector)
+    for scale in ((1.0, 1.0, 1.0), (-1.0, 1.0, 1.0)):
+        model = scene((box((1.0, 1.0, 1.0)), moved((0, 0, 0), scale)), (plate(1, 3.0), facing_floor(y=-1.5)),
+                      materials=[medium, WHITE], lights=(Light("directional", intensity=3.0, direction=(0, -1, 0)),))
+        beneath = Camera.look_at((0, -1.2, 2.5), (0, -1.5, 0), fov_y=0.05)
+        pixels = picture(tracer, model, beneath, (8, 8), spp=4)
+        assert pixels[..., :3].mean() == pytest.approx(3 / np.pi * np.exp(-2 * medium.medium.sigma_t[0]), rel=0.03)
+    tracer.release()
 
 
 def test_a_scene_without_scattering_has_no_code_for_it(everything_in_fog):

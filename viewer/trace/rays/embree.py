@@ -54,7 +54,7 @@ class EmbreeIntersector:
         self.name = "embree " + ".".join(embreex.__version__.split(".")[:2])
         self._triangles = _Triangles(geometry)
         self._is_see_through = np.array([instance.see_through for instance in geometry.instances], bool)
-        self._open_back = _open_backs(geometry)
+        self._hand, self._open_back = _backs(geometry)
         self._coverage: SeeThrough | None = None
         if self._is_see_through.any():
             if surfaces is None:
@@ -116,7 +116,7 @@ class EmbreeIntersector:
         if not self._triangles.are_those_of(geometry):
             self._triangles = _Triangles(geometry)
         self._is_see_through = np.array([instance.see_through for instance in geometry.instances], bool)
-        self._open_back = _open_backs(geometry)
+        self._hand, self._open_back = _backs(geometry)
         self._media = ShadowMedia(geometry) if geometry.scatters else None
         if geometry.curves is None:
             self._curves = None
@@ -136,7 +136,7 @@ class EmbreeIntersector:
         return free
 
     def _free_of_triangles(self, origins: NDArray, vectors: NDArray, sees_backs: bool) -> NDArray[np.bool_]:
-        sees_backs = sees_backs and bool((self._open_back != 0).any())
+        sees_backs = sees_backs and bool(self._open_back.any())
         if self._coverage is None and not sees_backs:
             return ~self._triangles.occluded(origins, vectors)
         # One layer at a time: Embree finds the nearest triangle, and the shaders decide whether the ray passes it. (To
@@ -167,8 +167,12 @@ class EmbreeIntersector:
                         vectors: NDArray) -> NDArray[np.bool_]:
         """Whether a shadow ray to the camera comes to the front of a single-sided surface, whose back the rays of the
         camera pass, (N,)."""
-        instances = np.minimum(hits[:, 0] & INSTANCE_MASK, len(self._open_back) - 1)  # of misses: any
-        return np.einsum("ij,ij->i", found["Ng"], vectors) * self._open_back[instances] < 0
+        instances = np.minimum(instances_of(hits), len(self._open_back) - 1)  # of misses: any
+        return self._open_back[instances] & self._meets_front(found["Ng"], vectors, instances)
+
+    def _meets_front(self, normals: NDArray, vectors: NDArray, instances: NDArray) -> NDArray[np.bool_]:
+        """Whether rays, (N, 3), come to the front of what they hit; `normals` are Embree's, by the order of corners."""
+        return np.einsum("ij,ij->i", normals, vectors) * self._hand[instances] < 0
 
     def _transmittance(self, origins: NDArray, vectors: NDArray, nesting: NDArray, media: ShadowMedia,
                        sees_backs: bool) -> NDArray:
@@ -198,22 +202,22 @@ class EmbreeIntersector:
             (on,) = np.nonzero(passes)
             if not len(on):
                 break
-            normal = found["Ng"][on]
-            is_front = np.einsum("ij,ij->i", normal, vector[on]) < 0
-            normal = np.where(is_front[:, None], normal, -normal)  # on the side of the origin
-            after = media.cross(nesting[on], instances_of(hits[on]), is_front)
+            normal, instances = found["Ng"][on], instances_of(hits[on])
+            after = media.cross(nesting[on], instances, self._meets_front(normal, vector[on], instances))
             nesting = np.where(crosses[on], after, nesting[on])
-            start = offset_origin(start[on] + found["tfar"][on, None] * vector[on], -normal)
+            is_along = np.einsum("ij,ij->i", normal, vector[on]) > 0
+            beyond = np.where(is_along[:, None], normal, -normal)
+            start = offset_origin(start[on] + found["tfar"][on, None] * vector[on], beyond)
             pending, left, vector = pending[on], left[on], vector[on]
             begin = np.einsum("ij,ij->i", start - origins[pending], vector) / np.einsum("ij,ij->i", vector, vector)
             begin = begin.astype(np.float32)
         return light
 
 
-def _open_backs(geometry: TraceGeometry) -> NDArray[np.int8]:
-    """1 for each instance that rays of the camera pass from behind, -1 if it is mirrored; 0 for all others; (N,)."""
-    return np.array([instance.has_open_back * (-1 if instance.is_mirrored else 1) for instance in geometry.instances],
-                    np.int8)
+def _backs(geometry: TraceGeometry) -> tuple[NDArray[np.int8], NDArray[np.bool_]]:
+    """For each instance -1 if it is mirrored, else 1, and whether rays of the camera pass it from behind, (N,) each."""
+    return (np.array([-1 if instance.is_mirrored else 1 for instance in geometry.instances], np.int8),
+            np.array([instance.has_open_back for instance in geometry.instances], bool))
 
 
 class _Triangles:
