@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from shapes import constant, scene, sphere
 
 from viewer.raster.media_light import MediaLight
+from viewer.scene.environment import Environment
 from viewer.scene.light import Light
 from viewer.settings import Settings
 
@@ -44,3 +46,13 @@ def test_what_bakes_light_anew(renderer, bakes):
     assert bakes_for(model, replace(settings, fog=0.6)) == 1
     assert bakes_for(model.relit(lights=(replace(SUN, intensity=2.0),)), settings) == 1
     assert bakes_for(scene(sphere(segments=12), lights=(SUN,), environment=constant()), settings) == 1
+
+
+def test_media_follow_environments_whose_arrays_come_and_go(renderer, bakes):
+    """An array that is gone leaves its address to the next one."""
+    model, settings = scene(sphere(segments=8)), Settings.of(fog=0.5)
+    for k in range(1, 6):
+        sky = Environment("grey", np.full((4, 8, 3), k, np.float32))
+        renderer.draw(model.relit(environment=sky), model.framing_camera(1.0), settings, (8, 8))
+        del sky
+        assert len(bakes) == k

@@ -63,7 +63,7 @@ class MediaPass:
         self._take_volumes(scene)
         sky = environment.environment if environment is not None else None
         key = (fog_of(scene, settings), volume_medium(settings), plan.media.bake, plan.media.scatters_again,
-               plan.lights, plan.ambient, sky and (id(sky.source), sky.rotation, sky.intensity))
+               plan.lights, plan.ambient, sky and (environment, sky.rotation, sky.intensity))
         if self._scene is None or not scene.has_surfaces_of(self._scene):
             self._drop_lights(0)
         self._scene = scene
