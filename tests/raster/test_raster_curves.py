@@ -15,6 +15,7 @@ from viewer.plan.planner import plan_scene
 from viewer.plan.warnings import picture_warnings
 from viewer.scene.camera import Camera
 from viewer.scene.curves import Curves
+from viewer.scene.environment import Environment
 from viewer.scene.environment_presets import make_preset
 from viewer.scene.fibre import Fibre, sigma_a_of_color
 from viewer.scene.light import Light
@@ -309,3 +310,17 @@ def test_light_between_fibres_is_baked_anew_only_if_it_changes(radiance, rendere
     assert renderer._curves._light.held is held
     radiance(replace(model, lights=(Light("directional"),)), CAMERA, (16, 16))
     assert renderer._curves._light.held is not held
+
+
+def test_light_between_fibres_follows_environments_of_arrays(radiance, renderer):
+    """Arrays have no truth value when they are compared, and one that is gone may leave its address to the next."""
+    model = shown(bundle(WHITE))
+    for k in (1.0, 2.0, 4.0):
+        sky = Environment("grey", np.full((4, 8, 3), k, np.float32))
+        pixels = radiance(model.relit(environment=sky), CAMERA, (16, 16), background="none")
+        held = renderer._curves._light.held
+        np.testing.assert_allclose(pixels[6:10, 7:9, :3].mean(), k, rtol=0.06)
+        radiance(model.relit(environment=replace(sky)), CAMERA, (16, 16), background="none")
+        assert renderer._curves._light.held is held
+        radiance(model.relit(environment=replace(sky, rotation=1.0)), CAMERA, (16, 16), background="none")
+        assert renderer._curves._light.held is not held

@@ -36,9 +36,8 @@ def hair_medium(scene: Scene, settings: Settings) -> HairMedium:
 
 
 def light_key(plan: Plan, environment: EnvironmentLight | None) -> tuple[object, ...]:
-    """All else that the light depends on."""
-    sky = environment and (environment.environment.source, environment.environment.rotation,
-                           environment.environment.intensity)
+    """All else that the light depends on. Environments are compared by identity."""
+    sky = environment and (environment, environment.environment.rotation, environment.environment.intensity)
     return plan.lights, sky
 
 
