@@ -101,6 +101,8 @@ def test_materials_become_woven():
     assert part.materials[1].name == "b, c" and part.materials[1].alpha_mode == "blend"
     with pytest.raises(UsageError, match="^weave: there is no material '[^']+' in 'test'; "):
         woven(model, Settings.of(weave="plain,d"))
+    with pytest.raises(UsageError, match="in 'test'; none of its materials has a name$"):
+        woven(scene(plate(0)), Settings.of(weave="plain,d"))
     bare = scene(replace(plate(0), uvs=()), sphere(1), materials=[Material(name="a"), Material(name="b")])
     with pytest.raises(UsageError, match="has no texture coordinates, by which yarns are laid"):
         woven(bare, Settings.of(weave="plain"))

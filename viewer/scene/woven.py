@@ -46,8 +46,9 @@ def _shared(scene: Scene, weave: Weave, name: str) -> tuple[Material, ...]:
 def _materials(scene: Scene, weave: Weave, name: str) -> tuple[Material, ...]:
     names = [material.name for material in scene.materials]
     if name and name not in names:
-        listed = ", ".join(repr(known) for known in names if known) or "none has a name"
-        raise UsageError(f"weave: there is no material {name!r} in {scene.name!r}; there are {listed}")
+        listed = ", ".join(repr(known) for known in names if known)
+        raise UsageError(f"weave: there is no material {name!r} in {scene.name!r}; "
+                         + (f"there are {listed}" if listed else "none of its materials has a name"))
     chosen = {k for k, known in enumerate(names) if not name or known == name}
     for mesh in scene.meshes:
         if mesh.material in chosen and not mesh.uvs and mesh.topology == "triangles":
