@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import permutations
 
 import numpy as np
@@ -84,8 +85,9 @@ def test_pixels_that_are_no_numbers_count_as_black():
 
 def test_the_sentence_has_shares_of_the_relative_error():
     error = RasterError(0.0144, 0.01, 0.0196, 0.0064, 0.3, 24.0, 1.0, np.zeros((2, 2), np.float32))
-    assert str(error) == ("12 % from the truth (95 %: 10 to 14), of that brightness alone 30 %; 8 % without the worst "
-                          "1 % of the pixels")
+    assert str(error) == ("12 % from the truth (95 % sure: 10 to 14 %); 10 % with the right brightness, 8 % without "
+                          "the worst 1 % of the pixels")
+    assert "(95 % sure: at most 14 %; more seconds tell it better)" in str(replace(error, low=0.0))
     assert {"relmse", "low", "high", "relative", "trimmed_relmse", "samples", "seconds"} <= set(error.to_json())
 
 

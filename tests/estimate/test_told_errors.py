@@ -26,7 +26,7 @@ from viewer.trace.tracer import Tracer
 
 MODEL = SCENES / "spheres.glb"
 TELL = ("--size", "24", "--env", "furnace", "--tell-error=0.05")
-LINE = r"(.*): [\d.]+ % from the truth \(95 %: [\d.]+ to [\d.]+\), of that brightness alone [\d.]+ %; .*\n"
+LINE = r"(.*): [\d.]+ % from the truth \(95 % sure: .* %.*\); [\d.]+ % with the right brightness, .*\n"
 
 
 @pytest.fixture(scope="module")

@@ -48,7 +48,7 @@ class RasterError:
     low: float
     high: float
     trimmed: float
-    """The same without the pixels of the largest errors, TRIMMED of all."""
+    """The same without the pixels of the largest errors, TRIMMED of all; not more than `relmse`."""
     brightness: float
     """Share of relMSE that one factor for the whole picture would remove."""
     samples: float
@@ -68,11 +68,18 @@ class RasterError:
                 "trimmed_relmse": self.trimmed, "brightness": self.brightness, "samples": self.samples,
                 "seconds": self.seconds, "notes": list(self.notes)}
 
+    @property
+    def interval(self) -> str:
+        """The interval for the user, of which no error may be a part."""
+        high = percent(math.sqrt(self.high))
+        return f"{percent(math.sqrt(self.low))} to {high} %" if self.low > 0 else f"at most {high} %"
+
     def __str__(self) -> str:
-        ends = f"95 %: {percent(math.sqrt(self.low))} to {percent(math.sqrt(self.high))}"
+        more = "" if self.low > 0 else "; more seconds tell it better"
+        shared = percent(math.sqrt(self.relmse * (1 - self.brightness)))
         rest = f"{percent(math.sqrt(self.trimmed))} % without the worst {percent(TRIMMED)} % of the pixels"
-        return (f"{percent(self.relative)} % from the truth ({ends}), of that brightness alone "
-                f"{percent(self.brightness)} %; {rest}")
+        return (f"{percent(self.relative)} % from the truth (95 % sure: {self.interval}{more}); "
+                f"{shared} % with the right brightness, {rest}")
 
     def map_image(self) -> Image:
         """The map as a picture: `linear` is the relative error, and displayed it is black at 0 and pale at 100 %."""
@@ -109,7 +116,7 @@ def raster_error(raster: np.ndarray, groups: np.ndarray, mask: np.ndarray, sampl
     more = _WEIGHTS / math.sqrt(samples) * relmse
     low = max(min(value - _SURE * deviation for value, deviation in estimates) - more, 0.0)
     high = max(value + _SURE * deviation for value, deviation in estimates) + more
-    trimmed = min(max(_trimmed(apart, weights[0]), 0.0), high)
+    trimmed = min(max(_trimmed(apart, weights[0]), 0.0), relmse)
     share = _brightness(picture[mask].astype(np.float64), groups[:, mask].astype(np.float64), weights[0])
     errors = np.zeros(picture.shape, np.float32)
     errors[mask] = weights[0] * squared_error(apart)

@@ -90,9 +90,8 @@ class RestError:
             return ""
         if self.error is None:
             return "Tracing paths to tell the error …"
-        low, high = math.sqrt(self.error.low), math.sqrt(self.error.high)
-        return (f"{percent(self.error.relative)} % from the truth, ± {percent((high - low) / 2)} "
-                f"({self.error.samples:.0f} samples a pixel)")
+        return (f"{percent(self.error.relative)} % from the truth ({self.error.interval}), "
+                f"{self.error.samples:.0f} samples a pixel")
 
     def present(self, framebuffer: moderngl.Framebuffer) -> None:
         """Draw the map of the error into `framebuffer`."""
