@@ -132,7 +132,12 @@ def test_the_command_line_tells_it_and_writes_the_map(run, folder):
     (("--error-map", "m.png"), "--error-map needs --tell-error"),
     (("--tell-error", "--mode", "path"), "--tell-error is for pictures of the real-time modes"),
     (("--tell-error=2", "--time-budget", "2"), "--tell-error with --time-budget or --error"),
-    (("--tell-error", "--error-map", "m.jpg"), "the name of a map must end in .exr or .png"),
+    (("--tell-error", "--error-map", "m.jpg"), "--error-map m.jpg: the name of a map must end in .exr or .png"),
+    (("--tell-error", "--error-map", "./a.png"), "a.png: two outputs would be written to one file"),
+    (("--stats", "a.png"), "a.png: two outputs would be written to one file"),
+    (("second.glb", "-o", "out/", "--tell-error=1", "--error-map", "m.png"),
+     "--error-map m.png: several models need a folder, m.png/"),
+    (("--tell-error", "second.glb"), "'second.glb' is not a number; a MODEL after it needs --tell-error=SECONDS"),
     (("--tell-error", "--error-map", "no/m.png"), "no/m.png: the folder no does not exist"),
     (("--tell-error", "--turntable", "2", "-o", "b.webp"), "it tells the error of pictures, not of films"),
 ])

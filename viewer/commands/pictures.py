@@ -86,7 +86,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     from ..base.atomic import made_folders
     from ..jobs.assemble import make_camera, make_environment, make_scene, make_settings
     from ..jobs.film import check_film_options, make_film
-    from ..jobs.render_job import RenderJob, check_layers, check_output, output_paths
+    from ..jobs.render_job import RenderJob, check_apart, check_layers, check_output, output_paths
     from ..jobs.tell_error import check_tell_error, map_paths
 
     settings = make_settings(options)
@@ -98,6 +98,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     check_film_options(paths, options, chooses)
     check_tell_error(settings, options, paths, chooses)
     maps, map_folders = map_paths(models, options["error_map"])
+    check_apart([*paths, *maps, *([stats] if stats is not None else [])])
 
     def load(model: str) -> Any:
         scene = make_scene(model, environment, options)

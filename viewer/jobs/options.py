@@ -30,12 +30,12 @@ MAX_NUMBER = 1e18
 
 
 class Number(click.ParamType):
-    """A finite number from `low` to `high`, both included."""
+    """A finite number from `low` to `high`, both included. `hint` is added to the error for what is no number."""
 
     name = "number"
 
-    def __init__(self, low: float = -math.inf, high: float = math.inf) -> None:
-        self.low, self.high = low, high
+    def __init__(self, low: float = -math.inf, high: float = math.inf, hint: str = "") -> None:
+        self.low, self.high, self.hint = low, high, hint
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         try:
@@ -43,7 +43,7 @@ class Number(click.ParamType):
         except ValueError:
             number = math.nan
         if not math.isfinite(number):
-            self.fail(f"{value!r} is not a number.", param, ctx)
+            self.fail(f"{value!r} is not a number{self.hint}.", param, ctx)
         if not self.low <= number <= self.high:
             self.fail(f"{value} is not from {self.low:g} to {self.high:g}.", param, ctx)
         return number
@@ -200,7 +200,8 @@ PATH_OPTIONS = [
                       "an optional dependency)."),
 ]
 ERROR_OPTIONS = [
-    click.option("--tell-error", type=Number(*_ends("time_budget")), is_flag=False, flag_value=TELL_ERROR_S,
+    click.option("--tell-error", is_flag=False, flag_value=TELL_ERROR_S,
+                 type=Number(*_ends("time_budget"), hint="; a MODEL after it needs --tell-error=SECONDS"),
                  metavar="[SECONDS]",
                  help="Tell how far the picture of a real-time mode is from the truth, which so many seconds of path "
                       f"tracing show. Default: {TELL_ERROR_S:g}. A MODEL after it needs `--tell-error=SECONDS`."),

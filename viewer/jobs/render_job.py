@@ -176,11 +176,12 @@ class RenderJob:
         }
 
 
-def output_paths(models: Sequence[str], output: str) -> tuple[list[Path], list[Path]]:
+def output_paths(models: Sequence[str], output: str, option: str = "-o") -> tuple[list[Path], list[Path]]:
     """The path of each model's picture, and the folders that are made for them where they are missing.
 
     A picture is OUT itself, OUT with {name} replaced, or OUT/name.png if OUT is a folder or ends in "/". No folder is
-    made for OUT itself. Raises UsageError for a path that is not a picture's or that two models have.
+    made for OUT itself. Raises UsageError for a path that is not a picture's or that two models have; it names the
+    `option` of `output`.
     """
     names = [Path(model).stem for model in models]
     is_pattern = "{name}" in output
@@ -190,16 +191,16 @@ def output_paths(models: Sequence[str], output: str) -> tuple[list[Path], list[P
     elif is_folder:
         paths = [Path(output) / f"{name}.png" for name in names]
     elif len(models) > 1:
-        raise UsageError(f"-o {output}: several models need a folder, {output}/, or a pattern with {{name}}")
+        raise UsageError(f"{option} {output}: several models need a folder, {output}/, or a pattern with {{name}}")
     else:
         paths = [Path(output)]
     for path in paths:
         if path.suffix.lower() not in (*WRITABLE, *FILM_FORMATS):
-            raise UsageError(f"-o {path}: the name of a picture must end in one of {', '.join(WRITABLE)}; that of a "
-                             f"film in one of {', '.join(FILM_FORMATS)}; that of a folder in /")
+            raise UsageError(f"{option} {path}: the name of a picture must end in one of {', '.join(WRITABLE)}; that "
+                             f"of a film in one of {', '.join(FILM_FORMATS)}; that of a folder in /")
     twice = {str(path) for path in paths if paths.count(path) > 1}
     if twice:
-        raise UsageError(f"-o {output}: several models would be written to {', '.join(sorted(twice))}")
+        raise UsageError(f"{option} {output}: several models would be written to {', '.join(sorted(twice))}")
     return paths, list(dict.fromkeys(path.parent for path in paths)) if is_pattern or is_folder else []
 
 
@@ -215,6 +216,14 @@ def check_layers(names: Sequence[str], settings: Settings, paths: Sequence[Path]
     other = [path for path in paths if path.suffix.lower() != ".exr"]
     if names and other:
         raise UsageError(f"--aov with -o {other[0]}: only an .exr can store layers")
+
+
+def check_apart(paths: Sequence[str | Path]) -> None:
+    """Raises UsageError if two of these files are one."""
+    places = [Path(path).absolute() for path in paths]
+    for path, place in zip(paths, places, strict=True):
+        if places.count(place) > 1:
+            raise UsageError(f"{path}: two outputs would be written to one file")
 
 
 def check_output(path: str | Path) -> None:

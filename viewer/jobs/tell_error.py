@@ -34,8 +34,8 @@ def map_paths(models: Sequence[str], output: str | None) -> tuple[list[Path], li
     """The files of the maps of the error, one for each model or none, and folders, as `output_paths`."""
     if output is None:
         return [], []
-    paths, folders = output_paths(models, output)
-    wrong = [path for path in paths if path.suffix.lower() not in _MAPS]
-    if wrong:
-        raise UsageError(f"--error-map {wrong[0]}: the name of a map must end in {' or '.join(_MAPS)}")
-    return paths, folders
+    is_folder = output.endswith(("/", "\\")) or Path(output).is_dir()
+    if not is_folder and Path(output).suffix.lower() not in _MAPS:
+        raise UsageError(f"--error-map {output}: the name of a map must end in {' or '.join(_MAPS)}; that of a folder "
+                         "in /")
+    return output_paths(models, output, "--error-map")
