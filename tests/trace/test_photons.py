@@ -200,6 +200,16 @@ def test_each_third_pixel_gets_what_it_has_in_the_whole_picture(tracer):
     assert few.mean() == pytest.approx(whole.mean(), rel=0.05)
 
 
+def test_why_there_are_no_photons_is_told(tracer):
+    rough = replace(slab(POINT, 1.5), materials=(GREY, GREY))
+    for model, told in ((slab(POINT, 1.5), "ended before the first photons"), (rough, "no surface is smooth"),
+                        (replace(rough, lights=(), environment=constant()), "there is no point, spot or directional")):
+        path_render = tracer.begin(model, BELOW, Settings.of(mode="path", spp=1, caustics="photons"), (8, 8))
+        (line,) = sample_warnings(path_render.stats())
+        path_render.release()
+        assert told in line
+
+
 def test_light_behind_glass_is_measured(tracer):
     """From above, the floor that the slab lights is seen through the slab alone; from below, without it."""
     def share(camera: Camera) -> float:

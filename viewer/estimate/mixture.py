@@ -104,6 +104,10 @@ def _stats(first: dict[str, Any], second: dict[str, Any]) -> dict[str, Any]:
     added = {name: first[name] + second[name] for name in ("spp", "samples", "bad_samples", "rays", "trace_s")}
     errors = first["estimated_error"], second["estimated_error"]
     error = None if None in errors else math.hypot(*errors) / 2
+    if "photons" in first:
+        photons = [half["photons"] for half in (first, second)]
+        added |= {"photons": sum(photons) if all(photons) else 0,
+                  "bad_splats": first["bad_splats"] + second["bad_splats"]}
     return first | added | {"estimated_error": error, "rays_per_s": added["rays"] / max(added["trace_s"], 1e-9)}
 
 

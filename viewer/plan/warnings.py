@@ -79,6 +79,8 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
     return lines
 
 
+NO_PHOTONS = "photons: "
+"""Before the reason, in the plan of mode path, why there are none although the settings ask for them."""
 TOLD_SHARE = 0.01
 """Of the photons' light: less than this that is missing is told in the statistics alone."""
 
@@ -89,6 +91,12 @@ def sample_warnings(stats: Mapping[str, Any]) -> list[str]:
     if bad := stats.get("bad_samples", 0):
         every = bad + stats["samples"]
         lines.append(f"{bad} of {every} samples are left out of the picture, because their light could not be computed")
+    left_out = stats.get("plan", {}).get("left_out", ())
+    lines += [f"caustics has no effect: {line.removeprefix(NO_PHOTONS)}" for line in left_out
+              if line.startswith(NO_PHOTONS)]
+    if stats.get("photons") == 0:
+        lines.append("the picture ended before the first photons arrived: what lamps throw through smooth glass and "
+                     "off smooth mirrors is missing")
     if (share := stats.get("photons_behind_glass", 0.0)) >= TOLD_SHARE:
         lines.append(f"about {share:.0%} of the light that photons bring is seen only through smooth glass, and is not "
                      "in the picture")

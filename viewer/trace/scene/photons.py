@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...material.pack import DATA_ROLES
+from ...plan.warnings import NO_PHOTONS
 from ...scene.color import LUMINANCE
 from ...scene.light import Light
 from ...scene.material import ANISOTROPY
@@ -55,11 +56,11 @@ class Photons:
                                  "camera can hit them; caustics=photons finds it"]
             return
         if not lit:
-            self.left_out = ["photons: there is no point, spot or directional light"]
+            self.left_out = [f"{NO_PHOTONS}there is no point, spot or directional light"]
             return
         targets = delta_targets(geometry).grouped(max(min(MOST_TARGETS, _MOST_PAIRS // len(lit)), 1))
         if not len(targets.radius):
-            self.left_out = ["photons: no surface is smooth glass or a smooth mirror"]
+            self.left_out = [f"{NO_PHOTONS}no surface is smooth glass or a smooth mirror"]
             return
         self.count = len(targets.radius)
         texels, power = photon_pairs(lit, scene, targets, settings.light_radius / scene.radius)
