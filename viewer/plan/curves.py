@@ -65,14 +65,10 @@ def plan_curves(scene: Scene, settings: Settings, common: Mapping[str, int]) -> 
     else:
         fragment, shown = "raster/curve_phong.frag", bsdf_switches(settings)
         lit |= {name: shown[name] for name in ("SHOW_DIFFUSE", "SHOW_SPECULAR")}
-    shade = tuple(_program(fragment, lit | {"HAS_COLORS": int(has_colors(curves, settings))})
+    shade = tuple(Program.of(fragment, lit | {"HAS_COLORS": int(has_colors(curves, settings))})
                   for curves in scene.curves)
     own = 64 if drawn["YARN"] else 16
     size = sum(len(curves.points) * (own + 16 * has_colors(curves, settings)) for curves in scene.curves)
-    return CurvePlan(shade, _program("raster/curve_depth.frag", drawn | {"HAS_COLORS": 0}),
+    return CurvePlan(shade, Program.of("raster/curve_depth.frag", drawn | {"HAS_COLORS": 0}),
                      scatters_again, bool(drawn["YARN"]), sum(curves.strand_count for curves in scene.curves),
                      size / 1e6)
-
-
-def _program(fragment: str, switches: Mapping[str, int]) -> Program:
-    return Program(fragment, tuple(sorted(switches.items())))

@@ -73,9 +73,9 @@ def plan_media(scene: Scene, settings: Settings, common: Mapping[str, int]) -> M
     has_depth = switches["VOLUMES"] and common["LIGHT_COUNT"]
     droplets = any(medium.droplet_diameter > 0 for medium, is_there in (
         (fog_medium(settings), switches["FOG"]), (volume_medium(settings), switches["VOLUMES"])) if is_there)
-    return MediaPlan(_program("raster/media_march.frag", lit | {"SLICES": SLICES, "HAS_DROPLETS": int(droplets)}),
-                     _program("raster/media_bake.frag", lit | {"SKY_LIGHTS": SKY_LIGHTS}),
-                     _program("raster/volume_depth.frag", switches | lights) if has_depth else None,
+    return MediaPlan(Program.of("raster/media_march.frag", lit | {"SLICES": SLICES, "HAS_DROPLETS": int(droplets)}),
+                     Program.of("raster/media_bake.frag", lit | {"SKY_LIGHTS": SKY_LIGHTS}),
+                     Program.of("raster/volume_depth.frag", switches | lights) if has_depth else None,
                      settings.media_scattering == "multiple")
 
 
@@ -85,7 +85,3 @@ def _hides_light(scene: Scene, settings: Settings) -> bool:
     return bool(scene.curves) or any(
         mesh.topology == "triangles" and not (settings.mode == "pbr" and scene.materials[mesh.material].transmits)
         for mesh in meshes)
-
-
-def _program(fragment: str, switches: Mapping[str, int]) -> Program:
-    return Program(fragment, tuple(sorted(switches.items())))

@@ -30,6 +30,10 @@ class Program:
     fragment: str
     switches: tuple[tuple[str, int], ...]
 
+    @classmethod
+    def of(cls, fragment: str, switches: Mapping[str, int]) -> Program:
+        return cls(fragment, tuple(sorted(switches.items())))
+
     def __getitem__(self, name: str) -> int:
         return self._values[name]
 

@@ -206,7 +206,7 @@ def _draw(
             switches |= _phong_switches(material, settings)
     wanted, switches = switches, within_limit(switches)
     maps = tuple(name for name in maps if switches[f"{name.upper()}_MAP"])
-    program = Program(f"raster/{model}.frag", tuple(sorted(switches.items())))
+    program = Program.of(f"raster/{model}.frag", switches)
     transmits = features["HAS_TRANSMISSION"] * (1 + features["IS_SOLID"])
     return Draw(0, mesh_index, mesh.material, material, program, maps, attributes_of(switches), material.alpha_mode,
                 transmits, given_up=tuple(name for name in switches if switches[name] != wanted[name]))

@@ -18,7 +18,7 @@ def path_program(program: Program, has_bands: bool) -> Program:
     """Of the first rays through solid glass. `has_bands`: red, green and blue take rays of their own."""
     switches = {**dict(_geometry_switches(program)), "IS_ORTHOGRAPHIC": program["IS_ORTHOGRAPHIC"],
                 "DISPERSIVE": program["DISPERSIVE"], "BANDS": int(has_bands)}
-    return Program("raster/refraction_rays.frag", tuple(sorted(switches.items())))
+    return Program.of("raster/refraction_rays.frag", switches)
 
 
 def gathering_program(program: Program) -> Program:
@@ -28,7 +28,7 @@ def gathering_program(program: Program) -> Program:
     switches = dict(program.switches)
     switches |= {name: value for name, value in off.items() if name in switches}
     switches["LOOKUPS"] = min(switches["LOOKUPS"], 1)
-    return Program(program.fragment, tuple(sorted((switches | {"SAMPLES": 1, "SUBSURFACE": GATHERED}).items())))
+    return Program.of(program.fragment, switches | {"SAMPLES": 1, "SUBSURFACE": GATHERED})
 
 
 def shadow_program(draw: Draw) -> Program:
@@ -37,7 +37,7 @@ def shadow_program(draw: Draw) -> Program:
     chosen = {name: draw.program[name] if draw.alpha_mode != "opaque" else 0 for name in names}
     switches = no_switches() | {"HAS_NORMAL": 0} | chosen
     switches["UV_SETS"] = 1 << switches["BASE_COLOR_UV"] if switches["BASE_COLOR_MAP"] else 0
-    return Program("raster/shadow.frag", tuple(sorted(switches.items())))
+    return Program.of("raster/shadow.frag", switches)
 
 
 def _geometry_switches(program: Program) -> tuple[tuple[str, int], ...]:

@@ -114,25 +114,25 @@ def plan_trace(
     sky = {name: switches[name] for name in sky_names}
     classes = state | {name: switches[name] for name in ("HAS_VOLUME", "HAS_AIRLIGHT", "HAS_CURVES", "SAMPLING")}
     programs = {
-        "zero": _program("trace/zero.frag", {}),
-        "begin": _program("trace/generate.frag", first | {"BEGINS": 1}),
-        **({"track": _program("trace/track.frag", classes)} if switches["HAS_GRIDS"] else {}),
-        "classify": _program("trace/classify.frag", classes | {"FIRST_HITS": 0}),
-        "finish": _program("trace/finish.frag", first | sky),
-        "generate": _program("trace/generate.frag", first | {"BEGINS": 0}),
-        **{kind.name: _program(kind.file, switches | _switches_of(kind, settings, geometry))
+        "zero": Program.of("trace/zero.frag", {}),
+        "begin": Program.of("trace/generate.frag", first | {"BEGINS": 1}),
+        **({"track": Program.of("trace/track.frag", classes)} if switches["HAS_GRIDS"] else {}),
+        "classify": Program.of("trace/classify.frag", classes | {"FIRST_HITS": 0}),
+        "finish": Program.of("trace/finish.frag", first | sky),
+        "generate": Program.of("trace/generate.frag", first | {"BEGINS": 0}),
+        **{kind.name: Program.of(kind.file, switches | _switches_of(kind, settings, geometry))
            for kind in KINDS if kind in kinds},
-        **{name: _program(f"trace/{name}.frag", switches) for name, switch in _MEDIA.items() if switches[switch]},
-        "idle": _program("trace/idle.frag", {}),
-        "alive": _program("trace/alive.frag", state),
+        **{name: Program.of(f"trace/{name}.frag", switches) for name, switch in _MEDIA.items() if switches[switch]},
+        "idle": Program.of("trace/idle.frag", {}),
+        "alive": Program.of("trace/alive.frag", state),
     }
     if has_layers:
-        programs |= {"classify first hits": _program("trace/classify.frag", classes | {"FIRST_HITS": 1}),
-                     "layers": _program("trace/layers.frag", switches)}
+        programs |= {"classify first hits": Program.of("trace/classify.frag", classes | {"FIRST_HITS": 1}),
+                     "layers": Program.of("trace/layers.frag", switches)}
         if FIBRE in kinds:
-            programs["fibre layers"] = _program("trace/fibre_layers.frag", switches)
+            programs["fibre layers"] = Program.of("trace/fibre_layers.frag", switches)
         if switches["HAS_SCATTERING"]:
-            programs["medium layers"] = _program("trace/medium_layers.frag", classes)
+            programs["medium layers"] = Program.of("trace/medium_layers.frag", classes)
     has_photons = photons is not None and photons.count > 0
     lines = [*_left_out(scene, settings, geometry, switches, programs, has_layers, photons), *left_out]
     return TracePlan(programs, intersector, geometry.triangle_count, len(geometry.instances),
@@ -147,18 +147,18 @@ def _photon_programs(programs: Mapping[str, Program], switches: Mapping[str, int
     light = {"PHOTONS": 1, "HAS_CLEARANCE": 0}  # photons are connected at every collision
     first = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_GRIDS", "HAS_FOG",
                                                DISPERSION.switch, "LIGHT_RADIUS")}
-    shading = {name: _program(program.fragment, dict(program.switches) | light)
+    shading = {name: Program.of(program.fragment, dict(program.switches) | light)
                for name, program in programs.items() if name in {kind.name for kind in KINDS} | {"medium"}}
     return {
-        "begin": _program("trace/emit.frag", first | {"BEGINS": 1}),
+        "begin": Program.of("trace/emit.frag", first | {"BEGINS": 1}),
         **({"track": programs["track"]} if "track" in programs else {}),
-        "classify": _program("trace/classify.frag", dict(classes) | {"FIRST_HITS": 0, "HAS_AIRLIGHT": 0}),
-        "generate": _program("trace/emit.frag", first | {"BEGINS": 0}),
+        "classify": Program.of("trace/classify.frag", dict(classes) | {"FIRST_HITS": 0, "HAS_AIRLIGHT": 0}),
+        "generate": Program.of("trace/emit.frag", first | {"BEGINS": 0}),
         **shading,
         "idle": programs["idle"],
         "alive": programs["alive"],
-        "splat": _program("trace/splat.frag", dict(classes)),
-        **({"probe": _program("trace/probe.frag", dict(classes)), "weigh": _program("trace/weigh.frag", switches)}
+        "splat": Program.of("trace/splat.frag", dict(classes)),
+        **({"probe": Program.of("trace/probe.frag", dict(classes)), "weigh": Program.of("trace/weigh.frag", switches)}
            if "glass" in shading else {}),
     }
 
@@ -185,10 +185,6 @@ def _used(geometry: TraceGeometry, switches: Mapping[str, int]) -> tuple[str, ..
         lines.append(f"maps from {len(images)} image{'s' * (len(images) != 1)}, about "
                      f"{sum(4 * image.width * image.height for image in images) / 1e6:.3g} MB as pages of one texture")
     return tuple(lines)
-
-
-def _program(file: str, switches: Mapping[str, int]) -> Program:
-    return Program(file, tuple(sorted(switches.items())))
 
 
 def _left_out(
