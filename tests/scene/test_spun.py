@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from viewer.jobs.info import describe_scene
-from viewer.plan.warnings import picture_warnings
+from viewer.plan.unused import unused_settings
 from viewer.scene.curves import Curves
 from viewer.scene.fibre import Fibre, hair_fibre
 from viewer.scene.light import Light
@@ -81,6 +81,7 @@ def test_info_counts_plies_and_fibres() -> None:
 
 
 def test_settings_without_effect_are_said() -> None:
-    assert "there are no yarns, because there are no curves" in picture_warnings(Scene("none"), WOOL)
-    assert picture_warnings(SCENE.relit(lights=(Light("directional"),)), Settings.of(yarn_plies=2, yarn_hairs=0)) == [
-        "yarn_plies and yarn_hairs have no effect without yarn"]
+    assert unused_settings(Scene("none"), WOOL) == ["yarn has no effect: there are no curves"]
+    assert unused_settings(SCENE, Settings.of(yarn_plies=2, yarn_hairs=0)) == [
+        "yarn_plies and yarn_hairs have no effect: the setting yarn is off"]
+    assert unused_settings(SCENE, replace(WOOL, yarn_plies=2)) == []

@@ -9,7 +9,7 @@ import pytest
 from shapes import plate, scene, sphere
 
 from viewer.errors import InputError, UsageError
-from viewer.plan.warnings import picture_warnings
+from viewer.plan.unused import unused_settings
 from viewer.ranges import WEAVE_NAMES
 from viewer.scene.material import Material
 from viewer.scene.scene import Scene
@@ -110,5 +110,5 @@ def test_materials_become_woven():
 
 def test_a_scene_without_triangles_is_told_that_nothing_is_woven():
     settings = Settings(weave="denim")
-    assert picture_warnings(Scene("empty"), settings) == ["nothing is woven, because there are no triangles"]
-    assert not any("woven" in line for line in picture_warnings(scene(plate(0)), settings))
+    assert unused_settings(Scene("empty"), settings) == ["weave has no effect: there are no triangles"]
+    assert unused_settings(scene(plate(0)), settings) == []

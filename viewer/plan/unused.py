@@ -26,7 +26,9 @@ def _needs(scene: Scene, settings: Settings) -> Iterator[tuple[list[str], bool, 
     materials = [scene.materials[k] for k in {scene.meshes[instance.mesh].material for instance in scene.instances}]
     is_environment_shown = scene.environment is not None and settings.background == "env"
     has_solid_glass = any(material.transmits and material.thickness > 0 for material in materials)
-    yield [*_beginning("hair_"), "curve_radius"], bool(scene.curves), "there are no curves"
+    yield [*_beginning("hair_"), "curve_radius", "yarn"], bool(scene.curves), "there are no curves"
+    yield _beginning("yarn_"), settings.yarn != "off", "the setting yarn is off"
+    yield ["weave"], any(mesh.topology == "triangles" for mesh in scene.meshes), "there are no triangles"
     yield _beginning("volume_"), bool(scene.volumes), "there are no volumes"
     yield _beginning("fog_"), settings.fog > 0, "there is no fog"
     yield _beginning("media_"), has_media(scene, settings), "there are no fog and no volumes"

@@ -61,14 +61,6 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
     if len(scene.volumes) > MAX_VOLUMES and not is_traced:
         lines.append(f"only the first {MAX_VOLUMES} of {len(scene.volumes)} volumes are shown; mode path shows them "
                      "all")
-    if settings.weave != "off" and not any(mesh.topology == "triangles" for mesh in scene.meshes):
-        lines.append("nothing is woven, because there are no triangles")
-    if settings.yarn != "off" and not scene.curves:
-        lines.append("there are no yarns, because there are no curves")
-    numbers = ("yarn_plies", "yarn_fibres", "yarn_twist", "yarn_hairs")
-    given = [name for name in numbers if getattr(settings, name) is not None]
-    if settings.yarn == "off" and given:
-        lines.append(f"{' and '.join(given)} {'has' if len(given) == 1 else 'have'} no effect without yarn")
     if scene.curves and scene.instances and settings.mode == "pbr":
         if settings.ambient_occlusion != "off" and settings.environment_shadows == "off":
             lines.append("ambient_occlusion knows nothing of curves; environment_shadows does")
