@@ -125,8 +125,8 @@ def test_bcc(tmp_path):
     assert curves.kind == "catmull-rom" and scene.facts == {"format": "BCC", "comment": "made up"}
     steps = np.linalg.norm(np.diff(curves.points, axis=0), axis=1)
     np.testing.assert_allclose(curves.radii, (steps.sum() - steps[2]) / 10, rtol=1e-6)
-    assert scene.warnings == (f"the file has no radii; {curves.radii[0]:g} is taken, half the mean distance of "
-                              "neighbouring points",)
+    assert scene.warnings == (f"the file has no radii; {curves.radii[0]:g} is taken where no setting gives another, "
+                              "half the mean distance of neighbouring points",)
     assert only(bcc(tmp_path / "line.bcc", kind=b"PL")).kind == "linear"
 
 

@@ -64,7 +64,8 @@ def read_bcc(path: Path, data: bytes, warnings: list[str]) -> tuple[Curves, str]
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     steps[offsets[1:-1] - 1] = 0.0  # from the last point of a curve to the first of the next
     radius = float(steps.sum(dtype=np.float64)) / (2 * (count - strands)) or 1.0
-    warnings.append(f"the file has no radii; {radius:g} is taken, half the mean distance of neighbouring points")
+    warnings.append(f"the file has no radii; {radius:g} is taken where no setting gives another, half the mean "
+                    "distance of neighbouring points")
     return curves.with_radius(radius), text.split(b"\0")[0].decode("latin-1").strip()
 
 
