@@ -48,6 +48,7 @@ def wave(kind, count=9, closed=False, radius=0.02, **changes) -> Curves:
     ({"kind": "b-spline"}, "Curves: strand 0 has 3 points; at least 4 are needed for one that is b-spline"),
     ({"kind": "bezier"}, "Curves.kind is 'bezier', not one of linear, catmull-rom, b-spline"),
     ({"colors": POINTS[:2]}, "Curves.colors is (2, 3) float32, not (7, 3) float32"),
+    ({"points": POINTS[:0], "radii": [], "offsets": [0], "closed": []}, "Curves 'c': there are no strands"),
     ({"fibre": 3}, "Curves.fibre is of type int, not a Fibre"), ({"name": None}, "Curves.name is of type NoneType"),
 ])
 def test_what_is_no_curve_is_refused(changes, problem):

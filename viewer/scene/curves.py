@@ -67,6 +67,8 @@ class Curves:
         offsets = scene_array(self.offsets, "Curves.offsets", np.int64, None)
         if not len(offsets) or offsets[0] != 0 or offsets[-1] != count or (np.diff(offsets) < 0).any():
             raise UsageError(f"Curves.offsets must rise from 0 to {count}, the number of points")
+        if len(offsets) < 2:
+            raise UsageError(f"Curves {self.name!r}: there are no strands")
         self._set("offsets", offsets)
         self._set("closed", scene_array(self.closed, "Curves.closed", np.bool_, len(offsets) - 1))
         fewest = np.maximum(FEWEST_POINTS[self.kind] * ~self.closed, 3 * self.closed)
