@@ -84,7 +84,7 @@ def test_the_width_is_the_weaves() -> None:
     assert np.ptp(first) == pytest.approx(0.0095, rel=0.1)
 
 
-@pytest.mark.parametrize("repeats", [(0, 1), (1,), (1.5, 1)])
-def test_repeats_are_two_whole_numbers(repeats: tuple) -> None:
+@pytest.mark.parametrize("repeats", [(0, 1), (1,), (1.5, 1), 3])
+def test_repeats_are_two_whole_numbers(repeats: object) -> None:
     with pytest.raises(UsageError, match=r"they must be two whole numbers above 0$"):
         weave_yarns(WEAVES["plain"], repeats)

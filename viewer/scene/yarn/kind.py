@@ -8,14 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import UsageError
+from ...ranges import Range, Several
 from ..fibre import Fibre, sigma_a_of_color
 from ..medium import RGB
 
 PRESSED = 1.15
 """Plies press against each other: each is wider than high by this factor."""
-_RANGES = {"plies": (1, 8), "fibres": (1, 4096), "twist": (-60, 60), "fibre_twist": (-60, 60), "radius": (1e-4, 0.5),
-           "beta": (0, 10), "epsilon": (0, 0.5), "lowest": (0, 1), "highest": (0, 1), "migration": (0, 10),
-           "loops": (0, 1), "loop_reach": (1, 3), "hairs": (0, 100), "hair_length": (0.01, 100), "hair_reach": (0, 10)}
+_RANGES = {"plies": Range(1, 8, is_whole=True), "fibres": Range(1, 4096, is_whole=True), "twist": Range(-60, 60),
+           "fibre_twist": Range(-60, 60), "radius": Range(1e-4, 0.5), "color": Several(0, 1),
+           "roughness": Several(0, 1, names="along,about"), "tilt": Range(-45, 45), "ior": Range(1, 3),
+           "beta": Range(0, 10), "epsilon": Range(0, 0.5), "lowest": Range(0, 1), "highest": Range(0, 1),
+           "migration": Range(0, 10), "loops": Range(0, 1), "loop_reach": Range(1, 3), "hairs": Range(0, 100),
+           "hair_length": Range(0.01, 100), "hair_reach": Range(0, 10)}
 
 
 @dataclass(frozen=True)
@@ -58,12 +62,13 @@ class YarnKind:
     hair_reach: float = 0.5
 
     def __post_init__(self) -> None:
-        for name, (low, high) in _RANGES.items():
+        for name, valid in _RANGES.items():
             value = getattr(self, name)
-            if not low <= value <= high:
-                raise UsageError(f"YarnKind.{name} is {value}, not a number from {low:g} to {high:g}")
+            object.__setattr__(self, name, valid.number(value, f"YarnKind.{name} is {value!r}: it"))
         if self.lowest > self.highest:
             raise UsageError(f"YarnKind.lowest is {self.lowest}, above the highest, {self.highest}")
+        if self.radius > self.ply_radius:
+            raise UsageError(f"YarnKind.radius is {self.radius}, above that of a ply, {self.ply_radius:.3g}")
 
     @property
     def ply_radius(self) -> float:

@@ -86,7 +86,8 @@ def weave_fibres(weave: Weave, kind: YarnKind, repeats: tuple[int, int] = (1, 1)
 
 
 def _check(repeats: tuple[int, int]) -> None:
-    if len(repeats) != 2 or any(not isinstance(count, int) or count < 1 for count in repeats):
+    is_pair = isinstance(repeats, (tuple, list)) and len(repeats) == 2
+    if not is_pair or any(not isinstance(count, int) or count < 1 for count in repeats):
         raise UsageError(f"repeats={repeats}: they must be two whole numbers above 0")
 
 
