@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import math
 import re
+import signal
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -110,7 +112,7 @@ def test_paths_show_what_the_raster_shows():
     assert path_settings(replace(raster, background=(1.0, 0.0, 0.0))).background == "none"
     assert error_notes(Settings(), ()) == ()
     notes = error_notes(Settings(shadows="off", media_scattering="single"), ("light through glass: none",))
-    assert [re.split(r" |:", note)[0] for note in notes] == ["shadows=off", "media-scattering=single", "not"]
+    assert [re.split(r" |:", note)[0] for note in notes] == ["shadows=off", "media-scattering=single", "counts"]
 
 
 def test_the_command_line_tells_it_and_writes_the_map(run, folder):
@@ -144,6 +146,17 @@ def test_the_command_line_tells_it_and_writes_the_map(run, folder):
 def test_what_it_cannot_tell_is_refused(run, folder, arguments, problem):
     outcome = run("render", MODEL, "-o", "a.png", "--size", "8", *arguments)
     assert outcome.status in (1, 2) and problem in outcome.error and names(folder) == []
+
+
+def test_ctrl_c_keeps_the_picture(run, folder, monkeypatch):
+    def interrupted(paths: PathGroups, seconds: float, wants_to_stop: Callable[[], bool]) -> None:
+        signal.raise_signal(signal.SIGINT)
+        assert wants_to_stop()
+
+    monkeypatch.setattr("viewer.estimate.measure.trace_for", interrupted)
+    outcome = run("render", MODEL, "-o", "a.png", *TELL, "--error-map", "m.png")
+    assert outcome.status == 130 and names(folder) == ["a.png"]
+    assert outcome.error == "a.png: stopped after the picture, before its error was known"
 
 
 def test_from_python(ball):

@@ -47,4 +47,4 @@ def error_notes(settings: Settings, missing: Sequence[str]) -> tuple[str, ...]:
     """Lines for the user: what of the error is there on purpose, and what paths miss, too."""
     meant = [f"{name.replace('_', '-')}={value}" for name, value in _MEANT.items() if getattr(settings, name) == value]
     return (*(f"{choice} leaves out light, which counts as error" for choice in meant),
-            *(f"not part of the error: {line}" for line in missing))
+            *(f"counts as error where the picture shows it: {line}" for line in missing))

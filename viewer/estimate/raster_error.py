@@ -57,7 +57,7 @@ class RasterError:
     map: np.ndarray = field(repr=False)
     """The relative error in the neighbourhood of each pixel, (H, W) float32; 0 beside the model."""
     notes: tuple[str, ...] = ()
-    """What of it is there on purpose, and what is not part of it, since paths do not find it."""
+    """What of it is there on purpose, and what paths do not find."""
 
     @property
     def relative(self) -> float:
@@ -75,7 +75,7 @@ class RasterError:
         return f"{percent(math.sqrt(self.low))} to {high} %" if self.low > 0 else f"at most {high} %"
 
     def __str__(self) -> str:
-        more = "" if self.low > 0 else "; more seconds tell it better"
+        more = "" if self.low > 0 or self.high == 0 else "; more seconds tell it better"
         shared = percent(math.sqrt(self.relmse * (1 - self.brightness)))
         rest = f"{percent(math.sqrt(self.trimmed))} % without the worst {percent(TRIMMED)} % of the pixels"
         return (f"{percent(self.relative)} % from the truth (95 % sure: {self.interval}{more}); "

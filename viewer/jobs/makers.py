@@ -72,6 +72,9 @@ class RasterMaker(PictureMaker):
             self.error = measure_error(self._tracer, renderer.read_radiance(), scene, camera, request.settings,
                                        request.size, seconds, lambda: stop_request.number is not None)
         self.stopped = stop_request.number
+        if self.stopped is not None:
+            when = "before its error was known" if self.error is None else "while its error was measured"
+            self.summary = f"the picture, {when}"
         if self.error is not None:
             self.stats["estimated_error"] = self.error.to_json()
 

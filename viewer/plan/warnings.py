@@ -89,7 +89,7 @@ def sample_warnings(stats: Mapping[str, Any]) -> list[str]:
     if stats.get("photons") == 0:
         lines.append("the picture ended before the first photons arrived: what lamps throw through smooth glass and "
                      "off smooth mirrors is missing")
-    if (share := stats.get("photons_behind_glass", 0.0)) >= TOLD_SHARE:
+    elif (share := stats.get("photons_behind_glass", 0.0)) >= TOLD_SHARE:
         lines.append(f"about {share:.0%} of the light that photons bring is seen only through smooth glass, and is not "
                      "in the picture")
     return lines
