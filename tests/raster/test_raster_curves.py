@@ -13,6 +13,7 @@ from shapes import plate, scene
 
 from viewer.plan.planner import plan_scene
 from viewer.plan.warnings import picture_warnings
+from viewer.raster import hair_light
 from viewer.scene.camera import Camera
 from viewer.scene.curves import Curves
 from viewer.scene.environment import Environment
@@ -324,3 +325,14 @@ def test_light_between_fibres_follows_environments_of_arrays(radiance, renderer)
         assert renderer._curves._light.held is held
         radiance(model.relit(environment=replace(sky, rotation=1.0)), CAMERA, (16, 16), background="none")
         assert renderer._curves._light.held is not held
+
+
+def test_colours_of_curves_are_not_looked_through_for_each_frame(radiance, monkeypatch):
+    looked, known = [], hair_light.mean_fibre
+    monkeypatch.setattr(hair_light, "mean_fibre", lambda *them: looked.append("") or known(*them))
+    model = shown(replace(bundle(WHITE), fibre=None, colors=np.full((1152, 3), 0.4)))
+    radiance(model, CAMERA, (16, 16))
+    radiance(model, replace(CAMERA, height=2.0), (16, 16))
+    assert len(looked) == 1
+    radiance(model, CAMERA, (16, 16), hair_color=(0.1, 0.1, 0.1))
+    assert len(looked) == 2

@@ -45,14 +45,14 @@ class HairLight:
 
 
 class HairMedium:
-    """The fibres of `grid` as a medium: all that does not depend on lights.
+    """The fibres of `grid`, all like `fibre`, as a medium: all that does not depend on lights.
 
     `hidden` (nz, ny, nx, 4) says how much they hide in a direction d, for light that has lost the share `kept`, the
     mean of `medium.kept`: a + b . d, with a in the first channel.
     """
 
     def __init__(self, grid: FibreGrid, fibre: Fibre) -> None:
-        self.grid, self.medium = grid, fibre_medium(fibre)
+        self.grid, self.fibre, self.medium = grid, fibre, fibre_medium(fibre)
         self.kept = float(self.medium.kept.mean())
         self._extinction = grid.density * np.float32(MEAN_SINE)
         self._axis, self._order = grid.moments()

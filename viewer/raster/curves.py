@@ -26,7 +26,7 @@ from ..settings import Settings
 from .curve_texture import curve_texture
 from .depth import Depth
 from .environment import EnvironmentLight
-from .hair_light import HairLight, hair_medium, light_key, mean_fibre, medium_key
+from .hair_light import HairLight, hair_medium, light_key, medium_key
 from .surfaces import bind_blocks
 from .yarns import TUBES, YarnBuffers
 
@@ -178,8 +178,8 @@ class CurvePass:
             if self._light.held is not None:
                 uniforms = uniforms | self._light.held.bind(frame)
             values = uniforms | self._of_fibre(curves.fibre or hair_fibre(settings), settings.mode)
-            if plan.curves.are_yarns and plan.curves.scatters_again:
-                mean = mean_fibre(frame.scene, settings)
+            if plan.curves.are_yarns and self._medium is not None:
+                mean = self._medium[1].fibre
                 values["u_mean_fibre"] = (*mean.sigma_a, color_fit(mean.beta_n))
             for part in self._parts(buffers, frame):
                 # What fragments write as their depth need not be the same to the last bit in two programs.

@@ -12,7 +12,7 @@ from ..bake.hair_light import HairMedium
 from ..plan.curves import has_colors
 from ..plan.model import Plan
 from ..scene.curves import Curves
-from ..scene.fibre import Fibre, hair_fibre, sigma_a_of_color
+from ..scene.fibre import Fibre, gives_color, hair_fibre, sigma_a_of_color
 from ..scene.frame import Frame
 from ..scene.scene import Scene
 from ..scene.yarn.spun import dense_curves, yarn_kind
@@ -25,9 +25,9 @@ _MOST = 6e4
 
 
 def medium_key(scene: Scene, settings: Settings) -> tuple[object, ...]:
-    """All that the medium depends on."""
+    """All that the medium depends on. It is worked out for each frame, and so without a look at the curves' points."""
     yarn = yarn_kind(settings) if settings.yarn != "off" else None
-    return scene.curves, yarn, mean_fibre(scene, settings)
+    return scene.curves, yarn, hair_fibre(settings), gives_color(settings)
 
 
 def hair_medium(scene: Scene, settings: Settings) -> HairMedium:
