@@ -1,4 +1,5 @@
-"""What the golden images show: a scene of assets/scenes or a file of assets/curves, its light and its settings."""
+"""What the golden images show: a scene of assets/scenes or a file of assets/curves or assets/volumes, its light and its
+settings."""
 
 from __future__ import annotations
 
@@ -21,8 +22,8 @@ SIZE = (112, 112)
 
 @dataclass(frozen=True)
 class Case:
-    """`scene` is a name of assets/scenes, or that of a file of assets/curves, with its ending. `environment` is "sides"
-    (below), a built-in one or None; `lights` come to the scene's own. Without `view` the
+    """`scene` is a name of assets/scenes, or that of a file of assets/curves or assets/volumes, with its ending.
+    `environment` is "sides" (below), a built-in one or None; `lights` come to the scene's own. Without `view` the
     scene's own camera, or the default one; `view` is "inside" (among the objects), "close" (what is refracted
     lies beside the picture) or "orthographic"."""
 
@@ -65,6 +66,10 @@ GRAZING = (Light.from_angles(np.radians(150), np.radians(25), 4.0), Light.from_a
 NEAR = Light("point", (1.0, 0.9, 0.6), 2.0, (-0.2, 0.6, 0.9), range=1.5)
 # Its shadows fall on several faces of the cube.
 FACES = Light("point", (1.0, 1.0, 1.0), 20.0, (0.3, 1.0, 0.4))
+# A low sun on the right, nearly behind what is seen: the left of a cloud lies in its own shadow.
+LOW_SUN = Light.from_angles(np.radians(140), np.radians(20), 8.0)
+# From behind the ball of the scene "lights", whose shadow the beam has in fog, too.
+BEAM = Light("spot", (1.0, 0.9, 0.7), 60.0, (-3.2, 1.2, -2.2), (0.63, -0.22, 0.75), inner_cone=0.2, outer_cone=0.3)
 
 CASES = [
     # Every scene of assets/scenes, ordered by environment: a renderer keeps the last one.
@@ -119,6 +124,10 @@ CASES = [
     Case("lights", "lights", None, settings={"exposure": 0.5}),
     Case("lights-inside", "lights", None, view="inside", lights=(NEAR,), settings={"shadows": "off", "exposure": 1.0}),
     Case("lights-point", "lights", None, lights=(FACES,), settings={"exposure": -1.0}),
+    Case("fog", "lights", None, lights=(BEAM,), settings={
+        "fog": 0.08, "fog_albedo": (0.95, 0.9, 0.8), "fog_g": 0.4, "exposure": 1.0}),
+    Case("cloud", "cloud.vdb", None, lights=(LOW_SUN,), settings={
+        "volume_density": 0.6, "volume_albedo": (0.99, 0.97, 0.9), "volume_g": 0.6, "exposure": 0.5}),
     Case("lines-points", "lines-points", None, settings={"background": (0.2, 0.2, 0.2)}),
 ]
 
@@ -149,5 +158,6 @@ def viewer_environment(name: str | None) -> Environment | None:
 
 @cache
 def _scene(name: str) -> Scene:
-    file = f"curves/{name}" if "." in name else f"scenes/{name}.glb"
+    folder = "volumes" if name.endswith(".vdb") else "curves"
+    file = f"{folder}/{name}" if "." in name else f"scenes/{name}.glb"
     return viewer.load(resource_folder("assets") / file, environment=None)
