@@ -100,6 +100,21 @@ MUTATIONS = [
              "vec2 t1 = vec2(cos(f.tilt), sin(f.tilt));", "vec2 t1 = vec2(cos(f.tilt), -sin(f.tilt));"),
     Mutation("light on hair at the middle of each fibre", "trace/fibre.frag",
              "float h = fibre_offset(vec3(0.0, 0.0, 1.0), wo);", "float h = 0.0;"),
+    Mutation("density of samples of hair twice what it is", "bsdf/fibre/fibre.glsl",
+             "return dot(fibre_chances(lobes), fibre_densities(lobes, wo, wi));",
+             "return 2.0 * dot(fibre_chances(lobes), fibre_densities(lobes, wo, wi));"),
+    Mutation("density of samples of hair as if all lobes were chosen alike", "bsdf/fibre/fibre.glsl",
+             "return dot(fibre_chances(lobes), fibre_densities(lobes, wo, wi));",
+             "return dot(vec4(0.25), fibre_densities(lobes, wo, wi));"),
+    Mutation("yarns of a weave do not hide light from each other in paths", "bsdf/weave/woven.glsl",
+             "return lean > slope * m.horizon ? 0.0 : clamp(1.0 + lean, 0.0, 1.0);", "return 1.0;"),
+    Mutation("yarns of a weave are straight in paths", "bsdf/weave/weave.glsl", "float bend = -along * shape.z;",
+             "float bend = 0.0;"),
+    Mutation("warp and weft exchanged in paths", "bsdf/weave/weave.glsl", "& 1) == 1) == is_front;",
+             "& 1) == 1) != is_front;"),
+    Mutation("density of what woven fibres mirror twice what it is", "bsdf/weave/woven.glsl",
+             "woven_weight(v, m.thickness, wo, wi), v.chance.y);",
+             "woven_weight(v, m.thickness, wo, wi), 2.0 * v.chance.y);"),
 ]
 
 

@@ -13,6 +13,7 @@ from shapes import WHITE, constant, facing_floor, moved, plate, scene, sphere
 import viewer
 from viewer.base.resources import resource_folder
 from viewer.scene.camera import Camera
+from viewer.scene.curves import Curves
 from viewer.scene.light import Light
 from viewer.scene.material import Material, Texture, UVTransform
 from viewer.scene.scene import Scene
@@ -301,10 +302,27 @@ def dispersive() -> tuple[Scene, Camera]:
 
 def hair() -> tuple[Scene, Camera]:
     """A tuft of fur on a floor, with its shadow, under a sun and light from all around."""
-    fur = viewer.load(resource_folder("assets") / "curves" / "fur.curves", environment=None).curves[0]
-    tuft = replace(fur, points=50.0 * fur.points, radii=50.0 * fur.radii)
     model = scene((plate(0, 3.0), facing_floor()), materials=[FLOOR], lights=(SUN,), environment=constant(0.4))
-    return replace(model, curves=(tuft,)), Camera.look_at((0.0, 1.6, 3.2), (0.1, 0.4, 0.0), fov_y=np.radians(28))
+    return replace(model, curves=(_tuft(),)), Camera.look_at((0.0, 1.6, 3.2), (0.1, 0.4, 0.0), fov_y=np.radians(28))
+
+
+def hair_lamp() -> tuple[Scene, Camera]:
+    """A tuft before a lamp, which is about as wide as the lobe of light that passes through fibres: samples of either
+    kind find it, so both densities count."""
+    lamp = Material(base_color=(0, 0, 0, 1), metallic=0.0, specular=0.0, emissive=(8.0, 7.2, 6.0))
+    model = scene((sphere(0, 16), moved((-1.2, 1.5, -1.5), 0.6)), materials=[lamp], environment=constant(0.3))
+    return replace(model, curves=(_tuft(),)), Camera.look_at((0.0, 1.6, 3.2), (0.1, 0.4, 0.0), fov_y=np.radians(22))
+
+
+def _tuft() -> Curves:
+    fur = viewer.load(resource_folder("assets") / "curves" / "fur.curves", environment=None).curves[0]
+    return replace(fur, points=50.0 * fur.points, radii=50.0 * fur.radii)
+
+
+def denim() -> tuple[Scene, Camera]:
+    """Woven cloth that hangs in folds, from near enough to see its yarns, under a sun and in an environment."""
+    cloth = viewer.load(resource_folder("assets") / "scenes" / "cloth.glb", environment=None)
+    return replace(cloth, environment=sides()), Camera.look_at((0.3, 1.6, 4.0), (0.22, 0.05, 0.35), fov_y=np.radians(9))
 
 
 def knitted() -> tuple[Scene, Camera]:
@@ -339,6 +357,9 @@ CASES = [
         "volume_emission": (0.2, 0.1, 0.0),
         "fog": 0.08, "fog_albedo": (0.9, 0.9, 0.9), "fog_g": 0.3, "fog_height": 0.8}),
     PathCase("hair", hair, spp=96, settings={"hair_melanin": (0.3, 0.2), "hair_roughness": (0.4, 0.3)}),
+    PathCase("hair-lamp", hair_lamp, settings={
+        "hair_melanin": (0.3, 0.2), "hair_roughness": (0.4, 0.3), "bounces": 2}),
+    PathCase("denim", denim, settings={"weave": "denim"}),
     PathCase("knitted", knitted, spp=48, settings={"yarn": "wool", "hair_color": (0.1, 0.05, 0.03)}),
     PathCase("interlaced", interlaced, spp=48, settings={"yarn": "cotton", "yarn_fibres": 8, "yarn_hairs": 0.1}),
     PathCase("dispersive", dispersive, spp=192),  # a path has one colour: more noise
