@@ -15,19 +15,26 @@ No parameter is fitted. Those of the BSDF follow from the fibres:
 | roughness | the variance of the lobe R along the fibre, half of whose deviation is that of the half vector |
 | thickness | the mean number of fibres across a yarn, by their number and radius |
 | through | random walks through a layer of that thickness of parallel white fibres, in diffuse light |
+
+`--frames` draws assets/scenes/cloth.glb instead, in the studio, in mode pbr: processor time of a frame without a weave and
+with each, one after the other in turn.
 """
 
 from __future__ import annotations
 
 import argparse
 import math
+import time
 from dataclasses import replace
 from pathlib import Path
+from statistics import median
 
 import numpy as np
 
+import viewer
 from viewer.gpu.call import call_glsl
 from viewer.gpu.context import open_context
+from viewer.raster.renderer import Renderer
 from viewer.scene.camera import Camera
 from viewer.scene.light import Light
 from viewer.scene.material import Material
@@ -40,6 +47,7 @@ from viewer.settings import Settings
 from viewer.trace.tracer import Tracer
 
 from . import tracing
+from .shot import REPOSITORY
 
 THICKNESS, FILLED = 3.0, 0.5
 WIDTH = 32
@@ -53,6 +61,9 @@ COLUMNS = {"weave": "weave", "fibres": "fibres:,", "mean": "mean", "pairs within
            "rms of pairs": "rms:.3f", "worst pair": "worst", "light along weft / warp: fibres": "axis_fibres:.2f",
            "BSDF": "axis_bsdf:.2f", "diagonals: fibres": "twist_fibres:.2f", "BSDF ": "twist_bsdf:.2f"}
 
+FRAMES = {"weave": "weave", "pixels": "size", "none, ms": "none:.0f", "msaa-4, ms": "msaa-4:.0f",
+          "ssaa-4, ms": "ssaa-4:.0f", "msaa-4, of plain": "share:.0f"}
+
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -60,7 +71,10 @@ def main() -> None:
     parser.add_argument("--spp", type=int, default=24)
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--results", type=Path, default=Path(__file__).parent / "results")
+    parser.add_argument("--frames", action="store_true", help="measure frames instead")
     options = parser.parse_args()
+    if options.frames:
+        return keep_frames(options.weaves, options.results)
     with open_context() as context:
         tracer = Tracer(context)
         rows = [compare(tracer, name, options.spp, options.repeats) for name in options.weaves]
@@ -70,6 +84,37 @@ def main() -> None:
             "Mean reflectance of red, green and blue over 20 pairs of directions, the BSDF's over the fibres'.", "",
             *tracing.table(rows, COLUMNS)]
     tracing.keep("weave", facts, rows, text, options.results)
+
+
+def keep_frames(weaves: list[str], results: Path) -> None:
+    with open_context() as context:
+        renderer, tracer = Renderer(context), Tracer(context)
+        rows = [row for size in (128, 256) for row in frames(renderer, ["off", *weaves], size, rounds=3)]
+        facts = tracing.conditions(tracer) | {"command": "python -m benchmarks.weave --frames"}
+        tracer.release()
+        renderer.release()
+    text = ["# Frames of woven cloth", "", "Median processor time of a frame, on all threads.", "",
+            *tracing.table(rows, FRAMES)]
+    tracing.keep("weave_frames", facts, rows, text, results)
+
+
+def frames(renderer: Renderer, weaves: list[str], size: int, rounds: int) -> list[dict[str, object]]:
+    """A row for each weave, with the medians of its frames by antialiasing, in ms. Each round draws every frame once."""
+    scene = viewer.load(REPOSITORY / "assets/scenes/cloth.glb", environment="studio")
+    camera = scene.framing_camera(1.0)
+    found: dict[tuple[str, str], list[float]] = {(weave, antialias): [] for weave in weaves
+                                                 for antialias in ("none", "msaa-4", "ssaa-4")}
+    for _ in range(rounds):
+        for (weave, antialias), times in found.items():
+            for is_measured in (False, True):  # the first frame makes anew what another picture has replaced
+                start = time.process_time()
+                renderer.display(scene, camera, Settings.of(weave=weave, antialias=antialias), (size, size))
+                if is_measured:
+                    times.append(1e3 * (time.process_time() - start))
+    plain = median(found[weaves[0], "msaa-4"])
+    return [{"weave": weave, "size": f"{size} x {size}", "share": median(found[weave, "msaa-4"]) / plain,
+             **{antialias: median(found[weave, antialias]) for antialias in ("none", "msaa-4", "ssaa-4")}}
+            for weave in weaves]
 
 
 def compare(tracer: Tracer, name: str, spp: int, repeats: int) -> dict[str, object]:

@@ -1,6 +1,7 @@
 // Radiance of a woven cloth in pbr.frag, which includes this file. The cloth is filtered: where a pixel covers more than
 // a tenth of a yarn, the mean over several places in it. Where it covers the whole draft, these are places of the draft,
 // the same for all pixels, so that nothing flickers; light is neither lost nor gained, since every place keeps it.
+#define WEAVE_HAS_GAPS (ALPHA_MODE == 2)
 #include "bsdf/weave/weave.glsl"
 #include "sample/lattice.glsl"
 
@@ -54,6 +55,11 @@ vec3 shade_woven(Point p, float occlusion, vec4 visible, inout float covered) {
     }
 #endif
 
+    WovenDeep deep[4]; // by `yarns` of weave_at
+    for (int k = 0; k < 4; ++k) {
+        vec4 yarn = u_weave_yarns[3 * (k & 1)], other = k < 2 ? vec4(0.0, 0.0, 0.0, 1.0) : u_weave_yarns[3 - 3 * (k & 1)];
+        deep[k] = woven_deep(yarn.rgb, yarn.a, other.rgb, other.a, wo.z);
+    }
     vec2 cells = (abs(x) + abs(y)) * u_weave_density;
     int places = max(cells.x, cells.y) > 0.1 ? WEAVE_PLACES : 1;
     int lookups = places > 1 ? 1 : WEAVE_LOOKUPS;
@@ -63,8 +69,9 @@ vec3 shade_woven(Point p, float occlusion, vec4 visible, inout float covered) {
     for (int k = 0; k < places; ++k) {
         vec3 place = vec3(v_uv0, 1.0);
         if (places > 1) place = weave_place(k, v_uv0, x, y);
-        Woven m = weave_at(place.xy, vec2(1.0, 0.0), dv, is_front);
-        WovenView v = woven_view(m, wo, u_weave_table);
+        int yarns;
+        Woven m = weave_at(place.xy, vec2(1.0, 0.0), dv, is_front, yarns);
+        WovenView v = woven_view(m, deep[yarns], wo, u_weave_table);
         straight += place.z * v.straight;
         vec3 sent = vec3(0.0);
         vec3 around = above;

@@ -1,6 +1,7 @@
 // Woven cloth: the yarns of bsdf/weave. Light goes straight on between them.
 #define TRANSMITS 1
 #define REFRACTS 0
+#define WEAVE_HAS_GAPS 1
 #include "bsdf/weave/weave.glsl"
 #if ANISOTROPIC
 #include "bsdf/anisotropy.glsl"
@@ -35,7 +36,8 @@ Bsdf bsdf_at(Interaction i, SurfaceMaterial m, vec3 wo, vec3 n_coat) {
     vec2 du, dv;
     weave_directions(tri, shading_frame(i, m.inputs), du, dv);
     Bsdf b;
-    b.woven = weave_at(i.uv0, du, dv, i.is_front);
+    int yarns;
+    b.woven = weave_at(i.uv0, du, dv, i.is_front, yarns);
     b.view = woven_view(b.woven, wo, u_weave_table);
     return b;
 }

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from shapes import constant, lopsided, orthographic, plate, scene
 
+from viewer.material.weave import _cells
 from viewer.scene.light import Light
+from viewer.scene.weave import Weave
 from viewer.settings import Settings
 from viewer.trace.tracer import Tracer
 
@@ -92,6 +95,35 @@ def test_fibres_shine_in_the_plane_across_them(radiance, weave):
     # Weft runs along x, warp along y
     assert seen(weft_above, 0.0, 0.7) > 4 * seen(weft_above, 0.7, 0.0)
     assert seen(warp_above, 0.7, 0.0) > 4 * seen(warp_above, 0.0, 0.7)
+
+
+@pytest.mark.parametrize("draft", [("110", "011", "101"), ("01111", "11011", "11110", "10111", "11101")])
+def test_the_draft_repeats_at_negative_texture_coordinates(pictures, weave, draft):
+    """Moved by 40 drafts of three yarns, by 24 of five, in texture coordinates: in the raster and by paths."""
+    moved = replace(plate(), uvs=(plate().uvs[0] - np.float32([4, 4]),))
+    name = weave({"width": 0.9}, draft)
+    here, there = (pictures(scene(mesh, lights=(SUN,)), orthographic(0.3, 0.4, 0.3), 1, weave=name, background="none")
+                   for mesh in (plate(), moved))
+    for a, b in zip(here, there):
+        assert a.std() > 0.05 * a.mean()
+        assert np.median(np.abs(a - b)) < 1e-3 * a.mean() and np.abs(a - b).mean() < 0.01 * a.mean()
+
+
+def test_cells_know_how_far_their_yarns_lie_above():
+    """Against counting, step by step, around each cell of a draft that is not square."""
+    draft = np.array([[c == "1" for c in row] for row in ("11010", "01101", "10110")])
+    cells = _cells(Weave(tuple(map(tuple, draft.tolist()))))
+    height, width = draft.shape
+
+    def run(y, x, dy, dx):
+        count = 0
+        while draft[(y + (count + 1) * dy) % height, (x + (count + 1) * dx) % width] == draft[y, x]:
+            count += 1
+        return count
+
+    for y, x in np.ndindex(height, width):
+        steps = run(y, x, 0, -1), run(y, x, 0, 1), run(y, x, -1, 0), run(y, x, 1, 0)
+        assert cells[y * width + x] == draft[y, x] + sum(n << 1 + 4 * k for k, n in enumerate(steps))
 
 
 @pytest.mark.parametrize("yarn", [{"thickness": 0, "width": 0.05}, {"roughness": 0.02, "bend": 60, "twist": 60},

@@ -33,7 +33,7 @@ def weave_table(weave: Weave) -> np.ndarray:
 
     A block of AZIMUTHS rows is a slice: warp first, by the sine of the fibres' rise, from 0 to that of `max_rise`. In
     it, row j is the azimuth pi j / (AZIMUTHS - 1) and column i the cosine (i / (COSINES - 1))^2. The first channel has
-    m. Between its nodes, too, it is hardly ever less than m, so that no light is created. The last row has a texel for
+    m, the second that of the next slice, so that one lookup has both. Between its nodes, too, it is hardly ever less than m, so that no light is created. The last row has a texel for
     each slice: the greatest exp(-T Lambda), what the greatest exp(-T Lambda) + m is above it, and the means of
     exp(-T Lambda) and m over the hemisphere, weighted by the cosine.
     """
@@ -57,6 +57,7 @@ def _table(yarns: list[tuple[float, float, float]]) -> np.ndarray:
     shares, statistics = zip(*(_yarn(alpha, thickness, rise) for alpha, thickness, rise in yarns))
     table = np.zeros((2 * SLICES * AZIMUTHS + 1, COSINES, 4), np.float32)
     table[:-1, :, 0] = np.concatenate(shares).reshape(-1, COSINES)
+    table[:-1 - AZIMUTHS, :, 1] = table[AZIMUTHS:-1, :, 0]
     table[-1] = np.concatenate(statistics)
     return table
 

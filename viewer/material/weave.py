@@ -44,15 +44,32 @@ class WeaveBinding:
 
 
 def _uniforms(weave: Weave) -> Iterator[tuple[str, object]]:
-    rows = [sum(above << k for k, above in enumerate(row)) for row in weave.draft]
     yarns = [(*yarn.color, yarn.through, *yarn.specular, yarn.thickness, yarn.roughness, math.radians(yarn.twist),
               math.radians(yarn.bend), yarn.width) for yarn in (weave.warp, weave.weft)]
-    yield "u_weave_size", (len(weave.draft[0]), len(rows))
+    yield "u_weave_size", (len(weave.draft[0]), len(weave.draft))
     yield "u_weave_density", weave.density
     yield "u_weave_flatness", weave.flatness
-    yield "u_weave_draft", np.array(rows + [0] * (MAX_SIDE - len(rows)), np.int32).tobytes()
+    yield "u_weave_cells", _cells(weave).tobytes()
     yield "u_weave_yarns", np.array(yarns, np.float32).tobytes()
     yield "u_weave_places", _places(weave).astype(np.float32).tobytes()
+
+
+def _cells(weave: Weave) -> np.ndarray:
+    """The cells of the draft, row by row, (MAX_SIDE^2,) int32: bit 0, whether the warp lies above; from bits 1 and 5 on,
+    how many cells before and after it along the weft have the same yarn above; from bits 9 and 13 on, along the warp."""
+    above = np.array(weave.draft)
+    cells = np.zeros(MAX_SIDE**2, np.int32)
+    for k, (y, x) in enumerate(np.ndindex(*above.shape)):
+        is_same = above == above[y, x]
+        (left, right), (down, up) = _run(is_same[y], x), _run(is_same[:, x], y)
+        cells[k] = above[y, x] | left << 1 | right << 5 | down << 9 | up << 13
+    return cells
+
+
+def _run(line: np.ndarray, place: int) -> tuple[int, int]:
+    """How many elements before and after a true one are true without a break. The line repeats."""
+    line = np.roll(line, -place)
+    return int(np.argmin(line[::-1])), int(np.argmin(line)) - 1
 
 
 def _places(weave: Weave) -> np.ndarray:
@@ -79,7 +96,5 @@ def _places(weave: Weave) -> np.ndarray:
 
 def _along(above: np.ndarray, y: int, x: int, axis: int) -> float:
     """The place of a cell's middle along the arc of its yarn, from 0 to 1. The draft repeats."""
-    line = np.roll(above[:, x] if axis == 0 else above[y], -(y if axis == 0 else x))
-    after = int(np.argmin(line))  # the first cell in which the yarn lies below
-    before = int(np.argmin(line[::-1]))
-    return (before + 0.5) / (before + after)
+    before, after = _run(above[:, x], y) if axis == 0 else _run(above[y], x)
+    return (before + 0.5) / (before + 1 + after)

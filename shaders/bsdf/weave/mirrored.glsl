@@ -11,9 +11,8 @@ float mirrored_share(sampler2D table, float slice, vec3 axis, vec3 w) {
     float first = min(floor(slice), float(2 * YARN_SLICES - 2)), rows = float(2 * YARN_SLICES * YARN_AZIMUTHS + 1);
     float column = sqrt(min(abs(w.z), 1.0)) * float(YARN_COSINES - 1) + 0.5;
     float row = first * float(YARN_AZIMUTHS) + azimuth * float(YARN_AZIMUTHS - 1) + 0.5;
-    float low = textureLod(table, vec2(column / float(YARN_COSINES), row / rows), 0.0).r;
-    float high = textureLod(table, vec2(column / float(YARN_COSINES), (row + float(YARN_AZIMUTHS)) / rows), 0.0).r;
-    return mix(low, high, slice - first);
+    vec2 found = textureLod(table, vec2(column / float(YARN_COSINES), row / rows), 0.0).rg; // this slice and the next
+    return mix(found.x, found.y, slice - first);
 }
 
 // Over all directions: the greatest share that goes straight on, what the greatest that does or is mirrored is above it;

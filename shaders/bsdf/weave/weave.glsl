@@ -8,30 +8,25 @@
 uniform sampler2D u_weave_table; // of mirrored.glsl
 uniform ivec2 u_weave_size;    // warp yarns, weft yarns of the draft
 uniform vec2 u_weave_density;  // warp yarns per unit of u, weft yarns per unit of v
-uniform int u_weave_draft[16]; // for each weft yarn, bits of the warp yarns that lie above
+// For each cell of the draft, four to an element: bit 0, whether the warp lies above; then, in four bits each, how many
+// cells before it and after it along the weft, and along the warp, have the same yarn above
+uniform ivec4 u_weave_cells[64];
 uniform vec2 u_weave_flatness; // height of a yarn over its width, of the warp and the weft
 // Of the warp and of the weft: albedo and the share through; specular share and thickness; alpha, twist, bend, width
 uniform vec4 u_weave_yarns[6];
 
-int weave_wrapped(int k, int size) {
-    k = k % size;
-    return k < 0 ? k + size : k;
-}
-
-// Whether the warp lies above in a cell; seen from behind, it is the other one.
-bool weave_is_warp(ivec2 cell, bool is_front) {
-    ivec2 c = ivec2(weave_wrapped(cell.x, u_weave_size.x), weave_wrapped(cell.y, u_weave_size.y));
-    return ((u_weave_draft[c.y] >> c.x & 1) == 1) == is_front;
+// Of the cell with this corner. By floats: what % gives of negative integers is undefined.
+int weave_cell(vec2 corner) {
+    ivec2 c = min(ivec2(mod(corner + 0.5, vec2(u_weave_size))), u_weave_size - 1);
+    int k = c.y * u_weave_size.x + c.x;
+    return u_weave_cells[k >> 2][k & 3];
 }
 
 // The place along the arc of the yarn that lies above, from -1 to 1; f is the place in the cell from 0 to 1
-float weave_along(ivec2 cell, bool is_warp, float f, bool is_front) {
-    ivec2 step = is_warp ? ivec2(0, 1) : ivec2(1, 0);
-    int size = is_warp ? u_weave_size.y : u_weave_size.x;
-    int before = 0, after = 0;
-    while (before < size && weave_is_warp(cell - step * (before + 1), is_front) == is_warp) ++before;
-    while (after < size && weave_is_warp(cell + step * (after + 1), is_front) == is_warp) ++after;
-    return 2.0 * (float(before) + f) / float(before + 1 + after) - 1.0;
+float weave_along(int cell, bool is_warp, float f) {
+    int runs = is_warp ? cell >> 9 : cell >> 1;
+    float before = float(runs & 15), after = float(runs >> 4 & 15);
+    return 2.0 * (before + f) / (before + 1.0 + after) - 1.0;
 }
 
 // The tangent of the angle to the cloth's normal below which light is hidden at `across` from 0 to 1 by the next yarn, a
@@ -62,31 +57,26 @@ Woven weave_yarn(bool is_warp, bool is_double, float along, float across, vec3 d
                  scattered.w, below.rgb, below.w, slice, weave_horizon(abs(across), shape.w) / flatness, vec2(-1.0));
 }
 
-// Between yarns, at `across` of the warp and the weft, above 1, in radii of each: light passes that does not meet their
-// cylinders. Light that does is scattered as the nearer yarn does.
-Woven weave_gap(vec2 across, vec2 dv) {
-    vec3 warp = vec3(normalize(dv), 0.0);
-    Woven m = weave_yarn(across.x < across.y, false, 0.0, 0.0, warp, vec3(-warp.y, warp.x, 0.0));
-    m.axis = warp;
-    m.gap = sqrt(max(across * across - 1.0, 0.0)) / u_weave_flatness;
-    return m;
-}
-
-// The cloth at texture coordinates; du and dv, unit vectors in the plane, are where these grow.
-Woven weave_at(vec2 uv, vec2 du, vec2 dv, bool is_front) {
-    vec2 place = uv * u_weave_density;
-    ivec2 cell = ivec2(floor(place));
-    vec2 f = place - floor(place), across = (2.0 * f - 1.0) / vec2(u_weave_yarns[2].w, u_weave_yarns[5].w);
-    bool is_warp = weave_is_warp(cell, is_front);
-    for (int k = 0; k < 2; ++k) { // the yarn above, then, beside it, the one below
-        float at = is_warp ? across.x : across.y;
-        if (abs(at) <= 1.0) {
-            float along = k > 0 ? 0.0 : weave_along(cell, is_warp, is_warp ? f.y : f.x, is_front);
-            vec3 direction = vec3(is_warp ? dv : du, 0.0), side = vec3(is_warp ? du : dv, 0.0);
-            bool is_double = k == 0 && abs(is_warp ? across.y : across.x) <= 1.0;
-            return weave_yarn(is_warp, is_double, along, at, direction, side);
-        }
-        is_warp = !is_warp;
+// The cloth at texture coordinates; du and dv, unit vectors in the plane, are where these grow. Seen from behind, it is the
+// other yarn that lies above. `yarns` is 0 for the warp, 1 for the weft, and 2 more where it lies over the other. All cases
+// share one call of weave_yarn, since pixels that are shaded together run the branches of all of them.
+Woven weave_at(vec2 uv, vec2 du, vec2 dv, bool is_front, out int yarns) {
+    vec2 place = uv * u_weave_density, corner = floor(place);
+    vec2 f = place - corner, across = (2.0 * f - 1.0) / vec2(u_weave_yarns[2].w, u_weave_yarns[5].w);
+    int cell = weave_cell(corner);
+    bvec2 meets = lessThanEqual(abs(across), vec2(1.0)); // the warp, the weft
+    bool is_warp = ((cell & 1) == 1) == is_front, is_gap = !any(meets), is_above = is_warp ? meets.x : meets.y;
+    float along = is_above ? weave_along(cell, is_warp, is_warp ? f.y : f.x) : 0.0; // beside it, the one below is straight
+    if (!is_above) is_warp = is_gap ? abs(across.x) < abs(across.y) : !is_warp;
+    yarns = (is_warp ? 0 : 1) + (all(meets) ? 2 : 0);
+    vec3 direction = vec3(is_warp ? dv : du, 0.0), side = vec3(is_warp ? du : dv, 0.0);
+    Woven m = weave_yarn(is_warp, all(meets), along, is_gap ? 0.0 : is_warp ? across.x : across.y, direction, side);
+#if WEAVE_HAS_GAPS
+    // Light passes that does not meet the cylinders about the gap; other light is scattered as the nearer yarn does.
+    if (is_gap) {
+        m.axis = vec3(dv, 0.0);
+        m.gap = sqrt(max(across * across - 1.0, 0.0)) / u_weave_flatness;
     }
-    return weave_gap(abs(across), dv);
+#endif
+    return m;
 }

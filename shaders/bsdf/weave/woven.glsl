@@ -40,6 +40,12 @@ struct Woven {
     vec2 gap;         // of a gap, such tangents of the yarns across the axis and along it; -1: no gap
 };
 
+// What depends on the yarns here and on |wo.z|, but not on how the fibres run: it is the same all over each yarn
+struct WovenDeep {
+    Depth depth;
+    vec3 back, through; // shares of the light that comes out on the side of wo and on the other one
+};
+
 // What depends on the place and on wo
 struct WovenView {
     Flakes flakes;
@@ -108,7 +114,16 @@ float woven_open(vec2 gap) {
     return 2.0 * INV_PI * (gap.x / r.x * atan(gap.y / r.x) + gap.y / r.y * atan(gap.x / r.y));
 }
 
-WovenView woven_view(Woven m, vec3 wo, sampler2D table) {
+WovenDeep woven_deep(vec3 color, float through, vec3 below, float below_through, float mu) {
+    WovenDeep deep;
+    deep.depth = depth_of(color, through);
+    depth_lay_over(deep.depth, depth_of(below, below_through));
+    depth_finish(deep.depth);
+    depth_albedo(deep.depth, mu, deep.back, deep.through);
+    return deep;
+}
+
+WovenView woven_view(Woven m, WovenDeep deep, vec3 wo, sampler2D table) {
     WovenView v;
     v.flakes = Flakes(m.axis, clamp(m.alpha, WOVEN_MIN_ALPHA, 1.0));
     v.Lambda = woven_lambda(v.flakes, wo);
@@ -132,17 +147,18 @@ WovenView woven_view(Woven m, vec3 wo, sampler2D table) {
         float away = 0.5 + 0.5 * (m.horizon * cosine - sine) / secant; // by the cosine to the yarn's normal
         v.here = away / max(1.0 - m.diffuse * (1.0 - away), 1e-6);
     }
-    v.depth = depth_of(m.diffuse, m.through);
-    depth_lay_over(v.depth, depth_of(m.below, m.below_through));
-    depth_finish(v.depth);
-    depth_albedo(v.depth, abs(wo.z), v.back, v.through);
+    v.depth = deep.depth;
     vec3 above = max(v.rest - v.least, 0.0) * m.diffuse;
-    v.back = v.least * (v.back + v.depth.least * v.seen * (v.here - 1.0)) + (1.0 - m.through) * above;
-    v.through = v.least * v.through + m.through * above;
+    v.back = v.least * (deep.back + v.depth.least * v.seen * (v.here - 1.0)) + (1.0 - m.through) * above;
+    v.through = v.least * deep.through + m.through * above;
     v.diffuse = v.back + v.through;
     v.chance = vec3(v.straight, luminance(m.specular) * v.mirrored, luminance(v.diffuse));
     v.chance /= max(v.chance.x + v.chance.y + v.chance.z, 1e-20);
     return v;
+}
+
+WovenView woven_view(Woven m, vec3 wo, sampler2D table) {
+    return woven_view(m, woven_deep(m.diffuse, m.through, m.below, m.below_through, abs(wo.z)), wo, table);
 }
 
 // f |cos| of the diffuse light
