@@ -16,8 +16,8 @@ No parameter is fitted. Those of the BSDF follow from the fibres:
 | thickness | the mean number of fibres across a yarn, by their number and radius |
 | through | random walks through a layer of that thickness of parallel white fibres, in diffuse light |
 
-`--frames` draws assets/scenes/cloth.glb instead, in the studio, in mode pbr: processor time of a frame without a weave and
-with each, one after the other in turn.
+`--frames` draws assets/scenes/cloth.glb instead, in the studio, in mode pbr: processor time of a frame without a weave
+and with each, one after the other in turn.
 """
 
 from __future__ import annotations
@@ -74,7 +74,8 @@ def main() -> None:
     parser.add_argument("--frames", action="store_true", help="measure frames instead")
     options = parser.parse_args()
     if options.frames:
-        return keep_frames(options.weaves, options.results)
+        keep_frames(options.weaves, options.results)
+        return
     with open_context() as context:
         tracer = Tracer(context)
         rows = [compare(tracer, name, options.spp, options.repeats) for name in options.weaves]
@@ -99,7 +100,7 @@ def keep_frames(weaves: list[str], results: Path) -> None:
 
 
 def frames(renderer: Renderer, weaves: list[str], size: int, rounds: int) -> list[dict[str, object]]:
-    """A row for each weave, with the medians of its frames by antialiasing, in ms. Each round draws every frame once."""
+    """A row for each weave, with the medians of its frames by antialiasing, in ms. Each round draws all of them."""
     scene = viewer.load(REPOSITORY / "assets/scenes/cloth.glb", environment="studio")
     camera = scene.framing_camera(1.0)
     found: dict[tuple[str, str], list[float]] = {(weave, antialias): [] for weave in weaves

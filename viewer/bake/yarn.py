@@ -32,10 +32,11 @@ def weave_table(weave: Weave) -> np.ndarray:
     """The table of both yarns, (2 SLICES AZIMUTHS + 1, COSINES, 4) float32.
 
     A block of AZIMUTHS rows is a slice: warp first, by the sine of the fibres' rise, from 0 to that of `max_rise`. In
-    it, row j is the azimuth pi j / (AZIMUTHS - 1) and column i the cosine (i / (COSINES - 1))^2. The first channel has
-    m, the second that of the next slice, so that one lookup has both. Between its nodes, too, it is hardly ever less than m, so that no light is created. The last row has a texel for
-    each slice: the greatest exp(-T Lambda), what the greatest exp(-T Lambda) + m is above it, and the means of
-    exp(-T Lambda) and m over the hemisphere, weighted by the cosine.
+    it, row j is the azimuth pi j / (AZIMUTHS - 1) and column i the cosine (i / (COSINES - 1))^2. The first channel
+    has m, the second that of the next slice, so that one lookup has both. Between its nodes, too, it is hardly ever
+    less than m, so that no light is created. The last row has a texel for each slice: the greatest exp(-T Lambda),
+    what the greatest exp(-T Lambda) + m is above it, and the means of exp(-T Lambda) and m over the hemisphere,
+    weighted by the cosine.
     """
     yarns = [(max(yarn.roughness, 0.02), yarn.thickness, max_rise(yarn)) for yarn in (weave.warp, weave.weft)]
     cache_key = key("weave", yarns)

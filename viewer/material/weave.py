@@ -55,8 +55,11 @@ def _uniforms(weave: Weave) -> Iterator[tuple[str, object]]:
 
 
 def _cells(weave: Weave) -> np.ndarray:
-    """The cells of the draft, row by row, (MAX_SIDE^2,) int32: bit 0, whether the warp lies above; from bits 1 and 5 on,
-    how many cells before and after it along the weft have the same yarn above; from bits 9 and 13 on, along the warp."""
+    """The cells of the draft, row by row, (MAX_SIDE^2,) int32.
+
+    Bit 0: whether the warp lies above. From bits 1 and 5 on: how many cells before and after it along the weft have the
+    same yarn above; from bits 9 and 13 on, along the warp.
+    """
     above = np.array(weave.draft)
     cells = np.zeros(MAX_SIDE**2, np.int32)
     for k, (y, x) in enumerate(np.ndindex(*above.shape)):
