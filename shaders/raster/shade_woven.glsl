@@ -1,7 +1,11 @@
 // Radiance of a woven cloth in pbr.frag, which includes this file. The cloth is filtered: where a pixel covers more than
 // a tenth of a yarn, the mean over several places in it. Where it covers the whole draft, these are places of the draft,
 // the same for all pixels, so that nothing flickers; light is neither lost nor gained, since every place keeps it.
-#define WEAVE_HAS_GAPS (ALPHA_MODE == 2)
+#if ALPHA_MODE == 2
+#define WEAVE_HAS_GAPS 1
+#else
+#define WEAVE_HAS_GAPS 0
+#endif
 #include "bsdf/weave/weave.glsl"
 #include "sample/lattice.glsl"
 
