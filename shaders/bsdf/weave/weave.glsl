@@ -65,7 +65,8 @@ Woven weave_at(vec2 uv, vec2 du, vec2 dv, bool is_front, out int yarns) {
     vec2 f = place - corner, across = (2.0 * f - 1.0) / vec2(u_weave_yarns[2].w, u_weave_yarns[5].w);
     int cell = weave_cell(corner);
     bvec2 meets = lessThanEqual(abs(across), vec2(1.0)); // the warp, the weft
-    bool is_warp = ((cell & 1) == 1) == is_front, is_gap = !any(meets), is_above = is_warp ? meets.x : meets.y;
+    bool is_warp = ((cell & 1) == 1) == is_front;
+    bool is_gap = !any(meets), is_above = is_warp ? meets.x : meets.y;
     float along = is_above ? weave_along(cell, is_warp, is_warp ? f.y : f.x) : 0.0; // beside it, the one below is straight
     if (!is_above) is_warp = is_gap ? abs(across.x) < abs(across.y) : !is_warp;
     yarns = (is_warp ? 0 : 1) + (all(meets) ? 2 : 0);
