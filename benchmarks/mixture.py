@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from statistics import median
+from typing import Any
 
 import numpy as np
 
@@ -36,7 +37,7 @@ _SEED = 1 << 21
 
 def main() -> None:
     options = _parse()
-    rows: list[dict[str, object]] = []
+    rows: list[dict[str, Any]] = []
     with open_context() as context, until_stopped():
         renderer, tracer = Renderer(context), Tracer(context)
         facts = tracing.conditions(tracer) | {"size": f"{options.size}x{options.size}", "reference":
@@ -53,7 +54,7 @@ def _scenes() -> list[str]:
     return [*models, *lamps, *NOISE]
 
 
-def _scene(renderer: Renderer, tracer: Tracer, name: str, options: argparse.Namespace) -> Iterator[dict[str, object]]:
+def _scene(renderer: Renderer, tracer: Tracer, name: str, options: argparse.Namespace) -> Iterator[dict[str, Any]]:
     scene, camera = load(name)
     size, plain = (options.size, options.size), Settings(mode="path")
     reference = np.stack([tracing.shoot(tracer, scene, camera, replace(
@@ -62,7 +63,7 @@ def _scene(renderer: Renderer, tracer: Tracer, name: str, options: argparse.Name
     for samples in SAMPLES:
         settings = replace(plain, spp=samples)
         raw = _relmse(tracing.shoot(tracer, scene, camera, settings, size).pixels, reference)
-        row: dict[str, object] = {"scene": name, "samples": samples, "raw": raw,
+        row: dict[str, Any] = {"scene": name, "samples": samples, "raw": raw,
                                   "raster alone": _relmse(alone, reference) / raw}
         fast = tracer.render(scene, camera, replace(settings, denoise="fast"), size)
         mixed = render_mixture(tracer, renderer, scene, camera, replace(settings, denoise="raster"), size)
@@ -76,12 +77,12 @@ def _relmse(picture: np.ndarray, reference: np.ndarray) -> float:
     return float((squared_error(picture - reference) / (reference.mean(axis=0) ** 2 + EPSILON)).mean())
 
 
-def _page(rows: list[dict[str, object]]) -> list[str]:
+def _page(rows: list[dict[str, Any]]) -> list[str]:
     summary = []
     for samples in SAMPLES:
         some = [row for row in rows if row["samples"] == samples]
         for method in METHODS:
-            shares = [float(row[method]) for row in some]  # type: ignore[arg-type]
+            shares = [float(row[method]) for row in some]
             worst = max(range(len(some)), key=shares.__getitem__)
             summary.append({"samples": samples, "method": method, "scenes": len(some), "median": median(shares),
                             "worst": shares[worst], "where": some[worst]["scene"]})

@@ -16,6 +16,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from statistics import median
+from typing import Any
 
 import numpy as np
 
@@ -39,7 +40,7 @@ MODELS = ("Fox", "DamagedHelmet", "GlassVaseFlowers", "ClearCoatTest", "SheenClo
           "AttenuationTest", "CesiumMilkTruck", "Duck", "BoxTextured", "AlphaBlendModeTest", "AnisotropyDiscTest")
 ENVIRONMENTS = ("studio", "lebombo_1k")
 LAMPS = ("LightsPunctualLamp:none", "noise/reflections", "noise/indirect")
-PICTURES: dict[str, dict[str, object]] = {
+PICTURES: dict[str, dict[str, Any]] = {
     "plain": {},
     "no antialiasing, ambient occlusion": {"antialias": "none", "ambient_occlusion": "gtao"},
     "shadows of the environment": {"antialias": "ssaa-4", "environment_shadows": "64"},
@@ -52,7 +53,7 @@ _SEED = 1 << 20
 
 def main() -> None:
     options = _parse()
-    rows: list[dict[str, object]] = []
+    rows: list[dict[str, Any]] = []
     with open_context() as context, until_stopped():
         renderer, tracer = Renderer(context), Tracer(context)
         facts = tracing.conditions(tracer) | {"size": f"{options.size}x{options.size}", "reference":
@@ -78,7 +79,7 @@ def load(name: str) -> tuple[Scene, Camera]:
     return scene, scene.framing_camera(1.0)
 
 
-def _scene(renderer: Renderer, tracer: Tracer, name: str, options: argparse.Namespace) -> Iterator[dict[str, object]]:
+def _scene(renderer: Renderer, tracer: Tracer, name: str, options: argparse.Namespace) -> Iterator[dict[str, Any]]:
     scene, camera = load(name)
     size = options.size, options.size
     settings = replace(path_settings(Settings()), spp=options.reference_spp)
@@ -109,14 +110,14 @@ def _true(picture: np.ndarray, reference: np.ndarray, mask: np.ndarray) -> tuple
     return float(errors.mean()), float(np.sort(errors)[:len(errors) - int(TRIMMED * len(errors))].mean())
 
 
-def _page(rows: list[dict[str, object]]) -> list[str]:
+def _page(rows: list[dict[str, Any]]) -> list[str]:
     summary = []
     for samples in SAMPLES:
         some = [row for row in rows if row["samples"] == samples]
         held = sum(bool(row["holds"]) for row in some)
-        ratios = [row["told"] / max(row["true"], 1e-9) for row in some]  # type: ignore[operator]
-        widths = [row["high"] / max(row["low"], 1e-3) for row in some]  # type: ignore[operator]
-        trims = [row["trimmed"] / max(row["true trimmed"], 1e-9) for row in some]  # type: ignore[operator]
+        ratios = [row["told"] / max(row["true"], 1e-9) for row in some]
+        widths = [row["high"] / max(row["low"], 1e-3) for row in some]
+        trims = [row["trimmed"] / max(row["true trimmed"], 1e-9) for row in some]
         summary.append({"samples": samples, "cases": len(some), "held": f"{held} ({held / max(len(some), 1):.0%})",
                         "told": median(ratios), "width": median(widths), "trimmed": median(trims)})
     columns = {"samples a pixel": "samples", "cases": "cases", "interval holds the truth": "held",
