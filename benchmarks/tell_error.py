@@ -13,32 +13,20 @@ import argparse
 import math
 import time
 from collections.abc import Iterator
-from dataclasses import replace
-from pathlib import Path
 from statistics import median
 from typing import Any
 
 import numpy as np
 
-import viewer
-from viewer.base.resources import resource_folder
-from viewer.estimate.neighbourhood import EPSILON
 from viewer.estimate.paths import PathGroups, path_settings
-from viewer.estimate.raster_error import TRIMMED, raster_error, squared_error
-from viewer.gpu.context import open_context
+from viewer.estimate.raster_error import TRIMMED, raster_error
 from viewer.raster.renderer import Renderer
-from viewer.scene.camera import Camera
-from viewer.scene.scene import Scene
 from viewer.settings import Settings
 from viewer.trace.tracer import Tracer
 
 from . import corpus, tracing
-from .machine import until_stopped
-from .shot import REPOSITORY
+from .against_paths import ENVIRONMENTS, MODELS, Row, compare, load, present, reference_of, relative_errors
 
-MODELS = ("Fox", "DamagedHelmet", "GlassVaseFlowers", "ClearCoatTest", "SheenCloth", "IridescenceSuzanne",
-          "AttenuationTest", "CesiumMilkTruck", "Duck", "BoxTextured", "AlphaBlendModeTest", "AnisotropyDiscTest")
-ENVIRONMENTS = ("studio", "lebombo_1k")
 LAMPS = ("LightsPunctualLamp:none", "noise/reflections", "noise/indirect")
 PICTURES: dict[str, dict[str, Any]] = {
     "plain": {},
@@ -47,44 +35,21 @@ PICTURES: dict[str, dict[str, Any]] = {
     "Phong": {"mode": "phong"},
 }
 SAMPLES = (8, 16, 32, 64)
-REFERENCES = 4
-_SEED = 1 << 20
 
 
 def main() -> None:
-    options = _parse()
-    rows: list[dict[str, Any]] = []
-    with open_context() as context, until_stopped():
-        renderer, tracer = Renderer(context), Tracer(context)
-        facts = tracing.conditions(tracer) | {"size": f"{options.size}x{options.size}", "reference":
-                                              f"{REFERENCES} times {options.reference_spp} samples a pixel"}
-        for name in options.scenes or _scenes():
-            rows += _scene(renderer, tracer, name, options)
-            tracing.keep("tell_error", facts, rows, _page(rows), options.results)
+    compare("tell_error", __doc__, _scenes(), _measure, _page)
 
 
 def _scenes() -> list[str]:
-    there = [f"{model}:{environment}" for model in corpus.present(MODELS) for environment in ENVIRONMENTS]
-    return there + [name for name in LAMPS if name.startswith("noise/") or corpus.present((name.partition(":")[0],))]
+    models = [f"{model}:{environment}" for model in corpus.present(MODELS) for environment in ENVIRONMENTS]
+    return models + present(LAMPS)
 
 
-def load(name: str) -> tuple[Scene, Camera]:
-    """A scene of assets/noise, or a model of the corpus and behind `:` its environment."""
-    if name.startswith("noise/"):
-        scene = viewer.load(resource_folder("assets") / f"{name}.glb", environment=None)
-        return scene, scene.cameras[0]
-    model, _, environment = name.partition(":")
-    spec = None if environment == "none" else corpus.environment(environment or "studio")
-    scene = viewer.load(corpus.model(model), spec)
-    return scene, scene.framing_camera(1.0)
-
-
-def _scene(renderer: Renderer, tracer: Tracer, name: str, options: argparse.Namespace) -> Iterator[dict[str, Any]]:
+def _measure(renderer: Renderer, tracer: Tracer, name: str, options: argparse.Namespace) -> Iterator[Row]:
     scene, camera = load(name)
     size = options.size, options.size
-    settings = replace(path_settings(Settings()), spp=options.reference_spp)
-    reference = np.stack([tracing.shoot(tracer, scene, camera, replace(settings, seed=_SEED + k), size).pixels
-                          for k in range(REFERENCES)])
+    reference = reference_of(tracer, scene, camera, path_settings(Settings()), options)
     pictures = {title: renderer.render(scene, camera, Settings.of(**changes), size).linear[..., :3]
                 for title, changes in PICTURES.items()}
     paths = PathGroups(tracer, scene, camera, Settings(), size)
@@ -104,13 +69,12 @@ def _scene(renderer: Renderer, tracer: Tracer, name: str, options: argparse.Name
 
 
 def _true(picture: np.ndarray, reference: np.ndarray, mask: np.ndarray) -> tuple[float, float]:
-    """relMSE, and without the worst pixels; on average the reference's noise adds nothing."""
-    truth = reference.mean(axis=0)[mask]
-    errors = (squared_error((picture - reference)[:, mask]) / (truth**2 + EPSILON)).mean(axis=-1)
+    """relMSE, and without the worst pixels."""
+    errors = relative_errors(picture[mask], reference[:, mask])
     return float(errors.mean()), float(np.sort(errors)[:len(errors) - int(TRIMMED * len(errors))].mean())
 
 
-def _page(rows: list[dict[str, Any]]) -> list[str]:
+def _page(rows: list[Row]) -> list[str]:
     summary = []
     for samples in SAMPLES:
         some = [row for row in rows if row["samples"] == samples]
@@ -129,16 +93,6 @@ def _page(rows: list[dict[str, Any]]) -> list[str]:
     return ["# The told error of pictures of the raster, against the true one", "",
             "Relative errors: the roots of relMSE.", "", *tracing.table(summary, columns), "",
             f"After {SAMPLES[-1]} samples a pixel:", "", *tracing.table(most, last)]
-
-
-def _parse() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.tell_error", description=__doc__)
-    parser.add_argument("scenes", nargs="*", metavar="SCENE",
-                        help="models of the corpus, as MODEL:ENVIRONMENT, or scenes of assets/, as noise/NAME")
-    parser.add_argument("--size", type=int, default=96, help="of the square pictures, in pixels (96)")
-    parser.add_argument("--reference-spp", type=int, default=128, help="samples a pixel of each reference (128)")
-    parser.add_argument("--results", type=Path, default=REPOSITORY / "benchmarks/results")
-    return parser.parse_args()
 
 
 if __name__ == "__main__":
