@@ -11,17 +11,13 @@
 // That factor; `side` is that of the light, as side_of gives it.
 vec3 adjoint(Hit hit, SurfaceMaterial m, vec3 wo, vec3 wi, out Interaction i, out float side) {
     i = interact(hit, wo);
-    mat3 frame = shading_frame(i, m.inputs);
-#if CLEARCOAT
-    vec3 n_coat = i.n_coat * frame;
-#else
-    const vec3 n_coat = vec3(0.0, 0.0, 1.0);
-#endif
+    mat3 frame;
+    vec3 local_wo;
+    Bsdf bsdf = bsdf_towards(i, m, wo, frame, local_wo);
     vec3 local_wi = wi * frame;
     side = side_of(i, wi, local_wi.z);
     if (side == 0.0) return vec3(0.0);
-    vec3 local_wo = wo * frame;
-    return bsdf_eval_pdf(bsdf_at(i, m, local_wo, n_coat), local_wo, local_wi).rgb
+    return bsdf_eval_pdf(bsdf, local_wo, local_wi).rgb
          * abs(dot(wo, i.n_geometric) / dot(wi, i.n_geometric));
 }
 
@@ -62,14 +58,10 @@ void main() {
         return;
     }
 
-    mat3 frame = shading_frame(i, m.inputs);
-    vec3 local_wi = wi * frame;
-#if CLEARCOAT
-    vec3 n_coat = i.n_coat * frame;
-#else
-    const vec3 n_coat = vec3(0.0, 0.0, 1.0);
-#endif
-    BsdfSample b = bsdf_sample(bsdf_at(i, m, local_wi, n_coat), local_wi, u_bsdf.xyz);
+    mat3 frame;
+    vec3 local_wi;
+    Bsdf bsdf = bsdf_towards(i, m, wi, frame, local_wi);
+    BsdfSample b = bsdf_sample(bsdf, local_wi, u_bsdf.xyz);
     vec3 next = normalize(frame * b.wi);
     float side = side_of(i, next, b.wi.z);
     bool is_delta = (b.flags & DELTA) != 0u;

@@ -40,6 +40,18 @@ mat3 shading_frame(Interaction i, MaterialInputs m) {
 #endif
 }
 
+// The BSDF for light that leaves by wo; and the frame in which it takes directions, with wo in that frame
+Bsdf bsdf_towards(Interaction i, SurfaceMaterial m, vec3 wo, out mat3 frame, out vec3 local_wo) {
+    frame = shading_frame(i, m.inputs);
+    local_wo = wo * frame;
+#if CLEARCOAT
+    vec3 n_coat = i.n_coat * frame;
+#else
+    const vec3 n_coat = vec3(0.0, 0.0, 1.0);
+#endif
+    return bsdf_at(i, m, local_wo, n_coat);
+}
+
 // The number of the medium, or the nesting of media, on a side of the surface, as side_of gives it
 int medium_at(Path p, Interaction i, SurfaceMaterial m, float side) {
 #if TRANSMITS
@@ -122,14 +134,9 @@ void main() {
         return;
     }
 
-    mat3 frame = shading_frame(i, m.inputs);
-    vec3 local_wo = wo * frame;
-#if CLEARCOAT
-    vec3 n_coat = i.n_coat * frame;
-#else
-    const vec3 n_coat = vec3(0.0, 0.0, 1.0);
-#endif
-    Bsdf bsdf = bsdf_at(i, m, local_wo, n_coat);
+    mat3 frame;
+    vec3 local_wo;
+    Bsdf bsdf = bsdf_towards(i, m, wo, frame, local_wo);
 #if HAS_LIGHTS
     LightSample light = sample_light(i.position, u_light.xyz);
     vec3 local_wi = light.direction * frame;
