@@ -10,9 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..gpu.context import Context
-from ..gpu.programs import Programs
-from ..image.display import DisplayPass
+from ..image.displayed import displayed
 from ..image.image import Image
 from ..scene.camera import Camera
 from ..scene.scene import Scene
@@ -79,7 +77,7 @@ def render_mixture(tracer: Tracer, renderer: Renderer, scene: Scene, camera: Cam
         linear[..., :3] = mixture(raster, linear[..., :3], first.count * second.count / count**2 * apart**2)
     stats = _stats(first.stats, second.stats) | {"denoised": "raster" if is_mixed else "off"}
     attributes = {"samples": f"{stats['spp']:g} a pixel"} | ({"denoised": "raster"} if is_mixed else {})
-    image = _displayed(tracer.context, linear, settings)
+    image = displayed(tracer.context, tracer.programs, linear, settings)
     return replace(image, stats={"prepare_s": {"scene": prepared}, **stats}, attributes=attributes)
 
 
@@ -109,21 +107,3 @@ def _stats(first: dict[str, Any], second: dict[str, Any]) -> dict[str, Any]:
         added |= {"photons": sum(photons) if all(photons) else 0,
                   "bad_splats": first["bad_splats"] + second["bad_splats"]}
     return first | added | {"estimated_error": error, "rays_per_s": added["rays"] / max(added["trace_s"], 1e-9)}
-
-
-def _displayed(context: Context, linear: np.ndarray, settings: Settings) -> Image:
-    """(H, W, 4), row 0 at the top, with the colour of the background and as displayed."""
-    height, width = linear.shape[:2]
-    context.make_current()
-    programs = Programs(context)
-    display = DisplayPass(context.gl, programs)
-    texture = context.gl.texture((width, height), 4, np.ascontiguousarray(linear[::-1], np.float32), dtype="f4")
-    target = display.target((width, height))
-    display.draw(texture, settings, target, 0)
-    shown = np.frombuffer(target.read(components=4), np.uint8).reshape(height, width, 4)[::-1]
-    context.gl.screen.use()
-    for thing in (texture, display, programs):
-        thing.release()
-    if isinstance(settings.background, tuple):
-        linear = linear + (1 - linear[..., 3:]) * np.array([*settings.background, 1], np.float32)
-    return Image(linear.astype(np.float32), np.ascontiguousarray(shown))
