@@ -139,6 +139,7 @@ def test_the_command_line_tells_it_and_writes_the_map(run, folder):
     (("--stats", "a.png"), "a.png: two outputs would be written to one file"),
     (("second.glb", "-o", "out/", "--tell-error=1", "--error-map", "m.png"),
      "--error-map m.png: several models need a folder, m.png/"),
+    (("--tell-error=-1",), "Invalid value for '--tell-error': -1 is not from 0.01 to 1e+06"),
     (("--tell-error", "second.glb"), "'second.glb' is not a number; a MODEL after it needs --tell-error=SECONDS"),
     (("--tell-error", "--error-map", "no/m.png"), "no/m.png: the folder no does not exist"),
     (("--tell-error", "--turntable", "2", "-o", "b.webp"), "it tells the error of pictures, not of films"),
@@ -157,6 +158,25 @@ def test_ctrl_c_keeps_the_picture(run, folder, monkeypatch):
     outcome = run("render", MODEL, "-o", "a.png", *TELL, "--error-map", "m.png")
     assert outcome.status == 130 and names(folder) == ["a.png"]
     assert outcome.error == "a.png: stopped after the picture, before its error was known"
+
+
+def test_a_failure_of_the_path_tracer_keeps_the_picture(run, folder, monkeypatch):
+    """And of another picture, told before, nothing is told again."""
+    begin, models = Tracer.begin, [SCENES / "emissive.glb", MODEL]
+
+    def without_spheres(tracer, scene, *arguments):
+        if (folder / "out/spheres.png").exists():
+            raise UsageError("the scene does not fit")
+        return begin(tracer, scene, *arguments)
+
+    monkeypatch.setattr(Tracer, "begin", without_spheres)
+    outcome = run("render", *models, "-o", "out/", *TELL, "--error-map", "out/{name}-map.png", "--stats", "s.json")
+    assert outcome.status == 1 and names(folder / "out") == ["emissive-map.png", "emissive.png", "spheres.png"]
+    told = "out/spheres.png is written, but how far it is from the truth is not known: the scene does not fit"
+    assert outcome.err.splitlines()[-1] == f"pbr-viewer: {told}"
+    first, second = json.loads((folder / "s.json").read_text())
+    assert "estimated_error" in first and "error" not in first
+    assert second["error"] == told and second["triangles"] > 0 and "estimated_error" not in second
 
 
 def test_from_python(ball):

@@ -55,7 +55,17 @@ def view(model: str, **options: Any) -> None:
                 playback=make_playback(model, scene, options))
 
 
-@click.command(short_help="Render pictures of models, without a screen.")
+class _Render(click.Command):
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """What is behind `--tell-error=` may be left out. So click takes a negative number there for an option."""
+        for option in self.params:
+            given = [arg.partition("=")[2] for arg in args if arg.startswith("--tell-error=-")]
+            if option.name == "tell_error" and given:
+                option.type.convert(given[0], option, ctx)
+        return super().parse_args(ctx, args)
+
+
+@click.command(short_help="Render pictures of models, without a screen.", cls=_Render)
 @click.argument("models", metavar="MODEL...", nargs=-1, required=True)
 @click.option("-o", "--output", required=True, metavar="OUT",
               help="The picture: .png .jpg .webp (as displayed), .exr (linear light). A film of what moves: .mp4 .webp "

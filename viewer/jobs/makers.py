@@ -47,6 +47,7 @@ class RasterMaker(PictureMaker):
         renderer = self._renderer
         renderer.times.clear()
         renderer.pass_ms.clear()
+        self.error = None
         is_linear = path.suffix.lower() == ".exr"
         image = (renderer.render if is_linear else renderer.display)(scene, camera, request.settings, request.size)
         assert renderer.plan is not None
@@ -54,17 +55,16 @@ class RasterMaker(PictureMaker):
         self.stats = {"prepare_s": dict(renderer.times), "pass_ms": dict(renderer.pass_ms),
                       "plan": renderer.plan.to_json()}
         self.texture_bytes = renderer.texture_bytes
-        if request.tell_error is not None:
-            self._tell_error(renderer, scene, camera, path, progress, request.tell_error)
         return image
 
-    def _tell_error(self, renderer: Renderer, scene: Scene, camera: Camera, path: Path, progress: Progress,
-                    seconds: float) -> None:
-        """Trace paths for so long. The first signal to stop ends it, without a figure if it comes too early for one."""
+    def tell_error(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> None:
+        """As `PictureMaker.tell_error`. The first signal to stop ends it, without a figure if it comes too early for
+        one."""
         from ..estimate.measure import measure_error
         from ..trace.tracer import Tracer
 
-        request = self._request
+        request, renderer, seconds = self._request, self._renderer, self._request.tell_error
+        assert renderer is not None and seconds is not None
         if self._tracer is None:
             self._tracer = Tracer(request.open(), use_cache=request.use_cache)
         progress.part(0.0, f"{path.name}: tracing paths for its error, {seconds:g} s")

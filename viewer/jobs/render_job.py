@@ -84,10 +84,11 @@ class RenderJob:
                 except (ContextError, UsageError):
                     raise
                 except (ViewerError, MemoryError) as error:
-                    text = f"{model}: out of memory" if isinstance(error, MemoryError) else str(error)
+                    text = f"{model}: {_words(error)}" if isinstance(error, MemoryError) else _words(error)
                     say_error(text)
-                    status, record = 1, {"model": model, "output": str(path), "error": text}
+                    record = {"model": model, "output": str(path), "error": text}
                 records.append(record)
+                status = 1 if "error" in record else status
                 if maker.stopped is not None:
                     status = Stopped(maker.stopped).exit_status
                     break
@@ -114,22 +115,37 @@ class RenderJob:
         rendered = time.perf_counter()
         if image is not None:
             image.save(path)
-        if maker.error is not None:
-            if not self.quiet:
-                for line in (str(maker.error), *(f"warning: {note}" for note in maker.error.notes)):
-                    say(f"{path}: {line}")
-            if path in self.error_maps:
-                maker.error.map_image().save(self.error_maps[path])
         saved = time.perf_counter()
+        failure = "" if view is None else self._tell_error(scene, view, path, progress, maker)
         seconds = {"load": loaded - start, "render": rendered - loaded, "save": saved - rendered,
-                   "total": saved - start}
+                   "total": time.perf_counter() - start}
         if self.verbose:
             times = ", ".join(f"{name} {value:.3f} s" for name, value in seconds.items())
             say(f"{path}: {times}; {maker.summary}")
         if maker.stopped is not None:
             done = f"{count} of {len(shots.frames)} frames" if shots else maker.summary
             say_error(f"{path}: stopped after {done}")
-        return self._record(model, path, scene, seconds, maker) | ({"frames": count} if shots else {})
+        record = self._record(model, path, scene, seconds, maker) | ({"frames": count} if shots else {})
+        return record | ({"error": failure} if failure else {})
+
+    def _tell_error(self, scene: Scene, camera: Camera, path: Path, progress: Progress, maker: PictureMaker) -> str:
+        """Tell the error of the picture at `path`, if that is asked for, and write its map. Returns why that failed,
+        as it was told to the user, or ""."""
+        if self.tell_error is None:
+            return ""
+        try:
+            maker.tell_error(scene, camera, path, progress)
+        except (ViewerError, MemoryError) as problem:
+            text = f"{path} is written, but how far it is from the truth is not known: {_words(problem)}"
+            say_error(text)
+            return text
+        error = maker.error
+        if error is not None and not self.quiet:
+            for line in (str(error), *(f"warning: {note}" for note in error.notes)):
+                say(f"{path}: {line}")
+        if error is not None and path in self.error_maps:
+            error.map_image().save(self.error_maps[path])
+        return ""
 
     @staticmethod
     def _frames(scene: Scene, film: Film, path: Path, progress: Progress, maker: PictureMaker) -> Iterator[Image]:
@@ -174,6 +190,10 @@ class RenderJob:
             "wall_s": seconds, **maker.stats, "warnings": list(scene.all_warnings),
             "memory": {"peak_rss_mb": peak_memory_mb(), "textures_mb": maker.texture_bytes / 1e6},
         }
+
+
+def _words(error: ViewerError | MemoryError) -> str:
+    return "out of memory" if isinstance(error, MemoryError) else str(error)
 
 
 def output_paths(models: Sequence[str], output: str, option: str = "-o") -> tuple[list[Path], list[Path]]:
