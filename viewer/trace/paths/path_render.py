@@ -69,8 +69,7 @@ class PathRender:
         self._photons: PhotonRender | None = None
         if photon_passes is not None:
             self._photons = PhotonRender(photon_passes, intersector, film, lambda: wavefront(False, True),
-                                         self._check_interval, math.prod(film.size) * settings.most_spp,
-                                         "glass" in plan.photons)
+                                         self._check_interval, "glass" in plan.photons)
         self._flush: Callable[[], None] = context.function("glFlush")
         self._layers, self._denoiser = layers, denoiser
         self._is_developed = False
@@ -80,6 +79,11 @@ class PathRender:
     def is_done(self) -> bool:
         """Whether the film has all the samples that were asked for."""
         return self._has_samples and not self._lacks_photons
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether every pixel has a sample, and the film photons if there are any."""
+        return bool(self.film.tile_errors()[..., 2].min() > 0) and (self._photons is None or self.film.photons > 0)
 
     @property
     def _has_samples(self) -> bool:
@@ -111,17 +115,17 @@ class PathRender:
         start = time.perf_counter()
         self._passes.context.make_current()
         while not self.is_done:
-            if not self._has_samples:
-                self._iterate()
-            if self._photons is not None and self._lacks_photons:
+            if self._photons is not None and self._photons.is_due(self._expected_samples, self._has_samples):
                 self._trace_photons(self._photons)
+            else:
+                self._iterate()
             if time.perf_counter() - start >= seconds:
                 break
         self.seconds += time.perf_counter() - start
 
     def _trace_photons(self, photons: PhotonRender) -> None:
         before = photons.rays, self.film.photons
-        photons.iterate()
+        photons.iterate(self._expected_samples)
         self.rays += photons.rays - before[0]
         if self.film.photons > before[1]:
             self._is_developed, self._shown = False, None

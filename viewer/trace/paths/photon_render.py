@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -14,20 +15,22 @@ from .photon_passes import PhotonPasses
 from .traced_wavefront import TracedWavefront
 from .wavefront import SUMS, Sums, Wavefront, Work
 
-ROUNDS = 8
-"""Rounds of a picture whose number of photons is known, if they are not too small or too large."""
 MOST_EACH = 4
 """Most photons of a texel in one round."""
+GROWTH = 0.5
+"""A round begins when the film lacks so many times its photons, and brings what it lacks. So there are few rounds, each
+of which waits for its longest paths, and the film never has much fewer photons than samples."""
 SEQUENCE = 1 << 16
 """Work of a sequence of random numbers (shaders/trace/emit.frag), in photons of a texel."""
+PROBED = 1 << 16
+"""So many photons tell how much of their light is behind glass."""
 
 
 class PhotonRender:
-    """Two wavefronts of photons take turns, as in `viewer.trace.paths.path_render.PathRender`. `most` is the number of
-    photons that the picture may have at last."""
+    """Two wavefronts of photons take turns, as in `viewer.trace.paths.path_render.PathRender`."""
 
     def __init__(self, passes: PhotonPasses, intersector: Intersector, film: Film,
-                 make_wavefront: Callable[[], Wavefront], check_interval: int, most: int, has_glass: bool) -> None:
+                 make_wavefront: Callable[[], Wavefront], check_interval: int, has_glass: bool) -> None:
         self.rays = 0
         self._passes, self._intersector, self._film = passes, intersector, film
         self._check_interval = check_interval
@@ -35,20 +38,32 @@ class PhotonRender:
         self._behind_glass = BehindGlass(passes, intersector, make_wavefront()) if has_glass else None
         self._splats = Sums(passes.context.gl, film.size, SUMS)
         self._flush: Callable[[], None] = passes.context.function("glFlush")
-        blocks = 2 * len(self._wavefronts[0].wavefront.is_busy)
-        self._each = min(max(most // (ROUNDS * blocks * TILE * TILE), 1), MOST_EACH)
-        self._round = blocks * TILE * TILE * self._each
-        self._issued = 0
+        self._round = 0
+        self._numbers = Numbers()
 
-    def iterate(self) -> None:
-        """Trace the rays of one wavefront while the other is shaded."""
+    @property
+    def _block_count(self) -> int:
+        """Of one wavefront."""
+        return len(self._wavefronts[0].wavefront.is_busy)
+
+    def is_due(self, samples: int, is_last: bool) -> bool:
+        """Whether to go on with a round, or to begin one for a film of so many samples; `is_last` says that it will get
+        no more. The first comes when there is a sample a pixel, about."""
+        if self._round:
+            return True
+        lacking = samples - self._film.photons
+        wanted = max(math.prod(self._film.size), GROWTH * self._film.photons)
+        return lacking >= (1 if is_last else min(wanted, 2 * self._block_count * TILE * TILE * MOST_EACH))
+
+    def iterate(self, samples: int) -> None:
+        """Trace the rays of one wavefront while the other is shaded. A round that begins brings as many photons as a
+        film of so many samples lacks, if they fit."""
         first, second = self._wavefronts
-        if not (first.is_busy or second.is_busy or second.answer):
-            for traced in self._wavefronts:
-                self._begin(traced)
+        if not self._round:
+            self._begin(samples - self._film.photons)
         if first.iterations % self._check_interval == 0 and first.is_busy and first.iterations:
             first.wavefront.is_busy[:] = self._passes.find_alive(first.wavefront)
-        probe = self._behind_glass if self._film.photons == 0 and second.answer is not None else None
+        probe = self._behind_glass if self._film.photons < PROBED and second.answer is not None else None
         rays = self._intersector.fetch(first.wavefront) if first.is_busy else None
         if second.answer is not None:
             self._intersector.store(second.wavefront, second.answer)
@@ -65,17 +80,20 @@ class PhotonRender:
         if not (first.is_busy or second.is_busy or first.answer):
             self._film.add_photons(self._splats, self._round)
             self._splats.framebuffer.clear()
+            self._round = 0
 
-    def _begin(self, traced: TracedWavefront) -> None:
-        blocks = np.arange(len(traced.wavefront.is_busy))
-        work = []
-        for _ in blocks:
-            sequence, first = divmod(self._issued, SEQUENCE // self._each * self._each)
-            work.append(Work(sequence, 0, first, self._each))
-            self._issued += self._each
-        traced.wavefront.assign(blocks, work)
-        traced.iterations = 0
-        self._passes.begin(traced.wavefront, blocks)
+    def _begin(self, lacking: int) -> None:
+        """Begin a round of about so many photons, in whole blocks."""
+        wanted = -(-lacking // (TILE * TILE))
+        each = min(max(-(-wanted // (2 * self._block_count)), 1), MOST_EACH)
+        count = min(max(-(-wanted // each), 1), 2 * self._block_count)
+        for traced, part in zip(self._wavefronts, (count - count // 2, count // 2), strict=True):
+            blocks = np.arange(part)
+            traced.iterations = 0
+            if part:
+                traced.wavefront.assign(blocks, [self._numbers.next(each) for _ in blocks])
+                self._passes.begin(traced.wavefront, blocks)
+        self._round = count * TILE * TILE * each
 
     @property
     def behind_glass(self) -> float:
@@ -88,3 +106,18 @@ class PhotonRender:
         for traced in self._wavefronts:
             traced.wavefront.release()
         self._splats.release()
+
+
+class Numbers:
+    """Hands out random numbers: each work item has those of `each` photons of a texel, which no other has."""
+
+    def __init__(self) -> None:
+        self._sequence = self._first = 0
+
+    def next(self, each: int) -> Work:
+        """All of one sequence: if it has less than `each` left, they are not used."""
+        if self._first + each > SEQUENCE:
+            self._sequence, self._first = self._sequence + 1, 0
+        work = Work(self._sequence, 0, self._first, each)
+        self._first += each
+        return work

@@ -24,14 +24,15 @@ def run(path_render: PathRender, started: float, report: Report | None = None,
     """Trace samples until the settings are met or `wants_to_stop()` is true.
 
     The time budget began at `started`, by time.perf_counter. `reserve` seconds of it are left for what follows. The
-    budget may be exceeded until every pixel has a sample, and by half an iteration.
+    budget may be exceeded until every pixel has a sample, and there are photons if any are asked for; and by half an
+    iteration.
     """
     budget = path_render.settings.time_budget
     end = float("inf") if budget is None else started + budget - reserve
     reported, slice_s = started, 0.0
     while not path_render.is_done and not wants_to_stop():
         now = time.perf_counter()
-        if now + slice_s / 2 >= end and path_render.film.tile_errors()[..., 2].min() > 0:
+        if now + slice_s / 2 >= end and path_render.is_whole:
             return
         is_near = end - now < 2 * SLICE_S
         path_render.step(0.0 if is_near else SLICE_S)
