@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from viewer.bake.dfg import SIZE, albedo_table, compute_dfg_table, dfg_table, directional_albedo
+from viewer.bake.dfg import SIZE, albedo_table, compute_dfg_table, dfg_albedos, dfg_table, directional_albedo
 from viewer.bake.lobe_samples import lobe_samples
 from viewer.settings import MASKINGS, NDFS
 
@@ -103,6 +103,18 @@ def test_the_shipped_table_is_what_its_script_makes():
     assert off[:SIZE, :, :2].mean() < 1e-4
     assert off.mean() < 1e-3
     assert dfg_table().dtype == np.float32
+
+
+def test_without_lookups_the_albedos_are_the_same(monkeypatch):
+    """Made anew, and from the cache."""
+    monkeypatch.setattr("viewer.bake.dfg.fit_lookups", lambda *_: [np.ones((2, 2, count, 4)) for count in (1, 2)])
+    whole = compute_dfg_table("beckmann", "none", SIZE)
+    for _ in range(2):
+        dfg_albedos.cache_clear()
+        alone = dfg_albedos("beckmann", "none")
+        assert alone.shape == whole.shape and alone.dtype == whole.dtype and not alone.flags.writeable
+        assert (alone[:SIZE] == whole[:SIZE]).all() and not alone[SIZE:].any() and whole[SIZE:].any()
+    assert dfg_albedos("ggx", "smith") is dfg_table()
 
 
 def test_the_lookup_between_texels_is_close():

@@ -14,6 +14,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..base.resources import resource_folder
+from ..settings import MASKINGS, NDFS
 from .cache import key, load, store
 from .lobe_samples import lobe_samples
 from .lookups import fit_lookups
@@ -43,6 +44,22 @@ def dfg_table(ndf: str = "ggx", masking: str = "smith", size: int = SIZE) -> np.
         table = cached["table"] if cached else compute_dfg_table(ndf, masking, size)
         if not cached:
             store(cache_key, {"table": table})
+    table.flags.writeable = False
+    return table
+
+
+@lru_cache(maxsize=len(NDFS) * len(MASKINGS))
+def dfg_albedos(ndf: str, masking: str) -> np.ndarray:
+    """`dfg_table` for what looks up no environment: all lookups are 0, except in the default table. To fit them takes
+    three quarters of the time that a table takes."""
+    if (ndf, masking) == ("ggx", "smith"):
+        return dfg_table()
+    cache_key = key("dfg albedos", ndf, masking, SIZE)
+    cached = load(cache_key)
+    table = cached["table"] if cached else np.zeros((4 * SIZE, SIZE, 4), np.float32)
+    if not cached:
+        table[:SIZE] = albedo_table(ndf, masking, SIZE)
+        store(cache_key, {"table": table})
     table.flags.writeable = False
     return table
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 import moderngl
 from numpy.typing import NDArray
 
-from ..bake.dfg import dfg_table
+from ..bake.dfg import dfg_albedos
 from ..gpu.context import Context
 from ..gpu.float_texture import float_texture
 from ..gpu.programs import Programs, set_uniform
@@ -168,7 +168,7 @@ class Tracer:
     def _dfg_texture(self, settings: Settings) -> moderngl.Texture:
         key = settings.ndf, settings.masking
         if key not in self._dfg:
-            self._dfg[key] = float_texture(self.context.gl, dfg_table(*key))
+            self._dfg[key] = float_texture(self.context.gl, dfg_albedos(*key))
         return self._dfg[key]
 
     def release(self) -> None:

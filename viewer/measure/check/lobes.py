@@ -106,9 +106,9 @@ class Lobe:
 
     def _call(self, function: str, m: Mapping[str, Any], context: Context | None, **arrays: Any) -> Any:
         if self.table:
-            from ...bake.dfg import dfg_table
+            from ...bake.dfg import dfg_albedos
 
-            arrays["dfg"] = dfg_table(*self.table)
+            arrays["dfg"] = dfg_albedos(*self.table)
         return call_glsl(f"bsdf/{self.file}.glsl", f"{self.prefix}_{function}", m={**self.unused, **m}, **arrays,
                          defines=self.defines, context=context)
 
