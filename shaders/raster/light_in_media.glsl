@@ -6,6 +6,9 @@
 #include "light/shadow.glsl"
 #endif
 #include "raster/lit_media.glsl"
+#if DENSE
+#include "raster/volumes.glsl"
+#endif
 
 #if LIGHT_COUNT > 0
 // The share of light i that no mesh keeps from p
@@ -20,8 +23,32 @@ float unshadowed_by_meshes(int i, vec3 p) {
     return 1.0;
 }
 
+#if DENSE
+uniform float u_volume_near; // how far volumes are looked at themselves: the coarse grid of depths has no faces
+
+// The optical depth of the volumes up to the distance `reach`, in parts that are the shorter the nearer they are. Simpson's
+// rule has no error in the mean where the extinction is linear up to a face, and 0 behind.
+float near_depth(vec3 p, vec3 l, float reach) {
+    const float PARTS = 4.0;
+    float depth = 0.0, start = volumes_at(p);
+    for (float k = 0.0; k < PARTS; ++k) {
+        vec2 part = reach / (PARTS * PARTS) * vec2(k * k, (k + 1.0) * (k + 1.0));
+        float end = volumes_at(p + part.y * l), middle = volumes_at(p + 0.5 * (part.x + part.y) * l);
+        depth += (part.y - part.x) * (start + 4.0 * middle + end) / 6.0;
+        start = end;
+    }
+    return depth;
+}
+#endif
+
 // The share of light i, in the direction l, that arrives at p
 float light_in_medium(int i, vec3 p, vec3 l) {
-    return transmittance_to_light(i, p, l) * unshadowed_by_meshes(i, p);
+#if DENSE
+    float reach = i < DIRECTIONAL_COUNT ? 1e18 : distance(u_lights[i].position.xyz, p);
+    float arriving = exp(-near_depth(p, l, min(u_volume_near, reach))) * transmittance_to_light(i, p, l, u_volume_near);
+#else
+    float arriving = transmittance_to_light(i, p, l);
+#endif
+    return arriving * unshadowed_by_meshes(i, p);
 }
 #endif

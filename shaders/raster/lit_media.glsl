@@ -89,15 +89,20 @@ float volumes_depth_to_light(int i, vec3 p, vec3 l, float reach) {
 #endif
 
 #if LIGHT_COUNT > 0
-// The transmittance from p to light i of light/punctual.glsl, which lies in the direction l
-float transmittance_to_light(int i, vec3 p, vec3 l) {
+// The transmittance from p to light i of light/punctual.glsl, which lies in the direction l, without the volumes that are
+// less than `skipped` away
+float transmittance_to_light(int i, vec3 p, vec3 l, float skipped) {
     float reach = i < DIRECTIONAL_COUNT ? 1e18 : distance(u_lights[i].position.xyz, p), depth = 0.0;
 #if FOG
     depth += fog_depth_ahead(p, l, reach);
 #endif
 #if VOLUMES > 0
-    depth += volumes_depth_to_light(i, p, l, reach);
+    if (skipped < reach) depth += volumes_depth_to_light(i, p + skipped * l, l, reach - skipped);
 #endif
     return exp(-depth);
+}
+
+float transmittance_to_light(int i, vec3 p, vec3 l) {
+    return transmittance_to_light(i, p, l, 0.0);
 }
 #endif

@@ -27,12 +27,14 @@ struct Path {
     float depth;
 };
 
-// Adds the light of a step of optical depth `depth` that starts at `from`. Its source is taken for constant along the
-// step, and integrated with the transmittance in closed form (Hillaire 2015).
-void add_step(inout Path path, Ray ray, float from, float to, float depth, Scattering medium) {
+const float DEEPEST = 16.0; // beyond this optical depth, less than 1e-7 of the light arrives
+
+// Adds the light of a step of optical depth `depth`, whose mean collision is `part` of it after its start. Its source is
+// taken for constant along the step, and integrated with the transmittance in closed form (Hillaire 2015).
+void add_step(inout Path path, Ray ray, float from, float to, float depth, float part, Scattering medium) {
     if (depth <= 0.0) return;
-    if (path.depth < 16.0) { // beyond, less than 1e-7 of it arrives
-        float at = mix(from, to, mean_collision(depth));
+    if (path.depth < DEEPEST) {
+        float at = mix(from, to, part);
         path.light += exp(-path.depth) * one_minus_exp(depth) * source(ray, at, from, to, medium);
     }
     path.depth = min(path.depth + depth, 1e30);
@@ -49,19 +51,64 @@ void march_fog(inout Path path, Ray ray, float from, float to, Scattering medium
         depth -= fog_depth(ray.origin, ray.direction, taken.x, taken.y);
     }
 #endif
-    add_step(path, ray, span.x, span.y, depth, medium);
+    add_step(path, ray, span.x, span.y, depth, mean_collision(depth), medium);
 }
 #endif
 
 #if VOLUMES > 0
+#if DENSE
+const float THICK = 1.0; // optical depth of a part
+const float MOST_PARTS = 16.0, SEARCH = 6.0;
+
+float extinction_on(Ray ray, int k, float at) {
+    return volume_extinction(k, ray.origin + at * ray.direction);
+}
+
+// A step in volumes that may be thick. It begins where the volume does, which is searched, and is taken in parts, along
+// each of which the extinction is taken for linear. So what is seen of a face does not depend on where steps end. The mean
+// collision of a part is where as much optical depth lies before it as before one of a homogeneous step.
+//
+// llvmpipe runs both sides of a branch, but no loop that has no turns: loops take the place of branches here.
+void march_volumes(inout Path path, Ray ray, float from, float to, Scattering medium) {
+    for (int k = 0; k < VOLUMES; ++k) {
+        vec2 span = vec2(max(ray.volumes[k].x, from), min(ray.volumes[k].y, to));
+        float start = 0.0, parts = 0.0;
+        for (bool is_seen = span.x < span.y && path.depth < DEEPEST; is_seen; is_seen = false) {
+            float middle = 0.5 * (span.x + span.y), inside = extinction_on(ray, k, middle);
+            start = extinction_on(ray, k, span.x);
+            float most = max(max(start, inside), extinction_on(ray, k, span.y)), least = 1e-3 * most;
+            vec2 face = inside > least ? vec2(span.x, middle) : vec2(middle, span.y);
+            float turns = start < least ? SEARCH : 0.0;
+            for (float turn = 0.0; turn < turns; ++turn) {
+                middle = 0.5 * (face.x + face.y);
+                face = extinction_on(ray, k, middle) > least ? vec2(face.x, middle) : vec2(middle, face.y);
+            }
+            if (start < least) span.x = face.x;
+            parts = min(ceil(most * (span.y - span.x) / THICK), MOST_PARTS);
+        }
+        float width = (span.y - span.x) / max(parts, 1.0);
+        for (float j = 0.0; j < parts && path.depth < DEEPEST; ++j) {
+            vec2 part = span.x + width * vec2(j, j + 1.0);
+            float end = extinction_on(ray, k, part.y), depth = 0.5 * (start + end) * width;
+            // width (start at + (end - start) at^2 / 2) = depth before the mean collision
+            float q = 2.0 * depth * mean_collision(depth) / width;
+            float at = q / max(start + sqrt(max(start * start + (end - start) * q, 0.0)), 1e-30);
+            add_step(path, ray, part.x, part.y, depth, min(at, 1.0), medium);
+            start = end;
+        }
+    }
+}
+#else
 void march_volumes(inout Path path, Ray ray, float from, float to, Scattering medium) {
     for (int k = 0; k < VOLUMES; ++k) {
         vec2 span = vec2(max(ray.volumes[k].x, from), min(ray.volumes[k].y, to));
         if (span.x >= span.y) continue;
         vec3 middle = ray.origin + 0.5 * (span.x + span.y) * ray.direction;
-        add_step(path, ray, span.x, span.y, volume_extinction(k, middle) * (span.y - span.x), medium);
+        float depth = volume_extinction(k, middle) * (span.y - span.x);
+        add_step(path, ray, span.x, span.y, depth, mean_collision(depth), medium);
     }
 }
+#endif
 #endif
 
 void main() {

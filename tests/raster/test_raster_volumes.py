@@ -120,6 +120,25 @@ def test_light_scattered_once(radiance):
     assert found[..., 1] == pytest.approx(found[..., 0] / 2, rel=1e-4) and (found[..., 2] == 0).all()
 
 
+@pytest.mark.parametrize("steps", ["28", "56"])
+@pytest.mark.parametrize("sigma", [30.0, 300.0])
+def test_a_dense_face_has_no_stripes(radiance, sigma, steps):
+    """Light that a half-space scatters once has the radiance albedo E / 4 pi mu0 / (mu0 + mu), at every extinction
+    (Chandrasekhar 1960, section 47). The face is between two layers of voxels, and steps end anywhere about it."""
+    values = np.zeros((24, 24, 24), np.float32)
+    values[:16] = 1
+    box = Volume.in_box(values, [[-1, -1, -1], [1, 1, 1]])
+    sun = Light("directional", intensity=3.0, direction=(0, -0.6, -0.8))
+    model = replace(with_volumes(Scene("block"), box), lights=(sun,))
+    camera = orthographic(azimuth=0.5, elevation=0.3, height=0.8)
+    found = radiance(model, camera, (32, 32), media_scattering="single", media_steps=steps, volume_density=sigma,
+                     volume_albedo=(0.8, 0.8, 0.8), background="none")[..., 0]
+    mu = -camera.forward[2]
+    expected = 0.8 * 3 / (4 * np.pi) * 0.8 / (0.8 + mu)
+    assert found.mean() == pytest.approx(expected, rel=0.05)
+    assert found.std() < 0.05 * expected
+
+
 @pytest.mark.parametrize("sigma", [0.0, 1e-6, 2.0])
 def test_emission(radiance, sigma):
     """Also of a volume that hides nothing."""

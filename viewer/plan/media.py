@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from ..bake.similarity import without_peak
 from ..scene.fog import fog_medium
+from ..scene.medium import Medium
 from ..scene.scene import Scene
 from ..scene.volume import volume_medium
 from ..settings import Settings
@@ -17,6 +19,8 @@ SLICE_COUNT = 28
 SKY_LIGHTS = 32
 """Directions from which light of the environment reaches the cells of the grid."""
 MAX_VOLUMES = 8
+DENSE = 100.0
+"""Volumes may have an optical depth above this: their faces are found between the points where they are looked up."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +74,8 @@ def plan_media(scene: Scene, settings: Settings, common: Mapping[str, int]) -> M
     lights = {name: common[name] for name in names}
     lit = switches | lights | {"SHADOW_PATTERN": 0, "REFLECTS": 0}
     lit["SKY_SHADOWS"] = int(common["HAS_ENVIRONMENT"] and _hides_light(scene, settings))
+    extinction = travelled(volume_medium(settings), settings).sigma_t[0]
+    lit["DENSE"] = int(any(extinction * volume.widest > DENSE for volume in scene.volumes[:MAX_VOLUMES]))
     has_depth = switches["VOLUMES"] and common["LIGHT_COUNT"]
     droplets = any(medium.droplet_diameter > 0 for medium, is_there in (
         (fog_medium(settings), switches["FOG"]), (volume_medium(settings), switches["VOLUMES"])) if is_there)
@@ -77,6 +83,11 @@ def plan_media(scene: Scene, settings: Settings, common: Mapping[str, int]) -> M
                      Program.of("raster/media_bake.frag", lit | {"SKY_LIGHTS": SKY_LIGHTS}),
                      Program.of("raster/volume_depth.frag", switches | lights) if has_depth else None,
                      settings.media_scattering == "multiple")
+
+
+def travelled(medium: Medium, settings: Settings) -> Medium:
+    """The medium that light is taken to travel in."""
+    return without_peak(medium) if settings.media_scattering == "multiple" else medium
 
 
 def _hides_light(scene: Scene, settings: Settings) -> bool:

@@ -14,11 +14,10 @@ import math
 import moderngl
 import numpy as np
 
-from ..bake.similarity import without_peak
 from ..gpu.context import Context
 from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
-from ..plan.media import MAX_VOLUMES, SLICE_COUNT
+from ..plan.media import MAX_VOLUMES, SLICE_COUNT, travelled
 from ..plan.model import Plan
 from ..scene.camera import Camera
 from ..scene.fog import REACH, fog_medium, fog_of
@@ -31,7 +30,7 @@ from ..settings import Settings
 from .depth import Depth
 from .environment import EnvironmentLight
 from .lights import pack_lights
-from .media_light import Grid, MediaLight
+from .media_light import DEPTH_SIDE, Grid, MediaLight
 from .media_slices import MediaSlices
 from .shadows import Casters, ShadowMaps
 from .sky_shadows import SkyShadows
@@ -44,6 +43,8 @@ _PIXELS = {"all": 1, "quarter": 2, "sixteenth": 4}
 """The side of the square of pixels that has a ray."""
 _GRID_MARGIN = 0.25
 """Of the grid about the volumes, in lengths of their box at each side: surfaces close by are in their light, too."""
+_NEAR = 1.5
+"""How far, in cells of the grid of optical depths, dense volumes are looked at themselves towards a light."""
 
 
 class MediaPass:
@@ -134,7 +135,7 @@ class MediaPass:
         media = self._uniforms(frame, settings)
         uniforms = frame_uniforms | media | {"u_steps": steps // SLICE_COUNT}
         if environment is not None:
-            uniforms |= environment.scattered_sky(plan, *(_travelled(medium(settings), settings)
+            uniforms |= environment.scattered_sky(plan, *(travelled(medium(settings), settings)
                                                           for medium in (fog_medium, volume_medium)))
         starts, counts = _parts(frame, settings)
         self._slices.march(self._programs, plan.media.march, frame, _ends(starts, counts), uniforms)
@@ -160,7 +161,8 @@ class MediaPass:
     def _uniforms(self, frame: Frame, settings: Settings) -> dict[str, object]:
         """Of shaders/raster/lit_media.glsl, in_scattered.glsl and volumes.glsl."""
         values: dict[str, object] = {"u_media_light": UNIT_MEDIA_LIGHT, "u_volume_depth": UNIT_VOLUME_DEPTH}
-        for name, grid in zip(("u_fog_grid", "u_volume_grid"), _grids(frame, settings), strict=True):
+        grids = _grids(frame, settings)
+        for name, grid in zip(("u_fog_grid", "u_volume_grid"), grids, strict=True):
             if grid is not None:
                 values[name] = grid.uniform
         values["u_scene_grid"] = _scene_grid(frame, VACUUM).uniform
@@ -168,21 +170,22 @@ class MediaPass:
         if fog is not None:
             values |= {
                 "u_fog_ball": (*frame.position(fog.center), fog.radius / frame.unit),
-                "u_fog_extinction": min(_travelled(fog.medium, settings).sigma_t[0] * frame.unit, 1e18),
+                "u_fog_extinction": min(travelled(fog.medium, settings).sigma_t[0] * frame.unit, 1e18),
                 **_scattering("fog", fog.medium, settings),
             }
             if math.isfinite(fog.scale_height):
                 base = (fog.base - frame.camera.eye[1]) / frame.unit
                 values["u_fog_height"] = (base, min(frame.unit / fog.scale_height, 1e12))
-        if self._volumes is not None:
+        if self._volumes is not None and grids[1] is not None:
             medium = volume_medium(settings)
             # A volume that only shines is given an extinction that cannot be seen.
             densest = max(volume.maximum for volume in self._volumes.volumes)
             least = 1e-4 / (2 * max(densest, 1e-30)) if any(medium.emission) else 0.0
-            extinction = min(max(_travelled(medium, settings).sigma_t[0] * frame.unit, least), 1e18)
+            extinction = min(max(travelled(medium, settings).sigma_t[0] * frame.unit, least), 1e18)
             emission = np.clip(np.array(medium.emission) * frame.unit / max(extinction, 1e-30), 0, 1e30)
             values |= self._volumes.uniforms(frame) | {
                 "u_volume_extinction": extinction,
+                "u_volume_near": _NEAR * grids[1].length / DEPTH_SIDE,
                 **_scattering("volume", medium, settings),
                 "u_volume_emission": tuple(emission.tolist()),
             }
@@ -195,17 +198,12 @@ class MediaPass:
                 thing.release()
 
 
-def _travelled(medium: Medium, settings: Settings) -> Medium:
-    """The medium that light is taken to travel in."""
-    return without_peak(medium) if settings.media_scattering == "multiple" else medium
-
-
 def _scattering(name: str, medium: Medium, settings: Settings) -> dict[str, object]:
     """How it scatters, for each unit of the optical depth that light is taken to meet. What comes from lights is
     scattered for the first time by the whole phase function (Nakajima & Tanaka 1988)."""
-    travelled = _travelled(medium, settings)
-    share = medium.sigma_t[0] / travelled.sigma_t[0] if travelled.sigma_t[0] > 0 else 1.0
-    return {f"u_{name}_scattering": (*travelled.albedo, mean_cosine(travelled)),
+    there = travelled(medium, settings)
+    share = medium.sigma_t[0] / there.sigma_t[0] if there.sigma_t[0] > 0 else 1.0
+    return {f"u_{name}_scattering": (*there.albedo, mean_cosine(there)),
             f"u_{name}_of_lights": (*(share * albedo for albedo in medium.albedo), medium.phase)}
 
 
@@ -215,11 +213,11 @@ def _grids(frame: Frame, settings: Settings) -> tuple[Grid | None, Grid | None]:
     around_fog = None
     if fog is not None:
         radius = fog.radius / frame.unit
-        around_fog = Grid(_corner(frame.position(fog.center), radius), 2 * radius, _travelled(fog.medium, settings))
+        around_fog = Grid(_corner(frame.position(fog.center), radius), 2 * radius, travelled(fog.medium, settings))
     if scene.volumes:
         low, high = scene.volume_corners.min(axis=0), scene.volume_corners.max(axis=0)
         half = float((high - low).max()) / frame.unit * (0.5 + _GRID_MARGIN)
-        medium = _travelled(volume_medium(settings), settings)
+        medium = travelled(volume_medium(settings), settings)
         volumes = Grid(_corner(frame.position((low + high) / 2), half), 2 * half, medium)
     return around_fog, volumes
 

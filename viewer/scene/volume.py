@@ -94,6 +94,12 @@ class Volume:
         """The greatest density."""
         return float(self.density.max())
 
+    @property
+    def widest(self) -> float:
+        """An upper bound on the integral of the density along a straight line."""
+        diagonals = self.corners[[7, 6, 5, 3]] - self.corners[[0, 1, 2, 4]]
+        return self.maximum * float(np.linalg.norm(diagonals, axis=1).max())
+
     @cached_property
     def corners(self) -> np.ndarray:
         """The corners of the box in world space, (8, 3) float64."""
@@ -105,7 +111,7 @@ class Volume:
     @property
     def layout(self) -> tuple[object, ...]:
         """All that programs and the sizes of textures depend on."""
-        return self.density.shape, self.density.dtype.str
+        return self.density.shape, self.density.dtype.str, self.widest
 
 
 def volume_medium(settings: Settings) -> Medium:
