@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from .base.expect import expect, expect_path
 from .errors import UsageError
+from .quality import Quality, check_quality
 from .scene.camera import Camera
 from .scene.scene import Scene
 from .settings import LAYERS, RANGES, Settings
@@ -77,6 +78,7 @@ def render(
     backend: str = "auto",
     aov: Sequence[str] = (),
     tell_error: float | None = None,
+    quality: str | None = None,
     **settings: Any,
 ) -> Image:
     """Render a picture of `scene`; `size` is (width, height) in pixels.
@@ -88,6 +90,9 @@ def render(
     layers to add to `Image.layers`: albedo, normal, depth, variance, samples. With a `time_budget` or `error` and
     without `mode`, the best method is chosen (docs/budget.md); `Image.stats` names it. The first such call on a machine
     measures its device, which takes half a minute or more.
+
+    In mode pbr `quality` is draft, standard or high, a named point of the front of error against time
+    (docs/quality.md), which leaves the given `settings` as they are. The default is draft.
 
     With `tell_error`, seconds of path tracing, `Image.stats["estimated_error"]` says how far a picture of another mode
     is from the truth (docs/tell-error.md), and the layer "error" where.
@@ -104,7 +109,7 @@ def render(
     scene = _at(scene, time, animation)
     known = scene.all_warnings
     started = perf_counter()
-    image = _rendered(scene, size, camera, backend, aov, tell_error, settings)
+    image = _rendered(scene, size, camera, backend, aov, tell_error, quality, settings)
     image = replace(image, stats={"wall_s": {"render": perf_counter() - started}, **image.stats})
     lost = [line for line in scene.all_warnings if line not in known]
     chosen = Settings.of(**settings)
@@ -115,9 +120,10 @@ def render(
 
 
 def _rendered(scene: Scene, size: tuple[int, int], camera: Camera | None, backend: str, aov: Sequence[str],
-              tell_error: float | None, settings: dict[str, Any]) -> Image:
-    chosen, size = Settings.of(**settings), _checked(size)
+              tell_error: float | None, quality: str | None, settings: dict[str, Any]) -> Image:
+    chosen, size, point = Settings.of(**settings), _checked(size), Quality.of(quality, settings)
     is_open = "mode" not in settings and not (chosen.time_budget is None and chosen.error is None)
+    check_quality(quality, chosen, is_open)
     if not is_open:
         chosen.check_used()
     if camera is None:
@@ -142,8 +148,11 @@ def _rendered(scene: Scene, size: tuple[int, int], camera: Camera | None, backen
         raise UsageError(f"aov has no effect in mode {chosen.mode}, only in mode path")
     renderer = shared_renderer(backend)
     renderer.times.clear()
+    chosen = point.applied(chosen)
     image = renderer.render(scene, camera, chosen, size)
-    image = replace(image, stats={"prepare_s": dict(renderer.times), **image.stats})
+    assert renderer.plan is not None
+    plan = point.facts(chosen) | renderer.plan.to_json()
+    image = replace(image, stats={"prepare_s": dict(renderer.times), **image.stats, "plan": plan})
     return image if tell_error is None else _with_error(image, scene, camera, chosen, backend, tell_error)
 
 
@@ -162,21 +171,22 @@ def _with_error(image: Image, scene: Scene, camera: Camera, settings: Settings, 
 
 def show(
     scene: Scene, size: tuple[int, int] = DEFAULT_SIZE, camera: Camera | None = None, *, time: float | None = None,
-    animation: str | int | None = None, **settings: Any,
+    animation: str | int | None = None, quality: str | None = None, **settings: Any,
 ) -> Image | None:
     """Show `scene` in a window and wait until it is closed. In a notebook, return a picture, which displays itself.
 
     The arguments are those of `render`, but the window denoises path-traced pictures by default (`denoise="off"`
-    prevents it). It traces until the picture has converged or until `spp`, `time_budget` or `error` is reached. Raises
-    ContextError if no window can be opened.
+    prevents it), and a picture has its `quality` only at rest. It traces until the picture has converged or until
+    `spp`, `time_budget` or `error` is reached. Raises ContextError if no window can be opened.
     """
     _expect_scene(scene, camera)
     scene = _at(scene, time, animation)
     if _in_notebook():
-        return render(scene, size, camera, **settings)
+        return render(scene, size, camera, quality=quality, **settings)
     from .app import open_window
 
-    open_window(scene, Settings.of(**{"denoise": "fast", **settings}), camera, _checked(size))
+    open_window(scene, Settings.of(**{"denoise": "fast", **settings}), camera, _checked(size),
+                quality=Quality.of(quality, settings))
     return None
 
 

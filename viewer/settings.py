@@ -284,8 +284,7 @@ class Settings:
 
         Raises UsageError for a name or value that does not exist.
         """
-        name, _, value = assignment.partition("=")
-        name = name.strip().replace("-", "_")
+        name, value = setting_name(assignment), assignment.partition("=")[2]
         choices = setting_choices()
         if name not in setting_meanings():
             raise UsageError(f"--set {assignment}: there is no setting {name!r}; choose from "
@@ -323,6 +322,11 @@ _USED_BY: dict[str, tuple[Mode, ...]] = {
 def ignored(*modes: Mode) -> tuple[str, ...]:
     """The settings that none of `modes` uses."""
     return tuple(name for name, users in _USED_BY.items() if not set(users) & set(modes))
+
+
+def setting_name(assignment: str) -> str:
+    """The field of `Settings` that a `NAME=VALUE` of `--set` names."""
+    return assignment.partition("=")[0].strip().replace("-", "_")
 
 
 def with_dashes(text: str) -> str:

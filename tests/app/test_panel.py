@@ -11,6 +11,7 @@ import pytest
 import viewer
 from viewer.base.resources import resource_folder
 from viewer.image.image import Image
+from viewer.quality import POINTS, QUALITIES
 from viewer.scene.color import LUMINANCE, srgb_to_linear
 from viewer.scene.scene import Variant
 from viewer.settings import setting_choices
@@ -150,6 +151,36 @@ def test_a_variant_is_chosen(open_window, scene, monkeypatch):
     hands.move(100, 302)
     assert listed[-1] == (1, ["The file's own", "Green"]) and hands.window.state.scene.variant == "Green"
     assert flip(hands.screen()[:, :300], red_pixels[:, :300]) > SAME
+
+
+def test_a_quality_is_chosen_and_lists_show_what_it_has(open_window, scene, monkeypatch):
+    from viewer.app import panel, setting_rows
+
+    hands = open_window(scene, size=(640, 480))
+    combo, shown, chosen = panel.combo, {}, {}
+
+    def choose(name: str, current: int, texts) -> int | None:
+        combo(name, current, texts)
+        shown[name] = texts[current]
+        return chosen.pop(name, None)
+
+    for module in (panel, setting_rows):
+        monkeypatch.setattr(module, "combo", choose)
+    hands.key("Tab")
+    assert (shown["quality"], shown["environment_shadows"]) == ("Draft", "Off")
+    chosen["quality"] = QUALITIES.index("standard")
+    hands.move(100, 301)
+    hands.move(100, 302)
+    count = POINTS["standard"]["environment_shadows"]
+    assert (shown["quality"], shown["environment_shadows"]) == ("Standard", f"{count} lights")
+    chosen["environment_shadows"] = 0
+    hands.move(100, 303)
+    assert hands.window.state.at_rest.environment_shadows == "off"
+    assert hands.window.state.at_rest.antialias == POINTS["standard"]["antialias"]
+    hands.window.do("phong")
+    shown.clear()
+    hands.move(100, 304)
+    assert "quality" not in shown and shown
 
 
 def test_the_panel_grows_with_the_desktops_scale(open_window, scene, monkeypatch):

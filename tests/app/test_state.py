@@ -9,6 +9,7 @@ import pytest
 
 from viewer.interact.keys import KEYS
 from viewer.interact.state import FURNACE, VIEWS, ViewState, free_path, scene_facts
+from viewer.quality import POINTS
 from viewer.scene.animation import Animation, Target, Track
 from viewer.scene.environment import Environment
 from viewer.scene.light import Light
@@ -114,6 +115,19 @@ def test_no_background_is_dark_on_screen_only(state):
     state.settings = Settings(background="none", exposure=1.0)
     assert isinstance(state.on_screen().background, tuple) and state.on_screen().exposure == 1.0
     assert state.settings.background == "none"
+
+
+def test_the_quality_is_of_the_picture_at_rest_and_what_is_chosen_by_hand_wins(state):
+    assert state.at_rest == state.settings
+    state.choose_quality("high")
+    assert state.settings == Settings() and state.at_rest == replace(Settings(), **POINTS["high"])
+    state.choose("indirect", "off")
+    state.choose("ndf", "beckmann")
+    assert state.at_rest == replace(Settings(ndf="beckmann"), **POINTS["high"] | {"indirect": "off"})
+    state.choose("environment_shadows", "256")
+    assert state.settings.environment_shadows == state.at_rest.environment_shadows == "256"
+    state.choose_quality("draft")
+    assert state.settings == state.at_rest == Settings(ndf="beckmann")
 
 
 def test_messages_are_one_line_and_go_but_errors_stay(state, monkeypatch):

@@ -19,6 +19,7 @@ from viewer.base.resources import resource_folder
 from viewer.image.image import Image
 from viewer.interact.keys import KEYS
 from viewer.measure.compare.difference import compare
+from viewer.quality import POINTS, Quality
 from viewer.scene.camera import Camera
 from viewer.scene.color import srgb_to_linear
 from viewer.settings import Settings
@@ -321,6 +322,20 @@ def test_a_picture_at_rest_is_refined_where_software_draws(open_window, scene):
         assert flip(moving, expected) > 2 * flip(still, expected) and not np.array_equal(moving, still)
     else:
         assert flip(moving, expected) < SAME
+
+
+def test_a_picture_at_rest_has_the_quality_and_a_moving_one_has_not(open_window, scene):
+    hands = open_window(scene, PLAIN)
+    window = hands.window
+    window.do("view_front")
+    draft = hands.screen()
+    window.state.quality = Quality("standard", frozenset({"antialias"}))
+    assert np.array_equal(hands.screen(), draft) and not window.picture.is_refined
+    hands.settle()
+    at_rest = replace(PLAIN, environment_shadows=POINTS["standard"]["environment_shadows"])
+    assert window.state.at_rest == at_rest and window.picture.is_refined
+    expected = headless(scene, at_rest, window.orbit.camera)
+    assert flip(hands.screen(), expected) < SAME < flip(draft, expected)
 
 
 def test_media_at_rest_are_refined_where_software_draws(open_window, scene):

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from ..errors import UsageError
+from ..quality import DRAFT, Quality
 
 if TYPE_CHECKING:
     from ..interact.playback import Playback
@@ -16,10 +17,10 @@ if TYPE_CHECKING:
 
 def open_window(scene: Scene, settings: Settings, camera: Camera | None = None, size: tuple[int, int] = (1280, 720),
                 use_cache: bool = True, tell: Callable[[str], None] | None = None,
-                playback: Playback | None = None) -> None:
+                playback: Playback | None = None, quality: Quality = DRAFT) -> None:
     """`viewer.app.window.run`. Raises UsageError also for a denoiser that is too slow for a window."""
     if settings.denoise not in ("off", "fast"):
         raise UsageError(f"denoise {settings.denoise} takes too long for a window; there are off and fast")
     from .window import run
 
-    run(scene, settings, camera, size, use_cache, tell, playback)
+    run(scene, settings, camera, size, use_cache, tell, playback, quality)

@@ -11,6 +11,7 @@ from imgui_bundle import imgui
 
 from ..interact.playback import SPEEDS
 from ..interact.state import ViewState, scene_facts
+from ..quality import QUALITIES
 from ..scene.environment_files import load_environment
 from ..scene.environment_presets import PRESETS
 from .light_rows import edited_lights
@@ -110,6 +111,7 @@ class Panel:
                     state.show_split(*modes) if len(modes) > 1 else state.show_mode(*modes, state.settings.lobes)
                 imgui.same_line(spacing=14 * self._rows.scale)
             imgui.new_line()
+        self._quality()
         self._rows.choice("Show", "lobes")
         if imgui.checkbox("White furnace", state.before_furnace is not None)[0]:
             state.toggle_furnace()
@@ -136,6 +138,14 @@ class Panel:
         self._rows.choice("Steps of a ray", "media_steps")
         self._rows.switch("Specular antialiasing", "specular_aa")
         self._rows.choice("Phong highlight", "phong")
+
+    def _quality(self) -> None:
+        if not self._state.shows("pbr"):
+            return
+        self._rows.row("Quality at rest")
+        index = combo("quality", QUALITIES.index(self._state.quality.name), [name.capitalize() for name in QUALITIES])
+        if index is not None:
+            self._state.choose_quality(QUALITIES[index])
 
     def _path_tracing(self) -> None:
         state = self._state

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from imgui_bundle import imgui
 
@@ -44,10 +43,10 @@ class SettingRows:
 
     def combo(self, label: str, name: str, values: Sequence[str]) -> None:
         self.row(label)
-        current = values.index(getattr(self._state.settings, name))
+        current = values.index(getattr(self._state.at_rest, name))
         index = combo(name, current, [_LABELS.get(value, value) for value in values])
         if index is not None:
-            self._state.settings = replace(self._state.settings, **{name: values[index]})
+            self._state.choose(name, values[index])
 
     def switch(self, label: str, name: str) -> None:
         """A check box for a setting that is on or off, if a mode that is shown uses it."""
@@ -55,4 +54,4 @@ class SettingRows:
             return
         changed, on = imgui.checkbox(label, getattr(self._state.settings, name) == "on")
         if changed:
-            self._state.settings = replace(self._state.settings, **{name: "on" if on else "off"})
+            self._state.choose(name, "on" if on else "off")

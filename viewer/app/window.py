@@ -19,6 +19,7 @@ from ..interact.pick import pick
 from ..interact.picture import Picture
 from ..interact.playback import STEP_SECONDS, Playback
 from ..interact.state import VIEWS, ViewState
+from ..quality import DRAFT, Quality
 from ..raster.renderer import Renderer
 from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, Camera
 from ..scene.environment_files import FORMATS, load_environment
@@ -49,16 +50,17 @@ def run(
     use_cache: bool = True,
     tell: Callable[[str], None] | None = None,
     playback: Playback | None = None,
+    quality: Quality = DRAFT,
 ) -> None:
     """Open a window of `size` (in screen coordinates) on `scene`, and return when it is closed.
 
     `playback` is where in which animation it begins, by default with the scene as it is. Without `camera` the scene is
-    framed. `use_cache` allows the cache on disk to be used. `tell` gets a line about the device when the window is
-    open, and one about the first picture. Raises ContextError if no window can be opened, and the renderer's errors for
-    a scene that cannot be drawn.
+    framed. `quality` is that of the picture at rest. `use_cache` allows the cache on disk to be used. `tell` gets a
+    line about the device when the window is open, and one about the first picture. Raises ContextError if no window
+    can be opened, and the renderer's errors for a scene that cannot be drawn.
     """
     start = time.perf_counter()
-    with ViewerWindow(scene, settings, camera, size, use_cache, playback) as window:
+    with ViewerWindow(scene, settings, camera, size, use_cache, playback, quality) as window:
         if tell is not None:
             tell(f"window: {window.readings.device}: {time.perf_counter() - start:.3f} s")
         while not window.is_closed:
@@ -73,8 +75,9 @@ class ViewerWindow:
 
     def __init__(self, scene: Scene, settings: Settings, camera: Camera | None = None,
                  size: tuple[int, int] = (1280, 720), use_cache: bool = True,
-                 playback: Playback | None = None) -> None:
-        self.state = ViewState(scene, settings, panel=size[0] >= PANEL_FROM_WIDTH, playback=playback or Playback())
+                 playback: Playback | None = None, quality: Quality = DRAFT) -> None:
+        self.state = ViewState(scene, settings, panel=size[0] >= PANEL_FROM_WIDTH, playback=playback or Playback(),
+                               quality=quality)
         self.context = WindowContext(size, _title(scene), visible=True)
         self.renderer = Renderer(self.context, use_cache)
         self.window = self.context.window

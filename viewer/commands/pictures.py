@@ -40,7 +40,7 @@ def view(model: str, **options: Any) -> None:
     """
     check_camera_options(options)
     from ..app import open_window
-    from ..jobs.assemble import make_camera, make_environment, make_playback, make_scene, make_settings
+    from ..jobs.assemble import make_camera, make_environment, make_playback, make_quality, make_scene, make_settings
 
     settings = make_settings(options)
     start = time.perf_counter()
@@ -52,7 +52,7 @@ def view(model: str, **options: Any) -> None:
     asked = any(options[name] is not None for name in ("orbit", "eye", "camera", "fov", "target"))
     camera = make_camera(model, scene, options) if asked else None
     open_window(scene, settings, camera, options["size"], use_cache=not options["no_cache"], tell=tell,
-                playback=make_playback(model, scene, options))
+                playback=make_playback(model, scene, options), quality=make_quality(options))
 
 
 class _Render(click.Command):
@@ -94,13 +94,15 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     """
     check_camera_options(options)
     from ..base.atomic import made_folders
-    from ..jobs.assemble import make_camera, make_environment, make_scene, make_settings
+    from ..jobs.assemble import make_camera, make_environment, make_quality, make_scene, make_settings
     from ..jobs.film import check_film_options, make_film
     from ..jobs.render_job import RenderJob, check_apart, check_layers, check_output, output_paths
     from ..jobs.tell_error import check_tell_error, map_paths
+    from ..quality import check_quality
 
     settings = make_settings(options)
     chooses = _leaves_mode_open(settings)
+    check_quality(options["quality"], settings, chooses)
     if not chooses:
         settings.check_used()
     paths, folders = output_paths(models, output)
@@ -117,7 +119,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
 
     job = RenderJob(backend, settings, options["size"], options["aov"], use_cache=not options["no_cache"],
                     measure=stats is not None, quiet=options["quiet"], verbose=options["verbose"], chooses=chooses,
-                    tell_error=options["tell_error"], error_maps=dict(zip(paths, maps)))
+                    tell_error=options["tell_error"], error_maps=dict(zip(paths, maps)), quality=make_quality(options))
     with made_folders(*folders, *map_folders):
         for path in (*paths, *maps):
             check_output(path)
@@ -153,11 +155,13 @@ def info(model: str | None, json_file: str | None, list_settings: bool, **option
     if model is None:
         facts = describe_package()
     else:
-        from ..jobs.assemble import make_environment, make_scene, make_settings
+        from ..jobs.assemble import make_environment, make_quality, make_scene, make_settings
+        from ..quality import check_quality
 
         settings = make_settings(options)
+        check_quality(options["quality"], settings, chooses=False)
         scene = make_scene(model, make_environment(options), options)
-        facts = describe_scene(scene, settings)
+        facts = describe_scene(scene, settings, make_quality(options))
         warn(model, scene, settings, options)  # of images that do not decode, too
     print_facts(facts, json_file)
 

@@ -14,12 +14,13 @@ import numpy as np
 from ..errors import ViewerError
 from ..image.image import Image
 from ..plan.media import has_media
+from ..quality import DETERMINED, DRAFT
 from ..raster.renderer import Renderer
 from ..settings import Background, Settings
 from .convergence import Convergence
 from .orbit import OrbitController
 from .rest_error import RestError
-from .state import ViewState, free_path
+from .state import Part, ViewState, free_path
 
 REST_SECONDS = 0.3
 """A picture that has not changed for so long is drawn again as a still picture, if that takes more samples."""
@@ -36,14 +37,14 @@ class Picture:
         self._size = 0, 0
         self._drawn: tuple[object, ...] | None = None
         self._drawn_at = 0.0
-        self._quality: tuple[object, ...] = ()
+        self._drawn_as: tuple[object, ...] = ()
         self._good: dict[str, dict[str, object]] | None = None
 
     @property
     def is_refined(self) -> bool:
-        """Whether the picture has the samples of a still picture, and its rays and steps in media. In mode path it
-        needs no more, since the path-traced picture soon replaces it."""
-        return self._quality == self._wanted_quality(still=True) or self._state.modes == ("path",)
+        """Whether the picture has the quality of a still picture, its samples, and its rays and steps in media. In mode
+        path it needs no more, since the path-traced picture soon replaces it."""
+        return self._drawn_as == self._as_drawn(still=True) or self._state.modes == ("path",)
 
     @property
     def wants_refinement(self) -> bool:
@@ -79,8 +80,8 @@ class Picture:
         # The display pass composites a background colour.
         background: Background = "env" if settings.background == "env" else "none"
         shading = replace(settings, exposure=0.0, tonemap="none", background=background)
-        wanted = (state.scene, state.shots(shading, size), camera.pose.tobytes(), camera.fov_y, camera.height, size,
-                  self._renderer.programs.generation)
+        wanted = (state.scene, state.shots(shading, size), state.quality, camera.pose.tobytes(), camera.fov_y,
+                  camera.height, size, self._renderer.programs.generation)
         self.paths.follow(camera, size)
         still = wanted == self._drawn and self.wants_refinement
         if wanted == self._drawn and not still:
@@ -90,7 +91,7 @@ class Picture:
         except (ViewerError, moderngl.Error, MemoryError) as error:
             self._go_back(error)
             return self.update(size)
-        self._drawn, self._drawn_at, self._quality = wanted, time.monotonic(), self._wanted_quality(still)
+        self._drawn, self._drawn_at, self._drawn_as = wanted, time.monotonic(), self._as_drawn(still)
         self._size = size
         self._forget_error()
         self._good = {"state": state.shown(), "orbit": dict(vars(self._orbit))}
@@ -122,8 +123,7 @@ class Picture:
             self._prepares_error = True
             return True
         if not self.error.is_begun:
-            self.error.begin(self._renderer.read_radiance(), state.scene, self._orbit.camera, state.settings,
-                             self._size)
+            self.error.begin(self._renderer.read_radiance(), state.scene, self._orbit.camera, state.at_rest, self._size)
             return True
         return self.error.step()
 
@@ -162,7 +162,7 @@ class Picture:
         self._forget_error()
 
     def _draw(self, settings: Settings, size: tuple[int, int], still: bool) -> None:
-        for shot, part in self._state.shots(settings, size):
+        for shot, part in self._shots(settings, size, still):
             self._renderer.draw(self._state.scene, self._orbit.camera, shot, size, still=still, part=part)
 
     def _present(self, settings: Settings, framebuffer: moderngl.Framebuffer) -> None:
@@ -190,11 +190,19 @@ class Picture:
         color.release()
         return np.ascontiguousarray(pixels[::-1])
 
-    def _wanted_quality(self, still: bool) -> tuple[object, ...]:
-        """The samples of a pixel, and rays and steps where there are media."""
-        settings, device = self._state.settings, (self._renderer.context.is_software, still)
-        media = settings.media_rays_and_steps(*device) if has_media(self._state.scene, settings) else ()
-        return settings.samples(*device), *media
+    def _shots(self, settings: Settings, size: tuple[int, int], still: bool) -> list[tuple[Settings, Part | None]]:
+        """What the raster draws; only a picture at rest has the chosen quality, so that a moving one stays fast."""
+        quality = self._state.quality if still else DRAFT
+        return [(quality.applied(shot), part) for shot, part in self._state.shots(settings, size)]
+
+    def _as_drawn(self, still: bool) -> tuple[object, ...]:
+        """Of each shot the samples of a pixel, rays and steps where there are media, and what qualities differ in."""
+        device, scene, result = (self._renderer.context.is_software, still), self._state.scene, []
+        for shot, _ in self._shots(self._state.settings, self._size, still):
+            media = shot.media_rays_and_steps(*device) if has_media(scene, shot) else ()
+            values = tuple(getattr(shot, name) for name in sorted(DETERMINED - {"antialias"}))
+            result.append((shot.samples(*device), shot.supersampling, *media, *values))
+        return tuple(result)
 
     def _go_back(self, error: Exception) -> None:
         """Restore the last state that could be drawn, and show the error. Raises it if there is no such state, or if

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from ..errors import ViewerError
+from ..quality import DETERMINED, Quality, QualityName
 from ..scene.environment import Environment
 from ..scene.furnace import in_furnace
 from ..scene.light import Light
@@ -56,6 +57,8 @@ class ViewState:
     expires: float = 0.0
     before_furnace: tuple[Scene, dict[str, Any]] | None = None
     playback: Playback = field(default_factory=Playback)
+    quality: Quality = Quality()
+    """Of the picture at rest."""
 
     @property
     def modes(self) -> tuple[Mode, ...]:
@@ -87,6 +90,22 @@ class ViewState:
     def show_mode(self, mode: Mode, lobes: Lobes = "all") -> None:
         self.split, self.paused = None, False
         self.settings = replace(self.settings, mode=mode, lobes=lobes)
+
+    @property
+    def at_rest(self) -> Settings:
+        """The settings of the picture at rest, which has the chosen quality."""
+        return self.quality.applied(self.settings)
+
+    def choose(self, name: str, value: Any) -> None:
+        """Change a setting. From then on it is the user's and not the quality's."""
+        self.settings = replace(self.settings, **{name: value})
+        self.quality = replace(self.quality, given=self.quality.given | {name})
+
+    def choose_quality(self, name: QualityName) -> None:
+        """Show pictures at rest at this quality, in all settings that the qualities differ in."""
+        plain = Settings()
+        self.settings = replace(self.settings, **{name: getattr(plain, name) for name in DETERMINED})
+        self.quality = Quality(name)
 
     def show_lobes(self, lobes: Lobes) -> None:
         """Show one contribution alone, in mode path if that is shown, else in mode pbr."""
@@ -192,7 +211,8 @@ class ViewState:
     def shown(self) -> dict[str, object]:
         """The current values of the fields that determine the picture."""
         return {"scene": self.scene, "settings": self.settings, "split": self.split, "sides": self.sides,
-                "before_furnace": self.before_furnace, "playback": replace(self.playback, is_playing=False)}
+                "before_furnace": self.before_furnace, "quality": self.quality,
+                "playback": replace(self.playback, is_playing=False)}
 
     def say(self, text: str, is_error: bool = False) -> None:
         """Show one line over the picture: for some seconds, or, for an error, until the next message or Esc."""

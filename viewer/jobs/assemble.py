@@ -10,6 +10,7 @@ import numpy as np
 
 from ..errors import InputError, UsageError
 from ..interact.playback import Playback
+from ..quality import Quality
 from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, DEFAULT_FOV, Camera
 from ..scene.environment import Environment
 from ..scene.environment_files import load_environment
@@ -17,7 +18,7 @@ from ..scene.join import join
 from ..scene.light import Light
 from ..scene.load import load_scene
 from ..scene.scene import Scene
-from ..settings import Settings
+from ..settings import Settings, setting_name
 
 _SETTINGS = ("mode", "background", "exposure", "tonemap", "spp", "time_budget", "error", "seed", "denoise")
 
@@ -29,6 +30,11 @@ def make_settings(options: dict[str, Any]) -> Settings:
     for assignment in options["assignments"]:
         settings = settings.with_option(assignment)
     return settings
+
+
+def make_quality(options: dict[str, Any]) -> Quality:
+    """The quality that the options describe, which leaves alone what they --set."""
+    return Quality.of(options["quality"], map(setting_name, options["assignments"]))
 
 
 def make_environment(options: dict[str, Any]) -> Environment | None:

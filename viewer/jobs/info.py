@@ -11,6 +11,7 @@ import numpy as np
 from ..bake.environment import bake_environment
 from ..plan.model import Plan
 from ..plan.planner import environment_use, plan_scene
+from ..quality import DRAFT, Quality
 from ..ranges import Several, WeaveName
 from ..scene.curve_segments import segments
 from ..scene.curves import Curves
@@ -27,14 +28,15 @@ if TYPE_CHECKING:
 Facts = dict[str, object]
 
 
-def describe_scene(scene: Scene, settings: Settings) -> Facts:
-    """The content of the scene and its plan, in types that JSON can store. No OpenGL context is opened.
+def describe_scene(scene: Scene, settings: Settings, quality: Quality = DRAFT) -> Facts:
+    """The content of the scene and its plan at a quality, in types that JSON can store. No OpenGL context is opened.
 
     Images are decoded to find out whether they can be; `scene.all_warnings` says of those that cannot.
     """
     for _ in Decoder(((image,) for image in scene.images), lambda image: image.decode("R")).results():
         pass
     low, high = scene.bounds
+    settings = quality.applied(settings)
     plan = _plan(scene, settings)
     environment = scene.environment
     return {
@@ -57,7 +59,7 @@ def describe_scene(scene: Scene, settings: Settings) -> Facts:
                        for animation in scene.animations],
         "environment": _environment_line(environment) if environment is not None else "none",
         "warnings": list(scene.all_warnings),
-        "plan": plan.to_json(),
+        "plan": quality.facts(settings) | plan.to_json(),
     }
 
 

@@ -40,8 +40,9 @@ class RasterMaker(PictureMaker):
         from ..raster.sampled_images import decode_ahead
 
         request = self._request
+        settings = request.quality.applied(request.settings)
         if self._renderer is None:
-            ahead = decode_ahead(scene, request.settings)  # other threads decode while this one opens OpenGL
+            ahead = decode_ahead(scene, settings)  # other threads decode while this one opens OpenGL
             self._renderer = Renderer(request.open(), use_cache=request.use_cache, measure=request.measure)
             self._renderer.expect(ahead)
         renderer = self._renderer
@@ -49,11 +50,12 @@ class RasterMaker(PictureMaker):
         renderer.pass_ms.clear()
         self.error = None
         is_linear = path.suffix.lower() == ".exr"
-        image = (renderer.render if is_linear else renderer.display)(scene, camera, request.settings, request.size)
+        image = (renderer.render if is_linear else renderer.display)(scene, camera, settings, request.size)
         assert renderer.plan is not None
-        self.summary = renderer.summary
+        told = request.quality.facts(settings)
+        self.summary = "; ".join([*(f"{name} {value}" for name, value in told.items()), renderer.summary])
         self.stats = {"prepare_s": dict(renderer.times), "pass_ms": dict(renderer.pass_ms),
-                      "plan": renderer.plan.to_json()}
+                      "plan": told | renderer.plan.to_json()}
         self.texture_bytes = renderer.texture_bytes
         return image
 

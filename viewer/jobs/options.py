@@ -13,6 +13,7 @@ from typing import Any, get_args
 import click
 
 from ..errors import UsageError
+from ..quality import QUALITIES
 from ..settings import (
     DEFAULT_SPP,
     LAYERS,
@@ -136,6 +137,11 @@ def _ends(name: str) -> tuple[Any, Any]:
 MODE_OPTION = click.option(
     "--mode", type=click.Choice(get_args(Mode)), default="pbr", show_default=True,
     help="pbr: physically based shading; phong: Phong's model; path: path tracing, exact but slow.")
+QUALITY_OPTION = click.option(
+    "--quality", type=click.Choice(QUALITIES),
+    help="Mode pbr: how much time a picture takes for how small an error; what --set says wins. draft: image-based "
+         "light alone; standard: also shadows of the environment; high: also indirect light and traced rays, after "
+         "seconds of preparing. `pbr-viewer report` measures them. Default: draft.")
 LOOK_OPTIONS = [
     click.option("--env", default="studio", metavar="FILE|NAME|none", show_default=True,
                  help="The environment that lights the model: a panorama (.hdr, .exr, .png, .jpg), or studio, sky, "
@@ -166,7 +172,7 @@ MODEL_OPTIONS = [
     click.option("--scene", metavar="N|NAME", help="Show this scene of a glTF file, by its number, counted from 0, or "
                                                    "by its name. Default: the file's default scene."),
 ]
-SCENE_OPTIONS = [MODE_OPTION, *MODEL_OPTIONS, *LOOK_OPTIONS]
+SCENE_OPTIONS = [MODE_OPTION, QUALITY_OPTION, *MODEL_OPTIONS, *LOOK_OPTIONS]
 TIME_OPTIONS = [
     click.option("--animation", metavar="NAME|N", help="The animation to show, by its name or its number, counted from "
                                                        "0; `pbr-viewer info` lists them. Default: 0 with --time."),

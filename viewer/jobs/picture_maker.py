@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from ..base.progress import Progress
 from ..image.image import Image
+from ..quality import Quality
 from ..scene.camera import Camera
 from ..scene.scene import Scene
 from ..settings import Settings
@@ -37,6 +38,8 @@ class RenderRequest:
     """Whether the method is chosen for each picture by its time budget or error; `settings.mode` is ignored then."""
     tell_error: float | None = None
     """Seconds of path tracing for the error of each picture of the raster."""
+    quality: Quality = Quality()
+    """Of pictures of mode pbr, on top of `settings`."""
 
 
 class Opener(Protocol):

@@ -18,6 +18,7 @@ from ..errors import ContextError, OutputError, UsageError, ViewerError
 from ..image.film import FILM_FORMATS, write_film
 from ..image.image import WRITABLE, Image
 from ..plan.warnings import sample_warnings
+from ..quality import Quality
 from ..scene.camera import Camera
 from ..scene.scene import Scene
 from ..settings import Settings
@@ -38,7 +39,7 @@ class RenderJob:
     `aov` are the layers to add, of `viewer.settings.LAYERS`. With `measure` each pass is timed, which waits for its
     end. With `quiet` there is no progress bar, and with `verbose` times are printed. With `chooses` the method is
     chosen for each picture. `tell_error` are the seconds of path tracing that tell the error of each picture, and
-    `error_maps` the files for the maps of the error, by the pictures' files.
+    `error_maps` the files for the maps of the error, by the pictures' files. `quality` is that of pictures of mode pbr.
     """
 
     backend: str
@@ -52,6 +53,7 @@ class RenderJob:
     chooses: bool = False
     tell_error: float | None = None
     error_maps: Mapping[Path, Path] = field(default_factory=dict)
+    quality: Quality = Quality()
     _context: Context | None = field(default=None, init=False)
 
     def run(
@@ -76,7 +78,7 @@ class RenderJob:
         status = 0
         maker = make_picture_maker(RenderRequest(
             self._open, self.settings, self.size, self.aov, self.use_cache, self.measure, self.quiet, self.chooses,
-            self.tell_error))
+            self.tell_error, self.quality))
         with Progress(len(work), enabled=not self.quiet) as progress, self._opened():
             for model, path in work:
                 try:

@@ -27,6 +27,7 @@ def stored_findings() -> Findings:
         "reference": {"method": "path traced", "spp": 1024, "relmse_floor": 1e-4,
                       "floor": dict.fromkeys(MEASURES, 1e-4), "seconds": 9.0},
         "points": points, "recommend": _recommend(TIMES_MS, by_measure), "knobs": [],
+        "qualities": {"draft": 2, "standard": None, "high": None},
         "raster": {"plain": 2, "most_ms": 1600.0, **{name: {"best": 2, "ratio": 1.0} for name in MEASURES[:2]}},
         "left_out": [{"method": "traced refraction", "reason": "it changes nothing in this scene"}], "is_whole": True,
         "model_pixels": 339, "opengl": "3.3", "backend": "egl", "version": "0.1.0", "measured_s": 20.0,
@@ -47,6 +48,7 @@ def _point(k: int, label: str, by_measure: dict[str, list[float]], fronts: dict[
         "time_ms": {"median": TIMES_MS[k], "p10": 0.9 * TIMES_MS[k], "p90": 1.1 * TIMES_MS[k], "n": 7},
         "error": {name: values[k] for name, values in by_measure.items()},
         "pareto": fronts[MEASURES[0]][k], "pareto_by": {name: fronts[name][k] for name in MEASURES},
+        "quality": "draft" if k == 2 else None,
         "command": f"pbr-viewer render spheres.glb -o picture-{k}.png", "too_bright": 0.0, "bad_pixels": 0,
         "ready_s": 1.0 + k, "prepare_s": 1.0,
     }

@@ -8,10 +8,11 @@ import pytest
 import shapes
 
 from viewer.cli import cli
-from viewer.jobs.assemble import make_environment, make_light, make_settings
+from viewer.jobs.assemble import make_environment, make_light, make_quality, make_settings
 from viewer.measure.report import ladder as module
 from viewer.measure.report.command import command_line
 from viewer.measure.report.ladder import PLAIN, Method, ladder, settings_of
+from viewer.quality import POINTS
 from viewer.scene.curves import Curves
 from viewer.scene.environment import Environment
 from viewer.scene.light import Light
@@ -151,6 +152,17 @@ def test_lights_only_stand_for_the_environments_suns():
     assert lit.scene(shapes.scene(BALL, environment=sunny())).environment is None
 
 
+@pytest.mark.parametrize("is_hollow", [False, True])
+def test_every_quality_is_a_method_with_what_of_it_the_scene_has(is_hollow):
+    model = shapes.scene(*(BALL, (BALL, shapes.moved((3, 0, 0))))[:1 + is_hollow], environment=sunny())
+    named = {method.quality: method for method in methods_of(model)[0] if method.quality}
+    assert named.keys() == POINTS.keys() and named["draft"] == PLAIN
+    assert named["standard"].changes == POINTS["standard"]
+    left_out = {"reflections", "refraction"} if is_hollow else {"reflections", "refraction", "indirect"}
+    assert named["high"].changes == {name: value for name, value in POINTS["high"].items() if name not in left_out}
+    assert not any(method.quality for method in methods_of(replace(model, environment=None))[0])
+
+
 ARGUMENTS = ["--size", "64x32", "--env", "furnace", "--env-rotation", "30", "--env-intensity", "2", "--exposure", "-1",
              "--tonemap", "agx", "--background", "none", "--light", "10,-20,3", "--set", "ndf=beckmann", "--set",
              "antialias=none", "--set", "bounces=3", "--orbit", "-30,5", "--fov", "20"]
@@ -166,7 +178,9 @@ def test_the_command_line_of_a_method_asks_for_just_that(arguments):
         words = shlex.split(command_line("m x.glb", options, method))
         assert words[:3] == ["pbr-viewer", "render", "m x.glb"]
         asked = cli.commands["render"].make_context("render", words[2:]).params
-        settings = make_settings(asked)
+        settings = make_quality(asked).applied(make_settings(asked))
+        nothing = [name for name in POINTS.get(method.quality, {}) if name not in method.changes]  # is there to trace
+        settings = replace(settings, **{name: getattr(Settings(), name) for name in nothing})
         settings.check_used()
         assert settings == method.settings(base)
         assert (settings.bounces == 3) == bool(arguments and method.is_traced)

@@ -46,6 +46,10 @@ def test_the_json_is_as_promised(report_folder):
     assert [row["budget_ms"] for row in report["recommend"]] == [pytest.approx(33.3, abs=0.1), 100, 1000, 10000]
     assert all(row["point"] is None or report["points"][row["point"]]["pareto"] for row in report["recommend"])
     assert all(error["relmse_trimmed"] <= 1.0001 * error["relmse"] for error in (p["error"] for p in report["points"]))
+    assert list(report["qualities"]) == ["draft", "standard", "high"]
+    for name, index in report["qualities"].items():
+        assert index is None or report["points"][index]["quality"] == name
+    assert report["points"][report["qualities"]["draft"]]["method"] == "ibl"
     best = report["raster"]["relmse"]
     assert report["points"][best["best"]]["settings"]["mode"] != "path" and 0 < best["ratio"] <= 1
     assert all(set(out) == {"method", "reason"} for out in report["left_out"])

@@ -56,9 +56,9 @@ def test_it_shows_every_point_once_in_chart_and_table(page, report):
     assert report["device"] in page.value("document.querySelector('#how').textContent")
 
 
-def choices(page: Browser) -> list[str]:
-    """What is said for each time, on one line."""
-    lines = page.value("[...document.querySelectorAll('#recommend > div')].map(line => line.innerText)")
+def choices(page: Browser, where: str = "#recommend") -> list[str]:
+    """What is said for each time, or each quality, on one line."""
+    lines = page.value(f"[...document.querySelectorAll('{where} > div')].map(line => line.innerText)")
     return [" ".join(line.split()) for line in lines]
 
 
@@ -79,6 +79,14 @@ def test_it_says_in_a_sentence_which_setting_serves_for_each_time_and_how_wrong_
         before = row["point"]
     told = page.value("document.querySelector('#scope').textContent")
     assert "24 x 24" in told and report["device"] in told and "1600 times as long" in told
+
+
+def test_it_says_what_each_quality_costs_and_how_wrong_it_is(page, report):
+    draft, *others = choices(page, "#qualities")
+    point = report["points"][report["qualities"]["draft"]]
+    assert draft.startswith(f"--quality draft {point['label']} takes 160 ms") and point["command"] in draft
+    assert re.search(r"Its relative error is \d+(\.\d+)? %, .*; FLIP 0(\.\d+)?\. ", draft)
+    assert others == [f"--quality {name} It was not measured." for name in ("standard", "high")]
 
 
 def test_pictures_are_there_and_of_the_reports_size(page):

@@ -6,7 +6,8 @@ import shlex
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from ...settings import ignored
+from ...quality import POINTS
+from ...settings import ignored, setting_name
 from .ladder import Method, light_option
 
 _OPTIONS = ("mode", "spp", "denoise", "error")
@@ -16,7 +17,12 @@ _OPTIONS = ("mode", "spp", "denoise", "error")
 def command_line(model: str, options: Mapping[str, Any], method: Method) -> str:
     """`pbr-viewer render` of `model` by `method`, with the `options` of the report's own command line."""
     words = ["pbr-viewer", "render", model, "-o", "picture.png", *_given(options, method)]
+    if method.mode == "pbr":
+        words += ["--quality", method.quality or "draft"]
+    said = POINTS[method.quality] if method.quality else {}
     for name, value in method.changes.items():
+        if name in said:
+            continue
         words += [f"--{name}", str(value)] if name in _OPTIONS else ["--set", f"{name}={value}"]
     return shlex.join(words)
 
@@ -45,7 +51,7 @@ def _given(options: Mapping[str, Any], method: Method) -> Iterator[str]:
         if options[name] is not None:
             yield from (f"--{name}", _plain(options[name]))
     for assignment in options["assignments"]:
-        name = assignment.partition("=")[0].strip().replace("-", "_")
+        name = setting_name(assignment)
         if name not in method.changes and name not in ignored(method.mode):
             yield from ("--set", assignment)
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...image.image import Image
+from ...quality import QUALITIES
 from ...settings import STOPPING, Settings
 from .errors import FREE_BY, MEASURES, Errors, errors, trimmed_floor
 from .ladder import PLAIN, Method, settings_of
@@ -71,7 +72,7 @@ def make_findings(survey: Survey, scene: str, command: Callable[[Method], str], 
         "points": [
             {
                 "method": point.method.name, "title": point.method.title, "label": point.method.label,
-                "settings": settings_of(point.method, bench.settings),
+                "settings": settings_of(point.method, bench.settings), "quality": point.method.quality,
                 "time_ms": point.record.facts["time_ms"], "error": point.errors.to_json(),
                 "pareto": fronts[MEASURES[0]][k], "pareto_by": {name: fronts[name][k] for name in MEASURES},
                 "command": command(point.method), "too_bright": point.errors.too_bright,
@@ -80,6 +81,8 @@ def make_findings(survey: Survey, scene: str, command: Callable[[Method], str], 
             } for k, point in enumerate(points)
         ],
         "recommend": _recommend(times, by_measure),
+        "qualities": {name: next((k for k, point in enumerate(points) if point.method.quality == name), None)
+                      for name in QUALITIES},
         "knobs": _knobs(points, survey, floors),
         "raster": _raster(points),
         "left_out": [asdict(out) for out in survey.left_out],

@@ -16,6 +16,7 @@ from ...bake.dominant import ambient_and_key
 from ...bake.environment import BakedEnvironment, bake_environment
 from ...plan.curves import draws_curves
 from ...plan.planner import plan_scene
+from ...quality import POINTS, QualityName
 from ...scene.color import LUMINANCE
 from ...scene.environment import Environment
 from ...scene.light import Light
@@ -65,6 +66,8 @@ class Method:
     title: str
     changes: dict[str, Any] = field(default_factory=dict)
     lights: tuple[Light, ...] | None = None
+    quality: QualityName | None = None
+    """The name of the point, if it is one of `--quality`."""
 
     @property
     def slug(self) -> str:
@@ -99,7 +102,7 @@ class Method:
         return scene if self.lights is None else scene.relit(environment=None, lights=(*scene.lights, *self.lights))
 
 
-PLAIN = Method("ibl", "image-based light", {"environment_shadows": "off", "antialias": "msaa-4"})
+PLAIN = Method("ibl", "image-based light", {"environment_shadows": "off", "antialias": "msaa-4"}, quality="draft")
 """What other methods of the raster are compared with."""
 
 
@@ -137,7 +140,8 @@ def ladder(scene: Scene, settings: Settings, use_cache: bool = True) -> Ladder:
         left_out.append(LeftOut("lights only", "the scene has no lights and no environment"))
     media = _in_media(scene, (*scene.lights, *(baked.suns if baked is not None else ())), settings, left_out)
     if baked is not None:
-        plain, *others = _distinct(_image_based(scene, (*scene.lights, *baked.suns), settings, left_out))
+        plain, *others = _with_qualities(_distinct(
+            _image_based(scene, (*scene.lights, *baked.suns), settings, left_out)))
         raster += [plain, *media, *others]  # media before what only changes how surfaces look
     else:
         left_out.append(LeftOut(PLAIN.title, "the scene has no environment"))
@@ -246,6 +250,16 @@ def _distinct(methods: Iterable[Method]) -> list[Method]:
     for method in methods:
         first.setdefault(frozenset(method.changes.items()), method)
     return list(first.values())
+
+
+def _with_qualities(methods: Sequence[Method]) -> list[Method]:
+    """Those that are points of `--quality` get its name: they have all effects of the point that the scene has."""
+    tried = {name for method in methods for name in method.changes}
+    named: dict[frozenset[tuple[str, Any]], QualityName] = {}
+    for quality, point in POINTS.items():
+        changes = PLAIN.changes | {name: value for name, value in point.items() if name in tried}
+        named[frozenset(changes.items())] = quality
+    return [replace(method, quality=named.get(frozenset(method.changes.items()))) for method in methods]
 
 
 def _shadowed(name: str, title: str, choices: Mapping[str, Sequence[str]], **changes: Any) -> Iterator[Method]:

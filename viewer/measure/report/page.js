@@ -91,17 +91,32 @@ function fillRecommendations() {
     } else if (before && before.index === index) {
       sentence.textContent = `No better method was measured than ${points[index].label}, as for ${before.name}.`;
     } else {
-      const point = points[index], took = point.time_ms.median;
-      element("b", point.label, sentence);
-      const by = measure === "relmse_trimmed" || measure === "flip" ? "" :
-          `; ${MEASURES[measure]} ${digits(point.error[measure])}`;
-      const first = point.ready_s > took / 1e3 ? ` The first picture takes ${time(1000 * point.ready_s)} more.` : "";
-      sentence.append(` takes ${time(took)} per picture${rate(took)}.${first} Its relative error is ` +
-          `${wrong(point)}${by}.`);
-      const command = commandLine(point.command, text);
-      button("Show", command, () => { hold(index); $("charts").scrollIntoView({block: "nearest"}); });
+      tell(index, sentence, text);
       before = {index, name};
     }
+  }
+}
+
+function tell(index, sentence, text) {
+  const point = points[index], took = point.time_ms.median;
+  element("b", point.label, sentence);
+  const by = measure === "relmse_trimmed" || measure === "flip" ? "" :
+      `; ${MEASURES[measure]} ${digits(point.error[measure])}`;
+  const first = point.ready_s > took / 1e3 ? ` The first picture takes ${time(1000 * point.ready_s)} more.` : "";
+  sentence.append(` takes ${time(took)} per picture${rate(took)}.${first} Its relative error is ` +
+      `${wrong(point)}${by}.`);
+  const command = commandLine(point.command, text);
+  button("Show", command, () => { hold(index); $("charts").scrollIntoView({block: "nearest"}); });
+}
+
+function fillQualities() {
+  $("qualities").replaceChildren();
+  for (const [name, index] of Object.entries(report.qualities)) {
+    const line = element("div", "", $("qualities"));
+    element("dt", `--quality ${name}`, line);
+    const text = element("dd", "", line), sentence = element("p", "", text);
+    if (index === null) sentence.textContent = "It was not measured.";
+    else tell(index, sentence, text);
   }
 }
 
@@ -192,6 +207,7 @@ function choose(index) {
     "Measures": Object.entries(MEASURES).map(([name, title]) => `${title} ${digits(error[name])}`).join(", "),
     "Too bright": `${Math.round(100 * point.too_bright)} % of relMSE comes from pixels brighter than the reference`,
     "Preparing": `about ${time(1000 * point.ready_s)}, once per scene`,
+    ...point.quality && {"Quality": point.quality},
     "Settings": Object.entries(point.settings).map(([name, value]) => `${name} ${value}`).join(", "),
   };
   if (point.spp) facts["Samples"] = `${digits(point.spp, 3)} per pixel, ${point.rays} rays`;
@@ -216,6 +232,7 @@ function show(name) {
   for (const row of document.querySelectorAll("#points tbody tr"))
     row.classList.toggle("front", points[row.dataset.point].pareto_by[name]);
   fillRecommendations();
+  fillQualities();
 }
 
 function cut(percentage) {
