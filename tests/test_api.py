@@ -18,6 +18,7 @@ from waiting import wait_until
 
 import viewer
 from viewer import api
+from viewer.quality import Quality
 
 MODEL = SCENES / "unlit.glb"
 SIZE = (32, 24)
@@ -154,7 +155,8 @@ def test_in_a_notebook_show_returns_a_picture(scene, monkeypatch):
 @pytest.mark.parametrize("shell", [None, SimpleNamespace()])
 def test_elsewhere_show_opens_a_window(scene, monkeypatch, shell):
     monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
-    monkeypatch.setattr("viewer.app.open_window", lambda *arguments: opened.append(arguments))
+    monkeypatch.setattr("viewer.app.open_window", lambda *arguments, quality: opened.append((*arguments, quality)))
     opened: list[tuple] = []
-    assert viewer.show(scene, SIZE, mode="phong") is None
-    assert opened == [(scene, viewer.Settings(mode="phong", denoise="fast"), None, SIZE)]
+    assert viewer.show(scene, SIZE, mode="phong", quality="high") is None
+    given = Quality("high", frozenset({"mode"}))
+    assert opened == [(scene, viewer.Settings(mode="phong", denoise="fast"), None, SIZE, given)]

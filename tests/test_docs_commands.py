@@ -76,7 +76,7 @@ def test_what_the_first_pages_show_of_python_runs(name: str, tmp_path: Path, mon
     (tmp_path / "assets").mkdir()
     (tmp_path / "assets" / "demo.glb").write_bytes((ROOT / "assets" / "scenes" / "spheres.glb").read_bytes())
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("viewer.app.open_window", lambda *arguments: None)
+    monkeypatch.setattr("viewer.app.open_window", lambda *arguments, **more: None)
     exec(compile(block.replace("(1280, 720)", "(16, 9)"), name, "exec"), {})
     assert (tmp_path / "demo.png").exists()
 
