@@ -79,6 +79,15 @@ ThinDielectric thin_lobe(Glass g) {
 }
 #endif
 
+#if HAS_THIN_GLASS
+// What a wall transmits straight on, at the cosine NoV: all that it transmits, if it is smooth; else nothing
+vec3 wall_transmittance(Glass g, float NoV) {
+    if (!is_delta(g.alpha)) return vec3(0.0);
+    vec3 wo = vec3(sqrt(max(1.0 - NoV * NoV, 0.0)), 0.0, NoV);
+    return (1.0 - f_thin(thin_lobe(g), NoV)) * interface_tint(g, wo, -wo) * g.tint;
+}
+#endif
+
 // rgb: f, a: the pdf of glass_sample. Delta lobes are not included.
 vec4 glass_eval_pdf(Glass g, vec3 wo, vec3 wi, sampler2D dfg) {
     vec4 f = vec4(0.0);

@@ -1,5 +1,5 @@
 // A boundary between media of one index, at which nothing is reflected or bent: the path goes straight on in the other
-// medium. Shadow rays pass it, too (viewer/trace/rays/shadow_media.py and trace/shadow_media.glsl).
+// medium. Shadow rays pass it, too (viewer/trace/rays/shadow_media.py and trace/shadow_transmittance.glsl).
 #include "trace/bounce.glsl"
 #include "trace/write_state.glsl"
 

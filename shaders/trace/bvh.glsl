@@ -31,6 +31,17 @@ const uint NOTHING = ~0u;
 bool shadow_ray_passes(Hit hit, vec3 vector); // trace/see_through.glsl
 #endif
 
+#if HAS_SCATTERING || HAS_PANES
+bool is_boundary(Found found) {
+    return int(found.code >> KIND_SHIFT & 7u) == KIND_BOUNDARY;
+}
+
+// Whether what was found may let a part of a shadow ray's light on (trace/shadow_transmittance.glsl)
+bool takes_part(Found found) {
+    return is_boundary(found) || (found.flags & IS_PANE) != 0u;
+}
+#endif
+
 // Whether shadow rays go to the camera, whose rays pass the backs of single-sided surfaces: these come to the fronts.
 uniform bool u_sees_backs;
 
@@ -50,7 +61,7 @@ void sort(inout vec4 t, inout uvec4 children, int i, int j) {
 }
 
 // Whether the ray o + t d hits a triangle with t in (0, t_max). `nearest` is the nearest such hit. For a shadow ray,
-// the first triangle found that stops the ray ends the search. A boundary between media of one index does not stop it.
+// the first triangle found that stops the ray ends the search. Boundaries between media of one index and panes do not.
 bool traverse(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
     uint stack[STACK]; // references that are still to be visited, and the distances to their boxes
     float stack_t[STACK];
@@ -131,8 +142,8 @@ bool traverse(vec3 o, vec3 d, float t_max, bool is_shadow, out Found nearest) {
                     if (shadow_ray_passes(hit, d)) continue;
                 }
 #endif
-#if HAS_SCATTERING
-                if (is_shadow && int(found.code >> KIND_SHIFT & 7u) != KIND_BOUNDARY) {
+#if HAS_SCATTERING || HAS_PANES
+                if (is_shadow && !takes_part(found)) {
                     nearest = found;
                     return true;
                 }

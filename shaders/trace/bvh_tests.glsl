@@ -22,7 +22,7 @@ struct Found {
 };
 
 // As viewer/trace/rays/bvh.py
-const uint IS_SEE_THROUGH = 1u, HAS_OPEN_BACK = 2u, IS_MIRRORED = 4u;
+const uint IS_SEE_THROUGH = 1u, HAS_OPEN_BACK = 2u, IS_MIRRORED = 4u, IS_PANE = 8u;
 
 // A ray with what the intersection tests need
 struct PreparedRay {

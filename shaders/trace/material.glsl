@@ -6,6 +6,7 @@ struct SurfaceMaterial {
     float coverage; // 0 or 1 for alpha mode mask, alpha for blend, 1 for opaque
     vec3 emission;  // towards wo; the back emits only if the material is double sided
     bool is_thin, is_unlit, is_double_sided;
+    bool is_pane;   // light goes straight on through it where it is smooth (trace/pane.glsl)
 };
 
 float coverage_of(float alpha, int material, int flags) {
@@ -24,6 +25,7 @@ SurfaceMaterial material_at(Interaction i) {
     m.is_unlit = (i.flags & FLAG_UNLIT) != 0;
     m.is_thin = (i.flags & FLAG_THIN) != 0;
     m.is_double_sided = (i.flags & FLAG_DOUBLE_SIDED) != 0;
+    m.is_pane = (i.flags & FLAG_PANE) != 0;
     m.emission = i.is_front || m.is_double_sided ? m.inputs.emissive : vec3(0.0);
     m.coverage = coverage_of(m.inputs.base_color.a, i.material, i.flags);
     return m;

@@ -1,7 +1,8 @@
 // Shades a path from a light, a photon, at a surface of any kind (trace/shade.glsl): connects it to the camera, and
 // samples the next direction. Paths from the camera find all light whose vertex next to the lamp is not a delta lobe
 // (next-event estimation), and none of the rest. So a photon goes on from its first vertex only by a delta lobe, and is
-// connected at every later vertex: each path of light is counted once.
+// connected at every later vertex: each path of light is counted once. Shadow rays pass panes (trace/pane.glsl), so these
+// are no vertices of a photon before its first one.
 // The path carries flux. A surface turns the flux that comes from wi to radiance towards wo by
 //   f(wo, wi) |n_s.wi| |n_g.wo| / |n_g.wi|      Veach 1997, 5.3
 // where f, with its shading normal n_s, is the BSDF that a path from the camera, which comes by wo, finds. f has a factor
@@ -46,6 +47,9 @@ void main() {
     disperse(p, m, sample_numbers(s, CAMERA_GROUP).z);
 #endif
     float way = distance(p.origin, i.position);
+#if HAS_PANES
+    vec3 arriving = p.throughput;
+#endif
     if (p.depth == 0) p.throughput *= range_window(p.pdf, p.travelled + way);
 #if HAS_SCATTERING
     pass_medium(p, way);
@@ -64,6 +68,12 @@ void main() {
     BsdfSample b = bsdf_sample(bsdf, local_wi, u_bsdf.xyz);
     vec3 next = normalize(frame * b.wi);
     float side = side_of(i, next, b.wi.z);
+#if HAS_PANES && REFRACTS
+    if (p.depth == 0 && passes_pane(m, b)) {
+        pass_pane(p, i, arriving, b.weight);
+        return;
+    }
+#endif
     bool is_delta = (b.flags & DELTA) != 0u;
     bool continues = b.flags != 0u && side != 0.0 && (is_delta || p.depth > 0);
 

@@ -90,6 +90,20 @@ void disperse(inout Path p, inout SurfaceMaterial m, float u) {
 }
 #endif
 
+#if HAS_PANES && REFRACTS
+// Whether a sample goes straight on through a pane (trace/pane.glsl)
+bool passes_pane(SurfaceMaterial m, BsdfSample b) {
+    return m.is_pane && b.flags == (TRANSMISSION | DELTA);
+}
+
+// The path goes on, and its last vertex stays. `arriving` is its throughput before the medium on its way to the pane.
+void pass_pane(Path p, Interaction i, vec3 arriving, vec3 weight) {
+    p.throughput = arriving * weight;
+    continue_straight(p, i);
+    write_path(p, p.throughput == vec3(0.0) ? ENDED : IN_FLIGHT);
+}
+#endif
+
 #if PHOTONS
 #include "trace/photon_surface.glsl"
 #else
@@ -116,6 +130,13 @@ void main() {
 #if TRANSMITS && !HAS_SCATTERING
     if (p.depth == 0 && !i.is_front && !m.is_thin) begin_inside(p, i, m);
 #endif
+#if HAS_PANES && REFRACTS
+    vec3 arriving = p.throughput;
+    // Where light samples were weighed against this path, it goes as far as their shadow rays do.
+    bool may_pass = m.is_pane && p.pdf > 0.0;
+#else
+    const bool may_pass = false;
+#endif
 #if HAS_SCATTERING
     pass_medium(p, distance(p.origin, i.position));
 #else
@@ -129,7 +150,8 @@ void main() {
     }
 #endif
     add_emission(p, i, m, wo);
-    if (is_back || p.depth >= u_bounces) {
+    bool is_last = p.depth >= u_bounces;
+    if (is_back || is_last && !may_pass) {
         write_path(p, ENDED);
         return;
     }
@@ -141,7 +163,7 @@ void main() {
     LightSample light = sample_light(i.position, u_light.xyz);
     vec3 local_wi = light.direction * frame;
     float light_side = side_of(i, light.direction, local_wi.z);
-    if (light_side != 0.0) {
+    if (light_side != 0.0 && !(may_pass && is_last)) {
         vec4 f = bsdf_eval_pdf(bsdf, local_wo, local_wi);
         send_shadow_ray(p, i.position, light_side * i.n_geometric, medium_at(p, i, m, light_side), light,
                         f.rgb, f.w);
@@ -150,7 +172,13 @@ void main() {
     BsdfSample b = bsdf_sample(bsdf, local_wo, u_bsdf.xyz);
     vec3 wi = normalize(frame * b.wi);
     float side = side_of(i, wi, b.wi.z);
-    bool continues = b.flags != 0u && side != 0.0;
+#if HAS_PANES && REFRACTS
+    if (may_pass && passes_pane(m, b)) {
+        pass_pane(p, i, arriving, b.weight);
+        return;
+    }
+#endif
+    bool continues = b.flags != 0u && side != 0.0 && !(may_pass && is_last);
 #if TRANSMITS
     p.eta2 *= b.eta * b.eta;
 #endif

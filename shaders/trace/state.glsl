@@ -9,11 +9,14 @@ uniform sampler2D u_shadow_vector; // to the light, 0: there is no shadow ray; c
 uniform sampler2D u_throughput;    // rgb; contribution.b
 uniform sampler2D u_radiance;      // that the path has gathered so far; counters
 #if HAS_TRANSMISSION
-uniform sampler2D u_medium;        // number; -; wavelength; product of eta^2
+uniform sampler2D u_medium;        // number; if HAS_PANES, travelled; wavelength; product of eta^2
 #endif
 #if HAS_SCATTERING
 // In scenes with scattering, u_medium has instead: the nesting of media (media/nesting.glsl); that of the shadow ray or,
 // of a path that is_lit and whose shadow ray has the same, travelled; wavelength; product of eta^2, negative if is_lit.
+// A path that has passed a pane, and whose shadow ray has the same, too, has -travelled.
+#endif
+#if HAS_SCATTERING || HAS_PANES
 uniform sampler2D u_along;         // of the rays: transmittance of the shadow ray, 0 if occluded; distance to the hit
 #endif
 uniform usampler2D u_hit;          // see trace/hit.glsl
@@ -101,14 +104,21 @@ Path read_path(ivec2 texel, uvec4 hit) {
     p.medium = 0;
     p.eta2 = 1.0;
 #endif
-#if HAS_SCATTERING
+#if HAS_SCATTERING || HAS_PANES
     vec4 along = texelFetch(u_along, texel, 0);
     p.radiance = radiance.rgb + along.rgb * vec3(a.w, b.w, throughput.w);
+#endif
+#if HAS_SCATTERING
     p.reach = along.w;
     p.is_lit = p.eta2 < 0.0;
     if (p.is_lit) p.travelled = medium.y;
+#if HAS_PANES
+    else if (medium.y < 0.0) p.travelled = -medium.y;
+#endif
     p.eta2 = abs(p.eta2);
     p.shadow_medium = p.medium;
+#elif HAS_PANES
+    p.travelled = medium.y;
 #else
     p.radiance = radiance.rgb + (has_shadow_ray && is_shadow_ray_free(hit) ? vec3(a.w, b.w, throughput.w) : vec3(0.0));
 #endif

@@ -12,7 +12,7 @@ bool is_behind_glass(ivec2 texel) {
     uvec4 hit = texelFetch(u_hit, texel, 0);
     if (hit_kind(hit) != KIND_GLASS) return false;
     SurfaceMaterial m = material_at(interact(unpack_hit(hit), -texelFetch(u_direction, texel, 0).xyz));
-    return m.inputs.perceptual_roughness * m.inputs.perceptual_roughness < SMOOTH;
+    return !m.is_pane && m.inputs.perceptual_roughness * m.inputs.perceptual_roughness < SMOOTH;
 }
 
 void main() {

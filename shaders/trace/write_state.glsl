@@ -21,9 +21,15 @@ void write_path(Path p, float status) {
     o_radiance = vec4(p.radiance, pack_counters(p.depth, p.steps, p.left));
 #if HAS_TRANSMISSION
     o_medium = vec4(p.medium, 0.0, 0.0, p.eta2);
+#if HAS_PANES
+    o_medium.y = p.travelled;
+#endif
 #endif
 #if HAS_SCATTERING
     o_medium.y = p.is_lit ? p.travelled : float(p.shadow_medium);
+#if HAS_PANES
+    if (!p.is_lit && has_shadow_ray && p.travelled > 0.0) o_medium.y = -p.travelled;
+#endif
     o_medium.w = p.is_lit ? -p.eta2 : p.eta2;
 #endif
 #if DISPERSIVE

@@ -8,7 +8,7 @@ from itertools import product
 from compiled import Sources
 
 from viewer.gpu.source import assemble
-from viewer.trace.defines import shader_defines
+from viewer.trace.defines import shader_defines, surface_defines
 from viewer.trace.paths.wavefront import LAYERS, SUMS
 from viewer.trace.rays.bvh import CURVES_LEAF, INSTANCE_TEXELS, NODE_TEXELS, TRIANGLE_TEXELS
 from viewer.trace.rays.bvh4 import LEAF_SHIFT
@@ -53,11 +53,12 @@ def intersections(switches: Mapping[str, int]) -> Iterator[Sources]:
             "CURVES_SHIFT": CURVES_LEAF >> LEAF_SHIFT & 7}
     see_through = bool(switches["HAS_SEE_THROUGH"])
     for has_instances in (0, 1):
-        defines = shader_defines(switches) | tree | {"HAS_INSTANCES": has_instances, "HAS_SEE_THROUGH": see_through}
-        kind = "_media" if switches["HAS_SCATTERING"] else "_see_through" * see_through
+        defines = surface_defines(switches) | tree | {"HAS_INSTANCES": has_instances, "HAS_SEE_THROUGH": see_through}
+        has_along = switches["HAS_SCATTERING"] or switches["HAS_PANES"]
+        kind = "_transmittance" if has_along else "_see_through" * see_through
         yield _program(_FULLSCREEN, f"trace/intersect{kind}.frag", defines)
-    if see_through:
-        yield _program(_FULLSCREEN, "trace/see_through.frag", shader_defines(switches))
+    if see_through or switches["HAS_PANES"]:
+        yield _program(_FULLSCREEN, "trace/see_through.frag", surface_defines(switches))
 
 
 def _program(vertex: str, fragment: str, defines: Mapping[str, float]) -> Sources:

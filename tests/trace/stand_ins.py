@@ -27,6 +27,7 @@ class Instance:
     kind: Kind = SURFACE
     see_through: bool = False
     has_open_back: bool = False
+    is_pane: bool = False
     is_mirrored: bool = False
 
 

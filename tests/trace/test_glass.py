@@ -140,6 +140,8 @@ def test_without_specular_nothing_reflects(tracer):
 
 
 def test_a_point_light_is_not_found_through_smooth_glass_but_through_rough(tracer):
+    """Smooth glass that the camera sees sends it light from one direction alone, whether it bends that or not."""
+
     def wall(roughness: float) -> Scene:
         material = replace(GLASS, perceptual_roughness=roughness, double_sided=True)
         lamp = Light("point", intensity=1.0, position=(0, 0, -1))

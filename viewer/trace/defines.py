@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from ..plan.bsdf_switches import bsdf_switches
+from ..settings import Settings
 from . import layout
 from .kinds import KINDS
 
@@ -20,6 +22,7 @@ _CONSTANTS: dict[str, float] = {
     "VOLUME_TEXELS": layout.VOLUME_TEXELS, "FIBRE_TEXELS": layout.FIBRE_TEXELS,
     "FLAG_SEE_THROUGH": layout.SEE_THROUGH, "FLAG_MIRRORED": layout.MIRRORED,
     "FLAG_DOUBLE_SIDED": layout.DOUBLE_SIDED, "FLAG_UNLIT": layout.UNLIT, "FLAG_THIN": layout.THIN,
+    "FLAG_PANE": layout.PANE,
     "MAP_TEXELS": layout.MAP_TEXELS, "WRAP_REPEAT": layout.WRAPS["repeat"], "WRAP_CLAMP": layout.WRAPS["clamp"],
     "MAP_WRAP_BITS": layout.MAP_WRAP_BITS, "MAP_NEAREST": layout.MAP_NEAREST, "MAP_SECOND_UV": layout.MAP_SECOND_UV,
     "MAP_TRANSFORMED": layout.MAP_TRANSFORMED, "MAP_ROLE_SHIFT": layout.MAP_ROLE_SHIFT,
@@ -31,3 +34,9 @@ def shader_defines(switches: Mapping[str, int] | None = None) -> dict[str, float
     switches = switches or {}
     far = {"FAR": 2 * layout.MEDIA_REACH if switches.get("HAS_SCATTERING") else layout.FAR}
     return {**_CONSTANTS, **far, **layout.vertex_layout(switches), **layout.medium_layout(switches), **switches}
+
+
+def surface_defines(switches: Mapping[str, int]) -> dict[str, float]:
+    """Those of a program that asks what shadow rays meet. What panes transmit (shaders/trace/pane.glsl) is the same
+    whatever the settings of the BSDF are, but their GLSL stands in files that have switches of these."""
+    return shader_defines(bsdf_switches(Settings()) | dict(switches))

@@ -68,7 +68,7 @@ number of the phase function (`Medium.phase`); one has emission over extinction,
 FIBRE_TEXELS = 2
 """Texels of a set of curves in the scene buffer: absorption and beta_m; beta_n, tilt, index of refraction, 0."""
 
-SEE_THROUGH, MIRRORED, DOUBLE_SIDED, UNLIT, THIN = 1, 2, 4, 8, 16
+SEE_THROUGH, MIRRORED, DOUBLE_SIDED, UNLIT, THIN, PANE = 1, 2, 4, 8, 16, 32
 """Bits of an instance's flags."""
 
 MAP_TEXELS = 3

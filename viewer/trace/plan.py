@@ -46,6 +46,11 @@ class TracePlan:
         return bool(self.programs["generate"]["HAS_SCATTERING"])
 
     @property
+    def has_along(self) -> bool:
+        """Whether shadow rays learn how much of their light passes, and not only whether it does."""
+        return self.has_scattering or bool(self.programs["generate"]["HAS_PANES"])
+
+    @property
     def has_grids(self) -> bool:
         """Whether there are volumes, through which a pass follows the rays."""
         return "track" in self.programs
@@ -107,8 +112,8 @@ def plan_trace(
         emitters = ["HAS_EMITTERS"] * (shows_emission and not geometry.emitters)
         switches |= dict.fromkeys((*_NEUTRAL, *emitters), 1)
     kinds |= {FIBRE} if geometry.curves is not None else set()
-    state = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_GRIDS", "HAS_FOG",
-                                               DISPERSION.switch)}
+    state = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_GRIDS",
+                                               "HAS_FOG", DISPERSION.switch)}
     first = state | {"RAYS": rays}
     sky_names = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING", "HAS_VOLUME")
     sky = {name: switches[name] for name in sky_names}
@@ -145,8 +150,8 @@ def _photon_programs(programs: Mapping[str, Program], switches: Mapping[str, int
                      ) -> dict[str, Program]:
     """The programs for paths from lights: those of `programs` that change, and the same ones for the rest."""
     light = {"PHOTONS": 1, "HAS_CLEARANCE": 0}  # photons are connected at every collision
-    first = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_GRIDS", "HAS_FOG",
-                                               DISPERSION.switch, "LIGHT_RADIUS")}
+    first = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_GRIDS",
+                                               "HAS_FOG", DISPERSION.switch, "LIGHT_RADIUS")}
     shading = {name: Program.of(program.fragment, dict(program.switches) | light)
                for name, program in programs.items() if name in {kind.name for kind in KINDS} | {"medium"}}
     return {
@@ -239,6 +244,7 @@ _SURFACES = {
     "HAS_COLOR": "vertex colours",
     "HAS_EMISSION": "emission",
     "HAS_SEE_THROUGH": "code for what alpha leaves open",
+    "HAS_PANES": "shadow rays through thin smooth panes",
     "HAS_UNLIT": "code for unlit materials",
     "HAS_VOLUME": "absorption in volumes",
     "HAS_SCATTERING": "scattering in volumes",

@@ -62,7 +62,7 @@ class PathRender:
         rows = min(math.ceil(math.prod(film.tiles) * settings.most_spp / columns / 2), columns)
 
         def wavefront(has_layers: bool, sees_backs: bool) -> Wavefront:
-            return Wavefront(context, columns, rows, plan.has_transmission, has_layers, plan.has_scattering,
+            return Wavefront(context, columns, rows, plan.has_transmission, has_layers, plan.has_along,
                              plan.has_grids, sees_backs)
 
         self._wavefronts = [TracedWavefront(wavefront("layers" in plan.programs, False)) for _ in range(2)]

@@ -53,8 +53,8 @@ class Wavefront:
     """`columns` x `rows` blocks of TILE x TILE paths.
 
     There are two states. The textures of the present one are attributes, by their names in `STATE`. Passes read them
-    and write `next`, and `swap` makes that the present one. An intersector writes `hit` and, in scenes with scattering,
-    `along` (viewer/trace/rays/intersect.py). `classes` has the class of each path as a depth value, and `alive` says
+    and write `next`, and `swap` makes that the present one. An intersector writes `hit` and, with `has_along`, `along`
+    (viewer/trace/rays/intersect.py). `classes` has the class of each path as a depth value, and `alive` says
     for each block, in one texel, whether any of its paths is not idle.
     `work`, (blocks, 4) int32, has the work items of the blocks, as in `Work`. `is_busy`, (blocks,), says which of them
     may not be done yet.
@@ -69,7 +69,7 @@ class Wavefront:
     medium: moderngl.Texture
 
     def __init__(self, context: Context, columns: int, rows: int, has_medium: bool, has_layers: bool,
-                 has_scattering: bool = False, has_grids: bool = False, sees_backs: bool = False) -> None:
+                 has_along: bool = False, has_grids: bool = False, sees_backs: bool = False) -> None:
         gl = self._gl = context.gl
         self.grid = columns, rows
         self.sees_backs = sees_backs
@@ -84,7 +84,7 @@ class Wavefront:
         self._present = 0
         self.present.clear()
         self.hit = gl.texture(self.size, 4, dtype="u4")
-        self.along = float_target(gl, self.size) if has_scattering else None
+        self.along = float_target(gl, self.size) if has_along else None
         self._along_volumes = [float_target(gl, self.size) for _ in range(2)] if has_grids else []
         self.tracked = gl.framebuffer(self._along_volumes) if has_grids else None
         self._work_items = gl.texture(self.grid, 4, dtype="i4")

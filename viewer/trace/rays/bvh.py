@@ -67,7 +67,7 @@ class Bvh:
     trees: dict[int, Bvh4]
 
 
-IS_SEE_THROUGH, HAS_OPEN_BACK, IS_MIRRORED = 1, 2, 4
+IS_SEE_THROUGH, HAS_OPEN_BACK, IS_MIRRORED, IS_PANE = 1, 2, 4, 8
 """Flags of triangles and instances, as shaders/trace/bvh_tests.glsl reads them."""
 
 COPIED, INSTANCES, CURVES = -1, -2, -3
@@ -232,7 +232,8 @@ class _Forest:
 
 
 def _flags(instance: TraceInstance) -> int:
-    return IS_SEE_THROUGH * instance.see_through | HAS_OPEN_BACK * instance.has_open_back
+    return (IS_SEE_THROUGH * instance.see_through | HAS_OPEN_BACK * instance.has_open_back
+            | IS_PANE * instance.is_pane)
 
 
 def _moved_box(

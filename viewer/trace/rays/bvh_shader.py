@@ -12,7 +12,7 @@ from ...gpu.fullscreen import fullscreen
 from ...gpu.program import compile_program
 from ...gpu.programs import set_uniform
 from ...gpu.row_texture import row_texture
-from ..defines import shader_defines
+from ..defines import shader_defines, surface_defines
 from ..scene.nesting import Nesting
 from .bvh import CURVES_LEAF, INSTANCE_TEXELS, NODE_TEXELS, TRIANGLE_TEXELS, Bvh, build_bvh
 from .bvh4 import LEAF_SHIFT
@@ -40,7 +40,9 @@ class BvhIntersector:
         self._media = Nesting(len(geometry.media)) if geometry.scatters else None
         if (bvh.has_see_through or geometry.scatters) and surfaces is None:
             raise ValueError("see-through triangles and media need their surfaces")
-        self._surfaces = surfaces if bvh.has_see_through or geometry.scatters else None
+        self._has_panes = surfaces is not None and any(instance.is_pane for instance in geometry.instances)
+        self._has_along = self._media is not None or self._has_panes
+        self._surfaces = surfaces if bvh.has_see_through or self._has_along else None
         self._bvh = self._texture(bvh)
         self._defines = self._all_defines(bvh)
         self._program = self._compile()
@@ -72,7 +74,7 @@ class BvhIntersector:
 
     def _all_defines(self, bvh: Bvh) -> dict[str, float]:
         return {
-            **shader_defines(None if self._surfaces is None else self._surfaces.switches),
+            **(shader_defines() if self._surfaces is None else surface_defines(self._surfaces.switches)),
             "BVH_WIDTH": self._bvh.width,
             "NODE_TEXELS": NODE_TEXELS, "TRIANGLE_TEXELS": TRIANGLE_TEXELS, "BVH_INSTANCE_TEXELS": INSTANCE_TEXELS,
             "LEAF_SHIFT": LEAF_SHIFT,
@@ -82,11 +84,12 @@ class BvhIntersector:
             "HAS_CURVES": bvh.has_curves,
             "CURVES_SHIFT": CURVES_LEAF >> LEAF_SHIFT & 7,
             "HAS_SCATTERING": self._media is not None,
+            "HAS_PANES": self._has_panes,
             "SHADOW_REACH": SHADOW_REACH,
         }
 
     def _compile(self) -> moderngl.Program:
-        kind = "_media" if self._media is not None else "_see_through" * self._built.has_see_through
+        kind = "_transmittance" if self._has_along else "_see_through" * self._built.has_see_through
         fragment = f"trace/intersect{kind}.frag"
         # `precise` belongs to GLSL 4.00; before that it takes an extension, which drivers have in part or not at all.
         program = compile_program(self._context, vertex=_VERTEX, fragment=fragment, defines=self._defines,
@@ -115,7 +118,7 @@ class BvhIntersector:
             for name, value in self._media.uniforms.items():
                 set_uniform(self._program, name, value)
         target = self._gl.framebuffer([wavefront.hit])
-        both = target if self._media is None else self._gl.framebuffer([wavefront.hit, wavefront.along])
+        both = target if not self._has_along else self._gl.framebuffer([wavefront.hit, wavefront.along])
         both.use()
         self._gl.enable_only(moderngl.NOTHING)
         fullscreen(self._gl, self._program).render(vertices=3)

@@ -55,8 +55,10 @@ class EmbreeIntersector:
         self._triangles = _Triangles(geometry)
         self._is_see_through = np.array([instance.see_through for instance in geometry.instances], bool)
         self._hand, self._open_back = _backs(geometry)
+        self._is_pane = _panes(geometry)
+        self._has_panes = surfaces is not None and bool(self._is_pane.any())
         self._coverage: SeeThrough | None = None
-        if self._is_see_through.any():
+        if self._is_see_through.any() or self._has_panes:
             if surfaces is None:
                 raise ValueError("see-through triangles need their surfaces")
             self._coverage = SeeThrough(context, surfaces)
@@ -91,14 +93,17 @@ class EmbreeIntersector:
             self._curves.overwrite(hits, in_flight, origins, directions, reach)
         vector = rays.shadow_vector
         shadowed = np.flatnonzero((status != IDLE) & ((vector[:, 0] != 0) | (vector[:, 1] != 0) | (vector[:, 2] != 0)))
-        if self._media is not None:
+        if self._media is not None or self._has_panes:
             along = np.zeros((len(hits), 4), np.float32)
             along[:, 3] = -1
             along[in_flight, 3] = np.where(np.isfinite(reach), reach, -1)
-            medium = rays.medium[shadowed]
-            nesting = np.where(medium[:, 3] < 0, medium[:, 0], medium[:, 1]).astype(np.int64)
+            nesting = np.zeros(len(shadowed), np.int64)
+            if self._media is not None:
+                medium = rays.medium[shadowed]
+                is_same = (medium[:, 3] < 0) | (medium[:, 1] < 0)  # shaders/trace/state.glsl
+                nesting = np.where(is_same, medium[:, 0], medium[:, 1]).astype(np.int64)
             along[shadowed, :3] = self._transmittance(
-                _rows(rays.shadow_origin, shadowed), _rows(vector, shadowed), nesting, self._media, rays.sees_backs)
+                _rows(rays.shadow_origin, shadowed), _rows(vector, shadowed), nesting, rays.sees_backs)
             return Answer(int(np.count_nonzero(status)), len(in_flight) + len(shadowed), hits, along)
         free = np.zeros(len(hits), np.uint32)
         free[shadowed] = self._free(_rows(rays.shadow_origin, shadowed), _rows(vector, shadowed), rays.sees_backs)
@@ -116,6 +121,7 @@ class EmbreeIntersector:
         if not self._triangles.are_those_of(geometry):
             self._triangles = _Triangles(geometry)
         self._is_see_through = np.array([instance.see_through for instance in geometry.instances], bool)
+        self._is_pane = _panes(geometry)
         self._hand, self._open_back = _backs(geometry)
         self._media = ShadowMedia(geometry) if geometry.scatters else None
         if geometry.curves is None:
@@ -174,9 +180,9 @@ class EmbreeIntersector:
         """Whether rays, (N, 3), come to the front of what they hit; `normals` are Embree's, by the order of corners."""
         return np.einsum("ij,ij->i", normals, vectors) * self._hand[instances] < 0
 
-    def _transmittance(self, origins: NDArray, vectors: NDArray, nesting: NDArray, media: ShadowMedia,
-                       sees_backs: bool) -> NDArray:
-        """The part of the light that shadow rays leave, (N, 3): they begin inside of `nesting`."""
+    def _transmittance(self, origins: NDArray, vectors: NDArray, nesting: NDArray, sees_backs: bool) -> NDArray:
+        """The part of the light that media and panes leave of shadow rays, (N, 3), which begin inside of `nesting`."""
+        media = self._media
         light = np.zeros((len(origins), 3), np.float32)
         left = np.ones_like(light)
         pending = np.arange(len(origins))
@@ -191,20 +197,25 @@ class EmbreeIntersector:
             self._triangles.write_hits(found, hits, np.arange(len(pending)))
             hit = found["primID"] >= 0
             end = np.where(hit, begin + found["tfar"], np.float32(1))
-            left *= media.along(nesting, origins[pending], vector, begin, end)
+            if media is not None:
+                left *= media.along(nesting, origins[pending], vector, begin, end)
             light[pending[~hit]] = left[~hit]
             crosses = hit & is_boundary(hits)
             passes = crosses | (hit & self._leaves_by_back(found, hits, vector)) if sees_backs else crosses.copy()
             (asked,) = np.nonzero(hit & ~passes)
-            asked = asked[self._is_see_through[instances_of(hits[asked])]]
+            asked = asked[(self._is_see_through | self._is_pane)[instances_of(hits[asked])]]
             if len(asked) and self._coverage is not None:
-                passes[asked] = self._coverage.pass_through(hits[asked], vector[asked])
+                through = self._coverage.transmittance(hits[asked], vector[asked])
+                left[asked] *= through
+                passes[asked] = through.any(axis=1)
             (on,) = np.nonzero(passes)
             if not len(on):
                 break
             normal, instances = found["Ng"][on], instances_of(hits[on])
-            after = media.cross(nesting[on], instances, self._meets_front(normal, vector[on], instances))
-            nesting = np.where(crosses[on], after, nesting[on])
+            nesting = nesting[on]
+            if media is not None:
+                after = media.cross(nesting, instances, self._meets_front(normal, vector[on], instances))
+                nesting = np.where(crosses[on], after, nesting)
             is_along = np.einsum("ij,ij->i", normal, vector[on]) > 0
             beyond = np.where(is_along[:, None], normal, -normal)
             start = offset_origin(start[on] + found["tfar"][on, None] * vector[on], beyond)
@@ -218,6 +229,11 @@ def _backs(geometry: TraceGeometry) -> tuple[NDArray[np.int8], NDArray[np.bool_]
     """For each instance -1 if it is mirrored, else 1, and whether rays of the camera pass it from behind, (N,) each."""
     return (np.array([-1 if instance.is_mirrored else 1 for instance in geometry.instances], np.int8),
             np.array([instance.has_open_back for instance in geometry.instances], bool))
+
+
+def _panes(geometry: TraceGeometry) -> NDArray[np.bool_]:
+    """For each instance whether shadow rays pass it, dimmed, (N,)."""
+    return np.array([instance.is_pane for instance in geometry.instances], bool)
 
 
 class _Triangles:

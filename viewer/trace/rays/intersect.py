@@ -7,8 +7,8 @@ that hits nothing has x = `MISS`. Both sides of triangles are hit, and only the 
 the number of the set in place of that of the instance, and y is the row of the segment's first point
 (viewer/trace/scene/curves.py).
 
-In scenes with scattering the texture `along` (RGBA32F) has in rgb the transmittance of the shadow ray through the media
-on its way, 0 if something occludes it, and in a the distance to the hit, negative if there is none.
+In scenes with scattering or panes the texture `along` (RGBA32F) has in rgb the transmittance of the shadow ray through
+the media and panes on its way, 0 if something occludes it, and in a the distance to the hit, negative if there is none.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ EMBREE_TRIANGLES = 20_000_000
 class WavefrontTextures(Protocol):
     """The textures of a wavefront, all of one size. An intersector reads the first five and writes the others.
 
-    Only scenes with scattering need `medium` and `along`.
+    Only scenes with scattering need `medium`, and only those and scenes with panes `along`.
     """
 
     origin: moderngl.Texture  # xyz, and w: the status of viewer/trace/layout.py
@@ -99,8 +99,8 @@ def make_intersector(
     """An intersector of the scene's triangles.
 
     `kind` is embree, bvh or auto: Embree if OpenGL runs in software and Embree is installed, else the BVH. `surfaces`
-    is needed only for scenes with see-through surfaces. Raises UsageError if Embree is asked for and cannot be used,
-    ViewerError for a scene whose BVH no texture holds.
+    is needed only for scenes with see-through surfaces; without it, panes occlude shadow rays. Raises UsageError if
+    Embree is asked for and cannot be used, ViewerError for a scene whose BVH no texture holds.
     """
     if kind not in ("auto", "embree", "bvh"):
         raise UsageError(f"no intersector {kind!r}; there are auto, embree, bvh")

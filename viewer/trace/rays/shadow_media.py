@@ -1,4 +1,4 @@
-"""Shadow rays through media, for Embree: what shaders/trace/shadow_media.glsl does for the BVH in a shader.
+"""Shadow rays through media, for Embree: what shaders/trace/shadow_transmittance.glsl does for the BVH in a shader.
 
 A shadow ray passes boundaries between media of one index, and the media on its way dim it.
 """

@@ -12,7 +12,17 @@ from ...scene.mesh import Mesh
 from ...scene.scene import Scene
 from ...scene.schema import MAPS, PATH_TRACED, SWITCHED
 from ...scene.texture_image import TextureImage
-from ..layout import DOUBLE_SIDED, INSTANCE_TEXELS, MIRRORED, SEE_THROUGH, THIN, UNLIT, medium_layout, vertex_layout
+from ..layout import (
+    DOUBLE_SIDED,
+    INSTANCE_TEXELS,
+    MIRRORED,
+    PANE,
+    SEE_THROUGH,
+    THIN,
+    UNLIT,
+    medium_layout,
+    vertex_layout,
+)
 from .atlas import Page
 from .clearance import clearance_texels, has_clearance
 from .geometry import TraceGeometry, TraceInstance, TraceMesh
@@ -49,6 +59,7 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
     switches["HAS_TRANSMISSION"] |= any(m.transmits_diffusely and not m.is_thin for m in materials)
     return {name: int(value or everything) for name, value in switches.items()} | {
         "HAS_SCATTERING": int(geometry.scatters),  # other random numbers: `everything` would be another picture with it
+        "HAS_PANES": int(geometry.has_panes),
         "HAS_GRIDS": int(geometry.has_grids),
         "HAS_CLEARANCE": int(has_clearance(geometry)),
         "HAS_FOG": 0 if geometry.fog is None else 1 + geometry.fog.thins,
@@ -147,7 +158,7 @@ def _flags(instance: TraceInstance, geometry: TraceGeometry) -> int:
     material = geometry.materials[instance.material]
     return (SEE_THROUGH * instance.see_through | MIRRORED * instance.is_mirrored
             | DOUBLE_SIDED * material.material.double_sided | UNLIT * material.material.unlit
-            | THIN * material.is_thin)
+            | THIN * material.is_thin | PANE * material.is_pane)
 
 
 def _fill_vertices(

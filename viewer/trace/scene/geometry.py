@@ -44,9 +44,9 @@ class TraceMesh:
 class TraceInstance:
     """A mesh placed in tracer space by `transform`, (3, 4) float64, from the mesh's normalised positions.
 
-    `see_through`: the coverage of its triangles may be below 1, so that rays may pass. `has_open_back`: rays of the
-    camera pass it from behind. `material` and `medium`, that of
-    the inside, are numbers in `TraceGeometry.materials` and `.media`; `source` is the instance's number in
+    `see_through`: the coverage of its triangles may be below 1, so that rays may pass. `is_pane`: shadow rays pass it,
+    dimmed (`TraceMaterial.is_pane`). `has_open_back`: rays of the camera pass it from behind. `material` and `medium`,
+    that of the inside, are numbers in `TraceGeometry.materials` and `.media`; `source` is the instance's number in
     `scene.instances`. `first_emitter` is the number of its first triangle among all emissive triangles, and its other
     triangles follow in their order; it is -1 if the instance does not emit.
     """
@@ -57,6 +57,7 @@ class TraceInstance:
     see_through: bool = False
     material: int = 0
     medium: int = 0
+    is_pane: bool = False
     has_open_back: bool = False
     source: int = -1
     first_emitter: int = -1
@@ -92,6 +93,11 @@ class TraceGeometry:
     def scatters(self) -> bool:
         """Whether any medium scatters light, or a grid or fog may."""
         return self.has_grids or self.fog is not None or any(medium.scatters for medium in self.media)
+
+    @property
+    def has_panes(self) -> bool:
+        """Whether light goes straight on through any surface (`TraceMaterial.is_pane`)."""
+        return any(instance.is_pane for instance in self.instances)
 
     @property
     def open_media(self) -> frozenset[int]:
@@ -150,6 +156,7 @@ def trace_geometry(
             kind=kind_of(traced),
             see_through=_is_see_through(material, mesh),
             material=materials[key],
+            is_pane=traced.is_pane,
             has_open_back=kind_of(traced) == SURFACE and not material.double_sided,
             medium=media.setdefault(inside, len(media)) if traced.is_solid or fog is None else 0,
             source=number,

@@ -13,7 +13,7 @@ import numpy as np
 
 from ...material.pack import COLOR_ROLES, DATA_ROLES, record
 from ...material.use import used_maps
-from ...scene.material import Material, Sampler, Texture
+from ...scene.material import ANISOTROPY, Material, Sampler, Texture
 from ...scene.medium import VACUUM, Medium
 from ...scene.mesh import Mesh
 from ...scene.schema import MAPS
@@ -26,6 +26,9 @@ from ..layout import (
     MAP_WRAP_BITS,
     WRAPS,
 )
+
+DELTA_ALPHA = 1e-3
+"""As in shaders/bsdf/bsdf.glsl: lobes with a smaller alpha are mirrors."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,8 @@ class TraceMaterial:
     """A material on a mesh, without the maps that make no difference there.
 
     `medium` is the one behind its front side. `is_boundary`: a path goes straight through it, into another medium.
+    `is_pane`: a thin wall of glass with points that may be smooth, through which light goes straight on
+    (shaders/trace/pane.glsl).
     """
 
     material: Material
@@ -53,6 +58,7 @@ class TraceMaterial:
     medium: Medium
     is_thin: bool
     is_boundary: bool = False
+    is_pane: bool = False
 
     @property
     def is_solid(self) -> bool:
@@ -97,7 +103,17 @@ def trace_material(material: Material, mesh: Mesh, scatters: bool = False) -> Tr
         VACUUM if material.unlit else material.medium,
         is_thin,
         scatters and transmits and _is_index_matched(material, names, mesh),
+        transmits and is_thin and material.weave is None and _may_be_smooth(material, names),
     )
+
+
+def _may_be_smooth(material: Material, maps: list[str]) -> bool:
+    """Whether any point of glass may be as smooth as a mirror. Without decoding its map of roughness, if it has one.
+
+    A clear coat counts as rough: it is another interface, which is not in `pane_transmittance`.
+    """
+    is_smooth = material.perceptual_roughness**2 < DELTA_ALPHA or "metallic_roughness" in maps
+    return is_smooth and not ANISOTROPY.is_on(material) and material.clearcoat == 0 and material.dispersion == 0
 
 
 def _is_index_matched(material: Material, maps: list[str], mesh: Mesh) -> bool:

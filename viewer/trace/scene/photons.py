@@ -24,13 +24,11 @@ from ..kinds import GLASS
 from .alias import alias_table
 from .geometry import TraceGeometry, TraceInstance
 from .inside import solids_around
-from .materials import TraceMaterial
+from .materials import DELTA_ALPHA, TraceMaterial
 from .nesting import Nesting
 from .punctual import light_columns
 from .scene_buffer import SceneBufferBuilder
 
-DELTA_ALPHA = 1e-3
-"""As in shaders/bsdf/bsdf.glsl: lobes with a smaller alpha are mirrors."""
 MOST_TARGETS = 64
 """Targets of one light: more surfaces are grouped, each with those near to it."""
 _MOST_PAIRS = 1 << 18
@@ -113,7 +111,8 @@ _MAPS = {"perceptual_roughness": "metallic_roughness", "clearcoat_roughness": "c
 
 def _is_smooth_glass(geometry: TraceGeometry, instance: TraceInstance) -> bool:
     material = geometry.materials[instance.material].material
-    return instance.kind == GLASS and material.perceptual_roughness == 0.0 and not ANISOTROPY.is_on(material)
+    is_glass = instance.kind == GLASS and not instance.is_pane
+    return is_glass and material.perceptual_roughness == 0.0 and not ANISOTROPY.is_on(material)
 
 
 @dataclass(frozen=True)

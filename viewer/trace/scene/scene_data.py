@@ -24,7 +24,7 @@ class SceneData:
     def __init__(self, context: Context, scene: Scene, geometry: TraceGeometry, everything: bool = False) -> None:
         self._context, self._name = context, scene.name
         self.switches = geometry_switches(scene, geometry, everything)
-        self._everything = everything
+        self._everything, self._shows_specular = everything, True
         color, data = _images(geometry)
         self._color = Atlas(context, color, True) if color else None
         self._data = Atlas(context, data, False) if data else None
@@ -60,6 +60,10 @@ class SceneData:
             if atlas and name not in self._textures:
                 self._textures[name] = unit, atlas.upload()
 
+    def show_specular(self, is_shown: bool) -> None:
+        """Say whether pictures show what panes let through (shaders/trace/pane.glsl)."""
+        self._shows_specular = is_shown
+
     def bind(self, program: moderngl.Program) -> None:
         """Bind the textures and set the uniforms of the scene buffer, the atlases and the sections."""
         # A missing atlas gets its unit, too: samplers of two types must not share a unit.
@@ -68,6 +72,7 @@ class SceneData:
         for name, (unit, texture) in self._textures.items():
             texture.use(unit)
             set_uniform(program, name, unit)
+        set_uniform(program, "u_shows_specular", self._shows_specular)
         for name, offset in self._uploaded.uniforms().items():
             set_uniform(program, name, offset)
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from ...gpu.context import Context
 from ...gpu.programs import set_uniform
 from ...material.weave import WeaveBinding
+from ...plan.bsdf_switches import bsdf_switches
 from ...scene.fibre import gives_color, hair_fibre
 from ...scene.fog import fog_of
 from ...scene.medium import VACUUM
@@ -92,6 +93,7 @@ class TracedScene:
                 buffer.add(name, texels)
         self.photons = Photons(scene, self.geometry, buffer, settings, self._lights.lit)
         self._data.upload(buffer)
+        self._data.show_specular(bool(bsdf_switches(settings)["SHOW_SPECULAR"]))
         self._scene, self._droplets = scene, _droplets(scene, settings)
         self._light_key: tuple[object, ...] = _light_key(scene, settings)
 
@@ -147,7 +149,7 @@ class TracedScene:
 def _light_key(scene: Scene, settings: Settings) -> tuple[object, ...]:
     """What the lights depend on. Environments are compared by identity."""
     fibres = (hair_fibre(settings), gives_color(settings)) if scene.curves else None
-    return (scene.environment, scene.lights, settings.light_radius, settings.lobes == "all",
+    return (scene.environment, scene.lights, settings.light_radius, settings.lobes,
             settings.background_blur, settings.caustics, volume_medium(settings), fibres)
 
 
