@@ -26,7 +26,7 @@ def test_every_setting_has_a_default_among_its_choices_and_a_meaning():
         assert getattr(Settings(), name) in choices and len(choices) > 1 and setting_meanings()[name]
     of_numbers = setting_meanings().keys() - setting_choices().keys()
     assert of_numbers == {"background_blur", "bounces", "light_radius", "clamp", "volume_density", "volume_albedo",
-                          "volume_g", "volume_droplets", "volume_emission", "fog", "fog_albedo", "fog_g",
+                          "volume_g", "volume_droplets", "volume_emission", "fog", "fog_albedo", "fog_g", "photons",
                           "fog_droplets", "fog_height", "curve_radius", "hair_melanin", "hair_color",
                           "hair_absorption", "hair_roughness", "hair_tilt", "hair_ior", "weave", "yarn_plies",
                           "yarn_fibres", "yarn_twist", "yarn_hairs"} < RANGES.keys()

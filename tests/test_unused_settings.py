@@ -33,6 +33,7 @@ def test_what_the_scene_lacks_is_named_with_the_settings_about_it():
     assert unused_settings(dark, Settings.of(environment_shadows="16", background_blur=3)) == [
         "environment_shadows has no effect: there is no environment",
         "background_blur has no effect: the background is no environment"]
+    assert unused_settings(BARE, Settings.of(photons=4)) == ["photons has no effect: the setting caustics is off"]
     assert unused_settings(BARE, Settings.of(mode="path", light_radius=0.1)) == [
         "light_radius has no effect: there are no point or spot lights"]
 

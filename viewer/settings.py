@@ -41,6 +41,7 @@ RANGES = {
     "seed": Range(0, (1 << 32) - 1, is_whole=True),
     "bounces": Range(1, 255, is_whole=True),
     "light_radius": Range(0.0, 1e9),
+    "photons": Range(1, MAX_SPP, is_whole=True),
     "clamp": Range(0.0, 1e9),
     "background_blur": Range(0.0, 90.0),
     "volume_density": Range(0.0, 1e18),
@@ -192,8 +193,9 @@ class Settings:
     bounces: int = _option(32, "mode path: the maximum number of reflections and refractions of a path")
     light_radius: float = _option(0.0, "mode path: radius of point and spot lights, in the scene's unit")
     caustics: Literal["off", "photons"] = _option(
-        "off", "mode path: light from point, spot and directional lights that smooth glass or a smooth mirror scatters "
-        "first, by photons from the lights, as many as camera paths")
+        "off", "light from point, spot and directional lights that smooth glass or a smooth mirror scatters first, by "
+        "photons from the lights; in mode path as many as camera paths")
+    photons: int = _option(16, "mode pbr: photons a pixel, for caustics")
     clamp: float = _option(
         0.0, "mode path: maximum luminance of an indirect sample, which removes bright noise but loses light; 0: none")
 
@@ -245,12 +247,15 @@ class Settings:
     def check_open(self) -> tuple[Settings | None, Settings | None]:
         """These settings in mode pbr and in mode path, for choosing between them; None for a mode that ignores some.
 
-        Raises UsageError if both modes ignore some of them, or for what only a picture of mode path has.
+        Raises UsageError if both modes ignore some of them, or for what only a picture of mode path has. Photons are
+        left to mode path, too: what they cost the raster is not known.
         """
         if self.denoise == "raster":
             raise UsageError("denoise raster is for mode path: give that mode")
         modes = replace(self, mode="pbr", time_budget=None, error=None), replace(self, mode="path")
         usable = [settings if settings.is_used else None for settings in modes]
+        if self.caustics == "photons":
+            usable[0] = None
         if usable == [None, None]:
             raise UsageError("neither mode pbr nor mode path uses all of these settings: give a mode")
         return usable[0], usable[1]
@@ -313,8 +318,9 @@ _USED_BY: dict[str, tuple[Mode, ...]] = {
     **dict.fromkeys(("media_steps", "media_rays", "media_scattering"), ("pbr", "phong")),
     **dict.fromkeys(("environment_shadows", "ambient_occlusion", "indirect", "reflections", "refraction",
                      "subsurface", "specular_aa"), ("pbr",)),
-    **dict.fromkeys((*STOPPING, "seed", "denoise", "sampling", "bounces", "light_radius", "caustics", "clamp"),
-                    ("path",)),
+    **dict.fromkeys((*STOPPING, "seed", "denoise", "sampling", "bounces", "light_radius", "clamp"), ("path",)),
+    "caustics": ("pbr", "path"),
+    "photons": ("pbr",),
 }
 """The modes that use a setting, for the settings that not all modes use."""
 

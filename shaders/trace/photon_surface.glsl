@@ -9,6 +9,8 @@
 // for radiance in glass, so that nothing of the kind is left to do. n_g is the geometric normal.
 #include "trace/connect.glsl"
 
+uniform bool u_lamps_pass_panes; // whether it is shadow rays that bring their light through panes
+
 // That factor; `side` is that of the light, as side_of gives it.
 vec3 adjoint(Hit hit, SurfaceMaterial m, vec3 wo, vec3 wi, out Interaction i, out float side) {
     i = interact(hit, wo);
@@ -69,7 +71,7 @@ void main() {
     vec3 next = normalize(frame * b.wi);
     float side = side_of(i, next, b.wi.z);
 #if HAS_PANES && REFRACTS
-    if (p.depth == 0 && passes_pane(m, b)) {
+    if (p.depth == 0 && u_lamps_pass_panes && passes_pane(m, b)) {
         pass_pane(p, i, arriving, b.weight);
         return;
     }

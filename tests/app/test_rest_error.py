@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapes
 from waiting import wait_until
 
 from viewer.estimate.paths import path_settings
@@ -17,6 +19,8 @@ from viewer.interact.orbit import OrbitController
 from viewer.interact.picture import Picture
 from viewer.interact.state import ViewState
 from viewer.raster.renderer import Renderer
+from viewer.scene.light import Light
+from viewer.scene.material import Material
 from viewer.settings import Settings
 
 SIZE = (48, 36)
@@ -82,6 +86,46 @@ def test_it_is_told_shown_and_forgotten(rest):
     rest.step()
     assert rest.picture.error.error is None and rest.picture.status() == ""
     assert rest.picture.seconds_until_work == np.inf
+
+
+@pytest.fixture
+def glass(context, monkeypatch) -> Iterator[Rest]:
+    """A ball of glass below a lamp, with photons."""
+    monkeypatch.setattr(picture, "REST_SECONDS", 0.0)
+    clear = Material(metallic=0.0, perceptual_roughness=0.0, transmission=1.0, thickness=1.0)
+    model = shapes.scene((shapes.plate(half=3), shapes.facing_floor()),
+                         (shapes.sphere(1, 24), shapes.moved((0, 1.2, 0), 0.4)), materials=(shapes.WHITE, clear),
+                         lights=(Light("point", intensity=10.0, position=(0.2, 2.4, 0.1)),))
+    made = Rest(context, model)
+    made.state.settings = replace(WINDOW, caustics="photons", photons=2)
+    yield made
+    made.picture.release()
+    made.renderer.release()
+
+
+def test_photons_gather_at_rest(glass, monkeypatch):
+    monkeypatch.setattr(picture, "MOST_PHOTONS", 6)
+    glass.picture.update(SIZE)
+    assert not glass.picture.is_refined and glass.renderer.photons_each == np.inf
+    plain = glass.shown()
+    seen = []
+    while glass.picture.seconds_until_work == 0 or not glass.picture.is_refined:
+        glass.step()
+        if glass.picture.is_refined:
+            seen.append(glass.picture.status())
+    assert "1 of 6 photons a pixel" in seen and seen[-1] == ""
+    assert glass.renderer.photons_each >= 6
+    lit = (glass.shown() - plain)[..., :3]
+    assert lit.mean() > 0.5 and np.median(lit) == 0
+    each = glass.renderer.photons_each
+    glass.state.toggle_error()  # a picture whose error is told has no more than it has, and keeps these
+    wait_until(lambda: glass.picture.error.error is not None, glass.step)
+    assert glass.renderer.photons_each == each
+    glass.orbit.orbit(0.3, 0.0)
+    glass.picture.update(SIZE)
+    assert glass.renderer.photons_each == np.inf
+    wait_until(lambda: glass.picture.error.is_begun, glass.step)
+    assert 2 <= glass.renderer.photons_each < 3
 
 
 def test_no_slice_waits_for_the_estimate(rest, monkeypatch):

@@ -21,6 +21,7 @@ _OVER_PICTURES: dict[str, dict[str, tuple[int, ...]]] = {
     "raster/background.frag": {"HALF_TARGET": (0, 1), "SMOOTH": (0, 1), "MEDIA": (0, 1)},
     "raster/media_sky.frag": {"HALF_TARGET": (0, 1)},
     "raster/backdrop.frag": {"LEVEL": (0, 1)},
+    "raster/caustics.frag": {},
     "raster/visibility.frag": {},
     "raster/ambient_occlusion.frag": {"IS_ORTHOGRAPHIC": (0, 1)},
     "raster/environment_shadows.frag": {"LIGHTS": (16, 64), "IS_ORTHOGRAPHIC": (0, 1)},

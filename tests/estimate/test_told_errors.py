@@ -22,7 +22,9 @@ from viewer.estimate.raster_error import raster_error
 from viewer.image.image import Image
 from viewer.measure.compare.relmse import relmse
 from viewer.raster.renderer import Renderer
+from viewer.scene.camera import Camera
 from viewer.scene.light import Light
+from viewer.scene.material import Material
 from viewer.settings import Settings
 from viewer.trace.tracer import Tracer
 
@@ -113,6 +115,30 @@ def test_paths_show_what_the_raster_shows():
     assert error_notes(Settings(), ()) == ()
     notes = error_notes(Settings(shadows="off", media_scattering="single"), ("light through glass: none",))
     assert [re.split(r" |:", note)[0] for note in notes] == ["shadows=off", "media-scattering=single", "counts"]
+
+
+def test_photons_are_in_the_truth_where_they_are_in_the_picture(context):
+    """Below a ball of glass the raster has no light of a lamp. Its error against paths with photons is large, and with
+    photons of its own it is small; what lies behind glass is told."""
+    glass = Material(metallic=0.0, perceptual_roughness=0.0, transmission=1.0, thickness=1.0)
+    floor = replace(WHITE, base_color=(0.5, 0.5, 0.5, 1.0))
+    model = scene((plate(half=3), facing_floor()), (sphere(1, 24), moved((0, 1.2, 0), 0.4)), materials=(floor, glass),
+                  lights=(Light("point", intensity=10.0, position=(0.2, 2.4, 0.1)),))
+    camera = Camera.look_at((0, 0.5, 1.2), (0, 0, 0.1), fov_y=0.6)
+    wanted = Settings(caustics="photons", photons=128)
+    renderer, tracer = Renderer(context), Tracer(context)
+    told = []
+    for caustics in ("off", "photons"):
+        raster = renderer.render(model, camera, replace(wanted, caustics=caustics), (16, 16)).linear
+        told.append(measure_error(tracer, raster, model, camera, wanted, (16, 16), 0.2))
+    assert told[1].relative < 0.5 * told[0].relative
+    assert not told[0].notes
+    above = Camera.look_at((0, 3, 0.2), (0, 0, 0), fov_y=0.3)
+    error = measure_error(tracer, raster, model, above, wanted, (16, 16), 0.1)
+    (note,) = error.notes
+    assert re.match(r"not counted as error: about (100|[1-9]\d)% of the light that photons bring", note)
+    tracer.release()
+    renderer.release()
 
 
 def test_the_command_line_tells_it_and_writes_the_map(run, folder):

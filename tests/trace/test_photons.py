@@ -18,7 +18,7 @@ from viewer.scene.material import Material
 from viewer.scene.scene import Instance, Scene
 from viewer.settings import Settings
 from viewer.trace.layout import TILE
-from viewer.trace.paths import path_render as path_render_module
+from viewer.trace.paths import wavefront_maker
 from viewer.trace.paths.photon_render import MOST_EACH, SEQUENCE, Numbers
 from viewer.trace.scene.traced_scene import plan_without_device
 from viewer.trace.tracer import Tracer
@@ -207,8 +207,8 @@ def test_each_third_pixel_gets_what_it_has_in_the_whole_picture(tracer):
 
 def test_photons_keep_pace_with_samples(tracer, monkeypatch):
     """Rounds come early, and each brings as many as there are samples, or as many as fit; so it is at the end."""
-    monkeypatch.setattr(path_render_module, "SOFTWARE_SIDE", 2)
-    monkeypatch.setattr(path_render_module, "DEVICE_SIDE", 2)
+    monkeypatch.setattr(wavefront_maker, "SOFTWARE_SIDE", 2)
+    monkeypatch.setattr(wavefront_maker, "DEVICE_SIDE", 2)
     settings = Settings.of(mode="path", spp=24, caustics="photons", bounces=4)
     path_render = tracer.begin(slab(POINT, 1.5), BELOW, settings, (32, 32))
     rounds: list[tuple[float, int]] = []

@@ -130,6 +130,7 @@ class Panel:
         self._rows.choice("Indirect light", "indirect")
         self._rows.choice("Reflections", "reflections")
         self._rows.choice("Refraction", "refraction")
+        self._rows.choice("Caustics of lamps", "caustics")
         self._rows.choice("Light inside solids", "subsurface")
         self._rows.choice("Light between hairs", "hair_scattering")
         self._rows.choice("Curves as yarn", "yarn")
@@ -151,7 +152,6 @@ class Panel:
         state = self._state
         self._rows.combo("Denoising", "denoise", ("off", "fast"))
         self._rows.choice("Sampling", "sampling")
-        self._rows.choice("Caustics of lamps", "caustics")
         self._rows.row("Bounces")
         changed, bounces = imgui.slider_int("##bounces", state.settings.bounces, 1, 64, "%d",
                                             imgui.SliderFlags_.logarithmic | imgui.SliderFlags_.always_clamp)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..trace.paths.path_render import PathRender
     from ..trace.tracer import Tracer
 
-_CHOSEN: dict[str, Any] = {"antialias": "ssaa-4", "environment_shadows": "64"}
+_CHOSEN: dict[str, Any] = {"antialias": "ssaa-4", "environment_shadows": "64", "caustics": "off"}
 """What a picture of the raster gains most by, at the price of few samples."""
 _SEED = 0x80000000
 """Between the seeds of the two halves."""

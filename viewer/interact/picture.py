@@ -17,11 +17,13 @@ from ..plan.media import has_media
 from ..quality import DETERMINED, DRAFT
 from ..raster.renderer import Renderer
 from ..settings import Background, Settings
-from .convergence import Convergence
+from .convergence import SLICE_SECONDS, Convergence
 from .orbit import OrbitController
 from .rest_error import RestError
 from .state import Part, ViewState, free_path
 
+MOST_PHOTONS = 1024
+"""A pixel, of a picture at rest."""
 REST_SECONDS = 0.3
 """A picture that has not changed for so long is drawn again as a still picture, if that takes more samples."""
 
@@ -55,13 +57,16 @@ class Picture:
     def seconds_until_work(self) -> float:
         """The seconds until there is something to do without user input; infinite if there is nothing."""
         measures = self._state.tells_error and self._state.has_error and not self.error.is_done
-        waits = REST_SECONDS if not self.is_refined else 0.0 if measures else math.inf
+        waits = REST_SECONDS if not self.is_refined else 0.0 if measures or self._lacks_photons else math.inf
         return min(self.paths.seconds_until_work, waits)
 
     def status(self) -> str:
         """The state of path tracing, or the error of the picture, in one line for the user; empty if there is none."""
-        if self.paths.status() or not self._prepares_error:
+        if self.paths.status():
             return self.paths.status()
+        if not self._prepares_error:
+            each = self._renderer.photons_each
+            return f"{each:.0f} of {self._most_photons} photons a pixel" if self._lacks_photons and each >= 1 else ""
         return self.error.status() or "Preparing to trace paths …"
 
     @property
@@ -103,7 +108,7 @@ class Picture:
         If the scene cannot be traced, mode pbr is shown instead, with a message.
         """
         try:
-            return self.paths.step() or self._measure()
+            return self.paths.step() or self._add_photons() or self._measure()
         except (ViewerError, moderngl.Error, MemoryError) as error:
             self._state.say(str(error) or "out of memory", is_error=True)
             self._state.tells_error = False
@@ -112,10 +117,27 @@ class Picture:
             self.paths.discard()
             return True
 
+    @property
+    def _most_photons(self) -> int:
+        """A pixel, of a picture at rest. One whose error is told stays as `render` makes it."""
+        return self._state.settings.photons if self._state.tells_error else MOST_PHOTONS
+
+    @property
+    def _lacks_photons(self) -> bool:
+        return self.is_refined and self._renderer.photons_each < self._most_photons
+
+    def _add_photons(self) -> bool:
+        """Go on to trace photons for the picture at rest. Returns whether there are new ones to show."""
+        if not self._lacks_photons:
+            return False
+        goal = min(max(2 * self._renderer.photons_each, 1.0), self._most_photons)  # a small round first, to show some
+        return self._renderer.add_photons(SLICE_SECONDS, goal)
+
     def _measure(self) -> bool:
         """Go on to measure the error of the picture at rest. Returns whether there is something new to show."""
         state = self._state
-        if not (state.tells_error and state.has_error and self.is_refined and self._drawn is not None):
+        is_whole = self.is_refined and not self._lacks_photons
+        if not (state.tells_error and state.has_error and is_whole and self._drawn is not None):
             return self._forget_error()
         if time.monotonic() - self._drawn_at < REST_SECONDS:
             return False
@@ -151,6 +173,7 @@ class Picture:
             self.paths.follow(self._orbit.camera, size)
             if not self._is_all_paths(size):
                 self._draw(settings, size, still=True)
+                self._renderer.add_photons(math.inf, settings.photons)
             image = Image.from_srgb(self._read(settings, size))
             image.attributes.update(self.paths.attributes)
             image.save(path)
@@ -163,7 +186,8 @@ class Picture:
 
     def _draw(self, settings: Settings, size: tuple[int, int], still: bool) -> None:
         for shot, part in self._shots(settings, size, still):
-            self._renderer.draw(self._state.scene, self._orbit.camera, shot, size, still=still, part=part)
+            self._renderer.draw(self._state.scene, self._orbit.camera, shot, size, still=still, part=part,
+                                keeps_photons=still)
 
     def _present(self, settings: Settings, framebuffer: moderngl.Framebuffer) -> None:
         size = framebuffer.viewport[2:]
@@ -196,12 +220,14 @@ class Picture:
         return [(quality.applied(shot), part) for shot, part in self._state.shots(settings, size)]
 
     def _as_drawn(self, still: bool) -> tuple[object, ...]:
-        """Of each shot the samples of a pixel, rays and steps where there are media, and what qualities differ in."""
+        """Of each shot the samples of a pixel, rays and steps where there are media, whether there are photons, and
+        what qualities differ in."""
         device, scene, result = (self._renderer.context.is_software, still), self._state.scene, []
-        for shot, _ in self._shots(self._state.settings, self._size, still):
+        for shot, part in self._shots(self._state.settings, self._size, still):
             media = shot.media_rays_and_steps(*device) if has_media(scene, shot) else ()
             values = tuple(getattr(shot, name) for name in sorted(DETERMINED - {"antialias"}))
-            result.append((shot.samples(*device), shot.supersampling, *media, *values))
+            has_photons = still and part is None and shot.mode == "pbr" and shot.caustics == "photons"
+            result.append((shot.samples(*device), shot.supersampling, *media, has_photons, *values))
         return tuple(result)
 
     def _go_back(self, error: Exception) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
@@ -152,8 +153,14 @@ def _plan(scene: Scene, settings: Settings) -> Plan | TracePlan:
     is_lit, is_reflected = environment_use(scene, settings)
     suns = bake_environment(scene.environment, settings.ndf, levels=is_reflected).suns \
         if is_lit and scene.environment is not None else ()
-    return plan_scene(scene, settings, [*scene.lights, *suns], half_target=True, orthographic=False,
+    plan = plan_scene(scene, settings, [*scene.lights, *suns], half_target=True, orthographic=False,
                       samples=settings.samples(is_software=False, is_still=True))
+    if settings.mode == "pbr" and settings.caustics == "photons":
+        from ..raster.caustics import plan_lines
+
+        used, left_out = plan_lines(scene, settings)
+        plan = replace(plan, used=(*plan.used, *used), left_out=(*plan.left_out, *left_out))
+    return plan
 
 
 def _material_line(scene: Scene, index: int) -> str:

@@ -55,7 +55,7 @@ class RasterMaker(PictureMaker):
         told = request.quality.facts(settings)
         self.summary = "; ".join([*(f"{name} {value}" for name, value in told.items()), renderer.summary])
         self.stats = {"prepare_s": dict(renderer.times), "pass_ms": dict(renderer.pass_ms),
-                      "plan": told | renderer.plan.to_json()}
+                      "plan": told | renderer.plan.to_json(), **renderer.caustic_stats()}
         self.texture_bytes = renderer.texture_bytes
         return image
 

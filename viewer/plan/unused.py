@@ -35,6 +35,7 @@ def _needs(scene: Scene, settings: Settings) -> Iterator[tuple[list[str], bool, 
     yield ["sheen"], any(map(SHEEN.is_on, materials)), "no material has a sheen"
     yield ["subsurface"], any(material.medium.scatters for material in materials), "no solid scatters light inside"
     yield ["refraction"], has_solid_glass, "there is no solid glass"
+    yield ["photons"], settings.caustics == "photons", "the setting caustics is off"
     yield ["light_radius"], any(light.kind != "directional" for light in scene.lights), (
         "there are no point or spot lights")
     yield ["environment_shadows", "ambient_occlusion", "reflections"], scene.environment is not None, (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -31,6 +32,7 @@ from ..scene.scene import Scene
 from ..scene.woven import woven
 from ..scene.yarn.spun import as_yarns
 from ..settings import Settings
+from .caustics import Caustics
 from .curves import CurvePass
 from .depth import Depth
 from .environment import EnvironmentLight
@@ -85,6 +87,8 @@ class Renderer:
         self._subsurface = SubsurfacePass(context, self.programs, self._depth)
         self._surfaces = Surfaces(context, self.programs)
         self._curves = CurvePass(context, self.programs, self._depth)
+        self._caustics = Caustics(context, self.programs)
+        self._has_caustics = False
         self._casters = Casters(self._surfaces.draw_depth, self._curves.draw_depth)
         self._indirect_key: tuple[object, ...] | None = None
         self._interiors = Interiors(context)
@@ -113,7 +117,7 @@ class Renderer:
         linear = self.read_radiance()
         if isinstance(settings.background, tuple):
             linear += (1 - linear[..., 3:]) * np.array([*settings.background, 1], np.float32)
-        return Image(linear, self.read_display(settings), {"plan": self.plan.to_json()})
+        return Image(linear, self.read_display(settings), {"plan": self.plan.to_json(), **self.caustic_stats()})
 
     def display(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> Image:
         """The picture as displayed, for a PNG. `linear` is then its sRGB decoding."""
@@ -134,7 +138,10 @@ class Renderer:
     def read_radiance(self) -> np.ndarray:
         """The frame drawn last, (H, W, 4) float32 of the target's precision, with nothing laid behind it."""
         width, height = self._target.size
-        pixels = np.frombuffer(self._target.read(), np.float16 if self._target.half else np.float32)
+        if self._has_caustics:
+            pixels = np.frombuffer(self._caustics.over(self._target.radiance).read(), np.float32)
+        else:
+            pixels = np.frombuffer(self._target.read(), np.float16 if self._target.half else np.float32)
         return pixels.reshape(height, width, 4)[::-1].astype(np.float32)
 
     def read_display(self, settings: Settings) -> np.ndarray:
@@ -148,7 +155,9 @@ class Renderer:
     def present(self, settings: Settings, framebuffer: moderngl.Framebuffer) -> None:
         """Draw the frame drawn last into `framebuffer`, as displayed."""
         with self._pass("display"):
-            self._display.draw(self._target.radiance, settings, framebuffer, UNIT_RADIANCE)
+            radiance = self._target.radiance
+            radiance = self._caustics.over(radiance) if self._has_caustics else radiance
+            self._display.draw(radiance, settings, framebuffer, UNIT_RADIANCE)
 
     def draw(
         self,
@@ -159,14 +168,19 @@ class Renderer:
         half: bool = True,
         still: bool = False,
         part: tuple[int, int, int, int] | None = None,
+        keeps_photons: bool = False,
     ) -> None:
         """Draw radiance into the renderer's target, one of half floats where `half` is set.
 
         `still` is for a picture that is kept, which may take more samples than a frame of a moving camera.
         `part` (x, y, width, height), from the lower left in pixels, is all that is drawn of the picture then; the rest
         of the target stays as it was.
+
+        A still picture of mode pbr with `caustics=photons` that is drawn whole has its photons, too. With
+        `keeps_photons` it has those that it had before, and `add_photons` brings more.
         """
         self.context.make_current()
+        given = scene
         scene = woven(as_yarns(scene.with_curve_radius(settings.curve_radius), settings), settings)
         if still and settings.antialias == "auto" and self.context.is_software and draws_curves(scene, settings):
             # Mesa shades hidden fragments of a multisampled target to their end, and strips have many of them.
@@ -183,6 +197,28 @@ class Renderer:
         self._gl.clear_samplers()
         with self._pass("resolve"):
             target.resolve(self.programs, UNIT_RADIANCE)
+        self._has_caustics = still and part is None and settings.mode == "pbr" and settings.caustics == "photons"
+        if self._has_caustics:
+            with self._pass("photons"):
+                unshadowed = [light for light, layer in zip(plan.lights, plan.shadow_layers, strict=True) if layer < 0]
+                self._caustics.follow(given, camera, settings, size, unshadowed, keeps_photons)
+                self.plan = self._caustics.explained(plan)
+                if not keeps_photons:
+                    self._caustics.step(math.inf, settings.photons)
+
+    def add_photons(self, seconds: float, each: float) -> bool:
+        """Add photons to the frame drawn last, for about so long, until it has `each` a pixel. Returns whether it has
+        new ones."""
+        return self._has_caustics and self._caustics.step(seconds, each)
+
+    @property
+    def photons_each(self) -> float:
+        """Photons a pixel of the frame drawn last; infinite if it has none to trace."""
+        return self._caustics.each if self._has_caustics else math.inf
+
+    def caustic_stats(self) -> dict[str, object]:
+        """For JSON, of the photons of the frame drawn last; empty if it has none."""
+        return self._caustics.stats() if self._has_caustics else {}
 
     def _draw_passes(self, plan: Plan, frame: Frame, pixels: Frame, target: Target,
                      uniforms: dict[str, object], settings: Settings, still: bool) -> None:
@@ -439,7 +475,7 @@ class Renderer:
     def release(self) -> None:
         """Free what the renderer holds; the context stays."""
         self.context.make_current()
-        self._release(self._display, self._target, self._backdrop, self._visibility, self._reflections,
+        self._release(self._display, self._caustics, self._target, self._backdrop, self._visibility, self._reflections,
                       self._refraction, self._media, self._subsurface, *self._gbuffers.values(), self._surfaces,
                       self._curves, self._environment, *self._shadows, *self._blocks, *self._dfg.values())
         self.programs.release()

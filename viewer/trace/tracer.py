@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, replace
 
 import moderngl
 from numpy.typing import NDArray
 
 from ..bake.dfg import dfg_albedos
+from ..errors import UsageError
 from ..gpu.context import Context
 from ..gpu.float_texture import float_texture
 from ..gpu.programs import Programs, set_uniform
@@ -20,7 +21,7 @@ from ..scene.frame import Frame
 from ..scene.scene import Scene
 from ..scene.woven import woven
 from ..scene.yarn.spun import spun
-from ..settings import Settings
+from ..settings import MAX_SPP, Settings
 from .denoise.denoiser import Denoiser, make_denoiser
 from .paths.camera_rays import camera_uniforms
 from .paths.film import Film
@@ -28,14 +29,44 @@ from .paths.layers import FIRST_HIT_LAYERS
 from .paths.passes import Passes
 from .paths.path_render import PathRender
 from .paths.photon_passes import PhotonPasses
+from .paths.photon_render import PhotonRender
+from .paths.photon_sums import PhotonSums
 from .paths.run import run
 from .paths.schedule import Schedule
 from .paths.surface_rays import SurfaceRays
 from .paths.wavefront import UNIT_BLOCKS
-from .plan import plan_trace
+from .paths.wavefront_maker import WavefrontMaker
+from .plan import TracePlan, plan_trace
+from .scene.photons import Photons
 from .scene.traced_scene import TracedScene
 
 UNIT_DFG = UNIT_BLOCKS + 1
+
+
+@dataclass(frozen=True)
+class _View:
+    """Camera rays: their uniforms, the angle of a pixel, and the place of a perspective camera in tracer space."""
+
+    uniforms: Mapping[str, object]
+    pixel_angle: float
+    eye: NDArray | None
+
+    @classmethod
+    def of(cls, scene: Scene, camera: Camera, size: tuple[int, int], every: int = 1) -> _View:
+        return cls(camera_uniforms(scene, camera, size, every), Frame(scene, camera, size).pixel_angle,
+                   (camera.eye - scene.center) / scene.radius if camera.height is None else None)
+
+
+@dataclass(frozen=True)
+class _SetUp:
+    """What a picture needs before its passes: `bind` binds the scene to a program, and `uniforms` are the picture's."""
+
+    traced: TracedScene
+    plan: TracePlan
+    bind: Callable[[moderngl.Program], None]
+    uniforms: Mapping[str, object]
+    denoiser: Denoiser | None
+    has_layers: bool
 
 
 class Tracer:
@@ -81,33 +112,59 @@ class Tracer:
         another scene is begun.
         """
         scene = self._with_curves(scene, settings)
-        first = camera_uniforms(scene, camera, size, every)
-        eye = (camera.eye - scene.center) / scene.radius if camera.height is None else None
-        return self._begin(scene, first, settings, (size[0] // every, size[1] // every), layers, eye=eye,
-                           pixel_angle=Frame(scene, camera, size).pixel_angle)
+        return self._begin(scene, settings, (size[0] // every, size[1] // every), layers,
+                           view=_View.of(scene, camera, size, every))
+
+    def begin_photons(self, scene: Scene, camera: Camera, settings: Settings,
+                      size: tuple[int, int]) -> PhotonRender | None:
+        """What photons alone bring to a picture, without any yet; None if there is nothing, of which `photons` says
+        why. They have all light of lamps that comes through smooth glass, also that which in mode path shadow rays
+        bring straight through panes. Raises as `begin`."""
+        scene = self._with_curves(scene, settings)
+        setup = self._set_up(scene, settings, size, (), view=_View.of(scene, camera, size))
+        plan, traced = setup.plan, setup.traced
+        if not plan.photons:
+            return None
+        passes = self._photon_passes(setup, lamps_pass_panes=False)
+        try:
+            sums = PhotonSums(self.context.gl, self.programs, size)
+        except moderngl.Error as error:
+            raise UsageError(f"a picture of {size[0]}x{size[1]} is more than this OpenGL can hold ({error})") from error
+        maker = WavefrontMaker(self.context, plan, MAX_SPP)
+        return PhotonRender(passes, traced.intersector, sums, maker, "glass" in plan.photons)
 
     def begin_at(self, scene: Scene, rays: SurfaceRays, settings: Settings) -> PathRender:
         """As `begin`, with one pixel for each ray of the list. Alpha is the fraction of rays that hit something."""
         scene = self._with_curves(scene, settings)
         settings = replace(settings, background="none", caustics="off")
-        return self._begin(scene, {}, settings, rays.size, (), rays)
+        return self._begin(scene, settings, rays.size, (), rays)
 
-    def _begin(self, scene: Scene, first: Mapping[str, object], settings: Settings, size: tuple[int, int],
-               layers: Collection[str], rays: SurfaceRays | None = None, eye: NDArray | None = None,
-               pixel_angle: float = 0.0) -> PathRender:
-        """`first` are the uniforms of camera rays, and `pixel_angle` is that of their pixels, if `rays` is None. Of a
-        perspective camera `eye` is the place, in tracer space."""
+    def _begin(self, scene: Scene, settings: Settings, size: tuple[int, int], layers: Collection[str],
+               rays: SurfaceRays | None = None, view: _View | None = None) -> PathRender:
+        """The rays begin at `rays` or at the camera of `view`."""
+        setup = self._set_up(scene, settings, size, layers, rays, view)
+        plan = setup.plan
+        film = Film(self.context.gl, self.programs, size, setup.has_layers, bool(plan.photons))
+        passes = Passes(self.context, self.programs, plan, setup.bind, setup.uniforms)
+        photons = self._photon_passes(setup, lamps_pass_panes=True) if plan.photons else None
+        return PathRender(passes, setup.traced.intersector, plan, film, Schedule(film, settings), settings,
+                          self._display, layers, setup.denoiser, photons)
+
+    def _set_up(self, scene: Scene, settings: Settings, size: tuple[int, int], layers: Collection[str],
+                rays: SurfaceRays | None = None, view: _View | None = None) -> _SetUp:
+        """As `_begin`: the scene and the plan, and what binds their data to programs."""
         self.context.make_current()
         scene = woven(scene, settings)
         denoiser = self._denoiser(settings.denoise)
         traced = self._prepare(scene, settings)
         has_layers = bool(FIRST_HIT_LAYERS & set(layers)) or denoiser is not None or traced.is_everything
+        angle = view.pixel_angle if view is not None else 0.0
         plan = plan_trace(scene, settings, traced.geometry, traced.switches, intersector=traced.intersector.name,
                           has_layers=has_layers, left_out=traced.left_out, rays=rays.kind if rays else 0,
-                          is_background_smooth=traced.is_background_smooth(pixel_angle), photons=traced.photons)
-        film = Film(self.context.gl, self.programs, size, has_layers, bool(plan.photons))
+                          is_background_smooth=traced.is_background_smooth(angle), photons=traced.photons)
         uniforms = {
-            **first, **traced.media_uniforms(eye),
+            **(view.uniforms if view is not None else {}),
+            **traced.media_uniforms(view.eye if view is not None else None),
             "u_size": size, "u_seed": settings.seed, "u_bounces": settings.bounces, "u_clamp": settings.clamp or 3e38,
         }
         dfg = self._dfg_texture(settings)
@@ -119,16 +176,21 @@ class Tracer:
             if rays is not None:
                 rays.bind(program)
 
-        passes = Passes(self.context, self.programs, plan, bind, uniforms)
-        photons = PhotonPasses(self.context, self.programs, plan, bind, uniforms) if plan.photons else None
-        schedule = Schedule(film, settings)
-        return PathRender(passes, traced.intersector, plan, film, schedule, settings, self._display, layers, denoiser,
-                          photons)
+        return _SetUp(traced, plan, bind, uniforms, denoiser, has_layers)
+
+    def _photon_passes(self, setup: _SetUp, lamps_pass_panes: bool) -> PhotonPasses:
+        uniforms = {**setup.uniforms, "u_lamps_pass_panes": lamps_pass_panes}
+        return PhotonPasses(self.context, self.programs, setup.plan, setup.bind, uniforms)
 
     def holds(self, scene: Scene) -> bool:
         """Whether the last picture was of this scene; its lights may differ."""
         shown = scene if self._shown is None or self._shown[0] is not scene else self._shown[1]
         return self._scene is not None and self._scene.holds(shown)
+
+    @property
+    def photons(self) -> Photons | None:
+        """What photons of the last scene are aimed at."""
+        return None if self._scene is None else self._scene.photons
 
     @property
     def texture_bytes(self) -> int:

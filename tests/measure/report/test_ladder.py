@@ -136,6 +136,29 @@ def test_curves_have_methods_of_their_own_and_none_that_only_surfaces_have():
     assert left_out["methods of curves"] == "there are none"
 
 
+def test_photons_are_a_method_where_the_reference_has_them():
+    glass = Material(metallic=0.0, perceptual_roughness=0.0, transmission=1.0, thickness=1.0)
+    lamp = Light("point", position=(2, 2, 2), intensity=30.0)
+    scene = shapes.scene(BALL, materials=(glass,), lights=(lamp,))
+    given = ["m.glb", "-o", "out", "--set", "caustics=photons", "--set", "photons=7"]
+    options = cli.commands["report"].make_context("report", given).params
+    wanted = make_settings(options)
+    methods, _ = methods_of(scene, wanted)
+    photons = [method for method in methods if method.name == "caustics"]
+    assert [method.settings(wanted).photons for method in photons] == [4, 16, 64]
+    for method in methods:
+        has = method in photons or method.is_traced
+        assert method.settings(wanted).caustics == ("photons" if has else "off")
+        assert method in photons or method.settings(wanted).photons == Settings().photons
+        words = command_line("m.glb", options, method)
+        assert ("caustics=photons" in words) == has and "photons=7" not in words
+    for other, settings, why in ((scene, DEFAULT, "not set"), (replace(scene, lights=()), wanted, "there is no point"),
+                                 (scene, replace(wanted, shadows="off"), "shadows off")):
+        methods, left_out = methods_of(other, settings)
+        assert not any(method.name == "caustics" for method in methods)
+        assert why in left_out["caustics by photons"]
+
+
 def test_a_denoiser_that_is_not_installed_is_left_out(monkeypatch):
     monkeypatch.setattr(module, "find_spec", lambda name: None)
     methods, left_out = methods_of(shapes.scene(BALL))

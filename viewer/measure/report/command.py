@@ -8,7 +8,8 @@ from typing import Any
 
 from ...quality import POINTS
 from ...settings import ignored, setting_name
-from .ladder import Method, light_option
+from .ladder import Method
+from .stand_in_lights import light_option
 
 _OPTIONS = ("mode", "spp", "denoise", "error")
 """Settings with an option of their own; the others are given by --set."""
@@ -52,7 +53,8 @@ def _given(options: Mapping[str, Any], method: Method) -> Iterator[str]:
             yield from (f"--{name}", _plain(options[name]))
     for assignment in options["assignments"]:
         name = setting_name(assignment)
-        if name not in method.changes and name not in ignored(method.mode):
+        is_left = name not in ignored(method.mode) and (method.is_traced or name not in ("caustics", "photons"))
+        if name not in method.changes and is_left:
             yield from ("--set", assignment)
 
 

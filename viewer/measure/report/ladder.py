@@ -6,22 +6,21 @@ scene, and why others do not. Nothing is drawn here.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from importlib.util import find_spec
 from typing import Any
 
-from ...bake.dominant import ambient_and_key
 from ...bake.environment import BakedEnvironment, bake_environment
 from ...plan.curves import draws_curves
 from ...plan.planner import plan_scene
+from ...plan.warnings import NO_PHOTONS
 from ...quality import POINTS, QualityName
-from ...scene.color import LUMINANCE
-from ...scene.environment import Environment
+from ...raster.caustics import plan_lines
 from ...scene.light import Light
 from ...scene.scene import Scene
 from ...settings import Mode, Settings, ignored, setting_choices
+from .stand_in_lights import environment_lights
 
 SPP = tuple(1 << k for k in range(13))
 """Samples per pixel of the path-traced points; how many of these are measured depends on the time."""
@@ -52,6 +51,8 @@ INDIRECT = {"16": ("ssaa-4", "ssaa-9"), "64": ("ssaa-9",)}
 """Lights and antialiasing as in SHADOWED, with indirect light and no other of EFFECTS."""
 TOGETHER = {"64": ("ssaa-4", "ssaa-9", "ssaa-16"), "256": ("ssaa-16",)}
 """Lights and antialiasing as in SHADOWED, with all of EFFECTS."""
+PHOTONS = 4, 16, 64
+"""Photons a pixel with which caustics are measured."""
 
 
 @dataclass(frozen=True)
@@ -94,8 +95,10 @@ class Method:
         return self.mode == "path"
 
     def settings(self, base: Settings) -> Settings:
-        """`base` with the changes; settings that the method ignores have their defaults."""
-        return replace(base, **{name: getattr(Settings(), name) for name in ignored(self.mode)} | self.changes)
+        """`base` with the changes; settings that the method ignores have their defaults. The raster has photons only
+        where they are the method."""
+        plain = [*ignored(self.mode), *(() if self.is_traced else ("caustics", "photons"))]
+        return replace(base, **{name: getattr(Settings(), name) for name in plain} | self.changes)
 
     def scene(self, scene: Scene) -> Scene:
         """The scene, with the method's own lights if it has some."""
@@ -146,27 +149,12 @@ def ladder(scene: Scene, settings: Settings, use_cache: bool = True) -> Ladder:
     else:
         left_out.append(LeftOut(PLAIN.title, "the scene has no environment"))
         raster += media
+    raster += _caustics(scene, settings, left_out)
     traced: list[Method] = []
     for spp in SPP:
         traced += _traced(spp, left_out if spp == 1 else [])
     traced += [Method("path-adaptive", "path traced, adaptive", {"mode": "path", "error": error}) for error in TARGETS]
     return Ladder(tuple(raster), tuple(traced), tuple(left_out))
-
-
-def environment_lights(environment: Environment, baked: BakedEnvironment) -> tuple[Light, ...]:
-    """White directional lights in place of the environment: its suns, or the one light that is nearest to all of it."""
-    lights = baked.suns
-    if not lights:
-        key = ambient_and_key(baked.irradiance)[1]
-        lights = (replace(key, intensity=key.intensity * baked.scale),)
-    return tuple(_as_option(light, environment.rotation, environment.intensity) for light in lights)
-
-
-def light_option(light: Light) -> str:
-    """A light that `_as_option` made as AZ,EL,LUX for --light."""
-    x, y, z = (-part for part in light.direction)
-    return f"{math.degrees(math.atan2(x, z)):.1f},{math.degrees(math.asin(max(-1.0, min(1.0, y)))):.1f}," \
-           f"{light.intensity:.4g}"
 
 
 def settings_of(method: Method, base: Settings) -> dict[str, Any]:
@@ -182,7 +170,9 @@ def _words(name: str, value: object) -> str:
         return ""
     if name == "spp":
         return f"{value} sample{'s' * (value != 1)} a pixel"
-    if name == "ambient_occlusion" or name in EFFECTS:
+    if name == "photons":
+        return f"{value} photons a pixel"
+    if name in ("ambient_occlusion", "caustics", *EFFECTS):
         return ""
     if name == "antialias":
         return "no antialiasing" if value == "none" else str(value).upper().replace("-", " ")
@@ -193,16 +183,6 @@ def _words(name: str, value: object) -> str:
 
 def _plain(value: object) -> object:
     return list(value) if isinstance(value, tuple) else value
-
-
-def _as_option(light: Light, rotation: float, intensity: float) -> Light:
-    """The light, rotated and scaled with its environment, white, and rounded as `light_option` writes it."""
-    x, y, z = light.direction
-    c, s = math.cos(rotation), math.sin(rotation)
-    lux = light.intensity * intensity * float(light.color @ LUMINANCE)
-    turned = replace(light, direction=(c * x + s * z, y, c * z - s * x), intensity=lux)
-    azimuth, elevation, lux = map(float, light_option(turned).split(","))
-    return Light.from_angles(math.radians(azimuth), math.radians(elevation), lux)
 
 
 def _image_based(scene: Scene, lights: Sequence[Light], settings: Settings,
@@ -295,6 +275,19 @@ def _in_media(scene: Scene, lights: Sequence[Light], settings: Settings, left_ou
             yield Method("media", "lights and image-based light in media", {
                 "environment_shadows": "off", "media_scattering": scattering, "media_steps": steps, "media_rays": rays,
                 "antialias": "msaa-4"})
+
+
+def _caustics(scene: Scene, settings: Settings, left_out: list[LeftOut]) -> Iterator[Method]:
+    """Photons on top of the raster, if the reference has them."""
+    title = "caustics by photons"
+    if settings.caustics != "photons":
+        left_out.append(LeftOut(title, "caustics=photons is not set, and the reference is without them, too"))
+    elif not (told := plan_lines(scene, replace(settings, mode="pbr")))[0]:
+        left_out.append(LeftOut(title, told[1][0].removeprefix(NO_PHOTONS)))
+    else:
+        for count in PHOTONS:
+            yield Method("caustics", title, {"environment_shadows": "off", "antialias": "msaa-4", "caustics": "photons",
+                                             "photons": count})
 
 
 def _traced(spp: int, left_out: list[LeftOut]) -> Iterator[Method]:

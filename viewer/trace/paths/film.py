@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import moderngl
 import numpy as np
 
 from ...errors import UsageError
-from ...gpu.fullscreen import fullscreen
+from ...gpu.over_picture import draw_over
 from ...gpu.programs import Programs, set_uniform
 from ..defines import shader_defines
 from ..layout import TILE
+from .photon_sums import PhotonSums
 from .wavefront import LAYERS, SUMS, UNIT_BLOCKS, Sums, Wavefront, float_target
 
-_SAMPLERS = ("u_sum", "u_squares", "u_photon_sum", "u_photon_squares")
+_SAMPLERS = "u_sum", "u_squares"
 
 
 class Film:
@@ -39,7 +40,7 @@ class Film:
         try:
             self._sums = Sums(gl, size, SUMS)
             self._layers = Sums(gl, size, LAYERS) if has_layers else None
-            self._photons = Sums(gl, size, SUMS) if has_photons else None
+            self.photon_sums = PhotonSums(gl, programs, size) if has_photons else None
             self._with_photons = Sums(gl, size, SUMS) if has_photons else None
             self.radiance = float_target(gl, size)
             self._tile_errors = float_target(gl, self.tiles)
@@ -47,26 +48,22 @@ class Film:
             raise UsageError(f"a picture of {size[0]}x{size[1]} is more than this OpenGL can hold ({error})") from error
         self._developed = gl.framebuffer([self.radiance])
         self._estimated = gl.framebuffer([self._tile_errors])
-        self._is_joined = False
-        self.photons = 0
-        """Number of photons whose light is in the film."""
+        self._joined: tuple[int, int] | None = None
+        self._added = 0
         layers: list[Any] = self._layers.textures if self._layers else [None] * LAYERS
         self.albedo, self.normal, self.emission = layers
 
     def add(self, wavefront: Wavefront, blocks: np.ndarray) -> None:
         """Add the sums of these blocks of the wavefront to their tiles, in this order."""
-        self._is_joined = False
+        self._added += 1
         self._resolve(wavefront, blocks, wavefront.sums, self._sums)
         if self._layers is not None and wavefront.layers is not None:
             self._resolve(wavefront, blocks, wavefront.layers, self._layers)
 
-    def add_photons(self, splats: Sums, count: int) -> None:
-        """Add the splats of `count` photons, (rgb, splats) and (rgb squared, splats that were not finite)."""
-        assert self._photons is not None
-        self._gl.blend_func = moderngl.ONE, moderngl.ONE
-        self._over_picture("add", self._photons.framebuffer, splats.textures, moderngl.BLEND)
-        self.photons += count
-        self._is_joined = False
+    @property
+    def photons(self) -> int:
+        """Number of photons whose light is in the film."""
+        return 0 if self.photon_sums is None else self.photon_sums.count
 
     @property
     def sum(self) -> moderngl.Texture:
@@ -79,33 +76,20 @@ class Film:
         return self._total.textures[1]
 
     @property
-    def bad_photons(self) -> int:
-        """Number of splats that were not finite and so were left out."""
-        return 0 if self._photons is None else round(float(_read(self._photons.framebuffer, 1)[..., 3].sum()))
-
-    @property
     def _total(self) -> Sums:
         """The sums of paths, with those of photons if there are any."""
-        if self._photons is None or self._with_photons is None:
+        if self.photon_sums is None or self._with_photons is None:
             return self._sums
-        if not self._is_joined:
-            self._is_joined = True
-            self._over_picture("join", self._with_photons.framebuffer, [*self._sums.textures, *self._photons.textures],
-                               moderngl.NOTHING, u_photons=float(self.photons))
+        if self._joined != (self._added, self.photons):
+            self._joined = self._added, self.photons
+            sources = dict(zip(_SAMPLERS, self._sums.textures, strict=True)) | self.photon_sums.textures
+            self._over_picture("join", self._with_photons.framebuffer, sources, {"u_photons": float(self.photons)})
         return self._with_photons
 
-    def _over_picture(self, name: str, target: moderngl.Framebuffer, sources: Sequence[moderngl.Texture], flags: int,
-                      **uniforms: float) -> None:
+    def _over_picture(self, name: str, target: moderngl.Framebuffer, sources: Mapping[str, moderngl.Texture],
+                      uniforms: Mapping[str, object] | None = None) -> None:
         program = self._programs.get("display/fullscreen.vert", f"trace/film/{name}.frag", shader_defines())
-        target.use()
-        self._gl.enable_only(flags)
-        for unit, (sampler, texture) in enumerate(zip(_SAMPLERS, sources, strict=False)):
-            texture.use(unit)
-            set_uniform(program, sampler, unit)
-        for uniform, value in uniforms.items():
-            set_uniform(program, uniform, value)
-        fullscreen(self._gl, program).render(vertices=3)
-        self._gl.enable_only(moderngl.NOTHING)
+        draw_over(self._gl, program, target, sources, uniforms=uniforms)
 
     def _resolve(self, wavefront: Wavefront, blocks: np.ndarray, source: Sums, target: Sums) -> None:
         program = self._programs.get("trace/film/resolve.vert", "trace/film/resolve.frag",
@@ -139,7 +123,7 @@ class Film:
         return _read(self._estimated)
 
     def _draw(self, name: str, target: moderngl.Framebuffer) -> None:
-        self._over_picture(name, target, self._total.textures, moderngl.NOTHING)
+        self._over_picture(name, target, dict(zip(_SAMPLERS, self._total.textures, strict=True)))
 
     def read_radiance(self) -> np.ndarray:
         """`radiance`, (H, W, 4) float32, row 0 at the top."""
@@ -156,7 +140,7 @@ class Film:
         return tuple(_read(self._layers.framebuffer, attachment)[::-1] for attachment in range(LAYERS))
 
     def release(self) -> None:
-        for thing in (self._sums, self._layers, self._photons, self._with_photons, self._developed, self._estimated,
+        for thing in (self._sums, self._layers, self.photon_sums, self._with_photons, self._developed, self._estimated,
                       self.radiance, self._tile_errors):
             if thing is not None:
                 thing.release()

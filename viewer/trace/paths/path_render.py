@@ -25,19 +25,12 @@ from .photon_render import PhotonRender
 from .schedule import Schedule
 from .traced_wavefront import TracedWavefront
 from .wavefront import Wavefront
+from .wavefront_maker import WavefrontMaker
 
 if TYPE_CHECKING:
     from ..denoise.denoiser import Denoiser
     from .passes import Passes
     from .photon_passes import PhotonPasses
-
-SOFTWARE_SIDE, DEVICE_SIDE = 16, 32
-"""Most blocks of a wavefront along each side, for software OpenGL and for a GPU."""
-SCATTERING_SIDE = 8
-"""The same for software OpenGL in scenes with scattering. Some paths there have hundreds of collisions, and in a
-smaller wavefront fewer texels wait for them, and what is read and drawn stays in the caches."""
-DEVICE_CHECK_INTERVAL = 4
-"""Iterations of a wavefront on a GPU between two checks which blocks are done, since each check waits for the GPU."""
 
 
 class PathRender:
@@ -56,20 +49,12 @@ class PathRender:
         self._passes, self._intersector, self._schedule, self._display = passes, intersector, schedule, display
         self._expected_samples = 0
         context = passes.context
-        software = SCATTERING_SIDE if plan.has_scattering else SOFTWARE_SIDE
-        columns = software if context.is_software else DEVICE_SIDE
-        self._check_interval = 1 if context.is_software else DEVICE_CHECK_INTERVAL
-        rows = min(math.ceil(math.prod(film.tiles) * settings.most_spp / columns / 2), columns)
-
-        def wavefront(has_layers: bool, sees_backs: bool) -> Wavefront:
-            return Wavefront(context, columns, rows, plan.has_transmission, has_layers, plan.has_along,
-                             plan.has_grids, sees_backs)
-
-        self._wavefronts = [TracedWavefront(wavefront("layers" in plan.programs, False)) for _ in range(2)]
+        maker = WavefrontMaker(context, plan, math.prod(film.tiles) * settings.most_spp)
+        self._check_interval = maker.check_interval
+        self._wavefronts = [TracedWavefront(maker.make("layers" in plan.programs)) for _ in range(2)]
         self._photons: PhotonRender | None = None
-        if photon_passes is not None:
-            self._photons = PhotonRender(photon_passes, intersector, film, lambda: wavefront(False, True),
-                                         self._check_interval, "glass" in plan.photons)
+        if photon_passes is not None and film.photon_sums is not None:
+            self._photons = PhotonRender(photon_passes, intersector, film.photon_sums, maker, "glass" in plan.photons)
         self._flush: Callable[[], None] = context.function("glFlush")
         self._layers, self._denoiser = layers, denoiser
         self._is_developed = False
@@ -93,6 +78,11 @@ class PathRender:
     def _lacks_photons(self) -> bool:
         """Whether the film has fewer photons than samples; it gets as many of both."""
         return self._photons is not None and self.film.photons < self._expected_samples
+
+    @property
+    def photons_behind_glass(self) -> float:
+        """The share of the photons' light that is not in the picture, for it is seen only through smooth glass."""
+        return 0.0 if self._photons is None else self._photons.behind_glass
 
     @property
     def samples(self) -> float:
@@ -231,8 +221,7 @@ class PathRender:
             "plan": self.plan.to_json(), "intersector": self.plan.intersector, "spp": self.samples,
             "samples": round(self.samples * self.film.size[0] * self.film.size[1]), "bad_samples": self.bad_samples,
             "estimated_error": error if np.isfinite(error) else None, "rays": self.rays, "trace_s": self.seconds,
-            **({"photons": self.film.photons, "bad_splats": self.film.bad_photons,
-                "photons_behind_glass": self._photons.behind_glass} if self._photons else {}),
+            **(self._photons.stats() if self._photons else {}),
             "rays_per_s": self.rays / self.seconds if self.seconds else None, "denoised": self.settings.denoise,
         }
 

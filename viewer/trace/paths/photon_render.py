@@ -1,8 +1,9 @@
-"""Traces photons and adds them to a film, in rounds: the film has all that a photon brings or nothing of it."""
+"""Traces photons and adds them to sums, in rounds: these have all that a photon brings or nothing of it."""
 
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
 
 import numpy as np
@@ -10,10 +11,11 @@ import numpy as np
 from ..layout import TILE
 from ..rays.intersect import Intersector
 from .behind_glass import BehindGlass
-from .film import Film
 from .photon_passes import PhotonPasses
+from .photon_sums import PhotonSums
 from .traced_wavefront import TracedWavefront
-from .wavefront import SUMS, Sums, Wavefront, Work
+from .wavefront import SUMS, Sums, Work
+from .wavefront_maker import WavefrontMaker
 
 MOST_EACH = 4
 """Most photons of a texel in one round."""
@@ -29,14 +31,14 @@ PROBED = 1 << 16
 class PhotonRender:
     """Two wavefronts of photons take turns, as in `viewer.trace.paths.path_render.PathRender`."""
 
-    def __init__(self, passes: PhotonPasses, intersector: Intersector, film: Film,
-                 make_wavefront: Callable[[], Wavefront], check_interval: int, has_glass: bool) -> None:
+    def __init__(self, passes: PhotonPasses, intersector: Intersector, sums: PhotonSums,
+                 maker: WavefrontMaker, has_glass: bool) -> None:
         self.rays = 0
-        self._passes, self._intersector, self._film = passes, intersector, film
-        self._check_interval = check_interval
-        self._wavefronts = [TracedWavefront(make_wavefront()) for _ in range(2)]
-        self._behind_glass = BehindGlass(passes, intersector, make_wavefront()) if has_glass else None
-        self._splats = Sums(passes.context.gl, film.size, SUMS)
+        self._passes, self._intersector, self.sums = passes, intersector, sums
+        self._check_interval = maker.check_interval
+        self._wavefronts = [TracedWavefront(maker.make(sees_backs=True)) for _ in range(2)]
+        self._behind_glass = BehindGlass(passes, intersector, maker.make(sees_backs=True)) if has_glass else None
+        self._splats = Sums(passes.context.gl, sums.size, SUMS)
         self._flush: Callable[[], None] = passes.context.function("glFlush")
         self._round = 0
         self._numbers = Numbers()
@@ -51,8 +53,8 @@ class PhotonRender:
         no more. The first comes when there is a sample a pixel, about."""
         if self._round:
             return True
-        lacking = samples - self._film.photons
-        wanted = max(math.prod(self._film.size), GROWTH * self._film.photons)
+        lacking = samples - self.sums.count
+        wanted = max(math.prod(self.sums.size), GROWTH * self.sums.count)
         return lacking >= (1 if is_last else min(wanted, 2 * self._block_count * TILE * TILE * MOST_EACH))
 
     def iterate(self, samples: int) -> None:
@@ -60,10 +62,10 @@ class PhotonRender:
         film of so many samples lacks, if they fit."""
         first, second = self._wavefronts
         if not self._round:
-            self._begin(samples - self._film.photons)
+            self._begin(samples - self.sums.count)
         if first.iterations % self._check_interval == 0 and first.is_busy and first.iterations:
             first.wavefront.is_busy[:] = self._passes.find_alive(first.wavefront)
-        probe = self._behind_glass if self._film.photons < PROBED and second.answer is not None else None
+        probe = self._behind_glass if self.sums.count < PROBED and second.answer is not None else None
         rays = self._intersector.fetch(first.wavefront) if first.is_busy else None
         if second.answer is not None:
             self._intersector.store(second.wavefront, second.answer)
@@ -78,7 +80,7 @@ class PhotonRender:
             probe.measure()
         self._wavefronts = [second, first]
         if not (first.is_busy or second.is_busy or first.answer):
-            self._film.add_photons(self._splats, self._round)
+            self.sums.add(self._splats, self._round)
             self._splats.framebuffer.clear()
             self._round = 0
 
@@ -95,10 +97,23 @@ class PhotonRender:
                 self._passes.begin(traced.wavefront, blocks)
         self._round = count * TILE * TILE * each
 
+    def step(self, seconds: float, goal: int) -> None:
+        """Trace for about this time, and at least one iteration, until there are `goal` photons."""
+        start = time.perf_counter()
+        self._passes.context.make_current()
+        while self.is_due(goal, True):
+            self.iterate(goal)
+            if time.perf_counter() - start >= seconds:
+                break
+
     @property
     def behind_glass(self) -> float:
         """The share of the photons' light that is seen only through smooth glass (`BehindGlass.share`)."""
         return 0.0 if self._behind_glass is None else self._behind_glass.share
+
+    def stats(self) -> dict[str, object]:
+        """For JSON: how many photons there are, how many splats were left out, and `behind_glass`."""
+        return {"photons": self.sums.count, "bad_splats": self.sums.bad, "photons_behind_glass": self.behind_glass}
 
     def release(self) -> None:
         if self._behind_glass is not None:

@@ -1,0 +1,33 @@
+"""How large the wavefronts of a picture are, and how often it is checked which of their blocks are done."""
+
+from __future__ import annotations
+
+import math
+
+from ...gpu.context import Context
+from ..plan import TracePlan
+from .wavefront import Wavefront
+
+SOFTWARE_SIDE, DEVICE_SIDE = 16, 32
+"""Most blocks of a wavefront along each side, for software OpenGL and for a GPU."""
+SCATTERING_SIDE = 8
+"""The same for software OpenGL in scenes with scattering. Some paths there have hundreds of collisions, and in a
+smaller wavefront fewer texels wait for them, and what is read and drawn stays in the caches."""
+DEVICE_CHECK_INTERVAL = 4
+"""Iterations of a wavefront on a GPU between two checks which blocks are done, since each check waits for the GPU."""
+
+
+class WavefrontMaker:
+    """Makes wavefronts for a picture of so many `blocks` of work in all, half of which one wavefront need hold."""
+
+    def __init__(self, context: Context, plan: TracePlan, blocks: int) -> None:
+        software = SCATTERING_SIDE if plan.has_scattering else SOFTWARE_SIDE
+        self._context, self._plan = context, plan
+        self._columns = software if context.is_software else DEVICE_SIDE
+        self._rows = min(math.ceil(blocks / self._columns / 2), self._columns)
+        self.check_interval = 1 if context.is_software else DEVICE_CHECK_INTERVAL
+
+    def make(self, has_layers: bool = False, sees_backs: bool = False) -> Wavefront:
+        plan = self._plan
+        return Wavefront(self._context, self._columns, self._rows, plan.has_transmission, has_layers,
+                         plan.has_along, plan.has_grids, sees_backs)
