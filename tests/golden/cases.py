@@ -53,10 +53,13 @@ class Case:
             return replace(framed, height=2.0 * scene.radius)
         return scene.cameras[0] if scene.cameras else framed
 
+    def used(self, mode: str) -> dict[str, object]:
+        """The case's settings that `mode` uses."""
+        return {name: value for name, value in self.settings.items() if name not in ignored(mode)}
+
     def with_mode(self, mode: str) -> Settings:
-        """The case's settings that `mode` uses, with four samples: what "auto" chooses depends on the device."""
-        used = {name: value for name, value in self.settings.items() if name not in ignored(mode)}
-        settings = Settings.of(**{"mode": mode, "antialias": "msaa-4"} | used)
+        """These, with four samples: what "auto" chooses depends on the device."""
+        settings = Settings.of(**{"mode": mode, "antialias": "msaa-4"} | self.used(mode))
         settings.check_used()
         return settings
 

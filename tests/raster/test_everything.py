@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from functools import partial
 from pathlib import Path
 
@@ -10,6 +11,9 @@ import numpy as np
 import pytest
 from needs import CORPUS, needs
 from shapes import lopsided
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "golden"))
+from cases import CASES, Case
 
 import viewer
 from viewer.base.resources import resource_folder
@@ -24,12 +28,16 @@ from viewer.settings import Settings
 
 SIZE = (24, 24)
 SUN = Light.from_angles(0.5, 0.7, 2.0)
-SCENES = sorted((resource_folder("assets") / "scenes").glob("*.glb"))
+SCENES = sorted({case.scene for case in CASES if "." not in case.scene})
 SMALL_FILES = 100_000
 """Bytes: of a model's folder, so that all of them take seconds."""
 MOST = 2e-3
 """Relative: x 1 + 0 is exact, but a power of 1, and normals made unit length once more, are not quite. On the corpus
 it is at most 2e-5, and almost 1e-3 of Phong's highlights of high exponents."""
+
+
+def loaded(name: str) -> Scene:
+    return viewer.load(resource_folder("assets") / "scenes" / f"{name}.glb", environment=None)
 
 
 def lit(scene: Scene, number: int) -> Scene:
@@ -38,9 +46,9 @@ def lit(scene: Scene, number: int) -> Scene:
     return scene.relit(environment=environment, lights=(*scene.lights, SUN) if number % 4 < 2 else scene.lights)
 
 
-def assert_same(renderer: Renderer, scene: Scene, **settings: object) -> None:
-    camera = Camera.framing(scene.center, scene.radius, 1.0)
-    needed, all_on = (renderer.render(scene, camera, Settings.of(plan=plan, antialias="msaa-4", **settings), SIZE)
+def assert_same(renderer: Renderer, scene: Scene, camera: Camera | None = None, **settings: object) -> None:
+    camera = camera or Camera.framing(scene.center, scene.radius, 1.0)
+    needed, all_on = (renderer.render(scene, camera, Settings.of(antialias="msaa-4", plan=plan, **settings), SIZE)
                       for plan in ("needed", "everything"))
     assert renderer.plan.is_everything
     assert np.abs(needed.srgb.astype(int) - all_on.srgb).max() <= 1
@@ -48,19 +56,29 @@ def assert_same(renderer: Renderer, scene: Scene, **settings: object) -> None:
     assert difference.max() < MOST, scene.name
 
 
-@pytest.mark.parametrize("number", range(len(SCENES)), ids=[path.stem for path in SCENES])
+def of_scene(number: int) -> Case:
+    """A case of the golden images, which have compiled what is needed: in turn the scene's first, second and so on."""
+    cases = [case for case in CASES if case.scene == SCENES[number]]
+    return cases[number % len(cases)]
+
+
+@pytest.mark.parametrize("number", range(len(SCENES)), ids=SCENES)
 def test_scenes(renderer, number):
-    scene = viewer.load(SCENES[number], environment=None)
-    assert_same(renderer, lit(scene, number))
-    if number % 3 == 0:
-        assert_same(renderer, lit(scene, number), mode="phong")
+    case = of_scene(number)
+    for mode in ("pbr", "phong")[: 1 + (number % 3 == 0)]:
+        assert_same(renderer, *case.load(), mode=mode, **case.used(mode))
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_lights(renderer, number):
+    assert_same(renderer, lit(loaded("two-sided"), number))
 
 
 @pytest.mark.parametrize("settings", [{"lobes": "uniform-diffuse"}, {"environment_shadows": "64"}, {"shadows": "off"},
                                       {"indirect": "baked"}],
                          ids=lambda settings: next(iter(settings)))
 def test_settings(renderer, settings):
-    assert_same(renderer, lit(viewer.load(SCENES[0], environment=None), 0), **settings)
+    assert_same(renderer, lit(loaded("alpha"), 0), **settings)
 
 
 def small_models() -> list[Path]:
@@ -80,7 +98,7 @@ def test_corpus(renderer, path):
 
 
 def test_it_makes_what_nothing_uses(renderer):
-    scene = viewer.load(resource_folder("assets") / "scenes" / "unlit.glb", environment=None)
+    scene = loaded("unlit")
     assert_same(renderer, scene)
     facts = renderer.plan.to_json()
     assert {"shadows", "solid transmission", "thin-walled transmission", "blend"} <= set(facts["passes"])
@@ -89,7 +107,7 @@ def test_it_makes_what_nothing_uses(renderer):
 
 @pytest.mark.parametrize("name", ["textures", "specular-ior", "two-sided", "vertex-colors", "emissive"])
 def test_shared_programs(renderer, monkeypatch, name):
-    scene = lit(viewer.load(resource_folder("assets") / "scenes" / f"{name}.glb", environment=None), 0)
+    scene = lit(loaded(name), 0)
     camera, settings = Camera.framing(scene.center, scene.radius, 1.0), Settings(antialias="msaa-4")
     own = renderer.render(scene, camera, settings, SIZE).linear
     count = len(renderer.plan.programs)
