@@ -32,43 +32,46 @@ void add_film(inout Interface face, vec3 single, vec3 mean_added, vec2 dfg, vec2
 // the error is 0.001 (root mean square) and at most 0.007. The mean over the hemisphere, for light that scatters more
 // than once, has two nodes.
 void add_film(inout SurfaceView v, Surface s, vec2 dfg_mean) {
-    const int NODES = 6;
-    const float HEIGHT[NODES] = float[](0.6027, 0.1737, 0.336, 0.9104, 0.8174, 0.6944);
-    const float COSINE[NODES] = float[](0.7648, 0.4941, -0.5978, 0.7154, -0.2228, -0.9260);
-    const float SINE[NODES] = float[](0.6443, 0.8694, 0.8017, 0.6987, 0.9749, 0.3776);
-    const float WEIGHT[NODES] = float[](0.2151, 0.3077, 0.3002, 0.1114, 0.1225, 0.1412);
-    const float MEAN_MU[2] = float[](0.3550510, 0.8449490), MEAN_WEIGHT[2] = float[](0.3639172, 0.6360828);
+    const int NORMALS = 6, MEANS = MULTISCATTER != 0 ? 2 : 0;
+    const vec4 NORMAL[NORMALS] = vec4[]( // height in the cap, cosine and sine of the azimuth, weight
+        vec4(0.6027, 0.7648, 0.6443, 0.2151), vec4(0.1737, 0.4941, 0.8694, 0.3077),
+        vec4(0.336, -0.5978, 0.8017, 0.3002), vec4(0.9104, 0.7154, 0.6987, 0.1114),
+        vec4(0.8174, -0.2228, 0.9749, 0.1225), vec4(0.6944, -0.9260, 0.3776, 0.1412));
+    const vec2 MEAN[2] = vec2[](vec2(0.3550510, 0.3639172), vec2(0.8449490, 0.6360828)); // cosine, weight
     float alpha = mean_alpha(s), sine = sqrt(max(1.0 - v.NoV * v.NoV, 0.0));
     vec2 o = normalize(vec2(alpha * sine, v.NoV));
     float t_o = sqrt(v.NoV * v.NoV + alpha * alpha * sine * sine), weights = 0.0;
     vec3 dielectric = vec3(0.0), metal = vec3(0.0), dielectric_mean = vec3(0.0), metal_mean = vec3(0.0);
-    for (int k = 0; k < NODES; ++k) {
-        float z = (1.0 - HEIGHT[k]) * (1.0 + o.y) - o.y, radius = sqrt(max(1.0 - z * z, 0.0));
-        vec3 h = vec3(alpha * (radius * COSINE[k] + o.x), alpha * radius * SINE[k], max(z + o.y, 1e-6));
-        h = normalize(h);
-        float VoH = clamp(sine * h.x + v.NoV * h.z, 0.0, 1.0), NoL = 2.0 * VoH * h.z - v.NoV;
-        float t_i = sqrt(NoL * NoL + alpha * alpha * max(1.0 - NoL * NoL, 0.0));
-        float weight = NoL > 0.0 ? WEIGHT[k] * (v.NoV + t_o) * NoL / (t_o * NoL + t_i * v.NoV) : 0.0;
-        FilmAt at = film_at(v.film, VoH);
+    // One loop serves both means, and none goes over a whole array: such a loop Mesa unrolls whatever its size (NIR's
+    // force_unroll), and compiles eight copies of the film.
+    for (int k = 0; k < NORMALS + MEANS; ++k) {
+        float mu, weight = 0.0, mean_weight = 0.0;
+        if (k < NORMALS) {
+            vec4 normal = NORMAL[k];
+            float z = (1.0 - normal.x) * (1.0 + o.y) - o.y, radius = sqrt(max(1.0 - z * z, 0.0));
+            vec3 h = vec3(alpha * (radius * normal.y + o.x), alpha * radius * normal.z, max(z + o.y, 1e-6));
+            h = normalize(h);
+            mu = clamp(sine * h.x + v.NoV * h.z, 0.0, 1.0);
+            float NoL = 2.0 * mu * h.z - v.NoV;
+            float t_i = sqrt(NoL * NoL + alpha * alpha * max(1.0 - NoL * NoL, 0.0));
+            if (NoL > 0.0) weight = normal.w * (v.NoV + t_o) * NoL / (t_o * NoL + t_i * v.NoV);
+        } else {
+            mu = MEAN[k - NORMALS].x;
+            mean_weight = MEAN[k - NORMALS].y;
+        }
         weights += weight;
+        FilmAt at = film_at(v.film, mu);
 #if METALNESS != 1
-        dielectric += weight * film_added(v.film, at, v.dielectric, film_base_ior(s.f0, s.ior));
+        vec3 added = film_added(v.film, at, v.dielectric, film_base_ior(s.f0, s.ior));
+        dielectric += weight * added;
+        dielectric_mean += mean_weight * added;
 #endif
 #if METALNESS != 0
-        metal += weight * film_added(v.film, at, v.metal, 0.0);
+        vec3 metal_added = film_added(v.film, at, v.metal, 0.0);
+        metal += weight * metal_added;
+        metal_mean += mean_weight * metal_added;
 #endif
     }
-#if MULTISCATTER
-    for (int k = 0; k < 2; ++k) {
-        FilmAt at = film_at(v.film, MEAN_MU[k]);
-#if METALNESS != 1
-        dielectric_mean += MEAN_WEIGHT[k] * film_added(v.film, at, v.dielectric, film_base_ior(s.f0, s.ior));
-#endif
-#if METALNESS != 0
-        metal_mean += MEAN_WEIGHT[k] * film_added(v.film, at, v.metal, 0.0);
-#endif
-    }
-#endif
     float scale = (v.dfg.x + v.dfg.y) / max(weights, 1e-6);
 #if METALNESS != 1
     add_film(v.dielectric, scale * dielectric, dielectric_mean, v.dfg, dfg_mean);
