@@ -95,7 +95,7 @@ def test_by_how_much_the_known_failures_fail():
 @pytest.mark.parametrize("mutation", WRONG_FORMULAS, ids=lambda mutation: mutation.name)
 def test_a_wrong_formula_is_noticed(mutation):
     with planted(mutation):
-        assert [check for check in mutation.checks() if check.is_defect]
+        assert any(check.is_defect for check in mutation.checks())  # the first defect ends it
 
 
 def test_the_right_formulas_pass_the_furnace_of_lights():

@@ -8,7 +8,7 @@ import pytest
 import twins
 
 from viewer.measure.check.chi_squared import critical_value, statistic
-from viewer.measure.check.half_vector import bin_counts, bin_integrals
+from viewer.measure.check.half_vector import Directions, bin_counts, bin_integrals, binned_grid
 from viewer.measure.check.lobes import COSINES, DELTA, LOBES, TRANSMISSION, Lobe
 
 COUNT = 20_000
@@ -106,8 +106,23 @@ ALPHAS = (0.003, 0.03, 0.2, 1.0)
 ALBEDO_COSINES = np.array([1.0, 0.6, 0.25, 0.05])
 
 
-def few_sets(lobe: Lobe) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Parameter sets and directions wo (K, 3) for what takes a whole hemisphere each."""
+def seen_at(cosines: np.ndarray) -> np.ndarray:
+    """Directions wo (K, 3)."""
+    s = np.sqrt(1 - cosines**2)
+    return np.stack([s * np.cos(0.7), s * np.sin(0.7), cosines], axis=-1)
+
+
+FEW_WO = seen_at(np.tile(ALBEDO_COSINES, len(ALPHAS)))
+
+
+@pytest.fixture(scope="module")
+def few_reflected() -> Directions:
+    """Where FEW_WO reflect to, for all lobes."""
+    return binned_grid(FEW_WO, BINS, NODES)
+
+
+def few_sets(lobe: Lobe) -> dict[str, np.ndarray]:
+    """Parameter sets, one for each of FEW_WO, for what takes a whole hemisphere each."""
     rng = np.random.default_rng(4)
     count = len(ALPHAS) * len(ALBEDO_COSINES)
     m = lobe.draw(rng, count)
@@ -119,9 +134,7 @@ def few_sets(lobe: Lobe) -> tuple[dict[str, np.ndarray], np.ndarray]:
         m["alpha_t"] = np.minimum(m["alpha"] * np.where(np.arange(count) % 2, 3, 1), 1)
     if is_glass(lobe):
         m["eta"] = rng.choice([1.2, 1.5, 2.4, 1 / 1.5 if lobe.transmits == "refracted" else 1.0], count)
-    z = np.tile(ALBEDO_COSINES, len(ALPHAS))
-    s = np.sqrt(1 - z * z)
-    return m, np.stack([s * np.cos(0.7), s * np.sin(0.7), z], axis=-1)
+    return m
 
 
 def columns(m: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -129,10 +142,10 @@ def columns(m: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 @every_lobe
-def test_samples_follow_pdf(lobe):
+def test_samples_follow_pdf(lobe, few_reflected):
     """The pdf integrates to the share of samples that are no mirror's and stay above the surface; and their histogram
     is its integral over each bin, by chi-squared at 1 % for all the sets together (Sidak 1967)."""
-    m, wo = few_sets(lobe)
+    m, wo = few_sets(lobe), FEW_WO
     draws = 1 << 14
     drawn = lobe.sample(columns(m), wo[:, None], uniform(np.random.default_rng(5), len(wo), draws))
     kept = (drawn["flags"] != 0) & (drawn["flags"] & DELTA == 0)
@@ -141,7 +154,8 @@ def test_samples_follow_pdf(lobe):
     for beyond in [False, True] if lobe.transmits else [False]:
         eta = m["eta"] if beyond and lobe.transmits == "refracted" else None
         side = np.array([1, 1, -1 if beyond and lobe.transmits == "mirrored" else 1])
-        shares = bin_integrals(lambda wi, side=side: lobe.pdf(columns(m), wo[:, None], wi * side), wo, BINS, NODES, eta)
+        grid = few_reflected if eta is None else binned_grid(wo, BINS, NODES, eta)
+        shares = bin_integrals(lambda wi, side=side: lobe.pdf(columns(m), wo[:, None], wi * side), grid, BINS)
         integral += shares.sum(axis=1)
         for counts, share in zip(bin_counts(wo, drawn["wi"] * side, kept & (through == beyond), BINS, eta), shares):
             if counts.any() or share.sum() > 1e-4:
@@ -155,7 +169,7 @@ def test_samples_follow_pdf(lobe):
 @every_lobe
 def test_albedo(lobe):
     """What the lobe says of its albedo is the mean weight of its samples, and never above 1."""
-    m, wo = few_sets(lobe)
+    m, wo = few_sets(lobe), FEW_WO
     draws = 1 << 15
     drawn = lobe.sample(columns(m), wo[:, None], uniform(np.random.default_rng(6), len(wo), draws))
     power = drawn["weight"] * (drawn["eta"] ** 2)[..., None]  # of radiance, denser beyond by eta^2
@@ -194,12 +208,20 @@ COMPENSATED = {"turquin": 5e-3, "fdez_aguera": 5e-3, "metal": 2e-3, "conductor":
                "standard zeltner sheen": 5e-3}
 
 
+FURNACE = np.array([(rough, NoV) for rough in np.linspace(0.05, 1, 12) for NoV in (1.0, 0.6, 0.25, 0.1, 0.05)])
+FURNACE_WO = seen_at(FURNACE[:, 1])
+
+
+@pytest.fixture(scope="module")
+def furnace_reflected() -> Directions:
+    return binned_grid(FURNACE_WO, BINS, FURNACE_NODES)
+
+
 @pytest.mark.parametrize("name", ["lambert", "eon", *COMPENSATED])
-def test_white_furnace(name):
+def test_white_furnace(name, furnace_reflected):
     """What absorbs nothing returns all, at every roughness and for NoV down to 0.05."""
     (lobe,) = (lobe for lobe in LOBES if lobe.name == name)
-    sets = [(rough, NoV) for rough in np.linspace(0.05, 1, 12) for NoV in (1.0, 0.6, 0.25, 0.1, 0.05)]
-    rough, NoV = np.array(sets).T
+    rough, wo = FURNACE[:, 0], FURNACE_WO
     white = dict(lobe.white)
     if "alpha" in white:
         white["alpha"] = (rough**2)[:, None].repeat(lobe.parameters["alpha"].size, axis=1).squeeze()
@@ -207,15 +229,13 @@ def test_white_furnace(name):
         white["alpha_t"] = white["alpha"]
     if "sigma" in white:
         white["sigma"] = rough
-    s = np.sqrt(1 - NoV**2)
-    wo = np.stack([s * np.cos(0.7), s * np.sin(0.7), NoV], axis=-1)
 
     def light(wi):
         sides = [1, -1] if lobe.transmits else [1]
         f = sum(lobe.eval(columns(white), wo[:, None], wi * np.float32([1, 1, side]))[..., 0] for side in sides)
         return f * wi[..., 2]
 
-    total = bin_integrals(light, wo, BINS, FURNACE_NODES).sum(axis=1)
+    total = bin_integrals(light, furnace_reflected, BINS).sum(axis=1)
     assert np.abs(total - 1).max() < COMPENSATED.get(name, 1e-3)
 
 

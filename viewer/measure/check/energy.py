@@ -10,7 +10,7 @@ import numpy as np
 
 from .checks import Check
 from .chi_squared import critical_value, statistic
-from .half_vector import bin_counts, bin_integrals, mirrored, reflected_grid, refracted_grid
+from .half_vector import bin_counts, bin_integrals, binned_grid, mirrored, reflected_grid, refracted_grid
 from .lobes import DELTA, TRANSMISSION
 
 NOV = (1.0, 0.7, 0.4, 0.15, 0.05)
@@ -190,7 +190,7 @@ def _check_histogram(case: LobeCase, wo: np.ndarray, drawn: Drawn, kept: np.ndar
         def density(wi: np.ndarray, mirror: np.ndarray = mirror) -> np.ndarray:
             return case.lobe.pdf(values, wo[:, None], wi * mirror)
 
-        expected = bin_integrals(density, wo, BINS, nodes, eta) * drawn["wi"].shape[1]
+        expected = bin_integrals(density, binned_grid(wo, BINS, nodes, eta), BINS) * drawn["wi"].shape[1]
         for k, counts in enumerate(bin_counts(wo, drawn["wi"] * mirror, kept & side, BINS, eta)):
             if counts.any() or expected[k].sum() > 1:
                 tests.append((k, *statistic(counts, expected[k])))

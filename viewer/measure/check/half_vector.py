@@ -121,12 +121,11 @@ def binned_grid(wo: np.ndarray, bins: tuple[int, int], nodes: tuple[int, int],
     return Directions(wi, jacobian * weight)
 
 
-def bin_integrals(density: Callable[[np.ndarray], np.ndarray], wo: np.ndarray, bins: tuple[int, int],
-                  nodes: tuple[int, int], eta: np.ndarray | None = None) -> np.ndarray:
-    """Integrals over each bin of `density`, which takes wi (K, Q, 3) and gives (K, Q): (K, bins of x * bins of phi)."""
-    grid = binned_grid(wo, bins, nodes, eta)
+def bin_integrals(density: Callable[[np.ndarray], np.ndarray], grid: Directions, bins: tuple[int, int]) -> np.ndarray:
+    """Integrals over each bin of a `binned_grid` of `density`, which takes wi (K, Q, 3) and gives (K, Q): (K, bins of x
+    * bins of phi)."""
     values = np.where(grid.solid_angle > 0, density(grid.wi), 0.0)  # else wi is no direction
-    return (values * grid.solid_angle).reshape(len(wo), bins[0] * bins[1], -1).sum(axis=2)
+    return (values * grid.solid_angle).reshape(len(values), bins[0] * bins[1], -1).sum(axis=2)
 
 
 def bin_counts(wo: np.ndarray, wi: np.ndarray, counted: np.ndarray, bins: tuple[int, int],
