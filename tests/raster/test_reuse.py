@@ -95,7 +95,7 @@ def objects(context: Context) -> dict[str, int]:
     return counts
 
 
-def test_fifty_scenes_one_after_the_other_leave_nothing_behind(renderer, shots, context):
+def test_twenty_scenes_one_after_the_other_leave_nothing_behind(renderer, shots, context):
     def draw(k: int) -> None:
         model, camera = shots[k % len(shots)]
         # A new environment, lights and size each time, as somebody does who tries things out.
@@ -105,7 +105,7 @@ def test_fifty_scenes_one_after_the_other_leave_nothing_behind(renderer, shots, 
     for k in range(10):
         draw(k)
     before = objects(context)
-    for k in range(10, 60):
+    for k in range(10, 30):
         draw(k)
     assert objects(context) == before  # what the last scene, the same in both cases, keeps for the next frame
 
