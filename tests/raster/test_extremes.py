@@ -58,12 +58,14 @@ def test_light_from_straight_behind_a_bent_normal(radiance, mode):
 @pytest.mark.parametrize("fresnel", ["schlick", "exact"])
 @pytest.mark.parametrize("masking", ["smith", "v-cavity", "none"])
 def test_extreme_materials_under_extreme_lights(radiance, ndf, fresnel, masking):
-    """Balls for every corner of the parameters, from grazing to facing; radiance is finite and not negative."""
+    """Balls for every corner of the parameters, from grazing to facing; radiance is finite and not negative. Each
+    distribution and each masking is seen under an environment, for which it takes seconds to bake both together."""
     cases = list(product(ROUGHNESS, (0.0, 1.0), (0.0, 1.0)))[:16]
     materials = [Material(base_color=(base,) * 3 + (1.0,), metallic=metallic, perceptual_roughness=roughness,
                           **F0[k % len(F0)]) for k, (roughness, metallic, base) in enumerate(cases)]
     balls = [(sphere(k, 12), moved((2 * (k % 4) - 3, 2 * (k // 4) - 3, 0))) for k in range(len(cases))]
-    model = scene(*balls, materials=materials, lights=LIGHTS, environment=lopsided())
+    environment = lopsided() if ndf == "ggx" or masking == "smith" else None
+    model = scene(*balls, materials=materials, lights=LIGHTS, environment=environment)
     picture = radiance(model, orthographic(0.0, 0.0, 8.0, 20.0), (48, 48), ndf=ndf, fresnel=fresnel, masking=masking,
                        shadows="off")
     assert picture.min() >= 0

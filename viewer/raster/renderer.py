@@ -12,7 +12,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from ..bake.dfg import dfg_table
+from ..bake.dfg import dfg_albedos, dfg_table
 from ..base.reusable import Reusable
 from ..gpu.context import Context
 from ..gpu.float_texture import float_texture
@@ -99,7 +99,7 @@ class Renderer:
         self._shadows: list[ShadowMaps] = []
         self._plans: list[tuple[tuple[object, ...], Plan]] = []
         self._blocks: list[moderngl.Buffer] = []
-        self._dfg: dict[tuple[str, str], moderngl.Texture] = {}
+        self._dfg: dict[tuple[str, str, bool], moderngl.Texture] = {}
 
     def expect(self, ahead: Decoder) -> None:
         """Take a decoder, from `decode_ahead`, that has begun with the images of the next scene."""
@@ -424,7 +424,7 @@ class Renderer:
         if self._environment is not None:
             values |= self._environment.uniforms(plan)
         if plan.dfg:
-            self._dfg_texture(settings).use(UNIT_DFG)
+            self._dfg_texture(settings, plan.reflections).use(UNIT_DFG)
             values["u_dfg"] = UNIT_DFG
         if plan.is_everything:  # the programs of opaque surfaces have code for glass, too
             self._surfaces.textures.bind_blank("base_color", UNIT_RADIANCE)
@@ -441,10 +441,12 @@ class Renderer:
             block.bind_to_uniform_block(binding)
         return values
 
-    def _dfg_texture(self, settings: Settings) -> moderngl.Texture:
-        key = (settings.ndf, settings.masking)
+    def _dfg_texture(self, settings: Settings, looks_up: bool) -> moderngl.Texture:
+        """With the lookups of an environment if there is one that is reflected."""
+        key = (settings.ndf, settings.masking, looks_up)
         if key not in self._dfg:
-            self._dfg[key] = float_texture(self._gl, dfg_table(*key))
+            table = (dfg_table if looks_up else dfg_albedos)(settings.ndf, settings.masking)
+            self._dfg[key] = float_texture(self._gl, table)
         return self._dfg[key]
 
     @contextmanager
