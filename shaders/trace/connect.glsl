@@ -8,6 +8,9 @@
 #include "trace/camera.glsl"
 #include "trace/offset_origin.glsl"
 
+// p.pdf of a photon, after its first surface: what its last vertex was, if any before was not of a delta lobe; else 0
+const float FROM_ROUGH = 1.0, FROM_DELTA = 2.0;
+
 uniform ivec2 u_camera_size;        // of the picture, in pixels that are traced
 uniform mat3 u_camera_project;      // maps a point, after the vector below is added, to (x w, y w, w) with x and y in
 uniform vec3 u_camera_project_from; // normalised device coordinates; w is the depth in a unit of its own, or always 1

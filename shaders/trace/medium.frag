@@ -19,8 +19,12 @@ const int MOST_AT_ONCE = 32; // collisions of a path in one pass
 // Samples the direction in which a path that has collided goes on. Returns false if it ends there.
 bool scatter_in(inout Path p, Medium m, vec3 u) {
     vec3 direction = any_phase_sample(m.phase, p.direction, u.xy);
+#if PHOTONS
+    p.pdf = FROM_ROUGH;
+#else
     // Where no light is asked, light that is hit counts in full.
     p.pdf = asks_lights(m) ? any_phase(m.phase, p.direction, direction) : 0.0;
+#endif
     // Roulette alone ends paths, with the probability that they are absorbed; a white medium keeps them all.
     float survival = min(max(p.throughput.r, max(p.throughput.g, p.throughput.b)) * p.eta2, 1.0);
     bool continues = u.z < survival;

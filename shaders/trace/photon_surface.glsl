@@ -104,6 +104,13 @@ void main() {
         if ((b.flags & TRANSMISSION) != 0u) weight *= abs(local_wi.z / b.wi.z);
     }
     p.medium = medium_at(p, i, m, side);
-    continues = continues && scatter(p, i.position, side * i.n_geometric, next, weight, 0.0, u_bsdf.w, 0.95);
+    float last = p.depth > 0 ? p.pdf : 0.0;
+    if (!is_delta) last = FROM_ROUGH;
+#if HAS_PANES && REFRACTS
+    else if (last > 0.0 && !passes_pane(m, b)) last = FROM_DELTA; // through a pane, the camera sees the vertex before
+#else
+    else if (last > 0.0) last = FROM_DELTA;
+#endif
+    continues = continues && scatter(p, i.position, side * i.n_geometric, next, weight, last, u_bsdf.w, 0.95);
     write_path(p, continues ? IN_FLIGHT : ENDED);
 }

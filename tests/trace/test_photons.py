@@ -253,20 +253,30 @@ def test_why_there_are_no_photons_is_told(tracer):
         assert told in line
 
 
-def test_light_behind_glass_is_measured(tracer):
-    """From above, the floor that the slab lights is seen through the slab alone; from below, without it."""
-    def share(camera: Camera) -> float:
-        settings = Settings.of(mode="path", spp=4, caustics="photons")
-        path_render = tracer.begin(slab(POINT, 1.5), camera, settings, (16, 16))
+def test_light_behind_glass_and_in_mirrors_is_measured(tracer):
+    """From above, the floor that the slab lights is seen through the slab alone; from below, without it. A mirror
+    that stands beside that floor shows about as much of it as there is, if it is half of the view."""
+    def share(model: Scene, camera: Camera) -> float:
+        settings = Settings.of(mode="path", spp=96, caustics="photons")
+        path_render = tracer.begin(model, camera, settings, (24, 16))
         while not path_render.is_done:
             path_render.step(1.0)
         stats = path_render.stats()
         path_render.release()
-        assert bool(sample_warnings(stats)) == (stats["photons_behind_glass"] >= 0.01)
-        return stats["photons_behind_glass"]
+        assert bool(sample_warnings(stats)) == (stats["photons_lost"] >= 0.01)
+        return stats["photons_lost"]
 
-    assert share(Camera.look_at((0, 4, 0.5), (0, 0, 0), fov_y=np.radians(20))) > 0.99
-    assert share(BELOW) < 1e-3
+    model = slab(POINT, 1.5)
+    assert share(model, Camera.look_at((0, 4, 0.5), (0, 0, 0), fov_y=np.radians(20))) > 0.99
+    assert share(model, BELOW) < 1e-3
+    upright = np.array([[0, 0, 1, -0.4], [0, 1, 0, 0.4], [-1, 0, 0, 0.1], [0, 0, 0, 1.0]])
+    mirror = replace(WHITE, metallic=1.0, perceptual_roughness=0.0, specular=0.5)
+    with_mirror = replace(model, meshes=(*model.meshes, plate(2, half=0.35)), materials=(*model.materials, mirror),
+                          instances=(*model.instances, Instance(len(model.meshes), upright)))
+    along = Camera.look_at((1.2, 0.5, 0.1), (-0.4, 0.3, 0.1), fov_y=np.radians(40))
+    assert 0.05 < share(with_mirror, along) < 0.8
+    black = replace(mirror, base_color=(0.0, 0.0, 0.0, 1.0))
+    assert share(replace(with_mirror, materials=(*model.materials, black)), along) < 0.03
 
 
 @pytest.mark.parametrize(("intersector", "fog"), (("embree", 0.0), ("embree", 0.05), ("bvh", 0.0), ("bvh", 0.05)))

@@ -36,7 +36,7 @@ def measure_error(tracer: Tracer, raster: np.ndarray, scene: Scene, camera: Came
         trace_for(paths, seconds, wants_to_stop)
         if not paths.is_enough:
             return None
-        notes = error_notes(settings, paths.missing, paths.behind_glass)
+        notes = error_notes(settings, paths.missing, paths.lost_share)
         error = raster_error(paths.of(raster), paths.groups, paths.shows_model, paths.samples, paths.seconds, notes,
                              1 - 1 / paths.every**2)
         return replace(error, map=paths.spread(error.map))
@@ -44,10 +44,10 @@ def measure_error(tracer: Tracer, raster: np.ndarray, scene: Scene, camera: Came
         paths.release()
 
 
-def error_notes(settings: Settings, missing: Sequence[str], behind_glass: float = 0.0) -> tuple[str, ...]:
-    """Lines for the user: what of the error is there on purpose, and what paths miss, too, among it the share of the
-    light of photons that is `behind_glass`."""
+def error_notes(settings: Settings, missing: Sequence[str], lost_share: float = 0.0) -> tuple[str, ...]:
+    """Lines for the user: what of the error is there on purpose, and what paths miss, too; of the
+    light of photons it is the share `lost_share`."""
     meant = [f"{name.replace('_', '-')}={value}" for name, value in _MEANT.items() if getattr(settings, name) == value]
     return (*(f"{choice} leaves out light, which counts as error" for choice in meant),
             *(f"counts as error where the picture shows it: {line}" for line in missing),
-            *[f"not counted as error: {line}" for line in lost_light(behind_glass)])
+            *[f"not counted as error: {line}" for line in lost_light(lost_share)])

@@ -69,8 +69,8 @@ class PathGroups:
         """Spent in `step`."""
         self.missing: tuple[str, ...] = ()
         """What of the scene paths do not find."""
-        self.behind_glass = 0.0
-        """The share of the light of photons that is in neither picture (`PathRender.photons_behind_glass`)."""
+        self.lost_share = 0.0
+        """The share of the light of photons that is in neither picture (`PathRender.lost_share`)."""
 
     @property
     def is_enough(self) -> bool:
@@ -133,7 +133,7 @@ class PathGroups:
 
     def _take(self, group: int, render: PathRender) -> None:
         self._sums[group] += self._round * render.read_radiance()[..., :3]
-        self.behind_glass += (render.photons_behind_glass - self.behind_glass) / self._begun  # the mean of all
+        self.lost_share += (render.lost_share - self.lost_share) / self._begun  # the mean of all
         if not self._spp[group]:
             self._hits |= render.film.read_layers()[0][..., 3] > 0
         self._spp[group] += self._round

@@ -89,12 +89,12 @@ def sample_warnings(stats: Mapping[str, Any]) -> list[str]:
     if stats.get("photons") == 0:
         lines.append("the picture ended before the first photons arrived: what lamps throw through smooth glass and "
                      "off smooth mirrors is missing")
-    return lines + lost_light(stats.get("photons_behind_glass", 0.0))
+    return lines + lost_light(stats.get("photons_lost", 0.0))
 
 
-def lost_light(behind_glass: float) -> list[str]:
-    """A warning of light that photons bring, if the share of it that the picture lacks is large enough."""
-    if behind_glass < TOLD_SHARE:
+def lost_light(share: float) -> list[str]:
+    """A warning of the light of photons that the picture lacks, if the share of it is large enough."""
+    if share < TOLD_SHARE:
         return []
-    return [f"about {behind_glass:.0%} of the light that photons bring is seen only through smooth glass, and is not "
-            "in the picture"]
+    return [f"about {share:.0%} of the light that photons bring is seen only through smooth glass or in mirrors, and "
+            "is not in the picture"]

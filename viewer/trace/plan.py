@@ -163,8 +163,7 @@ def _photon_programs(programs: Mapping[str, Program], switches: Mapping[str, int
         "idle": programs["idle"],
         "alive": programs["alive"],
         "splat": Program.of("trace/splat.frag", dict(classes)),
-        **({"probe": Program.of("trace/probe.frag", dict(classes)), "weigh": Program.of("trace/weigh.frag", switches)}
-           if "glass" in shading else {}),
+        "weigh": Program.of("trace/weigh.frag", switches),
     }
 
 

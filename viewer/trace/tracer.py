@@ -131,7 +131,7 @@ class Tracer:
         except moderngl.Error as error:
             raise UsageError(f"a picture of {size[0]}x{size[1]} is more than this OpenGL can hold ({error})") from error
         maker = WavefrontMaker(self.context, plan, MAX_SPP)
-        return PhotonRender(passes, traced.intersector, sums, maker, "glass" in plan.photons)
+        return PhotonRender(passes, traced.intersector, sums, maker)
 
     def begin_at(self, scene: Scene, rays: SurfaceRays, settings: Settings) -> PathRender:
         """As `begin`, with one pixel for each ray of the list. Alpha is the fraction of rays that hit something."""

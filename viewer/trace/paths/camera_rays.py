@@ -12,6 +12,9 @@ from ...scene.scene import Scene
 NEAR = 4.0
 """If the eye is at most this far from the centre, in tracer units, rays start at the eye."""
 INFINITE = 1e30
+INFINITE_EYE = 1e3
+EYE_BALL = 0.1
+"""Radius of a ball about the eye, over the distance of the eye or the radius of the scene if that is larger."""
 
 
 def camera_uniforms(scene: Scene, camera: Camera, size: tuple[int, int], every: int = 1) -> dict[str, object]:
@@ -56,4 +59,12 @@ def camera_uniforms(scene: Scene, camera: Camera, size: tuple[int, int], every: 
         "u_camera_project": matrix_uniform(project),
         "u_camera_project_from": tuple(project_from.tolist()),
         "u_camera_pixel_area": float(area * 4 / (size[0] * size[1])),
+        "u_eye_ball": _eye_ball(camera, eye),
     }
+
+
+def _eye_ball(camera: Camera, eye: np.ndarray) -> tuple[float, ...]:
+    """Centre and radius of a ball about `eye` that so many photons meet that their light can be measured. The eye of an
+    orthographic camera is far away for this."""
+    center = eye if camera.height is None else -INFINITE_EYE * camera.forward
+    return *center.tolist(), EYE_BALL * max(float(np.linalg.norm(center)), 1.0)

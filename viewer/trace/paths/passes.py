@@ -36,7 +36,7 @@ def vertex_shader(name: str) -> str:
     """The vertex shader of the pass `name`."""
     if name in ("splat", "weigh"):
         return f"trace/{name}.vert"
-    if name in ("alive", "track", "probe"):
+    if name in ("alive", "track"):
         return "display/fullscreen.vert"
     return "trace/blocks.vert" if name in _OVER_BLOCKS else "trace/path_class.vert"
 

@@ -54,7 +54,7 @@ class PathRender:
         self._wavefronts = [TracedWavefront(maker.make("layers" in plan.programs)) for _ in range(2)]
         self._photons: PhotonRender | None = None
         if photon_passes is not None and film.photon_sums is not None:
-            self._photons = PhotonRender(photon_passes, intersector, film.photon_sums, maker, "glass" in plan.photons)
+            self._photons = PhotonRender(photon_passes, intersector, film.photon_sums, maker)
         self._flush: Callable[[], None] = context.function("glFlush")
         self._layers, self._denoiser = layers, denoiser
         self._is_developed = False
@@ -80,9 +80,9 @@ class PathRender:
         return self._photons is not None and self.film.photons < self._expected_samples
 
     @property
-    def photons_behind_glass(self) -> float:
-        """The share of the photons' light that is not in the picture, for it is seen only through smooth glass."""
-        return 0.0 if self._photons is None else self._photons.behind_glass
+    def lost_share(self) -> float:
+        """As `PhotonRender.lost_share`; 0 without photons."""
+        return 0.0 if self._photons is None else self._photons.lost_share
 
     @property
     def samples(self) -> float:

@@ -30,24 +30,15 @@ class PhotonPasses(Passes):
         wavefront.present.use()
         wavefront.draw_blocks(self._program("begin", u_grid=wavefront.grid), blocks)
 
-    def shade_onto(self, wavefront: Wavefront, splats: Sums, unseen: Wavefront | None = None) -> None:
-        """Add what the camera sees of the wavefront's vertices to `splats`, and compute the next state.
-
-        `unseen` gets rays from the camera to those that it does not see (viewer/trace/paths/behind_glass.py).
-        """
+    def shade_onto(self, wavefront: Wavefront, splats: Sums, arriving: Sums | None = None) -> None:
+        """Add what the camera sees of the wavefront's vertices to `splats`, and compute the next state. In the one
+        pixel of `arriving` add up what photons bring to the eye on their way (trace/weigh.vert)."""
         self._bind_wavefront(wavefront)
         self._add_points("splat", wavefront, splats)
-        if unseen is not None:
-            unseen.present.use()
-            self._gl.enable_only(moderngl.NOTHING)
-            self._draw("probe")
+        if arriving is not None:
+            self._add_points("weigh", wavefront, arriving)
         self._classify(wavefront, "classify")
         self._advance(wavefront)
-
-    def weigh(self, unseen: Wavefront, light: Sums) -> None:
-        """Add up, in the one pixel of `light`, what is at the ends of the rays of `unseen`."""
-        unseen.bind()
-        self._add_points("weigh", unseen, light)
 
     def _add_points(self, name: str, wavefront: Wavefront, target: Sums) -> None:
         """Draw a point for each path, by blending."""

@@ -10,7 +10,6 @@ import numpy as np
 
 from ..layout import TILE
 from ..rays.intersect import Intersector
-from .behind_glass import BehindGlass
 from .photon_passes import PhotonPasses
 from .photon_sums import PhotonSums
 from .traced_wavefront import TracedWavefront
@@ -24,20 +23,20 @@ GROWTH = 0.5
 of which waits for its longest paths, and the film never has much fewer photons than samples."""
 SEQUENCE = 1 << 16
 """Work of a sequence of random numbers (shaders/trace/emit.frag), in photons of a texel."""
-PROBED = 1 << 16
-"""So many photons tell how much of their light is behind glass."""
+WEIGHED = 1 << 18
+"""So many photons tell how much of their light the picture lacks."""
 
 
 class PhotonRender:
     """Two wavefronts of photons take turns, as in `viewer.trace.paths.path_render.PathRender`."""
 
     def __init__(self, passes: PhotonPasses, intersector: Intersector, sums: PhotonSums,
-                 maker: WavefrontMaker, has_glass: bool) -> None:
+                 maker: WavefrontMaker) -> None:
         self.rays = 0
         self._passes, self._intersector, self.sums = passes, intersector, sums
         self._check_interval = maker.check_interval
         self._wavefronts = [TracedWavefront(maker.make(sees_backs=True)) for _ in range(2)]
-        self._behind_glass = BehindGlass(passes, intersector, maker.make(sees_backs=True)) if has_glass else None
+        self._arriving = Sums(passes.context.gl, (1, 1), 1)
         self._splats = Sums(passes.context.gl, sums.size, SUMS)
         self._flush: Callable[[], None] = passes.context.function("glFlush")
         self._round = 0
@@ -65,19 +64,17 @@ class PhotonRender:
             self._begin(samples - self.sums.count)
         if first.iterations % self._check_interval == 0 and first.is_busy and first.iterations:
             first.wavefront.is_busy[:] = self._passes.find_alive(first.wavefront)
-        probe = self._behind_glass if self.sums.count < PROBED and second.answer is not None else None
         rays = self._intersector.fetch(first.wavefront) if first.is_busy else None
         if second.answer is not None:
             self._intersector.store(second.wavefront, second.answer)
             second.answer = None
-            self._passes.shade_onto(second.wavefront, self._splats, probe.rays if probe else None)
+            arriving = self._arriving if self.sums.count < WEIGHED else None
+            self._passes.shade_onto(second.wavefront, self._splats, arriving)
             second.iterations += 1
             self._flush()
         if rays is not None:
             first.answer = self._intersector.trace(rays)
             self.rays += first.answer.rays or 0
-        if probe is not None:
-            probe.measure()
         self._wavefronts = [second, first]
         if not (first.is_busy or second.is_busy or first.answer):
             self.sums.add(self._splats, self._round)
@@ -107,17 +104,19 @@ class PhotonRender:
                 break
 
     @property
-    def behind_glass(self) -> float:
-        """The share of the photons' light that is seen only through smooth glass (`BehindGlass.share`)."""
-        return 0.0 if self._behind_glass is None else self._behind_glass.share
+    def lost_share(self) -> float:
+        """Of the photons' light that comes to the eye, the share whose last surface is smooth: light that is seen in
+        mirrors or through smooth glass, and so is not in the picture. 0 if there is none."""
+        light = self._arriving.framebuffer.read(components=4, dtype="f4")
+        rough, smooth = np.frombuffer(light, np.float32)[:2].tolist()
+        return smooth / (rough + smooth) if smooth > 0 else 0.0
 
     def stats(self) -> dict[str, object]:
-        """For JSON: how many photons there are, how many splats were left out, and `behind_glass`."""
-        return {"photons": self.sums.count, "bad_splats": self.sums.bad, "photons_behind_glass": self.behind_glass}
+        """For JSON: how many photons there are, how many splats were left out, and `lost_share`."""
+        return {"photons": self.sums.count, "bad_splats": self.sums.bad, "photons_lost": self.lost_share}
 
     def release(self) -> None:
-        if self._behind_glass is not None:
-            self._behind_glass.release()
+        self._arriving.release()
         for traced in self._wavefronts:
             traced.wavefront.release()
         self._splats.release()
