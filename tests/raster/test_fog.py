@@ -7,12 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fog_truth import optical_depth, rays, single_scattering
+from images import image_of, noise
 from shapes import WHITE, constant, moved, orthographic, plate, scene, sphere
 
 from viewer.scene.camera import Camera
+from viewer.scene.color import srgb_to_linear
 from viewer.scene.fog import REACH, fog_of
 from viewer.scene.light import Light
-from viewer.scene.material import Material
+from viewer.scene.material import Material, Texture
 from viewer.settings import Settings
 
 BLACK = replace(WHITE, base_color=(0, 0, 0, 1))
@@ -184,3 +186,18 @@ def test_meshes_hide_the_sky_from_fog(radiance):
     expected = 1e-3 * np.trapezoid(seen.mean(axis=1), z)
     assert expected < 0.9 * 1e-3 * 2 * fog.radius
     assert found[..., :3].mean() == pytest.approx(expected, rel=0.05)
+
+
+def test_meshes_send_light_by_the_means_of_their_textures(radiance):
+    """Fog between two lids, which are not in the picture: a textured one sends as much as one of its mean colour."""
+    texels = noise(16, 16, 3, 1) // np.uint8([1, 2, 8])
+    mean = srgb_to_linear(texels / 255).mean(axis=(0, 1))
+    lid = np.eye(4)[[0, 2, 1, 3]]
+    kinds = (replace(BLACK, double_sided=True, base_color=(1, 1, 1, 1), base_color_texture=Texture(image_of(texels))),
+             replace(BLACK, double_sided=True, base_color=(*mean, 1)))
+    textured, plain = (radiance(
+        scene(*((plate(half=2.0), moved((0, y, 0)) @ lid) for y in (-0.5, 0.5)), materials=[kind],
+              environment=constant()), orthographic(0.0, 0.0, height=0.1), (4, 4), fog=0.5, background="none")
+        for kind in kinds)
+    assert textured == pytest.approx(plain, rel=1e-3)
+    assert plain[..., 2].mean() < 0.99 * plain[..., 0].mean()

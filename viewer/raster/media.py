@@ -10,6 +10,7 @@ own share by their distance.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import moderngl
 import numpy as np
@@ -22,6 +23,7 @@ from ..plan.model import Plan
 from ..scene.camera import Camera
 from ..scene.fog import REACH, fog_medium, fog_of
 from ..scene.frame import Frame
+from ..scene.material import Texture
 from ..scene.medium import VACUUM, Medium
 from ..scene.phase import mean_cosine
 from ..scene.scene import Scene
@@ -58,9 +60,9 @@ class MediaPass:
         self._scene: Scene | None = None
 
     def prepare(self, scene: Scene, settings: Settings, plan: Plan, environment: EnvironmentLight | None,
-                shadows: ShadowMaps | None, casters: Casters) -> None:
+                shadows: ShadowMaps | None, casters: Casters, mean: Callable[[Texture, str], np.ndarray]) -> None:
         """Upload volumes and bake the light in the media, unless an earlier frame has left them. Binds uniform blocks
-        of its own. `casters` draw what stands before the environment."""
+        of its own. `casters` draw what stands before the environment, and `mean` gives that of a material's map."""
         self._take_volumes(scene)
         sky = environment.environment if environment is not None else None
         key = (fog_of(scene, settings), volume_medium(settings), plan.media.bake, plan.media.scatters_again,
@@ -91,7 +93,7 @@ class MediaPass:
         if plan.media.has_sky_shadows and from_sky is not None:
             around_meshes = [_scene_grid(frame, grids[0].medium)] * plan.media.has_fog
             parts += 2 * (len(grids) + len(around_meshes))
-            sky_shadows = SkyShadows(self._gl, scene, plan, from_sky, casters)
+            sky_shadows = SkyShadows(self._gl, scene, plan, from_sky, casters, mean)
             uniforms |= sky_shadows.uniforms
             sky_shadows.texture.use(UNIT_SKY_SHADOWS)
         light = MediaLight(self._gl, parts, len(plan.lights) if scene.volumes else 0)

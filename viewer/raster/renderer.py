@@ -318,7 +318,7 @@ class Renderer:
         if self.plan.media is not None:
             with self._timed("media"):
                 self._media.prepare(scene, settings, self.plan, self._environment, self._shadows_of(self.plan),
-                                    self._casters)
+                                    self._casters, self._surfaces.textures.mean)
         if self.plan.environment_shadows and self.plan.has_visibility:
             with self._timed("environment shadows"):
                 self._visibility.prepare(scene, self.plan, self._environment, self._casters)

@@ -2,29 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import moderngl
 import numpy as np
 
 from ..bake.many_lights import ManyLights
 from ..plan.media import SKY_LIGHTS
-from ..plan.model import Plan
+from ..plan.model import Draw, Plan
 from ..scene.color import LUMINANCE
 from ..scene.light import Light
-from ..scene.material import Material
+from ..scene.material import Material, Texture
 from ..scene.scene import Scene
 from .shadows import Atlas, Casters, light_tiles
 from .surfaces import UNIT_SKY_SHADOWS
 
 _TILE = 256
-_TEXTURE = 0.5
-"""The mean of a texture of colours, which is not read for this."""
 
 
 class SkyShadows:
     """The maps of `sky`, whose directions are in world axes. `texture` is bound to the unit of `uniforms`, those of
     shaders/raster/media_bake.frag about the centre of the scene."""
 
-    def __init__(self, gl: moderngl.Context, scene: Scene, plan: Plan, sky: ManyLights, casters: Casters) -> None:
+    def __init__(self, gl: moderngl.Context, scene: Scene, plan: Plan, sky: ManyLights, casters: Casters,
+                 mean: Callable[[Texture, str], np.ndarray]) -> None:
         self._atlas = Atlas(gl, SKY_LIGHTS, _TILE)
         tiles = [light_tiles(Light("directional", direction=tuple(-direction)), scene, self._atlas.tile_size)[0]
                  for direction in sky.directions]
@@ -36,18 +37,22 @@ class SkyShadows:
         self.uniforms: dict[str, object] = {
             "u_sky_atlas": UNIT_SKY_SHADOWS, "u_sky_shadows": np.float32(rows).tobytes(),
             "u_sky_tiles": self._atlas.tiles,
-            "u_sky_reflected": np.float32(reflected(sky, mean_reflectance(scene))).tobytes()}
+            "u_sky_reflected": np.float32(reflected(sky, mean_reflectance(scene, plan.draws, mean))).tobytes()}
 
     def release(self) -> None:
         self._atlas.release()
 
 
-def mean_reflectance(scene: Scene) -> np.ndarray:
-    """(3,) of the instances of triangles, weighted by the surfaces of their boxes and by how much light they hide."""
-    size = np.ptp(scene.corners, axis=1)
-    materials = [scene.materials[scene.meshes[instance.mesh].material] for instance in scene.instances]
-    weights = (size * np.roll(size, 1, axis=1)).sum(axis=1) * [_hidden_share(material) for material in materials]
-    colors = [np.array(m.base_color[:3]) * (1.0 if m.base_color_texture is None else _TEXTURE) for m in materials]
+def mean_reflectance(scene: Scene, draws: Sequence[Draw], mean: Callable[[Texture, str], np.ndarray]) -> np.ndarray:
+    """(3,) of the instances of triangles, weighted by the surfaces of their boxes and by how much light they hide.
+    `mean` gives that of a map."""
+    sizes = np.ptp(scene.corners[[draw.instance for draw in draws]], axis=1)
+    weights = (sizes * np.roll(sizes, 1, axis=1)).sum(axis=1) * [_hidden_share(draw.surface) for draw in draws]
+    colors = [np.array(draw.surface.base_color[:3], np.float64) for draw in draws]
+    for color, draw in zip(colors, draws, strict=True):
+        texture = draw.surface.base_color_texture
+        if texture is not None and "base_color" in draw.maps:
+            color *= mean(texture, "base_color")
     return np.reshape(colors, (-1, 3)).T @ weights / max(weights.sum(), 1e-300)
 
 

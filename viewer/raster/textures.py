@@ -10,6 +10,7 @@ from ..gpu.context import Context
 from ..gpu.float_texture import float_texture
 from ..gpu.mipmaps import mipmapped_texture
 from ..plan.model import Plan
+from ..scene.color import srgb_to_linear
 from ..scene.decoding import Decoder, Key
 from ..scene.material import Sampler, Texture
 from ..scene.parameter import WHITE
@@ -41,6 +42,7 @@ class Textures:
         self._decoders: list[Decoder] = []
         self._channels: dict[tuple[TextureImage, bool], str] = {}
         self._sizes: dict[Key, int] = {}
+        self._means: dict[Key, np.ndarray] = {}
 
     @property
     def bytes(self) -> int:
@@ -74,8 +76,14 @@ class Textures:
                 if key not in self._textures:  # the texture may exist already, from an earlier scene
                     self._textures[key] = _upload(self._context, levels, key[2])
                     self._sizes[key] = sum(level.nbytes for level in levels)
+                    self._means[key] = _mean(levels[-1], key[2])
                 del levels
                 trim_heap()  # OpenGL has its own copy now
+
+    def mean(self, texture: Texture, name: str) -> np.ndarray:
+        """The mean of a map of a material, (3,) float64, linear. A prefetched plan must sample the map."""
+        srgb = MAPS[name].info.srgb
+        return self._means[texture.image, self._channels[texture.image, srgb], srgb]
 
     def bind(self, texture: Texture, name: str, unit: int) -> None:
         """Bind a map of a material to a texture unit, with its sampler. A prefetched plan must sample the map."""
@@ -115,7 +123,7 @@ class Textures:
         """Release the textures that no map reads any more: their image or their set of channels is not in use."""
         for image, channels, srgb in [key for key in self._textures if self._channels.get((key[0], key[2])) != key[1]]:
             self._textures.pop((image, channels, srgb)).release()
-            del self._sizes[image, channels, srgb]
+            del self._sizes[image, channels, srgb], self._means[image, channels, srgb]
 
     def _cancel(self) -> None:
         for decoder in self._decoders:
@@ -133,3 +141,12 @@ def _upload(context: Context, levels: list[np.ndarray], srgb: bool) -> moderngl.
     if components < 3:
         texture.swizzle = _SWIZZLES[components]
     return texture
+
+
+def _mean(level: np.ndarray, srgb: bool) -> np.ndarray:
+    """Red, green and blue of the smallest level."""
+    values = level.reshape(-1, level.shape[2])[:, :3].astype(np.float64)
+    if level.dtype.kind == "u":
+        values /= np.iinfo(level.dtype).max
+    values = srgb_to_linear(values) if srgb else values
+    return values.mean(axis=0)[[0, 1, 2] if values.shape[1] == 3 else [0, 0, 0]]
