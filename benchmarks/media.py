@@ -1,8 +1,8 @@
-"""Fog and volumes of the rasterizer against another renderer's: `python -m benchmarks.media`.
+"""Fog, volumes and solids that scatter light, in the rasterizer: `python -m benchmarks.media`.
 
-Cases of ../shared/truth by every choice of steps, rays and scattering, with the time of a frame; frames of the window's
-size; and the volumes of assets/ and the demo scene in fog against mode path. The cube of fog of two cases is a mesh in
-their files, which a volume of the same size replaces here.
+Cases of ../shared/truth, and three scenes of assets/ against mode path, by methods of the report's ladder: error, and
+time over that of the plain frame. Then frames of the window's size. The cube of fog of two cases is a mesh in their
+files, which a volume of the same size replaces here.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ import math
 import os
 import statistics
 import time
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,35 +24,47 @@ import viewer
 from viewer.gpu.context import open_context
 from viewer.image.image import Image
 from viewer.measure.compare.relmse import Halves, relmse
-from viewer.measure.report.ladder import MEDIA
+from viewer.measure.report.ladder import PLAIN
 from viewer.raster.renderer import Renderer
 from viewer.scene.camera import Camera
 from viewer.scene.environment import Environment
 from viewer.scene.light import Light
 from viewer.scene.scene import Scene
 from viewer.scene.volume import Volume
-from viewer.settings import Settings
+from viewer.settings import Settings, ignored
 from viewer.trace.tracer import Tracer
 
+from . import truth_cases
+from .machine import here
 from .shot import REPOSITORY
 from .truth_cases import FOLDER
 
-CASES = ("fog-point", "fog-g07", "cloud", "smoke-absorbing")
-SIZE, SAMPLES = (128, 128), 256
-CLOUD, SMOKE, DEMO = "volumes/cloud.vdb", "volumes/smoke.vdb", "demo.glb"
+VOLUMES, SOLIDS = ("fog-point", "fog-g07", "cloud", "smoke-absorbing"), ("wax", "milk-rough")
+OURS: dict[str, dict[str, Any]] = {"demo.glb": {"fog": 0.5}, "volumes/cloud.vdb": {"volume_density": 2.0},
+                                   "volumes/smoke.vdb": {}}
+SIZE, SAMPLES = (128, 128), 128
 FURNACE = Environment("furnace", np.ones((32, 64, 3), np.float32))
-FULL = {"environment_shadows": "64", "antialias": "ssaa-9"}
-DENSE = {"volume_density": 2.0}
-PATHS: tuple[tuple[str, str, float, dict[str, Any], dict[str, Any]], ...] = (
-    *((CLOUD, "studio", 0.0, DENSE, way) for way in ({}, {"media_scattering": "single"}, {"mode": "phong"})),
-    (CLOUD, "furnace", 0.0, DENSE, {}),
-    (CLOUD, "none", 3.0, DENSE, {}),
-    (CLOUD, "studio", 0.0, DENSE | {"volume_g": 0.99}, {}),
-    *((SMOKE, "studio", 0.0, {}, way) for way in ({}, {"media_scattering": "single"}, {"mode": "phong"})),
-    *((DEMO, "studio", lux, {"fog": fog}, way)
-      for lux, fog in ((0.0, 0.5), (6.0, 0.5), (6.0, 2.0)) for way in ({}, FULL)),
-)
-"""Model, environment, illuminance of a sun in lux, settings of the medium, and those of a method."""
+Changes = dict[str, Any]
+SHADOWED: tuple[Changes, ...] = tuple({"environment_shadows": lights, "antialias": antialias}
+                                      for lights, antialias in (("16", "ssaa-4"), ("64", "ssaa-4"), ("64", "ssaa-9")))
+STEPS: tuple[Changes, ...] = (
+    {"media_scattering": "single"}, {"media_steps": "28", "media_rays": "sixteenth"}, {"media_rays": "all"})
+INDIRECT: tuple[Changes, ...] = ({"subsurface": "slab"}, {"indirect": "baked"},
+                                 {"indirect": "baked", "environment_shadows": "64", "antialias": "ssaa-4"})
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """A picture of which the truth is known; `plain` is the same without the medium."""
+
+    name: str
+    scene: Scene
+    camera: Camera
+    settings: Settings
+    plain: tuple[Scene, Settings]
+    reference: np.ndarray
+    floor: float
+    methods: tuple[Changes, ...]
 
 
 def main() -> None:
@@ -59,58 +72,71 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=5)
     parser.add_argument("--results", type=Path)
     options = parser.parse_args()
-    lines = ["# Fog and volumes of the rasterizer", "",
-             "By `python -m benchmarks.media`. relMSE and mean are those of the whole picture, 128 x 128, against "
-             "Mitsuba; the floor is", "the noise of the reference. A frame has everything prepared; `plain` is the "
-             "same picture without the medium. The cube of fog is", "a volume. Errors do not depend on what else the "
-             "machine does, and times do.", ""]
     with open_context() as context:
-        load, cores = os.getloadavg()[0], os.cpu_count()
-        lines += [f"{context.renderer}; {cores} cores, load average {load:.0f} at the start", "",
-                  "| case | scattering | steps | pixels with a ray | relMSE | floor | mean / reference | ms | plain |",
-                  "|---|---|---|---|---|---|---|---|---|"]
+        load = os.getloadavg()[0]
+        lines = ["# Fog, volumes and solids that scatter light, in the rasterizer", "",
+                 "By `python -m benchmarks.media`. relMSE and mean are those of the whole picture, 128 x 128, against "
+                 "Mitsuba; for scenes of ours,", f"against {SAMPLES} samples of mode path. The floor is the noise of "
+                 "the reference. Times are of all threads of the processor, the", "median of frames with everything "
+                 "prepared; `frames` is the time over that of a plain frame, which is `msaa-4` with", "image-based "
+                 "light, without shadows of the environment and without the medium. The cube of fog is a volume.",
+                 "", "| scene | method | relMSE | floor | mean / reference | ms | frames |",
+                 "|---|---|---|---|---|---|---|"]
         renderer = Renderer(context)
-        for name in CASES:
-            lines += _case(renderer, name, options.frames)
-        lines += ["", "With the default settings:", "", "| frame of 512 x 512 | moving camera, ms | at rest, ms |",
-                  "|---|---|---|", *_frames(renderer, options.frames)]
-        lines += ["", "## Against mode path", "",
-                  f"{SIZE[0]} x {SIZE[1]}, {SAMPLES} samples per pixel, in pixels of which media hide at least a "
-                  "twentieth; the floor is the noise of the paths.", "",
-                  "| model | environment | sun, lux | medium | method | relMSE | floor | mean / path |",
-                  "|---|---|---|---|---|---|---|---|", *_against_path(renderer)]
+        for measured in _all(renderer):
+            lines += _rows(renderer, measured, options.frames)
+        lines += ["", "With the default settings, by the clock:", "",
+                  "| frame of 512 x 512 | moving camera, ms | at rest, ms |", "|---|---|---|",
+                  *_frames(renderer, options.frames), "",
+                  f"- load average {load:.0f} at the start and {os.getloadavg()[0]:.0f} at the end",
+                  f"- renderer: {context.renderer}", *(f"- {name}: {what}" for name, what in here().items())]
     print("\n".join(lines))
     if options.results is not None:
         options.results.write_text("\n".join(lines) + "\n")
 
 
-def _case(renderer: Renderer, name: str, frames: int) -> list[str]:
-    scene, camera, settings, facts = load_case(name)
-    reference = Image.open(FOLDER / name / "reference.exr").linear[..., :3].astype(np.float64)
-    size = (facts["size"],) * 2
-    plain, _ = _timed(renderer, replace(scene, volumes=()), camera, settings, size, frames)
-    rows = []
-    for scattering, choices in MEDIA.items():
-        for steps, rays in choices:
-            chosen = replace(settings, media_scattering=scattering, media_steps=steps, media_rays=rays)
-            milliseconds, picture = _timed(renderer, scene, camera, chosen, size, frames)
-            error = float(relmse(picture, reference))
-            rows.append(f"| {name} | {scattering} | {steps} | {rays} | {error:.4f} | {facts['relmse_floor']:.4f} | "
-                        f"{picture.mean() / reference.mean():.3f} | {milliseconds:.0f} | {plain:.0f} |")
-    return rows
+def _all(renderer: Renderer) -> Iterator[Measured]:
+    for name in VOLUMES:
+        scene, camera, settings, facts = load_case(name)
+        reference = Image.open(FOLDER / name / "reference.exr").linear[..., :3].astype(np.float64)
+        yield Measured(name, scene, camera, settings, (replace(scene, volumes=()), settings), reference,
+                       facts["relmse_floor"], (*STEPS, *SHADOWED * bool(scene.instances and scene.environment)))
+    for name in SOLIDS:
+        case = truth_cases.load_case(name)
+        settings = Settings.of(**{key: value for key, value in case.settings.items() if key not in ignored("pbr")})
+        yield Measured(name, case.scene, case.camera, settings, (case.scene, replace(settings, subsurface="off")),
+                       case.reference, case.floor, INDIRECT)
+    tracer = Tracer(renderer.context)
+    for model, medium in OURS.items():
+        scene = viewer.load(REPOSITORY / "assets" / model)
+        camera, settings = scene.framing_camera(1.0), Settings.of(**medium)
+        paths = Halves(*(tracer.render(scene, camera, replace(settings, mode="path", spp=SAMPLES // 2, seed=seed),
+                                       SIZE).linear[..., :3] for seed in (1, 2)))
+        yield Measured(f"{model}, {_told(medium) or 'as it is'}", scene, camera, settings,
+                       (replace(scene, volumes=()), replace(settings, fog=0.0)), paths.mean, paths.floor(paths.mean),
+                       (*STEPS, *SHADOWED * bool(scene.instances)))
 
 
-def _timed(renderer: Renderer, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
-           frames: int) -> tuple[float, np.ndarray]:
-    """The median time of a frame in milliseconds, and the picture."""
-    picture = renderer.render(scene, camera, settings, size).linear[..., :3].astype(np.float64)
-    times = []
-    for _ in range(frames):
-        start = time.perf_counter()
-        renderer.draw(scene, camera, settings, size, half=False, still=True)
-        renderer.read_radiance()
-        times.append(1e3 * (time.perf_counter() - start))
-    return statistics.median(times), picture
+def _rows(renderer: Renderer, measured: Measured, frames: int) -> list[str]:
+    size = measured.reference.shape[1], measured.reference.shape[0]
+    scene, settings = measured.plain
+    ways = [{}, *measured.methods]
+    shown = [(scene, PLAIN.settings(settings)),
+             *((measured.scene, replace(measured.settings, **way)) for way in ways)]
+    pictures = [renderer.render(scene, measured.camera, settings, size).linear[..., :3].astype(np.float64)
+                for scene, settings in shown]
+    times: list[list[float]] = [[] for _ in shown]
+    for (scene, settings), spent in zip(shown, times, strict=True):
+        for _ in range(frames + 1):
+            start = time.process_time()
+            renderer.draw(scene, measured.camera, settings, size, half=False, still=True)
+            renderer.read_radiance()
+            spent.append(1e3 * (time.process_time() - start))
+    plain, *others = (statistics.median(spent[1:]) for spent in times)
+    return [f"| {measured.name} | {_told(way) or 'default'} | {relmse(picture, measured.reference):.4f} | "
+            f"{measured.floor:.4f} | {picture.mean() / measured.reference.mean():.3f} | {spent:.0f} | "
+            f"{spent / plain:.1f} |"
+            for way, picture, spent in zip(ways, pictures[1:], others, strict=True)]
 
 
 def _frames(renderer: Renderer, frames: int) -> list[str]:
@@ -135,28 +161,6 @@ def _frames(renderer: Renderer, frames: int) -> list[str]:
                 times.append(1e3 * (time.perf_counter() - start))
             medians.append(statistics.median(times[2:]))
         rows.append(f"| {name} | {medians[0]:.0f} | {medians[1]:.0f} |")
-    return rows
-
-
-def _against_path(renderer: Renderer) -> list[str]:
-    tracer, known, rows = Tracer(renderer.context), {}, []
-    for model, environment, lux, medium, way in PATHS:
-        scene = viewer.load(REPOSITORY / "assets" / model, environment=environment.replace("furnace", "none"))
-        scene = replace(scene, environment=FURNACE if environment == "furnace" else scene.environment,
-                        lights=(*scene.lights, *[Light.from_angles(1.0, 0.7, lux)] * (lux > 0)))
-        camera = scene.framing_camera(1.0)
-        key = (model, environment, lux, str(medium))
-        if key not in known:
-            halves = [tracer.render(scene, camera, Settings.of(mode="path", spp=SAMPLES // 2, seed=seed, **medium),
-                                    SIZE).linear[..., :3] for seed in (1, 2)]
-            dark, alone = scene.relit(environment=None, lights=()), Settings.of(background="none", **medium)
-            hidden = renderer.render(dark, camera, alone, SIZE).linear[..., 3] > 0.05
-            known[key] = Halves(halves[0][hidden], halves[1][hidden]), hidden
-        paths, hidden = known[key]
-        picture = renderer.render(scene, camera, Settings.of(**medium, **way), SIZE).linear[hidden][:, :3]
-        rows.append(f"| {model} | {environment} | {lux:g} | {_told(medium)} | {_told(way) or 'default'} | "
-                    f"{relmse(picture, paths.mean):.4f} | {paths.floor(paths.mean):.4f} | "
-                    f"{picture.mean() / paths.mean.mean():.3f} |")
     return rows
 
 
