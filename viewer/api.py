@@ -103,7 +103,7 @@ def render(
     InputError for an environment that cannot be decoded, and ContextError if there is no OpenGL.
     """
     from .plan.unused import unused_settings
-    from .plan.warnings import picture_warnings, sample_warnings
+    from .plan.warnings import camera_warnings, picture_warnings, sample_warnings
 
     _expect_scene(scene, camera)
     scene = _at(scene, time, animation)
@@ -114,6 +114,8 @@ def render(
     lost = [line for line in scene.all_warnings if line not in known]
     chosen = Settings.of(**settings)
     known_before = [*picture_warnings(scene, chosen), *unused_settings(scene, chosen)]
+    if camera is not None and "choice" not in image.stats:
+        known_before += camera_warnings(scene, chosen, camera)
     for line in [*lost, *known_before, *sample_warnings(image.stats)]:
         warnings.warn(line, stacklevel=2)
     return image

@@ -17,7 +17,7 @@ from ..base.signals import Stopped, postponed
 from ..errors import ContextError, OutputError, UsageError, ViewerError
 from ..image.film import FILM_FORMATS, write_film
 from ..image.image import WRITABLE, Image
-from ..plan.warnings import sample_warnings
+from ..plan.warnings import camera_warnings, sample_warnings
 from ..quality import Quality
 from ..scene.camera import Camera
 from ..scene.scene import Scene
@@ -112,7 +112,8 @@ class RenderJob:
         count = write_film(path, self._frames(scene, shots, path, progress, maker), shots.fps) if shots else 0
         if not self.quiet:  # of textures, what is wrong is known only when they are decoded
             lost = [line for line in scene.all_warnings if line not in known]
-            for warning in [*lost, *sample_warnings(maker.stats)]:
+            of_camera = [] if view is None or self.chooses else camera_warnings(scene, self.settings, view)
+            for warning in [*lost, *of_camera, *sample_warnings(maker.stats)]:
                 say(f"{model}: warning: {warning}")
         rendered = time.perf_counter()
         if image is not None:

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from ..scene.camera import Camera
 from ..scene.scene import Scene
+from ..scene.triangles import triangles_of
 from ..scene.volume import mean_collisions, volume_medium
+from ..scene.winding import winding_number
 from ..settings import Settings
 from .media import MAX_VOLUMES
 from .planner import MAX_LIGHTS, is_lit
@@ -69,6 +72,23 @@ def picture_warnings(scene: Scene, settings: Settings) -> list[str]:
         if traced:
             lines.append(f"the light of {' and '.join(traced)} is without curves")
     return lines
+
+
+def camera_warnings(scene: Scene, settings: Settings, camera: Camera) -> list[str]:
+    """As `picture_warnings`, of where the camera is. An orthographic one is nowhere."""
+    if settings.mode == "path" or camera.height is not None:
+        return []
+    eye, around = camera.eye, []
+    for instance, corners in zip(scene.instances, scene.corners, strict=True):
+        mesh = scene.meshes[instance.mesh]
+        material = scene.materials[mesh.material]
+        if not material.medium.scatters or (eye < corners.min(axis=0)).any() or (eye > corners.max(axis=0)).any():
+            continue
+        points = mesh.positions @ instance.transform[:3, :3].T + (instance.transform[:3, 3] - eye)
+        if winding_number(points[triangles_of(mesh)]) > 0.5:
+            around.append(f" of material {material.name!r}" if material.name else "")
+    return [f"the camera is inside of a solid{around[-1]} that scatters light: mode {settings.mode} shows nothing of "
+            "what fills it; mode path does"] if around else []
 
 
 NO_PHOTONS = "photons: "
