@@ -17,8 +17,8 @@ from viewer.settings import Settings
 @pytest.mark.parametrize("scatters", [True, False])
 def test_a_camera_inside_of_a_solid_that_scatters_is_warned_of(scatters):
     """Its box is not enough, nor is a pose without a place, and mode path shows the medium."""
-    wax = Material("wax", transmission=1.0, thickness=1.0, attenuation_color=(0.5, 0.5, 0.5), attenuation_distance=1.0,
-                   scatter_color=(0.8, 0.8, 0.8) if scatters else (0.0, 0.0, 0.0))
+    wax = Material("wax", metallic=0.0, transmission=1.0, thickness=1.0, attenuation_color=(0.5, 0.5, 0.5),
+                   attenuation_distance=1.0, scatter_color=(0.8, 0.8, 0.8) if scatters else (0.0, 0.0, 0.0))
     place = np.diag([2.0, 2.0, -2.0, 1.0])
     place[:3, 3] = 5, 0, 0
     model = scene((sphere(segments=16), place), materials=[wax])
