@@ -2,12 +2,25 @@
 // all solids. A medium has MEDIUM_TEXELS texels of the scene buffer's section `media` (viewer/trace/scene/encode.py):
 //   sigma_t, the extinction coefficient per tracer unit; the number of the phase function (media/any_phase.glsl)
 //   in scenes with scattering, the albedo of a single scattering; 1 if no boundary of the medium refracts
+//   in scenes with nested solids of glass, the index of refraction and the dispersion
 // HAS_VOLUME: the scene has a medium besides the vacuum. HAS_SCATTERING: one of them scatters light.
 #if HAS_VOLUME
 #include "trace/scene_buffer.glsl"
 
 uniform int u_media;
 #endif
+#if HAS_SCATTERING || HAS_NESTED
+#include "media/nesting.glsl"
+#endif
+
+// The number of the medium in which a path travels, of the medium or the nesting of media that it carries
+int number_of(int medium) {
+#if HAS_SCATTERING || HAS_NESTED
+    return innermost(medium);
+#else
+    return medium;
+#endif
+}
 
 // Transmittance along a distance d in a medium: exp(-sigma_t d)       Beer 1852
 vec3 transmittance(int medium, float distance) {

@@ -1,12 +1,19 @@
 // The media that a path is inside of, as digits of one whole number: the lowest digit is the medium in which it travels,
 // the next one is what it returns to when it leaves that, and so on. So the inner one of nested solids displaces the
-// outer one, and of two that overlap the one that was entered last does. The base is the number of media. Beyond the
+// outer one, and of two that overlap the one that was entered last does, but for HAS_NESTED. The base is the number of media. Beyond the
 // digits that 24 bits can hold, the outermost are forgotten. The endless zeros in front are medium 0, the outside.
 uniform int u_media_count;
 uniform int u_nesting_limit; // the base to the power of the number of digits but one
 
 int innermost(int nesting) {
+#if HAS_NESTED
+    // Where solids overlap, the one with the highest number displaces the others (viewer/trace/scene/nested.py).
+    int highest = 0;
+    for (int rest = nesting; rest > 0; rest /= u_media_count) highest = max(highest, rest % u_media_count);
+    return highest;
+#else
     return nesting % u_media_count;
+#endif
 }
 
 int enter_medium(int nesting, int medium) {

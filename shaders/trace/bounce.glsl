@@ -55,7 +55,7 @@ void send_shadow_ray_from(inout Path p, vec3 position, vec3 origin, int medium, 
 #if HAS_SCATTERING
     p.shadow_medium = medium; // the shadow ray finds what is on its way
 #else
-    radiance *= transmittance(medium, light.distance);
+    radiance *= transmittance(number_of(medium), light.distance);
 #endif
     p.contribution = clamped(radiance * (weight / light.pdf), p.depth + 1);
     if (p.contribution == vec3(0.0)) return;

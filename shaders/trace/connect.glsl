@@ -15,7 +15,7 @@ uniform ivec2 u_camera_size;        // of the picture, in pixels that are traced
 uniform mat3 u_camera_project;      // maps a point, after the vector below is added, to (x w, y w, w) with x and y in
 uniform vec3 u_camera_project_from; // normalised device coordinates; w is the depth in a unit of its own, or always 1
 uniform float u_camera_pixel_area;  // of a pixel at w = 1, in tracer units squared
-#if HAS_SCATTERING
+#if HAS_SCATTERING || HAS_NESTED
 uniform float u_camera_eta2; // as trace/generate.frag: a camera inside glass shows radiance over the index squared
 #endif
 
@@ -50,7 +50,7 @@ CameraSample sample_camera(vec3 p) {
     c.direction = -d;
     float per_depth = length(u_camera_ray * vec3(pixel.xy * u_camera_pixel - 1.0, 1.0)); // 1 / cos theta
     c.importance = per_depth / (pixel.z * pixel.z * u_camera_pixel_area);
-#if HAS_SCATTERING
+#if HAS_SCATTERING || HAS_NESTED
     c.importance /= u_camera_eta2;
 #endif
     return c;
@@ -65,7 +65,7 @@ void connect_camera(inout Path p, vec3 position, vec3 origin, CameraSample c, in
 #if HAS_SCATTERING
     p.shadow_medium = medium; // the shadow ray finds what is on its way
 #else
-    radiance *= transmittance(medium, distance(position, c.start));
+    radiance *= transmittance(number_of(medium), distance(position, c.start));
 #endif
     p.contribution = radiance * (c.importance * u_photon_power);
     if (p.contribution == vec3(0.0)) return;

@@ -7,7 +7,6 @@
 #include "media/medium.glsl"
 #if HAS_SCATTERING
 #include "trace/numbers.glsl"
-#include "media/nesting.glsl"
 #include "media/distance.glsl"
 
 // The way that the path has in its medium: to its hit, or to the end of all media
@@ -31,6 +30,6 @@ void pass_medium(inout Path p, float distance) {
     p.throughput *= scatters(m) ? passing_weight(m.sigma_t, channel_chances(p.throughput), distance)
                                 : exp(-m.sigma_t * distance);
 #else
-    p.throughput *= transmittance(p.medium, distance);
+    p.throughput *= transmittance(number_of(p.medium), distance);
 #endif
 }

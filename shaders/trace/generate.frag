@@ -11,7 +11,7 @@
 #if BEGINS
 uniform ivec2 u_size; // of the picture
 #endif
-#if HAS_SCATTERING && !RAYS
+#if (HAS_SCATTERING || HAS_NESTED) && !RAYS
 uniform int u_camera_medium; // the nesting of media around the eye
 uniform float u_camera_eta2; // the square of the index there
 #endif
@@ -48,15 +48,15 @@ void main() {
     p.steps = 0;
     p.medium = 0;
     p.eta2 = 1.0;
-#if HAS_SCATTERING
-    p.is_lit = false;
-#if !RAYS
+#if (HAS_SCATTERING || HAS_NESTED) && !RAYS
     // A camera inside glass shows radiance divided by the square of the index, which is the same on both sides of the
     // surface, so that the picture does not become brighter when the camera moves inside.
     p.medium = u_camera_medium;
     p.eta2 = u_camera_eta2;
     p.throughput /= p.eta2;
 #endif
+#if HAS_SCATTERING
+    p.is_lit = false;
     p.shadow_medium = p.medium;
 #endif
 #if DISPERSIVE

@@ -30,7 +30,7 @@ void main() {
     float way = length_in(medium, p.origin, p.direction, 0.0, distance(p.origin, i.position));
     vec3 throughput = p.throughput * transmittance(medium, way);
 #else
-    vec3 throughput = p.throughput * transmittance(p.medium, p.travelled + distance(p.origin, i.position));
+    vec3 throughput = p.throughput * transmittance(number_of(p.medium), p.travelled + distance(p.origin, i.position));
 #endif
     o_emission = vec4(throughput * (m.is_unlit ? m.inputs.base_color.rgb : m.emission), 0.0);
 }

@@ -49,6 +49,14 @@ void main() {
     disperse(p, m, sample_numbers(s, CAMERA_GROUP).z);
 #endif
     float way = distance(p.origin, i.position);
+#if HAS_NESTED && REFRACTS
+    if (!m.is_thin && !meets_boundary(p, i, m)) {
+        if (p.depth == 0) p.throughput *= range_window(p.pdf, p.travelled + way);
+        pass_displaced(p, i);
+        write_path(p, IN_FLIGHT);
+        return;
+    }
+#endif
 #if HAS_PANES
     vec3 arriving = p.throughput;
 #endif
@@ -91,7 +99,7 @@ void main() {
         if (k == 1) {
             weight = f / b.pdf;
         } else if (light_side != 0.0) {
-#if TRANSMITS && REFRACTS && !HAS_SCATTERING
+#if TRANSMITS && REFRACTS && !HAS_SCATTERING && !HAS_NESTED
             // As begin_inside, for a camera that is inside the solid
             if (!seen.is_front && !m.is_thin) f /= max(m.inputs.ior * m.inputs.ior, 1.0);
 #endif

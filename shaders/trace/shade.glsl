@@ -13,6 +13,9 @@
 #if DISPERSIVE && REFRACTS
 #include "bsdf/dispersion.glsl"
 #endif
+#if HAS_NESTED && REFRACTS
+#include "trace/nested.glsl"
+#endif
 
 // The side of the surface on which wi lies: 1 for the side of wo, -1 for the other, 0 if no light may go there. That is
 // the case for the other side of an opaque surface, and where the shading and the geometric normal disagree about the
@@ -55,7 +58,7 @@ Bsdf bsdf_towards(Interaction i, SurfaceMaterial m, vec3 wo, out mat3 frame, out
 // The number of the medium, or the nesting of media, on a side of the surface, as side_of gives it
 int medium_at(Path p, Interaction i, SurfaceMaterial m, float side) {
 #if TRANSMITS
-#if HAS_SCATTERING
+#if HAS_SCATTERING || HAS_NESTED
     if (side < 0.0 && !m.is_thin) return cross_boundary(p.medium, i.medium, i.is_front);
 #else
     if (side < 0.0 && !m.is_thin) return i.is_front ? i.medium : 0;
@@ -64,7 +67,7 @@ int medium_at(Path p, Interaction i, SurfaceMaterial m, float side) {
     return p.medium;
 }
 
-#if TRANSMITS && !HAS_SCATTERING
+#if TRANSMITS && !HAS_SCATTERING && !HAS_NESTED
 // Begins a path whose camera is inside the solid. Such a camera shows radiance divided by the square of the index,
 // which is the same on both sides of a surface, so that the picture does not become brighter when the camera moves
 // inside.
@@ -127,8 +130,15 @@ void main() {
 #if DISPERSIVE && REFRACTS
     disperse(p, m, sample_numbers(s, CAMERA_GROUP).z);
 #endif
-#if TRANSMITS && !HAS_SCATTERING
+#if TRANSMITS && !HAS_SCATTERING && !HAS_NESTED
     if (p.depth == 0 && !i.is_front && !m.is_thin) begin_inside(p, i, m);
+#endif
+#if HAS_NESTED && REFRACTS
+    if (!m.is_thin && !meets_boundary(p, i, m)) {
+        pass_displaced(p, i);
+        write_path(p, IN_FLIGHT);
+        return;
+    }
 #endif
 #if HAS_PANES && REFRACTS
     vec3 arriving = p.throughput;

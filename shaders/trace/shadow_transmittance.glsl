@@ -4,7 +4,6 @@
 #include "trace/interaction.glsl"
 #if HAS_SCATTERING
 #include "media/medium.glsl"
-#include "media/nesting.glsl"
 #endif
 #if HAS_PANES
 #include "trace/pane.glsl"

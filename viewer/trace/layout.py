@@ -86,9 +86,8 @@ MAP_ROLE_SHIFT = 8
 
 
 def medium_layout(switches: Mapping[str, int]) -> dict[str, int]:
-    """The texels of a medium's record in the scene buffer: the second one is of scattering."""
-    scatters = switches.get("HAS_SCATTERING", 0)
-    return {"MEDIUM_TEXELS": 1 + scatters}
+    """The texels of a medium's record in the scene buffer: one is of scattering, and the last one of nested solids."""
+    return {"MEDIUM_TEXELS": 1 + switches.get("HAS_SCATTERING", 0) + switches.get("HAS_NESTED", 0)}
 
 
 def vertex_layout(switches: Mapping[str, int]) -> dict[str, int]:

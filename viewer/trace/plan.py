@@ -112,8 +112,8 @@ def plan_trace(
         emitters = ["HAS_EMITTERS"] * (shows_emission and not geometry.emitters)
         switches |= dict.fromkeys((*_NEUTRAL, *emitters), 1)
     kinds |= {FIBRE} if geometry.curves is not None else set()
-    state = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_GRIDS",
-                                               "HAS_FOG", DISPERSION.switch)}
+    state = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_NESTED",
+                                               "HAS_GRIDS", "HAS_FOG", DISPERSION.switch)}
     first = state | {"RAYS": rays}
     sky_names = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING", "HAS_VOLUME")
     sky = {name: switches[name] for name in sky_names}
@@ -150,8 +150,8 @@ def _photon_programs(programs: Mapping[str, Program], switches: Mapping[str, int
                      ) -> dict[str, Program]:
     """The programs for paths from lights: those of `programs` that change, and the same ones for the rest."""
     light = {"PHOTONS": 1, "HAS_CLEARANCE": 0}  # photons are connected at every collision
-    first = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_GRIDS",
-                                               "HAS_FOG", DISPERSION.switch, "LIGHT_RADIUS")}
+    first = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_NESTED",
+                                               "HAS_GRIDS", "HAS_FOG", DISPERSION.switch, "LIGHT_RADIUS")}
     shading = {name: Program.of(program.fragment, dict(program.switches) | light)
                for name, program in programs.items() if name in {kind.name for kind in KINDS} | {"medium"}}
     return {
@@ -244,6 +244,7 @@ _SURFACES = {
     "HAS_EMISSION": "emission",
     "HAS_SEE_THROUGH": "code for what alpha leaves open",
     "HAS_PANES": "shadow rays through thin smooth panes",
+    "HAS_NESTED": "solids of glass that touch or overlap",
     "HAS_UNLIT": "code for unlit materials",
     "HAS_VOLUME": "absorption in volumes",
     "HAS_SCATTERING": "scattering in volumes",

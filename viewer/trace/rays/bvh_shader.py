@@ -13,7 +13,6 @@ from ...gpu.program import compile_program
 from ...gpu.programs import set_uniform
 from ...gpu.row_texture import row_texture
 from ..defines import shader_defines, surface_defines
-from ..scene.nesting import Nesting
 from .bvh import CURVES_LEAF, INSTANCE_TEXELS, NODE_TEXELS, TRIANGLE_TEXELS, Bvh, build_bvh
 from .bvh4 import LEAF_SHIFT
 from .intersect import SHADOW_REACH, Answer, Surfaces, WavefrontTextures
@@ -37,7 +36,7 @@ class BvhIntersector:
     def __init__(self, context: Context, geometry: TraceGeometry, surfaces: Surfaces | None = None) -> None:
         self._context, self._gl = context, context.gl
         self._built = bvh = build_bvh(geometry)
-        self._media = Nesting(len(geometry.media)) if geometry.scatters else None
+        self._media = geometry.nesting if geometry.scatters else None
         if (bvh.has_see_through or geometry.scatters) and surfaces is None:
             raise ValueError("see-through triangles and media need their surfaces")
         self._has_panes = surfaces is not None and any(instance.is_pane for instance in geometry.instances)
@@ -56,7 +55,7 @@ class BvhIntersector:
     def move(self, geometry: TraceGeometry) -> None:
         """Refit the trees. The program is compiled again only if it needs a larger stack, or instances."""
         self._built = build_bvh(geometry, self._built)
-        self._media = Nesting(len(geometry.media)) if geometry.scatters else None
+        self._media = geometry.nesting if geometry.scatters else None
         self._bvh.release()
         self._bvh = self._texture(self._built)
         defines = self._all_defines(self._built)

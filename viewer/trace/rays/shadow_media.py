@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from ..kinds import BOUNDARY
 from ..layout import INSTANCE_MASK, KIND_SHIFT, MEDIA_REACH
-from ..scene.nesting import Nesting
 
 if TYPE_CHECKING:
     from ..scene.geometry import TraceGeometry
@@ -28,7 +27,7 @@ class ShadowMedia:
     def __init__(self, geometry: TraceGeometry) -> None:
         self._sigma_t = (np.array([medium.sigma_t for medium in geometry.media]) * geometry.unit).astype(np.float32)
         self._medium_of = np.array([instance.medium for instance in geometry.instances], np.int64)
-        self._nesting = Nesting(len(geometry.media))
+        self._nesting = geometry.nesting
         self._fog = geometry.fog
 
     def along(self, nesting: NDArray, origins: NDArray, vectors: NDArray, start: NDArray, end: NDArray) -> NDArray:

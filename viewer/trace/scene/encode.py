@@ -20,7 +20,6 @@ from ..layout import (
     SEE_THROUGH,
     THIN,
     UNLIT,
-    medium_layout,
     vertex_layout,
 )
 from .atlas import Page
@@ -60,6 +59,7 @@ def geometry_switches(scene: Scene, geometry: TraceGeometry, everything: bool = 
     return {name: int(value or everything) for name, value in switches.items()} | {
         "HAS_SCATTERING": int(geometry.scatters),  # other random numbers: `everything` would be another picture with it
         "HAS_PANES": int(geometry.has_panes),
+        "HAS_NESTED": int(bool(geometry.indices)),
         "HAS_GRIDS": int(geometry.has_grids),
         "HAS_CLEARANCE": int(has_clearance(geometry)),
         "HAS_FOG": 0 if geometry.fog is None else 1 + geometry.fog.thins,
@@ -115,21 +115,23 @@ def add_geometry(
         _fill_vertices(vertices[first:first + len(mesh.positions)], mesh, scene.meshes[mesh.source], switches, layout)
     buffer.add("vertices", vertices.reshape(-1, 4))
     if switches["HAS_VOLUME"]:
-        buffer.add("media", _media_texels(geometry, medium_layout(switches)["MEDIUM_TEXELS"]))
+        buffer.add("media", _media_texels(geometry))
     if switches["HAS_CLEARANCE"]:
         buffer.add("clearance", clearance_texels(geometry))
     if geometry.fog is not None:
         buffer.add("fog", geometry.fog.texels())
 
 
-def _media_texels(geometry: TraceGeometry, count: int) -> np.ndarray:
-    """The records of shaders/media/medium.glsl, of `count` texels each."""
-    texels = np.zeros((len(geometry.media), 2, 4), np.float32)
+def _media_texels(geometry: TraceGeometry) -> np.ndarray:
+    """The records of shaders/media/medium.glsl."""
+    texels = np.zeros((len(geometry.media), 3, 4), np.float32)
     texels[:, 0, :3] = np.array([medium.sigma_t for medium in geometry.media]) * geometry.unit
     texels[:, 0, 3] = [medium.phase for medium in geometry.media]
     texels[:, 1, :3] = [medium.albedo for medium in geometry.media]
     texels[list(geometry.open_media), 1, 3] = 1.0
-    return texels[:, :count].reshape(-1, 4)
+    if geometry.indices:
+        texels[:, 2, :2] = geometry.indices
+    return texels[:, [True, geometry.scatters, bool(geometry.indices)]].reshape(-1, 4)
 
 
 def add_materials(

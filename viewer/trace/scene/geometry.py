@@ -23,6 +23,7 @@ from ..kinds import BOUNDARY, SURFACE, Kind, kind_of
 from .curves import TraceCurves
 from .fog import TraceFog, trace_fog
 from .materials import TraceMaterial, trace_material
+from .nesting import Nesting
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +76,8 @@ class TraceGeometry:
     `media` has the medium outside of all solids, and then those of the instances' insides. `emitters` is the number of
     emissive triangles, `left_out_instances` the number of instances of lines or points. `unit` is the length of one
     unit of tracer space, in world units. `has_grids`: the scene has volumes with grids of densities. `fog` says where
-    the medium outside is, if that is fog. `curves` are those of the scene, if it has any.
+    the medium outside is, if that is fog. `curves` are those of the scene, if it has any. `indices` has the index of
+    refraction and the dispersion of each medium, if solids of glass may touch or overlap (nested.py).
     """
 
     meshes: list[TraceMesh]
@@ -88,11 +90,17 @@ class TraceGeometry:
     has_grids: bool = False
     fog: TraceFog | None = None
     curves: TraceCurves | None = None
+    indices: tuple[tuple[float, float], ...] = ()
 
     @property
     def scatters(self) -> bool:
         """Whether any medium scatters light, or a grid or fog may."""
         return self.has_grids or self.fog is not None or any(medium.scatters for medium in self.media)
+
+    @property
+    def nesting(self) -> Nesting:
+        """How the media that a path is inside of are numbers."""
+        return Nesting(len(self.media), bool(self.indices))
 
     @property
     def has_panes(self) -> bool:

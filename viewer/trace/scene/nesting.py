@@ -12,10 +12,10 @@ _LARGEST = 1 << 24
 
 
 class Nesting:
-    """Nestings of `count` media."""
+    """Nestings of `count` media. `has_order`: the one with the highest number is the one that a path is in."""
 
-    def __init__(self, count: int) -> None:
-        self.base = max(count, 2)
+    def __init__(self, count: int, has_order: bool = False) -> None:
+        self.base, self._has_order = max(count, 2), has_order
         self.limit = 1
         while self.limit * self.base * self.base <= _LARGEST:
             self.limit *= self.base
@@ -33,7 +33,12 @@ class Nesting:
         return nesting
 
     def innermost(self, nesting: NDArray[np.int64]) -> NDArray[np.int64]:
-        return nesting % self.base
+        if not self._has_order:
+            return nesting % self.base
+        highest, rest = np.zeros_like(nesting), nesting
+        while rest.any():
+            highest, rest = np.maximum(highest, rest % self.base), rest // self.base
+        return highest
 
     def cross(self, nesting: NDArray[np.int64], media: NDArray[np.int64], is_front: NDArray) -> NDArray[np.int64]:
         """The nestings behind boundaries of solids with these media, entered where `is_front`, else left; (N,)."""

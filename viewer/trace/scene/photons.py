@@ -25,7 +25,6 @@ from .alias import alias_table
 from .geometry import TraceGeometry, TraceInstance
 from .inside import solids_around
 from .materials import DELTA_ALPHA, TraceMaterial
-from .nesting import Nesting
 from .punctual import light_columns
 from .scene_buffer import SceneBufferBuilder
 
@@ -220,11 +219,11 @@ def _height_of_corners(corners: NDArray, axis: NDArray, radius: float) -> NDArra
 
 
 def _medium_at(geometry: TraceGeometry, scene: Scene, light: Light) -> int:
-    """The number of the medium around a light; in scenes with scattering, the nesting of media."""
+    """The number of the medium around a light; in scenes with scattering or nested solids, the nesting of media."""
     if light.kind == "directional" or not any(material.is_solid for material in geometry.materials):
         return 0
     around = [instance.medium for instance in
               solids_around(geometry, (np.asarray(light.position) - scene.center) / scene.radius)]
-    if geometry.scatters:
-        return Nesting(len(geometry.media)).of(around)
+    if geometry.scatters or geometry.indices:
+        return geometry.nesting.of(around)
     return around[-1] if around else 0

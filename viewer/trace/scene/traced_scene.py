@@ -24,7 +24,7 @@ from .encode import geometry_switches
 from .geometry import trace_geometry
 from .inside import solids_around
 from .lights import SceneLights
-from .nesting import Nesting
+from .nested import with_priorities
 from .photons import Photons
 from .scene_buffer import SceneBufferBuilder
 from .scene_data import SceneData
@@ -39,7 +39,8 @@ class TracedScene:
     def __init__(self, context: Context, scene: Scene, settings: Settings, intersector: str) -> None:
         self._context = context
         self._fog = fog_of(scene, settings)
-        self.geometry = trace_geometry(scene, fog=self._fog, curves=trace_curves(scene))
+        self._placed = trace_geometry(scene, fog=self._fog, curves=trace_curves(scene))
+        self.geometry = with_priorities(self._placed)
         self.is_everything = settings.plan == "everything"
         self._data = SceneData(context, scene, self.geometry, self.is_everything)
         self._grids: VolumeGrids | None = None
@@ -60,11 +61,12 @@ class TracedScene:
         """Take another scene, such as another pose, or fog. Returns False if it needs other textures or programs."""
         fog = fog_of(scene, settings)
         curves = trace_curves(scene, (self._scene, self.geometry.curves))
-        geometry = trace_geometry(scene, (self._scene, self.geometry), fog=fog, curves=curves)
+        placed = trace_geometry(scene, (self._scene, self._placed), fog=fog, curves=curves)
+        geometry = with_priorities(placed)
         is_huge = geometry.triangle_count > max(EMBREE_TRIANGLES, self.geometry.triangle_count)
         if is_huge or not self._data.fits(scene, geometry):
             return False
-        self.geometry, self._fog = geometry, fog
+        self._placed, self.geometry, self._fog = placed, geometry, fog
         self._data.take(scene, geometry)
         if scene.volumes != self._scene.volumes:
             self._take_volumes(scene)
@@ -104,11 +106,14 @@ class TracedScene:
 
     def media_uniforms(self, eye: NDArray | None) -> dict[str, object]:
         """The uniforms of media and of those around `eye`, (3,) in tracer space; None: it has no place."""
-        if not self.geometry.scatters:
+        geometry = self.geometry
+        if not (geometry.scatters or geometry.indices):
             return {}
-        nesting = Nesting(len(self.geometry.media))
-        around = [] if eye is None else solids_around(self.geometry, eye)
-        material = self.geometry.materials[around[-1].material] if around else None
+        nesting = geometry.nesting
+        around = [] if eye is None else solids_around(geometry, eye)
+        if geometry.indices:
+            around.sort(key=lambda instance: instance.medium)
+        material = geometry.materials[around[-1].material] if around else None
         ior = max(material.material.ior, 1.0) if material is not None and material.transmits else 1.0
         return {**nesting.uniforms, "u_camera_medium": nesting.of(instance.medium for instance in around),
                 "u_camera_eta2": ior * ior}
@@ -163,7 +168,7 @@ def _droplets(scene: Scene, settings: Settings) -> dict[str, int]:
 def plan_without_device(scene: Scene, settings: Settings) -> TracePlan:
     """The plan of a picture without layers; it needs no context. Raises InputError as `SceneLights` does."""
     scene = spun(woven(scene, settings), settings)
-    geometry = trace_geometry(scene, fog=fog_of(scene, settings), curves=trace_curves(scene))
+    geometry = with_priorities(trace_geometry(scene, fog=fog_of(scene, settings), curves=trace_curves(scene)))
     switches = geometry_switches(scene, geometry, settings.plan == "everything")
     buffer = SceneBufferBuilder()
     lights = SceneLights(None, scene, geometry, buffer, settings)
