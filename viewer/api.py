@@ -138,14 +138,12 @@ def _rendered(scene: Scene, size: tuple[int, int], camera: Camera | None, backen
         chosen.check_open()
         image, choice = shared_chooser(backend).make(scene, camera, chosen, size, _checked_layers(aov))
         return replace(image, stats={**image.stats, "choice": choice.to_json()})
-    if chosen.mode == "path" and chosen.denoise == "raster":
-        from .estimate.mixture import render_mixture
-
-        if aov:
-            raise UsageError("aov has no effect together with denoise raster")
-        return render_mixture(shared_tracer(backend), shared_renderer(backend), scene, camera, chosen, size)
     if chosen.mode == "path":
-        return shared_tracer(backend).render(scene, camera, chosen, size, _checked_layers(aov))
+        from .estimate.mixture import draw_guide
+
+        started, layers = perf_counter(), _checked_layers(aov)
+        guide = draw_guide(shared_renderer(backend), scene, camera, chosen, size)
+        return shared_tracer(backend).render(scene, camera, chosen, size, layers, guide, started)
     if aov:
         raise UsageError(f"aov has no effect in mode {chosen.mode}, only in mode path")
     renderer = shared_renderer(backend)

@@ -11,11 +11,13 @@ import numpy as np
 import pytest
 from waiting import PATIENCE_S, wait_until
 
+from viewer.estimate.mixture import draw_guide
 from viewer.gpu.context import Context
 from viewer.gpu.programs import Programs
 from viewer.interact import convergence
 from viewer.interact.convergence import Convergence, Progress
 from viewer.interact.state import ViewState
+from viewer.raster.renderer import Renderer
 from viewer.scene.camera import Camera
 from viewer.settings import Settings
 from viewer.trace.tracer import Tracer
@@ -29,7 +31,9 @@ class Hand:
 
     def __init__(self, context: Context, scene) -> None:
         self.state = ViewState(scene, PLAIN)
-        self.paths = Convergence(context, Programs(context), self.state)
+        self.renderer = Renderer(context)
+        self.paths = Convergence(context, Programs(context), self.state, lambda camera, settings, size: draw_guide(
+            self.renderer, scene, camera, settings, size))
         self.camera, self.size = Camera.framing(scene.center, scene.radius, SIZE[0] / SIZE[1]), SIZE
         self._gl = context.gl
 
@@ -60,6 +64,7 @@ def _hand(context, scene) -> Iterator[Hand]:
     hand = Hand(context, scene)
     yield hand
     hand.paths.release()
+    hand.renderer.release()
 
 
 @pytest.fixture
@@ -72,16 +77,17 @@ def hand(_hand, scene, monkeypatch) -> Hand:
     return _hand
 
 
-@pytest.mark.parametrize("denoise", ["off", "fast"])
+@pytest.mark.parametrize("denoise", ["off", "fast", "raster"])
 def test_converges_to_what_render_makes(hand, context, scene, denoise):
-    hand.state.settings = replace(PLAIN, denoise=denoise)
+    settings = hand.state.settings = replace(PLAIN, denoise=denoise)
     hand.rest()
     tracer = Tracer(context)
-    expected = tracer.render(scene, hand.camera, hand.state.settings, SIZE)
+    guide = draw_guide(hand.renderer, scene, hand.camera, settings, SIZE)
+    expected = tracer.render(scene, hand.camera, settings, SIZE, guide=guide)
     tracer.release()
     assert np.abs(hand.shown() - expected.srgb).max() <= 1  # sums in another order
     assert hand.paths.is_done and hand.paths.progress.samples == 3
-    assert hand.paths.status().endswith("denoised, done" if denoise == "fast" else "rays/s, done")
+    assert hand.paths.status().endswith("rays/s, done" if denoise == "off" else "denoised, done")
     assert hand.paths.attributes == expected.attributes
 
 
@@ -170,11 +176,11 @@ def test_the_filter_is_switched_off_without_beginning_anew(hand):
     hand.state.settings = PLAIN
     hand.rest()
     raw = hand.shown()
-    assert not hand.paths.is_denoised and hand.paths.progress.samples == progress.samples
+    assert hand.paths.denoised == "off" and hand.paths.progress.samples == progress.samples
     assert np.abs(raw - filtered).max() > 10
     hand.state.settings = replace(PLAIN, denoise="fast")
     hand.rest()
-    assert hand.paths.is_denoised and np.array_equal(hand.shown(), filtered)
+    assert hand.paths.denoised == "fast" and np.array_equal(hand.shown(), filtered)
 
 
 def test_the_filter_begins_anew_where_it_has_no_albedo_to_go_by(hand):
@@ -183,14 +189,31 @@ def test_the_filter_begins_anew_where_it_has_no_albedo_to_go_by(hand):
     hand.follow()
     assert hand.paths.picture is None
     hand.rest()
-    assert hand.paths.is_denoised
+    assert hand.paths.denoised == "fast"
+
+
+def test_the_raster_is_drawn_once_it_is_asked_for(hand):
+    """What was begun with it is filtered without it, too."""
+    hand.state.settings = replace(PLAIN, denoise="fast")
+    hand.rest()
+    fast = hand.shown()
+    hand.state.settings = replace(PLAIN, denoise="raster")
+    hand.follow()
+    assert hand.paths.picture is None
+    hand.rest()
+    assert hand.paths.denoised == "raster" and np.abs(hand.shown() - fast).max() > 2
+    progress = hand.paths.progress
+    hand.state.settings = replace(PLAIN, denoise="fast")
+    hand.rest()
+    assert hand.paths.progress.samples == progress.samples and hand.paths.denoised == "fast"
+    assert np.array_equal(hand.shown(), fast)
 
 
 def test_a_converged_picture_is_not_filtered(hand, monkeypatch):
     monkeypatch.setattr(convergence, "CONVERGED", 1e3)
     hand.state.settings = replace(PLAIN, denoise="fast")
     hand.rest()
-    assert not hand.paths.is_denoised and hand.paths.picture is not None
+    assert hand.paths.denoised == "off" and hand.paths.picture is not None
 
 
 def test_a_time_budget_ends_it(hand):

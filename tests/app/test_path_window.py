@@ -84,7 +84,7 @@ def test_keys_pause_and_filter(open_window, scene):
     assert paths.progress is progress and "paused" in paths.status()
     hands.key("n")
     hands.key("space")
-    hands.until(lambda: paths.is_denoised and paths.picture is not None)
+    hands.until(lambda: paths.denoised == "fast" and paths.picture is not None)
     assert "paused" not in paths.status() and "denoised" in paths.status()
 
 
@@ -101,7 +101,7 @@ def test_reloaded_shaders_trace_it_anew(open_window, scene):
 
 
 def test_what_cannot_be_traced_is_drawn_by_the_raster_with_a_message(open_window, scene, monkeypatch):
-    def fail(*_):
+    def fail(*_, **__):
         raise UsageError("no room for paths")
 
     monkeypatch.setattr("viewer.trace.tracer.Tracer.begin", fail)

@@ -19,8 +19,8 @@ def open_window(scene: Scene, settings: Settings, camera: Camera | None = None, 
                 use_cache: bool = True, tell: Callable[[str], None] | None = None,
                 playback: Playback | None = None, quality: Quality = DRAFT) -> None:
     """`viewer.app.window.run`. Raises UsageError also for a denoiser that is too slow for a window."""
-    if settings.denoise not in ("off", "fast"):
-        raise UsageError(f"denoise {settings.denoise} takes too long for a window; there are off and fast")
+    if settings.denoise == "oidn":
+        raise UsageError("denoise oidn takes too long for a window; there are off, fast and raster")
     from .window import run
 
     run(scene, settings, camera, size, use_cache, tell, playback, quality)

@@ -150,7 +150,7 @@ class Panel:
 
     def _path_tracing(self) -> None:
         state = self._state
-        self._rows.combo("Denoising", "denoise", ("off", "fast"))
+        self._rows.combo("Denoising", "denoise", ("off", "fast", "raster"))
         self._rows.choice("Sampling", "sampling")
         self._rows.row("Bounces")
         changed, bounces = imgui.slider_int("##bounces", state.settings.bounces, 1, 64, "%d",

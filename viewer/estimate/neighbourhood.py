@@ -7,12 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..scene.color import LUMINANCE
+from ..image.neighbours import EPSILON, box, luminance, smooth
 
-EPSILON = 0.01
-"""Of relMSE, added to the squared reference: the darkest pixels count by their absolute error of about a tenth."""
-REACH = 2
-"""Energies are means over (2 REACH + 1)^2 pixels."""
 _GUIDE_REACH = 3
 _SHARPNESS = 4.0
 """A neighbour whose radiance differs from that of a pixel by one part in _SHARPNESS counts 1/e."""
@@ -81,29 +77,3 @@ def guided(picture: np.ndarray, guide: np.ndarray) -> np.ndarray:
             total += weight * around[part]
             weights += weight
     return total / weights
-
-
-def smooth(picture: np.ndarray, step: int) -> np.ndarray:
-    """(H, W, C) convolved with the cubic B-spline (1 4 6 4 1) / 16, its taps `step` pixels apart, along both axes."""
-    for axis in (0, 1):
-        last = picture.shape[axis] - 1
-        taps = [np.take(picture, np.clip(np.arange(last + 1) + k * step, 0, last), axis=axis) for k in range(-2, 3)]
-        picture = (6 * taps[2] + 4 * (taps[1] + taps[3]) + taps[0] + taps[4]) / 16
-    return picture
-
-
-def box(picture: np.ndarray, reach: int = REACH) -> np.ndarray:
-    """The means of (H, W, C) over squares of 2 reach + 1 pixels, of what lies inside of the picture."""
-    for axis in (0, 1):
-        size = picture.shape[axis]
-        sums = np.concatenate([np.zeros_like(np.take(picture, [0], axis), np.float64),
-                               np.cumsum(picture, axis=axis, dtype=np.float64)], axis=axis)
-        low, high = np.maximum(np.arange(size) - reach, 0), np.minimum(np.arange(size) + reach + 1, size)
-        count = (high - low).reshape([-1 if k == axis else 1 for k in range(picture.ndim)])
-        picture = (np.take(sums, high, axis) - np.take(sums, low, axis)) / count
-    return picture
-
-
-def luminance(picture: np.ndarray) -> np.ndarray:
-    """(H, W, 1), of what is not negative."""
-    return np.maximum(picture, 0) @ LUMINANCE.astype(picture.dtype)[:, None]

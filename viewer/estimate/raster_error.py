@@ -28,7 +28,8 @@ import numpy as np
 
 from ..image.image import Image
 from ..image.magma import magma
-from .neighbourhood import EPSILON, box, guided, noise_of, pulled, smooth
+from ..image.neighbours import box, smooth
+from .neighbourhood import EPSILON, guided, noise_of, pulled
 
 TRIMMED = 0.01
 """Share of the pixels, those with the largest errors, that `trimmed` leaves out."""
@@ -165,8 +166,8 @@ def _brightness(raster: np.ndarray, groups: np.ndarray, weight: np.ndarray) -> f
 def _map(errors: np.ndarray, mask: np.ndarray) -> np.ndarray:
     """The root of the mean of `errors`, (H, W, 3), around each pixel of the mask."""
     inside = mask[..., None].astype(np.float32)
-    around = box(smooth(errors.mean(axis=-1, keepdims=True), 1)) / np.maximum(box(smooth(inside, 1)), 1e-6)
-    return np.where(mask, np.sqrt(np.maximum(around[..., 0], 0)), 0).astype(np.float32)
+    around, count = (box(smooth(values, 1)) for values in (errors.mean(axis=-1, keepdims=True), inside))
+    return np.where(mask, np.sqrt(np.maximum(around / np.maximum(count, 1e-6), 0)[..., 0]), 0).astype(np.float32)
 
 
 def percent(share: float) -> str:

@@ -5,11 +5,12 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import moderngl
+import numpy as np
 
 from ..gpu.context import Context
 from ..gpu.programs import Programs
@@ -19,7 +20,7 @@ from ..settings import MAX_SPP, STOPPING, Background, Settings, ignored
 from .state import ViewState
 
 if TYPE_CHECKING:
-    from ..trace.denoise.wavelet import Wavelet
+    from ..trace.denoise.fast import Combining
     from ..trace.paths.path_render import PathRender
     from ..trace.tracer import Tracer
 
@@ -61,25 +62,30 @@ class Progress:
 class Convergence:
     """Path traces the view of `state` as long as the state shows mode path. Nothing is prepared before that.
 
-    `picture` (RGBA32F, associated alpha) is None until every pixel has a sample.
+    `picture` (RGBA32F, associated alpha) is None until every pixel has a sample. `draw_guide` draws what `Tracer.begin`
+    takes as its guide.
     """
 
-    def __init__(self, context: Context, programs: Programs, state: ViewState) -> None:
+    def __init__(self, context: Context, programs: Programs, state: ViewState,
+                 draw_guide: Callable[[Camera, Settings, tuple[int, int]], np.ndarray | None]) -> None:
         self.picture: moderngl.Texture | None = None
-        self.is_denoised = False
-        """Whether `picture` is denoised."""
+        self.denoised = "off"
+        """What `picture` is denoised by."""
         self.progress: Progress | None = None
         self._context, self._programs, self._state = context, programs, state
         self._display = DisplayPass(context.gl, programs)
         self._tracer: Tracer | None = None
-        self._wavelet: Wavelet | None = None
+        self._combining: Combining | None = None
+        self._draw_guide = draw_guide
+        self._guide: np.ndarray | None = None
         self._path_render: PathRender | None = None
         self._view: tuple[Camera, tuple[int, int]] | None = None
         self._key: tuple[object, ...] | None = None
         self._announced_meshes: object = None
         self._prepared_meshes: object = None
         self._begins_at: float | None = None
-        self._has_layers = False
+        self._begun_for = "off"
+        """The denoiser that the film has layers and parts for."""
         self._filter: Iterator[None] | None = None
         self._updated: tuple[float, str] = 0.0, ""
         self._update_at = 0.0
@@ -102,7 +108,7 @@ class Convergence:
         """The texts to store in a file of the picture, as `PathRender.attributes` has them."""
         if self._path_render is None or self.picture is None:
             return {}
-        return self._path_render.attributes("fast" if self.is_denoised else "off")
+        return self._path_render.attributes(self.denoised)
 
     @property
     def seconds_until_work(self) -> float:
@@ -122,7 +128,7 @@ class Convergence:
             is_prepared = self._prepared_meshes is self._state.scene.meshes
             return "" if self.seconds_until_work or is_prepared else "Preparing to trace paths …"
         parts = [str(self.progress)] if self.progress else ["First samples …"] if self._path_render else []
-        if self.picture is not None and self.is_denoised:
+        if self.picture is not None and self.denoised != "off":
             parts.append("denoised")
         if self._state.paused:
             parts.append("paused")
@@ -138,7 +144,7 @@ class Convergence:
             return
         key = (self._state.scene, self._settings(), camera.pose.tobytes(), camera.fov_y, camera.height, size,
                self._programs.generation)
-        if key != self._key or self._lacks_layers:
+        if key != self._key or self._lacks_something:
             self.discard()
             self._key, self._view = key, (camera, size)
             self._begins_at = None
@@ -193,22 +199,25 @@ class Convergence:
                        **{name: getattr(plain, name) for name in _UNUSED_SETTINGS})
 
     def _begin(self) -> None:
-        from ..trace.denoise.wavelet import Wavelet
+        from ..trace.denoise.fast import Combining
 
         assert self._view is not None
         tracer = self.tracer()
-        if self._wavelet is None:
-            self._wavelet = Wavelet(self._context, self._programs)
-        self._has_layers = self._state.settings.denoise != "off"
-        layers = ("albedo", "normal") if self._has_layers else ()
+        if self._combining is None:
+            self._combining = Combining(self._context, self._programs)
+        self._begun_for = self._state.settings.denoise
         camera, size = self._view
-        self._path_render = tracer.begin(self._state.scene, camera, self._settings(), size, layers)
+        settings = replace(self._settings(), denoise=self._begun_for)
+        self._guide = self._draw_guide(camera, settings, size)
+        self._path_render = tracer.begin(self._state.scene, camera, settings, size, guide=self._guide)
         self._updated, self._update_at, self._update_cost = (0.0, ""), 0.0, 0.0
 
     @property
-    def _lacks_layers(self) -> bool:
-        """Whether the denoiser needs layers that are not traced."""
-        return self._path_render is not None and not self._has_layers and self._state.settings.denoise != "off"
+    def _lacks_something(self) -> bool:
+        """Whether the denoiser needs layers that are not traced, or a guide that is not drawn."""
+        wanted = self._state.settings.denoise
+        lacks = wanted == "raster" if self._begun_for == "fast" else wanted != "off" and self._begun_for == "off"
+        return self._path_render is not None and lacks
 
     @property
     def _update_is_due(self) -> bool:
@@ -234,20 +243,22 @@ class Convergence:
             self.progress = Progress(samples, path_render.seconds, path_render.rays, relative_error(tiles))
             radiance = path_render.radiance
             if self._state.settings.denoise != "off" and self.progress.error > CONVERGED:
-                assert self._wavelet is not None
-                self._filter = self._wavelet.steps(path_render.film)
+                assert self._combining is not None
+                is_fast = self._state.settings.denoise == "fast"
+                self._filter = self._combining.steps(path_render.film, None if is_fast else self._guide)
             else:
-                self.picture, self.is_denoised = radiance, False
+                self.picture, self.denoised = radiance, "off"
         self._schedule_update()
         return self._filter is None and is_whole
 
     def _continue_filter(self) -> bool:
         """Run some passes of the denoising filter. Returns whether it is finished."""
-        assert self._filter is not None and self._wavelet is not None
+        assert self._filter is not None and self._combining is not None and self._path_render is not None
         start = time.perf_counter()
         while time.perf_counter() - start < SLICE_SECONDS:
             if next(self._filter, "end") == "end":
-                self._filter, self.picture, self.is_denoised = None, self._wavelet.result, True
+                self._filter, self.picture = None, self._combining.result
+                self.denoised = "fast" if self._state.settings.denoise == "fast" else self._path_render.denoised
                 break
             self._context.gl.finish()  # otherwise all passes would be queued at once on a slow device
         self._update_cost += time.perf_counter() - start
@@ -263,7 +274,7 @@ class Convergence:
 
     def release(self) -> None:
         self.discard()
-        for thing in (self._wavelet, self._tracer, self._display):
+        for thing in (self._combining, self._tracer, self._display):
             if thing is not None:
                 thing.release()
 

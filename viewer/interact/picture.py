@@ -12,10 +12,12 @@ import moderngl
 import numpy as np
 
 from ..errors import ViewerError
+from ..estimate.mixture import draw_guide
 from ..image.image import Image
 from ..plan.media import has_media
 from ..quality import DETERMINED, DRAFT
 from ..raster.renderer import Renderer
+from ..scene.camera import Camera
 from ..settings import Background, Settings
 from .convergence import SLICE_SECONDS, Convergence
 from .orbit import OrbitController
@@ -33,7 +35,7 @@ class Picture:
 
     def __init__(self, renderer: Renderer, state: ViewState, orbit: OrbitController) -> None:
         self._renderer, self._state, self._orbit = renderer, state, orbit
-        self.paths = Convergence(renderer.context, renderer.programs, state)
+        self.paths = Convergence(renderer.context, renderer.programs, state, self._draw_guide)
         self.error = RestError(renderer.context, renderer.programs, self.paths.tracer)
         self._prepares_error = False
         self._size = 0, 0
@@ -132,6 +134,13 @@ class Picture:
             return False
         goal = min(max(2 * self._renderer.photons_each, 1.0), self._most_photons)  # a small round first, to show some
         return self._renderer.add_photons(SLICE_SECONDS, goal)
+
+    def _draw_guide(self, camera: Camera, settings: Settings, size: tuple[int, int]) -> np.ndarray | None:
+        """As `viewer.estimate.mixture.draw_guide`. After it, the renderer has another picture than that of the view."""
+        guide = draw_guide(self._renderer, self._state.scene, camera, settings, size)
+        if guide is not None:
+            self._drawn = None
+        return guide
 
     def _measure(self) -> bool:
         """Go on to measure the error of the picture at rest. Returns whether there is something new to show."""

@@ -137,7 +137,7 @@ class ViewState:
 
     def toggle_denoise(self) -> None:
         self.settings = replace(self.settings, denoise="fast" if self.settings.denoise == "off" else "off")
-        self.say(f"Path tracing: denoising {'on' if self.settings.denoise == 'fast' else 'off'}")
+        self.say(f"Path tracing: denoising {'off' if self.settings.denoise == 'off' else 'on'}")
 
     def toggle_play(self) -> None:
         """Play the animation, the first one if none is chosen, or stand still."""

@@ -14,6 +14,8 @@ from ..scene.scene import Scene
 from .picture_maker import PictureMaker, RenderRequest
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from ..raster.renderer import Renderer
     from ..trace.tracer import Tracer
 
@@ -25,7 +27,7 @@ def make_picture_maker(request: RenderRequest) -> PictureMaker:
         return ChoosingMaker(request)
     if request.settings.mode != "path":
         return RasterMaker(request)
-    return MixtureMaker(request) if request.settings.denoise == "raster" else PathMaker(request)
+    return PathMaker(request)
 
 
 class RasterMaker(PictureMaker):
@@ -85,6 +87,7 @@ class PathMaker(PictureMaker):
     def __init__(self, request: RenderRequest) -> None:
         super().__init__(request)
         self._tracer: Tracer | None = None
+        self._renderer: Renderer | None = None
 
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
         """As `PictureMaker.make`. The first signal to stop ends the picture early, with the samples so far."""
@@ -95,7 +98,8 @@ class PathMaker(PictureMaker):
         started = time.perf_counter()
         if self._tracer is None:
             self._tracer = Tracer(request.open(), use_cache=request.use_cache)
-        path_render = self._tracer.begin(scene, camera, request.settings, request.size, request.layers)
+        path_render = self._tracer.begin(scene, camera, request.settings, request.size, request.layers,
+                                         guide=self._guide(scene, camera))
         prepared = time.perf_counter() - started
 
         def report(fraction: float, seconds_left: float) -> None:
@@ -116,38 +120,16 @@ class PathMaker(PictureMaker):
             path_render.release()
         return image
 
-
-class MixtureMaker(PictureMaker):
-    """Of `--denoise raster`."""
-
-    def __init__(self, request: RenderRequest) -> None:
-        super().__init__(request)
-        self._tracer: Tracer | None = None
-        self._renderer: Renderer | None = None
-
-    def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
-        """As `PictureMaker.make`. The first signal to stop ends the picture early, with the samples so far."""
-        from ..estimate.mixture import render_mixture
-        from ..raster.renderer import Renderer
-        from ..trace.tracer import Tracer
-
+    def _guide(self, scene: Scene, camera: Camera) -> np.ndarray | None:
         request = self._request
-        if self._tracer is None or self._renderer is None:
+        if request.settings.denoise != "raster":
+            return None
+        from ..estimate.mixture import draw_guide
+        from ..raster.renderer import Renderer
+
+        if self._renderer is None:
             self._renderer = Renderer(request.open(), use_cache=request.use_cache)
-            self._tracer = Tracer(request.open(), use_cache=request.use_cache)
-
-        def report(fraction: float, seconds_left: float) -> None:
-            progress.part(fraction, f"{path.name}: {seconds_left:.0f} s left")
-
-        with postponed() as stop_request:
-            image = render_mixture(self._tracer, self._renderer, scene, camera, request.settings, request.size, report,
-                                   lambda: stop_request.number is not None)
-        samples = float(image.stats["spp"])  # type: ignore[arg-type]
-        self.stopped = _stop_signal(stop_request, samples)
-        self.stats = {**image.stats, "stopped": self.stopped is not None}
-        self.texture_bytes = max(self._renderer.texture_bytes, self._tracer.texture_bytes)
-        self.summary = f"{samples:.3g} samples a pixel, mixed with the raster"
-        return image
+        return draw_guide(self._renderer, scene, camera, request.settings, request.size)
 
 
 def _stop_signal(request: StopRequest, samples: float) -> int | None:

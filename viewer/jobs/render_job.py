@@ -234,8 +234,6 @@ def check_layers(names: Sequence[str], settings: Settings, paths: Sequence[Path]
     """
     if names and settings.mode != "path" and not chooses:
         raise UsageError(f"aov has no effect in mode {settings.mode}, only in mode path")
-    if names and settings.denoise == "raster":
-        raise UsageError("aov has no effect together with denoise raster")
     other = [path for path in paths if path.suffix.lower() != ".exr"]
     if names and other:
         raise UsageError(f"--aov with -o {other[0]}: only an .exr can store layers")

@@ -90,10 +90,11 @@ class Tracer:
         self._shown: tuple[Scene, Scene] | None = None
 
     def render(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
-               layers: Collection[str] = ()) -> Image:
-        """The picture with all its samples, or with those that the time budget allows."""
-        started = time.perf_counter()
-        path_render = self.begin(scene, camera, settings, size, layers)
+               layers: Collection[str] = (), guide: NDArray | None = None, started: float | None = None) -> Image:
+        """The picture with all its samples, or with those that the time budget allows, which began at `started`, by
+        time.perf_counter, or begins now. Raises as `begin`."""
+        started = time.perf_counter() if started is None else started
+        path_render = self.begin(scene, camera, settings, size, layers, guide=guide)
         try:
             prepared = time.perf_counter() - started
             run(path_render, started)
@@ -103,17 +104,20 @@ class Tracer:
             path_render.release()
 
     def begin(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
-              layers: Collection[str] = (), every: int = 1) -> PathRender:
+              layers: Collection[str] = (), every: int = 1, guide: NDArray | None = None) -> PathRender:
         """A progressive render that has no samples yet.
 
         With `every` of 2 or more the picture is of each so many'th pixel along both axes, size // every of them.
-        `layers` are names of `viewer.settings.LAYERS`. Raises UsageError for a size that this OpenGL cannot draw or a
-        denoiser that is not installed, InputError for a scene that does not fit. The render can be continued until
-        another scene is begun.
+        `layers` are names of `viewer.settings.LAYERS`. `denoise="raster"` needs a `guide`: what the raster draws of the
+        same, linear radiance (H, W, 3) (`viewer.estimate.mixture.draw_guide`). Raises UsageError for a size that this
+        OpenGL cannot draw, a denoiser that is not installed or without its guide, InputError for a scene that does not
+        fit. The render can be continued until another scene is begun.
         """
+        if settings.denoise == "raster" and guide is None:
+            raise UsageError("denoise raster is for pictures of render: here the raster draws nothing")
         scene = self._with_curves(scene, settings)
         return self._begin(scene, settings, (size[0] // every, size[1] // every), layers,
-                           view=_View.of(scene, camera, size, every))
+                           view=_View.of(scene, camera, size, every), guide=guide)
 
     def begin_photons(self, scene: Scene, camera: Camera, settings: Settings,
                       size: tuple[int, int]) -> PhotonRender | None:
@@ -140,15 +144,16 @@ class Tracer:
         return self._begin(scene, settings, rays.size, (), rays)
 
     def _begin(self, scene: Scene, settings: Settings, size: tuple[int, int], layers: Collection[str],
-               rays: SurfaceRays | None = None, view: _View | None = None) -> PathRender:
+               rays: SurfaceRays | None = None, view: _View | None = None, guide: NDArray | None = None) -> PathRender:
         """The rays begin at `rays` or at the camera of `view`."""
         setup = self._set_up(scene, settings, size, layers, rays, view)
         plan = setup.plan
-        film = Film(self.context.gl, self.programs, size, setup.has_layers, bool(plan.photons))
+        film = Film(self.context.gl, self.programs, size, setup.has_layers, bool(plan.photons),
+                    has_parts=settings.denoise in ("fast", "raster"))
         passes = Passes(self.context, self.programs, plan, setup.bind, setup.uniforms)
         photons = self._photon_passes(setup, lamps_pass_panes=True) if plan.photons else None
         return PathRender(passes, setup.traced.intersector, plan, film, Schedule(film, settings), settings,
-                          self._display, layers, setup.denoiser, photons)
+                          self._display, layers, setup.denoiser, photons, guide)
 
     def _set_up(self, scene: Scene, settings: Settings, size: tuple[int, int], layers: Collection[str],
                 rays: SurfaceRays | None = None, view: _View | None = None) -> _SetUp:
@@ -209,6 +214,7 @@ class Tracer:
     def _denoiser(self, kind: str) -> Denoiser | None:
         if kind == "off":
             return None
+        kind = "fast" if kind == "raster" else kind  # which has a guide, too
         if kind not in self._denoisers:
             self._denoisers[kind] = make_denoiser(self.context, self.programs, kind)
         return self._denoisers[kind]

@@ -10,6 +10,7 @@ import moderngl
 import numpy as np
 
 from ...errors import UsageError
+from ...estimate.mixture import draw_guide
 from ...gpu.context import Context
 from ...gpu.programs import Programs
 from ...image.display import DisplayPass
@@ -101,7 +102,7 @@ class Bench:
 
         def picture() -> None:
             started = time.perf_counter()
-            path_render = self._tracer.begin(self.scene, self.camera, settings, self.size)
+            path_render = self._begin(settings)
             last.append(path_render)
             run(path_render, started)
             path_render.present(self._shown)
@@ -129,12 +130,16 @@ class Bench:
 
     def trace(self, settings: Settings, report: Report | None = None) -> np.ndarray:
         """A path-traced picture's linear radiance, (H, W, 4)."""
-        path_render = self._tracer.begin(self.scene, self.camera, settings, self.size)
+        path_render = self._begin(settings)
         try:
             run(path_render, time.perf_counter(), None if report is None else lambda fraction, _: report(fraction))
             return path_render.image().linear
         finally:
             path_render.release()
+
+    def _begin(self, settings: Settings) -> PathRender:
+        guide = draw_guide(self._renderer, self.scene, self.camera, settings, self.size)
+        return self._tracer.begin(self.scene, self.camera, settings, self.size, guide=guide)
 
     def coverage(self) -> np.ndarray:
         """The pixels, (H, W) bool, in which some camera ray hits the model or collides in a medium."""

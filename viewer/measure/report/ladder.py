@@ -293,6 +293,7 @@ def _caustics(scene: Scene, settings: Settings, left_out: list[LeftOut]) -> Iter
 def _traced(spp: int, left_out: list[LeftOut]) -> Iterator[Method]:
     yield Method("path", "path traced", {"mode": "path", "spp": spp})
     yield Method("path+fast", "path traced, denoised", {"mode": "path", "spp": spp, "denoise": "fast"})
+    yield Method("path+raster", "path traced, mixed with the raster", {"mode": "path", "spp": spp, "denoise": "raster"})
     if find_spec("pyoidn") is not None:
         yield Method("path+oidn", "path traced, OIDN", {"mode": "path", "spp": spp, "denoise": "oidn"})
     else:

@@ -22,7 +22,7 @@ RASTER_SHARE, LADDER_SHARE, METHODS_SHARE = 0.3, 0.55, 0.75
 pictures. The reference gets the rest."""
 LEAST_SHARE = 0.1
 """What path tracing gets for its part of the ladder, and again for long pictures, even if the raster took longer."""
-LONG = ("path", "path+oidn", "path+fast")
+LONG = ("path", "path+raster", "path+oidn", "path+fast")
 """Methods of which a long picture is rendered: one that takes about the longest time of the recommendations."""
 FLOOR_SHARE = 0.1
 """A reference is good enough when its floor is this share of the best picture's error."""

@@ -3,11 +3,12 @@ or golden image is made of it."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol
 
 import moderngl
+import numpy as np
 
-from ...errors import UsageError
 from ...gpu.context import Context
 from ...gpu.programs import Programs
 
@@ -34,27 +35,40 @@ class NoisyFilm(Protocol):
     added after it. w: how many of the first hits were collisions in media."""
 
 
+    def develop(self) -> None:
+        """Compute `radiance`."""
+
+
+class SplitFilm(NoisyFilm, Protocol):
+    """A film that may have its samples in two parts, too."""
+
+    @property
+    def is_split(self) -> bool:
+        """Whether it has, with samples in both everywhere."""
+
+    @property
+    def parts(self) -> Sequence[NoisyFilm]: ...
+
+
 class Denoiser(Protocol):
     """Filters films of any size, one at a time."""
 
-    def filter(self, film: NoisyFilm) -> moderngl.Texture:
+    def filter(self, film: SplitFilm, guide: np.ndarray | None = None) -> moderngl.Texture:
         """The denoised picture, RGBA32F, in a texture that the denoiser owns and that is valid until the next call.
 
-        Pixels without hits, and alpha, are unchanged.
+        `guide` is a picture without noise that shows about the same, linear radiance (H, W, 3) with row 0 at the top.
+        Only `raster` has one. Without it pixels without hits are unchanged. Alpha is unchanged in any case.
         """
 
     def release(self) -> None: ...
 
 
 def make_denoiser(context: Context, programs: Programs, kind: str) -> Denoiser:
-    """The denoiser of `Settings.denoise`, fast or oidn. Raises UsageError if that one is not installed, or for raster,
-    which is no filter of one film (viewer/estimate/mixture.py)."""
-    if kind == "raster":
-        raise UsageError("denoise raster is for pictures of render: here the raster draws nothing")
+    """The denoiser of `Settings.denoise`, but off. Raises UsageError if it is not installed."""
     if kind == "oidn":
         from .oidn import OpenImageDenoise
 
         return OpenImageDenoise(context)
-    from .wavelet import Wavelet
+    from .fast import Combining
 
-    return Wavelet(context, programs)
+    return Combining(context, programs)

@@ -26,8 +26,8 @@ class OpenImageDenoise:
         self._context = context
         self._texture: moderngl.Texture | None = None
 
-    def filter(self, film: NoisyFilm) -> moderngl.Texture:
-        """As `Denoiser.filter`."""
+    def filter(self, film: NoisyFilm, guide: np.ndarray | None = None) -> moderngl.Texture:
+        """As `Denoiser.filter`. There is no guide."""
         self._context.make_current()
         emission = _read(film.emission)[..., :3] / np.maximum(_read(film.sum)[..., 3:], 1)
         radiance, albedo, normal = (_read(texture) for texture in (film.radiance, film.albedo, film.normal))

@@ -1,4 +1,4 @@
-"""The `fast` denoiser: an edge-avoiding wavelet filter, for the window."""
+"""An edge-avoiding wavelet filter, for the `fast` and the `raster` denoiser."""
 
 from __future__ import annotations
 
@@ -32,7 +32,8 @@ class Wavelet:
         return self._textures[-1]
 
     def filter(self, film: NoisyFilm) -> moderngl.Texture:
-        """As `Denoiser.filter`."""
+        """The filtered picture, RGBA32F, in a texture that is valid until the next call. Alpha is unchanged,
+        and so are pixels without hits."""
         for _ in self.steps(film):
             pass
         return self.result

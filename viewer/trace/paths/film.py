@@ -26,12 +26,13 @@ class Film:
     of the first hits: `albedo` (rgb, hits), `normal` (xyz, distance along the ray in world units) and `emission` (rgb).
     With `has_photons` what photons have brought to the pixels is in `sum` and `squares`, too, as if each sample had
     found its share of it: mean and variance are those of both.
+    With `has_parts` there are two films besides, `parts`, each with about half of the samples and of the photons.
     `radiance` is the mean with associated alpha, as of the last `develop`. Raises UsageError for a size for which this
     OpenGL has no textures.
     """
 
     def __init__(self, gl: moderngl.Context, programs: Programs, size: tuple[int, int], has_layers: bool,
-                 has_photons: bool = False) -> None:
+                 has_photons: bool = False, has_parts: bool = False) -> None:
         limit = gl.info["GL_MAX_TEXTURE_SIZE"]
         if max(size) > limit or min(size) < 1:
             raise UsageError(f"a picture of {size[0]}x{size[1]}: this OpenGL draws from 1x1 to {limit}x{limit}")
@@ -50,6 +51,11 @@ class Film:
         self._estimated = gl.framebuffer([self._tile_errors])
         self._joined: tuple[int, int] | None = None
         self._added = 0
+        self.parts = tuple(Film(gl, programs, size, has_layers, has_photons) for _ in range(2)) if has_parts else ()
+        if self.photon_sums is not None:
+            self.photon_sums.parts = tuple(part.photon_sums for part in self.parts if part.photon_sums is not None)
+        self._ahead = np.zeros(self.tiles, int)
+        """For each tile, by how many samples the first part has more than the second."""
         layers: list[Any] = self._layers.textures if self._layers else [None] * LAYERS
         self.albedo, self.normal, self.emission = layers
 
@@ -59,6 +65,23 @@ class Film:
         self._resolve(wavefront, blocks, wavefront.sums, self._sums)
         if self._layers is not None and wavefront.layers is not None:
             self._resolve(wavefront, blocks, wavefront.layers, self._layers)
+        if self.parts:
+            is_second = np.array([self._takes_second(*work) for work in wavefront.work[blocks].tolist()])
+            for part, own in zip(self.parts, (blocks[~is_second], blocks[is_second]), strict=True):
+                if len(own):
+                    part.add(wavefront, own)
+
+    def _takes_second(self, tile_x: int, tile_y: int, first: int, samples: int) -> bool:
+        """Whether these samples go to the second part: that which has fewer gets them."""
+        takes = self._ahead[tile_x, tile_y] > 0
+        self._ahead[tile_x, tile_y] += -samples if takes else samples
+        return bool(takes)
+
+    @property
+    def is_split(self) -> bool:
+        """Whether there are parts, and all tiles have samples, and photons if there are any, in both."""
+        return bool(self.parts) and all(part.tile_errors()[..., 2].min() > 0 for part in self.parts) and not (
+            self.photons and min(part.photons for part in self.parts) == 0)
 
     @property
     def photons(self) -> int:
@@ -141,7 +164,7 @@ class Film:
 
     def release(self) -> None:
         for thing in (self._sums, self._layers, self.photon_sums, self._with_photons, self._developed, self._estimated,
-                      self.radiance, self._tile_errors):
+                      self.radiance, self._tile_errors, *self.parts):
             if thing is not None:
                 thing.release()
 

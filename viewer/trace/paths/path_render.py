@@ -38,7 +38,8 @@ class PathRender:
 
     def __init__(self, passes: Passes, intersector: Intersector, plan: TracePlan, film: Film, schedule: Schedule,
                  settings: Settings, display: DisplayPass, layers: Collection[str],
-                 denoiser: Denoiser | None, photon_passes: PhotonPasses | None = None) -> None:
+                 denoiser: Denoiser | None, photon_passes: PhotonPasses | None = None,
+                 guide: np.ndarray | None = None) -> None:
         self.plan = plan
         self.film = film
         self.settings = settings
@@ -56,7 +57,7 @@ class PathRender:
         if photon_passes is not None and film.photon_sums is not None:
             self._photons = PhotonRender(photon_passes, intersector, film.photon_sums, maker)
         self._flush: Callable[[], None] = context.function("glFlush")
-        self._layers, self._denoiser = layers, denoiser
+        self._layers, self._denoiser, self._guide = layers, denoiser, guide
         self._is_developed = False
         self._shown: moderngl.Texture | None = None
 
@@ -192,7 +193,7 @@ class PathRender:
         if self._denoiser is None:
             return radiance
         if self._shown is None:
-            self._shown = self._denoiser.filter(self.film)
+            self._shown = self._denoiser.filter(self.film, self._guide)
         return self._shown
 
     def present(self, framebuffer: moderngl.Framebuffer) -> None:
@@ -212,7 +213,7 @@ class PathRender:
         self.present(target)
         shown = np.frombuffer(target.read(components=4), np.uint8).reshape(height, width, 4)[::-1]
         return Image(linear, np.ascontiguousarray(shown), self.stats(), read_layers(self.film, self._layers),
-                     self.attributes(self.settings.denoise))
+                     self.attributes(self.denoised))
 
     def stats(self) -> dict[str, object]:
         """Statistics for JSON: samples, estimated error, rays and time."""
@@ -222,8 +223,14 @@ class PathRender:
             "samples": round(self.samples * self.film.size[0] * self.film.size[1]), "bad_samples": self.bad_samples,
             "estimated_error": error if np.isfinite(error) else None, "rays": self.rays, "trace_s": self.seconds,
             **(self._photons.stats() if self._photons else {}),
-            "rays_per_s": self.rays / self.seconds if self.seconds else None, "denoised": self.settings.denoise,
+            "rays_per_s": self.rays / self.seconds if self.seconds else None, "denoised": self.denoised,
         }
+
+    @property
+    def denoised(self) -> str:
+        """What `shown` is denoised by: `raster` needs samples in both parts of the film, and is `fast` before that."""
+        kind = self.settings.denoise
+        return "fast" if kind == "raster" and not self.film.is_split else kind
 
     def attributes(self, denoised: str) -> dict[str, str]:
         """Attributes of the picture's file: the samples, and whether it was `denoised` or clamped."""

@@ -19,6 +19,8 @@ class PhotonSums:
         self._sums = Sums(gl, size, SUMS)
         self.count = 0
         """Number of photons whose light is in the sums."""
+        self.parts: tuple[PhotonSums, ...] = ()
+        """Others, to one of which each addition goes, too: that with the fewest photons."""
 
     @property
     def textures(self) -> dict[str, moderngl.Texture]:
@@ -31,6 +33,8 @@ class PhotonSums:
         sources = dict(zip(("u_sum", "u_squares"), splats.textures, strict=True))
         draw_over(self._gl, program, self._sums.framebuffer, sources, moderngl.BLEND)
         self.count += count
+        if self.parts:
+            min(self.parts, key=lambda part: part.count).add(splats, count)
 
     @property
     def bad(self) -> int:

@@ -61,6 +61,8 @@ class Schedule:
         """Queue one more round; returns whether it has any work."""
         if self._issued.min() < self._pilot:
             chunk = min(MAX_CHUNK, 1 << max(self._rounds - 1, 0))  # small first rounds show a picture soon
+            if self._film.parts and self._issued.min() < MAX_CHUNK:
+                chunk = 1  # so that both parts have as many of few samples
             each = chunk * max(count // self._issued.size, 1)
             wanted = np.minimum(self._issued + each, self._pilot)
         else:
