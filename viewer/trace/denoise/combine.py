@@ -11,6 +11,8 @@ in each neighbourhood by products, without a model of the noise or of the bias. 
 two such halves; the weight is that of a Wiener filter.) Pictures of all samples have less noise than those of a half,
 which is allowed for: covariances fall with the samples, and (b - b') (c - c') tells them.
 
+What a neighbourhood tells has noise, too. Where steps are mostly noise, a is therefore taken for a little smaller.
+
 From the picture with the most bias to the samples themselves, one after the other is mixed in in this way. With more
 samples, a of the last step becomes 1 wherever the others are wrong: the picture becomes that of the samples.
 """
@@ -21,10 +23,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...image.neighbours import EPSILON, box, luminance, smooth
+from ...image.neighbours import EPSILON, REACH, box, luminance, smooth
 
 RADIUS = 1
 """Of the squares in which samples are fitted, in pixels."""
+_DOUBT = 0.5
+"""Standard deviations by which a gain is taken for less, so that noise is not followed; times the share of noise in
+what a step would change, for without noise nothing is to be doubted."""
 _SLOPE = 2.0
 """Most that a fit multiplies a guide by."""
 _RIDGE = 1e-3
@@ -59,9 +64,13 @@ def _mixed(base: Halves, other: Halves, truth: Halves, share: np.ndarray | float
     both = share * (1 - share)
     gain = (share * first * (truth[1] - base[0]) + (1 - share) * second * (truth[0] - base[1])
             + both * (first - second) * (base[0] - base[1]))
-    size = share * first**2 + (1 - share) * second**2 - both * (first - second) ** 2
-    gains, sizes = (_around((scale * error).mean(axis=-1, keepdims=True, dtype=np.float64)) for error in (gain, size))
-    a = np.clip(gains / np.maximum(sizes, 1e-12), 0, 1).astype(np.float32)
+    noise = both * (first - second) ** 2
+    each, size, noise = ((scale * error).mean(axis=-1, keepdims=True, dtype=np.float64)
+                         for error in (gain, share * first**2 + (1 - share) * second**2, noise))
+    gains, size, noise = _around(each), np.maximum(_around(size), 1e-12), _around(noise)
+    deviation = np.sqrt(np.maximum(_around(each**2) - gains**2, 0)) / (2 * REACH + 1)
+    doubt = _DOUBT * np.minimum(2 * noise / size, 1) * deviation
+    a = np.clip((gains - doubt) / np.maximum(size - noise, 1e-12), 0, 1).astype(np.float32)
     return base[0] + a * first, base[1] + a * second
 
 
