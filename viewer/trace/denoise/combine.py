@@ -36,6 +36,8 @@ _RIDGE = 1e-3
 """Of the squared level, added to the variance of the guide: less than this is no texture."""
 _SPIKE, _FAINT = 10.0, 0.02
 """Fits leave out what of a pixel is more than so many times as bright as those around it, and as this radiance."""
+_SPREAD = 1, 2
+"""Steps of the splines that spread lost light: 6 pixels to each side."""
 _CENTRE = (6 / 16) ** 2
 """The weight of the pixel itself in `smooth`."""
 
@@ -56,6 +58,18 @@ def combined(samples: Halves, guides: Sequence[Halves], share: np.ndarray | floa
     for other in (*guides[1:], fit, samples):
         best = _mixed(best, other, samples, share, scale)
     return share * best[0] + (1 - share) * best[1]
+
+
+def with_lost_light(picture: np.ndarray, samples: np.ndarray) -> np.ndarray:
+    """`picture`, (H, W, 3), with about the mean of `samples`, from which it was made.
+
+    Bright samples are rarer than dark ones, and where they are the weights are smaller, so that a little light is lost.
+    What is lost is spread over the neighbourhood, but for single bright pixels.
+    """
+    lost = _calm(samples) - picture
+    for step in _SPREAD:
+        lost = smooth(lost, step)
+    return np.maximum(picture + lost, 0)
 
 
 def _mixed(base: Halves, other: Halves, truth: Halves, share: np.ndarray | float, scale: np.ndarray) -> Halves:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...gpu.context import Context
 from ...gpu.programs import Programs
-from .combine import combined
+from .combine import combined, with_lost_light
 from .denoiser import NoisyFilm, SplitFilm
 from .wavelet import Wavelet
 
@@ -115,7 +115,10 @@ def _denoised(whole: _Part, parts: list[_Part], filtered: list[np.ndarray], guid
         clean = np.where(np.abs(guide) < _MOST, guide, 0)
         guides.insert(0, (light(clean, whole.emission),) * 2)
     share = parts[0].count / np.maximum(whole.count, 1)
-    return np.where(stays, whole.radiance, combined(samples, guides, share) + whole.emission)
+    picture = combined(samples, guides, share)
+    if guide is None:
+        picture = with_lost_light(picture, light(whole.radiance, whole.emission))
+    return np.where(stays, whole.radiance, picture + whole.emission)
 
 
 def _read(texture: moderngl.Texture) -> np.ndarray:
