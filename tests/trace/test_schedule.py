@@ -26,6 +26,7 @@ class NoisyFilm:
         self.size = size or (columns * TILE, rows * TILE)
         self.tiles = columns, rows
         self.samples = np.zeros((rows, columns))
+        self.parts: tuple[object, ...] = ()
         sides = [np.minimum(side - TILE * np.arange(count), TILE) for side, count in zip(self.size, self.tiles)]
         self.pixels = np.outer(sides[1], sides[0])
         self._scatter, self._kept = scatter, 1 - lost
@@ -80,6 +81,14 @@ def test_without_a_target_each_pixel_gets_exactly_its_samples(size, spp, count):
         for x in range(tiles[1]):
             numbers = [n for w in work if (w.tile_x, w.tile_y) == (x, y) for n in range(w.first, w.first + w.samples)]
             assert sorted(numbers) == list(range(spp))
+
+
+def test_few_samples_come_one_by_one_to_a_film_in_parts():
+    """So that both parts have as many; later they come in larger items."""
+    film = NoisyFilm(np.ones((4, 4)))
+    film.parts = object(), object()
+    given = run(film, Settings(mode="path", spp=12), count=16)
+    assert [work.samples for work in given[:64]] == [1] * 64 and max(work.samples for work in given) > 1
 
 
 def test_the_first_picture_has_one_sample_and_a_small_one_fills_the_wave():
