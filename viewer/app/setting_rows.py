@@ -18,7 +18,7 @@ _LABELS = {
     "auto": "Automatic", "msaa-2": "MSAA 2×", "msaa-4": "MSAA 4×", "msaa-8": "MSAA 8×", "ssaa-4": "SSAA 4×",
     "ssaa-9": "SSAA 9×", "ssaa-16": "SSAA 16×", "gtao": "GTAO",
     **{count: f"{count} lights" for count in ("16", "64", "256", "1024")},
-    "off": "Off", "fast": "Fast", "raster": "With the real-time picture",
+    "off": "Off", "fast": "Fast", "raster": "Real-time picture",
     "mis": "Both (MIS)", "bsdf": "BSDF sampling only", "lights": "Light sampling only",
     "environment": "Environment only", "screen": "Screen space", "traced": "Traced",
     "baked": "Baked", "single": "Once", "multiple": "Many times", "quarter": "A quarter", "sixteenth": "A sixteenth",
