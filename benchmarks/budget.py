@@ -1,13 +1,16 @@
-"""Whether a time budget holds, and whether the method chosen for it is the best there was:
+"""Whether a time budget holds, and how good its picture is beside the best single method:
 
-    python -m benchmarks.budget [MODEL ...] [--sizes 256,512] [--budgets 0.05,0.1,0.3,1,3] [--json FILE]
+    python -m benchmarks.budget [MODEL ...] [--sizes 256,512] [--budgets 0.05,0.1,0.3,1,3,10] [--json FILE]
 
 A MODEL is a file or the name of one of the corpus, with `:none` behind it where no environment is to light it. Every
 budget is tried by a command in a process of its own (`first`: the scene has to be made ready; `new`, at the smaller
 size: the driver's cache of shaders is empty, too), and by the Python API on a scene that was drawn before (`ready`).
-The errors are against a path-traced reference at the smaller size, relative, of all pixels, for what was chosen and for
-each candidate that was expected to be in time; `lost` is how many times the error of the best of them was taken. None
-is known better than the reference's own noise. FILE.md gets the tables; Ctrl-C ends it with what there is.
+A budget counts if the first picture of the raster, the plainest, was ready in it.
+
+The errors are against a path-traced reference at the smaller size, relative, of all pixels: of what came out; of each
+rung of the raster that takes no longer than the budget; and of paths alone in that time, as they are and filtered.
+`lost` is how many times the error of the best of those it is. None is known better than the reference's own noise.
+`--only ready` leaves the other kinds out. FILE.md gets the tables; Ctrl-C ends it with what there is.
 """
 
 from __future__ import annotations
@@ -28,8 +31,9 @@ from typing import Any
 import numpy as np
 
 import viewer
-from viewer.api import shared_chooser, shared_renderer
+from viewer.api import shared_renderer, shared_tracer
 from viewer.measure.compare.relmse import EPSILON
+from viewer.measure.report.ladder import climb
 from viewer.scene.scene import Scene
 from viewer.settings import Settings
 
@@ -39,8 +43,8 @@ from .shot import default_model
 from .tables import conditions
 
 MODELS = ("DamagedHelmet", "GlamVelvetSofa", "GlassVaseFlowers", "Fox", "MetalRoughSpheresNoTextures",
-          "LightsPunctualLamp:none")
-BUDGETS = "0.05,0.1,0.3,1,3"
+          "LightsPunctualLamp:none", "ClearCoatTest", "SheenCloth", "AttenuationTest", "IridescenceSuzanne")
+BUDGETS = "0.05,0.1,0.3,1,3,10"
 KINDS = {"ready": "scene ready", "first": "first picture of a process", "new": "likewise, the driver's cache empty"}
 HELD = 1.2
 REFERENCE_SPP = 128
@@ -54,13 +58,11 @@ def main() -> None:
     rows: list[Row] = []
     about = here() | {"renderer": shared_renderer().context.renderer, "load before": round(os.getloadavg()[0], 1)}
     with until_stopped():
-        started = time.perf_counter()
-        shared_chooser().calibrate(print)
-        about["calibration"] = f"{time.perf_counter() - started:.1f} s"
         present = [name for name in MODELS if corpus.present((name.partition(":")[0],))]
         for name in options.models or present or [default_model()]:
             _measure(name, options, rows)
-    report = "\n\n".join([conditions(about), table(rows), choices(rows)])
+    about |= {"load after": round(os.getloadavg()[0], 1), "reference": f"{options.spp} samples a pixel"}
+    report = "\n\n".join([table(rows), errors(rows), conditions(about)])
     print(report)
     if options.json:
         options.json.parent.mkdir(parents=True, exist_ok=True)
@@ -72,37 +74,57 @@ def _measure(name: str, options: argparse.Namespace, rows: list[Row]) -> None:
     name, _, environment = name.partition(":")
     model = str(corpus.model(name))
     scene = viewer.load(model, None if environment == "none" else "studio")
-    truth = _Truth(scene, min(options.sizes), options.spp)
+    smallest = min(options.sizes)
     for size in options.sizes:
-        for kind in KINDS if size == truth.size else ("ready", "first"):
+        single = _Single(scene, size, options.spp) if size == smallest else None
+        _warm(scene, size)
+        for kind in options.only or (KINDS if size == smallest else ("ready", "first")):
             for budget in options.budgets:
                 row = {"model": Path(model).stem, "size": size, "kind": kind, "budget": budget,
                        "load": round(os.getloadavg()[0], 1)}
-                row |= _ready(scene, size, budget, truth) if kind == "ready" else _first(
+                row |= _ready(scene, size, budget, single) if kind == "ready" else _first(
                     model, environment or "studio", size, budget, kind == "new")
                 rows.append(row)
                 print(_line(row), flush=True)
 
 
-class _Truth:
-    """A reference at one size, and the errors of what was measured against it."""
+def _warm(scene: Scene, size: int) -> None:
+    """Let all be compiled and known that a scene in use has."""
+    viewer.render(scene, (size, size), time_budget=20.0)
+    for seconds in (3.0, 0.3, 0.1):
+        viewer.render(scene, (size, size), time_budget=seconds)
+
+
+class _Single:
+    """A reference, and the errors and times of the single methods."""
 
     def __init__(self, scene: Scene, size: int, spp: int) -> None:
-        self.scene, self.size = scene, size
-        image = viewer.render(scene, (size, size), mode="path", spp=spp, seed=_SEED)
+        self._scene, self._size = scene, (size, size)
+        image = viewer.render(scene, self._size, mode="path", spp=spp, seed=_SEED)
         self._linear, self._variance = image.linear[..., :3].astype(float), image.stats["estimated_error"] ** 2
-        self._known: dict[Settings, float] = {}
+        self._rungs: dict[str, tuple[float, float]] = {}
+        for title, settings in climb(scene, Settings()):
+            changed = {name: value for name, value in vars(settings).items() if value != getattr(Settings(), name)}
+            seconds = []
+            for _ in range(3):
+                started = time.perf_counter()
+                picture = viewer.render(scene, self._size, **changed)
+                seconds.append(time.perf_counter() - started)
+            self._rungs[title] = min(seconds), self.error(picture)
 
     def error(self, image: viewer.Image) -> float:
         squared = (image.linear[..., :3] - self._linear) ** 2 / (self._linear**2 + EPSILON)
         return math.sqrt(max(float(np.nan_to_num(squared).mean()) - self._variance, self._variance))
 
-    def error_of(self, settings: Settings) -> float:
-        if settings not in self._known:
-            values = {name: value for name, value in vars(settings).items() if value != getattr(Settings(), name)}
-            self._known[settings] = self.error(viewer.render(self.scene, (self.size,) * 2, mode=settings.mode,
-                                                             **{k: v for k, v in values.items() if k != "mode"}))
-        return self._known[settings]
+    def within(self, budget: float) -> dict[str, float]:
+        """The errors of all that there is time for."""
+        found = {title: error for title, (seconds, error) in self._rungs.items() if seconds <= budget}
+        for denoise in ("off", "fast"):
+            started = time.perf_counter()
+            image = viewer.render(self._scene, self._size, mode="path", time_budget=budget, denoise=denoise)
+            if time.perf_counter() - started <= HELD * budget:
+                found[f"paths, {denoise}"] = self.error(image)
+        return found
 
 
 def _first(model: str, environment: str, size: int, budget: float, is_new: bool) -> Row:
@@ -115,33 +137,29 @@ def _first(model: str, environment: str, size: int, budget: float, is_new: bool)
         return _facts(json.loads(stats.read_text())["choice"], budget)
 
 
-def _ready(scene: Scene, size: int, budget: float, truth: _Truth) -> Row:
-    viewer.render(scene, (size, size), time_budget=budget)
+def _ready(scene: Scene, size: int, budget: float, single: _Single | None) -> Row:
     image = viewer.render(scene, (size, size), time_budget=budget)
     choice: dict[str, Any] = image.stats["choice"]  # type: ignore[assignment]
     row = _facts(choice, budget)
-    if size != truth.size:
+    if single is None:
         return row
-    errors = {}
-    for one in shared_chooser().weigh(scene, Settings(time_budget=budget), (size, size)):
-        if one.fits(budget):
-            spp = None if one.samples is None else max(round(one.samples), 1)
-            errors[one.title] = truth.error_of(Settings(**{**vars(one.settings), "time_budget": None, "spp": spp}))
-    row |= {"error": truth.error(image), "told": choice["error"], "errors": errors}
-    return row | ({"lost": row["error"] / min(errors.values())} if errors else {})
+    others = single.within(budget)
+    row |= {"error": single.error(image), "told": [choice[name] for name in ("error", "error_low", "error_high")],
+            "errors": others}
+    return row | ({"lost": row["error"] / min(others.values())} if others else {})
 
 
 def _facts(choice: dict[str, Any], budget: float) -> Row:
-    """`possible`: something was expected to be done in time."""
-    possible = any(one["expected_s"] <= budget for one in choice["candidates"])
+    """`possible`: the first rung that was drawn was ready in time."""
+    drawn = [one["seconds"] for one in choice["candidates"] if one["seconds"] is not None]
     return {"ratio": choice["seconds"] / budget, "method": choice["method"], "spp": choice["spp"],
-            "unmet": choice["unmet"], "possible": possible}
+            "unmet": choice["unmet"], "possible": drawn[0] <= budget}
 
 
 def table(rows: Sequence[Row]) -> str:
     """How well budgets held, one column each."""
     budgets = sorted({row["budget"] for row in rows})
-    lines = ["| at most 1.2 times the budget, of those where something was expected in time (the worst) | "
+    lines = ["| at most 1.2 times the budget, of those in which the plainest picture is ready (the worst) | "
              + " | ".join(f"{budget:g} s" for budget in budgets) + " |", "|---" * (len(budgets) + 1) + "|"]
     for kind, words in KINDS.items():
         cells = [[row for row in rows if (row["kind"], row["budget"]) == (kind, budget) and row["possible"]]
@@ -153,15 +171,18 @@ def table(rows: Sequence[Row]) -> str:
     return "\n".join(lines)
 
 
-def choices(rows: Sequence[Row]) -> str:
-    """How good what was chosen is, on scenes that were ready."""
-    lines = ["| budget, s | error, median | told, median | times that of the best in time: median (worst) |",
-             "|---|---|---|---|"]
+def errors(rows: Sequence[Row]) -> str:
+    """How good the pictures of scenes that were ready are, and what is told of them."""
+    lines = ["| budget, s | pictures | error, median | told, median | interval holds it | times the best single "
+             "method's: median (worst) |", "|---|---|---|---|---|---|"]
     for budget in sorted({row["budget"] for row in rows}):
         cell = [row for row in rows if "lost" in row and row["budget"] == budget]
+        told = [row for row in cell if row["told"][0] is not None]
         if cell:
-            error, told, lost = ([row[name] for row in cell] for name in ("error", "told", "lost"))
-            lines.append(f"| {budget:g} | {median(error):.3f} | {median(told):.3f} | {median(lost):.2f} "
+            error, lost = ([row[name] for row in cell] for name in ("error", "lost"))
+            held = sum(row["told"][1] <= row["error"] <= row["told"][2] for row in told)
+            middle = f"{median(row['told'][0] for row in told):.3f} | {held} of {len(told)}" if told else "- | -"
+            lines.append(f"| {budget:g} | {len(cell)} | {median(error):.3f} | {middle} | {median(lost):.2f} "
                          f"({max(lost):.2f}) |")
     return "\n".join(lines)
 
@@ -170,9 +191,11 @@ def _line(row: Row) -> str:
     words = [f"{row['model']} {row['size']} {row['kind']} {row['budget']:g} s: {row['ratio']:.2f} of it", row["method"]]
     words += [] if row["spp"] is None else [f"{row['spp']:.3g} spp"]
     if "error" in row:
-        words.append(f"error {row['error']:.3g} (told {row['told']:.3g})")
+        told = "" if row["told"][0] is None else " (told {:.3g}, {:.3g} to {:.3g})".format(*row["told"])
+        words.append(f"error {row['error']:.3g}{told}")
     if "lost" in row:
-        words.append(f"{row['lost']:.2f} times the best")
+        best = min(row["errors"], key=row["errors"].get)
+        words.append(f"{row['lost']:.2f} times the best, {best}")
     return ", ".join([*words, *([row["unmet"]] if row["unmet"] else []), f"load {row['load']}"])
 
 
@@ -185,9 +208,12 @@ def _parse() -> argparse.Namespace:
     parser.add_argument("models", nargs="*", metavar="MODEL")
     parser.add_argument("--sizes", type=several(int), default="256,512")
     parser.add_argument("--budgets", type=several(float), default=BUDGETS)
+    parser.add_argument("--only", type=several(str), metavar="KIND,...", help=f"of {', '.join(KINDS)}")
     parser.add_argument("--spp", type=int, default=REFERENCE_SPP, help="of the reference")
     parser.add_argument("--json", type=Path, metavar="FILE", help="keep every run there, and the tables beside it")
-    return parser.parse_args()
+    options = parser.parse_args()
+    shared_tracer()
+    return options
 
 
 if __name__ == "__main__":

@@ -88,8 +88,8 @@ def render(
     `settings` are fields of `viewer.Settings`, for instance ``mode="phong", exposure=1.0, background="#336699"`` or
     ``mode="path", spp=256``. `backend` is auto, egl, osmesa or window (a hidden window). In mode path `aov` selects
     layers to add to `Image.layers`: albedo, normal, depth, variance, samples. With a `time_budget` or `error` and
-    without `mode`, the best method is chosen (docs/budget.md); `Image.stats` names it. The first such call on a machine
-    measures its device, which takes half a minute or more.
+    without `mode`, both renderers make the best picture in that time, or one with that error (docs/budget.md);
+    `Image.stats` tells how it came about, and its error.
 
     In mode pbr `quality` is draft, standard or high, a named point of the front of error against time
     (docs/quality.md), which leaves the given `settings` as they are. The default is draft.
@@ -213,10 +213,7 @@ def shared_tracer(backend: str = "auto") -> Tracer:
 
 
 def shared_chooser(backend: str = "auto") -> Chooser:
-    """This thread's chooser between renderer and path tracer for `backend`. Raises ContextError.
-
-    It measures the device for some seconds when it is first used, and stores the result in the cache on disk.
-    """
+    """This thread's maker of pictures with a time budget or an error to reach, for `backend`. Raises ContextError."""
     from .budget.chooser import Chooser
 
     tracer = shared_tracer(backend)

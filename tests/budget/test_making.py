@@ -1,52 +1,256 @@
-"""Pictures of the raster held against unfinished path-traced ones."""
+"""The course of a picture, with renderers whose frames and samples take the time that a test says, by its own clock."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from right_pictures import RASTERS, SIZE, truth
+from shapes import plate, scene
 
-from viewer.budget.candidates import Candidate
-from viewer.budget.making import Making, against, around
+from viewer.budget import making
+from viewer.budget.chooser import Chooser
+from viewer.budget.groups import Groups
+from viewer.budget.pace import maps, work
+from viewer.image.image import Image
+from viewer.scene.environment_files import load_environment
 from viewer.settings import Settings
 
-
-def exposure(truth: np.ndarray, samples: int, deviation: float, background="env") -> SimpleNamespace:
-    """Of a picture (H, W, 3), each sample with normal noise."""
-    noise = np.random.default_rng(5).normal(0, deviation, (samples, *truth.shape))
-    values = truth + noise
-    count = np.full((*truth.shape[:2], 1), samples)
-    sums = (np.concatenate([values.sum(0), count], -1), np.concatenate([(values**2).sum(0), 0 * count], -1))
-    return SimpleNamespace(film=SimpleNamespace(read_sums=lambda: sums), settings=Settings(background=background))
+STEPS = 4
+"""Iterations of a picture of one sample a pixel."""
 
 
-@pytest.mark.parametrize("wrong", [0.0, 0.05, 0.3])
-def test_noise_is_not_taken_for_error(wrong):
-    truth = np.full((64, 64, 3), 0.5)
-    image = SimpleNamespace(linear=np.full((64, 64, 4), 0.5 + wrong))
-    expected = wrong / np.hypot(0.5, 0.1)
-    assert expected - 0.005 < against(image, exposure(truth, 4, 0.2)) < expected + 0.04
+@dataclass
+class Machine:
+    """Seconds of its work."""
+
+    frame: float = 0.01
+    first: float = 0.3
+    """Of the first frame, on top, and of the first with shadows of the environment."""
+    map: float = 0.002
+    prepare: float = 0.5
+    """Of paths."""
+    sample: float = 0.05
+    combine: float = 0.02
+    now: float = 0.0
+    drawn: list[Settings] = field(default_factory=list)
+    samples: int = 0
+    is_held: bool = False
+    is_traced: bool = False
+    shadow_maps: int = 0
+
+    def clock(self) -> float:
+        return self.now
 
 
-def test_a_colour_behind_is_no_error():
-    image = SimpleNamespace(linear=np.full((8, 8, 4), 0.25))
-    assert against(image, exposure(np.zeros((8, 8, 3)), 4, 0.0, (0.25, 0.25, 0.25))) == pytest.approx(0, abs=1e-6)
+class Raster:
+    """Whose picture is too bright, the less the more it works."""
+
+    def __init__(self, machine: Machine) -> None:
+        self._machine, self.times, self.texture_seconds, self.plan, self.context, self.programs = \
+            machine, {}, 0.0, None, None, None
+
+    def holds(self, shown) -> bool:
+        return self._machine.is_held
+
+    def expect(self, ahead) -> None:
+        ahead.cancel()
+
+    def draw(self, shown, camera, settings, size, half, still) -> None:
+        machine = self._machine
+        if not machine.is_held or (maps(settings) and not machine.shadow_maps):
+            machine.now += machine.first
+            self.times["compile and upload"] = self.times.get("compile and upload", 0) + machine.first
+        if maps(settings) not in (0, machine.shadow_maps):
+            machine.shadow_maps = maps(settings)
+            machine.now += machine.map * maps(settings)
+            self.times["environment shadows"] = self.times.get("environment shadows", 0) + machine.map * maps(settings)
+        machine.is_held = True
+        if size != (SIZE, SIZE):
+            machine.now += machine.map / 2
+        else:
+            machine.now += machine.frame * work(settings)
+            machine.drawn.append(settings)
+            self._linear = np.ones((SIZE, SIZE, 4), np.float32)
+            self._linear[..., :3] = truth() * np.float32(1 + 1 / work(settings))
+
+    def read_radiance(self) -> np.ndarray:
+        return self._linear
 
 
-def test_the_mean_around_a_pixel():
-    picture = np.random.default_rng(1).random((9, 12, 3))
-    assert around(picture)[4, 5] == pytest.approx(picture[2:7, 3:8].mean((0, 1)))
-    assert around(np.ones((3, 4, 3))) == pytest.approx(1)
+class Paths:
+    def __init__(self, machine: Machine) -> None:
+        self._machine = machine
+
+    def holds(self, shown) -> bool:
+        return self._machine.is_traced
+
+    def begin(self, shown, camera, settings, size):
+        machine = self._machine
+        machine.now += 0 if machine.is_traced else machine.prepare
+        machine.is_traced = True
+        noise = np.random.default_rng(settings.seed).exponential(size=(settings.spp, SIZE, SIZE, 1))
+        total = (truth() * noise).sum(axis=0)
+        done = SimpleNamespace(steps=0)
+
+        def sums():
+            share = done.steps / (settings.spp * STEPS)  # of the rows, when it ends early
+            count = np.where(np.arange(SIZE)[:, None, None] < share * SIZE, settings.spp, 0) * np.ones((SIZE, SIZE, 1))
+            return np.concatenate([total * (count > 0), count], -1), np.concatenate([total, count], -1)
+
+        def step(seconds):
+            begun = machine.now
+            while not render.is_done:
+                done.steps += 1
+                machine.now += machine.sample / STEPS
+                render.is_done = done.steps == settings.spp * STEPS
+                if machine.now - begun >= seconds:
+                    break
+
+        render = SimpleNamespace(
+            step=step, is_done=False, film=SimpleNamespace(read_sums=sums), release=lambda: None,
+            plan=SimpleNamespace(missing=()),
+            stats=lambda: {"samples": settings.spp * SIZE**2, "bad_samples": 0, "rays": 9, "trace_s": 0.1})
+        machine.samples += settings.spp
+        return render
 
 
-def candidate(title: str, seconds: float, error: float) -> Candidate:
-    return Candidate(title, Settings(), seconds, error)
+@pytest.fixture
+def make(monkeypatch):
+    """A function that makes a picture on a machine. It takes a scene of its own, but that of `again`."""
+    shown = scene(plate(), environment=load_environment("furnace"))
+    srgb = np.zeros((SIZE, SIZE, 4), np.uint8)
+    monkeypatch.setattr(making, "displayed", lambda context, programs, linear, settings: Image(
+        linear.astype(np.float32), srgb))
+
+    def made(machine: Machine, chooser: Chooser | None = None, wants_to_stop=lambda: False, **settings):
+        def combined(raster, samples):
+            machine.now += machine.combine * raster.shape[0] * raster.shape[1] / SIZE**2
+            return real(raster, samples)
+
+        monkeypatch.setattr(making, "combined", combined)
+        chooser = chooser or Chooser(None, Raster(machine), Paths(machine), machine.clock)
+        return chooser.make(shown, None, Settings(**settings), (SIZE, SIZE), wants_to_stop=wants_to_stop)
+
+    real = making.combined
+    return made
 
 
-def test_where_paths_come_to_nothing_the_best_that_time_allows_is_made():
-    quick, good, best = candidate("quick", 0.1, 0.4), candidate("good", 1.0, 0.2), candidate("best", 3.0, 0.1)
-    making = Making(None, None, None, None, 0.0, SimpleNamespace(found=[quick, good, best]))
-    assert making._spare(None, 5.0) is best and making._spare(quick, 2.0) is good
-    assert making._spare(good, 2.0) is None and making._spare(good, 0.01) is None
-    assert making._spare(None, 0.01) is quick
+MACHINES = {"quick": {}, "slow paths": {"sample": 1.0}, "slow raster": {"frame": 0.2}, "slow maps": {"map": 0.2},
+            "slow combination": {"combine": 0.6}, "all in no time": {"frame": 1e-4, "first": 1e-3, "sample": 5e-3,
+                                                                     "map": 1e-5, "prepare": 0.01, "combine": 1e-3}}
+
+
+@pytest.mark.parametrize("speed", MACHINES)
+def test_the_time_is_kept_and_used(make, speed):
+    """Whether the scene is new or not."""
+    for budget in (0.05, 0.3, 1.0, 3.0, 8.0):
+        machine = Machine(**MACHINES[speed])
+        chooser = Chooser(None, Raster(machine), Paths(machine), machine.clock)
+        for _ in range(3):
+            started = machine.now
+            _, choice = make(machine, chooser, time_budget=budget)
+            assert choice.seconds == pytest.approx(machine.now - started)
+            first = next(rung.seconds for rung in choice.rungs if rung.seconds is not None)
+            assert choice.seconds <= max(1.1 * budget, first + machine.frame)
+            if choice.told is not None:
+                assert choice.seconds > 0.5 * budget
+
+
+def test_more_time_climbs_and_then_traces(make):
+    methods = [make(Machine(), time_budget=budget)[1].method for budget in (0.1, 0.5, 1.2, 20.0)]
+    assert methods[0] == "image-based light, no antialiasing" and methods[1] == "image-based light, SSAA 4"
+    assert methods[2].startswith("shadows of the environment, ") and methods[3].endswith(", mixed with paths")
+
+
+def test_what_comes_out_is_what_is_told(make):
+    image, choice = make(Machine(), time_budget=6)
+    right = truth().astype(np.float64)
+    true = ((image.linear[..., :3] - right) ** 2 / (right**2 + 0.01)).mean()
+    assert choice.told.low <= true <= choice.told.high
+    assert choice.samples == pytest.approx(image.stats["spp"]) and choice.samples > 8
+    assert image.stats["estimated_error"]["relmse"] == choice.told.relmse
+    assert min(choice.compared.values()) == choice.measured and len(choice.compared) == 3
+
+
+def test_a_scene_that_was_drawn_begins_with_the_best_rung_there_is_time_for(make):
+    machine = Machine(sample=5.0)
+    chooser = Chooser(None, Raster(machine), Paths(machine), machine.clock)
+    make(machine, chooser, time_budget=5)
+    machine.drawn.clear()
+    _, choice = make(machine, chooser, time_budget=0.5)
+    assert [maps(settings) for settings in machine.drawn] == [64] and choice.seconds < 0.5
+
+
+def test_paths_that_come_to_nothing_leave_the_raster_alone(make):
+    """They take far longer than a frame lets expect."""
+    _, choice = make(Machine(sample=3.0), time_budget=4)
+    assert choice.unfinished == "paths" and choice.told is None and "SSAA 9" in choice.method
+    assert choice.to_json()["error_is"] == "not measured" and "no time for enough samples" in str(choice)
+    assert choice.seconds <= 4.4
+
+
+def test_a_target_is_reached_and_no_more(make):
+    results = [make(Machine(), error=target) for target in (0.5, 0.1, 0.05)]
+    for (_, choice), target in zip(results, (0.5, 0.1, 0.05), strict=True):
+        assert choice.told.high <= target**2 and choice.unmet == ""
+    assert [choice.told.samples for _, choice in results] == sorted({choice.told.samples for _, choice in results})
+
+
+def test_a_target_with_too_little_time(make):
+    _, choice = make(Machine(), error=0.001, time_budget=3)
+    assert choice.unmet == "the error asked for was not reached" and 2 < choice.seconds < 3.3
+    _, choice = make(Machine(), error=0.01, time_budget=0.6)
+    assert choice.unmet == "whether that error is met is not known: there was no time to trace paths"
+
+
+def test_where_a_setting_leaves_the_raster_alone_paths_only_judge(make):
+    image, choice = make(Machine(), time_budget=5, shadows="off")
+    assert choice.samples is None and choice.told is not None and "spp" not in image.stats
+    assert image.stats["estimated_error"]["notes"] == ["shadows=off leaves out light, which counts as error"]
+    _, choice = make(Machine(), error=0.01, shadows="off")
+    assert choice.unmet == "the error asked for was not reached" and "SSAA 9" in choice.method
+
+
+@pytest.mark.parametrize("looks, is_mixed", [(1, False), (4, False), (60, True)])
+def test_asked_to_stop_it_keeps_what_there_is(make, looks, is_mixed):
+    asked = iter([False] * looks)
+    image, choice = make(Machine(), wants_to_stop=lambda: next(asked, True), time_budget=100)
+    assert (choice.told is not None) == is_mixed and choice.unfinished is None and np.isfinite(image.linear).all()
+    assert choice.seconds < 50
+
+
+def test_groups_have_their_samples_evenly_and_keep_unfinished_ones():
+    machine = Machine()
+    groups = Groups(Paths(machine), None, None, Settings(mode="path"), (SIZE, SIZE), machine.clock)
+    while not groups.is_enough:
+        groups.step(10.0, np.inf)
+    assert groups.is_even and groups.samples == 4 and (groups.count == 1).all()
+    assert groups.seconds == pytest.approx(0.2) and groups.each == pytest.approx(0.05)
+    groups.step(0.0, np.inf)
+    groups.end()
+    assert 4 < groups.samples < 5 and groups.count[1:].max() == 1 and groups.count[0].max() == 2
+    before = groups.samples
+    groups.end()
+    assert groups.samples == before
+
+
+def test_rounds_double_and_end_where_they_are_wanted():
+    machine = Machine()
+    groups = Groups(Paths(machine), None, None, Settings(mode="path"), (SIZE, SIZE), machine.clock)
+    seen = []
+    for most in [np.inf] * 3 + [12.0]:
+        for _ in range(4):
+            groups.step(100.0, most)
+        seen.append(groups.samples)
+    assert seen == [4, 8, 16, 28]
+
+
+def test_the_raster_is_no_lamp_that_paths_never_meet(make):
+    """With enough samples the picture is the paths', whatever the raster shows."""
+    assert RASTERS["one bright spot"].max() > truth().max()
+    machine = Machine(sample=0.002)
+    image, _ = make(machine, time_budget=8)
+    assert np.abs(image.linear[..., :3] - truth()).mean() < 0.02 * truth().mean()

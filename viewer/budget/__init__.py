@@ -1,1 +1,1 @@
-"""Choosing how to make a picture, by the time there is for it or the error it may have."""
+"""Making the best picture in a time, or one of a given error in little time."""

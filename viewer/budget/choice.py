@@ -1,89 +1,87 @@
-"""What was weighed, what was taken, and how that is told."""
+"""How a picture came about, and how that is told."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from operator import attrgetter, itemgetter
 from typing import Any
 
-from .candidates import Candidate
+from ..estimate.raster_error import percent
+from .combine import Told
 
 TOLERANCE = 1.2
 """How many times the budget may be taken before it counts as not held."""
 
 
 @dataclass
-class Choice:
-    """What was weighed and what came of it. `seconds` is from the call to the picture in memory."""
+class Rung:
+    """A method of the raster; `seconds` that it took, None if it was not tried, and what was foreseen."""
 
-    found: list[Candidate]
-    taken: Candidate
+    title: str
+    foreseen: float | None = None
+    seconds: float | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        return {"method": self.title, "expected_s": self.foreseen, "seconds": self.seconds}
+
+
+@dataclass
+class Choice:
+    """`seconds` is from the call to the picture in memory."""
+
     budget: float | None = None
     target: float | None = None
+    method: str = ""
     seconds: float = 0.0
     samples: float | None = None
-    """A pixel; of a path-traced picture."""
+    """A pixel, of paths that are in the picture."""
+    told: Told | None = None
+    """What the paths say of the picture; None if there were not enough."""
     error: float | None = None
-    """Relative, of this very picture as its samples tell; None: it is `taken.error`, what is usual."""
-    held: list[tuple[Candidate, float]] = field(default_factory=list)
-    """Pictures of the raster that were made too, and their errors against the path-traced one."""
-    beaten: Candidate | None = None
-    """The path-traced picture that one of them was nearer to the truth than, with the error its samples tell."""
-    unfinished: Candidate | None = None
-    """What was meant to be made, and came to nothing in that time."""
-    has_media: bool = False
-    """Whether there is fog or a volume, with which no times and errors have been measured."""
+    """Relative, of a picture of paths alone, as they estimate it."""
+    rungs: list[Rung] = field(default_factory=list)
+    compared: dict[str, float] = field(default_factory=dict)
+    """Relative errors of all the pictures there were to choose from, by their methods."""
+    unfinished: str | None = None
+    """What was begun and came to nothing."""
+    is_stopped: bool = False
 
     @property
-    def is_drawn(self) -> bool:
-        """Whether it is of the raster, and no paths have been tried."""
-        return self.samples is None and self.beaten is None and self.unfinished is None
+    def measured(self) -> float | None:
+        return self.told.relative if self.told is not None else self.error
+
+    @property
+    def reached(self) -> float | None:
+        """What is sure enough to be held against the target."""
+        return self.told.high**0.5 if self.told is not None else self.error
 
     @property
     def unmet(self) -> str:
-        """What was asked for, or expected, and could not be had; "": all could."""
+        """What was asked for and could not be had; "": all could."""
         if self.budget is not None and self.seconds > TOLERANCE * self.budget:
-            if not self.taken.fits(self.budget):
-                return f"nothing is ready within {self.budget:g} s here, preparing the scene included"
-            return "slower than expected"
-        if self.target is not None and (self.error is None or self.error > self.target):
-            return "the error asked for was not reached" if self.error is not None else \
+            return f"nothing is ready within {self.budget:g} s here, preparing the scene included"
+        if self.target is not None and (self.reached is None or self.reached > self.target):
+            return "the error asked for was not reached" if self.reached is not None else \
                 "whether that error is met is not known: there was no time to trace paths"
-        if self.unfinished is not None:
-            return f"{self.unfinished.title}: slower than expected, it came to nothing"
-        return ""
+        return "" if self.unfinished is None else f"{self.unfinished}: no time for enough samples"
 
     def to_json(self) -> dict[str, Any]:
-        return {"method": self.taken.title, "seconds": self.seconds, "spp": self.samples,
-                "error": self.taken.error if self.error is None else self.error,
-                "error_is": "measured" if self.error is not None else
-                            "expected without fog and volumes" if self.has_media else "expected",
+        return {"method": self.method, "seconds": self.seconds, "spp": self.samples, "error": self.measured,
+                "error_low": self.told and self.told.low**0.5, "error_high": self.told and self.told.high**0.5,
+                "error_is": "not measured" if self.measured is None else "measured",
                 "time_budget": self.budget, "error_target": self.target, "unmet": self.unmet or None,
-                "candidates": [one.to_json() for one in self.found],
-                "unfinished": self.unfinished and self.unfinished.title,
-                "compared": [{"method": one.title, "error": error} for one, error in self.held]
-                            + ([{"method": self.beaten.title, "error": self.beaten.error}] if self.beaten else [])}
+                "candidates": [rung.to_json() for rung in self.rungs], "unfinished": self.unfinished,
+                "compared": [{"method": method, "error": error} for method, error in self.compared.items()]}
 
     def __str__(self) -> str:
         """In a line."""
         wish = [] if self.budget is None else [f"time budget {self.budget:g} s"]
         wish += [] if self.target is None else [f"error {self.target:g}"]
-        words = self.taken.title + ("" if self.samples is None else f", {self.samples:.3g} samples a pixel")
-        words += f", in {self.seconds:.2g} s"
-        words += f"; expected error {self.taken.error:.2g}" if self.error is None else f"; error {self.error:.2g}"
-        words += " without fog and volumes, with which it is not known" * (self.error is None and self.has_media)
-        other = self._runner_up()
-        words += f"; {other[0]}: {other[1]:.2g}" if other else ""
-        return f"{', '.join(wish)}: {words}" + (f" ({self.unmet})" if self.unmet else "")
-
-    def _runner_up(self) -> tuple[str, float] | None:
-        """The best of the other kind that there was time for."""
-        if self.taken.is_traced and self.held:
-            best, error = min(self.held, key=itemgetter(1))
-            return best.title, error
-        if self.beaten is not None:
-            return self.beaten.title, self.beaten.error
-        other = [one for one in self.found if one.is_traced != self.taken.is_traced and one.fits(self.budget)
-                 and self.unfinished is None]
-        best_other = min(other, key=attrgetter("error"), default=None)
-        return None if best_other is None else (best_other.title, best_other.error)
+        words = self.method + ("" if self.samples is None else f", {self.samples:.3g} samples a pixel")
+        words += f", in {self.seconds:.2g} s; "
+        if self.told is not None:
+            low, high = (percent(end**0.5) for end in (self.told.low, self.told.high))
+            words += f"{percent(self.told.relative)} % from the truth (95 % sure: {low} to {high} %)"
+        else:
+            words += "error not measured" if self.error is None else f"error {self.error:.2g}"
+        others = [f"{method}: {percent(error)} %" for method, error in self.compared.items() if method != self.method]
+        return f"{', '.join(wish)}: {'; '.join([words, *others])}" + (f" ({self.unmet})" if self.unmet else "")

@@ -1,230 +1,222 @@
-"""Carries a choice out, and mends it where the picture itself shows that another is better."""
+"""One picture in the making: rungs of the raster, then paths, then what both together give."""
 
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, replace
-from operator import attrgetter
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
+from ..estimate.measure import error_notes
+from ..estimate.paths import path_settings
+from ..image.displayed import displayed
 from ..image.image import Image
-from ..measure.compare.relmse import EPSILON
+from ..measure.report.ladder import climb
 from ..raster.renderer import Renderer
 from ..raster.sampled_images import decode_ahead
 from ..scene.camera import Camera
 from ..scene.scene import Scene
-from ..trace.paths.path_render import PathRender
-from ..trace.paths.run import Report, run
+from ..settings import MAX_SPP, Settings
+from ..trace.paths.run import Report
 from ..trace.tracer import Tracer
-from .calibration import Calibration
-from .candidates import LEAST_SAMPLES, MIN_SAMPLES, Candidate, TracedCandidate
-from .choice import Choice
-from .contention import Stopwatch
-from .course import Course
+from .choice import Choice, Rung
+from .combine import Samples, Told, combined
+from .groups import GROUPS, Groups
+from .pace import SURE, Pace, maps
 
-PILOT = 4
-"""Samples a pixel before pictures of the raster are held against them."""
-SURE = 2.0
-"""Standard deviations of a mean that are added to it."""
-REHEARSAL = 10.0
-"""How many times as long as it takes to finish there has to be left for trying that first."""
-
-
-@dataclass(frozen=True)
-class View:
-    scene: Scene
-    camera: Camera
-    size: tuple[int, int]
-    layers: Collection[str] = ()
-
-
-@dataclass(frozen=True)
-class Drawing:
-    """What a picture was expected to take and the `seconds` that it took; `slowdown` by how many times that was longer
-    than on an idle machine."""
-
-    candidate: Candidate
-    seconds: float
-    slowdown: float
+SLICE_S, REPORT_S = 0.2, 0.5
+"""Longest time between two looks at the clock; time between two reports."""
+STRIP = 8192
+"""Pixels of which the combination is tried, to know what it takes."""
+SMALL = 8
+"""How many times as narrow and low as the picture a small frame is."""
+SHADOWS = "environment shadows"
+"""What the renderer calls the time of their maps."""
+LEAST_GROWTH, MOST_GROWTH = 1.25, 2.0
+"""Of the number of samples, between two looks at the error."""
 
 
 class Making:
-    """One picture, begun at `started` by time.perf_counter. Fills in what came of `choice`; `titles` are the methods it
-    made pictures by, of the raster and of the path tracer, `drawing` the last of the raster."""
+    def __init__(self, renderer: Renderer, tracer: Tracer, pace: Pace, choice: Choice, scene: Scene, camera: Camera,
+                 size: tuple[int, int], clock: Callable[[], float], started: float, report: Report | None,
+                 wants_to_stop: Callable[[], bool]) -> None:
+        self._renderer, self._tracer, self._pace, self._choice = renderer, tracer, pace, choice
+        self._scene, self._camera, self._size = scene, camera, size
+        self._clock, self._started, self._report, self._wants_to_stop = clock, started, report, wants_to_stop
+        self._end = math.inf if choice.budget is None else started + choice.budget
+        self._reported = started
+        self._radiance = np.zeros((size[1], size[0], 4), np.float32)
+        self._rung = -1
 
-    def __init__(self, renderer: Renderer, tracer: Tracer, calibration: Calibration, view: View, started: float,
-                 choice: Choice) -> None:
-        self._renderer, self._tracer, self._calibration = renderer, tracer, calibration
-        self._view, self._started, self._choice = view, started, choice
-        self.titles: tuple[set[str], set[str]] = set(), set()
-        self.drawing: Drawing | None = None
-
-    def drawn(self, candidate: Candidate) -> Image:
-        """By the raster."""
-        view, watch = self._view, Stopwatch()
-        if not self._renderer.holds(view.scene):
-            self._renderer.expect(decode_ahead(view.scene, candidate.settings))
-        self.titles[0].add(candidate.title)
-        image = self._renderer.render(view.scene, view.camera, candidate.settings, view.size)
-        self.drawing = Drawing(candidate, watch.seconds, watch.slowdown)
-        return image
-
-    def along(self, course: Course, report: Report | None, wants_to_stop: Callable[[], bool],
-              had: Image | None = None) -> Image:
-        """In the time budget, for which there is a course. What is drawn first is kept where it is nearer to what the
-        paths say than they are sure, or where they come to nothing in that time. `had` is a picture by the method that
-        was taken so far."""
-        first, path = course.first, course.path
-        assert self._choice.budget is not None
-        end = self._started + self._choice.budget
-        other = had if first is None or first.title == self._choice.taken.title else None
-        if first is not None and other is None:
-            other = self.drawn(first)
-        if path is None:
-            assert first is not None and other is not None
-            return self._taken(first, other, None)
-        if first is not None and other is not None and not self._is_time_for(path, end):
-            return self._instead(path, first, other, end)
-        spare = self._spare(first, self._choice.budget)
-        exposure = self._begin(path)
+    def image(self, raster: Settings, traced: Settings | None) -> Image:
+        """`raster` and `traced` are the user's settings in modes pbr and path; without the latter paths only tell the
+        error."""
+        background = "none" if isinstance(raster.background, tuple) else raster.background
+        self._rungs = climb(self._scene, replace(raster, background=background))
+        self._choice.rungs = [Rung(title) for title, _ in self._rungs]
+        self._pace.of(self._scene, self._size, self._renderer.holds(self._scene))
+        self._draw(self._first())
+        self._climb(traced is not None)
+        groups = Groups(self._tracer, self._scene, self._camera,
+                        replace(traced or path_settings(raster), background=background), self._size, self._clock)
+        told = None
         try:
-            latest = math.inf if spare is None and first is None else end - path.reserve
-            if spare is not None and spare.fits(self._choice.budget):
-                latest = end - spare.seconds
-            is_covered = self._covered(exposure, lambda: wants_to_stop() or time.perf_counter() >= latest)
-            if not is_covered and not math.isinf(latest) and not wants_to_stop():
-                return self._instead(path, first, other, end)
-            reserve = self._rehearsed(path, exposure, end)
-            run(exposure, self._started, report, wants_to_stop, reserve)
-            if first is not None and other is not None:
-                if not math.isfinite(exposure.error):
-                    self._choice.unfinished = None if wants_to_stop() else path
-                    return self._taken(first, other, None)
-                self._choice.held.append((first, against(other, exposure)))
-                if self._choice.held[-1][1] < self._error(exposure):
-                    self._choice.beaten = replace(path, error=self._error(exposure))
-                    return self._taken(first, other, self._choice.held[-1][1])
-            return self._developed(path, exposure)
+            if self._may_trace() and not self._wants_to_stop():
+                told = self._along(groups, traced is not None)
+            if told is None:
+                self._climb(False)
         finally:
-            exposure.release()
+            groups.end()
+        return self._finished(raster, groups, told)
 
-    def _instead(self, path: Candidate, first: Candidate | None, other: Image | None, end: float) -> Image:
-        """Where the paths come to nothing: the best there is time for, or what is there."""
-        self._choice.unfinished = path
-        spare = self._spare(first, end - time.perf_counter())
-        if spare is not None:
-            return self._taken(spare, self.drawn(spare), None)
-        assert first is not None and other is not None
-        return self._taken(first, other, None)
+    @property
+    def _left(self) -> float:
+        return self._end - self._clock()
 
-    def _is_time_for(self, path: TracedCandidate, end: float) -> bool:
-        """Whether paths come to something in what is left, at the pace of the picture that was drawn."""
-        drawing = self.drawing
-        late = 1.0 if drawing is None else max(drawing.seconds / max(drawing.candidate.seconds, 1e-6), 1.0)
-        return time.perf_counter() + late * path.of(MIN_SAMPLES).seconds <= end
+    # The raster
 
-    def _spare(self, first: Candidate | None, seconds: float) -> Candidate | None:
-        """What is drawn where paths come to nothing: the best of what takes no more than `seconds`, where it is better
-        than what is there; the quickest where nothing is."""
-        raster = [one for one in self._choice.found if not one.is_traced]
-        quickest = min(raster, key=attrgetter("seconds", "error"), default=None) if first is None else None
-        found = min((one for one in raster if one.seconds <= seconds), key=attrgetter("error", "seconds"),
-                    default=quickest)
-        return None if found is not None and first is not None and found.error >= first.error else found
+    def _first(self) -> int:
+        """The best rung whose time is known, for a scene that was drawn before; else the first."""
+        known = [k for k, (_, settings) in enumerate(self._rungs)
+                 if settings in self._pace.frames and self._fits(self._pace.frame(settings))]
+        return max(known, default=0)
 
-    @staticmethod
-    def _covered(exposure: PathRender, is_over: Callable[[], bool]) -> bool:
-        """Go on until every pixel has a sample; False where it `is_over` before."""
-        while not exposure.is_done and exposure.film.tile_errors()[..., 2].min() < 1:
-            if is_over():
-                return False
-            exposure.step(0)
-        return True
+    def _fits(self, seconds: float, may_trace: bool = True) -> bool:
+        """Whether there is time for it; and, if there is time for paths, whether it leaves them most of it. To a target
+        it may take half as long as all so far."""
+        if self._choice.target is not None:
+            return 2 * seconds <= self._clock() - self._started and seconds <= self._left
+        return 3 * seconds <= self._left or (seconds <= self._left and not (may_trace and self._may_trace()))
 
-    def until_right(self, path: TracedCandidate, target: float, rivals: Sequence[Candidate],
-                    report: Report | None, wants_to_stop: Callable[[], bool]) -> Image:
-        """By paths until the picture as a whole has the error asked for; but when a few samples show that a rival has
-        it, by that."""
-        exposure = self._begin(path)
-        end = math.inf if self._choice.budget is None else self._started + self._choice.budget
+    def _climb(self, may_trace: bool) -> None:
+        while self._rung + 1 < len(self._rungs) and not self._wants_to_stop():
+            (_, held), (_, settings) = self._rungs[self._rung:self._rung + 2]
+            if maps(settings) and self._pace.needs_small and self._pace.frames[held] <= self._left:
+                width, height = (max(side // SMALL, 1) for side in self._size)
+                # The first makes a target of that size.
+                self._pace.small = min(self._drawn_in(held, (width, height)) for _ in range(2))
+            seconds = self._pace.frame(settings)
+            self._choice.rungs[self._rung + 1].foreseen = seconds if math.isfinite(seconds) else None
+            if not self._fits(seconds, may_trace):
+                return
+            self._draw(self._rung + 1)
 
-        def is_right(samples: int) -> bool:
-            return exposure.samples >= samples and exposure.error <= target
+    def _draw(self, rung: int) -> None:
+        """What was drawn is the raster's picture from now on."""
+        settings, is_new = self._rungs[rung][1], not self._renderer.holds(self._scene)
+        if is_new:
+            self._renderer.expect(decode_ahead(self._scene, settings))
+        before, textures = dict(self._renderer.times), self._renderer.texture_seconds
+        seconds = self._drawn_in(settings, self._size)
+        spent = {name: value - before.get(name, 0.0) for name, value in self._renderer.times.items()}
+        self._pace.drawn(settings, seconds, spent.get(SHADOWS, 0.0))
+        self._radiance = np.nan_to_num(self._renderer.read_radiance(), nan=0.0, posinf=0.0, neginf=0.0)
+        self._rung, self._choice.rungs[rung].seconds = rung, seconds
+        if is_new:
+            self._pace.first, self._pace.textures = seconds, self._renderer.texture_seconds - textures
+            # It has compiled what it drew, too. What a frame takes, the second one shows.
+            if seconds - sum(spent.values()) <= self._left:
+                self._pace.drawn(settings, self._drawn_in(settings, self._size), 0.0)
 
-        try:
-            while rivals and not exposure.is_done and not wants_to_stop() and not (
-                    exposure.samples >= PILOT and math.isfinite(exposure.error)):
-                exposure.step(0)
-            for rival in rivals if not exposure.is_done and math.isfinite(exposure.error) else ():
-                if is_right(PILOT) or time.perf_counter() + rival.seconds + path.reserve > end:
-                    break
-                image = self.drawn(rival)
-                error = against(image, exposure)
-                self._choice.held.append((rival, error))
-                if error <= target:
-                    return self._taken(rival, image, error)
-            run(exposure, self._started, report, lambda: wants_to_stop() or is_right(LEAST_SAMPLES), path.reserve)
-            return self._developed(path, exposure)
-        finally:
-            exposure.release()
+    def _drawn_in(self, settings: Settings, size: tuple[int, int]) -> float:
+        started = self._clock()
+        self._renderer.draw(self._scene, self._camera, settings, size, half=False, still=True)
+        self._renderer.read_radiance()
+        return self._clock() - started
 
-    def _rehearsed(self, path: TracedCandidate, exposure: PathRender, end: float) -> float:
-        """How long what comes after the last sample takes, seen on a first picture where there is time for that: then
-        all it needs is compiled, and however busy the device is, it is known."""
-        seconds = path.reserve
-        for _ in range(2):  # the first compiles
-            if exposure.is_done or end - time.perf_counter() < REHEARSAL * seconds:
+    # Paths
+
+    def _may_trace(self) -> bool:
+        """Whether there is time for as few paths as tell anything, and for what is to be done with them."""
+        seconds = self._pace.paths(self._scene, self._tracer.holds(self._scene), GROUPS)
+        return seconds <= self._left and seconds + self._reserve <= self._left
+
+    @property
+    def _reserve(self) -> float:
+        """For what comes after the last sample. Displaying takes less than a frame."""
+        width, height = self._size
+        if self._pace.combine is None:
+            strip = self._radiance[:math.ceil(STRIP / width), :, :3]
+            parts = np.stack([strip * (1 + 0.1 * k) for k in range(GROUPS)])
+            self._combine(strip, Samples(parts, np.ones_like(parts[..., :1])))
+        return SURE * ((self._pace.combine or 0.0) * width * height + min(self._pace.frames.values()))
+
+    def _combine(self, raster: np.ndarray, samples: Samples) -> dict[str, Told]:
+        started = self._clock()
+        told = combined(raster, samples)
+        self._pace.combine = (self._clock() - started) / (raster.shape[0] * raster.shape[1])
+        return told
+
+    def _along(self, groups: Groups, mixes: bool) -> dict[str, Told] | None:
+        """Trace to the end of the time, or to the target; None if there was not enough time."""
+        target, look = self._choice.target, float(GROUPS)
+        while True:
+            self._trace(groups, math.inf if target is None else look)
+            if not groups.is_enough:
+                self._choice.unfinished = None if self._wants_to_stop() else "paths"
+                return None
+            told = self._combine(self._radiance[..., :3], Samples(groups.total, groups.count))
+            told = told if mixes else {"drawn": told["drawn"]}
+            best = min(told.values(), key=lambda one: one.relmse)
+            is_out = not mixes and self._rung + 1 == len(self._rungs) and best.low > (target or 0.0) ** 2
+            if target is None or best.high <= target**2 or is_out or self._is_over(groups):
+                return told
+            look = groups.samples * min(max(best.high / target**2, LEAST_GROWTH), MOST_GROWTH)
+            self._climb(mixes)
+
+    def _is_over(self, groups: Groups) -> bool:
+        return self._wants_to_stop() or self._left <= self._reserve or groups.samples >= MAX_SPP
+
+    def _trace(self, groups: Groups, samples: float) -> None:
+        """To so many samples a pixel, in whole rounds; or to the end of the time, perhaps within a round."""
+        last = 0.0
+        while not self._is_over(groups) and not (groups.is_even and groups.samples >= samples):
+            left = self._left - self._reserve
+            missing = 0 if groups.is_enough or not groups.pictures else GROUPS - groups.pictures
+            if left <= last or (groups.pictures > 1 and missing * groups.each > left):
                 break
-            exposure.step(0)
-            started = time.perf_counter()
-            exposure.image()
-            seconds = time.perf_counter() - started
-        return seconds
+            before, is_near = self._clock(), left < 2 * SLICE_S
+            groups.step(0.0 if is_near else SLICE_S, min(left / max(groups.each, 1e-6), samples - groups.samples))
+            last = self._clock() - before - (0.0 if is_near else SLICE_S)  # of one iteration, at least
+            self._tell(groups, samples)
+        groups.end()
+        if groups.is_enough:
+            self._pace.sample = groups.each
 
-    def _begin(self, path: Candidate) -> PathRender:
-        view = self._view
-        self.titles[1].add(path.title)
-        return self._tracer.begin(view.scene, view.camera, path.settings, view.size, view.layers)
+    def _tell(self, groups: Groups, samples: float) -> None:
+        now = self._clock()
+        if self._report is None or now - self._reported < REPORT_S:
+            return
+        self._reported = now
+        spent = now - self._started
+        fraction = groups.samples / samples if math.isinf(self._end) else spent / (self._end - self._started)
+        fraction = min(max(fraction, 1e-3), 1.0)
+        self._report(fraction, spent * (1 / fraction - 1))
 
-    def _taken(self, candidate: Candidate, image: Image, error: float | None) -> Image:
-        self._choice.taken, self._choice.error = candidate, error
-        return image
+    def _combined(self, groups: Groups, mixes: bool) -> dict[str, Told]:
+        started = self._clock()
+        told = combined(self._radiance[..., :3], Samples(groups.total, groups.count))
+        self._pace.combine = (self._clock() - started) / (self._size[0] * self._size[1])
+        return told if mixes else {"drawn": told["drawn"]}
 
-    def _developed(self, path: Candidate, exposure: PathRender) -> Image:
-        self._choice.samples, error = exposure.samples, self._error(exposure)
-        if exposure.settings.denoise != "off" and math.isfinite(error):
-            return self._taken(replace(path, error=error), exposure.image(), None)
-        return self._taken(path, exposure.image(), error if math.isfinite(error) else None)
+    # The end
 
-    def _error(self, exposure: PathRender) -> float:
-        """As its samples tell it; where it is filtered, with what that usually does to it."""
-        is_filtered = exposure.settings.denoise != "off"
-        return exposure.error * (self._calibration.traced.factor(exposure.error) if is_filtered else 1.0)
-
-
-def against(image: Image, exposure: PathRender) -> float:
-    """The relative error of `image`, by the unfinished picture of `exposure`: each pixel's variance is taken off its
-    squared difference, and what both are relative to is the mean of the pixels around it, which is less noisy. What
-    is left of the noise counts as error: few samples show no small one."""
-    total, squares = (array.astype(np.float64) for array in exposure.film.read_sums())
-    n = np.maximum(total[..., 3:], 1)
-    truth = total[..., :3] / n
-    variance = np.maximum(squares[..., :3] / n - truth**2, 0) / np.maximum(n - 1, 1)
-    if isinstance(exposure.settings.background, tuple):
-        truth += (1 - squares[..., 3:] / n) * np.array(exposure.settings.background)
-    squared = (np.nan_to_num(image.linear[..., :3], posinf=0.0, neginf=0.0) - truth) ** 2 - variance
-    relative = (squared / (around(truth) ** 2 + EPSILON)).mean(axis=-1)
-    doubt = SURE * float(relative.std()) / math.sqrt(relative.size)
-    return math.sqrt(max(float(relative.mean()), 0.0) + doubt)
-
-
-def around(picture: np.ndarray, reach: int = 2) -> np.ndarray:
-    """The mean over the square of pixels as far as `reach` from each; (H, W, C)."""
-    height, width = picture.shape[:2]
-    side = 2 * reach + 1
-    sums = np.pad(np.pad(picture, ((reach,) * 2, (reach,) * 2, (0, 0)), mode="edge").cumsum(0).cumsum(1),
-                  ((1, 0), (1, 0), (0, 0)))
-    return (sums[side:, side:] - sums[:height, side:] - sums[side:, :width] + sums[:height, :width]) / side**2
+    def _finished(self, raster: Settings, groups: Groups, told: dict[str, Told] | None) -> Image:
+        choice, linear, title = self._choice, self._radiance, self._rungs[self._rung][0]
+        stats: dict[str, object] = {"plan": self._renderer.plan.to_json() if self._renderer.plan else {}}
+        choice.method = title
+        if told is not None:
+            titles = {"mixed": f"{title}, mixed with paths", "drawn": title, "traced": "path traced"}
+            taken = min(told, key=lambda name: told[name].relmse)
+            choice.method, choice.told = titles[taken], told[taken]
+            choice.compared = {titles[name]: one.relative for name, one in told.items()}
+            stats |= {"estimated_error": {**told[taken].to_json(groups.seconds),
+                                          "notes": list(error_notes(raster, groups.missing))}}
+            if taken != "drawn":
+                choice.samples = groups.samples
+                alpha = groups.total[..., 3:].sum(axis=0) / groups.count.sum(axis=0)
+                linear = np.concatenate([told[taken].picture, alpha], axis=-1)
+                stats |= groups.stats
+        image = displayed(self._renderer.context, self._renderer.programs, linear, raster)
+        return replace(image, stats=stats)

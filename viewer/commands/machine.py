@@ -14,20 +14,20 @@ from .output import print_text, write_or_print_json
 @JSON_OPTION
 def doctor(json_file: str | None) -> None:
     """Show which OpenGL contexts work here, and how to fix those that do not. Exit status 3: none works."""
-    from ..jobs.doctor import calibration_line, diagnose, exit_status, format_findings
+    from ..jobs.doctor import diagnose, exit_status, format_findings
 
     findings = diagnose()
     if json_file:
         write_or_print_json(json_file, [finding.to_json() for finding in findings])
     else:
-        print_text("\n".join(filter(None, [format_findings(findings), calibration_line(findings)])))
+        print_text(format_findings(findings))
     sys.exit(exit_status(findings))
 
 
 @click.command(short_help="Show or clear the cache on disk.")
 @click.option("--clear", is_flag=True, help="Delete all entries of the cache.")
 def cache(clear: bool) -> None:
-    """Show the folder and size of the cache, which holds prepared environments and measurements of this device.
+    """Show the folder and size of the cache, which holds prepared environments.
 
     The environment variable PBR_VIEWER_CACHE names another folder, or is `off`.
     """

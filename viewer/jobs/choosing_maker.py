@@ -1,4 +1,4 @@
-"""The picture maker that chooses the method for each picture, by its time budget or error."""
+"""The picture maker of pictures with a time budget or an error to reach."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from ..base.messages import say
 from ..base.progress import Progress
 from ..base.signals import Stopped, postponed
 from ..budget.chooser import Chooser
-from ..budget.contention import Stopwatch
 from ..image.image import Image
 from ..raster.renderer import Renderer
 from ..scene.camera import Camera
@@ -21,23 +20,21 @@ class ChoosingMaker(PictureMaker):
     def __init__(self, request: RenderRequest) -> None:
         super().__init__(request)
         self._chooser: Chooser | None = None
-        self._watch = Stopwatch()
 
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
         """As `PictureMaker.make`. The choice is printed.
 
-        The time budget starts after the device has been opened and calibrated.
+        The time budget starts after the device has been opened.
         """
         request, report_line = self._request, (lambda _: None) if self._request.quiet else say
         if self._chooser is None:
             context = request.open()
             self._renderer = Renderer(context, request.use_cache, request.measure)
             self._tracer = Tracer(context, request.use_cache)
-            self._chooser = Chooser(context, self._renderer, self._tracer, request.use_cache, self._watch)
-        self._chooser.calibrate(lambda text: report_line(f"{text}; this takes half a minute or more"))
+            self._chooser = Chooser(context, self._renderer, self._tracer)
 
         def report(fraction: float, seconds_left: float) -> None:
-            progress.part(fraction, f"{path.name}: path traced, {seconds_left:.0f} s left")
+            progress.part(fraction, f"{path.name}: {seconds_left:.0f} s left")
 
         self._renderer.times.clear()
         self._renderer.pass_ms.clear()

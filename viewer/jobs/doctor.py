@@ -50,19 +50,6 @@ def diagnose() -> list[Finding]:
     return findings
 
 
-def calibration_line(findings: Sequence[Finding]) -> str:
-    """A line that says whether the device of `--backend auto` is calibrated, which choosing a picture's method needs;
-    "" if no back end works."""
-    working = next((finding for finding in findings if finding.works), None)
-    if working is None:
-        return ""
-    from ..budget.calibration import load_calibration
-
-    is_known = load_calibration(working.renderer) is not None
-    return f"--time-budget, --error: {working.backend} " + (
-        "is measured, in the cache" if is_known else "will be measured when one of them is first used without --mode")
-
-
 def exit_status(findings: Sequence[Finding]) -> int:
     """0 if any back end works, so that pictures can be made; else 3."""
     return 0 if any(finding.works for finding in findings) else 3

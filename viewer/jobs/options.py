@@ -193,11 +193,10 @@ PATH_OPTIONS = [
                  help=f"Mode path: samples per pixel. With one of the next two options it is the most samples. "
                       f"Default: {DEFAULT_SPP}, or unlimited with one of them."),
     click.option("--time-budget", type=Number(*_ends("time_budget")), metavar="SECONDS",
-                 help="Make the best picture within this time. The best method is chosen; with --mode path it is path "
-                      "tracing. The first choice on a machine measures it, which takes half a minute or more."),
+                 help="Make the best picture within this time, by both renderers; with --mode path, by path tracing."),
     click.option("--error", type=Number(*_ends("error")), metavar="TARGET",
-                 help="Make a picture with at most this relative error (0.02 is 2 %) in the least time. The best "
-                      "method is chosen; with --mode path it is path tracing, which estimates its error."),
+                 help="Make a picture with at most this relative error (0.02 is 2 %) in little time, by both "
+                      "renderers; with --mode path, by path tracing, which estimates its error."),
     click.option("--seed", type=click.IntRange(*_ends("seed")), default=0, metavar="N",
                  help="Mode path: the seed of the random numbers; the same N gives the same noise."),
     click.option("--denoise", type=click.Choice(get_args(Denoise)), default="off", show_default=True,

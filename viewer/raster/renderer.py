@@ -135,6 +135,11 @@ class Renderer:
         """About what the scene's textures take on the GPU."""
         return self._surfaces.textures.bytes
 
+    @property
+    def texture_seconds(self) -> float:
+        """Spent on textures since the renderer was made, a part of "compile and upload" in `times`."""
+        return self._surfaces.textures.seconds
+
     def read_radiance(self) -> np.ndarray:
         """The frame drawn last, (H, W, 4) float32 of the target's precision, with nothing laid behind it."""
         width, height = self._target.size

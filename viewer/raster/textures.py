@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import moderngl
 import numpy as np
 
@@ -43,6 +45,8 @@ class Textures:
         self._channels: dict[tuple[TextureImage, bool], str] = {}
         self._sizes: dict[Key, int] = {}
         self._means: dict[Key, np.ndarray] = {}
+        self.seconds = 0.0
+        """Spent in `upload`, with waiting for decoders."""
 
     @property
     def bytes(self) -> int:
@@ -71,6 +75,7 @@ class Textures:
 
     def upload(self) -> None:
         """Upload all prefetched images as textures, in the order in which they are decoded."""
+        started = time.perf_counter()
         while self._decoders:
             for key, levels in self._decoders.pop(0).results():
                 if key not in self._textures:  # the texture may exist already, from an earlier scene
@@ -79,6 +84,7 @@ class Textures:
                     self._means[key] = _mean(levels[-1], key[2])
                 del levels
                 trim_heap()  # OpenGL has its own copy now
+        self.seconds += time.perf_counter() - started
 
     def mean(self, texture: Texture, name: str) -> np.ndarray:
         """The mean of a map of a material, (3,) float64, linear. A prefetched plan must sample the map."""
