@@ -13,18 +13,6 @@ TOLERANCE = 1.2
 
 
 @dataclass
-class Rung:
-    """A method of the raster; `seconds` that it took, None if it was not tried, and what was foreseen."""
-
-    title: str
-    foreseen: float | None = None
-    seconds: float | None = None
-
-    def to_json(self) -> dict[str, Any]:
-        return {"method": self.title, "expected_s": self.foreseen, "seconds": self.seconds}
-
-
-@dataclass
 class Choice:
     """`seconds` is from the call to the picture in memory."""
 
@@ -38,12 +26,12 @@ class Choice:
     """What the paths say of the picture; None if there were not enough."""
     error: float | None = None
     """Relative, of a picture of paths alone, as they estimate it."""
-    rungs: list[Rung] = field(default_factory=list)
+    rungs: list[dict[str, Any]] = field(default_factory=list)
+    """Of the raster: "method", "expected_s" and the "seconds" it took, None if it was not drawn."""
     compared: dict[str, float] = field(default_factory=dict)
     """Relative errors of all the pictures there were to choose from, by their methods."""
     unfinished: str | None = None
     """What was begun and came to nothing."""
-    is_stopped: bool = False
 
     @property
     def measured(self) -> float | None:
@@ -69,7 +57,7 @@ class Choice:
                 "error_low": self.told and self.told.low**0.5, "error_high": self.told and self.told.high**0.5,
                 "error_is": "not measured" if self.measured is None else "measured",
                 "time_budget": self.budget, "error_target": self.target, "unmet": self.unmet or None,
-                "candidates": [rung.to_json() for rung in self.rungs], "unfinished": self.unfinished,
+                "candidates": self.rungs, "unfinished": self.unfinished,
                 "compared": [{"method": method, "error": error} for method, error in self.compared.items()]}
 
     def __str__(self) -> str:

@@ -78,10 +78,6 @@ class Samples:
         with ThreadPoolExecutor(len(halves)) as pool:
             return np.repeat(list(pool.map(lambda left: mixture(raster, *self.without(left)), halves)), 2, axis=0)
 
-    def others(self) -> np.ndarray:
-        """(4, H, W, 3), the means of the samples of all groups but one."""
-        return np.stack([self.without([k])[0] for k in range(len(self.means))])
-
     def levels(self, best: np.ndarray, raster: np.ndarray) -> list[np.ndarray]:
         """What errors may be relative to, by the `best` picture there is.
 
@@ -120,7 +116,7 @@ def combined(raster: np.ndarray, samples: Samples) -> dict[str, Told]:
     levels = samples.levels(mixtures.mean(axis=0), raster)
     return {"mixed": samples.told(mixtures, levels),
             "drawn": samples.told(np.broadcast_to(raster, samples.means.shape), levels),
-            "traced": samples.told(samples.others(), levels)}
+            "traced": samples.told(np.stack([samples.without([k])[0] for k in range(len(samples.means))]), levels)}
 
 
 def _weighted(errors: np.ndarray, level: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ from ..scene.scene import Scene
 from ..settings import MAX_SPP, Settings
 from ..trace.paths.run import Report
 from ..trace.tracer import Tracer
-from .choice import Choice, Rung
+from .choice import Choice
 from .combine import Samples, Told, combined
 from .groups import GROUPS, Groups
 from .pace import SURE, Pace, maps
@@ -54,7 +54,7 @@ class Making:
         error."""
         background = "none" if isinstance(raster.background, tuple) else raster.background
         self._rungs = climb(self._scene, replace(raster, background=background))
-        self._choice.rungs = [Rung(title) for title, _ in self._rungs]
+        self._choice.rungs = [{"method": title, "expected_s": None, "seconds": None} for title, _ in self._rungs]
         self._pace.of(self._scene, self._size, self._renderer.holds(self._scene))
         self._draw(self._first())
         self._climb(traced is not None)
@@ -74,8 +74,6 @@ class Making:
     def _left(self) -> float:
         return self._end - self._clock()
 
-    # The raster
-
     def _first(self) -> int:
         """The best rung whose time is known, for a scene that was drawn before; else the first."""
         known = [k for k, (_, settings) in enumerate(self._rungs)
@@ -92,12 +90,12 @@ class Making:
     def _climb(self, may_trace: bool) -> None:
         while self._rung + 1 < len(self._rungs) and not self._wants_to_stop():
             (_, held), (_, settings) = self._rungs[self._rung:self._rung + 2]
-            if maps(settings) and self._pace.needs_small and self._pace.frames[held] <= self._left:
+            if maps(settings) and self._pace.small is None and self._pace.frames[held] <= self._left:
                 width, height = (max(side // SMALL, 1) for side in self._size)
                 # The first makes a target of that size.
                 self._pace.small = min(self._drawn_in(held, (width, height)) for _ in range(2))
             seconds = self._pace.frame(settings)
-            self._choice.rungs[self._rung + 1].foreseen = seconds if math.isfinite(seconds) else None
+            self._choice.rungs[self._rung + 1]["expected_s"] = seconds if math.isfinite(seconds) else None
             if not self._fits(seconds, may_trace):
                 return
             self._draw(self._rung + 1)
@@ -112,7 +110,7 @@ class Making:
         spent = {name: value - before.get(name, 0.0) for name, value in self._renderer.times.items()}
         self._pace.drawn(settings, seconds, spent.get(SHADOWS, 0.0))
         self._radiance = np.nan_to_num(self._renderer.read_radiance(), nan=0.0, posinf=0.0, neginf=0.0)
-        self._rung, self._choice.rungs[rung].seconds = rung, seconds
+        self._rung, self._choice.rungs[rung]["seconds"] = rung, seconds
         if is_new:
             self._pace.first, self._pace.textures = seconds, self._renderer.texture_seconds - textures
             # It has compiled what it drew, too. What a frame takes, the second one shows.
@@ -124,8 +122,6 @@ class Making:
         self._renderer.draw(self._scene, self._camera, settings, size, half=False, still=True)
         self._renderer.read_radiance()
         return self._clock() - started
-
-    # Paths
 
     def _may_trace(self) -> bool:
         """Whether there is time for as few paths as tell anything, and for what is to be done with them."""
@@ -199,8 +195,6 @@ class Making:
         told = combined(self._radiance[..., :3], Samples(groups.total, groups.count))
         self._pace.combine = (self._clock() - started) / (self._size[0] * self._size[1])
         return told if mixes else {"drawn": told["drawn"]}
-
-    # The end
 
     def _finished(self, raster: Settings, groups: Groups, told: dict[str, Told] | None) -> Image:
         choice, linear, title = self._choice, self._radiance, self._rungs[self._rung][0]

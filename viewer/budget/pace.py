@@ -73,11 +73,6 @@ class Pace:
             self._map = shadows / maps(settings)
         self._maps = maps(settings) or self._maps
 
-    @property
-    def needs_small(self) -> bool:
-        """Whether what a shadow map takes is best told by a frame of few pixels."""
-        return self._map is None and self.small is None
-
     def frame(self, settings: Settings) -> float:
         """A picture by the raster, with what it has to prepare; infinite as long as none was drawn."""
         count = maps(settings)
