@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from command_line import SCENES
-from shapes import constant, facing_floor, moved, plate, scene, sphere
+from shapes import WHITE, constant, facing_floor, moved, plate, scene, sphere
 
 import viewer
 from viewer.errors import UsageError
@@ -19,7 +19,8 @@ from viewer.settings import Settings
 
 MODEL = SCENES / "spheres.glb"
 SMALL = ("--size", "32x24")
-ROOM = scene((plate(half=2.0), facing_floor()), (sphere(segments=12), moved((0, 0.5, 0), 0.5)), environment=constant())
+ROOM = scene((plate(half=2.0), facing_floor()), (sphere(segments=12), moved((0, 0.5, 0), 0.5)), environment=constant(),
+             materials=[replace(WHITE, base_color=(0.5, 0.5, 0.5, 1.0))])
 
 
 def test_points_are_settings_that_exist_and_mode_pbr_uses():
@@ -35,7 +36,9 @@ def test_points_are_settings_that_exist_and_mode_pbr_uses():
 def test_what_is_given_wins_and_other_modes_have_no_quality():
     given = Settings(environment_shadows="off", ndf="beckmann")
     standard = Quality("standard", frozenset({"environment_shadows", "ndf"}))
-    assert standard.applied(given) == replace(given, antialias=POINTS["standard"]["antialias"])
+    assert standard.applied(given) == replace(given, **POINTS["standard"] | {"environment_shadows": "off"})
+    occluded = Quality("standard").applied(Settings(ambient_occlusion="gtao"))
+    assert (occluded.ambient_occlusion, occluded.environment_shadows) == ("gtao", "off")
     assert Quality("standard").applied(given).environment_shadows == POINTS["standard"]["environment_shadows"]
     for mode in ("phong", "path"):
         other = Settings(mode=mode)

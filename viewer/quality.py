@@ -15,7 +15,7 @@ QualityName = Literal["draft", "standard", "high"]
 QUALITIES: tuple[QualityName, ...] = get_args(QualityName)
 POINTS: Mapping[QualityName, Mapping[str, Any]] = MappingProxyType({
     "draft": {},
-    "standard": {"environment_shadows": "16", "antialias": "ssaa-4"},
+    "standard": {"environment_shadows": "64", "indirect": "estimated", "antialias": "ssaa-4"},
     "high": {"environment_shadows": "64", "indirect": "baked", "reflections": "traced", "refraction": "traced",
              "antialias": "ssaa-9"},
 })
@@ -44,8 +44,10 @@ class Quality:
         """`settings` at this point. Other modes than pbr have no points: their settings stay as they are."""
         if settings.mode != "pbr":
             return settings
-        changes = {name: value for name, value in POINTS[self.name].items() if name not in self.given}
-        return replace(settings, **changes)
+        kept = self.given
+        if settings.ambient_occlusion != "off":  # it has no effect together with shadows of the environment
+            kept |= {"environment_shadows"}
+        return replace(settings, **{name: value for name, value in POINTS[self.name].items() if name not in kept})
 
     def facts(self, settings: Settings) -> dict[str, str]:
         """What plans tell of it."""

@@ -117,8 +117,9 @@ class Settings:
         "off", "shadows of the environment, from so many directional lights sampled from it")
     ambient_occlusion: Literal["off", "gtao"] = _option(
         "off", "ambient occlusion computed from the depth buffer; no effect together with environment-shadows")
-    indirect: Literal["off", "baked"] = _option(
-        "off", "indirect light from other surfaces; baked: path traced once at the vertices")
+    indirect: Literal["off", "estimated", "baked"] = _option(
+        "off", "indirect light from other surfaces; estimated: what hides a light of environment-shadows reflects what "
+        "the mean of all surfaces would; baked: path traced once at the vertices")
     reflections: Literal["environment", "traced"] = _option(
         "environment", "what is reflected; traced: also the model itself, by one ray from each shaded point")
     refraction: Literal["screen", "traced"] = _option(

@@ -9,6 +9,7 @@ struct FarLight {
     vec4 u, v, depth; // rows of the matrix from eye-relative position to the atlas
     vec4 direction;   // to the light, in the world; w: a texel's size in scene units
     vec4 irradiance;  // of a surface facing it
+    vec4 reflected;   // of a surface facing what hides it
 };
 layout(std140) uniform FarLights {
     FarLight u_far_lights[LIGHTS];
@@ -54,5 +55,9 @@ void main() {
         float visible = textureLod(u_atlas, vec3(dot(light.u, p), dot(light.v, p), dot(light.depth, p)), 0.0);
         o_unshadowed += unshadowed;
         o_shadowed += facing > 0.0 ? visible * unshadowed : vec4(0.0);
+#if ESTIMATED
+        vec4 reflected = vec4(light.reflected.rgb, lobe * luminance(light.reflected.rgb)) * NoL;
+        o_shadowed += facing > 0.0 ? (1.0 - visible) * reflected : reflected;
+#endif
     }
 }

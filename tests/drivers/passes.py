@@ -24,7 +24,7 @@ _OVER_PICTURES: dict[str, dict[str, tuple[int, ...]]] = {
     "raster/caustics.frag": {},
     "raster/visibility.frag": {},
     "raster/ambient_occlusion.frag": {"IS_ORTHOGRAPHIC": (0, 1)},
-    "raster/environment_shadows.frag": {"LIGHTS": (16, 64), "IS_ORTHOGRAPHIC": (0, 1)},
+    "raster/environment_shadows.frag": {"LIGHTS": (16, 64), "ESTIMATED": (0, 1), "IS_ORTHOGRAPHIC": (0, 1)},
     "raster/reflection_rays.frag": {"IS_ORTHOGRAPHIC": (0, 1)},
     "raster/reflected_light.frag": {"REFLECTS": (1,), "ENVIRONMENT_ROTATED": (0, 1)},
     "raster/reflected_mean.frag": {},

@@ -123,3 +123,18 @@ def test_lights_add_up_to_the_environment():
 
 def test_a_black_environment_gives_no_nan(radiance):
     assert radiance(corner(environment=constant(0.0)), VIEW, SIZE, environment_shadows="16")[..., :3].max() == 0
+
+
+def test_estimated_light_makes_a_white_corner_in_uniform_light_invisible(radiance):
+    """What hides uniform light sends as much if it is white, nothing if it is black, and its mean colour if not."""
+    white = replace(corner(), materials=(replace(WHITE, double_sided=True),) * 2)
+    hidden, found = (radiance(white, VIEW, SIZE, environment_shadows="64", indirect=indirect)[..., :3]
+                     for indirect in ("off", "estimated"))
+    assert hidden.min() < 0.7 and np.abs(found - 1).max() < 0.01
+    red = replace(white, materials=(replace(WHITE, base_color=(0.8, 0.2, 0.0, 1.0), double_sided=True),) * 2)
+    floor = radiance(red, VIEW, SIZE, environment_shadows="64", indirect="estimated")[..., :3]
+    share = hidden / hidden.max()
+    expected = np.array([0.8, 0.2, 0.0]) * (share + (1 - share) * np.array([0.8, 0.2, 0.0]))
+    assert np.abs(floor - expected).max() < 0.02
+    black = replace(white, materials=(replace(WHITE, base_color=(0, 0, 0, 1), double_sided=True),) * 2)
+    assert not radiance(black, VIEW, SIZE, environment_shadows="64", indirect="estimated")[..., :3].any()

@@ -23,7 +23,7 @@ _LABELS = {
     "environment": "Environment only", "screen": "Screen space", "traced": "Traced",
     "baked": "Baked", "single": "Once", "multiple": "Many times", "quarter": "A quarter", "sixteenth": "A sixteenth",
     "charlie": "Charlie", "zeltner": "Zeltner et al.", "slab": "Slab",
-    "photons": "Photons", "cotton": "Cotton", "wool": "Wool", "silk": "Silk",
+    "photons": "Photons", "estimated": "Estimated", "cotton": "Cotton", "wool": "Wool", "silk": "Silk",
 }
 
 

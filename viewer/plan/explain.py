@@ -77,7 +77,8 @@ def _used(plan: Plan) -> tuple[str, ...]:
     if plan.has_visibility and plan.ambient_occlusion:
         lines.append("ambient occlusion, from the depth buffer")
     elif plan.has_visibility:
-        lines.append(f"shadows of the environment, from {_count(plan.environment_shadows, 'light')} sampled from it")
+        lines.append(f"shadows of the environment, from {_count(plan.environment_shadows, 'light')} sampled from it"
+                     + "; what hides one reflects as the mean of all surfaces" * plan.estimates_indirect)
     if plan.has_traced_reflections:
         lines.append("traced reflections of the model: one ray per shaded point, lit by light baked at the vertices")
     if plan.has_traced_refraction:
@@ -163,7 +164,10 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
                      + (_reason(settings, settings.subsurface != "off") if settings.mode == "pbr" else
                         "modes pbr and path have it"))
     if any_lit and not plan.has_indirect and settings.mode == "pbr":
-        reason = "not requested" if settings.indirect == "off" else "the scene is convex: no surface sees another"
+        reason = "not requested" if settings.indirect == "off" else (
+            "estimated" if plan.estimates_indirect and plan.has_visibility else
+            "the scene is convex: no surface sees another" if settings.indirect == "baked" else
+            "estimated with shadows of the environment alone")
         lines.append(f"indirect light: {reason}")
     if settings.background != "env" or scene.environment is None:
         reason = "there is none" if scene.environment is None else "not requested"

@@ -118,6 +118,8 @@ class Plan:
     environment_shadows: int
     """The number of directional lights sampled from the environment for its shadows; 0: no shadows."""
     ambient_occlusion: bool
+    estimates_indirect: bool
+    """Whether what hides a light of the environment reflects as the mean of all surfaces."""
     background: bool
     background_blur: float
     """In degrees; 0: none."""

@@ -118,6 +118,7 @@ def plan_scene(
         dfg=any(draw.program.fragment == "raster/pbr.frag" and draw.program["REFLECTS"] for draw in kinds),
         environment_shadows=environment_shadows,
         ambient_occlusion=ambient_occlusion,
+        estimates_indirect=environment_shadows > 0 and settings.indirect == "estimated",
         background=background,
         background_blur=settings.background_blur if background else 0.0,
         media=plan_media(scene, settings, common),

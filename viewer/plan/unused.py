@@ -40,6 +40,9 @@ def _needs(scene: Scene, settings: Settings) -> Iterator[tuple[list[str], bool, 
         "there are no point or spot lights")
     yield ["environment_shadows", "ambient_occlusion", "reflections"], scene.environment is not None, (
         "there is no environment")
+    is_estimated = settings.indirect == "estimated"
+    yield ["indirect"], not is_estimated or settings.environment_shadows != "off", (
+        "it is estimated with environment_shadows only")
     yield ["background_blur"], is_environment_shown, "the background is no environment"
 
 

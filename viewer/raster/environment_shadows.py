@@ -8,6 +8,7 @@ unoccluded surfaces have no noise, and with more samples the picture converges t
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import moderngl
 import numpy as np
@@ -19,9 +20,11 @@ from ..plan.model import Plan
 from ..scene.environment import Environment
 from ..scene.frame import Frame
 from ..scene.light import Light
+from ..scene.material import Texture
 from ..scene.scene import Scene
 from .gbuffer import UNIT_NORMALS
 from .shadows import Atlas, Casters, light_tiles
+from .sky_shadows import mean_reflectance, reflected
 
 BATCH = 64
 ROOM = 1 << 26
@@ -36,32 +39,37 @@ BINDING = 2
 class EnvironmentShadows:
     """The shadow maps of many lights, in batches. They do not depend on the camera."""
 
-    def __init__(self, gl: moderngl.Context, environment: Environment, lights: ManyLights,
+    def __init__(self, gl: moderngl.Context, environment: Environment, lights: ManyLights, plan: Plan,
                  casters: Casters) -> None:
         self._gl, self._lights, self._count = gl, lights, len(lights.directions)
-        self._environment, self._casters = environment, casters
+        self._environment, self._casters, self._estimates = environment, casters, plan.estimates_indirect
         tile_size = min(math.isqrt(ROOM // self._count), MAX_TILE)
         firsts = range(0, self._count, BATCH)
         self._atlases = [Atlas(gl, min(BATCH, self._count - first), tile_size) for first in firsts]
         self._batches: list[tuple[Atlas, np.ndarray, np.ndarray]] = []
         self._scene: Scene | None = None
 
-    def show(self, scene: Scene, plan: Plan) -> None:
-        """Draw the maps, unless they show this scene already."""
+    def show(self, scene: Scene, plan: Plan, mean: Callable[[Texture, str], np.ndarray]) -> None:
+        """Draw the maps, unless they show this scene already. `mean` gives that of a material's map."""
         if self._scene is not None and scene.has_surfaces_of(self._scene):
             return
         draws = [d for d in plan.draws if not d.transmits]
         lights = self._lights
         self._batches = []
+        unit = max(lights.irradiance.max(), 1e-300)
+        instead = np.zeros((self._count, 3))
+        if self._estimates:
+            instead = reflected(lights, mean_reflectance(scene, plan.draws, mean))[:, :3]
         for first, atlas in zip(range(0, self._count, BATCH), self._atlases, strict=True):
             part = slice(first, first + BATCH)
             tiles = [light_tiles(Light("directional", direction=tuple(-direction)), scene, atlas.tile_size)[0]
                      for direction in lights.directions[part]]
             atlas.draw(scene, tiles, draws, self._casters)
             matrices = np.stack([_to_atlas(atlas, k) @ tile.matrix for k, tile in enumerate(tiles)])
-            rows = np.zeros((len(tiles), 5, 4))
+            rows = np.zeros((len(tiles), 6, 4))
             rows[:, 3, :3], rows[:, 3, 3] = lights.directions[part], [tile.texel for tile in tiles]
-            rows[:, 4, :3] = lights.irradiance[part] / max(lights.irradiance.max(), 1e-300)
+            rows[:, 4, :3] = lights.irradiance[part] / unit
+            rows[:, 5, :3] = instead[part] / unit
             self._batches.append((atlas, matrices, rows))
         self._scene = scene
 
@@ -69,7 +77,7 @@ class EnvironmentShadows:
         """Whether these are the lights that `plan` needs of `environment`."""
         ours = self._environment
         return (ours.source is environment.source and ours.rotation == environment.rotation
-                and self._count == plan.environment_shadows)
+                and self._count == plan.environment_shadows and self._estimates == plan.estimates_indirect)
 
     def add(self, programs: Programs, frame: Frame, uniforms: dict[str, object]) -> None:
         """Add shadowed and unshadowed light to the two targets of the framebuffer in use, by blending."""
@@ -78,7 +86,8 @@ class EnvironmentShadows:
         for atlas, matrices, rows in self._batches:
             rows[:, :3] = (matrices @ from_eye)[:, :3]
             program = programs.get("display/fullscreen.vert", "raster/environment_shadows.frag", {
-                "LIGHTS": len(rows), "IS_ORTHOGRAPHIC": int(frame.camera.height is not None)})
+                "LIGHTS": len(rows), "ESTIMATED": int(self._estimates),
+                "IS_ORTHOGRAPHIC": int(frame.camera.height is not None)})
             for name, value in uniforms.items():
                 set_uniform(program, name, value)
             atlas.texture.use(UNIT_ATLAS)

@@ -326,7 +326,8 @@ class Renderer:
                                     self._casters, self._surfaces.textures.mean)
         if self.plan.environment_shadows and self.plan.has_visibility:
             with self._timed("environment shadows"):
-                self._visibility.prepare(scene, self.plan, self._environment, self._casters)
+                self._visibility.prepare(scene, self.plan, self._environment, self._casters,
+                                         self._surfaces.textures.mean)
         if self.plan.has_traced_reflections:
             with self._timed("reflections"):
                 self._reflections.prepare(scene, settings)

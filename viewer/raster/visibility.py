@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import moderngl
+import numpy as np
 
 from ..base.reusable import Reusable
 from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
 from ..plan.model import Plan
 from ..scene.frame import Frame
+from ..scene.material import Texture
 from ..scene.scene import Scene
 from .environment import EnvironmentLight
 from .environment_shadows import EnvironmentShadows
@@ -27,13 +30,14 @@ class VisibilityPass:
         self._targets: Reusable[_Targets] = Reusable()
         self._shadows: Reusable[EnvironmentShadows] = Reusable()
 
-    def prepare(self, scene: Scene, plan: Plan, environment: EnvironmentLight, casters: Casters) -> None:
-        """Draw the shadow maps that `plan` needs, unless they are there."""
+    def prepare(self, scene: Scene, plan: Plan, environment: EnvironmentLight, casters: Casters,
+                mean: Callable[[Texture, str], np.ndarray]) -> None:
+        """Draw the shadow maps that `plan` needs, unless they are there. `mean` gives that of a material's map."""
         def make() -> EnvironmentShadows:
             lights = environment.many_lights(plan.environment_shadows)
-            return EnvironmentShadows(self._gl, environment.environment, lights, casters)
+            return EnvironmentShadows(self._gl, environment.environment, lights, plan, casters)
 
-        self._shadows.get(lambda shadows: shadows.holds(environment.environment, plan), make).show(scene, plan)
+        self._shadows.get(lambda shadows: shadows.holds(environment.environment, plan), make).show(scene, plan, mean)
 
     def drop_shadows(self) -> None:
         """Release the shadow maps, for when meshes or programs have changed."""

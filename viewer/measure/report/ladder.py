@@ -32,6 +32,8 @@ CURVE_KNOBS = ("hair_scattering",)
 """The same of scenes with curves."""
 SHADOWS = "environment-shadows", "shadows of the environment"
 """Name and title."""
+ESTIMATED = "estimated", "shadows of the environment and estimated indirect light"
+"""Name and title of the method with the settings of `--quality standard`."""
 OCCLUDED = ("none", "msaa-4", "ssaa-4")
 """Choices of antialiasing with which ambient occlusion is measured."""
 SHADOWED = {"16": ("none", "msaa-4", "ssaa-4", "ssaa-9"), "64": ("msaa-4", "ssaa-4", "ssaa-9", "ssaa-16")}
@@ -240,6 +242,7 @@ def _image_based(scene: Scene, lights: Sequence[Light], settings: Settings,
     for antialias in OCCLUDED:
         yield Method("ambient-occlusion", "ambient occlusion", {"ambient_occlusion": "gtao", "antialias": antialias})
     yield from _shadowed(*SHADOWS, SHADOWED)
+    yield Method(*ESTIMATED, dict(POINTS["standard"]))
     effects = dict(_effects(scene, lights, settings, left_out))
     for name, value in effects.items():
         yield Method(name, EFFECTS[name][1], {"environment_shadows": "off", name: value, "antialias": "msaa-4"})
@@ -260,10 +263,10 @@ def _distinct(methods: Iterable[Method]) -> list[Method]:
 
 def _with_qualities(methods: Sequence[Method]) -> list[Method]:
     """Those that are points of `--quality` get its name: they have all effects of the point that the scene has."""
-    tried = {name for method in methods for name in method.changes}
+    tried = {change for method in methods for change in method.changes.items()}
     named: dict[frozenset[tuple[str, Any]], QualityName] = {}
     for quality, point in POINTS.items():
-        changes = PLAIN.changes | {name: value for name, value in point.items() if name in tried}
+        changes = PLAIN.changes | {name: value for name, value in point.items() if (name, value) in tried}
         named[frozenset(changes.items())] = quality
     return [replace(method, quality=named.get(frozenset(method.changes.items()))) for method in methods]
 
