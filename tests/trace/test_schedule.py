@@ -9,7 +9,7 @@ from viewer.settings import Settings
 from viewer.trace.layout import TILE
 from viewer.trace.paths.film import relative_error
 from viewer.trace.paths.schedule import PILOT, Schedule, allocate, dilated
-from viewer.trace.paths.wavefront import Work
+from viewer.trace.paths.wavefront import SECOND, Work
 
 
 class NoisyFilm:
@@ -89,6 +89,10 @@ def test_few_samples_come_one_by_one_to_a_film_in_parts():
     film.parts = object(), object()
     given = run(film, Settings(mode="path", spp=12), count=16)
     assert [work.samples for work in given[:64]] == [1] * 64 and max(work.samples for work in given) > 1
+    for start in (0, SECOND):  # and each part has a sequence of its own, without gaps
+        own = [work for work in given if work.tile_x == work.tile_y == 2 and (work.first >= SECOND) == (start > 0)]
+        numbers = sorted(k for work in own for k in range(work.first, work.first + work.samples))
+        assert numbers == list(range(start, start + 6))
 
 
 def test_the_first_picture_has_one_sample_and_a_small_one_fills_the_wave():

@@ -14,7 +14,7 @@ from ...gpu.programs import Programs, set_uniform
 from ..defines import shader_defines
 from ..layout import TILE
 from .photon_sums import PhotonSums
-from .wavefront import LAYERS, SUMS, UNIT_BLOCKS, Sums, Wavefront, float_target
+from .wavefront import LAYERS, SECOND, SUMS, UNIT_BLOCKS, Sums, Wavefront, float_target
 
 _SAMPLERS = "u_sum", "u_squares"
 
@@ -54,8 +54,6 @@ class Film:
         self.parts = tuple(Film(gl, programs, size, has_layers, has_photons) for _ in range(2)) if has_parts else ()
         if self.photon_sums is not None:
             self.photon_sums.parts = tuple(part.photon_sums for part in self.parts if part.photon_sums is not None)
-        self._ahead = np.zeros(self.tiles, int)
-        """For each tile, by how many samples the first part has more than the second."""
         layers: list[Any] = self._layers.textures if self._layers else [None] * LAYERS
         self.albedo, self.normal, self.emission = layers
 
@@ -66,16 +64,10 @@ class Film:
         if self._layers is not None and wavefront.layers is not None:
             self._resolve(wavefront, blocks, wavefront.layers, self._layers)
         if self.parts:
-            is_second = np.array([self._takes_second(*work) for work in wavefront.work[blocks].tolist()])
+            is_second = wavefront.work[blocks, 2] >= SECOND
             for part, own in zip(self.parts, (blocks[~is_second], blocks[is_second]), strict=True):
                 if len(own):
                     part.add(wavefront, own)
-
-    def _takes_second(self, tile_x: int, tile_y: int, first: int, samples: int) -> bool:
-        """Whether these samples go to the second part: that which has fewer gets them."""
-        takes = self._ahead[tile_x, tile_y] > 0
-        self._ahead[tile_x, tile_y] += -samples if takes else samples
-        return bool(takes)
 
     @property
     def is_split(self) -> bool:

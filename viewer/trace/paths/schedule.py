@@ -17,7 +17,7 @@ import numpy as np
 from ...settings import Settings
 from ..layout import TILE
 from .film import Film
-from .wavefront import Work
+from .wavefront import SECOND, Work
 
 PILOT = 64
 """Samples per pixel before tiles get different numbers."""
@@ -42,6 +42,8 @@ class Schedule:
         self._issued = np.zeros((rows, columns), np.int64)
         self._pixels = np.outer(_sides(film.size[1], rows), _sides(film.size[0], columns))
         self._rounds = 0
+        self._parts = np.zeros((2, rows, columns), np.int64)
+        """Samples of each tile that were handed out for each part of the film, if it has parts."""
         self._queue: deque[Work] = deque()
         self.done = False
 
@@ -54,8 +56,18 @@ class Schedule:
         while len(self._queue) < count and self._plan_round(count, is_last and not self._queue):
             pass
         work = [self._queue.popleft() for _ in range(min(count, len(self._queue)))]
+        if self._film.parts:
+            work = [self._of_part(item) for item in work]
         self.done = not self._queue and (bool((self._issued >= self._most).all()) or (is_last and not work))
         return work
+
+    def _of_part(self, item: Work) -> Work:
+        """The item for the part of the film that has fewer samples of its tile."""
+        given = self._parts[:, item.tile_y, item.tile_x]
+        part = int(given[1] < given[0])
+        first = int(given[part]) + part * SECOND
+        given[part] += item.samples
+        return item._replace(first=first)
 
     def _plan_round(self, count: int, is_last: bool) -> bool:
         """Queue one more round; returns whether it has any work."""

@@ -24,6 +24,10 @@ UNITS = {f"u_{name}": unit for unit, name in enumerate(STATE)} | {
 """Uniforms of shaders/trace/state.glsl and the texture units of `Wavefront.bind`."""
 
 
+SECOND = 1 << 23
+"""Number of the first sample of the second part of a film."""
+
+
 class Work(NamedTuple):
     """A work item: `samples` samples (at most 1023), from number `first` on, of each pixel of a tile."""
 
