@@ -2,7 +2,7 @@
 // 2016, "Practical Realtime Strategies for Accurate Indirect Occlusion" (GTAO). In each of SLICES planes through the
 // line of sight we search the horizon on either side and integrate the cosine between the two exactly.
 #include "bsdf/constants.glsl"
-#include "raster/octahedron.glsl"
+#include "sample/octahedron.glsl"
 #include "raster/specular_occlusion.glsl"
 const int SLICES = 6, STEPS = 16;
 const float HALF_PI = 0.5 * PI;

@@ -2,7 +2,7 @@
 // two sums is the visibility (raster/visibility.frag); the light itself comes from the filtered environment. The
 // specular lobe is widened (`u_least_alpha`) until it holds a few of the lights, or the ratio would be noise.
 #include "bsdf/ggx.glsl"
-#include "raster/octahedron.glsl"
+#include "sample/octahedron.glsl"
 #include "sample/luminance.glsl"
 
 struct FarLight {

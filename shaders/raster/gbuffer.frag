@@ -2,7 +2,7 @@
 // visibility and reflections before the surfaces are shaded.
 #include "raster/material.glsl"
 #include "raster/normal.glsl"
-#include "raster/octahedron.glsl"
+#include "sample/octahedron.glsl"
 layout(location = 1) out vec4 o_normals; // shading normal in xy, the triangle's in zw
 
 void main() {

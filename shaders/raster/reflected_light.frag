@@ -4,7 +4,7 @@
 // the environment over its specular lobe to the environment over the hemisphere. The ratio knows no shadows, so the
 // lobe is kept wide and the ratio bounded.
 #include "raster/environment.glsl"
-#include "raster/octahedron.glsl"
+#include "sample/octahedron.glsl"
 #include "sample/luminance.glsl"
 #include "trace/hit.glsl"
 

@@ -5,7 +5,7 @@
 // The 16 directions repeat every 4 pixels. The outermost rows and columns count half, so that on a plane each direction
 // has the same weight at every pixel: 1/2 + 1/2 = 1 along each axis. With equal taps a fifth of the rows would count
 // twice, others at each pixel, and a grid of 4 pixels would show.
-#include "raster/octahedron.glsl"
+#include "sample/octahedron.glsl"
 
 const float HIT_DISTANCE = 0.25; // assumed, in units of the scene's radius: reflected surfaces are mostly farther away
 

@@ -2,7 +2,7 @@
 // normals. A block of 4 x 4 pixels covers the lobe with a Hammersley point set. Rays are in tracer space: the scene's
 // centre is the origin and its radius the unit (viewer/trace/scene/geometry.py).
 #include "bsdf/visible_normal.glsl"
-#include "raster/octahedron.glsl"
+#include "sample/octahedron.glsl"
 #include "sample/lattice.glsl"
 #include "trace/shading_normal.glsl"
 

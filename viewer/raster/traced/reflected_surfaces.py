@@ -100,7 +100,7 @@ def _unit(vectors: np.ndarray) -> np.ndarray:
 
 
 def _to_octahedron(d: np.ndarray) -> np.ndarray:
-    """Unit vectors (N, 3) as points (N, 2) of a square, as shaders/raster/octahedron.glsl; 0 for 0."""
+    """Unit vectors (N, 3) as points (N, 2) of a square, as shaders/sample/octahedron.glsl; 0 for 0."""
     p = d[:, :2] / np.maximum(np.abs(d).sum(axis=1, keepdims=True), 1e-30)
     return np.where(d[:, 2:] < 0, (1 - np.abs(p[:, ::-1])) * np.where(p >= 0, 1, -1), p)
 
