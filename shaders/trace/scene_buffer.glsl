@@ -4,7 +4,8 @@
 uniform usampler2D u_scene;
 
 uvec4 scene_uint4(int i) {
-    return texelFetch(u_scene, ivec2(i % SCENE_WIDTH, i / SCENE_WIDTH), 0);
+    uvec2 place = uvec2(uint(i) % uint(SCENE_WIDTH), uint(i) / uint(SCENE_WIDTH)); // faster than with signs
+    return texelFetch(u_scene, ivec2(place), 0);
 }
 
 vec4 scene_float4(int i) {
