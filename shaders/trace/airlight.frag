@@ -41,7 +41,15 @@ void main() {
 
     float chance; // of the light
     vec2 rest;
+#if HAS_LIGHT_TREE
+    int k = choose_punctual(Receiver(p.origin + start * p.direction, p.direction, end - start), u.xyz, chance, rest);
+    if (k < 0) {
+        write_path(p, IN_FLIGHT);
+        return;
+    }
+#else
     int k = choose_punctual(u.xyz, chance, rest);
+#endif
     vec4 light = scene_float4(u_punctual + 3 * k);
     bool has_place = light.w >= 0.0;
     // Chosen by angle or by length in the medium, a point has a density of both.

@@ -38,7 +38,9 @@ void add_emission(inout Path p, Interaction i, SurfaceMaterial m, vec3 wo) {
 #if HAS_EMITTERS
     if (p.pdf > 0.0 && i.emitter >= 0) {
         float path_length = p.travelled + distance(p.origin, i.position);
-        weight = bsdf_weight(p.pdf, emitter_pdf(i.emitter, i.area, path_length, dot(i.n_geometric, wo)));
+        vec3 from = p.origin - p.travelled * p.direction;
+        float light_pdf = emitter_pdf(i.emitter, i.area, from, facing_of(p), path_length, dot(i.n_geometric, wo));
+        weight = bsdf_weight(p.pdf, light_pdf);
     }
 #endif
     p.radiance += clamped(p.throughput * through_coat(m.emission, i, m.inputs, wo) * weight, p.depth);

@@ -30,7 +30,7 @@ int class_in_medium(ivec2 texel, int path_class) {
 
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
-    float status = texelFetch(u_origin, texel, 0).w;
+    float status = floor(texelFetch(u_origin, texel, 0).w);
     int kind = hit_kind(texelFetch(u_hit, texel, 0));
     int path_class = CLASS_SHADE + kind;
     if (status == IDLE) path_class = CLASS_IDLE;

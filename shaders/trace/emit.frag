@@ -58,6 +58,9 @@ Path emit(vec4 u, vec2 u_disk) {
 
     Path p;
     p.pdf = p.travelled = 0.0;
+#if HAS_LIGHT_TREE
+    p.facing = 0.0;
+#endif
     p.throughput = intensity.rgb / luminance(intensity.rgb);
     if (is_far) {
         p.direction = -light.xyz;

@@ -1,4 +1,5 @@
-// Points on emissive triangles, uniform by area. An emitter is one texel of the scene buffer: instance, triangle.
+// Points on emissive triangles, uniform by area. An emitter is one texel of the scene buffer: instance,
+// triangle, way through the tree of lights (trace/light_tree.glsl), and whether it is there.
 #include "trace/emission.glsl"
 
 uniform int u_emitters;

@@ -28,7 +28,10 @@ void main() {
     vec3 wo = -p.direction * i.frame;
     float h = fibre_offset(vec3(0.0, 0.0, 1.0), wo);
 #if HAS_LIGHTS
-    LightSample light = sample_light(i.position, u_light.xyz);
+#if HAS_LIGHT_TREE
+    p.facing = 0.0;
+#endif
+    LightSample light = sample_light(i.position, vec3(0.0), u_light.xyz);
     vec3 wi_light = light.direction * i.frame;
     send_shadow_ray_from(p, i.position, leave_fibre(i, light.direction), p.medium, light,
                          fibre_eval(i.fibre, h, wo, wi_light), fibre_pdf(i.fibre, h, wo, wi_light));

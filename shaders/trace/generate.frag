@@ -42,6 +42,9 @@ void main() {
     camera_ray(vec2(view_pixel(s.pixel)) + u, p.origin, p.direction); // a box filter over the pixel
 #endif
     p.pdf = p.travelled = 0.0;
+#if HAS_LIGHT_TREE
+    p.facing = 0.0;
+#endif
     p.throughput = vec3(1.0);
     p.radiance = p.shadow_origin = p.shadow_vector = p.contribution = vec3(0.0);
     p.depth = int(RAYS == 1); // a path to a surface counts the scattering at that surface

@@ -1,12 +1,16 @@
 // Next-event estimation: samples one of all lights with the tables of viewer/trace/scene/lights.py. environment_pdf and
 // emitter_pdf give the density of sample_light for a direction that a BSDF sample has chosen.
-// HAS_ENVIRONMENT, HAS_PUNCTUAL, HAS_EMITTERS
+// HAS_ENVIRONMENT, HAS_PUNCTUAL, HAS_EMITTERS; HAS_LIGHT_TREE: a tree chooses among lamps and emissive triangles, by where
+// they are, and the table among directional lights alone.
 #include "trace/environment.glsl"
 #if HAS_PUNCTUAL
 #include "trace/punctual.glsl"
 #endif
 #if HAS_EMITTERS
 #include "trace/emitters.glsl"
+#endif
+#if HAS_LIGHT_TREE
+#include "trace/light_tree.glsl"
 #endif
 
 struct LightSample {
@@ -37,7 +41,45 @@ int choose_light(vec3 u, out float probability, out vec2 rest) {
     return k;
 }
 
-#if HAS_AIRLIGHT
+#if HAS_LIGHT_TREE
+uniform float u_far_share;  // of light samples that are not of the environment: those of directional lights
+uniform float u_tree_share; // of all light samples
+
+// As choose_light for a receiver; k is -1, with a probability of 0, where there is nothing to choose
+int choose_finite_light(Receiver r, vec3 u, out float probability, out vec2 rest) {
+    if (u.x < u_far_share) {
+        u.x /= u_far_share;
+        return choose_light(u, probability, rest);
+    }
+    u.x = (u.x - u_far_share) / (1.0 - u_far_share);
+    rest = u.xy;
+    int k = choose_in_tree(r, rest, probability);
+    probability *= u_tree_share;
+    rest.y = u.z;
+    return k;
+}
+#endif
+
+#if HAS_AIRLIGHT && HAS_LIGHT_TREE
+uniform float u_air_far_share; // of samples of lights without size: those of directional lights
+uniform float u_finite_share;  // the sum of the table's probabilities
+
+// Chooses a light without size for a ray, as choose_finite_light does
+int choose_punctual(Receiver ray, vec3 u, out float probability, out vec2 rest) {
+    if (u.x < u_air_far_share) {
+        u.x /= u_air_far_share;
+        int k = choose_light(u, probability, rest);
+        probability *= u_air_far_share / u_finite_share;
+        return k;
+    }
+    u.x = (u.x - u_air_far_share) / (1.0 - u_air_far_share);
+    rest = u.xy;
+    int k = choose_in_tree(ray, rest, probability);
+    probability *= 1.0 - u_air_far_share;
+    rest.y = u.z;
+    return k;
+}
+#elif HAS_AIRLIGHT
 uniform float u_finite_share;  // the sum of the table's probabilities
 uniform float u_emitter_share; // of those, that of emitters
 
@@ -58,12 +100,17 @@ int choose_punctual(vec3 u, out float probability, out vec2 rest) {
 }
 #endif
 
-LightSample sample_finite_light(vec3 p, vec3 u) {
+LightSample sample_finite_light(vec3 p, vec3 n, vec3 u) {
     float probability;
     vec2 position;
-    int k = choose_light(u, probability, position);
-
     LightSample s;
+#if HAS_LIGHT_TREE
+    int k = choose_finite_light(Receiver(p, n, 0.0), u, probability, position);
+    if (k < 0) return LightSample(vec3(0.0, 1.0, 0.0), FAR, vec3(0.0), 0.0, false);
+#else
+    int k = choose_light(u, probability, position);
+#endif
+
 #if HAS_PUNCTUAL && HAS_EMITTERS
     s.is_delta = k < u_punctual_count;
 #else
@@ -85,17 +132,18 @@ LightSample sample_finite_light(vec3 p, vec3 u) {
 }
 #endif
 
-// u in [0, 1)^3
-LightSample sample_light(vec3 p, vec3 u) {
+// For a point p; `n` is the geometric normal of a surface that light from behind does not reach, or 0. Without
+// HAS_LIGHT_TREE it changes nothing. u in [0, 1)^3
+LightSample sample_light(vec3 p, vec3 n, vec3 u) {
     LightSample s = LightSample(vec3(0.0, 1.0, 0.0), FAR, vec3(0.0), 0.0, false);
 #if HAS_ENVIRONMENT && (HAS_PUNCTUAL || HAS_EMITTERS)
     if (u.x >= u_environment_share) {
         u.x = (u.x - u_environment_share) / (1.0 - u_environment_share);
-        return sample_finite_light(p, u);
+        return sample_finite_light(p, n, u);
     }
     u.x /= u_environment_share;
 #elif HAS_PUNCTUAL || HAS_EMITTERS
-    return sample_finite_light(p, u);
+    return sample_finite_light(p, n, u);
 #endif
 #if HAS_ENVIRONMENT
     s.direction = sample_environment(u, s.pdf);
@@ -105,12 +153,18 @@ LightSample sample_light(vec3 p, vec3 u) {
 }
 
 // The density with which sample_light would choose the direction of a BSDF sample that hit an emitter's emitting side.
-// cos_light is the cosine between the emitter's normal and the ray.
-float emitter_pdf(int emitter, float area, float distance, float cos_light) {
+// It began at p with the normal n, as in sample_light; cos_light is the cosine between the emitter's normal and the ray.
+float emitter_pdf(int emitter, float area, vec3 p, vec3 n, float distance, float cos_light) {
 #if HAS_EMITTERS
     float facing = area * cos_light;
     if (emitter < 0 || facing <= 0.0) return 0.0;
-    return uintBitsToFloat(scene_uint4(u_lights + u_punctual_count + emitter).z) * distance * distance / facing;
+#if HAS_LIGHT_TREE
+    uvec4 record = scene_uint4(u_emitters + emitter);
+    float probability = record.w == 0u ? 0.0 : u_tree_share * probability_in_tree(Receiver(p, n, 0.0), record.z);
+#else
+    float probability = uintBitsToFloat(scene_uint4(u_lights + u_punctual_count + emitter).z);
+#endif
+    return probability * distance * distance / facing;
 #else
     return 0.0;
 #endif

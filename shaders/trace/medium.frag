@@ -65,6 +65,9 @@ void main() {
 #endif
     if (!is_in_grid) p.throughput *= m.albedo * collision_weight(m.sigma_t, channel_chances(p.throughput), way);
     p.origin += way * p.direction;
+#if HAS_LIGHT_TREE
+    p.facing = 0.0;
+#endif
 
 #if PHOTONS
     p.radiance = vec3(0.0);
@@ -76,7 +79,7 @@ void main() {
     connect_camera(p, p.origin, p.origin, c, p.medium, p.throughput * any_phase(m.phase, p.direction, c.direction));
 #elif HAS_ENVIRONMENT || HAS_EMITTERS || HAS_PUNCTUAL && HAS_GRIDS
     if (asks_lights(m)) {
-        LightSample light = sample_light(p.origin, vertex_numbers(s, p, LIGHT_GROUP).xyz);
+        LightSample light = sample_light(p.origin, vec3(0.0), vertex_numbers(s, p, LIGHT_GROUP).xyz);
         if (light.is_delta && !is_in_grid) light.pdf = 0.0; // trace/airlight.frag has counted it
         float phase = any_phase(m.phase, p.direction, light.direction);
         send_shadow_ray(p, p.origin, vec3(0.0), p.medium, light, vec3(phase), phase);

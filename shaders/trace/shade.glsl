@@ -170,7 +170,10 @@ void main() {
     vec3 local_wo;
     Bsdf bsdf = bsdf_towards(i, m, wo, frame, local_wo);
 #if HAS_LIGHTS
-    LightSample light = sample_light(i.position, u_light.xyz);
+#if HAS_LIGHT_TREE
+    p.facing = TRANSMITS == 1 ? 0.0 : pack_facing(i.n_geometric);
+#endif
+    LightSample light = sample_light(i.position, facing_of(p), u_light.xyz);
     vec3 local_wi = light.direction * frame;
     float light_side = side_of(i, light.direction, local_wi.z);
     if (light_side != 0.0 && !(may_pass && is_last)) {

@@ -1,8 +1,11 @@
 // The state of a wavefront's paths, one texel of each texture for each path, and how it is packed.
 // viewer/trace/paths/wavefront.py makes the textures.
 #include "trace/hit.glsl"
+#if HAS_LIGHT_TREE
+#include "trace/facing.glsl"
+#endif
 
-uniform sampler2D u_origin;        // xyz, status: IDLE, IN_FLIGHT or ENDED
+uniform sampler2D u_origin;        // xyz, status: IDLE, IN_FLIGHT or ENDED; of IN_FLIGHT plus the facing (trace/facing.glsl)
 uniform sampler2D u_direction;     // unit vector; pdf of the BSDF sample by solid angle, 0: no MIS weight for light it hits
 uniform sampler2D u_shadow_origin; // of the pending shadow ray, or x: travelled if there is none; contribution.r
 uniform sampler2D u_shadow_vector; // to the light, 0: there is no shadow ray; contribution.g
@@ -26,6 +29,9 @@ struct Path {
     vec3 origin;
     vec3 direction;
     float pdf;
+#if HAS_LIGHT_TREE
+    float facing;       // of the path's last vertex (trace/facing.glsl)
+#endif
     float travelled;    // distance from the path's last vertex to the origin, which differs from it after crossings
     vec3 throughput;
     vec3 radiance;
@@ -46,6 +52,15 @@ struct Path {
     float reach;        // distance to the hit, negative if there is none
 #endif
 };
+
+// The normal of the path's last vertex on the side from which light may come, 0 where it may from all around
+vec3 facing_of(Path p) {
+#if HAS_LIGHT_TREE
+    return unpack_facing(p.facing);
+#else
+    return vec3(0.0);
+#endif
+}
 
 const int STEP_BITS = HAS_SCATTERING == 1 ? 13 : 6;
 const int LEFT_BITS = 10;
@@ -90,6 +105,9 @@ Path read_path(ivec2 texel, uvec4 hit) {
     p.direction = direction.xyz;
     p.pdf = direction.w;
     p.throughput = throughput.rgb;
+#if HAS_LIGHT_TREE
+    p.facing = fract(origin.w);
+#endif
     bool has_shadow_ray = b.xyz != vec3(0.0);
     p.travelled = has_shadow_ray ? 0.0 : a.x;
     int counters = unpack_counters(radiance.w);

@@ -14,6 +14,9 @@ layout(location = 6) out vec4 o_medium;
 void write_path(Path p, float status) {
     bool has_shadow_ray = p.shadow_vector != vec3(0.0);
     o_origin = vec4(p.origin, status);
+#if HAS_LIGHT_TREE
+    if (status == IN_FLIGHT) o_origin.w += p.facing;
+#endif
     o_direction = vec4(p.direction, p.pdf);
     o_shadow_origin = vec4(has_shadow_ray ? p.shadow_origin : vec3(p.travelled, 0.0, 0.0), p.contribution.r);
     o_shadow_vector = vec4(p.shadow_vector, p.contribution.g);

@@ -28,7 +28,7 @@ MUTATIONS = [
     Mutation("a light's sample weighed by the wrong density", "trace/mis.glsl", "? mis_weight(light_pdf, bsdf_pdf) :",
              "? mis_weight(bsdf_pdf, light_pdf) :"),
     Mutation("emission that is hit counts in full", "trace/bounce.glsl",
-             "weight = bsdf_weight(p.pdf, emitter_pdf(i.emitter, i.area, path_length, dot(i.n_geometric, wo)));",
+             "weight = bsdf_weight(p.pdf, light_pdf);",
              "weight = 1.0;"),
     Mutation("density of emitters 5 % too large", "trace/lights.glsl", "s.pdf *= density;", "s.pdf *= 1.05 * density;"),
     Mutation("density of the environment 5 % too large", "trace/environment.glsl",

@@ -70,7 +70,7 @@ class Lit:
         """Light samples for one point (3,) in the world; distances are in tracer units."""
         x, y, z = self.to_tracer(np.asarray(p, np.float64))
         u = np.random.default_rng(seed).integers(0, 1 << 24, (count, 3)) / 2**24
-        found = self.run(f"LightSample s = sample_light(vec3({x:.9f}, {y:.9f}, {z:.9f}), f0.xyz);"
+        found = self.run(f"LightSample s = sample_light(vec3({x:.9f}, {y:.9f}, {z:.9f}), vec3(0.0), f0.xyz);"
                          "o0 = vec4(s.direction, s.distance); o1 = vec4(s.radiance, s.is_delta ? -s.pdf : s.pdf);", u)
         return {"direction": found[:, 0, :3], "distance": found[:, 0, 3], "radiance": found[:, 1, :3],
                 "pdf": np.abs(found[:, 1, 3]), "is_delta": found[:, 1, 3] < 0}
@@ -192,7 +192,7 @@ def test_emitter(context, tmp_path, is_mirrored):
     cos = np.abs(s["direction"] @ (normal / np.linalg.norm(normal)))
     assert np.allclose(s["pdf"], (p**2).sum(axis=1) / (area * cos), rtol=1e-4)
     assert omega == pytest.approx((area * cos / (p**2).sum(axis=1)).mean(), rel=1e-4)
-    again = lit.run("o0 = vec4(emitter_pdf(1, f0.x, f0.y, f0.z)); o1 = f0;",
+    again = lit.run("o0 = vec4(emitter_pdf(1, f0.x, vec3(0.0), vec3(0.0), f0.y, f0.z)); o1 = f0;",
                     np.c_[np.full(len(cos), area / 2), s["distance"], cos])[:, 0, 0]
     assert np.allclose(again, s["pdf"], rtol=1e-4)
 

@@ -113,7 +113,7 @@ def plan_trace(
         switches |= dict.fromkeys((*_NEUTRAL, *emitters), 1)
     kinds |= {FIBRE} if geometry.curves is not None else set()
     state = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_NESTED",
-                                               "HAS_GRIDS", "HAS_FOG", DISPERSION.switch)}
+                                               "HAS_GRIDS", "HAS_FOG", "HAS_LIGHT_TREE", DISPERSION.switch)}
     first = state | {"RAYS": rays}
     sky_names = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING", "HAS_VOLUME")
     sky = {name: switches[name] for name in sky_names}
@@ -151,7 +151,7 @@ def _photon_programs(programs: Mapping[str, Program], switches: Mapping[str, int
     """The programs for paths from lights: those of `programs` that change, and the same ones for the rest."""
     light = {"PHOTONS": 1, "HAS_CLEARANCE": 0}  # photons are connected at every collision
     first = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_NESTED",
-                                               "HAS_GRIDS", "HAS_FOG", DISPERSION.switch, "LIGHT_RADIUS")}
+                                               "HAS_GRIDS", "HAS_FOG", "HAS_LIGHT_TREE", DISPERSION.switch, "LIGHT_RADIUS")}
     shading = {name: Program.of(program.fragment, dict(program.switches) | light)
                for name, program in programs.items() if name in {kind.name for kind in KINDS} | {"medium"}}
     return {
@@ -181,6 +181,7 @@ def _used(geometry: TraceGeometry, switches: Mapping[str, int]) -> tuple[str, ..
         segments, strands = len(geometry.curves.first), geometry.curves.strands
         lines.append(f"{segments} round segment{'s' * (segments != 1)} of {strands} strand{'s' * (strands != 1)}")
     lines += [what for name, what in (*_LIGHTS.items(), *_SURFACES.items()) if switches[name]]
+    lines += [_TREE] * switches["HAS_LIGHT_TREE"]
     if any(instance.kind == WOVEN for instance in geometry.instances):
         lines.append("yarns of woven cloth")
     images = {texture.image for m in geometry.materials
@@ -206,6 +207,8 @@ def _left_out(
         lines.append("shadow rays and light samples: there are no lights")
     else:
         lines += [f"code for {what}: there is none" for name, what in _LIGHTS.items() if not switches[name]]
+        if (switches["HAS_PUNCTUAL"] or switches["HAS_EMITTERS"]) and not switches["HAS_LIGHT_TREE"]:
+            lines.append(f"{_TREE}: there are few, which their power chooses")
     if switches["BACKGROUND"] == 0:
         reason = "there is none" if not switches["HAS_ENVIRONMENT"] else "not requested"
         lines.append(f"the environment as background: {reason}")
@@ -224,6 +227,7 @@ def _left_out(
     return lines
 
 
+_TREE = "a tree that chooses lights by where they are"
 _LIGHTS = {
     "HAS_ENVIRONMENT": "light from an environment",
     "HAS_PUNCTUAL": "light from point, spot or directional lights",

@@ -84,7 +84,7 @@ class EmbreeIntersector:
         hits = np.zeros((len(rays.origin), 4), np.uint32)
         hits[:, 0] = MISS
         status = rays.origin[:, 3]
-        in_flight = np.flatnonzero(status == IN_FLIGHT)
+        in_flight = np.flatnonzero((status >= IN_FLIGHT) & (status < IN_FLIGHT + 1))
         origins, directions = _rows(rays.origin, in_flight), _rows(rays.direction, in_flight)
         found = self._triangles.intersect(origins, directions)
         self._triangles.write_hits(found, hits, in_flight)

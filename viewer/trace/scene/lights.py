@@ -1,11 +1,13 @@
 """The lights of a scene and the tables by which shaders/trace/lights.glsl samples them.
 
-There are three kinds: the environment, punctual lights, and emissive triangles.
+There are three kinds: the environment, punctual lights, and emissive triangles. Few lights are chosen by their power;
+of more than `MOST_BY_POWER` that have a place, one is chosen by a tree (light_tree.py).
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import moderngl
 import numpy as np
@@ -15,6 +17,7 @@ from ...gpu.programs import set_uniform
 from ...scene.color import LUMINANCE
 from ...scene.environment import Environment
 from ...scene.equirect import sphere_integral
+from ...scene.light import Light
 from ...scene.scene import Scene
 from ...settings import Settings
 from .alias import alias_table
@@ -22,6 +25,8 @@ from .emitters import find_emitters
 from .environment import EnvironmentTable
 from .geometry import TraceGeometry
 from .inside import solids_around
+from .light_bounds import light_bounds
+from .light_tree import build_light_tree
 from .punctual import light_powers, punctual_texels
 from .scene_buffer import SceneBufferBuilder
 
@@ -30,6 +35,9 @@ LEAST_SHARE = 0.25
 
 The share follows the power. But power says nothing about distance and shadows: a light with little power may be the
 only one that reaches some point."""
+
+MOST_BY_POWER = 8
+"""Point and spot lights and emissive triangles that are chosen by their power alone. The tree chooses among more."""
 
 
 class SceneLights:
@@ -77,11 +85,12 @@ class SceneLights:
         radius = settings.light_radius / scene.radius
 
         powers = np.concatenate([all_powers[all_powers > 0], emitted])
+        lamps = [light for light in lit if light.kind != "directional"]
+        has_tree = len(lamps) + np.count_nonzero(emitted) > MOST_BY_POWER
         has_environment = environment_power > 0
         share = float(has_environment)
         if has_environment and len(powers):
-            share = environment_power / (environment_power + powers.sum())
-            share = min(max(share, LEAST_SHARE), 1 - LEAST_SHARE)
+            share = _share(environment_power, powers.sum())
         if settings.plan == "everything" and not len(powers):
             share = 1.0  # of the black environment
         self._uniforms: dict[str, object] = {"u_environment_share": share, "u_light_radius": radius}
@@ -91,8 +100,12 @@ class SceneLights:
                 "u_finite_share": 1 - share, "u_emitter_share": float(emitted.sum() / max(powers.sum(), 1e-300)),
                 "u_has_light_within": any(instance.medium not in geometry.open_media for place in places
                                           for instance in solids_around(geometry, place / scene.radius))}
-        if len(powers):
-            self._uniforms |= {"u_punctual_count": len(lit), "u_light_grid": _grid(len(powers))}
+        self._uniforms["u_punctual_count"] = len(lit)
+        if has_tree:
+            lit = [light for light in lit if light.kind == "directional"] + lamps
+            self._add_tree(scene, geometry, buffer, lit, emitters, emitted, 1 - share, radius)
+        elif len(powers):
+            self._uniforms["u_light_grid"] = _grid(len(powers))
             buffer.add("lights", light_table(powers, 1 - share))
         if lit:
             buffer.add("punctual", punctual_texels(lit, scene))
@@ -105,9 +118,30 @@ class SceneLights:
             "ENVIRONMENT_ROTATED": int(has_environment and environment is not None and environment.rotation != 0),
             "HAS_PUNCTUAL": int(bool(lit)),
             "HAS_EMITTERS": int(len(emitters) > 0),
+            "HAS_LIGHT_TREE": int(has_tree),
             "HAS_AIRLIGHT": int(geometry.scatters and bool(lit)),
             "LIGHT_RADIUS": int(radius > 0 and any(light.kind != "directional" for light in lit)),
         }
+
+    def _add_tree(self, scene: Scene, geometry: TraceGeometry, buffer: SceneBufferBuilder, lit: Sequence[Light],
+                  emitters: np.ndarray, emitted: np.ndarray, share: float, radius: float) -> None:
+        """Add the tree, and the table of directional lights, which are the first ones of `lit`; tell `emitters` their
+        ways. Both together have the probability `share`."""
+        count = sum(light.kind == "directional" for light in lit)
+        powers, is_lit = light_powers(lit, scene) if lit else np.zeros(0), emitted > 0
+        far, lamps = powers[:count].sum(), powers[count:].sum()
+        far_share = _share(far, lamps + emitted.sum())
+        tree = build_light_tree(light_bounds(lit[count:], scene, radius, geometry, emitters[is_lit], emitted[is_lit]))
+        # Of a light in the tree: its number among lamps and emitters
+        numbers = np.concatenate([np.arange(count, len(lit)), len(lit) + np.flatnonzero(is_lit)])
+        emitters[is_lit, 2], emitters[is_lit, 3] = tree.trails[len(lit) - count:], 1
+        buffer.add("light_tree", tree.texels(numbers))
+        if count:
+            buffer.add("lights", light_table(powers[:count], share * far_share))
+        self._uniforms |= {"u_light_grid": _grid(max(count, 1)), "u_far_share": far_share,
+                           "u_tree_share": share * (1 - far_share)}
+        if geometry.scatters:
+            self._uniforms |= {"u_air_far_share": _share(far, lamps), "u_finite_share": share * far_share}
 
     def is_background_smooth(self, pixel_angle: float) -> bool:
         """Whether camera rays see the environment by B-splines, in a picture whose pixels have that angle."""
@@ -123,6 +157,13 @@ class SceneLights:
     def release(self) -> None:
         if self._environment is not None:
             self._environment.release()
+
+
+def _share(power: float, others: float) -> float:
+    """The share of samples for lights of this power beside those of the others."""
+    if not (power > 0 and others > 0):
+        return float(power > 0)
+    return min(max(power / (power + others), LEAST_SHARE), 1 - LEAST_SHARE)
 
 
 def light_table(powers: np.ndarray, share: float) -> np.ndarray:
