@@ -48,10 +48,10 @@ def at_point(nodes: Nodes, p: np.ndarray, n: np.ndarray) -> np.ndarray:
     """The importance of each node for a point (3,) with a normal (3,), which may be 0; by angles."""
     to_center = nodes.center - p
     distance = np.maximum(np.linalg.norm(to_center, axis=1), 1e-15)
-    l = to_center / distance[:, None]
+    way = to_center / distance[:, None]
     sphere = np.where(nodes.radius < distance, np.arcsin(np.minimum(nodes.radius / distance, 1)), np.pi)
     core = CORE * nodes.radius / distance
-    cosine = -(nodes.axis * l).sum(axis=1)
+    cosine = -(nodes.axis * way).sum(axis=1)
     cosine = np.clip(np.where(nodes.is_two_sided, np.abs(cosine), cosine), -1, 1)
     beyond = np.maximum(np.arccos(cosine) - nodes.spread, 0)
     ramp = (np.minimum(cosine + core, 1) - np.cos(nodes.spread)) / np.maximum(1 - np.cos(nodes.spread), 1e-4)
@@ -59,8 +59,8 @@ def at_point(nodes: Nodes, p: np.ndarray, n: np.ndarray) -> np.ndarray:
     is_lit = np.where(nodes.is_narrow, beyond <= sphere, beyond - sphere < np.pi / 2)
     arriving = np.ones(len(distance))
     if n.any():
-        is_lit &= (l @ n + NORMAL_SLACK) * distance > -nodes.radius
-        arriving = np.clip(l @ n + core, LEAST_COSINE, 1)
+        is_lit &= (way @ n + NORMAL_SLACK) * distance > -nodes.radius
+        arriving = np.clip(way @ n + core, LEAST_COSINE, 1)
     window = np.maximum(1 - (np.maximum(distance - nodes.radius, 0) / nodes.reach) ** 4, 0)
     weight = nodes.intensity * np.clip(leaving, LEAST_COSINE, 1) * arriving * window
     return np.where(is_lit, weight / np.maximum(np.maximum(distance, CORE * nodes.radius) ** 2, 1e-8), 0)

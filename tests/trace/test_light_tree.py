@@ -190,11 +190,11 @@ def test_rays_through_media(context, tmp_path):
     lit = Lit(context, tmp_path, scene_of(milk, *panels(5, 1), lights=(*lamps(20, 2), Light("directional"))))
     assert lit.lights.switches["HAS_AIRLIGHT"] and lit.lights.switches["HAS_LIGHT_TREE"]
     nodes, o, d = decode(tree_of(lit)), np.array([0.1, 0.2, -0.3]), np.array([0.6, 0.0, 0.8])
-    expected, nothing = probabilities(nodes, along_ray(nodes, o, d, 0.5))
+    expected, _ = probabilities(nodes, along_ray(nodes, o, d, 0.5))
     u = np.random.default_rng(12).integers(0, 1 << 24, (60000, 3)) / 2**24
     found = lit.run("float c; vec2 rest; Receiver r = Receiver(vec3(0.1, 0.2, -0.3), vec3(0.6, 0.0, 0.8), 0.5);"
-                    "int k = choose_punctual(r, f0.xyz, c, rest); o0 = vec4(float(k), c, rest); o1 = vec4(0.0);", u)[:, 0]
-    number, told = found[:, 0].astype(int), found[:, 1]
+                    "int k = choose_punctual(r, f0.xyz, c, rest); o0 = vec4(float(k), c, rest); o1 = vec4(0.0);", u)
+    number, told = found[:, 0, 0].astype(int), found[:, 0, 1]
     assert number.min() >= 0 and number.max() == 20  # 0 is directional
     far = told[number == 0][0]
     expected = {0: far} | {k: p * (1 - far) for k, p in expected.items()}
@@ -266,7 +266,8 @@ def test_trees_of_any_places(count, places):
     low[:, {"plane": 1, "line": 2}.get(places, 3):] = 0.0
     if places == "powers of 2":  # the cheapest cuts part one light from the rest, again and again
         low = np.ldexp(np.ones((count, 3)), -(np.arange(count) % 900)[:, None])
-    flat = LightBounds(low, low, np.zeros(count), bounds.intensity, bounds.axis, bounds.spread, bounds.reach, bounds.flags)
+    flat = LightBounds(low, low, np.zeros(count), bounds.intensity, bounds.axis, bounds.spread, bounds.reach,
+                       bounds.flags)
     tree = build_light_tree(flat)
     assert len(tree.links) == 2 * count - 2 and np.isfinite(tree.bounds.radius).all()
     leaves = tree.links[tree.links >= 1 << 31] & np.uint32((1 << 31) - 1)

@@ -11,8 +11,8 @@ TILE = 16
 """Side of a block of paths in a wavefront, and of a tile of pixels in the picture."""
 
 IDLE, IN_FLIGHT, ENDED = 0, 1, 2
-"""The status of a path, the whole part of w of its origin: it has no ray; it has a ray; it has ended and at most a shadow
-ray is pending."""
+"""The status of a path, the whole part of w of its origin: it has no ray; it has a ray; it has ended and at most a
+shadow ray is pending."""
 
 CLASS_IDLE, CLASS_ENDED, CLASS_FIRST_HIT, CLASS_SHADE = range(4)
 CLASS_MEDIUM, CLASS_AIRLIGHT, CLASS_FIRST_COLLISION = 10, 11, 12
@@ -72,8 +72,8 @@ LIGHT_NODE_TEXELS = 2
 """Texels of a node of the tree of lights in the scene buffer.
 
 One has the centre and the radius of a sphere; one has the intensity; the axis of a cone, 16 bits for each of two
-coordinates; the cosine of its half angle in LIGHT_COSINE_STEPS from -1 to 1, the flags from bit LIGHT_FLAG_SHIFT on, and
-the reach from bit 16 on; the link (viewer/trace/scene/light_tree.py).
+coordinates; the cosine of its half angle in LIGHT_COSINE_STEPS from -1 to 1, the flags from bit LIGHT_FLAG_SHIFT on,
+and the reach from bit 16 on; the link (viewer/trace/scene/light_tree.py).
 """
 LIGHT_LEAF = 1 << 31
 """Set in the link of a single light, whose number it holds; else the link is the number of a pair of nodes."""
@@ -81,7 +81,7 @@ MOST_LIGHT_LEVELS = 32
 """Levels of the tree of lights below the root: the way to a light is a bit for each of them."""
 LIGHT_COSINE_STEPS, LIGHT_FLAG_SHIFT = (1 << 13) - 1, 13
 LIGHT_LAMP, LIGHT_TWO_SIDED, LIGHT_NARROW = 1, 2, 4
-"""Flags: some of the lights are lamps; the cone is a double cone; all are spots, which give no light beyond their cone."""
+"""Flags: some of the lights are lamps; the cone is a double cone; all are spots, without light beyond their cone."""
 LIGHT_REACH_STEPS, LIGHT_REACH_LOW = 1024, 32
 """A reach is 2^(k / LIGHT_REACH_STEPS - LIGHT_REACH_LOW), with k of 16 bits, rounded up; the last is infinite."""
 

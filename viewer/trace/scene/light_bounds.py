@@ -98,7 +98,8 @@ def _of_emitters(geometry: TraceGeometry, emitters: NDArray[np.uint32], powers: 
     radius = np.linalg.norm(corners - ((low + high) / 2)[:, None], axis=2).max(axis=1)
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return LightBounds(low, high, radius, powers / np.pi / sides, _unit(normal) * sign[:, None],
-                       np.zeros(len(emitters)), np.full(len(emitters), np.inf), np.where(sides == 2, LIGHT_TWO_SIDED, 0))
+                       np.zeros(len(emitters)), np.full(len(emitters), np.inf),
+                       np.where(sides == 2, LIGHT_TWO_SIDED, 0))
 
 
 def union(a: LightBounds, b: LightBounds) -> LightBounds:
@@ -146,7 +147,8 @@ def bounds_texels(bounds: LightBounds, links: NDArray[np.uint32]) -> NDArray[np.
     cosine = np.floor((np.cos(bounds.spread) + 1) / 2 * LIGHT_COSINE_STEPS - 1.5).clip(0)
     with np.errstate(divide="ignore"):
         reach = np.ceil((np.log2(bounds.reach) + LIGHT_REACH_LOW) * LIGHT_REACH_STEPS + 1e-3).clip(0, 0xFFFF)
-    texels[:, 1, 2] = cosine.astype(np.uint32) | (bounds.flags << LIGHT_FLAG_SHIFT).astype(np.uint32) | reach.astype(np.uint32) << 16
+    flags = (bounds.flags << LIGHT_FLAG_SHIFT).astype(np.uint32)
+    texels[:, 1, 2] = cosine.astype(np.uint32) | flags | reach.astype(np.uint32) << 16
     texels[:, 1, 3] = links
     return texels.reshape(-1, 4)
 

@@ -18,7 +18,8 @@ from .light_bounds import LightBounds, bounds_texels, union
 class LightTree:
     """The nodes below the root, in pairs of siblings: node 2 k and node 2 k + 1, and those of the root first.
 
-    `links` (N,) uint32 says what a node is (LIGHT_LEAF of viewer/trace/layout.py). `trails` has the way to each light: bit k is the choice at level k.
+    `links` (N,) uint32 says what a node is (LIGHT_LEAF of viewer/trace/layout.py). `trails` has the way to each light:
+    bit k is the choice at level k.
     """
 
     bounds: LightBounds
@@ -39,7 +40,8 @@ def build_light_tree(lights: LightBounds) -> LightTree:
     is_one_sided = (lights.spread < np.pi) & (lights.flags & LIGHT_TWO_SIDED == 0)
     rows = np.vstack([lights.low.T, lights.high.T, lights.intensity, lights.axis.T * lights.intensity * is_one_sided])
     order, starts = np.arange(count), np.array([0])  # of the level's groups, one after the other
-    levels, pairs = [], 0
+    levels: list[slice] = []
+    pairs = 0
     while len(starts):
         level = len(levels)
         sizes = np.diff(starts, append=len(order))
