@@ -171,9 +171,12 @@ void main() {
     Bsdf bsdf = bsdf_towards(i, m, wo, frame, local_wo);
 #if HAS_LIGHTS
 #if HAS_LIGHT_TREE
-    p.facing = TRANSMITS == 1 ? 0.0 : pack_facing(i.n_geometric);
+    float facing = TRANSMITS == 1 ? 0.0 : pack_facing(i.n_geometric);
+    vec3 n_light = unpack_facing(facing);
+#else
+    const vec3 n_light = vec3(0.0);
 #endif
-    LightSample light = sample_light(i.position, facing_of(p), u_light.xyz);
+    LightSample light = sample_light(i.position, n_light, u_light.xyz);
     vec3 local_wi = light.direction * frame;
     float light_side = side_of(i, light.direction, local_wi.z);
     if (light_side != 0.0 && !(may_pass && is_last)) {
@@ -190,6 +193,9 @@ void main() {
         pass_pane(p, i, arriving, b.weight);
         return;
     }
+#endif
+#if HAS_LIGHT_TREE
+    p.facing = facing; // not of a pane that was passed
 #endif
     bool continues = b.flags != 0u && side != 0.0 && !(may_pass && is_last);
 #if TRANSMITS
