@@ -151,7 +151,8 @@ def _photon_programs(programs: Mapping[str, Program], switches: Mapping[str, int
     """The programs for paths from lights: those of `programs` that change, and the same ones for the rest."""
     light = {"PHOTONS": 1, "HAS_CLEARANCE": 0}  # photons are connected at every collision
     first = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_NESTED",
-                                               "HAS_GRIDS", "HAS_FOG", "HAS_LIGHT_TREE", DISPERSION.switch, "LIGHT_RADIUS")}
+                                               "HAS_GRIDS", "HAS_FOG", "HAS_LIGHT_TREE", DISPERSION.switch,
+                                               "LIGHT_RADIUS")}
     shading = {name: Program.of(program.fragment, dict(program.switches) | light)
                for name, program in programs.items() if name in {kind.name for kind in KINDS} | {"medium"}}
     return {
