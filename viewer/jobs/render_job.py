@@ -120,8 +120,9 @@ class RenderJob:
             image.save(path)
         saved = time.perf_counter()
         failure = "" if view is None else self._tell_error(scene, view, path, progress, maker)
+        told = saved if self.tell_error is None else time.perf_counter()
         seconds = {"load": loaded - start, "render": rendered - loaded, "save": saved - rendered,
-                   "total": time.perf_counter() - start}
+                   **({} if self.tell_error is None else {"tell_error": told - saved}), "total": told - start}
         if self.verbose:
             times = ", ".join(f"{name} {value:.3f} s" for name, value in seconds.items())
             say(f"{path}: {times}; {maker.summary}")
