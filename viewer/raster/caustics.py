@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import moderngl
 
 from ..gpu.context import Context
+from ..gpu.float_target import float_target
 from ..gpu.over_picture import draw_over
 from ..gpu.programs import Programs
 from ..plan.model import Plan
@@ -24,7 +25,6 @@ from ..scene.camera import Camera
 from ..scene.light import Light
 from ..scene.scene import Scene
 from ..settings import Settings, ignored
-from ..trace.paths.wavefront import float_target
 
 if TYPE_CHECKING:
     from ..trace.paths.photon_render import PhotonRender

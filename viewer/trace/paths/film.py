@@ -9,12 +9,13 @@ import moderngl
 import numpy as np
 
 from ...errors import UsageError
+from ...gpu.float_target import float_target
 from ...gpu.over_picture import draw_over
 from ...gpu.programs import Programs, set_uniform
 from ..defines import shader_defines
 from ..layout import TILE
 from .photon_sums import PhotonSums
-from .wavefront import LAYERS, SECOND, SUMS, UNIT_BLOCKS, Sums, Wavefront, float_target
+from .wavefront import LAYERS, SECOND, SUMS, UNIT_BLOCKS, Sums, Wavefront
 
 _SAMPLERS = "u_sum", "u_squares"
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...gpu.context import Context
 from ...gpu.float_depth import float_depth_renderbuffer
+from ...gpu.float_target import float_target
 from ..layout import TILE
 
 STATE = ("origin", "direction", "shadow_origin", "shadow_vector", "throughput", "radiance", "medium")
@@ -164,10 +165,3 @@ class Wavefront:
                       *self.alive.color_attachments, self.alive, self.sums, self.layers):
             if thing is not None:
                 thing.release()
-
-
-def float_target(gl: moderngl.Context, size: tuple[int, int]) -> moderngl.Texture:
-    """An RGBA32F texture to draw into and to read texel by texel."""
-    texture = gl.texture(size, 4, dtype="f4")
-    texture.filter = moderngl.NEAREST, moderngl.NEAREST
-    return texture
