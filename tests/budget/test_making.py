@@ -34,6 +34,8 @@ class Machine:
     """Of paths."""
     sample: float = 0.05
     combine: float = 0.02
+    surprise: float = 0.0
+    """Of the combination of the whole picture, on top."""
     now: float = 0.0
     drawn: list[Settings] = field(default_factory=list)
     samples: int = 0
@@ -128,6 +130,7 @@ def make(monkeypatch):
     def made(machine: Machine, chooser: Chooser | None = None, wants_to_stop=lambda: False, **settings):
         def combined(raster, samples):
             machine.now += machine.combine * raster.shape[0] * raster.shape[1] / SIZE**2
+            machine.now += machine.surprise if machine.samples else 0.0
             return real(raster, samples)
 
         monkeypatch.setattr(making, "combined", combined)
@@ -204,6 +207,13 @@ def test_a_target_with_too_little_time(make):
     assert choice.unmet == "the error asked for was not reached" and 2 < choice.seconds < 3.3
     _, choice = make(Machine(), error=0.01, time_budget=0.6)
     assert choice.unmet == "whether that error is met is not known: there was no time to trace paths"
+
+
+def test_a_budget_that_is_not_kept_is_told_with_the_reason(make):
+    _, choice = make(Machine(), time_budget=0.05)
+    assert choice.unmet == "nothing is ready within 0.05 s here, preparing the scene included"
+    _, choice = make(Machine(surprise=3.0), time_budget=2)
+    assert choice.unmet == "it took longer than was foreseen" and choice.ready < 2
 
 
 def test_where_a_setting_leaves_the_raster_alone_paths_only_judge(make):

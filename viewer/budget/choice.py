@@ -20,6 +20,8 @@ class Choice:
     target: float | None = None
     method: str = ""
     seconds: float = 0.0
+    ready: float | None = None
+    """Seconds to the first picture of the raster, if there was one."""
     samples: float | None = None
     """A pixel, of paths that are in the picture."""
     told: Told | None = None
@@ -46,6 +48,8 @@ class Choice:
     def unmet(self) -> str:
         """What was asked for and could not be had; "": all could."""
         if self.budget is not None and self.seconds > TOLERANCE * self.budget:
+            if self.ready is not None and self.ready <= TOLERANCE * self.budget:
+                return "it took longer than was foreseen"
             return f"nothing is ready within {self.budget:g} s here, preparing the scene included"
         if self.target is not None and (self.reached is None or self.reached > self.target):
             return "the error asked for was not reached" if self.reached is not None else \

@@ -57,6 +57,7 @@ class Making:
         self._choice.rungs = [{"method": title, "expected_s": None, "seconds": None} for title, _ in self._rungs]
         self._pace.of(self._scene, self._size, self._renderer.holds(self._scene))
         self._draw(self._first())
+        self._choice.ready = self._clock() - self._started
         self._climb(traced is not None)
         groups = Groups(self._tracer, self._scene, self._camera,
                         replace(traced or path_settings(raster), background=background), self._size, self._clock)
@@ -189,12 +190,6 @@ class Making:
         fraction = groups.samples / samples if math.isinf(self._end) else spent / (self._end - self._started)
         fraction = min(max(fraction, 1e-3), 1.0)
         self._report(fraction, spent * (1 / fraction - 1))
-
-    def _combined(self, groups: Groups, mixes: bool) -> dict[str, Told]:
-        started = self._clock()
-        told = combined(self._radiance[..., :3], Samples(groups.total, groups.count))
-        self._pace.combine = (self._clock() - started) / (self._size[0] * self._size[1])
-        return told if mixes else {"drawn": told["drawn"]}
 
     def _finished(self, raster: Settings, groups: Groups, told: dict[str, Told] | None) -> Image:
         choice, linear, title = self._choice, self._radiance, self._rungs[self._rung][0]
