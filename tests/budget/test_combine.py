@@ -7,6 +7,7 @@ import pytest
 from right_pictures import RASTERS, truth
 
 from viewer.budget.combine import Samples, combined
+from viewer.image.neighbours import LARGEST
 from viewer.measure.compare.relmse import relmse
 
 
@@ -73,6 +74,20 @@ def test_groups_count_by_their_samples():
     mean, noise = both.without([0])
     assert mean[0, 0, 0] == pytest.approx(32 / 12)
     assert noise[0, 0, 0] == pytest.approx((2 / 12 * (1 - 32 / 12) ** 2 + 10 / 12 * (3 - 32 / 12) ** 2) / 2, rel=1e-5)
+
+
+@pytest.mark.parametrize("bright", [1e12, 1e20, 3e38])
+def test_light_whose_square_does_not_fit_leaves_all_finite(bright):
+    """Such as a lamp of the wrong unit. The pixels around it are mixed as beside any other lamp."""
+    right = truth()
+    right[10:13, 10:13] = bright
+    parts = samples(np.minimum(right, LARGEST), 4)
+    total = np.where(right > LARGEST, np.float32(bright), parts.means)
+    told = combined(right, Samples(total, np.ones_like(total[..., :1])))
+    for one in told.values():
+        assert np.isfinite(one.picture).all() and np.isfinite(list(one.to_json(1.0).values())).all()
+    away = told["mixed"].picture[20:], combined(truth(), parts)["mixed"].picture[20:]
+    np.testing.assert_allclose(*away, rtol=0.05)
 
 
 def test_what_statistics_say():

@@ -83,6 +83,17 @@ def test_pixels_that_are_no_numbers_count_as_black():
     assert told(raster, 4).to_json() == told(black, 4).to_json()
 
 
+@pytest.mark.parametrize("bright", [1e20, 3e38])
+def test_light_whose_square_does_not_fit_is_told_in_numbers(bright):
+    """A lamp of the wrong unit, which both renderers show, is no error."""
+    raster, groups = truth(), paths(truth(), 4, 0)
+    before = raster_error(raster, groups, MASK, 32, 1.0)
+    raster[20:22, 20:22] = groups[:, 20:22, 20:22] = bright
+    error = raster_error(raster, groups, MASK, 32, 1.0)
+    assert np.isfinite([error.relmse, error.low, error.high, error.trimmed, error.brightness]).all()
+    assert np.isfinite(error.map).all() and error.relmse < 1.1 * before.relmse + 1e-3
+
+
 def test_the_sentence_has_shares_of_the_relative_error():
     error = RasterError(0.0144, 0.01, 0.0196, 0.0064, 0.3, 24.0, 1.0, np.zeros((2, 2), np.float32))
     assert str(error) == ("12 % from the truth (95 % sure: 10 to 14 %); 10 % with the right brightness, 8 % without "

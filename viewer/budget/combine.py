@@ -20,9 +20,8 @@ from typing import Any
 import numpy as np
 
 from ..estimate.neighbourhood import EPSILON, mixture, smooth
+from ..image.neighbours import LARGEST, surroundings
 
-_CENTRE = (6 / 16) ** 2
-"""The weight of the pixel itself in `smooth`."""
 _FEW = 8.0
 """Samples a pixel."""
 TRIMMED = 0.01
@@ -58,7 +57,7 @@ class Samples:
     """The sums of four groups of samples, (4, H, W, 3 or more), and their numbers, (4, H, W, 1), at least 1."""
 
     def __init__(self, total: np.ndarray, count: np.ndarray) -> None:
-        self._total, self._count = total[..., :3], count
+        self._total, self._count = np.minimum(total[..., :3], LARGEST * count), count
         self.means = self._total / count
         self.mean = self._total.sum(axis=0) / count.sum(axis=0)
         self.number = float(count.sum(axis=0).mean())
@@ -86,10 +85,9 @@ class Samples:
         samples have met something that the raster does not show, are what is around them, or what the noise allows.
         """
         soft = smooth(best, 1)
-        around = (soft - _CENTRE * best) / (1 - _CENTRE)
         least = best - _SURE * np.sqrt(self.without([])[1])
         return [best + (soft - best) * _FEW / (_FEW + self.number), best, self.mean,
-                np.maximum(np.minimum(best, np.maximum(around, raster)), least)]
+                np.maximum(np.minimum(best, np.maximum(surroundings(best), raster)), least)]
 
     def told(self, pictures: np.ndarray, levels: list[np.ndarray]) -> Told:
         """The mean of `pictures`, (4, H, W, 3), the k-th of which is made without group k, and its error, relative to
@@ -112,6 +110,7 @@ class Samples:
 
 def combined(raster: np.ndarray, samples: Samples) -> dict[str, Told]:
     """The mixture of both, the raster's picture and the paths' samples, each with its error."""
+    raster = np.minimum(raster, LARGEST)
     mixtures = samples.mixtures(raster)
     levels = samples.levels(mixtures.mean(axis=0), raster)
     return {"mixed": samples.told(mixtures, levels),

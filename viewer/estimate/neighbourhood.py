@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..image.neighbours import EPSILON, box, luminance, smooth
+from ..image.neighbours import EPSILON, box, luminance, smooth, surroundings
 
 _GUIDE_REACH = 3
 _SHARPNESS = 4.0
@@ -18,8 +18,6 @@ _ALIKE = 12
 """About how many pixels an average of `guided` is of."""
 _CAUTION = 0.6
 """The noise is known roughly in each neighbourhood. Less of it errs to the side of the paths, which have no bias."""
-_CENTRE = (6 / 16) ** 2
-"""The weight of the pixel itself in `smooth`."""
 _SPIKE, _FAINT = 4.0, 0.02
 """A pixel so many times as bright as those around it, and as this radiance, is single."""
 
@@ -32,8 +30,7 @@ def mixture(raster: np.ndarray, mean: np.ndarray, noise: np.ndarray) -> np.ndarr
     Single bright pixels are left out of the average, which would spread them.
     """
     noise = _CAUTION * noise
-    around = (smooth(mean, 1) - _CENTRE * mean) / (1 - _CENTRE)
-    calm = np.minimum(mean, _SPIKE * np.maximum(around, _FAINT))
+    calm = np.minimum(mean, _SPIKE * np.maximum(surroundings(mean), _FAINT))
     corrected = raster + guided(calm - raster, raster)
     base = pulled(raster, corrected, guided(noise, raster) / _ALIKE, mean)
     return pulled(base, mean, noise, mean)

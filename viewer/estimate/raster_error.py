@@ -28,7 +28,7 @@ import numpy as np
 
 from ..image.image import Image
 from ..image.magma import magma
-from ..image.neighbours import box, smooth
+from ..image.neighbours import LARGEST, box, smooth
 from .neighbourhood import EPSILON, guided, noise_of, pulled
 
 TRIMMED = 0.01
@@ -101,10 +101,11 @@ def raster_error(raster: np.ndarray, groups: np.ndarray, mask: np.ndarray, sampl
 
     These are a part of the picture's pixels where `left_out` is the share of the others. `groups` (G, H, W, 3), G of 4
     or more; errors are taken where `mask` (H, W) bool is true, which it is somewhere.
-    Pixels of the raster that are not finite count as black.
+    Pixels of the raster that are not finite count as black, and radiance above LARGEST as that.
     """
     picture = raster[..., :3].astype(np.float32)
     picture = np.where(np.isfinite(picture).all(axis=-1, keepdims=True), picture, np.float32(0))
+    picture, groups = np.minimum(picture, LARGEST), np.minimum(groups, LARGEST)
     mean = groups.mean(axis=0)
     noise = noise_of(groups)
     level = np.maximum(pulled(guided(mean, picture), mean, noise, mean), 0)

@@ -10,6 +10,10 @@ from ..scene.color import LUMINANCE
 
 EPSILON = 0.01
 """Of relMSE, added to the squared reference: the darkest pixels count by their absolute error of about a tenth."""
+LARGEST = 1e15
+"""Of radiance: float32 holds sums of the squares of this, but not of much more."""
+_CENTRE = (6 / 16) ** 2
+"""The weight of the pixel itself in `smooth`."""
 REACH = 2
 """Energies are means over (2 REACH + 1)^2 pixels."""
 
@@ -20,6 +24,11 @@ def smooth(picture: np.ndarray, step: int) -> np.ndarray:
         taps = _shifted(picture, axis, range(-2 * step, 2 * step + 1, step), "edge")
         picture = (6 * taps[2] + 4 * (taps[1] + taps[3]) + taps[0] + taps[4]) / 16
     return picture
+
+
+def surroundings(picture: np.ndarray) -> np.ndarray:
+    """What `smooth` makes of each pixel's neighbours alone, (H, W, C), without the pixel itself."""
+    return (smooth(picture, 1) - _CENTRE * picture) / (1 - _CENTRE)
 
 
 def box(picture: np.ndarray, reach: int = REACH) -> np.ndarray:

@@ -23,7 +23,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...image.neighbours import EPSILON, REACH, box, luminance, smooth
+from ...image.neighbours import EPSILON, REACH, box, luminance, smooth, surroundings
 
 RADIUS = 1
 """Of the squares in which samples are fitted, in pixels."""
@@ -38,8 +38,6 @@ _SPIKE, _FAINT = 10.0, 0.02
 """Fits leave out what of a pixel is more than so many times as bright as those around it, and as this radiance."""
 _SPREAD = 1, 2
 """Steps of the splines that spread lost light: 6 pixels to each side."""
-_CENTRE = (6 / 16) ** 2
-"""The weight of the pixel itself in `smooth`."""
 
 Halves = tuple[np.ndarray, np.ndarray]
 """The same picture of each half of the samples, (H, W, 3) float32."""
@@ -110,8 +108,7 @@ def _fitted(picture: np.ndarray, guide: np.ndarray) -> np.ndarray:
 
 def _calm(picture: np.ndarray) -> np.ndarray:
     """Without what makes a pixel far brighter than those around it: a fit would spread it."""
-    around = (smooth(picture, 1) - _CENTRE * picture) / (1 - _CENTRE)
-    return np.minimum(picture, _SPIKE * np.maximum(around, _FAINT))
+    return np.minimum(picture, _SPIKE * np.maximum(surroundings(picture), _FAINT))
 
 
 def _scale(picture: np.ndarray) -> np.ndarray:

@@ -11,12 +11,11 @@ import numpy as np
 
 from ...gpu.context import Context
 from ...gpu.programs import Programs
+from ...image.neighbours import LARGEST
 from .combine import combined, with_lost_light
 from .denoiser import NoisyFilm, SplitFilm
 from .wavelet import Wavelet
 
-_MOST = 1e15
-"""Larger values are left as they are: the square would not fit into float32."""
 _PAUSE_S = 0.01
 
 
@@ -101,10 +100,10 @@ class _Part:
 
 
 def _denoised(whole: _Part, parts: list[_Part], filtered: list[np.ndarray], guide: np.ndarray | None) -> np.ndarray:
-    """(H, W, 3). Without a guide, pixels in which nothing is hit stay as they are."""
+    """(H, W, 3). Pixels above LARGEST stay as they are and, without a guide, those in which nothing is hit."""
     stays = np.zeros_like(whole.count, bool) if guide is not None else whole.hits == 0
     for part in (whole, *parts):
-        stays |= (part.count == 0) | ~(np.abs(part.radiance).max(axis=-1, keepdims=True) < _MOST)
+        stays |= (part.count == 0) | ~(np.abs(part.radiance).max(axis=-1, keepdims=True) < LARGEST)
 
     def light(radiance: np.ndarray, emission: np.ndarray) -> np.ndarray:
         return np.where(stays, 0, np.maximum(radiance - emission, 0)).astype(np.float32)
@@ -112,7 +111,7 @@ def _denoised(whole: _Part, parts: list[_Part], filtered: list[np.ndarray], guid
     samples = light(parts[0].radiance, parts[0].emission), light(parts[1].radiance, parts[1].emission)
     guides = [(light(filtered[0], parts[0].emission), light(filtered[1], parts[1].emission))]
     if guide is not None:
-        clean = np.where(np.abs(guide) < _MOST, guide, 0)
+        clean = np.where(np.abs(guide) < LARGEST, guide, 0)
         guides.insert(0, (light(clean, whole.emission),) * 2)
     share = parts[0].count / np.maximum(whole.count, 1)
     picture = combined(samples, guides, share)
