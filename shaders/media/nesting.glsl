@@ -1,7 +1,9 @@
-// The media that a path is inside of, as digits of one whole number: the lowest digit is the medium in which it travels,
-// the next one is what it returns to when it leaves that, and so on. So the inner one of nested solids displaces the
-// outer one, and of two that overlap the one that was entered last does, but for HAS_NESTED. The base is the number of media. Beyond the
-// digits that 24 bits can hold, the outermost are forgotten. The endless zeros in front are medium 0, the outside.
+// The media that a path is inside of, as digits of one whole number: the lowest digit is the medium that was entered
+// last, the next one is what the path returns to when it leaves that, and so on. The path travels in that of the lowest
+// digit: the inner one of nested solids displaces the outer one, and of two that overlap the one that was entered last
+// does. In scenes with nested solids of glass (HAS_NESTED) it travels in that of the highest number. The base is the
+// number of media. Beyond the digits that 24 bits can hold, the outermost are forgotten. The endless zeros in front are
+// medium 0, the outside.
 uniform int u_media_count;
 uniform int u_nesting_limit; // the base to the power of the number of digits but one
 

@@ -48,8 +48,9 @@ void add_emission(inout Path p, Interaction i, SurfaceMaterial m, vec3 wo) {
 }
 
 #if HAS_LIGHTS
-// Prepares a shadow ray to a light sample. `medium` is the medium on the light's side. `f_cos` is the BSDF times the cosine. `pdf` is the density with which BSDF sampling would choose this
-// direction. `origin` is where the ray begins.
+// Prepares a shadow ray to a light sample. `medium` is the medium on the light's side, or the nesting of media. `f_cos`
+// is the BSDF times the cosine. `pdf` is the density with which BSDF sampling would choose this direction. `origin` is
+// where the ray begins.
 void send_shadow_ray_from(inout Path p, vec3 position, vec3 origin, int medium, LightSample light, vec3 f_cos, float pdf) {
     if (light.pdf <= 0.0) return;
     float weight = light.is_delta ? 1.0 : light_weight(light.pdf, pdf);
@@ -72,8 +73,9 @@ void send_shadow_ray(inout Path p, vec3 position, vec3 n, int medium, LightSampl
 #endif
 
 // Continues the path in the direction wi. `n` is the geometric normal on the side of wi. `pdf` is 0 where wi was the
-// only possible direction. `most` is the greatest probability to survive. Returns false if the path ends by Russian roulette (Arvo & Kirk 1990): if u is below the
-// probability `survival`, the path survives and its throughput is divided by that probability.
+// only possible direction. `most` is the greatest probability to survive. Returns false if the path ends by Russian
+// roulette (Arvo & Kirk 1990): if u is below the probability `survival`, the path survives and its throughput is divided
+// by that probability.
 // Radiance inside glass is scaled by eta^2 until it leaves the glass; p.eta2 takes that factor out of the probability.
 bool scatter(inout Path p, vec3 position, vec3 n, vec3 wi, vec3 weight, float pdf, float u, float most) {
     p.throughput *= weight;
