@@ -52,7 +52,9 @@ void main() {
 #if HAS_NESTED && REFRACTS
     if (!m.is_thin && !meets_boundary(p, i, m)) {
         if (p.depth == 0) p.throughput *= range_window(p.pdf, p.travelled + way);
+        float last = p.depth > 0 && p.pdf > 0.0 ? FROM_DELTA : 0.0; // shadow rays to the camera stop here, too
         pass_displaced(p, i);
+        p.pdf = last;
         write_path(p, IN_FLIGHT);
         return;
     }

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from pictures import picture
-from shapes import WHITE, constant, moved, orthographic, plate, scene, sphere
+from shapes import WHITE, constant, facing_floor, moved, orthographic, plate, scene, sphere
 from test_glass import box
 
 import viewer
@@ -19,6 +19,7 @@ from viewer.scene.equirect import texel_directions
 from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.scene.mesh import Mesh
+from viewer.scene.scene import Scene
 from viewer.settings import Settings
 from viewer.trace.scene.geometry import trace_geometry
 from viewer.trace.scene.grown import grown
@@ -129,19 +130,30 @@ def test_a_camera_in_water_sees_through_a_ball_of_air(tracer):
     assert seen[..., :3].mean() == pytest.approx(1.0, abs=5e-3)
 
 
+def layers_over_floor(*heights: float) -> Scene:
+    """A lamp over a grey floor; between them flat boxes 0.2 high about these heights, with about the index of air."""
+    lamp = Light("point", intensity=10.0, position=(0.2, 2.4, 0.1))
+    grey = replace(WHITE, base_color=(0.5, 0.5, 0.5, 1.0))
+    clear = replace(GLASS, ior=1.0)
+    layers = [(replace(box(1.5, 0.1, 1.5), material=1 + k), moved((0, y, 0))) for k, y in enumerate(heights)]
+    return scene((plate(0, half=3.0), facing_floor()), *layers, materials=[grey, clear, replace(clear, ior=1.0 + 1e-6)],
+                 lights=(lamp,))
+
+
 def test_photons_go_through_nested_solids(tracer):
     """A lamp over a slab of two layers that touch: with the index of air they are nothing to light."""
-    lamp = Light("point", intensity=10.0, position=(0.2, 2.4, 0.1))
-    clear = replace(GLASS, ior=1.0)
-    floor = (plate(0, half=3.0), np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]]))
-    layers = [(box(1.5, 0.1, 1.5), moved((0, y, 0))) for y in (1.0, 1.2)]
-    parts = [(replace(mesh, material=1 + k), matrix) for k, (mesh, matrix) in enumerate(layers)]
     view = Camera.look_at((0, 0.8, 0.8), (0, 0, 0.1), fov_y=np.radians(36))
-    grey = replace(WHITE, base_color=(0.5, 0.5, 0.5, 1.0))
-    found, expected = (
-        picture(tracer, scene(floor, *solids, materials=[grey, clear, replace(clear, ior=1.0 + 1e-6)], lights=(lamp,)),
-                view, (6, 4), spp=256, bounces=8, caustics="photons")[..., :3] for solids in (parts, []))
+    found, expected = (picture(tracer, layers_over_floor(*heights), view, (6, 4), spp=256, bounces=8,
+                               caustics="photons")[..., :3] for heights in ((1.0, 1.2), ()))
     assert found.mean() == pytest.approx(expected.mean(), rel=0.02)
+
+
+def test_photons_behind_displaced_boundaries_are_lost(tracer):
+    """From above, what they light is seen through both layers alone, and the boundary that is not there is no end."""
+    above = Camera.look_at((0, 4, 0.5), (0, 0, 0), fov_y=np.radians(20))
+    settings = Settings.of(mode="path", spp=64, caustics="photons")
+    image = tracer.render(layers_over_floor(1.0, 1.2), above, settings, (24, 16))
+    assert image.stats["photons_lost"] > 0.99
 
 
 def test_the_tumbler_of_the_assets():
