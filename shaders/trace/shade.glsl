@@ -206,7 +206,8 @@ void main() {
 #endif
     p.medium = medium_at(p, i, m, side);
     float pdf = (b.flags & DELTA) != 0u ? 0.0 : b.pdf;
-    float most = HAS_SCATTERING == 1 ? 1.0 : 0.95; // the throughput of long paths must not grow
+    // The throughput of long paths must not grow: those in media and between faces of white glass are long.
+    float most = HAS_SCATTERING == 1 || HAS_NESTED == 1 ? 1.0 : 0.95;
     continues = continues && scatter(p, i.position, side * i.n_geometric, wi, b.weight, pdf, u_bsdf.w, most);
 #if HAS_SCATTERING
     if (is_within && p.depth > 2) { // what a scattering medium keeps in is no reflection that `bounces` counts
