@@ -192,6 +192,24 @@ def test_smaller_solids_displace_larger_ones():
         assert ("solids of glass that touch or overlap" in plan.used) == has
 
 
+def test_many_bubbles_are_few_media(count: int = 400):
+    """Bubbles and beads of glass, of mixed sizes, in water that touches its glass: a path can be in all three."""
+    rng = np.random.default_rng(5)
+    cube = box(0.5, 0.5, 0.5)
+    places = np.stack(np.meshgrid(*[np.linspace(-0.4, 0.4, 8)] * 3), axis=-1).reshape(-1, 3)[:count]
+    sizes = rng.uniform(0.01, 0.05, count)
+    air = replace(GLASS, ior=1.0)
+    inner = [(replace(cube, material=k % 2), moved(place, size))
+             for k, (place, size) in enumerate(zip(places, sizes, strict=True))]
+    outer = [(replace(cube, material=2), np.eye(4)), (replace(cube, material=3), moved((0, 0, 0), 1.2))]
+    ordered = with_priorities(trace_geometry(scene(*inner, *outer, materials=[air, ICE, WATER, GLASS])))
+    media = [instance.medium for instance in ordered.instances]
+    assert media[-2:] == [2, 1]
+    assert [ordered.indices[medium][0] for medium in media] == [1.0, 1.31] * (count // 2) + [1.33, 1.5]
+    assert len(ordered.indices) == len(ordered.media) == 5
+    assert ordered.nesting.of([1, 2, 3]) != ordered.nesting.of([2, 3])
+
+
 @pytest.mark.parametrize("is_mirrored", [False, True])
 def test_faces_grow_by_the_same_distance(is_mirrored):
     """A box, whose corners are three vertices each, stays closed, under any transform."""

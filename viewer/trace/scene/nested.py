@@ -2,8 +2,10 @@
 
 Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images", give each solid a priority: where solids
 overlap, the highest one displaces the others. glTF has none. Here the solid that encloses less volume has the higher
-one, so that ice and bubbles are in water and not the other way round, whatever their indices. Numbers of media are in
-this order, so that the highest one that a path is inside of is the medium that it is in (shaders/media/nesting.glsl).
+one, so that ice and bubbles are in water and not the other way round, whatever their indices. Where solids overlap, the
+numbers of their media are in this order, so that the highest one that a path is inside of is the medium that it is in
+(shaders/media/nesting.glsl). Solids of one glass that displace equally many others in a chain have one number, since no
+path can be in two of them: a path carries more media, the fewer numbers there are.
 """
 
 from __future__ import annotations
@@ -27,7 +29,7 @@ def with_priorities(geometry: TraceGeometry) -> TraceGeometry:
     """`geometry` with numbers of media in order of priority and with `indices`, if boxes of solids of glass overlap.
     Otherwise the same object.
 
-    Instances of one material that may overlap are parts of one solid, which need not be closed alone. Solids that touch
+    Instances of one glass that may overlap are parts of one solid, which need not be closed alone. Solids that touch
     are grown by `GROWTH` and more, the higher the priority, so that they overlap: the order in which a ray meets faces
     that coincide would depend on rounding.
     """
@@ -43,21 +45,23 @@ def with_priorities(geometry: TraceGeometry) -> TraceGeometry:
     volume = np.zeros(len(solids))
     np.add.at(volume, body, [_signed_volume(geometry, geometry.instances[k]) for k in solids])
     bodies = sorted(set(body), key=lambda k: (-abs(volume[k]), k))
-    number = {k: rank + 1 for rank, k in enumerate(bodies)}
-    growth = _growth([number[k] for k in body], pairs)
+    level = _levels(bodies, [(body[a], body[b]) for a, b in pairs.tolist()])
+    kinds = dict.fromkeys(sorted(((level[k], *optics[k]) for k in bodies), key=lambda kind: kind[0]))
+    number = {kind: rank + 1 for rank, kind in enumerate(kinds)}
+    is_touched = set(pairs.ravel().tolist())
     meshes, instances = list(geometry.meshes), [replace(i, medium=0) for i in geometry.instances]
     for place, k in enumerate(solids):
-        instance = replace(instances[k], medium=number[body[place]])
-        if growth[place]:
+        instance = replace(instances[k], medium=number[level[body[place]], *optics[place]])
+        if place in is_touched:
             instance = replace(instance, mesh=len(meshes))
             meshes.append(grown(geometry.meshes[geometry.instances[k].mesh], instance.transform,
-                                instance.is_mirrored, growth[place]))
+                                instance.is_mirrored, GROWTH * level[body[place]]))
         instances[k] = instance
     used = sorted({instance.mesh for instance in instances})
     place_of = {mesh: k for k, mesh in enumerate(used)}
     instances = [replace(instance, mesh=place_of[instance.mesh]) for instance in instances]
-    media = [geometry.media[geometry.instances[solids[k]].medium] for k in bodies]
-    indices = [(1.0, 0.0), *(optics[k][1:3] for k in bodies)]
+    media = [geometry.media[medium] for _, medium, *_ in kinds]
+    indices = [(1.0, 0.0), *((ior, dispersion) for _, _, ior, dispersion, _ in kinds)]
     return replace(geometry, meshes=[meshes[k] for k in used], instances=instances, indices=tuple(indices),
                    media=(geometry.media[0], *media))
 
@@ -114,12 +118,10 @@ def _signed_volume(geometry: TraceGeometry, instance: TraceInstance) -> float:
     return float(volume * abs(np.linalg.det(instance.transform[:, :3])))
 
 
-def _growth(numbers: Sequence[int], pairs: NDArray[np.intp]) -> NDArray[np.float64]:
-    """How far solids with these numbers are grown, 0 where they touch no other: one step more than any lower one that
-    they touch."""
-    steps = np.zeros(len(numbers))
-    lower = [(a, b) if numbers[a] < numbers[b] else (b, a) for a, b in pairs.tolist()]
-    for a, b in sorted(lower, key=lambda pair: (numbers[pair[0]], numbers[pair[1]])):
-        steps[a] = max(steps[a], 1)
-        steps[b] = max(steps[b], steps[a] + (numbers[a] != numbers[b]))
-    return GROWTH * steps
+def _levels(bodies: Sequence[int], pairs: Sequence[tuple[int, int]]) -> dict[int, int]:
+    """For each of `bodies`, the lowest priority first, one more than the greatest level of those that it displaces."""
+    rank = {body: place for place, body in enumerate(bodies)}
+    level = dict.fromkeys(bodies, 1)
+    for low, high in sorted(sorted((rank[a], rank[b])) for a, b in pairs if a != b):
+        level[bodies[high]] = max(level[bodies[high]], level[bodies[low]] + 1)
+    return level
