@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,6 +25,10 @@ PANE = Material(metallic=0.0, perceptual_roughness=0.0, transmission=1.0)
 GREY = replace(WHITE, base_color=(0.5, 0.5, 0.5, 1.0))
 LAMP = replace(WHITE, base_color=(0, 0, 0, 1), emissive=(9.0, 6.0, 3.0), double_sided=True)
 POINT = Light("point", intensity=10.0, position=(0.4, 2.4, 0.1))
+CLEAR = replace(PANE, ior=1.0)
+BULB = replace(POINT, position=(0.4, 1.4, 0.1))
+LIT: dict[str, Any] = {"lights": (POINT,), "lamp": LAMP, "environment": lopsided()}
+FOG: dict[str, Any] = {"fog": 0.4, "fog_albedo": (0.9, 0.9, 0.9), "bounces": 3}
 BELOW = Camera.look_at((0, 0.4, 0.5), (0, 0, 0.1), fov_y=np.radians(36))
 """Looks at the floor from below all panes."""
 SIZE = (12, 8)
@@ -37,12 +42,12 @@ def either(context: Context, request: pytest.FixtureRequest) -> Iterator[Tracer]
     tracer.release()
 
 
-def room(*panes: Material, half: float = 4.0, lights: tuple[Light, ...] = (), lamp: Material | None = None,
-         environment: Environment | None = None) -> Scene:
-    """A grey floor below panes, from y = 0.6 upwards, every 0.2; a lamp of area above them."""
+def room(*panes: Material, half: float = 4.0, lowest: float = 0.6, lights: tuple[Light, ...] = (),
+         lamp: Material | None = None, environment: Environment | None = None) -> Scene:
+    """A grey floor below panes, from the `lowest` upwards, every 0.2; a lamp of area above them."""
     meshes = [(plate(0, half=4.0), facing_floor())]
     meshes += [(plate(1, half=0.5), facing_floor(y=2.0))] * (lamp is not None)
-    meshes += [(plate(2 + k, half=half), facing_floor(y=0.6 + 0.2 * k)) for k in range(len(panes))]
+    meshes += [(plate(2 + k, half=half), facing_floor(y=lowest + 0.2 * k)) for k in range(len(panes))]
     return scene(*meshes, materials=[GREY, lamp or LAMP, *panes], lights=lights, environment=environment)
 
 
@@ -88,12 +93,10 @@ def test_what_alpha_leaves_open_takes_nothing(either):
 
 
 @pytest.mark.parametrize("bounces", [1, 4])
-def test_panes_of_index_1_change_nothing(either, bounces):
+def test_panes_of_index_1_change_nothing(tracer, bounces):
     """Light of all kinds, which light samples and BSDF samples find, is found once, also at the last bounce."""
-    clear = replace(PANE, ior=1.0)
-    lit = {"lights": (POINT,), "lamp": LAMP, "environment": lopsided()}
-    found, expected = (picture(either, room(*panes, **lit), BELOW, SIZE, spp=512, bounces=bounces)[..., :3]
-                       for panes in ((clear, clear), ()))
+    found, expected = (picture(tracer, room(*panes, **LIT), BELOW, SIZE, spp=512, bounces=bounces)[..., :3]
+                       for panes in ((CLEAR, CLEAR), ()))
     assert found.mean(axis=(0, 1)) == pytest.approx(expected.mean(axis=(0, 1)), rel=0.01)
 
 
@@ -107,23 +110,36 @@ def test_the_sky_through_a_pane_against_its_closed_form(tracer, sampling):
     assert pixels.mean(axis=(0, 1)) == pytest.approx(expected, rel=4e-3)
 
 
-@pytest.mark.parametrize("fog", [0.0, 1e-6])
-def test_a_lamp_of_area_over_a_mixed_pane(tracer, fog):
+def test_a_lamp_of_area_over_a_mixed_pane(tracer):
     """Where the wall is partly opaque, a path that goes on has a shadow ray of its own, too. Weights that do not add up
     to 1 would make the mean differ from that of light samples alone; with fog, paths are stored in another way."""
     model = room(replace(PANE, transmission=0.7, double_sided=True), lamp=LAMP)
     alone = picture(tracer, model, BELOW, (6, 4), spp=2048, sampling="lights")[..., :3].mean(axis=(0, 1))
-    both = picture(tracer, model, BELOW, (6, 4), spp=1024, fog=fog)[..., :3].mean(axis=(0, 1))
-    assert both == pytest.approx(alone, rel=0.02)
+    for fog in (0.0, 1e-6):
+        both = picture(tracer, model, BELOW, (6, 4), spp=1024, fog=fog)[..., :3].mean(axis=(0, 1))
+        assert both == pytest.approx(alone, rel=0.02)
 
 
-def test_light_through_a_pane_into_fog(either):
-    """Light that fog scatters below a pane of index 1, from lamps above."""
-    fog = {"fog": 0.4, "fog_albedo": (0.9, 0.9, 0.9), "bounces": 3}
-    bulb = replace(POINT, position=(0.4, 1.4, 0.1))
-    found, expected = (picture(either, room(*panes, lights=(bulb,), lamp=LAMP), BELOW, (6, 4), spp=128, **fog)[..., :3]
-                       for panes in ((replace(PANE, ior=1.0),), ()))
+def test_light_through_a_pane_into_fog(tracer):
+    """Light that fog scatters below a pane of index 1, from lamps above: as if the pane were below the floor."""
+    lit = {"lights": (BULB,), "lamp": LAMP}
+    found, expected = (picture(tracer, room(CLEAR, lowest=lowest, **lit), BELOW, (6, 4), spp=128, **FOG)[..., :3]
+                       for lowest in (0.6, -0.6))
     assert found.mean(axis=(0, 1)) == pytest.approx(expected.mean(axis=(0, 1)), rel=0.06)
+
+
+def test_the_bvh_takes_what_embree_takes(context):
+    """The same paths, so that few samples do: light of all kinds through panes, and light from fog."""
+    tinted = replace(PANE, base_color=(0.9, 0.5, 0.1, 1.0), transmission=0.8)
+    found, expected = [], []
+    for intersector, pictures in (("bvh", found), ("embree", expected)):
+        tracer = Tracer(context, intersector=intersector)
+        pictures += [picture(tracer, room(tinted, CLEAR, **LIT), BELOW, SIZE, spp=16, bounces=4)[..., :3],
+                     picture(tracer, room(tinted, lights=(BULB,), lamp=LAMP), BELOW, SIZE, spp=8, **FOG)[..., :3]]
+        tracer.release()
+    for ours, theirs in zip(found, expected, strict=True):
+        assert theirs.min() > 0
+        assert np.abs(ours - theirs).mean() < 0.002 * theirs.mean()
 
 
 def test_photons_leave_to_shadow_rays_what_they_bring(tracer):
@@ -136,19 +152,18 @@ def test_photons_leave_to_shadow_rays_what_they_bring(tracer):
 
 
 def test_photons_are_seen_through_a_pane(tracer):
-    """The caustic of a ball below a pane of index 1, before and behind another: as without the panes."""
+    """The caustic of a ball below a pane of index 1, and behind another: as with the panes out of the way."""
     ball = replace(PANE, thickness=1.0)
-    clear = replace(PANE, ior=1.0)
 
-    def bright(*panes: Material) -> np.ndarray:
-        plain = room(*panes, lights=(POINT,))
+    def bright(above: float, beside: float) -> np.ndarray:
+        plain = room(CLEAR, lights=(POINT,), lowest=above)
         under = (sphere(len(plain.materials), 48), moved((0.1, 0.3, 0.1), 0.1))
         instances = [(plain.meshes[i.mesh], i.transform) for i in plain.instances]
-        upright = [(plate(len(plain.materials) + 1, half=0.3), moved((0, 0.3, 0.4)))] * bool(panes)
-        model = scene(*instances, under, *upright, materials=[*plain.materials, ball, *panes], lights=plain.lights)
+        upright = (plate(2, half=0.3), moved((0, 0.3, beside)))
+        model = scene(*instances, under, upright, materials=[*plain.materials, ball], lights=plain.lights)
         return picture(tracer, model, BELOW, (6, 4), spp=1024, caustics="photons", bounces=6)[..., :3]
 
-    found, expected = bright(clear), bright()
+    found, expected = bright(0.6, 0.4), bright(-0.6, 2.0)
     assert found.mean() == pytest.approx(expected.mean(), rel=0.03)
     assert np.abs(found - expected).mean() < 0.1 * expected.mean()
 
