@@ -225,9 +225,10 @@ def test_photons_keep_pace_with_samples(tracer, monkeypatch):
 
 
 def test_a_time_budget_ends_after_the_first_photons(tracer):
+    """These are few, though far more samples of so small a picture are on their way at once."""
     settings = Settings.of(mode="path", time_budget=0.01, caustics="photons")
     image = tracer.render(slab(POINT, 1.5), BELOW, settings, (16, 16))
-    assert image.stats["photons"] >= 16 * 16
+    assert 16 * 16 <= image.stats["photons"] <= 16 * 16 * 16
     assert not [line for line in sample_warnings(image.stats) if "photons arrived" in line]
 
 

@@ -81,6 +81,16 @@ class PathRender:
         return self._photons is not None and self.film.photons < self._expected_samples
 
     @property
+    def _photons_wanted(self) -> int:
+        """How many the film should have now: one for each sample that was handed out. With a time budget, for each that
+        is in the film, and at least one a pixel: many samples may be on their way, and the budget waits for the first
+        round of photons."""
+        if self.settings.time_budget is None or self._has_samples:
+            return self._expected_samples
+        in_film = self.film.tile_errors()[..., 2].sum(dtype=np.float64)
+        return max(math.prod(self.film.size), round(float(in_film)))
+
+    @property
     def lost_share(self) -> float:
         """As `PhotonRender.lost_share`; 0 without photons."""
         return 0.0 if self._photons is None else self._photons.lost_share
@@ -106,7 +116,7 @@ class PathRender:
         start = time.perf_counter()
         self._passes.context.make_current()
         while not self.is_done:
-            if self._photons is not None and self._photons.is_due(self._expected_samples, self._has_samples):
+            if self._photons is not None and self._photons.is_due(self._photons_wanted, self._has_samples):
                 self._trace_photons(self._photons)
             else:
                 self._iterate()
@@ -116,7 +126,7 @@ class PathRender:
 
     def _trace_photons(self, photons: PhotonRender) -> None:
         before = photons.rays, self.film.photons
-        photons.iterate(self._expected_samples)
+        photons.iterate(self._photons_wanted)
         self.rays += photons.rays - before[0]
         if self.film.photons > before[1]:
             self._is_developed, self._shown = False, None
