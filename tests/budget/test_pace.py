@@ -58,6 +58,17 @@ def test_maps_are_drawn_again_if_others_are_held(pace):
     assert pace.frame(SHADOWED) == pytest.approx(min(SURE, GUESSED * 0.1 * work(SHADOWED)) + SURE * 1.6)
 
 
+def test_maps_that_are_held_do_not_tell_what_others_take(pace):
+    """A second frame only sees that they are there, in some microseconds."""
+    pace.drawn(PLAIN, 0.1, 0.0)
+    pace.drawn(SHADOWED, 2.6, 1.6)
+    more = replace(FINE, environment_shadows="64")
+    before = pace.frame(more)
+    assert before > 64 * 0.1
+    pace.drawn(SHADOWED, 1.0, 2e-6)
+    assert pace.frame(more) == pytest.approx(before, rel=1e-3)
+
+
 def test_of_another_scene_or_size_nothing_is_known(pace, square):
     for scene_of, size, is_held in ((square, SIZE, False), (square, (9, 8), True), (replace(square), SIZE, True)):
         pace.of(square, SIZE, True)

@@ -67,11 +67,10 @@ class Pace:
         self._of = scene, size
 
     def drawn(self, settings: Settings, seconds: float, shadows: float) -> None:
-        """A frame; `shadows` of its seconds were for maps for the environment."""
+        """A frame; `shadows` of its seconds were for maps for the environment, if only to see that these are held."""
         self.frames[settings] = min(seconds - shadows, self.frames.get(settings, math.inf)) if shadows else seconds
-        if shadows:
-            self._map = shadows / maps(settings)
-        self._maps = maps(settings) or self._maps
+        if maps(settings) not in (0, self._maps):
+            self._map, self._maps = shadows / maps(settings), maps(settings)
 
     def frame(self, settings: Settings) -> float:
         """A picture by the raster, with what it has to prepare; infinite as long as none was drawn."""
