@@ -114,16 +114,16 @@ def test_a_lamp_of_area_over_a_mixed_pane(tracer):
     """Where the wall is partly opaque, a path that goes on has a shadow ray of its own, too. Weights that do not add up
     to 1 would make the mean differ from that of light samples alone; with fog, paths are stored in another way."""
     model = room(replace(PANE, transmission=0.7, double_sided=True), lamp=LAMP)
-    alone = picture(tracer, model, BELOW, (6, 4), spp=2048, sampling="lights")[..., :3].mean(axis=(0, 1))
+    alone = picture(tracer, model, BELOW, (6, 4), spp=512, sampling="lights")[..., :3].mean(axis=(0, 1))
     for fog in (0.0, 1e-6):
-        both = picture(tracer, model, BELOW, (6, 4), spp=1024, fog=fog)[..., :3].mean(axis=(0, 1))
+        both = picture(tracer, model, BELOW, (6, 4), spp=256, fog=fog)[..., :3].mean(axis=(0, 1))
         assert both == pytest.approx(alone, rel=0.02)
 
 
 def test_light_through_a_pane_into_fog(tracer):
     """Light that fog scatters below a pane of index 1, from lamps above: as if the pane were below the floor."""
     lit = {"lights": (BULB,), "lamp": LAMP}
-    found, expected = (picture(tracer, room(CLEAR, lowest=lowest, **lit), BELOW, (6, 4), spp=128, **FOG)[..., :3]
+    found, expected = (picture(tracer, room(CLEAR, lowest=lowest, **lit), BELOW, (6, 4), spp=64, **FOG)[..., :3]
                        for lowest in (0.6, -0.6))
     assert found.mean(axis=(0, 1)) == pytest.approx(expected.mean(axis=(0, 1)), rel=0.06)
 
@@ -161,7 +161,7 @@ def test_photons_are_seen_through_a_pane(tracer):
         instances = [(plain.meshes[i.mesh], i.transform) for i in plain.instances]
         upright = (plate(2, half=0.3), moved((0, 0.3, beside)))
         model = scene(*instances, under, upright, materials=[*plain.materials, ball], lights=plain.lights)
-        return picture(tracer, model, BELOW, (6, 4), spp=1024, caustics="photons", bounces=6)[..., :3]
+        return picture(tracer, model, BELOW, (6, 4), spp=512, caustics="photons", bounces=6)[..., :3]
 
     found, expected = bright(0.6, 0.4), bright(-0.6, 2.0)
     assert found.mean() == pytest.approx(expected.mean(), rel=0.03)
