@@ -38,17 +38,18 @@ def on_terminal(code: str, **environment: str) -> bytes:
     return shown
 
 
+UNTIL_SHOWN = "while not bar.is_shown: time.sleep(0.01)"
 LONG = """p.DELAY_S = 0.05
 with p.Progress(2) as bar:
     bar.step("one [b]")
-    time.sleep(0.5)
+    time.sleep(0.2)
     print("a warning", file=sys.stderr)
     bar.step("t\x1bwo")
 """
 
 
 def test_what_takes_long_shows_a_bar_that_goes_again():
-    shown = on_terminal(LONG)
+    shown = on_terminal(LONG.replace("time.sleep(0.2)", UNTIL_SHOWN))
     assert b"one [b]" in shown and b"0/2" in shown and b"1/2" in shown and b"t\\x1bwo" in shown
     assert b"a warning\r\n" in shown
     assert shown.endswith(b"\x1b[2K")  # the line is erased
@@ -59,13 +60,11 @@ def test_a_terminal_that_cannot_move_its_cursor_gets_no_bar():
 
 
 def test_a_part_of_a_piece_moves_the_bar_and_not_the_count():
-    shown = on_terminal("""p.DELAY_S = 0.05
+    shown = on_terminal(f"""p.DELAY_S = 0.05
 with p.Progress(1) as bar:
     bar.step("one")
-    time.sleep(0.3)
-    assert bar.is_shown
+    {UNTIL_SHOWN}
     bar.part(1.0, "nearly")
-    time.sleep(0.3)
 """)
     assert b"nearly" in shown and b"0/1" in shown and b"1/1" not in shown
 
