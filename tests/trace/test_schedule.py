@@ -71,6 +71,17 @@ def rough(seed: int = 3, shape: tuple[int, int] = (9, 16)) -> np.ndarray:
     return 10 ** np.kron(coarse, np.ones((3, 4)))[:shape[0], :shape[1]]
 
 
+def test_with_a_time_budget_nothing_delays_the_first_sample_of_each_pixel():
+    film = NoisyFilm(np.ones((3, 4)))
+    schedule = Schedule(film, Settings(mode="path", time_budget=1.0))
+    first, more = schedule.next(8, is_last=True), schedule.next(8, is_last=False)
+    assert [item.samples for item in first + more] == [1] * 12
+    film.add(first)
+    assert schedule.next(8, is_last=False) == [] and not schedule.done
+    film.add(more)
+    assert film.samples.min() == 1 and len(schedule.next(8, is_last=True)) == 8
+
+
 @pytest.mark.parametrize("size, spp, count", [
     ((16, 16), 64, 256), ((40, 30), 1, 16), ((200, 50), 37, 64), ((9, 1), 3, 2)])
 def test_without_a_target_each_pixel_gets_exactly_its_samples(size, spp, count):

@@ -36,7 +36,8 @@ class Schedule:
 
     def __init__(self, film: Film, settings: Settings) -> None:
         self._film, self._target, self._most = film, settings.error, settings.most_spp
-        self._is_adaptive = settings.error is not None or settings.time_budget is not None
+        self._is_timed = settings.time_budget is not None
+        self._is_adaptive = settings.error is not None or self._is_timed
         self._pilot = min(self._most, PILOT) if self._is_adaptive else self._most
         columns, rows = film.tiles
         self._issued = np.zeros((rows, columns), np.int64)
@@ -70,12 +71,18 @@ class Schedule:
         return item._replace(first=first)
 
     def _plan_round(self, count: int, is_last: bool) -> bool:
-        """Queue one more round; returns whether it has any work."""
+        """Queue one more round; returns whether it has any work.
+
+        A time budget can end only when each pixel has a sample. So the first round has one for each then, and no other
+        work delays it.
+        """
+        if self._is_timed and self._rounds == 1 and not is_last:
+            return False
         if self._issued.min() < self._pilot:
             chunk = min(MAX_CHUNK, 1 << max(self._rounds - 1, 0))  # small first rounds show a picture soon
             if self._film.parts and self._issued.min() < MAX_CHUNK:
                 chunk = 1  # so that both parts have as many of few samples
-            each = chunk * max(count // self._issued.size, 1)
+            each = chunk * (1 if self._is_timed and not self._rounds else max(count // self._issued.size, 1))
             wanted = np.minimum(self._issued + each, self._pilot)
         else:
             chunk, wanted = MAX_CHUNK, self._adapt(is_last)
