@@ -56,6 +56,8 @@ void march_fog(inout Path path, Ray ray, float from, float to, Scattering medium
 #endif
 
 #if VOLUMES > 0
+// llvmpipe runs both sides of a branch, but no loop that has no turns: loops take the place of branches here, so that
+// steps outside of volumes and in what of them is empty cost little.
 #if DENSE
 const float THICK = 1.0; // optical depth of a part
 const float MOST_PARTS = 16.0, SEARCH = 6.0;
@@ -67,8 +69,6 @@ float extinction_on(Ray ray, int k, float at) {
 // A step in volumes that may be thick. It begins where the volume does, which is searched, and is taken in parts, along
 // each of which the extinction is taken for linear. So what is seen of a face does not depend on where steps end. The mean
 // collision of a part is where as much optical depth lies before it as before one of a homogeneous step.
-//
-// llvmpipe runs both sides of a branch, but no loop that has no turns: loops take the place of branches here.
 void march_volumes(inout Path path, Ray ray, float from, float to, Scattering medium) {
     for (int k = 0; k < VOLUMES; ++k) {
         vec2 span = vec2(max(ray.volumes[k].x, from), min(ray.volumes[k].y, to));
@@ -102,10 +102,13 @@ void march_volumes(inout Path path, Ray ray, float from, float to, Scattering me
 void march_volumes(inout Path path, Ray ray, float from, float to, Scattering medium) {
     for (int k = 0; k < VOLUMES; ++k) {
         vec2 span = vec2(max(ray.volumes[k].x, from), min(ray.volumes[k].y, to));
-        if (span.x >= span.y) continue;
-        vec3 middle = ray.origin + 0.5 * (span.x + span.y) * ray.direction;
-        float depth = volume_extinction(k, middle) * (span.y - span.x);
-        add_step(path, ray, span.x, span.y, depth, mean_collision(depth), medium);
+        float depth = 0.0;
+        for (bool is_met = span.x < span.y; is_met; is_met = false) {
+            vec3 middle = ray.origin + 0.5 * (span.x + span.y) * ray.direction;
+            depth = volume_extinction(k, middle) * (span.y - span.x);
+        }
+        for (bool is_filled = depth > 0.0; is_filled; is_filled = false)
+            add_step(path, ray, span.x, span.y, depth, mean_collision(depth), medium);
     }
 }
 #endif
