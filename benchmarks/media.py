@@ -1,8 +1,8 @@
 """Fog, volumes and solids that scatter light, in the rasterizer: `python -m benchmarks.media`.
 
-Cases of ../shared/truth, and three scenes of assets/ against mode path, by methods of the report's ladder: error, and
-time over that of the plain frame. Then frames of the window's size. The cube of fog of two cases is a mesh in their
-files, which a volume of the same size replaces here.
+Cases of ../shared/truth, and scenes of assets/ against mode path, by methods of the report's ladder: error, and time
+over that of the plain frame. Then frames of the window's size. The cube of fog of two cases is a mesh in their files,
+which a volume of the same size replaces here.
 """
 
 from __future__ import annotations
@@ -40,17 +40,34 @@ from .shot import REPOSITORY
 from .truth_cases import FOLDER
 
 VOLUMES, SOLIDS = ("fog-point", "fog-g07", "cloud", "smoke-absorbing"), ("wax", "milk-rough")
-OURS: dict[str, dict[str, Any]] = {"demo.glb": {"fog": 0.5}, "volumes/cloud.vdb": {"volume_density": 2.0},
-                                   "volumes/smoke.vdb": {}}
-SIZE, SAMPLES = (128, 128), 128
+SIZE, SAMPLES = (128, 128), 64
+HIDDEN = 0.05
+"""Pixels count of which volumes hide more than this. Elsewhere the picture is right without them."""
+PLAINS = 5
+"""Plain frames for one of a method: they are short, and all times are told in them."""
 FURNACE = Environment("furnace", np.ones((32, 64, 3), np.float32))
 Changes = dict[str, Any]
 SHADOWED: tuple[Changes, ...] = tuple({"environment_shadows": lights, "antialias": antialias}
                                       for lights, antialias in (("16", "ssaa-4"), ("64", "ssaa-4"), ("64", "ssaa-9")))
 STEPS: tuple[Changes, ...] = (
-    {"media_scattering": "single"}, {"media_steps": "28", "media_rays": "sixteenth"}, {"media_rays": "all"})
+    {"media_scattering": "single"}, {"media_steps": "28", "media_rays": "sixteenth"},
+    {"media_steps": "28", "media_rays": "quarter"}, {"media_rays": "all"})
+PHONG: tuple[Changes, ...] = ({"mode": "phong"},)
 INDIRECT: tuple[Changes, ...] = ({"subsurface": "slab"}, {"indirect": "baked"},
                                  {"indirect": "baked", "environment_shadows": "64", "antialias": "ssaa-4"})
+CLOUD, SMOKE, DEMO = "volumes/cloud.vdb", "volumes/smoke.vdb", "demo.glb"
+DENSE, FOG, THICK_FOG = {"volume_density": 2.0}, {"fog": 0.5}, {"fog": 2.0}
+OURS: tuple[tuple[str, str, float, Changes, tuple[Changes, ...]], ...] = (
+    (CLOUD, "studio", 0.0, DENSE, (*STEPS, *PHONG)),
+    (CLOUD, "furnace", 0.0, DENSE, ()),
+    (CLOUD, "none", 3.0, DENSE, ()),
+    (CLOUD, "studio", 0.0, DENSE | {"volume_g": 0.99}, ()),
+    (SMOKE, "studio", 0.0, {}, (*STEPS, *PHONG)),
+    (DEMO, "studio", 0.0, FOG, (*STEPS, *SHADOWED)),
+    (DEMO, "studio", 6.0, FOG, SHADOWED[-1:]),
+    (DEMO, "studio", 6.0, THICK_FOG, SHADOWED[-1:]),
+)
+"""Model, environment, illuminance of a sun in lux, settings of the medium, and methods beside the default."""
 
 
 GIVEN_UP = (
@@ -62,7 +79,8 @@ GIVEN_UP = (
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """A picture of which the truth is known; `plain` is the same without the medium."""
+    """A picture of which the truth is known; `plain` is the same without the medium. `counted`, (H, W) bool, has the
+    pixels of which errors are told, and `floor` is the relMSE that the noise of the reference makes in these."""
 
     name: str
     scene: Scene
@@ -70,6 +88,8 @@ class Measured:
     settings: Settings
     plain: tuple[Scene, Settings]
     reference: np.ndarray
+    counted: np.ndarray
+    samples: int
     floor: float
     methods: tuple[Changes, ...]
 
@@ -82,13 +102,16 @@ def main() -> None:
     with open_context() as context:
         load = os.getloadavg()[0]
         lines = ["# Fog, volumes and solids that scatter light, in the rasterizer", "",
-                 "By `python -m benchmarks.media`. relMSE and mean are those of the whole picture, 128 x 128, against "
-                 "Mitsuba; for scenes of ours,", f"against {SAMPLES} samples of mode path. The floor is the noise of "
-                 "the reference. Times are of all threads of the processor, the", "median of frames with everything "
-                 "prepared; `frames` is the time over that of a plain frame, which is `msaa-4` with", "image-based "
-                 "light, without shadows of the environment and without the medium. The cube of fog is a volume.",
-                 "", "| scene | method | relMSE | floor | mean / reference | ms | frames |",
-                 "|---|---|---|---|---|---|---|"]
+                 "By `python -m benchmarks.media`. Pictures have 128 x 128 pixels. The first six scenes are against "
+                 "Mitsuba, those of `assets/` against", f"mode path with {SAMPLES} samples per pixel. `samples` are "
+                 "those of the reference, and `floor` is the relMSE that its noise alone makes.",
+                 f"relMSE and mean are those of the whole picture; of `{CLOUD}` and `{SMOKE}` those of the pixels of "
+                 "which the", "volume hides at least a twentieth. `pixels` is their share. Times are of all threads "
+                 "of the processor, the median of frames with", "everything prepared; `frames` is the time over that "
+                 "of a plain frame, which is `msaa-4` with image-based light, without shadows of", "the environment "
+                 "and without the medium. The cube of fog is a volume.",
+                 "", "| scene | method | pixels | samples | relMSE | floor | mean / reference | ms | frames |",
+                 "|---|---|---|---|---|---|---|---|---|"]
         renderer = Renderer(context)
         for measured in _all(renderer):
             lines += _rows(renderer, measured, options.frames)
@@ -107,21 +130,39 @@ def _all(renderer: Renderer) -> Iterator[Measured]:
         scene, camera, settings, facts = load_case(name)
         reference = Image.open(FOLDER / name / "reference.exr").linear[..., :3].astype(np.float64)
         yield Measured(name, scene, camera, settings, (replace(scene, volumes=()), settings), reference,
-                       facts["relmse_floor"], (*STEPS, *SHADOWED * bool(scene.instances and scene.environment)))
+                       _everywhere(reference), facts["spp"], facts["relmse_floor"],
+                       (*STEPS, *SHADOWED * bool(scene.instances and scene.environment)))
     for name in SOLIDS:
         case = truth_cases.load_case(name)
         settings = Settings.of(**{key: value for key, value in case.settings.items() if key not in ignored("pbr")})
         yield Measured(name, case.scene, case.camera, settings, (case.scene, replace(settings, subsurface="off")),
-                       case.reference, case.floor, INDIRECT)
+                       case.reference, _everywhere(case.reference), case.spp, case.floor, INDIRECT)
     tracer = Tracer(renderer.context)
-    for model, medium in OURS.items():
-        scene = viewer.load(REPOSITORY / "assets" / model)
+    for model, environment, lux, medium, methods in OURS:
+        scene = viewer.load(REPOSITORY / "assets" / model, environment=environment.replace("furnace", "none"))
+        scene = replace(scene, environment=FURNACE if environment == "furnace" else scene.environment,
+                        lights=(*scene.lights, *[Light.from_angles(1.0, 0.7, lux)] * (lux > 0)))
         camera, settings = scene.framing_camera(1.0), Settings.of(**medium)
-        paths = Halves(*(tracer.render(scene, camera, replace(settings, mode="path", spp=SAMPLES // 2, seed=seed),
-                                       SIZE).linear[..., :3] for seed in (1, 2)))
-        yield Measured(f"{model}, {_told(medium) or 'as it is'}", scene, camera, settings,
-                       (replace(scene, volumes=()), replace(settings, fog=0.0)), paths.mean, paths.floor(paths.mean),
-                       (*STEPS, *SHADOWED * bool(scene.instances)))
+        first, second = (tracer.render(scene, camera, replace(settings, mode="path", spp=SAMPLES // 2, seed=seed),
+                                       SIZE).linear[..., :3] for seed in (1, 2))
+        paths = Halves(first, second)
+        counted = _hidden(renderer, scene, camera, settings) if scene.volumes else _everywhere(paths.mean)
+        inside = Halves(first[counted], second[counted])
+        light = {"environment": environment} if environment != "studio" else {}
+        told = _told(medium | light | ({"sun, lux,": f"{lux:g}"} if lux else {})) or "as it is"
+        yield Measured(f"{model}, {told}", scene, camera, settings,
+                       (replace(scene, volumes=()), replace(settings, fog=0.0)), paths.mean, counted, SAMPLES,
+                       inside.floor(inside.mean), methods)
+
+
+def _everywhere(reference: np.ndarray) -> np.ndarray:
+    return np.ones(reference.shape[:2], bool)
+
+
+def _hidden(renderer: Renderer, scene: Scene, camera: Camera, settings: Settings) -> np.ndarray:
+    """The pixels of which the scene, without its surroundings, hides more than HIDDEN."""
+    dark = scene.relit(environment=None, lights=())
+    return renderer.render(dark, camera, replace(settings, background="none"), SIZE).linear[..., 3] > HIDDEN
 
 
 def _rows(renderer: Renderer, measured: Measured, frames: int) -> list[str]:
@@ -133,16 +174,19 @@ def _rows(renderer: Renderer, measured: Measured, frames: int) -> list[str]:
     pictures = [renderer.render(scene, measured.camera, settings, size).linear[..., :3].astype(np.float64)
                 for scene, settings in shown]
     times: list[list[float]] = [[] for _ in shown]
-    for (scene, settings), spent in zip(shown, times, strict=True):
-        for _ in range(frames + 1):
-            start = time.process_time()
-            renderer.draw(scene, measured.camera, settings, size, half=False, still=True)
-            renderer.read_radiance()
-            spent.append(1e3 * (time.process_time() - start))
-    plain, *others = (statistics.median(spent[1:]) for spent in times)
-    return [f"| {measured.name} | {_told(way) or 'default'} | {relmse(picture, measured.reference):.4f} | "
-            f"{measured.floor:.4f} | {picture.mean() / measured.reference.mean():.3f} | {spent:.0f} | "
-            f"{spent / plain:.1f} |"
+    for _ in range(frames):
+        for k, (scene, settings) in enumerate(shown):
+            for j in range((1 if k else PLAINS) + 1):  # the first binds what the one before has not
+                start = time.process_time()
+                renderer.draw(scene, measured.camera, settings, size, half=False, still=True)
+                renderer.read_radiance()
+                if j:
+                    times[k].append(1e3 * (time.process_time() - start))
+    plain, *others = (statistics.median(spent) for spent in times)
+    counted, reference = measured.counted, measured.reference[measured.counted]
+    return [f"| {measured.name} | {_told(way) or 'default'} | {counted.mean():.0%} | {measured.samples} | "
+            f"{relmse(picture[counted], reference):.4f} | {measured.floor:.4f} | "
+            f"{picture[counted].mean() / reference.mean():.3f} | {spent:.0f} | {spent / plain:.1f} |"
             for way, picture, spent in zip(ways, pictures[1:], others, strict=True)]
 
 
