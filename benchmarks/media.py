@@ -149,7 +149,7 @@ def _all(renderer: Renderer) -> Iterator[Measured]:
         counted = _hidden(renderer, scene, camera, settings) if scene.volumes else _everywhere(paths.mean)
         inside = Halves(first[counted], second[counted])
         light = {"environment": environment} if environment != "studio" else {}
-        told = _told(medium | light | ({"sun, lux,": f"{lux:g}"} if lux else {})) or "as it is"
+        told = _told(medium | light | ({"sun of": f"{lux:g} lux"} if lux else {})) or "as it is"
         yield Measured(f"{model}, {told}", scene, camera, settings,
                        (replace(scene, volumes=()), replace(settings, fog=0.0)), paths.mean, counted, SAMPLES,
                        inside.floor(inside.mean), methods)
