@@ -51,7 +51,8 @@ SHADOWED: tuple[Changes, ...] = tuple({"environment_shadows": lights, "antialias
                                       for lights, antialias in (("16", "ssaa-4"), ("64", "ssaa-4"), ("64", "ssaa-9")))
 STEPS: tuple[Changes, ...] = (
     {"media_scattering": "single"}, {"media_steps": "28", "media_rays": "sixteenth"},
-    {"media_steps": "28", "media_rays": "quarter"}, {"media_rays": "all"})
+    {"media_steps": "28", "media_rays": "ninth"}, {"media_steps": "28", "media_rays": "quarter"},
+    {"media_rays": "all"})
 PHONG: tuple[Changes, ...] = ({"mode": "phong"},)
 INDIRECT: tuple[Changes, ...] = ({"subsurface": "slab"}, {"indirect": "baked"},
                                  {"indirect": "baked", "environment_shadows": "64", "antialias": "ssaa-4"})

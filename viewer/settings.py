@@ -179,7 +179,7 @@ class Settings:
         None, "number of fibres that leave a yarn on each radius of its length; none: that of its kind")
     media_steps: Literal["auto", "28", "56", "112", "224"] = _option(
         "auto", "steps of a ray through fog and volumes; auto: 56, but 28 while the camera moves and the CPU renders")
-    media_rays: Literal["auto", "all", "quarter", "sixteenth"] = _option(
+    media_rays: Literal["auto", "all", "quarter", "ninth", "sixteenth"] = _option(
         "auto", "the pixels that have a ray through fog and volumes of their own; auto: a quarter, but a sixteenth "
         "while the camera moves and the CPU renders")
     media_scattering: Literal["single", "multiple"] = _option(

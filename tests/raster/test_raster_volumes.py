@@ -317,6 +317,9 @@ def test_a_moving_picture_has_fewer_rays_and_steps_where_software_draws(renderer
     fine = drawn(True, media_steps="56", media_rays="quarter")
     rough = drawn(True, media_steps="28", media_rays="sixteenth")
     assert np.abs(fine - rough).max() > 0.01 and (fine > 0).any()
+    errors = [np.abs(fine - drawn(True, media_steps="28", media_rays=rays)).mean()
+              for rays in ("quarter", "ninth", "sixteenth")]
+    assert errors == sorted(errors) and len(set(errors)) == 3
     assert np.array_equal(drawn(True), fine)
     assert np.array_equal(drawn(False), rough if renderer.context.is_software else fine)
     assert np.array_equal(drawn(False, media_steps="56", media_rays="quarter"), fine)

@@ -21,7 +21,8 @@ _LABELS = {
     "off": "Off", "fast": "Fast", "raster": "Real-time picture",
     "mis": "Both (MIS)", "bsdf": "BSDF sampling only", "lights": "Light sampling only",
     "environment": "Environment only", "screen": "Screen space", "traced": "Traced",
-    "baked": "Baked", "single": "Once", "multiple": "Many times", "quarter": "A quarter", "sixteenth": "A sixteenth",
+    "baked": "Baked", "single": "Once", "multiple": "Many times",
+    "quarter": "A quarter", "ninth": "A ninth", "sixteenth": "A sixteenth",
     "charlie": "Charlie", "zeltner": "Zeltner et al.", "slab": "Slab",
     "photons": "Photons", "estimated": "Estimated", "cotton": "Cotton", "wool": "Wool", "silk": "Silk",
 }

@@ -41,7 +41,7 @@ from .volume_textures import VolumeTextures
 
 _KEPT = 2
 """How many bakes of light are kept: a window that is split between two modes draws with two in turn."""
-_PIXELS = {"all": 1, "quarter": 2, "sixteenth": 4}
+_PIXELS = {"all": 1, "quarter": 2, "ninth": 3, "sixteenth": 4}
 """The side of the square of pixels that has a ray."""
 _GRID_MARGIN = 0.25
 """Of the grid about the volumes, in lengths of their box at each side: surfaces close by are in their light, too."""

@@ -103,7 +103,7 @@ def test_fog_is_measured_in_several_steps_where_there_is_some():
     assert left_out["fog and volumes"] == "there are none" and "media" not in {method.name for method in methods}
     steps = ladder(model, Settings.of(fog=0.5), use_cache=False)
     media = [method for method in steps.raster if method.name == "media"]
-    assert len(media) == 7 and "fog and volumes" not in {out.method for out in steps.left_out}
+    assert len(media) == 8 and "fog and volumes" not in {out.method for out in steps.left_out}
     assert all(method.settings(Settings.of(fog=0.5)).fog == 0.5 for method in media)
     assert media[0].changes["media_scattering"] == "single"
 
@@ -112,9 +112,9 @@ def test_methods_of_surfaces_are_left_out_where_there_are_none_and_come_after_me
     cube = Volume.in_box(np.ones((1, 1, 1), np.float32), [[-1, -1, -1], [1, 1, 1]])
     model = replace(shapes.scene(BALL, environment=shapes.constant()), volumes=(cube,))
     names = [method.name for method in methods_of(model)[0] if method.mode == "pbr"]
-    assert names[2:11] == ["ibl", *["media"] * 7, "ibl"] and "ambient-occlusion" in names
+    assert names[2:12] == ["ibl", *["media"] * 8, "ibl"] and "ambient-occlusion" in names
     alone, left_out = methods_of(replace(model, instances=()))
-    assert [method.name for method in alone if method.mode == "pbr"] == [*["lights"] * 2, "ibl", *["media"] * 7]
+    assert [method.name for method in alone if method.mode == "pbr"] == [*["lights"] * 2, "ibl", *["media"] * 8]
     assert left_out["other methods of surfaces"] == "there are none"
 
 

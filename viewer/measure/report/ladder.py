@@ -42,8 +42,8 @@ MANY = {"256": ("ssaa-4", "ssaa-16"), "1024": ("ssaa-16",)}
 """The same for so many lights that preparing takes long: these are measured last."""
 MEDIA = {
     "single": (("28", "sixteenth"),),
-    "multiple": (("28", "sixteenth"), ("28", "quarter"), ("56", "quarter"), ("112", "quarter"), ("56", "all"),
-                 ("224", "all")),
+    "multiple": (("28", "sixteenth"), ("28", "ninth"), ("28", "quarter"), ("56", "quarter"), ("112", "quarter"),
+                 ("56", "all"), ("224", "all")),
 }
 """Of fog and volumes: how often light is scattered, the steps of a ray, and which pixels have one."""
 EFFECTS = {"indirect": ("baked", "indirect light"), "reflections": ("traced", "traced reflections"),
