@@ -19,8 +19,9 @@ SLICE_COUNT = 28
 SKY_LIGHTS = 32
 """Directions from which light of the environment reaches the cells of the grid."""
 MAX_VOLUMES = 8
-DENSE = 100.0
-"""Volumes may have an optical depth above this: their faces are found between the points where they are looked up."""
+DENSE = 75.0
+"""Volumes may have an optical depth above this, by `Volume.greatest_depth`: their faces are found between the points
+where they are looked up."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ def plan_media(scene: Scene, settings: Settings, common: Mapping[str, int]) -> M
     lit = switches | lights | {"SHADOW_PATTERN": 0, "REFLECTS": 0}
     lit["SKY_SHADOWS"] = int(common["HAS_ENVIRONMENT"] and _hides_light(scene, settings))
     extinction = travelled(volume_medium(settings), settings).sigma_t[0]
-    lit["DENSE"] = int(any(extinction * volume.widest > DENSE for volume in scene.volumes[:MAX_VOLUMES]))
+    lit["DENSE"] = int(any(extinction * volume.greatest_depth > DENSE for volume in scene.volumes[:MAX_VOLUMES]))
     has_depth = switches["VOLUMES"] and common["LIGHT_COUNT"]
     droplets = any(medium.droplet_diameter > 0 for medium, is_there in (
         (fog_medium(settings), switches["FOG"]), (volume_medium(settings), switches["VOLUMES"])) if is_there)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
@@ -95,10 +96,12 @@ class Volume:
         return float(self.density.max())
 
     @property
-    def widest(self) -> float:
-        """An upper bound on the integral of the density along a straight line."""
+    def greatest_depth(self) -> float:
+        """The greatest density times the longest diagonal, rounded down to a power of the root of two: volumes
+        that are about as dense have one layout."""
         diagonals = self.corners[[7, 6, 5, 3]] - self.corners[[0, 1, 2, 4]]
-        return self.maximum * float(np.linalg.norm(diagonals, axis=1).max())
+        depth = self.maximum * float(np.linalg.norm(diagonals, axis=1).max())
+        return 2 ** (math.floor(2 * math.log2(depth)) / 2) if depth > 0 else 0.0
 
     @cached_property
     def corners(self) -> np.ndarray:
@@ -111,7 +114,7 @@ class Volume:
     @property
     def layout(self) -> tuple[object, ...]:
         """All that programs and the sizes of textures depend on."""
-        return self.density.shape, self.density.dtype.str, self.widest
+        return self.density.shape, self.density.dtype.str, self.greatest_depth
 
 
 def volume_medium(settings: Settings) -> Medium:
