@@ -62,8 +62,10 @@ class RasterMaker(PictureMaker):
         return image
 
     def tell_error(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> None:
-        """As `PictureMaker.tell_error`. The first signal to stop ends it, without a figure if it comes too early for
-        one."""
+        """Find out the `error` of the picture that was made last, which is in its file by now.
+
+        The first signal to stop ends it, without a figure if it comes too early for one. Raises as `make`.
+        """
         from ..estimate.measure import measure_error
         from ..trace.tracer import Tracer
 

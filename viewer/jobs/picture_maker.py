@@ -60,7 +60,7 @@ class PictureMaker(ABC):
         self.stopped: int | None = None
         """The number of the signal that stopped the last picture early; None if the picture is complete."""
         self.error: RasterError | None = None
-        """The error of the last picture, where `tell_error` has told it."""
+        """The error of the last picture, where `RasterMaker.tell_error` has told it."""
 
     @abstractmethod
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
@@ -68,11 +68,3 @@ class PictureMaker(ABC):
 
         Raises ContextError, InputError, UsageError.
         """
-
-    def tell_error(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> None:
-        """Find out the `error` of the picture that was made last, which is in its file by now. Only a maker of pictures
-        of the raster is asked for it.
-
-        Raises as `make`.
-        """
-        raise NotImplementedError

@@ -23,7 +23,7 @@ from ..scene.camera import Camera
 from ..scene.scene import Scene
 from ..settings import Settings
 from .film import Film
-from .makers import make_picture_maker
+from .makers import RasterMaker, make_picture_maker
 from .picture_maker import PictureMaker, RenderRequest
 
 if TYPE_CHECKING:
@@ -137,6 +137,7 @@ class RenderJob:
         as it was told to the user, or ""."""
         if self.tell_error is None:
             return ""
+        assert isinstance(maker, RasterMaker)  # options refuse it for others
         try:
             maker.tell_error(scene, camera, path, progress)
         except (ViewerError, MemoryError) as problem:
