@@ -10,7 +10,7 @@ READY := .venv/.ready
 READY_TESTS := .venv/.ready-tests
 BIN := .venv/bin
 
-.PHONY: help demo view test lint bench clean
+.PHONY: help demo view test lint docs bench clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "make %-6s %s\n", $$1, $$2}' Makefile
@@ -29,6 +29,11 @@ test: lint $(READY_TESTS) ## check the code, then run the tests; ARGS="-k egl" g
 lint: $(READY) ## check the code without running it: ruff, mypy
 	@$(BIN)/ruff check .
 	@$(BIN)/mypy
+
+docs: $(READY) ## build the site of the documentation into build/site
+	@$(BIN)/python -m pip install -q --disable-pip-version-check -e '.[docs]'
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build -q
+	@echo "the site: $(abspath build/site/index.html)"
 
 bench: $(READY) ## measure speed and memory; ARGS goes to benchmarks
 	@$(BIN)/python -m benchmarks $(ARGS)

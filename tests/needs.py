@@ -77,6 +77,8 @@ NEEDS = {
                    _has_package("embreex")),
     "formats": Need("3MF and COLLADA", "the packages for them are not installed", "pip install 'pbr-viewer[formats]'",
                     lambda: all(map(find_spec, ("collada", "lxml", "networkx")))),
+    "docs": Need("the site of the documentation", "MkDocs is not installed", "pip install 'pbr-viewer[docs]'",
+                 lambda: all(map(find_spec, ("material", "mkdocs", "mkdocstrings")))),
     "film": Need("films in MP4", "PyAV is not installed", "pip install 'pbr-viewer[film]'", _has_package("av")),
     "oidn": Need("Intel's denoiser", "pyoidn is not installed", "pip install 'pbr-viewer[oidn]'",
                  _has_package("pyoidn")),

@@ -57,6 +57,15 @@ def test_links_lead_somewhere(page: Path) -> None:
     assert broken == []
 
 
+def test_the_site_has_a_place_for_every_page() -> None:
+    """Else give it a title in the `nav` of mkdocs.yml."""
+    nav = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").partition("\nnav:\n")[2]
+    named = re.findall(r": ([\w/-]+\.md)$", nav, re.MULTILINE)
+    assert [page.name for page in PAGES if page.parent.name == "docs" and page.name not in named] == [], \
+        "these pages are not in the nav of mkdocs.yml"
+    assert [name for name in named if named.count(name) > 1] == []
+
+
 def test_what_follows_from_the_declaration_of_materials_is_current() -> None:
     """Else run `python -m viewer.material`."""
     assert (ROOT / "docs" / "materials.md").read_text(encoding="utf-8") == table()

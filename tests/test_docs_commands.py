@@ -69,7 +69,7 @@ def test_make_and_python(page: Path) -> None:
         assert find_spec(module), f"python -m {module}"
 
 
-@pytest.mark.parametrize("name", ["README.md", "docs/first-steps.md"])
+@pytest.mark.parametrize("name", ["README.md", "docs/first-steps.md", "docs/from-pyrender.md"])
 def test_what_the_first_pages_show_of_python_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     [block] = re.findall(r"```python\n(.*?)```", (ROOT / name).read_text(encoding="utf-8"), re.DOTALL)
     assert block.count("(1280, 720)") >= 1
