@@ -75,7 +75,7 @@ def test_options_change_what_they_are_named_for(run, folder):
     (["render", "a.glb", "-o", "a.bmp"], "the name of a picture must end in one of .png"),
     (["render", "a.glb", "-o", "-"], "the name of a picture must end in one of .png"),
     (["render", "a.glb", "b.glb", "-o", "a.png"], "several models need a folder, a.png/, or a pattern with {name}"),
-    (["render", "x/a.glb", "y/a.glb", "-o", "{name}.png"], "several models would be written to a.png"),
+    (["render", "x/a.glb", "y/b.glb", "-o", "out/a.{name}", "--error-map", "e.png"], "must end in one of .png"),
     (["render", "a.glb", "-o", "a.png", "--size", "0x5"], "'0x5' is not WxH"),
     (["render", "a.glb", "-o", "a.png", "--fov", "180"], "180 is not from 0.01 to 179"),
     (["render", "a.glb", "-o", "a.png", "--exposure", "nan"], "'nan' is not a number"),
@@ -107,10 +107,11 @@ def test_wrong_usage_is_status_2_and_one_line(run, folder, arguments, words):
 
 @pytest.mark.parametrize("arguments, error", [
     (["render", "none.glb", "-o", "a.png"], "none.glb: no such file"),
-    (["render", "-", "-o", "a.png"], "-: no such file"),
-    (["render", "folder", "-o", "a.png"], "folder: is a folder, not a file"),
-    (["render", str(MODEL), "-o", "none/a.png"], "none/a.png: the folder none does not exist"),
-    (["render", str(MODEL), "-o", "none/none/"], "none/none: the folder none does not exist"),
+    (["render", "folder", "-o", "a.png"], "folder: there is no model in this folder: no file whose name ends in .3mf, "
+     ".bcc, .curves, .dae, .glb, .gltf, .hair, .obj, .off, .ply, .stl, .vdb, .vol, .xyz"),
+    (["render", "*.glb", "-o", "a.png"], "*.glb: no file matches this pattern"),
+    (["render", str(MODEL), "-o", f"{MODEL}/a.png"], f"{MODEL}: is a file, not a folder"),
+    (["render", "none.glb", "-o", "none/none/"], "none.glb: no such file"),
     (["render", str(MODEL), "-o", "a.png", "--stats", "none/s.json"], "none/s.json: the folder none does not exist"),
     (["render", str(MODEL), "-o", "a.png", "--stats", "folder"], "folder: is a folder; a file name is needed"),
     (["render", str(MODEL), "-o", "a.png", "--env", "none.hdr"], "none.hdr: no such file"),

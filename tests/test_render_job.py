@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import io
 import json
+import os
 from pathlib import Path
 
 import pytest
 from command_line import SCENES, names
 
-from viewer.errors import UsageError
+from viewer.errors import InputError, UsageError
 from viewer.image.image import Image
-from viewer.jobs.render_job import output_paths
+from viewer.jobs.inputs import find_models
+from viewer.jobs.outputs import Outputs, output_paths
+from viewer.jobs.render_job import RenderTask
 
 MODEL = SCENES / "unlit.glb"
 SMALL = ("--size", "24")
@@ -18,19 +22,56 @@ SMALL = ("--size", "24")
 
 def test_a_picture_goes_where_out_says(folder):
     (folder / "out").mkdir()
-    cases = [("a.png", ["x/m.glb"], ["a.png"], []), ("no/a.png", ["m.glb"], ["no/a.png"], []),
+    cases = [("a.png", ["x/m.glb"], ["a.png"], ["."]), ("no/a.png", ["m.glb"], ["no/a.png"], ["no"]),
              ("out", ["x/m.glb"], ["out/m.png"], ["out"]), ("new/", ["m"], ["new/m.png"], ["new"]),
              ("new/", ["m", "n"], ["new/m.png", "new/n.png"], ["new"]),
              ("new/{name}-s.EXR", ["x/m.v2.glb", "n"], ["new/m.v2-s.EXR", "new/n-s.EXR"], ["new"]),
              ("{name}/a.png", ["m", "n"], ["m/a.png", "n/a.png"], ["m", "n"])]
     for output, models, paths, folders in cases:
-        assert output_paths(models, output) == ([Path(path) for path in paths], [Path(path) for path in folders])
+        assert output_paths(models, output) == Outputs(tuple(map(Path, paths)), tuple(map(Path, folders)))
 
 
-@pytest.mark.parametrize("output", ["a.png", "a", "{name}.bmp", "same-{name}.png"])
+def test_models_of_one_name_keep_the_names_of_their_folders(folder):
+    cases = [(["x/m.glb", "n.glb", "y/m.gltf"], ["x/m", "n", "y/m"]),
+             (["data/x/low/m.glb", "data/y/low/m.glb", "data/m.glb"], ["x/low/m", "y/low/m", "m"]),
+             (["m.glb", "m.obj", "x/m.obj"], ["m.glb", "m.obj", "x/m"]),
+             ([str(folder / "a/m.glb"), "b/m.glb"], ["a/m", "b/m"])]
+    for models, shown in cases:
+        for output in ("out/", "out/{name}.png"):
+            outputs = output_paths(models, output)
+            assert list(outputs.paths) == [Path(f"out/{name}.png") for name in shown]
+            assert set(outputs.folders) == {path.parent for path in outputs.paths}
+
+
+@pytest.mark.parametrize("output", ["a.png", "a", "{name}.bmp", "same/"])
 def test_a_place_that_does_not_fit_is_refused_before_any_work(folder, output):
     with pytest.raises(UsageError):
-        output_paths(["x/m.glb", "y/m.glb"] if "same" in output else ["m.glb", "n.glb"], output)
+        output_paths(["m.glb", "m.obj", "x/m.glb.obj"] if "same" in output else ["m.glb", "n.glb"], output)
+
+
+def test_several_views_have_names_of_their_own():
+    plain, pattern = RenderTask("m", Path("out/m.v2.png")), RenderTask("m", Path("{view}/m.png"), Path("e-{view}.exr"))
+    assert [plain.picture(label) for label in ("", "front")] == [Path("out/m.v2.png"), Path("out/m.v2_front.png")]
+    assert (pattern.picture("top"), pattern.map_of_error("top")) == (Path("top/m.png"), Path("e-top.exr"))
+    assert plain.map_of_error("front") is None
+
+
+def test_models_are_files_folders_patterns_and_a_list(folder, monkeypatch):
+    for name in ("b.glb", "a.GLTF", "a.png", "deep/er/c.obj", "deep/.hidden.glb", ".git/d.glb", "odd[1].glb"):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).touch()
+    everything = ["a.GLTF", "b.glb", "odd[1].glb", "deep/er/c.obj"]
+    assert [str(Path(model)) for model in find_models(["."])] == everything
+    assert find_models(["b.glb", "deep", "./b.glb", "*.glb"]) == ["b.glb", "deep/er/c.obj", "odd[1].glb"]
+    assert find_models(["**/*.obj", "none.glb", "odd[1].glb"]) == ["deep/er/c.obj", "none.glb", "odd[1].glb"]
+    for text in (b"b.glb\r\n\nde\xe9p[x].glb\n", b"b.glb\0de\xe9p[x].glb\0"):
+        monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(text)))
+        assert find_models(["-"]) == ["b.glb", os.fsdecode(b"de\xe9p[x].glb")]
+    (folder / "empty").mkdir()
+    for argument in ("-", "[x].glb", "empty"):
+        monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(b" \n")))
+        with pytest.raises(InputError):
+            find_models([argument])
 
 
 @pytest.mark.parametrize("output", ["shots/", "shots/{name}.png"])

@@ -167,7 +167,7 @@ def test_the_command_line_tells_it_and_writes_the_map(run, folder):
      "--error-map m.png: several models need a folder, m.png/"),
     (("--tell-error=-1",), "Invalid value for '--tell-error': -1 is not from 0.01 to 1e+06"),
     (("--tell-error", "second.glb"), "'second.glb' is not a number; a MODEL after it needs --tell-error=SECONDS"),
-    (("--tell-error", "--error-map", "no/m.png"), "no/m.png: the folder no does not exist"),
+    (("--tell-error", "--error-map", f"{MODEL}/m.png"), f"{MODEL}: is a file, not a folder"),
     (("--tell-error", "--turntable", "2", "-o", "b.webp"), "it tells the error of pictures, not of films"),
 ])
 def test_what_it_cannot_tell_is_refused(run, folder, arguments, problem):

@@ -57,16 +57,18 @@ def write_json(path: str | PathLike[str], content: object) -> None:
 
 @contextmanager
 def made_folders(*folders: Path) -> Iterator[None]:
-    """Make those of the folders that do not exist; at the end of the block, remove those of them that are empty.
+    """Make those of the folders that do not exist, and what they lie in; at the end of the block, remove those of them
+    that are empty.
 
     Raises OutputError, as `make_folder` does.
     """
     with ExitStack() as stack:
         for folder in folders:
-            is_new = not folder.exists()
+            missing = [place for place in (folder, *folder.parents) if not place.exists()]
+            for place in reversed(missing):
+                make_folder(place)
+                stack.callback(_remove_if_empty, place)
             make_folder(folder)
-            if is_new:
-                stack.callback(_remove_if_empty, folder)
         yield
 
 

@@ -13,12 +13,9 @@ def warn(model: str, scene: Any, settings: Any, options: dict[str, Any]) -> None
     """Say what is left out of the picture, or ignored, on stderr; not with --quiet."""
     if options["quiet"]:
         return
-    from ..plan.unused import unused_settings
-    from ..plan.warnings import picture_warnings
-    from ..settings import with_dashes
+    from ..jobs.assemble import known_warnings
 
-    about_settings = [*picture_warnings(scene, settings), *unused_settings(scene, settings)]
-    for warning in [*scene.all_warnings, *map(with_dashes, about_settings)]:
+    for warning in known_warnings(scene, settings):
         say(f"{model}: warning: {warning}")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from itertools import zip_longest
 from typing import Any
 
 import click
@@ -69,8 +70,8 @@ class _Render(click.Command):
 @click.argument("models", metavar="MODEL...", nargs=-1, required=True)
 @click.option("-o", "--output", required=True, metavar="OUT",
               help="The picture: .png .jpg .webp (as displayed), .exr (linear light). A film of what moves: .mp4 .webp "
-                   ".gif .apng. For several models: a folder, which ends in / and is made if it is missing, or a "
-                   "pattern such as out/{name}.png.")
+                   ".gif .apng. For several models: a folder, which ends in /, or a pattern such as out/{name}.png. "
+                   "Folders that are missing are made.")
 @BACKEND_OPTION
 @click.option("--stats", metavar="FILE.json",
               help="Write times, plan and memory as JSON; for several models a list of them.")
@@ -80,12 +81,15 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     """Render a picture of each MODEL, without a screen.
 
     MODEL is a glTF file (.gltf, .glb), an OBJ, PLY, STL, OFF or XYZ, a volume (.vdb, .npz, .vol), or curves (.hair,
-    .bcc, .curves). 3MF and COLLADA (.dae) need `pip install 'pbr-viewer[formats]'`. If one of several models cannot be
-    rendered, it is reported on stderr, the others are still rendered, and the exit status is not 0.
+    .bcc, .curves). 3MF and COLLADA (.dae) need `pip install 'pbr-viewer[formats]'`. It is also a folder, for all models
+    in it and in its folders, a pattern in quotes ('**/*.glb'), or - for a list on standard input, one a line. Models of
+    the same name keep their folders' names. If one of several models cannot be rendered, it is reported on stderr, the
+    others are still rendered, and the exit status is not 0.
 
     \b
     pbr-viewer render helmet.glb -o helmet.png
     pbr-viewer render *.glb -o thumbnails/ --size 256 --background none
+    pbr-viewer render models/ -o thumbnails/ --size 256
     pbr-viewer render car.obj -o car.exr --env studio.hdr --orbit -30,15
     pbr-viewer render room.glb -o room.png --mode path --spp 256 --denoise fast
     pbr-viewer render fox.glb -o fox.png --animation Run --time 0.4
@@ -94,9 +98,12 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     """
     check_camera_options(options)
     from ..base.atomic import made_folders
-    from ..jobs.assemble import make_camera, make_environment, make_quality, make_scene, make_settings
-    from ..jobs.film import check_film_options, make_film
-    from ..jobs.render_job import RenderJob, check_apart, check_layers, check_output, output_paths
+    from ..batch.run import render_all
+    from ..jobs.assemble import make_settings
+    from ..jobs.film import check_film_options
+    from ..jobs.inputs import find_models
+    from ..jobs.outputs import check_apart, check_layers, check_output, output_paths
+    from ..jobs.render_job import RenderJob, RenderTask
     from ..jobs.tell_error import check_tell_error, map_paths
     from ..quality import check_quality
 
@@ -105,32 +112,20 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     check_quality(options["quality"], settings, chooses)
     if not chooses:
         settings.check_used()
-    paths, folders = output_paths(models, output)
-    check_layers(options["aov"], settings, paths, chooses)
-    check_film_options(paths, options, chooses)
-    check_tell_error(settings, options, paths, chooses)
-    maps, map_folders = map_paths(models, options["error_map"])
-    check_apart([*paths, *maps, *([stats] if stats is not None else [])])
-
-    def load(model: str) -> Any:
-        scene = make_scene(model, environment, options)
-        warn(model, scene, settings, options)
-        return scene
-
-    job = RenderJob(backend, settings, options["size"], options["aov"], use_cache=not options["no_cache"],
-                    measure=stats is not None, quiet=options["quiet"], verbose=options["verbose"], chooses=chooses,
-                    tell_error=options["tell_error"], error_maps=dict(zip(paths, maps)), quality=make_quality(options))
-    with made_folders(*folders, *map_folders):
-        for path in (*paths, *maps):
+    found = find_models(models)
+    outputs = output_paths(found, output)
+    check_layers(options["aov"], settings, outputs.paths, chooses)
+    check_film_options(outputs.paths, options, chooses)
+    check_tell_error(settings, options, outputs.paths, chooses)
+    maps = map_paths(found, options["error_map"])
+    check_apart([*outputs.paths, *maps.paths, *([stats] if stats is not None else [])])
+    tasks = [RenderTask(*each) for each in zip_longest(found, outputs.paths, maps.paths)]
+    with made_folders(*outputs.folders, *maps.folders):
+        for path in (*outputs.paths, *maps.paths):
             check_output(path)
         if stats is not None:
             check_output(stats)
-        environment = make_environment(options)
-        if environment is not None and len(models) > 1:
-            environment.radiance  # noqa: B018  decode it here, so that an error is reported once, not for every model
-        status = job.run(list(zip(models, paths, strict=True)), load,
-                         lambda model, scene: make_camera(model, scene, options), stats,
-                         lambda model, path, scene: make_film(model, path, scene, options))
+        status = render_all(tasks, RenderJob(options | {"backend": backend}, chooses, stats is not None), stats)
     sys.exit(status)
 
 

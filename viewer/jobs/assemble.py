@@ -10,6 +10,8 @@ import numpy as np
 
 from ..errors import InputError, UsageError
 from ..interact.playback import Playback
+from ..plan.unused import unused_settings
+from ..plan.warnings import picture_warnings
 from ..quality import Quality
 from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, DEFAULT_FOV, Camera
 from ..scene.environment import Environment
@@ -18,7 +20,7 @@ from ..scene.join import join
 from ..scene.light import Light
 from ..scene.load import load_scene
 from ..scene.scene import Scene
-from ..settings import Settings, setting_name
+from ..settings import Settings, setting_name, with_dashes
 
 _SETTINGS = ("mode", "background", "exposure", "tonemap", "spp", "time_budget", "error", "seed", "denoise")
 
@@ -102,6 +104,12 @@ def make_light(numbers: tuple[float, float, float]) -> Light:
     """A directional light from (azimuth, elevation, illuminance), in degrees and lux."""
     azimuth, elevation, lux = numbers
     return Light.from_angles(math.radians(azimuth), math.radians(elevation), lux)
+
+
+def known_warnings(scene: Scene, settings: Settings) -> list[str]:
+    """What is known to be left out or ignored before a picture of `scene` is drawn, a line each."""
+    of_settings = [*picture_warnings(scene, settings), *unused_settings(scene, settings)]
+    return [*scene.all_warnings, *map(with_dashes, of_settings)]
 
 
 def make_camera(model: str, scene: Scene, options: dict[str, Any]) -> Camera:

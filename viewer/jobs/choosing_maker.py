@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..base.messages import say
 from ..base.progress import Progress
 from ..base.signals import Stopped, postponed
 from ..budget.chooser import Chooser
@@ -26,7 +25,7 @@ class ChoosingMaker(PictureMaker):
 
         The time budget starts after the device has been opened.
         """
-        request, report_line = self._request, (lambda _: None) if self._request.quiet else say
+        request = self._request
         if self._chooser is None:
             context = request.open()
             self._renderer = Renderer(context, request.use_cache, request.measure)
@@ -44,8 +43,8 @@ class ChoosingMaker(PictureMaker):
         self.stopped = stop_request.number
         if self.stopped is not None and choice.samples == 0:
             raise Stopped(self.stopped)
-        if self.stopped is None:  # a stopped picture has a message of its own, which includes the choice
-            report_line(f"{path}: {choice}")
+        if self.stopped is None and not request.quiet:  # a stopped one has a message, which includes the choice
+            request.tell(f"{path}: {choice}")
         self.summary = str(choice)
         self.stats = {"choice": choice.to_json(), "prepare_s": dict(self._renderer.times),
                       "pass_ms": dict(self._renderer.pass_ms), **image.stats, "stopped": self.stopped is not None}

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
+from ..base.messages import say
 from ..base.progress import Progress
 from ..image.image import Image
 from ..quality import Quality
@@ -34,6 +35,8 @@ class RenderRequest:
     use_cache: bool
     measure: bool
     quiet: bool = True
+    tell: Callable[[str], None] = say
+    """Gets what a picture maker has to tell the user, unless `quiet`."""
     chooses: bool = False
     """Whether the method is chosen for each picture by its time budget or error; `settings.mode` is ignored then."""
     tell_error: float | None = None

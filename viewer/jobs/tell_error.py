@@ -9,7 +9,7 @@ from typing import Any
 from ..errors import UsageError
 from ..settings import Settings
 from .film import is_film
-from .render_job import output_paths
+from .outputs import Outputs, output_paths
 
 _MAPS = (".exr", ".png")
 
@@ -30,10 +30,10 @@ def check_tell_error(settings: Settings, options: dict[str, Any], paths: Sequenc
         raise UsageError(f"--tell-error with -o {films[0]}: it tells the error of pictures, not of films")
 
 
-def map_paths(models: Sequence[str], output: str | None) -> tuple[list[Path], list[Path]]:
-    """The files of the maps of the error, one for each model or none, and folders, as `output_paths`."""
+def map_paths(models: Sequence[str], output: str | None) -> Outputs:
+    """The files of the maps of the error, one for each model or none, as `output_paths`."""
     if output is None:
-        return [], []
+        return Outputs((), ())
     is_folder = output.endswith(("/", "\\")) or Path(output).is_dir()
     if not is_folder and Path(output).suffix.lower() not in _MAPS:
         raise UsageError(f"--error-map {output}: the name of a map must end in {' or '.join(_MAPS)}; that of a folder "

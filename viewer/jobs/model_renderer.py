@@ -1,0 +1,229 @@
+"""Renders the pictures of one model after the other, with one OpenGL context."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+
+from ..base.messages import say
+from ..base.progress import Progress
+from ..base.signals import postponed
+from ..errors import ContextError, UsageError, ViewerError
+from ..image.film import write_film
+from ..image.image import Image
+from ..plan.warnings import camera_warnings, sample_warnings
+from ..scene.camera import Camera
+from ..scene.scene import Scene
+from .assemble import known_warnings, make_environment, make_quality, make_scene, make_settings
+from .film import Film, make_film
+from .makers import RasterMaker, make_picture_maker
+from .picture_maker import RenderRequest
+from .render_job import RenderJob, RenderTask
+from .views import View, views_of
+
+if TYPE_CHECKING:
+    from ..gpu.context import Context
+
+Record = dict[str, object]
+
+
+class ModelRenderer:
+    """Does the tasks of a job in this process. What they share, such as the context, programs and the environment, is
+    made for the first of them and kept until `release`, which the end of a `with` block calls.
+
+    `tell` gets each line for the user.
+    """
+
+    def __init__(self, job: RenderJob, tell: Callable[[str], None] = say) -> None:
+        options = job.options
+        self._job, self._tell = job, tell
+        self._settings = make_settings(options)
+        self._environment = make_environment(options)
+        self._context: Context | None = None
+        self._maker = make_picture_maker(RenderRequest(
+            self._open, self._settings, options["size"], options["aov"], use_cache=not options["no_cache"],
+            measure=job.measure, quiet=options["quiet"], chooses=job.chooses, tell_error=options["tell_error"],
+            quality=make_quality(options), tell=tell))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.release()
+
+    def release(self) -> None:
+        if self._context is not None:
+            self._context.release()
+            self._context = None
+
+    @property
+    def stopped(self) -> int | None:
+        """The number of the signal that ended the last task early; None if it is complete."""
+        return self._maker.stopped
+
+    def decode_environment(self) -> None:
+        """Decode it now, so that an error is reported once, and not for each model. Raises InputError."""
+        if self._environment is not None:
+            self._environment.radiance  # noqa: B018  it is decoded when it is first read
+
+    def render(self, task: RenderTask, progress: Progress) -> list[Record]:
+        """Make all pictures of a model, and write them. Returns what `--stats` tells of each; an "error" says why there
+        is none.
+
+        A model that cannot be rendered is told of, but raises nothing. A signal to stop during path tracing ends the
+        picture with its samples so far, and one during a film with the frames so far (`stopped`). At other times it
+        raises Stopped. Raises ContextError and UsageError, which concern all models.
+        """
+        progress.step(f"{Path(task.model).name}: loading")
+        start = time.perf_counter()
+        records: list[Record] = []
+        with self._told(task.model, task.picture(), records):
+            scene = make_scene(task.model, self._environment, self._job.options)
+            self._warn(task.model, scene)
+            film = make_film(task.model, task.picture(), scene, self._job.options)
+            if film is not None:
+                records.append(self._film(task, scene, film, start, progress))
+                return records
+            for view in views_of(task.model, scene, self._job.options):
+                with self._told(task.model, task.picture(view.label), records):
+                    records.append(self._picture(task, scene, view, start, progress))
+                if self.stopped is not None:
+                    break
+                start = time.perf_counter()
+        return records
+
+    @contextmanager
+    def _told(self, model: str, path: Path, records: list[Record]) -> Iterator[None]:
+        """Tell of an error that concerns this picture alone, and add its record."""
+        try:
+            yield
+        except (ContextError, UsageError):
+            raise
+        except (ViewerError, MemoryError) as error:
+            text = f"{model}: {_words(error)}" if isinstance(error, MemoryError) else _words(error)
+            self._tell(f"pbr-viewer: {text}")
+            records.append({"model": model, "output": str(path), "error": text})
+
+    def _picture(self, task: RenderTask, scene: Scene, view: View, start: float, progress: Progress) -> Record:
+        """Make the picture of a view. `start` is when loading began, or the view before it had ended."""
+        path, maker, loaded, known = task.picture(view.label), self._maker, time.perf_counter(), scene.all_warnings
+        progress.say(f"{path.name}: rendering")
+        image = maker.make(scene, view.camera, path, progress)
+        of_camera = [] if self._job.chooses else camera_warnings(scene, self._settings, view.camera)
+        self._warn_after(task.model, scene, known, of_camera)
+        rendered = time.perf_counter()
+        image.save(path)
+        saved = time.perf_counter()
+        failure = self._tell_error(scene, view.camera, path, task.map_of_error(view.label), progress)
+        told = saved if self._job.options["tell_error"] is None else time.perf_counter()
+        seconds = {"load": loaded - start, "render": rendered - loaded, "save": saved - rendered,
+                   **({} if told == saved else {"tell_error": told - saved}), "total": told - start}
+        record = self._done(task.model, path, scene, seconds, maker.summary)
+        return record | ({"error": failure} if failure else {})
+
+    def _film(self, task: RenderTask, scene: Scene, film: Film, start: float, progress: Progress) -> Record:
+        """As `_picture`."""
+        path, loaded, known = task.picture(), time.perf_counter(), scene.all_warnings
+        progress.say(f"{path.name}: rendering")
+        count = write_film(path, self._frames(scene, film, path, progress), film.fps)
+        self._warn_after(task.model, scene, known, [])
+        rendered = time.perf_counter()
+        seconds = {"load": loaded - start, "render": rendered - loaded, "save": 0.0, "total": rendered - start}
+        how_far = f"{count} of {len(film.frames)} frames"
+        return self._done(task.model, path, scene, seconds, how_far) | {"frames": count}
+
+    def _done(self, model: str, path: Path, scene: Scene, seconds: dict[str, float], how_far: str) -> Record:
+        """Tell that a picture or film is in its file, if that is to be told, and return its record."""
+        if self._job.options["verbose"]:
+            times = ", ".join(f"{name} {value:.3f} s" for name, value in seconds.items())
+            self._tell(f"{path}: {times}; {self._maker.summary}")
+        if self.stopped is not None:
+            self._tell(f"pbr-viewer: {path}: stopped after {how_far}")
+        return self._record(model, path, scene, seconds)
+
+    def _warn_after(self, model: str, scene: Scene, known: Sequence[str], of_camera: Sequence[str]) -> None:
+        """Warn of what is known only when the picture is there. `known` are the scene's warnings before; what is wrong
+        with textures is known when they are decoded."""
+        if not self._job.options["quiet"]:
+            lost = [line for line in scene.all_warnings if line not in known]
+            for warning in [*lost, *of_camera, *sample_warnings(self._maker.stats)]:
+                self._tell(f"{model}: warning: {warning}")
+
+    def _warn(self, model: str, scene: Scene) -> None:
+        if not self._job.options["quiet"]:
+            for warning in known_warnings(scene, self._settings):
+                self._tell(f"{model}: warning: {warning}")
+
+    def _tell_error(self, scene: Scene, camera: Camera, path: Path, map_path: Path | None, progress: Progress) -> str:
+        """Tell the error of the picture at `path`, if that is asked for, and write its map. Returns why that failed,
+        as it was told to the user, or ""."""
+        maker = self._maker
+        if self._job.options["tell_error"] is None:
+            return ""
+        assert isinstance(maker, RasterMaker)  # options refuse it for others
+        try:
+            maker.tell_error(scene, camera, path, progress)
+        except (ViewerError, MemoryError) as problem:
+            text = f"{path} is written, but how far it is from the truth is not known: {_words(problem)}"
+            self._tell(f"pbr-viewer: {text}")
+            return text
+        error = maker.error
+        if error is not None and not self._job.options["quiet"]:
+            for line in (str(error), *(f"warning: {note}" for note in error.notes)):
+                self._tell(f"{path}: {line}")
+        if error is not None and map_path is not None:
+            error.map_image().save(map_path)
+        return ""
+
+    def _frames(self, scene: Scene, film: Film, path: Path, progress: Progress) -> Iterator[Image]:
+        """The pictures of a film. The first signal to stop ends them, after one at least."""
+        maker = self._maker
+        with postponed() as request:
+            for k, frame in enumerate(film.frames):
+                scene = frame.of(scene)
+                progress.part(k / len(film.frames), f"{path.name}: frame {k + 1} of {len(film.frames)}")
+                image = maker.make(scene, film.camera(scene, frame), path, progress)
+                maker.stopped = maker.stopped or request.number
+                if k == 0 or maker.stopped is None:
+                    yield image
+                if maker.stopped is not None:
+                    break
+
+    def _open(self) -> Context:
+        if self._context is None:
+            from ..gpu.context import open_context
+
+            start = time.perf_counter()
+            self._context = context = open_context(self._job.options["backend"])
+            if self._job.options["verbose"]:
+                seconds = time.perf_counter() - start
+                self._tell(f"{context.backend}: {context.renderer}, OpenGL {context.version}: {seconds:.3f} s")
+        return self._context
+
+    def _record(self, model: str, path: Path, scene: Scene, seconds: dict[str, float]) -> Record:
+        context, maker = self._open(), self._maker
+        return {
+            "model": model, "output": str(path), "size": list(self._job.options["size"]),
+            "triangles": scene.triangle_count,
+            "device": context.renderer, "opengl": context.version, "backend": context.backend,
+            "wall_s": seconds, **maker.stats, "warnings": list(scene.all_warnings),
+            "memory": {"peak_rss_mb": peak_memory_mb(), "textures_mb": maker.texture_bytes / 1e6},
+        }
+
+
+def _words(error: ViewerError | MemoryError) -> str:
+    return "out of memory" if isinstance(error, MemoryError) else str(error)
+
+
+def peak_memory_mb() -> float | None:
+    """The peak memory of this process in MB, or None if the system does not report it."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return None
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / (1 << 20 if sys.platform == "darwin" else 1 << 10)
