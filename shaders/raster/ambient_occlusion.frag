@@ -9,7 +9,7 @@ const float HALF_PI = 0.5 * PI;
 
 uniform sampler2D u_positions;
 uniform sampler2D u_normals;
-uniform vec3 u_right, u_up;    // of the picture, in the world
+uniform vec3 u_right, u_up;    // of the picture, in the world; longer to the right by as much as pixels are wider
 uniform vec3 u_view_direction; // towards the eye
 uniform float u_pixels;        // length of a scene unit in pixels, at distance 1 (orthographic: at any distance)
 out vec4 o_visibility;

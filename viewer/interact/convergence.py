@@ -142,8 +142,7 @@ class Convergence:
         if not self._state.shows("path"):
             self.discard()
             return
-        key = (self._state.scene, self._settings(), camera.pose.tobytes(), camera.fov_y, camera.height, size,
-               self._programs.generation)
+        key = (self._state.scene, self._settings(), *camera.key, size, self._programs.generation)
         if key != self._key or self._lacks_something:
             self.discard()
             self._key, self._view = key, (camera, size)

@@ -31,6 +31,8 @@ class OrbitController:
     def __init__(self, scene: Scene, aspect: float, fov_y: float = DEFAULT_FOV) -> None:
         self.fov_y = fov_y
         self.is_orthographic = False
+        self._lens = Camera(np.eye(4))
+        """The camera that was followed, whose principal point and pixels stay until the scene is framed."""
         self.velocity = np.zeros(2)
         """The velocity of inertia, in window heights per second, (2,)."""
         self.azimuth, self.elevation = DEFAULT_AZIMUTH, DEFAULT_ELEVATION
@@ -44,7 +46,7 @@ class OrbitController:
 
     def frame_all(self, aspect: float) -> None:
         """Fill the view with the scene, from the current direction. The target is as deep as the scene's centre."""
-        self.roll = 0.0
+        self.roll, self._lens = 0.0, Camera(np.eye(4))
         self.target, self.distance = fit(
             self._scene, self._rotation(0.0), aspect, self.fov_y, is_orthographic=self.is_orthographic)
         self.velocity = np.zeros(2)
@@ -68,7 +70,7 @@ class OrbitController:
         self.roll = math.atan2(rotation[:, 0] @ reference[:, 1], rotation[:, 0] @ reference[:, 0])
         if abs(self.roll) < 1e-9:
             self.roll = 0.0
-        self.fov_y, self.is_orthographic = camera.fov_y, camera.height is not None
+        self.fov_y, self.is_orthographic, self._lens = camera.fov_y, camera.height is not None, camera
         self.target = camera.eye - depth * back
         self.distance = depth if camera.height is None else camera.height / (2 * math.tan(self.fov_y / 2))
         self.velocity = np.zeros(2)
@@ -80,7 +82,7 @@ class OrbitController:
         pose[:3, :3] = self._rotation(self.roll)
         pose[:3, 3] = self.target + self.distance * pose[:3, 2]
         height = 2 * self.distance * math.tan(self.fov_y / 2) if self.is_orthographic else None
-        return Camera(pose, self.fov_y, height)
+        return Camera(pose, self.fov_y, height, principal=self._lens.principal, pixel_aspect=self._lens.pixel_aspect)
 
     def orbit(self, dx: float, dy: float) -> None:
         """Rotate by half a turn per window height, so that the scene follows the mouse. The elevation stops at the

@@ -13,11 +13,11 @@ def cursor_ray(camera: Camera, size: tuple[int, int], cursor: tuple[float, float
     """The world-space origin and unit direction of the ray through `cursor`, which is in the units of `size`, y
     downwards."""
     x, y = 2 * cursor[0] / size[0] - 1, 1 - 2 * cursor[1] / size[1]
-    right, up = camera.pose[:3, 0], camera.pose[:3, 1]
-    aspect = size[0] / size[1]
+    half, middle = camera.window(size[0] / size[1])
+    offset = camera.pose[:3, :2] @ (half * (x, y) + middle)
     if camera.height is not None:
-        return camera.eye + camera.height / 2 * (x * aspect * right + y * up), camera.forward
-    direction = camera.forward + np.tan(camera.fov_y / 2) * (x * aspect * right + y * up)
+        return camera.eye + offset, camera.forward
+    direction = camera.forward + offset
     return camera.eye, direction / np.linalg.norm(direction)
 
 

@@ -87,8 +87,8 @@ class Picture:
         # The display pass composites a background colour.
         background: Background = "env" if settings.background == "env" else "none"
         shading = replace(settings, exposure=0.0, tonemap="none", background=background)
-        wanted = (state.scene, state.shots(shading, size), state.quality, camera.pose.tobytes(), camera.fov_y,
-                  camera.height, size, self._renderer.programs.generation)
+        wanted = (state.scene, state.shots(shading, size), state.quality, *camera.key, size,
+                  self._renderer.programs.generation)
         self.paths.follow(camera, size)
         still = wanted == self._drawn and self.wants_refinement
         if wanted == self._drawn and not still:

@@ -77,8 +77,7 @@ class Caustics:
         Lights that are `unshadowed` in the raster shine through glass there, and so have no photons. Raises as
         `Tracer.begin`.
         """
-        key = (scene, camera.pose.tobytes(), camera.fov_y, camera.height, size, photon_settings(settings),
-               tuple(unshadowed), self._programs.generation)
+        key = (scene, *camera.key, size, photon_settings(settings), tuple(unshadowed), self._programs.generation)
         if keeps and key == self._key:
             return
         from ..trace.tracer import Tracer

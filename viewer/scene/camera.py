@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import UsageError
-from .arrays import scene_array
+from .arrays import scene_array, scene_numbers
 
 DEFAULT_FOV = math.radians(45.0)
 DEFAULT_AZIMUTH = math.radians(30.0)
 DEFAULT_ELEVATION = math.radians(15.0)
+MAX_PRINCIPAL = 1e3
+"""The farthest that the principal point may lie outside, in pictures: float32 then still tells pixels apart."""
+MAX_PIXEL_ASPECT = 1e3
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +28,11 @@ class Camera:
     from bottom to top. `near`, in world units, is the nearest distance that has to be visible. It is used only if
     OpenGL cannot reverse depth (viewer/raster/depth.py): near things are then cut off so that far ones can be
     distinguished.
+
+    `principal` is the principal point, where the view axis crosses the picture, in widths from its left side and
+    heights from its top; it may lie outside of the picture. `pixel_aspect` is the width of a pixel over its height.
+    `fov_y` is then that of a picture of the same height with the principal point in the middle. None of these depends
+    on the size of the picture; `from_intrinsics` and `intrinsics` convert from and to focal lengths in pixels.
     """
 
     pose: np.ndarray
@@ -32,6 +40,8 @@ class Camera:
     height: float | None = None
     name: str = ""
     near: float | None = None
+    principal: tuple[float, float] = (0.5, 0.5)
+    pixel_aspect: float = 1.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "pose", scene_array(self.pose, "Camera.pose", np.float64, 4, 4))
@@ -40,6 +50,12 @@ class Camera:
             raise UsageError(f"Camera.fov_y is {self.fov_y:g}, which is not between 0 and pi{hint}")
         if self.height is not None and not 0 < self.height < math.inf:
             raise UsageError(f"Camera.height is {self.height:g}, not a length")
+        object.__setattr__(self, "principal", scene_numbers(self.principal, "Camera.principal", 2))
+        if max(map(abs, self.principal)) > MAX_PRINCIPAL:
+            raise UsageError(f"Camera.principal is {self.principal}: it is more than {MAX_PRINCIPAL:g} pictures away")
+        if not 1 / MAX_PIXEL_ASPECT <= self.pixel_aspect <= MAX_PIXEL_ASPECT:
+            raise UsageError(f"Camera.pixel_aspect is {self.pixel_aspect:g}, not from {1 / MAX_PIXEL_ASPECT:g} to "
+                             f"{MAX_PIXEL_ASPECT:g}")
 
     def __setstate__(self, state: dict[str, object]) -> None:
         self.__dict__.update(state)
@@ -52,6 +68,53 @@ class Camera:
     @property
     def forward(self) -> np.ndarray:
         return -self.pose[:3, 2]
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """What pictures depend on: equal for cameras whose pictures are equal."""
+        return self.pose.tobytes(), self.fov_y, self.height, self.near, self.principal, self.pixel_aspect
+
+    def window(self, aspect: float) -> tuple[np.ndarray, np.ndarray]:
+        """Half the size of what is seen, and where its middle is from the view axis, (2,) float64 each, to the right
+        and upwards. It is measured at depth 1; of an orthographic camera it is in world units.
+
+        `aspect` is width / height of the picture in pixels.
+        """
+        half_height = math.tan(self.fov_y / 2) if self.height is None else self.height / 2
+        half = np.array([half_height * (aspect * self.pixel_aspect), half_height])
+        return half, half * (1 - 2 * self.principal[0], 2 * self.principal[1] - 1)
+
+    @classmethod
+    def from_intrinsics(cls, pose: ArrayLike, fx: float, fy: float, cx: float, cy: float, size: tuple[int, int],
+                        name: str = "") -> Camera:
+        """A perspective camera from what calibrations tell: focal lengths `fx`, `fy` and the principal point `cx`,
+        `cy`, in pixels of a picture of `size` (width, height).
+
+        (0, 0) is the corner of the upper left pixel; the middle of the picture is at (width / 2, height / 2). `pose`
+        (4, 4) takes camera space to world space; the camera looks along its own -Z with +Y up, as in OpenGL. Poses
+        of OpenCV and COLMAP look along +Z with +Y down: their second and third columns are to be negated.
+        """
+        fx, fy, cx, cy = scene_numbers((fx, fy, cx, cy), "fx, fy, cx, cy", 4)
+        width, height = scene_numbers(size, "size", 2)
+        if min(fx, fy) <= 0:
+            raise UsageError(f"fx={fx:g}, fy={fy:g}: a focal length is above 0")
+        if min(width, height) <= 0:
+            raise UsageError(f"size={size!r}: it must be (width, height) in pixels")
+        return cls(np.asarray(pose), 2 * math.atan(height / (2 * fy)), name=name,
+                   principal=(cx / width, cy / height), pixel_aspect=fy / fx)
+
+    def intrinsics(self, size: tuple[int, int]) -> tuple[float, float, float, float]:
+        """fx, fy, cx, cy in pixels of a picture of `size` (width, height), as `from_intrinsics` takes them. The focal
+        lengths of an orthographic camera are pixels per world unit."""
+        width, height = size
+        fy = height / (2 * math.tan(self.fov_y / 2)) if self.height is None else height / self.height
+        return fy / self.pixel_aspect, fy, self.principal[0] * width, self.principal[1] * height
+
+    def orthographic(self, depth: float) -> Camera:
+        """This camera without perspective. It shows as much as before of what is `depth` in front of the eye."""
+        if not 0 < depth < math.inf:
+            raise UsageError(f"depth={depth:g}: it must be a length in front of the eye")
+        return replace(self, height=2 * depth * math.tan(self.fov_y / 2))
 
     @classmethod
     def look_at(cls, eye: ArrayLike, target: ArrayLike, up: ArrayLike = (0.0, 1.0, 0.0), fov_y: float = DEFAULT_FOV,
@@ -104,13 +167,16 @@ class Camera:
     def projection(self, aspect: float, near: float, far: float) -> np.ndarray:
         """Camera space to OpenGL clip space (z from -w at `near` to +w at `far`), (4, 4) float64."""
         out = np.zeros((4, 4))
+        half, middle = self.window(aspect)
         if self.height is None:
             out[1, 1] = 1.0 / math.tan(self.fov_y / 2)
             out[2, 2], out[2, 3], out[3, 2] = (far + near) / (near - far), 2 * far * near / (near - far), -1.0
+            out[:2, 2] = middle / half
         else:
             out[1, 1] = 2.0 / self.height
             out[2, 2], out[2, 3], out[3, 3] = 2.0 / (near - far), (far + near) / (near - far), 1.0
-        out[0, 0] = out[1, 1] / aspect
+            out[:2, 3] = -middle / half
+        out[0, 0] = out[1, 1] / (aspect * self.pixel_aspect)
         return out
 
     def depth_range(self, center: ArrayLike, radius: float) -> tuple[float, float]:

@@ -7,7 +7,7 @@ a thousand kilometres, at the origin or a million units away, give the same floa
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -58,12 +58,9 @@ class Frame:
     def view_projection(self) -> np.ndarray:
         """Eye-relative space to clip space, (4, 4) float64. Near and far planes enclose the scene."""
         near, far = self.depth_range
-        camera = self.camera
-        if camera.height is not None:
-            camera = Camera(camera.pose, camera.fov_y, camera.height / self.unit)
         rotation = np.eye(4)
-        rotation[:3, :3] = camera.pose[:3, :3].T
-        projection = camera.projection(self.aspect, near, far)
+        rotation[:3, :3] = self.camera.pose[:3, :3].T
+        projection = self._camera.projection(self.aspect, near, far)
         if self.is_depth_reversed:
             projection[2] = (projection[3] - projection[2]) / 2
         return projection @ rotation
@@ -105,21 +102,27 @@ class Frame:
         """The (3, 3) float64 matrix from (x, y, 1), normalised device coordinates, to the world direction of the ray
         through that point, which is not normalised."""
         if self.camera.height is not None:
-            basis = np.stack([np.zeros(3), np.zeros(3), self.camera.forward], axis=1)
-        else:
-            tan_y = np.tan(self.camera.fov_y / 2)
-            right, up = self.camera.pose[:3, 0], self.camera.pose[:3, 1]
-            basis = np.stack([right * tan_y * self.aspect, up * tan_y, self.camera.forward], axis=1)
-        return basis
+            return np.stack([np.zeros(3), np.zeros(3), self.camera.forward], axis=1)
+        return self._plane(self.camera.forward)
 
     @cached_property
     def ray_origin(self) -> np.ndarray:
         """The (3, 3) float64 matrix from (x, y, 1), as for `ray`, to the eye-relative point where that ray starts."""
         if self.camera.height is None:
             return np.zeros((3, 3))
-        half = self.camera.height / self.unit / 2
-        return np.stack([self.camera.pose[:3, 0] * half * self.aspect, self.camera.pose[:3, 1] * half, np.zeros(3)],
-                        axis=1)
+        return self._plane(np.zeros(3))
+
+    @cached_property
+    def _camera(self) -> Camera:
+        """The camera, with lengths in eye-relative units."""
+        height = self.camera.height
+        return self.camera if height is None else replace(self.camera, height=height / self.unit)
+
+    def _plane(self, axis: np.ndarray) -> np.ndarray:
+        """The (3, 3) matrix from (x, y, 1) to where `Camera.window` is seen, about the point `axis`."""
+        half, middle = self._camera.window(self.aspect)
+        right, up = self.camera.pose[:3, 0], self.camera.pose[:3, 1]
+        return np.stack([right * half[0], up * half[1], axis + right * middle[0] + up * middle[1]], axis=1)
 
     @property
     def pixel_angle(self) -> float:

@@ -26,13 +26,13 @@ def camera_uniforms(scene: Scene, camera: Camera, size: tuple[int, int], every: 
     float64. An orthographic camera also sees what is behind its eye, as in the raster. For photons the uniforms of
     shaders/trace/connect.glsl, which find a point's pixel, are computed in the same way.
     """
-    ray = Frame(scene, camera, size).ray
+    frame = Frame(scene, camera, size)
+    ray = frame.ray
     eye = (camera.eye - scene.center) / scene.radius
     depth = -float(eye @ camera.forward)
     if camera.height is not None:
-        half_height = camera.height / scene.radius / 2
-        plane = np.stack([camera.pose[:3, 0] * half_height * size[0] / size[1], camera.pose[:3, 1] * half_height,
-                          eye + depth * camera.forward], axis=1)
+        plane = frame.ray_origin.copy()
+        plane[:, 2] += eye + depth * camera.forward
         start = INFINITE
         project = np.linalg.inv(np.stack([plane[:, 0], plane[:, 1], camera.forward], axis=1))
         project_from = -project @ plane[:, 2]
