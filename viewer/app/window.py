@@ -14,14 +14,14 @@ import moderngl
 
 from ..errors import ViewerError
 from ..gpu.window import WindowContext
-from ..interact.orbit import QUARTER, OrbitController
-from ..interact.pick import pick
+from ..interact.actions import Actions
+from ..interact.orbit import OrbitController
 from ..interact.picture import Picture
-from ..interact.playback import STEP_SECONDS, Playback
-from ..interact.state import VIEWS, ViewState
+from ..interact.playback import Playback
+from ..interact.state import ViewState
 from ..quality import DRAFT, Quality
 from ..raster.renderer import Renderer
-from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, Camera
+from ..scene.camera import Camera
 from ..scene.environment_files import FORMATS, load_environment
 from ..scene.load import load_scene
 from ..scene.scene import Scene
@@ -36,10 +36,6 @@ SETTLING_FRAMES = 3
 """The number of frames drawn after an event. ImGui needs more than one to lay out the panel."""
 PANEL_FROM_WIDTH = 900
 _CLEAR = (0.08, 0.08, 0.08, 1.0)
-_DIRECTIONS = {
-    "view_front": (0.0, 0.0), "view_back": (math.pi, 0.0), "view_right": (QUARTER, 0.0), "view_left": (-QUARTER, 0.0),
-    "view_top": (0.0, QUARTER), "view_bottom": (0.0, -QUARTER), "view_default": (DEFAULT_AZIMUTH, DEFAULT_ELEVATION),
-}
 
 
 def run(
@@ -85,12 +81,12 @@ class ViewerWindow:
         self.readings = Readings(f"{self.context.renderer}, OpenGL {self.context.version}")
         self._panel = Panel(self.state, self.readings, lambda path: self.open([path]))
         self.orbit = OrbitController(scene, self._aspect)
+        self._actions = Actions(self.state, self.orbit, lambda: self._aspect)
         if camera is not None:
-            self._follow(camera)
+            self._actions.follow(camera)
         self.picture = Picture(self.renderer, self.state, self.orbit)
         self._watch = ShaderWatch(self.renderer.programs)
         self._input = Input(self.window, self.state, self.orbit, self._gui, self._picture_size, self.do, self.open)
-        self._next_camera = 0
         self._to_open: list[str] = []
         self._frames_left = SETTLING_FRAMES
         self._moved_at = time.monotonic()
@@ -134,24 +130,12 @@ class ViewerWindow:
 
     def do(self, action: str) -> None:
         """Execute the action of a key; `viewer.interact.keys.KEYS` lists the actions."""
-        state, orbit = self.state, self.orbit
-        if action in VIEWS:
-            state.show_view(action)
-        elif action in _DIRECTIONS:
-            orbit.look_from(*_DIRECTIONS[action])
-        elif action in ("panel", "help", "inertia"):
-            setattr(state, action, not getattr(state, action))
-            if action == "inertia":
-                state.say(f"Inertia {'on' if state.inertia else 'off'}")
+        if self._actions.do(action):
+            return
+        if action in ("panel", "help"):
+            setattr(self.state, action, not getattr(self.state, action))
         else:
-            {"pause": state.toggle_pause, "denoise": state.toggle_denoise, "tell_error": state.toggle_error,
-             "error_map": lambda: state.toggle_error(shows=True), "play": state.toggle_play,
-             "next_animation": state.show_next_animation,
-             "step_back": lambda: state.seek(state.playback.time - STEP_SECONDS),
-             "step_on": lambda: state.seek(state.playback.time + STEP_SECONDS),
-             "frame_all": self._frame_all, "orthographic": self._toggle_orthographic,
-             "next_camera": self._show_next_camera, "screenshot": self._save, "reload": self._reload,
-             "close": self._close}[action]()
+            {"screenshot": self._save, "reload": self._reload, "close": self._close}[action]()
 
     def open(self, paths: list[str]) -> None:
         """Open models and environments, which differ by their extension, after a message was shown."""
@@ -205,32 +189,7 @@ class ViewerWindow:
 
     def _open_scene(self, scene: Scene) -> None:
         self.state.open(scene)
-        self.orbit.set_scene(scene)
-        self._frame_all()
-        self._next_camera = 0
-
-    def _frame_all(self) -> None:
-        self.orbit.frame_all(self._aspect)
-
-    def _toggle_orthographic(self) -> None:
-        self.orbit.is_orthographic = not self.orbit.is_orthographic
-
-    def _show_next_camera(self) -> None:
-        cameras = self.state.scene.cameras
-        if not cameras:
-            self.state.say("The file has no cameras")
-            return
-        number = self._next_camera % len(cameras)
-        self._next_camera = number + 1
-        self._follow(cameras[number])
-        self.state.say(f"Camera {number + 1} of {len(cameras)} {cameras[number].name}")
-
-    def _follow(self, camera: Camera) -> None:
-        """Take over a camera. The orbit's target becomes the point that it looks at."""
-        scene = self.state.scene
-        point = pick(scene, camera, (2, 2), (1, 1))
-        depth = float(((scene.center if point is None else point) - camera.eye) @ camera.forward)
-        self.orbit.follow(camera, depth if depth > 1e-6 * scene.radius else scene.radius)
+        self._actions.begin_again()
 
     def _save(self) -> None:
         if 0 not in self._pixels:
