@@ -58,9 +58,15 @@ class Browser:
                   features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
         self._ask("Emulation.setFocusEmulationEnabled", enabled=True)
 
-    def open(self, page: Path) -> None:
-        self._ask("Page.navigate", url=page.as_uri())
-        self.wait("document.readyState === 'complete' && location.protocol === 'file:'")
+    def open(self, page: Path | str) -> None:
+        """A file, or an address."""
+        url = page if isinstance(page, str) else page.as_uri()
+        self._ask("Page.navigate", url=url)
+        self.wait(f"document.readyState === 'complete' && location.protocol === '{url.partition(':')[0]}:'")
+
+    def stop_scripts(self) -> None:
+        """Those of pages that are opened from now on."""
+        self._ask("Emulation.setScriptExecutionDisabled", value=True)
 
     def value(self, expression: str) -> Any:
         """What a JavaScript expression, or its promise, comes to."""
@@ -90,6 +96,13 @@ class Browser:
         for place in places[1:]:
             self._mouse("mouseMoved", place, 1)
         self._mouse("mouseReleased", places[-1], 0)
+
+    def touch(self, *places: tuple[float, float]) -> None:
+        """As `drag`, by a finger."""
+        for number, (x, y) in enumerate(places):
+            self._ask("Input.dispatchTouchEvent", type="touchMove" if number else "touchStart",
+                      touchPoints=[{"x": x, "y": y}])
+        self._ask("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
 
     def hover(self, selector: str) -> None:
         left, top, width, height = self.place(selector)

@@ -1,0 +1,77 @@
+"""The commands for browsers: page."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..jobs.options import (
+    BACKEND_OPTION,
+    CAMERA_OPTIONS,
+    NO_CACHE_OPTION,
+    PATH_OPTIONS,
+    QUIET_OPTION,
+    SCENE_OPTIONS,
+    TIME_OPTIONS,
+    check_camera_options,
+    size_option,
+    with_options,
+)
+from .output import warn
+
+
+class _Frames(click.ParamType):
+    """Pictures around the model, and at how many elevations: N or NxM, as (N, M)."""
+
+    name = "frames"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, int]:
+        match = re.fullmatch(r"([1-9][0-9]{0,3})(?:[xX]([1-9][0-9]{0,2}))?", value)
+        if not match:
+            self.fail(f"{value!r} is not N or NxM, such as 36 or 36x3.", param, ctx)
+        return int(match[1]), int(match[2] or 1)
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        return "N[xM]"
+
+
+@click.command(short_help="Write a page on which a model turns.")
+@click.argument("model")
+@click.option("-o", "--output", required=True, metavar="FILE.html", help="The page, one file that needs no other.")
+@click.option("--frames", type=_Frames(), default="36", show_default=True,
+              help="Pictures around the model; NxM: at each of M elevations, 25 degrees apart.")
+@size_option("800x800")
+@click.option("--webp-quality", type=click.IntRange(1, 100), default=85, show_default=True, metavar="N",
+              help="How little the compression of the pictures loses, from 1 to 100.")
+@with_options([*SCENE_OPTIONS, *TIME_OPTIONS, *PATH_OPTIONS, *CAMERA_OPTIONS, BACKEND_OPTION, NO_CACHE_OPTION,
+               QUIET_OPTION])
+def page(model: str, output: str, **options: Any) -> None:
+    """Write a page of pictures of MODEL from all around: drag to turn it.
+
+    The page is one file that needs no network and no WebGL, and shows what `render` shows. Without scripts it is a
+    still. Its size is told on stderr.
+
+    \b
+    pbr-viewer page helmet.glb -o helmet.html
+    pbr-viewer page helmet.glb -o helmet.html --frames 36x3 --size 600 --background none
+    pbr-viewer page helmet.glb -o helmet.html --mode path --spp 64 --denoise fast
+    """
+    check_camera_options(options)
+    from ..base.atomic import made_folders
+    from ..jobs.assemble import make_environment, make_quality, make_scene, make_settings
+    from ..jobs.outputs import check_output
+    from ..quality import check_quality
+    from ..web.page_job import check_page_options, write_page
+
+    settings = make_settings(options)
+    check_quality(options["quality"], settings, chooses=False)
+    settings.check_used()
+    check_page_options(Path(output), options)
+    with made_folders(Path(output).parent):
+        check_output(output)
+        scene = make_scene(model, make_environment(options), options)
+        warn(model, scene, settings, options)
+        write_page(model, Path(output), scene, settings, make_quality(options), options)
