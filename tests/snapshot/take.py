@@ -44,7 +44,8 @@ from viewer.scene.scene import Scene  # noqa: E402
 from viewer.settings import Settings  # noqa: E402
 
 CORPUS = ROOT.parent / "shared" / "corpus" / "models"
-MODES = ("pbr", "phong", "path")
+RASTER_MODES = ("pbr", "phong")
+MODES = (*RASTER_MODES, "path")
 
 Pictures = dict[str, np.ndarray]
 
@@ -56,7 +57,7 @@ def take_raster(context: Context) -> tuple[Pictures, dict[str, object]]:
         renderer = Renderer(context, use_cache=False)
         for case in CASES:
             scene, camera = case.load()
-            for mode in case.modes:
+            for mode in RASTER_MODES:
                 picture = renderer.render(scene, camera, case.with_mode(mode), RASTER_SIZE)
                 pictures[f"{case.name} {mode}"] = picture.linear
         renderer.release()
@@ -105,7 +106,7 @@ def take_info(scenes: dict[str, Scene], refused: dict[str, str]) -> dict[str, ob
 
 def take_programs(scenes: dict[str, Scene]) -> dict[str, object]:
     """The programs that the plans of the golden cases, the shots and the models name."""
-    programs = [program for case in CASES for mode in case.modes
+    programs = [program for case in CASES for mode in RASTER_MODES
                 for program in planned(case.load()[0], case.with_mode(mode))]
     programs += [program for shot in SHOTS for program in planned(shot.make()[0], shot.with_mode())]
     programs += [program for scene in scenes.values() for mode in MODES
