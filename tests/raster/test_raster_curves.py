@@ -208,12 +208,12 @@ def test_the_radius_of_a_setting_is_that_of_all_curves(radiance, renderer):
     thin = shown(strand(0.001), strand(0.2, (-1.5, 1, 0), (1.5, 1, 0)))
     pixels = radiance(thin, CAMERA, (64, 64), **ALONE, curve_radius=0.25)
     assert pixels[..., 3].sum() * PIXEL**2 == pytest.approx(2 * (3 * 0.5 + math.pi * 0.0625), rel=0.03)
-    buffers = list(renderer._curves._buffers.values())
+    buffers = list(renderer._passes.curves._buffers.values())
     again = radiance(thin.relit(lights=(Light("directional"),)), CAMERA, (64, 64), **ALONE, curve_radius=0.25)
     assert again[..., :3].sum() > pixels[..., :3].sum()
-    assert [a is b for a, b in zip(buffers, renderer._curves._buffers.values(), strict=True)] == [True, True]
+    assert [a is b for a, b in zip(buffers, renderer._passes.curves._buffers.values(), strict=True)] == [True, True]
     radiance(thin, CAMERA, (64, 64), **ALONE)
-    assert not set(map(id, buffers)) & set(map(id, renderer._curves._buffers.values()))
+    assert not set(map(id, buffers)) & set(map(id, renderer._passes.curves._buffers.values()))
 
 
 def test_far_from_the_origin_nothing_changes(radiance):
@@ -298,19 +298,19 @@ def test_light_between_fibres(radiance, renderer):
     sun = {"environment": None, "lights": (Light("directional", intensity=3.0, direction=(-0.8, 0, 0.6)),)}
     single, multiple = mean(Fibre((0.03,) * 3), "single", **sun)[0], mean(Fibre((0.03,) * 3), "multiple", **sun)[0]
     assert multiple > 1.5 * single
-    held = renderer._curves._light.held
+    held = renderer._passes.curves._light.held
     mean(WHITE, "single")
-    assert held is not None and renderer._curves._light.held is None
+    assert held is not None and renderer._passes.curves._light.held is None
 
 
 def test_light_between_fibres_is_baked_anew_only_if_it_changes(radiance, renderer):
     model = shown(bundle(WHITE))
     radiance(model, CAMERA, (16, 16))
-    held = renderer._curves._light.held
+    held = renderer._passes.curves._light.held
     radiance(model, replace(CAMERA, height=2.0), (16, 16), exposure=1)
-    assert renderer._curves._light.held is held
+    assert renderer._passes.curves._light.held is held
     radiance(replace(model, lights=(Light("directional"),)), CAMERA, (16, 16))
-    assert renderer._curves._light.held is not held
+    assert renderer._passes.curves._light.held is not held
 
 
 def test_light_between_fibres_follows_environments_of_arrays(radiance, renderer):
@@ -319,12 +319,12 @@ def test_light_between_fibres_follows_environments_of_arrays(radiance, renderer)
     for k in (1.0, 2.0, 4.0):
         sky = Environment("grey", np.full((4, 8, 3), k, np.float32))
         pixels = radiance(model.relit(environment=sky), CAMERA, (16, 16), background="none")
-        held = renderer._curves._light.held
+        held = renderer._passes.curves._light.held
         np.testing.assert_allclose(pixels[6:10, 7:9, :3].mean(), k, rtol=0.06)
         radiance(model.relit(environment=replace(sky)), CAMERA, (16, 16), background="none")
-        assert renderer._curves._light.held is held
+        assert renderer._passes.curves._light.held is held
         radiance(model.relit(environment=replace(sky, rotation=1.0)), CAMERA, (16, 16), background="none")
-        assert renderer._curves._light.held is not held
+        assert renderer._passes.curves._light.held is not held
 
 
 def test_colours_of_curves_are_not_looked_through_for_each_frame(radiance, monkeypatch):

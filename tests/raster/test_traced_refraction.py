@@ -123,12 +123,12 @@ def test_nearer_to_the_path_tracer(renderer):
 @needs("embree")
 def test_the_tree_in_a_shader_finds_what_embree_finds(renderer):
     model, camera = hollow_ball(attenuation_distance=1.0, attenuation_color=(0.5, 0.7, 0.9)), orthographic(height=2.2)
-    own, pictures = renderer._refraction, []
+    own, pictures = renderer._passes.refraction, []
     for kind in ("embree", "bvh"):
-        renderer._refraction = TracedRefraction(renderer.context, renderer.programs, renderer._depth, kind)
+        renderer._passes.refraction = TracedRefraction(renderer.context, renderer.programs, renderer._depth, kind)
         pictures.append(renderer.render(model, camera, Settings.of(**TRACED), SIZE).linear)
-        renderer._refraction.release()
-    renderer._refraction = own
+        renderer._passes.refraction.release()
+    renderer._passes.refraction = own
     differ = np.abs(pictures[0] - pictures[1]).max(axis=2) > 1e-3
     assert differ.mean() < 0.01
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
+from ..gpu.free import free
 from ..plan.model import Draw, Plan
 from ..scene.frame import Frame
 from ..scene.light import Light
@@ -19,6 +20,8 @@ from ..scene.scene import Scene
 
 ATLAS_SIDE = 4096
 MAX_TILE = 2048
+_KEPT = 2
+"""The maps of how many plans are kept: a window that is split between two modes draws with two in turn."""
 
 
 @dataclass(frozen=True)
@@ -121,6 +124,32 @@ class ShadowMaps:
 
     def release(self) -> None:
         self._atlas.release()
+
+
+class KeptShadowMaps:
+    """The maps of the plans drawn last."""
+
+    def __init__(self, gl: moderngl.Context, casters: Casters) -> None:
+        self._gl, self._casters = gl, casters
+        self._maps: list[ShadowMaps] = []
+
+    def show(self, scene: Scene, plan: Plan) -> None:
+        """Draw the maps of `plan`, unless they are there."""
+        maps = self.of(plan)
+        if maps is None:
+            self._maps, dropped = self._maps[:_KEPT - 1], self._maps[_KEPT - 1:]
+            free(self._gl, *dropped)
+            maps = ShadowMaps(self._gl, plan, self._casters)
+            self._maps.insert(0, maps)
+        maps.show(scene, plan)
+
+    def of(self, plan: Plan) -> ShadowMaps | None:
+        return next((maps for maps in self._maps if maps.holds(plan)), None)
+
+    def release(self) -> None:
+        """None is held afterwards."""
+        free(self._gl, *self._maps)
+        self._maps = []
 
 
 def _key(plan: Plan) -> tuple[object, ...]:

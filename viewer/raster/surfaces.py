@@ -96,6 +96,11 @@ class Surfaces:
             self._mesh(draw.mesh)
         self.textures.upload()
 
+    @property
+    def has_indirect(self) -> bool:
+        """Whether the vertices have indirect light."""
+        return bool(self._indirect)
+
     def light_vertices(self, light: VertexLight, behind: Mapping[int, np.ndarray]) -> None:
         """Upload the indirect light of all vertices, and that behind the vertices of solids that scatter light."""
         if not self._indirect:

@@ -1,0 +1,57 @@
+"""What is traced once for the vertices of a scene: indirect light, and how thick the solids are that scatter light."""
+
+from __future__ import annotations
+
+from ..gpu.context import Context
+from ..gpu.programs import Programs
+from ..plan.model import Plan
+from ..scene.scene import Scene
+from ..settings import Settings
+from .interiors import Interiors
+from .stopwatch import Stopwatch
+from .surfaces import Surfaces
+
+
+class BakedVertices:
+    """Gives the surfaces what is baked at their vertices."""
+
+    def __init__(self, context: Context, programs: Programs, surfaces: Surfaces, watch: Stopwatch) -> None:
+        self._context, self._programs, self._surfaces, self._watch = context, programs, surfaces, watch
+        self._interiors = Interiors(context)
+        self._measured: Scene | None = None
+        self._lit_by: tuple[object, ...] | None = None
+
+    def prepare(self, scene: Scene, settings: Settings, plan: Plan) -> None:
+        """Bake what `plan` needs, unless an earlier frame has left it."""
+        if self._measured is not scene and (plan.has_subsurface or self._measured is not None):
+            with self._watch.preparing("thickness of solids"):
+                self._measure_interiors(scene, plan)
+        if plan.has_indirect:
+            with self._watch.preparing("indirect light"):
+                self._bake_light(scene, settings, plan)
+
+    def _measure_interiors(self, scene: Scene, plan: Plan) -> None:
+        """Take the thickness of the solids that scatter light, which is measured if it has changed."""
+        solids = _scattering_solids(plan)
+        thickness = self._interiors.take(scene, solids)
+        if thickness is not None:
+            self._surfaces.set_interiors(thickness)
+        self._measured = scene if solids else None
+
+    def _bake_light(self, scene: Scene, settings: Settings, plan: Plan) -> None:
+        """Bake indirect light, anew under other lights."""
+        key = (scene.lights, scene.environment, settings.ndf, settings.masking, settings.fresnel, settings.multiscatter,
+               plan.has_subsurface)
+        if self._lit_by != key or not self._surfaces.has_indirect:
+            from ..trace.chords import light_behind
+            from ..trace.vertex_light import bake_incoming
+
+            light = bake_incoming(self._context, scene, settings, programs=self._programs)
+            solids = _scattering_solids(plan)
+            self._surfaces.light_vertices(light, light_behind(self._context, scene, solids, light) if solids else {})
+            self._lit_by = key
+
+
+def _scattering_solids(plan: Plan) -> list[int]:
+    """The instances."""
+    return [draw.instance for draw in plan.draws if draw.has_subsurface]

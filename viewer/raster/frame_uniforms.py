@@ -1,0 +1,66 @@
+"""What all surfaces of a frame read: the camera, the lights and their shadow maps, the environment, the DFG table."""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+
+from ..bake.dfg import dfg_albedos, dfg_table
+from ..gpu.float_texture import float_texture
+from ..gpu.free import free
+from ..gpu.programs import matrix_uniform
+from ..plan.model import Plan
+from ..scene.frame import Frame
+from ..settings import Settings
+from .lights import pack_lights
+from .prepared import Prepared
+from .shadows import KeptShadowMaps
+from .surfaces import UNIT_DFG, UNIT_RADIANCE, UNIT_SHADOW
+
+
+class FrameUniforms:
+    """Owns the DFG tables and the uniform blocks of the last frame."""
+
+    def __init__(self, gl: moderngl.Context, prepared: Prepared, shadows: KeptShadowMaps) -> None:
+        self._gl, self._prepared, self._shadows = gl, prepared, shadows
+        self._blocks: list[moderngl.Buffer] = []
+        self._dfg: dict[tuple[str, str, bool], moderngl.Texture] = {}
+
+    def fill(self, plan: Plan, frame: Frame, settings: Settings) -> dict[str, object]:
+        """The uniforms that all surfaces share; fills the uniform blocks and binds the shared textures."""
+        values: dict[str, object] = {
+            "u_view_projection": matrix_uniform(frame.view_projection),
+            "u_view_direction": tuple(-frame.camera.forward),
+            "u_drawn_size": frame.size,
+            "u_point_size": max(1.0, frame.size[1] / 200),
+        }
+        if self._prepared.environment is not None:
+            values |= self._prepared.environment.uniforms(plan)
+        if plan.dfg:
+            self._dfg_texture(settings, plan.reflections).use(UNIT_DFG)
+            values["u_dfg"] = UNIT_DFG
+        if plan.is_everything:  # the programs of opaque surfaces have code for glass, too
+            self._prepared.surfaces.textures.bind_blank("base_color", UNIT_RADIANCE)
+            values["u_backdrop"] = UNIT_RADIANCE
+        blocks = [pack_lights(plan, frame)] if plan.lights else []
+        shadows = self._shadows.of(plan)
+        if shadows is not None:
+            blocks.append(shadows.pack(frame))
+            shadows.texture.use(UNIT_SHADOW)
+            values |= {"u_shadow_map": UNIT_SHADOW, "u_shadow_tile_size": float(shadows.tile_size)}
+        free(self._gl, *self._blocks)
+        self._blocks = [self._gl.buffer(np.ascontiguousarray(block)) for block in blocks]
+        for binding, block in enumerate(self._blocks):
+            block.bind_to_uniform_block(binding)
+        return values
+
+    def _dfg_texture(self, settings: Settings, looks_up: bool) -> moderngl.Texture:
+        """With the lookups of an environment if there is one that is reflected."""
+        key = (settings.ndf, settings.masking, looks_up)
+        if key not in self._dfg:
+            table = (dfg_table if looks_up else dfg_albedos)(settings.ndf, settings.masking)
+            self._dfg[key] = float_texture(self._gl, table)
+        return self._dfg[key]
+
+    def release(self) -> None:
+        free(self._gl, *self._blocks, *self._dfg.values())

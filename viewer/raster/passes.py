@@ -1,0 +1,172 @@
+"""The passes of a frame, in their order."""
+
+from __future__ import annotations
+
+from ..base.reusable import Reusable
+from ..gpu.context import Context
+from ..gpu.free import free
+from ..gpu.programs import Programs
+from ..plan.model import SOLID, THIN_WALLED, Plan
+from ..scene.frame import Frame
+from ..scene.scene import Scene
+from ..settings import Settings
+from .baked_vertices import BakedVertices
+from .curves import CurvePass
+from .depth import Depth
+from .frame_uniforms import FrameUniforms
+from .gbuffer import GBuffer
+from .media import MediaPass
+from .prepared import Prepared
+from .shadows import Casters, KeptShadowMaps
+from .stopwatch import Stopwatch
+from .subsurface import SubsurfacePass
+from .surfaces import UNIT_RADIANCE
+from .target import Target
+from .traced.reflections import TracedReflections
+from .traced.refraction import TracedRefraction
+from .transmission import Backdrop
+from .visibility import VisibilityPass
+
+
+class Passes:
+    """Draws the frames of a prepared scene into targets. Each pass has its own programs and targets."""
+
+    def __init__(self, context: Context, programs: Programs, depth: Depth, prepared: Prepared,
+                 watch: Stopwatch) -> None:
+        gl = context.gl
+        self._context, self._gl, self._programs, self._depth = context, gl, programs, depth
+        self._prepared, self._watch = prepared, watch
+        self.curves = CurvePass(context, programs, depth)
+        self._casters = Casters(prepared.surfaces.draw_depth, self.curves.draw_depth)
+        self._shadows = KeptShadowMaps(gl, self._casters)
+        self._uniforms = FrameUniforms(gl, prepared, self._shadows)
+        self._gbuffers: dict[tuple[int, int], GBuffer] = {}
+        self._visibility = VisibilityPass(gl, programs)
+        self._reflections = TracedReflections(context, programs)
+        self._media = MediaPass(context, programs)
+        self._subsurface = SubsurfacePass(context, programs, depth)
+        self._backdrop: Reusable[Backdrop] = Reusable()
+        self.refraction = TracedRefraction(context, programs, depth)
+        self._vertices = BakedVertices(context, programs, prepared.surfaces, watch)
+        self._generation = prepared.generation
+
+    def prepare(self, scene: Scene, settings: Settings, plan: Plan) -> None:
+        """Make what the passes of `plan` need and the camera does not change, unless an earlier frame has left it."""
+        environment, mean = self._prepared.environment, self._prepared.surfaces.textures.mean
+        if self._generation != self._prepared.generation:
+            self._generation = self._prepared.generation
+            self._shadows.release()
+            self._visibility.drop_shadows()
+        with self._watch.preparing("curves"):
+            self.curves.prepare(scene, settings, plan, environment)
+        if plan.shadow_layer_count:
+            with self._watch.preparing("shadows"):
+                self._shadows.show(scene, plan)
+        if plan.media is not None:
+            with self._watch.preparing("media"):
+                self._media.prepare(scene, settings, plan, environment, self._shadows.of(plan), self._casters, mean)
+        if plan.environment_shadows and plan.has_visibility:
+            with self._watch.preparing("environment shadows"):
+                self._visibility.prepare(scene, plan, environment, self._casters, mean)
+        if plan.has_traced_reflections:
+            with self._watch.preparing("reflections"):
+                self._reflections.prepare(scene, settings)
+        if plan.has_traced_refraction:
+            with self._watch.preparing("refraction"):
+                self.refraction.prepare(scene)
+        self._vertices.prepare(scene, settings, plan)
+
+    def draw(self, plan: Plan, frame: Frame, pixels: Frame, target: Target, settings: Settings, still: bool) -> None:
+        """Draw the frame into `target`, with `pixels` the same view at one sample a pixel. `still` is for a picture
+        that is kept."""
+        uniforms = self._uniforms.fill(plan, frame, settings)
+        with self._depth.test():
+            uniforms |= self._draw_before_surfaces(plan, frame, pixels, uniforms)
+            media = self._march_media(plan, frame, target, settings, uniforms, still)
+            uniforms |= media
+            if plan.spreads_subsurface:
+                with self._watch.drawing("subsurface"):
+                    uniforms |= self._subsurface.find(
+                        frame, lambda: self._prepared.surfaces.draw_gathered(frame, plan, uniforms), still)
+            target.framebuffer.use()
+            target.framebuffer.clear(depth=self._depth.far)  # alpha 0: the display pass adds the background colour
+            self._draw_surfaces(plan, frame, target, settings, uniforms, media)
+
+    def _draw_before_surfaces(self, plan: Plan, frame: Frame, pixels: Frame,
+                              uniforms: dict[str, object]) -> dict[str, object]:
+        """Find what surfaces look up for each pixel. Under supersampling visibility is found once a pixel,
+        reflections at each point that is shaded."""
+        found: dict[str, object] = {}
+        views = [pixels] * plan.has_visibility + [frame] * plan.has_traced_reflections
+        if views:
+            with self._watch.drawing("G-buffer"):
+                gbuffers = self._drawn_gbuffers({view.size: view for view in views}, plan, uniforms)
+        if plan.has_visibility:
+            with self._watch.drawing("visibility"):
+                found |= self._visibility.find(pixels, plan, gbuffers[pixels.size])
+        if plan.has_traced_reflections:
+            with self._watch.drawing("reflections"):
+                found |= self._reflections.find(frame, gbuffers[frame.size], uniforms | found)
+        return found
+
+    def _march_media(self, plan: Plan, frame: Frame, target: Target, settings: Settings, uniforms: dict[str, object],
+                     still: bool) -> dict[str, object]:
+        if plan.media is None:
+            return {}
+        with self._watch.drawing("media"):
+            return self._media.march(frame, settings, plan, self._prepared.environment, uniforms, target.size, still)
+
+    def _draw_surfaces(self, plan: Plan, frame: Frame, target: Target, settings: Settings, uniforms: dict[str, object],
+                       media: dict[str, object]) -> None:
+        """Draw what is seen, each pass over what those before have left in `target`."""
+        surfaces, drawing = self._prepared.surfaces, self._watch.drawing
+        with drawing("surfaces"):
+            surfaces.draw_opaque(frame, plan, uniforms)
+        if plan.curves is not None:
+            with drawing("curves"):
+                self.curves.draw(frame, settings, plan, target.samples, uniforms)
+        if plan.has_solid_transmission:  # before the background: they refract the environment themselves
+            with drawing("solid transmission"):
+                uniforms |= self._take_backdrop(target)
+                if plan.has_traced_refraction:
+                    uniforms |= self.refraction.find(
+                        frame, plan, lambda rays: surfaces.draw_refraction_rays(frame, plan, rays), uniforms)
+                    target.framebuffer.use()
+                surfaces.draw_transmissive(SOLID, frame, plan, uniforms)
+        if plan.background:
+            with drawing("background"):
+                self._prepared.environment.draw_background(self._programs, self._depth, frame, target.half, plan, media)
+        elif plan.media is not None:
+            with drawing("media behind which nothing stands"):
+                self._media.draw_sky(self._depth, media, target.half)
+        if plan.has_thin_transmission:
+            with drawing("thin-walled transmission"):
+                uniforms |= self._take_backdrop(target)
+                surfaces.draw_transmissive(THIN_WALLED, frame, plan, uniforms)
+        if plan.has_blended:
+            with drawing("blend"):
+                surfaces.draw_blended(frame, plan, uniforms)
+
+    def _drawn_gbuffers(
+        self, views: dict[tuple[int, int], Frame], plan: Plan, uniforms: dict[str, object]
+    ) -> dict[tuple[int, int], GBuffer]:
+        """Draw a G-buffer for each of these sizes; those of other sizes are released."""
+        free(self._gl, *(self._gbuffers.pop(size) for size in self._gbuffers.keys() - views.keys()))
+        for size, view in views.items():
+            if size not in self._gbuffers:
+                self._gbuffers[size] = GBuffer(self._gl, self._depth, size)
+            self._gbuffers[size].draw(lambda view=view: self._prepared.surfaces.draw_gbuffer(view, plan, uniforms))
+        return self._gbuffers
+
+    def _take_backdrop(self, target: Target) -> dict[str, object]:
+        """Copy the picture so far, for transmissive surfaces. Leaves the target's framebuffer in use."""
+        self._gl.clear_samplers()
+        target.resolve(self._programs, UNIT_RADIANCE)
+        backdrop = self._backdrop.get(lambda held: held.fits(target), lambda: Backdrop(self._context, target))
+        uniforms = backdrop.take(self._programs, target.radiance, UNIT_RADIANCE)
+        target.framebuffer.use()
+        return uniforms
+
+    def release(self) -> None:
+        free(self._gl, self._backdrop, self._visibility, self._reflections, self.refraction, self._media,
+             self._subsurface, *self._gbuffers.values(), self.curves, self._shadows, self._uniforms)
