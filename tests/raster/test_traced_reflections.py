@@ -107,7 +107,7 @@ def test_bvh_and_embree_agree(context, renderer, radiance, monkeypatch):
     pictures = []
     for kind in ("embree", "bvh"):
         reflections = TracedReflections(context, renderer.programs, kind)
-        monkeypatch.setattr(renderer, "_reflections", reflections)
+        monkeypatch.setattr(renderer._passes, "reflections", reflections)
         pictures.append(radiance(LOPSIDED_HALL, VIEW, SIZE, reflections="traced"))
         reflections.release()
     assert (np.abs(pictures[0] - pictures[1]).max(axis=-1) > 1e-4).mean() < 0.002  # rays at edges

@@ -42,7 +42,7 @@ class Passes:
         self._uniforms = FrameUniforms(gl, prepared, self._shadows)
         self._gbuffers: dict[tuple[int, int], GBuffer] = {}
         self._visibility = VisibilityPass(gl, programs)
-        self._reflections = TracedReflections(context, programs)
+        self.reflections = TracedReflections(context, programs)
         self._media = MediaPass(context, programs)
         self._subsurface = SubsurfacePass(context, programs, depth)
         self._backdrop: Reusable[Backdrop] = Reusable()
@@ -70,7 +70,7 @@ class Passes:
                 self._visibility.prepare(scene, plan, environment, self._casters, mean)
         if plan.has_traced_reflections:
             with self._watch.preparing("reflections"):
-                self._reflections.prepare(scene, settings)
+                self.reflections.prepare(scene, settings)
         if plan.has_traced_refraction:
             with self._watch.preparing("refraction"):
                 self.refraction.prepare(scene)
@@ -106,7 +106,7 @@ class Passes:
                 found |= self._visibility.find(pixels, plan, gbuffers[pixels.size])
         if plan.has_traced_reflections:
             with self._watch.drawing("reflections"):
-                found |= self._reflections.find(frame, gbuffers[frame.size], uniforms | found)
+                found |= self.reflections.find(frame, gbuffers[frame.size], uniforms | found)
         return found
 
     def _march_media(self, plan: Plan, frame: Frame, target: Target, settings: Settings, uniforms: dict[str, object],
@@ -168,5 +168,5 @@ class Passes:
         return uniforms
 
     def release(self) -> None:
-        free(self._gl, self._backdrop, self._visibility, self._reflections, self.refraction, self._media,
+        free(self._gl, self._backdrop, self._visibility, self.reflections, self.refraction, self._media,
              self._subsurface, *self._gbuffers.values(), self.curves, self._shadows, self._uniforms)
