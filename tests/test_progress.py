@@ -69,6 +69,15 @@ with p.Progress(1) as bar:
     assert b"nearly" in shown and b"0/1" in shown and b"1/1" not in shown
 
 
+def test_pieces_that_are_done_at_once_are_counted_with_their_rate():
+    shown = on_terminal(f"""p.DELAY_S = 0.05
+with p.Progress(3, unit="models") as bar:
+    {UNTIL_SHOWN}
+    bar.done(2, "two")
+""")
+    assert b"2/3" in shown and b"two" in shown and b" models a minute" in shown
+
+
 def test_what_is_short_or_quiet_shows_nothing():
     assert on_terminal('with p.Progress(2) as bar: bar.step("one")') == b""
     assert on_terminal(LONG.replace("Progress(2)", "Progress(2, enabled=False)")) == b"a warning\r\n"

@@ -79,7 +79,8 @@ def test_a_folder_is_made_for_pictures_alone(run, folder, output):
     models = [SCENES / "unlit.glb", SCENES / "emissive.glb"]
     outcome = run("render", *models, "-o", output, *SMALL, "--stats", "shots/stats.json")
     assert (outcome.status, outcome.err) == (0, "")
-    assert names(folder) == ["shots"] and names(folder / "shots") == ["emissive.png", "stats.json", "unlit.png"]
+    assert names(folder) == ["shots"]
+    assert names(folder / "shots") == ["emissive.png", "manifest.jsonl", "stats.json", "unlit.png"]
     assert run("render", *models, "-o", output, *SMALL).status == 0
 
 
@@ -99,7 +100,7 @@ def test_of_several_models_a_bad_one_does_not_stop_the_others(run, folder):
     outcome = run("render", SCENES / "unlit.glb", "empty.glb", SCENES / "spheres.glb", "-o", folder, *SMALL,
                   "--stats", "stats.json")
     assert outcome.status == 1 and outcome.error == "empty.glb: the file is empty"
-    assert names(folder) == ["empty.glb", "spheres.png", "stats.json", "unlit.png"]
+    assert names(folder) == ["empty.glb", "manifest.jsonl", "spheres.png", "stats.json", "unlit.png"]
     records = json.loads((folder / "stats.json").read_text())
     assert [record.get("error") for record in records] == [None, "empty.glb: the file is empty", None]
 

@@ -153,7 +153,8 @@ def test_the_command_line_tells_it_and_writes_the_map(run, folder):
     models = [MODEL, SCENES / "emissive.glb"]
     outcome = run("render", *models, "-o", "out/", "-q", *TELL, "--error-map", "out/{name}-map.png")
     assert (outcome.status, outcome.err) == (0, "")
-    assert names(folder / "out") == ["emissive-map.png", "emissive.png", "spheres-map.png", "spheres.png"]
+    assert names(folder / "out") == ["emissive-map.png", "emissive.png", "manifest.jsonl", "spheres-map.png",
+                                     "spheres.png"]
 
 
 @pytest.mark.parametrize("arguments, problem", [
@@ -197,7 +198,8 @@ def test_a_failure_of_the_path_tracer_keeps_the_picture(run, folder, monkeypatch
 
     monkeypatch.setattr(Tracer, "begin", without_spheres)
     outcome = run("render", *models, "-o", "out/", *TELL, "--error-map", "out/{name}-map.png", "--stats", "s.json")
-    assert outcome.status == 1 and names(folder / "out") == ["emissive-map.png", "emissive.png", "spheres.png"]
+    assert outcome.status == 1
+    assert names(folder / "out") == ["emissive-map.png", "emissive.png", "manifest.jsonl", "spheres.png"]
     told = "out/spheres.png is written, but how far it is from the truth is not known: the scene does not fit"
     assert outcome.err.splitlines()[-1] == f"pbr-viewer: {told}"
     first, second = json.loads((folder / "s.json").read_text())

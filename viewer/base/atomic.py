@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import platform
+import re
 import shutil
 import tempfile
 from collections.abc import Iterator
@@ -31,7 +33,7 @@ def atomic_write(path: str | PathLike[str]) -> Iterator[Path]:
         raise OutputError(f"{path}: is a folder; a file name is needed")
     if not folder.is_dir():
         raise OutputError(f"{path}: the folder {target.parent} does not exist")
-    temporary = folder / f".pbr-viewer-{os.getpid()}-{os.urandom(4).hex()}{Path(path).suffix}"
+    temporary = folder / f"{_prefix()}{os.getpid()}-{os.urandom(4).hex()}{Path(path).suffix}"
     try:
         # mkstemp would make a file that only its owner may read; open() follows the user's umask.
         temporary.open("xb").close()
@@ -46,6 +48,35 @@ def atomic_write(path: str | PathLike[str]) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             temporary.unlink()
+
+
+def _prefix() -> str:
+    """What the names of this machine's temporary files begin with; the number of their process follows."""
+    machine = re.sub(r"[^\w.-]", "", platform.node(), flags=re.ASCII)
+    return f".pbr-viewer-{machine[:64]}-"
+
+
+def remove_leftovers(folder: Path) -> None:
+    """Remove the temporary files that processes of this machine, which were killed, have left in `folder`."""
+    if os.name != "posix":  # where no signal only asks whether a process is there
+        return
+    name = re.compile(re.escape(_prefix()) + r"(\d+)-[0-9a-f]{8}(\.\w+)?")
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            found = name.fullmatch(entry.name)
+            if found and not _is_running(int(found[1])):
+                with suppress(OSError):
+                    os.unlink(entry.path)
+
+
+def _is_running(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:  # another user's
+        return True
+    return True
 
 
 def write_json(path: str | PathLike[str], content: object) -> None:

@@ -1,35 +1,132 @@
-"""Does the tasks of a render job, one after the other."""
+"""Does the tasks of a render job by an engine: what is done already is left out, and what fails may be tried again."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 from ..base.atomic import write_json
+from ..base.messages import say
 from ..base.progress import Progress
 from ..base.signals import Stopped
-from ..jobs.model_renderer import ModelRenderer, Record
+from ..jobs.model_renderer import Record
 from ..jobs.render_job import RenderJob, RenderTask
+from .engines import Engine, Here, WorkerLost
+from .keys import Keys
+from .manifest import Line, Manifest
+from .work import Done
 
 
-def render_all(tasks: Sequence[RenderTask], job: RenderJob, stats: str | None = None) -> int:
+@dataclass(frozen=True)
+class Batch:
+    """How the tasks of a job are done.
+
+    `stats` names a JSON file for the times, plan and memory, or the error, of each picture. `folder` is that of the
+    manifest; None for none. With `resume` the pictures that are done by it are left out. `retries` is how often a model
+    is tried again that has failed for reasons which may pass; None for the default.
+    """
+
+    stats: str | None = None
+    folder: Path | None = None
+    resume: bool = False
+    retries: int | None = None
+
+
+@dataclass(frozen=True)
+class _Attempt:
+    number: int
+    task: RenderTask
+    tries: int = 0
+
+
+def render_all(tasks: Sequence[RenderTask], job: RenderJob, batch: Batch) -> int:
     """Make the pictures of all models. Returns the exit status: 0, or 1 if some picture could not be made.
 
-    A model that cannot be rendered is reported on stderr, and the others are still rendered. `stats` names a JSON file
-    for the times, plan and memory, or the error, of each picture. A signal that ends a picture early ends the job, too;
-    the exit status is then the shell's for that signal. Raises ContextError and UsageError, which concern all models.
+    A model that cannot be rendered is reported on stderr, and the others are still rendered. A signal that ends a
+    picture early ends the job, too; the exit status is then the shell's for that signal. Raises ContextError and
+    UsageError, which concern all models, and OutputError for a manifest or `stats` that cannot be written.
     """
-    records: list[Record] = []
-    stopped: int | None = None
-    with Progress(len(tasks), enabled=not job.options["quiet"]) as progress, ModelRenderer(job) as renderer:
-        if len(tasks) > 1:
-            renderer.decode_environment()
-        for task in tasks:
-            records += renderer.render(task, progress)
-            stopped = renderer.stopped
-            if stopped is not None:
-                break
-    if stats is not None:
-        write_json(stats, records[0] if len(tasks) == len(records) == 1 else records)
-    if stopped is not None:
-        return Stopped(stopped).exit_status
+    with ExitStack() as stack:
+        manifest = None if batch.folder is None else stack.enter_context(Manifest(batch.folder))
+        run = _Run(job, batch, manifest)
+        attempts = [_Attempt(number, task) for number, task in enumerate(tasks) if not run.is_done(task)]
+        if batch.resume and not job.options["quiet"]:
+            say(f"{len(tasks) - len(attempts)} of {len(tasks)} models are done already")
+        progress = stack.enter_context(Progress(len(attempts), not job.options["quiet"], unit="models"))
+        run.do(attempts, stack.enter_context(Here(job, progress)))
+    records = [record for _, found in sorted(run.records.items()) for record in found]
+    if batch.stats is not None:
+        write_json(batch.stats, records[0] if len(tasks) == len(records) == 1 else records)
+    if run.stopped is not None:
+        return Stopped(run.stopped).exit_status
     return 1 if any("error" in record for record in records) else 0
+
+
+class _Run:
+    """`records` are what `--stats` tells of the pictures, by the numbers of their tasks, and `stopped` is the signal
+    that ended the run early."""
+
+    def __init__(self, job: RenderJob, batch: Batch, manifest: Manifest | None) -> None:
+        self._batch, self._manifest = batch, manifest
+        self._retries = (manifest is not None) if batch.retries is None else batch.retries
+        self._keys = None if manifest is None else Keys(job)
+        self.records: dict[int, tuple[Record, ...]] = {}
+        self.stopped: int | None = None
+
+    def is_done(self, task: RenderTask) -> bool:
+        """Whether it need not be done, because the manifest to resume says that it was."""
+        return self._batch.resume and self._manifest is not None and self._manifest.is_done(task, self._key(task))
+
+    def _key(self, task: RenderTask) -> str:
+        if self._manifest is None or self._keys is None:
+            return ""
+        return self._keys.of(task.model, self._manifest.out(task.picture()))
+
+    def do(self, attempts: Sequence[_Attempt], engine: Engine) -> None:
+        """Do them all, unless a signal ends one early."""
+        if len(attempts) > 1:
+            engine.check()
+        waiting = deque(attempts)
+        running: dict[Future[Done], tuple[_Attempt, str]] = {}
+        while self.stopped is None and (waiting or running):
+            while waiting and len(running) < engine.room:
+                attempt = waiting.popleft()
+                key = self._key(attempt.task)  # of the files before they are read, in case that they change meanwhile
+                running[engine.submit(attempt.task)] = attempt, key
+            for future in wait(running, return_when=FIRST_COMPLETED).done:
+                waiting.extend(self._note(*running.pop(future), future))
+
+    def _note(self, attempt: _Attempt, key: str, future: Future[Done]) -> Iterator[_Attempt]:
+        """Note what has become of the attempt; yields another one if it is to be tried again."""
+        task = attempt.task
+        try:
+            done = future.result()
+        except WorkerLost as error:
+            text = f"{task.model}: {error}"
+            done = Done(({"model": task.model, "output": str(task.picture()), "error": text},), "",
+                        (f"pbr-viewer: {text}",), may_pass=True)
+        for line in done.lines:
+            say(line)
+        if done.may_pass and done.stopped is None and attempt.tries < self._retries:
+            say(f"{task.model}: is tried again")
+            yield replace(attempt, tries=attempt.tries + 1)
+            return
+        self.stopped = done.stopped
+        self.records[attempt.number] = done.records
+        if self._manifest is not None:
+            self._manifest.add(list(self._lines(task, key, done, self._manifest)))
+
+    @staticmethod
+    def _lines(task: RenderTask, key: str, done: Done, manifest: Manifest) -> Iterator[Line]:
+        for number, record in enumerate(done.records, 1):
+            error = record.get("error")
+            if error is None and done.stopped is not None and number == len(done.records):
+                error = "stopped early"
+            out, times = manifest.out(Path(str(record["output"]))), record.get("wall_s")
+            seconds = round(times["total"], 3) if isinstance(times, dict) else None
+            yield Line(task.model, out, key, "done" if error is None else "failed",
+                       None if error is None else str(error), seconds, done.worker)

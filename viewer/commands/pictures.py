@@ -10,6 +10,7 @@ from typing import Any
 import click
 
 from ..base.messages import say
+from ..batch.options import BATCH, BATCH_OPTIONS
 from ..jobs.options import (
     AOV_OPTION,
     BACKEND_OPTION,
@@ -76,7 +77,7 @@ class _Render(click.Command):
 @click.option("--stats", metavar="FILE.json",
               help="Write times, plan and memory as JSON; for several models a list of them.")
 @with_options([*SCENE_OPTIONS, *TIME_OPTIONS, *FILM_OPTIONS, *PATH_OPTIONS, *ERROR_OPTIONS, AOV_OPTION,
-               *CAMERA_OPTIONS, *COMMON_OPTIONS])
+               *CAMERA_OPTIONS, *BATCH_OPTIONS, *COMMON_OPTIONS])
 def render(models: tuple[str, ...], output: str, backend: str, stats: str | None, **options: Any) -> None:
     """Render a picture of each MODEL, without a screen.
 
@@ -97,12 +98,13 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     pbr-viewer render helmet.glb -o helmet.webp --turntable 90
     """
     check_camera_options(options)
+    chosen = {name: options.pop(name) for name in BATCH}
     from ..base.atomic import made_folders
-    from ..batch.run import render_all
+    from ..batch.run import Batch, render_all
     from ..jobs.assemble import make_settings
     from ..jobs.film import check_film_options
     from ..jobs.inputs import find_models
-    from ..jobs.outputs import check_apart, check_layers, check_output, output_paths
+    from ..jobs.outputs import base_folder, check_apart, check_layers, check_output, output_paths
     from ..jobs.render_job import RenderJob, RenderTask
     from ..jobs.tell_error import check_tell_error, map_paths
     from ..quality import check_quality
@@ -125,7 +127,9 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
             check_output(path)
         if stats is not None:
             check_output(stats)
-        status = render_all(tasks, RenderJob(options | {"backend": backend}, chooses, stats is not None), stats)
+        keeps = len(tasks) > 1 or chosen["resume"]
+        job = RenderJob(options | {"backend": backend}, chooses, stats is not None)
+        status = render_all(tasks, job, Batch(stats, base_folder(output) if keeps else None, **chosen))
     sys.exit(status)
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Self
 from ..base.messages import say
 from ..base.progress import Progress
 from ..base.signals import postponed
-from ..errors import ContextError, UsageError, ViewerError
+from ..errors import ContextError, OutputError, UsageError, ViewerError
 from ..image.film import write_film
 from ..image.image import Image
 from ..plan.warnings import camera_warnings, sample_warnings
@@ -44,6 +44,8 @@ class ModelRenderer:
         self._settings = make_settings(options)
         self._environment = make_environment(options)
         self._context: Context | None = None
+        self.may_pass = False
+        """Whether the last task has failed for want of memory, or at writing, so that another try may do it."""
         self._maker = make_picture_maker(RenderRequest(
             self._open, self._settings, options["size"], options["aov"], use_cache=not options["no_cache"],
             measure=job.measure, quiet=options["quiet"], chooses=job.chooses, tell_error=options["tell_error"],
@@ -78,6 +80,7 @@ class ModelRenderer:
         picture with its samples so far, and one during a film with the frames so far (`stopped`). At other times it
         raises Stopped. Raises ContextError and UsageError, which concern all models.
         """
+        self.may_pass = False
         progress.step(f"{Path(task.model).name}: loading")
         start = time.perf_counter()
         records: list[Record] = []
@@ -107,6 +110,7 @@ class ModelRenderer:
             text = f"{model}: {_words(error)}" if isinstance(error, MemoryError) else _words(error)
             self._tell(f"pbr-viewer: {text}")
             records.append({"model": model, "output": str(path), "error": text})
+            self.may_pass = self.may_pass or isinstance(error, (MemoryError, OutputError))
 
     def _picture(self, task: RenderTask, scene: Scene, view: View, start: float, progress: Progress) -> Record:
         """Make the picture of a view. `start` is when loading began, or the view before it had ended."""

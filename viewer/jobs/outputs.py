@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -45,6 +46,14 @@ def output_paths(models: Sequence[str], output: str, option: str = "-o") -> Outp
     if twice:
         raise UsageError(f"{option} {output}: several models would be written to {', '.join(twice)}")
     return Outputs(tuple(paths), tuple(dict.fromkeys(path.parent for path in paths)))
+
+
+def base_folder(output: str) -> Path:
+    """The folder that all pictures of OUT are in, or folders of."""
+    fixed = re.split(r"\{name\}|\{view\}", output)[0]
+    if fixed == output and Path(output).is_dir():
+        return Path(output)
+    return Path(fixed) if fixed.endswith(("/", "\\")) else Path(fixed).parent
 
 
 def _names(models: Sequence[str]) -> list[str]:

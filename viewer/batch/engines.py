@@ -1,0 +1,57 @@
+"""Where tasks are done: in this process, or elsewhere."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future
+from typing import Protocol, Self
+
+from ..base.messages import say
+from ..base.progress import Progress
+from ..errors import ViewerError
+from ..jobs.render_job import RenderJob, RenderTask
+from .work import Done, Worker
+
+
+class WorkerLost(ViewerError):
+    """The worker has ended in the midst of a task; the text says how."""
+
+
+class Engine(Protocol):
+    """Does tasks. A `with` block ends its workers, and what they are doing then is given up."""
+
+    @property
+    def room(self) -> int:
+        """How many tasks it takes at a time."""
+
+    def check(self) -> None:
+        """Raises InputError for an environment that cannot be used, which would be told for each model."""
+
+    def submit(self, task: RenderTask) -> Future[Done]:
+        """The future raises WorkerLost, or what `Worker.do` raises."""
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(self, *exc: object) -> None: ...
+
+
+class Here:
+    """Does a task in this process, as soon as it is submitted."""
+
+    room = 1
+
+    def __init__(self, job: RenderJob, progress: Progress) -> None:
+        self._worker, self._progress = Worker(job, say), progress
+
+    def check(self) -> None:
+        self._worker.renderer.decode_environment()
+
+    def submit(self, task: RenderTask) -> Future[Done]:
+        future: Future[Done] = Future()
+        future.set_result(self._worker.do(task, self._progress))
+        return future
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self._worker.renderer.release()

@@ -1,0 +1,124 @@
+"""`manifest.jsonl`: what has become of each picture of a batch, a line of JSON each, for `--resume` and pipelines."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Literal, Self
+
+from ..base.atomic import atomic_write
+from ..base.messages import say
+from ..errors import OutputError
+from ..jobs.render_job import RenderTask
+
+MANIFEST = "manifest.jsonl"
+
+
+@dataclass(frozen=True)
+class Line:
+    """`out` is the picture's file, relative to the manifest's folder; `key` is of `viewer.batch.keys`. `error` is None
+    for a picture that is done. `seconds` is the time of loading, rendering and saving, and `worker` says where."""
+
+    model: str
+    out: str
+    key: str
+    status: Literal["done", "failed"]
+    error: str | None
+    seconds: float | None
+    worker: str
+
+
+class Manifest:
+    """The manifest of a folder, which must be there. Of several lines of a picture the last one counts, and the end of
+    a `with` block removes the others.
+
+    A line is written at once, so that a process that is killed leaves those of all that it has done. Raises OutputError
+    where it cannot be written, and for a file that is no manifest.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.path = folder / MANIFEST
+        self._folder = folder
+        self._lines: dict[str, Line] = {}
+        self._by_key: dict[str, dict[str, Line]] = {}
+        self._repeats = 0
+        self._file: int | None = None
+        if self.path.exists():
+            self._read(self._opened())
+
+    def _opened(self) -> int:
+        """The file, which the first line makes."""
+        if self._file is None:
+            flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0)
+            try:
+                self._file = os.open(self.path, flags, 0o666)
+            except OSError as error:
+                raise OutputError(f"{self.path}: cannot be written: {error.strerror}") from error
+        return self._file
+
+    def _read(self, file: int) -> None:
+        text = self.path.read_bytes()
+        whole, _, rest = text.rpartition(b"\n")
+        if rest:
+            say(f"{self.path}: warning: the last line is cut off, and left out")
+            os.ftruncate(file, len(text) - len(rest))
+        for number, line in enumerate(whole.split(b"\n") if whole else (), 1):
+            try:
+                self._note([Line(**json.loads(line))])
+            except (ValueError, TypeError) as error:
+                raise OutputError(f"{self.path}: line {number}: is no line of a manifest of pictures; move the file "
+                                  "away, or give another -o") from error
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        if self._file is not None:
+            os.close(self._file)
+        if self._repeats:
+            with suppress(OutputError), atomic_write(self.path) as temporary:
+                temporary.write_bytes(_text(self._lines.values()))
+
+    def _note(self, lines: Iterable[Line]) -> None:
+        for line in lines:
+            if (before := self._lines.pop(line.out, None)) is not None:
+                self._repeats += 1
+                del self._by_key[before.key][line.out]
+            self._lines[line.out] = line
+            self._by_key.setdefault(line.key, {})[line.out] = line
+
+    def add(self, lines: Sequence[Line]) -> None:
+        """Add the lines of a model, all or none. Raises OutputError."""
+        text, file = _text(lines), self._opened()
+        before = os.fstat(file).st_size
+        try:
+            while text:
+                text = text[os.write(file, text):]
+        except OSError as error:
+            with suppress(OSError):
+                os.ftruncate(file, before)
+            raise OutputError(f"{self.path}: cannot be written: {error.strerror}") from error
+        self._note(lines)
+
+    def out(self, path: Path) -> str:
+        """How lines name the file `path`."""
+        return Path(os.path.relpath(path, self._folder)).as_posix()
+
+    def is_done(self, task: RenderTask, key: str) -> bool:
+        """Whether all pictures of the model were made with this key and are there.
+
+        How many views a model has is known only when it is loaded; but the lines of all of them are written at once. A
+        model that could not be loaded, or whose worker died, has one line without a view instead.
+        """
+        lines = list(self._by_key.get(key, {}).values())
+        views = [line for line in lines if line.out != self.out(task.picture())]
+        return bool(lines) and all(line.status == "done" and (self._folder / line.out).is_file()
+                                   for line in views or lines)
+
+
+def _text(lines: Iterable[Line]) -> bytes:
+    return "".join(json.dumps(asdict(line), allow_nan=False) + "\n" for line in lines).encode()

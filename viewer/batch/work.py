@@ -1,0 +1,47 @@
+"""What a worker does: one task at a time, with the OpenGL context and the programs of the tasks before."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..base.atomic import remove_leftovers
+from ..base.progress import Progress
+from ..jobs.model_renderer import ModelRenderer, Record
+from ..jobs.render_job import RenderJob, RenderTask
+
+
+@dataclass(frozen=True)
+class Done:
+    """What has become of a task: what `--stats` tells of each picture, the lines for the user that were not told yet,
+    and the number of the signal that ended it early. `may_pass` says that another try may do what this one could not.
+    """
+
+    records: tuple[Record, ...]
+    worker: str
+    lines: tuple[str, ...] = ()
+    stopped: int | None = None
+    may_pass: bool = False
+
+
+class Worker:
+    """Does tasks of a job in this process. `tell` gets the lines for the user; without it they are in `Done`."""
+
+    def __init__(self, job: RenderJob, tell: Callable[[str], None] | None = None) -> None:
+        self._lines: list[str] = []
+        self.renderer = ModelRenderer(job, tell or self._lines.append)
+        self._name = f"{platform.node()}:{os.getpid()}"
+        self._folders: set[Path] = set()
+
+    def do(self, task: RenderTask, progress: Progress) -> Done:
+        """Raises as `ModelRenderer.render`."""
+        folder = task.output.parent
+        if folder not in self._folders:
+            self._folders.add(folder)
+            remove_leftovers(folder)
+        self._lines.clear()
+        records = tuple(self.renderer.render(task, progress))
+        return Done(records, self._name, tuple(self._lines), self.renderer.stopped, self.renderer.may_pass)
