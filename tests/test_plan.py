@@ -26,7 +26,7 @@ from viewer.scene.scene import Instance, Scene
 from viewer.scene.schema import MAPS
 from viewer.scene.texture_image import TextureImage, open_texture_image
 from viewer.scene.volume import Volume
-from viewer.settings import Settings, setting_choices
+from viewer.settings import VALUES, Settings, setting_choices
 
 ENVIRONMENT = Environment("grey", np.ones((16, 32, 3), np.float32))
 SUN = Light.from_angles(0.0, 0.5, 1.0)
@@ -304,7 +304,8 @@ LIGHTS = {
 CHOICES = {
     "material": list(MATERIALS), "lights": list(LIGHTS), "environment": [None, 0.0, 1.0], "mode": ["pbr", "phong"],
     "samples": [1, 4], "half": [False, True], "orthographic": [False, True],
-} | {name: list(values) for name, values in setting_choices().items() if name != "antialias"}
+} | {name: list(values) for name, values in setting_choices().items() if name not in ("antialias", "show")}
+"""A view has programs of its own: test_every_view_compiles."""
 
 
 def pairwise(choices: dict[str, list], seed: int = 1) -> list[dict[str, object]]:
@@ -347,6 +348,15 @@ def test_every_pair_of_choices_compiles(programs):
             fragments.add(program.fragment)
     assert fragments == {"raster/pbr.frag", "raster/phong.frag", "raster/unlit.frag"}
     assert len(programs) > 40
+
+
+def test_every_view_compiles(programs):
+    """Each for materials in turn, so that all of them have some."""
+    for k, (material, fields) in enumerate(MATERIALS.values()):
+        for show in VALUES[k % 2::2]:
+            for program in plan(scene(material, **fields), show=show, half=bool(k % 3)).programs:
+                assert program.fragment == "raster/view.frag"
+                programs.get("raster/surface.vert", program.fragment, dict(program.switches))
 
 
 def test_every_microfacet_model_compiles(programs):

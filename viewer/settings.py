@@ -17,12 +17,15 @@ Lobes = Literal["all", "uniform-diffuse", "specular", "directional-diffuse"]
 Tonemap = Literal["neutral", "agx", "aces", "none"]
 Background = Literal["env", "none"] | tuple[float, float, float]
 Ndf = Literal["ggx", "beckmann", "blinn-phong"]
+Show = Literal["shaded", "base-color", "normal", "geometric-normal", "roughness", "metalness", "uv", "depth"]
 Masking = Literal["smith", "smith-separable", "v-cavity", "none"]
 
 NDFS: tuple[Ndf, ...] = get_args(Ndf)
 """In the order of the shaders' switch NDF."""
 MASKINGS: tuple[Masking, ...] = get_args(Masking)
 """In the order of the shaders' switch MASKING."""
+VALUES: tuple[Show, ...] = tuple(show for show in get_args(Show) if show != "shaded")
+"""The views of one quantity in place of the shading, in the order of the shaders' switch SHOW."""
 LAYERS = ("albedo", "normal", "depth", "variance", "samples")
 """The layers that mode path can add to a picture's colour; see `viewer.trace.paths.layers`."""
 MAX_EXPOSURE = 64.0
@@ -111,6 +114,9 @@ class Settings:
         "off", "show the model, or one of its materials, as woven cloth, laid out by the texture coordinates: plain, "
         "twill, satin, denim, or a weave of your own")
     lobes: Lobes = _option("all", "show one contribution alone")
+    show: Show = _option(
+        "shaded", "a view for teaching and debugging: in place of the shaded picture one quantity of the surfaces, "
+        "without exposure and tone map (docs/views.md)")
     phong: Literal["phong", "blinn-phong"] = _option("phong", "the highlight of --mode phong")
     shadows: Literal["on", "off"] = _option("on", "shadows of the lights")
     environment_shadows: Literal["off", "16", "64", "256", "1024"] = _option(
@@ -237,6 +243,11 @@ class Settings:
             raise UsageError(f"{' and '.join(unused)} {verb} no effect in mode {self.mode}{where}")
 
     @property
+    def shows_values(self) -> bool:
+        """Whether the picture is of a quantity of the surfaces, which no light, exposure or tone map changes."""
+        return self.show in VALUES
+
+    @property
     def is_used(self) -> bool:
         """Whether `check_used` raises no error."""
         try:
@@ -253,6 +264,8 @@ class Settings:
         """
         if self.denoise == "raster":
             raise UsageError("denoise raster is for mode path: give that mode")
+        if self.show != "shaded":
+            raise UsageError("show has no effect on how a method is chosen: leave out the time budget and the error")
         modes = replace(self, mode="pbr", time_budget=None, error=None), replace(self, mode="path")
         usable = [settings if settings.is_used else None for settings in modes]
         if self.caustics == "photons":
@@ -311,6 +324,7 @@ STOPPING = ("spp", "time_budget", "error")
 _USED_BY: dict[str, tuple[Mode, ...]] = {
     **dict.fromkeys(("ndf", "masking", "fresnel", "multiscatter", "sheen", "weave"), ("pbr", "path")),
     "phong": ("phong",),
+    "show": ("pbr", "phong"),
     "hair_tilt": ("pbr", "path"),
     "hair_scattering": ("pbr",),
     **dict.fromkeys(("yarn", "yarn_plies", "yarn_fibres", "yarn_twist"), ("pbr", "path")),

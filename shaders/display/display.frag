@@ -8,6 +8,8 @@ uniform vec4 u_backdrop;      // background colour in linear display light, with
 
 out vec4 o_color;
 
+// DITHER: 0 for views of values, whose nearest code is shown.
+
 // Interleaved gradient noise in [0, 1) (Jimenez 2014): it spreads the rounding error over neighbouring pixels, and is
 // the same in every frame.
 float dither(vec2 pixel) {
@@ -26,7 +28,11 @@ void main() {
     vec3 shown = srgb_from_linear(light);
     // Round up with a probability equal to the fraction. Exact code values are not dithered.
     vec3 code = shown * 255.0;
+#if DITHER
     bvec3 exact = lessThan(abs(code - round(code)), vec3(1e-3));
     shown = floor(code + mix(vec3(dither(gl_FragCoord.xy)), vec3(0.5), exact)) / 255.0;
+#else
+    shown = round(code) / 255.0;
+#endif
     o_color = vec4(shown, alpha);
 }

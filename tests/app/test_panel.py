@@ -228,7 +228,7 @@ def test_escape_closes_a_list_leaves_a_field_and_only_then_the_window(open_windo
     def is_open() -> bool:
         return imgui.is_popup_open("", imgui.PopupFlags_.any_popup_id | imgui.PopupFlags_.any_popup_level)
 
-    hands = open_window(scene, size=(640, 740))
+    hands = open_window(scene, size=(640, 790))
     window = hands.window
     hands.key("Tab")
     for key in ("Escape", "q"):

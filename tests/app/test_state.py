@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from viewer.interact.keys import KEYS
-from viewer.interact.state import FURNACE, VIEWS, ViewState, free_path, scene_facts
+from viewer.interact.state import CLEAR_GREY, FURNACE, VIEWS, ViewState, free_path, scene_facts
 from viewer.quality import POINTS
 from viewer.scene.animation import Animation, Target, Track
 from viewer.scene.environment import Environment
@@ -17,7 +17,7 @@ from viewer.scene.material import Material
 from viewer.scene.mesh import Mesh
 from viewer.scene.rig import Nodes, Rig
 from viewer.scene.scene import Instance, Scene
-from viewer.settings import Settings
+from viewer.settings import VALUES, Settings
 
 GREY = np.ones((2, 4, 3), np.float32)
 
@@ -72,6 +72,20 @@ def test_a_single_contribution_is_shown_by_the_raster_but_for_path_traced_pictur
         state.show_mode(mode)
         state.show_lobes("specular")
         assert (state.modes, state.settings.lobes) == ((expected,), "specular")
+
+
+def test_views_of_values_are_of_one_real_time_mode_and_leave_with_any_other_view(state):
+    state.show_mode("path")
+    state.step_values(1)
+    assert (state.modes, state.settings.show) == (("pbr",), "base-color") and not state.has_error
+    assert state.message == "Base colour" and state.on_screen().background == CLEAR_GREY
+    for view, mode in (("phong", "phong"), ("split", "phong"), ("path", "path")):
+        state.show_view(view)
+        assert state.settings.show == "shaded" and state.modes[0] == mode
+        state.step_values(-1)
+        assert state.settings.show == VALUES[-1] and len(state.modes) == 1 and state.modes != ("path",)
+    state.step_values(1)
+    assert state.settings.show == "shaded" and state.has_error and state.on_screen().background == "env"
 
 
 def test_only_paths_are_paused_and_only_until_another_mode(state):

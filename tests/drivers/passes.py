@@ -16,7 +16,7 @@ from viewer.trace.rays.intersect import SHADOW_REACH
 
 _FULLSCREEN = "display/fullscreen.vert"
 _OVER_PICTURES: dict[str, dict[str, tuple[int, ...]]] = {
-    "display/display.frag": {"TONEMAP": (0, 1, 2, 3)},
+    "display/display.frag": {"TONEMAP": (0, 1, 2, 3), "DITHER": (0, 1)},
     "raster/resolve.frag": {"SAMPLES": (1, 4, 8), "SUPERSAMPLING": (1, 2)},
     "raster/background.frag": {"HALF_TARGET": (0, 1), "SMOOTH": (0, 1), "MEDIA": (0, 1)},
     "raster/media_sky.frag": {"HALF_TARGET": (0, 1)},

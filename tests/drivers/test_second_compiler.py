@@ -27,7 +27,7 @@ from viewer.scene.fog import fog_of
 from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.scene.volume import Volume
-from viewer.settings import Settings, setting_choices
+from viewer.settings import VALUES, Settings, setting_choices
 from viewer.trace.scene.curves import trace_curves
 from viewer.trace.scene.geometry import trace_geometry
 from viewer.trace.scene.scene_data import geometry_switches
@@ -94,6 +94,8 @@ def ours() -> tuple[list[str], dict[str, int], set[str]]:
         wanted |= dict.fromkeys(keys(hairy, Settings.of(fog=fog, hair_scattering="single")))
         wanted |= dict.fromkeys(keys(hairy, Settings.of(fog=fog, yarn="silk")))
         wanted |= dict.fromkeys(raster_keys(hairy, Settings.of(fog=fog), half=False, orthographic=True))
+    for show in VALUES:
+        wanted |= dict.fromkeys(raster_keys(hairy, Settings(show=show), orthographic=show == "normal"))
     lamps = tuple(Light("point", intensity=1.0, position=(0, 0, 1 + k)) for k in range(MAX_LIGHTS))
     wanted |= dict.fromkeys(keys(replace(rich[0], lights=lamps), Settings()))
     milk = Material(metallic=0.0, transmission=1.0, thickness=1.0, scatter_color=(0.5, 0.5, 0.5), ior=1.0,

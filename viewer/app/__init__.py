@@ -21,6 +21,8 @@ def open_window(scene: Scene, settings: Settings, camera: Camera | None = None, 
     """`viewer.app.window.run`. Raises UsageError also for a denoiser that is too slow for a window."""
     if settings.denoise == "oidn":
         raise UsageError("denoise oidn takes too long for a window; there are off, fast and raster")
+    if settings.mode == "path" and settings.show != "shaded":
+        raise UsageError(f"show={settings.show} has no effect in mode path, only in modes pbr and phong")
     from .window import run
 
     run(scene, settings, camera, size, use_cache, tell, playback, quality)

@@ -11,6 +11,7 @@ from imgui_bundle import imgui
 
 from ..interact.playback import SPEEDS
 from ..interact.state import ViewState, scene_facts
+from ..plan.legend import VIEW_NAMES
 from ..quality import QUALITIES
 from ..scene.environment_files import load_environment
 from ..scene.environment_presets import PRESETS
@@ -111,8 +112,9 @@ class Panel:
                     state.show_split(*modes) if len(modes) > 1 else state.show_mode(*modes, state.settings.lobes)
                 imgui.same_line(spacing=14 * self._rows.scale)
             imgui.new_line()
+        self._values()
         self._quality()
-        self._rows.choice("Show", "lobes")
+        self._rows.choice("Light shown", "lobes")
         if imgui.checkbox("White furnace", state.before_furnace is not None)[0]:
             state.toggle_furnace()
         if state.has_error:
@@ -139,6 +141,13 @@ class Panel:
         self._rows.choice("Steps of a ray", "media_steps")
         self._rows.switch("Specular antialiasing", "specular_aa")
         self._rows.choice("Phong highlight", "phong")
+
+    def _values(self) -> None:
+        shows = list(VIEW_NAMES)
+        self._rows.row("Show")
+        index = combo("show", shows.index(self._state.settings.show), list(VIEW_NAMES.values()))
+        if index is not None:
+            self._state.show_values(shows[index])
 
     def _quality(self) -> None:
         if not self._state.shows("pbr"):

@@ -19,16 +19,19 @@ class DisplayPass:
     def draw(self, radiance: moderngl.Texture, settings: Settings, target: moderngl.Framebuffer, unit: int) -> None:
         """Draw `radiance` (associated alpha) into `target` as sRGB with straight alpha, using texture unit `unit`.
 
-        A background colour shall be displayed unchanged, so it is composited after exposure and tone map.
+        A background colour shall be displayed unchanged, so it is composited after exposure and tone map. A view of
+        values has neither, and its nearest codes are shown.
         """
+        of_values = settings.shows_values
+        tonemap, exposure = ("none", 0.0) if of_values else (settings.tonemap, settings.exposure)
         program = self._programs.get(
-            "display/fullscreen.vert", "display/display.frag", {"TONEMAP": _TONEMAPS.index(settings.tonemap)}
-        )
+            "display/fullscreen.vert", "display/display.frag",
+            {"TONEMAP": _TONEMAPS.index(tonemap), "DITHER": int(not of_values)})
         target.use()
         self._gl.enable_only(moderngl.NOTHING)
         radiance.use(unit)
         set_uniform(program, "u_radiance", unit)
-        set_uniform(program, "u_exposure", 2.0**settings.exposure)
+        set_uniform(program, "u_exposure", 2.0**exposure)
         is_color = isinstance(settings.background, tuple)
         set_uniform(program, "u_backdrop", (*settings.background, 1.0) if is_color else (0.0, 0.0, 0.0, 0.0))
         fullscreen(self._gl, program).render(vertices=3)

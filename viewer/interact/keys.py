@@ -26,6 +26,8 @@ KEYS = (
     Binding("Shading", ("7",), "furnace", "White furnace on or off: in it, surfaces that lose no light are invisible"),
     Binding("Shading", ("8",), "path", "Path-traced: converges to the exact picture"),
     Binding("Shading", ("9",), "path_split", "PBR | path-traced"),
+    Binding("Shading", ("0",), "next_values", "Next view of values: base colour, normals, roughness, …"),
+    Binding("Shading", ("Shift+0",), "previous_values", "The view of values before it"),
     Binding("Shading", ("SPACE",), "pause", "Path tracing: pause or continue"),
     Binding("Shading", ("N",), "denoise", "Path tracing: denoise, or show the noise"),
     Binding("Shading", ("E",), "tell_error", "Error: tell how far the picture is from the truth, at rest"),

@@ -14,6 +14,7 @@ import numpy as np
 from ..errors import ViewerError
 from ..estimate.mixture import draw_guide
 from ..image.image import Image
+from ..plan.legend import legend
 from ..plan.media import has_media
 from ..quality import DETERMINED, DRAFT
 from ..raster.renderer import Renderer
@@ -66,6 +67,8 @@ class Picture:
         """The state of path tracing, or the error of the picture, in one line for the user; empty if there is none."""
         if self.paths.status():
             return self.paths.status()
+        if lines := legend(self._state.scene, self._orbit.camera, self._state.settings):
+            return "\n".join(lines)
         if not self._prepares_error:
             each = self._renderer.photons_each
             return f"{each:.0f} of {self._most_photons} photons a pixel" if self._lacks_photons and each >= 1 else ""

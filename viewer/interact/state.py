@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Any, get_args
 
 from ..errors import ViewerError
+from ..plan.legend import VIEW_NAMES
 from ..quality import DETERMINED, Quality, QualityName
 from ..scene.environment import Environment
 from ..scene.furnace import in_furnace
 from ..scene.light import Light
 from ..scene.scene import Scene
-from ..settings import Lobes, Mode, Settings, ignored
+from ..settings import Lobes, Mode, Settings, Show, ignored
 from .playback import Playback
 
 Part = tuple[int, int, int, int]
@@ -89,7 +90,21 @@ class ViewState:
 
     def show_mode(self, mode: Mode, lobes: Lobes = "all") -> None:
         self.split, self.paused = None, False
-        self.settings = replace(self.settings, mode=mode, lobes=lobes)
+        self.settings = replace(self.settings, mode=mode, lobes=lobes, show="shaded")
+
+    def show_values(self, show: Show) -> None:
+        """Show one of the views for teaching and debugging, or the shaded picture, in the real-time mode that is shown,
+        or else in mode pbr."""
+        mode: Mode = "phong" if self.modes == ("phong",) else "pbr"
+        if show != self.settings.show:
+            self.say(VIEW_NAMES[show])
+        self.show_mode(mode)
+        self.settings = replace(self.settings, show=show)
+
+    def step_values(self, step: int) -> None:
+        """Show the view that is so many steps after this one, in the order of their names."""
+        shows = list(VIEW_NAMES)
+        self.show_values(shows[(shows.index(self.settings.show) + step) % len(shows)])
 
     @property
     def at_rest(self) -> Settings:
@@ -114,7 +129,7 @@ class ViewState:
     def show_split(self, left: Mode = "phong", right: Mode = "pbr") -> None:
         self.split, self.paused = 0.5 if self.split is None else self.split, False
         self.sides = left, right
-        self.settings = replace(self.settings, lobes="all")
+        self.settings = replace(self.settings, lobes="all", show="shaded")
 
     def toggle_pause(self) -> None:
         if self.shows("path"):
@@ -124,13 +139,13 @@ class ViewState:
 
     @property
     def has_error(self) -> bool:
-        """Whether the picture is one whose error can be told: one real-time mode alone."""
-        return self.split is None and self.settings.mode != "path"
+        """Whether the picture is one whose error can be told: one real-time mode alone, shaded."""
+        return self.split is None and self.settings.mode != "path" and self.settings.show == "shaded"
 
     def toggle_error(self, shows: bool = False) -> None:
         """Tell the error of the picture at rest, or stop that; with `shows`, its map takes turns with the picture."""
         if not self.has_error:
-            self.say("The error is told of pictures of one real-time mode")
+            self.say("The error is told of shaded pictures of one real-time mode")
             return
         self.shows_error = shows and not self.shows_error
         self.tells_error = shows or not self.tells_error
@@ -250,8 +265,10 @@ class ViewState:
         self.playback = Playback(speed=self.playback.speed)
 
     def on_screen(self) -> Settings:
-        """The settings for display in a window, which has no alpha: a background of `none` becomes CLEAR_GREY."""
-        if self.settings.background != "none":
+        """The settings for display in a window, which has no alpha: a background of `none` becomes CLEAR_GREY, and so
+        does an environment, which is not behind a view of values."""
+        background = self.settings.background
+        if background != "none" and not (background == "env" and self.settings.shows_values):
             return self.settings
         return replace(self.settings, background=CLEAR_GREY)
 

@@ -38,6 +38,7 @@ class RasterMaker(PictureMaker):
 
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
         """As `PictureMaker.make`."""
+        from ..plan.legend import legend
         from ..raster.renderer import Renderer
         from ..raster.sampled_images import decode_ahead
 
@@ -55,9 +56,11 @@ class RasterMaker(PictureMaker):
         image = (renderer.render if is_linear else renderer.display)(scene, camera, settings, request.size)
         assert renderer.plan is not None
         told = request.quality.facts(settings)
-        self.summary = "; ".join([*(f"{name} {value}" for name, value in told.items()), renderer.summary])
+        lines = legend(scene, camera, settings)
+        self.summary = "; ".join([*lines, *(f"{name} {value}" for name, value in told.items()), renderer.summary])
         self.stats = {"prepare_s": dict(renderer.times), "pass_ms": dict(renderer.pass_ms),
-                      "plan": told | renderer.plan.to_json(), **renderer.caustic_stats()}
+                      "plan": told | renderer.plan.to_json(), **({"legend": list(lines)} if lines else {}),
+                      **renderer.caustic_stats()}
         self.texture_bytes = renderer.texture_bytes
         return image
 

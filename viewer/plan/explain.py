@@ -49,7 +49,7 @@ class Explanation(TypedDict):
 def explain(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Light]) -> Explanation:
     """The fields `used`, `left_out` and `saved` of the plan. `lights` are all lights, including those left out."""
     if plan.is_everything:
-        return {"used": _used(plan), "left_out": ("nothing, as requested",), "saved": {}}
+        return {"used": used_lines(plan), "left_out": ("nothing, as requested",), "saved": {}}
     images, left_out = _unused_images(plan, scene)
     bakes = _skipped_bakes(plan, settings)
     saved = {
@@ -57,11 +57,12 @@ def explain(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Light
         "buffer_mb": round(_unused_attributes(plan, scene) / 1e6, 3),
         "bake_s": round(sum(seconds for _, _, seconds in bakes), 2),
     }
-    return {"used": _used(plan), "saved": saved,
+    return {"used": used_lines(plan), "saved": saved,
             "left_out": (*_left_out(plan, scene, settings, lights), *(line for line, _, _ in bakes), *left_out)}
 
 
-def _used(plan: Plan) -> tuple[str, ...]:
+def used_lines(plan: Plan) -> tuple[str, ...]:
+    """What the plan draws and looks up, in lines."""
     lines = []
     if plan.draws:
         shared = any(draw.blank_maps for draw in plan.kinds) and not plan.is_everything

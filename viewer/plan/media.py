@@ -54,8 +54,8 @@ class MediaPlan:
 
 
 def has_media(scene: Scene, settings: Settings) -> bool:
-    """Whether there is fog or a volume."""
-    return settings.fog > 0 or bool(scene.volumes)
+    """Whether there is fog or a volume that is drawn."""
+    return not settings.shows_values and (settings.fog > 0 or bool(scene.volumes))
 
 
 def media_switches(scene: Scene, settings: Settings) -> dict[str, int]:

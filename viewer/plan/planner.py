@@ -14,19 +14,21 @@ from ..material.fold import without_constant_maps
 from ..material.use import feature_switches, metalness, supported, used_maps
 from ..scene.convex import is_convex
 from ..scene.light import Light
-from ..scene.material import ANISOTROPY, CLEARCOAT, DIFFUSE_TRANSMISSION, Material, Texture
+from ..scene.material import ANISOTROPY, CLEARCOAT, DIFFUSE_TRANSMISSION, Material
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
-from ..scene.schema import MAP_SWITCHES, MAPS, SWITCHED
+from ..scene.schema import MAPS, SWITCHED
 from ..scene.woven import woven
 from ..settings import Settings
 from .bsdf_switches import bsdf_switches
 from .curves import draws_curves, plan_curves
 from .explain import explain
+from .map_switches import ALPHA_MODES, map_switches
 from .media import has_media, media_switches, plan_media
 from .model import ALONE, NO_SUBSURFACE, SPREAD, Draw, Plan, Program
 from .samplers import within_limit
 from .sharing import attributes_of, include_everything, share_programs
+from .views import plan_view
 
 MAX_LIGHTS = 128
 """The most lights in one program. They fit in a uniform block of 16 KiB, the least that OpenGL 3.3 guarantees."""
@@ -36,8 +38,6 @@ TRACED_ROUGHNESS = 1.0
 shaders/raster/traced_reflection.glsl is 0 there."""
 NARROW_ROUGHNESS = 0.06
 """Up to this perceptual roughness one lookup is the whole lobe: _NARROW_COLUMNS in viewer/bake/lookups.py."""
-
-_ALPHA_MODES = ("opaque", "mask", "blend")
 
 
 def is_lit(mesh: Mesh, material: Material) -> bool:
@@ -49,6 +49,8 @@ def is_lit(mesh: Mesh, material: Material) -> bool:
 def environment_use(scene: Scene, settings: Settings) -> tuple[bool, bool]:
     """Whether the environment lights any surface or medium, and whether any surface reflects it and needs its
     prefiltered levels."""
+    if settings.shows_values:
+        return False, False
     if settings.plan == "everything":
         return True, True
     if scene.environment is None:
@@ -72,6 +74,8 @@ def plan_scene(
     """
     if settings.mode == "path":
         raise UsageError("the raster cannot draw mode path")
+    if settings.shows_values:
+        return plan_view(scene, settings, samples=samples, half_target=half_target, orthographic=orthographic)
     scene = woven(scene, settings)
     lit = [is_lit(scene.meshes[i.mesh], scene.materials[scene.meshes[i.mesh].material]) for i in scene.instances]
     curves = draws_curves(scene, settings)
@@ -182,7 +186,7 @@ def _draw(
     textures = {name: texture for name in maps if (texture := MAPS[name].texture(material))}
     features = feature_switches(material, model)
     switches = {
-        "ALPHA_MODE": _ALPHA_MODES.index(material.alpha_mode),
+        "ALPHA_MODE": ALPHA_MODES.index(material.alpha_mode),
         "HAS_COLOR": int(mesh.colors is not None),
         "IS_POINTS": int(mesh.topology == "points"),
         "UV_SETS": sum(1 << uv_set for uv_set in {texture.uv_set for texture in textures.values()} | (
@@ -198,7 +202,7 @@ def _draw(
     if switches["SUBSURFACE"]:  # what comes through a solid is a cosine lobe, as that of diffuse transmission is
         switches[DIFFUSE_TRANSMISSION.switch] = 1
     for name in MAPS:
-        switches |= _map_switches(name.upper(), textures.get(name))
+        switches |= map_switches(name.upper(), textures.get(name))
     if lit:
         switches |= common | {"DOUBLE_SIDED": int(material.double_sided)}
         if settings.mode == "pbr":
@@ -228,15 +232,6 @@ def _is_shown(name: str, lit: bool, common: dict[str, int]) -> bool:
     if name == "occlusion":  # visibility and indirect light replace the occlusion map
         return common["HAS_ENVIRONMENT"] == 1 and common["VISIBILITY"] == common["INDIRECT"] == 0
     return True
-
-
-def _map_switches(macro: str, texture: Texture | None) -> dict[str, int]:
-    """The switches of a map, whose meaning is in shaders/raster/attributes.glsl. Shaders do mirrored repetition."""
-    if texture is None:
-        return {f"{macro}_{ending}": 0 for ending in MAP_SWITCHES}
-    mirror = (texture.sampler.wrap_s == "mirror") | (texture.sampler.wrap_t == "mirror") << 1
-    return {f"{macro}_MAP": 1, f"{macro}_UV": texture.uv_set, f"{macro}_TRANSFORM": int(texture.transform is not None),
-            f"{macro}_MIRROR": mirror}
 
 
 def _can_trace_reflections(material: Material) -> bool:

@@ -20,7 +20,7 @@ MANY_COLLISIONS = 100.0
 
 def is_dark(scene: Scene, settings: Settings) -> bool:
     """Whether the picture will be black: there is no light, no surface is emissive or unlit, and no volume emits."""
-    if scene.environment is not None and scene.environment.intensity > 0:
+    if settings.shows_values or (scene.environment is not None and scene.environment.intensity > 0):
         return False
     if not (scene.instances or scene.volumes or scene.curves):
         return False

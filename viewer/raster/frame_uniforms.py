@@ -10,6 +10,7 @@ from ..gpu.float_texture import float_texture
 from ..gpu.free import free
 from ..gpu.programs import matrix_uniform
 from ..plan.model import Plan
+from ..scene.depth_span import depth_span
 from ..scene.frame import Frame
 from ..settings import Settings
 from .lights import pack_lights
@@ -34,6 +35,10 @@ class FrameUniforms:
             "u_drawn_size": frame.size,
             "u_point_size": max(1.0, frame.size[1] / 200),
         }
+        if settings.show == "depth":
+            near, far = depth_span(frame.scene, frame.camera)
+            values["u_depth_axis"] = tuple(frame.camera.forward * (frame.unit / (far - near)))
+            values["u_least_depth"] = near / (far - near)
         if self._prepared.environment is not None:
             values |= self._prepared.environment.uniforms(plan)
         if plan.dfg:

@@ -14,7 +14,9 @@ from ..gpu.programs import Programs
 from ..image.display import DisplayPass
 from ..image.image import Image
 from ..plan.curves import draws_curves
+from ..plan.legend import legend
 from ..plan.model import Plan
+from ..plan.views import view_settings
 from ..scene.camera import Camera
 from ..scene.decoding import Decoder
 from ..scene.frame import Frame
@@ -73,7 +75,8 @@ class Renderer:
         linear = self.read_radiance()
         if isinstance(settings.background, tuple):
             linear += (1 - linear[..., 3:]) * np.array([*settings.background, 1], np.float32)
-        return Image(linear, self.read_display(settings), {"plan": self.plan.to_json(), **self.caustic_stats()})
+        return Image(linear, self.read_display(settings), {
+            "plan": self.plan.to_json(), **_legend(scene, camera, settings), **self.caustic_stats()})
 
     def display(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> Image:
         """The picture as displayed, for a PNG. `linear` is then its sRGB decoding."""
@@ -141,7 +144,7 @@ class Renderer:
         `keeps_photons` it has those that it had before, and `add_photons` brings more.
         """
         self.context.make_current()
-        given = scene
+        given, settings = scene, view_settings(settings)
         scene = woven(as_yarns(scene.with_curve_radius(settings.curve_radius), settings), settings)
         if still and settings.antialias == "auto" and self.context.is_software and draws_curves(scene, settings):
             # Mesa shades hidden fragments of a multisampled target to their end, and strips have many of them.
@@ -193,3 +196,9 @@ class Renderer:
         self.context.make_current()
         free(self._gl, self._display, self._caustics, self._target, self._passes, self._prepared)
         self.programs.release()
+
+
+def _legend(scene: Scene, camera: Camera, settings: Settings) -> dict[str, object]:
+    """For the statistics: what the colours of a view mean."""
+    lines = legend(scene, camera, settings)
+    return {"legend": list(lines)} if lines else {}
