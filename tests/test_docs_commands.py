@@ -14,7 +14,7 @@ from test_docs import PAGES, ROOT
 from viewer import cli
 from viewer.errors import UsageError
 from viewer.jobs.assemble import make_settings
-from viewer.jobs.options import check_camera_options
+from viewer.jobs.camera_options import check_camera_options
 
 PAGE = pytest.mark.parametrize("page", [*PAGES, ROOT / "CHANGELOG.md"],
                                ids=lambda page: page.relative_to(ROOT).as_posix())
@@ -55,7 +55,7 @@ def test_pbr_viewer(page: Path) -> None:
                 if name == "render" and settings.time_budget is None and settings.error is None:
                     settings.check_used()
             if "orbit" in options:
-                check_camera_options(options)
+                check_camera_options(options, takes_several=name == "render")
         except (cli.click.ClickException, UsageError) as error:
             pytest.fail(f"{shown}: {error}")
 

@@ -11,10 +11,13 @@ from command_line import SCENES
 
 from viewer.errors import InputError, UsageError
 from viewer.jobs.assemble import make_camera, make_light
-from viewer.jobs.options import BackgroundColor, Number, Numbers, Size, check_camera_options
+from viewer.jobs.camera_options import Views, check_camera_options
+from viewer.jobs.directions import around
+from viewer.jobs.options import BackgroundColor, Number, Numbers, Size
 from viewer.scene.load import load_scene
 
-NO_CAMERA = dict.fromkeys(("orbit", "eye", "target", "fov", "camera")) | {"size": (200, 100)}
+NO_CAMERA = dict.fromkeys(("view", "eye", "target", "fov", "camera")) | {
+    "size": (200, 100), "orbit": (), "ortho": False}
 
 
 @pytest.fixture(scope="module")
@@ -30,6 +33,7 @@ def camera(scene, **options):
     (Size(), "640x480", (640, 480)), (Size(), "640X480", (640, 480)), (Size(), "64", (64, 64)),
     (Number(), "-2.5", -2.5), (Number(0, 1), "1", 1.0),
     (Numbers("X,Y,Z", 3), "-1,2e3,.5", (-1, 2000, 0.5)), (Numbers("A,B[,C]", 2, 3), "1, 2", (1, 2)),
+    (Views(), "top,iso,top", ("top", "iso")),
     (BackgroundColor(), "none", "none"), (BackgroundColor(), "#ffffff", (1, 1, 1)),
 ])
 def test_words_that_are_understood(kind, word, value):
@@ -42,6 +46,7 @@ def test_words_that_are_understood(kind, word, value):
     (Number(), "nan"), (Number(), "inf"), (Number(), "1,5"), (Number(0, 1), "2"),
     (Numbers("X,Y,Z", 3), "1,2"), (Numbers("X,Y,Z", 3), "1,2,nan"), (Numbers("X,Y,Z", 3), "1,2,"),
     (Numbers("X,Y,Z", 3), "1,2,1e19"),
+    (Views(), ""), (Views(), "front,up"),
     (BackgroundColor(), "#12345"), (BackgroundColor(), "ENV"), (BackgroundColor(), ""),
 ])
 def test_words_that_are_not(kind, word):
@@ -59,7 +64,7 @@ def test_without_options_the_model_is_framed(scene):
 
 
 def test_direction_field_of_view_and_shape_of_the_picture_are_framed(scene):
-    tall = camera(scene, orbit=(-20, 40), fov=20, size=(100, 200))
+    tall = camera(scene, orbit=((-20, 40),), fov=20, size=(100, 200))
     expected = scene.framing_camera(0.5, math.radians(-20), math.radians(40), math.radians(20))
     np.testing.assert_array_equal(tall.pose, expected.pose)
     aimed = camera(scene, target=(1, 2, 0))
@@ -67,11 +72,35 @@ def test_direction_field_of_view_and_shape_of_the_picture_are_framed(scene):
 
 
 def test_orbit_eye_and_target(scene):
-    assert camera(scene, orbit=(90, 0, 2)).eye == pytest.approx(scene.center + [2, 0, 0])
-    assert camera(scene, orbit=(0, 90)).forward == pytest.approx([0, -1, 0], abs=1e-12)
-    assert camera(scene, orbit=(0, 0, 3), target=(5, 6, 7)).eye == pytest.approx([5, 6, 10])
+    assert camera(scene, orbit=((90, 0, 2),)).eye == pytest.approx(scene.center + [2, 0, 0])
+    assert camera(scene, orbit=((0, 90),)).forward == pytest.approx([0, -1, 0], abs=1e-12)
+    assert camera(scene, orbit=((0, 0, 3),), target=(5, 6, 7)).eye == pytest.approx([5, 6, 10])
     looking = camera(scene, eye=(0, 0, 9), target=(0, 0, 1), fov=20)
     assert looking.forward == pytest.approx([0, 0, -1]) and looking.fov_y == pytest.approx(math.radians(20))
+
+
+@pytest.mark.parametrize("name, back", [
+    ("front", (0, 0, 1)), ("back", (0, 0, -1)), ("left", (-1, 0, 0)), ("right", (1, 0, 0)), ("top", (0, 1, 0)),
+    ("bottom", (0, -1, 0)), ("iso", np.ones(3) / math.sqrt(3))])
+@pytest.mark.parametrize("ortho", [False, True])
+def test_views_have_names(scene, name, back, ortho):
+    """From above, the front is at the lower side of the picture, and from below at the upper one."""
+    seen = camera(scene, view=(name,), ortho=ortho)
+    assert -seen.forward == pytest.approx(back, abs=1e-12)
+    up = {"top": (0, 0, -1), "bottom": (0, 0, 1)}.get(name)
+    assert up is None or seen.pose[:3, 1] == pytest.approx(up, abs=1e-12)
+    assert (seen.height is not None) == ortho
+
+
+def test_without_perspective_as_much_is_shown_at_the_target(scene):
+    flat = camera(scene, orbit=((0, 0, 3),), ortho=True, fov=60)
+    assert flat.height == pytest.approx(6 * math.tan(math.radians(30)))
+    looking = camera(scene, eye=(0, 0, 9), target=(0, 0, 1), fov=60, ortho=True)
+    assert looking.height == pytest.approx(16 * math.tan(math.radians(30)))
+
+
+def test_views_all_around_are_evenly_spaced():
+    assert [each.label for each in around(4)] == ["az0", "az90", "az180", "az270"] and len(around(7)) == 7
 
 
 def test_the_files_own_camera(scene):
@@ -87,10 +116,20 @@ def test_an_eye_in_the_middle_needs_a_target(scene):
         camera(scene, eye=tuple(scene.center))
 
 
-@pytest.mark.parametrize("given", [("orbit", "eye"), ("eye", "camera"), ("orbit", "camera"), ("target", "camera")])
+@pytest.mark.parametrize("given", [
+    {"orbit": ((0, 0),), "eye": (0, 0, 1)}, {"eye": (0, 0, 1), "camera": 0}, {"orbit": ((0, 0),), "camera": 0},
+    {"target": (0, 0, 1), "camera": 0}, {"view": ("top",), "eye": (0, 0, 1)}, {"view": ("top",), "camera": 0},
+    {"ortho": True, "camera": 0}, {"eye": (0, 0, 1), "target": (0, 0, 1)}])
 def test_options_that_contradict_each_other(given):
     with pytest.raises(UsageError):
-        check_camera_options(NO_CAMERA | dict.fromkeys(given, (1.0, 2.0, 3.0)))
+        check_camera_options(NO_CAMERA | given, takes_several=True)
+
+
+def test_several_views_are_for_render_alone():
+    several = NO_CAMERA | {"view": ("top", "left"), "orbit": ((0, 0),)}
+    check_camera_options(several, takes_several=True)
+    with pytest.raises(UsageError, match="--orbit and --view: only `render` takes several views"):
+        check_camera_options(several)
 
 
 def test_a_light_shines_from_where_it_is_put():

@@ -34,26 +34,29 @@ DEFAULT_SIZE = (1280, 720)
 
 
 def load(path: str | PathLike[str], environment: str | PathLike[str] | None = "studio", *,
-         scene: int | str | None = None, variant: str | None = None) -> Scene:
+         scene: int | str | None = None, variant: str | None = None, up: str = "y") -> Scene:
     """Load a model file as a scene, lit by an environment.
 
     `environment` is an HDR or EXR file, the name of a built-in environment (studio, sky, furnace) or None. Of a glTF
     file, `scene` selects one of its scenes, by number or name, and `variant` one of its choices of materials
-    (KHR_materials_variants; `Scene.variants` lists them, and `Scene.with_variant` chooses another). The scene's
+    (KHR_materials_variants; `Scene.variants` lists them, and `Scene.with_variant` chooses another). `up` is the axis of
+    the file that points upwards, x, y, z, -x, -y or -z: the scene is turned so that this is +Y. The scene's
     `all_warnings` list what of the file is not supported. Raises InputError for a file that cannot be used. The pixels
     of an environment are decoded when they are first needed, so `render` may raise its InputError. Raises UsageError
     for an argument that is not a path.
     """
     from .scene.environment_files import load_environment
     from .scene.load import load_scene
+    from .scene.upright import up_matrix, upright
 
+    up_matrix(up)  # an error about it comes before the file is read
     expect_path(path, "path")
     expect(scene, (int, str, type(None)), "scene", "the number or the name of a scene")
     expect(variant, (str, type(None)), "variant", "the name of a variant")
     if environment is not None:
         expect_path(environment, "environment")
     spec = environment if environment is None else fspath(environment)
-    return replace(load_scene(path, scene, variant), environment=load_environment(spec))
+    return replace(upright(load_scene(path, scene, variant), up), environment=load_environment(spec))
 
 
 def join(scene: Scene, *others: Scene) -> Scene:

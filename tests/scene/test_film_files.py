@@ -24,7 +24,7 @@ from viewer.scene.load import load_scene
 
 SMALL = ("--size", "24", "--env", "none", "--light", "0,0,3")
 OPTIONS = {"turntable": None, "fps": None, "time": None, "animation": None, "camera": None, "eye": None, "target": None,
-           "orbit": None, "fov": None, "size": (64, 48)}
+           "orbit": (), "view": None, "ortho": False, "fov": None, "size": (64, 48)}
 
 
 def bars(count):
@@ -139,7 +139,8 @@ def test_a_film_from_the_end_on_has_nothing_to_show(moving):
         film_frames("a.glb", load_scene(moving), OPTIONS | {"time": 2.0})
 
 
-@pytest.mark.parametrize("changes", [{}, {"turntable": 8}, {"turntable": 8, "animation": "rise"}])
+@pytest.mark.parametrize("changes", [
+    {}, {"turntable": 8}, {"turntable": 8, "animation": "rise"}, {"ortho": True}, {"turntable": 8, "ortho": True}])
 def test_all_frames_fit_into_the_picture_and_the_camera_keeps_its_distance(moving, changes):
     scene, options = load_scene(moving), OPTIONS | {"fps": 4.0} | changes
     frames = film_frames("a.glb", scene, options)
@@ -153,6 +154,7 @@ def test_all_frames_fit_into_the_picture_and_the_camera_keeps_its_distance(movin
         reach.append(np.abs(clip[:, :2] / clip[:, 3:]).max())
         steps.append((view.eye[1], np.linalg.norm(view.eye - camera(scene, frames[0]).eye)))
     assert 0.6 < max(reach) <= 1
+    assert (view.height is not None) == ("ortho" in changes)
     heights, chords = np.array(steps).T
     assert np.ptp(heights) < 1e-9 and (np.ptp(chords) < 1e-9) == ("turntable" not in changes)
 

@@ -154,7 +154,8 @@ def test_its_pictures_are_those_that_render_makes(run, tmp_path):
         assert distances[k] < 4 and distances[k] < 0.5 * min(distances[:k] + distances[k + 1:])
 
 
-def test_the_whole_model_is_in_every_picture(run, tmp_path, monkeypatch):
+@pytest.mark.parametrize("ortho", [(), ("--ortho",)])
+def test_the_whole_model_is_in_every_picture(run, tmp_path, monkeypatch, ortho):
     scene, cameras = viewer.load(MODEL), []
 
     def make(self, scene, camera, path, progress):
@@ -162,13 +163,15 @@ def test_the_whole_model_is_in_every_picture(run, tmp_path, monkeypatch):
         return Image.from_srgb(np.zeros((40, 48, 3), np.uint8))
 
     monkeypatch.setattr(RasterMaker, "make", make)
-    assert run("page", MODEL, "-o", tmp_path / "page.html", "--frames", "9x3", "--size", "48x40", "-q").err == ""
+    assert run("page", MODEL, "-o", tmp_path / "page.html", "--frames", "9x3", "--size", "48x40", "-q",
+               *ortho).err == ""
+    assert len({camera.height for camera in cameras}) == 1 and (cameras[0].height is None) == (not ortho)
     distances = {round(float(np.linalg.norm(camera.eye - scene.center)), 9) for camera in cameras}
-    assert len(cameras) == 27 and len(distances) == 1
+    assert len(cameras) == 27 and (len(distances) == 1 or ortho)
     for camera in cameras:
         x, y, z = ((scene.corners.reshape(-1, 3) - camera.eye) @ camera.pose[:3, :3]).T
-        tangent = math.tan(camera.fov_y / 2)
-        assert (abs(y) <= -z * tangent * 1.1).all() and (abs(x) <= -z * tangent * 48 / 40 * 1.1).all()
+        half = -z * math.tan(camera.fov_y / 2) if camera.height is None else camera.height / 2
+        assert (abs(y) <= half * 1.1).all() and (abs(x) <= half * 48 / 40 * 1.1).all() and (z < 0).all()
 
 
 def test_it_is_written_whole_or_not_at_all(run, tmp_path, monkeypatch):

@@ -8,15 +8,14 @@ from typing import Any
 
 import click
 
+from ..jobs.camera_options import CAMERA_OPTIONS, check_camera_options
 from ..jobs.options import (
     BACKEND_OPTION,
-    CAMERA_OPTIONS,
     NO_CACHE_OPTION,
     PATH_OPTIONS,
     QUIET_OPTION,
     SCENE_OPTIONS,
     TIME_OPTIONS,
-    check_camera_options,
     size_option,
     with_options,
 )

@@ -10,16 +10,15 @@ import click
 
 from ..base.messages import say
 from ..errors import UsageError
+from ..jobs.camera_options import CAMERA_OPTIONS, check_camera_options
 from ..jobs.options import (
     BACKEND_OPTION,
-    CAMERA_OPTIONS,
     JSON_OPTION,
     LOOK_OPTIONS,
     MODEL_OPTIONS,
     NO_CACHE_OPTION,
     QUIET_OPTION,
     Number,
-    check_camera_options,
     size_option,
     with_options,
 )

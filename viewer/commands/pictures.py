@@ -11,10 +11,10 @@ import click
 
 from ..base.messages import say
 from ..batch.options import BATCH, BATCH_OPTIONS
+from ..jobs.camera_options import CAMERA_OPTIONS, check_camera_options
 from ..jobs.options import (
     AOV_OPTION,
     BACKEND_OPTION,
-    CAMERA_OPTIONS,
     COMMON_OPTIONS,
     ERROR_OPTIONS,
     FILM_OPTIONS,
@@ -23,7 +23,6 @@ from ..jobs.options import (
     QUIET_OPTION,
     SCENE_OPTIONS,
     TIME_OPTIONS,
-    check_camera_options,
     with_options,
 )
 from .output import print_facts, print_text, warn, write_or_print_json
@@ -51,7 +50,8 @@ def view(model: str, **options: Any) -> None:
     tell = say if options["verbose"] else None
     if tell:
         tell(f"{model}: load {time.perf_counter() - start:.3f} s")
-    asked = any(options[name] is not None for name in ("orbit", "eye", "camera", "fov", "target"))
+    asked = any(options[name] for name in ("orbit", "view", "ortho", "target")) or any(
+        options[name] is not None for name in ("eye", "camera", "fov"))
     camera = make_camera(model, scene, options) if asked else None
     open_window(scene, settings, camera, options["size"], use_cache=not options["no_cache"], tell=tell,
                 playback=make_playback(model, scene, options), quality=make_quality(options))
@@ -97,8 +97,8 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     pbr-viewer render fox.glb -o fox.mp4 --animation Run --fps 30
     pbr-viewer render helmet.glb -o helmet.webp --turntable 90
     """
-    check_camera_options(options)
     chosen = {name: options.pop(name) for name in BATCH}
+    check_camera_options(options, takes_several=True)
     from ..base.atomic import made_folders
     from ..batch.run import Batch, render_all
     from ..jobs.assemble import make_settings

@@ -13,14 +13,16 @@ from ..interact.playback import Playback
 from ..plan.unused import unused_settings
 from ..plan.warnings import picture_warnings
 from ..quality import Quality
-from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, DEFAULT_FOV, Camera
+from ..scene.camera import DEFAULT_FOV, Camera
 from ..scene.environment import Environment
 from ..scene.environment_files import load_environment
 from ..scene.join import join
 from ..scene.light import Light
 from ..scene.load import load_scene
 from ..scene.scene import Scene
+from ..scene.upright import upright
 from ..settings import Settings, setting_name, with_dashes
+from .directions import Direction, directions_of
 
 _SETTINGS = ("mode", "background", "exposure", "tonemap", "spp", "time_budget", "error", "seed", "denoise")
 
@@ -57,7 +59,7 @@ def make_scene(model: str, environment: Environment | None, options: dict[str, A
     if wanted is not None and wanted.isdecimal():
         wanted = int(wanted)
     scene = load_scene(model, wanted, options.get("variant"))
-    scene = join(scene, *map(load_scene, options.get("with_files", ())))
+    scene = upright(join(scene, *map(load_scene, options.get("with_files", ()))), options.get("up", "y"))
     scene = scene.relit(environment=environment, lights=(*scene.lights, *map(make_light, options["lights"])))
     time = options.get("time")
     if options.get("animation") is None and time is None:
@@ -112,27 +114,29 @@ def known_warnings(scene: Scene, settings: Settings) -> list[str]:
     return [*scene.all_warnings, *map(with_dashes, of_settings)]
 
 
-def make_camera(model: str, scene: Scene, options: dict[str, Any]) -> Camera:
-    """The camera that the options describe; without such options, one that frames the scene.
+def make_camera(model: str, scene: Scene, options: dict[str, Any], direction: Direction | None = None) -> Camera:
+    """The camera that the options describe, of several views that from `direction`; without such options, one that
+    frames the scene.
 
     Raises InputError if `model` does not have the requested camera, and UsageError if eye and target are the same.
     """
-    number, fov, orbit = options["camera"], options["fov"], options["orbit"]
+    number, fov, eye = options["camera"], options["fov"], options["eye"]
     if number is not None:
         return _own_camera(model, scene, number, fov)
     fov_y = DEFAULT_FOV if fov is None else math.radians(fov)
     center = scene.center if options["target"] is None else np.array(options["target"])
-    if options["eye"] is not None:
-        if np.array_equal(options["eye"], center):
-            raise UsageError(f"--eye is the centre of {model}: give a --target to look at")
-        return Camera.look_at(options["eye"], center, fov_y=fov_y)
-    azimuth, elevation = DEFAULT_AZIMUTH, DEFAULT_ELEVATION
-    if orbit is not None:
-        azimuth, elevation = math.radians(orbit[0]), math.radians(orbit[1])
-    if orbit is not None and len(orbit) == 3:
-        return Camera.orbit(center, orbit[2], azimuth, elevation, fov_y)
-    width, height = options["size"]
-    return scene.framing_camera(width / height, azimuth, elevation, fov_y, options["target"])
+    if eye is not None and np.array_equal(eye, center):
+        raise UsageError(f"--eye is the centre of {model}: give a --target to look at")
+    (width, height), ortho = options["size"], options["ortho"]
+    direction = directions_of(options)[0] if direction is None else direction
+    angles = direction.azimuth, direction.elevation
+    if eye is not None:
+        camera, depth = Camera.look_at(eye, center, fov_y=fov_y), float(np.linalg.norm(center - eye))
+    elif direction.distance is not None:
+        camera, depth = Camera.orbit(center, direction.distance, *angles, fov_y), direction.distance
+    else:
+        return scene.framing_camera(width / height, *angles, fov_y, options["target"], orthographic=ortho)
+    return camera.orthographic(depth) if ortho else camera
 
 
 def _own_camera(model: str, scene: Scene, number: int, fov: float | None) -> Camera:

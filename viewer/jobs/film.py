@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +12,10 @@ import numpy as np
 
 from ..errors import InputError, UsageError
 from ..image.film import FILM_FORMATS
-from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, DEFAULT_FOV, Camera
+from ..scene.camera import DEFAULT_FOV, Camera
 from ..scene.scene import Scene
 from .assemble import find_animation, make_camera, pose, why_no_animations
+from .directions import directions_of
 
 DEFAULT_FPS = 25.0
 MAX_FRAMES = 36_000
@@ -54,6 +55,8 @@ def check_film_options(paths: Sequence[Path], options: dict[str, Any], chooses: 
     for path in paths:
         if is_film(path, options):
             check_film(path, options["size"])
+            if len(directions_of(options)) > 1:
+                raise UsageError(f"-o {path}: a film has one --view or --orbit")
             if chooses:
                 raise UsageError(f"-o {path}: a method is chosen for pictures only; give a --mode")
         elif options["turntable"] is not None or options["fps"] is not None:
@@ -110,18 +113,20 @@ def film_camera(model: str, scene: Scene, frames: Sequence[Frame],
     if options["eye"] is not None:
         fixed = make_camera(model, scene, options)
         return lambda shown, frame: fixed
-    azimuth, elevation = DEFAULT_AZIMUTH, DEFAULT_ELEVATION
-    if options["orbit"] is not None:
-        azimuth, elevation = (math.radians(angle) for angle in options["orbit"][:2])
     fov = DEFAULT_FOV if options["fov"] is None else math.radians(options["fov"])
-    if options["orbit"] is not None and len(options["orbit"]) == 3:
-        distance = options["orbit"][2]
-    else:
-        width, height = options["size"]
-        cameras = (posed.framing_camera(width / height, azimuth + turn, elevation, fov, target)
-                   for posed, turn in shown)
+    direction = directions_of(options)[0]
+    azimuth, elevation, distance = direction.azimuth, direction.elevation, direction.distance
+    height = None
+    if distance is None:
+        columns, rows = options["size"]
+        cameras = [posed.framing_camera(columns / rows, azimuth + turn, elevation, fov, target,
+                                        orthographic=options["ortho"]) for posed, turn in shown]
         distance = max(float(np.linalg.norm(camera.eye - target)) for camera in cameras)
-    return lambda shown, frame: Camera.orbit(target, distance, azimuth + frame.turn, elevation, fov)
+        height = max((camera.height for camera in cameras if camera.height is not None), default=None)
+    elif options["ortho"]:
+        height = Camera.orbit(target, distance, fov_y=fov).orthographic(distance).height
+    return lambda shown, frame: replace(Camera.orbit(target, distance, azimuth + frame.turn, elevation, fov),
+                                        height=height)
 
 
 @dataclass(frozen=True)

@@ -122,10 +122,6 @@ class Layers(click.ParamType):
         return "NAME,..."
 
 
-def _orbit_problem(orbit: tuple[float, ...]) -> str:
-    return f"the distance {orbit[2]:g} is not positive." if len(orbit) == 3 and orbit[2] <= 0 else ""
-
-
 def _light_problem(light: tuple[float, ...]) -> str:
     return f"{light[2]:g} lux is negative." if light[2] < 0 else ""
 
@@ -171,6 +167,9 @@ MODEL_OPTIONS = [
                                                    "variants. Default: the file's own choice."),
     click.option("--scene", metavar="N|NAME", help="Show this scene of a glTF file, by its number, counted from 0, or "
                                                    "by its name. Default: the file's default scene."),
+    click.option("--up", type=click.Choice(["x", "y", "z", "-x", "-y", "-z"]), default="y", show_default=True,
+                 help="The axis of the file that points upwards. The model is turned so that it is +Y, to which all "
+                      "coordinates and angles refer then. Models from CAD and for 3D printing have z."),
 ]
 SCENE_OPTIONS = [MODE_OPTION, QUALITY_OPTION, *MODEL_OPTIONS, *LOOK_OPTIONS]
 TIME_OPTIONS = [
@@ -178,15 +177,6 @@ TIME_OPTIONS = [
                                                        "0; `pbr-viewer info` lists them. Default: 0 with --time."),
     click.option("--time", type=Number(0, 1e9), metavar="SECONDS",
                  help="Show the animation at this time; default: 0 with --animation, else the model at rest."),
-]
-CAMERA_OPTIONS = [
-    click.option("--orbit", type=Numbers("AZ,EL[,DIST]", 2, 3, check=_orbit_problem),
-                 help="Look from this azimuth and elevation (degrees; 0,0 is the front, where the camera looks along "
-                      "-Z) and distance. Without a distance the model fills the picture. Default: 30,15."),
-    click.option("--eye", type=Numbers("X,Y,Z", 3), help="Look from this point (metres; +Y is up)."),
-    click.option("--target", type=Numbers("X,Y,Z", 3), help="Look at this point; default: the model's centre."),
-    click.option("--fov", type=Number(0.01, 179), metavar="DEG", help="Vertical field of view; default: 45."),
-    click.option("--camera", type=click.IntRange(0), metavar="N", help="Use camera N of the file, counted from 0."),
 ]
 PATH_OPTIONS = [
     click.option("--spp", type=click.IntRange(*_ends("spp")), metavar="N",
@@ -251,14 +241,3 @@ def with_options(options: Sequence[Callable[[Any], Any]]) -> Callable[[Any], Any
         return command
 
     return decorate
-
-
-def check_camera_options(options: dict[str, Any]) -> None:
-    """Raises UsageError for options that contradict each other, before anything is loaded."""
-    given = [f"--{name}" for name in ("orbit", "eye", "camera") if options[name] is not None]
-    if len(given) > 1:
-        raise UsageError(f"{' and '.join(given)} cannot be used together")
-    if options["target"] is not None and options["camera"] is not None:
-        raise UsageError("--target and --camera cannot be used together")
-    if options["eye"] is not None and options["eye"] == options["target"]:
-        raise UsageError("--eye and --target are the same point")

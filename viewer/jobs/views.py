@@ -8,6 +8,7 @@ from typing import Any
 from ..scene.camera import Camera
 from ..scene.scene import Scene
 from .assemble import make_camera
+from .directions import directions_of
 
 
 @dataclass(frozen=True)
@@ -20,4 +21,7 @@ class View:
 
 def views_of(model: str, scene: Scene, options: dict[str, Any]) -> tuple[View, ...]:
     """The views that the options ask for. Raises as `make_camera`."""
-    return (View("", make_camera(model, scene, options)),)
+    if options["camera"] is not None or options["eye"] is not None:
+        return (View("", make_camera(model, scene, options)),)
+    return tuple(View(direction.label, make_camera(model, scene, options, direction))
+                 for direction in directions_of(options))

@@ -186,16 +186,22 @@ class Scene:
         return extent.farthest(self, direction)
 
     def framing_camera(self, aspect: float, azimuth: float = DEFAULT_AZIMUTH, elevation: float = DEFAULT_ELEVATION,
-                       fov_y: float = DEFAULT_FOV, target: ArrayLike | None = None) -> Camera:
+                       fov_y: float = DEFAULT_FOV, target: ArrayLike | None = None, *,
+                       orthographic: bool = False) -> Camera:
         """The camera that the scene fills, seen from `azimuth` and `elevation` (radians, see `Camera.orbit`).
 
         `aspect` is width / height of the picture. At each side, 5 % of the width or of the height stay free. A
         `target`, (3,) in world space, is in the middle of the picture. The distance depends on the direction; for a
         camera that turns about the scene at one distance, take `Camera.framing(scene.center, scene.radius, ...)`.
+        An `orthographic` camera has the scene in front of its eye, too.
         """
         rotation = Camera.orbit((0.0, 0.0, 0.0), 1.0, azimuth, elevation).pose[:3, :3]
-        target, distance = fit(self, rotation, aspect, fov_y, target=target)
-        return Camera.orbit(target, distance, azimuth, elevation, fov_y)
+        target, distance = fit(self, rotation, aspect, fov_y, target=target, is_orthographic=orthographic)
+        if not orthographic:
+            return Camera.orbit(target, distance, azimuth, elevation, fov_y)
+        outside = float((self.center - target) @ rotation[:, 2]) + 2 * self.radius
+        flat = Camera.orbit(target, distance, azimuth, elevation, fov_y).orthographic(distance)
+        return replace(Camera.orbit(target, max(distance, outside), azimuth, elevation, fov_y), height=flat.height)
 
     def relit(self, **changes: Any) -> Scene:
         """A copy with another `environment`, `lights` or `materials`. It keeps the cached bounds of the geometry.

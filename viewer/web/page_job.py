@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +15,13 @@ from ..base.progress import Progress
 from ..base.signals import Stopped
 from ..errors import UsageError
 from ..gpu.context import open_context
+from ..jobs.directions import directions_of
 from ..jobs.film import Frame, film_camera
 from ..jobs.makers import make_picture_maker
 from ..jobs.picture_maker import RenderRequest
 from ..plan.warnings import sample_warnings
 from ..quality import Quality
-from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, Camera
+from ..scene.camera import Camera
 from ..scene.scene import Scene
 from ..settings import Settings
 from .turning import MOST_PIXELS, Turn, encoded, turning_page
@@ -47,9 +50,9 @@ def write_page(model: str, path: Path, scene: Scene, settings: Settings, quality
 
     A signal to stop raises Stopped. Raises also ContextError, InputError, OutputError.
     """
-    orbit, (columns, rows) = options["orbit"], options["frames"]
-    azimuth, elevation = orbit[:2] if orbit is not None else np.degrees((DEFAULT_AZIMUTH, DEFAULT_ELEVATION))
-    turn = Turn.of(columns, rows, float(azimuth), float(elevation))
+    direction, (columns, rows) = directions_of(options)[0], options["frames"]
+    degrees = (round(math.degrees(angle), 9) for angle in (direction.azimuth, direction.elevation))
+    turn = Turn.of(columns, rows, *degrees)
     cameras = _cameras(model, scene, turn, options)
     quiet, known, pictures, lost = options["quiet"], scene.all_warnings, [], list[str]()
     with open_context(options["backend"]) as context, Progress(turn.count, enabled=not quiet) as progress:
@@ -81,13 +84,19 @@ def _cameras(model: str, scene: Scene, turn: Turn, options: dict[str, Any]) -> l
         cameras = []
         for elevation in turn.elevations:
             orbit = (turn.azimuth, elevation, *distance)
-            camera = film_camera(model, scene, frames, options | {"target": tuple(target), "orbit": orbit})
+            camera = film_camera(model, scene, frames, options | {"target": tuple(target), "orbit": (orbit,),
+                                                                  "view": None})
             cameras += [camera(scene, frame) for frame in frames]
         return cameras
 
-    if options["orbit"] is not None and len(options["orbit"]) == 3:
-        return take((options["orbit"][2],))
-    return take((max(float(np.linalg.norm(camera.eye - target)) for camera in take(())),))
+    distance = directions_of(options)[0].distance
+    if distance is not None:
+        return take((distance,))
+    fitting = take(())
+    if options["ortho"]:
+        height = max(camera.height for camera in fitting if camera.height is not None)
+        return [replace(camera, height=height) for camera in fitting]
+    return take((max(float(np.linalg.norm(camera.eye - target)) for camera in fitting),))
 
 
 def _about(turn: Turn, settings: Settings, quality: Quality, options: dict[str, Any]) -> str:

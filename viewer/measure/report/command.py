@@ -45,10 +45,20 @@ def _given(options: Mapping[str, Any], method: Method) -> Iterator[str]:
         yield f"--light={_plain(light)}"
     for light in method.lights or ():
         yield f"--light={light_option(light)}"
-    for name in ("orbit", "eye", "target"):
+    for orbit in options["orbit"]:
+        yield f"--orbit={_plain(orbit)}"
+    for name in ("eye", "target"):
         if options[name] is not None:
             yield f"--{name}={_plain(options[name])}"
-    for name in ("fov", "camera"):
+    if options["view"] is not None:
+        yield from ("--view", ",".join(options["view"]))
+    if options["ortho"]:
+        yield "--ortho"
+    if options["up"] != "y":
+        yield f"--up={options['up']}"
+    for file in options["with_files"]:
+        yield from ("--with", file)
+    for name in ("fov", "camera", "variant", "scene"):
         if options[name] is not None:
             yield from (f"--{name}", _plain(options[name]))
     for assignment in options["assignments"]:

@@ -1,0 +1,68 @@
+"""The options that say from where a model is looked at."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import click
+
+from ..errors import UsageError
+from .options import Number, Numbers
+
+VIEWS = {"front": (0.0, 0.0), "back": (180.0, 0.0), "left": (-90.0, 0.0), "right": (90.0, 0.0), "top": (0.0, 90.0),
+         "bottom": (0.0, -90.0), "iso": (45.0, math.degrees(math.atan(math.sqrt(0.5))))}
+"""Azimuth and elevation in degrees. From "iso" the three axes are seen alike: its elevation is 35.26 degrees."""
+
+
+class Views(click.ParamType):
+    """Names of views separated by commas, as a tuple without repetitions."""
+
+    name = "views"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
+        names = value.split(",") if isinstance(value, str) else value
+        unknown = [name for name in names if name not in VIEWS]
+        if unknown:
+            self.fail(f"there is no view {unknown[0]!r}; choose from {', '.join(VIEWS)}.", param, ctx)
+        return tuple(dict.fromkeys(names))
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        return "NAME,..."
+
+
+def _orbit_problem(orbit: tuple[float, ...]) -> str:
+    return f"the distance {orbit[2]:g} is not positive." if len(orbit) == 3 and orbit[2] <= 0 else ""
+
+
+CAMERA_OPTIONS = [
+    click.option("--orbit", type=Numbers("AZ,EL[,DIST]", 2, 3, check=_orbit_problem), multiple=True,
+                 help="Look from this azimuth and elevation (degrees; 0,0 is the front, where the camera looks along "
+                      "-Z) and distance. Without a distance the model fills the picture. Default: 30,15. `render` "
+                      "takes several, for a picture each."),
+    click.option("--view", type=Views(),
+                 help=f"Look from there: {', '.join(VIEWS)}. left is where the left of the front view is; iso sees "
+                      "three sides alike. `render` takes several, separated by commas."),
+    click.option("--ortho", is_flag=True, help="Without perspective. With --eye, or a distance, as much is shown as "
+                                               "there is with perspective at the target."),
+    click.option("--eye", type=Numbers("X,Y,Z", 3), help="Look from this point (metres; +Y is up)."),
+    click.option("--target", type=Numbers("X,Y,Z", 3), help="Look at this point; default: the model's centre."),
+    click.option("--fov", type=Number(0.01, 179), metavar="DEG", help="Vertical field of view; default: 45."),
+    click.option("--camera", type=click.IntRange(0), metavar="N", help="Use camera N of the file, counted from 0."),
+]
+
+
+def check_camera_options(options: dict[str, Any], takes_several: bool = False) -> None:
+    """Raises UsageError for options that contradict each other, before anything is loaded, and for several views
+    where one is needed."""
+    given = {name: options[name] for name in ("orbit", "view", "eye", "camera") if options[name] not in (None, ())}
+    names = [f"--{name}" for name in given]
+    if len(given) > 1 and given.keys() != {"orbit", "view"}:
+        raise UsageError(f"{' and '.join(names)} cannot be used together")
+    if not takes_several and len(options["orbit"] or ()) + len(options["view"] or ()) > 1:
+        raise UsageError(f"{' and '.join(names)}: only `render` takes several views")
+    for name in ("target", "ortho"):
+        if options["camera"] is not None and options[name]:
+            raise UsageError(f"--{name} and --camera cannot be used together")
+    if options["eye"] is not None and options["eye"] == options["target"]:
+        raise UsageError("--eye and --target are the same point")

@@ -1,0 +1,52 @@
+"""From where models are looked at: directions about the model, by name or by angles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION
+from .camera_options import VIEWS
+
+
+@dataclass(frozen=True)
+class Direction:
+    """Angles in radians, as `Camera.orbit` has them; `distance` is that to the target, None to fit the model. `label`
+    is part of file names, and `title` what a reader sees."""
+
+    label: str
+    title: str
+    azimuth: float
+    elevation: float
+    distance: float | None = None
+
+
+def directions_of(options: dict[str, Any]) -> tuple[Direction, ...]:
+    """Those of --view and --orbit, or the default one. A single one has no label."""
+    given = [_named(name) for name in options["view"] or ()]
+    given += [_orbit(numbers) for numbers in options["orbit"] or ()]
+    if len(given) > 1:
+        return tuple(given)
+    if given:
+        return (Direction("", given[0].title, given[0].azimuth, given[0].elevation, given[0].distance),)
+    return (Direction("", "", DEFAULT_AZIMUTH, DEFAULT_ELEVATION),)
+
+
+def around(count: int) -> tuple[Direction, ...]:
+    """So many directions about the model, evenly spaced from the front on, at the usual elevation."""
+    degrees = (360.0 * k / count for k in range(count))
+    return tuple(Direction(f"az{each:g}", f"{each:g}°", math.radians(each), DEFAULT_ELEVATION) for each in degrees)
+
+
+def _named(name: str) -> Direction:
+    azimuth, elevation = VIEWS[name]
+    return Direction(name, name, math.radians(azimuth), math.radians(elevation))
+
+
+def _orbit(numbers: Sequence[float]) -> Direction:
+    azimuth, elevation, *distance = numbers
+    label, title = f"az{azimuth:g}_el{elevation:g}", f"{azimuth:g}°, {elevation:g}°"
+    label += "".join(f"_d{value:g}" for value in distance)
+    return Direction(label, title, math.radians(azimuth), math.radians(elevation), *distance)
