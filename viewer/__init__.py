@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from .image.image import Image
     from .scene.camera import Camera
     from .scene.environment import Environment
+    from .scene.from_arrays import make_scene as scene  # noqa: F401  the package of this name can be called
     from .scene.light import Light
     from .scene.material import Material
     from .scene.mesh import Mesh
@@ -60,10 +61,12 @@ _MODULES = {
 
 def __getattr__(name: str) -> object:
     # Modules are imported on first access, because pytest loads this package for its plugin in every project.
+    if name == "scene":
+        return import_module(".scene", __name__)
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f".{_MODULES.get(name, 'errors')}", __name__), name)
 
 
 def __dir__() -> list[str]:
-    return __all__
+    return [*__all__, "scene"]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +13,10 @@ from .material import Material
 from .obj import read_obj
 from .off import read_off
 from .ply import read_ply
-from .raw_mesh import RawModel, finished, finite_part, shared_center
+from .raw_mesh import RawMesh, RawModel, finished, finite_part, shared_center
 from .scene import Instance, Scene
 from .stl import read_stl
+from .texture_image import TextureImage
 from .trimesh_formats import read_by_trimesh, trimesh_formats
 
 _READERS: dict[str, Callable[[Path, bytes, list[str]], RawModel]] = {
@@ -40,6 +42,12 @@ def load_mesh_file(path: Path, data: bytes, kind: str) -> Scene:
     if not parts:
         problem = "; ".join(["the file contains nothing to draw", *warnings[:1]])
         raise InputError(path, "", problem)
+    return replace(assembled(path.stem, kind.upper(), parts, model.images), warnings=tuple(warnings))
+
+
+def assembled(name: str, kind: str, parts: Sequence[RawMesh], images: Sequence[TextureImage] = ()) -> Scene:
+    """A scene of meshes whose positions are finite. Those far from the origin are placed there by their instances,
+    since positions are float32 and transforms float64."""
     center = shared_center(parts)
     transform = np.eye(4)
     transform[:3, 3] = center
@@ -50,7 +58,7 @@ def load_mesh_file(path: Path, data: bytes, kind: str) -> Scene:
             materials.append(part.material)
         meshes.append(finished(part, center, materials.index(part.material)))
     instances = tuple(Instance(k, transform, mesh.name) for k, mesh in enumerate(meshes))
-    images = [{"name": image.name, "format": image.format, "width": image.width, "height": image.height,
-               "bits": image.bits} for image in model.images]
-    facts = {"format": kind.upper(), "meshes": len(meshes), "materials": len(materials), "images": images}
-    return Scene(path.stem, tuple(meshes), tuple(materials), instances, warnings=tuple(warnings), facts=facts)
+    told = [{"name": image.name, "format": image.format, "width": image.width, "height": image.height,
+             "bits": image.bits} for image in images]
+    facts = {"format": kind, "meshes": len(meshes), "materials": len(materials), "images": told}
+    return Scene(name, tuple(meshes), tuple(materials), instances, facts=facts)
