@@ -17,14 +17,15 @@ Lobes = Literal["all", "uniform-diffuse", "specular", "directional-diffuse"]
 Tonemap = Literal["neutral", "agx", "aces", "none"]
 Background = Literal["env", "none"] | tuple[float, float, float]
 Ndf = Literal["ggx", "beckmann", "blinn-phong"]
-Show = Literal["shaded", "base-color", "normal", "geometric-normal", "roughness", "metalness", "uv", "depth"]
+Show = Literal["shaded", "base-color", "normal", "geometric-normal", "roughness", "metalness", "uv", "depth",
+               "overdraw", "wireframe"]
 Masking = Literal["smith", "smith-separable", "v-cavity", "none"]
 
 NDFS: tuple[Ndf, ...] = get_args(Ndf)
 """In the order of the shaders' switch NDF."""
 MASKINGS: tuple[Masking, ...] = get_args(Masking)
 """In the order of the shaders' switch MASKING."""
-VALUES: tuple[Show, ...] = tuple(show for show in get_args(Show) if show != "shaded")
+VALUES: tuple[Show, ...] = get_args(Show)[1:-1]
 """The views of one quantity in place of the shading, in the order of the shaders' switch SHOW."""
 LAYERS = ("albedo", "normal", "depth", "variance", "samples")
 """The layers that mode path can add to a picture's colour; see `viewer.trace.paths.layers`."""
@@ -116,7 +117,8 @@ class Settings:
     lobes: Lobes = _option("all", "show one contribution alone")
     show: Show = _option(
         "shaded", "a view for teaching and debugging: in place of the shaded picture one quantity of the surfaces, "
-        "without exposure and tone map (docs/views.md)")
+        "without exposure and tone map; overdraw: the number of fragments drawn in each pixel; wireframe: the shaded "
+        "picture with the edges of triangles (docs/views.md)")
     phong: Literal["phong", "blinn-phong"] = _option("phong", "the highlight of --mode phong")
     shadows: Literal["on", "off"] = _option("on", "shadows of the lights")
     environment_shadows: Literal["off", "16", "64", "256", "1024"] = _option(

@@ -15,6 +15,8 @@ void main() {
     vec3 color = linear_from_code(code_of_normal(n));
 #elif SHOW == 6
     vec3 color = linear_from_code(code_of_depth(at.position));
+#elif SHOW == 7
+    vec3 color = vec3(1.0);
 #else
     vec3 color = linear_from_code(HAS_NONE);
 #endif

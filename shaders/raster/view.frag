@@ -29,7 +29,10 @@ vec3 code_of(MaterialInputs m) {
 void main() {
     MaterialInputs m = read_inputs();
     float covered = coverage(m.base_color.a);
-#if SHOW == 0
+#if SHOW == 7
+    o_color = vec4(1.0);
+    drop_uncovered(covered);
+#elif SHOW == 0
     write_radiance(clamp(m.base_color.rgb, 0.0, 1.0), covered);
 #else
     write_radiance(linear_from_code(clamp(code_of(m), 0.0, 1.0)), covered);

@@ -22,6 +22,7 @@ _OVER_PICTURES: dict[str, dict[str, tuple[int, ...]]] = {
     "raster/media_sky.frag": {"HALF_TARGET": (0, 1)},
     "raster/backdrop.frag": {"LEVEL": (0, 1)},
     "raster/caustics.frag": {},
+    "raster/overdraw.frag": {"SHOW": (-1,), "COLORS": (8,)},
     "raster/visibility.frag": {},
     "raster/ambient_occlusion.frag": {"IS_ORTHOGRAPHIC": (0, 1)},
     "raster/environment_shadows.frag": {"LIGHTS": (16, 64), "ESTIMATED": (0, 1), "IS_ORTHOGRAPHIC": (0, 1)},
@@ -44,6 +45,7 @@ def passes() -> list[Sources]:
                 for file, choices in _OVER_PICTURES.items() for values in product(*choices.values())]
     programs += [_program("trace/film/resolve.vert", "trace/film/resolve.frag", shader_defines({"COUNT": count}))
                  for count in (SUMS, LAYERS)]
+    programs.append(_program("raster/line.vert", "raster/line.frag", {}))
     return [*programs, _program("app/gui.vert", "app/gui.frag", {})]
 
 

@@ -8,6 +8,7 @@ from imgui_bundle import imgui
 
 from ..interact.keys import help_groups
 from ..interact.state import ViewState
+from ..plan.legend import overdraw_colors
 
 MODE_NAMES = {"pbr": "PBR", "phong": "Phong", "path": "Path-traced"}
 _WHITE, _SHADOW = 0xE6FFFFFF, 0xB4000000  # ABGR
@@ -33,6 +34,19 @@ def draw_split(position: float, sides: Sequence[str], scale: float, width: float
 def draw_status(text: str, scale: float) -> None:
     """Draw one line at the top left, below the names of a split's modes."""
     _label(imgui.get_background_draw_list(), 14 * scale, 38 * scale, text, _SHADOW, scale)
+
+
+def draw_counts(scale: float) -> None:
+    """Draw the colours of the counts of overdraw, each with its number, below the status."""
+    draw, side, x, y = imgui.get_background_draw_list(), 22 * scale, 14 * scale, 64 * scale
+    colors = overdraw_colors()
+    for k, color in enumerate(colors):
+        text = f"{k + 1}" + "+" * (k + 1 == len(colors))
+        red, green, blue = map(int, color)
+        size = imgui.calc_text_size(text)
+        draw.add_rect_filled((x, y), (x + side, y + side), 0xFF000000 | blue << 16 | green << 8 | red)
+        draw.add_text((x + (side - size.x) / 2, y + (side - size.y) / 2), _WHITE if k < 4 else 0xFF000000, text)
+        x += side
 
 
 def draw_message(state: ViewState, scale: float, width: float) -> None:

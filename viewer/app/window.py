@@ -28,7 +28,7 @@ from ..scene.scene import Scene
 from ..settings import Settings
 from .gui import Gui
 from .input import Input
-from .overlay import draw_help, draw_message, draw_split, draw_status
+from .overlay import draw_counts, draw_help, draw_message, draw_split, draw_status
 from .panel import Panel, Readings
 from .watch import INTERVAL, ShaderWatch
 
@@ -156,6 +156,8 @@ class ViewerWindow:
             draw_split(self.state.split, self.state.sides, scale, width)
         if status := self.picture.status():
             draw_status(status, scale)
+        if self.state.settings.show == "overdraw":
+            draw_counts(scale)
         if self.state.panel:
             self._panel.draw(scale)
         if self.state.message:

@@ -101,6 +101,9 @@ class ViewState:
         self.show_mode(mode)
         self.settings = replace(self.settings, show=show)
 
+    def toggle_wireframe(self) -> None:
+        self.show_values("shaded" if self.settings.show == "wireframe" else "wireframe")
+
     def step_values(self, step: int) -> None:
         """Show the view that is so many steps after this one, in the order of their names."""
         shows = list(VIEW_NAMES)

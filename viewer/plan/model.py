@@ -127,6 +127,10 @@ class Plan:
     """How fog is drawn; None without any."""
     curves: CurvePlan | None = None
     """How curves are drawn; None without any."""
+    counts: bool = False
+    """Whether the fragments that are drawn are counted, in the order of `draws`."""
+    wireframe: bool = False
+    """Whether the edges of triangles are drawn over the picture."""
     used: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
     saved: Mapping[str, float] = field(default_factory=dict)
@@ -209,6 +213,8 @@ class Plan:
         passes += ["media behind which nothing stands"] * (self.media is not None and not self.background)
         passes += ["thin-walled transmission"] if self.has_thin_transmission else []
         passes += ["blend"] if self.has_blended else []
+        passes = ["overdraw"] if self.counts else passes
+        passes += ["wireframe"] * self.wireframe
         return {
             "passes": [*passes, "display"],
             "programs": [{"fragment": p.fragment, "on": {k: v for k, v in p.switches if v}}

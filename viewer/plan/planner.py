@@ -75,7 +75,9 @@ def plan_scene(
     if settings.mode == "path":
         raise UsageError("the raster cannot draw mode path")
     if settings.shows_values:
-        return plan_view(scene, settings, samples=samples, half_target=half_target, orthographic=orthographic)
+        shaded = plan_scene(scene, replace(settings, show="shaded", plan="needed"), lights, samples=samples,
+                            half_target=half_target, orthographic=orthographic) if settings.show == "overdraw" else None
+        return plan_view(scene, settings, shaded, samples=samples, half_target=half_target, orthographic=orthographic)
     scene = woven(scene, settings)
     lit = [is_lit(scene.meshes[i.mesh], scene.materials[scene.meshes[i.mesh].material]) for i in scene.instances]
     curves = draws_curves(scene, settings)
@@ -127,6 +129,7 @@ def plan_scene(
         background_blur=settings.background_blur if background else 0.0,
         media=plan_media(scene, settings, common),
         curves=plan_curves(scene, settings, common),
+        wireframe=settings.show == "wireframe",
     )
     if settings.plan == "everything":
         plan = include_everything(plan, scene)

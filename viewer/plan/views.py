@@ -14,7 +14,7 @@ from ..settings import VALUES, Settings
 from .curves import CurvePlan, plan_curves
 from .explain import used_lines
 from .map_switches import ALPHA_MODES, map_switches
-from .model import Draw, Plan, Program
+from .model import SOLID, THIN_WALLED, Draw, Plan, Program
 from .sharing import attributes_of
 
 _MAPS = {"base-color": ("base_color", "specular_glossiness"), "normal": ("normal",),
@@ -33,18 +33,25 @@ def view_settings(settings: Settings) -> Settings:
     """
     if not settings.shows_values:
         return settings
+    if settings.show == "overdraw":  # all that decides what is drawn, and in which order
+        return replace(settings, background="none", antialias="none", caustics="off", fog=0.0)
     return replace(Settings(mode="phong", background="none"), **{name: getattr(settings, name) for name in _KEPT})
 
 
-def plan_view(scene: Scene, settings: Settings, *, samples: int, half_target: bool, orthographic: bool) -> Plan:
-    """The plan of the view `settings.show`; the arguments are those of `plan_scene`."""
+def plan_view(scene: Scene, settings: Settings, shaded: Plan | None, *, samples: int, half_target: bool,
+              orthographic: bool) -> Plan:
+    """The plan of the view `settings.show`; the arguments are those of `plan_scene`. `shaded` is the plan of the shaded
+    picture, for counting what it draws."""
     settings = view_settings(settings)
     common = {"HALF_TARGET": int(half_target), "SAMPLES": samples, "MEDIA": 0, "INDIRECT": 0, "SUBSURFACE": 0,
               "IS_ORTHOGRAPHIC": int(orthographic), "SHOW": VALUES.index(settings.show)}
     meshes = dict.fromkeys(instance.mesh for instance in scene.instances)
     alike = {k: _draw(k, scene.meshes[k], scene, settings, common) for k in meshes}
+    draws = tuple(replace(alike[instance.mesh], instance=k) for k, instance in enumerate(scene.instances))
+    if shaded is not None:
+        draws = _in_order(draws, shaded)
     plan = Plan(
-        draws=tuple(replace(alike[instance.mesh], instance=k) for k, instance in enumerate(scene.instances)),
+        draws=draws, counts=shaded is not None,
         lights=(), shadow_layers=(), shadow_layer_count=0, environment=False, reflections=False, ambient=False,
         dfg=False, environment_shadows=0, ambient_occlusion=False, estimates_indirect=False, background=False,
         background_blur=0.0, curves=_curves(scene, settings, common))
@@ -54,8 +61,19 @@ def plan_view(scene: Scene, settings: Settings, *, samples: int, half_target: bo
     return replace(plan, used=used_lines(plan), left_out=tuple(left_out))
 
 
+def _in_order(draws: tuple[Draw, ...], shaded: Plan) -> tuple[Draw, ...]:
+    """`draws` as the passes of `shaded` have them: opaque surfaces, solid and thin-walled glass, what blends."""
+    order = {program: k for k, program in enumerate(shaded.programs)}
+    real = [replace(draw, alpha_mode=other.alpha_mode, transmits=other.transmits, surface=other.surface)
+            for draw, other in zip(draws, shaded.draws, strict=True)]
+    places = [(draw.alpha_mode == "blend", (0, SOLID, THIN_WALLED).index(draw.transmits), order[draw.program],
+               draw.material) for draw in shaded.draws]
+    return tuple(real[k] for k in sorted(range(len(real)), key=places.__getitem__))
+
+
 def _draw(mesh_index: int, mesh: Mesh, scene: Scene, settings: Settings, common: dict[str, int]) -> Draw:
-    material = _cut_out(supported(without_constant_maps(scene.materials[mesh.material]), mesh))
+    material = supported(without_constant_maps(scene.materials[mesh.material]), mesh)
+    material = material if settings.show == "overdraw" else _cut_out(material)
     wanted = set(_MAPS.get(settings.show, ())) | ({"base_color"} if material.alpha_mode == "mask" else set())
     maps = tuple(name for name in used_maps(material, mesh, "pbr") if name in wanted)
     textures = {name: texture for name in maps if (texture := MAPS[name].texture(material))}

@@ -161,8 +161,11 @@ class CurvePass:
         self._light.get(lambda held: held.medium is medium and held.key == lit,
                         lambda: HairLight(self._gl, medium, plan, sky))
 
-    def draw(self, frame: Frame, settings: Settings, plan: Plan, samples: int, uniforms: dict[str, object]) -> None:
-        """Draw all curves into the framebuffer in use, within `Depth.test()`: first their depth, then their light."""
+    def draw(self, frame: Frame, settings: Settings, plan: Plan, samples: int, uniforms: dict[str, object],
+             also: int = moderngl.NOTHING) -> None:
+        """Draw all curves into the framebuffer in use, within `Depth.test()`: first their depth, then their light.
+
+        `also` are flags of the context that are on for their light."""
         if plan.curves is None:
             return
         gl, target = self._gl, self._gl.fbo
@@ -174,6 +177,7 @@ class CurvePass:
                 self._draw_one(buffers, plan.curves.depth, part, frame, samples, {})
         target.color_mask = True, True, True, True
         target.use()
+        gl.enable_only(moderngl.DEPTH_TEST | also)
         for curves, buffers, program in zip(frame.scene.curves, self._drawn, plan.curves.shade, strict=True):
             if self._light.held is not None:
                 uniforms = uniforms | self._light.held.bind(frame)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import moderngl
+
 from ..base.reusable import Reusable
 from ..gpu.context import Context
 from ..gpu.free import free
@@ -16,6 +18,7 @@ from .depth import Depth
 from .frame_uniforms import FrameUniforms
 from .gbuffer import GBuffer
 from .media import MediaPass
+from .overdraw import Overdraw
 from .prepared import Prepared
 from .shadows import Casters, KeptShadowMaps
 from .stopwatch import Stopwatch
@@ -26,6 +29,7 @@ from .traced.reflections import TracedReflections
 from .traced.refraction import TracedRefraction
 from .transmission import Backdrop
 from .visibility import VisibilityPass
+from .wireframe import Wireframe
 
 
 class Passes:
@@ -47,6 +51,8 @@ class Passes:
         self._subsurface = SubsurfacePass(context, programs, depth)
         self._backdrop: Reusable[Backdrop] = Reusable()
         self.refraction = TracedRefraction(context, programs, depth)
+        self._overdraw = Overdraw(context, programs, depth)
+        self._wireframe = Wireframe(context, programs)
         self._vertices = BakedVertices(context, programs, prepared.surfaces, watch)
         self._generation = prepared.generation
 
@@ -88,6 +94,9 @@ class Passes:
                 with self._watch.drawing("subsurface"):
                     uniforms |= self._subsurface.find(
                         frame, lambda: self._prepared.surfaces.draw_gathered(frame, plan, uniforms), still)
+            if plan.counts:
+                self._count(plan, frame, target, settings, uniforms)
+                return
             target.framebuffer.use()
             target.framebuffer.clear(depth=self._depth.far)  # alpha 0: the display pass adds the background colour
             self._draw_surfaces(plan, frame, target, settings, uniforms, media)
@@ -146,6 +155,18 @@ class Passes:
         if plan.has_blended:
             with drawing("blend"):
                 surfaces.draw_blended(frame, plan, uniforms)
+        if plan.wireframe:
+            with drawing("wireframe"):
+                self._wireframe.draw(frame, target)
+
+    def _count(self, plan: Plan, frame: Frame, target: Target, settings: Settings, uniforms: dict[str, object]) -> None:
+        """Draw how many fragments there are in each pixel."""
+        def draw_all() -> None:
+            self._prepared.surfaces.draw_counted(frame, plan, uniforms)
+            self.curves.draw(frame, settings, plan, target.samples, uniforms, moderngl.BLEND)
+
+        with self._watch.drawing("overdraw"):
+            self._overdraw.draw(target, draw_all)
 
     def _drawn_gbuffers(
         self, views: dict[tuple[int, int], Frame], plan: Plan, uniforms: dict[str, object]
@@ -169,4 +190,5 @@ class Passes:
 
     def release(self) -> None:
         free(self._gl, self._backdrop, self._visibility, self.reflections, self.refraction, self._media,
-             self._subsurface, *self._gbuffers.values(), self.curves, self._shadows, self._uniforms)
+             self._subsurface, *self._gbuffers.values(), self._overdraw, self._wireframe, self.curves,
+             self._shadows, self._uniforms)

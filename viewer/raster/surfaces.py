@@ -163,17 +163,29 @@ class Surfaces:
 
         The order of instances at the same depth depends only on their position, mesh and material.
         """
-        draws = [d for d in plan.draws if d.alpha_mode == "blend" and (plan.is_everything or frame.visible[d.instance])]
+        draws = self._back_to_front(plan, frame)
         if not draws:
             return 0
-        forward, centers = frame.camera.forward, self.scene.corners.mean(axis=1)
-        transforms = [instance.transform.ravel() for instance in self.scene.instances]
-        draws.sort(key=lambda d: (-round(float(centers[d.instance] @ forward) / frame.unit, 6),
-                                  *centers[d.instance], *transforms[d.instance], d.mesh, d.material))
         self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND | moderngl.PROGRAM_POINT_SIZE)
         self._gl.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
         self._draw(draws, frame, frame_uniforms, is_sorted=True)
         return len(draws)
+
+    def draw_counted(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> None:
+        """Draw all surfaces in the order of `plan`, those that blend from back to front, and add what they write."""
+        solid = [d for d in plan.draws if d.alpha_mode != "blend" and frame.visible[d.instance]]
+        self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND | moderngl.PROGRAM_POINT_SIZE)
+        self._draw(solid, frame, frame_uniforms)
+        self._draw(self._back_to_front(plan, frame), frame, frame_uniforms, is_sorted=True)
+
+    def _back_to_front(self, plan: Plan, frame: Frame) -> list[Draw]:
+        """The draws that blend, farthest first."""
+        draws = [d for d in plan.draws if d.alpha_mode == "blend" and (plan.is_everything or frame.visible[d.instance])]
+        forward, centers = frame.camera.forward, self.scene.corners.mean(axis=1)
+        transforms = [instance.transform.ravel() for instance in self.scene.instances]
+        draws.sort(key=lambda d: (-round(float(centers[d.instance] @ forward) / frame.unit, 6),
+                                  *centers[d.instance], *transforms[d.instance], d.mesh, d.material))
+        return draws
 
     def draw_depth(self, draw: Draw, matrix: np.ndarray) -> None:
         """Draw a mesh into a shadow map. `matrix` takes the local space of its instance to clip space."""
