@@ -77,6 +77,7 @@ NEEDS = {
                    _has_package("embreex")),
     "formats": Need("3MF and COLLADA", "the packages for them are not installed", "pip install 'pbr-viewer[formats]'",
                     lambda: all(map(find_spec, ("collada", "lxml", "networkx")))),
+    "cad": Need("STEP", "cascadio is not installed", "pip install 'pbr-viewer[cad]'", _has_package("cascadio")),
     "docs": Need("the site of the documentation", "MkDocs is not installed", "pip install 'pbr-viewer[docs]'",
                  lambda: all(map(find_spec, ("material", "mkdocs", "mkdocstrings")))),
     "film": Need("films in MP4", "PyAV is not installed", "pip install 'pbr-viewer[film]'", _has_package("av")),

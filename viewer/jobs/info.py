@@ -71,12 +71,12 @@ def describe_package() -> Facts:
     from ..image.image import WRITABLE
     from ..scene.environment_files import FORMATS
     from ..scene.environment_presets import PRESETS
-    from ..scene.load import CURVE_FORMATS, VOLUME_FORMATS
+    from ..scene.load import CURVE_FORMATS, VOLUME_FORMATS, optional_formats
     from ..scene.mesh_formats import mesh_formats
 
     return {
         "version": version("pbr-viewer"),
-        "models": " ".join(sorted({"gltf", "glb"} | mesh_formats())),
+        "models": " ".join(sorted({"gltf", "glb"} | optional_formats() | mesh_formats())),
         "volumes": " ".join(VOLUME_FORMATS),
         "curves": " ".join(CURVE_FORMATS),
         "environments": " ".join([*PRESETS, "none", *(f"*{suffix}" for suffix in FORMATS)]),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from importlib.util import find_spec
 from os import PathLike
 from pathlib import Path
 
@@ -14,10 +15,13 @@ from .gltf import load_gltf
 from .scene import MAX_EXTENT, Scene
 
 _SIGNATURES = {b"glTF": "gltf", b"ply\n": "ply", b"ply\r": "ply", b"OFF": "off", b"solid ": "stl",
-               b" BDV\0\0\0\0": "vdb", b"VOL": "vol", b"HAIR": "hair", b"BCC": "bcc"}
+               b" BDV\0\0\0\0": "vdb", b"VOL": "vol", b"HAIR": "hair", b"BCC": "bcc", b"ISO-10303-21": "step"}
 
 VOLUME_FORMATS = ("vdb", "npz", "vol")
 CURVE_FORMATS = ("hair", "bcc", "curves")
+CAD_FORMATS = ("step", "stp")
+_PACKAGES = dict.fromkeys(CAD_FORMATS, ("cascadio", "cad"))
+"""The package that a format needs, and the extra that brings it."""
 
 
 def load_scene(path: str | PathLike[str], scene: int | str | None = None, variant: str | None = None) -> Scene:
@@ -45,6 +49,10 @@ def load_scene(path: str | PathLike[str], scene: int | str | None = None, varian
             from .curve_files import load_curve_file
 
             loaded = load_curve_file(path, data, kind)
+        elif kind in CAD_FORMATS:
+            from .cad import load_cad
+
+            loaded = load_cad(path, data)
         else:
             from .mesh_formats import load_mesh_file
 
@@ -59,15 +67,33 @@ def load_scene(path: str | PathLike[str], scene: int | str | None = None, varian
         raise InputError(path, "variants" if loaded.variants else "", str(error)) from error
 
 
+def optional_formats() -> set[str]:
+    """The formats whose packages are there, though not everywhere."""
+    return {kind for kind, (package, _) in _PACKAGES.items() if find_spec(package) is not None}
+
+
 def _format(path: Path, data: bytes) -> str:
-    """The file's format: "gltf", one of VOLUME_FORMATS or CURVE_FORMATS, or trimesh's name of another one."""
+    """The file's format, whose packages are there: "gltf", one of those above, or trimesh's name of another one."""
+    kind = _found_format(path, data)
+    package, extra = _PACKAGES.get(kind, (None, ""))
+    if package is not None and find_spec(package) is None:
+        raise _missing(path, kind, extra)
+    return kind
+
+
+def _missing(path: Path, kind: str, extra: str) -> InputError:
+    return InputError(path, "", f"{kind.upper()} needs packages that are not installed: "
+                                f"pip install 'pbr-viewer[{extra}]'")
+
+
+def _found_format(path: Path, data: bytes) -> str:
     if not data:
         raise InputError(path, "", "the file is empty")
     for signature, kind in _SIGNATURES.items():
         if data.startswith(signature):
             return kind
     suffix = path.suffix.lower().lstrip(".")
-    if suffix in VOLUME_FORMATS + CURVE_FORMATS:
+    if suffix in (*VOLUME_FORMATS, *CURVE_FORMATS, *_PACKAGES):
         return suffix
     if suffix in ("gltf", "glb") or data[:64].lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{"):
         return "gltf"
@@ -78,9 +104,8 @@ def _format(path: Path, data: bytes) -> str:
 
     known = mesh_formats()
     if suffix in OPTIONAL - known:
-        raise InputError(path, "", f"{suffix.upper()} needs packages that are not installed: "
-                                   "pip install 'pbr-viewer[formats]'")
+        raise _missing(path, suffix, "formats")
     if suffix not in known:
-        names = ", ".join(sorted({"gltf", "glb", *VOLUME_FORMATS, *CURVE_FORMATS} | known))
+        names = ", ".join(sorted({"gltf", "glb", *VOLUME_FORMATS, *CURVE_FORMATS, *_PACKAGES} | known))
         raise InputError(path, "", f"is not a model in a supported format ({names})")
     return suffix

@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-MODEL_ENDINGS = frozenset((".gltf", ".glb", ".obj", ".off", ".ply", ".stl", ".xyz", ".3mf", ".dae", ".vdb", ".vol",
-                           ".hair", ".bcc", ".curves"))
+MODEL_ENDINGS = frozenset((".gltf", ".glb", ".obj", ".off", ".ply", ".stl", ".xyz", ".3mf", ".dae", ".step", ".stp",
+                           ".vdb", ".vol", ".hair", ".bcc", ".curves"))
 """What models end in. An .npz may be a volume, but layers and tables are commoner, so it has to be named."""
 
 
