@@ -83,6 +83,7 @@ NEEDS = {
     "film": Need("films in MP4", "PyAV is not installed", "pip install 'pbr-viewer[film]'", _has_package("av")),
     "oidn": Need("Intel's denoiser", "pyoidn is not installed", "pip install 'pbr-viewer[oidn]'",
                  _has_package("pyoidn")),
+    "usd": Need("USD", "usd-core is not installed", "pip install 'pbr-viewer[usd]'", _has_package("pxr")),
     "vdb": Need("OpenVDB files that Blosc compresses", "numcodecs is not installed", "pip install 'pbr-viewer[vdb]'",
                 _has_package("numcodecs")),
     "mitsuba": Need("pictures against Mitsuba's", "Mitsuba, or the LLVM 19 or newer that it needs, is not installed",

@@ -37,7 +37,8 @@ def view(model: str, **options: Any) -> None:
     With --animation it plays, unless a --time is given, at which it stands still.
 
     MODEL is a glTF file (.gltf, .glb), an OBJ, PLY, STL, OFF or XYZ, a volume (.vdb, .npz, .vol), or curves (.hair,
-    .bcc, .curves). 3MF and COLLADA (.dae) need `pip install 'pbr-viewer[formats]'`.
+    .bcc, .curves). Other formats need an extra of the package: 3MF and COLLADA (.dae)
+    `pip install 'pbr-viewer[formats]'`, USD `[usd]`, STEP `[cad]`.
     """
     check_camera_options(options)
     from ..app import open_window
@@ -82,7 +83,8 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     """Render a picture of each MODEL, without a screen.
 
     MODEL is a glTF file (.gltf, .glb), an OBJ, PLY, STL, OFF or XYZ, a volume (.vdb, .npz, .vol), or curves (.hair,
-    .bcc, .curves). 3MF and COLLADA (.dae) need `pip install 'pbr-viewer[formats]'`. It is also a folder, for all models
+    .bcc, .curves). Other formats need an extra of the package: 3MF and COLLADA (.dae)
+    `pip install 'pbr-viewer[formats]'`, USD `[usd]`, STEP `[cad]`. It is also a folder, for all models
     in it and in its folders, a pattern in quotes ('**/*.glb'), or - for a list on standard input, one a line. Models of
     the same name keep their folders' names. If one of several models cannot be rendered, it is reported on stderr, the
     others are still rendered, and the exit status is not 0.

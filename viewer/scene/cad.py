@@ -19,8 +19,8 @@ _BYTES, _BYTES_PER_BYTE = 1 << 30, 200
 def load_cad(path: Path, data: bytes) -> Scene:
     """Read `data`, the content of `path`, as STEP, by Open CASCADE in another process (`pbr-viewer[cad]`).
 
-    Lengths are converted to metres, by the unit that the file names; its axes are left as they are. Files that it refers
-    to are not read. Raises InputError for a file that is broken or has no faces.
+    Lengths are converted to metres, by the unit that the file names; its axes are left as they are. Files that it
+    refers to are not read. Raises InputError for a file that is broken or has no faces.
     """
     try:
         made = apart.call("viewer.scene.decoders:step", data, _SECONDS + _SECONDS_PER_BYTE * len(data),

@@ -20,7 +20,8 @@ _SIGNATURES = {b"glTF": "gltf", b"ply\n": "ply", b"ply\r": "ply", b"OFF": "off",
 VOLUME_FORMATS = ("vdb", "npz", "vol")
 CURVE_FORMATS = ("hair", "bcc", "curves")
 CAD_FORMATS = ("step", "stp")
-_PACKAGES = dict.fromkeys(CAD_FORMATS, ("cascadio", "cad"))
+USD_FORMATS = ("usd", "usda", "usdc", "usdz")
+_PACKAGES = dict.fromkeys(CAD_FORMATS, ("cascadio", "cad")) | dict.fromkeys(USD_FORMATS, ("pxr", "usd"))
 """The package that a format needs, and the extra that brings it."""
 
 
@@ -53,6 +54,10 @@ def load_scene(path: str | PathLike[str], scene: int | str | None = None, varian
             from .cad import load_cad
 
             loaded = load_cad(path, data)
+        elif kind in USD_FORMATS:
+            from .usd.load import load_usd
+
+            loaded = load_usd(path, data)
         else:
             from .mesh_formats import load_mesh_file
 

@@ -37,7 +37,12 @@ def load_mesh_file(path: Path, data: bytes, kind: str) -> Scene:
     """
     warnings: list[str] = []
     reader = _READERS.get(kind)
-    model = reader(path, data, warnings) if reader else read_by_trimesh(path, data, kind, warnings)
+    return scene_of(path, kind, reader(path, data, warnings) if reader else read_by_trimesh(path, data, kind, warnings),
+                    warnings)
+
+
+def scene_of(path: Path, kind: str, model: RawModel, warnings: list[str]) -> Scene:
+    """The scene of what a reader has found in `path`. Raises InputError if that is nothing to draw."""
     parts = [part for mesh in model.meshes for part in [finite_part(mesh, warnings)] if part is not None]
     if not parts:
         problem = "; ".join(["the file contains nothing to draw", *warnings[:1]])

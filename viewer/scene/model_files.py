@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 MODEL_ENDINGS = frozenset((".gltf", ".glb", ".obj", ".off", ".ply", ".stl", ".xyz", ".3mf", ".dae", ".step", ".stp",
-                           ".vdb", ".vol", ".hair", ".bcc", ".curves"))
+                           ".usd", ".usda", ".usdc", ".usdz", ".vdb", ".vol", ".hair", ".bcc", ".curves"))
 """What models end in. An .npz may be a volume, but layers and tables are commoner, so it has to be named."""
 
 
