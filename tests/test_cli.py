@@ -108,7 +108,8 @@ def test_wrong_usage_is_status_2_and_one_line(run, folder, arguments, words):
 @pytest.mark.parametrize("arguments, error", [
     (["render", "none.glb", "-o", "a.png"], "none.glb: no such file"),
     (["render", "folder", "-o", "a.png"], "folder: there is no model in this folder: no file whose name ends in .3mf, "
-     ".bcc, .curves, .dae, .glb, .gltf, .hair, .obj, .off, .ply, .stl, .vdb, .vol, .xyz"),
+     ".bcc, .curves, .dae, .glb, .gltf, .hair, .obj, .off, .ply, .step, .stl, .stp, .usd, .usda, .usdc, .usdz, .vdb, "
+     ".vol, .xyz"),
     (["render", "*.glb", "-o", "a.png"], "*.glb: no file matches this pattern"),
     (["render", str(MODEL), "-o", f"{MODEL}/a.png"], f"{MODEL}: is a file, not a folder"),
     (["render", "none.glb", "-o", "none/none/"], "none.glb: no such file"),

@@ -8,9 +8,9 @@ import pytest
 from needs import needs
 from usda import APPLIED, BOUND, material, mesh, stage, texture
 
-from viewer.base.apart import apart
 from viewer.errors import InputError
 from viewer.scene.load import load_scene
+from viewer.scene.usd.load import apart
 
 pytestmark = needs("usd")
 EMPTY = 'def "X" (%s)\n{\n}\n'

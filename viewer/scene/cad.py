@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from ..base.apart import ApartError, apart
+from ..base.apart import Apart, ApartError
 from ..errors import InputError
 from .gltf import load_gltf
 from .material import Material
@@ -14,6 +14,8 @@ from .scene import Scene
 
 _SECONDS, _SECONDS_PER_BYTE = 60.0, 2e-5
 _BYTES, _BYTES_PER_BYTE = 1 << 30, 200
+apart = Apart()
+"""A process of its own: Open CASCADE takes more address space than the other decoders may."""
 
 
 def load_cad(path: Path, data: bytes) -> Scene:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base.apart import ApartError, Arrays, apart
+from ...base.apart import Apart, ApartError, Arrays
 from ...errors import InputError, UsageError
 from ..curves import CurveKind, Curves
 from ..material import Material
@@ -21,6 +21,8 @@ from .materials import Materials, transformed
 
 _SECONDS, _SECONDS_PER_BYTE = 60.0, 1e-5
 _BYTES, _BYTES_PER_BYTE = 1 << 31, 60
+apart = Apart()
+"""A process of its own: OpenUSD takes more address space than the other decoders may."""
 
 
 def load_usd(path: Path, data: bytes) -> Scene:
