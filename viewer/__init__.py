@@ -13,11 +13,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .api import join, load, render, show
+    from .api import join, load, read_cameras, render, show, write_cameras
     from .errors import ContextError, InputError, OutputError, ShaderError, UsageError, ViewerError
     from .gpu.call import call_glsl
     from .image.image import Image
     from .scene.camera import Camera
+    from .scene.camera_file import CameraFrame
     from .scene.environment import Environment
     from .scene.from_arrays import make_scene as scene  # noqa: F401  the package of this name can be called
     from .scene.light import Light
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Camera",
+    "CameraFrame",
     "ContextError",
     "Environment",
     "Image",
@@ -47,15 +49,18 @@ __all__ = [
     "call_glsl",
     "join",
     "load",
+    "read_cameras",
     "render",
     "show",
+    "write_cameras",
 ]
 
 _MODULES = {
-    "Camera": "scene.camera", "Environment": "scene.environment", "Image": "image.image", "Instance": "scene.scene",
-    "Light": "scene.light", "Material": "scene.material", "Mesh": "scene.mesh", "Scene": "scene.scene",
-    "Settings": "settings", "Volume": "scene.volume", "call_glsl": "gpu.call", "join": "api", "load": "api",
-    "render": "api", "show": "api",
+    "Camera": "scene.camera", "CameraFrame": "scene.camera_file", "Environment": "scene.environment",
+    "Image": "image.image", "Instance": "scene.scene", "Light": "scene.light", "Material": "scene.material",
+    "Mesh": "scene.mesh", "Scene": "scene.scene", "Settings": "settings", "Volume": "scene.volume",
+    "call_glsl": "gpu.call", "join": "api", "load": "api", "read_cameras": "api", "render": "api", "show": "api",
+    "write_cameras": "api",
 }
 
 

@@ -15,7 +15,7 @@ from ..jobs.render_job import RenderJob
 from ..scene.files import path_inside, read_file
 from ..scene.gltf.container import read_container
 
-_NOT_SEEN = frozenset(("quiet", "verbose", "no_cache", "backend", "error_map"))
+_NOT_SEEN = frozenset(("quiet", "verbose", "no_cache", "backend", "error_map", "write_cameras"))
 """Options that change no pixel, or only where they are computed."""
 _LIBRARY = re.compile(rb"^\s*mtllib\s+(.+?)\s*$", re.MULTILINE)
 _MAP = re.compile(rb"^\s*(?:map_\w+|bump|norm)\s(?:.*\s)?(\S+)\s*$", re.MULTILINE | re.IGNORECASE)

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 from ..base.atomic import atomic_write
 from ..base.messages import say
@@ -21,7 +21,8 @@ MANIFEST = "manifest.jsonl"
 @dataclass(frozen=True)
 class Line:
     """`out` is the picture's file, relative to the manifest's folder; `key` is of `viewer.batch.keys`. `error` is None
-    for a picture that is done. `seconds` is the time of loading, rendering and saving, and `worker` says where."""
+    for a picture that is done. `seconds` is the time of loading, rendering and saving, and `worker` says where.
+    `camera` is that of `viewer.scene.camera_file.camera_facts`, if cameras are written."""
 
     model: str
     out: str
@@ -30,6 +31,7 @@ class Line:
     error: str | None
     seconds: float | None
     worker: str
+    camera: dict[str, Any] | None = None
 
 
 class Manifest:
@@ -114,11 +116,19 @@ class Manifest:
         How many views a model has is known only when it is loaded; but the lines of all of them are written at once. A
         model that could not be loaded, or whose worker died, has one line without a view instead.
         """
+        lines = self.lines_of(task, key)
+        return bool(lines) and all(line.status == "done" and self.file_of(line).is_file() for line in lines)
+
+    def lines_of(self, task: RenderTask, key: str) -> list[Line]:
+        """The lines of all pictures of the model that were made with this key."""
         lines = list(self._by_key.get(key, {}).values())
-        views = [line for line in lines if line.out != self.out(task.picture())]
-        return bool(lines) and all(line.status == "done" and (self._folder / line.out).is_file()
-                                   for line in views or lines)
+        return [line for line in lines if line.out != self.out(task.picture())] or lines
+
+    def file_of(self, line: Line) -> Path:
+        """The file of its picture."""
+        return self._folder / line.out
 
 
 def _text(lines: Iterable[Line]) -> bytes:
-    return "".join(json.dumps(asdict(line), allow_nan=False) + "\n" for line in lines).encode()
+    shown = ({key: value for key, value in asdict(line).items() if key != "camera" or value} for line in lines)
+    return "".join(json.dumps(line, allow_nan=False) + "\n" for line in shown).encode()

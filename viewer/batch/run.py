@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ..base.atomic import write_json
 from ..base.messages import say
 from ..base.progress import Progress
 from ..base.signals import Stopped
+from ..jobs.camera_output import write_camera_files
 from ..jobs.model_renderer import Record
 from ..jobs.render_job import RenderJob, RenderTask
 from .engines import Engine, Here, WorkerLost
@@ -27,13 +28,15 @@ class Batch:
 
     `stats` names a JSON file for the times, plan and memory, or the error, of each picture. `folder` is that of the
     manifest; None for none. With `resume` the pictures that are done by it are left out. `retries` is how often a model
-    is tried again that has failed for reasons which may pass; None for the default.
+    is tried again that has failed for reasons which may pass; None for the default. `cameras` has the file for the
+    cameras of each model's pictures.
     """
 
     stats: str | None = None
     folder: Path | None = None
     resume: bool = False
     retries: int | None = None
+    cameras: Mapping[str, Path] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -53,12 +56,14 @@ def render_all(tasks: Sequence[RenderTask], job: RenderJob, batch: Batch) -> int
     with ExitStack() as stack:
         manifest = None if batch.folder is None else stack.enter_context(Manifest(batch.folder))
         run = _Run(job, batch, manifest)
-        attempts = [_Attempt(number, task) for number, task in enumerate(tasks) if not run.is_done(task)]
+        attempts = [_Attempt(number, task) for number, task in enumerate(tasks) if not run.is_done(number, task)]
         if batch.resume and not job.options["quiet"]:
             say(f"{len(tasks) - len(attempts)} of {len(tasks)} models are done already")
         progress = stack.enter_context(Progress(len(attempts), not job.options["quiet"], unit="models"))
         run.do(attempts, stack.enter_context(Here(job, progress)))
     records = [record for _, found in sorted(run.records.items()) for record in found]
+    all_known = sorted((run.known | run.records).items())
+    write_camera_files(batch.cameras, [record for _, found in all_known for record in found], job.options)
     if batch.stats is not None:
         write_json(batch.stats, records[0] if len(tasks) == len(records) == 1 else records)
     if run.stopped is not None:
@@ -67,19 +72,28 @@ def render_all(tasks: Sequence[RenderTask], job: RenderJob, batch: Batch) -> int
 
 
 class _Run:
-    """`records` are what `--stats` tells of the pictures, by the numbers of their tasks, and `stopped` is the signal
-    that ended the run early."""
+    """`records` are what `--stats` tells of the pictures, by the numbers of their tasks, and `known` the same of those
+    that were done before, as far as their manifest tells it. `stopped` is the signal that ended the run early."""
 
     def __init__(self, job: RenderJob, batch: Batch, manifest: Manifest | None) -> None:
         self._batch, self._manifest = batch, manifest
         self._retries = (manifest is not None) if batch.retries is None else batch.retries
         self._keys = None if manifest is None else Keys(job)
         self.records: dict[int, tuple[Record, ...]] = {}
+        self.known: dict[int, tuple[Record, ...]] = {}
         self.stopped: int | None = None
 
-    def is_done(self, task: RenderTask) -> bool:
+    def is_done(self, number: int, task: RenderTask) -> bool:
         """Whether it need not be done, because the manifest to resume says that it was."""
-        return self._batch.resume and self._manifest is not None and self._manifest.is_done(task, self._key(task))
+        manifest, key = self._manifest, self._key(task)
+        if not self._batch.resume or manifest is None or not manifest.is_done(task, key):
+            return False
+        lines = manifest.lines_of(task, key)
+        if self._batch.cameras and any(line.camera is None for line in lines):
+            return False
+        self.known[number] = tuple({"model": task.model, "output": str(manifest.file_of(line)), "camera": line.camera}
+                                   for line in lines if line.camera is not None)
+        return True
 
     def _key(self, task: RenderTask) -> str:
         if self._manifest is None or self._keys is None:
@@ -128,5 +142,7 @@ class _Run:
                 error = "stopped early"
             out, times = manifest.out(Path(str(record["output"]))), record.get("wall_s")
             seconds = round(times["total"], 3) if isinstance(times, dict) else None
+            camera = record.get("camera")
             yield Line(task.model, out, key, "done" if error is None else "failed",
-                       None if error is None else str(error), seconds, done.worker)
+                       None if error is None else str(error), seconds, done.worker,
+                       camera if isinstance(camera, dict) else None)

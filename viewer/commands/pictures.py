@@ -5,13 +5,14 @@ from __future__ import annotations
 import sys
 import time
 from itertools import zip_longest
+from pathlib import Path
 from typing import Any
 
 import click
 
 from ..base.messages import say
 from ..batch.options import BATCH, BATCH_OPTIONS
-from ..jobs.camera_options import CAMERA_OPTIONS, check_camera_options
+from ..jobs.camera_options import CAMERA_FILE_OPTIONS, CAMERA_OPTIONS, check_camera_options
 from ..jobs.options import (
     AOV_OPTION,
     BACKEND_OPTION,
@@ -78,7 +79,7 @@ class _Render(click.Command):
 @click.option("--stats", metavar="FILE.json",
               help="Write times, plan and memory as JSON; for several models a list of them.")
 @with_options([*SCENE_OPTIONS, *TIME_OPTIONS, *FILM_OPTIONS, *PATH_OPTIONS, *ERROR_OPTIONS, AOV_OPTION,
-               *CAMERA_OPTIONS, *BATCH_OPTIONS, *COMMON_OPTIONS])
+               *CAMERA_OPTIONS, *CAMERA_FILE_OPTIONS, *BATCH_OPTIONS, *COMMON_OPTIONS])
 def render(models: tuple[str, ...], output: str, backend: str, stats: str | None, **options: Any) -> None:
     """Render a picture of each MODEL, without a screen.
 
@@ -101,9 +102,11 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     """
     chosen = {name: options.pop(name) for name in BATCH}
     check_camera_options(options, takes_several=True)
+    options |= {"backend": backend, "has_size": _is_given("size")}
     from ..base.atomic import made_folders
     from ..batch.run import Batch, render_all
     from ..jobs.assemble import make_settings
+    from ..jobs.camera_output import camera_files, warn_of_cameras
     from ..jobs.film import check_film_options
     from ..jobs.inputs import find_models
     from ..jobs.outputs import base_folder, check_apart, check_layers, check_output, output_paths
@@ -122,16 +125,19 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     check_film_options(outputs.paths, options, chooses)
     check_tell_error(settings, options, outputs.paths, chooses)
     maps = map_paths(found, options["error_map"])
-    check_apart([*outputs.paths, *maps.paths, *([stats] if stats is not None else [])])
+    cameras = camera_files(found, options["write_cameras"], outputs.paths, options)
+    files = [*dict.fromkeys(cameras.values()), *([Path(stats)] if stats is not None else [])]
+    check_apart([*outputs.paths, *maps.paths, *files])
     tasks = [RenderTask(*each) for each in zip_longest(found, outputs.paths, maps.paths)]
-    with made_folders(*outputs.folders, *maps.folders):
-        for path in (*outputs.paths, *maps.paths):
+    folders = dict.fromkeys(file.parent for file in cameras.values())
+    with made_folders(*outputs.folders, *maps.folders, *folders):
+        for path in (*outputs.paths, *maps.paths, *files):
             check_output(path)
-        if stats is not None:
-            check_output(stats)
+        warn_of_cameras(options)
         keeps = len(tasks) > 1 or chosen["resume"]
-        job = RenderJob(options | {"backend": backend}, chooses, stats is not None)
-        status = render_all(tasks, job, Batch(stats, base_folder(output) if keeps else None, **chosen))
+        job = RenderJob(options, chooses, stats is not None)
+        status = render_all(tasks, job, Batch(stats, base_folder(output) if keeps else None, **chosen,
+                                             cameras=cameras))
     sys.exit(status)
 
 
@@ -172,8 +178,12 @@ def _leaves_mode_open(settings: Any) -> bool:
 
     Raises UsageError if no method supports all settings.
     """
-    source = click.get_current_context().get_parameter_source("mode")
-    if source is not click.core.ParameterSource.DEFAULT or (settings.time_budget is None and settings.error is None):
+    if _is_given("mode") or (settings.time_budget is None and settings.error is None):
         return False
     settings.check_open()
     return True
+
+
+def _is_given(option: str) -> bool:
+    """Whether the option stands on the command line, and is not at its default."""
+    return click.get_current_context().get_parameter_source(option) is not click.core.ParameterSource.DEFAULT

@@ -50,19 +50,29 @@ CAMERA_OPTIONS = [
     click.option("--fov", type=Number(0.01, 179), metavar="DEG", help="Vertical field of view; default: 45."),
     click.option("--camera", type=click.IntRange(0), metavar="N", help="Use camera N of the file, counted from 0."),
 ]
+CAMERA_FILE_OPTIONS = [
+    click.option("--cameras", metavar="FILE.json",
+                 help="Look through the cameras of a transforms.json, as nerfstudio and instant-ngp have it: a picture "
+                      "each, of the size that the file says, unless there is a --size."),
+    click.option("--write-cameras", metavar="FILE.json",
+                 help="Write the cameras of all pictures, and the names of these, as such a file. For a file for each "
+                      "model a folder, which ends in /, or a pattern with {name}, as for -o."),
+]
 
 
 def check_camera_options(options: dict[str, Any], takes_several: bool = False) -> None:
     """Raises UsageError for options that contradict each other, before anything is loaded, and for several views
     where one is needed."""
-    given = {name: options[name] for name in ("orbit", "view", "eye", "camera") if options[name] not in (None, ())}
+    given = {name: options[name] for name in ("orbit", "view", "eye", "camera", "cameras")
+             if options.get(name) not in (None, ())}
     names = [f"--{name}" for name in given]
     if len(given) > 1 and given.keys() != {"orbit", "view"}:
         raise UsageError(f"{' and '.join(names)} cannot be used together")
     if not takes_several and len(options["orbit"] or ()) + len(options["view"] or ()) > 1:
         raise UsageError(f"{' and '.join(names)}: only `render` takes several views")
-    for name in ("target", "ortho"):
-        if options["camera"] is not None and options[name]:
-            raise UsageError(f"--{name} and --camera cannot be used together")
+    for file_has in given.keys() & {"camera", "cameras"}:
+        for name in ("target", "ortho", *(("fov",) if file_has == "cameras" else ())):
+            if options[name]:
+                raise UsageError(f"--{name} and --{file_has} cannot be used together")
     if options["eye"] is not None and options["eye"] == options["target"]:
         raise UsageError("--eye and --target are the same point")

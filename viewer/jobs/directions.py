@@ -27,8 +27,8 @@ def directions_of(options: dict[str, Any]) -> tuple[Direction, ...]:
     """Those of --view and --orbit, or the default one. A single one has no label."""
     given = [_named(name) for name in options["view"] or ()]
     given += [_orbit(numbers) for numbers in options["orbit"] or ()]
-    if len(given) > 1:
-        return tuple(given)
+    if len(set(given)) > 1:
+        return tuple(dict.fromkeys(given))
     if given:
         return (Direction("", given[0].title, given[0].azimuth, given[0].elevation, given[0].distance),)
     return (Direction("", "", DEFAULT_AZIMUTH, DEFAULT_ELEVATION),)

@@ -17,6 +17,7 @@ from ..image.film import write_film
 from ..image.image import Image
 from ..plan.warnings import camera_warnings, sample_warnings
 from ..scene.camera import Camera
+from ..scene.camera_file import camera_facts
 from ..scene.scene import Scene
 from .assemble import known_warnings, make_environment, make_quality, make_scene, make_settings
 from .film import Film, make_film
@@ -46,10 +47,11 @@ class ModelRenderer:
         self._context: Context | None = None
         self.may_pass = False
         """Whether the last task has failed for want of memory, or at writing, so that another try may do it."""
-        self._maker = make_picture_maker(RenderRequest(
+        self._request = RenderRequest(
             self._open, self._settings, options["size"], options["aov"], use_cache=not options["no_cache"],
             measure=job.measure, quiet=options["quiet"], chooses=job.chooses, tell_error=options["tell_error"],
-            quality=make_quality(options), tell=tell))
+            quality=make_quality(options), tell=tell)
+        self._maker = make_picture_maker(self._request)
 
     def __enter__(self) -> Self:
         return self
@@ -116,6 +118,7 @@ class ModelRenderer:
         """Make the picture of a view. `start` is when loading began, or the view before it had ended."""
         path, maker, loaded, known = task.picture(view.label), self._maker, time.perf_counter(), scene.all_warnings
         progress.say(f"{path.name}: rendering")
+        self._request.size = view.size
         image = maker.make(scene, view.camera, path, progress)
         of_camera = [] if self._job.chooses else camera_warnings(scene, self._settings, view.camera)
         self._warn_after(task.model, scene, known, of_camera)
@@ -127,6 +130,8 @@ class ModelRenderer:
         seconds = {"load": loaded - start, "render": rendered - loaded, "save": saved - rendered,
                    **({} if told == saved else {"tell_error": told - saved}), "total": told - start}
         record = self._done(task.model, path, scene, seconds, maker.summary)
+        if self._job.options["write_cameras"] is not None:
+            record["camera"] = camera_facts(view.camera, view.size)
         return record | ({"error": failure} if failure else {})
 
     def _film(self, task: RenderTask, scene: Scene, film: Film, start: float, progress: Progress) -> Record:
@@ -211,7 +216,7 @@ class ModelRenderer:
     def _record(self, model: str, path: Path, scene: Scene, seconds: dict[str, float]) -> Record:
         context, maker = self._open(), self._maker
         return {
-            "model": model, "output": str(path), "size": list(self._job.options["size"]),
+            "model": model, "output": str(path), "size": list(self._request.size),
             "triangles": scene.triangle_count,
             "device": context.renderer, "opengl": context.version, "backend": context.backend,
             "wall_s": seconds, **maker.stats, "warnings": list(scene.all_warnings),

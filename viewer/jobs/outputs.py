@@ -31,9 +31,9 @@ def output_paths(models: Sequence[str], output: str, option: str = "-o") -> Outp
     picture's or that two models have; it names the `option` of `output`.
     """
     if "{name}" in output:
-        paths = [Path(output.replace("{name}", name)) for name in _names(models)]
+        paths = [Path(output.replace("{name}", name)) for name in model_names(models)]
     elif output.endswith(("/", "\\")) or Path(output).is_dir():
-        paths = [Path(output) / f"{name}.png" for name in _names(models)]
+        paths = [Path(output) / f"{name}.png" for name in model_names(models)]
     elif len(models) > 1:
         raise UsageError(f"{option} {output}: several models need a folder, {output}/, or a pattern with {{name}}")
     else:
@@ -56,7 +56,7 @@ def base_folder(output: str) -> Path:
     return Path(fixed) if fixed.endswith(("/", "\\")) else Path(fixed).parent
 
 
-def _names(models: Sequence[str]) -> list[str]:
+def model_names(models: Sequence[str]) -> list[str]:
     """A name for each model, all of them different. Models of one name in one folder have their endings, too."""
     names = [Path(model).stem for model in models]
     counts = Counter(names)

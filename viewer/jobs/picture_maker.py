@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class RenderRequest:
-    """What all pictures of a job have in common.
+    """What all pictures of a job have in common, and the `size` of the next one.
 
     `open` returns the OpenGL context, which the first call opens. `measure` requests the GPU time of each pass.
     """

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..scene.camera import Camera
+from ..scene.camera_file import read_camera_file
 from ..scene.scene import Scene
 from .assemble import make_camera
 from .directions import directions_of
@@ -13,15 +14,22 @@ from .directions import directions_of
 
 @dataclass(frozen=True)
 class View:
-    """`label` stands in the name of the picture's file; "" if it is the only one."""
+    """`label` stands in the name of the picture's file; "" if it is the only one. `size` is (width, height) of the
+    picture in pixels."""
 
     label: str
     camera: Camera
+    size: tuple[int, int]
 
 
 def views_of(model: str, scene: Scene, options: dict[str, Any]) -> tuple[View, ...]:
-    """The views that the options ask for. Raises as `make_camera`."""
+    """The views that the options ask for. Raises as `make_camera`, and InputError for a file of cameras."""
+    size = options["size"]
+    if options["cameras"] is not None:
+        frames, _ = read_camera_file(options["cameras"], size)
+        return tuple(View(frame.camera.name if len(frames) > 1 else "", frame.camera,
+                          size if options["has_size"] else frame.size) for frame in frames)
     if options["camera"] is not None or options["eye"] is not None:
-        return (View("", make_camera(model, scene, options)),)
-    return tuple(View(direction.label, make_camera(model, scene, options, direction))
+        return (View("", make_camera(model, scene, options), size),)
+    return tuple(View(direction.label, make_camera(model, scene, options, direction), size)
                  for direction in directions_of(options))

@@ -9,10 +9,14 @@ from typing import Any
 from ..errors import InputError
 
 
-def parse_json(path: Path, text: bytes) -> Any:
-    """The value that the JSON `text` of the file `path` stands for. Raises InputError."""
+def parse_json(path: Path, text: bytes, takes_nan: bool = False) -> Any:
+    """The value that the JSON `text` of the file `path` stands for. Raises InputError.
+
+    NaN and infinity, which JSON does not have and some programs write, are errors, unless the caller `takes_nan` to
+    say where they stand.
+    """
     try:
-        return json.loads(text.decode("utf-8-sig"), parse_constant=_reject_constant)
+        return json.loads(text.decode("utf-8-sig"), parse_constant=float if takes_nan else _reject_constant)
     except UnicodeDecodeError as error:
         raise InputError(path, f"byte {error.start}", "the JSON is not valid UTF-8") from error
     except json.JSONDecodeError as error:
