@@ -32,13 +32,28 @@ def _print_version(context: click.Context, _: click.Parameter, wanted: bool) -> 
         context.exit()
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+class _Commands(click.Group):
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Take what is no command but names a model for one to view."""
+        if args and args[0] not in self.commands and not args[0].startswith("-") and _names_model(args[0]):
+            args = ["view", *args]
+        return super().parse_args(ctx, args)
+
+
+def _names_model(text: str) -> bool:
+    """Whether it is a file or a folder, or ends like a model, so that a missing one is told as such."""
+    from .scene.model_files import MODEL_ENDINGS
+
+    return os.path.exists(text) or os.path.splitext(text)[1].lower() in MODEL_ENDINGS
+
+
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
 @click.option("--version", is_flag=True, expose_value=False, is_eager=True, callback=_print_version,
               help="Show the version and exit.")
 def cli() -> None:
     """Show 3D models with physically based shading: in a window, as pictures, and as measurements.
 
-    `pbr-viewer COMMAND --help` lists the options of a command.
+    `pbr-viewer COMMAND --help` lists the options of a command. `pbr-viewer MODEL` opens a window on it, as `view` does.
 
     Exit status: 0 success; 1 the input is bad or the output cannot be written; 2 wrong usage; 3 no OpenGL context. An
     error is reported in one line on stderr.

@@ -18,6 +18,7 @@ import viewer
 from viewer.base.resources import resource_folder
 from viewer.image.image import Image
 from viewer.interact.keys import KEYS
+from viewer.interact.model_files import ModelFiles
 from viewer.measure.compare.difference import compare
 from viewer.quality import POINTS, Quality
 from viewer.scene.camera import Camera
@@ -205,8 +206,6 @@ def test_dropped_files_are_opened_and_bad_ones_told(open_window, scene, tmp_path
 
 
 def test_a_model_that_cannot_be_drawn_gives_way_to_the_one_before(open_window, scene, monkeypatch):
-    hands = open_window(scene)
-    before = hands.screen()
     broken = viewer.load(resource_folder("assets") / "scenes" / "textures.glb")
     image = next(m.base_color_texture.image for m in broken.materials if m.base_color_texture)
 
@@ -214,7 +213,8 @@ def test_a_model_that_cannot_be_drawn_gives_way_to_the_one_before(open_window, s
         raise viewer.InputError("textures.glb", "images[0]", "is broken")
 
     monkeypatch.setattr(type(image), "decode", fail)
-    monkeypatch.setattr("viewer.app.window.load_scene", lambda _: broken)
+    hands = open_window(scene, files=ModelFiles(load=lambda _: broken))
+    before = hands.screen()
     hands.window.open(["textures.glb"])
     hands.settle()
     state = hands.window.state

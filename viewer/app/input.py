@@ -15,8 +15,9 @@ from .gui import Gui
 
 _NAMES = {
     getattr(glfw, f"KEY_{name}"): name
-    for name in ("ESCAPE", "TAB", "HOME", "SPACE", "COMMA", "PERIOD", *(f"F{k}" for k in range(1, 13)),
-                 *(f"KP_{k}" for k in range(10)), *"0123456789", *"ABCDEFGHIJKLMNOPQRSTUVWXYZ")
+    for name in ("ESCAPE", "TAB", "HOME", "SPACE", "COMMA", "PERIOD", "PAGE_DOWN", "PAGE_UP",
+                 *(f"F{k}" for k in range(1, 13)), *(f"KP_{k}" for k in range(10)), *"0123456789",
+                 *"ABCDEFGHIJKLMNOPQRSTUVWXYZ")
 }
 
 

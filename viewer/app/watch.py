@@ -1,8 +1,9 @@
-"""Reloads shaders when their files change."""
+"""Reloads shaders when their files change, and notices when those of a model do."""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Iterable
 from pathlib import Path
 
 from ..errors import ShaderError
@@ -54,6 +55,35 @@ class ShaderWatch:
             return
         self._stamps = {file: self._stamps.get(file) or _stamp(file) for file in files}
         self._in_use = in_use
+
+
+class FileWatch:
+    """Watches files that another program may be writing."""
+
+    def __init__(self) -> None:
+        self._stamps: dict[Path, tuple[int, int]] = {}
+        self._changing: dict[Path, tuple[int, int]] | None = None
+        self._next = 0.0
+
+    def follow(self, files: Iterable[Path]) -> None:
+        """Watch these files, as they are now, and no others."""
+        self._stamps, self._changing = {file: _stamp(file) for file in files}, None
+
+    def poll(self) -> bool:
+        """Whether a file has changed, and all have been left alone since the check before, which is at least `INTERVAL`
+        ago: a program that writes one takes a while. It is told once."""
+        if not self._stamps or time.monotonic() < self._next:
+            return False
+        self._next = time.monotonic() + INTERVAL
+        stamps = {file: _stamp(file) for file in self._stamps}
+        if stamps == self._stamps:
+            self._changing = None
+            return False
+        if stamps != self._changing:
+            self._changing = stamps
+            return False
+        self._stamps, self._changing = stamps, None
+        return True
 
 
 def _stamp(file: Path) -> tuple[int, int]:

@@ -12,9 +12,10 @@ from typing import Self
 import glfw
 import moderngl
 
-from ..errors import ViewerError
+from ..errors import InputError, ViewerError
 from ..gpu.window import WindowContext
 from ..interact.actions import Actions
+from ..interact.model_files import ModelFiles
 from ..interact.orbit import OrbitController
 from ..interact.picture import Picture
 from ..interact.playback import Playback
@@ -23,14 +24,14 @@ from ..quality import DRAFT, Quality
 from ..raster.renderer import Renderer
 from ..scene.camera import Camera
 from ..scene.environment_files import FORMATS, load_environment
-from ..scene.load import load_scene
 from ..scene.scene import Scene
 from ..settings import Settings
+from .full_screen import FullScreen
 from .gui import Gui
 from .input import Input
 from .overlay import draw_counts, draw_help, draw_message, draw_split, draw_status
 from .panel import Panel, Readings
-from .watch import INTERVAL, ShaderWatch
+from .watch import INTERVAL, FileWatch, ShaderWatch
 
 SETTLING_FRAMES = 3
 """The number of frames drawn after an event. ImGui needs more than one to lay out the panel."""
@@ -47,16 +48,20 @@ def run(
     tell: Callable[[str], None] | None = None,
     playback: Playback | None = None,
     quality: Quality = DRAFT,
+    files: ModelFiles | None = None,
+    watch: bool = False,
+    full_screen: bool = False,
 ) -> None:
     """Open a window of `size` (in screen coordinates) on `scene`, and return when it is closed.
 
     `playback` is where in which animation it begins, by default with the scene as it is. Without `camera` the scene is
     framed. `quality` is that of the picture at rest. `use_cache` allows the cache on disk to be used. `tell` gets a
-    line about the device when the window is open, and one about the first picture. Raises ContextError if no window
-    can be opened, and the renderer's errors for a scene that cannot be drawn.
+    line about the device when the window is open, and one about the first picture. `files` has the file of the scene
+    and those beside it. With `watch` it is loaded again when it changes, or what it refers to. Raises ContextError if
+    no window can be opened, and the renderer's errors for a scene that cannot be drawn.
     """
     start = time.perf_counter()
-    with ViewerWindow(scene, settings, camera, size, use_cache, playback, quality) as window:
+    with ViewerWindow(scene, settings, camera, size, use_cache, playback, quality, files, watch, full_screen) as window:
         if tell is not None:
             tell(f"window: {window.readings.device}: {time.perf_counter() - start:.3f} s")
         while not window.is_closed:
@@ -71,7 +76,8 @@ class ViewerWindow:
 
     def __init__(self, scene: Scene, settings: Settings, camera: Camera | None = None,
                  size: tuple[int, int] = (1280, 720), use_cache: bool = True,
-                 playback: Playback | None = None, quality: Quality = DRAFT) -> None:
+                 playback: Playback | None = None, quality: Quality = DRAFT, files: ModelFiles | None = None,
+                 watch: bool = False, full_screen: bool = False) -> None:
         self.state = ViewState(scene, settings, panel=size[0] >= PANEL_FROM_WIDTH, playback=playback or Playback(),
                                quality=quality)
         self.context = WindowContext(size, _title(scene), visible=True)
@@ -86,6 +92,11 @@ class ViewerWindow:
             self._actions.follow(camera)
         self.picture = Picture(self.renderer, self.state, self.orbit)
         self._watch = ShaderWatch(self.renderer.programs)
+        self._files, self._file_watch = files or ModelFiles(), FileWatch() if watch else None
+        self._follow_files()
+        self._full_screen = FullScreen(self.window)
+        if full_screen:
+            self._full_screen.toggle()
         self._input = Input(self.window, self.state, self.orbit, self._gui, self._picture_size, self.do, self.open)
         self._to_open: list[str] = []
         self._frames_left = SETTLING_FRAMES
@@ -116,6 +127,8 @@ class ViewerWindow:
         reloaded = self._watch.poll()
         if reloaded is not None:
             self._report_reload(reloaded)
+        if self._file_watch is not None and self._file_watch.poll():
+            self._load_again()
         now = time.monotonic()
         passed, self._moved_at = now - self._moved_at, now
         is_moving = self.orbit.coast(min(passed, 0.1)) | self.state.play(passed)
@@ -135,7 +148,9 @@ class ViewerWindow:
         if action in ("panel", "help"):
             setattr(self.state, action, not getattr(self.state, action))
         else:
-            {"screenshot": self._save, "reload": self._reload, "close": self._close}[action]()
+            {"screenshot": self._save, "reload": self._reload, "close": self._close,
+             "full_screen": self._full_screen.toggle, "next_file": lambda: self._open_beside(1),
+             "previous_file": lambda: self._open_beside(-1)}[action]()
 
     def open(self, paths: list[str]) -> None:
         """Open models and environments, which differ by their extension, after a message was shown."""
@@ -185,13 +200,37 @@ class ViewerWindow:
                     environment.radiance  # noqa: B018  decode it here, where an error can be shown
                     self.state.relight(environment)
                 else:
-                    self._open_scene(load_scene(path))
+                    self._open_scene(self._files.load(path))
             except (ViewerError, OSError, MemoryError) as error:
                 self.state.say(str(error) or f"{path}: out of memory", is_error=True)
+        self._follow_files()
 
     def _open_scene(self, scene: Scene) -> None:
         self.state.open(scene)
         self._actions.begin_again()
+
+    def _open_beside(self, step: int) -> None:
+        try:
+            self.open([self._files.beside(step)])
+        except (InputError, OSError) as error:
+            self.state.say(str(error), is_error=True)
+
+    def _load_again(self) -> None:
+        """Show the file as it is now, from the same camera at the same time of its animation."""
+        path = self._files.path
+        assert path is not None
+        try:
+            self.state.open(self._files.load(path), again=True)
+            self.orbit.set_scene(self.state.scene)
+            self.state.say(f"Loaded {Path(path).name} again")
+        except (ViewerError, OSError, MemoryError) as error:
+            self.state.say(str(error) or f"{path}: out of memory", is_error=True)
+        self._follow_files()
+        self._input.changed = True
+
+    def _follow_files(self) -> None:
+        if self._file_watch is not None:
+            self._file_watch.follow(self._files.read)
 
     def _save(self) -> None:
         if 0 not in self._pixels:
@@ -211,6 +250,8 @@ class ViewerWindow:
             self.state.help = False
         elif self.state.message and self.state.is_error:
             self.state.message = ""
+        elif self._full_screen.is_on:
+            self._full_screen.toggle()
         else:
             glfw.set_window_should_close(self.window, True)
 

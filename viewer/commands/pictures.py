@@ -31,9 +31,13 @@ from .output import print_facts, print_text, warn, write_or_print_json
 
 @click.command(short_help="Open a model in a window.", context_settings={"default_map": {"denoise": "fast"}})
 @click.argument("model")
+@click.option("--watch", is_flag=True, help="Load the model again when its file changes, or a file that it refers to.")
+@click.option("--fullscreen", is_flag=True, help="Begin on the whole screen; F11 leaves it.")
 @with_options([*SCENE_OPTIONS, *TIME_OPTIONS, *PATH_OPTIONS, *CAMERA_OPTIONS, *COMMON_OPTIONS])
-def view(model: str, **options: Any) -> None:
+def view(model: str, watch: bool, fullscreen: bool, **options: Any) -> None:
     """Open MODEL in a window. Drag to orbit, scroll to move closer, press H for a list of all keys.
+
+    `pbr-viewer MODEL` does the same. Of a folder the first model is opened; Page Down and Page Up show the others.
 
     With --animation it plays, unless a --time is given, at which it stands still.
 
@@ -43,11 +47,29 @@ def view(model: str, **options: Any) -> None:
     """
     check_camera_options(options)
     from ..app import open_window
-    from ..jobs.assemble import make_camera, make_environment, make_playback, make_quality, make_scene, make_settings
+    from ..interact.model_files import ModelFiles
+    from ..jobs.assemble import (
+        load_model,
+        make_camera,
+        make_environment,
+        make_playback,
+        make_quality,
+        make_scene,
+        make_settings,
+    )
+    from ..jobs.inputs import find_models
+    from ..scene.files import noting_files
 
     settings = make_settings(options)
     start = time.perf_counter()
-    scene = make_scene(model, make_environment(options), options)
+    folder = model if Path(model).is_dir() else None
+    first = find_models([model])[0] if folder is not None else model
+    environment = make_environment(options)
+    with noting_files() as read:
+        scene = make_scene(first, environment, options)
+    others = {"up": options["up"]}  # the other options are about MODEL
+    files = ModelFiles(first, folder, lambda path: load_model(path, options if path == first else others), read)
+    model = first
     warn(model, scene, settings, options)
     tell = say if options["verbose"] else None
     if tell:
@@ -56,7 +78,8 @@ def view(model: str, **options: Any) -> None:
         options[name] is not None for name in ("eye", "camera", "fov"))
     camera = make_camera(model, scene, options) if asked else None
     open_window(scene, settings, camera, options["size"], use_cache=not options["no_cache"], tell=tell,
-                playback=make_playback(model, scene, options), quality=make_quality(options))
+                playback=make_playback(model, scene, options), quality=make_quality(options), files=files, watch=watch,
+                full_screen=fullscreen)
 
 
 class _Render(click.Command):

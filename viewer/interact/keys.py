@@ -49,10 +49,13 @@ KEYS = (
     Binding("Animation", ("COMMA",), "step_back", "Pause, and go back by 1/25 s"),
     Binding("Animation", ("PERIOD",), "step_on", "Pause, and go on by 1/25 s"),
     Binding("Window", ("TAB",), "panel", "Panel"),
+    Binding("Window", ("F11",), "full_screen", "Full screen, or not"),
+    Binding("Window", ("PAGE_DOWN",), "next_file", "Next model of the folder"),
+    Binding("Window", ("PAGE_UP",), "previous_file", "The model before it"),
     Binding("Window", ("H", "F1"), "help", "This help"),
     Binding("Window", ("S", "Ctrl+S", "F12"), "screenshot", "Save the picture as PNG in the current folder"),
     Binding("Window", ("R",), "reload", "Reload the shaders now"),
-    Binding("Window", ("Q", "ESCAPE"), "close", "Close: a list, the help, an error, the window"),
+    Binding("Window", ("Q", "ESCAPE"), "close", "Close: a list, the help, an error, full screen, the window"),
 )
 
 MOUSE = (
@@ -65,7 +68,8 @@ MOUSE = (
     ("Drop a file", "Open a model, or an HDR or EXR picture as environment"),
 )
 
-_LABELS = {"COMMA": ",", "PERIOD": ".", "ESCAPE": "Esc", "TAB": "Tab", "HOME": "Home", "SPACE": "Space"}
+_LABELS = {"COMMA": ",", "PERIOD": ".", "ESCAPE": "Esc", "TAB": "Tab", "HOME": "Home", "SPACE": "Space",
+           "PAGE_DOWN": "Page Down", "PAGE_UP": "Page Up"}
 
 
 def action_of(key: str, shift: bool = False, control: bool = False) -> str | None:

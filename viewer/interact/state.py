@@ -260,12 +260,19 @@ class ViewState:
     def set_lights(self, lights: tuple[Light, ...]) -> None:
         self.scene = self.scene.relit(lights=lights)
 
-    def open(self, scene: Scene) -> None:
-        """Show another model, with the same environment and the lights that the user has added."""
+    def open(self, scene: Scene, again: bool = False) -> None:
+        """Show another model, with the same environment and the lights that the user has added.
+
+        With `again` it is a newer version of the model that is shown, which keeps its place in its animation."""
         self.leave_furnace()
         added = tuple(light for light in self.scene.lights if light.name == ADDED_LIGHT)
         self.scene = scene.relit(environment=self.scene.environment, lights=(*scene.lights, *added))
-        self.playback = Playback(speed=self.playback.speed)
+        number = self.playback.animation
+        if again and number is not None and number < len(scene.animations):
+            self.playback.time = min(self.playback.time, self.playback.duration(scene))
+            self._pose()
+        else:
+            self.playback = Playback(speed=self.playback.speed)
 
     def on_screen(self) -> Settings:
         """The settings for display in a window, which has no alpha: a background of `none` becomes CLEAR_GREY, and so

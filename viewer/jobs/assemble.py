@@ -55,16 +55,22 @@ def make_scene(model: str, environment: Environment | None, options: dict[str, A
 
     Raises InputError for a file that cannot be used or that does not have the scene, variant or animation.
     """
-    wanted = options.get("scene")
-    if wanted is not None and wanted.isdecimal():
-        wanted = int(wanted)
-    scene = load_scene(model, wanted, options.get("variant"))
-    scene = upright(join(scene, *map(load_scene, options.get("with_files", ()))), options.get("up", "y"))
+    scene = load_model(model, options)
     scene = scene.relit(environment=environment, lights=(*scene.lights, *map(make_light, options["lights"])))
     time = options.get("time")
     if options.get("animation") is None and time is None:
         return scene
     return pose(model, scene, time or 0.0, find_animation(model, scene, options["animation"]))
+
+
+def load_model(model: str, options: dict[str, Any]) -> Scene:
+    """The scene of the file `model` at rest, in its own light, with the files that the options add. Raises as
+    `make_scene`."""
+    wanted = options.get("scene")
+    if wanted is not None and wanted.isdecimal():
+        wanted = int(wanted)
+    scene = load_scene(model, wanted, options.get("variant"))
+    return upright(join(scene, *map(load_scene, options.get("with_files", ()))), options.get("up", "y"))
 
 
 def pose(model: str, scene: Scene, time: float, animation: int) -> Scene:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import re
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from os import PathLike
 from pathlib import Path
 from urllib.parse import unquote
@@ -21,6 +24,7 @@ def read_file(path: str | PathLike[str], name: str = "", place: str = "") -> byt
     or `path` itself if there is no `name`.
     """
     path = Path(path)
+    _note(path)
     try:
         mode = path.stat().st_mode
         if stat.S_ISDIR(mode):
@@ -57,6 +61,7 @@ def path_inside(model: Path, uri: str, place: str) -> Path:
             path = (folder / text).resolve()
         except (OSError, RuntimeError, ValueError) as error:
             raise InputError(model, place, f"{text[:80]!r} cannot be resolved") from error
+        _note(path)
         if not path.is_relative_to(folder):
             raise OutsideError(model, place, f"{text[:80]!r} lies outside the model's folder")
         if path == model.resolve():
@@ -64,6 +69,26 @@ def path_inside(model: Path, uri: str, place: str) -> Path:
         if _exists(path):
             return path
     raise InputError(model, place, f"no such file: {unquote(uri)[:80]!r}")
+
+
+_noted: ContextVar[set[Path] | None] = ContextVar("noted", default=None)
+
+
+@contextmanager
+def noting_files() -> Iterator[set[Path]]:
+    """Note the files that this thread reads, or looks for, within the block: the model and what it refers to."""
+    found: set[Path] = set()
+    token = _noted.set(found)
+    try:
+        yield found
+    finally:
+        _noted.reset(token)
+
+
+def _note(path: Path) -> None:
+    found = _noted.get()
+    if found is not None:
+        found.add(path.absolute())
 
 
 def _exists(path: Path) -> bool:
