@@ -26,6 +26,9 @@ class InputError(ViewerError):
         text = ": ".join(part for part in (self.file, place, problem) if part)
         super().__init__(" ".join(text.split()))
 
+    def __reduce__(self) -> tuple[type[InputError], tuple[str, str, str]]:
+        return type(self), (self.file, self.place, self.problem)
+
 
 class OutputError(ViewerError):
     """A result that cannot be written."""

@@ -16,15 +16,18 @@ class WorkerLost(ViewerError):
     """The worker has ended in the midst of a task; the text says how."""
 
 
+class Doer(Protocol):
+    """What does tasks, one at a time: `viewer.batch.work.Worker`."""
+
+    def do(self, task: RenderTask, progress: Progress) -> Done: ...
+
+
 class Engine(Protocol):
     """Does tasks. A `with` block ends its workers, and what they are doing then is given up."""
 
     @property
     def room(self) -> int:
         """How many tasks it takes at a time."""
-
-    def check(self) -> None:
-        """Raises InputError for an environment that cannot be used, which would be told for each model."""
 
     def submit(self, task: RenderTask) -> Future[Done]:
         """The future raises WorkerLost, or what `Worker.do` raises."""
@@ -35,15 +38,14 @@ class Engine(Protocol):
 
 
 class Here:
-    """Does a task in this process, as soon as it is submitted."""
+    """An `Engine` that does a task in this process, as soon as it is submitted."""
 
     room = 1
 
-    def __init__(self, job: RenderJob, progress: Progress) -> None:
+    def __init__(self, job: RenderJob, has_several: bool, progress: Progress) -> None:
         self._worker, self._progress = Worker(job, say), progress
-
-    def check(self) -> None:
-        self._worker.renderer.decode_environment()
+        if has_several:
+            self._worker.renderer.decode_environment()
 
     def submit(self, task: RenderTask) -> Future[Done]:
         future: Future[Done] = Future()

@@ -5,6 +5,9 @@ from __future__ import annotations
 import click
 
 BATCH_OPTIONS = [
+    click.option("--jobs", type=click.IntRange(1, 1024), metavar="N",
+                 help="Render in N processes beside this one. A model that crashes its process is reported, and the "
+                      "others go on."),
     click.option("--resume", is_flag=True,
                  help="Leave out the models whose pictures are there already, made of the same files with the same "
                       "options by a run that was stopped or killed, or in which others have failed; manifest.jsonl "
@@ -14,5 +17,5 @@ BATCH_OPTIONS = [
                       "wrong with a file stays wrong, so that is not tried again. Default: 1 for several models, "
                       "0 for one."),
 ]
-BATCH = ("resume", "retries")
+BATCH = ("jobs", "resume", "retries")
 """The names of these options; no picture depends on them."""

@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
+import time
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 from ..base.atomic import write_json
 from ..base.messages import say
 from ..base.progress import Progress
 from ..base.signals import Stopped
+from ..jobs.assemble import make_environment
 from ..jobs.camera_output import write_camera_files
 from ..jobs.model_renderer import Record
 from ..jobs.render_job import RenderJob, RenderTask
 from .engines import Engine, Here, WorkerLost
 from .keys import Keys
 from .manifest import Line, Manifest
-from .work import Done
+from .work import Done, Worker
 
 
 @dataclass(frozen=True)
@@ -28,14 +31,16 @@ class Batch:
 
     `stats` names a JSON file for the times, plan and memory, or the error, of each picture. `folder` is that of the
     manifest; None for none. With `resume` the pictures that are done by it are left out. `retries` is how often a model
-    is tried again that has failed for reasons which may pass; None for the default. `cameras` has the file for the
-    cameras of each model's pictures.
+    is tried again that has failed for reasons which may pass; None for the default. `jobs` is the number of processes
+    beside this one that do the tasks; None for this one alone. `cameras` has the file for the cameras of each model's
+    pictures.
     """
 
     stats: str | None = None
     folder: Path | None = None
     resume: bool = False
     retries: int | None = None
+    jobs: int | None = None
     cameras: Mapping[str, Path] = field(default_factory=dict)
 
 
@@ -60,7 +65,15 @@ def render_all(tasks: Sequence[RenderTask], job: RenderJob, batch: Batch) -> int
         if batch.resume and not job.options["quiet"]:
             say(f"{len(tasks) - len(attempts)} of {len(tasks)} models are done already")
         progress = stack.enter_context(Progress(len(attempts), not job.options["quiet"], unit="models"))
-        run.do(attempts, stack.enter_context(Here(job, progress)))
+        is_told = batch.jobs is not None
+        try:
+            run.do(attempts, stack.enter_context(_engine(job, batch, len(attempts) > 1, progress)), progress)
+        except Stopped:
+            is_told = True
+            raise
+        finally:
+            if is_told and len(attempts) > 1 and not job.options["quiet"]:
+                say(run.summary(len(attempts)))
     records = [record for _, found in sorted(run.records.items()) for record in found]
     all_known = sorted((run.known | run.records).items())
     write_camera_files(batch.cameras, [record for _, found in all_known for record in found], job.options)
@@ -69,6 +82,19 @@ def render_all(tasks: Sequence[RenderTask], job: RenderJob, batch: Batch) -> int
     if run.stopped is not None:
         return Stopped(run.stopped).exit_status
     return 1 if any("error" in record for record in records) else 0
+
+
+def _engine(job: RenderJob, batch: Batch, has_several: bool, progress: Progress) -> Engine:
+    """What does the tasks. Raises InputError for an environment that cannot be used, which `has_several` models would
+    tell of one after the other."""
+    if batch.jobs is None:
+        return Here(job, has_several, progress)
+    from .processes import Processes
+
+    environment = make_environment(job.options)
+    if has_several and environment is not None:
+        environment.radiance  # noqa: B018  it is decoded when it is first read
+    return Processes(partial(Worker, job), batch.jobs)
 
 
 class _Run:
@@ -82,11 +108,15 @@ class _Run:
         self.records: dict[int, tuple[Record, ...]] = {}
         self.known: dict[int, tuple[Record, ...]] = {}
         self.stopped: int | None = None
+        self._started = time.monotonic()
 
     def is_done(self, number: int, task: RenderTask) -> bool:
         """Whether it need not be done, because the manifest to resume says that it was."""
-        manifest, key = self._manifest, self._key(task)
-        if not self._batch.resume or manifest is None or not manifest.is_done(task, key):
+        manifest = self._manifest
+        if not self._batch.resume or manifest is None:
+            return False
+        key = self._key(task)
+        if not manifest.is_done(task, key):
             return False
         lines = manifest.lines_of(task, key)
         if self._batch.cameras and any(line.camera is None for line in lines):
@@ -100,10 +130,8 @@ class _Run:
             return ""
         return self._keys.of(task.model, self._manifest.out(task.picture()))
 
-    def do(self, attempts: Sequence[_Attempt], engine: Engine) -> None:
+    def do(self, attempts: Sequence[_Attempt], engine: Engine, progress: Progress) -> None:
         """Do them all, unless a signal ends one early."""
-        if len(attempts) > 1:
-            engine.check()
         waiting = deque(attempts)
         running: dict[Future[Done], tuple[_Attempt, str]] = {}
         while self.stopped is None and (waiting or running):
@@ -112,7 +140,10 @@ class _Run:
                 key = self._key(attempt.task)  # of the files before they are read, in case that they change meanwhile
                 running[engine.submit(attempt.task)] = attempt, key
             for future in wait(running, return_when=FIRST_COMPLETED).done:
-                waiting.extend(self._note(*running.pop(future), future))
+                attempt, key = running.pop(future)
+                waiting.extend(self._note(attempt, key, future))
+                if not isinstance(engine, Here):  # which shows what it does now
+                    progress.done(len(self.records), Path(attempt.task.model).name)
 
     def _note(self, attempt: _Attempt, key: str, future: Future[Done]) -> Iterator[_Attempt]:
         """Note what has become of the attempt; yields another one if it is to be tried again."""
@@ -133,6 +164,18 @@ class _Run:
         self.records[attempt.number] = done.records
         if self._manifest is not None:
             self._manifest.add(list(self._lines(task, key, done, self._manifest)))
+
+    def summary(self, count: int) -> str:
+        """What has become of `count` models, and in which time."""
+        seconds = time.monotonic() - self._started
+        failed = sum(any("error" in record for record in records) for records in self.records.values())
+        rate = 60 * len(self.records) / max(seconds, 1e-3)
+        parts = [f"{len(self.records) - failed} of {count} models are rendered"]
+        parts += [f"{failed} failed"] if failed else []
+        where = f"; {self._manifest.path} has a line for each picture" if self._manifest is not None else ""
+        if self._manifest is not None and len(self.records) < count:
+            where += ", by which --resume goes on"
+        return f"{', '.join(parts)} in {seconds:.0f} s, {rate:.3g} a minute{where}"
 
     @staticmethod
     def _lines(task: RenderTask, key: str, done: Done, manifest: Manifest) -> Iterator[Line]:

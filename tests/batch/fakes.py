@@ -1,0 +1,43 @@
+"""Stand-ins for a worker that renders: what they do with a task stands in the name of its model."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from pathlib import Path
+
+from viewer.base.atomic import atomic_write
+from viewer.base.progress import Progress
+from viewer.batch.work import Done
+from viewer.errors import ContextError, InputError
+from viewer.jobs.render_job import RenderTask
+
+
+class FakeWorker:
+    """`fail` is reported; `kill`, `crash` and `exit` end the process while a file is half written, `kill-once` only the
+    first time; `wait` takes until the file `go` is there; `context` and `input` raise."""
+
+    def do(self, task: RenderTask, progress: Progress) -> Done:
+        name = Path(task.model).stem
+        record: dict[str, object] = {"model": task.model, "output": str(task.output), "wall_s": {"total": 0.1}}
+        if name.startswith("fail"):
+            return Done(({**record, "error": f"{task.model}: broken"},), str(os.getpid()), (f"{task.model}: broken",))
+        if name == "context":
+            raise ContextError("no OpenGL context")
+        if name == "input":
+            raise InputError("env.hdr", "line 1", "is broken")
+        with atomic_write(task.output) as temporary:
+            temporary.write_text("half")
+            if name == "kill-once" and not Path("killed").exists():
+                Path("killed").touch()
+                os.kill(os.getpid(), signal.SIGKILL)
+            if name in ("kill", "crash"):
+                os.kill(os.getpid(), signal.SIGKILL if name == "kill" else signal.SIGSEGV)
+            if name == "exit":
+                os._exit(3)
+            while name == "wait" and not Path("go").exists():
+                Path("waits").touch()
+                time.sleep(0.01)
+            temporary.write_text("whole")
+        return Done((record,), str(os.getpid()))

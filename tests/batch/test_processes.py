@@ -1,0 +1,67 @@
+"""Tasks in processes that crash, are killed or take long: the others go on, and no file is left half written."""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+import threading
+from concurrent.futures import Future, wait
+from pathlib import Path
+
+import pytest
+from command_line import names
+from fakes import FakeWorker
+from needs import needs
+from waiting import wait_until
+
+from viewer.batch.engines import WorkerLost
+from viewer.batch.processes import Processes, how_it_ended
+from viewer.batch.work import Done
+from viewer.errors import ContextError, InputError
+from viewer.jobs.render_job import RenderTask
+
+pytestmark = needs("posix")
+
+
+def submitted(engine: Processes, *models: str) -> list[Future[Done]]:
+    return [engine.submit(RenderTask(f"{model}.glb", Path(f"out/{model}.png"))) for model in models]
+
+
+@pytest.fixture
+def out(folder):
+    (folder / "out").mkdir()
+    return folder / "out"
+
+
+def test_a_process_that_dies_fails_its_own_task_alone(out):
+    with Processes(FakeWorker, 2) as engine:
+        waiting, killed, crashed, ended, *others = submitted(engine, "wait", "kill", "crash", "exit", "a", "b")
+        assert [future.result().records[0]["output"] for future in others] == ["out/a.png", "out/b.png"]
+        lost = {future: str(future.exception()) for future in (killed, crashed, ended)}
+        assert all(isinstance(future.exception(), WorkerLost) for future in lost) and not waiting.done()
+        Path("go").touch()
+        assert waiting.result().worker != others[0].result().worker
+    assert lost[killed] == "the process that rendered it was killed (SIGKILL), perhaps for want of memory"
+    assert lost[crashed] == "the process that rendered it has crashed (SIGSEGV)" == how_it_ended(-signal.SIGSEGV)
+    assert lost[ended] == "the process that rendered it has ended (exit status 3)"
+    assert [name for name in names(out) if not name.startswith(".")] == ["a.png", "b.png", "wait.png"]
+    assert all((out / name).read_text() == "whole" for name in ("a.png", "b.png", "wait.png"))
+
+
+def test_what_concerns_all_models_arrives_as_it_is_and_the_process_goes_on(out):
+    with Processes(FakeWorker, 1) as engine:
+        context, failed, broken, done = submitted(engine, "context", "fail", "input", "a")
+        wait([done])
+        assert isinstance(context.exception(), ContextError) and failed.result().lines == ("fail.glb: broken",)
+        assert str(broken.exception()) == "env.hdr: line 1: is broken" and type(broken.exception()) is InputError
+        assert done.result().worker == failed.result().worker
+
+
+def test_the_end_gives_up_what_is_in_progress_and_leaves_no_file_of_it(out):
+    before = threading.active_count()
+    with Processes(FakeWorker, 1) as engine:
+        running, pending = submitted(engine, "wait", "a")
+        wait_until(Path("waits").exists)
+    assert isinstance(running.exception(), WorkerLost) and pending.cancelled()
+    assert names(out) == [] and threading.active_count() == before
+    assert multiprocessing.active_children() == []
