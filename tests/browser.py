@@ -118,6 +118,13 @@ class Browser:
         for kind in ("keyDown", "keyUp"):
             self._ask("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=codes[key])
 
+    def strike(self, letter: str) -> None:
+        """Press the key of a small letter or a digit."""
+        code = f"Digit{letter}" if letter.isdigit() else f"Key{letter.upper()}"
+        for kind in ("keyDown", "keyUp"):
+            self._ask("Input.dispatchKeyEvent", type=kind, key=letter, code=code,
+                      windowsVirtualKeyCode=ord(letter.upper()))
+
     def shot(self, file: Path) -> None:
         """A picture of the whole page."""
         data = self._ask("Page.captureScreenshot", captureBeyondViewport=True)["data"]

@@ -84,6 +84,8 @@ NEEDS = {
     "oidn": Need("Intel's denoiser", "pyoidn is not installed", "pip install 'pbr-viewer[oidn]'",
                  _has_package("pyoidn")),
     "usd": Need("USD", "usd-core is not installed", "pip install 'pbr-viewer[usd]'", _has_package("pxr")),
+    "serve": Need("the server for browsers", "websockets is not installed", "pip install 'pbr-viewer[serve]'",
+                  _has_package("websockets")),
     "vdb": Need("OpenVDB files that Blosc compresses", "numcodecs is not installed", "pip install 'pbr-viewer[vdb]'",
                 _has_package("numcodecs")),
     "mitsuba": Need("pictures against Mitsuba's", "Mitsuba, or the LLVM 19 or newer that it needs, is not installed",

@@ -1,4 +1,4 @@
-"""The command line: pbr-viewer view, render, page, info, check, report, diff, doctor, cache.
+"""The command line: pbr-viewer view, render, page, serve, info, check, report, diff, doctor, cache.
 
 Exit status: 0 success; 1 the input is bad or the output cannot be written; 2 wrong usage; 3 no OpenGL context;
 130 interrupted. An error is reported in one line on stderr.
@@ -16,7 +16,7 @@ import click
 from .base.heap import share_one_heap
 from .base.messages import say_error
 from .base.signals import Stopped, stoppable
-from .commands.browser import page
+from .commands.browser import page, serve
 from .commands.machine import cache, doctor
 from .commands.measurements import check, diff, report
 from .commands.output import print_text
@@ -60,7 +60,7 @@ def cli() -> None:
     """
 
 
-for command in (view, render, page, info, check, report, diff, doctor, cache):
+for command in (view, render, page, serve, info, check, report, diff, doctor, cache):
     cli.add_command(command)
 
 

@@ -1,4 +1,4 @@
-"""The commands for browsers: page."""
+"""The commands for browsers: page, serve."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from ..jobs.camera_options import CAMERA_OPTIONS, check_camera_options
+from ..jobs.camera_options import CAMERA_OPTIONS, check_camera_options, chooses_camera
 from ..jobs.options import (
     BACKEND_OPTION,
     NO_CACHE_OPTION,
@@ -16,10 +16,11 @@ from ..jobs.options import (
     QUIET_OPTION,
     SCENE_OPTIONS,
     TIME_OPTIONS,
+    Size,
     size_option,
     with_options,
 )
-from .output import warn
+from .output import print_text, warn
 
 
 class _Frames(click.ParamType):
@@ -74,3 +75,38 @@ def page(model: str, output: str, **options: Any) -> None:
         scene = make_scene(model, make_environment(options), options)
         warn(model, scene, settings, options)
         write_page(model, Path(output), scene, settings, make_quality(options), options)
+
+
+@click.command(short_help="Show a model in a browser, drawn here.",
+               context_settings={"default_map": {"denoise": "fast"}})
+@click.argument("model")
+@click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS",
+              help="The address of this machine to listen at. By default only this machine can connect; 0.0.0.0 opens "
+                   "the port to all who can reach it.")
+@click.option("--port", type=click.IntRange(0, 65535), default=8765, show_default=True, metavar="N",
+              help="The port to listen at; 0 is any that is free.")
+@click.option("--size", type=Size(), default="1280x720", show_default=True,
+              help="The largest picture; in a smaller window it is smaller, in a larger one it is enlarged.")
+@with_options([*SCENE_OPTIONS, *TIME_OPTIONS, *PATH_OPTIONS, *CAMERA_OPTIONS, BACKEND_OPTION, NO_CACHE_OPTION,
+               QUIET_OPTION])
+def serve(model: str, **options: Any) -> None:
+    """Draw MODEL here, without a screen, and show it in a browser: the window, for a machine that has none.
+
+    The address is printed. A secret token in it is the key: who has the address sees the model and turns it, others
+    get nothing. All who look share one camera. Ctrl-C ends it. Needs `pip install 'pbr-viewer[serve]'`.
+
+    \b
+    pbr-viewer serve helmet.glb
+    ssh -L 8765:127.0.0.1:8765 SERVER pbr-viewer serve helmet.glb
+    """
+    check_camera_options(options)
+    from ..jobs.assemble import make_camera, make_environment, make_playback, make_quality, make_scene, make_settings
+    from ..web.serve_job import check_serve_options, serve_model
+
+    settings = make_settings(options)
+    check_serve_options(options)
+    scene = make_scene(model, make_environment(options), options)
+    warn(model, scene, settings, options)
+    camera = make_camera(model, scene, options) if chooses_camera(options) else None
+    playback = make_playback(model, scene, options)
+    serve_model(scene, settings, camera, playback, make_quality(options), options, print_text)

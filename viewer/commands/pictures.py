@@ -12,7 +12,7 @@ import click
 
 from ..base.messages import say
 from ..batch.options import BATCH, BATCH_OPTIONS
-from ..jobs.camera_options import CAMERA_FILE_OPTIONS, CAMERA_OPTIONS, check_camera_options
+from ..jobs.camera_options import CAMERA_FILE_OPTIONS, CAMERA_OPTIONS, check_camera_options, chooses_camera
 from ..jobs.options import (
     AOV_OPTION,
     BACKEND_OPTION,
@@ -74,9 +74,7 @@ def view(model: str, watch: bool, fullscreen: bool, **options: Any) -> None:
     tell = say if options["verbose"] else None
     if tell:
         tell(f"{model}: load {time.perf_counter() - start:.3f} s")
-    asked = any(options[name] for name in ("orbit", "view", "ortho", "target")) or any(
-        options[name] is not None for name in ("eye", "camera", "fov"))
-    camera = make_camera(model, scene, options) if asked else None
+    camera = make_camera(model, scene, options) if chooses_camera(options) else None
     open_window(scene, settings, camera, options["size"], use_cache=not options["no_cache"], tell=tell,
                 playback=make_playback(model, scene, options), quality=make_quality(options), files=files, watch=watch,
                 full_screen=fullscreen)

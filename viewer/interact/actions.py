@@ -35,6 +35,11 @@ class Actions:
             "next_camera": self._show_next_camera,
         }
 
+    @property
+    def names(self) -> set[str]:
+        """All that `do` does."""
+        return {*VIEWS, *_DIRECTIONS, *self._others}
+
     def do(self, action: str) -> bool:
         """Do `action`. Returns whether it is one that concerns the view."""
         if action in VIEWS:

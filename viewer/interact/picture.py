@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -173,6 +173,10 @@ class Picture:
         else:
             self._present(self._state.on_screen(), framebuffer)
 
+    def shown(self, size: tuple[int, int]) -> np.ndarray:
+        """What `present` shows at `size` pixels, the size of the last `update`: (H, W, 3) uint8, row 0 at the top."""
+        return self._read(self.present, size)[..., :3]
+
     def release(self) -> None:
         self.error.release()
         self.paths.release()
@@ -186,7 +190,7 @@ class Picture:
             if not self._is_all_paths(size):
                 self._draw(settings, size, still=True)
                 self._renderer.add_photons(math.inf, settings.photons)
-            image = Image.from_srgb(self._read(settings, size))
+            image = Image.from_srgb(self._read(lambda framebuffer: self._present(settings, framebuffer), size))
             image.attributes.update(self.paths.attributes)
             image.save(path)
         except (ViewerError, OSError) as error:
@@ -216,11 +220,11 @@ class Picture:
         """Whether the path-traced picture covers everything, so that the raster need not be shown."""
         return self.paths.picture is not None and all(mode == "path" for mode, _ in self._state.parts(size))
 
-    def _read(self, settings: Settings, size: tuple[int, int]) -> np.ndarray:
-        """The displayed picture, (H, W, 4) uint8, row 0 at the top."""
+    def _read(self, present: Callable[[moderngl.Framebuffer], None], size: tuple[int, int]) -> np.ndarray:
+        """What `present` draws, (H, W, 4) uint8, row 0 at the top."""
         color = self._renderer.context.gl.renderbuffer(size, 4)
         framebuffer = self._renderer.context.gl.framebuffer([color])
-        self._present(settings, framebuffer)
+        present(framebuffer)
         pixels = np.frombuffer(framebuffer.read(components=4), np.uint8).reshape(size[1], size[0], 4)
         framebuffer.release()
         color.release()

@@ -76,3 +76,9 @@ def check_camera_options(options: dict[str, Any], takes_several: bool = False) -
                 raise UsageError(f"--{name} and --{file_has} cannot be used together")
     if options["eye"] is not None and options["eye"] == options["target"]:
         raise UsageError("--eye and --target are the same point")
+
+
+def chooses_camera(options: dict[str, Any]) -> bool:
+    """Whether any option says from where to look."""
+    return any(options[name] for name in ("orbit", "view", "ortho", "target")) or any(
+        options[name] is not None for name in ("eye", "camera", "fov"))

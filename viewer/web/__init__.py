@@ -1,1 +1,1 @@
-"""Models in a browser: pages of pictures."""
+"""Models in a browser: pages of pictures, and views that are drawn here and shown there."""
