@@ -194,7 +194,7 @@ void main() {
     occlusion = 1.0 + u_occlusion_strength * (occlusion_texel().r - 1.0);
 #endif
 #if VISIBILITY
-    vec4 visible = visibility(v_position, p.n_geometric);
+    vec4 visible = visibility(v_position, p.n_geometric, p.n);
 #else
     const vec4 visible = vec4(1.0);
 #endif

@@ -23,7 +23,7 @@ Interior interior_at(MaterialInputs m, out vec3 dimmed) {
 uniform sampler2D u_subsurface, u_subsurface_positions;
 
 vec3 spread_light(vec3 position, vec3 n) {
-    return joint_bilateral_fetch(u_subsurface, u_subsurface_positions, position, n, vec4(0.0)).rgb;
+    return joint_bilateral_fetch(u_subsurface, u_subsurface_positions, position, n, vec3(0.0), vec4(0.0)).rgb;
 }
 #else
 // Makes of the medium two cosine lobes of the surface, one on each side.

@@ -12,5 +12,5 @@ float traced_share(float perceptual_roughness) {
 }
 
 vec4 traced_reflection(vec3 position, vec3 n) {
-    return joint_bilateral_fetch(u_reflected, u_ray_positions, position, n, vec4(0.0));
+    return joint_bilateral_fetch(u_reflected, u_ray_positions, position, n, vec3(0.0), vec4(0.0));
 }

@@ -8,5 +8,5 @@ uniform sampler2D u_path_positions;
 
 // a < 0 where no path began nearby
 vec4 traced_light(sampler2D radiance, vec3 n) {
-    return joint_bilateral_fetch(radiance, u_path_positions, v_position, n, vec4(-1.0));
+    return joint_bilateral_fetch(radiance, u_path_positions, v_position, n, vec3(0.0), vec4(-1.0));
 }

@@ -12,3 +12,17 @@ vec3 from_octahedron(vec2 p) {
     float z = 1.0 - abs(p.x) - abs(p.y);
     return normalize(vec3(z < 0.0 ? fold_octahedron(p) : p, z));
 }
+
+// A point of the square in one number: 11 bits for each coordinate make a whole number, which a float holds exactly. All
+// are PACKED or more.
+const float PACKED = 2.0, PACKED_LAST = 2047.0;
+
+float pack_octahedron(vec2 p) {
+    vec2 steps = floor((clamp(p, -1.0, 1.0) + 1.0) * 0.5 * PACKED_LAST + 0.5);
+    return PACKED + steps.x + (PACKED_LAST + 1.0) * steps.y;
+}
+
+vec2 unpack_octahedron(float packed_point) {
+    float y = floor((packed_point - PACKED) / (PACKED_LAST + 1.0));
+    return vec2(packed_point - PACKED - (PACKED_LAST + 1.0) * y, y) / PACKED_LAST * 2.0 - 1.0;
+}

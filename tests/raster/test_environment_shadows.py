@@ -12,6 +12,7 @@ from viewer.bake.many_lights import many_lights
 from viewer.bake.prefilter import prefilter
 from viewer.scene.curves import Curves
 from viewer.scene.light import Light
+from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Instance
 
 SIZE = (48, 48)
@@ -119,6 +120,34 @@ def test_lights_add_up_to_the_environment():
             big = lopsided(256).radiance
             exact = np.einsum("ij,ijc->c", np.sin(theta) * np.maximum(d @ n, 0), big) * (np.pi / 256) ** 2
             assert np.abs(found / exact - 1).max() < 2.0 / count**0.5
+
+
+def ridged_floor(count: int = 40) -> Mesh:
+    """A metal floor in strips along the wall, that are shaded as if every other one leant to it, and the rest away."""
+    edges = np.linspace(-2, 2, count + 1)
+    z = np.repeat(np.stack([edges[:-1], edges[1:]], axis=1)[:, :, None], 2, axis=2)
+    x = np.broadcast_to([-2.0, 2.0], z.shape)
+    lean = np.broadcast_to(0.5 * (-1.0) ** np.arange(count)[:, None, None], z.shape)
+    positions = np.stack([x, np.zeros_like(z), z], axis=-1).reshape(-1, 3).astype(np.float32)
+    normals = np.stack([np.zeros_like(z), np.cos(lean), np.sin(lean)], axis=-1).reshape(-1, 3).astype(np.float32)
+    quads = 4 * np.arange(count)[:, None] + [0, 2, 3, 0, 3, 1]
+    return Mesh("ridges", positions, 0, indices=quads.astype(np.uint32).ravel(), normals=normals)
+
+
+def test_large_pictures_are_interpolated_from_a_bounded_number_of_points(radiance, monkeypatch):
+    """A strip does not take the light of those beside it, which face other ways."""
+    size = (96, 64)
+    shiny = replace(WHITE, metallic=1.0, perceptual_roughness=0.3, double_sided=True)
+    flat = corner(environment=lopsided())
+    model = replace(flat, meshes=(ridged_floor(), flat.meshes[1]), materials=(shiny, BLACK),
+                    instances=(Instance(0, np.eye(4)), flat.instances[1]))
+    whole, fewer = [], []
+    for points, pictures in ((1 << 20, whole), (96 * 64 // 4, fewer)):
+        monkeypatch.setattr("viewer.raster.passes.MOST_POINTS", points)
+        pictures += [radiance(model, VIEW, size, environment_shadows=lights)[..., :3] for lights in ("off", "64")]
+    assert np.array_equal(whole[0], fewer[0]) and not np.array_equal(whole[1], fewer[1])
+    relmse = [((picture - whole[1])**2 / (whole[1]**2 + 0.01)).mean() for picture in (fewer[1], whole[0])]
+    assert relmse[0] < 0.01 * relmse[1]
 
 
 def test_a_black_environment_gives_no_nan(radiance):

@@ -10,6 +10,7 @@ import pytest
 from shapes import moved, plate, scene, sphere
 
 from viewer.scene.camera import Camera
+from viewer.scene.frame import Frame
 from viewer.scene.framing import MARGIN, NEAREST, fit
 from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Instance, Scene
@@ -123,3 +124,15 @@ def test_instances_that_only_a_translation_tells_apart_are_looked_at_once(monkey
 
 def test_a_scene_of_nothing_has_a_camera():
     assert np.isfinite(Scene("empty").framing_camera(1.0).pose).all()
+
+
+@pytest.mark.parametrize("height", [None, 2.0])
+def test_fewer_pixels_show_the_same_view(height):
+    """Each point is at the same place of the picture, though 7 x 4 pixels are not as wide as 1281 x 719."""
+    model, camera = scene(sphere(segments=8)), replace(Camera.orbit((0, 0, 0), 4.0, 0.5, 0.3), height=height)
+    whole = Frame(model, camera, (1281, 719))
+    coarse = whole.within(28)
+    assert coarse.size == (7, 4) and whole.within(1281 * 719) is whole
+    assert np.array_equal(coarse.view_projection, whole.view_projection) and np.array_equal(coarse.ray, whole.ray)
+    assert np.array_equal(coarse.within(6).view_projection, whole.view_projection)
+    assert Frame(model, camera, (10_000, 1)).within(100).size == (1000, 1)

@@ -28,7 +28,7 @@ from .target import Target
 from .traced.reflections import TracedReflections
 from .traced.refraction import TracedRefraction
 from .transmission import Backdrop
-from .visibility import VisibilityPass
+from .visibility import MOST_POINTS, VisibilityPass
 from .wireframe import Wireframe
 
 
@@ -103,16 +103,17 @@ class Passes:
 
     def _draw_before_surfaces(self, plan: Plan, frame: Frame, pixels: Frame,
                               uniforms: dict[str, object]) -> dict[str, object]:
-        """Find what surfaces look up for each pixel. Under supersampling visibility is found once a pixel,
-        reflections at each point that is shaded."""
+        """Find what surfaces look up for each pixel. Under supersampling visibility is found once a pixel or
+        less, reflections at each point that is shaded."""
         found: dict[str, object] = {}
-        views = [pixels] * plan.has_visibility + [frame] * plan.has_traced_reflections
+        seen = pixels.within(MOST_POINTS) if plan.environment_shadows else pixels
+        views = [seen] * plan.has_visibility + [frame] * plan.has_traced_reflections
         if views:
             with self._watch.drawing("G-buffer"):
                 gbuffers = self._drawn_gbuffers({view.size: view for view in views}, plan, uniforms)
         if plan.has_visibility:
             with self._watch.drawing("visibility"):
-                found |= self._visibility.find(pixels, plan, gbuffers[pixels.size])
+                found |= self._visibility.find(seen, plan, gbuffers[seen.size])
         if plan.has_traced_reflections:
             with self._watch.drawing("reflections"):
                 found |= self.reflections.find(frame, gbuffers[frame.size], uniforms | found)

@@ -17,9 +17,13 @@ from ..scene.material import Texture
 from ..scene.scene import Scene
 from .environment import EnvironmentLight
 from .environment_shadows import EnvironmentShadows
-from .gbuffer import GBuffer, nearest_texture
+from .gbuffer import UNIT_NORMALS, GBuffer, nearest_texture
 from .shadows import Casters
 from .surfaces import UNIT_BACKGROUND, UNIT_VISIBILITY
+
+MOST_POINTS = 1 << 17
+"""Shadows of the environment are found at so many points of a picture, each of which takes as many lookups as there are
+lights. In a larger picture they are interpolated: they are softer than a pixel, and their maps coarser."""
 
 
 class VisibilityPass:
@@ -66,7 +70,9 @@ class _Targets:
         self._sums = [nearest_texture(gl, gbuffer.size, "f4") for _ in range(2)]
         self._visibility = nearest_texture(gl, gbuffer.size, "f2")
         self._summing = gbuffer.target(*self._sums)
+        self._places = nearest_texture(gl, gbuffer.size, "f4")
         self._result = gbuffer.target(self._visibility)
+        self._result_and_places = gbuffer.target(self._visibility, self._places)
 
     def draw_environment_shadows(
         self, programs: Programs, frame: Frame, shadows: EnvironmentShadows
@@ -75,16 +81,19 @@ class _Targets:
         self._summing.use()
         self._summing.clear()
         gl.blend_func = moderngl.ONE, moderngl.ONE
+        uniforms = self.gbuffer.bind(frame)
         with self.gbuffer.on_surfaces(moderngl.BLEND):
-            shadows.add(programs, frame, self.gbuffer.bind(frame))
+            shadows.add(programs, frame, uniforms)
         gl.enable_only(moderngl.NOTHING)
-        self._result.use()
+        self._result_and_places.use()
         program = programs.get("display/fullscreen.vert", "raster/visibility.frag", {})
-        for unit, (name, texture) in enumerate(zip(("u_shadowed", "u_unshadowed"), self._sums, strict=True)):
+        for unit, (name, texture) in enumerate(zip(("u_shadowed", "u_unshadowed"), self._sums), UNIT_NORMALS + 1):
             texture.use(unit)
-            set_uniform(program, name, unit)
+            uniforms[name] = unit
+        for name, value in uniforms.items():
+            set_uniform(program, name, value)
         fullscreen(gl, program).render(vertices=3)
-        return self._uniforms()
+        return self._uniforms(self._places)
 
     def draw_ambient_occlusion(self, programs: Programs, frame: Frame) -> dict[str, object]:
         self._result.use()
@@ -98,13 +107,14 @@ class _Targets:
             set_uniform(program, name, value)
         with self.gbuffer.on_surfaces():
             fullscreen(self._gl, program).render(vertices=3)
-        return self._uniforms()
+        return self._uniforms(self.gbuffer.positions)
 
-    def _uniforms(self) -> dict[str, object]:
+    def _uniforms(self, places: moderngl.Texture) -> dict[str, object]:
         self._visibility.use(UNIT_VISIBILITY)
-        self.gbuffer.positions.use(UNIT_BACKGROUND)
+        places.use(UNIT_BACKGROUND)
         return {"u_visibility": UNIT_VISIBILITY, "u_positions": UNIT_BACKGROUND}
 
     def release(self) -> None:
-        for thing in (self._summing, self._result, *self._sums, self._visibility):
+        for thing in (self._summing, self._result, self._result_and_places, *self._sums, self._visibility,
+                      self._places):
             thing.release()

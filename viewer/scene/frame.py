@@ -7,6 +7,7 @@ a thousand kilometres, at the origin or a million units away, give the same floa
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -24,6 +25,16 @@ class Frame:
     size: tuple[int, int]
     is_depth_reversed: bool = False
     """Whether clip space goes from z = w at the near plane to 0 at the far one, not from -w to w."""
+    view_size: tuple[int, int] | None = None
+    """The size whose aspect the view has, where pixels are not quite square; None: `size`."""
+
+    def within(self, pixels: int) -> Frame:
+        """The same view in at most about so many pixels."""
+        scale = math.sqrt(pixels / (self.size[0] * self.size[1]))
+        if scale >= 1:
+            return self
+        width, height = (max(round(side * scale), 1) for side in self.size)
+        return replace(self, size=(width, height), view_size=self.view_size or self.size)
 
     @property
     def unit(self) -> float:
@@ -32,7 +43,8 @@ class Frame:
 
     @property
     def aspect(self) -> float:
-        return self.size[0] / self.size[1]
+        width, height = self.view_size or self.size
+        return width / height
 
     @cached_property
     def _to_eye(self) -> np.ndarray:
