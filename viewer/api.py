@@ -10,7 +10,7 @@ from __future__ import annotations
 import sys
 import threading
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from operator import index
 from os import PathLike, fspath
@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from .base.expect import expect, expect_path
 from .errors import UsageError
 from .quality import Quality, check_quality
+from .ranges import Range
 from .scene.camera import Camera
 from .scene.scene import Scene
 from .settings import LAYERS, RANGES, Settings
@@ -27,6 +28,7 @@ from .settings import LAYERS, RANGES, Settings
 if TYPE_CHECKING:
     from .budget.chooser import Chooser
     from .image.image import Image
+    from .raster.layers import Following
     from .raster.renderer import Renderer
     from .scene.camera_file import CameraFrame
     from .trace.tracer import Tracer
@@ -107,6 +109,8 @@ def render(
     animation: str | int | None = None,
     backend: str = "auto",
     aov: Sequence[str] = (),
+    fps: float = 25.0,
+    next_camera: Camera | None = None,
     tell_error: float | None = None,
     quality: str | None = None,
     **settings: Any,
@@ -116,10 +120,13 @@ def render(
     With a `time` in seconds the scene is shown as an animation moves it: the first one, or the one of this name or
     number (`Scene.at`); a scene without animations stands still. By default a camera that frames the scene is used.
     `settings` are fields of `viewer.Settings`, for instance ``mode="phong", exposure=1.0, background="#336699"`` or
-    ``mode="path", spp=256``. `backend` is auto, egl, osmesa or window (a hidden window). In mode path `aov` selects
-    layers to add to `Image.layers`: albedo, normal, depth, variance, samples. With a `time_budget` or `error` and
-    without `mode`, both renderers make the best picture in that time, or one with that error (docs/budget.md);
-    `Image.stats` tells how it came about, and its error.
+    ``mode="path", spp=256``. `backend` is auto, egl, osmesa or window (a hidden window). With a `time_budget` or
+    `error` and without `mode`, both renderers make the best picture in that time, or one with that error
+    (docs/budget.md); `Image.stats` tells how it came about, and its error.
+
+    `aov` selects layers to add to `Image.layers`, numbers of each pixel: albedo, normal, depth, position, instance,
+    material, motion, uv, and in mode path variance and samples (docs/layers.md). Motion leads to what is shown
+    1 / `fps` seconds later, by the `next_camera` if there is one; nothing but the camera moves without a `time`.
 
     In mode pbr `quality` is draft, standard or high, a named point of the front of error against time
     (docs/quality.md), which leaves the given `settings` as they are. The default is draft.
@@ -136,10 +143,16 @@ def render(
     from .plan.warnings import camera_warnings, picture_warnings, sample_warnings
 
     _expect_scene(scene, camera)
+    fps = Range(1e-3, 1e6).number(fps, f"fps={fps!r}: it")
+    expect(next_camera, (Camera, type(None)), "next_camera", "a Camera")
+
+    def following(shown: Scene, by: Camera) -> Following:
+        return shown if time is None else shown.at(time + 1 / fps, animation or 0), next_camera or by
+
     scene = _at(scene, time, animation)
     known = scene.all_warnings
     started = perf_counter()
-    image = _rendered(scene, size, camera, backend, aov, tell_error, quality, settings)
+    image = _rendered(scene, size, camera, backend, _checked_layers(aov), tell_error, quality, settings, following)
     image = replace(image, stats={"wall_s": {"render": perf_counter() - started}, **image.stats})
     lost = [line for line in scene.all_warnings if line not in known]
     chosen = Settings.of(**settings)
@@ -152,7 +165,8 @@ def render(
 
 
 def _rendered(scene: Scene, size: tuple[int, int], camera: Camera | None, backend: str, aov: Sequence[str],
-              tell_error: float | None, quality: str | None, settings: dict[str, Any]) -> Image:
+              tell_error: float | None, quality: str | None, settings: dict[str, Any],
+              following: Callable[[Scene, Camera], Following]) -> Image:
     chosen, size, point = Settings.of(**settings), _checked(size), Quality.of(quality, settings)
     is_open = "mode" not in settings and not (chosen.time_budget is None and chosen.error is None)
     check_quality(quality, chosen, is_open)
@@ -168,24 +182,35 @@ def _rendered(scene: Scene, size: tuple[int, int], camera: Camera | None, backen
             raise UsageError(f"tell_error is for shaded pictures, and show is {chosen.show}")
     if is_open:
         chosen.check_open()
-        image, choice = shared_chooser(backend).make(scene, camera, chosen, size, _checked_layers(aov))
+        image, choice = shared_chooser(backend).make(scene, camera, chosen, size, aov,
+                                                     following=following(scene, camera))
         return replace(image, stats={**image.stats, "choice": choice.to_json()})
+    chosen.check_layers(aov)
     if chosen.mode == "path":
+        from .estimate.layers import traced_layers
         from .estimate.mixture import draw_guide
 
-        started, layers = perf_counter(), _checked_layers(aov)
+        started, layers = perf_counter(), traced_layers(aov, scene, chosen)
         guide = draw_guide(shared_renderer(backend), scene, camera, chosen, size)
-        return shared_tracer(backend).render(scene, camera, chosen, size, layers, guide, started)
-    if aov:
-        raise UsageError(f"aov has no effect in mode {chosen.mode}, only in mode path")
+        image = shared_tracer(backend).render(scene, camera, chosen, size, layers, guide, started)
+        return _with_layers(image, scene, camera, chosen, backend, aov, following)
     renderer = shared_renderer(backend)
     renderer.times.clear()
     chosen = point.applied(chosen)
     image = renderer.render(scene, camera, chosen, size)
-    assert renderer.plan is not None
-    plan = point.facts(chosen) | renderer.plan.to_json()
+    image = _with_layers(image, scene, camera, chosen, backend, aov, following)
+    plan = point.facts(chosen) | dict(image.stats["plan"])  # type: ignore[call-overload]
     image = replace(image, stats={"prepare_s": dict(renderer.times), **image.stats, "plan": plan})
     return image if tell_error is None else _with_error(image, scene, camera, chosen, backend, tell_error)
+
+
+def _with_layers(image: Image, scene: Scene, camera: Camera, settings: Settings, backend: str, names: Sequence[str],
+                 following: Callable[[Scene, Camera], Following]) -> Image:
+    if not names:
+        return image
+    from .estimate.layers import with_layers
+
+    return with_layers(image, shared_renderer(backend), scene, camera, settings, names, following(scene, camera))
 
 
 def _with_error(image: Image, scene: Scene, camera: Camera, settings: Settings, backend: str,
@@ -198,7 +223,8 @@ def _with_error(image: Image, scene: Scene, camera: Camera, settings: Settings, 
     assert error is not None
     for note in error.notes:
         warnings.warn(note, stacklevel=4)
-    return replace(image, stats={**image.stats, "estimated_error": error.to_json()}, layers={"error": error.map})
+    return replace(image, stats={**image.stats, "estimated_error": error.to_json()},
+                   layers={**image.layers, "error": error.map})
 
 
 def show(

@@ -27,8 +27,11 @@ MASKINGS: tuple[Masking, ...] = get_args(Masking)
 """In the order of the shaders' switch MASKING."""
 VALUES: tuple[Show, ...] = get_args(Show)[1:-1]
 """The views of one quantity in place of the shading, in the order of the shaders' switch SHOW."""
-LAYERS = ("albedo", "normal", "depth", "variance", "samples")
-"""The layers that mode path can add to a picture's colour; see `viewer.trace.paths.layers`."""
+SURFACE_LAYERS = ("albedo", "normal", "depth", "position", "instance", "material", "motion", "uv")
+"""The layers that say what surface a pixel shows; see docs/layers.md."""
+PATH_LAYERS = ("variance", "samples")
+"""Those that only mode path has."""
+LAYERS = (*SURFACE_LAYERS, *PATH_LAYERS)
 MAX_EXPOSURE = 64.0
 """In EV. 2**64 times the largest half float still fits in a float32."""
 DEFAULT_SPP = 64
@@ -248,6 +251,13 @@ class Settings:
     def shows_values(self) -> bool:
         """Whether the picture is of a quantity of the surfaces, which no light, exposure or tone map changes."""
         return self.show in VALUES
+
+    def check_layers(self, names: Collection[str]) -> None:
+        """Raises UsageError for layers that this mode does not have."""
+        lost = [name for name in names if name in PATH_LAYERS]
+        if lost and self.mode != "path":
+            raise UsageError(f"the layer{'s' * (len(lost) > 1)} {' and '.join(lost)}: only mode path has samples, not "
+                             f"mode {self.mode}")
 
     @property
     def is_used(self) -> bool:

@@ -33,7 +33,7 @@ class Shot:
 
 
 SUN = Light.from_angles(0.5, 0.7, 2.0)
-LAYERS = ("albedo", "normal", "depth", "variance", "samples")
+LAYERS = ("albedo", "normal", "distance", "variance", "samples")
 
 
 def asset(name: str, *lights: Light, is_lit: bool = True) -> Callable[[], tuple[Scene, Camera]]:

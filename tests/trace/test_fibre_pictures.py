@@ -102,14 +102,14 @@ def test_layers_show_the_nearest_fibre(tracer: Tracer) -> None:
     shown = Scene("fibre", curves=(straight(0.2),), environment=constant())
     camera = orthographic(0.0, height=1.0)
     image = tracer.render(shown, camera, Settings.of(mode="path", spp=8, denoise="off", **DENSE), (33, 33),
-                          layers=("albedo", "normal", "depth"))
+                          layers=("albedo", "normal", "distance"))
     middle = 16
     distance = np.linalg.norm(camera.eye)
-    assert image.layers["depth"][middle, middle] == pytest.approx(distance - 0.2, abs=2e-3)
+    assert image.layers["distance"][middle, middle] == pytest.approx(distance - 0.2, abs=2e-3)
     np.testing.assert_allclose(image.layers["normal"][middle, middle], (0, 0, 1), atol=0.02)
     assert image.layers["normal"][middle - 5, middle, 1] > 0.3
     np.testing.assert_allclose(image.layers["albedo"][middle, middle], ((1.55 - 1) / (1.55 + 1)) ** 2, rtol=0.05)
-    assert np.isinf(image.layers["depth"][0, 0])
+    assert np.isinf(image.layers["distance"][0, 0])
 
 
 def test_what_shows_through_open_alpha_is_hair(either: Tracer) -> None:

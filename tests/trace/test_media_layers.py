@@ -15,7 +15,7 @@ from viewer.scene.volume import Volume
 from viewer.settings import Settings
 
 ALONG_Z = orthographic(0.0, 0.0, height=0.8)
-LAYERS = ("albedo", "normal", "depth")
+LAYERS = ("albedo", "normal", "distance")
 
 
 def slab() -> Scene:
@@ -38,7 +38,7 @@ def test_a_volume_has_its_albedo_and_the_mean_distance_of_its_collisions(tracer)
     assert found["albedo"].mean(axis=(0, 1)) == pytest.approx((0.9, 0.6, 0.3), abs=1e-5)
     assert (found["normal"] == 0).all()
     front = ALONG_Z.eye[2] - 0.5
-    assert found["depth"].mean() == pytest.approx(front + mean_collision(2.0, 1.0), abs=0.005)
+    assert found["distance"].mean() == pytest.approx(front + mean_collision(2.0, 1.0), abs=0.005)
 
 
 def test_fog_has_them_where_no_surface_is(tracer):
@@ -50,14 +50,14 @@ def test_fog_has_them_where_no_surface_is(tracer):
     assert found["albedo"][empty].mean(axis=(0, 1)) == pytest.approx((0.9, 0.6, 0.3), abs=1e-5)
     radius = REACH * model.radius
     front = ALONG_Z.eye[2] - radius
-    assert found["depth"][empty].mean() == pytest.approx(front + mean_collision(0.3, 2 * radius), rel=0.02)
-    assert found["depth"][plain] == pytest.approx(ALONG_Z.eye[2], abs=1e-3)
+    assert found["distance"][empty].mean() == pytest.approx(front + mean_collision(0.3, 2 * radius), rel=0.02)
+    assert found["distance"][plain] == pytest.approx(ALONG_Z.eye[2], abs=1e-3)
     assert found["normal"][plain][..., 2] == pytest.approx(1, abs=1e-5)
 
 
 def test_nothing_is_recorded_where_nothing_collides(tracer):
     found = layers(tracer, slab(), spp=4, volume_density=0.0)
-    assert (found["albedo"] == 0).all() and np.isinf(found["depth"]).all()
+    assert (found["albedo"] == 0).all() and np.isinf(found["distance"]).all()
 
 
 @pytest.mark.parametrize("medium", [{"volume_density": 2.0}, {"fog": 0.4}], ids=str)

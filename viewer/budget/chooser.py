@@ -7,8 +7,10 @@ import time
 from collections.abc import Callable, Collection
 from dataclasses import replace
 
+from ..estimate.layers import traced_layers, with_layers
 from ..gpu.context import Context
 from ..image.image import Image
+from ..raster.layers import Following
 from ..raster.renderer import Renderer
 from ..scene.camera import Camera
 from ..scene.scene import Scene
@@ -33,8 +35,11 @@ class Chooser:
 
     def make(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
              layers: Collection[str] = (), report: Report | None = None,
-             wants_to_stop: Callable[[], bool] = lambda: False) -> tuple[Image, Choice]:
+             wants_to_stop: Callable[[], bool] = lambda: False,
+             following: Following | None = None) -> tuple[Image, Choice]:
         """The picture, and how it came about. `settings.mode` does not count; the time budget begins with this call.
+
+        With `layers` it is path traced. `following` is that of `viewer.estimate.layers.with_layers`.
 
         The first time `wants_to_stop` is true, what there is becomes the picture. Raises UsageError where nothing can
         be chosen from, and as `Renderer.draw` and `Tracer.begin`.
@@ -43,8 +48,10 @@ class Chooser:
         raster, traced = settings.check_open()
         choice = Choice(settings.time_budget, settings.error)
         if raster is None or layers:
-            image = self._traced(scene, camera, traced or replace(settings, mode="path"), size, layers, choice,
-                                 started, report, wants_to_stop)
+            traced = traced or replace(settings, mode="path")
+            image = self._traced(scene, camera, traced, size, layers, choice, started, report, wants_to_stop)
+            if layers:
+                image = with_layers(image, self._renderer, scene, camera, traced, layers, following)
         else:
             making = Making(self._renderer, self._tracer, self._pace, choice, scene, camera, size, self._clock,
                             started, report, wants_to_stop)
@@ -56,7 +63,7 @@ class Chooser:
                 layers: Collection[str], choice: Choice, started: float, report: Report | None,
                 wants_to_stop: Callable[[], bool]) -> Image:
         """Where the settings leave mode path alone."""
-        path_render = self._tracer.begin(scene, camera, settings, size, layers)
+        path_render = self._tracer.begin(scene, camera, settings, size, traced_layers(layers, scene, settings))
         try:
             is_filtered = settings.denoise != "off"
             run(path_render, started, report, wants_to_stop, FILTERING * (settings.time_budget or 0) * is_filtered)

@@ -93,9 +93,9 @@ class _Render(click.Command):
 @click.command(short_help="Render pictures of models, without a screen.", cls=_Render)
 @click.argument("models", metavar="MODEL...", nargs=-1, required=True)
 @click.option("-o", "--output", required=True, metavar="OUT",
-              help="The picture: .png .jpg .webp (as displayed), .exr (linear light). A film of what moves: .mp4 .webp "
-                   ".gif .apng. For several models: a folder, which ends in /, or a pattern such as out/{name}.png. "
-                   "Folders that are missing are made.")
+              help="The picture: .png .jpg .webp (as displayed), .exr or .npz (linear light, and the layers of --aov). "
+                   "A film of what moves: .mp4 .webp .gif .apng. For several models: a folder, which ends in /, or a "
+                   "pattern such as out/{name}.png. Folders that are missing are made.")
 @BACKEND_OPTION
 @click.option("--stats", metavar="FILE.json",
               help="Write times, plan and memory as JSON; for several models a list of them.")
@@ -117,6 +117,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     pbr-viewer render models/ -o thumbnails/ --size 256
     pbr-viewer render car.obj -o car.exr --env studio.hdr --orbit -30,15
     pbr-viewer render room.glb -o room.png --mode path --spp 256 --denoise fast
+    pbr-viewer render fox.glb -o fox.npz --aov depth,normal,instance
     pbr-viewer render fox.glb -o fox.png --animation Run --time 0.4
     pbr-viewer render fox.glb -o fox.mp4 --animation Run --fps 30
     pbr-viewer render helmet.glb -o helmet.webp --turntable 90

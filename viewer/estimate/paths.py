@@ -126,7 +126,7 @@ class PathGroups:
             self._round = int(max(min(fitting, self._spp[0], _MOST_SPP), 1))
         self._begun += 1
         settings = replace(self._settings, seed=_SEED * self._begun & 0xFFFFFFFF, spp=self._round)
-        layers = () if self._spp[group] else ("depth",)
+        layers = () if self._spp[group] else ("distance",)
         render = self._tracer.begin(self._scene, self._camera, settings, self._size, layers, self.every)
         self.missing = render.plan.missing
         return render

@@ -27,9 +27,12 @@ _ENCODERS: dict[str, dict[str, Any]] = {
     ".jpeg": {"format": "JPEG", "quality": 95, "subsampling": 0},
     ".webp": {"format": "WEBP", "lossless": True, "quality": 0, "exact": True},
 }
-WRITABLE = (*_ENCODERS, ".exr")
+LINEAR_WRITABLE = (".exr", ".npz")
+"""What is written as linear light, with layers."""
+WRITABLE = (*_ENCODERS, *LINEAR_WRITABLE)
 LINEAR_FORMATS = (".exr", ".hdr")
 _MAX_PIXELS = 1 << 27
+_OF_LAYERS = (np.float32, np.float64, np.uint32)
 _DECODED = srgb_to_linear(np.arange(256) / 255).astype(np.float32)
 
 
@@ -40,9 +43,9 @@ class Image:
     `linear` (H, W, 4) float32 is Rec. 709 radiance with associated (premultiplied) alpha, as in EXR files. `srgb`
     (H, W, 4) uint8 is what a screen shows, after exposure and tone map, with straight alpha, as in PNG files.
     `stats` has the plan and the times of a render, named as in `--stats`: seconds in all (`wall_s`), and those of
-    preparing what was not drawn before (`prepare_s`). `layers` are further outputs of the path tracer, such as "albedo"
-    and "depth": (H, W, 3) or (H, W) float32. `attributes` are texts to store in the picture's file, for example that it
-    was denoised. `numpy.asarray(image)` is `linear`.
+    preparing what was not drawn before (`prepare_s`). `layers` are further numbers of each pixel, such as "albedo" and
+    "depth" (docs/layers.md): (H, W) or (H, W, 2 or 3), float32, float64 or uint32. `attributes` are texts to store in
+    the picture's file, for example that it was denoised. `numpy.asarray(image)` is `linear`.
     """
 
     linear: np.ndarray
@@ -59,8 +62,10 @@ class Image:
         if self.linear.shape != self.srgb.shape:
             raise ValueError(f"linear is {self.linear.shape} and srgb {self.srgb.shape}")
         for name, layer in self.layers.items():
-            if layer.dtype != np.float32 or layer.shape not in (self.srgb.shape[:2], (*self.srgb.shape[:2], 3)):
-                raise ValueError(f"layer {name} is {layer.dtype} {layer.shape}, not float32 (H, W) or (H, W, 3)")
+            pixels = self.srgb.shape[:2]
+            if layer.dtype not in _OF_LAYERS or layer.shape not in (pixels, (*pixels, 2), (*pixels, 3)):
+                raise ValueError(f"layer {name} is {layer.dtype} {layer.shape}, not float32, float64 or uint32 and not "
+                                 "(H, W) or (H, W, 2 or 3)")
 
     @classmethod
     def from_srgb(cls, pixels: np.ndarray) -> Image:
@@ -113,11 +118,12 @@ class Image:
         return width, height
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Writes a .png, .jpg, .jpeg or .webp file (displayed values) or an .exr file (linear float32, with the
-        layers). The file is written whole or not at all.
+        """Writes a .png, .jpg, .jpeg or .webp file (displayed values), or an .exr or .npz file (linear float32, with
+        the layers). The file is written whole or not at all.
 
-        EXR and PNG hold the `attributes` too. JPEG has no alpha, so the picture is composited over white, as a web page
-        would show it. WebP is lossless. Raises OutputError if the file cannot be written.
+        In an .npz, `linear` is the array "rgba", and each layer one of its own name. EXR and PNG hold the `attributes`
+        too. JPEG has no alpha, so the picture is composited over white, as a web page would show it. WebP is lossless.
+        Raises OutputError if the file cannot be written.
         """
         expect_path(path, "path")
         suffix = Path(path).suffix.lower()
@@ -127,6 +133,10 @@ class Image:
         with atomic_write(path) as temporary:
             if suffix == ".exr":
                 write_exr(temporary, self.linear, self.layers, self.attributes)
+            elif suffix == ".npz":
+                with open(temporary, "wb") as file:  # numpy would add an ending to a name
+                    arrays: dict[str, Any] = {"rgba": self.linear, **self.layers}
+                    np.savez_compressed(file, **arrays)
             else:
                 temporary.write_bytes(self._encode(**_ENCODERS[suffix]))
 

@@ -38,8 +38,9 @@ class ChoosingMaker(PictureMaker):
         self._renderer.times.clear()
         self._renderer.pass_ms.clear()
         with postponed() as stop_request:
+            following = request.following(scene, camera) if request.following is not None else None
             image, choice = self._chooser.make(scene, camera, request.settings, request.size, request.layers, report,
-                                               lambda: stop_request.number is not None)
+                                               lambda: stop_request.number is not None, following)
         self.stopped = stop_request.number
         if self.stopped is not None and choice.samples == 0:
             raise Stopped(self.stopped)

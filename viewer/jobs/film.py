@@ -59,7 +59,9 @@ def check_film_options(paths: Sequence[Path], options: dict[str, Any], chooses: 
                 raise UsageError(f"-o {path}: a film has one --view or --orbit")
             if chooses:
                 raise UsageError(f"-o {path}: a method is chosen for pictures only; give a --mode")
-        elif options["turntable"] is not None or options["fps"] is not None:
+        elif "motion" in options["aov"] and options["turntable"] is not None and len(directions_of(options)) > 1:
+            raise UsageError("--turntable with the layer motion has one --view or --orbit")
+        elif "motion" not in options["aov"] and (options["turntable"] is not None or options["fps"] is not None):
             option = "--turntable" if options["turntable"] is not None else "--fps"
             raise UsageError(f"{option} with -o {path}: a film ends in one of {', '.join(FILM_FORMATS)}")
     fixed = [name for name in ("eye", "camera") if options[name] is not None]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..base.progress import Progress
 from ..base.signals import Stopped, StopRequest, postponed
-from ..image.image import Image
+from ..image.image import LINEAR_WRITABLE, Image
 from ..scene.camera import Camera
 from ..scene.scene import Scene
+from ..settings import Settings
 from .picture_maker import PictureMaker, RenderRequest
 
 if TYPE_CHECKING:
@@ -52,14 +53,17 @@ class RasterMaker(PictureMaker):
         renderer.times.clear()
         renderer.pass_ms.clear()
         self.error = None
-        is_linear = path.suffix.lower() == ".exr"
+        is_linear = path.suffix.lower() in LINEAR_WRITABLE
         image = (renderer.render if is_linear else renderer.display)(scene, camera, settings, request.size)
         assert renderer.plan is not None
+        if request.layers:
+            image = add_layers(image, renderer, scene, camera, settings, request)
+        plan: Any = image.stats.get("plan") or renderer.plan.to_json()
         told = request.quality.facts(settings)
         lines = legend(scene, camera, settings)
         self.summary = "; ".join([*lines, *(f"{name} {value}" for name, value in told.items()), renderer.summary])
         self.stats = {"prepare_s": dict(renderer.times), "pass_ms": dict(renderer.pass_ms),
-                      "plan": told | renderer.plan.to_json(), **({"legend": list(lines)} if lines else {}),
+                      "plan": told | plan, **({"legend": list(lines)} if lines else {}),
                       **renderer.caustic_stats()}
         self.texture_bytes = renderer.texture_bytes
         return image
@@ -96,6 +100,7 @@ class PathMaker(PictureMaker):
 
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
         """As `PictureMaker.make`. The first signal to stop ends the picture early, with the samples so far."""
+        from ..estimate.layers import traced_layers
         from ..trace.paths.run import how_far, run
         from ..trace.tracer import Tracer
 
@@ -103,7 +108,8 @@ class PathMaker(PictureMaker):
         started = time.perf_counter()
         if self._tracer is None:
             self._tracer = Tracer(request.open(), use_cache=request.use_cache)
-        path_render = self._tracer.begin(scene, camera, request.settings, request.size, request.layers,
+        layers = traced_layers(request.layers, scene, request.settings)
+        path_render = self._tracer.begin(scene, camera, request.settings, request.size, layers,
                                          guide=self._guide(scene, camera))
         prepared = time.perf_counter() - started
 
@@ -117,6 +123,8 @@ class PathMaker(PictureMaker):
                 run(path_render, started, report, wants_to_stop=lambda: stop_request.number is not None)
             self.stopped = _stop_signal(stop_request, path_render.samples)
             image = path_render.image()
+            if request.layers:
+                image = add_layers(image, self._raster(), scene, camera, request.settings, request)
             self.stats = {"prepare_s": {"scene": prepared}, **image.stats, "stopped": self.stopped is not None}
             self.texture_bytes = self._tracer.texture_bytes
             rays, intersector = path_render.rays, path_render.plan.intersector
@@ -130,11 +138,24 @@ class PathMaker(PictureMaker):
         if request.settings.denoise != "raster":
             return None
         from ..estimate.mixture import draw_guide
+
+        return draw_guide(self._raster(), scene, camera, request.settings, request.size)
+
+    def _raster(self) -> Renderer:
         from ..raster.renderer import Renderer
 
         if self._renderer is None:
-            self._renderer = Renderer(request.open(), use_cache=request.use_cache)
-        return draw_guide(self._renderer, scene, camera, request.settings, request.size)
+            self._renderer = Renderer(self._request.open(), use_cache=self._request.use_cache)
+        return self._renderer
+
+
+def add_layers(image: Image, renderer: Renderer, scene: Scene, camera: Camera, settings: Settings,
+               request: RenderRequest) -> Image:
+    """The picture with the layers that are requested."""
+    from ..estimate.layers import with_layers
+
+    following = request.following(scene, camera) if request.following is not None else None
+    return with_layers(image, renderer, scene, camera, settings, request.layers, following)
 
 
 def _stop_signal(request: StopRequest, samples: float) -> int | None:

@@ -21,6 +21,7 @@ from ..scene.camera_file import camera_facts
 from ..scene.scene import Scene
 from .assemble import known_warnings, make_environment, make_quality, make_scene, make_settings
 from .film import Film, make_film
+from .following import make_following
 from .makers import RasterMaker, make_picture_maker
 from .picture_maker import RenderRequest
 from .render_job import RenderJob, RenderTask
@@ -50,7 +51,7 @@ class ModelRenderer:
         self._request = RenderRequest(
             self._open, self._settings, options["size"], options["aov"], use_cache=not options["no_cache"],
             measure=job.measure, quiet=options["quiet"], chooses=job.chooses, tell_error=options["tell_error"],
-            quality=make_quality(options), tell=tell)
+            following=make_following(options), quality=make_quality(options), tell=tell)
         self._maker = make_picture_maker(self._request)
 
     def __enter__(self) -> Self:

@@ -18,7 +18,9 @@ from ..settings import (
     DEFAULT_SPP,
     LAYERS,
     MAX_EXPOSURE,
+    PATH_LAYERS,
     RANGES,
+    SURFACE_LAYERS,
     TELL_ERROR_S,
     Background,
     Denoise,
@@ -205,7 +207,9 @@ ERROR_OPTIONS = [
                       "black at 0 and pale at 100 %. For several models a folder or a pattern, as for -o."),
 ]
 AOV_OPTION = click.option("--aov", type=Layers(), default=(), help=(
-    f"Mode path: add these layers to the .exr, separated by commas: {', '.join(LAYERS)}."))
+    f"Add these layers to the .exr or .npz, numbers of each pixel, separated by commas: {', '.join(SURFACE_LAYERS)}; "
+    f"in mode path also {', '.join(PATH_LAYERS)}. Motion is in pixels to the next frame, by --animation and --time, "
+    "--turntable and --fps."))
 FILM_OPTIONS = [
     click.option("--turntable", type=click.IntRange(1, 36_000), metavar="FRAMES",
                  help="Film: turn once around the model in so many frames; 1 is a film of one frame."),

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ..errors import OutputError, UsageError
 from ..image.film import FILM_FORMATS
-from ..image.image import WRITABLE
+from ..image.image import LINEAR_WRITABLE, WRITABLE
 from ..settings import Settings
 
 
@@ -78,11 +78,11 @@ def check_layers(names: Sequence[str], settings: Settings, paths: Sequence[Path]
 
     With `chooses`, a method that makes the layers is chosen.
     """
-    if names and settings.mode != "path" and not chooses:
-        raise UsageError(f"aov has no effect in mode {settings.mode}, only in mode path")
-    other = [path for path in paths if path.suffix.lower() != ".exr"]
+    if not chooses:
+        settings.check_layers(names)
+    other = [path for path in paths if path.suffix.lower() not in LINEAR_WRITABLE]
     if names and other:
-        raise UsageError(f"--aov with -o {other[0]}: only an .exr can store layers")
+        raise UsageError(f"--aov with -o {other[0]}: only {' and '.join(LINEAR_WRITABLE)} can store layers")
 
 
 def check_apart(paths: Sequence[str | Path]) -> None:

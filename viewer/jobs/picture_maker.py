@@ -19,6 +19,7 @@ from ..settings import Settings
 if TYPE_CHECKING:
     from ..estimate.raster_error import RasterError
     from ..gpu.context import Context
+    from ..raster.layers import Following
 
 
 @dataclass
@@ -41,6 +42,8 @@ class RenderRequest:
     """Whether the method is chosen for each picture by its time budget or error; `settings.mode` is ignored then."""
     tell_error: float | None = None
     """Seconds of path tracing for the error of each picture of the raster."""
+    following: Callable[[Scene, Camera], Following] | None = None
+    """What follows a scene that is shown by a camera, for the layer motion."""
     quality: Quality = Quality()
     """Of pictures of mode pbr, on top of `settings`."""
 

@@ -10,6 +10,7 @@ from ..scene.camera_file import read_camera_file
 from ..scene.scene import Scene
 from .assemble import make_camera
 from .directions import directions_of
+from .following import first_camera
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,8 @@ def views_of(model: str, scene: Scene, options: dict[str, Any]) -> tuple[View, .
         frames, _ = read_camera_file(options["cameras"], size)
         return tuple(View(frame.camera.name if len(frames) > 1 else "", frame.camera,
                           size if options["has_size"] else frame.size) for frame in frames)
+    if options["turntable"] is not None:
+        return (View("", first_camera(model, scene, options), size),)
     if options["camera"] is not None or options["eye"] is not None:
         return (View("", make_camera(model, scene, options), size),)
     return tuple(View(direction.label, make_camera(model, scene, options, direction), size)

@@ -28,7 +28,7 @@ from ..scene.schema import MAPS, SWITCHED
 from ..settings import Settings
 from .curves import FIBRE_PIXELS, PLY_PIXELS
 from .media import MAX_VOLUMES
-from .model import Draw, Plan
+from .model import LAYERS_LEFT_OUT, Draw, Plan
 from .samplers import MAX_SAMPLERS
 
 _LEVELS_MB = sum((512 >> k) * (1024 >> k) * 6 for k in range(6)) / 1e6  # three half floats per texel
@@ -186,6 +186,7 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
     elif len(scene.volumes) > MAX_VOLUMES:
         lines.append(f"the last {len(scene.volumes) - MAX_VOLUMES} of {len(scene.volumes)} volumes: a program can have "
                      "no more")
+    lines.append(LAYERS_LEFT_OUT)
     if not plan.has_blended:
         lines.append("the sorted pass for blending: no surface blends")
     if not (plan.has_thin_transmission or plan.has_solid_transmission):

@@ -13,7 +13,7 @@ from ..bake.hair_light import HairMedium
 from ..base.reusable import Reusable
 from ..gpu.context import Context
 from ..gpu.programs import Programs, matrix_uniform, set_uniform
-from ..plan.curves import POINTS_WIDTH, VERTEX, has_colors
+from ..plan.curves import POINTS_WIDTH, VERTEX, CurvePlan, has_colors
 from ..plan.model import Plan, Program
 from ..scene.curve_segments import Segments, segments
 from ..scene.curves import Curves
@@ -130,9 +130,8 @@ class CurvePass:
         self._light: Reusable[HairLight] = Reusable()
         self._generation = programs.generation
 
-    def prepare(self, scene: Scene, settings: Settings, plan: Plan, environment: EnvironmentLight | None) -> None:
-        """Upload what `plan` draws, and bake the light that fibres scatter to each other, unless an earlier frame has
-        left them."""
+    def take(self, scene: Scene, settings: Settings, plan: Plan) -> None:
+        """Upload what `plan` draws, unless an earlier frame has left it."""
         if self._generation != self._programs.generation:  # vertex arrays belong to programs
             self.release()
             self._generation = self._programs.generation
@@ -149,6 +148,10 @@ class CurvePass:
                 self._buffers[key] = CurveBuffers(self._gl, curves, colored) if kind is None else YarnBuffers(
                     self._gl, curves, colored, kind)
         self._drawn = [self._buffers[key] for key in keys]
+
+    def prepare(self, scene: Scene, settings: Settings, plan: Plan, environment: EnvironmentLight | None) -> None:
+        """As `take`; and bake the light that fibres scatter to each other, unless an earlier frame has left it."""
+        self.take(scene, settings, plan)
         if plan.curves is None or not plan.curves.scatters_again:
             self._light.release()
             self._medium = None
@@ -189,6 +192,18 @@ class CurvePass:
                 # What fragments write as their depth need not be the same to the last bit in two programs.
                 with nullcontext() if part == ROUND else self._depth.equal():
                     self._draw_one(buffers, program, part, frame, samples, values | {"u_nudge": NUDGE})
+
+    def draw_layers(self, frame: Frame, plan: CurvePlan, settings: Settings, uniforms: dict[str, object]) -> None:
+        """Draw what curves are, as numbers: shaders/raster/curve_layers.frag. Within `Depth.test()`."""
+        self._gl.enable_only(moderngl.DEPTH_TEST)
+        scene = frame.scene
+        for k, (curves, buffers, program) in enumerate(zip(scene.curves, self._drawn, plan.shade, strict=True)):
+            fibre = curves.fibre or hair_fibre(settings)
+            ids = len(scene.instances) + k + 1, len(scene.materials) + k + 1
+            values = uniforms | {"u_ids": halves(*ids), "u_sigma_a": fibre.sigma_a,
+                                 "u_fibre": (fibre.beta_m, fibre.beta_n, fibre.tilt, fibre.ior)}
+            for part in self._parts(buffers, frame):
+                self._draw_one(buffers, program, part, frame, 1, values | {"u_nudge": 0.0})
 
     def draw_depth(self, world_to_clip: np.ndarray, size: int) -> None:
         """Draw all curves into a tile of `size` texels of a shadow map."""
@@ -279,3 +294,8 @@ def _set_view(program: moderngl.Program, buffers: CurveBuffers | YarnBuffers, to
     set_uniform(program, "u_half_size", (size[0] / 2, size[1] / 2))
     set_uniform(program, "u_least_width", least)
     set_uniform(program, "u_nearer", 1.0 if is_reversed else -1.0)
+
+
+def halves(*numbers: int) -> tuple[float, ...]:
+    """The lower 16 bits of each number, and the rest: both are whole in a float32, however large the number is."""
+    return tuple(float(half) for number in numbers for half in (number & 0xFFFF, number >> 16))

@@ -29,12 +29,7 @@ class FrameUniforms:
 
     def fill(self, plan: Plan, frame: Frame, settings: Settings) -> dict[str, object]:
         """The uniforms that all surfaces share; fills the uniform blocks and binds the shared textures."""
-        values: dict[str, object] = {
-            "u_view_projection": matrix_uniform(frame.view_projection),
-            "u_view_direction": tuple(-frame.camera.forward),
-            "u_drawn_size": frame.size,
-            "u_point_size": max(1.0, frame.size[1] / 200),
-        }
+        values = self.of_view(frame)
         if settings.show == "depth":
             near, far = depth_span(frame.scene, frame.camera)
             values["u_depth_axis"] = tuple(frame.camera.forward * (frame.unit / (far - near)))
@@ -42,8 +37,7 @@ class FrameUniforms:
         if self._prepared.environment is not None:
             values |= self._prepared.environment.uniforms(plan)
         if plan.dfg:
-            self._dfg_texture(settings, plan.reflections).use(UNIT_DFG)
-            values["u_dfg"] = UNIT_DFG
+            values |= self.of_dfg(settings, plan.reflections)
         if plan.is_everything:  # the programs of opaque surfaces have code for glass, too
             self._prepared.surfaces.textures.bind_blank("base_color", UNIT_RADIANCE)
             values["u_backdrop"] = UNIT_RADIANCE
@@ -59,13 +53,25 @@ class FrameUniforms:
             block.bind_to_uniform_block(binding)
         return values
 
-    def _dfg_texture(self, settings: Settings, looks_up: bool) -> moderngl.Texture:
-        """With the lookups of an environment if there is one that is reflected."""
+    @staticmethod
+    def of_view(frame: Frame) -> dict[str, object]:
+        """Those of the camera alone."""
+        return {
+            "u_view_projection": matrix_uniform(frame.view_projection),
+            "u_view_direction": tuple(-frame.camera.forward),
+            "u_drawn_size": frame.size,
+            "u_point_size": max(1.0, frame.size[1] / 200),
+        }
+
+    def of_dfg(self, settings: Settings, looks_up: bool) -> dict[str, object]:
+        """That of the DFG table, which it binds: with the lookups of an environment if there is one that is
+        reflected."""
         key = (settings.ndf, settings.masking, looks_up)
         if key not in self._dfg:
             table = (dfg_table if looks_up else dfg_albedos)(settings.ndf, settings.masking)
             self._dfg[key] = float_texture(self._gl, table)
-        return self._dfg[key]
+        self._dfg[key].use(UNIT_DFG)
+        return {"u_dfg": UNIT_DFG}
 
     def release(self) -> None:
         free(self._gl, *self._blocks, *self._dfg.values())

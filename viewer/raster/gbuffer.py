@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import moderngl
+import numpy as np
 
 from ..scene.frame import Frame
 from .depth import Depth
@@ -18,13 +19,20 @@ UNIT_POSITIONS, UNIT_NORMALS = range(2)
 
 
 class GBuffer:
-    """The targets of one size, with the surfaces of the last frame."""
+    """The targets of one size, with the surfaces of the last frame.
 
-    def __init__(self, gl: moderngl.Context, depth: Depth, size: tuple[int, int]) -> None:
-        self._gl, self._depth, self.size = gl, depth, size
-        self.positions, self._normals = (nearest_texture(gl, size, "f4") for _ in range(2))
+    They are `count` textures of four floats; `bind` and those who read it want the two above.
+    """
+
+    def __init__(self, gl: moderngl.Context, depth: Depth, size: tuple[int, int], count: int = 2) -> None:
+        self._gl, self._depth, self.size, self.count = gl, depth, size, count
+        self._textures = [nearest_texture(gl, size, "f4") for _ in range(count)]
         self._buffer = depth.renderbuffer(size)
-        self._framebuffer = gl.framebuffer([self.positions, self._normals], self._buffer)
+        self._framebuffer = gl.framebuffer(self._textures, self._buffer)
+
+    @property
+    def positions(self) -> moderngl.Texture:
+        return self._textures[0]
 
     def draw(self, draw_surfaces: Callable[[], object]) -> None:
         """Store the surfaces that `draw_surfaces()` draws. Leaves a framebuffer of its own in use."""
@@ -32,6 +40,12 @@ class GBuffer:
         self._framebuffer.clear(depth=self._depth.far)
         draw_surfaces()
         self._gl.clear_samplers()
+
+    def read(self, place: int) -> np.ndarray:
+        """Texture number `place`, (H, W, 4) float32, row 0 at the top."""
+        width, height = self.size
+        pixels = np.frombuffer(self._framebuffer.read(components=4, attachment=place, dtype="f4"), np.float32)
+        return pixels.reshape(height, width, 4)[::-1]
 
     def target(self, *textures: moderngl.Texture) -> moderngl.Framebuffer:
         """A framebuffer of textures of this size, with the depth of the surfaces, read-only."""
@@ -42,7 +56,7 @@ class GBuffer:
     def bind(self, frame: Frame) -> dict[str, object]:
         """The uniforms of a pass that reads it; binds the textures to the units named above."""
         self.positions.use(UNIT_POSITIONS)
-        self._normals.use(UNIT_NORMALS)
+        self._textures[1].use(UNIT_NORMALS)
         return {"u_positions": UNIT_POSITIONS, "u_normals": UNIT_NORMALS,
                 "u_view_direction": tuple(-frame.camera.forward)}
 
@@ -54,7 +68,7 @@ class GBuffer:
             yield
 
     def release(self) -> None:
-        for thing in (self._framebuffer, self.positions, self._normals, self._buffer):
+        for thing in (self._framebuffer, *self._textures, self._buffer):
             thing.release()
 
 

@@ -11,7 +11,8 @@ import numpy as np
 from ..scene.mesh import Mesh
 from ..scene.triangles import triangles_of
 
-_FORMATS = {"a_position": "3f", "a_normal": "3f", "a_tangent": "4f", "a_color": "4f", "a_uv0": "2f", "a_uv1": "2f"}
+_FORMATS = {"a_position": "3f", "a_normal": "3f", "a_tangent": "4f", "a_color": "4f", "a_uv0": "2f", "a_uv1": "2f",
+            "a_next": "3f"}
 _OF_INSTANCES = {"a_indirect": "4f", "a_interior": "2f", "a_behind": "4f"}
 # Values of attributes that a shared program reads and a mesh lacks: they change nothing.
 _BLANK = {"a_tangent": (0.577, 0.577, 0.577, 1.0), "a_color": (1.0, 1.0, 1.0, 1.0), "a_uv0": (0.0, 0.0),
@@ -32,6 +33,7 @@ class MeshBuffers:
         self._arrays: dict[tuple[int, ...], moderngl.VertexArray] = {}
         self._sorted: moderngl.Buffer | None = None
         self.to_mesh = _to_mesh(mesh)
+        self._next = mesh
 
     def move(self, mesh: Mesh) -> None:
         """Take the vertices of another mesh of the same layout. Only the arrays that differ are uploaded."""
@@ -41,6 +43,15 @@ class MeshBuffers:
         for name, buffer in self._buffers.items():
             if after[name] is not before[name]:
                 buffer.write(self._data(name))
+
+    def follow(self, mesh: Mesh) -> np.ndarray:
+        """Let a_next have the positions of a mesh of the same layout, about the middle of its box. Returns the
+        translation back, as `to_mesh`."""
+        if self._next is not mesh:
+            self._next = mesh
+            if "a_next" in self._buffers:
+                self._buffers["a_next"].write(self._data("a_next"))
+        return _to_mesh(mesh)
 
     def draw(self, program: moderngl.Program, order: np.ndarray | None = None,
              of_instance: Mapping[str, moderngl.Buffer] = MappingProxyType({})) -> None:
@@ -96,6 +107,8 @@ class MeshBuffers:
         mesh = self._mesh
         if name == "a_position":
             return (mesh.positions - self.to_mesh[:3, 3]).astype(np.float32)
+        if name == "a_next":
+            return (self._next.positions - _to_mesh(self._next)[:3, 3]).astype(np.float32)
         array = self._sources(mesh)[name]
         if array is None:
             array = np.full((len(mesh.positions), len(_BLANK[name])), _BLANK[name], np.float32)

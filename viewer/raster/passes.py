@@ -17,6 +17,7 @@ from .curves import CurvePass
 from .depth import Depth
 from .frame_uniforms import FrameUniforms
 from .gbuffer import GBuffer
+from .layers import LayerPass
 from .media import MediaPass
 from .overdraw import Overdraw
 from .prepared import Prepared
@@ -54,6 +55,7 @@ class Passes:
         self._overdraw = Overdraw(context, programs, depth)
         self._wireframe = Wireframe(context, programs)
         self._vertices = BakedVertices(context, programs, prepared.surfaces, watch)
+        self.layers = LayerPass(gl, depth, prepared, self.curves, self._uniforms, watch)
         self._generation = prepared.generation
 
     def prepare(self, scene: Scene, settings: Settings, plan: Plan) -> None:
@@ -192,4 +194,4 @@ class Passes:
     def release(self) -> None:
         free(self._gl, self._backdrop, self._visibility, self.reflections, self.refraction, self._media,
              self._subsurface, *self._gbuffers.values(), self._overdraw, self._wireframe, self.curves,
-             self._shadows, self._uniforms)
+             self._shadows, self._uniforms, self.layers)

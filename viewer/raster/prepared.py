@@ -56,7 +56,7 @@ class Prepared:
         """Upload the scene and compile its programs, unless an earlier frame has left them. Returns the plan."""
         with self._watch.preparing("environment"):
             self._prepare_environment(scene, settings)
-        self._prepare_surfaces(scene)
+        self.take(scene)
         background = settings.background if settings.background == "env" else "none"
         shading = replace(settings, exposure=0.0, tonemap="none", background=background)
         shape = scene if settings.indirect == "baked" else None  # which is left out of what is convex
@@ -76,7 +76,7 @@ class Prepared:
         if self.environment is not None:
             self.environment.environment = environment
 
-    def _prepare_surfaces(self, scene: Scene) -> None:
+    def take(self, scene: Scene) -> None:
         """Take what is drawn. A pose of the scene before keeps its plan, and maps that are drawn anew."""
         is_alike = self._programs_generation == self._programs.generation
         if not self.holds(scene):

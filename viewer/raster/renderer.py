@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import replace
 
 import moderngl
@@ -26,6 +27,7 @@ from ..scene.yarn.spun import as_yarns
 from ..settings import Settings
 from .caustics import Caustics
 from .depth import Depth
+from .layers import Following
 from .passes import Passes
 from .prepared import Prepared
 from .stopwatch import Stopwatch
@@ -82,6 +84,18 @@ class Renderer:
         """The picture as displayed, for a PNG. `linear` is then its sRGB decoding."""
         self.draw(scene, camera, settings, size, still=True)
         return Image.from_srgb(self.read_display(settings))
+
+    def layers(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int], names: Collection[str],
+               following: Following | None = None) -> dict[str, np.ndarray]:
+        """The layers `names` of `viewer.settings.SURFACE_LAYERS`: what surface each pixel shows at its centre.
+
+        They are the same in all modes, also in mode path, and need no picture drawn before. `following` are scene and
+        camera at the next time, to which motion leads. docs/layers.md says what they hold. Raises as `draw`.
+        """
+        self.context.make_current()
+        frame = Frame(_shown(scene, settings), camera, size, self._depth.is_reversed)
+        following = following and (_shown(following[0], settings), following[1])
+        return self._passes.layers.find(frame, settings, names, following)
 
     @property
     def summary(self) -> str:
@@ -145,7 +159,7 @@ class Renderer:
         """
         self.context.make_current()
         given, settings = scene, view_settings(settings)
-        scene = woven(as_yarns(scene.with_curve_radius(settings.curve_radius), settings), settings)
+        scene = _shown(scene, settings)
         if still and settings.antialias == "auto" and self.context.is_software and draws_curves(scene, settings):
             # Mesa shades hidden fragments of a multisampled target to their end, and strips have many of them.
             settings = replace(settings, antialias="ssaa-4")
@@ -196,6 +210,11 @@ class Renderer:
         self.context.make_current()
         free(self._gl, self._display, self._caustics, self._target, self._passes, self._prepared)
         self.programs.release()
+
+
+def _shown(scene: Scene, settings: Settings) -> Scene:
+    """The scene with its curves and its materials as the settings show them: the same object each time."""
+    return woven(as_yarns(scene.with_curve_radius(settings.curve_radius), settings), settings)
 
 
 def _legend(scene: Scene, camera: Camera, settings: Settings) -> dict[str, object]:

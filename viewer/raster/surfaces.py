@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -13,6 +13,8 @@ from ..gpu.context import Context
 from ..gpu.programs import Programs, matrix_uniform, set_uniform
 from ..material.pack import uniforms
 from ..material.weave import WeaveBinding
+from ..plan.layers import FRAGMENT as LAYER_FRAGMENT
+from ..plan.layers import VERTEX as LAYER_VERTEX
 from ..plan.model import Draw, Plan
 from ..scene.decoding import Decoder
 from ..scene.frame import Frame
@@ -37,6 +39,9 @@ if TYPE_CHECKING:
 UNIT_SUBSURFACE, UNIT_SUBSURFACE_POSITIONS, UNIT_WEAVE = range(32, 35)  # moderngl makes textures with the last of 32
 # Of the passes of media, which have no maps
 UNIT_DENSITIES, UNIT_SKY_IN_FOG, UNIT_SKY_IN_VOLUMES, UNIT_SKY_SHADOWS = range(4)
+
+OfDraw = Callable[[Draw, MeshBuffers], Mapping[str, object]]
+"""Further uniforms of a draw."""
 
 _SAMPLE_ALPHA_TO_COVERAGE, _SAMPLE_ALPHA_TO_ONE = 0x809E, 0x809F
 
@@ -139,6 +144,11 @@ class Surfaces:
         draws = [replace(d, program=gathering_program(d.program)) for d in plan.draws if d.spreads_subsurface]
         self._draw_solid(draws, frame, plan, frame_uniforms)
 
+    def draw_layers(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object], of_draw: OfDraw) -> None:
+        """Draw what surfaces are, as numbers: shaders/raster/layers.frag. `plan` is one of viewer/plan/layers.py."""
+        draws = [replace(draw, alpha_mode="opaque") for draw in plan.draws if frame.visible[draw.instance]]
+        self._draw_solid(draws, frame, plan, frame_uniforms, of_draw)
+
     def draw_opaque(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
         """Draw the surfaces that neither blend nor transmit light. Returns how many instances were drawn."""
         return self._draw_solid([d for d in plan.draws if not d.transmits], frame, plan, frame_uniforms)
@@ -150,12 +160,13 @@ class Surfaces:
         """
         return self._draw_solid([d for d in plan.draws if d.transmits == kind], frame, plan, frame_uniforms)
 
-    def _draw_solid(self, draws: list[Draw], frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
+    def _draw_solid(self, draws: list[Draw], frame: Frame, plan: Plan, frame_uniforms: dict[str, object],
+                    of_draw: OfDraw | None = None) -> int:
         draws = [d for d in draws if d.alpha_mode != "blend" and (plan.is_everything or frame.visible[d.instance])]
         order = {program: k for k, program in enumerate(dict.fromkeys(d.program for d in draws))}
         draws.sort(key=lambda d: (order[d.program], d.material))
         self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
-        self._draw(draws, frame, frame_uniforms)
+        self._draw(draws, frame, frame_uniforms, of_draw=of_draw)
         return len(draws)
 
     def draw_blended(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
@@ -212,7 +223,8 @@ class Surfaces:
         return int(self._casters[instance])
 
     def _draw(
-        self, draws: list[Draw], frame: Frame, frame_uniforms: dict[str, object], is_sorted: bool = False
+        self, draws: list[Draw], frame: Frame, frame_uniforms: dict[str, object], is_sorted: bool = False,
+        of_draw: OfDraw | None = None,
     ) -> None:
         bound: tuple[object, ...] = (None,)
         scene, gl = self.scene, self._gl
@@ -235,6 +247,8 @@ class Surfaces:
             set_uniform(program, "u_normal_matrix", matrix_uniform(normal_matrix(transform)))
             set_uniform(program, "u_handedness", hand)
             set_uniform(program, "u_instance", float(draw.instance + 1))
+            for name, value in of_draw(draw, mesh).items() if of_draw is not None else ():
+                set_uniform(program, name, value)
             if VOLUME.is_on(material):
                 set_uniform(program, "u_thickness", material.thickness * frame.scale(transform))
             gl.front_face = "ccw" if hand > 0 else "cw"
@@ -293,7 +307,7 @@ class Surfaces:
             set_uniform(program, f"u_{name}_transform", transform.matrix().T.astype(np.float32).tobytes())
 
     def _program(self, fragment: str, switches: dict[str, int]) -> moderngl.Program:
-        return self._programs.get(VERTEX, fragment, switches)
+        return self._programs.get(LAYER_VERTEX if fragment == LAYER_FRAGMENT else VERTEX, fragment, switches)
 
     def _mesh(self, index: int) -> MeshBuffers:
         mesh = self.scene.meshes[index]

@@ -222,7 +222,7 @@ def _left_out(
         lines.append("the pass for glass: nothing transmits light")
     lines += [] if photons is None else photons.left_out
     if not has_layers:
-        lines.append("the pass for layers (albedo, normal, depth): nobody asked for them")
+        lines.append("the pass for layers (albedo, normal): nobody asked for them")
     if not switches["CLAMP"]:
         lines.append("the clamp on indirect light: not requested")
     return lines

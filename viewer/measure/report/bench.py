@@ -146,8 +146,8 @@ class Bench:
         settings = replace(self.settings, mode="path", spp=COVERAGE_SPP)
         if has_media(self.scene, settings):  # a path that has met something has alpha
             return self.trace(replace(settings, background="none"))[..., 3] > 0
-        depth = self._tracer.render(self.scene, self.camera, settings, self.size, ["depth"]).layers["depth"]
-        return np.isfinite(depth)
+        layers = self._tracer.render(self.scene, self.camera, settings, self.size, ["distance"]).layers
+        return np.isfinite(layers["distance"])
 
     def release(self) -> None:
         """Free what it holds; the context stays."""

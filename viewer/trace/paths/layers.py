@@ -1,4 +1,4 @@
-"""The layers of a path-traced picture: albedo, normal, depth, variance and samples of each pixel."""
+"""The layers of a path-traced picture: albedo, normal, distance, variance and samples of each pixel."""
 
 from __future__ import annotations
 
@@ -8,14 +8,15 @@ import numpy as np
 
 from .film import Film
 
-FIRST_HIT_LAYERS = frozenset({"albedo", "normal", "depth"})
-"""Those of `viewer.settings.LAYERS` that only a film with `has_layers` gathers."""
+TRACED_LAYERS = ("albedo", "normal", "distance", "variance", "samples")
+FIRST_HIT_LAYERS = frozenset({"albedo", "normal", "distance"})
+"""Those that only a film with `has_layers` gathers."""
 
 
 def read_layers(film: Film, names: Collection[str]) -> dict[str, np.ndarray]:
-    """The layers `names` of `viewer.settings.LAYERS`, (H, W, 3) or (H, W) float32, row 0 at the top.
+    """The layers `names` of TRACED_LAYERS, (H, W, 3) or (H, W) float32, row 0 at the top.
 
-    albedo, normal (world axes, length at most 1) and depth (along the ray, in the scene's unit) are means over the
+    albedo, normal (world axes, length at most 1) and distance (along the ray, in the scene's unit) are means over the
     first hits of the pixel's camera rays; a pixel without hits has 0, 0 and infinity. variance is the estimated
     variance of the mean radiance, infinite for fewer than two samples. samples is the number of samples.
     """
@@ -25,7 +26,7 @@ def read_layers(film: Film, names: Collection[str]) -> dict[str, np.ndarray]:
         hits = albedo[..., 3:]
         is_hit = hits[..., 0] > 0
         layers["albedo"], mean = (np.where(hits > 0, total / np.maximum(hits, 1), 0) for total in (albedo, normal))
-        layers["normal"], layers["depth"] = mean[..., :3], np.where(is_hit, mean[..., 3], np.inf)
+        layers["normal"], layers["distance"] = mean[..., :3], np.where(is_hit, mean[..., 3], np.inf)
     if not set(names) <= FIRST_HIT_LAYERS:
         total, squares = film.read_sums()
         n = total[..., 3:]
