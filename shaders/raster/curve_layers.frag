@@ -12,6 +12,35 @@ uniform vec3 u_sigma_a;
 #endif
 layout(location = 0) out vec4 o_color;
 
+#if HAS_MOTION
+uniform mat4 u_view_projection, u_next_view_projection;
+uniform mat4 u_to_next;         // from this eye-relative space to that of the next time
+#if !YARN
+#if ROUND != 2
+uniform mat4 u_to_eye;          // from the space of the points
+#endif
+uniform mat4 u_next_to_eye;     // of the points at the next time
+uniform sampler2D u_points, u_next_points;
+
+vec3 point_in(sampler2D points, mat4 to_eye, int k) {
+    return (to_eye * vec4(texelFetch(points, ivec2(k & (POINTS_WIDTH - 1), k / POINTS_WIDTH), 0).xyz, 1.0)).xyz;
+}
+#endif
+
+// Where p is at the next time: as far along its segment, and as far off its axis. The points of yarns are taken to stand.
+vec3 next_position(vec3 p) {
+    vec3 next = (u_to_next * vec4(p, 1.0)).xyz;
+#if !YARN
+    int k = int(v_number);
+    vec3 a = point_in(u_points, u_to_eye, k), b = point_in(u_points, u_to_eye, k + 1);
+    float share = clamp(dot(p - a, b - a) / max(dot(b - a, b - a), 1e-30), 0.0, 1.0);
+    vec3 axis = (u_to_next * vec4(mix(a, b, share), 1.0)).xyz;
+    next += mix(point_in(u_next_points, u_next_to_eye, k), point_in(u_next_points, u_next_to_eye, k + 1), share) - axis;
+#endif
+    return next;
+}
+#endif
+
 void main() {
     CurvePoint at;
     if (!curve_point(at)) discard;
@@ -44,5 +73,9 @@ void main() {
 #endif
 #if OUT_UV
     o_uv = vec4(0.0);
+#if HAS_MOTION
+    vec3 next = next_position(at.position);
+    o_uv.zw = motion(u_view_projection * vec4(at.position, 1.0), u_next_view_projection * vec4(next, 1.0));
+#endif
 #endif
 }

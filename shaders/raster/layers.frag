@@ -14,6 +14,10 @@ uniform sampler2D u_dfg;
 uniform vec3 u_view_direction; // towards the eye
 #endif
 
+#if HAS_MOTION
+in vec4 v_clip, v_next_clip; // clip space at this time and at the next
+#endif
+
 #if OUT_ALBEDO
 // As layers.frag of the path tracer has it: light that is emitted counts, too, and glass is white.
 vec3 seen_albedo(MaterialInputs m, vec3 n, vec3 n_coat, vec3 v) {

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 from ..scene.scene import Scene
-from ..scene.schema import MAP_SWITCHES, MAPS
+from ..scene.schema import MAP_SWITCHES, MAPS, no_switches
 from ..settings import Settings
 from .bsdf_switches import bsdf_switches
 from .curves import has_colors
@@ -18,6 +18,9 @@ VERTEX, FRAGMENT = "raster/layers.vert", "raster/layers.frag"
 OUTPUTS = {"OUT_NORMAL": {"normal"}, "OUT_IDS": {"instance", "material"}, "OUT_ALBEDO": {"albedo"},
            "OUT_UV": {"uv", "motion"}}
 """The outputs of shaders/raster/layers.frag beside the position, and the layers that need them."""
+_NO_FEATURES = dict.fromkeys((*no_switches(), *bsdf_switches(Settings()), "REFLECTS", "METALNESS", "INDIRECT", "MEDIA",
+                              "SUBSURFACE", "HALF_TARGET"), 0)
+"""What unlit programs lack, and what counts for nothing but albedo."""
 _GEOMETRY = ("ALPHA_MODE", "DOUBLE_SIDED", "HAS_COLOR", "HAS_NORMAL", "IS_POINTS", "SAMPLES", "UV_SETS",
              "IS_ORTHOGRAPHIC")
 
@@ -33,8 +36,8 @@ def plan_layers(scene: Scene, settings: Settings, names: Collection[str], orthog
 
     It is the same in all modes, but that mode path shows neither lines nor points. Raises as `plan_scene`.
     """
-    plain = replace(settings, mode="pbr", lobes="all", plan="needed", show="shaded", fog=0.0, subsurface="off", indirect="off",
-                    environment_shadows="off", ambient_occlusion="off", reflections="environment",
+    plain = replace(settings, mode="pbr", lobes="all", plan="needed", show="shaded", fog=0.0, subsurface="off",
+                    indirect="off", environment_shadows="off", ambient_occlusion="off", reflections="environment",
                     refraction="screen", specular_aa="off", hair_scattering="single", caustics="off")
     plan = plan_scene(scene.relit(environment=None, volumes=()), plain, (), samples=1, half_target=False,
                       orthographic=orthographic)
@@ -59,15 +62,15 @@ def _layer_draw(draw: Draw, scene: Scene, outputs: Mapping[str, int], orthograph
 def _program(draw: Draw, scene: Scene, outputs: Mapping[str, int], orthographic: bool) -> Program:
     mesh, material, planned = scene.meshes[draw.mesh], scene.materials[draw.material], dict(draw.program.switches)
     is_lit = bool(planned["HAS_NORMAL"])
-    planned = dict.fromkeys((*bsdf_switches(Settings()), "REFLECTS", "METALNESS"), 0) | planned  # unlit ones lack them
-    planned |= {"HAS_NORMAL": int(mesh.normals is not None), "IS_ORTHOGRAPHIC": int(orthographic),
-                "DOUBLE_SIDED": int(material.double_sided)}
+    planned = _NO_FEATURES | planned | {
+        "HAS_NORMAL": int(mesh.normals is not None), "IS_ORTHOGRAPHIC": int(orthographic),
+        "DOUBLE_SIDED": int(material.double_sided)}
     if outputs["OUT_ALBEDO"]:
         switches = planned
     else:  # many materials share a program then
         kept = [*["normal"] * bool(outputs["OUT_NORMAL"]), *["base_color"] * bool(planned["ALPHA_MODE"])]
         names = (*_GEOMETRY, *(f"{name.upper()}_{ending}" for name in kept for ending in MAP_SWITCHES))
-        switches = dict.fromkeys(planned, 0) | {name: planned[name] for name in names}
+        switches = _NO_FEATURES | {name: planned[name] for name in names}
         switches["HAS_TANGENT"] = switches["NORMAL_MAP"]
     texture = material.base_color_texture
     uv = texture.uv_set if texture is not None else 0
@@ -75,4 +78,5 @@ def _program(draw: Draw, scene: Scene, outputs: Mapping[str, int], orthographic:
     read = {switches[f"{name.upper()}_UV"] for name in MAPS if switches[f"{name.upper()}_MAP"]}
     read |= {uv} if has_uv else set()
     return Program.of(FRAGMENT, switches | dict(outputs) | {
-        "IS_LIT": int(is_lit), "UV_SET": uv if has_uv else -1, "UV_SETS": sum(1 << k for k in read)})
+        "IS_LIT": int(is_lit and outputs["OUT_ALBEDO"] > 0), "UV_SET": uv if has_uv else -1,
+        "UV_SETS": sum(1 << k for k in read)})

@@ -31,6 +31,7 @@ from .surfaces import bind_blocks
 from .yarns import TUBES, YarnBuffers
 
 UNIT_POINTS, UNIT_COLORS, UNIT_TABLE = range(3)
+UNIT_NEXT = 3
 THIN, THICK = 3, 7
 """Pairs of vertices across a strip. The tube about a curve of up to THIN_PIXELS needs no more than its middle."""
 THIN_PIXELS = 4.0
@@ -79,6 +80,17 @@ class CurveBuffers:
             absorbed[~is_last, :3] = sigma_a_of_color(pieces.colors[:, 0], beta_n)
             absorbed[is_last, :3] = sigma_a_of_color(pieces.colors[last, 1], beta_n)
             self._colors = curve_texture(gl, absorbed)
+
+    def bind_next(self, frame: Frame) -> dict[str, object]:
+        """The uniforms of the points at the next time, which `frame` shows; binds them."""
+        self._points.use(UNIT_NEXT)
+        return {"u_next_points": UNIT_NEXT,
+                "u_next_to_eye": matrix_uniform(frame.model(np.eye(4)) @ self.to_world)}
+
+    @property
+    def to_world(self) -> np.ndarray:
+        """From the space of the points, (4, 4)."""
+        return _placed(self.unit, self.center)
 
     def draw(self, program: moderngl.Program, columns: int) -> None:
         self._points.use(UNIT_POINTS)
@@ -193,17 +205,28 @@ class CurvePass:
                 with nullcontext() if part == ROUND else self._depth.equal():
                     self._draw_one(buffers, program, part, frame, samples, values | {"u_nudge": NUDGE})
 
-    def draw_layers(self, frame: Frame, plan: CurvePlan, settings: Settings, uniforms: dict[str, object]) -> None:
-        """Draw what curves are, as numbers: shaders/raster/curve_layers.frag. Within `Depth.test()`."""
+    def draw_layers(self, frame: Frame, plan: CurvePlan, settings: Settings, uniforms: dict[str, object],
+                    following: Frame) -> None:
+        """Draw what curves are, as numbers: shaders/raster/curve_layers.frag. `following` shows them at the next time.
+        Within `Depth.test()`."""
         self._gl.enable_only(moderngl.DEPTH_TEST)
         scene = frame.scene
+        still = following.shows_as(frame)
         for k, (curves, buffers, program) in enumerate(zip(scene.curves, self._drawn, plan.shade, strict=True)):
             fibre = curves.fibre or hair_fibre(settings)
             ids = len(scene.instances) + k + 1, len(scene.materials) + k + 1
             values = uniforms | {"u_ids": halves(*ids), "u_sigma_a": fibre.sigma_a,
                                  "u_fibre": (fibre.beta_m, fibre.beta_n, fibre.tilt, fibre.ior)}
+            moved = None
+            if program["HAS_MOTION"] and isinstance(buffers, CurveBuffers):
+                others = following.scene.curves[k]
+                moved = CurveBuffers(self._gl, others, None) if others is not curves else None
+                values |= (moved or buffers).bind_next(following)
+            values["u_moves"] = 0.0 if still and moved is None else 1.0
             for part in self._parts(buffers, frame):
                 self._draw_one(buffers, program, part, frame, 1, values | {"u_nudge": 0.0})
+            if moved is not None:
+                moved.release()
 
     def draw_depth(self, world_to_clip: np.ndarray, size: int) -> None:
         """Draw all curves into a tile of `size` texels of a shadow map."""
@@ -285,8 +308,7 @@ def _texels_per_unit(world_to_clip: np.ndarray, size: int) -> float:
 def _set_view(program: moderngl.Program, buffers: CurveBuffers | YarnBuffers, to_clip: np.ndarray,
               to_eye: np.ndarray, size: tuple[int, int], is_reversed: bool, least: float) -> None:
     """`to_clip` and `to_eye` take world space to clip space and to eye-relative space."""
-    from_points = np.diag([buffers.unit, buffers.unit, buffers.unit, 1.0])
-    from_points[:3, 3] = buffers.center
+    from_points = _placed(buffers.unit, buffers.center)
     set_uniform(program, "u_to_clip", matrix_uniform(to_clip @ from_points))
     if "u_from_clip" in program:
         set_uniform(program, "u_from_clip", matrix_uniform(np.linalg.inv(to_clip @ from_points)))
@@ -294,6 +316,12 @@ def _set_view(program: moderngl.Program, buffers: CurveBuffers | YarnBuffers, to
     set_uniform(program, "u_half_size", (size[0] / 2, size[1] / 2))
     set_uniform(program, "u_least_width", least)
     set_uniform(program, "u_nearer", 1.0 if is_reversed else -1.0)
+
+
+def _placed(unit: float, center: np.ndarray) -> np.ndarray:
+    matrix = np.diag([unit, unit, unit, 1.0])
+    matrix[:3, 3] = center
+    return matrix
 
 
 def halves(*numbers: int) -> tuple[float, ...]:

@@ -41,17 +41,13 @@ class _Motion:
 
     def uniforms(self) -> dict[str, object]:
         return {"u_next_view_projection": matrix_uniform(self.next.view_projection),
+                "u_to_next": matrix_uniform(self.next.model(np.linalg.inv(self.frame.model(np.eye(4))))),
                 "u_half_size": (self.frame.size[0] / 2, self.frame.size[1] / 2)}
-
-    @property
-    def camera_stands(self) -> bool:
-        here, there = self.frame.camera, self.next.camera
-        return (here.fov_y, here.height) == (there.fov_y, there.height) and np.array_equal(here.pose, there.pose)
 
     def of_draw(self, draw: Draw, mesh: MeshBuffers) -> dict[str, object]:
         here, there = (frame.scene.instances[draw.instance] for frame in (self.frame, self.next))
         next_mesh = self.next.scene.meshes[draw.mesh]
-        stands = self.camera_stands and np.array_equal(here.transform, there.transform) and (
+        stands = self.next.shows_as(self.frame) and np.array_equal(here.transform, there.transform) and (
             next_mesh is self.frame.scene.meshes[draw.mesh])
         to_mesh = mesh.follow(next_mesh)
         return {"u_next_model": matrix_uniform(self.next.model(there.transform @ to_mesh)),

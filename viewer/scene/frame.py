@@ -136,6 +136,12 @@ class Frame:
         right, up = self.camera.pose[:3, 0], self.camera.pose[:3, 1]
         return np.stack([right * half[0], up * half[1], axis + right * middle[0] + up * middle[1]], axis=1)
 
+    def shows_as(self, other: Frame) -> bool:
+        """Whether both show what stands still at the same pixels."""
+        here, there = self.camera, other.camera
+        return self.size == other.size and (here.fov_y, here.height) == (there.fov_y, there.height) and (
+            np.array_equal(here.pose, there.pose))
+
     @property
     def pixel_angle(self) -> float:
         """The angle that the central pixel subtends, in radians (0 for an orthographic camera)."""
