@@ -62,13 +62,41 @@ def test_layers_lie_beside_the_picture_in_one_exr(image, tmp_path):
     assert leftovers(tmp_path) == ["a.exr"]
 
 
+def test_npz_and_exr_keep_whole_numbers_and_pairs(image, tmp_path):
+    """Of uint32 each number, also those that a float32 has not; npz keeps float64, too."""
+    import OpenImageIO as oiio
+
+    rng = np.random.default_rng(9)
+    ids = rng.integers(0, 1 << 32, (13, 17), dtype=np.uint32)
+    layers = {"instance": ids, "material": ids[::-1].copy(), "uv": rng.normal(size=(13, 17, 2)).astype(np.float32),
+              "motion": rng.normal(size=(13, 17, 2)).astype(np.float32), "position": 1e6 + rng.normal(size=(13, 17, 3))}
+    shown = replace(image, layers=layers, attributes={"denoised": "fast"})
+    for name in ("a.exr", "a.npz"):
+        shown.save(tmp_path / name)
+    assert leftovers(tmp_path) == ["a.exr", "a.npz"]
+    with np.load(tmp_path / "a.npz") as stored:
+        assert set(stored) == {"rgba", *layers} and np.array_equal(stored["rgba"], image.linear)
+        assert all(np.array_equal(stored[name], layer) and stored[name].dtype == layer.dtype
+                   for name, layer in layers.items())
+    assert np.array_equal(Image.open(tmp_path / "a.exr").linear, image.linear)
+    source = oiio.ImageInput.open(str(tmp_path / "a.exr"))
+    assert source.spec().get_string_attribute("denoised") == "fast"
+    names, pixels = source.spec().channelnames, source.read_image("float")
+    for name, suffix in (("uv", "UV"), ("motion", "XY"), ("position", "XYZ")):
+        found = pixels[..., [names.index(f"{name}.{c}") for c in suffix]]
+        assert np.array_equal(found, layers[name].astype(np.float32))
+    assert source.seek_subimage(1, 0) and source.spec().channelnames == ("instance.Y", "material.Y")
+    found = source.read_image(1, 0, 0, 2, "uint")
+    assert np.array_equal(found[..., 0], ids) and np.array_equal(found[..., 1], ids[::-1])
+
+
 def test_a_png_says_what_was_done_to_it(image, tmp_path):
     replace(image, attributes={"denoised": "fast"}).save(tmp_path / "a.png")
     assert Pillow.open(tmp_path / "a.png").text == {"denoised": "fast"}
 
 
 def test_a_layer_of_another_size_is_refused(image):
-    for layer in (np.zeros((2, 2), np.float32), np.zeros((13, 17)), np.zeros((13, 17, 2), np.float32)):
+    for layer in (np.zeros((2, 2), np.float32), np.zeros((13, 17), int), np.zeros((13, 17, 4), np.float32)):
         with pytest.raises(ValueError, match="layer depth"):
             replace(image, layers={"depth": layer})
 

@@ -126,7 +126,7 @@ def test_the_python_api_shares_a_context_with_the_raster():
 
 
 @pytest.mark.parametrize("arguments, words", [
-    ({"aov": ["depth"]}, "aov has no effect in mode pbr"),
+    ({"aov": ["samples"]}, "only mode path has samples, not mode pbr"),
     ({"mode": "path", "aov": ["z"]}, "there is no layer 'z'; choose from albedo"),
     ({"spp": 4}, "spp has no effect in mode pbr"),
 ])

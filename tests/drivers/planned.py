@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
 from functools import cache
 
@@ -11,6 +11,8 @@ from compiled import Sources
 
 from viewer.gpu.source import ProgramSource, assemble
 from viewer.plan.curves import VERTEX as CURVE_VERTEX
+from viewer.plan.layers import VERTEX as LAYER_VERTEX
+from viewer.plan.layers import plan_layers
 from viewer.plan.planner import plan_scene
 from viewer.raster.curves import ALL, BESIDE
 from viewer.raster.surface_programs import SHADOW_VERTEX, VERTEX, gbuffer_program, path_program, shadow_program
@@ -53,6 +55,17 @@ def raster_keys(scene: Scene, settings: Settings, *, half: bool = True, orthogra
         if draw.traces_refraction:
             path = path_program(draw.program, plan.has_dispersion)
             yield VERTEX, path.fragment, path.switches
+
+
+def layer_keys(scene: Scene, settings: Settings, names: Collection[str], *,
+               orthographic: bool = False) -> Iterator[Key]:
+    """Of the pass for layers."""
+    plan = plan_layers(scene, settings, names, orthographic)
+    for draw in plan.draws:
+        yield LAYER_VERTEX, draw.program.fragment, draw.program.switches
+    for program in plan.curves.shade if plan.curves is not None else ():
+        for part in (*ALL, *BESIDE):
+            yield CURVE_VERTEX, program.fragment, tuple(sorted((dict(program.switches) | {"ROUND": part}).items()))
 
 
 def path_keys(scene: Scene, settings: Settings) -> Iterator[Key]:

@@ -15,7 +15,7 @@ from glslang import GRANTED, as_330, as_400, problems
 from needs import CORPUS, needs, require
 from passes import intersections, passes
 from path_cases import CASES as PATH_CASES
-from planned import GREY, assembled, keys, raster_keys, under
+from planned import GREY, assembled, keys, layer_keys, raster_keys, under
 
 import viewer
 from viewer.base.resources import resource_folder
@@ -27,7 +27,7 @@ from viewer.scene.fog import fog_of
 from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.scene.volume import Volume
-from viewer.settings import VALUES, Settings, setting_choices
+from viewer.settings import SURFACE_LAYERS, VALUES, Settings, setting_choices
 from viewer.trace.scene.curves import trace_curves
 from viewer.trace.scene.geometry import trace_geometry
 from viewer.trace.scene.scene_data import geometry_switches
@@ -96,6 +96,10 @@ def ours() -> tuple[list[str], dict[str, int], set[str]]:
         wanted |= dict.fromkeys(raster_keys(hairy, Settings.of(fog=fog), half=False, orthographic=True))
     for show in VALUES:
         wanted |= dict.fromkeys(raster_keys(hairy, Settings(show=show), orthographic=show == "normal"))
+    for scene, names in product((*rich, velvet), (SURFACE_LAYERS, ("normal", "instance"))):
+        wanted |= dict.fromkeys(layer_keys(scene, Settings(), names, orthographic=scene is velvet))
+    for yarn in ("off", "silk"):
+        wanted |= dict.fromkeys(layer_keys(hairy, Settings.of(yarn=yarn), SURFACE_LAYERS, orthographic=yarn == "off"))
     lamps = tuple(Light("point", intensity=1.0, position=(0, 0, 1 + k)) for k in range(MAX_LIGHTS))
     wanted |= dict.fromkeys(keys(replace(rich[0], lights=lamps), Settings()))
     milk = Material(metallic=0.0, transmission=1.0, thickness=1.0, scatter_color=(0.5, 0.5, 0.5), ior=1.0,

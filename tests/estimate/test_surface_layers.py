@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from command_line import SCENES
 from images import image_of
 from shapes import constant, moved, orthographic, plate, scene, sphere
 
@@ -21,6 +22,7 @@ from viewer.scene.scene import Instance, Scene
 from viewer.scene.triangles import triangles_of
 from viewer.settings import SURFACE_LAYERS
 
+MODEL = SCENES / "arm.glb"
 SIZE = (24, 20)
 RED = Material(base_color=(0.8, 0.1, 0.1, 1.0), metallic=0.0, perceptual_roughness=0.6)
 UNLIT = Material(base_color=(0.2, 0.4, 0.6, 1.0), unlit=True)
@@ -254,6 +256,23 @@ def test_a_picture_without_layers_has_no_program_for_them(context):
     renderer.release()
     layered = viewer.render(model(), SIZE, aov=["depth"]).stats["plan"]
     assert "surface layers" in layered["passes"] and not any("nobody asked" in line for line in layered["left_out"])
+
+
+def test_files_of_the_command_line_have_the_layers_and_motion_of_the_next_frame(run, folder):
+    """An arm that bends; the camera that a turntable turns; and one for which nothing moves."""
+    asked = ("render", MODEL, "--size", "24", "--env", "furnace", "--aov", "motion,depth,instance", "-o")
+    moves = {"spins.npz": ("--time", "0.5", "--fps", "10"), "turns.npz": ("--turntable", "36"), "stands.npz": ()}
+    found = {}
+    for name, more in moves.items():
+        outcome = run(*asked, name, *more)
+        assert (outcome.status, outcome.err) == (0, "")
+        found[name] = dict(np.load(folder / name))
+        assert set(found[name]) == {"rgba", "motion", "depth", "instance"}
+    seen = found["turns.npz"]["instance"] > 0
+    assert np.abs(found["turns.npz"]["motion"][seen]).max() > 0.5 and not found["stands.npz"]["motion"].any()
+    longest = np.abs(found["spins.npz"]["motion"]).max()
+    run(*asked, "slow.npz", "--time", "0.5", "--fps", "20")
+    assert longest > 0.2 and np.abs(np.load(folder / "slow.npz")["motion"]).max() == pytest.approx(longest / 2, rel=0.2)
 
 
 def test_layers_that_a_mode_lacks_are_refused():

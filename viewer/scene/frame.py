@@ -138,9 +138,9 @@ class Frame:
 
     def shows_as(self, other: Frame) -> bool:
         """Whether both show what stands still at the same pixels."""
-        here, there = self.camera, other.camera
-        return self.size == other.size and (here.fov_y, here.height) == (there.fov_y, there.height) and (
-            np.array_equal(here.pose, there.pose))
+        here, there = ((c.fov_y, c.height, c.principal, c.pixel_aspect, *c.pose.ravel())
+                       for c in (self.camera, other.camera))
+        return self.size == other.size and here == there
 
     @property
     def pixel_angle(self) -> float:
