@@ -13,12 +13,12 @@ layout(location = OUT_ALBEDO) out vec4 o_albedo;
 layout(location = OUT_UV) out vec4 o_uv; // texture coordinates; motion in pixels, to the right and down
 #endif
 #if HAS_MOTION
-uniform vec2 u_half_size;    // half of the picture in pixels
+uniform vec2 u_half_picture;    // half of the picture in pixels
 uniform float u_moves;       // 0 where camera and surface stand still: no rounding shows there
 
 // From clip space at this time to that at the next. 0 for what is behind the camera then.
 vec2 motion(vec4 here, vec4 next) {
     if (u_moves == 0.0 || next.w <= 0.0) return vec2(0.0);
-    return (next.xy / next.w - here.xy / here.w) * u_half_size * vec2(1.0, -1.0);
+    return (next.xy / next.w - here.xy / here.w) * u_half_picture * vec2(1.0, -1.0);
 }
 #endif

@@ -1,15 +1,15 @@
 // What the surface is that a pixel shows at its centre, as numbers (docs/layers.md). OUT_NORMAL, OUT_IDS, OUT_ALBEDO and
 // OUT_UV are the places of the outputs that are wanted; 0: not wanted.
 #include "raster/material.glsl"
+#if OUT_ALBEDO && IS_LIT
+#include "bsdf/surface_of.glsl"
+uniform sampler2D u_dfg;
+#endif
 #if HAS_NORMAL
 #include "raster/normal.glsl"
 #endif
 #include "trace/shading_normal.glsl"
 #include "raster/layer_outputs.glsl"
-#if OUT_ALBEDO && IS_LIT
-#include "bsdf/surface_of.glsl"
-uniform sampler2D u_dfg;
-#endif
 #if IS_ORTHOGRAPHIC
 uniform vec3 u_view_direction; // towards the eye
 #endif

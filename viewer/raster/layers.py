@@ -42,7 +42,7 @@ class _Motion:
     def uniforms(self) -> dict[str, object]:
         return {"u_next_view_projection": matrix_uniform(self.next.view_projection),
                 "u_to_next": matrix_uniform(self.next.model(np.linalg.inv(self.frame.model(np.eye(4))))),
-                "u_half_size": (self.frame.size[0] / 2, self.frame.size[1] / 2)}
+                "u_half_picture": (self.frame.size[0] / 2, self.frame.size[1] / 2)}
 
     def of_draw(self, draw: Draw, mesh: MeshBuffers) -> dict[str, object]:
         here, there = (frame.scene.instances[draw.instance] for frame in (self.frame, self.next))
