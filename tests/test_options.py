@@ -12,7 +12,6 @@ from command_line import SCENES
 from viewer.errors import InputError, UsageError
 from viewer.jobs.assemble import make_camera, make_light
 from viewer.jobs.camera_options import Views, check_camera_options
-from viewer.jobs.directions import around
 from viewer.jobs.options import BackgroundColor, Number, Numbers, Size
 from viewer.scene.load import load_scene
 
@@ -97,10 +96,6 @@ def test_without_perspective_as_much_is_shown_at_the_target(scene):
     assert flat.height == pytest.approx(6 * math.tan(math.radians(30)))
     looking = camera(scene, eye=(0, 0, 9), target=(0, 0, 1), fov=60, ortho=True)
     assert looking.height == pytest.approx(16 * math.tan(math.radians(30)))
-
-
-def test_views_all_around_are_evenly_spaced():
-    assert [each.label for each in around(4)] == ["az0", "az90", "az180", "az270"] and len(around(7)) == 7
 
 
 def test_the_files_own_camera(scene):

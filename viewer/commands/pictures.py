@@ -12,7 +12,7 @@ import click
 
 from ..base.messages import say
 from ..batch.options import BATCH, BATCH_OPTIONS
-from ..jobs.camera_options import CAMERA_FILE_OPTIONS, CAMERA_OPTIONS, check_camera_options, chooses_camera
+from ..jobs.camera_options import CAMERA_OPTIONS, VIEWS_OPTIONS, check_camera_options, chooses_camera
 from ..jobs.options import (
     AOV_OPTION,
     BACKEND_OPTION,
@@ -100,7 +100,7 @@ class _Render(click.Command):
 @click.option("--stats", metavar="FILE.json",
               help="Write times, plan and memory as JSON; for several models a list of them.")
 @with_options([*SCENE_OPTIONS, *TIME_OPTIONS, *FILM_OPTIONS, *PATH_OPTIONS, *ERROR_OPTIONS, AOV_OPTION,
-               *CAMERA_OPTIONS, *CAMERA_FILE_OPTIONS, *BATCH_OPTIONS, *COMMON_OPTIONS])
+               *CAMERA_OPTIONS, *VIEWS_OPTIONS, *BATCH_OPTIONS, *COMMON_OPTIONS])
 def render(models: tuple[str, ...], output: str, backend: str, stats: str | None, **options: Any) -> None:
     """Render a picture of each MODEL, without a screen.
 
@@ -124,8 +124,9 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     """
     chosen = {name: options.pop(name) for name in BATCH}
     check_camera_options(options, takes_several=True)
-    options |= {"backend": backend, "has_size": _is_given("size")}
+    options |= {"backend": backend, "has_size": _is_given("size") or options["sheet"] is not None}
     from ..base.atomic import made_folders
+    from ..batch.contact import render_contact_sheet
     from ..batch.run import Batch, render_all
     from ..jobs.assemble import make_settings
     from ..jobs.camera_output import camera_files, warn_of_cameras
@@ -133,6 +134,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     from ..jobs.inputs import find_models
     from ..jobs.outputs import base_folder, check_apart, check_layers, check_output, output_paths
     from ..jobs.render_job import RenderJob, RenderTask
+    from ..jobs.sheets import CELL, check_sheet, check_sheet_paths, is_contact_sheet
     from ..jobs.tell_error import check_tell_error, map_paths
     from ..quality import check_quality
 
@@ -142,7 +144,19 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     if not chooses:
         settings.check_used()
     found = find_models(models)
+    if options["sheet"] is not None:
+        if not _is_given("size"):
+            options["size"] = CELL
+        check_sheet(found, output, options, stats, chosen["resume"])
+        if is_contact_sheet(found, output, options):
+            columns, _ = options["sheet"]
+            job = RenderJob(options | {"sheet": None}, chooses)
+            with made_folders(Path(output).parent):
+                check_output(output)
+                sys.exit(render_contact_sheet(found, Path(output), columns, job, Batch(**chosen)))
     outputs = output_paths(found, output)
+    if options["sheet"] is not None:
+        check_sheet_paths(outputs.paths, options)
     check_layers(options["aov"], settings, outputs.paths, chooses)
     check_film_options(outputs.paths, options, chooses)
     check_tell_error(settings, options, outputs.paths, chooses)

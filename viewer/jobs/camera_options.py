@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import click
@@ -13,6 +14,21 @@ from .options import Number, Numbers
 VIEWS = {"front": (0.0, 0.0), "back": (180.0, 0.0), "left": (-90.0, 0.0), "right": (90.0, 0.0), "top": (0.0, 90.0),
          "bottom": (0.0, -90.0), "iso": (45.0, math.degrees(math.atan(math.sqrt(0.5))))}
 """Azimuth and elevation in degrees. From "iso" the three axes are seen alike: its elevation is 35.26 degrees."""
+
+
+class Grid(click.ParamType):
+    """COLSxROWS, as (columns, rows)."""
+
+    name = "grid"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, int]:
+        match = re.fullmatch(r"([1-9][0-9]{0,3})[xX]([1-9][0-9]{0,3})", value)
+        if not match:
+            self.fail(f"{value!r} is not COLSxROWS, such as 4x2.", param, ctx)
+        return int(match[1]), int(match[2])
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        return "COLSxROWS"
 
 
 class Views(click.ParamType):
@@ -50,13 +66,17 @@ CAMERA_OPTIONS = [
     click.option("--fov", type=Number(0.01, 179), metavar="DEG", help="Vertical field of view; default: 45."),
     click.option("--camera", type=click.IntRange(0), metavar="N", help="Use camera N of the file, counted from 0."),
 ]
-CAMERA_FILE_OPTIONS = [
+VIEWS_OPTIONS = [
     click.option("--cameras", metavar="FILE.json",
                  help="Look through the cameras of a transforms.json, as nerfstudio and instant-ngp have it: a picture "
                       "each, of the size that the file says, unless there is a --size."),
     click.option("--write-cameras", metavar="FILE.json",
                  help="Write the cameras of all pictures, and the names of these, as such a file. For a file for each "
                       "model a folder, which ends in /, or a pattern with {name}, as for -o."),
+    click.option("--sheet", type=Grid(),
+                 help="One picture of so many views around the model, with labels, or of the views that --view, "
+                      "--orbit or --cameras name. For several models and one OUT, a picture of each model with its "
+                      "name. --size is that of each of them, by default 320x320."),
 ]
 
 

@@ -34,12 +34,6 @@ def directions_of(options: dict[str, Any]) -> tuple[Direction, ...]:
     return (Direction("", "", DEFAULT_AZIMUTH, DEFAULT_ELEVATION),)
 
 
-def around(count: int) -> tuple[Direction, ...]:
-    """So many directions about the model, evenly spaced from the front on, at the usual elevation."""
-    degrees = (360.0 * k / count for k in range(count))
-    return tuple(Direction(f"az{each:g}", f"{each:g}°", math.radians(each), DEFAULT_ELEVATION) for each in degrees)
-
-
 def _named(name: str) -> Direction:
     azimuth, elevation = VIEWS[name]
     return Direction(name, name, math.radians(azimuth), math.radians(elevation))

@@ -15,6 +15,7 @@ from ..base.signals import postponed
 from ..errors import ContextError, OutputError, UsageError, ViewerError
 from ..image.film import write_film
 from ..image.image import Image
+from ..image.sheet import labelled_sheet
 from ..plan.warnings import camera_warnings, sample_warnings
 from ..scene.camera import Camera
 from ..scene.camera_file import camera_facts
@@ -25,6 +26,7 @@ from .following import make_following
 from .makers import RasterMaker, make_picture_maker
 from .picture_maker import RenderRequest
 from .render_job import RenderJob, RenderTask
+from .sheets import sheet_views
 from .views import View, views_of
 
 if TYPE_CHECKING:
@@ -94,6 +96,9 @@ class ModelRenderer:
             if film is not None:
                 records.append(self._film(task, scene, film, start, progress))
                 return records
+            if self._job.options["sheet"] is not None:
+                records.append(self._sheet(task, scene, start, progress))
+                return records
             for view in views_of(task.model, scene, self._job.options):
                 with self._told(task.model, task.picture(view.label), records):
                     records.append(self._picture(task, scene, view, start, progress))
@@ -134,6 +139,24 @@ class ModelRenderer:
         if self._job.options["write_cameras"] is not None:
             record["camera"] = camera_facts(view.camera, view.size)
         return record | ({"error": failure} if failure else {})
+
+    def _sheet(self, task: RenderTask, scene: Scene, start: float, progress: Progress) -> Record:
+        """As `_picture`, of all views in one."""
+        path, loaded, known = task.picture(), time.perf_counter(), scene.all_warnings
+        views, cells = sheet_views(task.model, scene, self._job.options), []
+        for number, view in enumerate(views):
+            progress.part(number / len(views), f"{path.name}: view {number + 1} of {len(views)}")
+            self._request.size = view.size
+            cells.append((view.title, self._maker.make(scene, view.camera, path, progress).srgb))
+            if self.stopped is not None:
+                break
+        self._warn_after(task.model, scene, known, [])
+        rendered = time.perf_counter()
+        labelled_sheet(cells, self._job.options["sheet"][0], self._job.options["size"]).save(path)
+        saved = time.perf_counter()
+        seconds = {"load": loaded - start, "render": rendered - loaded, "save": saved - rendered,
+                   "total": saved - start}
+        return self._done(task.model, path, scene, seconds, f"{len(cells)} of {len(views)} views")
 
     def _film(self, task: RenderTask, scene: Scene, film: Film, start: float, progress: Progress) -> Record:
         """As `_picture`."""

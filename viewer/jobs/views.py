@@ -16,11 +16,12 @@ from .following import first_camera
 @dataclass(frozen=True)
 class View:
     """`label` stands in the name of the picture's file; "" if it is the only one. `size` is (width, height) of the
-    picture in pixels."""
+    picture in pixels, and `title` stands on sheets."""
 
     label: str
     camera: Camera
     size: tuple[int, int]
+    title: str = ""
 
 
 def views_of(model: str, scene: Scene, options: dict[str, Any]) -> tuple[View, ...]:
@@ -29,10 +30,10 @@ def views_of(model: str, scene: Scene, options: dict[str, Any]) -> tuple[View, .
     if options["cameras"] is not None:
         frames, _ = read_camera_file(options["cameras"], size)
         return tuple(View(frame.camera.name if len(frames) > 1 else "", frame.camera,
-                          size if options["has_size"] else frame.size) for frame in frames)
+                          size if options["has_size"] else frame.size, frame.camera.name) for frame in frames)
     if options["turntable"] is not None:
         return (View("", first_camera(model, scene, options), size),)
     if options["camera"] is not None or options["eye"] is not None:
         return (View("", make_camera(model, scene, options), size),)
-    return tuple(View(direction.label, make_camera(model, scene, options, direction), size)
+    return tuple(View(direction.label, make_camera(model, scene, options, direction), size, direction.title)
                  for direction in directions_of(options))

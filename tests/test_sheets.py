@@ -1,0 +1,110 @@
+"""Sheets: several views of a model in one picture, and contact sheets of several models."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_line import SCENES, names
+
+from viewer.errors import UsageError
+from viewer.image.image import Image
+from viewer.image.sheet import label_height, labelled_sheet, sheet_size
+
+BALLS, UNLIT = SCENES / "spheres.glb", SCENES / "unlit.glb"
+SIZE = (40, 24)
+QUICK = ("--size", "40x24", "--set", "antialias=none", "-q")
+
+
+def cell(sheet: Image, number: int, columns: int) -> np.ndarray:
+    """The picture in a place of a sheet."""
+    left, top = 4 + number % columns * 44, 4 + number // columns * (24 + label_height(SIZE) + 4)
+    return sheet.srgb[top:top + 24, left:left + 40]
+
+
+def label(sheet: Image, number: int, columns: int) -> np.ndarray:
+    left, top = 4 + number % columns * 44, 28 + number // columns * (24 + label_height(SIZE) + 4)
+    return sheet.srgb[top:top + label_height(SIZE), left:left + 40, 0]
+
+
+def test_pictures_stand_in_their_places_with_readable_labels():
+    pictures = [np.full((24, 40, 4), 10 * k, np.uint8) for k in range(5)]
+    sheet = labelled_sheet([("top", pictures[0]), ("left", pictures[1]), ("back", None), ("a" * 99, pictures[3]),
+                            ("", pictures[4])], 3, SIZE)
+    assert sheet.size == sheet_size(5, 3, SIZE) == (4 + 3 * 44, 4 + 2 * (24 + label_height(SIZE) + 4))
+    for k in (0, 1, 3, 4):
+        np.testing.assert_array_equal(cell(sheet, k, 3), pictures[k])
+    assert (cell(sheet, 2, 3) == (225, 225, 225, 255)).all()
+    inked = [(label(sheet, k, 3) < 128).sum() for k in range(5)]
+    assert min(inked[:4]) > 20 and inked[4] == 0
+    assert (sheet.srgb[:, -4:] == (245, 245, 245, 255)).all()  # nothing runs over
+
+
+def test_a_sheet_without_an_end_is_refused():
+    with pytest.raises(UsageError, match="a sheet of 90000 pictures of 320x320 has .* pixels, more than"):
+        sheet_size(90_000, 300, (320, 320))
+
+
+def test_views_all_around_are_those_of_a_turntable(run, folder):
+    assert run("render", BALLS, "-o", "sheet.png", "--sheet", "2x2", *QUICK).status == 0
+    assert run("render", BALLS, "-o", "turn.apng", "--turntable", "4", "--orbit", "0,15", *QUICK).status == 0
+    from PIL import Image as Pillow
+    from PIL import ImageSequence
+
+    sheet = Image.open("sheet.png")
+    frames = [np.asarray(frame.convert("RGBA")) for frame in ImageSequence.Iterator(Pillow.open("turn.apng"))]
+    assert sheet.size == sheet_size(4, 2, SIZE)
+    for k in range(4):
+        np.testing.assert_array_equal(cell(sheet, k, 2), frames[k])
+    assert len({label(sheet, k, 2).tobytes() for k in range(4)}) == 4  # front, right, back, left
+
+
+def test_the_views_that_are_asked_for_are_those_of_single_pictures(run, folder):
+    views = ("--view", "top,left", "--ortho")
+    assert run("render", BALLS, "-o", "sheets/", "--sheet", "3x1", *views, *QUICK).status == 0
+    assert run("render", BALLS, "-o", "single/", *views, *QUICK).status == 0
+    sheet = Image.open("sheets/spheres.png")
+    assert sheet.size == sheet_size(2, 3, SIZE)
+    for k, view in enumerate(("top", "left")):
+        np.testing.assert_array_equal(cell(sheet, k, 2), Image.open(f"single/spheres_{view}.png").srgb)
+
+
+def test_a_contact_sheet_has_a_place_for_each_model_and_its_failure(run, folder):
+    (folder / "broken.glb").write_bytes(b"glTF")
+    outcome = run("render", BALLS, "broken.glb", UNLIT, "-o", "out/all.png", "--sheet", "2x9", *QUICK)
+    assert outcome.status == 1 and "broken.glb" in outcome.error
+    assert names(folder / "out") == ["all.png"]
+    sheet = Image.open("out/all.png")
+    assert sheet.size == sheet_size(3, 2, SIZE)
+    assert (cell(sheet, 1, 2) == (225, 225, 225, 255)).all()
+    assert run("render", UNLIT, "-o", "alone.png", *QUICK).status == 0
+    np.testing.assert_array_equal(cell(sheet, 2, 2), Image.open("alone.png").srgb)
+
+
+def test_a_folder_has_a_sheet_of_each_model(run, folder):
+    assert run("render", BALLS, UNLIT, "-o", "out/", "--sheet", "2x1", *QUICK).status == 0
+    assert names(folder / "out") == ["manifest.jsonl", "spheres.png", "unlit.png"]
+    assert {Image.open(f"out/{name}.png").size for name in ("spheres", "unlit")} == {sheet_size(2, 2, SIZE)}
+    lines = [json.loads(line) for line in Path("out/manifest.jsonl").read_text().splitlines()]
+    assert [line["out"] for line in lines] == ["spheres.png", "unlit.png"]
+
+
+@pytest.mark.parametrize(("arguments", "words"), [
+    ((BALLS, UNLIT, "-o", "a.png", "--sheet", "1x1"), "--sheet 1x1: 2 models need at least 1x2"),
+    ((BALLS, UNLIT, "-o", "a.exr", "--sheet", "2x1"), "-o a.exr: a sheet is a picture as displayed"),
+    ((BALLS, UNLIT, "-o", "a.png", "--sheet", "2x1", "--resume"), "--resume and a sheet of several models"),
+    ((BALLS, UNLIT, "-o", "a.png", "--sheet", "2x1", "--view", "top,left"), "a sheet of several models has one view"),
+    ((BALLS, "-o", "a.png", "--sheet", "1x1", "--view", "top,left"), "--sheet 1x1: 2 views need at least 1x2"),
+    ((BALLS, "-o", "a.exr", "--sheet", "2x1"), "-o a.exr: a sheet is a picture as displayed"),
+    ((BALLS, "-o", "a.gif", "--sheet", "2x1"), "-o a.gif: a sheet is a picture as displayed"),
+    ((BALLS, "-o", "a.png", "--sheet", "2x1", "--eye", "1,2,3"), "--eye and a sheet of views"),
+    ((BALLS, "-o", "a.png", "--sheet", "2x1", "--write-cameras", "a.json"), "--write-cameras and --sheet cannot be"),
+    ((BALLS, "-o", "a.png", "--sheet", "2x1", "--stats", "a.json"), "--stats and --sheet cannot be used together"),
+    ((BALLS, "-o", "a.png", "--sheet", "2"), "'2' is not COLSxROWS, such as 4x2"),
+    ((BALLS, "-o", "a.png", "--sheet", "999x999"), "more than 134217728; --size makes them smaller"),
+])
+def test_what_is_no_sheet_is_refused_before_anything_is_drawn(run, folder, arguments, words):
+    outcome = run("render", *arguments)
+    assert outcome.status == 2 and words in outcome.err and names(folder) == []
