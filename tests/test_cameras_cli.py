@@ -12,7 +12,7 @@ from command_line import SCENES, names
 import viewer
 from viewer.image.image import Image
 from viewer.scene.camera import Camera
-from viewer.scene.camera_file import CameraFrame, read_camera_file, write_camera_file
+from viewer.scene.camera_file import CameraFrame, read_camera_file, write_cameras
 
 BALLS = SCENES / "spheres.glb"
 QUICK = ("--size", "24x16", "--set", "antialias=none", "-q")
@@ -43,7 +43,7 @@ def test_pictures_through_written_cameras_are_the_same(run, folder):
     pose = Camera.look_at(center + (0, 1, 5), center).pose
     written = [CameraFrame(Camera.from_intrinsics(pose, 20.0, 22.0, 9.0, 11.0, (24, 16)), (24, 16), Path("a.png")),
                CameraFrame(Camera(pose, height=4.0), (20, 20), Path("b.png"))]
-    write_camera_file("in.json", written)
+    write_cameras("in.json", written)
     first = run("render", BALLS, "-o", "one/", "--cameras", "in.json", *QUICK[2:], "--write-cameras", "two.json")
     assert (first.status, first.err) == (0, "")
     assert run("render", BALLS, "-o", "two/", "--cameras", "two.json", *QUICK[2:]).status == 0
@@ -92,7 +92,7 @@ def test_depth_and_what_was_turned_are_told(run, folder):
 
 
 def test_distortion_is_told_once_and_a_bad_file_before_anything_is_drawn(run, folder):
-    write_camera_file("in.json", [CameraFrame(Camera(np.eye(4)), (8, 8))])
+    write_cameras("in.json", [CameraFrame(Camera(np.eye(4)), (8, 8))])
     content = json.loads(Path("in.json").read_text())
     (folder / "in.json").write_text(json.dumps(content | {"k1": 0.1}))
     outcome = run("render", BALLS, SCENES / "unlit.glb", "-o", "out/", "--cameras", "in.json")

@@ -11,8 +11,8 @@ from command_line import SCENES
 
 from viewer.errors import InputError, UsageError
 from viewer.jobs.assemble import make_camera, make_light
-from viewer.jobs.camera_options import Views, check_camera_options
-from viewer.jobs.options import BackgroundColor, Number, Numbers, Size
+from viewer.jobs.camera_options import Grid, Views, check_camera_options
+from viewer.jobs.options import BackgroundColor, Number, Numbers, PlainMaterial, Size
 from viewer.scene.load import load_scene
 
 NO_CAMERA = dict.fromkeys(("view", "eye", "target", "fov", "camera")) | {
@@ -32,7 +32,8 @@ def camera(scene, **options):
     (Size(), "640x480", (640, 480)), (Size(), "640X480", (640, 480)), (Size(), "64", (64, 64)),
     (Number(), "-2.5", -2.5), (Number(0, 1), "1", 1.0),
     (Numbers("X,Y,Z", 3), "-1,2e3,.5", (-1, 2000, 0.5)), (Numbers("A,B[,C]", 2, 3), "1, 2", (1, 2)),
-    (Views(), "top,iso,top", ("top", "iso")),
+    (Views(), "top,iso,top", ("top", "iso")), (Grid(), "4x2", (4, 2)),
+    (PlainMaterial(), "gold,1,.25", ((255, 215, 0), 1, 0.25)), (PlainMaterial(), "#08f", ((0, 136, 255), 0, 0.5)),
     (BackgroundColor(), "none", "none"), (BackgroundColor(), "#ffffff", (1, 1, 1)),
 ])
 def test_words_that_are_understood(kind, word, value):
@@ -45,7 +46,9 @@ def test_words_that_are_understood(kind, word, value):
     (Number(), "nan"), (Number(), "inf"), (Number(), "1,5"), (Number(0, 1), "2"),
     (Numbers("X,Y,Z", 3), "1,2"), (Numbers("X,Y,Z", 3), "1,2,nan"), (Numbers("X,Y,Z", 3), "1,2,"),
     (Numbers("X,Y,Z", 3), "1,2,1e19"),
-    (Views(), ""), (Views(), "front,up"),
+    (Views(), ""), (Views(), "front,up"), (Grid(), "4"), (Grid(), "0x2"), (Grid(), "4x2x1"),
+    (PlainMaterial(), "glod"), (PlainMaterial(), "gold,2"), (PlainMaterial(), "gold,0,0,0"),
+    (PlainMaterial(), "red,nan"),
     (BackgroundColor(), "#12345"), (BackgroundColor(), "ENV"), (BackgroundColor(), ""),
 ])
 def test_words_that_are_not(kind, word):

@@ -13,12 +13,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .api import join, load, read_cameras, render, show, write_cameras
+    from .api import join, load, render, show
     from .errors import ContextError, InputError, OutputError, ShaderError, UsageError, ViewerError
     from .gpu.call import call_glsl
     from .image.image import Image
     from .scene.camera import Camera
-    from .scene.camera_file import CameraFrame
+    from .scene.camera_file import CameraFrame, read_cameras, write_cameras
     from .scene.environment import Environment
     from .scene.from_arrays import make_scene as scene  # noqa: F401  the package of this name can be called
     from .scene.light import Light
@@ -59,8 +59,8 @@ _MODULES = {
     "Camera": "scene.camera", "CameraFrame": "scene.camera_file", "Environment": "scene.environment",
     "Image": "image.image", "Instance": "scene.scene", "Light": "scene.light", "Material": "scene.material",
     "Mesh": "scene.mesh", "Scene": "scene.scene", "Settings": "settings", "Volume": "scene.volume",
-    "call_glsl": "gpu.call", "join": "api", "load": "api", "read_cameras": "api", "render": "api", "show": "api",
-    "write_cameras": "api",
+    "call_glsl": "gpu.call", "join": "api", "load": "api", "read_cameras": "scene.camera_file", "render": "api",
+    "show": "api", "write_cameras": "scene.camera_file",
 }
 
 

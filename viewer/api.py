@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from .image.image import Image
     from .raster.layers import Following
     from .raster.renderer import Renderer
-    from .scene.camera_file import CameraFrame
     from .trace.tracer import Tracer
 
 DEFAULT_SIZE = (1280, 720)
@@ -72,32 +71,6 @@ def join(scene: Scene, *others: Scene) -> Scene:
     for given in (scene, *others):
         _expect_scene(given, None)
     return join(scene, *others)
-
-
-def read_cameras(path: str | PathLike[str], size: tuple[int, int] = DEFAULT_SIZE) -> tuple[CameraFrame, ...]:
-    """The cameras of a transforms.json, as nerfstudio and instant-ngp have it, with sizes and files of their pictures.
-
-    `size` (width, height) is that of pictures where the file does not say it. A UserWarning says that lenses distort,
-    which is not drawn. Raises InputError for a file that cannot be read, without frames, or with one that is no camera.
-    """
-    from .scene.camera_file import read_camera_file
-
-    expect_path(path, "path")
-    frames, lines = read_camera_file(path, _checked(size))
-    for line in lines:
-        warnings.warn(line, stacklevel=2)
-    return frames
-
-
-def write_cameras(path: str | PathLike[str], frames: Sequence[CameraFrame]) -> None:
-    """Write a transforms.json, which `read_cameras` reads as the same cameras. The files of the pictures are named
-    relative to its folder. Raises OutputError."""
-    from .scene.camera_file import CameraFrame, write_camera_file
-
-    expect_path(path, "path")
-    for k, frame in enumerate(frames):
-        expect(frame, CameraFrame, f"frames[{k}]", "a CameraFrame")
-    write_camera_file(path, frames)
 
 
 def render(

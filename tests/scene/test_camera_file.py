@@ -13,7 +13,7 @@ import pytest
 
 from viewer.errors import InputError
 from viewer.scene.camera import Camera
-from viewer.scene.camera_file import CameraFrame, camera_facts, read_camera_file, write_camera_file, write_frames
+from viewer.scene.camera_file import CameraFrame, camera_facts, read_camera_file, write_cameras, write_frames
 
 ROWS = [[1, 0, 0, 0.5], [0, 1, 0, 0.25], [0, 0, 1, 3], [0, 0, 0, 1]]
 LENS = {"fl_x": 500.0, "fl_y": 510.0, "cx": 300.0, "cy": 250.5, "w": 640, "h": 480}
@@ -127,7 +127,7 @@ def cameras(count: int) -> Iterator[Camera]:
 def test_what_is_written_is_read_as_the_same_cameras(folder):
     """Poses to the bit; numbers that are made of others to the last bit but one, since not every quotient is one."""
     written = list(cameras(60))
-    write_camera_file("transforms.json", [CameraFrame(c, (63, 41), Path("a.png")) for c in written])
+    write_cameras("transforms.json", [CameraFrame(c, (63, 41), Path("a.png")) for c in written])
     frames, _ = read_camera_file("transforms.json", (1, 1))
     for camera, found in zip(written, frames, strict=True):
         assert found.size == (63, 41)
@@ -146,7 +146,7 @@ def test_numbers_of_a_file_are_written_as_they_stood_there(folder):
                                 cy=round(rng.uniform(0, 400), 9), transform_matrix=camera.pose.tolist())
                           for k, camera in enumerate(cameras(40))]}
     frames, _ = read(folder, content)
-    write_camera_file("again.json", [CameraFrame(f.camera, f.size, Path("images/a.png")) for f in frames])
+    write_cameras("again.json", [CameraFrame(f.camera, f.size, Path("images/a.png")) for f in frames])
     again = json.loads(Path("again.json").read_text())
     for before, after in zip(content["frames"], again["frames"], strict=True):
         assert before.items() <= (again | after).items()

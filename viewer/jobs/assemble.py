@@ -14,11 +14,13 @@ from ..plan.unused import unused_settings
 from ..plan.warnings import picture_warnings
 from ..quality import Quality
 from ..scene.camera import DEFAULT_FOV, Camera
+from ..scene.color import srgb_to_linear
 from ..scene.environment import Environment
 from ..scene.environment_files import load_environment
 from ..scene.join import join
 from ..scene.light import Light
 from ..scene.load import load_scene
+from ..scene.material import Material
 from ..scene.scene import Scene
 from ..scene.upright import upright
 from ..settings import Settings, setting_name, with_dashes
@@ -70,7 +72,8 @@ def load_model(model: str, options: dict[str, Any]) -> Scene:
     if wanted is not None and wanted.isdecimal():
         wanted = int(wanted)
     scene = load_scene(model, wanted, options.get("variant"))
-    return upright(join(scene, *map(load_scene, options.get("with_files", ()))), options.get("up", "y"))
+    scene = upright(join(scene, *map(load_scene, options.get("with_files", ()))), options.get("up", "y"))
+    return scene if options.get("material") is None else scene.with_material(make_material(*options["material"]))
 
 
 def pose(model: str, scene: Scene, time: float, animation: int) -> Scene:
@@ -106,6 +109,13 @@ def why_no_animations(scene: Scene) -> str:
     """What is wrong with animations that the file has, but that cannot be played; "" if it has none."""
     lost = next((line for line in scene.warnings if line.startswith("animations[")), None)
     return f" that can be played: {lost}" if lost is not None else ""
+
+
+def make_material(rgb: tuple[int, int, int], metallic: float, roughness: float) -> Material:
+    """A plain material of a colour in 8-bit sRGB. It is double-sided: triangles may be wound either way."""
+    red, green, blue = srgb_to_linear(np.array(rgb) / 255).tolist()
+    return Material(name="--material", base_color=(red, green, blue, 1.0), metallic=metallic,
+                    perceptual_roughness=roughness, double_sided=True)
 
 
 def make_light(numbers: tuple[float, float, float]) -> Light:

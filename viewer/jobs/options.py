@@ -108,6 +108,29 @@ class BackgroundColor(click.ParamType):
         return "env|none|#rrggbb"
 
 
+class PlainMaterial(click.ParamType):
+    """COLOR[,METALLIC[,ROUGHNESS]], as ((red, green, blue) of 8-bit sRGB, metallic, perceptual roughness)."""
+
+    name = "material"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        from PIL import ImageColor
+
+        color, *words = value.split(",")
+        try:
+            rgb: Any = ImageColor.getrgb(color.strip())[:3]
+            numbers = [float(word) for word in words]
+        except ValueError:
+            rgb, numbers = None, []
+        if rgb is None or len(words) > 2 or not all(0 <= number <= 1 for number in numbers):
+            self.fail(f"{value!r} is not {self.get_metavar(None)}: a name such as gold, or #rrggbb, and numbers from 0 "
+                      "to 1.", param, ctx)
+        return rgb, *numbers, *(0.0, 0.5)[len(numbers):]
+
+    def get_metavar(self, param: click.Parameter | None, ctx: click.Context | None = None) -> str:
+        return "COLOR[,METALLIC[,ROUGHNESS]]"
+
+
 class Layers(click.ParamType):
     """Names of layers separated by commas, as a tuple without repetitions."""
 
@@ -172,6 +195,9 @@ MODEL_OPTIONS = [
     click.option("--up", type=click.Choice(["x", "y", "z", "-x", "-y", "-z"]), default="y", show_default=True,
                  help="The axis of the file that points upwards. The model is turned so that it is +Y, to which all "
                       "coordinates and angles refer then. Models from CAD and for 3D printing have z."),
+    click.option("--material", type=PlainMaterial(),
+                 help="Show all surfaces in one material, in place of their own and of vertex colours. COLOR is a name "
+                      "of CSS, such as gold, or #rrggbb. Default: not metallic, of roughness 0.5."),
 ]
 SCENE_OPTIONS = [MODE_OPTION, QUALITY_OPTION, *MODEL_OPTIONS, *LOOK_OPTIONS]
 TIME_OPTIONS = [

@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 import os
 import re
+import warnings
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -27,6 +28,7 @@ from typing import Any
 import numpy as np
 
 from ..base.atomic import write_json
+from ..base.expect import expect, expect_path
 from ..errors import UsageError
 from .camera import Camera
 from .files import read_file
@@ -181,8 +183,25 @@ def _pose(element: Element) -> np.ndarray:
     return pose
 
 
-def write_camera_file(path: str | PathLike[str], frames: Sequence[CameraFrame]) -> None:
-    """Write a transforms.json, whole or not at all. Raises OutputError."""
+def read_cameras(path: str | PathLike[str], size: tuple[int, int] = (1280, 720)) -> tuple[CameraFrame, ...]:
+    """The cameras of a transforms.json, as nerfstudio and instant-ngp have it, with sizes and files of their pictures.
+
+    `size` (width, height) is that of pictures where the file does not say it. A UserWarning says that lenses distort,
+    which is not drawn. Raises InputError for a file that cannot be read, without frames, or with one that is no camera.
+    """
+    expect_path(path, "path")
+    frames, lines = read_camera_file(path, size)
+    for line in lines:
+        warnings.warn(line, stacklevel=2)
+    return frames
+
+
+def write_cameras(path: str | PathLike[str], frames: Sequence[CameraFrame]) -> None:
+    """Write a transforms.json, which `read_cameras` reads as the same cameras, whole or not at all. The files of the
+    pictures are named relative to its folder. Raises OutputError."""
+    expect_path(path, "path")
+    for k, frame in enumerate(frames):
+        expect(frame, CameraFrame, f"frames[{k}]", "a CameraFrame")
     write_frames(path, [(camera_facts(frame.camera, frame.size), frame.file, frame.depth_file) for frame in frames])
 
 

@@ -12,10 +12,13 @@ the fit of a smaller t, for which A + B = 2 t c.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+from .camera import Camera
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -25,6 +28,19 @@ MARGIN = 0.05
 NEAREST = 0.5
 """The least depth of the nearest vertex, in radii of the scene. It limits the perspective of what is long, narrow and
 points at the viewer, and keeps the eye away from a single point."""
+
+
+def camera(scene: Scene, aspect: float, azimuth: float, elevation: float, fov_y: float, target: ArrayLike | None,
+           orthographic: bool) -> Camera:
+    """See `Scene.framing_camera`."""
+    rotation = Camera.orbit((0.0, 0.0, 0.0), 1.0, azimuth, elevation).pose[:3, :3]
+    target, distance = fit(scene, rotation, aspect, fov_y, target=target, is_orthographic=orthographic)
+    made = Camera.orbit(target, distance, azimuth, elevation, fov_y)
+    if not orthographic:
+        return made
+    outside = float((scene.center - target) @ rotation[:, 2]) + 2 * scene.radius
+    return replace(Camera.orbit(target, max(distance, outside), azimuth, elevation, fov_y),
+                   height=made.orthographic(distance).height)
 
 
 def fit(scene: Scene, rotation: np.ndarray, aspect: float, fov_y: float, *, target: ArrayLike | None = None,

@@ -14,13 +14,12 @@ from numpy.typing import ArrayLike
 
 from ..base.expect import expect
 from ..errors import UsageError
-from . import extent
+from . import extent, framing, override
 from .animation import Animation
 from .arrays import scene_array
 from .camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION, DEFAULT_FOV, Camera
 from .curves import Curves
 from .environment import Environment
-from .framing import fit
 from .light import Light
 from .material import Material
 from .mesh import Mesh
@@ -191,17 +190,10 @@ class Scene:
         """The camera that the scene fills, seen from `azimuth` and `elevation` (radians, see `Camera.orbit`).
 
         `aspect` is width / height of the picture. At each side, 5 % of the width or of the height stay free. A
-        `target`, (3,) in world space, is in the middle of the picture. The distance depends on the direction; for a
-        camera that turns about the scene at one distance, take `Camera.framing(scene.center, scene.radius, ...)`.
-        An `orthographic` camera has the scene in front of its eye, too.
+        `target`, (3,) in world space, is in the middle of the picture. The distance depends on the direction; for one
+        that does not, take `Camera.framing(scene.center, scene.radius, ...)`.
         """
-        rotation = Camera.orbit((0.0, 0.0, 0.0), 1.0, azimuth, elevation).pose[:3, :3]
-        target, distance = fit(self, rotation, aspect, fov_y, target=target, is_orthographic=orthographic)
-        if not orthographic:
-            return Camera.orbit(target, distance, azimuth, elevation, fov_y)
-        outside = float((self.center - target) @ rotation[:, 2]) + 2 * self.radius
-        flat = Camera.orbit(target, distance, azimuth, elevation, fov_y).orthographic(distance)
-        return replace(Camera.orbit(target, max(distance, outside), azimuth, elevation, fov_y), height=flat.height)
+        return framing.camera(self, aspect, azimuth, elevation, fov_y, target, orthographic)
 
     def relit(self, **changes: Any) -> Scene:
         """A copy with another `environment`, `lights` or `materials`. It keeps the cached bounds of the geometry.
@@ -217,6 +209,10 @@ class Scene:
             if name in self.__dict__:
                 copy.__dict__[name] = self.__dict__[name]
         return copy
+
+    def with_material(self, material: Material) -> Scene:
+        """The scene with one material on all meshes, without vertex colours and variants. Curves keep their fibres."""
+        return override.with_material(self, material)
 
     def with_curve_radius(self, radius: float) -> Scene:
         """The scene with curves of this radius, in its unit of length; as it is if that is 0 or there are no curves.

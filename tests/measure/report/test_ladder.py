@@ -189,7 +189,7 @@ def test_every_quality_is_a_method_with_what_of_it_the_scene_has(is_hollow):
 ARGUMENTS = ["--size", "64x32", "--env", "furnace", "--env-rotation", "30", "--env-intensity", "2", "--exposure", "-1",
              "--tonemap", "agx", "--background", "none", "--light", "10,-20,3", "--set", "ndf=beckmann", "--set",
              "antialias=none", "--set", "bounces=3", "--orbit", "-30,5", "--fov", "20", "--ortho", "--up", "-z",
-             "--with", "b.ply", "--scene", "1"]
+             "--with", "b.ply", "--scene", "1", "--material", "gold,1"]
 
 
 @pytest.mark.parametrize("arguments", [[], ARGUMENTS])
@@ -209,7 +209,8 @@ def test_the_command_line_of_a_method_asks_for_just_that(arguments):
         assert settings == method.settings(base)
         assert (settings.bounces == 3) == bool(arguments and method.is_traced)
         assert settings.ndf == ("ggx" if settings.mode == "phong" else base.ndf)
-        same = ("size", "orbit", "view", "ortho", "fov", "eye", "camera", "up", "with_files", "variant", "scene")
+        same = ("size", "orbit", "view", "ortho", "fov", "eye", "camera", "up", "with_files", "variant", "scene",
+                "material")
         assert {name: asked[name] for name in same} == {name: options[name] for name in same}
         lights = tuple(map(make_light, asked["lights"]))
         assert method.scene(scene).lights == lights
