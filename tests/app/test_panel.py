@@ -11,6 +11,7 @@ import pytest
 import viewer
 from viewer.base.resources import resource_folder
 from viewer.image.image import Image
+from viewer.interact.state import scene_facts
 from viewer.quality import POINTS, QUALITIES
 from viewer.scene.color import LUMINANCE, srgb_to_linear
 from viewer.scene.scene import Variant
@@ -28,6 +29,8 @@ class Widgets:
         """The middle of each list, field and button, by its name."""
         self.too_wide: set[str] = set()
         """Labels that reach into their widget, and texts of lists that are cut."""
+        self.tips: dict[str, str] = {}
+        """The tooltip of each label."""
         self.texts: dict[str, list[str]] = {}
         """What each list has to choose from."""
 
@@ -46,9 +49,10 @@ def widgets(monkeypatch) -> Iterator[Widgets]:
 
     seen, row, combo, field = Widgets(), setting_rows.row, setting_rows.combo, panel.imgui.input_text_with_hint
 
-    def seen_row(label: str, scale: float) -> None:
+    def seen_row(label: str, scale: float, tip: str) -> None:
         start = imgui.get_cursor_pos_x()
-        row(label, scale)
+        row(label, scale, tip)
+        seen.tips[label] = tip
         if imgui.calc_text_size(label).x > imgui.get_cursor_pos_x() - start:
             seen.too_wide.add(label)
 
@@ -108,6 +112,8 @@ def test_every_section_draws_uncut_and_lights_are_added_and_removed(open_window,
         window.do(view)
         window._draw()
     assert widgets.too_wide == set()
+    facts = {name for name, _ in scene_facts(window.state.scene)} | {""}
+    assert [label for label, tip in widgets.tips.items() if not tip and label not in facts] == []
     words = {text for name, texts in widgets.texts.items() if name != "environment" for text in texts}
     assert {*setting_choices()} - {"multiscatter", "shadows", "specular_aa", "plan", "bounces"} <= set(widgets.texts)
     assert not {text for text in words if text[0].islower()}  # of the command line, but for people

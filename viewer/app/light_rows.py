@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from imgui_bundle import imgui
 
+from ..interact.command_line import angles_of
 from ..scene.light import Light
 from .setting_rows import SettingRows
 from .widgets import color_edit, logarithmic
@@ -35,8 +36,7 @@ def edited_lights(given: tuple[Light, ...], rows: SettingRows) -> tuple[Light, .
 
 def _edited_light(light: Light, rows: SettingRows) -> Light:
     if light.kind == "directional":
-        x, y, z = (-d for d in light.direction)
-        azimuth, elevation = math.atan2(x, z), math.atan2(y, math.hypot(x, z))
+        azimuth, elevation = angles_of(light)
         rows.row("Azimuth")
         turned, azimuth = imgui.slider_angle("##azimuth", azimuth, -180, 180, "%.0f°")
         rows.row("Elevation")

@@ -18,7 +18,8 @@ from ..scene.environment_presets import PRESETS
 from .light_rows import edited_lights
 from .overlay import MODE_NAMES
 from .setting_rows import SettingRows
-from .widgets import color_edit, combo, logarithmic, wrapped
+from .tips import tip_of
+from .widgets import color_edit, combo, logarithmic, tooltip, wrapped
 
 WIDTH = 344.0
 """In window coordinates, before the desktop's scale."""
@@ -48,10 +49,12 @@ class Section:
 
 
 class Panel:
-    """`open_file` opens a path that the user has entered: a model or an environment."""
+    """`open_file` opens a path that the user has entered: a model or an environment. `copy` copies the picture as a
+    command line."""
 
-    def __init__(self, state: ViewState, readings: Readings, open_file: Callable[[str], None]) -> None:
-        self._state, self._readings, self._open_file = state, readings, open_file
+    def __init__(self, state: ViewState, readings: Readings, open_file: Callable[[str], None],
+                 copy: Callable[[], None]) -> None:
+        self._state, self._readings, self._open_file, self._copy = state, readings, open_file, copy
         self._path = ""
         self._rows = SettingRows(state)
         self._sections = (
@@ -107,20 +110,22 @@ class Panel:
         state = self._state
         for line in _MODES:
             for modes in line:
-                if imgui.radio_button(" | ".join(MODE_NAMES[m] for m in modes), state.modes == modes) and (
-                        state.modes != modes):
+                label = " | ".join(MODE_NAMES[m] for m in modes)
+                is_chosen = imgui.radio_button(label, state.modes == modes)
+                tooltip(tip_of(label))
+                if is_chosen and state.modes != modes:
                     state.show_split(*modes) if len(modes) > 1 else state.show_mode(*modes, state.settings.lobes)
                 imgui.same_line(spacing=14 * self._rows.scale)
             imgui.new_line()
         self._values()
         self._quality()
         self._rows.choice("Light shown", "lobes")
-        if imgui.checkbox("White furnace", state.before_furnace is not None)[0]:
+        if _checked("White furnace", state.before_furnace is not None):
             state.toggle_furnace()
         if state.has_error:
-            if imgui.checkbox("Tell the error, at rest", state.tells_error)[0]:
+            if _checked("Tell the error, at rest", state.tells_error):
                 state.toggle_error()
-            if state.tells_error and imgui.checkbox("Show where", state.shows_error)[0]:
+            if state.tells_error and _checked("Show where", state.shows_error):
                 state.toggle_error(shows=True)
         self._rows.choice("Distribution D", "ndf")
         self._rows.choice("Masking G", "masking")
@@ -161,12 +166,12 @@ class Panel:
         state = self._state
         self._rows.combo("Denoising", "denoise", ("off", "fast", "raster"))
         self._rows.choice("Sampling", "sampling")
-        self._rows.row("Bounces")
+        self._rows.row("Bounces", "bounces")
         changed, bounces = imgui.slider_int("##bounces", state.settings.bounces, 1, 64, "%d",
                                             imgui.SliderFlags_.logarithmic | imgui.SliderFlags_.always_clamp)
         if changed:
             state.settings = replace(state.settings, bounces=bounces)
-        if imgui.checkbox("Paused", state.paused)[0]:
+        if _checked("Paused", state.paused):
             state.toggle_pause()
 
     def _animation(self) -> None:
@@ -243,12 +248,15 @@ class Panel:
             if changed:
                 state.settings = replace(state.settings, background=color)
         if kind == "env" and state.scene.environment is not None:
-            self._rows.row("Background blur")
+            self._rows.row("Background blur", "background_blur")
             changed, blur = imgui.slider_float("##background blur", settings.background_blur, 0.0, 20.0, "%.1f°")
             if changed:
                 state.settings = replace(state.settings, background_blur=blur)
         self._rows.choice("Antialiasing", "antialias")
         self._rows.switch("Shadows", "shadows")
+        if imgui.button("Copy as command line", imgui.ImVec2(-1, 0)):
+            self._copy()
+        tooltip(tip_of("Copy as command line"))
 
     def _model(self) -> None:
         for name, value in scene_facts(self._state.scene):
@@ -267,3 +275,10 @@ class Panel:
             imgui.plot_lines("##ms", times, 0, None, 0.0, float(times.max()) * 1.2, size)
             imgui.text(text)
         wrapped(self._readings.device, imgui.get_style_color_vec4(imgui.Col_.text_disabled))
+
+
+def _checked(label: str, on: bool) -> bool:
+    """Draw a check box with its tooltip. Returns whether it was clicked."""
+    clicked = imgui.checkbox(label, on)[0]
+    tooltip(tip_of(label))
+    return clicked

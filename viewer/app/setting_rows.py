@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from imgui_bundle import imgui
 
 from ..interact.state import ViewState
-from ..settings import ignored, setting_choices
-from .widgets import combo, row
+from ..settings import ignored, setting_choices, setting_meanings
+from .tips import tip_of
+from .widgets import combo, row, tooltip
 
 _LABELS = {
     "ggx": "GGX", "beckmann": "Beckmann", "blinn-phong": "Blinn–Phong", "smith": "Smith, height-correlated",
@@ -35,8 +36,8 @@ class SettingRows:
         self._state = state
         self.scale = 1.0
 
-    def row(self, label: str) -> None:
-        row(label, self.scale)
+    def row(self, label: str, setting: str = "") -> None:
+        row(label, self.scale, tip_of(label, setting))
 
     def choice(self, label: str, name: str) -> None:
         """A row for a setting with choices, if a mode that is shown uses it."""
@@ -44,7 +45,7 @@ class SettingRows:
             self.combo(label, name, setting_choices()[name])
 
     def combo(self, label: str, name: str, values: Sequence[str]) -> None:
-        self.row(label)
+        self.row(label, name if name in setting_meanings() else "")
         current = values.index(getattr(self._state.at_rest, name))
         index = combo(name, current, [_LABELS.get(value, value) for value in values])
         if index is not None:
@@ -55,5 +56,6 @@ class SettingRows:
         if name in ignored(*self._state.modes):
             return
         changed, on = imgui.checkbox(label, getattr(self._state.settings, name) == "on")
+        tooltip(tip_of(label, name))
         if changed:
             self._state.choose(name, "on" if on else "off")

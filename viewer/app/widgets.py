@@ -15,12 +15,24 @@ LABEL_WIDTH = 138.0
 RGB = tuple[float, float, float]
 
 
-def row(label: str, scale: float) -> None:
-    """Draw a label, and put ImGui's cursor where its widget goes."""
+def row(label: str, scale: float, tip: str = "") -> None:
+    """Draw a label, with `tip` where the mouse is over it, and put ImGui's cursor where its widget goes."""
     imgui.align_text_to_frame_padding()
     imgui.text(label)
+    tooltip(tip)
     imgui.same_line(imgui.get_style().window_padding.x + LABEL_WIDTH * scale)
     imgui.set_next_item_width(-1)
+
+
+def tooltip(text: str) -> None:
+    """Show `text` beside the mouse if it is over what was drawn last. There is no delay, as nothing is drawn again
+    while the mouse rests."""
+    if text and imgui.is_item_hovered():
+        imgui.begin_tooltip()
+        imgui.push_text_wrap_pos(imgui.get_font_size() * 24)
+        imgui.text_unformatted(text)
+        imgui.pop_text_wrap_pos()
+        imgui.end_tooltip()
 
 
 def combo(name: str, current: int, texts: Sequence[str]) -> int | None:

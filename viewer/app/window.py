@@ -5,16 +5,19 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Self
 
+import click
 import glfw
 import moderngl
 
 from ..errors import InputError, ViewerError
 from ..gpu.window import WindowContext
 from ..interact.actions import Actions
+from ..interact.command_line import command_line
 from ..interact.model_files import ModelFiles
 from ..interact.orbit import OrbitController
 from ..interact.picture import Picture
@@ -85,7 +88,7 @@ class ViewerWindow:
         self.window = self.context.window
         self._gui = Gui(self.context, self.window)
         self.readings = Readings(f"{self.context.renderer}, OpenGL {self.context.version}")
-        self._panel = Panel(self.state, self.readings, lambda path: self.open([path]))
+        self._panel = Panel(self.state, self.readings, lambda path: self.open([path]), self._copy)
         self.orbit = OrbitController(scene, self._aspect)
         self._actions = Actions(self.state, self.orbit, lambda: self._aspect)
         if camera is not None:
@@ -149,6 +152,7 @@ class ViewerWindow:
             setattr(self.state, action, not getattr(self.state, action))
         else:
             {"screenshot": self._save, "reload": self._reload, "close": self._close,
+             "copy_command": self._copy,
              "full_screen": self._full_screen.toggle, "next_file": lambda: self._open_beside(1),
              "previous_file": lambda: self._open_beside(-1)}[action]()
 
@@ -235,6 +239,15 @@ class ViewerWindow:
     def _save(self) -> None:
         if 0 not in self._pixels:
             self.picture.save(self._pixels)
+
+    def _copy(self) -> None:
+        """Copy the picture as a command line, and print it."""
+        progress = self.picture.paths.progress
+        line = command_line(self.state, self.orbit, self._pixels, self._files, progress.samples if progress else None)
+        glfw.set_clipboard_string(self.window, str(line))
+        with suppress(OSError):
+            click.echo(str(line))
+        self.state.say("Copied the command line" + (f", without {' and '.join(line.lost)}" if line.lost else ""))
 
     def _reload(self) -> None:
         self._report_reload(self._watch.reload())

@@ -68,7 +68,11 @@ def view(model: str, watch: bool, fullscreen: bool, **options: Any) -> None:
     with noting_files() as read:
         scene = make_scene(first, environment, options)
     others = {"up": options["up"]}  # the other options are about MODEL
-    files = ModelFiles(first, folder, lambda path: load_model(path, options if path == first else others), read)
+    own = [] if options["scene"] is None else ["--scene", options["scene"]]
+    own += [word for file in options["with_files"] for word in ("--with", file)]
+    common = ["--up", options["up"]] if options["up"] != "y" else []
+    files = ModelFiles(first, folder, lambda path: load_model(path, options if path == first else others), read,
+                       lambda path: [*common, *own] if path == first else common)
     model = first
     warn(model, scene, settings, options)
     tell = say if options["verbose"] else None

@@ -54,6 +54,7 @@ KEYS = (
     Binding("Window", ("PAGE_UP",), "previous_file", "The model before it"),
     Binding("Window", ("H", "F1"), "help", "This help"),
     Binding("Window", ("S", "Ctrl+S", "F12"), "screenshot", "Save the picture as PNG in the current folder"),
+    Binding("Window", ("Ctrl+C",), "copy_command", "Copy the picture as a command line, and print it"),
     Binding("Window", ("R",), "reload", "Reload the shaders now"),
     Binding("Window", ("Q", "ESCAPE"), "close", "Close: a list, the help, an error, full screen, the window"),
 )

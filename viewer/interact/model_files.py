@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from ..errors import InputError
@@ -21,10 +21,13 @@ class ModelFiles:
     """
 
     def __init__(self, path: str | None = None, folder: str | None = None,
-                 load: Callable[[str], Scene] = load_scene, read: Iterable[Path] = ()) -> None:
+                 load: Callable[[str], Scene] = load_scene, read: Iterable[Path] = (),
+                 words: Callable[[str], Sequence[str]] = lambda path: ()) -> None:
         self.path = path
         self.read = frozenset(read)
         """The file and all that it refers to, as far as they were looked for."""
+        self.words = words
+        """The words of a command line that say how a file is read."""
         self._folder, self._load = folder, load
 
     def load(self, path: str) -> Scene:

@@ -56,6 +56,8 @@ class ViewState:
     message: str = ""
     is_error: bool = False
     expires: float = 0.0
+    has_edited_lights: bool = False
+    """Whether lights of the file were changed or removed."""
     before_furnace: tuple[Scene, dict[str, Any]] | None = None
     playback: Playback = field(default_factory=Playback)
     quality: Quality = Quality()
@@ -258,6 +260,8 @@ class ViewState:
         self.scene = self.scene.relit(environment=environment)
 
     def set_lights(self, lights: tuple[Light, ...]) -> None:
+        kept = [[light for light in each if light.name != ADDED_LIGHT] for each in (self.scene.lights, lights)]
+        self.has_edited_lights |= kept[0] != kept[1]
         self.scene = self.scene.relit(lights=lights)
 
     def open(self, scene: Scene, again: bool = False) -> None:
@@ -265,6 +269,7 @@ class ViewState:
 
         With `again` it is a newer version of the model that is shown, which keeps its place in its animation."""
         self.leave_furnace()
+        self.has_edited_lights = False
         added = tuple(light for light in self.scene.lights if light.name == ADDED_LIGHT)
         self.scene = scene.relit(environment=self.scene.environment, lights=(*scene.lights, *added))
         number = self.playback.animation

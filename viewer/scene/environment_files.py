@@ -57,6 +57,16 @@ def load_environment(spec: str | Path | None) -> Environment | None:
     return Environment(path.stem, _RadianceFile(path), digest=digest, warnings=tuple(map_warnings(path)))
 
 
+def environment_spec(environment: Environment | None) -> str | None:
+    """What `load_environment` makes this environment of, up to rotation and intensity; None for that of an array."""
+    if environment is None:
+        return "none"
+    if isinstance(environment.source, _RadianceFile):
+        path = environment.source.path
+        return f"./{path}" if str(path) in PRESETS else str(path)
+    return environment.name if environment.source is PRESETS.get(environment.name) else None
+
+
 class _RadianceFile:
     """Decodes a file, with a weak cache: as long as a caller holds the array, later calls return the same one.
 
@@ -64,20 +74,20 @@ class _RadianceFile:
     """
 
     def __init__(self, path: Path) -> None:
-        self._path = path
+        self.path = path
         self._cached: Callable[[], np.ndarray | None] = lambda: None
 
     def __call__(self) -> np.ndarray:
         radiance = self._cached()
         if radiance is None:
-            radiance = _decode(self._path)
+            radiance = _decode(self.path)
             radiance.flags.writeable = False
             self._cached = weakref.ref(radiance)
         return radiance
 
     def __reduce__(self) -> tuple[type[_RadianceFile], tuple[Path]]:
         """A copy, or one in another process, decodes the file itself."""
-        return _RadianceFile, (self._path,)
+        return _RadianceFile, (self.path,)
 
 
 def _file_digest(path: Path) -> str:
