@@ -125,6 +125,12 @@ class Browser:
             self._ask("Input.dispatchKeyEvent", type=kind, key=letter, code=code,
                       windowsVirtualKeyCode=ord(letter.upper()))
 
+    def run_cell(self) -> None:
+        """Press Shift and Enter, for the cell of a notebook that has the focus."""
+        for kind in ("keyDown", "keyUp"):
+            self._ask("Input.dispatchKeyEvent", type=kind, key="Enter", code="Enter", windowsVirtualKeyCode=13,
+                      modifiers=8)
+
     def shot(self, file: Path) -> None:
         """A picture of the whole page."""
         data = self._ask("Page.captureScreenshot", captureBeyondViewport=True)["data"]

@@ -146,12 +146,6 @@ def test_after_a_fork_there_is_an_error_and_no_hang(scene):
     assert os.waitpid(child, 0)[1] == 0
 
 
-def test_in_a_notebook_show_returns_a_picture(scene, monkeypatch):
-    kernel = SimpleNamespace(kernel=object())
-    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: kernel))
-    assert viewer.show(scene, SIZE, background="none").size == SIZE
-
-
 @pytest.mark.parametrize("shell", [None, SimpleNamespace()])
 def test_elsewhere_show_opens_a_window(scene, monkeypatch, shell):
     monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))

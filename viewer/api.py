@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from .raster.layers import Following
     from .raster.renderer import Renderer
     from .trace.tracer import Tracer
+    from .web.notebook import NotebookView
 
 DEFAULT_SIZE = (1280, 720)
 
@@ -203,8 +204,9 @@ def _with_error(image: Image, scene: Scene, camera: Camera, settings: Settings, 
 def show(
     scene: Scene, size: tuple[int, int] = DEFAULT_SIZE, camera: Camera | None = None, *, time: float | None = None,
     animation: str | int | None = None, quality: str | None = None, **settings: Any,
-) -> Image | None:
-    """Show `scene` in a window and wait until it is closed. In a notebook, return a picture, which displays itself.
+) -> Image | NotebookView | None:
+    """Show `scene` in a window and wait until it is closed. In a notebook, return what a cell shows as its result: a
+    view to turn by the mouse and the keys of the window (docs/notebook.md), or a picture without the extra [notebook].
 
     The arguments are those of `render`, but the window denoises path-traced pictures by default (`denoise="off"`
     prevents it), and a picture has its `quality` only at rest. It traces until the picture has converged or until
@@ -212,12 +214,15 @@ def show(
     """
     _expect_scene(scene, camera)
     scene = _at(scene, time, animation)
-    if _in_notebook():
-        return render(scene, size, camera, quality=quality, **settings)
+    chosen, size, point = Settings.of(**{"denoise": "fast", **settings}), _checked(size), Quality.of(quality, settings)
+    from .web.cell import in_notebook, view_in_cell
+
+    if in_notebook():
+        view = view_in_cell(scene, chosen, camera, size, point)
+        return render(scene, size, camera, quality=quality, **settings) if view is None else view
     from .app import open_window
 
-    open_window(scene, Settings.of(**{"denoise": "fast", **settings}), camera, _checked(size),
-                quality=Quality.of(quality, settings))
+    open_window(scene, chosen, camera, size, quality=point)
     return None
 
 
@@ -295,9 +300,3 @@ def _checked_layers(names: Sequence[str]) -> Sequence[str]:
         if name not in LAYERS:
             raise UsageError(f"aov={names!r}: there is no layer {name!r}; choose from {', '.join(LAYERS)}")
     return names
-
-
-def _in_notebook() -> bool:
-    """Whether this runs in a Jupyter kernel. IPython in a terminal does not."""
-    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
-    return getattr(shell, "kernel", None) is not None

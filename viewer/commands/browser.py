@@ -101,10 +101,10 @@ def serve(model: str, **options: Any) -> None:
     """
     check_camera_options(options)
     from ..jobs.assemble import make_camera, make_environment, make_playback, make_quality, make_scene, make_settings
-    from ..web.serve_job import check_serve_options, serve_model
+    from ..web.serve_job import check_server, serve_model
 
     settings = make_settings(options)
-    check_serve_options(options)
+    check_server()
     scene = make_scene(model, make_environment(options), options)
     warn(model, scene, settings, options)
     camera = make_camera(model, scene, options) if chooses_camera(options) else None

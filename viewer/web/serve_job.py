@@ -20,12 +20,10 @@ from ..settings import Settings
 from .view import RemoteView
 
 
-def check_serve_options(options: dict[str, Any]) -> None:
-    """Raises UsageError where the server cannot run, or for a denoiser that is too slow for a view."""
+def check_server() -> None:
+    """Raises UsageError where there is none."""
     if find_spec("websockets") is None:
         raise UsageError("a server needs the package websockets: pip install 'pbr-viewer[serve]'")
-    if options["denoise"] == "oidn":
-        raise UsageError("denoise oidn takes too long for a view that moves; there are off, fast and raster")
 
 
 def serve_model(scene: Scene, settings: Settings, camera: Camera | None, playback: Playback, quality: Quality,

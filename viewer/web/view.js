@@ -110,7 +110,7 @@ function startView(root, config, send) {
       send({ kind: "cancel" });
     },
     wheel(event) {
-      if (!help.hidden) return;
+      if (!help.hidden || !root.matches(":focus")) return;  // else it scrolls the page
       event.preventDefault();
       const notch = [100, 3, 1][event.deltaMode];
       scroll(event, -event.deltaX / notch, -event.deltaY / notch, event.shiftKey);

@@ -9,6 +9,7 @@ from collections.abc import Callable, Hashable
 
 import numpy as np
 
+from ..errors import UsageError
 from ..gpu.context import Context
 from ..interact.actions import Actions
 from ..interact.keys import KEYS, MOUSE, action_of, label
@@ -36,12 +37,14 @@ class RemoteView:
     """Draws `scene` with a context from `open`, in pictures that fit into `most` pixels.
 
     Several clients may look on and steer: they share one camera, and the picture has the shape that the one has who did
-    something last. Everything is called on one thread.
+    something last. Everything is called on one thread. Raises UsageError for a denoiser that is too slow.
     """
 
     def __init__(self, open: Callable[[], Context], scene: Scene, settings: Settings, camera: Camera | None = None,
                  most: tuple[int, int] = (1280, 720), use_cache: bool = True, playback: Playback | None = None,
                  quality: Quality = DRAFT) -> None:
+        if settings.denoise == "oidn":
+            raise UsageError("denoise oidn takes too long for a view that moves; there are off, fast and raster")
         self._open, self._use_cache, self._most = open, use_cache, most
         self.size = most
         """Of the picture, in pixels."""
@@ -131,6 +134,15 @@ class RemoteView:
         if self._picture.converge() or is_new or has_input or self.state.forget_message():
             self.version += 1
             self.changed_at = time.monotonic()
+
+    def still(self) -> bytes:
+        """The picture of the raster at rest, as JPEG. Raises as `step`."""
+        self.step()
+        assert self._picture is not None
+        while not self._picture.is_refined:
+            time.sleep(max(self.seconds_until_work, 0.01))
+            self.step()
+        return self.encoded(lossless=False)
 
     def encoded(self, lossless: bool) -> bytes:
         """The current picture, as PNG or as JPEG."""
