@@ -9,8 +9,8 @@ from typing import Any, cast
 
 from waiting import PATIENCE_S
 
-from viewer.web.audience import REST_SECONDS, Audience, Client
-from viewer.web.view import RemoteView
+from viewer.web.audience import Audience, Client
+from viewer.web.view import REST_SECONDS, RemoteView
 
 SIZE = {"kind": "size", "width": 10, "height": 10}
 SHOWN = {"kind": "shown"}
@@ -25,6 +25,10 @@ class Counted:
     @property
     def seconds_until_work(self) -> float:
         return 0.0 if self.version < self.end else math.inf
+
+    @property
+    def seconds_until_rest(self) -> float:
+        return max(self.changed_at + REST_SECONDS - time.monotonic(), 0.0)
 
     def step(self) -> None:
         if self.version < self.end:

@@ -32,7 +32,7 @@ from viewer.web.view import RemoteView
 pytestmark = needs("serve")
 MODEL = SCENES / "spheres.glb"
 SIZE = (96, 64)
-PLAIN = Settings(antialias="none", background=(0.2, 0.2, 0.2), denoise="off")
+PLAIN = Settings(background=(0.2, 0.2, 0.2), denoise="off")
 
 
 class Running:

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-import time
 from collections.abc import Callable
 from typing import Any
 
 from .messages import message_of
 from .view import RemoteView
 
-REST_SECONDS = 0.3
-"""A picture that has not changed for so long is sent without loss."""
 BREATH_SECONDS = 0.002
 """Between two slices of work, for what else the event loop has to do; all input that has come comes before a frame."""
 LOOK_SECONDS = 0.25
@@ -42,9 +39,9 @@ class Client:
         """It has shown what it was sent."""
         self._is_ready = self._has_begun
 
-    def look(self, view: RemoteView, rests: bool) -> None:
+    def look(self, view: RemoteView) -> None:
         """Send what is new to it."""
-        words = view.words()
+        words, rests = view.words(), view.seconds_until_rest <= 0
         is_new = view.version > 0 and (self._version != view.version or (rests and not self._is_lossless))
         if not self._is_ready or not (is_new or words != self._words):
             return
@@ -105,9 +102,7 @@ class Audience:
         view = self.view
         if not any(client.is_ready for client in self._clients):
             return LOOK_SECONDS
-        if view.seconds_until_work <= 0:
-            view.step()
-        rested = time.monotonic() - view.changed_at
+        view.step()
         for client in self._clients:
-            client.look(view, rested >= REST_SECONDS)
-        return min(view.seconds_until_work, REST_SECONDS - rested if rested < REST_SECONDS else LOOK_SECONDS)
+            client.look(view)
+        return min(view.seconds_until_work, view.seconds_until_rest or LOOK_SECONDS)

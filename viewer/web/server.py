@@ -15,6 +15,7 @@ import json
 import logging
 import secrets
 import socket
+import traceback
 from collections.abc import Callable
 from http import HTTPStatus
 from pathlib import Path
@@ -147,6 +148,9 @@ class ViewServer:
             await connection.close(1008, "not a message of this page")
         except ConnectionClosed:
             pass
+        except Exception:
+            traceback.print_exc()  # else it would only be logged, and logs are silent
+            raise
         finally:
             self.audience.leave(client)
 

@@ -25,6 +25,8 @@ from ..scene.scene import Scene
 from ..settings import Settings
 from .messages import Message
 
+REST_SECONDS = 0.3
+"""A picture that has not changed for so long, and needs no refinement, is at rest."""
 _JPEG = {"format": "JPEG", "quality": 88, "subsampling": 0}
 _PNG = {"format": "PNG", "compress_level": 1}
 _IN_BROWSER = {"help", "screenshot"}
@@ -57,7 +59,7 @@ class RemoteView:
             self.actions.follow(camera)
         self.version = 0
         """The number of the picture that `encoded` gives; it grows with each new one."""
-        self.changed_at = -math.inf
+        self._changed_at = -math.inf
         self._renderer: Renderer | None = None
         self._picture: Picture | None = None
         self._sizes: dict[Hashable, tuple[int, int]] = {}
@@ -96,6 +98,13 @@ class RemoteView:
         forgets = self.state.expires - time.monotonic() if self.state.message else math.inf
         return max(min(self._picture.seconds_until_work, forgets), 0.0)
 
+    @property
+    def seconds_until_rest(self) -> float:
+        """When the picture is at rest, if nothing changes it; 0 once it is."""
+        if self._picture is None or not self._picture.is_refined:
+            return REST_SECONDS
+        return max(self._changed_at + REST_SECONDS - time.monotonic(), 0.0)
+
     def handle(self, client: Hashable, message: Message) -> None:
         """Do what the mouse or the keys of a client ask for."""
         if message.kind == "size":
@@ -133,7 +142,7 @@ class RemoteView:
         is_new = self._picture.update(self.size) if has_input or is_moving or self._picture.wants_refinement else False
         if self._picture.converge() or is_new or has_input or self.state.forget_message():
             self.version += 1
-            self.changed_at = time.monotonic()
+            self._changed_at = time.monotonic()
 
     def still(self) -> bytes:
         """The picture of the raster at rest, as JPEG. Raises as `step`."""
