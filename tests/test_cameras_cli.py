@@ -82,9 +82,27 @@ def test_cameras_of_pictures_that_were_done_before_are_written_again(run, folder
     assert (folder / "out" / "unlit.png").stat().st_mtime_ns == before
 
 
+@pytest.mark.parametrize("ortho", [(), ("--ortho",)])
+def test_depth_and_poses_are_a_data_set(run, folder, ortho):
+    """Each pixel's depth, unprojected by the numbers of the file alone, is the point that the surface has there."""
+    outcome = run("render", BALLS, "-o", "{view}.npz", "--view", "front,iso", *QUICK, *ortho, "--aov", "depth,position",
+                  "--write-cameras", "transforms.json")
+    assert (outcome.status, outcome.err) == (0, "")
+    content = json.loads(Path("transforms.json").read_text())
+    for frame in content["frames"]:
+        layers, numbers = np.load(frame["depth_file_path"]), content | frame
+        pose, depth = np.array(numbers["transform_matrix"]), layers["depth"].astype(float)
+        y, x = np.mgrid[:numbers["h"], :numbers["w"]] + 0.5
+        across = np.stack([(x - numbers["cx"]) / numbers["fl_x"], (numbers["cy"] - y) / numbers["fl_y"]], axis=-1)
+        seen = np.isfinite(depth)
+        assert 0.05 < seen.mean() < 0.95 and (depth[seen] > 0).all()
+        local = np.concatenate([across * (1 if ortho else depth[..., None]), -depth[..., None]], axis=-1)[seen]
+        np.testing.assert_allclose(local @ pose[:3, :3].T + pose[:3, 3], layers["position"][seen], atol=2e-5)
+
+
 def test_depth_and_what_was_turned_are_told(run, folder):
-    outcome = run("render", BALLS, "-o", "a.exr", "--mode", "path", "--spp", "1", "--size", "8", "-q", "--aov", "depth",
-                  "--up", "z", "--write-cameras", "t.json")
+    outcome = run("render", BALLS, "-o", "a.exr", "--size", "8", "-q", "--aov", "depth", "--up", "z",
+                  "--write-cameras", "t.json")
     assert outcome.status == 0
     content = json.loads(Path("t.json").read_text())
     assert content["frames"][0]["depth_file_path"] == content["frames"][0]["file_path"] == "a.exr"

@@ -33,7 +33,7 @@ def camera(scene, **options):
     (Number(), "-2.5", -2.5), (Number(0, 1), "1", 1.0),
     (Numbers("X,Y,Z", 3), "-1,2e3,.5", (-1, 2000, 0.5)), (Numbers("A,B[,C]", 2, 3), "1, 2", (1, 2)),
     (Views(), "top,iso,top", ("top", "iso")), (Grid(), "4x2", (4, 2)),
-    (PlainMaterial(), "gold,1,.25", ((255, 215, 0), 1, 0.25)), (PlainMaterial(), "#08f", ((0, 136, 255), 0, 0.5)),
+    (PlainMaterial(), "gold,1,.25", "#ffd700,1,0.25"), (PlainMaterial(), "#08f", "#0088ff,0,0.5"),
     (BackgroundColor(), "none", "none"), (BackgroundColor(), "#ffffff", (1, 1, 1)),
 ])
 def test_words_that_are_understood(kind, word, value):

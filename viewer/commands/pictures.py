@@ -67,10 +67,11 @@ def view(model: str, watch: bool, fullscreen: bool, **options: Any) -> None:
     environment = make_environment(options)
     with noting_files() as read:
         scene = make_scene(first, environment, options)
-    others = {"up": options["up"]}  # the other options are about MODEL
+    others = {name: options[name] for name in ("up", "material")}  # the other options are about MODEL
     own = [] if options["scene"] is None else ["--scene", options["scene"]]
     own += [word for file in options["with_files"] for word in ("--with", file)]
     common = ["--up", options["up"]] if options["up"] != "y" else []
+    common += [] if options["material"] is None else ["--material", options["material"]]
     files = ModelFiles(first, folder, lambda path: load_model(path, options if path == first else others), read,
                        lambda path: [*common, *own] if path == first else common)
     model = first

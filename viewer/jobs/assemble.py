@@ -73,7 +73,7 @@ def load_model(model: str, options: dict[str, Any]) -> Scene:
         wanted = int(wanted)
     scene = load_scene(model, wanted, options.get("variant"))
     scene = upright(join(scene, *map(load_scene, options.get("with_files", ()))), options.get("up", "y"))
-    return scene if options.get("material") is None else scene.with_material(make_material(*options["material"]))
+    return scene if options.get("material") is None else scene.with_material(make_material(options["material"]))
 
 
 def pose(model: str, scene: Scene, time: float, animation: int) -> Scene:
@@ -111,11 +111,12 @@ def why_no_animations(scene: Scene) -> str:
     return f" that can be played: {lost}" if lost is not None else ""
 
 
-def make_material(rgb: tuple[int, int, int], metallic: float, roughness: float) -> Material:
-    """A plain material of a colour in 8-bit sRGB. It is double-sided: triangles may be wound either way."""
-    red, green, blue = srgb_to_linear(np.array(rgb) / 255).tolist()
-    return Material(name="--material", base_color=(red, green, blue, 1.0), metallic=metallic,
-                    perceptual_roughness=roughness, double_sided=True)
+def make_material(text: str) -> Material:
+    """The material of "#rrggbb,METALLIC,ROUGHNESS" (sRGB). It is double-sided: triangles may be wound either way."""
+    color, metallic, roughness = text.split(",")
+    red, green, blue = srgb_to_linear(np.array(list(bytes.fromhex(color[1:]))) / 255).tolist()
+    return Material(name="--material", base_color=(red, green, blue, 1.0), metallic=float(metallic),
+                    perceptual_roughness=float(roughness), double_sided=True)
 
 
 def make_light(numbers: tuple[float, float, float]) -> Light:

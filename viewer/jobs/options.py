@@ -109,7 +109,7 @@ class BackgroundColor(click.ParamType):
 
 
 class PlainMaterial(click.ParamType):
-    """COLOR[,METALLIC[,ROUGHNESS]], as ((red, green, blue) of 8-bit sRGB, metallic, perceptual roughness)."""
+    """COLOR[,METALLIC[,ROUGHNESS]], as the text of all three with the colour as #rrggbb."""
 
     name = "material"
 
@@ -125,7 +125,8 @@ class PlainMaterial(click.ParamType):
         if rgb is None or len(words) > 2 or not all(0 <= number <= 1 for number in numbers):
             self.fail(f"{value!r} is not {self.get_metavar(None)}: a name such as gold, or #rrggbb, and numbers from 0 "
                       "to 1.", param, ctx)
-        return rgb, *numbers, *(0.0, 0.5)[len(numbers):]
+        metallic, roughness = (*numbers, *(0.0, 0.5)[len(numbers):])
+        return f"#{bytes(rgb).hex()},{metallic:g},{roughness:g}"
 
     def get_metavar(self, param: click.Parameter | None, ctx: click.Context | None = None) -> str:
         return "COLOR[,METALLIC[,ROUGHNESS]]"

@@ -56,12 +56,9 @@ def _given(options: Mapping[str, Any], method: Method) -> Iterator[str]:
         yield "--ortho"
     if options["up"] != "y":
         yield f"--up={options['up']}"
-    if options["material"] is not None:
-        color, *numbers = options["material"]
-        yield from ("--material", ",".join(["#" + bytes(color).hex(), *map(_plain, numbers)]))
     for file in options["with_files"]:
         yield from ("--with", file)
-    for name in ("fov", "camera", "variant", "scene"):
+    for name in ("fov", "camera", "variant", "scene", "material"):
         if options[name] is not None:
             yield from (f"--{name}", _plain(options[name]))
     for assignment in options["assignments"]:
