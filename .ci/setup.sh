@@ -110,7 +110,7 @@ missing_for_tests() {
 # Nothing here fails: what cannot be had is said at the end of the tests.
 install_for_tests() {
     # One at a time: not every machine has all of them.
-    for extra in test docs oidn formats cad usd film vdb notebook serve; do
+    for extra in test docs batch oidn formats cad usd film vdb notebook serve; do
         $VENV/bin/python -m pip install -q --disable-pip-version-check -e ".[$extra]" >/dev/null 2>&1 || true
     done
     missing=$(missing_for_tests)

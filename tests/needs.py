@@ -80,6 +80,8 @@ NEEDS = {
     "cad": Need("STEP", "cascadio is not installed", "pip install 'pbr-viewer[cad]'", _has_package("cascadio")),
     "docs": Need("the site of the documentation", "MkDocs is not installed", "pip install 'pbr-viewer[docs]'",
                  lambda: all(map(find_spec, ("material", "mkdocs", "mkdocstrings")))),
+    "batch": Need("pictures by a Dask cluster", "distributed is not installed", "pip install 'pbr-viewer[batch]'",
+                  _has_package("distributed")),
     "film": Need("films in MP4", "PyAV is not installed", "pip install 'pbr-viewer[film]'", _has_package("av")),
     "oidn": Need("Intel's denoiser", "pyoidn is not installed", "pip install 'pbr-viewer[oidn]'",
                  _has_package("pyoidn")),

@@ -16,6 +16,10 @@ class WorkerLost(ViewerError):
     """The worker has ended in the midst of a task; the text says how."""
 
 
+class ClusterLost(ViewerError):
+    """The scheduler has ended, or cannot be reached any more; the text says which."""
+
+
 class Doer(Protocol):
     """What does tasks, one at a time: `viewer.batch.work.Worker`."""
 

@@ -2,12 +2,38 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import click
+
+from ..errors import UsageError
+
+LOCAL = "local"
+"""The address that stands for a cluster of this machine, or for that of DASK_SCHEDULER_ADDRESS."""
+
+
+class Address(click.ParamType):
+    """The address of a scheduler, or LOCAL."""
+
+    name = "address"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        if value != LOCAL and "://" not in value:
+            problem = f"{value!r} is no address, such as tcp://host:8786; a MODEL after it needs --dask={LOCAL}."
+            self.fail(problem, param, ctx)
+        return value
+
 
 BATCH_OPTIONS = [
     click.option("--jobs", type=click.IntRange(1, 1024), metavar="N",
                  help="Render in N processes beside this one. A model that crashes its process is reported, and the "
                       "others go on."),
+    click.option("--dask", is_flag=False, flag_value=LOCAL, type=Address(), metavar="[ADDRESS]",
+                 help="Render on the workers of the Dask scheduler at ADDRESS, such as tcp://host:8786, which see the "
+                      "same files at the same places. Without ADDRESS: of the one that DASK_SCHEDULER_ADDRESS names, "
+                      "or of --jobs workers on this machine. A MODEL after it needs `--dask=local`."),
+    click.option("--scheduler-file", metavar="FILE.json",
+                 help="As --dask, with the scheduler that has written this file (`dask scheduler --scheduler-file`)."),
     click.option("--resume", is_flag=True,
                  help="Leave out the models whose pictures are there already, made of the same files with the same "
                       "options by a run that was stopped or killed, or in which others have failed; manifest.jsonl "
@@ -17,5 +43,14 @@ BATCH_OPTIONS = [
                       "wrong with a file stays wrong, so that is not tried again. Default: 1 for several models, "
                       "0 for one."),
 ]
-BATCH = ("jobs", "resume", "retries")
+BATCH = ("jobs", "dask", "scheduler_file", "resume", "retries")
 """The names of these options; no picture depends on them."""
+
+
+def check_batch_options(chosen: dict[str, Any]) -> None:
+    """Raises UsageError for options that contradict each other."""
+    if chosen["dask"] is not None and chosen["scheduler_file"] is not None:
+        raise UsageError("--dask and --scheduler-file cannot be used together")
+    existing = "--scheduler-file" if chosen["scheduler_file"] is not None else "--dask"
+    if chosen["jobs"] is not None and (chosen["scheduler_file"] is not None or chosen["dask"] not in (None, LOCAL)):
+        raise UsageError(f"--jobs and {existing} cannot be used together: the cluster has its own workers")

@@ -11,17 +11,19 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
-from ..base.atomic import write_json
+from ..base.atomic import remove_leftovers, write_json
 from ..base.messages import say
 from ..base.progress import Progress
 from ..base.signals import Stopped
+from ..errors import InputError, OutputError
 from ..jobs.assemble import make_environment
 from ..jobs.camera_output import write_camera_files
 from ..jobs.model_renderer import Record
 from ..jobs.render_job import RenderJob, RenderTask
-from .engines import Engine, Here, WorkerLost
+from .engines import ClusterLost, Engine, Here, WorkerLost
 from .keys import Keys
 from .manifest import Line, Manifest
+from .options import LOCAL
 from .work import Done, Worker
 
 
@@ -32,7 +34,8 @@ class Batch:
     `stats` names a JSON file for the times, plan and memory, or the error, of each picture. `folder` is that of the
     manifest; None for none. With `resume` the pictures that are done by it are left out. `retries` is how often a model
     is tried again that has failed for reasons which may pass; None for the default. `jobs` is the number of processes
-    beside this one that do the tasks; None for this one alone. `cameras` has the file for the cameras of each model's
+    beside this one that do the tasks; None for this one alone. `dask` is the address of the scheduler of a Dask cluster
+    that does them, and `scheduler_file` a file that has it. `cameras` has the file for the cameras of each model's
     pictures.
     """
 
@@ -41,7 +44,14 @@ class Batch:
     resume: bool = False
     retries: int | None = None
     jobs: int | None = None
+    dask: str | None = None
+    scheduler_file: str | None = None
     cameras: Mapping[str, Path] = field(default_factory=dict)
+
+    @property
+    def is_here(self) -> bool:
+        """Whether this process does the tasks."""
+        return self.jobs is None and self.dask is None and self.scheduler_file is None
 
 
 @dataclass(frozen=True)
@@ -65,15 +75,16 @@ def render_all(tasks: Sequence[RenderTask], job: RenderJob, batch: Batch) -> int
         if batch.resume and not job.options["quiet"]:
             say(f"{len(tasks) - len(attempts)} of {len(tasks)} models are done already")
         progress = stack.enter_context(Progress(len(attempts), not job.options["quiet"], unit="models"))
-        is_told = batch.jobs is not None
         try:
             run.do(attempts, stack.enter_context(_engine(job, batch, len(attempts) > 1, progress)), progress)
-        except Stopped:
-            is_told = True
+        except (Stopped, ClusterLost):
+            run.tell(len(attempts))
             raise
-        finally:
-            if is_told and len(attempts) > 1 and not job.options["quiet"]:
-                say(run.summary(len(attempts)))
+        if not batch.is_here or run.stopped is not None:
+            run.tell(len(attempts))
+    if not batch.is_here:
+        for folder in {task.output.parent for task in tasks}:
+            remove_leftovers(folder)  # of workers that died
     records = [record for _, found in sorted(run.records.items()) for record in found]
     all_known = sorted((run.known | run.records).items())
     write_camera_files(batch.cameras, [record for _, found in all_known for record in found], job.options)
@@ -87,14 +98,19 @@ def render_all(tasks: Sequence[RenderTask], job: RenderJob, batch: Batch) -> int
 def _engine(job: RenderJob, batch: Batch, has_several: bool, progress: Progress) -> Engine:
     """What does the tasks. Raises InputError for an environment that cannot be used, which `has_several` models would
     tell of one after the other."""
-    if batch.jobs is None:
+    if batch.is_here:
         return Here(job, has_several, progress)
-    from .processes import Processes
-
-    environment = make_environment(job.options)
+    environment, make_worker = make_environment(job.options), partial(Worker, job)
     if has_several and environment is not None:
         environment.radiance  # noqa: B018  it is decoded when it is first read
-    return Processes(partial(Worker, job), batch.jobs)
+    if batch.dask is not None or batch.scheduler_file is not None:
+        from .cluster import Cluster
+
+        return Cluster(make_worker, batch.dask or LOCAL, batch.scheduler_file, batch.jobs)
+    from .processes import Processes
+
+    assert batch.jobs is not None
+    return Processes(make_worker, batch.jobs)
 
 
 class _Run:
@@ -102,7 +118,7 @@ class _Run:
     that were done before, as far as their manifest tells it. `stopped` is the signal that ended the run early."""
 
     def __init__(self, job: RenderJob, batch: Batch, manifest: Manifest | None) -> None:
-        self._batch, self._manifest = batch, manifest
+        self._batch, self._manifest, self._is_quiet = batch, manifest, bool(job.options["quiet"])
         self._retries = (manifest is not None) if batch.retries is None else batch.retries
         self._keys = None if manifest is None else Keys(job)
         self.records: dict[int, tuple[Record, ...]] = {}
@@ -150,7 +166,7 @@ class _Run:
         task = attempt.task
         try:
             done = future.result()
-        except WorkerLost as error:
+        except (WorkerLost, InputError, OutputError) as error:
             text = f"{task.model}: {error}"
             done = Done(({"model": task.model, "output": str(task.picture()), "error": text},), "",
                         (f"pbr-viewer: {text}",), may_pass=True)
@@ -165,8 +181,10 @@ class _Run:
         if self._manifest is not None:
             self._manifest.add(list(self._lines(task, key, done, self._manifest)))
 
-    def summary(self, count: int) -> str:
-        """What has become of `count` models, and in which time."""
+    def tell(self, count: int) -> None:
+        """Tell what has become of `count` models, and in which time, unless there was but one."""
+        if count < 2 or self._is_quiet:
+            return
         seconds = time.monotonic() - self._started
         failed = sum(any("error" in record for record in records) for records in self.records.values())
         rate = 60 * len(self.records) / max(seconds, 1e-3)
@@ -175,7 +193,7 @@ class _Run:
         where = f"; {self._manifest.path} has a line for each picture" if self._manifest is not None else ""
         if self._manifest is not None and len(self.records) < count:
             where += ", by which --resume goes on"
-        return f"{', '.join(parts)} in {seconds:.0f} s, {rate:.3g} a minute{where}"
+        say(f"{', '.join(parts)} in {seconds:.0f} s, {rate:.3g} a minute{where}")
 
     @staticmethod
     def _lines(task: RenderTask, key: str, done: Done, manifest: Manifest) -> Iterator[Line]:

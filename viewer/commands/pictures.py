@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from ..base.messages import say
-from ..batch.options import BATCH, BATCH_OPTIONS
+from ..batch.options import BATCH, BATCH_OPTIONS, check_batch_options
 from ..jobs.camera_options import CAMERA_OPTIONS, VIEWS_OPTIONS, check_camera_options, chooses_camera
 from ..jobs.options import (
     AOV_OPTION,
@@ -128,6 +128,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     pbr-viewer render helmet.glb -o helmet.webp --turntable 90
     """
     chosen = {name: options.pop(name) for name in BATCH}
+    check_batch_options(chosen)
     check_camera_options(options, takes_several=True)
     options |= {"backend": backend, "has_size": _is_given("size") or options["sheet"] is not None}
     from ..base.atomic import made_folders
