@@ -3,8 +3,10 @@
 MODEL ?= assets/demo.glb
 PICTURE ?= demo.png
 ARGS ?=
-# What comes near to the path-traced picture, at the price of half a minute on two cores; QUALITY= takes a second or two.
-QUALITY ?= --set environment-shadows=64 --set indirect=baked --set reflections=traced --set antialias=ssaa-9
+# The picture of README.md, at the price of half a minute on two cores. QUALITY= takes a second or two, LOOK= looks at a
+# model of your own as `render` does.
+LOOK ?= --orbit 20,8 --fov 25 --light=-70,30,5 --env-intensity 0.5 --exposure 0.3
+QUALITY ?= --quality high
 
 READY := .venv/.ready
 READY_TESTS := .venv/.ready-tests
@@ -17,7 +19,7 @@ help: ## list the targets
 
 demo: $(READY) ## render MODEL (assets/demo.glb) to PICTURE (demo.png); QUALITY= does it fast
 	@echo "rendering; without a graphics card this takes half a minute or more"
-	@$(BIN)/pbr-viewer render "$(MODEL)" -o "$(PICTURE)" $(QUALITY) $(ARGS)
+	@$(BIN)/pbr-viewer render "$(MODEL)" -o "$(PICTURE)" $(LOOK) $(QUALITY) $(ARGS)
 	@echo "the picture: $(abspath $(PICTURE))"
 
 view: $(READY) ## look at MODEL in a window

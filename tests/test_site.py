@@ -62,6 +62,16 @@ def test_the_page_on_python_has_every_public_name():
     assert sorted(re.findall(r"^::: viewer\.(\w+)$", page, re.MULTILINE)) == sorted(viewer.__all__)
 
 
+def test_each_picture_of_the_gallery_stands_below_its_command():
+    page = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
+    shown = re.findall(r"^    pbr-viewer render .* -o (\w+)\.png .*\n\n!\[.+\]\(images/gallery/(\w+)\.webp\)$", page,
+                       re.MULTILINE)
+    files = sorted((ROOT / "docs" / "images" / "gallery").iterdir())
+    assert [name for name, _ in shown] == [picture for _, picture in shown]
+    assert sorted(name for name, _ in shown) == [file.stem for file in files]
+    assert page.count("![") == len(shown) and sum(file.stat().st_size for file in files) < 1.5e6
+
+
 @needs("docs")
 def test_it_builds_without_a_warning_and_asks_for_nothing_from_the_network(tmp_path):
     done = subprocess.run(

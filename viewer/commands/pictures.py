@@ -35,7 +35,7 @@ from .output import print_facts, print_text, warn, write_or_print_json
 @click.option("--fullscreen", is_flag=True, help="Begin on the whole screen; F11 leaves it.")
 @with_options([*SCENE_OPTIONS, *TIME_OPTIONS, *PATH_OPTIONS, *CAMERA_OPTIONS, *COMMON_OPTIONS])
 def view(model: str, watch: bool, fullscreen: bool, **options: Any) -> None:
-    """Open MODEL in a window. Drag to orbit, scroll to move closer, press H for a list of all keys.
+    """Open MODEL in a window. Drag to orbit, scroll to move closer, press F1 for a list of all keys.
 
     `pbr-viewer MODEL` does the same. Of a folder the first model is opened; Page Down and Page Up show the others.
 
