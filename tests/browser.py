@@ -64,9 +64,9 @@ class Browser:
         self._ask("Page.navigate", url=url)
         self.wait(f"document.readyState === 'complete' && location.protocol === '{url.partition(':')[0]}:'")
 
-    def stop_scripts(self) -> None:
-        """Those of pages that are opened from now on."""
-        self._ask("Emulation.setScriptExecutionDisabled", value=True)
+    def allow_scripts(self, allowed: bool) -> None:
+        """To the pages that are opened from now on."""
+        self._ask("Emulation.setScriptExecutionDisabled", value=not allowed)
 
     def value(self, expression: str) -> Any:
         """What a JavaScript expression, or its promise, comes to."""
@@ -103,6 +103,17 @@ class Browser:
             self._ask("Input.dispatchTouchEvent", type="touchMove" if number else "touchStart",
                       touchPoints=[{"x": x, "y": y}])
         self._ask("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+
+    def pinch(self, middle: tuple[float, float], *apart: float) -> None:
+        """Two fingers beside each other, so many pixels apart, one after the other."""
+        for number, distance in enumerate(apart):
+            points = [{"x": middle[0] + side * distance / 2, "y": middle[1], "id": side} for side in (-1, 1)]
+            self._ask("Input.dispatchTouchEvent", type="touchMove" if number else "touchStart", touchPoints=points)
+        self._ask("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+
+    def wheel(self, place: tuple[float, float], dy: float) -> None:
+        """Turn the wheel by so many pixels, downwards."""
+        self._ask("Input.dispatchMouseEvent", type="mouseWheel", x=place[0], y=place[1], deltaX=0, deltaY=dy)
 
     def hover(self, selector: str) -> None:
         left, top, width, height = self.place(selector)

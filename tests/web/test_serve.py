@@ -47,14 +47,15 @@ class Running:
         assert self._ready.wait(PATIENCE_S) and self.error is None
 
     def _run(self) -> None:
-        from viewer.web.server import ViewServer
+        from viewer.web.server import ViewServer, listen
 
         self.scene = viewer.load(MODEL)
         self.view = RemoteView(open_context, self.scene, PLAIN, most=SIZE)
         try:
             server = ViewServer(self.view)
             self.audience = server.audience
-            asyncio.run(server.run("127.0.0.1", 0, self._announce, lambda: self._ends))
+            with listen("127.0.0.1", 0) as listener:
+                asyncio.run(server.run(listener, self._announce, lambda: self._ends))
         except Exception as error:
             self.error = error
             raise
@@ -267,22 +268,34 @@ def test_one_who_sends_anything_else_is_shown_out(server, guest, text):
 
 @needs("chromium")
 def test_in_a_browser(server, tmp_path, caplog, capfd):
+    orbit = server.view.orbit
     with Browser(find_browser(), 300, 200) as page:
         page.open(server.address)
         page.wait("document.querySelector('canvas').width > 0")
+        wait_until(lambda: server.view.size == SIZE)
 
         def pixels() -> np.ndarray:
             page.shot(tmp_path / "shot.png")
             return np.asarray(Pillow.open(tmp_path / "shot.png").convert("RGB")).astype(int)
 
-        def rest() -> np.ndarray:
-            wait_until(lambda: server.view.seconds_until_work > 0.5)
-            return pixels()
-
-        before, azimuth = rest(), server.view.orbit.azimuth
+        wait_until(lambda: server.view.seconds_until_rest == 0)
+        before, azimuth = pixels(), orbit.azimuth
         page.drag((150, 100), (160, 100), (200, 100))
-        wait_until(lambda: server.view.orbit.azimuth == pytest.approx(azimuth - np.pi / 4))
+        wait_until(lambda: orbit.azimuth == pytest.approx(azimuth - np.pi / 4))
         wait_until(lambda: apart(pixels(), before) > 1)
+        page.touch((150, 100), (160, 100), (200, 100))
+        wait_until(lambda: orbit.azimuth == pytest.approx(azimuth - np.pi / 2))
+        distance = orbit.distance
+        page.wheel((150, 100), -200)  # two notches away from the user
+        wait_until(lambda: orbit.distance == pytest.approx(0.88**2 * distance))
+        page.pinch((150, 100), 40, 80)
+        wait_until(lambda: orbit.distance == pytest.approx(0.88**2 * distance / 2))
+        page.strike("f")
+        wait_until(lambda: orbit.distance > 0.9 * distance)
+        target = orbit.target
+        page.drag((130, 90))
+        page.drag((130, 90))  # a double click
+        wait_until(lambda: (orbit.target != target).any())
         page.strike("3")
         page.wait("!document.querySelector('.line').hidden")
         assert page.value("document.querySelector('.side.left').textContent") == "phong"

@@ -124,13 +124,14 @@ def test_a_finger_and_keys_turn_it_too(page, tmp_path):
 
 
 @needs("chromium")
-def test_without_scripts_it_is_a_still(file, tmp_path):
-    with Browser(find_browser(), 500, 600) as browser:
-        browser.stop_scripts()
-        browser.open(file)
+def test_without_scripts_it_is_a_still(browser, file, tmp_path):
+    browser.allow_scripts(False)
+    browser.open(file)
+    try:
         assert shown(browser, tmp_path) == (0, TURN.row)
         assert "with scripts" in browser.value("document.querySelector('noscript').innerText")
-        assert browser.problems == []
+    finally:
+        browser.allow_scripts(True)
 
 
 def test_its_pictures_are_those_that_render_makes(run, tmp_path):

@@ -100,13 +100,18 @@ def serve(model: str, **options: Any) -> None:
     ssh -L 8765:127.0.0.1:8765 SERVER pbr-viewer serve helmet.glb
     """
     check_camera_options(options)
+    from ..gpu.context import open_context
     from ..jobs.assemble import make_camera, make_environment, make_playback, make_quality, make_scene, make_settings
     from ..web.serve_job import check_server, serve_model
+    from ..web.server import listen
+    from ..web.view import RemoteView
 
     settings = make_settings(options)
     check_server()
-    scene = make_scene(model, make_environment(options), options)
-    warn(model, scene, settings, options)
-    camera = make_camera(model, scene, options) if chooses_camera(options) else None
-    playback = make_playback(model, scene, options)
-    serve_model(scene, settings, camera, playback, make_quality(options), options, print_text)
+    with listen(options["host"], options["port"]) as listener:  # first, since the model may take long
+        scene = make_scene(model, make_environment(options), options)
+        warn(model, scene, settings, options)
+        camera = make_camera(model, scene, options) if chooses_camera(options) else None
+        view = RemoteView(lambda: open_context(options["backend"]), scene, settings, camera, options["size"],
+                          not options["no_cache"], make_playback(model, scene, options), make_quality(options))
+        serve_model(view, listener, options["quiet"], print_text)

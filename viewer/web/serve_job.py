@@ -4,19 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import ipaddress
+import socket
 from collections.abc import Callable
 from importlib.util import find_spec
-from typing import Any
 
 from ..base.messages import say
 from ..base.signals import postponed
 from ..errors import UsageError
-from ..gpu.context import open_context
-from ..interact.playback import Playback
-from ..quality import Quality
-from ..scene.camera import Camera
-from ..scene.scene import Scene
-from ..settings import Settings
 from .view import RemoteView
 
 
@@ -26,38 +20,25 @@ def check_server() -> None:
         raise UsageError("a server needs the package websockets: pip install 'pbr-viewer[serve]'")
 
 
-def serve_model(scene: Scene, settings: Settings, camera: Camera | None, playback: Playback, quality: Quality,
-                options: dict[str, Any], announce: Callable[[str], None]) -> None:
-    """Serve until a signal to stop comes. `announce` gets the address.
+def serve_model(view: RemoteView, listener: socket.socket, quiet: bool, announce: Callable[[str], None]) -> None:
+    """Serve `view` at `listener` until a signal to stop comes. `announce` gets the address.
 
-    Raises ContextError before anything is served, and as `ViewServer.run`.
+    Raises ContextError before anything is served, and as `RemoteView.step`.
     """
     from .server import ViewServer
 
-    host, port = options["host"], options["port"]
-    view = RemoteView(lambda: open_context(options["backend"]), scene, settings, camera, options["size"],
-                      not options["no_cache"], playback, quality)
-    view.wake()
+    def tell(address: str) -> None:
+        host = listener.getsockname()[0]
+        if not ipaddress.ip_address(host).is_loopback:
+            say(f"warning: --host {host} opens this port to all who can reach this machine: who has the address sees "
+                "the model and turns it, and nothing is encrypted")
+        announce(address)
+        if not quiet:
+            say("Ctrl-C ends it")
+
     try:
-        server = ViewServer(view)
-
-        def tell(address: str) -> None:
-            if not is_loopback(host):
-                say(f"warning: --host {host} opens this port to all who can reach this machine: who has the address "
-                    "sees the model and turns it, and nothing is encrypted")
-            announce(address)
-            if not options["quiet"]:
-                say("Ctrl-C ends it")
-
+        view.wake()
         with postponed() as request:
-            asyncio.run(server.run(host, port, tell, lambda: request.number is not None))
+            asyncio.run(ViewServer(view).run(listener, tell, lambda: request.number is not None))
     finally:
         view.sleep()
-
-
-def is_loopback(host: str) -> bool:
-    """Whether only this machine can reach the address."""
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"

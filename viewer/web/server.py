@@ -70,35 +70,19 @@ class ViewServer:
         }
         self._sending: set[asyncio.Task[None]] = set()
 
-    async def run(self, host: str, port: int, announce: Callable[[str], None],
+    async def run(self, listener: socket.socket, announce: Callable[[str], None],
                   wants_to_stop: Callable[[], bool]) -> None:
-        """Serve until `wants_to_stop()`. `announce` gets the address; port 0 is any that is free.
-
-        Raises OutputError for a port that is in use, UsageError for a host that is no address of this machine, and what
-        `RemoteView.step` raises.
-        """
+        """Serve at `listener` until `wants_to_stop()`. `announce` gets the address. Raises as `RemoteView.step`."""
         from websockets.asyncio.server import serve
 
-        try:
-            server = await serve(
-                self._attend, host, port, process_request=self._answer, max_size=MOST_BYTES, compression=None,
-                server_header=None, ping_interval=20, ping_timeout=120, close_timeout=1, logger=_silent())
-        except socket.gaierror as error:
-            raise UsageError(f"--host {host}: is no address of this machine") from error
-        except OSError as error:
-            if error.errno == errno.EADDRINUSE:
-                raise OutputError(f"port {port} of {host} is in use; choose another by --port, or --port 0 for any "
-                                  "that is free") from error
-            if error.errno == errno.EACCES:
-                raise OutputError(f"port {port} of {host}: this user may not open it; those from 1024 on are for "
-                                  "all") from error
-            raise UsageError(f"--host {host}: is no address of this machine") from error
-        async with server:
-            announce(self._address(host, next(iter(server.sockets)).getsockname()[1]))
+        async with serve(
+                self._attend, sock=listener, process_request=self._answer, max_size=MOST_BYTES, compression=None,
+                server_header=None, ping_interval=20, ping_timeout=120, close_timeout=1, logger=_silent()):
+            announce(self._address(*listener.getsockname()[:2]))
             await self.audience.attend(wants_to_stop)
 
     def _address(self, host: str, port: int) -> str:
-        name = socket.gethostname() if host in ("", "0.0.0.0", "::") else f"[{host}]" if ":" in host else host
+        name = socket.gethostname() if host in ("0.0.0.0", "::") else f"[{host}]" if ":" in host else host
         return f"http://{name}:{port}/{self._token}/"
 
     def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
@@ -153,6 +137,25 @@ class ViewServer:
             raise
         finally:
             self.audience.leave(client)
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """A socket that listens; port 0 is any that is free.
+
+    Raises OutputError for a port that is in use or not allowed, and UsageError for a host that is no address of this
+    machine.
+    """
+    try:
+        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        return socket.create_server(address[:2], family=family)
+    except OSError as error:
+        if error.errno == errno.EADDRINUSE:
+            problem = "is in use; choose another by --port, or --port 0 for any that is free"
+        elif error.errno == errno.EACCES:
+            problem = "is not open to this user; those from 1024 on are"
+        else:
+            raise UsageError(f"--host {host}: is no address of this machine") from error
+        raise OutputError(f"port {port} of {host} {problem}") from error
 
 
 def _is_same_origin(request: Request) -> bool:
