@@ -139,7 +139,7 @@ def test_its_pictures_are_those_that_render_makes(run, tmp_path):
     outcome = run("page", MODEL, "-o", path, "--frames", "3x2", "--size", "48x40", "--orbit", "-30,5,9",
                   "--set", "antialias=none", "--webp-quality", "100")
     assert (outcome.status, outcome.out) == (0, "")
-    assert outcome.err == f"{path}: 6 pictures of 48x40, {path.stat().st_size / 1e6:.1f} MB\n"
+    assert outcome.err == f"{path}: 6 pictures of 48x40, {path.stat().st_size / 1e3:.0f} kB\n"
     found = re.search(r'id="pictures">(.*?)</script>', path.read_text(encoding="utf-8"))
     assert found is not None
     grid = json.loads(found[1])

@@ -72,7 +72,8 @@ def write_page(model: str, path: Path, scene: Scene, settings: Settings, quality
         for warning in [*(line for line in scene.all_warnings if line not in known), *lost]:
             say(f"{model}: warning: {warning}")
         width, height = options["size"]
-        say(f"{path}: {turn.count} pictures of {width}x{height}, {len(page) / 1e6:.1f} MB")
+        size = f"{len(page) / 1e6:.1f} MB" if len(page) >= 1e6 else f"{len(page) / 1e3:.0f} kB"
+        say(f"{path}: {turn.count} pictures of {width}x{height}, {size}")
 
 
 def _cameras(model: str, scene: Scene, turn: Turn, options: dict[str, Any]) -> list[Camera]:
