@@ -123,6 +123,9 @@ class Settings:
         "shaded", "a view for teaching and debugging: in place of the shaded picture one quantity of the surfaces, "
         "without exposure and tone map; overdraw: the number of fragments drawn in each pixel; wireframe: the shaded "
         "picture with the edges of triangles (docs/views.md)")
+    grid: Literal["off", "on"] = _option(
+        "off", "a grid on the ground under the model, whose lines are a power of ten apart, and the axes of the world: "
+        "x red, y green, z blue")
     phong: Literal["phong", "blinn-phong"] = _option("phong", "the highlight of --mode phong")
     shadows: Literal["on", "off"] = _option("on", "shadows of the lights")
     environment_shadows: Literal["off", "16", "64", "256", "1024"] = _option(
@@ -337,7 +340,7 @@ STOPPING = ("spp", "time_budget", "error")
 _USED_BY: dict[str, tuple[Mode, ...]] = {
     **dict.fromkeys(("ndf", "masking", "fresnel", "multiscatter", "sheen", "weave"), ("pbr", "path")),
     "phong": ("phong",),
-    "show": ("pbr", "phong"),
+    **dict.fromkeys(("show", "grid"), ("pbr", "phong")),
     "hair_tilt": ("pbr", "path"),
     "hair_scattering": ("pbr",),
     **dict.fromkeys(("yarn", "yarn_plies", "yarn_fibres", "yarn_twist"), ("pbr", "path")),

@@ -45,7 +45,7 @@ def passes() -> list[Sources]:
                 for file, choices in _OVER_PICTURES.items() for values in product(*choices.values())]
     programs += [_program("trace/film/resolve.vert", "trace/film/resolve.frag", shader_defines({"COUNT": count}))
                  for count in (SUMS, LAYERS)]
-    programs.append(_program("raster/line.vert", "raster/line.frag", {}))
+    programs += [_program(f"raster/{name}.vert", f"raster/{name}.frag", {}) for name in ("line", "grid")]
     return [*programs, _program("app/gui.vert", "app/gui.frag", {})]
 
 

@@ -254,6 +254,7 @@ class Panel:
                 state.settings = replace(state.settings, background_blur=blur)
         self._rows.choice("Antialiasing", "antialias")
         self._rows.switch("Shadows", "shadows")
+        self._rows.switch("Grid and axes", "grid")
         if imgui.button("Copy as command line", imgui.ImVec2(-1, 0)):
             self._copy()
         tooltip(tip_of("Copy as command line"))

@@ -25,7 +25,7 @@ class Actions:
         self._next_camera = 0
         self._others: dict[str, Callable[[], object]] = {
             "next_values": lambda: state.step_values(1), "previous_values": lambda: state.step_values(-1),
-            "wireframe": state.toggle_wireframe,
+            "wireframe": state.toggle_wireframe, "grid": state.toggle_grid,
             "inertia": self._toggle_inertia, "pause": state.toggle_pause, "denoise": state.toggle_denoise,
             "tell_error": state.toggle_error, "error_map": lambda: state.toggle_error(shows=True),
             "play": state.toggle_play, "next_animation": state.show_next_animation,

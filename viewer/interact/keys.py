@@ -29,6 +29,7 @@ KEYS = (
     Binding("Shading", ("0",), "next_values", "Next view of values: base colour, normals, roughness, …"),
     Binding("Shading", ("Shift+0",), "previous_values", "The view of values before it"),
     Binding("Shading", ("W",), "wireframe", "Edges of triangles over the picture, or not"),
+    Binding("Shading", ("G",), "grid", "Grid on the ground and axes, or not"),
     Binding("Shading", ("SPACE",), "pause", "Path tracing: pause or continue"),
     Binding("Shading", ("N",), "denoise", "Path tracing: denoise, or show the noise"),
     Binding("Shading", ("E",), "tell_error", "Error: tell how far the picture is from the truth, at rest"),

@@ -89,7 +89,8 @@ class Picture:
         settings = state.on_screen()
         # The display pass composites a background colour.
         background: Background = "env" if settings.background == "env" else "none"
-        shading = replace(settings, exposure=0.0, tonemap="none", background=background)
+        exposure = settings.exposure if settings.grid == "on" else 0.0  # the grid is as bright in all
+        shading = replace(settings, exposure=exposure, tonemap="none", background=background)
         wanted = (state.scene, state.shots(shading, size), state.quality, *camera.key, size,
                   self._renderer.programs.generation)
         self.paths.follow(camera, size)

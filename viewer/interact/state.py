@@ -106,6 +106,11 @@ class ViewState:
     def toggle_wireframe(self) -> None:
         self.show_values("shaded" if self.settings.show == "wireframe" else "wireframe")
 
+    def toggle_grid(self) -> None:
+        self.settings = replace(self.settings, grid="off" if self.settings.grid == "on" else "on")
+        if self.modes == ("path",):
+            self.say("The grid is drawn by the real-time modes")
+
     def step_values(self, step: int) -> None:
         """Show the view that is so many steps after this one, in the order of their names."""
         shows = list(VIEW_NAMES)

@@ -107,6 +107,8 @@ def used_lines(plan: Plan) -> tuple[str, ...]:
         count = sum(plan.count(draw) * _has(draw, layer) for draw in plan.kinds)
         if count:
             lines.append(f"{what} of {_count(count, 'surface')}")
+    if plan.grid:
+        lines.append("a grid on the ground, and the axes of the world")
     if plan.wireframe:
         lines.append("the edges of all triangles, as lines over the picture")
     textures = {(draw.material, name): texture for draw in plan.kinds for name in draw.maps

@@ -7,6 +7,7 @@ import numpy as np
 from ..image.magma import magma
 from ..scene.camera import Camera
 from ..scene.depth_span import depth_span
+from ..scene.ground_grid import GroundGrid
 from ..scene.scene import Scene
 from ..settings import Settings, Show
 
@@ -25,7 +26,8 @@ def legend(scene: Scene, camera: Camera, settings: Settings) -> tuple[str, ...]:
     """A line for each thing in the picture that needs one; none for a shaded picture."""
     show = settings.show
     if show in ("shaded", "wireframe"):
-        return ()
+        spacing = f"{GroundGrid.under(scene).spacing:g}" if settings.grid == "on" else ""
+        return (f"Grid: {spacing} m; x red, y green, z blue",) if spacing else ()
     meaning = _MEANINGS.get(show, "")
     if show == "depth":
         near, far = depth_span(scene, camera)

@@ -133,6 +133,8 @@ class Plan:
     """Whether the fragments that are drawn are counted, in the order of `draws`."""
     wireframe: bool = False
     """Whether the edges of triangles are drawn over the picture."""
+    grid: bool = False
+    """Whether a grid on the ground and the axes of the world are drawn."""
     used: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
     saved: Mapping[str, float] = field(default_factory=dict)
@@ -216,7 +218,7 @@ class Plan:
         passes += ["thin-walled transmission"] if self.has_thin_transmission else []
         passes += ["blend"] if self.has_blended else []
         passes = ["overdraw"] if self.counts else passes
-        passes += ["wireframe"] * self.wireframe
+        passes += ["wireframe"] * self.wireframe + ["grid"] * self.grid
         return {
             "passes": [*passes, "display"],
             "programs": [{"fragment": p.fragment, "on": {k: v for k, v in p.switches if v}}

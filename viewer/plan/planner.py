@@ -130,6 +130,7 @@ def plan_scene(
         media=plan_media(scene, settings, common),
         curves=plan_curves(scene, settings, common),
         wireframe=settings.show == "wireframe",
+        grid=settings.grid == "on",
     )
     if settings.plan == "everything":
         plan = include_everything(plan, scene)

@@ -34,7 +34,7 @@ def view_settings(settings: Settings) -> Settings:
     if not settings.shows_values:
         return settings
     if settings.show == "overdraw":  # all that decides what is drawn, and in which order
-        return replace(settings, background="none", antialias="none", caustics="off", fog=0.0)
+        return replace(settings, background="none", antialias="none", caustics="off", fog=0.0, grid="off")
     return replace(Settings(mode="phong", background="none"), **{name: getattr(settings, name) for name in _KEPT})
 
 

@@ -17,6 +17,7 @@ import moderngl
 from ..gpu.context import Context
 from ..gpu.float_depth import float_depth_renderbuffer
 
+_DEPTH_CLAMP = 0x864F
 _LOWER_LEFT, _NEGATIVE_ONE_TO_ONE, _ZERO_TO_ONE = 0x8CA1, 0x935E, 0x935F
 
 
@@ -76,6 +77,16 @@ class Depth:
         """Restrict a full-screen triangle to the pixels that have none, within `test()`."""
         with self._at_far_plane(">=" if self.is_reversed else "<="):
             yield
+
+    @contextmanager
+    def beyond_planes(self) -> Iterator[None]:
+        """Draw also what is nearer than the near plane, before all, and farther than the far one, behind all that is
+        there, within `test()`."""
+        self._gl.enable_direct(_DEPTH_CLAMP)
+        self._gl.depth_func = self._nearer + "="
+        yield
+        self._gl.depth_func = self._nearer
+        self._gl.disable_direct(_DEPTH_CLAMP)
 
     @contextmanager
     def _at_far_plane(self, compare: str) -> Iterator[None]:

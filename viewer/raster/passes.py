@@ -17,6 +17,7 @@ from .curves import CurvePass
 from .depth import Depth
 from .frame_uniforms import FrameUniforms
 from .gbuffer import GBuffer
+from .grid import GridPass
 from .layers import LayerPass
 from .media import MediaPass
 from .overdraw import Overdraw
@@ -54,6 +55,7 @@ class Passes:
         self.refraction = TracedRefraction(context, programs, depth)
         self._overdraw = Overdraw(context, programs, depth)
         self._wireframe = Wireframe(context, programs)
+        self._grid = GridPass(context, programs, depth)
         self._vertices = BakedVertices(context, programs, prepared.surfaces, watch)
         self.layers = LayerPass(gl, depth, prepared, self.curves, self._uniforms, watch)
         self._generation = prepared.generation
@@ -151,6 +153,9 @@ class Passes:
         elif plan.media is not None:
             with drawing("media behind which nothing stands"):
                 self._media.draw_sky(self._depth, media, target.half)
+        if plan.grid:  # behind thin panes and what blends
+            with drawing("grid"):
+                self._grid.draw_ground(frame, target, settings)
         if plan.has_thin_transmission:
             with drawing("thin-walled transmission"):
                 uniforms |= self._take_backdrop(target)
@@ -161,6 +166,8 @@ class Passes:
         if plan.wireframe:
             with drawing("wireframe"):
                 self._wireframe.draw(frame, target)
+        if plan.grid:
+            self._grid.draw_axes(frame, target, settings)
 
     def _count(self, plan: Plan, frame: Frame, target: Target, settings: Settings, uniforms: dict[str, object]) -> None:
         """Draw how many fragments there are in each pixel."""
@@ -193,5 +200,5 @@ class Passes:
 
     def release(self) -> None:
         free(self._gl, self._backdrop, self._visibility, self.reflections, self.refraction, self._media,
-             self._subsurface, *self._gbuffers.values(), self._overdraw, self._wireframe, self.curves,
+             self._subsurface, *self._gbuffers.values(), self._overdraw, self._wireframe, self._grid, self.curves,
              self._shadows, self._uniforms, self.layers)
