@@ -244,7 +244,7 @@ class ViewerWindow:
         """Copy the picture as a command line, and print it."""
         progress = self.picture.paths.progress
         line = command_line(self.state, self.orbit, self._pixels, self._files, progress.samples if progress else None)
-        glfw.set_clipboard_string(self.window, str(line))
+        glfw.set_clipboard_string(None, str(line))
         with suppress(OSError):
             click.echo(str(line))
         self.state.say("Copied the command line" + (f", without {' and '.join(line.lost)}" if line.lost else ""))
