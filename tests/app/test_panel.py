@@ -115,7 +115,8 @@ def test_every_section_draws_uncut_and_lights_are_added_and_removed(open_window,
     facts = {name for name, _ in scene_facts(window.state.scene)} | {""}
     assert [label for label, tip in widgets.tips.items() if not tip and label not in facts] == []
     words = {text for name, texts in widgets.texts.items() if name != "environment" for text in texts}
-    assert {*setting_choices()} - {"multiscatter", "shadows", "grid", "specular_aa", "plan", "bounces"} <= set(widgets.texts)
+    boxes = {"multiscatter", "shadows", "grid", "specular_aa"}
+    assert {*setting_choices()} - boxes - {"plan", "bounces"} <= set(widgets.texts)
     assert not {text for text in words if text[0].islower()}  # of the command line, but for people
     for label, change in (("Add a directional light", 1), ("Remove", -1)):
         lights = len(window.state.scene.lights)
