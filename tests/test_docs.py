@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 import shlex
+import tomllib
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -120,6 +121,15 @@ def test_the_readme_shows_what_make_demo_renders(tmp_path: Path) -> None:
         cli.main(["render", demo, "-o", out, "--size", "160x90", *shlex.split(made["LOOK"])])
     drawn = Image.open(out).srgb[..., :3] / 255
     assert np.abs(small - drawn).mean() < 0.025
+
+
+def test_extras_that_are_named_are_there() -> None:
+    """By the errors that they cure, the pages, and the script that installs them for tests."""
+    known = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
+    places = [*PAGES, *(ROOT / "viewer").rglob("*.py"), ROOT / "tests" / "needs.py"]
+    texts = "\n".join(place.read_text(encoding="utf-8") for place in places)
+    named = {name for names in re.findall(r"pbr-viewer\[([\w,]+)\]", texts) for name in names.split(",")}
+    assert {"cad", "film", "formats", "oidn", "usd", "vdb"} <= named <= set(known)
 
 
 def test_no_two_files_of_tests_have_one_name() -> None:
