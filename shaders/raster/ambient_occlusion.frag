@@ -9,9 +9,10 @@ const float HALF_PI = 0.5 * PI;
 
 uniform sampler2D u_positions;
 uniform sampler2D u_normals;
-uniform vec3 u_right, u_up;    // of the picture, in the world; longer to the right by as much as pixels are wider
+uniform vec3 u_right, u_up;    // of the picture, in the world
 uniform vec3 u_view_direction; // towards the eye
-uniform float u_pixels;        // length of a scene unit in pixels, at distance 1 (orthographic: at any distance)
+uniform float u_pixels;        // height of a scene unit in pixels, at distance 1 (orthographic: at any distance)
+uniform float u_narrowness;    // height of a pixel over its width
 out vec4 o_visibility;
 
 // Sine of the angle above the face up to which a sample hides nothing. It is the centre of a pixel, beside the line that
@@ -25,7 +26,8 @@ float horizon(vec3 p, vec3 v, vec3 n_geometric, vec2 along, float reach, float l
     float highest = lowest;
     for (int k = 1; k <= STEPS; ++k) {
         float t = float(k) / float(STEPS);
-        ivec2 tap = ivec2(floor(gl_FragCoord.xy + along * max(t * t * reach, float(k))));
+        vec2 offset = along * max(t * t * reach, float(k));
+        ivec2 tap = ivec2(floor(gl_FragCoord.xy + vec2(offset.x * u_narrowness, offset.y)));
         ivec2 inside = clamp(tap, ivec2(0), textureSize(u_positions, 0) - 1);
         vec4 occluder = texelFetch(u_positions, inside, 0);
         vec3 d = occluder.xyz - p;

@@ -56,3 +56,12 @@ def test_shadows_of_the_environment_take_its_place(radiance):
     pictures = [radiance(corner(), view(), SIZE, environment_shadows="16", ambient_occlusion=kind)
                 for kind in ("off", "gtao")]
     assert np.array_equal(*pictures)
+
+
+def test_wide_pixels_hide_as_much_as_the_square_ones_that_they_cover(radiance):
+    camera = orthographic(0.9, 0.7, height=3.0, distance=5.0)
+    square = radiance(corner(), camera, SIZE, ambient_occlusion="gtao")[..., 0]
+    wide = radiance(corner(), replace(camera, pixel_aspect=4.0), (16, 64), ambient_occlusion="gtao")[..., 0]
+    covered = square.reshape(64, 16, 4)
+    same = np.ptp(covered, axis=2) < 0.1  # no edge
+    assert same.mean() > 0.7 and np.abs(wide - covered.mean(axis=2))[same].mean() < 0.01

@@ -102,8 +102,8 @@ class _Targets:
         pose, height = frame.camera.pose, frame.camera.height
         extent = 2 * math.tan(frame.camera.fov_y / 2) if height is None else height / frame.unit
         for name, value in (self.gbuffer.bind(frame) | {
-                "u_right": tuple(pose[:3, 0] * frame.camera.pixel_aspect), "u_up": tuple(pose[:3, 1]),
-                "u_pixels": frame.size[1] / extent}).items():
+                "u_right": tuple(pose[:3, 0]), "u_up": tuple(pose[:3, 1]), "u_pixels": frame.size[1] / extent,
+                "u_narrowness": 1 / frame.camera.pixel_aspect}).items():
             set_uniform(program, name, value)
         with self.gbuffer.on_surfaces():
             fullscreen(self._gl, program).render(vertices=3)
