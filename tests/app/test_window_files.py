@@ -118,10 +118,12 @@ def test_the_file_is_loaded_again_when_it_changes_or_what_it_refers_to(open_wind
 
 def test_full_screen_and_back(open_window, scene):
     hands = open_window(scene)
+    hands.window.state.panel = True
     screen = glfw.get_video_mode(glfw.get_primary_monitor()).size
     for back in ("F11", "Escape"):
         hands.key("F11")
         hands.until(lambda: glfw.get_window_size(hands.window.window) == (screen.width, screen.height))
+        assert (hands.screen()[:200, -200:].max(axis=(1, 2)) > 20).all()  # the panel is whole
         hands.key(back)
         hands.until(lambda: glfw.get_window_size(hands.window.window) == SIZE)
     assert not hands.window.is_closed

@@ -84,13 +84,14 @@ class Gui:
         self._program["u_size"] = tuple(self.io.display_size)
         self._program["u_texture"] = _UNIT
         scale_x, scale_y = self.io.display_framebuffer_scale
+        height = self.io.display_size.y * scale_y  # not that of `target`, which a screen has from when it was made
         for commands in data.cmd_lists:
             self._upload(commands)
             for command in commands.cmd_buffer:
                 left, top, right, bottom = command.clip_rect
                 if right <= left or bottom <= top:
                     continue
-                gl.scissor = (int(left * scale_x), int(target.height - bottom * scale_y),
+                gl.scissor = (int(left * scale_x), int(height - bottom * scale_y),
                               int((right - left) * scale_x), int((bottom - top) * scale_y))
                 self._textures[command.tex_ref.get_tex_id()].use(_UNIT)
                 self._array.render(vertices=command.elem_count, first=command.idx_offset)
