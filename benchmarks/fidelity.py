@@ -27,7 +27,8 @@ from viewer.scene.camera import Camera
 from . import corpus, machine, shot, tracing
 
 VERSIONS: dict[str, dict[str, Any]] = {
-    "default": {},
+    "default": {"quality": "auto"},
+    "draft": {"quality": "draft"},
     "standard": {"quality": "standard"},
     "gtao": {"ambient_occlusion": "gtao"},
     "16 lights": {"environment_shadows": "16"},

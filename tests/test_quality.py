@@ -94,7 +94,55 @@ def test_python_has_the_same_points():
     edges = viewer.render(ROOM, (24, 16), antialias=point["antialias"], quality="draft")
     assert np.array_equal(off.linear, edges.linear)
     assert not np.array_equal(off.linear, image.linear)
-    with pytest.raises(UsageError, match="quality='best': quality must be one of draft, standard, high"):
+    with pytest.raises(UsageError, match="quality='best': quality must be one of auto, draft, standard, high"):
         viewer.render(ROOM, (24, 16), quality="best")
     with pytest.raises(UsageError, match="quality has no effect in mode phong"):
         viewer.render(ROOM, (24, 16), quality="high", mode="phong")
+
+
+def test_auto_takes_what_the_rule_foresees_and_says_so(run, folder, monkeypatch):
+    for point in ("draft", "standard"):
+        monkeypatch.setattr("viewer.plan.first_picture.FirstPicture.quality", point)
+        plan = viewer.render(ROOM, (24, 16), quality="auto").stats["plan"]
+        assert plan["quality"] == point and "a draft's time" in plan["quality_reason"]
+        assert ("visibility" in plan["passes"]) == (point == "standard")
+        outcome = run("render", MODEL, "-o", "a.png", *SMALL, "--quality", "auto", "--stats", "s.json", "-v")
+        assert outcome.status == 0 and f"quality {point}; quality_reason foreseen" in outcome.err
+        assert json.loads((folder / "s.json").read_text())["plan"]["quality"] == point
+        facts = json.loads(run("info", MODEL, "--quality", "auto", "--json", "-").out)["plan"]
+        assert facts["quality"] == point and "foreseen" in facts["quality_reason"]
+
+
+def test_auto_is_a_draft_where_somebody_chooses_by_hand_and_where_no_light_is_shown():
+    def auto(**settings) -> Quality:
+        return Quality.of("auto", settings, Settings.of(**settings), ROOM, (32, 24))
+
+    assert auto().name == "standard" and auto(exposure=1.0).name == "standard"
+    for settings in ({"environment_shadows": "16"}, {"antialias": "none"}, {"ambient_occlusion": "gtao"}):
+        quality = auto(**settings)
+        assert quality.name == "draft" and quality.reason == f"{next(iter(settings))} chosen by hand"
+        assert quality.applied(Settings.of(**settings)) == Settings.of(**settings)
+    assert auto(show="normal").reason == "no light is shown"
+    assert not auto(mode="path").facts(Settings(mode="path"))
+
+
+def test_auto_is_the_default_outside_of_pytest(monkeypatch):
+    """In it, the plugin has set the variable that names another."""
+    assert viewer.render(ROOM, (24, 16)).stats["plan"]["quality"] == "draft"
+    monkeypatch.delenv("PBR_VIEWER_QUALITY")
+    auto = viewer.render(ROOM, (24, 16)).stats["plan"]
+    assert auto["quality"] == "standard" and auto["quality_reason"]
+    monkeypatch.setenv("PBR_VIEWER_QUALITY", "best")
+    with pytest.raises(UsageError, match="PBR_VIEWER_QUALITY='best': quality must be one of auto, draft"):
+        viewer.render(ROOM, (24, 16))
+
+
+def test_the_frames_of_a_film_have_one_quality(run, folder, monkeypatch):
+    """It is found once."""
+    asked = []
+    monkeypatch.setattr("viewer.plan.first_picture.FirstPicture.quality",
+                        property(lambda first: asked.append(first) or "standard"))
+    options = ("--turntable", "3", "--quality", "auto", "--stats", "s.json")
+    assert run("render", MODEL, "-o", "a.webp", *SMALL, *options).status == 0
+    assert len({id(first) for first in asked}) == 1
+    assert json.loads((folder / "s.json").read_text())["plan"]["quality"] == "standard"

@@ -103,7 +103,8 @@ def render(
     1 / `fps` seconds later, by the `next_camera` if there is one; nothing but the camera moves without a `time`.
 
     In mode pbr `quality` is draft, standard or high, a named point of the front of error against time
-    (docs/quality.md), which leaves the given `settings` as they are. The default is draft.
+    (docs/quality.md), which leaves the given `settings` as they are. The default, auto, is standard where its first
+    picture is foreseen within twice the time of a draft, which follows from the scene and `size` alone, and else draft.
 
     With `tell_error`, seconds of path tracing, `Image.stats["estimated_error"]` says how far a picture of another mode
     is from the truth (docs/tell-error.md), and the layer "error" where.
@@ -141,7 +142,8 @@ def render(
 def _rendered(scene: Scene, size: tuple[int, int], camera: Camera | None, backend: str, aov: Sequence[str],
               tell_error: float | None, quality: str | None, settings: dict[str, Any],
               following: Callable[[Scene, Camera], Following]) -> Image:
-    chosen, size, point = Settings.of(**settings), _checked(size), Quality.of(quality, settings)
+    chosen, size = Settings.of(**settings), _checked(size)
+    point = Quality.of(quality, settings, chosen, scene, size)
     is_open = "mode" not in settings and not (chosen.time_budget is None and chosen.error is None)
     check_quality(quality, chosen, is_open)
     if not is_open:
@@ -214,7 +216,8 @@ def show(
     """
     _expect_scene(scene, camera)
     scene = _at(scene, time, animation)
-    chosen, size, point = Settings.of(**{"denoise": "fast", **settings}), _checked(size), Quality.of(quality, settings)
+    chosen, size = Settings.of(**{"denoise": "fast", **settings}), _checked(size)
+    point = Quality.of(quality, settings, chosen, scene, size)
     from .web.cell import in_notebook, view_in_cell
 
     if in_notebook():

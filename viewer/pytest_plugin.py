@@ -5,6 +5,7 @@ pytest loads this module in every project where the package is installed, so not
 
 from __future__ import annotations
 
+import os
 import re
 import zlib
 from collections.abc import Callable, Iterator, Mapping
@@ -24,8 +25,22 @@ if TYPE_CHECKING:
     from .image.image import Image
 
 
+_QUALITY = "PBR_VIEWER_QUALITY"
+"""As `VARIABLE` of viewer/quality.py, which imports too much."""
 _RUNS_TESTS = pytest.StashKey[bool]()
 """Whether this process is in charge of a session whose tests run."""
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Draw drafts where no quality is named, in this process and those that it starts: which point a picture takes else
+    depends on its size and on the version of this package, and stored pictures shall stay right."""
+    if _QUALITY not in os.environ:
+        os.environ[_QUALITY] = "draft"
+        config.add_cleanup(_forget_quality)
+
+
+def _forget_quality() -> None:
+    os.environ.pop(_QUALITY, None)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

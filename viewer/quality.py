@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from .errors import UsageError
 from .settings import Settings
 
+if TYPE_CHECKING:
+    from .scene.scene import Scene
+
 QualityName = Literal["draft", "standard", "high"]
+AUTO = "auto"
+"""The choice of the point that the first picture allows: plan/first_picture.py."""
 
 QUALITIES: tuple[QualityName, ...] = get_args(QualityName)
 POINTS: Mapping[QualityName, Mapping[str, Any]] = MappingProxyType({
@@ -22,6 +28,8 @@ POINTS: Mapping[QualityName, Mapping[str, Any]] = MappingProxyType({
 """The settings of each point that are not the defaults of `Settings`."""
 DETERMINED = frozenset(name for point in POINTS.values() for name in point)
 """The settings on which the points differ."""
+VARIABLE = "PBR_VIEWER_QUALITY"
+"""The environment variable that has the quality where none is named. The pytest plugin sets it to draft."""
 
 
 @dataclass(frozen=True)
@@ -30,15 +38,33 @@ class Quality:
 
     name: QualityName = "draft"
     given: frozenset[str] = frozenset()
+    reason: str = ""
+    """Why it is this one, if nobody has named it."""
 
     @classmethod
-    def of(cls, name: str | None, given: Iterable[str]) -> Quality:
-        """The point `name`, or the default one for None. Raises UsageError for a name that no point has."""
-        if name is None:
-            return cls(given=frozenset(given))
-        if name not in QUALITIES:
-            raise UsageError(f"quality={name!r}: quality must be one of {', '.join(QUALITIES)}")
-        return cls(name, frozenset(given))
+    def of(cls, name: str | None, given: Iterable[str], settings: Settings, scene: Scene,
+           size: tuple[int, int]) -> Quality:
+        """The point `name`; for auto, and for None, the one that a picture of `scene` with `size` pixels takes.
+
+        Auto is draft where settings of the points are given, since somebody chooses by hand, and where no light is
+        shown. Raises UsageError for a name that no point has.
+        """
+        kept = frozenset(given)
+        told = "quality" if name is not None else VARIABLE
+        name = os.environ.get(VARIABLE, AUTO) if name is None else name
+        if name != AUTO:
+            if name not in QUALITIES:
+                raise UsageError(f"{told}={name!r}: quality must be one of {', '.join((AUTO, *QUALITIES))}")
+            return cls(name, kept)
+        by_hand = sorted(kept & (DETERMINED | {"ambient_occlusion"}))
+        if by_hand:
+            return cls("draft", kept, f"{' and '.join(by_hand)} chosen by hand")
+        if settings.mode != "pbr" or settings.show != "shaded":
+            return cls("draft", kept, "no light is shown" if settings.mode == "pbr" else "")
+        from .plan.first_picture import FirstPicture
+
+        first = FirstPicture.of(scene, size)
+        return cls(first.quality, kept, first.reason)
 
     def applied(self, settings: Settings) -> Settings:
         """`settings` at this point. Other modes than pbr have no points: their settings stay as they are."""
@@ -51,7 +77,9 @@ class Quality:
 
     def facts(self, settings: Settings) -> dict[str, str]:
         """What plans tell of it."""
-        return {"quality": self.name} if settings.mode == "pbr" else {}
+        if settings.mode != "pbr":
+            return {}
+        return {"quality": self.name, **({"quality_reason": self.reason} if self.reason else {})}
 
 
 DRAFT = Quality("draft")
@@ -60,7 +88,7 @@ DRAFT = Quality("draft")
 
 def check_quality(name: str | None, settings: Settings, chooses: bool) -> None:
     """Raises UsageError for a quality where there is none: in other modes, and where a method is chosen."""
-    if name is None:
+    if name in (None, AUTO):
         return
     if chooses:
         raise UsageError("quality has no effect together with a time budget or an error: these choose the method")

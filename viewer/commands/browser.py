@@ -74,7 +74,8 @@ def page(model: str, output: str, **options: Any) -> None:
         check_output(output)
         scene = make_scene(model, make_environment(options), options)
         warn(model, scene, settings, options)
-        write_page(model, Path(output), scene, settings, make_quality(options), options)
+        quality = make_quality(options, settings, scene, options["size"])
+        write_page(model, Path(output), scene, settings, quality, options)
 
 
 @click.command(short_help="Show a model in a browser, drawn here.",
@@ -112,6 +113,7 @@ def serve(model: str, **options: Any) -> None:
         scene = make_scene(model, make_environment(options), options)
         warn(model, scene, settings, options)
         camera = make_camera(model, scene, options) if chooses_camera(options) else None
+        quality = make_quality(options, settings, scene, options["size"])
         view = RemoteView(lambda: open_context(options["backend"]), scene, settings, camera, options["size"],
-                          not options["no_cache"], make_playback(model, scene, options), make_quality(options))
+                          not options["no_cache"], make_playback(model, scene, options), quality)
         serve_model(view, listener, options["quiet"], print_text)

@@ -24,6 +24,7 @@ from ..jobs.options import (
     QUIET_OPTION,
     SCENE_OPTIONS,
     TIME_OPTIONS,
+    size_option,
     with_options,
 )
 from .output import print_facts, print_text, warn, write_or_print_json
@@ -80,8 +81,9 @@ def view(model: str, watch: bool, fullscreen: bool, **options: Any) -> None:
     if tell:
         tell(f"{model}: load {time.perf_counter() - start:.3f} s")
     camera = make_camera(model, scene, options) if chooses_camera(options) else None
+    quality = make_quality(options, settings, scene, options["size"])
     open_window(scene, settings, camera, options["size"], use_cache=not options["no_cache"], tell=tell,
-                playback=make_playback(model, scene, options), quality=make_quality(options), files=files, watch=watch,
+                playback=make_playback(model, scene, options), quality=quality, files=files, watch=watch,
                 full_screen=fullscreen)
 
 
@@ -187,7 +189,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
 @click.argument("model", required=False)
 @JSON_OPTION
 @click.option("--settings", "list_settings", is_flag=True, help="List what --set takes.")
-@with_options([*SCENE_OPTIONS, QUIET_OPTION])
+@with_options([*SCENE_OPTIONS, size_option("1280x720"), QUIET_OPTION])
 def info(model: str | None, json_file: str | None, list_settings: bool, **options: Any) -> None:
     """Show what MODEL contains, what is needed to render it, and what is left out and why.
 
@@ -210,7 +212,7 @@ def info(model: str | None, json_file: str | None, list_settings: bool, **option
         settings = make_settings(options)
         check_quality(options["quality"], settings, chooses=False)
         scene = make_scene(model, make_environment(options), options)
-        facts = describe_scene(scene, settings, make_quality(options))
+        facts = describe_scene(scene, settings, make_quality(options, settings, scene, options["size"]))
         warn(model, scene, settings, options)  # of images that do not decode, too
     print_facts(facts, json_file)
 

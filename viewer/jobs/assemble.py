@@ -38,9 +38,9 @@ def make_settings(options: dict[str, Any]) -> Settings:
     return settings
 
 
-def make_quality(options: dict[str, Any]) -> Quality:
-    """The quality that the options describe, which leaves alone what they --set."""
-    return Quality.of(options["quality"], map(setting_name, options["assignments"]))
+def make_quality(options: dict[str, Any], settings: Settings, scene: Scene, size: tuple[int, int]) -> Quality:
+    """The quality that the options describe for pictures of `scene`, which leaves alone what they --set."""
+    return Quality.of(options["quality"], map(setting_name, options["assignments"]), settings, scene, size)
 
 
 def make_environment(options: dict[str, Any]) -> Environment | None:

@@ -53,7 +53,7 @@ class ModelRenderer:
         self._request = RenderRequest(
             self._open, self._settings, options["size"], options["aov"], use_cache=not options["no_cache"],
             measure=job.measure, quiet=options["quiet"], chooses=job.chooses, tell_error=options["tell_error"],
-            following=make_following(options), quality=make_quality(options), tell=tell)
+            following=make_following(options), tell=tell)
         self._maker = make_picture_maker(self._request)
 
     def __enter__(self) -> Self:
@@ -125,6 +125,7 @@ class ModelRenderer:
         path, maker, loaded, known = task.picture(view.label), self._maker, time.perf_counter(), scene.all_warnings
         progress.say(f"{path.name}: rendering")
         self._request.size = view.size
+        self._choose_quality(scene, view.size)
         image = maker.make(scene, view.camera, path, progress)
         of_camera = [] if self._job.chooses else camera_warnings(scene, self._settings, view.camera)
         self._warn_after(task.model, scene, known, of_camera)
@@ -162,12 +163,16 @@ class ModelRenderer:
         """As `_picture`."""
         path, loaded, known = task.picture(), time.perf_counter(), scene.all_warnings
         progress.say(f"{path.name}: rendering")
+        self._choose_quality(scene, self._request.size)  # one for all frames
         count = write_film(path, self._frames(scene, film, path, progress), film.fps)
         self._warn_after(task.model, scene, known, [])
         rendered = time.perf_counter()
         seconds = {"load": loaded - start, "render": rendered - loaded, "save": 0.0, "total": rendered - start}
         how_far = f"{count} of {len(film.frames)} frames"
         return self._done(task.model, path, scene, seconds, how_far) | {"frames": count}
+
+    def _choose_quality(self, scene: Scene, size: tuple[int, int]) -> None:
+        self._request.quality = make_quality(self._job.options, self._settings, scene, size)
 
     def _done(self, model: str, path: Path, scene: Scene, seconds: dict[str, float], how_far: str) -> Record:
         """Tell that a picture or film is in its file, if that is to be told, and return its record."""

@@ -13,7 +13,7 @@ from typing import Any, get_args
 import click
 
 from ..errors import UsageError
-from ..quality import QUALITIES
+from ..quality import AUTO, QUALITIES
 from ..settings import (
     DEFAULT_SPP,
     LAYERS,
@@ -160,10 +160,11 @@ MODE_OPTION = click.option(
     "--mode", type=click.Choice(get_args(Mode)), default="pbr", show_default=True,
     help="pbr: physically based shading; phong: Phong's model; path: path tracing, exact but slow.")
 QUALITY_OPTION = click.option(
-    "--quality", type=click.Choice(QUALITIES),
+    "--quality", type=click.Choice([AUTO, *QUALITIES]),
     help="Mode pbr: how much time a picture takes for how small an error; what --set says wins. draft: image-based "
          "light alone; standard: also shadows of the environment; high: also indirect light and traced rays, after "
-         "seconds of preparing. `pbr-viewer report` measures them. Default: draft.")
+         "seconds of preparing. `pbr-viewer report` measures them. auto, the default: standard "
+         "where its first picture is foreseen within twice the time of a draft, else draft.")
 LOOK_OPTIONS = [
     click.option("--env", default="studio", metavar="FILE|NAME|none", show_default=True,
                  help="The environment that lights the model: a panorama (.hdr, .exr, .png, .jpg), or studio, sky, "

@@ -202,7 +202,8 @@ def test_the_command_line_of_a_method_asks_for_just_that(arguments):
         words = shlex.split(command_line("m x.glb", options, method))
         assert words[:3] == ["pbr-viewer", "render", "m x.glb"]
         asked = cli.commands["render"].make_context("render", words[2:]).params
-        settings = make_quality(asked).applied(make_settings(asked))
+        settings = make_settings(asked)
+        settings = make_quality(asked, settings, scene, (64, 64)).applied(settings)
         nothing = [name for name in POINTS.get(method.quality, {}) if name not in method.changes]  # is there to trace
         settings = replace(settings, **{name: getattr(Settings(), name) for name in nothing})
         settings.check_used()
