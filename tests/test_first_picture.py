@@ -47,7 +47,7 @@ def test_it_takes_standard_where_its_first_picture_is_foreseen_in_time():
 
 
 def test_textures_and_materials_make_a_draft_slow_and_standard_no_slower_than_that():
-    plain, detailed = balls(1, segments=300), balls(1, 8192, segments=300)
+    plain, detailed = balls(1, segments=200), balls(1, 8192, segments=200)
     assert foreseen(plain).quality == "draft" and foreseen(detailed).quality == "standard"
     assert np.isclose(foreseen(detailed).standard - foreseen(plain).standard,
                       foreseen(detailed).draft - foreseen(plain).draft)

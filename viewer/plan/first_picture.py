@@ -18,7 +18,7 @@ _START_S, _MATERIAL_S, _MEGATEXEL_S, _TRIANGLE_S, _MEGAPIXEL_S = 0.6, 0.013, 0.0
 triangle, a million pixels."""
 _SHADED_MEGAPIXEL_S = 0.4
 """Of shading four points of each of a million pixels, beyond a draft."""
-_SHADOWS_S, _CASTER_S, _CAST_TRIANGLE_S, _SHADOWED_MEGAPIXEL_S = 0.15, 0.2e-3, 0.3e-6, 1.5
+_SHADOWS_S, _CASTER_S, _CAST_TRIANGLE_S, _SHADOWED_MEGAPIXEL_S = 0.15, 0.2e-3, 0.4e-6, 1.5
 """Of shadows of the environment: what is always there, an instance and a triangle in one light's map, and a million of
 the points at which they are found."""
 _LIGHTS = int(POINTS["standard"]["environment_shadows"])
