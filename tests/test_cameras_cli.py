@@ -33,8 +33,12 @@ def test_each_view_has_a_picture_and_a_frame(run, folder):
     read, _ = read_camera_file("out/transforms.json", (1, 1))
     for frame, angles in zip(read, ((0.0, 0.0), (0.0, np.pi / 2), (np.pi / 6, np.pi / 12)), strict=True):
         np.testing.assert_array_equal(frame.camera.pose, scene.framing_camera(1.5, *angles).pose)
-    assert run("render", BALLS, "-o", "{view}.png", "--view", "left,right", *QUICK).status == 0
-    assert {"left.png", "right.png"} <= set(names(folder))
+    assert run("render", BALLS, "-o", "by/{view}/{name}.png", "--view", "left,right", *QUICK).status == 0
+    assert names(folder / "by") == ["left", "right"] and names(folder / "by" / "left") == ["spheres.png"]
+    assert run("render", BALLS, "-o", "{view}.png", "--view", "left", *QUICK).status == 0
+    assert run("render", BALLS, "-o", "{view}.png", *QUICK).status == 0
+    assert run("render", BALLS, "-o", "one.png", "--view", "left", *QUICK).status == 0
+    assert {"left.png", "view.png", "one.png"} <= set(names(folder))
 
 
 def test_pictures_through_written_cameras_are_the_same(run, folder):

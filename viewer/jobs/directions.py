@@ -24,14 +24,9 @@ class Direction:
 
 
 def directions_of(options: dict[str, Any]) -> tuple[Direction, ...]:
-    """Those of --view and --orbit, or the default one. A single one has no label."""
-    given = [_named(name) for name in options["view"] or ()]
-    given += [_orbit(numbers) for numbers in options["orbit"] or ()]
-    if len(set(given)) > 1:
-        return tuple(dict.fromkeys(given))
-    if given:
-        return (Direction("", given[0].title, given[0].azimuth, given[0].elevation, given[0].distance),)
-    return (Direction("", "", DEFAULT_AZIMUTH, DEFAULT_ELEVATION),)
+    """Those of --view and --orbit, each once, or the default one, which has no label."""
+    given = [*map(_named, options["view"] or ()), *map(_orbit, options["orbit"] or ())]
+    return tuple(dict.fromkeys(given)) or (Direction("", "", DEFAULT_AZIMUTH, DEFAULT_ELEVATION),)
 
 
 def _named(name: str) -> Direction:

@@ -6,9 +6,11 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
+from ..base.atomic import made_folders
 from ..base.messages import say
 from ..base.progress import Progress
 from ..base.signals import postponed
@@ -99,7 +101,10 @@ class ModelRenderer:
             if self._job.options["sheet"] is not None:
                 records.append(self._sheet(task, scene, start, progress))
                 return records
-            for view in views_of(task.model, scene, self._job.options):
+            views = views_of(task.model, scene, self._job.options)
+            if len(views) == 1 and "{view}" not in str(task.output):
+                views = (replace(views[0], label=""),)
+            for view in views:
                 with self._told(task.model, task.picture(view.label), records):
                     records.append(self._picture(task, scene, view, start, progress))
                 if self.stopped is not None:
@@ -130,7 +135,8 @@ class ModelRenderer:
         of_camera = [] if self._job.chooses else camera_warnings(scene, self._settings, view.camera)
         self._warn_after(task.model, scene, known, of_camera)
         rendered = time.perf_counter()
-        image.save(path)
+        with made_folders(path.parent):
+            image.save(path)
         saved = time.perf_counter()
         failure = self._tell_error(scene, view.camera, path, task.map_of_error(view.label), progress)
         told = saved if self._job.options["tell_error"] is None else time.perf_counter()
@@ -214,7 +220,8 @@ class ModelRenderer:
             for line in (str(error), *(f"warning: {note}" for note in error.notes)):
                 self._tell(f"{path}: {line}")
         if error is not None and map_path is not None:
-            error.map_image().save(map_path)
+            with made_folders(map_path.parent):
+                error.map_image().save(map_path)
         return ""
 
     def _frames(self, scene: Scene, film: Film, path: Path, progress: Progress) -> Iterator[Image]:

@@ -45,7 +45,14 @@ def output_paths(models: Sequence[str], output: str, option: str = "-o") -> Outp
     twice = sorted(str(path) for path, count in Counter(paths).items() if count > 1)
     if twice:
         raise UsageError(f"{option} {output}: several models would be written to {', '.join(twice)}")
-    return Outputs(tuple(paths), tuple(dict.fromkeys(path.parent for path in paths)))
+    return Outputs(tuple(paths), tuple(dict.fromkeys(_without_views(path.parent) for path in paths)))
+
+
+def _without_views(folder: Path) -> Path:
+    """The folder in which folders of views are."""
+    while "{view}" in str(folder):
+        folder = folder.parent
+    return folder
 
 
 def base_folder(output: str) -> Path:
@@ -94,8 +101,11 @@ def check_apart(paths: Sequence[str | Path]) -> None:
 
 
 def check_output(path: str | Path) -> None:
-    """Raises OutputError if `path` cannot be written, before any work is done for it."""
+    """Raises OutputError if `path` cannot be written, before any work is done for it. Folders of views are made later.
+    """
     path = Path(path)
+    if "{view}" in str(path.parent):
+        return
     if path.is_dir():
         raise OutputError(f"{path}: is a folder; a file name is needed")
     if not path.parent.is_dir():

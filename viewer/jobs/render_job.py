@@ -21,7 +21,8 @@ class RenderJob:
 class RenderTask:
     """One model with all its views: the file `model`, that of its picture, and that of the map of its error.
 
-    Of several views each has a picture of its own: with the view's label for {view} in the names, or after them.
+    Of several views each has a picture of its own: with the view's label for {view} in the names, or after them. A view
+    without a label is called "view" there.
     """
 
     model: str
@@ -39,5 +40,5 @@ class RenderTask:
 
 def _of_view(path: Path, label: str) -> Path:
     if "{view}" in str(path):
-        return Path(str(path).replace("{view}", label))
+        return Path(str(path).replace("{view}", label or "view"))
     return path.with_stem(f"{path.stem}_{label}") if label else path

@@ -15,8 +15,8 @@ from .following import first_camera
 
 @dataclass(frozen=True)
 class View:
-    """`label` stands in the name of the picture's file; "" if it is the only one. `size` is (width, height) of the
-    picture in pixels, and `title` stands on sheets."""
+    """`label` stands in the name of the picture's file, if there are several; "" if it has none. `size` is (width,
+    height) of the picture in pixels, and `title` stands on sheets."""
 
     label: str
     camera: Camera
@@ -29,8 +29,8 @@ def views_of(model: str, scene: Scene, options: dict[str, Any]) -> tuple[View, .
     size = options["size"]
     if options["cameras"] is not None:
         frames, _ = read_camera_file(options["cameras"], size)
-        return tuple(View(frame.camera.name if len(frames) > 1 else "", frame.camera,
-                          size if options["has_size"] else frame.size, frame.camera.name) for frame in frames)
+        return tuple(View(frame.camera.name, frame.camera, size if options["has_size"] else frame.size,
+                          frame.camera.name) for frame in frames)
     if options["turntable"] is not None:
         return (View("", first_camera(model, scene, options), size),)
     if options["camera"] is not None or options["eye"] is not None:
