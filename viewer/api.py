@@ -144,6 +144,7 @@ def _rendered(scene: Scene, size: tuple[int, int], camera: Camera | None, backen
               following: Callable[[Scene, Camera], Following]) -> Image:
     chosen, size = Settings.of(**settings), _checked(size)
     point = Quality.of(quality, settings, chosen, scene, size)
+    chosen.check_ground()
     is_open = "mode" not in settings and not (chosen.time_budget is None and chosen.error is None)
     check_quality(quality, chosen, is_open)
     if not is_open:
@@ -154,6 +155,8 @@ def _rendered(scene: Scene, size: tuple[int, int], camera: Camera | None, backen
         tell_error = RANGES["time_budget"].number(tell_error, f"tell_error={tell_error!r}: it")
         if is_open or chosen.mode == "path":
             raise UsageError("tell_error is for pictures of the real-time modes; others tell their error themselves")
+        if chosen.ground != "off":
+            raise UsageError("tell_error does not know the shadow on the ground: use ground='off'")
         if chosen.show != "shaded":
             raise UsageError(f"tell_error is for shaded pictures, and show is {chosen.show}")
     if is_open:
@@ -165,10 +168,13 @@ def _rendered(scene: Scene, size: tuple[int, int], camera: Camera | None, backen
     if chosen.mode == "path":
         from .estimate.layers import traced_layers
         from .estimate.mixture import draw_guide
+        from .trace.ground import above_ground, with_ground
 
         started, layers = perf_counter(), traced_layers(aov, scene, chosen)
         guide = draw_guide(shared_renderer(backend), scene, camera, chosen, size)
-        image = shared_tracer(backend).render(scene, camera, chosen, size, layers, guide, started)
+        tracer = shared_tracer(backend)
+        image = tracer.render(scene, camera, above_ground(chosen), size, layers, guide, started)
+        image = with_ground(tracer, image, scene, camera, chosen)
         return _with_layers(image, scene, camera, chosen, backend, aov, following)
     renderer = shared_renderer(backend)
     renderer.times.clear()

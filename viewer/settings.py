@@ -93,6 +93,8 @@ class Settings:
     exposure: float = 0.0
     """In EV: radiance is multiplied by 2**exposure before the tone map."""
     tonemap: Tonemap = "neutral"
+    ground: Literal["off", "shadow"] = "off"
+    """Shadow: the shadow of the model on the ground below it darkens what is behind."""
 
     # For mode path, which stops when the first of spp, time_budget and error is reached; if none is given, at 64 spp.
     spp: int | None = None
@@ -255,6 +257,12 @@ class Settings:
     def shows_values(self) -> bool:
         """Whether the picture is of a quantity of the surfaces, which no light, exposure or tone map changes."""
         return self.show in VALUES
+
+    def check_ground(self) -> None:
+        """Raises UsageError if there is a shadow on the ground in a picture whose samples are budgeted."""
+        if self.ground != "off" and not (self.time_budget is None and self.error is None):
+            raise UsageError(f"ground={self.ground} cannot be used with a time budget or an error to reach, which do "
+                             "not count the samples of the shadow; choose spp")
 
     def check_layers(self, names: Collection[str]) -> None:
         """Raises UsageError for layers that this mode does not have."""

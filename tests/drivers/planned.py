@@ -36,6 +36,8 @@ def raster_keys(scene: Scene, settings: Settings, *, half: bool = True, orthogra
     lights = (*scene.lights, SUN) if scene.environment is not None else scene.lights
     plan = plan_scene(scene, settings, lights, samples=settings.samples(is_software=False, is_still=True),
                       half_target=half, orthographic=orthographic)
+    if plan.ground is not None:
+        yield "display/fullscreen.vert", plan.ground.fragment, plan.ground.switches
     if plan.media is not None:
         for program in plan.media.programs:
             yield "display/fullscreen.vert", program.fragment, program.switches

@@ -96,6 +96,8 @@ def ours() -> tuple[list[str], dict[str, int], set[str]]:
         wanted |= dict.fromkeys(raster_keys(hairy, Settings.of(fog=fog), half=False, orthographic=True))
     for show in VALUES:
         wanted |= dict.fromkeys(raster_keys(hairy, Settings(show=show), orthographic=show == "normal"))
+    for mode in ("pbr", "phong"):
+        wanted |= dict.fromkeys(keys(foggy, Settings.of(mode=mode, ground="shadow")))
     for scene, names in product((*rich, velvet), (SURFACE_LAYERS, ("normal", "instance"))):
         wanted |= dict.fromkeys(layer_keys(scene, Settings(), names, orthographic=scene is velvet))
     for yarn in ("off", "silk"):

@@ -19,6 +19,7 @@ from ..jobs.options import (
     COMMON_OPTIONS,
     ERROR_OPTIONS,
     FILM_OPTIONS,
+    GROUND_OPTION,
     JSON_OPTION,
     PATH_OPTIONS,
     QUIET_OPTION,
@@ -106,7 +107,7 @@ class _Render(click.Command):
 @BACKEND_OPTION
 @click.option("--stats", metavar="FILE.json",
               help="Write times, plan and memory as JSON; for several models a list of them.")
-@with_options([*SCENE_OPTIONS, *TIME_OPTIONS, *FILM_OPTIONS, *PATH_OPTIONS, *ERROR_OPTIONS, AOV_OPTION,
+@with_options([*SCENE_OPTIONS, *TIME_OPTIONS, *FILM_OPTIONS, *PATH_OPTIONS, *ERROR_OPTIONS, AOV_OPTION, GROUND_OPTION,
                *CAMERA_OPTIONS, *VIEWS_OPTIONS, *BATCH_OPTIONS, *COMMON_OPTIONS])
 def render(models: tuple[str, ...], output: str, backend: str, stats: str | None, **options: Any) -> None:
     """Render a picture of each MODEL, without a screen.
@@ -151,6 +152,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     check_quality(options["quality"], settings, chooses)
     if not chooses:
         settings.check_used()
+    settings.check_ground()
     found = find_models(models)
     if options["sheet"] is not None:
         if not _is_given("size"):

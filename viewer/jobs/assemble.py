@@ -26,7 +26,7 @@ from ..scene.upright import upright
 from ..settings import Settings, setting_name, with_dashes
 from .directions import Direction, directions_of
 
-_SETTINGS = ("mode", "background", "exposure", "tonemap", "spp", "time_budget", "error", "seed", "denoise")
+_SETTINGS = ("mode", "background", "exposure", "tonemap", "spp", "time_budget", "error", "seed", "denoise", "ground")
 
 
 def make_settings(options: dict[str, Any]) -> Settings:

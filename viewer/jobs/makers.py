@@ -101,6 +101,7 @@ class PathMaker(PictureMaker):
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
         """As `PictureMaker.make`. The first signal to stop ends the picture early, with the samples so far."""
         from ..estimate.layers import traced_layers
+        from ..trace.ground import above_ground, with_ground
         from ..trace.paths.run import how_far, run
         from ..trace.tracer import Tracer
 
@@ -109,7 +110,7 @@ class PathMaker(PictureMaker):
         if self._tracer is None:
             self._tracer = Tracer(request.open(), use_cache=request.use_cache)
         layers = traced_layers(request.layers, scene, request.settings)
-        path_render = self._tracer.begin(scene, camera, request.settings, request.size, layers,
+        path_render = self._tracer.begin(scene, camera, above_ground(request.settings), request.size, layers,
                                          guide=self._guide(scene, camera))
         prepared = time.perf_counter() - started
 
@@ -122,7 +123,7 @@ class PathMaker(PictureMaker):
             with postponed() as stop_request:
                 run(path_render, started, report, wants_to_stop=lambda: stop_request.number is not None)
             self.stopped = _stop_signal(stop_request, path_render.samples)
-            image = path_render.image()
+            image = with_ground(self._tracer, path_render.image(), scene, camera, request.settings)
             if request.layers:
                 image = add_layers(image, self._raster(), scene, camera, request.settings, request)
             self.stats = {"prepare_s": {"scene": prepared}, **image.stats, "stopped": self.stopped is not None}

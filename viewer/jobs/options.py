@@ -234,6 +234,10 @@ ERROR_OPTIONS = [
                  help="With --tell-error: write where the picture is wrong. An .exr has the relative error; a .png is "
                       "black at 0 and pale at 100 %. For several models a folder or a pattern, as for -o."),
 ]
+GROUND_OPTION = click.option(
+    "--ground", type=click.Choice(["off", "shadow"]), default="off", show_default=True,
+    help="shadow: a plane below the model that only catches its shadow, which darkens the background; with "
+         "--background none the shadow is alpha.")
 AOV_OPTION = click.option("--aov", type=Layers(), default=(), help=(
     f"Add these layers to the .exr or .npz, numbers of each pixel, separated by commas: {', '.join(SURFACE_LAYERS)}; "
     f"in mode path also {', '.join(PATH_LAYERS)}. Motion is in pixels to the next frame, by --animation and --time, "

@@ -189,6 +189,9 @@ def _left_out(plan: Plan, scene: Scene, settings: Settings, lights: Sequence[Lig
         lines.append(f"the last {len(scene.volumes) - MAX_VOLUMES} of {len(scene.volumes)} volumes: a program can have "
                      "no more")
     lines.append(LAYERS_LEFT_OUT)
+    if plan.ground is None:
+        reason = "not requested" if settings.ground == "off" else "nothing casts one, or no light falls on it"
+        lines.append(f"the shadow on the ground: {reason}")
     if not plan.has_blended:
         lines.append("the sorted pass for blending: no surface blends")
     if not (plan.has_thin_transmission or plan.has_solid_transmission):

@@ -125,6 +125,8 @@ class Plan:
     background: bool
     background_blur: float
     """In degrees; 0: none."""
+    ground: Program | None = None
+    """What draws the shadow of the model on the ground; None without it."""
     media: MediaPlan | None = None
     """How fog is drawn; None without any."""
     curves: CurvePlan | None = None
@@ -214,6 +216,7 @@ class Plan:
         passes += ["surfaces"] * bool(self.draws) + ["curves"] * (self.curves is not None)
         passes += ["solid transmission"] if self.has_solid_transmission else []
         passes += ["background"] if self.background else []
+        passes += ["ground"] * (self.ground is not None)
         passes += ["media behind which nothing stands"] * (self.media is not None and not self.background)
         passes += ["thin-walled transmission"] if self.has_thin_transmission else []
         passes += ["blend"] if self.has_blended else []
@@ -222,7 +225,8 @@ class Plan:
         return {
             "passes": [*passes, "display"],
             "programs": [{"fragment": p.fragment, "on": {k: v for k, v in p.switches if v}}
-                         for p in (*self.programs, *(self.curves.programs if self.curves is not None else ()))],
+                         for p in (*self.programs, *(self.curves.programs if self.curves is not None else ()),
+                                   *((self.ground,) if self.ground is not None else ()))],
             "draws": len(self.draws),
             "maps": sorted({f"{draw.material}:{name}" for draw in self.kinds for name in draw.maps}),
             "lights": len(self.lights),

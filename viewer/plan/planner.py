@@ -23,6 +23,7 @@ from ..settings import Settings
 from .bsdf_switches import bsdf_switches
 from .curves import draws_curves, plan_curves
 from .explain import explain
+from .ground import plan_ground
 from .map_switches import ALPHA_MODES, map_switches
 from .media import has_media, media_switches, plan_media
 from .model import ALONE, NO_SUBSURFACE, SPREAD, Draw, Plan, Program
@@ -126,6 +127,7 @@ def plan_scene(
         ambient_occlusion=ambient_occlusion,
         estimates_indirect=environment_shadows > 0 and settings.indirect == "estimated",
         background=background,
+        ground=plan_ground(settings, common, any(draw.transmits == 0 for draw in kinds) or curves),
         background_blur=settings.background_blur if background else 0.0,
         media=plan_media(scene, settings, common),
         curves=plan_curves(scene, settings, common),

@@ -73,8 +73,11 @@ def include_everything(plan: Plan, scene: Scene) -> Plan:
     common = {"LIGHT_COUNT": len(lights), "DIRECTIONAL_COUNT": counts["directional"], "POINT_COUNT": counts["point"],
               "SUNS": 1, "SHADOW_LAYERS": layer_count, "HAS_ENVIRONMENT": 1, "ENVIRONMENT_ROTATED": 1}
     draws = tuple(_with_switches(draw, _all_on(draw.program, common)) for draw in plan.draws)
-    return replace(plan, draws=draws, lights=tuple(lights), shadow_layers=tuple(layers), shadow_layer_count=layer_count,
-                   environment=True, reflections=True, ambient=True, dfg=True, is_everything=True)
+    ground = plan.ground and Program.of(plan.ground.fragment, {
+        name: common.get(name, value) for name, value in plan.ground.switches})
+    return replace(plan, draws=draws, ground=ground, lights=tuple(lights), shadow_layers=tuple(layers),
+                   shadow_layer_count=layer_count, environment=True, reflections=True, ambient=True, dfg=True,
+                   is_everything=True)
 
 
 def share_programs(draws: Sequence[Draw], always: bool = False) -> tuple[Draw, ...]:

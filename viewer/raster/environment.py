@@ -90,11 +90,11 @@ class EnvironmentLight:
         lights = many_lights(self._levels()[1], count)
         return replace(lights, directions=lights.directions @ rotation_about_y(self.environment.rotation))
 
-    def sky_lights(self, plan: Plan) -> ManyLights:
-        """The environment without its suns, as `plan` has it, as SKY_LIGHTS directional lights in world axes."""
+    def sky_lights(self, plan: Plan, count: int = SKY_LIGHTS) -> ManyLights:
+        """The environment without its suns, as `plan` has it, as `count` directional lights in world axes."""
         if plan.ambient:
-            return uniform_lights(SKY_LIGHTS, self._ambient_radiance)
-        lights = self.many_lights(SKY_LIGHTS)
+            return uniform_lights(count, self._ambient_radiance)
+        lights = self.many_lights(count)
         return replace(lights, irradiance=lights.irradiance * (self._baked.scale * self.environment.intensity))
 
     def scattered_sky(self, plan: Plan, fog: Medium, volumes: Medium) -> dict[str, object]:

@@ -18,6 +18,7 @@ from .depth import Depth
 from .frame_uniforms import FrameUniforms
 from .gbuffer import GBuffer
 from .grid import GridPass
+from .ground import GroundPass
 from .layers import LayerPass
 from .media import MediaPass
 from .overdraw import Overdraw
@@ -57,6 +58,7 @@ class Passes:
         self._wireframe = Wireframe(context, programs)
         self._grid = GridPass(context, programs, depth)
         self._vertices = BakedVertices(context, programs, prepared.surfaces, watch)
+        self._ground = GroundPass(context, programs, depth, self._casters)
         self.layers = LayerPass(gl, depth, prepared, self.curves, self._uniforms, watch)
         self._generation = prepared.generation
 
@@ -67,6 +69,7 @@ class Passes:
             self._generation = self._prepared.generation
             self._shadows.release()
             self._visibility.drop_shadows()
+            self._ground.release()
         with self._watch.preparing("curves"):
             self.curves.prepare(scene, settings, plan, environment)
         if plan.shadow_layer_count:
@@ -78,6 +81,9 @@ class Passes:
         if plan.environment_shadows and plan.has_visibility:
             with self._watch.preparing("environment shadows"):
                 self._visibility.prepare(scene, plan, environment, self._casters, mean)
+        if plan.ground is not None:
+            with self._watch.preparing("ground"):
+                self._ground.prepare(scene, plan, environment)
         if plan.has_traced_reflections:
             with self._watch.preparing("reflections"):
                 self.reflections.prepare(scene, settings)
@@ -153,6 +159,9 @@ class Passes:
         elif plan.media is not None:
             with drawing("media behind which nothing stands"):
                 self._media.draw_sky(self._depth, media, target.half)
+        if plan.ground is not None:
+            with drawing("ground"):
+                self._ground.draw(frame, plan, uniforms)
         if plan.grid:  # behind thin panes and what blends
             with drawing("grid"):
                 self._grid.draw_ground(frame, target, settings)
@@ -201,4 +210,4 @@ class Passes:
     def release(self) -> None:
         free(self._gl, self._backdrop, self._visibility, self.reflections, self.refraction, self._media,
              self._subsurface, *self._gbuffers.values(), self._overdraw, self._wireframe, self._grid, self.curves,
-             self._shadows, self._uniforms, self.layers)
+             self._shadows, self._uniforms, self.layers, self._ground)
