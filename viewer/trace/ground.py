@@ -68,7 +68,10 @@ def ground_shadow(tracer: Tracer, scene: Scene, camera: Camera, settings: Settin
                                 rig=None, variants=()), scene)
     settings = replace(settings, ground="off", denoise="off", exposure=0.0, spp=settings.most_spp, clamp=0.0)
     lit, unshadowed = (_reflected(tracer, each, points[is_seen], settings) for each in (placed, alone))
-    shadow[is_seen] = np.clip(1 - lit / np.maximum(unshadowed, 1e-30), 0, 1) * (unshadowed > 0)
+    hidden = unshadowed - lit
+    if all(light.kind == "directional" for light in scene.lights):  # alike everywhere: the mean has hardly any noise
+        unshadowed = np.full_like(unshadowed, unshadowed.mean())
+    shadow[is_seen] = np.clip(hidden / np.maximum(unshadowed, 1e-30), 0, 1) * (unshadowed > 0)
     return shadow
 
 
