@@ -93,7 +93,7 @@ def test_options_change_what_they_are_named_for(run, folder):
     (["render", "a.glb", "-o", "a.png", "--mode", "path", "--error", "0"], "0 is not from 1e-05 to 1"),
     (["render", "a.glb", "-o", "a.png", "--ground", "shadow", "--time-budget", "1"],
      "ground=shadow cannot be used with a time budget"),
-    (["render", "a.glb", "-o", "a.png", "--ground", "shadow", "--tell-error=1"], "does not know the shadow of --ground"),
+    (["render", "a.glb", "-o", "a.png", "--ground", "shadow", "--tell-error=1"], "does not know the shadow of"),
     (["render", "a.glb", "-o", "a.exr", "--aov", "depth,samples"],
      "the layer samples: only mode path has samples, not mode pbr"),
     (["render", "a.glb", "-o", "a.exr", "--aov", "depth", "--turntable", "4"], "--turntable with -o a.exr: a film"),

@@ -30,7 +30,8 @@ def test_every_setting_has_a_default_among_its_choices_and_a_meaning():
                           "fog_droplets", "fog_height", "curve_radius", "hair_melanin", "hair_color",
                           "hair_absorption", "hair_roughness", "hair_tilt", "hair_ior", "weave", "yarn_plies",
                           "yarn_fibres", "yarn_twist", "yarn_hairs"} < RANGES.keys()
-    own_options = {"mode", "background", "exposure", "tonemap", "spp", "time_budget", "error", "seed", "denoise"}
+    own_options = {"mode", "background", "exposure", "tonemap", "ground", "spp", "time_budget", "error", "seed",
+                   "denoise"}
     assert set(setting_meanings()) == {f.name for f in fields(Settings)} - own_options
 
 
