@@ -13,7 +13,7 @@ import numpy as np
 import viewer
 from viewer.base.resources import resource_folder
 from viewer.estimate.neighbourhood import EPSILON
-from viewer.estimate.raster_error import squared_error
+from viewer.estimate.pairs import squared_error
 from viewer.gpu.context import open_context
 from viewer.raster.renderer import Renderer
 from viewer.scene.camera import Camera

@@ -15,7 +15,7 @@ from statistics import median
 import numpy as np
 
 from viewer.estimate.mixture import draw_guide, raster_settings
-from viewer.estimate.raster_error import TRIMMED
+from viewer.estimate.pairs import TRIMMED
 from viewer.raster.renderer import Renderer
 from viewer.settings import Settings
 from viewer.trace.tracer import Tracer

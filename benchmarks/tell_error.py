@@ -18,8 +18,9 @@ from typing import Any
 
 import numpy as np
 
+from viewer.estimate.pairs import TRIMMED
 from viewer.estimate.paths import PathGroups, path_settings
-from viewer.estimate.raster_error import TRIMMED, raster_error
+from viewer.estimate.raster_error import raster_error
 from viewer.raster.renderer import Renderer
 from viewer.settings import Settings
 from viewer.trace.tracer import Tracer

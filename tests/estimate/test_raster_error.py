@@ -10,7 +10,8 @@ import pytest
 from right_pictures import RASTERS, SIZE, truth
 
 from viewer.estimate.neighbourhood import EPSILON, box, guided, noise_of, pulled, smooth
-from viewer.estimate.raster_error import TRIMMED, RasterError, raster_error, squared_error
+from viewer.estimate.pairs import TRIMMED, squared_error
+from viewer.estimate.raster_error import RasterError, raster_error
 from viewer.measure.compare.relmse import relmse
 
 GROUPS = 8

@@ -20,16 +20,13 @@ from typing import Any
 import numpy as np
 
 from ..estimate.neighbourhood import EPSILON, mixture, smooth
+from ..estimate.pairs import interval, squared_error, trimmed_mean
 from ..image.neighbours import LARGEST, surroundings
 
 _FEW = 8.0
 """Samples a pixel."""
-TRIMMED = 0.01
-"""Share of the pixels, those with the largest errors, that `trimmed` leaves out."""
 _SURE = 2.0
-"""Standard deviations on each side: 95 % of a normal distribution."""
-_WEIGHTS = 0.4
-"""What the weights are wrong by, with one sample a pixel; it falls with the root of their number."""
+"""Standard deviations that noise may have brightened a pixel by."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +38,7 @@ class Told:
     low: float
     high: float
     trimmed: float
-    """The same without the pixels of the largest errors, TRIMMED of all."""
+    """The same without the pixels of the largest errors, `pairs.TRIMMED` of all."""
     samples: float
 
     @property
@@ -94,18 +91,13 @@ class Samples:
         the first of `levels`; the interval holds those of all."""
         picture = pictures.mean(axis=0)
         apart, moved = self.means - picture, pictures - picture
-        count = len(apart)
-        errors = (apart.sum(axis=0) ** 2 - (apart**2).sum(axis=0)) / (count * (count - 1))
-        errors -= 2 * (moved * apart).mean(axis=0)
+        errors = squared_error(apart) - 2 * (moved * apart).mean(axis=0)
         estimates = [_mean_and_deviation(_weighted(errors, each)) for each in levels]
-        relmse = max(estimates[0][0], 0.0)
-        more = _WEIGHTS / math.sqrt(self.number) * relmse
-        low = max(min(value - _SURE * deviation for value, deviation in estimates) - more, 0.0)
-        high = max(value + _SURE * deviation for value, deviation in estimates) + more
+        relmse, low, high = interval(estimates, self.number)
         pairs = [_weighted(apart[k] * apart[k + 2] - moved[k] * apart[k] - moved[k + 2] * apart[k + 2], levels[0])
                  for k in range(2)]
-        trimmed = min(max(_trimmed(*pairs), 0.0), relmse)
-        return Told(picture, relmse, low, max(high, relmse), trimmed, self.number)
+        trimmed = min(max(trimmed_mean(*pairs), 0.0), relmse)
+        return Told(picture, relmse, low, high, trimmed, self.number)
 
 
 def combined(raster: np.ndarray, samples: Samples) -> dict[str, Told]:
@@ -127,10 +119,3 @@ def _mean_and_deviation(errors: np.ndarray) -> tuple[float, float]:
     """Of the mean of all pixels. The variance of a pixel is at most the mean of its square, and the noise of one has
     nothing to do with that of another."""
     return float(errors.mean()), float(np.sqrt((errors.astype(np.float64) ** 2).sum())) / errors.size
-
-
-def _trimmed(first: np.ndarray, second: np.ndarray) -> float:
-    """Which pixels are the worst is decided by one pair of groups, and what the others have by the other pair."""
-    kept = first.size - int(TRIMMED * first.size)
-    return float(np.mean([b.ravel()[np.argsort(a, axis=None)[:kept]].mean() for a, b in
-                          ((first, second), (second, first))]))

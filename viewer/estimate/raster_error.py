@@ -30,13 +30,9 @@ from ..image.image import Image
 from ..image.magma import magma
 from ..image.neighbours import LARGEST, box, smooth
 from .neighbourhood import EPSILON, guided, noise_of, pulled
+from .pairs import TRIMMED, interval, squared_error, trimmed_mean
 
-TRIMMED = 0.01
-"""Share of the pixels, those with the largest errors, that `trimmed` leaves out."""
-_SURE = 2.0
-"""Standard deviations on each side: 95 % of a normal distribution."""
 _MISSED = 12.0
-_WEIGHTS = 0.4
 """So that the interval holds the truth in 95 % of the cases of benchmarks/tell_error.py."""
 
 
@@ -114,21 +110,12 @@ def raster_error(raster: np.ndarray, groups: np.ndarray, mask: np.ndarray, sampl
     weights = [1 / (np.maximum(level, 0)[mask].astype(np.float64) ** 2 + EPSILON) for level in levels]
     apart = (picture - groups)[:, mask].astype(np.float64)
     estimates = [_mean_and_deviation(apart, weight, left_out) for weight in weights]
-    relmse = max(estimates[0][0], 0.0)
-    more = _WEIGHTS / math.sqrt(samples) * relmse
-    low = max(min(value - _SURE * deviation for value, deviation in estimates) - more, 0.0)
-    high = max(value + _SURE * deviation for value, deviation in estimates) + more
+    relmse, low, high = interval(estimates, samples)
     trimmed = min(max(_trimmed(apart, weights[0]), 0.0), relmse)
     share = _brightness(picture[mask].astype(np.float64), groups[:, mask].astype(np.float64), weights[0])
     errors = np.zeros(picture.shape, np.float32)
     errors[mask] = weights[0] * squared_error(apart)
-    return RasterError(relmse, low, max(high, relmse), trimmed, share, samples, seconds, _map(errors, mask), notes)
-
-
-def squared_error(apart: np.ndarray) -> np.ndarray:
-    """u of `apart`, (G, ...): how far a picture is from each of G independent ones."""
-    count = len(apart)
-    return (apart.sum(axis=0) ** 2 - (apart**2).sum(axis=0)) / (count * (count - 1))
+    return RasterError(relmse, low, high, trimmed, share, samples, seconds, _map(errors, mask), notes)
 
 
 def _mean_and_deviation(apart: np.ndarray, weight: np.ndarray, left_out: float) -> tuple[float, float]:
@@ -149,10 +136,7 @@ def _mean_and_deviation(apart: np.ndarray, weight: np.ndarray, left_out: float) 
 
 
 def _trimmed(apart: np.ndarray, weight: np.ndarray) -> float:
-    """Which pixels are the worst is decided by one half of the groups, and what the others have by the other half."""
-    halves = [(weight * squared_error(apart[k::2])).mean(axis=-1) for k in range(2)]
-    kept = len(halves[0]) - int(TRIMMED * len(halves[0]))
-    return float(np.mean([second[np.argsort(first)[:kept]].mean() for first, second in (halves, halves[::-1])]))
+    return trimmed_mean(*((weight * squared_error(apart[k::2])).mean(axis=-1) for k in range(2)))
 
 
 def _brightness(raster: np.ndarray, groups: np.ndarray, weight: np.ndarray) -> float:
