@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import moderngl
 import pytest
+from planning import BOX, ENVIRONMENT, MAP, SUN
 from shapes import plate, scene
-from test_plan import BOX, ENVIRONMENT, MAP, SUN
 
 from viewer.gpu.programs import Programs
 from viewer.plan.planner import plan_scene
