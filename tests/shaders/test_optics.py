@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import microfacet_twins as twins
 import numpy as np
 import pytest
-import twins
 
 from viewer import call_glsl
 from viewer.bake.dfg import dfg_table

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import thin_film
-from twins import f82_tint, fresnel, schlick
+from microfacet_twins import f82_tint, fresnel, schlick
 
 from viewer.gpu.call import call_glsl
 from viewer.measure.check.energy import directions

@@ -3,8 +3,8 @@
 Each function takes arrays that broadcast. Angles enter by their cosines, distributions by the angle itself, so that
 nothing is lost before the formula begins. Nothing here follows the shaders' own rearrangements.
 
-tests/shaders/twins.py writes the same formulas a second time, from other equations of the papers: a slip that this file
-shared with the shaders would go unnoticed by `pbr-viewer check`, but not by the tests.
+tests/shaders/microfacet_twins.py writes the same formulas a second time, from other equations of the papers: a slip
+that this file shared with the shaders would go unnoticed by `pbr-viewer check`, but not by the tests.
 """
 
 from __future__ import annotations
