@@ -1,7 +1,8 @@
 // Beckmann's distribution (Beckmann & Spizzichino 1963; Walter et al. 2007) and its Smith masking.
 #include "bsdf/constants.glsl"
 
-// D(h) = exp(-tan^2 / alpha^2) / (pi alpha^2 NoH^4), with tan^2 = s2 / NoH^2 and s2 = |n x h|^2 so that nothing cancels.
+// D(h) = exp(-tan^2 / alpha^2) / (pi alpha^2 NoH^4), with tan^2 = s2 / NoH^2 and s2 = |n x h|^2 so that nothing
+// cancels.
 float d_beckmann(float NoH, float s2, float alpha) {
     float c2 = max(NoH * NoH, 1e-8); // keeps tan^2 finite for h perpendicular to n, where D is 0 anyway
     return exp(-s2 / (c2 * alpha * alpha)) * INV_PI / (alpha * alpha * c2 * c2);

@@ -1,8 +1,8 @@
 // The lobe of a cloth's fibres: f = D V with the distribution "Charlie" and its masking. Estevez & Kulla 2017,
 // "Production Friendly Microfacet Sheen BRDF"; KHR_materials_sheen.
 //   D(h) = (2 + 1/alpha) sin(h)^(1/alpha) / (2 pi),   V = 1 / ((1 + Lambda(v) + Lambda(l)) 4 NoV NoL)
-// Where fibres are smoother than CHARLIE_SMOOTHEST, a perceptual roughness, the lobe would reflect more light at grazing
-// angles than arrives. It then is that of CHARLIE_SMOOTHEST, with a weight that falls to 0 with the roughness.
+// Where fibres are smoother than CHARLIE_SMOOTHEST, a perceptual roughness, the lobe would reflect more light at
+// grazing angles than arrives. It then is that of CHARLIE_SMOOTHEST, with a weight that falls to 0 with the roughness.
 #include "bsdf/constants.glsl"
 
 const float CHARLIE_SMOOTHEST = 0.2;

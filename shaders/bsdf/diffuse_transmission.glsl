@@ -1,5 +1,5 @@
-// What the diffuse base of surface.glsl lets through to the other side (KHR_materials_diffuse_transmission). The interface
-// dims it for both directions, as it does what is reflected. surface.glsl includes this file.
+// What the diffuse base of surface.glsl lets through to the other side (KHR_materials_diffuse_transmission). The
+// interface dims it for both directions, as it does what is reflected. surface.glsl includes this file.
 
 // f of the base for light from the other side; dfg_light = (a, b) of the split sum for |NoL|
 vec3 surface_transmission(Surface s, SurfaceView v, vec2 dfg_light) {

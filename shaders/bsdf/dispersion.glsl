@@ -19,8 +19,8 @@ vec3 ior_of_bands(float ior, float dispersion) {
                 dispersed_ior(ior, dispersion, 1.0634));
 }
 
-// A wavelength for the number u in [0, 1), from one of the bands, each with probability 1/3; and the weight of red, green
-// and blue, the density of their band over that of the sample. Its mean is 1.
+// A wavelength for the number u in [0, 1), from one of the bands, each with probability 1/3; and the weight of red,
+// green and blue, the density of their band over that of the sample. Its mean is 1.
 float sample_wavelength(float u, out vec3 weight) {
     int band = min(int(u * 3.0), 2);
     float t = 2.0 * (u * 3.0 - float(band)) - 1.0; // in [-1, 1)

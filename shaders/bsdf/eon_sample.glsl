@@ -1,5 +1,5 @@
-// Samples the cosine-weighted lobe of EON: with the probability P a uniform direction, else one of a cosine lobe that the
-// matrix M shapes for the viewer's direction, clipped at the horizon (CLTC).
+// Samples the cosine-weighted lobe of EON: with the probability P a uniform direction, else one of a cosine lobe that
+// the matrix M shapes for the viewer's direction, clipped at the horizon (CLTC).
 //   M = (a 0 b; 0 c 0; d 0 1) in the frame whose x axis is below wo,   density = cos / (pi S) |M^-1 wi|^-3 / det M
 // S is the part of the cosine lobe's disk that M leaves above the horizon: (1 + 1 / sqrt(1 + d^2)) / 2.
 // Portsmouth, Kutz & Hill 2024, section 4, with their fits of P, a, b, c and d. f cos / density is at most 1.5, where

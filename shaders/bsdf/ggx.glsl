@@ -1,4 +1,5 @@
-// GGX (Trowbridge-Reitz 1975; Walter et al. 2007, "Microfacet Models for Refraction"), isotropic, and its Smith masking.
+// GGX (Trowbridge-Reitz 1975; Walter et al. 2007, "Microfacet Models for Refraction"), isotropic, and its Smith
+// masking.
 #include "bsdf/constants.glsl"
 
 // D(h) = alpha^2 / (pi (1 + NoH^2 (alpha^2 - 1))^2), written with s2 = |n x h|^2 = 1 - NoH^2 (Lagrange's identity):

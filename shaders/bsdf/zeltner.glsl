@@ -2,8 +2,8 @@
 // "Practical Multiple-Scattering Sheen Using Linearly Transformed Cosines". With E the directional albedo,
 //   f cos = E(mu, r) D(wi),  D = |A| (A wi).z / (pi |A wi|^4),  A = (a 0 b; 0 a 0; 0 0 1)
 // in the frame whose x axis is wo's tangent. D integrates to 1 and is sampled exactly, but f is not reciprocal: a and b
-// are of wo alone. E, a and b are the fits to the tables of the paper that MaterialX 1.39 has (`zeltner` mode of sheen).
-// r is the roughness from 0.01 to 1, where the tables end.
+// are of wo alone. E, a and b are the fits to the tables of the paper that MaterialX 1.39 has (`zeltner` mode of
+// sheen). r is the roughness from 0.01 to 1, where the tables end.
 #include "bsdf/constants.glsl"
 #include "sample/hemisphere.glsl"
 

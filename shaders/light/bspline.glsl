@@ -1,5 +1,5 @@
-// The uniform cubic B-spline through the texels of a map: four bilinear look-ups, each between two texels at the ratio of
-// their weights (Sigg and Hadwiger 2005, GPU Gems 2, chapter 20). Where a texel covers many pixels, bilinear
+// The uniform cubic B-spline through the texels of a map: four bilinear look-ups, each between two texels at the ratio
+// of their weights (Sigg and Hadwiger 2005, GPU Gems 2, chapter 20). Where a texel covers many pixels, bilinear
 // interpolation shows it as a diamond. The B-spline is smooth, and positive: no dark rim surrounds a bright window.
 vec3 bspline(sampler2D map, vec2 uv) {
     vec2 size = vec2(textureSize(map, 0));

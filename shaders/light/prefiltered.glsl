@@ -1,6 +1,6 @@
 // The prefiltered environment: a mip chain made by viewer/bake/prefilter.py, with one level for each of six
-// roughnesses. The lobe of roughness 1 is that of the cosine, so a lobe between it and one that is wider is looked up in
-// the irradiance, which has the wider one as its mip level 1.
+// roughnesses. The lobe of roughness 1 is that of the cosine, so a lobe between it and one that is wider is looked up
+// in the irradiance, which has the wider one as its mip level 1.
 #include "light/equirect.glsl"
 
 const float WIDEST_PREFILTERED = 5.0; // the level of roughness 1

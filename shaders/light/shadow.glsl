@@ -34,8 +34,8 @@ float filtered_shadow(vec2 texel, float depth) {
 }
 
 #if SHADOW_PATTERN
-// What repeats every four texels (raster/shadow.frag) leaves no pattern here: in one axis the filter above weighs texels
-// by (1 - s, 2 - s, 1 + s, s) / 4, and the sum of two such filters that lie two texels apart weighs each of four
+// What repeats every four texels (raster/shadow.frag) leaves no pattern here: in one axis the filter above weighs
+// texels by (1 - s, 2 - s, 1 + s, s) / 4, and the sum of two such filters that lie two texels apart weighs each of four
 // residues alike.
 const float REACH = 2.5;
 

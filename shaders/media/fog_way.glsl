@@ -1,7 +1,7 @@
 // The fog of the path tracer: medium 0, in the ball about the scene where media are, but not in the boxes of volumes,
-// which displace it. Its density is 1 or, with HAS_FOG 2, thins out with height. The way of a ray in it is counted as the
-// length, at the density 1, of the same optical depth: then all that holds of a homogeneous medium holds of the fog.
-// viewer/trace/scene/fog.py writes its section of the scene buffer, and does the same for Embree.
+// which displace it. Its density is 1 or, with HAS_FOG 2, thins out with height. The way of a ray in it is counted as
+// the length, at the density 1, of the same optical depth: then all that holds of a homogeneous medium holds of the
+// fog. viewer/trace/scene/fog.py writes its section of the scene buffer, and does the same for Embree.
 #include "media/height_fog.glsl"
 
 uniform int u_fog; // height of the base, 1 / scale height, number of boxes; then three rows of each box
@@ -35,7 +35,8 @@ bool is_in_box(int k, vec3 p) {
 }
 #endif
 
-// The next piece of a ray beside the volumes, from `from` on and at most to `end`; none if it begins at the end or later
+// The next piece of a ray beside the volumes, from `from` on and at most to `end`; none if it begins at the end or
+// later
 vec2 fog_piece(vec3 o, vec3 d, float from, float end) {
     vec2 piece = vec2(from, end);
 #if HAS_GRIDS

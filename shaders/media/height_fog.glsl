@@ -1,5 +1,5 @@
-// Fog that thins out with height. Heights y are in scale heights above the base: the density is exp(-max(y, 0)), relative
-// to that of the base and below. tests/trace/test_fog_ways.py has both functions in float64.
+// Fog that thins out with height. Heights y are in scale heights above the base: the density is exp(-max(y, 0)),
+// relative to that of the base and below. tests/trace/test_fog_ways.py has both functions in float64.
 #include "media/one_minus_exp.glsl"
 #include "media/no_collision.glsl"
 

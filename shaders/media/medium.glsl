@@ -72,8 +72,8 @@ float leaves_media(vec3 o, vec3 d) {
 #include "media/fog_way.glsl"
 #endif
 
-// The length of the way of a ray in a medium between two distances. In fog, whose density varies, it is that of the same
-// optical depth at the extinction of its record; all free distances and transmittances are of such lengths.
+// The length of the way of a ray in a medium between two distances. In fog, whose density varies, it is that of the
+// same optical depth at the extinction of its record; all free distances and transmittances are of such lengths.
 float length_in(int medium, vec3 o, vec3 d, float from, float to) {
 #if HAS_FOG
     if (medium == 0) return fog_length(o, d, from, to);

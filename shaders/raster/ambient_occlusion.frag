@@ -15,8 +15,8 @@ uniform float u_pixels;        // height of a scene unit in pixels, at distance 
 uniform float u_narrowness;    // height of a pixel over its width
 out vec4 o_visibility;
 
-// Sine of the angle above the face up to which a sample hides nothing. It is the centre of a pixel, beside the line that
-// is searched: without this, a sloping plane would hide itself. Occluders so low hide 0.01 % of the light.
+// Sine of the angle above the face up to which a sample hides nothing. It is the centre of a pixel, beside the line
+// that is searched: without this, a sloping plane would hide itself. Occluders so low hide 0.01 % of the light.
 const float FLAT = 0.01;
 
 // Cosine between v and the highest sample along `along`, seen from p. A sample's weight falls to 0 at the scene's

@@ -1,5 +1,5 @@
-// Segments that a strip does not show well, since they are thick beside their length, turn sharply, taper quickly or lie
-// near to the eye beside their radius. They are drawn as what they are, a cone with a sphere at either end, by a
+// Segments that a strip does not show well, since they are thick beside their length, turn sharply, taper quickly or
+// lie near to the eye beside their radius. They are drawn as what they are, a cone with a sphere at either end, by a
 // rectangle in which each fragment meets the cone (curve_point.glsl), by a program of their own (ROUND = 2), since
 // fragments that write their depth are all shaded. The other program leaves them out (ROUND = 1).
 const float LEAST_ROUND = 3.0; // pixels that such a segment is wide

@@ -46,10 +46,10 @@ vec3 fibre_response(SeenFibre s, vec3 wi) {
 const int STEPS_ABOUT = 8; // directions about the fibre
 
 #if HAIR_LIGHT
-// Light between fibres, on a grid (viewer/bake/hair_light.py): the mean radiance that they scatter; the Legendre moments
-// 1 to 4 of its inclination to the fibres, over its mean; and how much they hide in the direction d, a + b . d with a in
-// the first channel. Fibres hide another share in each channel: u_hair_exponents are the extinctions over that of
-// u_hair_hidden.
+// Light between fibres, on a grid (viewer/bake/hair_light.py): the mean radiance that they scatter; the Legendre
+// moments 1 to 4 of its inclination to the fibres, over its mean; and how much they hide in the direction d, a + b . d
+// with a in the first channel. Fibres hide another share in each channel: u_hair_exponents are the extinctions over
+// that of u_hair_hidden.
 uniform sampler3D u_hair_scattered, u_hair_inclined, u_hair_hidden;
 uniform vec3 u_hair_exponents;
 uniform vec3 u_hair_low, u_hair_scale; // the grid's corner in eye-relative units, and 1 / its sides

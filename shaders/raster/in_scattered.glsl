@@ -56,7 +56,8 @@ vec4 hidden_by_all(vec3 p, out float left) {
 }
 #endif
 
-// The same where media hide a + b . w of it. As no point gets more than all of the light, what a fit has too much is cut.
+// The same where media hide a + b . w of it. As no point gets more than all of the light, what a fit has too much is
+// cut.
 vec3 seen_sky(Sky sky, vec4 hidden) {
     vec3 light = sky.mean * (1.0 - hidden.x) - sky.moments * to_environment(hidden.yzw);
     return clamp(light, vec3(0.0), sky.mean);
@@ -133,9 +134,9 @@ Scattering volume_scattering(vec3 direction) {
 #endif
 
 #if LIGHT_COUNT > 0
-// The mean of D^2 / d^2 over a step, with d the distance to a light and D that at the point `at`. From a point, the step
-// is seen under an angle theta, and the mean of 1 / d^2 is theta / (h length), with h the distance of the ray from it
-// (Kulla & Fajardo 2012). So a light in the middle of a fog needs no more steps than any other.
+// The mean of D^2 / d^2 over a step, with d the distance to a light and D that at the point `at`. From a point, the
+// step is seen under an angle theta, and the mean of 1 / d^2 is theta / (h length), with h the distance of the ray from
+// it (Kulla & Fajardo 2012). So a light in the middle of a fog needs no more steps than any other.
 float near_light(Ray ray, vec3 position, float from, float to, float at) {
     vec3 to_light = position - ray.origin;
     float middle = dot(to_light, ray.direction);

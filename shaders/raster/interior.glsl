@@ -1,12 +1,13 @@
-// Light that a solid's medium scatters, as its surface shows it: the share of what enters that comes out on the same side
-// of the solid, and on the other. viewer/bake/interior.py has the theory and the coefficients.
+// Light that a solid's medium scatters, as its surface shows it: the share of what enters that comes out on the same
+// side of the solid, and on the other. viewer/bake/interior.py has the theory and the coefficients.
 //
-// A solid is a slab of the thickness d, or a ball of radius 3/2 d, or something between: d is half of the mean length of
-// chords from the point, which are 2 d in a slab, and 4/3 of the radius in a ball, whatever the absorption. Light that is
-// alike on all sides (x of `even`) and light of opposite sign on two sides (`odd`) have a ratio of flux to fluence of
+// A solid is a slab of the thickness d, or a ball of radius 3/2 d, or something between: d is half of the mean length
+// of chords from the point, which are 2 d in a slab, and 4/3 of the radius in a ball, whatever the absorption. Light
+// that is alike on all sides (x of `even`) and light of opposite sign on two sides (`odd`) have a ratio of flux to
+// fluence of
 //   slab  k tanh(k d / 2),  k coth(k d / 2)        ball  k (coth z - 1 / z),  k coth z,  z = k 3/2 d
-// Light that is scattered only once does not feel how a surface is bent, so the callers multiply the share of the ball by
-// the albedo: then random walks in balls agree to a few per cent.
+// Light that is scattered only once does not feel how a surface is bent, so the callers multiply the share of the ball
+// by the albedo: then random walks in balls agree to a few per cent.
 const float LEAST_THICKNESS = 1e-6;
 
 // z coth z - 1, also of small z
@@ -22,7 +23,8 @@ struct Interior {
     vec3 unscattered; // the part of T that has met nothing
 };
 
-// k and h are per and in the unit of the thickness; `unscattered` is e^-tau along the ray that is seen through the solid.
+// k and h are per and in the unit of the thickness; `unscattered` is e^-tau along the ray that is seen through the
+// solid.
 Interior interior_of(vec3 k, vec3 h, float thickness, vec3 roundness, vec3 unscattered) {
     float d = max(thickness, LEAST_THICKNESS);
     vec3 slab = z_coth_less_1(0.5 * k * d), ball = z_coth_less_1(1.5 * k * d);
@@ -36,8 +38,8 @@ Interior interior_of(vec3 k, vec3 h, float thickness, vec3 roundness, vec3 unsca
     return inside;
 }
 
-// The shares of the entering light that come out on its own side and on the other, where the boundary reflects the share
-// `reflected` of what arrives from inside, RGB. Unscattered light is left out; it is seen through the solid.
+// The shares of the entering light that come out on its own side and on the other, where the boundary reflects the
+// share `reflected` of what arrives from inside, RGB. Unscattered light is left out; it is seen through the solid.
 void leaving_light(Interior inside, vec3 reflected, out vec3 own, out vec3 other) {
     vec3 even = (1.0 - reflected) * max(inside.even - inside.unscattered, 0.0) / (1.0 - reflected * inside.even);
     vec3 odd = (1.0 - reflected) * (inside.odd + inside.unscattered) / (1.0 - reflected * inside.odd);

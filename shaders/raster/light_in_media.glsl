@@ -26,8 +26,8 @@ float unshadowed_by_meshes(int i, vec3 p) {
 #if DENSE
 uniform float u_volume_near; // how far volumes are looked at themselves: the coarse grid of depths has no faces
 
-// The optical depth of the volumes up to the distance `reach`, in parts that are the shorter the nearer they are. Simpson's
-// rule has no error in the mean where the extinction is linear up to a face, and 0 behind.
+// The optical depth of the volumes up to the distance `reach`, in parts that are the shorter the nearer they are.
+// Simpson's rule has no error in the mean where the extinction is linear up to a face, and 0 behind.
 float near_depth(vec3 p, vec3 l, float reach) {
     const float PARTS = 4.0;
     float depth = 0.0, start = volumes_at(p);

@@ -89,8 +89,8 @@ float volumes_depth_to_light(int i, vec3 p, vec3 l, float reach) {
 #endif
 
 #if LIGHT_COUNT > 0
-// The transmittance from p to light i of light/punctual.glsl, which lies in the direction l, without the volumes that are
-// less than `skipped` away
+// The transmittance from p to light i of light/punctual.glsl, which lies in the direction l, without the volumes that
+// are less than `skipped` away
 float transmittance_to_light(int i, vec3 p, vec3 l, float skipped) {
     float reach = i < DIRECTIONAL_COUNT ? 1e18 : distance(u_lights[i].position.xyz, p), depth = 0.0;
 #if FOG

@@ -78,8 +78,8 @@ float extinction_at(vec3 p) {
     return extinction;
 }
 
-// The mean transmittance over a cell of optical depth `cell`, from the depth at its middle: what a cell collects is right
-// also where it hides its own middle.
+// The mean transmittance over a cell of optical depth `cell`, from the depth at its middle: what a cell collects is
+// right also where it hides its own middle.
 float mean_transmittance(float depth, float cell) {
     return exp(-max(depth - 0.5 * cell, 0.0)) * (cell > 1e-4 ? one_minus_exp(cell) / cell : 1.0);
 }

@@ -29,8 +29,8 @@ struct Path {
 
 const float DEEPEST = 16.0; // beyond this optical depth, less than 1e-7 of the light arrives
 
-// Adds the light of a step of optical depth `depth`, whose mean collision is `part` of it after its start. Its source is
-// taken for constant along the step, and integrated with the transmittance in closed form (Hillaire 2015).
+// Adds the light of a step of optical depth `depth`, whose mean collision is `part` of it after its start. Its source
+// is taken for constant along the step, and integrated with the transmittance in closed form (Hillaire 2015).
 void add_step(inout Path path, Ray ray, float from, float to, float depth, float part, Scattering medium) {
     if (depth <= 0.0) return;
     if (path.depth < DEEPEST) {
@@ -67,8 +67,8 @@ float extinction_on(Ray ray, int k, float at) {
 }
 
 // A step in volumes that may be thick. It begins where the volume does, which is searched, and is taken in parts, along
-// each of which the extinction is taken for linear. So what is seen of a face does not depend on where steps end. The mean
-// collision of a part is where as much optical depth lies before it as before one of a homogeneous step.
+// each of which the extinction is taken for linear. So what is seen of a face does not depend on where steps end. The
+// mean collision of a part is where as much optical depth lies before it as before one of a homogeneous step.
 void march_volumes(inout Path path, Ray ray, float from, float to, Scattering medium) {
     for (int k = 0; k < VOLUMES; ++k) {
         vec2 span = vec2(max(ray.volumes[k].x, from), min(ray.volumes[k].y, to));

@@ -1,5 +1,5 @@
-// Radiance that a surface of pbr.frag reflects from the environment, from other surfaces and from media around it, by the
-// split sum: albedos times light. The light of each part of the lobe, a and b, is the weighted sum of a few lookups
+// Radiance that a surface of pbr.frag reflects from the environment, from other surfaces and from media around it, by
+// the split sum: albedos times light. The light of each part of the lobe, a and b, is the weighted sum of a few lookups
 // (viewer/bake/lookups.py).
 
 #include "raster/specular_occlusion.glsl"
@@ -11,8 +11,8 @@ in vec4 v_behind; // the mean of v_indirect on the other sides of the solid
 #endif
 
 #if MEDIA
-// The environment's light over a specular lobe about d and over the hemisphere about n, as it arrives through media, with
-// the light that they scatter. The mean direction of the cosine lobe is 2/3 n.
+// The environment's light over a specular lobe about d and over the hemisphere about n, as it arrives through media,
+// with the light that they scatter. The mean direction of the cosine lobe is 2/3 n.
 void light_through_media(vec3 n, vec3 d, inout mat2x3 specular, inout vec3 mean_light) {
     MediaLight mirrored = light_around(v_position, d), diffuse = light_around(v_position, n * (2.0 / 3.0));
     for (int k = 0; k < 2; ++k) specular[k] = specular[k] * mirrored.sky + mirrored.scattered;
@@ -47,8 +47,9 @@ mat2x3 reflected_light(Point p, vec3 n, float NoV, float perceptual_roughness, i
 #if ANISOTROPIC
 // The anisotropic lobe as a weighted sum of LOOKUPS narrower isotropic lobes. Their facets are tilted along the
 // tangent with the slopes x of a GGX distribution of width a, whose cumulative distribution is
-// (1 + x / sqrt(a^2 + x^2)) / 2 (Walter et al. 2007; Heitz 2014). a^2 = alpha_t^2 - alpha_narrow^2 is the width that the
-// narrow lobes lack. A lobe's weight is the projected area of its facets towards the eye times their shadowing, G1(l).
+// (1 + x / sqrt(a^2 + x^2)) / 2 (Walter et al. 2007; Heitz 2014). a^2 = alpha_t^2 - alpha_narrow^2 is the width that
+// the narrow lobes lack. A lobe's weight is the projected area of its facets towards the eye times their shadowing,
+// G1(l).
 mat2x3 stretched_light(Point p, Surface s, vec3 around) {
     vec2 alpha = both_alphas(s);
     float alpha_narrow = max(alpha.y, 0.5 * alpha.x / float(LOOKUPS)); // so that neighbouring lobes overlap

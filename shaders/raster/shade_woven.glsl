@@ -1,6 +1,7 @@
-// Radiance of a woven cloth in pbr.frag, which includes this file. The cloth is filtered: where a pixel covers more than
-// a tenth of a yarn, the mean over several places in it. Where it covers the whole draft, these are places of the draft,
-// the same for all pixels, so that nothing flickers; light is neither lost nor gained, since every place keeps it.
+// Radiance of a woven cloth in pbr.frag, which includes this file. The cloth is filtered: where a pixel covers more
+// than a tenth of a yarn, the mean over several places in it. Where it covers the whole draft, these are places of the
+// draft, the same for all pixels, so that nothing flickers; light is neither lost nor gained, since every place keeps
+// it.
 #if ALPHA_MODE == 2
 #define WEAVE_HAS_GAPS 1
 #else
@@ -14,7 +15,8 @@ const int WEAVE_LOOKUPS = 8; // of mirrored light, for one place; each of severa
 
 uniform vec3 u_weave_places[WEAVE_PLACES]; // of the whole draft, in units of cells, each with its weight
 
-// The place k of WEAVE_PLACES in a pixel, and its weight. `x` and `y` are the sides of the pixel in texture coordinates.
+// The place k of WEAVE_PLACES in a pixel, and its weight. `x` and `y` are the sides of the pixel in texture
+// coordinates.
 vec3 weave_place(int k, vec2 uv, vec2 x, vec2 y) {
     vec2 extent = (abs(x) + abs(y)) * u_weave_density / vec2(u_weave_size);
     float whole = smoothstep(0.5, 1.0, max(extent.x, extent.y));

@@ -3,9 +3,9 @@
 //
 //   R(r) = s (e^(-s r) + e^(-s r / 3)) / (8 pi r)      in the plane: density r of the distance, 2 pi r R(r)
 //
-// Each channel has an s of its own and gives a third of the points; each point counts for all channels, with the mean of
-// the three densities (balance heuristic; Veach 1997). What lies on another instance, or nowhere, is left out, and the
-// rest weighs more.
+// Each channel has an s of its own and gives a third of the points; each point counts for all channels, with the mean
+// of the three densities (balance heuristic; Veach 1997). What lies on another instance, or nowhere, is left out, and
+// the rest weighs more.
 #include "bsdf/constants.glsl"
 
 uniform sampler2D u_gathered, u_positions, u_profiles;
@@ -15,8 +15,8 @@ layout(location = 0) out vec4 o_light;
 
 const float GOLDEN_ANGLE = 2.39996323;
 
-// r s at the share u of the distances: 1 - e^-x / 4 - 3/4 e^(-x/3) = u. Golubev 2018, "Efficient Screen-Space Subsurface
-// Scattering Using Burley's Normalized Diffusion in Real-Time"
+// r s at the share u of the distances: 1 - e^-x / 4 - 3/4 e^(-x/3) = u. Golubev 2018, "Efficient Screen-Space
+// Subsurface Scattering Using Burley's Normalized Diffusion in Real-Time"
 float profile_distance(float u) {
     float v = 1.0 - u, g = 1.0 + 4.0 * v * (2.0 * v + sqrt(1.0 + 4.0 * v * v));
     float n = pow(g, -1.0 / 3.0), c = 1.0 + g * n * n + n;

@@ -1,5 +1,5 @@
-// The optical depth of volumes from the cells of a grid to four lights (viewer/raster/media_light.py). The layers of the
-// grid lie above each other in the target.
+// The optical depth of volumes from the cells of a grid to four lights (viewer/raster/media_light.py). The layers of
+// the grid lie above each other in the target.
 #include "light/punctual.glsl"
 #include "raster/volumes.glsl"
 

@@ -1,5 +1,5 @@
-// Volumes: grids of densities in boxes, which may be turned and sheared (viewer/raster/volume_textures.py). All grids are
-// parts of one 3D texture.
+// Volumes: grids of densities in boxes, which may be turned and sheared (viewer/raster/volume_textures.py). All grids
+// are parts of one 3D texture.
 uniform sampler3D u_densities;
 uniform mat4 u_volume_box[VOLUMES];   // eye-relative space to the box [0, 1]^3
 uniform vec3 u_volume_margin[VOLUMES]; // half a voxel: beyond the outermost centres the density is constant

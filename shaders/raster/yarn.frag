@@ -1,6 +1,6 @@
-// Shades yarns. Where fibres are drawn, each as a curve in the yarn's shadow. Where tubes are drawn, the mean of the fibres
-// that the line of sight meets in the tube. Both have the light that comes through the yarn's own fibres by the depth at
-// which they lie in it, and that of other yarns by shadow maps, so that they agree.
+// Shades yarns. Where fibres are drawn, each as a curve in the yarn's shadow. Where tubes are drawn, the mean of the
+// fibres that the line of sight meets in the tube. Both have the light that comes through the yarn's own fibres by the
+// depth at which they lie in it, and that of other yarns by shadow maps, so that they agree.
 #include "raster/curve_shade.glsl"
 #if HAS_ENVIRONMENT
 #include "raster/environment.glsl"
@@ -31,10 +31,10 @@ float own_depth(Inside at, vec3 d, out float way) {
     return u_yarn_depths.x * out_of_it;
 }
 
-// What light between fibres was worked out with is one fibre, in the mean of all colours. A yarn's own fibres scatter to
-// each other in theirs: by so much more, as the colours of many fibres together say (sigma_a_of_color in
-// viewer/scene/fibre.py) to a power, since a yarn has not so many. The power is fitted to mode path, by warp and weft of
-// assets/curves/woven.hair.
+// What light between fibres was worked out with is one fibre, in the mean of all colours. A yarn's own fibres scatter
+// to each other in theirs: by so much more, as the colours of many fibres together say (sigma_a_of_color in
+// viewer/scene/fibre.py) to a power, since a yarn has not so many. The power is fitted to mode path, by warp and weft
+// of assets/curves/woven.hair.
 const float OWN_POWER = 0.4;
 #if HAS_COLORS && HAIR_LIGHT
 uniform vec4 u_mean_fibre; // its absorption, and the factor of the root of an absorption

@@ -1,5 +1,5 @@
-// A yarn as a medium: fibres spread evenly over its cross-section, or over that of a ply. They run about along the yarn,
-// so that the optical depth of a way is that of its shadow on the cross-section.
+// A yarn as a medium: fibres spread evenly over its cross-section, or over that of a ply. They run about along the
+// yarn, so that the optical depth of a way is that of its shadow on the cross-section.
 uniform float u_tube;       // radius of the tube that is drawn, in radii of the yarn; 0 where fibres are
 uniform vec2 u_yarn_depths; // optical depth on a radius of the yarn: in the yarn, in the tube
 

@@ -1,5 +1,5 @@
-// As many random numbers as a loop needs, from a counter: for decisions whose number is not known beforehand. Others use
-// sample/sobol.glsl, whose numbers are stratified.
+// As many random numbers as a loop needs, from a counter: for decisions whose number is not known beforehand. Others
+// use sample/sobol.glsl, whose numbers are stratified.
 #include "sample/sobol.glsl"
 
 // In [0, 1)

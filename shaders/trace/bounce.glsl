@@ -74,8 +74,8 @@ void send_shadow_ray(inout Path p, vec3 position, vec3 n, int medium, LightSampl
 
 // Continues the path in the direction wi. `n` is the geometric normal on the side of wi. `pdf` is 0 where wi was the
 // only possible direction. `most` is the greatest probability to survive. Returns false if the path ends by Russian
-// roulette (Arvo & Kirk 1990): if u is below the probability `survival`, the path survives and its throughput is divided
-// by that probability.
+// roulette (Arvo & Kirk 1990): if u is below the probability `survival`, the path survives and its throughput is
+// divided by that probability.
 // Radiance inside glass is scaled by eta^2 until it leaves the glass; p.eta2 takes that factor out of the probability.
 bool scatter(inout Path p, vec3 position, vec3 n, vec3 wi, vec3 weight, float pdf, float u, float most) {
     p.throughput *= weight;

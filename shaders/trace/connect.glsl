@@ -1,8 +1,8 @@
 // Connects a vertex of a path from a light to the camera: light tracing, Veach 1997, "Robust Monte Carlo Methods for
 // Light Transport Simulation", 4.5 and 8.2. The radiance of a pixel is the mean over its area a in the plane at depth 1
 // (a box filter). The eye sees a surface element dA at depth w, at the angle theta to the view axis, in the solid angle
-// dA cos_s / (w / cos theta)^2, and a solid angle covers 1 / cos^3 theta of it in that plane. So flux that leaves dA with
-// the radiance L for a flux of 1 adds L times
+// dA cos_s / (w / cos theta)^2, and a solid angle covers 1 / cos^3 theta of it in that plane. So flux that leaves dA
+// with the radiance L for a flux of 1 adds L times
 //   cos_s / (a w^2 cos theta)
 // to the pixel; cos_s, at the surface, is not in `importance`. An orthographic camera sees dA cos_s: w = cos theta = 1.
 #include "trace/camera.glsl"

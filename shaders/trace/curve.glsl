@@ -1,11 +1,11 @@
 // A round segment of a curve: the convex hull of two spheres, that is a cone with a sphere at both ends. xyz is the
-// centre of a sphere and w its radius. Everything is computed relative to the segment, from the point of the ray that is
-// nearest to its middle, so that float32 keeps its digits for a thin fibre and a distant ray.
+// centre of a sphere and w its radius. Everything is computed relative to the segment, from the point of the ray that
+// is nearest to its middle, so that float32 keeps its digits for a thin fibre and a distant ray.
 //
 // With y the height of a point along the axis from a, q its vector across the axis, g = (r_a - r_b) / length the sine
-// of the cone's half angle and R = r_a - g y, a point is inside of the cone where Q = (1 - g^2) q.q - R^2 < 0, and R > 0
-// on the right side of the apex. The sphere that it touches there has its centre at y - g R / (1 - g^2). (The cone is the
-// envelope of the spheres: Q follows from d/dc (|p - c|^2 - r(c)^2) = 0.)
+// of the cone's half angle and R = r_a - g y, a point is inside of the cone where Q = (1 - g^2) q.q - R^2 < 0, and R >
+// 0 on the right side of the apex. The sphere that it touches there has its centre at y - g R / (1 - g^2). (The cone is
+// the envelope of the spheres: Q follows from d/dc (|p - c|^2 - r(c)^2) = 0.)
 const float NO_ENTRY = 1e30;
 
 struct Segment {
@@ -83,9 +83,9 @@ float nearest_along(vec3 p, vec4 a, vec4 b) {
     return clamp((y - s.slope * length(across) * inversesqrt(s.square)) / s.size, 0.0, 1.0);
 }
 
-// Whether a segment hides p, a point on the surface of its neighbour, that is holds it, deeper than p is uncertain. Where
-// two segments overlap at a joint, a ray in one of them would meet the end of the other from within. A negative radius
-// says that there is no neighbour.
+// Whether a segment hides p, a point on the surface of its neighbour, that is holds it, deeper than p is uncertain.
+// Where two segments overlap at a joint, a ray in one of them would meet the end of the other from within. A negative
+// radius says that there is no neighbour.
 bool hides(vec4 a, vec4 b, vec3 p) {
     if (min(a.w, b.w) < 0.0) return false;
     float along = nearest_along(p, a, b), radius = mix(a.w, b.w, along);

@@ -26,7 +26,8 @@ vec4 photon_numbers(ivec2 texel, Sample s, uint group) {
     return sobol_owen(index, hash(uint(s.pixel.x / TILE), u_seed, group));
 }
 
-// In the frame of the axis: the direction at the fraction u.x of a cone with 1 - cos = q, whose tangent is returned, too
+// In the frame of the axis: the direction at the fraction u.x of a cone with 1 - cos = q, whose tangent is returned,
+// too
 vec3 in_cone(float q, vec2 u, out vec2 tangent) {
     float height = q * u.x, sin_theta = sqrt(height * (2.0 - height)), phi = 2.0 * PI * u.y;
     vec2 around = vec2(cos(phi), sin(phi));
@@ -34,7 +35,8 @@ vec3 in_cone(float q, vec2 u, out vec2 tangent) {
     return vec3(around * sin_theta, 1.0 - height);
 }
 
-// The number of targets of light k whose cone or disk a ray of that light passes through; at least the one it is aimed at
+// The number of targets of light k whose cone or disk a ray of that light passes through; at least the one it is aimed
+// at
 float aimed(int k, bool is_far, vec3 o, vec3 d) {
     int count = 0;
     for (int target = 0; target < u_photon_target_count; ++target) {

@@ -12,7 +12,8 @@ uniform float u_environment_share;      // of all light samples
 uniform vec2 u_environment_rotation;    // cosine, sine
 #endif
 
-// Rotates a direction about +Y, as raster/environment.glsl does: from the world to the map with `sense` 1, back with -1.
+// Rotates a direction about +Y, as raster/environment.glsl does: from the world to the map with `sense` 1, back with
+// -1.
 vec3 turn_environment(vec3 d, float sense) {
 #if ENVIRONMENT_ROTATED
     float c = u_environment_rotation.x, s = sense * u_environment_rotation.y;

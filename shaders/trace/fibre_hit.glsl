@@ -56,8 +56,9 @@ FibreHit fibre_hit(Hit hit, vec3 o, vec3 d) {
     return f;
 }
 
-// Where a ray begins that leaves in the direction wi from the point of a hit: off the surface, outside for rays outwards
-// and inside for rays inwards, which leave the fibre unhindered. What overlaps with the fibre they may hit in it.
+// Where a ray begins that leaves in the direction wi from the point of a hit: off the surface, outside for rays
+// outwards and inside for rays inwards, which leave the fibre unhindered. What overlaps with the fibre they may hit in
+// it.
 vec3 leave_fibre(FibreHit f, vec3 wi) {
     float radius = mix(f.a.w, f.b.w, 0.5), off = max(radius / 128.0, 1.0 / 2097152.0);
     return f.position + (dot(wi, f.n) < 0.0 ? -min(off, 0.5 * radius) : off) * f.n;

@@ -1,7 +1,7 @@
 // The flight of a path through its medium: where it collides, and what its throughput becomes if it does or does not.
 // Distances follow the mean density over the channels, chosen by the throughput: then the sum of the throughputs stays
-// the same at every step, but for absorption, so that no weight of a long path grows. (The product of these densities is
-// the balance heuristic over whole paths of Miller, Georgiev & Jarosz 2019, "A Null-Scattering Path Integral
+// the same at every step, but for absorption, so that no weight of a long path grows. (The product of these densities
+// is the balance heuristic over whole paths of Miller, Georgiev & Jarosz 2019, "A Null-Scattering Path Integral
 // Formulation of Light Transport", with one channel for each.)
 #include "trace/state.glsl"
 #include "media/medium.glsl"

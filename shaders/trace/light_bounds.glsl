@@ -26,7 +26,8 @@ struct Receiver {
 };
 
 // The lights of a group are nearer to its centre than its edge is: light is weighed as if from a sphere of this part of
-// the radius. Tried in rooms with 100 to 10,000 lights, it makes the variance a third of what it is with the sphere itself.
+// the radius. Tried in rooms with 100 to 10,000 lights, it makes the variance a third of what it is with the sphere
+// itself.
 const float CORE = 0.4;
 const float LEAST_COSINE = 0.1;     // where light may arrive, though hardly any from the core
 const float NORMAL_SLACK = 0.003;   // more than a normal is off that trace/facing.glsl has packed

@@ -1,5 +1,5 @@
-// Chooses one of many lights by a binary tree (viewer/trace/scene/light_tree.py): from the root on, one of two groups, in
-// proportion to about how much of its light arrives.
+// Chooses one of many lights by a binary tree (viewer/trace/scene/light_tree.py): from the root on, one of two groups,
+// in proportion to about how much of its light arrives.
 #include "trace/light_bounds.glsl"
 
 const uint LIGHT_LEAF = 1u << 31; // in the link of a single light

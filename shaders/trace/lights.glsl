@@ -1,7 +1,7 @@
 // Next-event estimation: samples one of all lights with the tables of viewer/trace/scene/lights.py. environment_pdf and
 // emitter_pdf give the density of sample_light for a direction that a BSDF sample has chosen.
-// HAS_ENVIRONMENT, HAS_PUNCTUAL, HAS_EMITTERS; HAS_LIGHT_TREE: a tree chooses among lamps and emissive triangles, by where
-// they are, and the table among directional lights alone.
+// HAS_ENVIRONMENT, HAS_PUNCTUAL, HAS_EMITTERS; HAS_LIGHT_TREE: a tree chooses among lamps and emissive triangles, by
+// where they are, and the table among directional lights alone.
 #include "trace/environment.glsl"
 #if HAS_PUNCTUAL
 #include "trace/punctual.glsl"
@@ -153,7 +153,8 @@ LightSample sample_light(vec3 p, vec3 n, vec3 u) {
 }
 
 // The density with which sample_light would choose the direction of a BSDF sample that hit an emitter's emitting side.
-// It began at p with the normal n, as in sample_light; cos_light is the cosine between the emitter's normal and the ray.
+// It began at p with the normal n, as in sample_light; cos_light is the cosine between the emitter's normal and the
+// ray.
 float emitter_pdf(int emitter, float area, vec3 p, vec3 n, float distance, float cos_light) {
 #if HAS_EMITTERS
     float facing = area * cos_light;

@@ -1,6 +1,7 @@
-// Boundaries of solids of glass that touch or overlap (viewer/trace/scene/nested.py). C. Schmidt, B. Budge: Simple Nested
-// Dielectrics in Ray Traced Images, JGT 7(2), 2002: light is bent where the medium with the highest number changes, by
-// the indices of both sides; a boundary behind which it stays the same is displaced by another solid, and is not there.
+// Boundaries of solids of glass that touch or overlap (viewer/trace/scene/nested.py). C. Schmidt, B. Budge: Simple
+// Nested Dielectrics in Ray Traced Images, JGT 7(2), 2002: light is bent where the medium with the highest number
+// changes, by the indices of both sides; a boundary behind which it stays the same is displaced by another solid, and
+// is not there.
 #if DISPERSIVE
 #include "bsdf/dispersion.glsl"
 #endif

@@ -16,8 +16,8 @@ Sample path_sample(ivec2 texel, int left) {
 }
 
 vec4 sample_numbers(Sample s, uint group) {
-    // The samples of a film's second part (viewer/trace/paths/wavefront.py) are a sequence of their own: the errors of two
-    // stretches of one sequence are opposite.
+    // The samples of a film's second part (viewer/trace/paths/wavefront.py) are a sequence of their own: the errors of
+    // two stretches of one sequence are opposite.
     uint seed = u_seed ^ (s.index >> 23u) * 0x9E3779B9u;
     return sobol_owen(s.index & 0x7FFFFFu, hash(uint(s.pixel.x) | uint(s.pixel.y) << 16u, seed, group));
 }

@@ -1,7 +1,7 @@
-// Panes: thin walls of glass that are smooth, so that light goes straight on through them (bsdf/lobe/thin_dielectric.glsl).
-// Shadow rays pass them. A path that is transmitted keeps its last vertex, as if there were no pane, so that light
-// samples and BSDF samples find the same light, and their weights are the same as without the pane.
-// viewer/trace/scene/materials.py says which materials may have such points.
+// Panes: thin walls of glass that are smooth, so that light goes straight on through them
+// (bsdf/lobe/thin_dielectric.glsl). Shadow rays pass them. A path that is transmitted keeps its last vertex, as if
+// there were no pane, so that light samples and BSDF samples find the same light, and their weights are the same as
+// without the pane. viewer/trace/scene/materials.py says which materials may have such points.
 #include "trace/material.glsl"
 #include "bsdf/glass.glsl"
 

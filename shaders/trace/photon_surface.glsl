@@ -1,12 +1,12 @@
 // Shades a path from a light, a photon, at a surface of any kind (trace/shade.glsl): connects it to the camera, and
 // samples the next direction. Paths from the camera find all light whose vertex next to the lamp is not a delta lobe
 // (next-event estimation), and none of the rest. So a photon goes on from its first vertex only by a delta lobe, and is
-// connected at every later vertex: each path of light is counted once. Shadow rays pass panes (trace/pane.glsl), so these
-// are no vertices of a photon before its first one.
+// connected at every later vertex: each path of light is counted once. Shadow rays pass panes (trace/pane.glsl), so
+// these are no vertices of a photon before its first one.
 // The path carries flux. A surface turns the flux that comes from wi to radiance towards wo by
 //   f(wo, wi) |n_s.wi| |n_g.wo| / |n_g.wi|      Veach 1997, 5.3
-// where f, with its shading normal n_s, is the BSDF that a path from the camera, which comes by wo, finds. f has a factor
-// for radiance in glass, so that nothing of the kind is left to do. n_g is the geometric normal.
+// where f, with its shading normal n_s, is the BSDF that a path from the camera, which comes by wo, finds. f has a
+// factor for radiance in glass, so that nothing of the kind is left to do. n_g is the geometric normal.
 #include "trace/connect.glsl"
 
 uniform bool u_lamps_pass_panes; // whether it is shadow rays that bring their light through panes
@@ -89,8 +89,8 @@ void main() {
     bool is_delta = (b.flags & DELTA) != 0u;
     bool continues = b.flags != 0u && side != 0.0 && (is_delta || p.depth > 0);
 
-    // To the camera; and, if the next direction is not that of a delta lobe, on in that direction. A loop, since software
-    // OpenGL skips nothing else.
+    // To the camera; and, if the next direction is not that of a delta lobe, on in that direction. A loop, since
+    // software OpenGL skips nothing else.
     CameraSample c = sample_camera(i.position);
     vec3 weight = b.weight;
     bool connects = p.depth > 0 && c.importance > 0.0;

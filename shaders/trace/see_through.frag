@@ -1,5 +1,5 @@
-// For each of a list of hits: 1 if the shadow ray passes the surface, else 0; with panes, the part of its light that does.
-// The list has two texels for each hit: the texel of the hit texture, and the vector of the shadow ray.
+// For each of a list of hits: 1 if the shadow ray passes the surface, else 0; with panes, the part of its light that
+// does. The list has two texels for each hit: the texel of the hit texture, and the vector of the shadow ray.
 #include "trace/see_through.glsl"
 #if HAS_PANES
 #include "trace/pane.glsl"

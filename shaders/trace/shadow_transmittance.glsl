@@ -1,5 +1,6 @@
 // Shadow rays where something takes a part of their light: they pass boundaries between media of one index and panes
-// (trace/pane.glsl), and are dimmed by media and panes on their way. viewer/trace/rays/embree.py does the same for Embree.
+// (trace/pane.glsl), and are dimmed by media and panes on their way. viewer/trace/rays/embree.py does the same for
+// Embree.
 #include "trace/bvh.glsl"
 #include "trace/interaction.glsl"
 #if HAS_SCATTERING

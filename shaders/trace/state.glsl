@@ -15,9 +15,9 @@ uniform sampler2D u_radiance;      // that the path has gathered so far; counter
 uniform sampler2D u_medium;        // number; if HAS_PANES, travelled; wavelength; product of eta^2
 #endif
 #if HAS_SCATTERING
-// In scenes with scattering, u_medium has instead: the nesting of media (media/nesting.glsl); that of the shadow ray or,
-// of a path that is_lit and whose shadow ray has the same, travelled; wavelength; product of eta^2, negative if is_lit.
-// A path that has passed a pane, and whose shadow ray has the same, too, has -travelled.
+// In scenes with scattering, u_medium has instead: the nesting of media (media/nesting.glsl); that of the shadow ray
+// or, of a path that is_lit and whose shadow ray has the same, travelled; wavelength; product of eta^2, negative if
+// is_lit. A path that has passed a pane, and whose shadow ray has the same, too, has -travelled.
 #endif
 #if HAS_SCATTERING || HAS_PANES
 uniform sampler2D u_along;         // of the rays: transmittance of the shadow ray, 0 if occluded; distance to the hit

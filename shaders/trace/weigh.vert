@@ -1,6 +1,6 @@
 // One point for each photon on its way, all at one pixel: what it brings to a ball about the eye, by whether its last
-// vertex is rough, and so is in the picture, or of a delta lobe, as glass or a mirror, and so is not. Only what the picture
-// shows of such vertices counts; what media take on the way does not.
+// vertex is rough, and so is in the picture, or of a delta lobe, as glass or a mirror, and so is not. Only what the
+// picture shows of such vertices counts; what media take on the way does not.
 #include "sample/luminance.glsl"
 #include "trace/material.glsl"
 #include "trace/state.glsl"

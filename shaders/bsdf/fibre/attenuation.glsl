@@ -34,7 +34,8 @@ FibreWay fibre_way(float h, float cos_theta, float eta) {
 
 // A_0 to A_3, one a column; the last is the sum of all p >= 3. With T = exp(-sigma_a way) and F at the wall,
 //   A_0 = F,  A_1 = (1 - F)^2 T,  A_2 = A_1 F T,  A_3 = A_2 F T / (1 - F T)
-// The denominator is (1 - F) + F (1 - T), which keeps its digits; without absorption A_3 is (1 - F) F^2 even where F = 1.
+// The denominator is (1 - F) + F (1 - T), which keeps its digits; without absorption A_3 is (1 - F) F^2 even where F =
+// 1.
 mat4x3 fibre_attenuation(vec3 sigma_a, float way, float mu, float eta) {
     float F = f_dielectric(mu, eta), t = fresnel_transmittance(mu, eta);
     vec3 depth = sigma_a * way;

@@ -1,6 +1,6 @@
 // The clear coat: a colourless dielectric of index 1.5 over all that is below it, emission included
-// (KHR_materials_clearcoat). It has its own roughness and its own normal. Its weight w scales its reflectance: f0 = 0.04 w,
-// f90 = w.
+// (KHR_materials_clearcoat). It has its own roughness and its own normal. Its weight w scales its reflectance: f0 =
+// 0.04 w, f90 = w.
 //   f cos = f_coat (n_coat.i) + (1 - E(o)) * f cos of what lies below
 // E is the directional albedo of the coat. It depends on the viewer's direction alone, as in the extension. So a white
 // stack reflects all light whatever lies below, even where the two normals differ; in return it is not reciprocal.

@@ -1,6 +1,6 @@
 // The diffuse base below a dielectric interface. SHOW_DIFFUSE = 0 hides it. DIFFUSE_ROUGH: 0 is Lambert's, 1 is EON
-// (Portsmouth, Kutz & Hill 2024; KHR_materials_diffuse_roughness). With DIFFUSE_TRANSMISSION a share t of its light leaves
-// as a cosine lobe on the other side (KHR_materials_diffuse_transmission):
+// (Portsmouth, Kutz & Hill 2024; KHR_materials_diffuse_roughness). With DIFFUSE_TRANSMISSION a share t of its light
+// leaves as a cosine lobe on the other side (KHR_materials_diffuse_transmission):
 //   f = (1 - t) f_diffuse above, t color / pi below
 // With THIN_SCATTER a share b of what stays above has the colour of what leaves below (bsdf/thin_scatter.glsl):
 //   f = (1 - t) ((1 - b) f_diffuse + b color / pi) above

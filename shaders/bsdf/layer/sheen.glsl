@@ -96,9 +96,9 @@ vec3 sheen_over(Sheen s, vec3 sheen, vec3 below) {
     return sheen + s.throughput * below;
 }
 
-// The axis of the cosine lobe that stands for the sheen under an environment. Fibres send light back: the mean direction
-// leans from n towards the viewer. By quadrature, its slope is that of the code, for Charlie but for views along the
-// normal, and Charlie's lobe is about as wide as that of the cosine.
+// The axis of the cosine lobe that stands for the sheen under an environment. Fibres send light back: the mean
+// direction leans from n towards the viewer. By quadrature, its slope is that of the code, for Charlie but for views
+// along the normal, and Charlie's lobe is about as wide as that of the cosine.
 vec3 sheen_axis(Sheen s, vec3 n, vec3 v, float NoV) {
     vec3 tangent = v - NoV * n;
     float sine = length(tangent);

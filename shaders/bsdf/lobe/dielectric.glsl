@@ -80,8 +80,8 @@ float dielectric_pdf(Dielectric m, vec3 wo, vec3 wi, sampler2D dfg) {
     return (1.0 - mean_of(dielectric_reflectance(m, VoH))) * pdf_visible_normal(wo, h, a) * -LoH / (jacobian * jacobian);
 }
 
-// F of the sampled facet, or below a film its mean over the channels, is the probability of reflection. weight = G2 / G1(o), and for transmission G2 / G1(o) /
-// eta^2.
+// F of the sampled facet, or below a film its mean over the channels, is the probability of reflection. weight = G2 /
+// G1(o), and for transmission G2 / G1(o) / eta^2.
 BsdfSample dielectric_sample(Dielectric m, vec3 wo, vec3 u, sampler2D dfg) {
     if (wo.z <= 0.0) return NO_SAMPLE;
     bool is_smooth = is_delta(m.alpha);

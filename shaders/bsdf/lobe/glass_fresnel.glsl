@@ -1,4 +1,5 @@
-// The reflectance of glass's facets: a number, or below a film a colour, whose mean is then the probability of reflection.
+// The reflectance of glass's facets: a number, or below a film a colour, whose mean is then the probability of
+// reflection.
 #include "bsdf/fresnel.glsl"
 #if IRIDESCENT
 #include "bsdf/film.glsl"

@@ -6,10 +6,11 @@
 //                H(mu) = (1 + 2 mu) / (1 + 2 gamma mu)
 //   layer:       pi f = half space - c x T K(mu) K(mu'),   through it   pi f = T K(mu) K(mu'),   K(mu) = 3/7 (1 + 2 mu)
 //                T K(1) = w (1 - c^2) x / (1 - c^2 x^2),   x = exp(-7/2 gamma (1 / (t K(1)) - 1))
-// where t is the share that white fibres let through: then T = t. The factor w leaves out of T what is not scattered. The
-// second term in the half space is light that fibres have scattered once, by a phase function 1 + cos: as much forward as
-// leaves f above 0. All this is reciprocal. So that white fibres lose and gain nothing, the half space is scaled by
-// DEPTH_SCALE, and what its albedo then lacks for white fibres, d(mu), is added as c d(mu) d(mu') / DEPTH_MEAN.
+// where t is the share that white fibres let through: then T = t. The factor w leaves out of T what is not scattered.
+// The second term in the half space is light that fibres have scattered once, by a phase function 1 + cos: as much
+// forward as leaves f above 0. All this is reciprocal. So that white fibres lose and gain nothing, the half space is
+// scaled by DEPTH_SCALE, and what its albedo then lacks for white fibres, d(mu), is added as c d(mu) d(mu') /
+// DEPTH_MEAN.
 #include "bsdf/constants.glsl"
 
 const float DEPTH_SCALE = 0.9617967; // 1 / (1.5 ln 2): that of white fibres seen along the normal is its largest albedo

@@ -33,8 +33,8 @@ float flakes_mirroring(Flakes f, vec3 wo, vec3 wi) {
     return l2 > 1e-12 ? flakes_density(f, h * inversesqrt(l2)) : 0.0;
 }
 
-// A flake that is seen from wo: the ellipsoid of which D has the normals is a ball in the space of A, where what is seen
-// from A wo is a cosine lobe. u in [0, 1)^2
+// A flake that is seen from wo: the ellipsoid of which D has the normals is a ball in the space of A, where what is
+// seen from A wo is a cosine lobe. u in [0, 1)^2
 vec3 flakes_sample(Flakes f, vec3 wo, vec2 u) {
     mat3 frame = orthonormal_basis(normalize(flakes_scaled(f, wo)));
     return normalize(flakes_scaled(f, frame * sample_cosine_hemisphere(u)));

@@ -15,8 +15,8 @@ float mirrored_share(sampler2D table, float slice, vec3 axis, vec3 w) {
     return mix(found.x, found.y, slice - first);
 }
 
-// Over all directions: the greatest share that goes straight on, what the greatest that does or is mirrored is above it;
-// the means of both
+// Over all directions: the greatest share that goes straight on, what the greatest that does or is mirrored is above
+// it; the means of both
 vec4 mirrored_statistics(sampler2D table, float slice) {
     int first = min(int(slice), 2 * YARN_SLICES - 2), row = 2 * YARN_SLICES * YARN_AZIMUTHS;
     return mix(texelFetch(table, ivec2(first, row), 0), texelFetch(table, ivec2(first + 1, row), 0),

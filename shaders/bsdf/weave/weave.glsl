@@ -1,8 +1,8 @@
-// The yarns of a woven cloth: which lies above at a point of a mesh's texture coordinates, and how its fibres run there,
-// by Irawan & Marschner 2012, "Specular Reflection from Woven Cloth". Where a yarn lies above it is an arc between the
-// yarns that it dips under; the arc is a bent cylinder, about which its fibres are twisted. The cylinder is flat: as high
-// as the arcs of the yarns that it crosses leave room for (Hearle & Shanahan 1978, "An Energy Method for Calculations in
-// Fabric Mechanics").
+// The yarns of a woven cloth: which lies above at a point of a mesh's texture coordinates, and how its fibres run
+// there, by Irawan & Marschner 2012, "Specular Reflection from Woven Cloth". Where a yarn lies above it is an arc
+// between the yarns that it dips under; the arc is a bent cylinder, about which its fibres are twisted. The cylinder is
+// flat: as high as the arcs of the yarns that it crosses leave room for (Hearle & Shanahan 1978, "An Energy Method for
+// Calculations in Fabric Mechanics").
 #include "bsdf/weave/woven.glsl"
 
 uniform sampler2D u_weave_table; // of mirrored.glsl
@@ -29,16 +29,16 @@ float weave_along(int cell, bool is_warp, float f) {
     return 2.0 * (before + f) / (before + 1.0 + after) - 1.0;
 }
 
-// The tangent of the angle to the cloth's normal below which light is hidden at `across` from 0 to 1 by the next yarn, a
-// round cylinder as high as this one at the distance 2 / width, in radii: the direction that touches it.
+// The tangent of the angle to the cloth's normal below which light is hidden at `across` from 0 to 1 by the next yarn,
+// a round cylinder as high as this one at the distance 2 / width, in radii: the direction that touches it.
 float weave_horizon(float across, float width) {
     float height = sqrt(1.0 - across * across), ahead = 2.0 / width - across;
     float beside = inversesqrt(max(ahead * ahead + height * height - 1.0, 1e-6)), below = height / ahead;
     return (1.0 + beside * below) / max(beside - below, 1e-6);
 }
 
-// A yarn that runs along `direction` in the plane, with `side` across it; along and across from -1 to 1; `is_double` if it
-// lies over the other one
+// A yarn that runs along `direction` in the plane, with `side` across it; along and across from -1 to 1; `is_double` if
+// it lies over the other one
 Woven weave_yarn(bool is_warp, bool is_double, float along, float across, vec3 direction, vec3 side) {
     int k = is_warp ? 0 : 3;
     vec4 scattered = u_weave_yarns[k], mirrored = u_weave_yarns[k + 1], shape = u_weave_yarns[k + 2];
@@ -57,9 +57,9 @@ Woven weave_yarn(bool is_warp, bool is_double, float along, float across, vec3 d
                  scattered.w, below.rgb, below.w, slice, weave_horizon(abs(across), shape.w) / flatness, vec2(-1.0));
 }
 
-// The cloth at texture coordinates; du and dv, unit vectors in the plane, are where these grow. Seen from behind, it is the
-// other yarn that lies above. `yarns` is 0 for the warp, 1 for the weft, and 2 more where it lies over the other. All cases
-// share one call of weave_yarn, since pixels that are shaded together run the branches of all of them.
+// The cloth at texture coordinates; du and dv, unit vectors in the plane, are where these grow. Seen from behind, it is
+// the other yarn that lies above. `yarns` is 0 for the warp, 1 for the weft, and 2 more where it lies over the other.
+// All cases share one call of weave_yarn, since pixels that are shaded together run the branches of all of them.
 Woven weave_at(vec2 uv, vec2 du, vec2 dv, bool is_front, out int yarns) {
     vec2 place = uv * u_weave_density, corner = floor(place);
     vec2 f = place - corner, across = (2.0 * f - 1.0) / vec2(u_weave_yarns[2].w, u_weave_yarns[5].w);

@@ -10,9 +10,9 @@
 // on the side of wo, a <= A and B = A - a, primes being means over the hemisphere by the cosine,
 //   pi f = a (pi f_d + l (s(o) s(i) e / s' + (1 - s(o)) (1 - s(i)) / (1 - s') - 1)) + (1 - t) c B(o) B(i) / B'
 //        = a pi f_d + t c B(o) B(i) / B' on the other side.
-// All terms are reciprocal. If fibres absorb nothing, the first one gives a, the second none and the third B: no light is
-// lost. Of light from w a share s(w) falls on the yarn here, and 1 - s on the yarns about it (woven_seen). Of what leaves
-// here a share E gets past those; the rest is scattered again, so that e = E / (1 - c (1 - E)).
+// All terms are reciprocal. If fibres absorb nothing, the first one gives a, the second none and the third B: no light
+// is lost. Of light from w a share s(w) falls on the yarn here, and 1 - s on the yarns about it (woven_seen). Of what
+// leaves here a share E gets past those; the rest is scattered again, so that e = E / (1 - c (1 - E)).
 //
 // Between yarns light goes straight on as far as they leave a gap, and else is scattered by them.
 //
@@ -100,7 +100,8 @@ float woven_mirrored(Woven m, vec3 w, float met, sampler2D table) {
 }
 
 // s(w). Light from the side from which the normal n leans away meets the yarn's own crown, by as much as it would come
-// short of a plane with this normal: 1 + n.xy . w.xy / (n.z w.z). Light from the other side may be hidden by the next yarn.
+// short of a plane with this normal: 1 + n.xy . w.xy / (n.z w.z). Light from the other side may be hidden by the next
+// yarn.
 float woven_seen(Woven m, vec3 w) {
     float lean = dot(m.normal.xy, w.xy) / (max(abs(m.normal.z), 1e-3) * max(abs(w.z), 1e-6));
     lean *= (m.normal.z < 0.0) == (w.z < 0.0) ? 1.0 : -1.0;

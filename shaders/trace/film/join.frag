@@ -1,4 +1,5 @@
-// The sums of a pixel's n samples with the light of N photons among them: a mean and a variance that are the sums of both.
+// The sums of a pixel's n samples with the light of N photons among them: a mean and a variance that are the sums of
+// both.
 //   mean = sum / n + s,   s = splats / N,   variance of s = (squares of splats / N - s^2) / N
 //   squares = n (mean^2 + (n - 1) (variance of the samples' mean + variance of s))
 uniform sampler2D u_sum, u_squares, u_photon_sum, u_photon_squares;
