@@ -14,7 +14,7 @@ struct Bsdf {
     WovenView view;
 };
 
-mat3 shading_frame(Interaction i, MaterialInputs m); // of trace/shade.glsl
+mat3 shading_frame(Interaction i, MaterialInputs m); // of trace/surface_sides.glsl
 
 // Where the texture coordinates grow, in the frame of the shading normal: the derivatives of the position by them
 void weave_directions(Triangle tri, mat3 frame, out vec2 du, out vec2 dv) {
