@@ -65,13 +65,14 @@ def problems(programs: Iterable[Sources]) -> tuple[list[str], dict[str, int]]:
         plain_of = dict(zip(stages, plain, strict=True))
         declared = {key: _declarations(text) for key, text in plain_of.items()}
         most, linked = dict.fromkeys(GRANTED, 0), {}
+        for key, (_, source) in stages.items():
+            for name, count in _taken(key[0], declared[key], plain_of[key]).items():
+                most[name] = max(most[name], count)
+                if count > GRANTED[name]:
+                    found.append(f"{display_name(source.files[0])}: {count} {name}; OpenGL 3.3 grants {GRANTED[name]}")
         for key, program in unique.items():
             title = " + ".join(display_name(source.files[0]) for source in program.values())
             linked.setdefault(_interface([declared[part] for part in key]), (key, title))
-            for name, count in _taken([(part[0], declared[part], plain_of[part]) for part in key]).items():
-                most[name] = max(most[name], count)
-                if count > GRANTED[name]:
-                    found.append(f"{title}: {count} {name}; OpenGL 3.3 grants {GRANTED[name]}")
         for key, title in linked.values():
             told = _run(folder, ["-l", *(f"{stages[part][0]}.{_ENDINGS[part[0]]}" for part in key)])
             found += [f"{title}: {line}" for line in told.splitlines() if line.startswith(("ERROR", "WARNING"))]
@@ -133,28 +134,19 @@ def _number(names: str) -> int:
     return sum(int(length[1]) if length else 1 for length in lengths)
 
 
-def _taken(stages: Sequence[tuple[str, list[tuple[str, str, str]], str]]) -> dict[str, int]:
-    """What one program takes of what `GRANTED` names."""
-    taken = dict.fromkeys(GRANTED, 0)
-
-    def take(name: str, count: int) -> None:
-        taken[name] = max(taken[name], count)
-
-    for stage, declared, text in stages:
-        of = {wanted: [(type_, names) for storage, type_, names in declared if storage == wanted]
-              for wanted in ("in", "out", "uniform")}
-        count = {wanted: sum(len(names.split(",")) for _, names in of[wanted]) for wanted in of}
-        blocks = _blocks(text)
-        take("textures of a stage", sum(_number(names) for type_, names in of["uniform"] if "sampler" in type_))
-        take("uniform components of a stage", sum(_count(*uniform, rounded=True) for uniform in of["uniform"]))
-        take("uniform blocks of a stage", len(blocks))
-        take("bytes of a uniform block", max(blocks, default=0))
-        if stage == "vertex":
-            take("vertex attributes", count["in"])
-            take("varying components", sum(_count(*output, rounded=False) for output in of["out"]))
-        else:
-            take("outputs", count["out"])
-    return taken
+def _taken(stage: str, declared: list[tuple[str, str, str]], text: str) -> dict[str, int]:
+    """What one stage takes of what `GRANTED` names."""
+    of = {wanted: [(type_, names) for storage, type_, names in declared if storage == wanted]
+          for wanted in ("in", "out", "uniform")}
+    count = {wanted: sum(len(names.split(",")) for _, names in of[wanted]) for wanted in of}
+    blocks = _blocks(text)
+    taken = {"textures of a stage": sum(_number(names) for type_, names in of["uniform"] if "sampler" in type_),
+             "uniform components of a stage": sum(_count(*uniform, rounded=True) for uniform in of["uniform"]),
+             "uniform blocks of a stage": len(blocks), "bytes of a uniform block": max(blocks, default=0)}
+    if stage == "vertex":
+        return taken | {"vertex attributes": count["in"],
+                        "varying components": sum(_count(*output, rounded=False) for output in of["out"])}
+    return taken | {"outputs": count["out"]}
 
 
 def _blocks(text: str) -> list[int]:
