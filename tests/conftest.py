@@ -15,6 +15,10 @@ import pytest
 # As in viewer/__main__.py: numpy reads this once, so it stands before all that imports numpy. BLAS threads that wait
 # for each other take the cores from the tests beside them.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# LLVM's compiling is most of what small pictures take Mesa's software rasteriser. Without LLVM's passes of optimisation
+# the files that compile most take half to three quarters of the time, and those that draw most take no more. No bit
+# of a picture differs: drivers/test_drivers.py.
+os.environ.setdefault("GALLIVM_PERF", "nopt")
 
 from command_line import Run, runner
 from contexts import open_or_skip

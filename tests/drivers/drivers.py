@@ -43,6 +43,8 @@ _WITHOUT = "-GL_ARB_clip_control -GL_ARB_gpu_shader5"
 DRIVERS = [
     Driver("llvmpipe as OpenGL 3.3", {"MESA_GL_VERSION_OVERRIDE": "3.3"}, "llvmpipe", 0.0,
            ("spheres, pbr", "maps, path, bvh"), need="llvmpipe"),
+    Driver("llvmpipe without optimisation", {"GALLIVM_PERF": "nopt"}, "llvmpipe", 0.0,  # as tests draw: ../conftest.py
+           ("textures, pbr", "maps, path, bvh"), need="llvmpipe"),
     Driver("llvmpipe as OpenGL 4.1", {"MESA_GL_VERSION_OVERRIDE": "4.1"}, "llvmpipe", 0.0, need="llvmpipe"),
     Driver("llvmpipe as OpenGL 3.3 without extensions",
            {"MESA_GL_VERSION_OVERRIDE": "3.3", "MESA_EXTENSION_OVERRIDE": _WITHOUT}, "llvmpipe", 0.001,
@@ -67,7 +69,7 @@ class Run:
     @classmethod
     def start(cls, driver: Driver, folder: Path, names: Sequence[str] = (), skipped: Sequence[str] = ()) -> Run:
         file = folder / f"{driver.name}.pickle"
-        mesa = [name for name in os.environ if name.startswith(("MESA_", "GALLIUM_", "LIBGL_"))]
+        mesa = [name for name in os.environ if name.startswith(("MESA_", "GALLIUM_", "GALLIVM_", "LIBGL_"))]
         environment = {name: value for name, value in os.environ.items() if name not in mesa}
         environment |= {"PBR_VIEWER_CACHE": str(folder / "cache"), **driver.environment}
         names = [name for name in names or NAMES if name not in skipped]
