@@ -81,7 +81,7 @@ def test_a_change_is_told_once_when_it_is_over(tmp_path, monkeypatch):
 def test_page_keys_show_the_other_files_and_go_past_a_broken_one(open_window, folder):
     (folder / "c.glb").write_bytes(b"glTF nothing")
     first = folder / "a.glb"
-    window = (hands := open_window(viewer.load(first), files=ModelFiles(str(first)))).window
+    window = (hands := open_window(viewer.load(first, None), files=ModelFiles(str(first)))).window
     for key, name, is_error in (("Next", "b.glb", False), ("Next", "c.glb", True), ("Next", "a.glb", False),
                                 ("Prior", "c.glb", True), ("Prior", "b.glb", False)):
         window.state.message = ""
@@ -116,8 +116,8 @@ def test_the_file_is_loaded_again_when_it_changes_or_what_it_refers_to(open_wind
     assert orbit.azimuth == azimuth and np.array_equal(orbit.target, target)
 
 
-def test_full_screen_and_back(open_window, scene):
-    hands = open_window(scene)
+def test_full_screen_and_back(open_window):
+    hands = open_window(viewer.load(SCENES / "unlit.glb", None))
     hands.window.state.panel = True
     screen = glfw.get_video_mode(glfw.get_primary_monitor()).size
     for back in ("F11", "Escape"):
