@@ -15,6 +15,7 @@ from viewer import cli
 from viewer.errors import UsageError
 from viewer.jobs.assemble import make_settings
 from viewer.jobs.camera_options import check_camera_options
+from viewer.scene.model_files import MODEL_ENDINGS
 
 PAGE = pytest.mark.parametrize("page", [*PAGES, ROOT / "CHANGELOG.md"],
                                ids=lambda page: page.relative_to(ROOT).as_posix())
@@ -39,6 +40,8 @@ def test_pbr_viewer(page: Path) -> None:
     for name, *arguments in commands(page, "pbr-viewer"):
         if name.startswith("-") or name.isupper():
             continue
+        if Path(name).suffix in MODEL_ENDINGS:
+            name, arguments = "view", [name, *arguments]
         shown = f"pbr-viewer {shlex.join([name, *arguments])}"
         assert name in cli.cli.commands, shown
         wanted = {p.name for p in cli.cli.commands[name].params if p.param_type_name == "argument" and p.required}
