@@ -50,6 +50,17 @@ class NoisyFilm:
         return float(np.sqrt((self.variance / self.samples * self.pixels).sum() / self.pixels.sum()))
 
 
+def test_a_part_of_the_samples_has_their_numbers():
+    schedule, given = Schedule(NoisyFilm(np.ones((2, 3))), Settings(mode="path", spp=24), first=40), []
+    while not schedule.done:
+        given += schedule.next(64, is_last=True)
+    for tile in {(item.tile_x, item.tile_y) for item in given}:
+        own = [k for item in given if (item.tile_x, item.tile_y) == tile
+               for k in range(item.first, item.first + item.samples)]
+        assert sorted(own) == list(range(40, 64))
+    assert len({(item.tile_x, item.tile_y) for item in given}) == 6
+
+
 def run(film: NoisyFilm, settings: Settings, count: int = 64, most: float = 1e9) -> list[Work]:
     """Two wavefronts in turn, as in a `PathRender`, until done or `most` samples are in the film."""
     schedule, given, wavefronts = Schedule(film, settings), [], [[], []]

@@ -24,6 +24,7 @@ from .engines import ClusterLost, Engine, Here, WorkerLost
 from .keys import Keys
 from .manifest import Line, Manifest
 from .options import LOCAL
+from .sums import Sums
 from .work import Done, Worker
 
 
@@ -55,7 +56,7 @@ class Batch:
 
 
 @dataclass(frozen=True)
-class _Attempt:
+class Attempt:
     number: int
     task: RenderTask
     tries: int = 0
@@ -70,13 +71,13 @@ def render_all(tasks: Sequence[RenderTask], job: RenderJob, batch: Batch) -> int
     """
     with ExitStack() as stack:
         manifest = None if batch.folder is None else stack.enter_context(Manifest(batch.folder))
-        run = _Run(job, batch, manifest)
-        attempts = [_Attempt(number, task) for number, task in enumerate(tasks) if not run.is_done(number, task)]
+        run = Run(job, batch, manifest)
+        attempts = [Attempt(number, task) for number, task in enumerate(tasks) if not run.is_done(number, task)]
         if batch.resume and not job.options["quiet"]:
             say(f"{len(tasks) - len(attempts)} of {len(tasks)} models are done already")
         progress = stack.enter_context(Progress(len(attempts), not job.options["quiet"], unit="models"))
         try:
-            run.do(attempts, stack.enter_context(_engine(job, batch, len(attempts) > 1, progress)), progress)
+            run.do(attempts, stack.enter_context(make_engine(job, batch, len(attempts) > 1, progress)), progress)
         except (Stopped, ClusterLost):
             run.tell(len(attempts))
             raise
@@ -95,7 +96,7 @@ def render_all(tasks: Sequence[RenderTask], job: RenderJob, batch: Batch) -> int
     return 1 if any("error" in record for record in records) else 0
 
 
-def _engine(job: RenderJob, batch: Batch, has_several: bool, progress: Progress) -> Engine:
+def make_engine(job: RenderJob, batch: Batch, has_several: bool, progress: Progress) -> Engine:
     """What does the tasks. Raises InputError for an environment that cannot be used, which `has_several` models would
     tell of one after the other."""
     if batch.is_here:
@@ -113,7 +114,7 @@ def _engine(job: RenderJob, batch: Batch, has_several: bool, progress: Progress)
     return Processes(make_worker, batch.jobs)
 
 
-class _Run:
+class Run:
     """`records` are what `--stats` tells of the pictures, by the numbers of their tasks, and `known` the same of those
     that were done before, as far as their manifest tells it. `stopped` is the signal that ended the run early."""
 
@@ -124,6 +125,7 @@ class _Run:
         self.records: dict[int, tuple[Record, ...]] = {}
         self.known: dict[int, tuple[Record, ...]] = {}
         self.stopped: int | None = None
+        self.sums = Sums()
         self._started = time.monotonic()
 
     def is_done(self, number: int, task: RenderTask) -> bool:
@@ -146,10 +148,10 @@ class _Run:
             return ""
         return self._keys.of(task.model, self._manifest.out(task.picture()))
 
-    def do(self, attempts: Sequence[_Attempt], engine: Engine, progress: Progress) -> None:
+    def do(self, attempts: Sequence[Attempt], engine: Engine, progress: Progress) -> None:
         """Do them all, unless a signal ends one early."""
         waiting = deque(attempts)
-        running: dict[Future[Done], tuple[_Attempt, str]] = {}
+        running: dict[Future[Done], tuple[Attempt, str]] = {}
         while self.stopped is None and (waiting or running):
             while waiting and len(running) < engine.room:
                 attempt = waiting.popleft()
@@ -161,7 +163,7 @@ class _Run:
                 if not isinstance(engine, Here):  # which shows what it does now
                     progress.done(len(self.records), Path(attempt.task.model).name)
 
-    def _note(self, attempt: _Attempt, key: str, future: Future[Done]) -> Iterator[_Attempt]:
+    def _note(self, attempt: Attempt, key: str, future: Future[Done]) -> Iterator[Attempt]:
         """Note what has become of the attempt; yields another one if it is to be tried again."""
         task = attempt.task
         try:
@@ -178,6 +180,8 @@ class _Run:
             return
         self.stopped = done.stopped
         self.records[attempt.number] = done.records
+        if done.sums is not None:
+            self.sums.add(attempt.number, done.sums)
         if self._manifest is not None:
             self._manifest.add(list(self._lines(task, key, done, self._manifest)))
 

@@ -8,6 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from ..base.atomic import remove_leftovers
 from ..base.progress import Progress
 from ..jobs.model_renderer import ModelRenderer, Record
@@ -18,6 +20,7 @@ from ..jobs.render_job import RenderJob, RenderTask
 class Done:
     """What has become of a task: what `--stats` tells of each picture, the lines for the user that were not told yet,
     and the number of the signal that ended it early. `may_pass` says that another try may do what this one could not.
+    `sums` are those of a task with samples.
     """
 
     records: tuple[Record, ...]
@@ -25,6 +28,7 @@ class Done:
     lines: tuple[str, ...] = ()
     stopped: int | None = None
     may_pass: bool = False
+    sums: np.ndarray | None = None
 
 
 class Worker:
@@ -43,5 +47,5 @@ class Worker:
             self._folders.add(folder)
             remove_leftovers(folder)
         self._lines.clear()
-        records = tuple(self.renderer.render(task, progress))
-        return Done(records, self._name, tuple(self._lines), self.renderer.stopped, self.renderer.may_pass)
+        found, sums = (self.renderer.render(task, progress), None) if task.samples is None else self.renderer.sums(task)
+        return Done(tuple(found), self._name, tuple(self._lines), self.renderer.stopped, self.renderer.may_pass, sums)

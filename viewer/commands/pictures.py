@@ -137,6 +137,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     from ..base.atomic import made_folders
     from ..batch.contact import render_contact_sheet
     from ..batch.run import Batch, render_all
+    from ..batch.samples import is_in_parts, render_in_parts
     from ..jobs.assemble import make_settings
     from ..jobs.camera_output import camera_files, warn_of_cameras
     from ..jobs.film import check_film_options
@@ -182,8 +183,11 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
         warn_of_cameras(options)
         keeps = len(tasks) > 1 or chosen["resume"]
         job = RenderJob(options, chooses, stats is not None)
-        status = render_all(tasks, job, Batch(stats, base_folder(output) if keeps else None, **chosen,
-                                             cameras=cameras))
+        batch = Batch(stats, base_folder(output) if keeps else None, **chosen, cameras=cameras)
+        if is_in_parts(tasks, job, batch):
+            status = render_in_parts(tasks[0], job, batch)
+        else:
+            status = render_all(tasks, job, batch)
     sys.exit(status)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -133,6 +134,25 @@ class PathMaker(PictureMaker):
         finally:
             path_render.release()
         return image
+
+    def sums(self, scene: Scene, camera: Camera, samples: range) -> np.ndarray:
+        """What `viewer.trace.paths.film.Film.read_sums` reads after these samples of each pixel, (2, H, W, 4) float32.
+        Raises as `make`, and Stopped."""
+        import numpy as np
+
+        from ..trace.paths.run import run
+        from ..trace.tracer import Tracer
+
+        request = self._request
+        if self._tracer is None:
+            self._tracer = Tracer(request.open(), use_cache=request.use_cache)
+        settings = replace(request.settings, spp=len(samples))
+        path_render = self._tracer.begin(scene, camera, settings, request.size, first=samples.start)
+        try:
+            run(path_render, time.perf_counter())
+            return np.stack(path_render.film.read_sums())
+        finally:
+            path_render.release()
 
     def _guide(self, scene: Scene, camera: Camera) -> np.ndarray | None:
         request = self._request

@@ -104,8 +104,9 @@ class Tracer:
             path_render.release()
 
     def begin(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
-              layers: Collection[str] = (), every: int = 1, guide: NDArray | None = None) -> PathRender:
-        """A progressive render that has no samples yet.
+              layers: Collection[str] = (), every: int = 1, guide: NDArray | None = None, first: int = 0) -> PathRender:
+        """A progressive render that has no samples yet. Its samples are numbered from `first` on, so that the sums of
+        several are those of one picture.
 
         With `every` of 2 or more the picture is of each so many'th pixel along both axes, size // every of them.
         `layers` are names of `viewer.trace.paths.layers.TRACED_LAYERS`. `denoise="raster"` needs a `guide`: what the
@@ -117,7 +118,7 @@ class Tracer:
             raise UsageError("denoise raster is for pictures of render: here the raster draws nothing")
         scene = self._with_curves(scene, settings)
         return self._begin(scene, settings, (size[0] // every, size[1] // every), layers,
-                           view=_View.of(scene, camera, size, every), guide=guide)
+                           view=_View.of(scene, camera, size, every), guide=guide, first=first)
 
     def begin_photons(self, scene: Scene, camera: Camera, settings: Settings,
                       size: tuple[int, int]) -> PhotonRender | None:
@@ -144,7 +145,8 @@ class Tracer:
         return self._begin(scene, settings, rays.size, (), rays)
 
     def _begin(self, scene: Scene, settings: Settings, size: tuple[int, int], layers: Collection[str],
-               rays: SurfaceRays | None = None, view: _View | None = None, guide: NDArray | None = None) -> PathRender:
+               rays: SurfaceRays | None = None, view: _View | None = None, guide: NDArray | None = None,
+               first: int = 0) -> PathRender:
         """The rays begin at `rays` or at the camera of `view`."""
         setup = self._set_up(scene, settings, size, layers, rays, view)
         plan = setup.plan
@@ -152,7 +154,7 @@ class Tracer:
                     has_parts=settings.denoise in ("fast", "raster"))
         passes = Passes(self.context, self.programs, plan, setup.bind, setup.uniforms)
         photons = self._photon_passes(setup, lamps_pass_panes=True) if plan.photons else None
-        return PathRender(passes, setup.traced.intersector, plan, film, Schedule(film, settings), settings,
+        return PathRender(passes, setup.traced.intersector, plan, film, Schedule(film, settings, first), settings,
                           self._display, layers, setup.denoiser, photons, guide)
 
     def _set_up(self, scene: Scene, settings: Settings, size: tuple[int, int], layers: Collection[str],

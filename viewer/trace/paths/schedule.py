@@ -34,13 +34,14 @@ DEFENSIVE = 0.25
 class Schedule:
     """Hands out work to the wavefronts of one picture. `done`: all work has been handed out."""
 
-    def __init__(self, film: Film, settings: Settings) -> None:
-        self._film, self._target, self._most = film, settings.error, settings.most_spp
+    def __init__(self, film: Film, settings: Settings, first: int = 0) -> None:
+        """`first` is the number of the first sample, for a part of a picture that is neither adaptive nor timed."""
+        self._film, self._target, self._most = film, settings.error, first + settings.most_spp
         self._is_timed = settings.time_budget is not None
         self._is_adaptive = settings.error is not None or self._is_timed
         self._pilot = min(self._most, PILOT) if self._is_adaptive else self._most
         columns, rows = film.tiles
-        self._issued = np.zeros((rows, columns), np.int64)
+        self._issued = np.full((rows, columns), first, np.int64)
         self._pixels = np.outer(_sides(film.size[1], rows), _sides(film.size[0], columns))
         self._rounds = 0
         self._parts = np.zeros((2, rows, columns), np.int64)

@@ -1,0 +1,105 @@
+"""One path-traced picture whose samples several workers share."""
+
+from __future__ import annotations
+
+import json
+from concurrent.futures import Future
+from itertools import permutations
+from typing import Self
+
+import numpy as np
+import pytest
+from command_line import SCENES
+
+from viewer.base.progress import Progress
+from viewer.batch.engines import WorkerLost
+from viewer.batch.sums import LEAST_SAMPLES, MOST_PARTS, Sums, parts_of
+from viewer.batch.work import Done, Worker
+from viewer.image.image import Image
+from viewer.jobs.render_job import RenderJob, RenderTask
+
+PATH = ("render", SCENES / "spheres.glb", "--size", "20x12", "--mode", "path", "--spp", "48", "--background", "none")
+
+
+class Losing:
+    """An engine in this process, which does several parts at a time and loses each part of `lost` once or for ever."""
+
+    room = 3
+
+    def __init__(self, job: RenderJob, lost: dict[int, int]) -> None:
+        self._worker, self._lost = Worker(job), dict(lost)
+
+    def submit(self, task: RenderTask) -> Future[Done]:
+        future: Future[Done] = Future()
+        assert task.samples is not None
+        if self._lost.get(task.samples.start, 0):
+            self._lost[task.samples.start] -= 1
+            future.set_exception(WorkerLost("its worker has died"))
+        else:
+            future.set_result(self._worker.do(task, Progress(1, enabled=False)))
+        return future
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self._worker.renderer.release()
+
+
+@pytest.fixture
+def lose(monkeypatch):
+    """`lose(lost)`: from then on an engine does the parts that loses those that begin at these samples so often."""
+    def patch(lost: dict[int, int]) -> None:
+        monkeypatch.setattr("viewer.batch.samples.make_engine", lambda job, *_: Losing(job, lost))
+
+    return patch
+
+
+@pytest.mark.parametrize("samples", [1, 15, 16, 31, 32, 100, 513, 65536])
+def test_parts_are_all_samples_once(samples):
+    parts = parts_of(samples)
+    assert [k for part in parts for k in part] == list(range(samples))
+    assert len(parts) <= MOST_PARTS and (len(parts) == 1 or min(map(len, parts)) >= LEAST_SAMPLES)
+
+
+def test_the_sum_does_not_depend_on_the_order_in_which_parts_come():
+    parts = np.random.default_rng(3).lognormal(0, 9, (4, 2, 3, 5, 4)).astype(np.float32)
+    totals = []
+    for order in permutations(range(4)):
+        sums = Sums()
+        for number in order:
+            sums.add(number, parts[number])
+        totals.append(sums.total)
+    assert all(np.array_equal(total, totals[0]) for total in totals) and totals[0].dtype == np.float64
+
+
+def test_a_picture_in_parts_is_the_same_whoever_dies_and_that_of_one_process_but_for_rounding(run, folder, lose):
+    alone = run(*PATH, "-o", "alone.exr")
+    lose({})
+    whole = run(*PATH, "-o", "whole.exr", "--jobs", "2")
+    lose({0: 1, 32: 1})
+    lossy = run(*PATH, "-o", "lossy.exr", "--jobs", "2", "--stats", "stats.json")
+    assert [outcome.status for outcome in (alone, whole, lossy)] == [0, 0, 0] and alone.err == whole.err == ""
+    assert lossy.err.count("its worker has died") == 2 and lossy.err.count("is tried again") == 2
+    first, second, third = (Image.open(f"{name}.exr") for name in ("alone", "whole", "lossy"))
+    assert np.array_equal(second.linear, third.linear)
+    np.testing.assert_allclose(second.linear, first.linear, rtol=1e-5, atol=1e-6)
+    assert (first.linear[..., 3] == 0).any() and first.linear[..., :3].std() > 0.05
+    stats = json.loads((folder / "stats.json").read_text())
+    assert (stats["spp"], stats["parts"], stats["size"]) == (48, 3, [20, 12])
+
+
+def test_a_part_that_is_lost_for_good_fails_the_picture(run, folder, lose):
+    lose({16: 9})
+    outcome = run(*PATH, "-o", "a.png", "--jobs", "2", "--retries", "2")
+    assert outcome.status == 1 and not (folder / "a.png").exists() and outcome.err.count("has died") == 3
+
+
+@pytest.mark.parametrize("more", [("--denoise", "fast"), ("--error", "0.5"), ("--view", "front,top"), ("--resume",)])
+def test_what_needs_all_samples_is_not_in_parts(run, folder, monkeypatch, more):
+    asked = []
+    monkeypatch.setattr("viewer.batch.samples.render_in_parts", lambda *_: asked.append("parts") or 0)
+    monkeypatch.setattr("viewer.batch.run.render_all", lambda *_: asked.append("whole") or 0)
+    for extra in ((), more):
+        assert run(*PATH, "-o", "a.png", "--jobs", "2", *extra).status == 0
+    assert asked == ["parts", "whole"]
