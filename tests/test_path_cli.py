@@ -93,7 +93,7 @@ def test_ctrl_c_writes_the_picture_so_far_and_says_how_far_it_came(run, folder, 
     handlers = signal.getsignal(signal.SIGINT)
     interrupting(monkeypatch, before=1)
     outcome = run("render", MODEL, SCENES / "unlit.glb", "-o", folder, *PATH, "--spp", "500", "--stats", "s.json")
-    assert outcome.status == 130 and names(folder) == ["s.json", "spheres.png"]
+    assert outcome.status == 130 and names(folder) == ["manifest.jsonl", "s.json", "spheres.png"]
     line = r"spheres\.png: stopped after [0-9.]+ of 500 samples a pixel(, estimated error [0-9.]+)?, .* rays by .*"
     assert re.fullmatch(f".*{line}", outcome.error)
     [stats] = json.loads((folder / "s.json").read_text())

@@ -68,6 +68,13 @@ def test_the_last_line_of_a_picture_counts_and_the_others_go(folder):
         assert manifest.is_done(TASK, "new") and not manifest.is_done(TASK, "old")
 
 
+def test_the_views_of_a_model_take_the_place_of_its_failure(folder):
+    with Manifest(folder) as manifest:
+        manifest.add([line("m.png", "old", "failed")], "m.png")
+        manifest.add([line("m_front.png", "new"), line("m_top.png", "new")], "m.png")
+    assert [each["out"] for each in lines(folder)] == ["m_front.png", "m_top.png"]
+
+
 def test_a_line_that_is_cut_off_is_left_out(folder, capsys):
     with Manifest(folder) as manifest:
         manifest.add([line("m.png"), line("n.png")])

@@ -95,7 +95,8 @@ def test_a_part_that_is_lost_for_good_fails_the_picture(run, folder, lose):
     assert outcome.status == 1 and not (folder / "a.png").exists() and outcome.err.count("has died") == 3
 
 
-@pytest.mark.parametrize("more", [("--denoise", "fast"), ("--error", "0.5"), ("--view", "front,top"), ("--resume",)])
+@pytest.mark.parametrize("more", [("--denoise", "fast"), ("--error", "0.5"), ("--view", "front,top"), ("--resume",),
+                                  ("--ground", "shadow")])
 def test_what_needs_all_samples_is_not_in_parts(run, folder, monkeypatch, more):
     asked = []
     monkeypatch.setattr("viewer.batch.samples.render_in_parts", lambda *_: asked.append("parts") or 0)

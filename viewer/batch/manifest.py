@@ -87,14 +87,18 @@ class Manifest:
 
     def _note(self, lines: Iterable[Line]) -> None:
         for line in lines:
-            if (before := self._lines.pop(line.out, None)) is not None:
-                self._repeats += 1
-                del self._by_key[before.key][line.out]
+            if line.out in self._lines:
+                self._drop(line.out)
             self._lines[line.out] = line
             self._by_key.setdefault(line.key, {})[line.out] = line
 
-    def add(self, lines: Sequence[Line]) -> None:
-        """Add the lines of a model, all or none. Raises OutputError."""
+    def _drop(self, out: str) -> None:
+        self._repeats += 1
+        del self._by_key[self._lines.pop(out).key][out]
+
+    def add(self, lines: Sequence[Line], instead_of: str = "") -> None:
+        """Add the lines of a model, all or none. They take the place of that of the file `instead_of`: a model that
+        could not be loaded has a line without views. Raises OutputError."""
         text, file = _text(lines), self._opened()
         before = os.fstat(file).st_size
         try:
@@ -105,6 +109,8 @@ class Manifest:
                 os.ftruncate(file, before)
             raise OutputError(f"{self.path}: cannot be written: {error.strerror}") from error
         self._note(lines)
+        if instead_of in self._lines and all(line.out != instead_of for line in lines):
+            self._drop(instead_of)
 
     def out(self, path: Path) -> str:
         """How lines name the file `path`."""

@@ -81,7 +81,7 @@ def render_all(tasks: Sequence[RenderTask], job: RenderJob, batch: Batch) -> int
         except (Stopped, ClusterLost):
             run.tell(len(attempts))
             raise
-        if not batch.is_here or run.stopped is not None:
+        if not batch.is_here:
             run.tell(len(attempts))
     if not batch.is_here:
         for folder in {task.output.parent for task in tasks}:
@@ -183,7 +183,7 @@ class Run:
         if done.sums is not None:
             self.sums.add(attempt.number, done.sums)
         if self._manifest is not None:
-            self._manifest.add(list(self._lines(task, key, done, self._manifest)))
+            self._manifest.add(list(self._lines(task, key, done, self._manifest)), self._manifest.out(task.picture()))
 
     def tell(self, count: int) -> None:
         """Tell what has become of `count` models, and in which time, unless there was but one."""
@@ -192,12 +192,12 @@ class Run:
         seconds = time.monotonic() - self._started
         failed = sum(any("error" in record for record in records) for records in self.records.values())
         rate = 60 * len(self.records) / max(seconds, 1e-3)
-        parts = [f"{len(self.records) - failed} of {count} models are rendered"]
-        parts += [f"{failed} failed"] if failed else []
         where = f"; {self._manifest.path} has a line for each picture" if self._manifest is not None else ""
         if self._manifest is not None and len(self.records) < count:
             where += ", by which --resume goes on"
-        say(f"{', '.join(parts)} in {seconds:.0f} s, {rate:.3g} a minute{where}")
+        failures = f"; {failed} failed" if failed else ""
+        say(f"{len(self.records) - failed} of {count} models are rendered in {seconds:.0f} s, {rate:.3g} a minute"
+            f"{failures}{where}")
 
     @staticmethod
     def _lines(task: RenderTask, key: str, done: Done, manifest: Manifest) -> Iterator[Line]:

@@ -26,12 +26,14 @@ if TYPE_CHECKING:
 
 
 def is_in_parts(tasks: Sequence[RenderTask], job: RenderJob, batch: Batch) -> bool:
-    """Whether there is but one picture, by paths, and workers that can share it. What needs all samples together, as
-    layers, denoising, photons, a time or an error to reach do, is one task; so is what `--resume` asks for."""
+    """Whether there is but one picture, by paths, and workers that can share it. What needs more than the mean of all
+    samples, as layers, denoising, photons, a shadow on the ground, a time or an error to reach do, is one task; so is
+    what `--resume` asks for."""
     if len(tasks) != 1 or batch.is_here or batch.resume or job.chooses:
         return False
     settings, options = make_settings(job.options), job.options
     return (settings.mode == "path" and settings.denoise == "off" and settings.caustics == "off"
+            and settings.ground == "off"
             and settings.time_budget is None and settings.error is None and not options["aov"]
             and options["sheet"] is None and options["cameras"] is None and options["write_cameras"] is None
             and len(directions_of(options)) == 1 and not is_film(tasks[0].output, options))
