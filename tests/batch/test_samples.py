@@ -1,10 +1,11 @@
-"""One path-traced picture whose samples several workers share."""
+"""One path-traced picture, or one film, that several workers share."""
 
 from __future__ import annotations
 
 import json
 from concurrent.futures import Future
 from itertools import permutations
+from pathlib import Path
 from typing import Self
 
 import numpy as np
@@ -31,9 +32,10 @@ class Losing:
 
     def submit(self, task: RenderTask) -> Future[Done]:
         future: Future[Done] = Future()
-        assert task.samples is not None
-        if self._lost.get(task.samples.start, 0):
-            self._lost[task.samples.start] -= 1
+        part = task.samples or task.frames
+        assert part is not None
+        if self._lost.get(part.start, 0):
+            self._lost[part.start] -= 1
             future.set_exception(WorkerLost("its worker has died"))
         else:
             future.set_result(self._worker.do(task, Progress(1, enabled=False)))
@@ -50,7 +52,8 @@ class Losing:
 def lose(monkeypatch):
     """`lose(lost)`: from then on an engine does the parts that loses those that begin at these samples so often."""
     def patch(lost: dict[int, int]) -> None:
-        monkeypatch.setattr("viewer.batch.samples.make_engine", lambda job, *_: Losing(job, lost))
+        for module in ("samples", "films"):
+            monkeypatch.setattr(f"viewer.batch.{module}.make_engine", lambda job, *_: Losing(job, lost))
 
     return patch
 
@@ -93,6 +96,17 @@ def test_a_part_that_is_lost_for_good_fails_the_picture(run, folder, lose):
     lose({16: 9})
     outcome = run(*PATH, "-o", "a.png", "--jobs", "2", "--retries", "2")
     assert outcome.status == 1 and not (folder / "a.png").exists() and outcome.err.count("has died") == 3
+
+
+@pytest.mark.parametrize("moves", [("--turntable", "10"), ("--animation", "0", "--fps", "6")])
+def test_a_film_in_parts_is_that_of_one_process_whoever_dies(run, folder, lose, moves):
+    film = ("render", SCENES / "arm.glb", "--size", "16", *moves)
+    assert run(*film, "-o", "alone.apng").status == 0
+    lose({4: 1})
+    outcome = run(*film, "-o", "shared.apng", "--jobs", "2", "--stats", "stats.json")
+    assert outcome.status == 0 and outcome.err.count("is tried again") == 1
+    assert Path("shared.apng").read_bytes() == Path("alone.apng").read_bytes()
+    assert json.loads((folder / "stats.json").read_text())["parts"] == 3
 
 
 @pytest.mark.parametrize("more", [("--denoise", "fast"), ("--error", "0.5"), ("--view", "front,top"), ("--resume",),

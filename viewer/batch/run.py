@@ -11,6 +11,8 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
+
 from ..base.atomic import remove_leftovers, write_json
 from ..base.messages import say
 from ..base.progress import Progress
@@ -126,6 +128,7 @@ class Run:
         self.known: dict[int, tuple[Record, ...]] = {}
         self.stopped: int | None = None
         self.sums = Sums()
+        self.frames: dict[int, np.ndarray] = {}
         self._started = time.monotonic()
 
     def is_done(self, number: int, task: RenderTask) -> bool:
@@ -182,6 +185,8 @@ class Run:
         self.records[attempt.number] = done.records
         if done.sums is not None:
             self.sums.add(attempt.number, done.sums)
+        if done.frames is not None:
+            self.frames[attempt.number] = done.frames
         if self._manifest is not None:
             self._manifest.add(list(self._lines(task, key, done, self._manifest)), self._manifest.out(task.picture()))
 

@@ -12,7 +12,8 @@ import numpy as np
 
 from ..base.atomic import remove_leftovers
 from ..base.progress import Progress
-from ..jobs.model_renderer import ModelRenderer, Record
+from ..jobs.model_renderer import Record
+from ..jobs.part_renderer import PartRenderer
 from ..jobs.render_job import RenderJob, RenderTask
 
 
@@ -20,7 +21,7 @@ from ..jobs.render_job import RenderJob, RenderTask
 class Done:
     """What has become of a task: what `--stats` tells of each picture, the lines for the user that were not told yet,
     and the number of the signal that ended it early. `may_pass` says that another try may do what this one could not.
-    `sums` are those of a task with samples.
+    `sums` are those of a task with samples, and `frames` those of a task with frames.
     """
 
     records: tuple[Record, ...]
@@ -29,6 +30,7 @@ class Done:
     stopped: int | None = None
     may_pass: bool = False
     sums: np.ndarray | None = None
+    frames: np.ndarray | None = None
 
 
 class Worker:
@@ -36,7 +38,7 @@ class Worker:
 
     def __init__(self, job: RenderJob, tell: Callable[[str], None] | None = None) -> None:
         self._lines: list[str] = []
-        self.renderer = ModelRenderer(job, tell or self._lines.append)
+        self.renderer = PartRenderer(job, tell or self._lines.append)
         self._name = f"{platform.node()}:{os.getpid()}"
         self._folders: set[Path] = set()
 
@@ -47,5 +49,11 @@ class Worker:
             self._folders.add(folder)
             remove_leftovers(folder)
         self._lines.clear()
-        found, sums = (self.renderer.render(task, progress), None) if task.samples is None else self.renderer.sums(task)
-        return Done(tuple(found), self._name, tuple(self._lines), self.renderer.stopped, self.renderer.may_pass, sums)
+        renderer, sums, frames = self.renderer, None, None
+        if task.samples is not None:
+            found, sums = renderer.sums(task)
+        elif task.frames is not None:
+            found, frames = renderer.frames(task)
+        else:
+            found = renderer.render(task, progress)
+        return Done(tuple(found), self._name, tuple(self._lines), renderer.stopped, renderer.may_pass, sums, frames)

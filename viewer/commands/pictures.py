@@ -136,6 +136,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     options |= {"backend": backend, "has_size": _is_given("size") or options["sheet"] is not None}
     from ..base.atomic import made_folders
     from ..batch.contact import render_contact_sheet
+    from ..batch.films import is_film_in_parts, render_film_in_parts
     from ..batch.run import Batch, render_all
     from ..batch.samples import is_in_parts, render_in_parts
     from ..jobs.assemble import make_settings
@@ -186,6 +187,8 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
         batch = Batch(stats, base_folder(output) if keeps else None, **chosen, cameras=cameras)
         if is_in_parts(tasks, job, batch):
             status = render_in_parts(tasks[0], job, batch)
+        elif is_film_in_parts(tasks, job, batch):
+            status = render_film_in_parts(tasks[0], job, batch)
         else:
             status = render_all(tasks, job, batch)
     sys.exit(status)

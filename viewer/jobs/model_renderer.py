@@ -25,15 +25,13 @@ from ..scene.scene import Scene
 from .assemble import known_warnings, make_environment, make_quality, make_scene, make_settings
 from .film import Film, make_film
 from .following import make_following
-from .makers import PathMaker, RasterMaker, make_picture_maker
+from .makers import RasterMaker, make_picture_maker
 from .picture_maker import RenderRequest
 from .render_job import RenderJob, RenderTask
 from .sheets import sheet_views
 from .views import View, views_of
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from ..gpu.context import Context
 
 Record = dict[str, object]
@@ -52,8 +50,6 @@ class ModelRenderer:
         self._settings = make_settings(options)
         self._environment = make_environment(options)
         self._context: Context | None = None
-        self._scene: tuple[str, Scene, View] | None = None
-        """The model, and what was loaded of it, of the last task with samples; the next one is of the same, too."""
         self.may_pass = False
         """Whether the last task has failed for want of memory, or at writing, so that another try may do it."""
         self._request = RenderRequest(
@@ -115,25 +111,6 @@ class ModelRenderer:
                     break
                 start = time.perf_counter()
         return records
-
-    def sums(self, task: RenderTask) -> tuple[list[Record], np.ndarray | None]:
-        """As `render`, for a task with samples: its record, and the sums of `PathMaker.sums`. Nothing is written."""
-        self.may_pass = False
-        records: list[Record] = []
-        assert isinstance(self._maker, PathMaker) and task.samples is not None
-        with self._told(task.model, task.picture(), records):
-            if self._scene is None or self._scene[0] != task.model:
-                scene = make_scene(task.model, self._environment, self._job.options)
-                self._scene = task.model, scene, views_of(task.model, scene, self._job.options)[0]
-            _, scene, view = self._scene
-            if task.samples.start == 0:
-                self._warn(task.model, scene)
-                of_camera = camera_warnings(scene, self._settings, view.camera)
-                self._warn_after(task.model, scene, scene.all_warnings, of_camera)
-            self._request.size = view.size
-            sums = self._maker.sums(scene, view.camera, task.samples)
-            return [{"model": task.model, "output": str(task.picture())}], sums
-        return records, None
 
     @contextmanager
     def _told(self, model: str, path: Path, records: list[Record]) -> Iterator[None]:

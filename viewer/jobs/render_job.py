@@ -21,14 +21,16 @@ class RenderJob:
 class RenderTask:
     """One model with all its views: the file `model`, that of its picture, and that of the map of its error.
 
-    With `samples` it is these of one path-traced picture alone. Of several views each has a picture of its own: with
-    the view's label for {view} in the names, or after them. A view without a label is called "view" there.
+    With `samples` it is these of one path-traced picture alone, and with `frames` these of one film. Of several views
+    each has a picture of its own: with the view's label for {view} in the names, or after them. A view without a label
+    is called "view" there.
     """
 
     model: str
     output: Path
     error_map: Path | None = None
     samples: range | None = None
+    frames: range | None = None
 
     def picture(self, label: str = "") -> Path:
         """The file of the picture of the view `label`."""

@@ -1,0 +1,55 @@
+"""A film by several workers: each renders parts of its frames, and the film is written here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from time import perf_counter
+
+from ..base.atomic import write_json
+from ..base.progress import Progress
+from ..image.film import write_film
+from ..image.image import Image
+from ..jobs.assemble import make_environment, make_scene
+from ..jobs.film import is_film, make_film
+from ..jobs.render_job import RenderJob, RenderTask
+from .run import Attempt, Batch, Run, make_engine
+
+_FRAMES = 4
+"""Of a part. Beginning one takes little, as the model is loaded but once by each worker."""
+
+
+def is_film_in_parts(tasks: Sequence[RenderTask], job: RenderJob, batch: Batch) -> bool:
+    """Whether there is but one film, and workers that can share it; what `--resume` asks for is one task."""
+    return len(tasks) == 1 and not batch.is_here and not batch.resume and is_film(tasks[0].output, job.options)
+
+
+def render_film_in_parts(task: RenderTask, job: RenderJob, batch: Batch) -> int:
+    """Make the film, and write it. Returns the exit status. Raises as `viewer.batch.run.render_all`, and InputError for
+    a model that cannot be used."""
+    started = perf_counter()
+    film = make_film(task.model, task.output, make_scene(task.model, make_environment(job.options), job.options),
+                     job.options)
+    assert film is not None
+    count = len(film.frames)
+    parts = [range(first, min(first + _FRAMES, count)) for first in range(0, count, _FRAMES)]
+    run = Run(job, replace(batch, retries=1 if batch.retries is None else batch.retries), None)
+    with ExitStack() as stack:
+        progress = stack.enter_context(Progress(len(parts), not job.options["quiet"]))
+        attempts = [Attempt(number, replace(task, frames=part)) for number, part in enumerate(parts)]
+        run.do(attempts, stack.enter_context(make_engine(job, batch, True, progress)), progress)
+    failed = [record for records in run.records.values() for record in records if "error" in record]
+    record: dict[str, object] = failed[0] if failed else {"model": task.model, "output": str(task.output)}
+    if not failed:
+        write_film(task.output, _pictures(run, len(parts)), film.fps)
+        record |= {"size": list(job.options["size"]), "frames": count, "parts": len(parts),
+                   "wall_s": {"total": perf_counter() - started}}
+    if batch.stats is not None:
+        write_json(batch.stats, record)
+    return 1 if failed else 0
+
+
+def _pictures(run: Run, parts: int) -> Iterator[Image]:
+    for number in range(parts):
+        yield from map(Image.from_srgb, run.frames.pop(number))

@@ -1,0 +1,71 @@
+"""Renders parts of one picture, or of one film, whose other parts others may render."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from ..base.messages import say
+from ..base.progress import Progress
+from ..plan.warnings import camera_warnings
+from ..scene.scene import Scene
+from .assemble import make_scene
+from .film import Film, make_film
+from .makers import PathMaker
+from .model_renderer import ModelRenderer, Record
+from .render_job import RenderJob, RenderTask
+from .views import View, views_of
+
+
+class PartRenderer(ModelRenderer):
+    """As `ModelRenderer`. What was loaded for a part is kept, since the next one is of the same model, as a rule."""
+
+    def __init__(self, job: RenderJob, tell: Callable[[str], None] = say) -> None:
+        super().__init__(job, tell)
+        self._scene: tuple[str, Scene, View] | None = None
+        self._film_of: tuple[str, Scene, Film] | None = None
+
+    def sums(self, task: RenderTask) -> tuple[list[Record], np.ndarray | None]:
+        """As `render`, for a task with samples: its record, and the sums of `PathMaker.sums`. Nothing is written."""
+        self.may_pass = False
+        records: list[Record] = []
+        assert isinstance(self._maker, PathMaker) and task.samples is not None
+        with self._told(task.model, task.picture(), records):
+            if self._scene is None or self._scene[0] != task.model:
+                scene = make_scene(task.model, self._environment, self._job.options)
+                self._scene = task.model, scene, views_of(task.model, scene, self._job.options)[0]
+            _, scene, view = self._scene
+            if task.samples.start == 0:
+                self._warn(task.model, scene)
+                of_camera = camera_warnings(scene, self._settings, view.camera)
+                self._warn_after(task.model, scene, scene.all_warnings, of_camera)
+            self._request.size = view.size
+            sums = self._maker.sums(scene, view.camera, task.samples)
+            return [{"model": task.model, "output": str(task.picture())}], sums
+        return records, None
+
+    def frames(self, task: RenderTask) -> tuple[list[Record], np.ndarray | None]:
+        """As `render`, for a task with frames: its record, and the displayed frames, (n, H, W, 4) uint8. Nothing is
+        written."""
+        self.may_pass = False
+        records: list[Record] = []
+        path, nowhere = task.picture(), Progress(1, enabled=False)
+        assert task.frames is not None
+        with self._told(task.model, path, records):
+            if self._film_of is None or self._film_of[0] != task.model:
+                scene = make_scene(task.model, self._environment, self._job.options)
+                film = make_film(task.model, path, scene, self._job.options)
+                assert film is not None
+                self._film_of = task.model, scene, film
+            _, scene, film = self._film_of
+            known = scene.all_warnings
+            if task.frames.start == 0:
+                self._warn(task.model, scene)
+            part = replace(film, frames=film.frames[task.frames.start:task.frames.stop])
+            pictures = np.stack([image.srgb for image in self._frames(scene, part, path, nowhere)])
+            if task.frames.start == 0:
+                self._warn_after(task.model, scene, known, [])
+            return [{"model": task.model, "output": str(path)}], pictures
+        return records, None
