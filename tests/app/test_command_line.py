@@ -23,7 +23,7 @@ from viewer.interact.playback import Playback
 from viewer.interact.state import ViewState
 from viewer.jobs.assemble import make_environment, make_quality, make_scene, make_settings
 from viewer.jobs.views import views_of
-from viewer.quality import Quality
+from viewer.quality import VARIABLE, Quality
 from viewer.scene.camera import Camera
 from viewer.scene.light import Light
 from viewer.settings import Settings, ignored
@@ -46,7 +46,7 @@ def parsed(line: str):
     settings = make_settings(options)
     scene = make_scene(path, make_environment(options), options)
     [view] = views_of(path, scene, options)
-    return make_quality(options).applied(settings), scene, view.camera, options
+    return make_quality(options, settings, scene, SIZE).applied(settings), scene, view.camera, options
 
 
 def used(settings: Settings) -> dict[str, object]:
@@ -70,6 +70,13 @@ def test_settings_come_back(model, name):
     settings, _, _, options = parsed(str(line))
     assert used(settings) == used(state.settings) and line.lost == ()
     assert (options["size"], options["output"]) == (SIZE, "lights.png")
+
+
+def test_the_quality_comes_back_where_render_would_choose_another(model, monkeypatch):
+    monkeypatch.setenv(VARIABLE, "high")
+    state = ViewState(model, Settings(), quality=Quality("draft"))
+    settings, *_ = parsed(str(command_line(state, OrbitController(model, 1.6), SIZE, ModelFiles(MODEL))))
+    assert settings == state.at_rest
 
 
 def test_the_quality_comes_back_with_what_was_chosen_beside_it(model):

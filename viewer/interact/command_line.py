@@ -119,10 +119,10 @@ def _look(settings: Settings) -> Iterator[str]:
 
 
 def _settings(state: ViewState, settings: Settings) -> Iterator[str]:
-    """The quality, and what `--set` says beside it."""
+    """The quality, and what `--set` says beside it. Without its name `render` would choose one by itself."""
     quality, default, unused = state.quality, Settings(), ignored(settings.mode)
     point = POINTS[quality.name] if settings.mode == "pbr" else {}
-    if settings.mode == "pbr" and quality.name != "draft":
+    if settings.mode == "pbr":
         yield from ("--quality", quality.name)
     for name in setting_meanings():
         value = getattr(settings, name)
