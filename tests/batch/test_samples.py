@@ -96,11 +96,14 @@ def test_a_part_that_is_lost_for_good_fails_the_picture(run, folder, lose):
     lose({16: 9})
     outcome = run(*PATH, "-o", "a.png", "--jobs", "2", "--retries", "2")
     assert outcome.status == 1 and not (folder / "a.png").exists() and outcome.err.count("has died") == 3
+    outcome = run("render", "none.glb", "-o", "a.png", "--mode", "path", "--spp", "900", "--jobs", "2")
+    told = outcome.err.count("none.glb: no such file")
+    assert outcome.status == 1 and 1 <= told <= Losing.room, "and no part after it"
 
 
 @pytest.mark.parametrize("moves", [("--turntable", "10"), ("--animation", "0", "--fps", "6")])
 def test_a_film_in_parts_is_that_of_one_process_whoever_dies(run, folder, lose, moves):
-    film = ("render", SCENES / "arm.glb", "--size", "16", *moves)
+    film = ("render", SCENES / "arm.glb", "--size", "24", "--quality", "standard", *moves)
     assert run(*film, "-o", "alone.apng").status == 0
     lose({4: 1})
     outcome = run(*film, "-o", "shared.apng", "--jobs", "2", "--stats", "stats.json")

@@ -151,11 +151,11 @@ class Run:
             return ""
         return self._keys.of(task.model, self._manifest.out(task.picture()))
 
-    def do(self, attempts: Sequence[Attempt], engine: Engine, progress: Progress) -> None:
-        """Do them all, unless a signal ends one early."""
+    def do(self, attempts: Sequence[Attempt], engine: Engine, progress: Progress, are_parts: bool = False) -> None:
+        """Do them all, unless a signal ends one early. If they `are_parts` of one picture, a failure is the end."""
         waiting = deque(attempts)
         running: dict[Future[Done], tuple[Attempt, str]] = {}
-        while self.stopped is None and (waiting or running):
+        while self.stopped is None and (waiting or running) and not (are_parts and self._has_failed):
             while waiting and len(running) < engine.room:
                 attempt = waiting.popleft()
                 key = self._key(attempt.task)  # of the files before they are read, in case that they change meanwhile
@@ -165,6 +165,10 @@ class Run:
                 waiting.extend(self._note(attempt, key, future))
                 if not isinstance(engine, Here):  # which shows what it does now
                     progress.done(len(self.records), Path(attempt.task.model).name)
+
+    @property
+    def _has_failed(self) -> bool:
+        return any("error" in record for records in self.records.values() for record in records)
 
     def _note(self, attempt: Attempt, key: str, future: Future[Done]) -> Iterator[Attempt]:
         """Note what has become of the attempt; yields another one if it is to be tried again."""

@@ -48,7 +48,7 @@ def render_in_parts(task: RenderTask, job: RenderJob, batch: Batch) -> int:
     with ExitStack() as stack:
         progress = stack.enter_context(Progress(len(parts), not job.options["quiet"]))
         attempts = [Attempt(number, replace(task, samples=part)) for number, part in enumerate(parts)]
-        run.do(attempts, stack.enter_context(make_engine(job, batch, True, progress)), progress)
+        run.do(attempts, stack.enter_context(make_engine(job, batch, True, progress)), progress, are_parts=True)
     failed = [record for records in run.records.values() for record in records if "error" in record]
     record: dict[str, object] = failed[0] if failed else {"model": task.model, "output": str(task.output)}
     if not failed:

@@ -61,6 +61,7 @@ class PartRenderer(ModelRenderer):
                 self._film_of = task.model, scene, film
             _, scene, film = self._film_of
             known = scene.all_warnings
+            self._choose_quality(scene, self._request.size)
             if task.frames.start == 0:
                 self._warn(task.model, scene)
             part = replace(film, frames=film.frames[task.frames.start:task.frames.stop])
