@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from numbers import Real
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..base.expect import expect
 from ..errors import UsageError
 from .arrays import scene_array, scene_numbers
 
@@ -17,13 +19,16 @@ DEFAULT_ELEVATION = math.radians(15.0)
 MAX_PRINCIPAL = 1e3
 """The farthest that the principal point may lie outside, in pictures: float32 then still tells pixels apart."""
 MAX_PIXEL_ASPECT = 1e3
+_NOT_RIGID = 1e-2
+"""How far the columns of a rotation may be from orthonormal: poses are written with few digits."""
 
 
 @dataclass(frozen=True, eq=False)
 class Camera:
     """A rigid pose and a projection.
 
-    `pose` (4, 4) float64 takes camera space to world space and contains only rotation and translation. `fov_y` is the
+    `pose` (4, 4) float64 takes camera space to world space and contains only rotation and translation, for columns: the
+    eye is `pose[:3, 3]`. A UsageError says if it mirrors, scales or is that of rows. `fov_y` is the
     vertical field of view in radians. If `height` is given, the camera is orthographic and shows `height` world units
     from bottom to top. `near`, in world units, is the nearest distance that has to be visible. It is used only if
     OpenGL cannot reverse depth (viewer/raster/depth.py): near things are then cut off so that far ones can be
@@ -45,11 +50,20 @@ class Camera:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "pose", scene_array(self.pose, "Camera.pose", np.float64, 4, 4))
+        _check_rigid(self.pose)
+        expect(self.name, str, "Camera.name", "text")
+        for key in ("fov_y", "height", "near", "pixel_aspect"):
+            value = getattr(self, key)
+            if value is not None or key in ("fov_y", "pixel_aspect"):
+                expect(value, Real, f"Camera.{key}", "a number")
+                object.__setattr__(self, key, float(value))  # of numpy's float32, too, which JSON cannot store
         if self.height is None and not 0 < self.fov_y < math.pi:
             hint = "; it is in radians: math.radians(45), say" if self.fov_y >= math.pi else ""
             raise UsageError(f"Camera.fov_y is {self.fov_y:g}, which is not between 0 and pi{hint}")
         if self.height is not None and not 0 < self.height < math.inf:
             raise UsageError(f"Camera.height is {self.height:g}, not a length")
+        if self.near is not None and not 0 < self.near < math.inf:
+            raise UsageError(f"Camera.near is {self.near:g}, not a length")
         object.__setattr__(self, "principal", scene_numbers(self.principal, "Camera.principal", 2))
         if max(map(abs, self.principal)) > MAX_PRINCIPAL:
             raise UsageError(f"Camera.principal is {self.principal}: it is more than {MAX_PRINCIPAL:g} pictures away")
@@ -187,6 +201,21 @@ class Camera:
         if self.height is not None:
             return near - 1e-3 * radius, max(far, near + radius)
         return max(near * 0.999, far * 1e-5), far
+
+
+def _check_rigid(pose: np.ndarray) -> None:
+    """Raises UsageError for what is no rotation with a translation: views are inverted by transposing the rotation."""
+    if pose[3].tolist() != [0, 0, 0, 1]:
+        hint = "; the translation stands in the last column" if pose[:3, 3].tolist() == [0, 0, 0] else ""
+        raise UsageError(f"Camera.pose[3] is {pose[3].tolist()}, not 0, 0, 0, 1{hint}")
+    rotation = pose[:3, :3]
+    with np.errstate(over="ignore", invalid="ignore"):
+        off = float(np.abs(rotation.T @ rotation - np.eye(3)).max())
+    if not off <= _NOT_RIGID:
+        raise UsageError("Camera.pose is no rotation with a translation: its columns are not of length 1 and at right "
+                         "angles")
+    if np.linalg.det(rotation) < 0:
+        raise UsageError("Camera.pose mirrors (its determinant is negative): a camera is turned and moved")
 
 
 def framing_distance(radius: float, aspect: float, fov_y: float) -> float:
