@@ -62,6 +62,8 @@ def test_one_warning_says_that_distortion_is_not_drawn(folder):
     (["a/r.png", "b/r.png", "c.png"], ["0", "1", "c"]),
     (["", "../..", "x/../é y.exr"], ["0", "1", "é_y"]),
     (["1.png", ""], ["0", "1"]),
+    (["a.png", "b/A.png", "c.png"], ["0", "1", "c"]),
+    (["漢" * 90 + ".png"], ["漢" * 33]),
 ])
 def test_labels_are_names_of_pictures_that_no_two_share(folder, paths, labels):
     frames, _ = read(folder, LENS | {"frames": [frame(file_path=path) for path in paths]})
@@ -104,7 +106,12 @@ def posed(row: int, column: int, value: object) -> dict[str, object]:
     (LENS | {"w": 1 << 20, "frames": [frame()]}, r"frames\[0\].w: 1048576 pixels are more than"),
     (LENS | {"h": 0, "frames": [frame()]}, r"frames\[0\].h: must be at least 1"),
     (LENS | {"cx": math.inf, "frames": [frame()]}, r"frames\[0\].cx: must be a finite number"),
-    (LENS | {"cx": 1e9, "frames": [frame()]}, r"frames\[0\]: Camera.principal is .* pictures away"),
+    (LENS | {"cx": 1e9, "frames": [frame()]}, r"frames\[0\].cx: 1e\+09 is more than 1000 pictures away"),
+    (LENS | {"fl_y": 1e300, "frames": [frame()]}, r"frames\[0\]: no picture of 640x480 has focal lengths of 500 and"),
+    (LENS | {"fl_x": 1e-300, "fl_y": 1e-300, "frames": [frame()]}, r"frames\[0\]: no picture of 640x480 has focal"),
+    (LENS | {"camera_model": "ORTHOPHOTO", "fl_y": 1e-310, "frames": [frame()]}, r"frames\[0\]: no picture of 640x480"),
+    ({"camera_angle_x": 5e-324, "frames": [frame()]}, r"frames\[0\]: no picture of 80x60 has focal lengths of inf"),
+    (LENS | {"is_fisheye": True, "frames": [frame()]}, r"frames\[0\].is_fisheye: fisheye lenses are not drawn"),
     ({"camera_angle_x": 45, "frames": [frame()]}, r"frames\[0\].camera_angle_x: 45 is not below pi; it is in radians"),
     (LENS | {"camera_model": "OPENCV_FISHEYE", "frames": [frame()]}, r"frames\[0\].camera_model: 'OPENCV_FISHEYE'"),
     ({"camera_model": "ORTHOPHOTO", "frames": [frame()]}, r"frames\[0\].fl_x: is missing"),

@@ -29,8 +29,7 @@ import numpy as np
 
 from ..base.atomic import write_json
 from ..base.expect import expect, expect_path
-from ..errors import UsageError
-from .camera import Camera
+from .camera import MAX_PIXEL_ASPECT, MAX_PRINCIPAL, Camera
 from .files import read_file
 from .gltf.element import Document, Element
 from .json_text import parse_json
@@ -39,11 +38,15 @@ from .scene import MAX_EXTENT
 _PERSPECTIVE = ("PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "RADIAL", "SIMPLE_RADIAL")
 _ORTHOGRAPHIC = "ORTHOPHOTO"
 _DISTORTION = ("k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2")
-_INTRINSICS = ("camera_model", "w", "h", "fl_x", "fl_y", "camera_angle_x", "camera_angle_y", "cx", "cy", *_DISTORTION)
+_FISHEYE = "is_fisheye"
+_INTRINSICS = ("camera_model", _FISHEYE, "w", "h", "fl_x", "fl_y", "camera_angle_x", "camera_angle_y", "cx", "cy",
+               *_DISTORTION)
 _FILES = ("file_path", "depth_file_path")
 _NOT_RIGID = 1e-2
 """How far the rotation of a pose may be off, in any element: files have it with few digits."""
 _ROUNDING = 1e-9
+_LABEL_BYTES = 100
+"""File systems have names of at most 255 bytes, of which the model's name needs some, too."""
 MAX_SIDE = 1 << 16
 """The largest width or height of a picture in pixels."""
 
@@ -76,9 +79,9 @@ def read_camera_file(path: str | PathLike[str],
     frames: list[CameraFrame] = []
     distorted: list[str] = []
     names = [_label(element.string("file_path", "")) for element in elements]
-    often = Counter(names)
+    often = Counter(map(str.casefold, names))  # some file systems take "a" and "A" for one name
     for k, element in enumerate(elements):
-        name = names[k] if names[k] and often[names[k]] == 1 else f"{k:0{len(str(len(elements) - 1))}}"
+        name = names[k] if names[k] and often[names[k].casefold()] == 1 else f"{k:0{len(str(len(elements) - 1))}}"
         shared = {key: top.value[key] for key in _INTRINSICS if key in top.value}
         intrinsics = Element(top.document, shared | element.value, element.place)
         frames.append(_frame(intrinsics, name, size))
@@ -96,7 +99,8 @@ def _label(file_path: str) -> str:
     """The name of a picture, as it can be part of a file's name on any system."""
     name = file_path.replace("\\", "/").rpartition("/")[2]
     stem = re.sub(r"\.(png|jpe?g|exr|webp|tiff?|bmp|hdr)$", "", name, flags=re.IGNORECASE)
-    return re.sub(r"[^\w.\-]+", "_", stem)[:100].strip("._")
+    short = re.sub(r"[^\w.\-]+", "_", stem).encode()[:_LABEL_BYTES]
+    return short.decode(errors="ignore").strip("._")
 
 
 def _frame(element: Element, name: str, size: tuple[int, int]) -> CameraFrame:
@@ -104,6 +108,8 @@ def _frame(element: Element, name: str, size: tuple[int, int]) -> CameraFrame:
     if model not in (*_PERSPECTIVE, _ORTHOGRAPHIC):
         raise element.error(f"{model[:40]!r} is not drawn, only {', '.join((*_PERSPECTIVE, _ORTHOGRAPHIC))}",
                             "camera_model")
+    if element.value.get(_FISHEYE):
+        raise element.error("fisheye lenses are not drawn", _FISHEYE)
     pose, has_size = _pose(element), "w" in element and "h" in element
     if has_size:
         size = _side(element, "w"), _side(element, "h")
@@ -120,14 +126,13 @@ def _frame(element: Element, name: str, size: tuple[int, int]) -> CameraFrame:
         fy = _focal_length(element, "camera_angle_y", height) if "camera_angle_y" in element else fx
     else:
         raise element.error("neither fl_x nor camera_angle_x is there: the field of view is not known")
-    center = element.number("cx", width / 2), element.number("cy", height / 2)
-    try:
-        camera = Camera.from_intrinsics(pose, fx, fy, *center, size, name=name)
-        if model == _ORTHOGRAPHIC:
-            camera = Camera(pose, height=height / fy, name=name, principal=camera.principal,
-                            pixel_aspect=camera.pixel_aspect)
-    except UsageError as error:
-        raise element.error(str(error)) from error
+    principal = _principal(element, "cx", width), _principal(element, "cy", height)
+    is_flat = model == _ORTHOGRAPHIC
+    seen = height / fy if is_flat else 2 * math.atan(height / (2 * fy))
+    if not (0 < seen < (math.inf if is_flat else math.pi) and 1 / MAX_PIXEL_ASPECT <= fy / fx <= MAX_PIXEL_ASPECT):
+        raise element.error(f"no picture of {width}x{height} has focal lengths of {fx:g} and {fy:g} pixels")
+    lens: dict[str, Any] = {"height" if is_flat else "fov_y": seen}
+    camera = Camera(pose, name=name, principal=principal, pixel_aspect=fy / fx, **lens)
     folder, files = element.document.path.parent, (element.string(key, "") for key in _FILES)
     return CameraFrame(camera, size, *(folder / file if file else None for file in files))
 
@@ -137,6 +142,13 @@ def _side(element: Element, key: str) -> int:
     if side > MAX_SIDE:
         raise element.error(f"{side} pixels are more than {MAX_SIDE}", key)
     return side
+
+
+def _principal(element: Element, key: str, side: int) -> float:
+    principal = element.number(key, side / 2) / side
+    if abs(principal) > MAX_PRINCIPAL:
+        raise element.error(f"{principal * side:g} is more than {MAX_PRINCIPAL:g} pictures away", key)
+    return principal
 
 
 def _positive(element: Element, key: str) -> float:
@@ -150,7 +162,7 @@ def _focal_length(element: Element, key: str, side: int) -> float:
     angle = _positive(element, key)
     if angle >= math.pi:
         raise element.error(f"{angle:g} is not below pi; it is in radians", key)
-    return side / (2 * math.tan(angle / 2))
+    return side / (2 * math.tan(angle / 2) or math.ulp(0.0))
 
 
 def _pose(element: Element) -> np.ndarray:
