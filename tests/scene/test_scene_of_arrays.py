@@ -54,6 +54,8 @@ def test_the_package_keeps_its_modules_and_the_scene_its_place():
 @pytest.mark.parametrize(("colors", "linear"), [
     (np.uint8([[255, 0, 51]] * 4), [1, 0, srgb_to_linear(np.float64(0.2)), 1]),
     (np.uint16([[65535, 0, 13107, 65535]] * 4), [1, 0, srgb_to_linear(np.float64(0.2)), 1]),
+    (np.array([[65535, 0, 13107]] * 4, ">u2"), [1, 0, srgb_to_linear(np.float64(0.2)), 1]),
+    ([[1 + 1e-7, -1e-9, 0.0]] * 4, [1, 0, 0, 1]),
     ([[0.5, 0.25, 0.0]] * 4, [0.5, 0.25, 0, 1]),
     (np.array([[0.5, 0.25, 0.0, 0.5]] * 4), [0.5, 0.25, 0, 0.5]),
 ])
@@ -92,6 +94,8 @@ def test_colours_of_faces_normals_and_uvs():
     (CORNERS, FACES, {"uvs": np.zeros((4, 3))}, r"uvs is \(4, 3\)"),
     (CORNERS, FACES, {"colors": [[1, 2, 3]] * 4}, "colors: .* whole numbers above 1 are of uint8 or uint16"),
     (CORNERS, FACES, {"colors": [[-1.0, 0, 0]] * 4}, "colors: a colour is not negative"),
+    (CORNERS, FACES, {"colors": [[255.0, 0, 0]] * 4}, "colors: floats are from 0 to 1, and one is 255; make those"),
+    (CORNERS, FACES, {"name": 3}, "name is of type int, not text"),
     (CORNERS, FACES, {"colors": "red"}, "colors: str is no array"),
     (CORNERS, FACES, {"material": "gold"}, "material is of type str, not a Material"),
     (CORNERS, FACES, {"up": "up"}, "up='up': it must be one of"),

@@ -19,6 +19,9 @@ from .raw_mesh import RawMesh, colored, linear_colors
 from .scene import MAX_EXTENT, Scene
 from .upright import up_matrix, upright
 
+_ROUNDING = 1e-3
+"""How far a colour may be beyond 0 and 1: it has been interpolated or converted."""
+
 
 def make_scene(vertices: Any, faces: ArrayLike | None = None, *, normals: ArrayLike | None = None,
                uvs: ArrayLike | None = None, colors: ArrayLike | None = None, material: Material | None = None,
@@ -28,8 +31,9 @@ def make_scene(vertices: Any, faces: ArrayLike | None = None, *, normals: ArrayL
     `vertices` (N, 3) are positions, and `faces` (M, 3) the numbers of the corners of triangles, counter-clockwise seen
     from outside; without faces the vertices are points. `normals` (N, 3) may have any length; without them edges are
     smooth that are not sharp. `uvs` (N, 2) are texture coordinates, v upwards as in OBJ. `colors` are of vertices,
-    (N, 3 or 4), or of faces, (M, 3 or 4): sRGB where they are uint8 or uint16, linear where they are floats. Arrays may
-    have any type of numbers, and be lists. `material` is by default a grey one, or white under `colors`.
+    (N, 3 or 4), or of faces, (M, 3 or 4): sRGB where they are uint8 or uint16, linear and from 0 to 1 where they are
+    floats. Arrays may have any type of numbers, and be lists. `material` is by default a grey one, or white under
+    `colors`.
 
     `environment` and `up` are as in `viewer.load`. Objects of trimesh bring their own texture coordinates, colours, and
     of their materials the base colour with its image, metalness and roughness; a `material` replaces them. Their
@@ -41,6 +45,7 @@ def make_scene(vertices: Any, faces: ArrayLike | None = None, *, normals: ArrayL
 
     up_matrix(up)  # an error about it comes first
     expect(material, (Material, type(None)), "material", "a Material")
+    expect(name, str, "name", "text")
     if environment is not None:
         expect_path(environment, "environment")
     given = {"faces": faces, "normals": normals, "uvs": uvs, "colors": colors}
@@ -93,15 +98,17 @@ def with_colors(mesh: RawMesh, colors: Any) -> RawMesh:
     of_faces = len(found) == 2 and found[0] == faces != count
     values = scene_array(array, "colors", np.float64, faces if of_faces else count, columns)
     dtype = np.asarray(array).dtype
-    if dtype in (np.uint8, np.uint16):
+    if dtype.kind == "u" and dtype.itemsize <= 2:  # in any order of bytes
         linear = linear_colors(values, np.iinfo(dtype).max)
     elif dtype.kind in "iu" and values.size and values.max() > 1:
         raise UsageError(f"colors: {found} {dtype}: whole numbers above 1 are of uint8 or uint16")
     else:
-        linear = np.ones((len(values), 4), np.float32)
-        linear[:, :columns] = values
-        if linear.min() < 0:
+        if values.size and values.min() < -_ROUNDING:
             raise UsageError("colors: a colour is not negative")
+        if values.size and values.max() > 1 + _ROUNDING:
+            raise UsageError(f"colors: floats are from 0 to 1, and one is {values.max():g}; make those up to 255 uint8")
+        linear = np.ones((len(values), 4), np.float32)
+        linear[:, :columns] = values.clip(0, 1)
     if of_faces and mesh.indices is not None:  # each triangle gets corners of its own
         linear = np.repeat(linear, 3, axis=0)
         mesh = replace(mesh.picked(mesh.indices), indices=None)
