@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from command_line import SCENES, names
+from PIL import ImageFont
 
+from viewer.base.atomic import temporary_folder
 from viewer.errors import UsageError
+from viewer.image.fonts import font_for
 from viewer.image.image import Image
 from viewer.image.sheet import label_height, labelled_sheet, sheet_size
 
@@ -81,6 +87,33 @@ def test_a_contact_sheet_has_a_place_for_each_model_and_its_failure(run, folder)
     assert (cell(sheet, 1, 2) == (225, 225, 225, 255)).all()
     assert run("render", UNLIT, "-o", "alone.png", *QUICK).status == 0
     np.testing.assert_array_equal(cell(sheet, 2, 2), Image.open("alone.png").srgb)
+
+
+def test_what_a_contact_sheet_that_was_killed_has_left_is_removed_by_the_next(run, folder):
+    """The cells lie in a hidden folder, which is named after the process."""
+    process = subprocess.Popen([sys.executable, "-c", "pass"])
+    process.wait()
+    with temporary_folder(folder) as own:
+        left = own.with_name(own.name.replace(f"-{os.getpid()}-", f"-{process.pid}-"))
+        left.mkdir()
+        (left / "0.png").write_bytes(b"half")
+        assert run("render", BALLS, UNLIT, "-o", "all.png", "--sheet", "2x1", *QUICK).status == 0
+        assert not left.exists() and own.exists()
+    assert names(folder) == ["all.png"]
+
+
+@pytest.mark.parametrize("label", ["Ünïcödé", "кириллица", "ελληνικά"])
+def test_letters_beyond_ascii_are_no_boxes(label):
+    font = font_for(label, 12)
+    glyphs = [bytes(font.getmask(letter)) for letter in label]
+    assert bytes(font.getmask("\U0010ffff")) not in glyphs
+    assert font_for("plain", 12).getname() == ImageFont.load_default(12).getname()  # the same on all machines
+
+
+def test_a_label_is_one_line():
+    picture = np.full((24, 40, 4), 9, np.uint8)
+    sheet = labelled_sheet([("a\nb", picture)], 1, SIZE)
+    np.testing.assert_array_equal(cell(sheet, 0, 1), picture)
 
 
 def test_a_folder_has_a_sheet_of_each_model(run, folder):

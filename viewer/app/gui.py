@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import ctypes
-from pathlib import Path
 from typing import Any
 
 import glfw
-import imgui_bundle
 import moderngl
 import numpy as np
 from imgui_bundle import imgui
 
 from ..gpu.context import Context
 from ..gpu.program import compile_program
+from ..image.fonts import roboto_file
 
 FONT_SIZE = 15.0
 _UNIT = 0
@@ -41,7 +40,7 @@ class Gui:
         self.io.set_ini_filename("")  # ImGui shall not write a file into the current folder
         self.io.set_log_filename("")
         self.io.backend_flags |= imgui.BackendFlags_.renderer_has_textures
-        self.io.fonts.add_font_from_file_ttf(_font_file(), FONT_SIZE)
+        self.io.fonts.add_font_from_file_ttf(str(roboto_file()), FONT_SIZE)
         platform = imgui.get_platform_io()
         platform.platform_get_clipboard_text_fn = lambda _: _clipboard(window)
         platform.platform_set_clipboard_text_fn = lambda _, text: glfw.set_clipboard_string(window, text)
@@ -164,10 +163,6 @@ class Gui:
         imgui.destroy_context(self._imgui)
         for thing in (*self._textures.values(), self._array, self._vertices, self._indices, self._program):
             thing.release()
-
-
-def _font_file() -> str:
-    return str(Path(imgui_bundle.__file__).parent / "assets" / "fonts" / "Roboto" / "Roboto-Regular.ttf")
 
 
 def _clipboard(window: Any) -> str:

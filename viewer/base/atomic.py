@@ -57,7 +57,8 @@ def _prefix() -> str:
 
 
 def remove_leftovers(folder: Path) -> None:
-    """Remove the temporary files that processes of this machine, which were killed, have left in `folder`."""
+    """Remove the temporary files and folders that processes of this machine, which were killed, have left in `folder`.
+    """
     if os.name != "posix":  # where no signal only asks whether a process is there
         return
     name = re.compile(re.escape(_prefix()) + r"(\d+)-[0-9a-f]{8}(\.\w+)?")
@@ -65,8 +66,25 @@ def remove_leftovers(folder: Path) -> None:
         for entry in entries:
             found = name.fullmatch(entry.name)
             if found and not _is_running(int(found[1])):
-                with suppress(OSError):
-                    os.unlink(entry.path)
+                if entry.is_dir(follow_symlinks=False):
+                    shutil.rmtree(entry.path, ignore_errors=True)
+                else:
+                    with suppress(OSError):
+                        os.unlink(entry.path)
+
+
+@contextmanager
+def temporary_folder(folder: Path) -> Iterator[Path]:
+    """Yields a new folder in `folder`, which the end of the block removes with all that is in it.
+
+    If the process is killed, `remove_leftovers` removes it. Raises OutputError where it cannot be made.
+    """
+    made = folder / f"{_prefix()}{os.getpid()}-{os.urandom(4).hex()}"
+    make_folder(made)
+    try:
+        yield made
+    finally:
+        shutil.rmtree(made, ignore_errors=True)
 
 
 def _is_running(process: int) -> bool:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
+from ..base.atomic import remove_leftovers, temporary_folder
 from ..image.image import Image
 from ..image.sheet import labelled_sheet
 from ..jobs.outputs import model_names
@@ -19,10 +19,12 @@ def render_contact_sheet(models: Sequence[str], output: Path, columns: int, job:
     The place of a model that cannot be rendered stays empty. The pictures lie in a folder beside `output` until then,
     where workers on other machines can write them. Raises as `render_all`.
     """
-    with TemporaryDirectory(prefix=".contact-sheet-", dir=output.parent) as folder:
-        files = [Path(folder) / f"{number}.png" for number in range(len(models))]
+    remove_leftovers(output.parent)
+    with temporary_folder(output.parent) as folder:
+        names = model_names(models)
+        files = [folder / f"{name}.png" for name in names]
         status = render_all([RenderTask(*each) for each in zip(models, files, strict=True)], job, batch)
         cells = [(name if file.exists() else f"{name}: not rendered", Image.open(file).srgb if file.exists() else None)
-                 for name, file in zip(model_names(models), files, strict=True)]
+                 for name, file in zip(names, files, strict=True)]
         labelled_sheet(cells, columns, job.options["size"]).save(output)
     return status

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 from PIL import Image as Pillow
-from PIL import ImageDraw, ImageFont
+from PIL import ImageDraw
 
 from ..errors import UsageError
+from .fonts import Font, font_for
 from .image import Image
 
 MAX_PIXELS = 1 << 27
@@ -26,7 +27,7 @@ def labelled_sheet(cells: Sequence[tuple[str, np.ndarray | None]], columns: int,
     strip = label_height(size)
     width, height = sheet_size(len(cells), columns, size)
     sheet = Pillow.new("RGBA", (width, height), _PAPER)
-    draw, font = ImageDraw.Draw(sheet), ImageFont.load_default(0.6 * strip)
+    draw = ImageDraw.Draw(sheet)
     for k, (label, pixels) in enumerate(cells):
         left = _GAP + k % columns * (size[0] + _GAP)
         top = _GAP + k // columns * (size[1] + strip + _GAP)
@@ -35,6 +36,8 @@ def labelled_sheet(cells: Sequence[tuple[str, np.ndarray | None]], columns: int,
         else:
             rows, across = pixels.shape[:2]
             sheet.paste(Pillow.fromarray(pixels), (left + (size[0] - across) // 2, top + (size[1] - rows) // 2))
+        label = "".join(character if character.isprintable() else " " for character in label)
+        font = font_for(label, 0.6 * strip)
         middle = left + size[0] / 2, top + size[1] + strip / 2
         draw.text(middle, _cut(label, font, size[0]), _INK, font, anchor="mm")
     return Image.from_srgb(np.asarray(sheet))
@@ -55,7 +58,7 @@ def sheet_size(count: int, columns: int, size: tuple[int, int]) -> tuple[int, in
     return width, height
 
 
-def _cut(label: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont, width: int) -> str:
+def _cut(label: str, font: Font, width: int) -> str:
     """The label, or as much of its start as fits, with an ellipsis."""
     if font.getlength(label) <= width:
         return label
