@@ -48,7 +48,7 @@ def test_words_that_are_understood(kind, word, value):
     (Numbers("X,Y,Z", 3), "1,2,1e19"),
     (Views(), ""), (Views(), "front,up"), (Grid(), "4"), (Grid(), "0x2"), (Grid(), "4x2x1"),
     (PlainMaterial(), "glod"), (PlainMaterial(), "gold,2"), (PlainMaterial(), "gold,0,0,0"),
-    (PlainMaterial(), "red,nan"),
+    (PlainMaterial(), "red,nan"), (PlainMaterial(), "#ff000080"),
     (BackgroundColor(), "#12345"), (BackgroundColor(), "ENV"), (BackgroundColor(), ""),
 ])
 def test_words_that_are_not(kind, word):

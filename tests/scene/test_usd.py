@@ -167,6 +167,14 @@ def test_what_is_not_drawn_is_said(tmp_path):
 
 
 @needs("usd")
+def test_cameras_and_skeletons_that_are_left_out_are_said(tmp_path):
+    kinds = ("Camera", "Skeleton", "SkelAnimation", "BlendShape", "SkelRoot")
+    lost = "".join(f'def {kind} "{kind}" {{}}\n' for kind in kinds)
+    assert sorted(read(tmp_path, stage(mesh() + lost)).warnings) == sorted(
+        f"1 {kind}: not read; left out" for kind in kinds[:-1])
+
+
+@needs("usd")
 def test_a_package_with_its_textures(tmp_path):
     inputs = "color3f inputs:diffuseColor.connect = </Paint/Color.outputs:rgb>"
     with zipfile.ZipFile(tmp_path / "a.usdz", "w") as package:  # stored, as they have to be

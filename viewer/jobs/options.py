@@ -118,11 +118,11 @@ class PlainMaterial(click.ParamType):
 
         color, *words = value.split(",")
         try:
-            rgb: Any = ImageColor.getrgb(color.strip())[:3]
+            rgb: Any = ImageColor.getrgb(color.strip())
             numbers = [float(word) for word in words]
         except ValueError:
             rgb, numbers = None, []
-        if rgb is None or len(words) > 2 or not all(0 <= number <= 1 for number in numbers):
+        if rgb is None or len(rgb) != 3 or len(words) > 2 or not all(0 <= number <= 1 for number in numbers):
             self.fail(f"{value!r} is not {self.get_metavar(None)}: a name such as gold, or #rrggbb, and numbers from 0 "
                       "to 1.", param, ctx)
         metallic, roughness = (*numbers, *(0.0, 0.5)[len(numbers):])

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 Arrays = dict[str, np.ndarray]
-_SILENT = {"", "Xform", "Scope", "Material", "Shader", "NodeGraph", "GeomSubset", "SkelRoot", "Camera", "Skeleton",
-           "SkelAnimation", "BlendShape"}
+_SILENT = {"", "Xform", "Scope", "Material", "Shader", "NodeGraph", "GeomSubset", "SkelRoot"}
 """Types of which nothing has to be said: they draw nothing themselves."""
 
 
