@@ -155,10 +155,7 @@ def _rendered(scene: Scene, size: tuple[int, int], camera: Camera | None, backen
         tell_error = RANGES["time_budget"].number(tell_error, f"tell_error={tell_error!r}: it")
         if is_open or chosen.mode == "path":
             raise UsageError("tell_error is for pictures of the real-time modes; others tell their error themselves")
-        if chosen.ground != "off":
-            raise UsageError("tell_error does not know the shadow on the ground: use ground='off'")
-        if chosen.show != "shaded":
-            raise UsageError(f"tell_error is for shaded pictures, and show is {chosen.show}")
+        chosen.check_told("tell_error")
     if is_open:
         chosen.check_open()
         image, choice = shared_chooser(backend).make(scene, camera, chosen, size, aov,

@@ -264,6 +264,17 @@ class Settings:
             raise UsageError(f"ground={self.ground} cannot be used with a time budget or an error to reach, which do "
                              "not count the samples of the shadow; choose spp")
 
+    def check_told(self, what: str) -> None:
+        """Raises UsageError if `what`, which compares a picture with a path-traced one, would count as wrong what no
+        path-traced picture shows."""
+        if self.ground != "off":
+            raise UsageError(f"{what} does not know the shadow of the model on the ground: leave out "
+                             f"ground={self.ground}")
+        for name in ("show", "grid"):
+            value = getattr(self, name)
+            if value != getattr(Settings, name):
+                raise UsageError(f"{what} is for shaded pictures without a grid: leave out {name}={value}")
+
     def check_layers(self, names: Collection[str]) -> None:
         """Raises UsageError for layers that this mode does not have."""
         lost = [name for name in names if name in PATH_LAYERS]
@@ -288,8 +299,10 @@ class Settings:
         """
         if self.denoise == "raster":
             raise UsageError("denoise raster is for mode path: give that mode")
-        if self.show != "shaded":
-            raise UsageError("show has no effect on how a method is chosen: leave out the time budget and the error")
+        for name in ("show", "grid"):
+            if getattr(self, name) != getattr(Settings, name):
+                raise UsageError(f"{name} has no effect on how a method is chosen: leave out the time budget and the "
+                                 "error")
         modes = replace(self, mode="pbr", time_budget=None, error=None), replace(self, mode="path")
         usable = [settings if settings.is_used else None for settings in modes]
         if self.caustics == "photons":

@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from viewer.interact.actions import Actions
 from viewer.interact.keys import KEYS
+from viewer.interact.orbit import OrbitController
 from viewer.interact.state import CLEAR_GREY, FURNACE, VIEWS, ViewState, free_path, scene_facts
 from viewer.quality import POINTS
 from viewer.scene.animation import Animation, Target, Track
@@ -16,7 +18,7 @@ from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.scene.mesh import Mesh
 from viewer.scene.rig import Nodes, Rig
-from viewer.scene.scene import Instance, Scene
+from viewer.scene.scene import Instance, Scene, Variant
 from viewer.settings import Settings
 
 GREY = np.ones((2, 4, 3), np.float32)
@@ -86,6 +88,29 @@ def test_views_of_values_are_of_one_real_time_mode_and_leave_with_any_other_view
         assert state.settings.show == "wireframe" and len(state.modes) == 1 and state.modes != ("path",)
     state.step_values(1)
     assert state.settings.show == "shaded" and state.has_error and state.on_screen().background == "env"
+
+
+@pytest.mark.parametrize("key", ["next_values", "previous_values", "wireframe"])
+def test_views_of_values_and_edges_leave_the_furnace_and_it_leaves_them(key):
+    state = ViewState(scene := triangle(), Settings(exposure=1.5))
+    actions = Actions(state, OrbitController(scene, 1.0), lambda: 1.0)
+    actions.do("furnace")
+    actions.do(key)
+    assert state.scene is scene and state.settings.show != "shaded" and state.settings.exposure == 1.5
+    show = state.settings.show
+    actions.do("furnace")
+    assert state.before_furnace is not None and state.settings.show == "shaded"
+    actions.do("furnace")
+    assert state.scene is scene and state.settings.show == show
+
+
+def test_an_error_is_not_told_of_a_picture_with_a_grid(state):
+    state.toggle_grid()
+    state.toggle_error()
+    assert not (state.has_error or state.tells_error) and "without a grid" in state.message
+    state.toggle_grid()
+    state.toggle_error()
+    assert state.has_error and state.tells_error
 
 
 def test_only_paths_are_paused_and_only_until_another_mode(state):
@@ -220,6 +245,16 @@ def test_every_key_shows_its_view_from_every_other_view(first, before):
         assert shown(state) == plain | SHOWS[second], (first, second)
         assert (state.scene is scene) == (second != "furnace")
         assert state.modes in [("pbr",), ("path",)] or SHOWS[second].get("modes") or second == "furnace"
+
+
+def test_a_newer_version_of_the_model_keeps_the_variant_if_it_has_it():
+    variants = tuple(Variant(name, (Material(),), (-1,)) for name in ("", "red"))
+    state = ViewState(triangle(variants=variants), Settings())
+    state.choose_variant("red")
+    state.open(triangle(variants=variants), again=True)
+    assert state.scene.variant == "red" and state.scene.materials == variants[1].materials
+    state.open(triangle(variants=variants[:1]), again=True)
+    assert state.scene.variant == ""
 
 
 def test_another_light_leaves_the_furnace_for_the_model_that_it_lights(state):

@@ -109,6 +109,7 @@ def report(models: tuple[str, ...], output: str, limit: float, backend: str, **o
     from ..measure.report.job import ReportJob
 
     settings = make_settings(options)
+    settings.check_told("a report")
     environment = make_environment(options)
 
     def load(model: str) -> Any:

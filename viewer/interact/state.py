@@ -24,9 +24,10 @@ CLEAR_GREY = (0.03, 0.03, 0.03)
 MESSAGE_SECONDS = 4.0
 ADDED_LIGHT = "--light"
 """The name of lights that the user has added. They stay when another model is opened."""
-FURNACE: dict[str, Any] = {"exposure": -1.0, "tonemap": "none", "background": "env", "lobes": "all"}
+FURNACE: dict[str, Any] = {"exposure": -1.0, "tonemap": "none", "background": "env", "lobes": "all", "show": "shaded"}
 """The settings of the white furnace. Radiance 1 is displayed as mid grey, so too bright surfaces are as visible as too
-dark ones. One contribution alone is no test of it: what the others reflect would be missing."""
+dark ones. One contribution alone is no test of it, since what the others reflect would be missing, and a view of values
+has no light."""
 
 VIEWS = ("pbr", "phong", "split", "uniform_diffuse", "specular", "directional_diffuse", "furnace", "path", "path_split")
 """The actions of keys that choose what is shown; viewer/interact/keys.py says it in words."""
@@ -104,6 +105,7 @@ class ViewState:
         self.settings = replace(self.settings, show=show)
 
     def toggle_wireframe(self) -> None:
+        self.leave_furnace()
         self.show_values("shaded" if self.settings.show == "wireframe" else "wireframe")
 
     def toggle_grid(self) -> None:
@@ -113,6 +115,7 @@ class ViewState:
 
     def step_values(self, step: int) -> None:
         """Show the view that is so many steps after this one, in the order of their names."""
+        self.leave_furnace()
         shows = list(VIEW_NAMES)
         self.show_values(shows[(shows.index(self.settings.show) + step) % len(shows)])
 
@@ -149,13 +152,15 @@ class ViewState:
 
     @property
     def has_error(self) -> bool:
-        """Whether the picture is one whose error can be told: one real-time mode alone, shaded."""
-        return self.split is None and self.settings.mode != "path" and self.settings.show == "shaded"
+        """Whether the picture is one whose error can be told: one real-time mode alone, shaded, without a grid."""
+        settings = self.settings
+        return (self.split is None and settings.mode != "path" and settings.show == "shaded"
+                and settings.grid == "off")
 
     def toggle_error(self, shows: bool = False) -> None:
         """Tell the error of the picture at rest, or stop that; with `shows`, its map takes turns with the picture."""
         if not self.has_error:
-            self.say("The error is told of shaded pictures of one real-time mode")
+            self.say("The error is told of shaded pictures of one real-time mode, without a grid")
             return
         self.shows_error = shows and not self.shows_error
         self.tells_error = shows or not self.tells_error
@@ -272,8 +277,11 @@ class ViewState:
     def open(self, scene: Scene, again: bool = False) -> None:
         """Show another model, with the same environment and the lights that the user has added.
 
-        With `again` it is a newer version of the model that is shown, which keeps its place in its animation."""
+        With `again` it is a newer version of the model that is shown, which keeps its variant and its place in its
+        animation."""
         self.leave_furnace()
+        if again and self.scene.variant in [variant.name for variant in scene.variants]:
+            scene = scene.with_variant(self.scene.variant)
         self.has_edited_lights = False
         added = tuple(light for light in self.scene.lights if light.name == ADDED_LIGHT)
         self.scene = scene.relit(environment=self.scene.environment, lights=(*scene.lights, *added))

@@ -25,10 +25,7 @@ def check_tell_error(settings: Settings, options: dict[str, Any], paths: Sequenc
     if settings.mode == "path":
         raise UsageError("--tell-error is for pictures of the real-time modes; --mode path has no error but noise, "
                          "which --stats tells")
-    if settings.ground != "off":
-        raise UsageError("--tell-error does not know the shadow of --ground")
-    if settings.show != "shaded":
-        raise UsageError(f"--tell-error is for shaded pictures, and show is {settings.show}")
+    settings.check_told("--tell-error")
     films = [path for path in paths if is_film(path, options)]
     if films:
         raise UsageError(f"--tell-error with -o {films[0]}: it tells the error of pictures, not of films")
