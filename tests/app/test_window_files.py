@@ -15,6 +15,9 @@ from viewer.base.resources import resource_folder
 from viewer.cli import cli
 from viewer.errors import InputError
 from viewer.interact.model_files import ModelFiles
+from viewer.scene.files import stamp_of
+from viewer.scene.load import load_scene
+from viewer.scene.model_files import models_in
 
 from .conftest import SIZE
 
@@ -46,6 +49,17 @@ def test_files_of_a_folder_are_those_in_its_folders_too(folder):
     assert [files.beside(step) for step in (1, -1)] == [str(folder / "more" / "c.glb"), str(folder / "a.glb")]
 
 
+def test_files_of_a_folder_come_before_those_in_its_folders_and_all_of_them_come(tmp_path):
+    """In the order in which `view FOLDER` finds them: more/ is before z, and more-b before more/c by characters."""
+    for name in ("a.glb", "z.glb", "more/c.glb", "more-b/d.glb"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(b"")
+    found = models_in(tmp_path)
+    for start, end, step in ((0, 1, 1), (1, 2, 1), (2, 3, 1), (3, 0, 1), (0, 3, -1), (3, 2, -1), (2, 1, -1)):
+        files = ModelFiles(str(found[start]), str(tmp_path))
+        assert files.beside(step) == str(found[end]), (start, step)
+
+
 def test_without_another_file_there_is_none_beside(folder):
     with pytest.raises(InputError, match="no file"):
         ModelFiles().beside(1)
@@ -67,7 +81,7 @@ def test_a_change_is_told_once_when_it_is_over(tmp_path, monkeypatch):
     file.write_text("1")
     watch = FileWatch()
     assert not watch.poll()
-    watch.follow([file, tmp_path / "missing"])
+    watch.follow({path: stamp_of(path) for path in (file, tmp_path / "missing")})
     assert not watch.poll()
     file.write_text("22")
     assert not watch.poll()  # still being written, perhaps
@@ -76,6 +90,23 @@ def test_a_change_is_told_once_when_it_is_over(tmp_path, monkeypatch):
     assert watch.poll() and not watch.poll()
     (tmp_path / "missing").write_text("there")
     assert [watch.poll(), watch.poll(), watch.poll()] == [False, True, False]
+
+
+def test_a_change_while_the_file_is_read_is_told_too(tmp_path, monkeypatch):
+    monkeypatch.setattr("viewer.app.watch.INTERVAL", 0.0)
+    model = tmp_path / "model.obj"
+    model.write_text(TRIANGLE.format(z=0))
+
+    def load(path):
+        scene = load_scene(path)
+        model.write_text(TRIANGLE.format(z=1.25))
+        return scene
+
+    files = ModelFiles(load=load)
+    watch = FileWatch()
+    assert files.load(str(model)).bounds[1][2] == 0
+    watch.follow(files.read)
+    assert [watch.poll() for _ in range(3)] == [False, True, False]
 
 
 def test_page_keys_show_the_other_files_and_go_past_a_broken_one(open_window, folder):
@@ -139,7 +170,7 @@ def test_a_model_alone_is_viewed_and_other_words_are_no_commands(monkeypatch, fo
     assert [(named["watch"], named["full_screen"]) for _, named in seen] == [(False, False)] * 2 + [(True, True)]
     assert [named["files"].beside(-1) for _, named in seen] == [str(folder / "more" / "c.glb")] * 2 + [
         str(folder / "b.glb")]
-    assert seen[2][1]["files"].read == {(folder / "a.glb").absolute()}
+    assert seen[2][1]["files"].read.keys() == {(folder / "a.glb").absolute()}
     with pytest.raises(InputError, match="no such file"):
         cli.main(["missing.glb"], standalone_mode=False)
     assert "No such command 'rendr'" in run(cli, ["rendr", "a.glb"]).output

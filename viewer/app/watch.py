@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
+from collections.abc import Mapping
 from pathlib import Path
 
 from ..errors import ShaderError
 from ..gpu.programs import Programs
+from ..scene.files import Stamp, stamp_of
 
 INTERVAL = 0.5
 """Seconds between two checks of the files."""
@@ -19,7 +20,7 @@ class ShaderWatch:
     def __init__(self, programs: Programs) -> None:
         self._programs = programs
         self._in_use: tuple[int, int] | None = None
-        self._stamps: dict[Path, tuple[int, int]] = {}
+        self._stamps: dict[Path, Stamp] = {}
         self._next = 0.0
 
     def poll(self) -> str | None:
@@ -31,7 +32,7 @@ class ShaderWatch:
         if time.monotonic() < self._next:
             return None
         self._next = time.monotonic() + INTERVAL
-        stamps = {file: _stamp(file) for file in self._stamps}
+        stamps = {file: stamp_of(file) for file in self._stamps}
         if stamps == self._stamps:
             return None
         self._stamps = stamps
@@ -53,7 +54,7 @@ class ShaderWatch:
             files = self._programs.files()
         except ShaderError:  # an editor may have deleted a file and not written the new one yet
             return
-        self._stamps = {file: self._stamps.get(file) or _stamp(file) for file in files}
+        self._stamps = {file: self._stamps.get(file) or stamp_of(file) for file in files}
         self._in_use = in_use
 
 
@@ -61,13 +62,13 @@ class FileWatch:
     """Watches files that another program may be writing."""
 
     def __init__(self) -> None:
-        self._stamps: dict[Path, tuple[int, int]] = {}
-        self._changing: dict[Path, tuple[int, int]] | None = None
+        self._stamps: dict[Path, Stamp] = {}
+        self._changing: dict[Path, Stamp] | None = None
         self._next = 0.0
 
-    def follow(self, files: Iterable[Path]) -> None:
-        """Watch these files, as they are now, and no others."""
-        self._stamps, self._changing = {file: _stamp(file) for file in files}, None
+    def follow(self, files: Mapping[Path, Stamp]) -> None:
+        """Watch these files, and no others, for being other than they were. One may have changed since."""
+        self._stamps, self._changing = dict(files), None
 
     def poll(self) -> bool:
         """Whether a file has changed, and all have been left alone since the check before, which is at least `INTERVAL`
@@ -75,7 +76,7 @@ class FileWatch:
         if not self._stamps or time.monotonic() < self._next:
             return False
         self._next = time.monotonic() + INTERVAL
-        stamps = {file: _stamp(file) for file in self._stamps}
+        stamps = {file: stamp_of(file) for file in self._stamps}
         if stamps == self._stamps:
             self._changing = None
             return False
@@ -84,12 +85,3 @@ class FileWatch:
             return False
         self._stamps, self._changing = stamps, None
         return True
-
-
-def _stamp(file: Path) -> tuple[int, int]:
-    """The time and size of a file, which change when it is written; zeros if it does not exist."""
-    try:
-        status = file.stat()
-    except OSError:
-        return 0, 0
-    return status.st_mtime_ns, status.st_size

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from ..errors import InputError
-from ..scene.files import noting_files
+from ..scene.files import Stamp, noting_files
 from ..scene.load import load_scene
 from ..scene.model_files import MODEL_ENDINGS, models_in
 from ..scene.scene import Scene
@@ -17,15 +17,16 @@ class ModelFiles:
     """The file that is shown, what it was made of, and those before and after it.
 
     `path` is the file of the scene that is shown at first, None if it has none. With `folder` the files are the models
-    in it and in its folders, else those beside the file. `load` reads a file. `read` are the files of the scene.
+    in it and in its folders, else those beside the file. `load` reads a file. `read` are the files of the scene, as
+    `noting_files` has them.
     """
 
     def __init__(self, path: str | None = None, folder: str | None = None,
-                 load: Callable[[str], Scene] = load_scene, read: Iterable[Path] = (),
+                 load: Callable[[str], Scene] = load_scene, read: Mapping[Path, Stamp] | None = None,
                  words: Callable[[str], Sequence[str]] = lambda path: ()) -> None:
         self.path = path
-        self.read = frozenset(read)
-        """The file and all that it refers to, as far as they were looked for."""
+        self.read: Mapping[Path, Stamp] = read or {}
+        """The file and all that it refers to, as far as they were looked for, as they were before they were read."""
         self.words = words
         """The words of a command line that say how a file is read."""
         self._folder, self._load = folder, load
@@ -37,7 +38,7 @@ class ModelFiles:
             try:
                 return self._load(path)
             finally:
-                self.path, self.read = path, frozenset(found)
+                self.path, self.read = path, found
 
     def beside(self, step: int) -> str:
         """The file so many places after the one that is shown, in the order of names; after the last comes the first.
@@ -55,6 +56,12 @@ class ModelFiles:
         others = [file for file in files if os.path.abspath(file) != os.path.abspath(shown)]
         if not others:
             raise InputError(shown, "", "there is no other model in its folder")
-        behind = [file for file in others if str(file) > str(shown)]
+        behind = [file for file in others if _place(file) > _place(shown)]
         ring = [*behind, *others[:len(others) - len(behind)]]
         return str(ring[step - 1 if step > 0 else step])
+
+
+def _place(file: Path) -> list[tuple[bool, str]]:
+    """What sorts files as `models_in` has them: in each folder its files before its folders, both by their names."""
+    *folders, name = Path(os.path.abspath(file)).parts
+    return [*((True, folder) for folder in folders), (False, name)]

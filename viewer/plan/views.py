@@ -56,8 +56,8 @@ def plan_view(scene: Scene, settings: Settings, shaded: Plan | None, *, samples:
         dfg=False, environment_shadows=0, ambient_occlusion=False, estimates_indirect=False, background=False,
         background_blur=0.0, curves=_curves(scene, settings, common))
     left_out = [f"lights, the environment, shadows and all shading: the view {settings.show} has none"]
-    left_out += [f"{name}: the view {settings.show} is of surfaces" for name, is_there in (
-        ("volumes", scene.volumes),) if is_there]
+    if scene.volumes:
+        left_out.append(f"volumes: the view {settings.show} is of surfaces")
     return replace(plan, used=used_lines(plan), left_out=tuple(left_out))
 
 

@@ -71,13 +71,16 @@ def path_inside(model: Path, uri: str, place: str) -> Path:
     raise InputError(model, place, f"no such file: {unquote(uri)[:80]!r}")
 
 
-_noted: ContextVar[set[Path] | None] = ContextVar("noted", default=None)
+Stamp = tuple[int, int]
+"""The time and size of a file, which change when it is written; zeros if it does not exist."""
+_noted: ContextVar[dict[Path, Stamp] | None] = ContextVar("noted", default=None)
 
 
 @contextmanager
-def noting_files() -> Iterator[set[Path]]:
-    """Note the files that this thread reads, or looks for, within the block: the model and what it refers to."""
-    found: set[Path] = set()
+def noting_files() -> Iterator[dict[Path, Stamp]]:
+    """Note the files that this thread reads, or looks for, within the block: the model and what it refers to. Each has
+    the stamp from before it was read."""
+    found: dict[Path, Stamp] = {}
     token = _noted.set(found)
     try:
         yield found
@@ -87,8 +90,16 @@ def noting_files() -> Iterator[set[Path]]:
 
 def _note(path: Path) -> None:
     found = _noted.get()
-    if found is not None:
-        found.add(path.absolute())
+    if found is not None and path.absolute() not in found:
+        found[path.absolute()] = stamp_of(path)
+
+
+def stamp_of(file: Path) -> Stamp:
+    try:
+        status = file.stat()
+    except (OSError, ValueError):
+        return 0, 0
+    return status.st_mtime_ns, status.st_size
 
 
 def _exists(path: Path) -> bool:
