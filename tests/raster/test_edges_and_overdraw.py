@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from images import image_of
 from shapes import WHITE, moved, orthographic, plate, scene, sphere
 
 from viewer.plan.legend import overdraw_colors
@@ -15,7 +16,7 @@ from viewer.plan.planner import plan_scene
 from viewer.raster.renderer import Renderer
 from viewer.raster.wireframe import COLOR, edges_of
 from viewer.scene.environment import Environment
-from viewer.scene.material import Material
+from viewer.scene.material import Material, Texture
 from viewer.settings import Settings
 
 SIZE = (40, 40)
@@ -47,6 +48,16 @@ def test_what_blends_counts_and_what_is_masked_does_not(renderer):
     model = scene((plate(0), np.eye(4)), (plate(1), moved((0, 0, 0.1))), (plate(1), moved((0, 0, 0.2))),
                   (plate(2), moved((0, 0, 0.3))), materials=(UNLIT, veil, mask))
     assert counts(renderer, model)[20, 20] == 3
+
+
+def test_masks_that_are_maps_count_where_they_cover(renderer):
+    """The left half of the map. The right one drops its fragments, and the plate behind it is seen."""
+    left = np.full((8, 8, 4), 255, np.uint8)
+    left[:, 4:, 3] = 0
+    mask = replace(UNLIT, base_color_texture=Texture(image_of(left)), alpha_mode="mask")
+    model = scene((plate(0), np.eye(4)), (plate(1), moved((0, 0, 0.1))), materials=(UNLIT, mask))
+    found = counts(renderer, model)
+    assert set(found[:, 1:17].ravel()) == {2} and set(found[:, 23:39].ravel()) == {1}
 
 
 def test_more_than_eight_have_the_last_colour(renderer):

@@ -35,6 +35,7 @@ class Overdraw:
             "SHOW": -1, "COLORS": len(overdraw_colors())})
         target.framebuffer.use()
         gl.enable_only(moderngl.NOTHING)
+        gl.clear_samplers()  # those of maps read mip levels, which the counts have none of
         framebuffer.color_attachments[0].use(_UNIT)
         set_uniform(program, "u_counts", _UNIT)
         set_uniform(program, "u_colors", [tuple(color) for color in (overdraw_colors() / 255.0).tolist()])
