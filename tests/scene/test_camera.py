@@ -53,6 +53,18 @@ def test_what_is_no_number_is_refused(key, value, words):
         Camera(np.eye(4), **{key: value})
 
 
+@pytest.mark.parametrize(("make", "words"), [
+    (lambda: Camera.orbit((0, 0, 0), "far"), "distance is of type str, not a number"),
+    (lambda: Camera.orbit((0, 0, 0), 1, azimuth=None), "azimuth is of type NoneType, not a number"),
+    (lambda: Camera.framing((0, 0, 0), 1.0, 0.0), "radius 1, aspect 0, fov_y 0.785398: one of them is not above 0"),
+    (lambda: Camera.framing((0, 0, 0), 1.0, 1.0, fov_y=0.0), "fov_y 0: one of them is not above 0"),
+    (lambda: Camera(np.eye(4)).orthographic("2"), "depth is of type str, not a number"),
+])
+def test_what_makes_no_camera_is_one_line(make, words):
+    with pytest.raises(UsageError, match=words):
+        make()
+
+
 def test_numbers_of_numpy_can_be_written(folder):
     single = Camera(np.eye(4), np.float32(0.5), pixel_aspect=np.float32(1.5))
     flat = Camera(np.eye(4), height=np.float32(2.5))

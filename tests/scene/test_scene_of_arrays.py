@@ -150,9 +150,28 @@ def test_materials_of_trimesh_have_their_image_and_factors():
     assert material.base_color_texture.image.decode("RGB").tolist() == [[[255, 0, 0]] * 2] * 2
     (line,) = made.warnings
     assert line == "mesh: its material is without normalTexture; viewer.load reads files with them"
+    cut = PBRMaterial(baseColorTexture=Pillow.new("CMYK", (2, 2)), alphaMode="MASK", alphaCutoff=0.25,
+                      emissiveFactor=[0.5, 0, 0])
+    made = viewer.scene(trimesh.Trimesh(CORNERS, FACES, visual=TextureVisuals(uv=uv, material=cut), process=False))
+    (material,) = made.materials
+    assert (material.alpha_mode, material.alpha_cutoff, material.emissive) == ("mask", 0.25, (0.5, 0, 0))
+    assert material.base_color_texture.image.decode("RGB").tolist() == [[[255] * 3] * 2] * 2 and not made.warnings
+    lost = viewer.scene(trimesh.Trimesh(CORNERS, FACES, visual=TextureVisuals(material=metal), process=False))
+    assert "mesh: it has no texture coordinates for its image, which is left out" in lost.warnings
     painted = TextureVisuals(uv=uv, material=SimpleMaterial(image=image, diffuse=[51, 0, 0, 255]))
     (material,) = viewer.scene(trimesh.Trimesh(CORNERS, FACES, visual=painted, process=False)).materials
     assert material.base_color == (1, 1, 1, 1) and material.base_color_texture is not None
     plain = TextureVisuals(material=SimpleMaterial(diffuse=[51, 0, 0, 255]))
     (material,) = viewer.scene(trimesh.Trimesh(CORNERS, FACES, visual=plain, process=False)).materials
     assert material.base_color == pytest.approx((float(srgb_to_linear(np.float64(0.2))), 0, 0, 1), abs=1e-6)
+
+
+def test_what_is_wrong_with_objects_of_trimesh_is_told_with_its_place():
+    for factor in (5, math.nan):
+        visual = TextureVisuals(material=PBRMaterial(roughnessFactor=factor))
+        with pytest.raises(UsageError, match="^mesh: its roughnessFactor"):
+            viewer.scene(trimesh.Trimesh(CORNERS, FACES, visual=visual, process=False))
+    many = trimesh.Scene()
+    many.add_geometry(trimesh.creation.box(), node_name="lost", transform=np.full((4, 4), np.nan))
+    with pytest.raises(UsageError, match="^lost: its matrix .* holds NaN"):
+        viewer.scene(many)

@@ -126,6 +126,7 @@ class Camera:
 
     def orthographic(self, depth: float) -> Camera:
         """This camera without perspective. It shows as much as before of what is `depth` in front of the eye."""
+        expect(depth, Real, "depth", "a number")
         if not 0 < depth < math.inf:
             raise UsageError(f"depth={depth:g}: it must be a length in front of the eye")
         return replace(self, height=2 * depth * math.tan(self.fov_y / 2))
@@ -153,6 +154,8 @@ class Camera:
         """A camera on a sphere about `center`. Azimuth 0 is at +Z and grows towards +X; elevation grows upwards. Both
         are in radians."""
         center = scene_array(center, "center", np.float64, 3)
+        for name, value in (("distance", distance), ("azimuth", azimuth), ("elevation", elevation)):
+            expect(value, Real, name, "a number")
         if not (math.isfinite(azimuth) and math.isfinite(elevation) and math.isfinite(distance)):
             raise UsageError(f"distance {distance:g}, azimuth {azimuth:g}, elevation {elevation:g}: not all are finite")
         cos_el = math.cos(elevation)
@@ -220,5 +223,8 @@ def _check_rigid(pose: np.ndarray) -> None:
 
 def framing_distance(radius: float, aspect: float, fov_y: float) -> float:
     """The distance from the eye to the centre of a sphere that fills the narrower field of view."""
+    if not (0 < aspect < math.inf and 0 < radius < math.inf and 0 < fov_y < math.pi):
+        raise UsageError(f"radius {radius:g}, aspect {aspect:g}, fov_y {fov_y:g}: one of them is not above 0, or too "
+                         "large")
     half = fov_y / 2 if aspect >= 1 else math.atan(math.tan(fov_y / 2) * aspect)
     return radius / math.sin(half)

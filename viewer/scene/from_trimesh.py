@@ -9,15 +9,17 @@ from typing import Any
 import numpy as np
 
 from ..errors import UsageError
-from .arrays import scene_array
+from .arrays import scene_array, scene_numbers
 from .from_arrays import with_colors
 from .material import Material, Texture
 from .mtl import PLAIN
 from .raw_mesh import RawMesh, linear_colors
 from .texture_image import MESH_FORMATS, open_texture_image
 
-_LEFT_OUT = ("normalTexture", "metallicRoughnessTexture", "emissiveTexture", "occlusionTexture", "emissiveFactor")
+_LEFT_OUT = ("normalTexture", "metallicRoughnessTexture", "emissiveTexture", "occlusionTexture")
 """Of a PBRMaterial, with which the file that it came from is to be loaded itself."""
+_MODES = ("1", "L", "LA", "I", "I;16", "P", "RGB", "RGBA")
+"""Of images that PNG can store; others are converted."""
 
 
 def meshes_of(thing: Any, warnings: list[str]) -> list[RawMesh]:
@@ -28,7 +30,7 @@ def meshes_of(thing: Any, warnings: list[str]) -> list[RawMesh]:
     if not isinstance(thing, trimesh.Scene):
         found = [("mesh", thing, np.eye(4))]
     else:
-        found = [(str(node), thing.geometry[name], np.asarray(matrix, np.float64))
+        found = [(str(node), thing.geometry[name], scene_array(matrix, f"{node}: its matrix", np.float64, 4, 4))
                  for node in thing.graph.nodes_geometry for matrix, name in [thing.graph[node]]]
     meshes = []
     for name, geometry, matrix in found:
@@ -74,13 +76,16 @@ def _material(name: str, given: Any, has_uvs: bool, warnings: list[str]) -> Mate
     if hasattr(given, "baseColorFactor"):
         factor = given.baseColorFactor
         color = (1.0,) * 4 if factor is None else tuple((np.asarray(factor, np.float64) / 255).tolist())
-        metallic, roughness = (1.0 if value is None else float(value)
-                               for value in (given.metallicFactor, given.roughnessFactor))
+        metallic, roughness = (_share(name, given, key) for key in ("metallicFactor", "roughnessFactor"))
         material = Material(name=title, base_color=color, metallic=metallic, perceptual_roughness=roughness,
                             double_sided=bool(given.doubleSided))
+        if given.emissiveFactor is not None:
+            red, green, blue = scene_numbers(given.emissiveFactor, f"{name}: its emissiveFactor", 3)
+            material = replace(material, emissive=(red, green, blue))
         image = given.baseColorTexture
         if given.alphaMode in ("BLEND", "MASK"):
-            material = replace(material, alpha_mode="blend" if given.alphaMode == "BLEND" else "mask")
+            material = replace(material, alpha_mode="blend" if given.alphaMode == "BLEND" else "mask",
+                               alpha_cutoff=0.5 if given.alphaCutoff is None else float(given.alphaCutoff))
         lost = [key for key in _LEFT_OUT if getattr(given, key) is not None]
         if lost:
             warnings.append(f"{name}: its material is without {', '.join(lost)}; viewer.load reads files with them")
@@ -91,9 +96,21 @@ def _material(name: str, given: Any, has_uvs: bool, warnings: list[str]) -> Mate
         elif getattr(given, "diffuse", None) is not None:
             color = tuple(linear_colors(np.asarray(given.diffuse)[None], 255)[0].tolist())
         material = replace(PLAIN, name=title, base_color=color)
-    if image is None or not has_uvs:
+    if image is None:
+        return material
+    if not has_uvs:
+        warnings.append(f"{name}: it has no texture coordinates for its image, which is left out")
         return material
     encoded = io.BytesIO()
-    image.save(encoded, "PNG", compress_level=1)
+    (image if image.mode in _MODES else image.convert("RGB")).save(encoded, "PNG", compress_level=1)
     picture = open_texture_image(encoded.getvalue(), f"{name}: image", MESH_FORMATS)
     return replace(material, base_color_texture=Texture(picture))
+
+
+def _share(name: str, given: Any, key: str) -> float:
+    """A factor of a PBRMaterial. Raises UsageError for what is not from 0 to 1."""
+    value = getattr(given, key)
+    (share,) = scene_numbers((1.0 if value is None else value,), f"{name}: its {key}", 1)
+    if not 0 <= share <= 1:
+        raise UsageError(f"{name}: its {key} is {share:g}, not from 0 to 1")
+    return share
