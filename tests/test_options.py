@@ -12,6 +12,7 @@ from command_line import SCENES
 from viewer.errors import InputError, UsageError
 from viewer.jobs.assemble import make_camera, make_light
 from viewer.jobs.camera_options import Grid, Views, check_camera_options
+from viewer.jobs.directions import directions_of
 from viewer.jobs.options import BackgroundColor, Number, Numbers, PlainMaterial, Size
 from viewer.scene.load import load_scene
 
@@ -121,6 +122,12 @@ def test_an_eye_in_the_middle_needs_a_target(scene):
 def test_options_that_contradict_each_other(given):
     with pytest.raises(UsageError):
         check_camera_options(NO_CAMERA | given, takes_several=True)
+
+
+def test_no_two_directions_have_one_label():
+    orbits = ((123.45678, 0), (123.45679, 0), (0.1, -0.5), (0, 0, 2.0000001), (0, 0, 2))
+    labels = [each.label for each in directions_of({"view": None, "orbit": orbits})]
+    assert len(set(labels)) == len(orbits) and labels[2:] == ["az0.1_el-0.5", "az0_el0_d2.0000001", "az0_el0_d2"]
 
 
 def test_several_views_are_for_render_alone():

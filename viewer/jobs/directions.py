@@ -10,6 +10,9 @@ from typing import Any
 from ..scene.camera import DEFAULT_AZIMUTH, DEFAULT_ELEVATION
 from .camera_options import VIEWS
 
+_ALL = ".15g"
+"""All digits, so that no two directions are one file."""
+
 
 @dataclass(frozen=True)
 class Direction:
@@ -36,6 +39,6 @@ def _named(name: str) -> Direction:
 
 def _orbit(numbers: Sequence[float]) -> Direction:
     azimuth, elevation, *distance = numbers
-    label, title = f"az{azimuth:g}_el{elevation:g}", f"{azimuth:g}°, {elevation:g}°"
-    label += "".join(f"_d{value:g}" for value in distance)
+    label, title = f"az{azimuth:{_ALL}}_el{elevation:{_ALL}}", f"{azimuth:g}°, {elevation:g}°"
+    label += "".join(f"_d{value:{_ALL}}" for value in distance)
     return Direction(label, title, math.radians(azimuth), math.radians(elevation), *distance)
