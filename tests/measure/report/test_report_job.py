@@ -97,16 +97,16 @@ def test_nothing_is_measured_again_that_has_not_changed(run, report_folder, tmp_
 
 def test_an_interrupted_report_says_how_to_go_on_and_does(run, folder, monkeypatch):
     first = counted(monkeypatch, stop_before=4)
-    outcome = run("report", MODEL, "-o", "out", *QUICK)
+    outcome = run("report", MODEL, "-o", "to/out", *QUICK)
     assert outcome.status == 130 and len(first) == 4
-    assert outcome.err.splitlines() == ["out: 4 points are measured and kept; the same command continues from there",
+    assert outcome.err.splitlines() == ["to/out: 4 points are measured and kept; the same command continues from there",
                                         "pbr-viewer: interrupted"]
-    assert names(folder / "out") == ["measured"]
+    assert names(folder / "to/out") == ["measured"]
     monkeypatch.undo()
     monkeypatch.chdir(folder)
     second = counted(monkeypatch)
-    assert run("report", MODEL, "-o", "out", *QUICK).status == 0
-    assert not set(first) & set(second) and json.loads((folder / "out/report.json").read_text())["is_whole"]
+    assert run("report", MODEL, "-o", "to/out", *QUICK).status == 0
+    assert not set(first) & set(second) and json.loads((folder / "to/out/report.json").read_text())["is_whole"]
 
 
 def test_several_models_have_a_folder_each_and_a_page_that_leads_there(run, folder, report_folder):
@@ -119,7 +119,7 @@ def test_several_models_have_a_folder_each_and_a_page_that_leads_there(run, fold
 
 
 @pytest.mark.parametrize("arguments, status, words", [
-    (["-o", "missing/out"], 1, "missing/out: the folder missing does not exist"),
+    (["-o", "file/out"], 1, "file/out: cannot be made: Not a directory"),
     (["-o", "file"], 1, "file: is a file, not a folder"),
     (["-o", "out", "--within", "0"], 2, "0 is not from 0.1"),
     (["-o", "out", "--mode", "path"], 2, "No such option"),
