@@ -21,11 +21,11 @@ from viewer.raster.renderer import Renderer
 
 PICTURES = [(mode, case) for mode in ("pbr", "phong") for case in CASES]
 ON_OSMESA = {
-    "pbr": ("glass", "dispersion-traced", "subsurface", "hair", "interlaced", "environment-shadows", "alpha", "lights"),
-    "phong": ("alpha", "textures", "tiny", "knitted", "unlit", "cloud"),
+    "pbr": ("glass-traced", "subsurface", "hair", "interlaced", "environment-shadows", "alpha", "lights"),
+    "phong": ("tiny", "knitted", "lines-points", "cloud"),
 }
 """What OSMesa draws where EGL draws all. Both compile shaders by the same code of Mesa; what differs is their contexts,
-so every pass and every kind of program is drawn with both."""
+so every pass and every kind of program, primitive and coverage is drawn with both."""
 
 
 @pytest.fixture(scope="module")
@@ -69,11 +69,12 @@ def test_osmesa(on_osmesa: Renderer, golden, mode: str, case: Case) -> None:
 
 
 def kinds(mode: str, case: Case) -> set[object]:
-    """The passes of a picture, and the fragment shaders of what they draw."""
+    """The passes of a picture, the fragment shaders of what they draw, and its primitives and how they cover pixels."""
     scene, _ = case.load()
     plan = plan_scene(scene, case.with_mode(mode), scene.lights, samples=4, half_target=True, orthographic=False)
     told = plan.to_json()
-    return {*told["passes"], *(program["fragment"] for program in told["programs"]),
+    return {*told["passes"], *(scene.meshes[draw.mesh].topology for draw in plan.draws),
+            *(draw.alpha_mode for draw in plan.draws), *(program["fragment"] for program in told["programs"]),
             *(program.fragment for program in (plan.media.programs if plan.media else ())),
             *(name for name in ("environment_shadows", "has_traced_refraction") if getattr(plan, name))}
 
