@@ -9,11 +9,10 @@ from typing import Any, cast
 
 from waiting import PATIENCE_S
 
-from viewer.web.audience import Audience, Client
+from viewer.web.audience import SHOWN, Audience, Client
 from viewer.web.view import REST_SECONDS, RemoteView
 
 SIZE = {"kind": "size", "width": 10, "height": 10}
-SHOWN = {"kind": "shown"}
 
 
 class Counted:

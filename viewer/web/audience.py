@@ -11,6 +11,8 @@ from .view import RemoteView
 
 BREATH_SECONDS = 0.002
 """Between two slices of work, for what else the event loop has to do; all input that has come comes before a frame."""
+SHOWN = {"kind": "shown"}
+"""The message by which a client answers that it has shown what it was sent."""
 LOOK_SECONDS = 0.25
 """How often `attend` looks whether it shall end, at least."""
 
@@ -75,7 +77,7 @@ class Audience:
 
     def hear(self, client: Client, content: Any) -> None:
         """Take what a client has sent: decoded JSON. Raises BadMessage."""
-        if content == {"kind": "shown"}:
+        if content == SHOWN:
             client.answer()
         else:
             message = message_of(content)

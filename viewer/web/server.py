@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 from ..base.messages import one_line
 from ..errors import OutputError, UsageError
 from ..measure.report.page import embedded
-from .audience import Audience, Client
+from .audience import SHOWN, Audience, Client
 from .messages import BadMessage
 from .view import RemoteView
 
@@ -65,10 +65,9 @@ class ViewServer:
             "Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff",
             "Cross-Origin-Resource-Policy": "same-origin",
             "Content-Security-Policy": f"default-src 'none'; script-src 'sha256-{digest}'; style-src 'unsafe-inline'; "
-                                       "img-src data:; connect-src 'self' ws: wss:; base-uri 'none'; "
+                                       "img-src data:; connect-src 'self'; base-uri 'none'; "
                                        "form-action 'none'; frame-ancestors 'none'",
         }
-        self._sending: set[asyncio.Task[None]] = set()
 
     async def run(self, listener: socket.socket, announce: Callable[[str], None],
                   wants_to_stop: Callable[[], bool]) -> None:
@@ -118,16 +117,20 @@ class ViewServer:
             except ConnectionClosed:
                 pass
 
+        sending: asyncio.Task[None] | None = None
+
         def deliver(words: dict[str, Any], picture: bytes | None) -> None:
-            task = asyncio.get_running_loop().create_task(send(words, picture))
-            self._sending.add(task)  # the loop itself keeps no reference to it
-            task.add_done_callback(self._sending.discard)
+            nonlocal sending
+            sending = asyncio.get_running_loop().create_task(send(words, picture))
 
         client = Client(deliver)
         self.audience.join(client)
         try:
             async for message in connection:
-                self.audience.hear(client, json.loads(message))
+                content = json.loads(message)
+                if content == SHOWN and sending is not None:
+                    await sending  # else pictures would pile up for one that says so without reading them
+                self.audience.hear(client, content)
         except (BadMessage, ValueError, RecursionError):
             await connection.close(1008, "not a message of this page")
         except ConnectionClosed:
