@@ -231,6 +231,19 @@ def test_a_drag_turns_the_model_as_in_the_window(server, guest):
     assert server.view.orbit.distance < distance
 
 
+def test_a_picture_that_moves_too_slowly_is_smaller_until_it_rests(server, guest, monkeypatch):
+    monkeypatch.setattr("viewer.web.pace.FRAME_SECONDS", 1e-6)
+    for dx in (10, 20):  # the first tells how slow it is
+        guest.drag(dx, 0)
+        sizes = guest.sizes_until_rest()
+        assert sizes[-1] == SIZE
+    smaller = round(SIZE[0] / 8**0.5), round(SIZE[1] / 8**0.5)
+    assert set(sizes) == {smaller, SIZE}
+    assert apart(guest.pixels, right(server)) < 0.5
+    guest.key("2")
+    assert set(guest.sizes_until_rest()) == {SIZE}  # nothing moves
+
+
 def test_a_split_and_its_line(server, guest):
     guest.key("3")
     guest.rest()

@@ -155,10 +155,9 @@ function startView(root, config, send) {
     // Shows the words, and the picture if `bytes` has one, and then says so: the next ones come after that.
     async show(newWords, bytes) {
       if (bytes) {
-        const picture = await createImageBitmap(new Blob([bytes]));
-        if (canvas.width !== picture.width || canvas.height !== picture.height)
-          Object.assign(canvas, { width: picture.width, height: picture.height });
-        canvas.getContext("2d").drawImage(picture, 0, 0);
+        const picture = await createImageBitmap(new Blob([bytes])), [width, height] = newWords.size;
+        if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+        canvas.getContext("2d").drawImage(picture, 0, 0, width, height);  // one that moves may be smaller
         picture.close();
       }
       words = newWords;
