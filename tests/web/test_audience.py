@@ -7,6 +7,7 @@ import math
 import time
 from typing import Any, cast
 
+import pytest
 from waiting import PATIENCE_S
 
 from viewer.web.audience import SHOWN, Audience, Client
@@ -70,6 +71,12 @@ def run(audience: Audience, condition) -> None:
     end = time.monotonic() + PATIENCE_S
     asyncio.run(audience.attend(lambda: condition() or time.monotonic() > end))
     assert condition()
+
+
+@pytest.fixture(autouse=True)
+def _looks_often(monkeypatch):
+    """Whoever counts its looks need not wait long for them."""
+    monkeypatch.setattr("viewer.web.audience.LOOK_SECONDS", 0.02)
 
 
 def make(end: float = math.inf) -> tuple[Counted, Audience]:
