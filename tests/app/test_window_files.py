@@ -118,6 +118,7 @@ def test_page_keys_show_the_other_files_and_go_past_a_broken_one(open_window, fo
         window.state.message = ""
         hands.key(key)
         assert window._files.path == str(folder / name), (key, name)
+        assert is_error != (window._files.shown == str(folder / name))  # what a copied command line names
         assert window.state.is_error == is_error or not window.state.message
         assert is_error == ("c.glb" in window.state.message)
 
@@ -171,6 +172,14 @@ def test_a_model_alone_is_viewed_and_other_words_are_no_commands(monkeypatch, fo
     assert [named["files"].beside(-1) for _, named in seen] == [str(folder / "more" / "c.glb")] * 2 + [
         str(folder / "b.glb")]
     assert seen[2][1]["files"].read.keys() == {(folder / "a.glb").absolute()}
+    for name in ("a.glb", "b.glb"):
+        (folder / name).write_bytes(b"")
+    outcome = run(cli, ["view", str(folder)])
+    assert seen[3][0] == "c" and [line.endswith(".glb: the file is empty") for line in outcome.output.splitlines()] == [
+        True, True]
+    (folder / "more" / "c.glb").write_bytes(b"")
+    with pytest.raises(InputError, match="a.glb: the file is empty"):
+        cli.main([str(folder)], standalone_mode=False)
     with pytest.raises(InputError, match="no such file"):
         cli.main(["missing.glb"], standalone_mode=False)
     assert "No such command 'rendr'" in run(cli, ["rendr", "a.glb"]).output

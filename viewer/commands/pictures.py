@@ -10,8 +10,9 @@ from typing import Any
 
 import click
 
-from ..base.messages import say
+from ..base.messages import say, say_error
 from ..batch.options import BATCH, BATCH_OPTIONS, check_batch_options
+from ..errors import InputError
 from ..jobs.camera_options import CAMERA_OPTIONS, VIEWS_OPTIONS, check_camera_options, chooses_camera
 from ..jobs.options import (
     AOV_OPTION,
@@ -39,7 +40,8 @@ from .output import print_facts, print_text, warn, write_or_print_json
 def view(model: str, watch: bool, fullscreen: bool, **options: Any) -> None:
     """Open MODEL in a window. Drag to orbit, scroll to move closer, press F1 for a list of all keys.
 
-    `pbr-viewer MODEL` does the same. Of a folder the first model is opened; Page Down and Page Up show the others.
+    `pbr-viewer MODEL` does the same. Of a folder the first model that can be read is opened; Page Down and Page Up show
+    the others.
 
     With --animation it plays, unless a --time is given, at which it stands still.
 
@@ -65,10 +67,19 @@ def view(model: str, watch: bool, fullscreen: bool, **options: Any) -> None:
     settings = make_settings(options)
     start = time.perf_counter()
     folder = model if Path(model).is_dir() else None
-    first = find_models([model])[0] if folder is not None else model
     environment = make_environment(options)
-    with noting_files() as read:
-        scene = make_scene(first, environment, options)
+    failed: list[InputError] = []
+    for first in find_models([model]) if folder is not None else [model]:
+        try:
+            with noting_files() as read:
+                scene = make_scene(first, environment, options)
+            break
+        except InputError as error:
+            failed.append(error)
+    else:
+        raise failed[0]
+    for unread in failed:
+        say_error(unread)
     others = {name: options[name] for name in ("up", "material")}  # the other options are about MODEL
     own = [] if options["scene"] is None else ["--scene", options["scene"]]
     own += [word for file in options["with_files"] for word in ("--with", file)]

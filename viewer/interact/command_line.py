@@ -46,8 +46,8 @@ def command_line(state: ViewState, orbit: OrbitController, size: tuple[int, int]
         lost.append("the white furnace")
     if state.has_edited_lights:
         lost.append("changes of the file's lights")
-    path = files.path if files.path is not None else "MODEL"
-    if files.path is None:
+    path = files.shown if files.shown is not None else "MODEL"
+    if files.shown is None:
         lost.append("the model, which has no file")
     words = [path, "-o", f"{Path(path).stem}.png", "--size", f"{size[0]}x{size[1]}", *files.words(path)]
     if state.scene.variant:

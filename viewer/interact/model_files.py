@@ -24,7 +24,9 @@ class ModelFiles:
     def __init__(self, path: str | None = None, folder: str | None = None,
                  load: Callable[[str], Scene] = load_scene, read: Mapping[Path, Stamp] | None = None,
                  words: Callable[[str], Sequence[str]] = lambda path: ()) -> None:
-        self.path = path
+        self.path = self.shown = path
+        """The file whose place in the folder counts, and the one of the scene that is shown. Where the former cannot be
+        read, the latter is the one before."""
         self.read: Mapping[Path, Stamp] = read or {}
         """The file and all that it refers to, as far as they were looked for, as they were before they were read."""
         self.words = words
@@ -32,13 +34,15 @@ class ModelFiles:
         self._folder, self._load = folder, load
 
     def load(self, path: str) -> Scene:
-        """The scene of another file, or of the same one again. Raises as `load_scene`; it is the file that is shown
-        even so, so that one goes on from there."""
+        """The scene of another file, or of the same one again. Raises as `load_scene`; one goes on from there even
+        so."""
         with noting_files() as found:
             try:
-                return self._load(path)
+                scene = self._load(path)
             finally:
                 self.path, self.read = path, found
+        self.shown = path
+        return scene
 
     def beside(self, step: int) -> str:
         """The file so many places after the one that is shown, in the order of names; after the last comes the first.
