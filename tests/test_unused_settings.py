@@ -49,3 +49,13 @@ def test_nothing_is_told_of_defaults_and_of_what_is_there():
     assert unused_settings(full, Settings.of(
         hair_tilt=3, curve_radius=0.1, volume_g=0.5, media_steps="112", sheen="zeltner", refraction="traced",
         environment_shadows="16", light_radius=0.1, fog=1, fog_g=0.1, background_blur=2)) == []
+
+
+def test_what_a_view_of_values_does_not_show_is_named_once():
+    told = unused_settings(BARE, Settings.of(show="normal", exposure=1.0, tonemap="agx", grid="on", lobes="specular",
+                                             fog=1.0, fog_g=0.5, antialias="none", denoise="fast", background="none"))
+    assert told == ["exposure and tonemap and lobes and grid and fog and fog_g have no effect: the setting show is "
+                    "normal"]
+    assert unused_settings(BARE, Settings.of(show="overdraw", antialias="ssaa-4", lobes="specular", grid="on")) == [
+        "grid and antialias have no effect: the setting show is overdraw"]
+    assert unused_settings(BARE, Settings.of(show="wireframe", exposure=1.0, grid="on")) == []

@@ -57,7 +57,7 @@ def used(settings: Settings) -> dict[str, object]:
 SETTINGS = {
     "plain": Settings(),
     "many": Settings(ndf="beckmann", fog=0.25, fog_albedo=(0.5, 0.25, 1.0), hair_melanin=(1.0, 0.5), exposure=-1.5,
-                     tonemap="agx", background="none", show="normal", denoise="fast"),
+                     tonemap="agx", background="none", show="normal", grid="on", ground="shadow", denoise="fast"),
     "phong": Settings(mode="phong", phong="blinn-phong", background_blur=2.5, weave="twill,wood"),
     "path": Settings(mode="path", spp=12, seed=3, denoise="fast", bounces=5, clamp=0.5, light_radius=0.125),
 }

@@ -102,7 +102,7 @@ def angles_of(light: Light) -> tuple[float, float]:
 
 def _look(settings: Settings) -> Iterator[str]:
     default = Settings()
-    for name in ("mode", "tonemap"):
+    for name in ("mode", "tonemap", "ground"):
         if getattr(settings, name) != getattr(default, name):
             yield from (f"--{name}", getattr(settings, name))
     if settings.exposure:

@@ -7,22 +7,32 @@ from dataclasses import fields
 
 from ..scene.material import SHEEN
 from ..scene.scene import Scene
-from ..settings import Settings
+from ..settings import Settings, ignored
 from .media import has_media
+from .views import view_settings
+
+_OF_THE_DISPLAY = ("exposure", "tonemap", "ground")
+"""What no view of values has, and no plan of one asks for."""
 
 
 def unused_settings(scene: Scene, settings: Settings) -> list[str]:
     """One line for each thing that `scene` lacks, if settings about it do not have their defaults."""
     default, lines = Settings(), []
+    told: set[str] = set()
     for names, is_there, lack in _needs(scene, settings):
-        given = [name for name in names if getattr(settings, name) != getattr(default, name)]
+        given = [name for name in names if getattr(settings, name) != getattr(default, name) and name not in told]
         if given and not is_there:
             lines.append(f"{' and '.join(given)} {'has' if len(given) == 1 else 'have'} no effect: {lack}")
+            told.update(given)
     return lines
 
 
 def _needs(scene: Scene, settings: Settings) -> Iterator[tuple[list[str], bool, str]]:
     """Settings, whether there is what they are about, and what is missing otherwise."""
+    kept, elsewhere = view_settings(settings), {"mode", "background", *ignored(settings.mode)}
+    lost = [f.name for f in fields(Settings) if f.name not in elsewhere and (
+        f.name in _OF_THE_DISPLAY or getattr(kept, f.name) != getattr(settings, f.name))]
+    yield lost, not settings.shows_values, f"the setting show is {settings.show}"
     materials = [scene.materials[k] for k in {scene.meshes[instance.mesh].material for instance in scene.instances}]
     is_environment_shown = scene.environment is not None and settings.background == "env"
     has_solid_glass = any(material.transmits and material.thickness > 0 for material in materials)
