@@ -83,7 +83,7 @@ def test_views_of_values_are_of_one_real_time_mode_and_leave_with_any_other_view
     assert state.message == "Base colour" and state.on_screen().background == CLEAR_GREY
     for view, mode in (("phong", "phong"), ("split", "phong"), ("path", "path")):
         state.show_view(view)
-        assert state.settings.show == "shaded" and state.modes[0] == mode
+        assert state.settings.show == "shaded" and state.modes[0] == mode and not state.message
         state.step_values(-1)
         assert state.settings.show == "wireframe" and len(state.modes) == 1 and state.modes != ("path",)
     state.step_values(1)

@@ -355,13 +355,13 @@ def test_media_at_rest_are_refined_where_software_draws(open_window, scene):
 
 
 def test_no_display_is_one_clear_error(scene, monkeypatch):
-    from viewer.app.window import run
+    from viewer import app
     from viewer.errors import ContextError
 
     monkeypatch.setattr("glfw.create_window", lambda *_: None)
     monkeypatch.setattr("glfw.get_error", lambda: (0, b"X11: Failed to open display"))
     with pytest.raises(ContextError, match="window: X11: Failed to open display") as caught:
-        run(scene, PLAIN)
+        app.open_window(scene, PLAIN)
     assert "\n" not in str(caught.value)
 
 
