@@ -175,3 +175,10 @@ def test_what_is_wrong_with_objects_of_trimesh_is_told_with_its_place():
     many.add_geometry(trimesh.creation.box(), node_name="lost", transform=np.full((4, 4), np.nan))
     with pytest.raises(UsageError, match="^lost: its matrix .* holds NaN"):
         viewer.scene(many)
+
+
+@pytest.mark.parametrize("length", [1e300, 1e-300])
+@pytest.mark.filterwarnings("error")
+def test_normals_may_have_any_length(length):
+    made = tetrahedron(normals=np.array([[0, 0, 1], [0, 3, 0], [0, 0, 1], [0, 0, -1]]) * length)
+    np.testing.assert_array_equal(made.meshes[0].normals, [[0, 0, 1], [0, 1, 0], [0, 0, 1], [0, 0, -1]])

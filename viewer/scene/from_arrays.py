@@ -83,7 +83,9 @@ def _mesh(vertices: Any, name: str, faces: Any, normals: Any, uvs: Any, colors: 
     mesh = RawMesh(name, positions, "points" if corners is None else "triangles",
                    None if corners is None else corners.ravel())
     if normals is not None:
-        mesh = replace(mesh, normals=scene_array(normals, "normals", np.float64, count, 3))
+        given = scene_array(normals, "normals", np.float64, count, 3)
+        largest = np.abs(given).max(axis=1, keepdims=True)  # without it squares of their lengths may overflow
+        mesh = replace(mesh, normals=given / np.where(largest > 0, largest, 1))
     if uvs is not None:
         mesh = replace(mesh, uvs=scene_array(uvs, "uvs", np.float64, count, 2))
     return mesh if colors is None else with_colors(mesh, colors)
