@@ -15,8 +15,8 @@ from viewer.jobs.render_job import RenderTask
 
 
 class FakeWorker:
-    """`fail` is reported; `kill`, `crash` and `exit` end the process while a file is half written, `kill-once` only the
-    first time; `wait` takes until the file `go` is there; `context` and `input` raise."""
+    """`fail` is reported; `kill` ends the process while a file is half written; `wait` takes until the file `go` is
+    there; `context` and `input` raise."""
 
     def do(self, task: RenderTask, progress: Progress) -> Done:
         name = Path(task.model).stem
@@ -29,13 +29,8 @@ class FakeWorker:
             raise InputError("env.hdr", "line 1", "is broken")
         with atomic_write(task.output) as temporary:
             temporary.write_text("half")
-            if name == "kill-once" and not Path("killed").exists():
-                Path("killed").touch()
+            if name == "kill":
                 os.kill(os.getpid(), signal.SIGKILL)
-            if name in ("kill", "crash"):
-                os.kill(os.getpid(), signal.SIGKILL if name == "kill" else signal.SIGSEGV)
-            if name == "exit":
-                os._exit(3)
             while name == "wait" and not Path("go").exists():
                 Path("waits").touch()
                 time.sleep(0.01)
