@@ -101,7 +101,7 @@ def test_a_part_that_is_lost_for_good_fails_the_picture(run, folder, lose):
     assert outcome.status == 1 and 1 <= told <= Losing.room, "and no part after it"
 
 
-@pytest.mark.parametrize("moves", [("--turntable", "10", "--quality", "draft"),
+@pytest.mark.parametrize("moves", [("--turntable", "10", "--quality", "standard"),
                                    ("--animation", "0", "--fps", "6", "--mode", "phong")])
 def test_a_film_in_parts_is_that_of_one_process_whoever_dies(run, folder, lose, moves):
     film = ("render", SCENES / "arm.glb", "--size", "24", *moves)
