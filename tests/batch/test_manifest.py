@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from command_line import SCENES, names
+from needs import needs
 
 from viewer.base.atomic import atomic_write
 from viewer.batch.keys import Keys
@@ -86,7 +87,30 @@ def test_a_line_that_is_cut_off_is_left_out(folder, capsys):
     assert [each["out"] for each in lines(folder)] == ["m.png", "o.png"]
 
 
-@pytest.mark.parametrize("text", ["{}\n", "[1, 2]\n", "text\n", '{"image": "a.png", "caption": "a cat"}\n'])
+def test_the_views_of_a_model_leave_its_other_picture_alone(folder):
+    with Manifest(folder) as manifest:
+        manifest.add([line("m.png")], "m.png")
+        manifest.add([line("m_front.png", "new")], "m.png")
+    assert [each["out"] for each in lines(folder)] == ["m.png", "m_front.png"]
+
+
+@needs("posix")
+def test_nobody_waits_for_a_pipe(folder):
+    os.mkfifo("m.glb")
+    assert Keys(RenderJob({})).of("m.glb", "m.png") == Keys(RenderJob({})).of("none.glb", "m.png")
+    os.mkfifo(MANIFEST)
+    with pytest.raises(OutputError, match="manifest.jsonl: is not a regular file"):
+        Manifest(folder)
+
+
+LINE = {"model": "m.glb", "out": "m.png", "key": "k", "status": "done", "error": None, "seconds": 1.5, "worker": "a:1"}
+
+
+@pytest.mark.parametrize("text", ["{}\n", "[1, 2]\n", "text\n", '{"image": "a.png", "caption": "a cat"}\n',
+                                  "[" * 9999 + "\n", *(json.dumps(LINE | changed) + "\n" for changed in (
+                                      {"out": 2}, {"key": {}}, {"status": "new"}, {"seconds": float("inf")},
+                                      {"seconds": "1"}, {"camera": 5}, {"error": [1]}))],
+                         ids=lambda text: text[:60])
 def test_the_file_of_another_program_is_left_alone(folder, text):
     (folder / MANIFEST).write_text(text)
     with pytest.raises(OutputError, match="line 1: is no line of a manifest"), Manifest(folder):
@@ -100,24 +124,27 @@ def test_a_key_follows_all_that_a_picture_is_made_from(folder):
     (folder / "m.gltf").write_text(json.dumps(gltf))
     (folder / "o.obj").write_text("mtllib o.mtl\nv 0 0 0\n")
     (folder / "o.mtl").write_text("newmtl a\nmap_Kd -s 1 1 1 map.png\n")
-    for name in ("part 1.bin", "map.png", "studio.hdr", "weave.json"):
+    (folder / "c.dae").write_text("<image><init_from>a&amp;b.png</init_from></image>"
+                                  "<image><init_from>\n <ref>./c%201.png</ref></init_from></image>")
+    for name in ("part 1.bin", "map.png", "a&b.png", "c 1.png", "studio.hdr", "weave.json"):
         (folder / name).write_bytes(b"0")
     options = {"size": (8, 8), "env": "studio.hdr", "assignments": ("weave=weave.json,Cloth",), "quiet": False}
 
     def keys(**changed: object) -> list[str]:
         made = Keys(RenderJob(options | changed))
-        return [made.of("m.gltf", "m.png"), made.of("o.obj", "o.png")]
+        return [made.of("m.gltf", "m.png"), made.of("o.obj", "o.png"), made.of("c.dae", "c.png")]
 
     first = keys()
     assert keys() == first == keys(quiet=True), "and nothing else"
     seen = {*first}
     for change in ({"size": (8, 9)}, {"assignments": ()}):
         assert not seen & {*keys(**change)}
-    for name, changed in (("part 1.bin", 0), ("map.png", 1), ("o.mtl", 1), ("m.gltf", 0)):
+    for name, changed in (("part 1.bin", 0), ("map.png", 1), ("o.mtl", 1), ("m.gltf", 0), ("a&b.png", 2),
+                          ("c 1.png", 2)):
         before = keys()
         with (folder / name).open("a") as file:
             file.write(" ")
-        assert [old != new for old, new in zip(before, keys())] == [changed == 0, changed == 1], name
+        assert [old != new for old, new in zip(before, keys())] == [changed == k for k in range(3)], name
     for name in ("studio.hdr", "weave.json"):
         before = keys()
         (folder / name).write_bytes(b"1")

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
+from xml.sax.saxutils import unescape
 
 from ..base.digest import digest
 from ..errors import InputError
@@ -18,6 +19,7 @@ from ..scene.gltf.container import read_container
 _NOT_SEEN = frozenset(("quiet", "verbose", "no_cache", "backend", "error_map", "write_cameras"))
 """Options that change no pixel, or only where they are computed."""
 _LIBRARY = re.compile(rb"^\s*mtllib\s+(.+?)\s*$", re.MULTILINE)
+_COLLADA_IMAGE = re.compile(rb"<(?:\w+:)?init_from\s*>\s*(?:<(?:\w+:)?ref\s*>\s*)?([^<]+?)\s*</")
 _MAP = re.compile(rb"^\s*(?:map_\w+|bump|norm)\s(?:.*\s)?(\S+)\s*$", re.MULTILINE | re.IGNORECASE)
 
 
@@ -36,7 +38,9 @@ class Keys:
 
 
 def _content(path: Path) -> str:
-    """A digest of the file; "" if it cannot be read, which whoever needs it will say."""
+    """A digest of the file; "" if it cannot be read, which whoever needs it will say. A pipe would be waited for."""
+    if not _is_file(path):
+        return ""
     try:
         with path.open("rb") as file:
             return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
@@ -66,7 +70,8 @@ def _is_file(path: Path) -> bool:
 
 
 def _referred(model: Path) -> Iterator[Path]:
-    """The files that a glTF file or an OBJ names and that are in its folder. Of a broken one there are none."""
+    """The files that a glTF file, an OBJ or a COLLADA file names and that are in its folder. Of a broken one there are
+    none."""
     try:
         if model.suffix.lower() in (".gltf", ".glb"):
             root = read_container(model, read_file(model))[0]
@@ -77,6 +82,8 @@ def _referred(model: Path) -> Iterator[Path]:
             for library in _inside(model, map(_text, _LIBRARY.findall(read_file(model)))):
                 yield library
                 yield from _inside(model, map(_text, _MAP.findall(read_file(library))))
+        elif model.suffix.lower() == ".dae":
+            yield from _inside(model, (unescape(_text(name)) for name in _COLLADA_IMAGE.findall(read_file(model))))
     except (InputError, TypeError):
         return
 

@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
+from math import isfinite
 from pathlib import Path
 from typing import Any, Literal, Self
 
@@ -49,8 +50,10 @@ class Manifest:
         self._by_key: dict[str, dict[str, Line]] = {}
         self._repeats = 0
         self._file: int | None = None
-        if self.path.exists():
+        if self.path.is_file():
             self._read(self._opened())
+        elif self.path.exists():  # a pipe would be waited for
+            raise OutputError(f"{self.path}: is not a regular file")
 
     def _opened(self) -> int:
         """The file, which the first line makes."""
@@ -70,8 +73,8 @@ class Manifest:
             os.ftruncate(file, len(text) - len(rest))
         for number, line in enumerate(whole.split(b"\n") if whole else (), 1):
             try:
-                self._note([Line(**json.loads(line))])
-            except (ValueError, TypeError) as error:
+                self._note([_checked(Line(**json.loads(line)))])
+            except (ValueError, TypeError, RecursionError) as error:
                 raise OutputError(f"{self.path}: line {number}: is no line of a manifest of pictures; move the file "
                                   "away, or give another -o") from error
 
@@ -97,8 +100,8 @@ class Manifest:
         del self._by_key[self._lines.pop(out).key][out]
 
     def add(self, lines: Sequence[Line], instead_of: str = "") -> None:
-        """Add the lines of a model, all or none. They take the place of that of the file `instead_of`: a model that
-        could not be loaded has a line without views. Raises OutputError."""
+        """Add the lines of a model, all or none. They take the place of a failure of the file `instead_of`: a model
+        that could not be loaded has a line without views. Raises OutputError."""
         text, file = _text(lines), self._opened()
         before = os.fstat(file).st_size
         try:
@@ -109,7 +112,8 @@ class Manifest:
                 os.ftruncate(file, before)
             raise OutputError(f"{self.path}: cannot be written: {error.strerror}") from error
         self._note(lines)
-        if instead_of in self._lines and all(line.out != instead_of for line in lines):
+        old = self._lines.get(instead_of)
+        if old is not None and old.status == "failed" and all(line.out != instead_of for line in lines):
             self._drop(instead_of)
 
     def out(self, path: Path) -> str:
@@ -133,6 +137,15 @@ class Manifest:
     def file_of(self, line: Line) -> Path:
         """The file of its picture."""
         return self._folder / line.out
+
+
+def _checked(line: Line) -> Line:
+    """Raises ValueError or TypeError for a line of another form than that of `Line`."""
+    texts = (line.model, line.out, line.key, line.worker, line.error or "")
+    if not (all(isinstance(text, str) for text in texts) and line.status in ("done", "failed")
+            and isfinite(line.seconds or 0) and isinstance(line.camera or {}, dict)):
+        raise ValueError
+    return line
 
 
 def _text(lines: Iterable[Line]) -> bytes:
