@@ -70,7 +70,7 @@ def test_the_panel_has_a_section_for_what_moves(open_window, rolling, scene, mon
     from viewer.app import setting_rows
 
     seen, real = [], setting_rows.row
-    monkeypatch.setattr(setting_rows, "row", lambda label, scale: (seen.append(label), real(label, scale))[1])
+    monkeypatch.setattr(setting_rows, "row", lambda label, *more: (seen.append(label), real(label, *more))[1])
     hands = open_window(rolling, Settings(antialias="none"), size=(1000, 500), playback=Playback(0))
     hands.settle()
     assert {"Animation", "Time", "Speed", "Exposure"} <= set(seen)
