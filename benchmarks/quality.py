@@ -3,7 +3,8 @@
     python -m benchmarks.quality [MODEL ...] [--sizes WxH ...] [--rounds N] [--results DIR]
 
 Each picture is made by a command of its own, `pbr-viewer render`, with what caches on disk hold. Its processor time is
-that of the whole command. The qualities take turns in each round; the least is told.
+that of the whole command. A draft, and standard with each number of lights that auto may take, take turns in each
+round; the least is told.
 """
 
 from __future__ import annotations
@@ -14,12 +15,12 @@ import resource
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
 from viewer.gpu.context import open_context
-from viewer.plan.first_picture import FirstPicture
-from viewer.quality import QUALITIES
+from viewer.plan.first_picture import LIGHTS, FirstPicture
 from viewer.scene.environment_files import load_environment
 from viewer.scene.load import load_scene
 
@@ -28,11 +29,14 @@ from . import corpus, machine, shot, tracing
 MODELS = ("Box", "Duck", "Fox", "Suzanne", "CesiumMilkTruck", "RiggedFigure", "GlamVelvetSofa", "DamagedHelmet",
           "AlphaBlendModeTest", "GlassVaseFlowers", "ClearCoatTest", "FlightHelmet", "SheenCloth", "ToyCar")
 ENVIRONMENT = "studio_small_05_1k"
-MEASURED = QUALITIES[:2]
-"""High is not measured here: baking takes it seconds in any case."""
+MEASURED = {"draft": ("--quality", "draft"),
+            **{str(lights): ("--quality", "standard", "--set", f"environment-shadows={lights}") for lights in LIGHTS}}
+"""The options of what auto may take. High is not measured: baking takes it seconds in any case."""
 COLUMNS = {"model": "model", "size": "size", "triangles": "triangles", "draft": "draft:.2f",
-           "standard": "standard:.2f", "times": "times:.2f", "foreseen times": "foreseen:.2f", "auto takes": "auto",
-           "its times": "auto_times:.2f"}
+           **{f"{lights} lights": f"{lights}:.2f" for lights in LIGHTS},
+           **{f"times with {lights}": f"times_{lights}:.2f" for lights in LIGHTS},
+           **{f"foreseen with {lights}": f"foreseen_{lights}:.2f" for lights in LIGHTS},
+           "auto takes": "auto", "its times": "auto_times:.2f"}
 
 
 def main() -> None:
@@ -55,21 +59,23 @@ def main() -> None:
 
 
 def _row(model: str, size: str, rounds: int) -> dict[str, object]:
-    turns = [{quality: _seconds(model, size, quality) for quality in MEASURED} for _ in range(rounds)]
-    taken = {quality: min(turn[quality] for turn in turns) for quality in MEASURED}
+    turns = [{name: _seconds(model, size, options) for name, options in MEASURED.items()} for _ in range(rounds)]
+    taken = {name: min(turn[name] for turn in turns) for name in MEASURED}
     scene = replace(load_scene(corpus.model(model)), environment=load_environment(corpus.environment(ENVIRONMENT)))
     width, height = map(int, size.split("x"))
     first = FirstPicture.of(scene, (width, height))
+    auto = str(first.lights or "draft")
     return {"model": model, "size": size, "triangles": scene.triangle_count, **taken,
-            "times": taken["standard"] / taken["draft"], "foreseen": first.standard / first.draft,
-            "auto": first.quality, "auto_times": taken[first.quality] / taken["draft"]}
+            **{f"times_{lights}": taken[str(lights)] / taken["draft"] for lights in LIGHTS},
+            **{f"foreseen_{lights}": first.standard(lights) / first.draft for lights in LIGHTS},
+            "auto": auto, "auto_times": taken[auto] / taken["draft"]}
 
 
-def _seconds(model: str, size: str, quality: str) -> float:
+def _seconds(model: str, size: str, options: Iterable[str]) -> float:
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "viewer", "render", corpus.model(model), "-o", f"{folder}/a.png", "-q",
                    "--env", corpus.environment(ENVIRONMENT), "--background", "none", "--size", size,
-                   "--quality", quality]
+                   *options]
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         subprocess.run(command, check=True, cwd=shot.REPOSITORY)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)

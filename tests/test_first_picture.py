@@ -8,7 +8,7 @@ import numpy as np
 from command_line import SCENES
 from shapes import WHITE, constant, facing_floor, moved, plate, scene, sphere
 
-from viewer.plan.first_picture import TIMES, FirstPicture
+from viewer.plan.first_picture import LIGHTS, TIMES, FirstPicture
 from viewer.raster.visibility import MOST_POINTS
 from viewer.scene.curves import Curves
 from viewer.scene.environment_files import load_environment
@@ -35,22 +35,27 @@ def foreseen(room: Scene, size: tuple[int, int] = SIZE) -> FirstPicture:
     return FirstPicture.of(room, size)
 
 
-def test_it_takes_standard_where_its_first_picture_is_foreseen_in_time():
+def test_it_takes_standard_with_the_most_lights_that_are_foreseen_in_time():
+    assert list(LIGHTS) == sorted(LIGHTS, reverse=True)
     taken = set()
     for room in (balls(1), balls(1, 2048), balls(400), balls(3, segments=200), balls(3, 2048, 200)):
         first = foreseen(room)
-        assert 0 < first.draft < first.standard
-        assert first.quality == ("standard" if first.standard <= TIMES * first.draft else "draft")
-        assert ("not within" in first.reason) == (first.quality == "draft")
-        taken.add(first.quality)
-    assert len(taken) == 2
+        fitting = [lights for lights in LIGHTS if first.standard(lights) <= TIMES * first.draft]
+        assert 0 < first.draft < first.standard(0) < first.standard(LIGHTS[-1]) < first.standard(LIGHTS[0])
+        assert first.lights == max(fitting, default=0)
+        assert ("not within" in first.reason) == (not fitting)
+        assert (f"with {LIGHTS[-1]} of {LIGHTS[0]} lights" in first.reason) == (first.lights != LIGHTS[0])
+        assert f"{first.standard(first.lights or LIGHTS[-1]):.2f} s, {first.draft:.2f} s" in first.reason
+        taken.add(first.lights)
+    assert taken == {0, *LIGHTS}
 
 
 def test_textures_and_materials_make_a_draft_slow_and_standard_no_slower_than_that():
     plain, detailed = balls(1, segments=200), balls(1, 8192, segments=200)
-    assert foreseen(plain).quality == "draft" and foreseen(detailed).quality == "standard"
-    assert np.isclose(foreseen(detailed).standard - foreseen(plain).standard,
-                      foreseen(detailed).draft - foreseen(plain).draft)
+    assert foreseen(plain).lights < foreseen(detailed).lights == LIGHTS[0]
+    for lights in LIGHTS:
+        assert np.isclose(foreseen(detailed).standard(lights) - foreseen(plain).standard(lights),
+                          foreseen(detailed).draft - foreseen(plain).draft)
     unused = replace(plain, materials=plain.materials * 2)
     used = replace(unused, meshes=(plain.meshes[0], replace(plain.meshes[1], material=1)))
     assert foreseen(unused) == foreseen(plain) and foreseen(used).draft > foreseen(plain).draft
@@ -58,25 +63,27 @@ def test_textures_and_materials_make_a_draft_slow_and_standard_no_slower_than_th
 
 def test_triangles_instances_and_strands_are_drawn_into_every_map():
     room = balls(1, 2048)
-    assert foreseen(room).quality == "standard"
-    assert foreseen(balls(1, 2048, segments=600)).quality == "draft"
-    assert foreseen(balls(400, 2048)).quality == "draft"
+    assert foreseen(room).lights == LIGHTS[0]
+    triangles = [balls(1, 2048, segments) for segments in (200, 600)]
+    instances = [balls(count, 2048) for count in (100, 400)]
+    for some, many in (triangles, instances):
+        assert (foreseen(some).lights, foreseen(many).lights) == (LIGHTS[-1], 0)
     points = np.zeros((400_000, 3))
     hair = Curves("hair", points, np.full(len(points), 0.01), np.array([0, len(points)]), np.zeros(1, bool))
-    assert foreseen(replace(room, curves=(hair,))).quality == "draft"
+    assert foreseen(replace(room, curves=(hair,))).lights == 0
 
 
 def test_without_an_environment_or_surfaces_there_are_no_shadows_to_wait_for():
     slow = balls(400)
-    assert foreseen(slow).quality == "draft"
-    assert foreseen(replace(slow, environment=None)).quality == "standard"
-    assert foreseen(Scene("empty", environment=constant())).quality == "standard"
+    assert foreseen(slow).lights == 0
+    for quick in (replace(slow, environment=None), Scene("empty", environment=constant())):
+        assert foreseen(quick).lights == LIGHTS[0] and foreseen(quick).light == 0
 
 
 def test_large_pictures_of_simple_models_are_drafts():
-    assert [foreseen(balls(1), size).quality for size in ((256, 256), (3840, 2160))] == ["standard", "draft"]
+    assert [foreseen(balls(1), size).lights for size in ((256, 256), (3840, 2160))] == [LIGHTS[0], 0]
     sizes = [foreseen(balls(1), (side, side)) for side in (256, 512, 1024)]
-    rises = np.diff([first.standard - first.draft for first in sizes]) / np.diff([256**2, 512**2, 1024**2])
+    rises = np.diff([first.standard(LIGHTS[0]) - first.draft for first in sizes]) / np.diff([256**2, 512**2, 1024**2])
     assert rises[0] > rises[1] > 0  # the points of the shadows are bounded
     assert MOST_POINTS == 1 << 17
 

@@ -35,7 +35,9 @@ def test_points_are_settings_that_exist_and_mode_pbr_uses():
 
 def test_what_is_given_wins_and_other_modes_have_no_quality():
     given = Settings(environment_shadows="off", ndf="beckmann")
-    standard = Quality("standard", frozenset({"environment_shadows", "ndf"}))
+    assert Quality("standard", lights=16).applied(Settings()) == \
+        replace(Settings(), **POINTS["standard"] | {"environment_shadows": "16"})
+    standard = Quality("standard", frozenset({"environment_shadows", "ndf"}), lights=16)
     assert standard.applied(given) == replace(given, **POINTS["standard"] | {"environment_shadows": "off"})
     occluded = Quality("standard").applied(Settings(ambient_occlusion="gtao"))
     assert (occluded.ambient_occlusion, occluded.environment_shadows) == ("gtao", "off")
@@ -101,11 +103,15 @@ def test_python_has_the_same_points():
 
 
 def test_auto_takes_what_the_rule_foresees_and_says_so(run, folder, monkeypatch):
-    for point in ("draft", "standard"):
-        monkeypatch.setattr("viewer.plan.first_picture.FirstPicture.quality", point)
-        plan = viewer.render(ROOM, (24, 16), quality="auto").stats["plan"]
+    for lights, point in ((0, "draft"), (16, "standard"), (64, "standard")):
+        monkeypatch.setattr("viewer.plan.first_picture.FirstPicture.lights", lights)
+        image = viewer.render(ROOM, (24, 16), quality="auto")
+        by_hand = {"environment_shadows": str(lights)} if lights else {}
+        assert np.array_equal(image.linear, viewer.render(ROOM, (24, 16), quality=point, **by_hand).linear)
+        plan = image.stats["plan"]
         assert plan["quality"] == point and "a draft's time" in plan["quality_reason"]
         assert ("visibility" in plan["passes"]) == (point == "standard")
+        assert ("with 16 of 64 lights" in plan["quality_reason"]) == (lights < 64)
         outcome = run("render", MODEL, "-o", "a.png", *SMALL, "--quality", "auto", "--stats", "s.json", "-v")
         assert outcome.status == 0 and f"quality {point}; quality_reason foreseen" in outcome.err
         assert json.loads((folder / "s.json").read_text())["plan"]["quality"] == point
@@ -140,8 +146,8 @@ def test_auto_is_the_default_outside_of_pytest(monkeypatch):
 def test_the_frames_of_a_film_have_one_quality(run, folder, monkeypatch):
     """It is found once."""
     asked = []
-    monkeypatch.setattr("viewer.plan.first_picture.FirstPicture.quality",
-                        property(lambda first: asked.append(first) or "standard"))
+    monkeypatch.setattr("viewer.plan.first_picture.FirstPicture.lights",
+                        property(lambda first: asked.append(first) or 16))
     options = ("--turntable", "3", "--quality", "auto", "--stats", "s.json")
     assert run("render", MODEL, "-o", "a.webp", *SMALL, *options).status == 0
     assert len({id(first) for first in asked}) == 1

@@ -104,7 +104,8 @@ def render(
 
     In mode pbr `quality` is draft, standard or high, a named point of the front of error against time
     (docs/quality.md), which leaves the given `settings` as they are. The default, auto, is standard where its first
-    picture is foreseen within twice the time of a draft, which follows from the scene and `size` alone, and else draft.
+    picture is foreseen within twice the time of a draft, with 64 or else 16 lights of the environment, and else draft.
+    This follows from the scene and `size` alone.
 
     With `tell_error`, seconds of path tracing, `Image.stats["estimated_error"]` says how far a picture of another mode
     is from the truth (docs/tell-error.md), and the layer "error" where.

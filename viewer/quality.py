@@ -40,6 +40,8 @@ class Quality:
     given: frozenset[str] = frozenset()
     reason: str = ""
     """Why it is this one, if nobody has named it."""
+    lights: int = 0
+    """Of the environment, if the first picture has decided on their number; it may be less than the point's by name."""
 
     @classmethod
     def of(cls, name: str | None, given: Iterable[str], settings: Settings, scene: Scene,
@@ -64,7 +66,16 @@ class Quality:
         from .plan.first_picture import FirstPicture
 
         first = FirstPicture.of(scene, size)
-        return cls(first.quality, kept, first.reason)
+        return cls("standard" if first.lights else "draft", kept, first.reason, first.lights)
+
+    def __str__(self) -> str:
+        return self.name + (f" with {self.lights} lights" if self.point != POINTS[self.name] else "")
+
+    @property
+    def point(self) -> Mapping[str, Any]:
+        """Its settings that are not the defaults of `Settings`."""
+        named = POINTS[self.name]
+        return {**named, "environment_shadows": str(self.lights)} if self.lights else named
 
     def applied(self, settings: Settings) -> Settings:
         """`settings` at this point. Other modes than pbr have no points: their settings stay as they are."""
@@ -73,7 +84,7 @@ class Quality:
         kept = self.given
         if settings.ambient_occlusion != "off":  # it has no effect together with shadows of the environment
             kept |= {"environment_shadows"}
-        return replace(settings, **{name: value for name, value in POINTS[self.name].items() if name not in kept})
+        return replace(settings, **{name: value for name, value in self.point.items() if name not in kept})
 
     def facts(self, settings: Settings) -> dict[str, str]:
         """What plans tell of it."""

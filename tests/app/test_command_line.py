@@ -87,6 +87,17 @@ def test_the_quality_comes_back_with_what_was_chosen_beside_it(model):
     assert settings == state.at_rest and settings.reflections == "traced" and settings.refraction == "screen"
 
 
+@pytest.mark.parametrize("changes", [{}, {"environment_shadows": "64"}, {"environment_shadows": "off"},
+                                     {"ambient_occlusion": "gtao"}])
+def test_fewer_lights_than_the_quality_has_by_its_name_come_back(model, changes):
+    state = ViewState(model, Settings(), quality=Quality("standard", lights=16))
+    for name, value in changes.items():
+        state.choose(name, value)
+    settings, *_ = parsed(str(command_line(state, OrbitController(model, 1.6), SIZE, ModelFiles(MODEL))))
+    assert settings == state.at_rest
+    assert settings.environment_shadows == changes.get("environment_shadows", "off" if changes else "16")
+
+
 @pytest.mark.parametrize("view", ["turned", "top", "flat", "wide", "own"])
 def test_the_camera_comes_back(model, view):
     own = Camera.orbit((0, 0, 0), 4.0, 1.0, 0.4)

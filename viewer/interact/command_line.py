@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import shlex
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -120,14 +120,13 @@ def _look(settings: Settings) -> Iterator[str]:
 
 def _settings(state: ViewState, settings: Settings) -> Iterator[str]:
     """The quality, and what `--set` says beside it. Without its name `render` would choose one by itself."""
-    quality, default, unused = state.quality, Settings(), ignored(settings.mode)
-    point = POINTS[quality.name] if settings.mode == "pbr" else {}
+    named, shown, unused = Settings(), state.quality.applied(settings), ignored(settings.mode)
     if settings.mode == "pbr":
-        yield from ("--quality", quality.name)
+        named = replace(named, **POINTS[state.quality.name])
+        yield from ("--quality", state.quality.name)
     for name in setting_meanings():
-        value = getattr(settings, name)
-        is_said = name in quality.given if name in point else value != getattr(default, name)
-        if is_said and name not in unused:
+        value = getattr(shown, name)
+        if value != getattr(named, name) and name not in unused:
             yield from ("--set", f"{name.replace('_', '-')}={_value(value)}")
 
 

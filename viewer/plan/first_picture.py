@@ -8,20 +8,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..quality import POINTS, QualityName
+from ..quality import POINTS
 from ..scene.scene import Scene
 
-TIMES = 2.0
-"""It may take so many times as long as a draft."""
+TIMES = 1.9
+"""It is to be foreseen within so many times a draft's time, so that it is within twice where the sum errs a little."""
+LIGHTS = int(POINTS["standard"]["environment_shadows"]), 16
+"""How many of the environment may cast shadows, the most first. 32 come no nearer to pictures of other engines than 16,
+and 8 lose half or more of what 16 gain (benchmarks/results/choices_visibility.md)."""
 _START_S, _MATERIAL_S, _MEGATEXEL_S, _TRIANGLE_S, _MEGAPIXEL_S = 0.6, 0.013, 0.024, 3.7e-6, 0.25
 """Of a draft: Python, its packages and the OpenGL context; a material's program, a million texels of its textures, a
 triangle, a million pixels."""
-_SHADED_MEGAPIXEL_S = 0.4
+_SHADED_MEGAPIXEL_S = 0.35
 """Of shading four points of each of a million pixels, beyond a draft."""
-_SHADOWS_S, _CASTER_S, _CAST_TRIANGLE_S, _SHADOWED_MEGAPIXEL_S = 0.15, 0.2e-3, 0.4e-6, 1.5
-"""Of shadows of the environment: what is always there, an instance and a triangle in one light's map, and a million of
-the points at which they are found."""
-_LIGHTS = int(POINTS["standard"]["environment_shadows"])
+_MAP_S, _CASTER_S, _CAST_TRIANGLE_S, _SHADOWED_MEGAPIXEL_S = 3.5e-3, 0.2e-3, 0.3e-6, 0.016
+"""Of the shadows of one light: its map, an instance and a triangle in it, and a million of the points that look it up.
+"""
 _MOST_SHADOWED = (1 << 17) / 1e6
 """As `MOST_POINTS` of viewer/raster/visibility.py."""
 
@@ -31,7 +33,10 @@ class FirstPicture:
     """Foreseen seconds of processor time, from the start of the command."""
 
     draft: float
-    standard: float
+    unshadowed: float
+    """Of `standard`, but for the shadows of the environment."""
+    light: float
+    """Of the shadows of each of its lights."""
 
     @classmethod
     def of(cls, scene: Scene, size: tuple[int, int]) -> FirstPicture:
@@ -41,21 +46,29 @@ class FirstPicture:
         triangles = scene.triangle_count + 2 * sum(len(curves.points) for curves in scene.curves)
         draft = _START_S + _MATERIAL_S * len(used) + _MEGATEXEL_S * megatexels + _TRIANGLE_S * triangles \
             + _MEGAPIXEL_S * megapixels
-        standard = draft + _SHADED_MEGAPIXEL_S * megapixels
+        light = 0.0
         if scene.environment is not None and (scene.instances or scene.curves):
-            standard += _SHADOWS_S + _SHADOWED_MEGAPIXEL_S * min(megapixels, _MOST_SHADOWED) \
-                + _LIGHTS * (_CASTER_S * len(scene.instances) + _CAST_TRIANGLE_S * triangles)
-        return cls(draft, standard)
+            light = _MAP_S + _CASTER_S * len(scene.instances) + _CAST_TRIANGLE_S * triangles \
+                + _SHADOWED_MEGAPIXEL_S * min(megapixels, _MOST_SHADOWED)
+        return cls(draft, draft + _SHADED_MEGAPIXEL_S * megapixels, light)
+
+    def standard(self, lights: int) -> float:
+        """With so many lights of the environment."""
+        return self.unshadowed + lights * self.light
 
     @property
-    def quality(self) -> QualityName:
-        """`standard` where it is foreseen within TIMES the time of a draft, else `draft`.
+    def lights(self) -> int:
+        """The most of LIGHTS with which `standard` is foreseen within TIMES the time of a draft; 0: with none, so that
+        the picture is a draft.
 
         `high` is never taken: its light is baked, which alone takes longer than a draft.
         """
-        return "standard" if self.standard <= TIMES * self.draft else "draft"
+        return next((lights for lights in LIGHTS if self.standard(lights) <= TIMES * self.draft), 0)
 
     @property
     def reason(self) -> str:
-        within = "within" if self.quality == "standard" else "not within"
-        return f"foreseen {within} {TIMES:g} times a draft's time: {self.standard:.2f} s, {self.draft:.2f} s"
+        lights = self.lights or LIGHTS[-1]
+        within = "within" if self.lights else "not within"
+        fewer = f" with {lights} of {LIGHTS[0]} lights of the environment" if lights < LIGHTS[0] else ""
+        return f"foreseen {within} {TIMES:g} times a draft's time{fewer}: " \
+            f"{self.standard(lights):.2f} s, {self.draft:.2f} s"

@@ -102,5 +102,5 @@ def _cameras(model: str, scene: Scene, turn: Turn, options: dict[str, Any]) -> l
 
 def _about(turn: Turn, settings: Settings, quality: Quality, options: dict[str, Any]) -> str:
     width, height = options["size"]
-    how = f"mode {settings.mode}" + (f", quality {quality.name}" if settings.mode == "pbr" else "")
+    how = f"mode {settings.mode}" + (f", quality {quality}" if settings.mode == "pbr" else "")
     return f"{turn.count} pictures of {width} × {height}, {how}, made by pbr-viewer"
