@@ -37,6 +37,7 @@ def test_what_is_given_wins_and_other_modes_have_no_quality():
     given = Settings(environment_shadows="off", ndf="beckmann")
     assert Quality("standard", lights=16).applied(Settings()) == \
         replace(Settings(), **POINTS["standard"] | {"environment_shadows": "16"})
+    assert [str(Quality("standard", lights=lights)) for lights in (16, 64)] == ["standard with 16 lights", "standard"]
     standard = Quality("standard", frozenset({"environment_shadows", "ndf"}), lights=16)
     assert standard.applied(given) == replace(given, **POINTS["standard"] | {"environment_shadows": "off"})
     occluded = Quality("standard").applied(Settings(ambient_occlusion="gtao"))

@@ -19,9 +19,9 @@ and 8 lose half or more of what 16 gain (benchmarks/results/choices_visibility.m
 _START_S, _MATERIAL_S, _MEGATEXEL_S, _TRIANGLE_S, _MEGAPIXEL_S = 0.6, 0.013, 0.024, 3.7e-6, 0.25
 """Of a draft: Python, its packages and the OpenGL context; a material's program, a million texels of its textures, a
 triangle, a million pixels."""
-_SHADED_MEGAPIXEL_S = 0.35
+_SHADED_MEGAPIXEL_S = 0.3
 """Of shading four points of each of a million pixels, beyond a draft."""
-_MAP_S, _CASTER_S, _CAST_TRIANGLE_S, _SHADOWED_MEGAPIXEL_S = 3.5e-3, 0.2e-3, 0.3e-6, 0.016
+_MAP_S, _CASTER_S, _CAST_TRIANGLE_S, _SHADOWED_MEGAPIXEL_S = 3.7e-3, 0.2e-3, 0.4e-6, 0.016
 """Of the shadows of one light: its map, an instance and a triangle in it, and a million of the points that look it up.
 """
 _MOST_SHADOWED = (1 << 17) / 1e6
