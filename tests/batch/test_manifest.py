@@ -43,6 +43,23 @@ def test_a_line_is_of_the_promised_form(folder):
         '"worker": "here:1"}']
 
 
+def test_two_commands_in_one_folder_lose_no_line(folder):
+    with Manifest(folder) as first:
+        first.add([line("a.png")])
+        with Manifest(folder) as second:
+            first.add([line("a.png", key="of the first")])
+            second.add([line("b.png")])
+            second.add([line("b.png", key="of the second")])
+        assert len(lines(folder)) == 4, "the second does not know the lines of the first, and may not remove repeats"
+    assert len(lines(folder)) == 4
+    with Manifest(folder) as second:
+        with Manifest(folder) as first:
+            first.add([line("c.png")])
+        assert len(lines(folder)) == 3, "the first has put another file, without repeats, in the place of the second's"
+        second.add([line("d.png")])
+    assert {entry["out"] for entry in lines(folder)} == {"a.png", "b.png", "c.png", "d.png"}
+
+
 def test_only_whole_pictures_of_the_same_key_are_done(folder):
     with Manifest(folder) as manifest:
         manifest.add([line("m.png")])

@@ -37,7 +37,7 @@ class Line:
 
 class Manifest:
     """The manifest of a folder, which must be there. Of several lines of a picture the last one counts, and the end of
-    a `with` block removes the others.
+    a `with` block removes the others, unless another command has written here meanwhile.
 
     A line is written at once, so that a process that is killed leaves those of all that it has done. Raises OutputError
     where it cannot be written, and for a file that is no manifest.
@@ -49,6 +49,7 @@ class Manifest:
         self._lines: dict[str, Line] = {}
         self._by_key: dict[str, dict[str, Line]] = {}
         self._repeats = 0
+        self._size = 0  # of the lines that this object has read and written
         self._file: int | None = None
         if self.path.is_file():
             self._read(self._opened())
@@ -56,7 +57,11 @@ class Manifest:
             raise OutputError(f"{self.path}: is not a regular file")
 
     def _opened(self) -> int:
-        """The file, which the first line makes."""
+        """The file, which the first line makes. It is opened again where another command has put a shorter one in its
+        place: what is added to the old one would be lost."""
+        if self._file is not None and not self._is_in_place():
+            os.close(self._file)
+            self._file, self._size = None, -1  # its lines are the other command's
         if self._file is None:
             flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0)
             try:
@@ -65,12 +70,24 @@ class Manifest:
                 raise OutputError(f"{self.path}: cannot be written: {error.strerror}") from error
         return self._file
 
+    def _is_in_place(self) -> bool:
+        assert self._file is not None
+        try:
+            return os.path.samestat(os.fstat(self._file), os.stat(self.path))
+        except OSError:
+            return False
+
+    def _is_ours(self) -> bool:
+        """Whether the file holds the lines that this object knows, and no others."""
+        return self._file is not None and self._is_in_place() and os.fstat(self._file).st_size == self._size
+
     def _read(self, file: int) -> None:
         text = self.path.read_bytes()
         whole, _, rest = text.rpartition(b"\n")
+        self._size = len(text) - len(rest)
         if rest:
             say(f"{self.path}: warning: the last line is cut off, and left out")
-            os.ftruncate(file, len(text) - len(rest))
+            os.ftruncate(file, self._size)
         for number, line in enumerate(whole.split(b"\n") if whole else (), 1):
             try:
                 self._note([_checked(Line(**json.loads(line)))])
@@ -82,9 +99,10 @@ class Manifest:
         return self
 
     def __exit__(self, *exc: object) -> None:
+        is_ours = self._is_ours()
         if self._file is not None:
             os.close(self._file)
-        if self._repeats:
+        if self._repeats and is_ours:
             with suppress(OutputError), atomic_write(self.path) as temporary:
                 temporary.write_bytes(_text(self._lines.values()))
 
@@ -103,13 +121,15 @@ class Manifest:
         """Add the lines of a model, all or none. They take the place of a failure of the file `instead_of`: a model
         that could not be loaded has a line without views. Raises OutputError."""
         text, file = _text(lines), self._opened()
-        before = os.fstat(file).st_size
+        before, size = os.fstat(file).st_size, self._size
         try:
             while text:
-                text = text[os.write(file, text):]
+                written = os.write(file, text)
+                text, self._size = text[written:], self._size + written
         except OSError as error:
             with suppress(OSError):
                 os.ftruncate(file, before)
+            self._size = size
             raise OutputError(f"{self.path}: cannot be written: {error.strerror}") from error
         self._note(lines)
         old = self._lines.get(instead_of)
