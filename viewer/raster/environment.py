@@ -79,15 +79,17 @@ class EnvironmentLight:
             for light in lights
         ]
 
-    def _levels(self) -> tuple[np.ndarray, ...]:
+    def _sky(self) -> np.ndarray:
+        """The environment without its suns, the second filtered level, (H, W, 3) float64, in units of the bake's scale.
+        """
         baked = self._baked
-        if not baked.levels:  # dropped after upload
+        if not baked.levels:  # they were dropped after upload, or irradiance alone was baked, which has its own scale
             baked = bake_environment(self.environment, ndf=self._ndf, cache=self._use_cache)
-        return baked.levels
+        return baked.levels[1].astype(np.float64) * (baked.scale / self._baked.scale)
 
     def many_lights(self, count: int) -> ManyLights:
         """The environment without its suns as `count` directional lights, in world axes, of arbitrary scale."""
-        lights = many_lights(self._levels()[1], count)
+        lights = many_lights(self._sky(), count)
         return replace(lights, directions=lights.directions @ rotation_about_y(self.environment.rotation))
 
     def sky_lights(self, plan: Plan, count: int = SKY_LIGHTS) -> ManyLights:
@@ -104,7 +106,7 @@ class EnvironmentLight:
         for key in self._scattered.keys() - wanted:
             self._scattered.pop(key).release()
         for phase, is_constant in wanted - self._scattered.keys():
-            level = _CONSTANT if is_constant else self._levels()[1]
+            level = _CONSTANT if is_constant else self._sky()
             pixels = scattered_sky(level, media[phase])
             texture = self._scattered[phase, is_constant] = float_texture(self._gl, pixels)
             texture.repeat_x = True
