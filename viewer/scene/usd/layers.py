@@ -37,13 +37,13 @@ def _layers(root: Sdf.Layer, folder: str, warnings: list[str]) -> list[Sdf.Layer
         _refuse_clips(layer)
         for asset in layer.GetCompositionAssetDependencies():
             if asset.startswith("`"):
-                raise ValueError(f"names the layer {asset[:80]} by an expression, which is not read")
+                raise ValueError(f"names the layer {asset[-200:]} by an expression, which is not read")
             name = Sdf.ComputeAssetPathRelativeToLayer(layer, asset)
             file = resolved(name)
             if not file:
-                warnings.append(f"the layer {asset[:80]!r} is not there; it is left out")
+                warnings.append(f"the layer {asset[-200:]!r} is not there; it is left out")
             elif not is_inside(file, folder):
-                raise ValueError(f"asks for {asset[:80]!r}, which lies outside the model's folder")
+                raise ValueError(f"asks for {asset[-200:]!r}, which lies outside the model's folder")
             elif name not in names and (opened := Sdf.Layer.FindOrOpen(name)) is not None:
                 names.add(name)
                 found.append(opened)

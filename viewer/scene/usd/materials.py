@@ -143,9 +143,9 @@ class Materials:
     def _read(self, file: str, asked: str, is_normal: bool) -> TextureImage:
         """The image file of an asset, which may lie in a .usdz."""
         if "<UDIM>" in asked:
-            raise InputError(self._path, "", f"{asked[:80]!r} is a set of tiles, which is not read")
+            raise InputError(self._path, "", f"{asked[-200:]!r} is a set of tiles, which is not read")
         if not file:
-            raise InputError(self._path, "", f"no such file: {asked[:80]!r}")
+            raise InputError(self._path, "", f"no such file: {asked[-200:]!r}")
         key = file, is_normal
         image = self._files.get(key)
         if image is None:
@@ -159,7 +159,7 @@ class Materials:
         folder = self._path.parent.resolve()
         real = Path(file).resolve()
         if not real.is_relative_to(folder):
-            raise InputError(self._path, "", f"{asked[:80]!r} lies outside the model's folder")
+            raise InputError(self._path, "", f"{asked[-200:]!r} lies outside the model's folder")
         return path_inside(self._path, real.relative_to(folder).as_posix(), "")
 
     def _unpacked(self, package: str, name: str) -> bytes:
@@ -167,10 +167,10 @@ class Materials:
         try:
             with zipfile.ZipFile(path) as archive:
                 if archive.getinfo(name).file_size > _MOST_UNPACKED:
-                    raise InputError(self._path, "", f"{name[:80]!r} unpacks to more than {_MOST_UNPACKED} bytes")
+                    raise InputError(self._path, "", f"{name[-200:]!r} unpacks to more than {_MOST_UNPACKED} bytes")
                 return archive.read(name)
         except (KeyError, OSError, ValueError, NotImplementedError, zipfile.BadZipFile) as error:
-            raise InputError(self._path, "", f"no such file in the package: {name[:80]!r}") from error
+            raise InputError(self._path, "", f"no such file in the package: {name[-200:]!r}") from error
 
 
 def transformed(uvs: np.ndarray, uv: Json) -> np.ndarray:
