@@ -25,4 +25,5 @@ def test_their_irradiance_is_that_of_the_environment_whatever_is_baked(context):
     width, height = 2 * 64, 64
     theta = np.pi * (np.arange(height) + 0.5) / height
     solid_angle = np.sin(theta) * (np.pi / height) * (2 * np.pi / width)
-    np.testing.assert_allclose(found[0].sum(axis=0), np.einsum("h,hwc->c", solid_angle, environment.radiance), rtol=0.02)
+    expected = np.einsum("h,hwc->c", solid_angle, environment.radiance)
+    np.testing.assert_allclose(found[0].sum(axis=0), expected, rtol=0.02)
