@@ -52,8 +52,7 @@ class Losing:
 def lose(monkeypatch):
     """`lose(lost)`: from then on an engine does the parts that loses those that begin at these samples so often."""
     def patch(lost: dict[int, int]) -> None:
-        for module in ("samples", "films"):
-            monkeypatch.setattr(f"viewer.batch.{module}.make_engine", lambda job, *_: Losing(job, lost))
+        monkeypatch.setattr("viewer.batch.run.make_engine", lambda job, *_: Losing(job, lost))
 
     return patch
 

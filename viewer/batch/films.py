@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack
 from dataclasses import replace
 from time import perf_counter
 
 from ..base.atomic import write_json
-from ..base.progress import Progress
 from ..image.film import write_film
 from ..image.image import Image
 from ..jobs.assemble import make_environment, make_scene
 from ..jobs.film import is_film, make_film
 from ..jobs.render_job import RenderJob, RenderTask
-from .run import Attempt, Batch, Run, make_engine
+from .run import Batch, Run, do_parts
 
 _FRAMES = 4
 """Of a part. Beginning one takes little, as the model is loaded but once by each worker."""
@@ -33,12 +31,8 @@ def render_film_in_parts(task: RenderTask, job: RenderJob, batch: Batch) -> int:
                      job.options)
     assert film is not None
     count = len(film.frames)
-    parts = [range(first, min(first + _FRAMES, count)) for first in range(0, count, _FRAMES)]
-    run = Run(job, replace(batch, retries=1 if batch.retries is None else batch.retries), None)
-    with ExitStack() as stack:
-        progress = stack.enter_context(Progress(len(parts), not job.options["quiet"]))
-        attempts = [Attempt(number, replace(task, frames=part)) for number, part in enumerate(parts)]
-        run.do(attempts, stack.enter_context(make_engine(job, batch, True, progress)), progress, are_parts=True)
+    parts = [replace(task, frames=range(first, min(first + _FRAMES, count))) for first in range(0, count, _FRAMES)]
+    run = do_parts(parts, job, batch)
     failed = [record for records in run.records.values() for record in records if "error" in record]
     record: dict[str, object] = failed[0] if failed else {"model": task.model, "output": str(task.output)}
     if not failed:

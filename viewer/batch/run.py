@@ -116,6 +116,17 @@ def make_engine(job: RenderJob, batch: Batch, has_several: bool, progress: Progr
     return Processes(make_worker, batch.jobs)
 
 
+def do_parts(parts: Sequence[RenderTask], job: RenderJob, batch: Batch) -> Run:
+    """Do the parts of one picture or film, each of which is tried again once where `batch` does not say how often.
+    Raises as `render_all`."""
+    run = Run(job, replace(batch, retries=1 if batch.retries is None else batch.retries), None)
+    with ExitStack() as stack:
+        progress = stack.enter_context(Progress(len(parts), not job.options["quiet"]))
+        attempts = [Attempt(number, part) for number, part in enumerate(parts)]
+        run.do(attempts, stack.enter_context(make_engine(job, batch, True, progress)), progress, are_parts=True)
+    return run
+
+
 class Run:
     """`records` are what `--stats` tells of the pictures, by the numbers of their tasks, and `known` the same of those
     that were done before, as far as their manifest tells it. `stopped` is the signal that ended the run early."""

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import ExitStack
 from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
 from ..base.atomic import write_json
 from ..base.messages import say
-from ..base.progress import Progress
 from ..image.image import Image
 from ..jobs.assemble import make_settings
 from ..jobs.directions import directions_of
@@ -18,7 +16,7 @@ from ..jobs.film import is_film
 from ..jobs.render_job import RenderJob, RenderTask
 from ..plan.warnings import sample_warnings
 from ..settings import Settings
-from .run import Attempt, Batch, Run, make_engine
+from .run import Batch, do_parts
 from .sums import parts_of
 
 if TYPE_CHECKING:
@@ -42,13 +40,8 @@ def is_in_parts(tasks: Sequence[RenderTask], job: RenderJob, batch: Batch) -> bo
 def render_in_parts(task: RenderTask, job: RenderJob, batch: Batch) -> int:
     """Make the picture, and write it. Returns the exit status. Raises as `viewer.batch.run.render_all`."""
     started, settings = perf_counter(), make_settings(job.options)
-    parts = parts_of(settings.most_spp)
-    retries = 1 if batch.retries is None else batch.retries
-    run = Run(job, replace(batch, retries=retries), None)
-    with ExitStack() as stack:
-        progress = stack.enter_context(Progress(len(parts), not job.options["quiet"]))
-        attempts = [Attempt(number, replace(task, samples=part)) for number, part in enumerate(parts)]
-        run.do(attempts, stack.enter_context(make_engine(job, batch, True, progress)), progress, are_parts=True)
+    parts = [replace(task, samples=part) for part in parts_of(settings.most_spp)]
+    run = do_parts(parts, job, batch)
     failed = [record for records in run.records.values() for record in records if "error" in record]
     record: dict[str, object] = failed[0] if failed else {"model": task.model, "output": str(task.output)}
     if not failed:
