@@ -21,7 +21,7 @@ from viewer.settings import Settings
 from viewer.trace.scene.emitters import find_emitters
 from viewer.trace.scene.geometry import trace_geometry
 from viewer.trace.scene.lights import LEAST_SHARE, SceneLights, light_table
-from viewer.trace.scene.punctual import light_powers
+from viewer.trace.scene.punctual import LightColumns
 from viewer.trace.scene.scene_data import SceneData
 
 QUAD = np.array([[-1, 0, -1], [-1, 0, 1], [1, 0, 1], [1, 0, -1]], np.float32)  # counter-clockwise from +Y
@@ -155,7 +155,7 @@ def test_many_lights(context, tmp_path):
     s = lit.samples((0, -1, 0), 200000)
     world = s["direction"] * s["distance"][:, None] * lit.scene.radius + (0, -1, 0)
     group = np.clip((world[:, 0] * 100).astype(int), 0, 99)
-    expected = np.bincount(np.arange(100000) // 1000, light_powers(lights, lit.scene))
+    expected = np.bincount(np.arange(100000) // 1000, LightColumns.of(lights, lit.scene).powers)
     observed = np.bincount(group, minlength=100)
     value, degrees = statistic(observed.astype(float), expected / expected.sum() * len(group))
     assert value < critical_value(degrees, 1)

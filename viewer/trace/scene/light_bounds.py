@@ -6,15 +6,12 @@ spheres in place of boxes. shaders/trace/light_bounds.glsl bounds the light that
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...scene.color import LUMINANCE
-from ...scene.light import Light
-from ...scene.scene import Scene
 from ..layout import (
     LIGHT_COSINE_STEPS,
     LIGHT_FLAG_SHIFT,
@@ -25,7 +22,7 @@ from ..layout import (
     LIGHT_TWO_SIDED,
 )
 from .geometry import TraceGeometry
-from .punctual import light_columns
+from .punctual import LightColumns
 
 _FAINTEST = 1e-20
 """Least intensity, of the greatest one: the products of shaders/trace/light_bounds.glsl stay normal in float32."""
@@ -62,11 +59,11 @@ class LightBounds:
         return (self.low + self.high) / 2
 
 
-def light_bounds(lamps: Sequence[Light], scene: Scene, radius: float, geometry: TraceGeometry,
-                 emitters: NDArray[np.uint32], powers: NDArray[np.float64]) -> LightBounds:
+def light_bounds(lamps: LightColumns, radius: float, geometry: TraceGeometry, emitters: NDArray[np.uint32],
+                 powers: NDArray[np.float64]) -> LightBounds:
     """Of point and spot lights of a `radius` in tracer units, and then of the emissive triangles with these records and
     powers (viewer/trace/scene/emitters.py)."""
-    found = [_of_lamps(lamps, scene, radius)] if lamps else []
+    found = [_of_lamps(lamps, radius)] if len(lamps) else []
     found += [_of_emitters(geometry, emitters, powers)] if len(emitters) else []
     joined = LightBounds(*(np.concatenate([getattr(one, field.name) for one in found])
                            for field in fields(LightBounds)))
@@ -75,13 +72,11 @@ def light_bounds(lamps: Sequence[Light], scene: Scene, radius: float, geometry: 
     return joined
 
 
-def _of_lamps(lamps: Sequence[Light], scene: Scene, radius: float) -> LightBounds:
-    _, position, intensity, cosines, reach = light_columns(lamps, scene)
-    is_spot = np.array([light.kind == "spot" for light in lamps])
-    axis = np.array([light.direction for light in lamps], np.float64)
-    spread = np.where(is_spot, np.arccos(np.clip(cosines[:, 1], -1, 1)), np.pi)
-    return LightBounds(position, position, np.full(len(lamps), radius), intensity @ LUMINANCE, _unit(axis), spread,
-                       reach, np.where(is_spot, LIGHT_LAMP | LIGHT_NARROW, LIGHT_LAMP))
+def _of_lamps(lamps: LightColumns, radius: float) -> LightBounds:
+    spread = np.where(lamps.is_spot, np.arccos(np.clip(lamps.cosines[:, 1], -1, 1)), np.pi)
+    return LightBounds(lamps.position, lamps.position, np.full(len(lamps), radius), lamps.intensity @ LUMINANCE,
+                       _unit(lamps.direction), spread, lamps.reach,
+                       np.where(lamps.is_spot, LIGHT_LAMP | LIGHT_NARROW, LIGHT_LAMP))
 
 
 def _of_emitters(geometry: TraceGeometry, emitters: NDArray[np.uint32], powers: NDArray[np.float64]) -> LightBounds:

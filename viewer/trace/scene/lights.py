@@ -7,7 +7,6 @@ of more than `MOST_BY_POWER` that have a place, one is chosen by a tree (light_t
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import moderngl
 import numpy as np
@@ -17,7 +16,6 @@ from ...gpu.programs import set_uniform
 from ...scene.color import LUMINANCE
 from ...scene.environment import Environment
 from ...scene.equirect import sphere_integral
-from ...scene.light import Light
 from ...scene.scene import Scene
 from ...settings import Settings
 from .alias import alias_table
@@ -27,7 +25,7 @@ from .geometry import TraceGeometry
 from .inside import solids_around
 from .light_bounds import light_bounds
 from .light_tree import build_light_tree
-from .punctual import light_powers, punctual_texels
+from .punctual import LightColumns
 from .scene_buffer import SceneBufferBuilder
 
 LEAST_SHARE = 0.25
@@ -75,18 +73,22 @@ class SceneLights:
         if environment is not None and not environment_power > 0:
             self.left_out.append("the environment: it is black")
 
-        all_powers = light_powers(scene.lights, scene) if scene.lights else np.zeros(0)
-        lit = [light for light, power in zip(scene.lights, all_powers) if power > 0]
-        if len(lit) < len(all_powers):
-            self.left_out.append(f"{len(all_powers) - len(lit)} of {len(all_powers)} lights: nothing is lit by them")
+        columns = LightColumns.of(scene.lights, scene)
+        light_powers = columns.powers
+        numbers = np.flatnonzero(light_powers > 0)
+        if len(numbers) < len(columns):
+            self.left_out.append(f"{len(columns) - len(numbers)} of {len(columns)} lights: nothing is lit by them")
         emitters, emitted = find_emitters(scene, geometry)
         if settings.lobes != "all" or not emitted.any():
             emitters, emitted = emitters[:0], emitted[:0]
         radius = settings.light_radius / scene.radius
 
-        powers = np.concatenate([all_powers[all_powers > 0], emitted])
-        lamps = [light for light in lit if light.kind != "directional"]
-        has_tree = len(lamps) + np.count_nonzero(emitted) > MOST_BY_POWER
+        is_lamp = ~columns.is_far[numbers]
+        has_tree = np.count_nonzero(is_lamp) + np.count_nonzero(emitted) > MOST_BY_POWER
+        if has_tree:  # directional lights come first
+            numbers = np.concatenate([numbers[~is_lamp], numbers[is_lamp]])
+        columns, light_powers = columns[numbers], light_powers[numbers]
+        powers = np.concatenate([light_powers, emitted])
         has_environment = environment_power > 0
         share = float(has_environment)
         if has_environment and len(powers):
@@ -95,43 +97,41 @@ class SceneLights:
             share = 1.0  # of the black environment
         self._uniforms: dict[str, object] = {"u_environment_share": share, "u_light_radius": radius}
         if geometry.scatters:
-            places = (np.asarray(light.position) - scene.center for light in lit if light.kind != "directional")
+            places = columns.position[~columns.is_far]
             self._uniforms |= {
                 "u_finite_share": 1 - share, "u_emitter_share": float(emitted.sum() / max(powers.sum(), 1e-300)),
                 "u_has_light_within": any(instance.medium not in geometry.open_media for place in places
-                                          for instance in solids_around(geometry, place / scene.radius))}
-        self._uniforms["u_punctual_count"] = len(lit)
+                                          for instance in solids_around(geometry, place))}
+        self._uniforms["u_punctual_count"] = len(columns)
         if has_tree:
-            lit = [light for light in lit if light.kind == "directional"] + lamps
-            self._add_tree(scene, geometry, buffer, lit, emitters, emitted, 1 - share, radius)
+            self._add_tree(geometry, buffer, columns, light_powers, emitters, emitted, 1 - share, radius)
         elif len(powers):
             self._uniforms["u_light_grid"] = _grid(len(powers))
             buffer.add("lights", light_table(powers, 1 - share))
-        if lit:
-            buffer.add("punctual", punctual_texels(lit, scene))
+        if len(columns):
+            buffer.add("punctual", columns.texels)
         if len(emitters):
             buffer.add("emitters", emitters)
-        self.lit = lit
+        self.lit = [scene.lights[number] for number in numbers]
         """The lights without size that reach the scene, in the order of their records."""
         self.switches = {
             "HAS_ENVIRONMENT": int(has_environment),
             "ENVIRONMENT_ROTATED": int(has_environment and environment is not None and environment.rotation != 0),
-            "HAS_PUNCTUAL": int(bool(lit)),
+            "HAS_PUNCTUAL": int(len(columns) > 0),
             "HAS_EMITTERS": int(len(emitters) > 0),
             "HAS_LIGHT_TREE": int(has_tree),
-            "HAS_AIRLIGHT": int(geometry.scatters and bool(lit)),
-            "LIGHT_RADIUS": int(radius > 0 and any(light.kind != "directional" for light in lit)),
+            "HAS_AIRLIGHT": int(geometry.scatters and len(columns) > 0),
+            "LIGHT_RADIUS": int(radius > 0 and not columns.is_far.all()),
         }
 
-    def _add_tree(self, scene: Scene, geometry: TraceGeometry, buffer: SceneBufferBuilder, lit: Sequence[Light],
+    def _add_tree(self, geometry: TraceGeometry, buffer: SceneBufferBuilder, lit: LightColumns, powers: np.ndarray,
                   emitters: np.ndarray, emitted: np.ndarray, share: float, radius: float) -> None:
         """Add the tree, and the table of directional lights, which are the first ones of `lit`; tell `emitters` their
-        ways. Both together have the probability `share`."""
-        count = sum(light.kind == "directional" for light in lit)
-        powers, is_lit = light_powers(lit, scene) if lit else np.zeros(0), emitted > 0
+        ways. Both together have the probability `share`. `powers` are those of `lit`."""
+        count, is_lit = int(lit.is_far.sum()), emitted > 0
         far, lamps = powers[:count].sum(), powers[count:].sum()
         far_share = _share(far, lamps + emitted.sum())
-        tree = build_light_tree(light_bounds(lit[count:], scene, radius, geometry, emitters[is_lit], emitted[is_lit]))
+        tree = build_light_tree(light_bounds(lit[~lit.is_far], radius, geometry, emitters[is_lit], emitted[is_lit]))
         # Of a light in the tree: its number among lamps and emitters
         numbers = np.concatenate([np.arange(count, len(lit)), len(lit) + np.flatnonzero(is_lit)])
         emitters[is_lit, 2], emitters[is_lit, 3] = tree.trails[len(lit) - count:], 1

@@ -25,7 +25,7 @@ from .alias import alias_table
 from .geometry import TraceGeometry, TraceInstance
 from .inside import solids_around
 from .materials import DELTA_ALPHA, TraceMaterial
-from .punctual import light_columns
+from .punctual import LightColumns
 from .scene_buffer import SceneBufferBuilder
 
 MOST_TARGETS = 64
@@ -168,15 +168,14 @@ def photon_pairs(lit: Sequence[Light], scene: Scene, targets: Targets, radius: f
     """The pairs of each of N lights and each of T targets, (N T, 3, 4) uint32 in the order of the lights, as
     shaders/trace/emit.frag reads them, with medium 0; and u_photon_power. `radius` is that of lights, in tracer units.
     """
-    is_far, position, intensity, cosines, _ = light_columns(lit, scene)
-    far = is_far[:, None]
-    direction = np.array([light.direction for light in lit], np.float64)
+    columns = LightColumns.of(lit, scene)
+    position, direction, far = columns.position, columns.direction, columns.is_far[:, None]
     towards = targets.center - position[:, None]  # (N, T, 3)
     distance = np.linalg.norm(towards, axis=2)
     to_center = np.where(distance[..., None] > 1e-30, towards / np.maximum(distance, 1e-30)[..., None], (0, 1, 0))
     height = np.minimum(_height_of_sphere(distance, targets.radius + radius),
                         _height_of_corners(targets.corners - position[:, None, None], to_center, radius))
-    cone = np.broadcast_to((1 - cosines[:, 1])[:, None], height.shape)
+    cone = np.broadcast_to((1 - columns.cosines[:, 1])[:, None], height.shape)
     axis = np.where((cone < height)[..., None], direction[:, None], to_center)
     height = np.minimum(cone, height).astype(np.float32)
     from_axis = targets.corners - targets.center[:, None]
@@ -190,7 +189,7 @@ def photon_pairs(lit: Sequence[Light], scene: Scene, targets: Targets, radius: f
     texels[:, :, 2, :3] = position[:, None] + along[..., None] * axis
     texels[:, :, 2, 3] = np.where(far, 0, along)
     angle = np.where(far, np.pi * disk.astype(np.float64) ** 2, 2 * np.pi * height.astype(np.float64))
-    power = (intensity @ LUMINANCE)[:, None] * angle
+    power = (columns.intensity @ LUMINANCE)[:, None] * angle
     threshold, alias = alias_table(power.ravel())
     out = texels.reshape(-1, 3, 4).view(np.uint32)
     out[:, 0, 1], out[:, 0, 2] = threshold.astype(np.float32).view(np.uint32), alias

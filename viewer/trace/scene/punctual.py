@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...scene.color import LUMINANCE
 from ...scene.light import Light
@@ -13,48 +15,68 @@ from ...scene.scene import Scene
 _BRIGHTEST = 1e300  # so that sums of them stay finite
 
 
-def light_powers(lights: Sequence[Light], scene: Scene) -> np.ndarray:
-    """About the power that reaches the scene's bounding sphere, luminance in tracer units, (N,); 0 only if none
-    does."""
-    is_far, position, intensity, cosines, reach = light_columns(lights, scene)
-    distance = np.linalg.norm(position, axis=1)
-    # Seen from a distance d, the sphere has the solid angle pi / d^2. For a light within it, all directions count. A
-    # spot light fills a cone.
-    seen = 4 * np.pi / np.maximum(1, 4 * distance**2)
-    cone = np.maximum(2 * np.pi * (1 - cosines.mean(axis=1)), 1e-6)
-    angle = np.where(is_far, np.pi, np.where(distance - 1 < reach, np.minimum(seen, cone), 0))
-    return intensity @ LUMINANCE * angle
+@dataclass(frozen=True, eq=False)
+class LightColumns:
+    """N punctual lights, whose objects are read once: there may be tens of thousands.
 
-
-def punctual_texels(lights: Sequence[Light], scene: Scene) -> np.ndarray:
-    """(3 N, 4) float32: three texels for each light, as shaders/trace/punctual.glsl reads them."""
-    is_far, position, intensity, cosines, reach = light_columns(lights, scene)
-    direction = np.array([light.direction for light in lights])
-    is_spot = np.array([light.kind == "spot" for light in lights])
-    # KHR_lights_punctual: clamp(cos * scale + offset). Lights without a cone have 0 and 1.
-    scale = 1 / np.maximum(1e-4, cosines[:, 0] - cosines[:, 1])
-    texels = np.zeros((len(lights), 3, 4))
-    texels[:, 0, :3] = np.where(is_far[:, None], -direction, position)
-    texels[:, 0, 3] = np.where(is_far, -1.0, reach**-2.0)
-    texels[:, 1, :3] = intensity
-    texels[:, 1, 3] = np.where(is_spot, scale, 0.0)
-    texels[:, 2, :3] = direction
-    texels[:, 2, 3] = np.where(is_spot, -cosines[:, 1] * scale, 1.0)
-    return np.clip(texels, -3e38, 3e38).astype(np.float32).reshape(-1, 4)
-
-
-def light_columns(lights: Sequence[Light], scene: Scene) -> tuple[np.ndarray, ...]:
-    """For each light: whether it is directional; position, intensity and range in tracer units; cosines of its cone's
-    angles.
-
-    An intensity in candela is divided by unit^2, so that I / d^2 stays the same for distances in tracer units.
+    Lengths are in tracer units. An intensity in candela is divided by unit^2, so that I / d^2 stays the same.
     """
-    unit = scene.radius
-    is_far = np.array([light.kind == "directional" for light in lights])
-    position = (np.array([light.position for light in lights], np.float64) - scene.center) / unit
-    intensity = np.array([light.color for light in lights]) * np.array([[light.intensity] for light in lights])
-    with np.errstate(over="ignore"):
-        intensity = np.minimum(np.where(is_far[:, None], intensity, intensity / unit / unit), _BRIGHTEST)
-    angles = [(light.inner_cone, light.outer_cone) if light.kind == "spot" else (np.pi, np.pi) for light in lights]
-    reach = np.array([light.range or np.inf for light in lights]) / unit
-    return is_far, position, intensity, np.cos(angles), reach
+
+    is_far: NDArray[np.bool_]
+    """Whether it is directional."""
+    is_spot: NDArray[np.bool_]
+    position: NDArray[np.float64]
+    direction: NDArray[np.float64]
+    intensity: NDArray[np.float64]
+    cosines: NDArray[np.float64]
+    """Of the cone's inner and outer angles, (N, 2)."""
+    reach: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, lights: Sequence[Light], scene: Scene) -> LightColumns:
+        unit = scene.radius
+        is_far, is_spot = (np.array([light.kind == kind for light in lights], bool) for kind in ("directional", "spot"))
+        intensity = _rows([light.color for light in lights], 3) * _rows([(light.intensity,) for light in lights], 1)
+        with np.errstate(over="ignore"):
+            intensity = np.minimum(np.where(is_far[:, None], intensity, intensity / unit / unit), _BRIGHTEST)
+        angles = [(light.inner_cone, light.outer_cone) if light.kind == "spot" else (np.pi, np.pi) for light in lights]
+        return cls(is_far, is_spot, (_rows([light.position for light in lights], 3) - scene.center) / unit,
+                   _rows([light.direction for light in lights], 3), intensity, np.cos(_rows(angles, 2)),
+                   np.array([light.range or np.inf for light in lights], np.float64) / unit)
+
+    def __len__(self) -> int:
+        return len(self.reach)
+
+    def __getitem__(self, which: NDArray) -> LightColumns:
+        return LightColumns(*(getattr(self, field.name)[which] for field in fields(self)))
+
+    @property
+    def powers(self) -> NDArray[np.float64]:
+        """About the power that reaches the scene's bounding sphere, luminance, (N,); 0 only if none does."""
+        distance = np.linalg.norm(self.position, axis=1)
+        # Seen from a distance d, the sphere has the solid angle pi / d^2. For a light within it, all directions count.
+        # A spot light fills a cone.
+        seen = 4 * np.pi / np.maximum(1, 4 * distance**2)
+        cone = np.maximum(2 * np.pi * (1 - self.cosines.mean(axis=1)), 1e-6)
+        angle = np.where(self.is_far, np.pi, np.where(distance - 1 < self.reach, np.minimum(seen, cone), 0))
+        return self.intensity @ LUMINANCE * angle
+
+    @property
+    def texels(self) -> NDArray[np.float32]:
+        """(3 N, 4): three texels for each light, as shaders/trace/punctual.glsl reads them."""
+        is_far = self.is_far[:, None]
+        # KHR_lights_punctual: clamp(cos * scale + offset). Lights without a cone have 0 and 1.
+        scale = 1 / np.maximum(1e-4, self.cosines[:, 0] - self.cosines[:, 1])
+        texels = np.zeros((len(self), 3, 4))
+        texels[:, 0, :3] = np.where(is_far, -self.direction, self.position)
+        texels[:, 0, 3] = np.where(self.is_far, -1.0, self.reach**-2.0)
+        texels[:, 1, :3] = self.intensity
+        texels[:, 1, 3] = np.where(self.is_spot, scale, 0.0)
+        texels[:, 2, :3] = self.direction
+        texels[:, 2, 3] = np.where(self.is_spot, -self.cosines[:, 1] * scale, 1.0)
+        return np.clip(texels, -3e38, 3e38).astype(np.float32).reshape(-1, 4)
+
+
+def _rows(values: Sequence[Sequence[float]], columns: int) -> NDArray[np.float64]:
+    """(N, columns); numpy reads a flat list several times as fast as a list of tuples."""
+    return np.array([number for row in values for number in row], np.float64).reshape(-1, columns)
