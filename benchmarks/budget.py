@@ -11,6 +11,9 @@ The errors are against a path-traced reference at the smaller size, relative, of
 rung of the raster that takes no longer than the budget; and of paths alone in that time, as they are and filtered.
 `lost` is how many times the error of the best of those it is. None is known better than the reference's own noise.
 `--only ready` leaves the other kinds out. FILE.md gets the tables; Ctrl-C ends it with what there is.
+
+On a busy machine others' work makes budgets fail. With `--processor` all clocks, also those by which budgets are held,
+count the processor time of the process, of all its threads together.
 """
 
 from __future__ import annotations
@@ -38,7 +41,7 @@ from viewer.scene.scene import Scene
 from viewer.settings import Settings
 
 from . import corpus
-from .machine import here, until_stopped
+from .machine import by_processor_time, here, until_stopped
 from .shot import default_model
 from .tables import conditions
 
@@ -55,13 +58,16 @@ Row = dict[str, Any]
 
 def main() -> None:
     options = _parse()
+    seconds = by_processor_time() if options.processor else "by the clock"
+    shared_tracer()
     rows: list[Row] = []
     about = here() | {"renderer": shared_renderer().context.renderer, "load before": round(os.getloadavg()[0], 1)}
     with until_stopped():
         present = [name for name in MODELS if corpus.present((name.partition(":")[0],))]
         for name in options.models or present or [default_model()]:
             _measure(name, options, rows)
-    about |= {"load after": round(os.getloadavg()[0], 1), "reference": f"{options.spp} samples a pixel"}
+    about |= {"load after": round(os.getloadavg()[0], 1), "reference": f"{options.spp} samples a pixel",
+              "seconds": seconds}
     report = "\n\n".join([table(rows), errors(rows), conditions(about)])
     print(report)
     if options.json:
@@ -83,7 +89,7 @@ def _measure(name: str, options: argparse.Namespace, rows: list[Row]) -> None:
                 row = {"model": Path(model).stem, "size": size, "kind": kind, "budget": budget,
                        "load": round(os.getloadavg()[0], 1)}
                 row |= _ready(scene, size, budget, single) if kind == "ready" else _first(
-                    model, environment or "studio", size, budget, kind == "new")
+                    model, environment or "studio", size, budget, kind == "new", options.processor)
                 rows.append(row)
                 print(_line(row), flush=True)
 
@@ -127,11 +133,16 @@ class _Single:
         return found
 
 
-def _first(model: str, environment: str, size: int, budget: float, is_new: bool) -> Row:
+_BY_PROCESSOR = "from benchmarks.machine import by_processor_time; by_processor_time(); "
+_COMMAND = "from viewer.__main__ import main; main()"
+
+
+def _first(model: str, environment: str, size: int, budget: float, is_new: bool, by_processor: bool) -> Row:
     with tempfile.TemporaryDirectory() as folder:
         stats = Path(folder) / "stats.json"
         caches = {"MESA_SHADER_CACHE_DIR": folder, "__GL_SHADER_DISK_CACHE_PATH": folder} if is_new else {}
-        subprocess.run([sys.executable, "-m", "viewer", "render", model, "-o", f"{folder}/a.exr", "--size", str(size),
+        command = _BY_PROCESSOR * by_processor + _COMMAND
+        subprocess.run([sys.executable, "-c", command, "render", model, "-o", f"{folder}/a.exr", "--size", str(size),
                         "--env", environment, "--time-budget", str(budget), "--stats", str(stats), "-q"], check=True,
                        env=os.environ | caches)
         return _facts(json.loads(stats.read_text())["choice"], budget)
@@ -211,9 +222,8 @@ def _parse() -> argparse.Namespace:
     parser.add_argument("--only", type=several(str), metavar="KIND,...", help=f"of {', '.join(KINDS)}")
     parser.add_argument("--spp", type=int, default=REFERENCE_SPP, help="of the reference")
     parser.add_argument("--json", type=Path, metavar="FILE", help="keep every run there, and the tables beside it")
-    options = parser.parse_args()
-    shared_tracer()
-    return options
+    parser.add_argument("--processor", action="store_true", help="seconds are those of processor time")
+    return parser.parse_args()
 
 
 if __name__ == "__main__":

@@ -30,7 +30,7 @@ from viewer.settings import Settings
 from viewer.trace.scene import lights as scene_lights
 from viewer.trace.tracer import Tracer
 
-from . import tracing
+from . import machine, tracing
 from .shot import REPOSITORY
 
 HALF = np.array([10.0, 2.5, 10.0])
@@ -64,12 +64,13 @@ METHODS: dict[str, Callable] = {"uniform": _uniform, "power": _by_power, "tree":
 
 def main() -> None:
     options = _parse()
+    seconds = machine.by_processor_time() if options.processor else "by the clock"
     rows: list[dict[str, object]] = []
     with open_context() as context:
         tracer = Tracer(context)
         for kind in options.kinds.split(","):
             rows += _kind(tracer, kind, options)
-        facts = tracing.conditions(tracer) | {"size": f"{options.size}x{options.size}"}
+        facts = tracing.conditions(tracer) | {"size": f"{options.size}x{options.size}", "seconds": seconds}
     columns = {"lights": "kind", "number": "count:,", "noise of the uniform choice": "uniform:.3f",
                "of the choice by power": "power:.3f", "of the tree": "tree:.3f", "uniform / tree": "gain:.1f",
                "power / tree": "gain over power:.1f", "spp/s by power": "power spp:.1f",
@@ -201,6 +202,7 @@ def _parse() -> argparse.Namespace:
     parser.add_argument("--kinds", default="tiles,lamps", help="tiles, lamps or both, with a comma")
     parser.add_argument("--reference-spp", type=int, default=2048, help="samples a pixel of the references (2048)")
     parser.add_argument("--rounds", type=int, default=3, help="seeds a method (3)")
+    parser.add_argument("--processor", action="store_true", help="seconds are those of processor time")
     parser.add_argument("--results", type=Path, default=REPOSITORY / "benchmarks/results")
     return parser.parse_args()
 
