@@ -96,7 +96,7 @@ def _measure(name: str, options: argparse.Namespace, rows: list[Row]) -> None:
 
 def _warm(scene: Scene, size: int) -> None:
     """Let all be compiled and known that a scene in use has."""
-    viewer.render(scene, (size, size), time_budget=20.0)
+    viewer.render(scene, (size, size), time_budget=10.0)
     for seconds in (3.0, 0.3, 0.1):
         viewer.render(scene, (size, size), time_budget=seconds)
 

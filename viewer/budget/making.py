@@ -35,6 +35,8 @@ SHADOWS = "environment shadows"
 """What the renderer calls the time of their maps."""
 LEAST_GROWTH, MOST_GROWTH = 1.25, 2.0
 """Of the number of samples, between two looks at the error."""
+WORTH = 16
+"""Samples a pixel with which paths bring about as much as the rest of the ladder (benchmarks/results/mixture.md)."""
 
 
 class Making:
@@ -82,11 +84,11 @@ class Making:
         return max(known, default=0)
 
     def _fits(self, seconds: float, may_trace: bool = True) -> bool:
-        """Whether there is time for it; and, if there is time for paths, whether it leaves them most of it. To a target
-        it may take half as long as all so far."""
+        """Whether there is time for it; and, if there is time for many paths, whether it leaves them most of it. To a
+        target it may take half as long as all so far."""
         if self._choice.target is not None:
             return 2 * seconds <= self._clock() - self._started and seconds <= self._left
-        return 3 * seconds <= self._left or (seconds <= self._left and not (may_trace and self._may_trace()))
+        return 3 * seconds <= self._left or (seconds <= self._left and not (may_trace and self._may_trace(WORTH)))
 
     def _climb(self, may_trace: bool) -> None:
         while self._rung + 1 < len(self._rungs) and not self._wants_to_stop():
@@ -124,9 +126,10 @@ class Making:
         self._renderer.read_radiance()
         return self._clock() - started
 
-    def _may_trace(self) -> bool:
-        """Whether there is time for as few paths as tell anything, and for what is to be done with them."""
-        seconds = self._pace.paths(self._scene, self._tracer.holds(self._scene), GROUPS)
+    def _may_trace(self, samples: int = GROUPS) -> bool:
+        """Whether there is time for so many paths a pixel, by default as few as tell anything, and for what is to be
+        done with them."""
+        seconds = self._pace.paths(self._scene, self._tracer.holds(self._scene), samples)
         return seconds <= self._left and seconds + self._reserve <= self._left
 
     @property
