@@ -7,8 +7,9 @@ import math
 from ..scene.scene import Scene
 from ..settings import Settings
 
-SURE, GUESSED = 1.2, 1.5
-"""Times what was measured; and times what only follows from something else."""
+SURE, GUESSED = 1.1, 1.5
+"""Times what was measured, or follows from frames of the same programs; and times what only follows from something
+else."""
 SHADED = 2 / 3
 """Of a frame: a further point that is shaded in each pixel. Vertices are not shaded again."""
 LOOKUPS, LOOKUP = 3.3, 1 / 24
@@ -77,10 +78,10 @@ class Pace:
         count = maps(settings)
         each = self._map if self._map is not None else math.inf if self.small is None else MAP * self.small
         drawing = each * count if count not in (0, self._maps) else 0.0
-        likely = min((seconds * work(settings) / work(drawn) for drawn, seconds in self.frames.items()),
-                     default=math.inf)
+        alike = [drawn for drawn in self.frames if bool(maps(drawn)) == bool(count)] or list(self.frames)
+        likely = min((self.frames[drawn] * work(settings) / work(drawn) for drawn in alike), default=math.inf)
         if settings in self.frames:  # what it compiled the first time is no part of it now
-            return min(SURE * self.frames[settings], GUESSED * likely) + SURE * drawing
+            return SURE * (min(self.frames[settings], likely) + drawing)
         compiling = self.first - self.textures if self.first is not None else UNKNOWN * likely
         compiling *= 1.0 if count and not any(map(maps, self.frames)) else RESOLVE
         return GUESSED * (likely + drawing + compiling)
