@@ -13,6 +13,7 @@ from test_glass import box
 import viewer
 from viewer.base.resources import resource_folder
 from viewer.measure.compare.relmse import reduced
+from viewer.plan.warnings import sample_warnings
 from viewer.scene.camera import Camera
 from viewer.scene.environment import Environment
 from viewer.scene.equirect import texel_directions
@@ -208,6 +209,21 @@ def test_many_bubbles_are_few_media(count: int = 400):
     assert [ordered.indices[medium][0] for medium in media] == [1.0, 1.31] * (count // 2) + [1.33, 1.5]
     assert len(ordered.indices) == len(ordered.media) == 5
     assert ordered.nesting.of([1, 2, 3]) != ordered.nesting.of([2, 3])
+    assert ordered.depth == 3 <= ordered.nesting.most
+
+
+def test_more_glass_in_glass_than_a_path_carries_is_told(count: int = 100):
+    """Each of another index. Beside one another, as many are no reason for a warning."""
+    cube, glasses = box(0.5, 0.5, 0.5), [replace(GLASS, ior=1.2 + 0.005 * k) for k in range(count)]
+
+    def lines(*transforms: np.ndarray) -> list[str]:
+        parts = [(replace(cube, material=k), transform) for k, transform in enumerate(transforms)]
+        plan = plan_without_device(scene(*parts, materials=glasses), Settings.of(mode="path"))
+        return sample_warnings({"samples": 1, "plan": plan.to_json()})
+
+    (line,) = lines(*(moved((0, 0, 0), 1 + 0.1 * k) for k in range(count)))
+    assert line.startswith(f"solids of glass lie in one another {count} deep, and a path carries 3 of them")
+    assert not lines(*(moved((0.99 * k, 0, 0)) for k in range(count)))
 
 
 @pytest.mark.parametrize("is_mirrored", [False, True])

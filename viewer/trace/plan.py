@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from ..plan.bsdf_switches import bsdf_switches, feature_switches_shown
 from ..plan.explain import omitted_anisotropy
 from ..plan.model import Program
+from ..plan.warnings import DEEP_GLASS
 from ..scene.material import ANISOTROPY, DIFFUSE_TRANSMISSION, DISPERSION, SCATTER
 from ..scene.scene import Scene
 from ..settings import Settings, setting_choices
@@ -78,7 +79,7 @@ class TracePlan:
         }
 
 
-_MISSING = "no path from the camera can hit them", "the path tracer shows triangles only"
+_MISSING = "no path from the camera can hit them", "the path tracer shows triangles only", DEEP_GLASS
 _MEDIA = {"medium": "HAS_SCATTERING", "airlight": "HAS_AIRLIGHT"}
 """The passes between surfaces, and their switches."""
 _NEUTRAL = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "HAS_PUNCTUAL", "LIGHT_RADIUS", "HAS_LIGHTS", "CLAMP")
@@ -221,6 +222,10 @@ def _left_out(
     if GLASS.name not in programs:
         lines.append("the pass for glass: nothing transmits light")
     lines += [] if photons is None else photons.left_out
+    if geometry.depth > geometry.nesting.most:
+        most = geometry.nesting.most
+        lines.append(f"{DEEP_GLASS}{geometry.depth} deep, and a path carries {most} of them: inside of more, "
+                     "its light is bent wrongly or lost")
     if not has_layers:
         lines.append("the pass for layers (albedo, normal): nobody asked for them")
     if not switches["CLAMP"]:

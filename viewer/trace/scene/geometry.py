@@ -77,7 +77,8 @@ class TraceGeometry:
     emissive triangles, `left_out_instances` the number of instances of lines or points. `unit` is the length of one
     unit of tracer space, in world units. `has_grids`: the scene has volumes with grids of densities. `fog` says where
     the medium outside is, if that is fog. `curves` are those of the scene, if it has any. `indices` has the index of
-    refraction and the dispersion of each medium, if solids of glass may touch or overlap (nested.py).
+    refraction and the dispersion of each medium, if solids of glass may touch or overlap (nested.py), and `depth` how
+    many of these lie in one another.
     """
 
     meshes: list[TraceMesh]
@@ -91,6 +92,7 @@ class TraceGeometry:
     fog: TraceFog | None = None
     curves: TraceCurves | None = None
     indices: tuple[tuple[float, float], ...] = ()
+    depth: int = 0
 
     @property
     def scatters(self) -> bool:

@@ -37,7 +37,8 @@ def with_priorities(geometry: TraceGeometry) -> TraceGeometry:
     is_glass = np.array([geometry.instances[k].kind is GLASS for k in solids], bool)
     if is_glass.sum() < 2:
         return geometry
-    pairs = _overlapping(np.array([_box(geometry, geometry.instances[k]) for k in solids]))
+    boxes = np.array([_box(geometry, geometry.instances[k]) for k in solids])
+    pairs = _overlapping(boxes)
     if not is_glass[pairs].all(axis=1).any():
         return geometry
     optics = [_optics(geometry, geometry.instances[k]) for k in solids]
@@ -63,7 +64,7 @@ def with_priorities(geometry: TraceGeometry) -> TraceGeometry:
     media = [geometry.media[medium] for _, medium, *_ in kinds]
     indices = [(1.0, 0.0), *((ior, dispersion) for _, _, ior, dispersion, _ in kinds)]
     return replace(geometry, meshes=[meshes[k] for k in used], instances=instances, indices=tuple(indices),
-                   media=(geometry.media[0], *media))
+                   media=(geometry.media[0], *media), depth=_depth(boxes, pairs, np.array(body)))
 
 
 def _optics(geometry: TraceGeometry, instance: TraceInstance) -> tuple[int, float, float, bool]:
@@ -92,6 +93,17 @@ def _overlapping(boxes: NDArray[np.float64]) -> NDArray[np.intp]:
         meets = (low[others] <= high[k]).all(axis=1) & (high[others] >= low[k]).all(axis=1)
         found.append(np.stack([np.full(meets.sum(), order[k]), order[others[meets]]], axis=1))
     return np.concatenate(found)
+
+
+def _depth(boxes: NDArray[np.float64], pairs: NDArray[np.intp], body: NDArray[np.intp]) -> int:
+    """How many bodies lie in one another at most, by the boxes of their parts: what is in a tumbler counts as in its
+    glass."""
+    both = np.concatenate([pairs, pairs[:, ::-1]])
+    outer, inner = boxes[both[:, 0]], boxes[both[:, 1]]
+    is_in = (outer[:, 0] <= inner[:, 0]).all(axis=1) & (outer[:, 1] >= inner[:, 1]).all(axis=1)
+    around = np.unique(body[both[is_in]], axis=0)
+    around = around[around[:, 0] != around[:, 1]]
+    return 1 + int(np.bincount(around[:, 1], minlength=1).max())
 
 
 def _joined(count: int, pairs: Sequence[tuple[int, int]]) -> list[int]:

@@ -12,13 +12,14 @@ _LARGEST = 1 << 24
 
 
 class Nesting:
-    """Nestings of `count` media. `has_order`: the one with the highest number is the one that a path is in."""
+    """Nestings of `count` media, `most` of them at once. `has_order`: the one with the highest number is the one that a
+    path is in."""
 
     def __init__(self, count: int, has_order: bool = False) -> None:
         self.base, self._has_order = max(count, 2), has_order
-        self.limit = 1
+        self.limit, self.most = 1, 1
         while self.limit * self.base * self.base <= _LARGEST:
-            self.limit *= self.base
+            self.limit, self.most = self.limit * self.base, self.most + 1
 
     @property
     def uniforms(self) -> dict[str, object]:
