@@ -1,10 +1,31 @@
 // Writes depth only. The holes of an alpha mask let light through, and so does the share 1 - alpha of the texels of a
-// blended surface.
-#if ALPHA_MODE
+// blended surface, and what a pane transmits (PANE) by its luminance, since a depth has no colour.
+#if ALPHA_MODE || PANE
 #include "material/uniforms.glsl"
 #endif
 
-#if ALPHA_MODE == 2
+#if PANE
+#include "bsdf/bsdf.glsl"
+#include "bsdf/fresnel.glsl"
+#include "sample/luminance.glsl"
+in vec3 v_position;
+uniform vec4 u_light; // where it is, in scene units; w = 0: its direction
+
+// As pane_transmittance in trace/pane.glsl, for a wall without a film whose specular has no colour; flat, as its
+// triangles are
+float passed(MaterialInputs m) {
+    float alpha = m.perceptual_roughness * m.perceptual_roughness;
+    if (is_delta(vec2(alpha))) {
+        vec3 n = cross(dFdx(v_position), dFdy(v_position)), l = u_light.xyz - u_light.w * v_position;
+        float mu = abs(dot(n, l)) / max(length(n) * length(l), 1e-30);
+        float R = m.specular * f_dielectric(min(mu, 1.0), m.ior);
+        return m.transmission * (1.0 - m.metallic) * luminance(m.base_color.rgb) * (1.0 - 2.0 * R / (1.0 + R));
+    }
+    return 0.0;
+}
+#endif
+
+#if ALPHA_MODE == 2 || PANE
 uniform uint u_caster; // number of the instance (viewer/raster/surfaces.py)
 
 // 16 thresholds in (0, 1), which repeat every four texels, so that the filter of light/shadow.glsl leaves no pattern.
@@ -22,9 +43,19 @@ float threshold() {
 #endif
 
 void main() {
+#if ALPHA_MODE || PANE
+    MaterialInputs m = read_inputs();
+    float covered = 1.0;
 #if ALPHA_MODE == 1
-    if (read_inputs().base_color.a < u_alpha_cutoff) discard;
+    if (m.base_color.a < u_alpha_cutoff) discard;
 #elif ALPHA_MODE == 2
-    if (read_inputs().base_color.a < threshold()) discard;
+    covered = m.base_color.a;
+#endif
+#if PANE
+    covered *= 1.0 - passed(m);
+#endif
+#if ALPHA_MODE == 2 || PANE
+    if (covered < threshold()) discard;
+#endif
 #endif
 }

@@ -1,5 +1,9 @@
 // Depth of what casts a shadow, seen from the light.
 uniform mat4 u_model_to_light;
+#if PANE
+uniform mat4 u_model_to_unit;
+out vec3 v_position; // in scene units
+#endif
 in vec3 a_position;
 #if UV_SETS & 1
 in vec2 a_uv0;
@@ -16,6 +20,9 @@ out vec4 v_color;
 
 void main() {
     gl_Position = u_model_to_light * vec4(a_position, 1.0);
+#if PANE
+    v_position = (u_model_to_unit * vec4(a_position, 1.0)).xyz;
+#endif
 #if UV_SETS & 1
     v_uv0 = a_uv0;
 #endif

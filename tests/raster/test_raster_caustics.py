@@ -74,12 +74,13 @@ def test_the_caustic_of_a_ball_lies_in_its_shadow(renderer):
 
 
 def test_nothing_is_missing_or_counted_twice_below_glass_that_does_not_refract(renderer):
-    """The light of the lamp, shadowed by the raster and brought by photons, is that of the floor alone."""
+    """The light of the lamp is that of the floor alone, whether photons bring it or shadow maps let it through."""
     pane = floor_below((plate(1, half=3.0), moved((0, 1, 0)) @ facing_floor()), material=replace(
         GLASS, ior=1.0, thickness=0.0, double_sided=True))
     expected = light_of(renderer, floor_below())
     assert light_of(renderer, pane, replace(PHOTONS, photons=256)).mean() == pytest.approx(expected.mean(), rel=0.01)
-    assert light_of(renderer, pane, replace(PHOTONS, caustics="off")).max() < 1e-3 * expected.max()
+    clear = light_of(renderer, pane, replace(PHOTONS, caustics="off"))
+    np.testing.assert_allclose(clear, expected, rtol=0.02, atol=1e-3 * expected.max())
 
 
 def test_why_there_are_no_photons_is_told(renderer):

@@ -157,6 +157,37 @@ def test_both_walls_of_a_blended_box_cast_shadows(radiance):
     assert radiance(model, camera, (16, 16))[..., 0].mean() == pytest.approx(0.25, abs=0.07)
 
 
+PANE = {"metallic": 0.0, "perceptual_roughness": 0.0, "transmission": 1.0}
+
+
+def through_a_wall(cosine: float, ior: float) -> float:
+    """1 - 2 R / (1 + R): what smooth glass transmits straight on, by Fresnel's equations."""
+    inside = np.sqrt(1 - (1 - cosine**2) / ior**2)
+    s, p = (cosine - ior * inside) / (cosine + ior * inside), (ior * cosine - inside) / (ior * cosine + inside)
+    r = (s * s + p * p) / 2
+    return 1 - 2 * r / (1 + r)
+
+
+@pytest.mark.parametrize("changes, share", [
+    ({}, 1.0), ({"transmission": 0.5}, 0.5), ({"base_color": (0.9, 0.3, 0.3, 1.0)}, 0.2126 * 0.6 + 0.3),
+    ({"specular": 0.0}, None), ({"base_color": (1, 1, 1, 0.5), "alpha_mode": "blend"}, None),
+    ({"perceptual_roughness": 0.4}, 0.0), ({"thickness": 0.1}, 0.0), ({"clearcoat": 1.0}, 0.0)])
+@pytest.mark.parametrize("slant", [0.0, 1.2])
+def test_lamps_shine_through_thin_smooth_panes(radiance, changes, share, slant):
+    """By its luminance, as shadow rays of mode path do, in 16 steps; rough glass, coated glass and solids are opaque.
+    """
+    sun = replace(ABOVE, direction=(np.sin(slant), -np.cos(slant), 0.0))
+    pane = Material(double_sided=True, **PANE | changes)
+    floor, card = (plate(0, half=1.0), facing_floor()), (plate(1, half=6.0), facing_floor(y=2.0))
+    camera = orthographic(0.0, np.pi / 12, height=0.2, distance=5.0)  # it looks under the pane
+    shaded, bare = (radiance(scene(floor, *cards, materials=[WHITE, pane], lights=(sun,)), camera, (16, 16))[..., 0]
+                    for cards in ([card], []))
+    passed = through_a_wall(np.cos(slant), 1.5)
+    expected = 1.0 if "specular" in changes else 0.5 + 0.5 * passed if "alpha_mode" in changes else share * passed
+    assert (shaded / bare).mean() == pytest.approx(expected, abs=0.02 + 1 / 32 * (expected > 0))
+    assert (shaded / bare).std() < 5e-3
+
+
 def sun_environment(direction, lux: float, around: float) -> Environment:
     """A disk of 0.6 degrees of `lux` in light of `around` from everywhere else."""
     height = 512

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 from typing import Any
 
@@ -9,6 +10,9 @@ from ..scene.material import ANISOTROPY, Material
 from ..scene.mesh import Mesh
 from ..scene.schema import MAPS, PARAMETERS, SWITCHED, multiplied_by
 from ..scene.texture_image import TextureImage
+
+DELTA_ALPHA = 1e-3
+"""Lobes of a smaller alpha are mirrors, as in shaders/bsdf/bsdf.glsl."""
 
 
 def used_maps(material: Material, mesh: Mesh, model: str, include_ineffective: bool = False) -> tuple[str, ...]:
@@ -51,6 +55,18 @@ def metalness(material: Material) -> int:
     if material.metallic == 0:
         return 0
     return 1 if material.metallic == 1 and material.metallic_roughness_texture is None else 2
+
+
+def may_be_pane(material: Material, maps: Collection[str]) -> bool:
+    """Whether light goes straight on through any point of a surface with these `maps`, which are not decoded: a thin
+    wall of glass that may be as smooth as a mirror.
+
+    A clear coat counts as rough: it is another interface.
+    """
+    is_thin = material.transmits and not material.unlit and material.thickness <= 0 and material.weave is None
+    is_smooth = material.perceptual_roughness**2 < DELTA_ALPHA or "metallic_roughness" in maps
+    return is_thin and is_smooth and not ANISOTROPY.is_on(material) and material.clearcoat == 0 \
+        and material.dispersion == 0
 
 
 def texture_bytes(image: TextureImage) -> float:

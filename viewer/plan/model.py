@@ -67,6 +67,8 @@ class Draw:
     alpha_mode: str
     transmits: int
     blank_maps: tuple[str, ...] = ()
+    is_pane: bool = False
+    """Whether lamps shine straight through, as shadow maps show it."""
     given_up: tuple[str, ...] = ()
     """Switches, those of maps among them, that are off because the program would sample too many textures."""
 

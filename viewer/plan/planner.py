@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from ..errors import UsageError
 from ..material.fold import without_constant_maps
-from ..material.use import feature_switches, metalness, supported, used_maps
+from ..material.use import feature_switches, may_be_pane, metalness, supported, used_maps
 from ..scene.convex import is_convex
 from ..scene.light import Light
 from ..scene.material import ANISOTROPY, CLEARCOAT, DIFFUSE_TRANSMISSION, Material
@@ -26,7 +26,7 @@ from .explain import explain
 from .ground import plan_ground
 from .map_switches import ALPHA_MODES, map_switches
 from .media import has_media, media_switches, plan_media
-from .model import ALONE, NO_SUBSURFACE, SPREAD, Draw, Plan, Program
+from .model import ALONE, NO_SUBSURFACE, SPREAD, THIN_WALLED, Draw, Plan, Program
 from .samplers import within_limit
 from .sharing import attributes_of, include_everything, share_programs
 from .views import plan_view
@@ -100,7 +100,8 @@ def plan_scene(
         "POINT_COUNT": sum(light.kind == "point" for light in shown_lights),
         "SUNS": int(any(light.angular_radius > 0 for light in shown_lights)),
         "SHADOW_LAYERS": layer_count,
-        "SHADOW_PATTERN": int(layer_count > 0 and any(material.alpha_mode == "blend" for material in scene.materials)),
+        "SHADOW_PATTERN": int(layer_count > 0 and any(material.alpha_mode == "blend" or is_clear(material, settings)
+                                                      for material in scene.materials)),
         "HAS_ENVIRONMENT": int(environment),
         "ENVIRONMENT_ROTATED": int(scene.environment is not None and scene.environment.rotation != 0),
         "SHOW_EMISSION": int(settings.lobes == "all"),
@@ -220,7 +221,15 @@ def _draw(
     program = Program.of(f"raster/{model}.frag", switches)
     transmits = features["HAS_TRANSMISSION"] * (1 + features["IS_SOLID"])
     return Draw(0, mesh_index, mesh.material, material, program, maps, attributes_of(switches), material.alpha_mode,
-                transmits, given_up=tuple(name for name in switches if switches[name] != wanted[name]))
+                transmits, is_pane=transmits == THIN_WALLED and is_clear(material, settings),
+                given_up=tuple(name for name in switches if switches[name] != wanted[name]))
+
+
+def is_clear(material: Material, settings: Settings) -> bool:
+    """Whether shadow maps let lamps shine through it. Photons bring the light through panes themselves, coloured."""
+    maps = () if material.metallic_roughness_texture is None else ("metallic_roughness",)
+    is_glass = settings.mode == "pbr" and settings.lobes in ("all", "specular") and settings.caustics == "off"
+    return is_glass and may_be_pane(material, maps)
 
 
 def subsurface(material: Material, model: str, settings: Settings) -> int:

@@ -26,10 +26,11 @@ _KEPT = 2
 
 @dataclass(frozen=True)
 class Casters:
-    """How what casts shadows is drawn: a mesh by a matrix from its own space to clip space, and all curves by one from
-    the world to clip space, into a tile of so many texels."""
+    """How what casts shadows is drawn: a mesh by matrices from its own space to clip space and to scene units about the
+    scene's centre, and the light's place there; and all curves by a matrix from the world to clip space, into a tile of
+    so many texels."""
 
-    draw_depth: Callable[[Draw, np.ndarray], None]
+    draw_depth: Callable[[Draw, np.ndarray, np.ndarray, np.ndarray], None]
     draw_curves: Callable[[np.ndarray, int], None]
 
 
@@ -38,9 +39,11 @@ _FACES = ((0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0), (2, 1.0), (2, -1.0))  # axis
 
 @dataclass(frozen=True, eq=False)
 class Tile:
-    """A light's view: `matrix` takes scene units about the scene's centre to clip space."""
+    """A light's view: `matrix` takes scene units about the scene's centre to clip space. There is the light at `place`,
+    (4,), whose last is 1, or 0 for a direction."""
 
     matrix: np.ndarray
+    place: np.ndarray
     texel: float
     texel_per_distance: float
 
@@ -73,7 +76,8 @@ class Atlas:
         for k, tile in enumerate(tiles):
             framebuffer.viewport = (*self.corner(k), self.tile_size, self.tile_size)
             for draw in draws:
-                casters.draw_depth(draw, tile.matrix @ to_center @ scene.instances[draw.instance].transform)
+                transform = scene.instances[draw.instance].transform
+                casters.draw_depth(draw, tile.matrix @ to_center @ transform, to_center @ transform, tile.place)
             casters.draw_curves(tile.matrix @ to_center, self.tile_size)
         gl.polygon_offset = 0.0, 0.0
 
@@ -153,7 +157,7 @@ class KeptShadowMaps:
 
 
 def _key(plan: Plan) -> tuple[object, ...]:
-    return tuple(light.kind for light in plan.lights), plan.shadow_layers
+    return tuple(light.kind for light in plan.lights), plan.shadow_layers, any(draw.is_pane for draw in plan.kinds)
 
 
 def light_tiles(light: Light, scene: Scene, size: int) -> list[Tile]:
@@ -181,7 +185,7 @@ def _directional_tile(direction: np.ndarray, corners: np.ndarray, size: int) -> 
     matrix = np.eye(4)
     matrix[:3, :3] = basis * (2.0 / (high - low))[:, None]
     matrix[:3, 3] = -(high + low) / (high - low)
-    return Tile(matrix, float((high - low)[:2].max()) / size, 0.0)
+    return Tile(matrix, np.array([*direction, 0.0]), float((high - low)[:2].max()) / size, 0.0)
 
 
 def _perspective_tile(origin: np.ndarray, direction: np.ndarray, half: float, far: float, size: int) -> Tile:
@@ -193,7 +197,7 @@ def _perspective_tile(origin: np.ndarray, direction: np.ndarray, half: float, fa
     projection[0, 0] = projection[1, 1] = 1.0 / half
     projection[2, 2], projection[2, 3] = (far + near) / (far - near), -2 * far * near / (far - near)
     projection[3, 2] = 1.0
-    return Tile(projection @ view, 0.0, 2.0 * half / size)
+    return Tile(projection @ view, np.array([*origin, 1.0]), 0.0, 2.0 * half / size)
 
 
 def _basis(direction: np.ndarray) -> np.ndarray:

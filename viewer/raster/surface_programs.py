@@ -32,12 +32,22 @@ def gathering_program(program: Program) -> Program:
 
 
 def shadow_program(draw: Draw) -> Program:
-    """Of a shadow map, with SHADOW_VERTEX; it reads alpha where the surface is not opaque."""
-    names = ["ALPHA_MODE", "HAS_COLOR", *(f"BASE_COLOR_{ending}" for ending in MAP_SWITCHES)]
-    chosen = {name: draw.program[name] if draw.alpha_mode != "opaque" else 0 for name in names}
-    switches = no_switches() | {"HAS_NORMAL": 0} | chosen
-    switches["UV_SETS"] = 1 << switches["BASE_COLOR_UV"] if switches["BASE_COLOR_MAP"] else 0
+    """Of a shadow map, with SHADOW_VERTEX; it reads alpha where the surface is not opaque, and what panes transmit."""
+    maps = shadow_maps_of(draw)
+    names = ["ALPHA_MODE", "HAS_COLOR"] * bool(maps) + [f"{name.upper()}_{ending}" for name in maps
+                                                        for ending in MAP_SWITCHES]
+    of_pane = dict.fromkeys(("PANE", "HAS_NORMAL", "HAS_TRANSMISSION"), int(draw.is_pane))
+    switches = no_switches() | dict.fromkeys(("ALPHA_MODE", "HAS_COLOR"), 0) | of_pane | {
+        name: draw.program[name] for name in names}
+    switches["UV_SETS"] = sum({1 << switches[f"{name.upper()}_UV"] for name in maps if switches[f"{name.upper()}_MAP"]})
     return Program.of("raster/shadow.frag", switches)
+
+
+def shadow_maps_of(draw: Draw) -> tuple[str, ...]:
+    """The maps that decide how much light passes the surface, if it has them."""
+    if draw.is_pane:
+        return "base_color", "metallic_roughness", "transmission"
+    return () if draw.alpha_mode == "opaque" else ("base_color",)
 
 
 def _geometry_switches(program: Program) -> tuple[tuple[str, int], ...]:

@@ -25,7 +25,15 @@ from ..scene.schema import MAPS, Value
 from ..scene.transform import handedness, normal_matrix
 from .geometry import MeshBuffers
 from .subsurface_uniforms import interior_uniforms
-from .surface_programs import SHADOW_VERTEX, VERTEX, gathering_program, gbuffer_program, path_program, shadow_program
+from .surface_programs import (
+    SHADOW_VERTEX,
+    VERTEX,
+    gathering_program,
+    gbuffer_program,
+    path_program,
+    shadow_maps_of,
+    shadow_program,
+)
 from .textures import Textures
 
 if TYPE_CHECKING:
@@ -198,19 +206,24 @@ class Surfaces:
                                   *centers[d.instance], *transforms[d.instance], d.mesh, d.material))
         return draws
 
-    def draw_depth(self, draw: Draw, matrix: np.ndarray) -> None:
-        """Draw a mesh into a shadow map. `matrix` takes the local space of its instance to clip space."""
-        reads_alpha = draw.alpha_mode != "opaque"
+    def draw_depth(self, draw: Draw, matrix: np.ndarray, to_unit: np.ndarray, light: np.ndarray) -> None:
+        """Draw a mesh into a shadow map. `matrix` takes the local space of its instance to clip space, and `to_unit` to
+        scene units about the scene's centre, where `light` has its place (4,), or is as far as its direction (0 last).
+        """
         wanted = shadow_program(draw)
         program = self._programs.get(SHADOW_VERTEX, wanted.fragment, dict(wanted.switches))
         mesh = self._mesh(draw.mesh)
         set_uniform(program, "u_model_to_light", matrix_uniform(matrix @ mesh.to_mesh))
-        if reads_alpha:
-            set_uniform(program, "u_base_color", draw.surface.base_color)
-            set_uniform(program, "u_alpha_cutoff", draw.surface.alpha_cutoff)
+        if maps := shadow_maps_of(draw):
+            for name, value in self._uniforms_of(draw.surface):
+                set_uniform(program, name, value)
             set_uniform(program, "u_caster", self._caster(draw.instance))
-            if wanted["BASE_COLOR_MAP"]:
-                self._bind_map(program, draw, "base_color")
+            for name in maps:
+                if wanted[f"{name.upper()}_MAP"]:
+                    self._bind_map(program, draw, name)
+        if draw.is_pane:
+            set_uniform(program, "u_model_to_unit", matrix_uniform(to_unit @ mesh.to_mesh))
+            set_uniform(program, "u_light", tuple(light))
         mesh.draw(program)
 
     def _caster(self, instance: int) -> int:

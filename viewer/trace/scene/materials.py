@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...material.pack import COLOR_ROLES, DATA_ROLES, record
-from ...material.use import used_maps
-from ...scene.material import ANISOTROPY, Material, Sampler, Texture
+from ...material.use import may_be_pane, used_maps
+from ...scene.material import Material, Sampler, Texture
 from ...scene.medium import VACUUM, Medium
 from ...scene.mesh import Mesh
 from ...scene.schema import MAPS
@@ -26,9 +26,6 @@ from ..layout import (
     MAP_WRAP_BITS,
     WRAPS,
 )
-
-DELTA_ALPHA = 1e-3
-"""As in shaders/bsdf/bsdf.glsl: lobes with a smaller alpha are mirrors."""
 
 
 @dataclass(frozen=True)
@@ -103,17 +100,8 @@ def trace_material(material: Material, mesh: Mesh, scatters: bool = False) -> Tr
         VACUUM if material.unlit else material.medium,
         is_thin,
         scatters and transmits and _is_index_matched(material, names, mesh),
-        transmits and is_thin and material.weave is None and _may_be_smooth(material, names),
+        may_be_pane(material, names),
     )
-
-
-def _may_be_smooth(material: Material, maps: list[str]) -> bool:
-    """Whether any point of glass may be as smooth as a mirror. Without decoding its map of roughness, if it has one.
-
-    A clear coat counts as rough: it is another interface, which is not in `pane_transmittance`.
-    """
-    is_smooth = material.perceptual_roughness**2 < DELTA_ALPHA or "metallic_roughness" in maps
-    return is_smooth and not ANISOTROPY.is_on(material) and material.clearcoat == 0 and material.dispersion == 0
 
 
 def _is_index_matched(material: Material, maps: list[str], mesh: Mesh) -> bool:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...material.pack import DATA_ROLES
+from ...material.use import DELTA_ALPHA
 from ...plan.warnings import NO_PHOTONS
 from ...scene.color import LUMINANCE
 from ...scene.light import Light
@@ -24,7 +25,7 @@ from ..kinds import GLASS
 from .alias import alias_table
 from .geometry import TraceGeometry, TraceInstance
 from .inside import solids_around
-from .materials import DELTA_ALPHA, TraceMaterial
+from .materials import TraceMaterial
 from .punctual import LightColumns
 from .scene_buffer import SceneBufferBuilder
 
