@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from shapes import plate, scene
 
-from viewer.budget.pace import GUESSED, LOOKUP, LOOKUPS, MAP, RESOLVE, SAMPLE, SURE, Pace, work
+from viewer.budget.pace import ALIKE, GUESSED, LOOKUP, LOOKUPS, MAP, RESOLVE, SAMPLE, SURE, Pace, work
 from viewer.measure.report.ladder import climb
 from viewer.scene.environment_files import load_environment
 from viewer.scene.light import Light
@@ -53,9 +53,9 @@ def test_maps_are_drawn_again_if_others_are_held(pace):
     pace.drawn(PLAIN, 0.1, 0.0)
     pace.drawn(SHADOWED, 2.6, 1.6)
     more = replace(FINE, environment_shadows="64")
-    assert pace.frame(SHADOWED) == pytest.approx(min(SURE * 1.0, GUESSED * 0.1 * work(SHADOWED)))
+    assert pace.frame(SHADOWED) == pytest.approx(SURE * 1.0)
     pace.drawn(more, 7.4, 6.4)
-    assert pace.frame(SHADOWED) == pytest.approx(min(SURE, GUESSED * 0.1 * work(SHADOWED)) + SURE * 1.6)
+    assert pace.frame(SHADOWED) == pytest.approx(ALIKE * work(SHADOWED) / work(more) + SURE * 1.6)
 
 
 def test_maps_that_are_held_do_not_tell_what_others_take(pace):
