@@ -53,7 +53,7 @@ def _measure(renderer: Renderer, tracer: Tracer, name: str, options: argparse.Na
     reference = reference_of(tracer, scene, camera, path_settings(Settings()), options)
     pictures = {title: renderer.render(scene, camera, Settings.of(**changes), size).linear[..., :3]
                 for title, changes in PICTURES.items()}
-    paths = PathGroups(tracer, scene, camera, Settings(), size)
+    paths = PathGroups.of_raster(tracer, scene, camera, Settings(), size)
     for samples in SAMPLES:
         while paths.samples < samples:
             paths.step(math.inf)

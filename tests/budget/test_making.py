@@ -12,8 +12,8 @@ from shapes import plate, scene
 
 from viewer.budget import making
 from viewer.budget.chooser import Chooser
-from viewer.budget.groups import Groups
 from viewer.budget.pace import maps, work
+from viewer.estimate.paths import PathGroups
 from viewer.image.image import Image
 from viewer.scene.environment_files import load_environment
 from viewer.settings import Settings
@@ -90,7 +90,7 @@ class Paths:
     def holds(self, shown) -> bool:
         return self._machine.is_traced
 
-    def begin(self, shown, camera, settings, size):
+    def begin(self, shown, camera, settings, size, layers=(), every=1):
         machine = self._machine
         machine.now += 0 if machine.is_traced else machine.prepare
         machine.is_traced = True
@@ -114,7 +114,7 @@ class Paths:
 
         render = SimpleNamespace(
             step=step, is_done=False, film=SimpleNamespace(read_sums=sums), release=lambda: None,
-            plan=SimpleNamespace(missing=()),
+            plan=SimpleNamespace(missing=()), lost_share=0.0,
             stats=lambda: {"samples": settings.spp * SIZE**2, "bad_samples": 0, "rays": 9, "trace_s": 0.1})
         machine.samples += settings.spp
         return render
@@ -257,9 +257,14 @@ def test_asked_to_stop_it_keeps_what_there_is(make, looks, is_mixed):
     assert choice.seconds < 50
 
 
+def groups_of(machine: Machine) -> PathGroups:
+    settings = Settings(mode="path")
+    return PathGroups(Paths(machine), None, None, settings, (SIZE, SIZE), making.GROUPS, clock=machine.clock)
+
+
 def test_groups_have_their_samples_evenly_and_keep_unfinished_ones():
     machine = Machine()
-    groups = Groups(Paths(machine), None, None, Settings(mode="path"), (SIZE, SIZE), machine.clock)
+    groups = groups_of(machine)
     while not groups.is_enough:
         groups.step(10.0, np.inf)
     assert groups.is_even and groups.samples == 4 and (groups.count == 1).all()
@@ -274,7 +279,7 @@ def test_groups_have_their_samples_evenly_and_keep_unfinished_ones():
 
 def test_rounds_double_and_end_where_they_are_wanted():
     machine = Machine()
-    groups = Groups(Paths(machine), None, None, Settings(mode="path"), (SIZE, SIZE), machine.clock)
+    groups = groups_of(machine)
     seen = []
     for most in [np.inf] * 3 + [12.0]:
         for _ in range(4):

@@ -17,7 +17,7 @@ from shapes import WHITE, facing_floor, moved, plate, scene, sphere
 import viewer
 from viewer.errors import UsageError
 from viewer.estimate.measure import error_notes, measure_error
-from viewer.estimate.paths import LEAST_GROUPS, PathGroups, path_settings
+from viewer.estimate.paths import LEAST_GROUPS, PathGroups, is_over, path_settings
 from viewer.estimate.raster_error import raster_error
 from viewer.image.image import Image
 from viewer.measure.compare.relmse import relmse
@@ -46,7 +46,7 @@ def test_the_interval_holds_the_error_of_real_pictures(context, ball):
     size, camera = (32, 32), ball.framing_camera(1.0)
     renderer, tracer = Renderer(context), Tracer(context)
     reference = tracer.render(ball, camera, replace(path_settings(Settings()), spp=512, seed=7), size).linear
-    paths = PathGroups(tracer, ball, camera, Settings(), size)
+    paths = PathGroups.of_raster(tracer, ball, camera, Settings(), size)
     while paths.samples < 32:
         paths.step(math.inf)
     assert paths.groups.shape == (8, 32, 32, 3) and paths.is_enough
@@ -65,17 +65,17 @@ def test_the_interval_holds_the_error_of_real_pictures(context, ball):
 
 def test_rounds_fill_the_groups_one_after_the_other_and_time_ends_them(context, ball):
     camera, tracer = ball.framing_camera(1.0), Tracer(context)
-    paths = PathGroups(tracer, ball, camera, Settings(), (8, 8))
+    paths = PathGroups.of_raster(tracer, ball, camera, Settings(), (8, 8))
     counts = []
     while paths.samples < 40:
         paths.step(math.inf)
         counts.append(paths.samples)
     assert counts[:9] == [1, 2, 3, 4, 5, 6, 7, 8, 9] and counts[16:18] == [18, 20]
-    assert paths.is_over(0.0) and not paths.is_over(1e6)
-    first = PathGroups(tracer, ball, camera, Settings(), (8, 8))
+    assert is_over(paths, 0.0) and not is_over(paths, 1e6)
+    first = PathGroups.of_raster(tracer, ball, camera, Settings(), (8, 8))
     first.step(math.inf)
-    assert not first.is_over(0.0) and not first.is_enough
-    again = PathGroups(tracer, ball, camera, Settings(background=(1.0, 0.0, 0.0)), (8, 8))
+    assert not is_over(first, 0.0) and not first.is_enough
+    again = PathGroups.of_raster(tracer, ball, camera, Settings(background=(1.0, 0.0, 0.0)), (8, 8))
     again.step(math.inf)
     assert np.array_equal(first.groups, again.groups)  # the same seeds, and no colour behind the model
     assert measure_error(tracer, np.zeros((8, 8, 4), np.float32), ball, camera, Settings(), (8, 8), 9.0,
@@ -89,7 +89,7 @@ def test_of_a_large_picture_each_few_th_pixel_is_traced(context, ball, monkeypat
     settings = replace(path_settings(Settings()), spp=256)
     whole = tracer.render(ball, camera, settings, size).linear[..., :3]
     monkeypatch.setattr("viewer.estimate.paths._MOST_PIXELS", 400)
-    paths = PathGroups(tracer, ball, camera, Settings(), size)
+    paths = PathGroups.of_raster(tracer, ball, camera, Settings(), size)
     if not context.is_software:
         assert paths.every == 1
         return

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..estimate.measure import error_notes
-from ..estimate.paths import path_settings
+from ..estimate.paths import LEAST_GROUPS, PathGroups, path_settings
 from ..image.displayed import displayed
 from ..image.image import Image
 from ..measure.report.ladder import climb
@@ -22,9 +22,10 @@ from ..trace.paths.run import Report
 from ..trace.tracer import Tracer
 from .choice import Choice
 from .combine import Samples, Told, combined
-from .groups import GROUPS, Groups
 from .pace import SURE, Pace, maps
 
+GROUPS = LEAST_GROUPS
+"""Independent pictures of paths: few, so that each is soon finished."""
 SLICE_S, REPORT_S = 0.2, 0.5
 """Longest time between two looks at the clock; time between two reports."""
 STRIP = 8192
@@ -61,8 +62,9 @@ class Making:
         self._draw(self._first())
         self._choice.ready = self._clock() - self._started
         self._climb(traced is not None)
-        groups = Groups(self._tracer, self._scene, self._camera,
-                        replace(traced or path_settings(raster), background=background), self._size, self._clock)
+        groups = PathGroups(self._tracer, self._scene, self._camera,
+                            replace(traced or path_settings(raster), background=background), self._size, GROUPS,
+                            clock=self._clock)
         told = None
         try:
             if self._may_trace() and not self._wants_to_stop():
@@ -148,7 +150,7 @@ class Making:
         self._pace.combine = (self._clock() - started) / (raster.shape[0] * raster.shape[1])
         return told
 
-    def _along(self, groups: Groups, mixes: bool) -> dict[str, Told] | None:
+    def _along(self, groups: PathGroups, mixes: bool) -> dict[str, Told] | None:
         """Trace to the end of the time, or to the target; None if there was not enough time."""
         target, look = self._choice.target, float(GROUPS)
         while True:
@@ -165,10 +167,10 @@ class Making:
             look = groups.samples * min(max(best.high / target**2, LEAST_GROWTH), MOST_GROWTH)
             self._climb(mixes)
 
-    def _is_over(self, groups: Groups) -> bool:
+    def _is_over(self, groups: PathGroups) -> bool:
         return self._wants_to_stop() or self._left <= self._reserve or groups.samples >= MAX_SPP
 
-    def _trace(self, groups: Groups, samples: float) -> None:
+    def _trace(self, groups: PathGroups, samples: float) -> None:
         """To so many samples a pixel, in whole rounds; or to the end of the time, perhaps within a round."""
         last = 0.0
         while not self._is_over(groups) and not (groups.is_even and groups.samples >= samples):
@@ -184,7 +186,7 @@ class Making:
         if groups.is_enough:
             self._pace.sample = groups.each
 
-    def _tell(self, groups: Groups, samples: float) -> None:
+    def _tell(self, groups: PathGroups, samples: float) -> None:
         now = self._clock()
         if self._report is None or now - self._reported < REPORT_S:
             return
@@ -194,7 +196,7 @@ class Making:
         fraction = min(max(fraction, 1e-3), 1.0)
         self._report(fraction, spent * (1 / fraction - 1))
 
-    def _finished(self, raster: Settings, groups: Groups, told: dict[str, Told] | None) -> Image:
+    def _finished(self, raster: Settings, groups: PathGroups, told: dict[str, Told] | None) -> Image:
         choice, linear, title = self._choice, self._radiance, self._rungs[self._rung][0]
         stats: dict[str, object] = {"plan": self._renderer.plan.to_json() if self._renderer.plan else {}}
         choice.method = title
@@ -204,7 +206,7 @@ class Making:
             choice.method, choice.told = titles[taken], told[taken]
             choice.compared = {titles[name]: one.relative for name, one in told.items()}
             stats |= {"estimated_error": {**told[taken].to_json(groups.seconds),
-                                          "notes": list(error_notes(raster, groups.missing))}}
+                                          "notes": list(error_notes(raster, groups.missing, groups.lost_share))}}
             if taken != "drawn":
                 choice.samples = groups.samples
                 alpha = groups.total[..., 3:].sum(axis=0) / groups.count.sum(axis=0)

@@ -31,7 +31,7 @@ def measure_error(tracer: Tracer, raster: np.ndarray, scene: Scene, camera: Came
     Paths are traced for about so many seconds, and at least for some samples a pixel; preparing the scene comes on top.
     None if `wants_to_stop` was true before that. Raises as `Tracer.begin`.
     """
-    paths = PathGroups(tracer, scene, camera, settings, size)
+    paths = PathGroups.of_raster(tracer, scene, camera, settings, size)
     try:
         trace_for(paths, seconds, wants_to_stop)
         if not paths.is_enough:

@@ -1,4 +1,7 @@
-"""Independent path-traced pictures of what a raster picture shows, for a time that is not known beforehand."""
+"""Independent path-traced pictures of what a raster picture shows, for a time that is not known beforehand.
+
+Only independent pictures tell the noise, since the samples of one are stratified.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import fields, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -19,8 +22,9 @@ if TYPE_CHECKING:
     from ..trace.tracer import Tracer
 
 GROUPS = 8
-"""Independent pictures. Their spread tells the noise, and a mean of products of different ones lacks little of what all
-their samples could tell: the part 1 / GROUPS of the term that falls with the square of the samples."""
+"""Independent pictures by which an error is told. Their spread tells the noise, and a mean of products of different
+ones lacks little of what all their samples could tell: the part 1 / GROUPS of the term that falls with the square of
+the samples."""
 LEAST_GROUPS = 4
 """Without these there is no estimate, however long they take."""
 _SEED = 0x51ED270B
@@ -46,46 +50,75 @@ def path_settings(settings: Settings) -> Settings:
 
 
 class PathGroups:
-    """Path-traced pictures in groups, each of the mean of several pictures with seeds of their own.
+    """Sums of samples in `groups` groups, which have nothing in common.
 
-    `step` traces on. A round gives each group the same number of samples, at most as many as it had, so that what is
-    there may be used at any time once it `is_enough`.
+    `step` traces on. A round gives each group a picture of as many samples, at most as many as it had, so that what is
+    there may be used at any time once it `is_enough`. `settings` are those of mode path. Each `every`-th pixel of a row
+    and of a column is traced. `is_masked`: what `shows_model` needs is found, too.
     """
 
-    def __init__(self, tracer: Tracer, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> None:
+    def __init__(self, tracer: Tracer, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
+                 groups: int, every: int = 1, is_masked: bool = False,
+                 clock: Callable[[], float] = time.perf_counter) -> None:
         self._tracer, self._scene, self._camera, self._size = tracer, scene, camera, size
-        self._settings = path_settings(settings)
-        is_slow = tracer.context.is_software
-        self.every = math.ceil(math.sqrt(size[0] * size[1] / _MOST_PIXELS)) if is_slow else 1
-        """Each so many'th pixel of a row and of a column is traced."""
-        shape = size[1] // self.every, size[0] // self.every
-        self._sums = np.zeros((GROUPS, *shape, 3), np.float32)
-        self._spp = np.zeros(GROUPS, int)
+        self._settings, self._is_masked, self._clock = settings, is_masked, clock
+        self.every = every
+        shape = size[1] // every, size[0] // every
+        self.total = np.zeros((groups, *shape, 4), np.float32)
+        """Sums over samples: radiance, and alpha."""
+        self.count = np.zeros((groups, *shape, 1), np.float32)
         self._hits = np.zeros(shape, bool)
-        self._render: PathRender | None = None
-        self._begun = 0
-        self._round = 1
         self.seconds = 0.0
-        """Spent in `step`."""
+        """Spent so far, the preparation of the scene left out."""
+        self.each = 0.0
+        """Of that for one sample a pixel, in the picture that was finished last."""
+        self.pictures = 0
+        """That are finished."""
         self.missing: tuple[str, ...] = ()
         """What of the scene paths do not find."""
         self.lost_share = 0.0
         """The share of the light of photons that is in neither picture (`PathRender.lost_share`)."""
+        self._stats: dict[str, Any] = {"samples": 0, "bad_samples": 0, "rays": 0, "trace_s": 0.0}
+        self._render: PathRender | None = None
+        self._begun, self._spp, self._spent = 0, 0, 0.0
+
+    @classmethod
+    def of_raster(cls, tracer: Tracer, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> Self:
+        """To tell the error of what the raster draws with `settings`."""
+        pixels = size[0] * size[1]
+        every = math.ceil(math.sqrt(pixels / _MOST_PIXELS)) if tracer.context.is_software else 1
+        return cls(tracer, scene, camera, path_settings(settings), size, GROUPS, every, True)
 
     @property
     def is_enough(self) -> bool:
-        return bool((self._spp > 0).sum() >= LEAST_GROUPS)
+        """Whether there are as many groups with samples of every pixel as an estimate needs."""
+        return self.pictures >= LEAST_GROUPS
+
+    @property
+    def is_even(self) -> bool:
+        """Whether all groups have as many samples."""
+        return self.is_between and self.pictures % len(self.total) == 0
+
+    @property
+    def is_between(self) -> bool:
+        """Whether no picture is begun and not finished."""
+        return self._render is None
 
     @property
     def samples(self) -> float:
         """A pixel, of all groups together."""
-        return float(self._spp.sum())
+        return float(self.count.mean()) * len(self.total)
 
     @property
     def groups(self) -> np.ndarray:
-        """(G, H, W, 3) float32, the means of the groups that have samples, row 0 at the top."""
-        has = self._spp > 0
-        return self._sums[has] / self._spp[has, None, None, None].astype(np.float32)
+        """(G, H, W, 3) float32, the means of the groups that have samples of every pixel, row 0 at the top."""
+        whole = slice(min(self.pictures, len(self.total)))
+        return self.total[whole, ..., :3] / self.count[whole]
+
+    @property
+    def stats(self) -> dict[str, Any]:
+        """As those of a path-traced picture."""
+        return {"spp": self.samples, **self._stats} | ({"photons_lost": self.lost_share} if self.lost_share else {})
 
     @property
     def shows_model(self) -> np.ndarray:
@@ -103,40 +136,45 @@ class PathGroups:
                          for side, count in zip(self._size[::-1], values.shape, strict=True))
         return values[::-1][np.ix_(rows, columns)][::-1]
 
-    def step(self, seconds: float, left: float = math.inf) -> None:
-        """Trace for about so long, or to the end of a picture; `left` is the time that there is for all to come."""
-        started = time.perf_counter()
-        group = int(np.argmin(self._spp))
+    def step(self, seconds: float, most: float = math.inf) -> None:
+        """Trace for about so long, or to the end of a group's picture. If a round begins, it is to have at most `most`
+        samples a pixel, or one in each group."""
+        started = self._clock()
         if self._render is None:
-            self._render = self._begin(group, left)
+            if self.is_even:
+                self._spp = int(max(min(most / len(self.total), self.samples / len(self.total), _MOST_SPP), 1))
+            self._render = self._begin()
+            if self._begun == 1:
+                started = self._clock()
         self._render.step(seconds)
+        spent = self._clock() - started
+        self.seconds, self._spent = self.seconds + spent, self._spent + spent
         if self._render.is_done:
-            self._take(group, self._render)
-            self.release()
-        self.seconds += time.perf_counter() - started
+            if self._is_masked and self.pictures < len(self.total):
+                self._hits |= self._render.film.read_layers()[0][..., 3] > 0
+            self.end()
+            self.pictures, self.each, self._spent = self.pictures + 1, self._spent / self._spp, 0.0
 
-    def is_over(self, seconds: float) -> bool:
-        """Whether there is an estimate, and no further picture is likely to be finished so many seconds after the
-        first was begun."""
-        return self.is_enough and self._render is None and self.seconds + self.seconds / self.samples > seconds
-
-    def _begin(self, group: int, left: float) -> PathRender:
-        if self._spp.min() == self._spp.max() > 0:
-            fitting = left / (self.seconds / self.samples * GROUPS)
-            self._round = int(max(min(fitting, self._spp[0], _MOST_SPP), 1))
+    def _begin(self) -> PathRender:
         self._begun += 1
-        settings = replace(self._settings, seed=_SEED * self._begun & 0xFFFFFFFF, spp=self._round)
-        layers = () if self._spp[group] else ("distance",)
+        seed = self._settings.seed + _SEED * self._begun & 0xFFFFFFFF
+        settings = replace(self._settings, seed=seed, spp=self._spp, time_budget=None, error=None)
+        layers = ("distance",) if self._is_masked and self.pictures < len(self.total) else ()
         render = self._tracer.begin(self._scene, self._camera, settings, self._size, layers, self.every)
         self.missing = render.plan.missing
         return render
 
-    def _take(self, group: int, render: PathRender) -> None:
-        self._sums[group] += self._round * render.read_radiance()[..., :3]
-        self.lost_share += (render.lost_share - self.lost_share) / self._begun  # the mean of all
-        if not self._spp[group]:
-            self._hits |= render.film.read_layers()[0][..., 3] > 0
-        self._spp[group] += self._round
+    def end(self) -> None:
+        """Add to its group what a picture has so far, and give it up."""
+        if self._render is not None:
+            total, squares = self._render.film.read_sums()
+            group = (self._begun - 1) % len(self.total)
+            self.total[group] += np.concatenate([total[..., :3], squares[..., 3:]], axis=-1)
+            self.count[group] += total[..., 3:]
+            self.lost_share += (self._render.lost_share - self.lost_share) / self._begun  # the mean of all
+            for name in self._stats:
+                self._stats[name] += self._render.stats()[name]
+            self.release()
 
     def release(self) -> None:
         """Give up what is unfinished."""
@@ -147,5 +185,11 @@ class PathGroups:
 
 def trace_for(paths: PathGroups, seconds: float, wants_to_stop: Callable[[], bool] = lambda: False) -> None:
     """Trace so many seconds, and in any case what an estimate needs."""
-    while not paths.is_over(seconds) and not wants_to_stop():
-        paths.step(SLICE_S, seconds - paths.seconds)
+    while not is_over(paths, seconds) and not wants_to_stop():
+        paths.step(SLICE_S, (seconds - paths.seconds) / paths.each if paths.each else math.inf)
+
+
+def is_over(paths: PathGroups, seconds: float) -> bool:
+    """Whether there is an estimate, and no further picture is likely to be finished so many seconds after the first was
+    begun."""
+    return paths.is_enough and paths.is_between and paths.seconds + paths.seconds / paths.samples > seconds

@@ -64,7 +64,7 @@ class RestError:
         """Begin with a picture of `size`, linear radiance (H, W, 4) without a colour laid behind it. Raises as
         `Tracer.begin`."""
         self.discard()
-        self._paths = PathGroups(self._tracer(), scene, camera, settings, size)
+        self._paths = PathGroups.of_raster(self._tracer(), scene, camera, settings, size)
         self._raster = self._paths.of(raster)
 
     def step(self) -> bool:
