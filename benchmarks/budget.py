@@ -107,7 +107,7 @@ class _Single:
     def __init__(self, scene: Scene, size: int, spp: int) -> None:
         self._scene, self._size = scene, (size, size)
         image = viewer.render(scene, self._size, mode="path", spp=spp, seed=_SEED)
-        self._linear, self._variance = image.linear[..., :3].astype(float), image.stats["estimated_error"] ** 2
+        self._linear, self._variance = image.linear[..., :3].astype(float), image.stats["estimated_error"]["relmse"]
         self._rungs: dict[str, tuple[float, float]] = {}
         for title, settings in climb(scene, Settings()):
             changed = {name: value for name, value in vars(settings).items() if value != getattr(Settings(), name)}

@@ -94,7 +94,7 @@ def _picture(tracer: Tracer, model: Path) -> dict[str, object]:
     curves = trace_curves(scene)
     return {"model": model.name, "segments": 0 if curves is None else len(curves.first), "rays": image.stats["rays"],
             "wall": time.perf_counter() - start, "processor": time.process_time() - processor,
-            "error": image.stats["estimated_error"]}
+            "error": image.stats["estimated_error"]["relative"]}
 
 
 def _rates(context: Context, name: str, curves: TraceCurves) -> list[dict[str, object]]:

@@ -36,7 +36,7 @@ def test_a_picture_with_layers_and_stats(run, folder):
     assert "rmse: 0\n" in run("diff", "a.exr", "a.exr").out
     stats = json.loads((folder / "s.json").read_text())
     assert stats["spp"] == 3 and stats["samples"] == 3 * 24 * 24 and stats["bad_samples"] == 0
-    assert stats["rays"] > stats["samples"] and stats["rays_per_s"] > 0 and stats["estimated_error"] > 0
+    assert stats["rays"] > stats["samples"] and stats["rays_per_s"] > 0 and stats["estimated_error"]["relative"] > 0
     assert stats["denoised"] == "fast" and stats["intersector"] == stats["plan"]["intersector"]
     assert stats["stopped"] is False and stats["plan"]["passes"][0] == "intersect" and stats["trace_s"] > 0
 
@@ -69,7 +69,7 @@ def test_a_time_budget_ends_it_with_a_whole_picture(run, folder):
 def test_a_target_ends_it(run, folder):
     run("render", MODEL, "-o", "a.png", *PATH, "--error", "1", "--spp", "200", "--stats", "s.json")
     stats = json.loads((folder / "s.json").read_text())
-    assert stats["estimated_error"] <= 1 and stats["spp"] == 64
+    assert stats["estimated_error"]["relative"] <= 1 and stats["spp"] == 64
 
 
 def interrupting(monkeypatch, before: int, times: int = 1):

@@ -13,14 +13,15 @@ all M_g are equal; the mean of the paths is that in which each is the mean of th
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from ..estimate.neighbourhood import EPSILON, mixture, smooth
 from ..estimate.pairs import interval, squared_error, trimmed_mean
+from ..image.estimated_error import EstimatedError, estimated_error
 from ..image.neighbours import LARGEST, surroundings
 
 _FEW = 8.0
@@ -45,9 +46,8 @@ class Told:
     def relative(self) -> float:
         return math.sqrt(self.relmse)
 
-    def to_json(self, seconds: float) -> dict[str, Any]:
-        return {"relmse": self.relmse, "low": self.low, "high": self.high, "relative": self.relative,
-                "trimmed_relmse": self.trimmed, "samples": self.samples, "seconds": seconds}
+    def to_json(self, seconds: float, notes: Sequence[str] = ()) -> EstimatedError:
+        return estimated_error(self.relmse, self.samples, seconds, (self.low, self.high), self.trimmed, notes=notes)
 
 
 class Samples:

@@ -205,8 +205,8 @@ class Making:
             taken = min(told, key=lambda name: told[name].relmse)
             choice.method, choice.told = titles[taken], told[taken]
             choice.compared = {titles[name]: one.relative for name, one in told.items()}
-            stats |= {"estimated_error": {**told[taken].to_json(groups.seconds),
-                                          "notes": list(error_notes(raster, groups.missing, groups.lost_share))}}
+            notes = error_notes(raster, groups.missing, groups.lost_share)
+            stats |= {"estimated_error": told[taken].to_json(groups.seconds, notes)}
             if taken != "drawn":
                 choice.samples = groups.samples
                 alpha = groups.total[..., 3:].sum(axis=0) / groups.count.sum(axis=0)

@@ -26,6 +26,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..image.estimated_error import EstimatedError, estimated_error
 from ..image.image import Image
 from ..image.magma import magma
 from ..image.neighbours import LARGEST, box, smooth
@@ -60,10 +61,9 @@ class RasterError:
     def relative(self) -> float:
         return math.sqrt(self.relmse)
 
-    def to_json(self) -> dict[str, object]:
-        return {"relmse": self.relmse, "low": self.low, "high": self.high, "relative": self.relative,
-                "trimmed_relmse": self.trimmed, "brightness": self.brightness, "samples": self.samples,
-                "seconds": self.seconds, "notes": list(self.notes)}
+    def to_json(self) -> EstimatedError:
+        return estimated_error(self.relmse, self.samples, self.seconds, (self.low, self.high), self.trimmed,
+                               self.brightness, self.notes)
 
     @property
     def interval(self) -> str:

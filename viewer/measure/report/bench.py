@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -114,9 +115,10 @@ class Bench:
             del last[:-1]
 
         timing = measure(picture, picture_effort(self.limit), tidy)
-        image = last[-1].image()
+        image, error = last[-1].image(), last[-1].error
         last[-1].release()
-        facts = {name: image.stats[name] for name in ("spp", "rays", "estimated_error", "bad_samples", "intersector")}
+        facts = {name: image.stats[name] for name in ("spp", "rays", "bad_samples", "intersector")}
+        facts["estimated_error"] = error if math.isfinite(error) else None
         return image.linear, timing, {"prepare_s": prepare, **facts}
 
     def _warm_up(self, settings: Settings) -> float:

@@ -14,6 +14,7 @@ import moderngl
 import numpy as np
 
 from ...image.display import DisplayPass
+from ...image.estimated_error import estimated_error
 from ...image.image import Image
 from ...settings import Settings
 from ..layout import TILE
@@ -228,10 +229,11 @@ class PathRender:
     def stats(self) -> dict[str, object]:
         """Statistics for JSON: samples, estimated error, rays and time."""
         error = self.error
+        told = estimated_error(error * error, self.samples, self.seconds)
         return {
             "plan": self.plan.to_json(), "intersector": self.plan.intersector, "spp": self.samples,
             "samples": round(self.samples * self.film.size[0] * self.film.size[1]), "bad_samples": self.bad_samples,
-            "estimated_error": error if np.isfinite(error) else None, "rays": self.rays, "trace_s": self.seconds,
+            "estimated_error": told if math.isfinite(error) else None, "rays": self.rays, "trace_s": self.seconds,
             **(self._photons.stats() if self._photons else {}),
             "rays_per_s": self.rays / self.seconds if self.seconds else None, "denoised": self.denoised,
         }
