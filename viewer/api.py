@@ -103,9 +103,10 @@ def render(
     1 / `fps` seconds later, by the `next_camera` if there is one; nothing but the camera moves without a `time`.
 
     In mode pbr `quality` is draft, standard or high, a named point of the front of error against time
-    (docs/quality.md), which leaves the given `settings` as they are. The default, auto, is standard where its first
-    picture is foreseen within twice the time of a draft, with 64 or else 16 lights of the environment, and else draft.
-    This follows from the scene and `size` alone.
+    (docs/quality.md), which leaves the given `settings` as they are. The default, auto, is standard, with 64 or else 16
+    lights of the environment, where a new process is foreseen to load the scene and draw it within twice the time that
+    it takes with draft; else draft. This follows from the scene and `size` alone. Further pictures of a scene take
+    more than twice a draft's time: for many, name draft.
 
     With `tell_error`, seconds of path tracing, `Image.stats["estimated_error"]` says how far a picture of another mode
     is from the truth (docs/tell-error.md), and the layer "error" where.
