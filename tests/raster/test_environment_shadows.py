@@ -10,10 +10,12 @@ from shapes import WHITE, constant, facing_floor, lopsided, moved, orthographic,
 
 from viewer.bake.many_lights import many_lights
 from viewer.bake.prefilter import prefilter
+from viewer.raster.renderer import Renderer
 from viewer.scene.curves import Curves
 from viewer.scene.light import Light
 from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Instance
+from viewer.settings import Settings
 
 SIZE = (48, 48)
 BLACK = replace(WHITE, base_color=(0, 0, 0, 1), double_sided=True)
@@ -148,6 +150,25 @@ def test_large_pictures_are_interpolated_from_a_bounded_number_of_points(radianc
     assert np.array_equal(whole[0], fewer[0]) and not np.array_equal(whole[1], fewer[1])
     relmse = [((picture - whole[1])**2 / (whole[1]**2 + 0.01)).mean() for picture in (fewer[1], whole[0])]
     assert relmse[0] < 0.01 * relmse[1]
+
+
+def test_maps_that_lie_where_those_of_other_scenes_lay_are_the_same(renderer, context):
+    """16 lights and 64 fill textures of one size; 256 take four, and in between a scene has none."""
+    shots = [(scene((sphere(), np.eye(4)), (plate(0, half=2.0), facing_floor()), environment=lopsided()), "64"),
+             (corner(environment=lopsided()), "16"), (corner(environment=lopsided()), "256"), (corner(), "off")]
+
+    def draw(renderer: Renderer, k: int) -> np.ndarray:
+        model, lights = shots[k]
+        return renderer.render(model, VIEW, Settings(antialias="none", environment_shadows=lights), SIZE).linear
+
+    fresh = []
+    for k in range(len(shots)):
+        other = Renderer(context)
+        fresh.append(draw(other, k))
+        other.release()
+    for k in (0, 1, 0, 2, 1, 3, 0):
+        assert np.array_equal(draw(renderer, k), fresh[k])
+    assert renderer.context.gl.error == "GL_NO_ERROR"
 
 
 def test_a_black_environment_gives_no_nan(radiance):

@@ -48,6 +48,7 @@ class EnvironmentLight:
         self._irradiance: moderngl.Texture | None = None
         self._background: _Background | None = None
         self._scattered: dict[tuple[float, bool], moderngl.Texture] = {}
+        self._many_lights: dict[int, ManyLights] = {}
 
     def holds(self, environment: Environment, settings: Settings) -> bool:
         """Whether this is that environment, up to rotation and intensity."""
@@ -58,6 +59,7 @@ class EnvironmentLight:
         has_levels = self._prefiltered is not None or bool(self._baked and self._baked.levels)
         if self._baked is None or (with_levels and not has_levels):
             self._baked = bake_environment(self.environment, self._ndf, self._use_cache, with_levels)
+            self._many_lights.clear()  # they are in the unit of the old bake
             if self._irradiance is not None:  # its unit is the old bake's scale
                 self._irradiance.release()
                 self._irradiance = None
@@ -89,7 +91,9 @@ class EnvironmentLight:
 
     def many_lights(self, count: int) -> ManyLights:
         """The environment without its suns as `count` directional lights, in world axes, of arbitrary scale."""
-        lights = many_lights(self._sky(), count)
+        if count not in self._many_lights:
+            self._many_lights[count] = many_lights(self._sky(), count)
+        lights = self._many_lights[count]
         return replace(lights, directions=lights.directions @ rotation_about_y(self.environment.rotation))
 
     def sky_lights(self, plan: Plan, count: int = SKY_LIGHTS) -> ManyLights:

@@ -13,17 +13,15 @@ from collections.abc import Callable
 import moderngl
 import numpy as np
 
-from ..bake.many_lights import ManyLights
 from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
 from ..plan.model import Plan
-from ..scene.environment import Environment
 from ..scene.frame import Frame
-from ..scene.light import Light
 from ..scene.material import Texture
 from ..scene.scene import Scene
+from .environment import EnvironmentLight
 from .gbuffer import UNIT_NORMALS
-from .shadows import Atlas, Casters, light_tiles
+from .shadows import Atlas, Casters, directional_tiles
 from .sky_shadows import mean_reflectance, reflected
 
 BATCH = 64
@@ -37,15 +35,26 @@ BINDING = 2
 
 
 class EnvironmentShadows:
-    """The shadow maps of many lights, in batches. They do not depend on the camera."""
+    """The shadow maps of many lights, in batches. They do not depend on the camera.
 
-    def __init__(self, gl: moderngl.Context, environment: Environment, lights: ManyLights, plan: Plan,
-                 casters: Casters) -> None:
-        self._gl, self._lights, self._count = gl, lights, len(lights.directions)
-        self._environment, self._casters, self._estimates = environment, casters, plan.estimates_indirect
+    Where they fit, they lie in the memory of `before`, which is of no use afterwards.
+    """
+
+    def __init__(self, gl: moderngl.Context, environment: EnvironmentLight, plan: Plan, casters: Casters,
+                 before: EnvironmentShadows | None = None) -> None:
+        self._gl, self._casters, self._estimates = gl, casters, plan.estimates_indirect
+        self._environment, self._rotation = environment, environment.environment.rotation
+        self._lights = environment.many_lights(plan.environment_shadows)
+        self._count = len(self._lights.directions)
         tile_size = min(math.isqrt(ROOM // self._count), MAX_TILE)
-        firsts = range(0, self._count, BATCH)
-        self._atlases = [Atlas(gl, min(BATCH, self._count - first), tile_size) for first in firsts]
+        counts = [min(BATCH, self._count - first) for first in range(0, self._count, BATCH)]
+        self._atlases: list[Atlas] = []
+        if before is not None:
+            self._atlases, before._atlases = before._atlases, []
+        if len(self._atlases) != len(counts) or not all(
+                atlas.lay_out(count, tile_size) for atlas, count in zip(self._atlases, counts, strict=True)):
+            self.release()
+            self._atlases = [Atlas(gl, count, tile_size) for count in counts]
         self._batches: list[tuple[Atlas, np.ndarray, np.ndarray]] = []
         self._scene: Scene | None = None
 
@@ -62,8 +71,7 @@ class EnvironmentShadows:
             instead = reflected(lights, mean_reflectance(scene, plan.draws, mean))[:, :3]
         for first, atlas in zip(range(0, self._count, BATCH), self._atlases, strict=True):
             part = slice(first, first + BATCH)
-            tiles = [light_tiles(Light("directional", direction=tuple(-direction)), scene, atlas.tile_size)[0]
-                     for direction in lights.directions[part]]
+            tiles = directional_tiles(-lights.directions[part], scene, atlas.tile_size)
             atlas.draw(scene, tiles, draws, self._casters)
             matrices = np.stack([_to_atlas(atlas, k) @ tile.matrix for k, tile in enumerate(tiles)])
             rows = np.zeros((len(tiles), 6, 4))
@@ -73,10 +81,13 @@ class EnvironmentShadows:
             self._batches.append((atlas, matrices, rows))
         self._scene = scene
 
-    def holds(self, environment: Environment, plan: Plan) -> bool:
+    def forget_scene(self) -> None:
+        """Let `show` draw the maps again, for meshes or programs that have changed."""
+        self._scene = None
+
+    def holds(self, environment: EnvironmentLight, plan: Plan) -> bool:
         """Whether these are the lights that `plan` needs of `environment`."""
-        ours = self._environment
-        return (ours.source is environment.source and ours.rotation == environment.rotation
+        return (environment is self._environment and environment.environment.rotation == self._rotation
                 and self._count == plan.environment_shadows and self._estimates == plan.estimates_indirect)
 
     def add(self, programs: Programs, frame: Frame, uniforms: dict[str, object]) -> None:
@@ -102,6 +113,7 @@ class EnvironmentShadows:
     def release(self) -> None:
         for atlas in self._atlases:
             atlas.release()
+        self._atlases = []
 
 
 def _to_atlas(atlas: Atlas, k: int) -> np.ndarray:

@@ -17,11 +17,10 @@ from ..plan.model import Plan
 from ..scene.color import LUMINANCE
 from ..scene.frame import Frame
 from ..scene.ground import ground_height
-from ..scene.light import Light
 from ..scene.scene import Scene
 from .depth import Depth
 from .environment import EnvironmentLight
-from .shadows import Atlas, Casters, light_tiles
+from .shadows import Atlas, Casters, directional_tiles
 from .surfaces import UNIT_BACKGROUND, bind_blocks
 
 _SAMPLES = 160
@@ -56,8 +55,7 @@ class GroundPass:
         above = np.flatnonzero(lights.directions[:, 1] > 0)[:FAR_LIGHTS]
         lights = replace(lights, directions=lights.directions[above], irradiance=lights.irradiance[above])
         self._atlas = Atlas(self._gl, max(len(above), 1), _TILE)
-        tiles = [light_tiles(Light("directional", direction=tuple(-direction)), scene, self._atlas.tile_size)[0]
-                 for direction in lights.directions]
+        tiles = directional_tiles(-lights.directions, scene, self._atlas.tile_size)
         self._atlas.draw(scene, tiles, [draw for draw in plan.draws if not draw.transmits], self._casters)
         rows = _rows(scene, self._atlas, lights, [tile.matrix for tile in tiles])
         self._block = self._gl.buffer(rows.astype(np.float32))

@@ -44,7 +44,7 @@ class Passes:
         self._context, self._gl, self._programs, self._depth = context, gl, programs, depth
         self._prepared, self._watch = prepared, watch
         self.curves = CurvePass(context, programs, depth)
-        self._casters = Casters(prepared.surfaces.draw_depth, self.curves.draw_depth)
+        self._casters = Casters(prepared.surfaces.prepare_depth, self.curves.draw_depth)
         self._shadows = KeptShadowMaps(gl, self._casters)
         self._uniforms = FrameUniforms(gl, prepared, self._shadows)
         self._gbuffers: dict[tuple[int, int], GBuffer] = {}
@@ -68,7 +68,7 @@ class Passes:
         if self._generation != self._prepared.generation:
             self._generation = self._prepared.generation
             self._shadows.release()
-            self._visibility.drop_shadows()
+            self._visibility.forget_scene(plan)
             self._ground.release()
         with self._watch.preparing("curves"):
             self.curves.prepare(scene, settings, plan, environment)

@@ -26,11 +26,12 @@ _KEPT = 2
 
 @dataclass(frozen=True)
 class Casters:
-    """How what casts shadows is drawn: a mesh by matrices from its own space to clip space and to scene units about the
-    scene's centre, and the light's place there; and all curves by a matrix from the world to clip space, into a tile of
-    so many texels."""
+    """How what casts shadows is drawn. `prepare_mesh` gets a mesh and the matrix from its own space to scene units
+    about the scene's centre. It returns what draws that mesh, until it is called for the next one, by the matrix from
+    the mesh's own space to clip space and the light's place in scene units. `draw_curves` draws all curves, by a matrix
+    from the world to clip space, into a tile of so many texels."""
 
-    draw_depth: Callable[[Draw, np.ndarray, np.ndarray, np.ndarray], None]
+    prepare_mesh: Callable[[Draw, np.ndarray], Callable[[np.ndarray, np.ndarray], None]]
     draw_curves: Callable[[np.ndarray, int], None]
 
 
@@ -53,15 +54,20 @@ class Atlas:
 
     def __init__(self, gl: moderngl.Context, count: int, max_tile: int) -> None:
         self._gl = gl
-        self._columns = math.ceil(math.sqrt(count))
-        self.tile_size = min(max_tile, ATLAS_SIDE // self._columns)
-        rows = math.ceil(count / self._columns)
-        self.tiles = self._columns, rows
-        self.texture = gl.depth_texture((self._columns * self.tile_size, rows * self.tile_size))
+        self.tile_size, self.tiles = _layout(count, max_tile)
+        self.texture = gl.depth_texture(tuple(number * self.tile_size for number in self.tiles))
         self.texture.compare_func = "<="
         self.texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
         self.texture.repeat_x = self.texture.repeat_y = False
         self._framebuffer = gl.framebuffer(depth_attachment=self.texture)
+
+    def lay_out(self, count: int, max_tile: int) -> bool:
+        """Have other tiles, if these take a texture of the same size. Returns whether they do."""
+        tile_size, tiles = _layout(count, max_tile)
+        if self.texture.size != tuple(number * tile_size for number in tiles):
+            return False
+        self.tile_size, self.tiles = tile_size, tiles
+        return True
 
     def draw(self, scene: Scene, tiles: Sequence[Tile], draws: Sequence[Draw], casters: Casters) -> None:
         """Draw the triangles of `draws`, and the curves, into every tile."""
@@ -72,22 +78,33 @@ class Atlas:
         gl.polygon_offset = 1.0, 2.0  # half a step of depth and of slope: the rounding error of the depth map
         to_center = np.eye(4) / scene.radius
         to_center[:3, 3], to_center[3, 3] = -scene.center / scene.radius, 1.0
-        draws = [draw for draw in draws if scene.meshes[draw.mesh].topology == "triangles"]
-        for k, tile in enumerate(tiles):
-            framebuffer.viewport = (*self.corner(k), self.tile_size, self.tile_size)
-            for draw in draws:
+        views = [((*self.corner(k), self.tile_size, self.tile_size), tile.matrix @ to_center)
+                 for k, tile in enumerate(tiles)]
+        for draw in draws:  # the outer loop, since another mesh takes longer than another tile
+            if scene.meshes[draw.mesh].topology == "triangles":
                 transform = scene.instances[draw.instance].transform
-                casters.draw_depth(draw, tile.matrix @ to_center @ transform, to_center @ transform, tile.place)
-            casters.draw_curves(tile.matrix @ to_center, self.tile_size)
+                draw_mesh = casters.prepare_mesh(draw, to_center @ transform)
+                for (viewport, matrix), tile in zip(views, tiles, strict=True):
+                    framebuffer.viewport = viewport
+                    draw_mesh(matrix @ transform, tile.place)
+        for viewport, matrix in views:
+            framebuffer.viewport = viewport
+            casters.draw_curves(matrix, self.tile_size)
         gl.polygon_offset = 0.0, 0.0
 
     def corner(self, k: int) -> tuple[int, int]:
         """Of tile k, in texels."""
-        return k % self._columns * self.tile_size, k // self._columns * self.tile_size
+        return k % self.tiles[0] * self.tile_size, k // self.tiles[0] * self.tile_size
 
     def release(self) -> None:
         self._framebuffer.release()
         self.texture.release()
+
+
+def _layout(count: int, max_tile: int) -> tuple[int, tuple[int, int]]:
+    """The side of a tile, and the columns and rows of an atlas."""
+    columns = math.ceil(math.sqrt(count))
+    return min(max_tile, ATLAS_SIDE // columns), (columns, math.ceil(count / columns))
 
 
 class ShadowMaps:
@@ -160,10 +177,16 @@ def _key(plan: Plan) -> tuple[object, ...]:
     return tuple(light.kind for light in plan.lights), plan.shadow_layers, any(draw.is_pane for draw in plan.kinds)
 
 
+def directional_tiles(directions: np.ndarray, scene: Scene, size: int) -> list[Tile]:
+    """The views of directional lights that shine along `directions`, (N, 3), fitted to the scene; `size` is a tile's
+    side in texels."""
+    corners = _corners(scene)
+    return [_directional_tile(direction, corners, size) for direction in directions]
+
+
 def light_tiles(light: Light, scene: Scene, size: int) -> list[Tile]:
     """The views of one light, fitted to the scene; `size` is a tile's side in texels."""
-    corners = np.concatenate([scene.corners.reshape(-1, 3), scene.curve_corners])
-    corners = (corners - scene.center) / scene.radius
+    corners = _corners(scene)
     if light.kind == "directional":
         return [_directional_tile(np.asarray(light.direction, np.float64), corners, size)]
     origin = (np.asarray(light.position, np.float64) - scene.center) / scene.radius
@@ -174,6 +197,12 @@ def light_tiles(light: Light, scene: Scene, size: int) -> list[Tile]:
         return [_perspective_tile(origin, np.asarray(light.direction, np.float64), half, far, size)]
     half = size / (size - 4)  # two texels beyond the face for the filter
     return [_perspective_tile(origin, np.eye(3)[axis] * sign, half, far, size) for axis, sign in _FACES]
+
+
+def _corners(scene: Scene) -> np.ndarray:
+    """Of all boxes in the scene, about its centre and in its radius."""
+    corners = np.concatenate([scene.corners.reshape(-1, 3), scene.curve_corners])
+    return (corners - scene.center) / scene.radius
 
 
 def _directional_tile(direction: np.ndarray, corners: np.ndarray, size: int) -> Tile:
@@ -203,6 +232,11 @@ def _perspective_tile(origin: np.ndarray, direction: np.ndarray, half: float, fa
 def _basis(direction: np.ndarray) -> np.ndarray:
     """Rows x, y, z of a frame whose z is `direction`."""
     z = direction / np.linalg.norm(direction)
-    x = np.cross([0.0, 1.0, 0.0] if abs(z[1]) < 0.9 else [1.0, 0.0, 0.0], z)
+    x = _cross((0.0, 1.0, 0.0) if abs(z[1]) < 0.9 else (1.0, 0.0, 0.0), z)
     x /= np.linalg.norm(x)
-    return np.stack([x, np.cross(z, x), z])
+    return np.stack([x, _cross(z, x), z])
+
+
+def _cross(a: Sequence[float], b: Sequence[float]) -> np.ndarray:
+    """As `numpy.cross`, which takes 50 times as long for two vectors."""
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])

@@ -11,10 +11,9 @@ from ..bake.many_lights import ManyLights
 from ..plan.media import SKY_LIGHTS
 from ..plan.model import Draw, Plan
 from ..scene.color import LUMINANCE
-from ..scene.light import Light
 from ..scene.material import Material, Texture
 from ..scene.scene import Scene
-from .shadows import Atlas, Casters, light_tiles
+from .shadows import Atlas, Casters, directional_tiles
 from .surfaces import UNIT_SKY_SHADOWS
 
 _TILE = 256
@@ -27,8 +26,7 @@ class SkyShadows:
     def __init__(self, gl: moderngl.Context, scene: Scene, plan: Plan, sky: ManyLights, casters: Casters,
                  mean: Callable[[Texture, str], np.ndarray]) -> None:
         self._atlas = Atlas(gl, SKY_LIGHTS, _TILE)
-        tiles = [light_tiles(Light("directional", direction=tuple(-direction)), scene, self._atlas.tile_size)[0]
-                 for direction in sky.directions]
+        tiles = directional_tiles(-sky.directions, scene, self._atlas.tile_size)
         self._atlas.draw(scene, tiles, [draw for draw in plan.draws if not draw.transmits], casters)
         rows = np.stack([(tile.matrix[:3] + np.eye(4)[3]) / 2 for tile in tiles])
         self.texture = self._atlas.texture

@@ -206,14 +206,16 @@ class Surfaces:
                                   *centers[d.instance], *transforms[d.instance], d.mesh, d.material))
         return draws
 
-    def draw_depth(self, draw: Draw, matrix: np.ndarray, to_unit: np.ndarray, light: np.ndarray) -> None:
-        """Draw a mesh into a shadow map. `matrix` takes the local space of its instance to clip space, and `to_unit` to
-        scene units about the scene's centre, where `light` has its place (4,), or is as far as its direction (0 last).
+    def prepare_depth(self, draw: Draw, to_unit: np.ndarray) -> Callable[[np.ndarray, np.ndarray], None]:
+        """Prepare to draw a mesh into shadow maps. `to_unit` takes the local space of its instance to scene units about
+        the scene's centre.
+
+        What is returned draws it, until this is called again, by a matrix that takes that local space to clip space,
+        and the light, which has its place (4,) in scene units, or is as far as its direction (0 last).
         """
         wanted = shadow_program(draw)
         program = self._programs.get(SHADOW_VERTEX, wanted.fragment, dict(wanted.switches))
         mesh = self._mesh(draw.mesh)
-        set_uniform(program, "u_model_to_light", matrix_uniform(matrix @ mesh.to_mesh))
         if maps := shadow_maps_of(draw):
             for name, value in self._uniforms_of(draw.surface):
                 set_uniform(program, name, value)
@@ -223,8 +225,14 @@ class Surfaces:
                     self._bind_map(program, draw, name)
         if draw.is_pane:
             set_uniform(program, "u_model_to_unit", matrix_uniform(to_unit @ mesh.to_mesh))
-            set_uniform(program, "u_light", tuple(light))
-        mesh.draw(program)
+
+        def draw_depth(matrix: np.ndarray, light: np.ndarray) -> None:
+            set_uniform(program, "u_model_to_light", matrix_uniform(matrix @ mesh.to_mesh))
+            if draw.is_pane:
+                set_uniform(program, "u_light", tuple(light))
+            mesh.draw(program)
+
+        return draw_depth
 
     def _caster(self, instance: int) -> int:
         """The number of a blended instance among all that cast shadows: by where it stands, not by its place in the

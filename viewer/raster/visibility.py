@@ -9,6 +9,7 @@ import moderngl
 import numpy as np
 
 from ..base.reusable import Reusable
+from ..gpu.free import free
 from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
 from ..plan.model import Plan
@@ -32,20 +33,22 @@ class VisibilityPass:
     def __init__(self, gl: moderngl.Context, programs: Programs) -> None:
         self._gl, self._programs = gl, programs
         self._targets: Reusable[_Targets] = Reusable()
-        self._shadows: Reusable[EnvironmentShadows] = Reusable()
+        self._shadows: EnvironmentShadows | None = None
 
     def prepare(self, scene: Scene, plan: Plan, environment: EnvironmentLight, casters: Casters,
                 mean: Callable[[Texture, str], np.ndarray]) -> None:
         """Draw the shadow maps that `plan` needs, unless they are there. `mean` gives that of a material's map."""
-        def make() -> EnvironmentShadows:
-            lights = environment.many_lights(plan.environment_shadows)
-            return EnvironmentShadows(self._gl, environment.environment, lights, plan, casters)
+        if self._shadows is None or not self._shadows.holds(environment, plan):
+            self._shadows = EnvironmentShadows(self._gl, environment, plan, casters, before=self._shadows)
+        self._shadows.show(scene, plan, mean)
 
-        self._shadows.get(lambda shadows: shadows.holds(environment.environment, plan), make).show(scene, plan, mean)
-
-    def drop_shadows(self) -> None:
-        """Release the shadow maps, for when meshes or programs have changed."""
-        self._shadows.release()
+    def forget_scene(self, plan: Plan) -> None:
+        """Let the shadow maps be drawn again, for meshes or programs that have changed. Their memory is kept if the
+        next frames, by `plan`, have such maps."""
+        if self._shadows is not None:
+            self._shadows.forget_scene()
+            if not plan.environment_shadows:
+                self._release_shadows()
 
     def find(self, frame: Frame, plan: Plan, gbuffer: GBuffer) -> dict[str, object]:
         """Draw the pass over the frame's G-buffer and return the uniforms of shaders/raster/visibility.glsl.
@@ -55,11 +58,15 @@ class VisibilityPass:
         targets = self._targets.get(lambda held: held.gbuffer is gbuffer, lambda: _Targets(self._gl, gbuffer))
         if plan.ambient_occlusion:
             return targets.draw_ambient_occlusion(self._programs, frame)
-        return targets.draw_environment_shadows(self._programs, frame, self._shadows.held)
+        return targets.draw_environment_shadows(self._programs, frame, self._shadows)
 
     def release(self) -> None:
-        self._shadows.release()
+        self._release_shadows()
         self._targets.release()
+
+    def _release_shadows(self) -> None:
+        free(self._gl, self._shadows)
+        self._shadows = None
 
 
 class _Targets:
