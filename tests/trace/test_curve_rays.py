@@ -73,6 +73,19 @@ def test_rays_hit_the_strand_that_they_enter_first(context: Context, curves: Tra
     assert set(curves.codes[segment]) == {FIBRES, FIBRES | 1}
 
 
+@needs("embree")
+def test_threads_share_rays_and_leave_none_out(curves: TraceCurves, monkeypatch: pytest.MonkeyPatch) -> None:
+    from viewer.trace.rays import embree_curves
+
+    embree = embree_curves.EmbreeCurves(curves)
+    o, d = rays(1000)
+    alone = embree.intersect(o, d, np.inf)
+    monkeypatch.setattr(embree_curves, "_TASK", 7)
+    for found, expected in zip(embree.intersect(o, d, np.inf), alone, strict=True):
+        np.testing.assert_array_equal(found, expected)
+    assert 0.2 < (alone[0] >= 0).mean() < 0.9
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_ray_leaves_the_strand_that_it_starts_in(context: Context, curves: TraceCurves, kind: str) -> None:
     """From the axis of a segment, in any direction: what it is in, it does not hit, nor the inner ends of the segments

@@ -1,8 +1,8 @@
 """Traces rays with Embree's round linear curves.
 
 embreex has no curves. So we call the Embree that it brings along, in packets of 16 rays, by Embree's own C interface.
-No other Python binding has curves. Where the library cannot be found, `EmbreeCurves` raises ImportError, and the BVH in
-a shader traces everything.
+Several threads do so at once, since Python lets others run while Embree traces. No other Python binding has curves.
+Where the library cannot be found, `EmbreeCurves` raises ImportError, and the BVH in a shader traces everything.
 
 Embree may be built so that it reports where rays leave a curve, too. Such hits are passed.
 
@@ -13,7 +13,9 @@ the strand by its end, so that the ends of strands are spheres of their own as w
 from __future__ import annotations
 
 import ctypes
+import os
 import weakref
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -45,6 +47,8 @@ _EVEN = 2e-3
 """The slope of a segment's radius up to which Embree may miss it."""
 _STEP = 1e-6
 """Step behind the back of a curve, in tracer units."""
+_TASK = 64
+"""Packets that a thread traces before it takes others: some milliseconds."""
 _MAX_BACKS = 256
 """A ray that has left so many curves hits nothing."""
 
@@ -81,6 +85,11 @@ def embree_with_curves() -> tuple[ctypes.CDLL, int]:
     if not device:
         raise ImportError("the Embree that embreex brings along makes no device")
     return library, device
+
+
+@cache
+def _threads() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(os.cpu_count() or 1, "rays")
 
 
 _POINTER = ctypes.c_void_p
@@ -178,13 +187,26 @@ class EmbreeCurves:
         bits[:, _MASK] = 0xFFFFFFFF
         bits[:, _MASK + 1:_NORMAL] = 0
         bits[:, _PRIMITIVE:] = 0xFFFFFFFF
-        intersect, valid, scene = self._library.rtcIntersect16, self._valid.ctypes.data, self._scene
-        first, size = words.ctypes.data, words[0].nbytes
-        for packet in range(first, first + packets * size, size):
-            intersect(valid, scene, packet, None)
+        self._trace(words)
         t, normal = _take(words, _FAR, 1, count)[:, 0], _take(words, _NORMAL, 3, count)
         found = _take(bits, _PRIMITIVE, 1, count)[:, 0].view(np.int32)
         return found, t, normal, (_take(bits, _GEOMETRY, 1, count)[:, 0] == 1) & (found >= 0)
+
+
+    def _trace(self, words: NDArray[np.float32]) -> None:
+        """Trace packets (N, _WORDS, _WIDTH), and write to them what Embree finds."""
+        intersect, valid, scene = self._library.rtcIntersect16, self._valid.ctypes.data, self._scene
+        begin, size = words.ctypes.data, words[0].nbytes
+
+        def trace(first: int) -> None:
+            last = min(first + _TASK, len(words))
+            for packet in range(begin + first * size, begin + last * size, size):
+                intersect(valid, scene, packet, None)
+
+        if len(words) <= _TASK:
+            trace(0)
+        else:
+            list(_threads().map(trace, range(0, len(words), _TASK)))
 
 
 @dataclass(frozen=True, eq=False)
