@@ -113,10 +113,11 @@ class FibreGrid:
 
 def _moved(values: np.ndarray, slopes: np.ndarray) -> np.ndarray:
     """`values` (n, m) at a place that lies by `slopes`, at most 1, farther along both axes; 0 beyond the edges."""
-    padded = np.pad(values, 1)
+    n, m = values.shape
+    padded = np.zeros((n + 2, m + 2), values.dtype)
+    padded[1:-1, 1:-1] = values
     low = np.floor(slopes).astype(int)
     a, b = slopes - low
-    n, m = values.shape
     parts = [[padded[1 + y:1 + y + n, 1 + x:1 + x + m] for x in (low[1], min(low[1] + 1, 1))]
              for y in (low[0], min(low[0] + 1, 1))]
     moved: np.ndarray = ((1 - a) * ((1 - b) * parts[0][0] + b * parts[0][1])
