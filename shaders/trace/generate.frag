@@ -1,5 +1,5 @@
 // Begins the next sample of a path that has ended, or makes it idle if no sample is left. BEGINS: begins the first
-// sample of a new work item instead.
+// sample of a new work item instead, except, with HAS_SKY, in pixels that no triangle can touch.
 #include "trace/numbers.glsl"
 #include "trace/write_state.glsl"
 #if RAYS
@@ -11,6 +11,9 @@
 #if BEGINS
 uniform ivec2 u_size; // of the picture
 #endif
+#if BEGINS && HAS_SKY
+uniform sampler2D u_sky; // of viewer/trace/paths/sky.py
+#endif
 #if (HAS_SCATTERING || HAS_NESTED) && !RAYS
 uniform int u_camera_medium; // the nesting of media around the eye
 uniform float u_camera_eta2; // the square of the index there
@@ -21,6 +24,9 @@ void main() {
 #if BEGINS
     ivec4 block = texelFetch(u_blocks, texel / TILE, 0);
     bool is_inside = all(lessThan(block.xy * TILE + texel % TILE, u_size));
+#if HAS_SKY
+    is_inside = is_inside && texelFetch(u_sky, block.xy * TILE + texel % TILE, 0).a == 0.0;
+#endif
     int left = is_inside ? block.w : 0;
 #else
     int left = unpack_left(texelFetch(u_radiance, texel, 0).w);

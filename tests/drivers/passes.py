@@ -38,6 +38,9 @@ _OVER_PICTURES: dict[str, dict[str, tuple[int, ...]]] = {
     "trace/denoise/resolve.frag": {},
 }
 """The values of the switches of each pass that one triangle draws."""
+_SKY = dict.fromkeys(("HAS_FOG", "HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_NESTED", "HAS_GRIDS",
+                      "HAS_LIGHT_TREE", "DISPERSIVE", "ENVIRONMENT_ROTATED", "SAMPLING", "RAYS"), 0)
+"""Switches of what resolves pixels without triangles: such pixels see none of these."""
 
 
 def passes() -> list[Sources]:
@@ -45,6 +48,11 @@ def passes() -> list[Sources]:
                 for file, choices in _OVER_PICTURES.items() for values in product(*choices.values())]
     programs += [_program("trace/film/resolve.vert", "trace/film/resolve.frag", shader_defines({"COUNT": count}))
                  for count in (SUMS, LAYERS)]
+    for background in (0, 1, 2):
+        defines = shader_defines(_SKY | {"BACKGROUND": background})
+        programs += [_program("trace/film/sky.vert", "trace/film/sky.frag", defines),
+                     _program("trace/blocks.vert", "trace/begin_sums.frag", defines),
+                     _program(_FULLSCREEN, "trace/sky.frag", defines | {"HAS_ENVIRONMENT": int(background > 0)})]
     programs += [_program(f"raster/{name}.vert", f"raster/{name}.frag", {}) for name in ("line", "grid")]
     return [*programs, _program("app/gui.vert", "app/gui.frag", {})]
 

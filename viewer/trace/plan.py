@@ -89,13 +89,14 @@ _NEUTRAL = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "HAS_PUNCTUAL", "LIGHT_RAD
 def plan_trace(
     scene: Scene, settings: Settings, geometry: TraceGeometry, switches: Mapping[str, int], *, intersector: str,
     has_layers: bool, left_out: Sequence[str] = (), rays: int = 0,
-    is_background_smooth: bool = False, photons: Photons | None = None,
+    is_background_smooth: bool = False, photons: Photons | None = None, has_sky: bool = False,
 ) -> TracePlan:
     """The plan for `scene` under `settings`.
 
     `switches` are those of the scene's data and lights, `left_out` their lines for the user. `rays` is the kind of rays
     in shaders/trace/surface_ray.glsl, 0 for camera rays. `is_background_smooth` says whether these see the environment
-    by B-splines (shaders/trace/background.glsl). `photons` says what photons are aimed at.
+    by B-splines (shaders/trace/background.glsl). `photons` says what photons are aimed at. `has_sky` says that there
+    are pixels which no triangle can touch.
     """
     sampling = setting_choices()["sampling"].index(settings.sampling)
     switches = dict(switches) | bsdf_switches(settings) | {"SAMPLING": sampling}
@@ -120,12 +121,15 @@ def plan_trace(
     sky = {name: switches[name] for name in sky_names}
     classes = state | {name: switches[name] for name in ("HAS_VOLUME", "HAS_AIRLIGHT", "HAS_CURVES", "SAMPLING")}
     programs = {
+        **({"sky": Program.of("trace/sky.frag", sky | {"HAS_FOG": 0}),
+            "begin sums": Program.of("trace/begin_sums.frag", state | {"BACKGROUND": switches["BACKGROUND"]}),
+            } if has_sky else {}),
         "zero": Program.of("trace/zero.frag", {}),
-        "begin": Program.of("trace/generate.frag", first | {"BEGINS": 1}),
+        "begin": Program.of("trace/generate.frag", first | {"BEGINS": 1, "HAS_SKY": int(has_sky)}),
         **({"track": Program.of("trace/track.frag", classes)} if switches["HAS_GRIDS"] else {}),
         "classify": Program.of("trace/classify.frag", classes | {"FIRST_HITS": 0}),
         "finish": Program.of("trace/finish.frag", first | sky),
-        "generate": Program.of("trace/generate.frag", first | {"BEGINS": 0}),
+        "generate": Program.of("trace/generate.frag", first | {"BEGINS": 0, "HAS_SKY": 0}),
         **{kind.name: Program.of(kind.file, switches | _switches_of(kind, settings, geometry))
            for kind in KINDS if kind in kinds},
         **{name: Program.of(f"trace/{name}.frag", switches) for name, switch in _MEDIA.items() if switches[switch]},
@@ -226,6 +230,8 @@ def _left_out(
         most = geometry.nesting.most
         lines.append(f"{DEEP_GLASS}{geometry.depth} deep, and a path carries {most} of them: inside of more, "
                      "its light is bent wrongly or lost")
+    if geometry.curves is not None or geometry.has_grids or geometry.fog is not None:
+        lines.append("resolving pixels once that nothing can be seen in: curves, volumes or fog may be anywhere")
     if not has_layers:
         lines.append("the pass for layers (albedo, normal): nobody asked for them")
     if not switches["CLAMP"]:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 
 import moderngl
+import numpy as np
 from numpy.typing import NDArray
 
 from ..bake.dfg import dfg_albedos
@@ -24,6 +25,7 @@ from ..scene.yarn.spun import spun
 from ..settings import MAX_SPP, Settings
 from .denoise.denoiser import Denoiser, make_denoiser
 from .paths.camera_rays import camera_uniforms
+from .paths.coverage import coverage
 from .paths.film import Film
 from .paths.layers import FIRST_HIT_LAYERS
 from .paths.passes import Passes
@@ -33,10 +35,12 @@ from .paths.photon_render import PhotonRender
 from .paths.photon_sums import PhotonSums
 from .paths.run import run
 from .paths.schedule import Schedule
+from .paths.sky import Sky, points_of
 from .paths.surface_rays import SurfaceRays
 from .paths.wavefront import UNIT_BLOCKS
 from .paths.wavefront_maker import WavefrontMaker
 from .plan import TracePlan, plan_trace
+from .scene.geometry import TraceGeometry
 from .scene.photons import Photons
 from .scene.traced_scene import TracedScene
 
@@ -45,21 +49,25 @@ UNIT_DFG = UNIT_BLOCKS + 1
 
 @dataclass(frozen=True)
 class _View:
-    """Camera rays: their uniforms, the angle of a pixel, and the place of a perspective camera in tracer space."""
+    """Camera rays: their uniforms, the angle of a pixel, the place of a perspective camera in tracer space, and which
+    pixels may show some geometry."""
 
     uniforms: Mapping[str, object]
     pixel_angle: float
     eye: NDArray | None
+    coverage: Callable[[TraceGeometry], NDArray[np.bool_] | None] | None
 
     @classmethod
     def of(cls, scene: Scene, camera: Camera, size: tuple[int, int], every: int = 1) -> _View:
         return cls(camera_uniforms(scene, camera, size, every), Frame(scene, camera, size).pixel_angle,
-                   (camera.eye - scene.center) / scene.radius if camera.height is None else None)
+                   (camera.eye - scene.center) / scene.radius if camera.height is None else None,
+                   lambda geometry: coverage(geometry, scene, camera, size, every))
 
 
 @dataclass(frozen=True)
 class _SetUp:
-    """What a picture needs before its passes: `bind` binds the scene to a program, and `uniforms` are the picture's."""
+    """What a picture needs before its passes: `bind` binds the scene to a program, `uniforms` are the picture's, and
+    `covered` and `sky_points` those of its `Sky`, if it has one."""
 
     traced: TracedScene
     plan: TracePlan
@@ -67,6 +75,8 @@ class _SetUp:
     uniforms: Mapping[str, object]
     denoiser: Denoiser | None
     has_layers: bool
+    covered: NDArray[np.bool_] | None
+    sky_points: int
 
 
 class Tracer:
@@ -126,7 +136,8 @@ class Tracer:
         why. They have all light of lamps that comes through smooth glass, also that which in mode path shadow rays
         bring straight through panes. Raises as `begin`."""
         scene = self._with_curves(scene, settings)
-        setup = self._set_up(scene, settings, size, (), view=_View.of(scene, camera, size))
+        view = replace(_View.of(scene, camera, size), coverage=None)
+        setup = self._set_up(scene, settings, size, (), view=view)
         plan, traced = setup.plan, setup.traced
         if not plan.photons:
             return None
@@ -152,10 +163,19 @@ class Tracer:
         plan = setup.plan
         film = Film(self.context.gl, self.programs, size, setup.has_layers, bool(plan.photons),
                     has_parts=settings.denoise in ("fast", "raster"))
-        passes = Passes(self.context, self.programs, plan, setup.bind, setup.uniforms)
+        sky = None
+        if setup.covered is not None:
+            sky = Sky(self.context, setup.covered, setup.sky_points, bool(plan.programs["sky"]["BACKGROUND"]))
+
+        def bind(program: moderngl.Program) -> None:
+            setup.bind(program)
+            if sky is not None:
+                sky.bind(program)
+
+        passes = Passes(self.context, self.programs, plan, bind, setup.uniforms)
         photons = self._photon_passes(setup, lamps_pass_panes=True) if plan.photons else None
         return PathRender(passes, setup.traced.intersector, plan, film, Schedule(film, settings, first), settings,
-                          self._display, layers, setup.denoiser, photons, guide)
+                          self._display, layers, setup.denoiser, photons, guide, sky)
 
     def _set_up(self, scene: Scene, settings: Settings, size: tuple[int, int], layers: Collection[str],
                 rays: SurfaceRays | None = None, view: _View | None = None) -> _SetUp:
@@ -166,9 +186,11 @@ class Tracer:
         traced = self._prepare(scene, settings)
         has_layers = bool(FIRST_HIT_LAYERS & set(layers)) or denoiser is not None or traced.is_everything
         angle = view.pixel_angle if view is not None else 0.0
+        covered = view.coverage(traced.geometry) if view is not None and view.coverage is not None else None
         plan = plan_trace(scene, settings, traced.geometry, traced.switches, intersector=traced.intersector.name,
                           has_layers=has_layers, left_out=traced.left_out, rays=rays.kind if rays else 0,
-                          is_background_smooth=traced.is_background_smooth(angle), photons=traced.photons)
+                          is_background_smooth=traced.is_background_smooth(angle), photons=traced.photons,
+                          has_sky=covered is not None)
         uniforms = {
             **(view.uniforms if view is not None else {}),
             **traced.media_uniforms(view.eye if view is not None else None),
@@ -183,7 +205,8 @@ class Tracer:
             if rays is not None:
                 rays.bind(program)
 
-        return _SetUp(traced, plan, bind, uniforms, denoiser, has_layers)
+        points = points_of(traced.background_rows, angle)
+        return _SetUp(traced, plan, bind, uniforms, denoiser, has_layers, covered, points)
 
     def _photon_passes(self, setup: _SetUp, lamps_pass_panes: bool) -> PhotonPasses:
         uniforms = {**setup.uniforms, "u_lamps_pass_panes": lamps_pass_panes}

@@ -29,22 +29,17 @@ def camera_uniforms(scene: Scene, camera: Camera, size: tuple[int, int], every: 
     frame = Frame(scene, camera, size)
     ray = frame.ray
     eye = (camera.eye - scene.center) / scene.radius
+    project, project_from, unit = projection(scene, camera, size)
     depth = -float(eye @ camera.forward)
     if camera.height is not None:
         plane = frame.ray_origin.copy()
         plane[:, 2] += eye + depth * camera.forward
         start = INFINITE
-        project = np.linalg.inv(np.stack([plane[:, 0], plane[:, 1], camera.forward], axis=1))
-        project_from = -project @ plane[:, 2]
-        project[2], project_from[2] = 0.0, 1.0
         area = np.linalg.norm(np.cross(plane[:, 0], plane[:, 1]))
     else:
         start = depth if depth > 0 and np.linalg.norm(eye) > NEAR else 0.0
         plane = ray * start
         plane[:, 2] += eye
-        unit = max(depth, 1.0)  # of depth, so that float32 does not lose digits to a large distance
-        project = np.linalg.inv(ray) / unit
-        project_from = -project @ eye
         area = np.linalg.norm(np.cross(ray[:, 0], ray[:, 1])) * unit * unit
     return {
         "u_camera_pixel": (2 / size[0], 2 / size[1]),
@@ -61,6 +56,25 @@ def camera_uniforms(scene: Scene, camera: Camera, size: tuple[int, int], every: 
         "u_camera_pixel_area": float(area * 4 / (size[0] * size[1])),
         "u_eye_ball": _eye_ball(camera, eye),
     }
+
+
+def projection(scene: Scene, camera: Camera, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray, float]:
+    """The (3, 3) float64 matrix and the (3,) vector that take a point p of tracer space to (x w, y w, w), x and y in
+    normalised device coordinates, by `matrix @ p + vector`, and the length of a unit of the depth w. An orthographic
+    camera has the depth 1 everywhere."""
+    frame = Frame(scene, camera, size)
+    eye = (camera.eye - scene.center) / scene.radius
+    depth = -float(eye @ camera.forward)
+    if camera.height is not None:
+        plane = frame.ray_origin.copy()
+        plane[:, 2] += eye + depth * camera.forward
+        matrix = np.linalg.inv(np.stack([plane[:, 0], plane[:, 1], camera.forward], axis=1))
+        vector = -matrix @ plane[:, 2]
+        matrix[2], vector[2] = 0.0, 1.0
+        return matrix, vector, 1.0
+    unit = max(depth, 1.0)  # so that float32 does not lose digits to a large distance
+    matrix = np.linalg.inv(frame.ray) / unit
+    return matrix, -matrix @ eye, unit
 
 
 def _eye_ball(camera: Camera, eye: np.ndarray) -> tuple[float, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import moderngl
@@ -15,7 +15,8 @@ from ...gpu.programs import Programs, set_uniform
 from ..defines import shader_defines
 from ..layout import TILE
 from .photon_sums import PhotonSums
-from .wavefront import LAYERS, SECOND, SUMS, UNIT_BLOCKS, Sums, Wavefront
+from .sky import Sky
+from .wavefront import LAYERS, SECOND, SUMS, UNIT_BLOCKS, Sums, Wavefront, Work
 
 _SAMPLERS = "u_sum", "u_squares"
 
@@ -69,6 +70,27 @@ class Film:
             for part, own in zip(self.parts, (blocks[~is_second], blocks[is_second]), strict=True):
                 if len(own):
                     part.add(wavefront, own)
+
+    def add_sky(self, sky: Sky, work: Sequence[Work]) -> None:
+        """Add the samples of work items whose tiles no triangle can touch."""
+        self._added += 1
+        defines = shader_defines({"BACKGROUND": int(sky.is_seen)})
+        program = self._programs.get("trace/film/sky.vert", "trace/film/sky.frag", defines)
+        self._sums.framebuffer.use()
+        self._gl.enable_only(moderngl.BLEND)
+        self._gl.blend_func = moderngl.ONE, moderngl.ONE
+        sky.bind(program)
+        set_uniform(program, "u_size", self.size)
+        items = self._gl.buffer(np.asarray(work, np.int32))
+        array = self._gl.vertex_array(program, [(items, "4i4/i", "a_work")])
+        array.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=len(work))
+        array.release()
+        items.release()
+        self._gl.enable_only(moderngl.NOTHING)
+        for k, part in enumerate(self.parts):
+            own = [item for item in work if (item.first >= SECOND) == bool(k)]
+            if own:
+                part.add_sky(sky, own)
 
     @property
     def is_split(self) -> bool:

@@ -22,6 +22,7 @@ from ..layout import (
     CLASS_SHADE,
 )
 from ..plan import TracePlan
+from .sky import Sky
 from .wavefront import UNITS, Wavefront
 
 _CLASSES = {"idle": CLASS_IDLE, "finish": CLASS_ENDED, "generate": CLASS_ENDED, "layers": CLASS_FIRST_HIT,
@@ -29,14 +30,14 @@ _CLASSES = {"idle": CLASS_IDLE, "finish": CLASS_ENDED, "generate": CLASS_ENDED, 
             "medium": CLASS_MEDIUM, "airlight": CLASS_AIRLIGHT,
             **{kind.name: CLASS_SHADE + kind.number for kind in KINDS}}
 """The class of the paths that a pass shades."""
-_OVER_BLOCKS = ("begin", "zero")
+_OVER_BLOCKS = ("begin", "zero", "begin sums")
 
 
 def vertex_shader(name: str) -> str:
     """The vertex shader of the pass `name`."""
     if name in ("splat", "weigh"):
         return f"trace/{name}.vert"
-    if name in ("alive", "track"):
+    if name in ("alive", "track", "sky"):
         return "display/fullscreen.vert"
     return "trace/blocks.vert" if name in _OVER_BLOCKS else "trace/path_class.vert"
 
@@ -60,14 +61,22 @@ class Passes:
             self._programs[name] = programs.get(vertex_shader(name), program.fragment,
                                                 shader_defines(dict(program.switches)))
 
+    def draw_sky(self, sky: Sky) -> None:
+        """Resolve the pixels that no triangle can touch."""
+        sky.framebuffer.use()
+        self._gl.enable_only(moderngl.NOTHING)
+        sky.mask.use(0)
+        self._draw("sky", u_covered=0, u_points=sky.points)
+
     def begin(self, wavefront: Wavefront, blocks: np.ndarray) -> None:
-        """Begin the first paths of blocks that have new work, and set their sums to 0."""
+        """Begin the first paths of blocks that have new work, and their sums, which are 0 where paths begin."""
         self._gl.enable_only(moderngl.NOTHING)
         wavefront.bind_blocks()
-        for sums in (wavefront.sums, wavefront.layers):
+        first = "begin sums" if "begin sums" in self._programs else "zero"
+        for name, sums in ((first, wavefront.sums), ("zero", wavefront.layers)):
             if sums is not None:
                 sums.framebuffer.use()
-                wavefront.draw_blocks(self._program("zero", u_grid=wavefront.grid), blocks)
+                wavefront.draw_blocks(self._program(name, u_grid=wavefront.grid), blocks)
         wavefront.present.use()
         wavefront.draw_blocks(self._program("begin", u_grid=wavefront.grid), blocks)
 
@@ -127,8 +136,8 @@ class Passes:
         self._draw(name)
         self._gl.depth_func = "=="
 
-    def _draw(self, name: str) -> None:
-        program = self._program(name, u_path_class=_CLASSES.get(name, CLASS_IDLE))
+    def _draw(self, name: str, **uniforms: object) -> None:
+        program = self._program(name, u_path_class=_CLASSES.get(name, CLASS_IDLE), **uniforms)
         fullscreen(self._gl, program).render(vertices=3)
 
     def _program(self, name: str, **uniforms: object) -> moderngl.Program:

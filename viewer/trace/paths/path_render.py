@@ -24,8 +24,9 @@ from .film import Film, relative_error
 from .layers import read_layers
 from .photon_render import PhotonRender
 from .schedule import Schedule
+from .sky import Sky
 from .traced_wavefront import TracedWavefront
-from .wavefront import Wavefront
+from .wavefront import Wavefront, Work
 from .wavefront_maker import WavefrontMaker
 
 if TYPE_CHECKING:
@@ -34,13 +35,17 @@ if TYPE_CHECKING:
     from .photon_passes import PhotonPasses
 
 
+REFILLS = 16
+"""Most times that the schedule is asked for work at once, since much of it may be tiles that are not traced."""
+
+
 class PathRender:
     """A picture in progress, made by `viewer.trace.tracer.Tracer.begin`. `step` traces more samples."""
 
     def __init__(self, passes: Passes, intersector: Intersector, plan: TracePlan, film: Film, schedule: Schedule,
                  settings: Settings, display: DisplayPass, layers: Collection[str],
                  denoiser: Denoiser | None, photon_passes: PhotonPasses | None = None,
-                 guide: np.ndarray | None = None) -> None:
+                 guide: np.ndarray | None = None, sky: Sky | None = None) -> None:
         self.plan = plan
         self.film = film
         self.settings = settings
@@ -58,6 +63,9 @@ class PathRender:
         if photon_passes is not None and film.photon_sums is not None:
             self._photons = PhotonRender(photon_passes, intersector, film.photon_sums, maker)
         self._flush: Callable[[], None] = context.function("glFlush")
+        self._sky = sky
+        if sky is not None:
+            passes.draw_sky(sky)
         self._layers, self._denoiser, self._guide = layers, denoiser, guide
         self._is_developed = False
         self._shown: moderngl.Texture | None = None
@@ -161,21 +169,39 @@ class PathRender:
         if self._schedule.done:
             return
         free = np.flatnonzero(~wavefront.is_busy)
-        if not len(free):
-            return
-        is_last = not any(traced.is_busy for traced in self._wavefronts)
-        work = self._schedule.next(len(free), is_last)
-        if work:
-            blocks = free[: len(work)]
-            wavefront.assign(blocks, work)
+        wanted: list[Work] = []
+        for _ in range(REFILLS):
+            is_last = not wanted and not any(traced.is_busy for traced in self._wavefronts)
+            missing = len(free) - len(wanted)
+            work = self._schedule.next(missing, is_last) if missing else []
+            if not work:
+                break
+            wanted += self._without_sky(work)
+        if wanted:
+            blocks = free[: len(wanted)]
+            wavefront.assign(blocks, wanted)
             self._passes.begin(wavefront, blocks)
+
+    def _without_sky(self, work: list[Work]) -> list[Work]:
+        """The work items that are to be traced; the others are added to the film at once."""
+        if self._sky is None:
+            return work
+        bare = [item for item in work if self._sky.is_bare[item.tile_y, item.tile_x]]
+        if bare:
+            self.film.add_sky(self._sky, bare)
+            self._count(np.array(bare))
+        return [item for item in work if not self._sky.is_bare[item.tile_y, item.tile_x]]
 
     def _collect(self, wavefront: Wavefront, blocks: np.ndarray) -> None:
         if not len(blocks):
             return
         self.film.add(wavefront, blocks)
         wavefront.is_busy[blocks] = False
-        tiles, samples = wavefront.work[blocks, :2].astype(np.int64), wavefront.work[blocks, 3].astype(np.int64)
+        self._count(wavefront.work[blocks])
+
+    def _count(self, work: np.ndarray) -> None:
+        """Count the samples of work items, (N, 4), that are in the film."""
+        tiles, samples = work[:, :2].astype(np.int64), work[:, 3].astype(np.int64)
         inside = np.minimum(np.array(self.film.size) - TILE * tiles, TILE)
         self._expected_samples += int((inside.prod(axis=1) * samples).sum())
         self._is_developed, self._shown = False, None
@@ -261,4 +287,6 @@ class PathRender:
             traced.wavefront.release()
         if self._photons is not None:
             self._photons.release()
+        if self._sky is not None:
+            self._sky.release()
         self.film.release()

@@ -104,6 +104,11 @@ class EnvironmentTable:
         """Whether camera rays see the background by B-splines, in a picture whose pixels have that angle."""
         return self._blur > 0 or is_magnified(self._map.height, pixel_angle)
 
+    @property
+    def background_rows(self) -> int:
+        """Rows of the map that camera rays see."""
+        return self._blurred.height
+
     def bind(self, program: moderngl.Program) -> None:
         """Bind the textures and set all uniforms except the share of light samples."""
         for unit, name, texture in ((UNIT_ENVIRONMENT, "u_environment", self._map),

@@ -147,6 +147,11 @@ class SceneLights:
         """Whether camera rays see the environment by B-splines, in a picture whose pixels have that angle."""
         return self._environment is not None and self._environment.is_background_smooth(pixel_angle)
 
+    @property
+    def background_rows(self) -> int:
+        """Rows of the map that camera rays see; 0 if there is none."""
+        return 0 if self._environment is None else self._environment.background_rows
+
     def bind(self, program: moderngl.Program) -> None:
         """Bind the textures and set all uniforms except the first texels of the sections."""
         for name, value in self._uniforms.items():

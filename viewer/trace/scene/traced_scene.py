@@ -123,6 +123,11 @@ class TracedScene:
         return self._lights.is_background_smooth(pixel_angle)
 
     @property
+    def background_rows(self) -> int:
+        """As `SceneLights.background_rows`."""
+        return self._lights.background_rows
+
+    @property
     def left_out(self) -> list[str]:
         """Lines for the user about lights that have no effect and maps at reduced size."""
         return [*self._lights.left_out, *self._data.warnings]
