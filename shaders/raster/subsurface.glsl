@@ -8,6 +8,7 @@ uniform vec3 u_interior_attenuation;   // k, per eye-relative unit
 uniform vec3 u_interior_extrapolation; // h, in eye-relative units
 uniform vec3 u_interior_albedo;        // of single scattering, without what is scattered straight on
 uniform float u_interior_reflected;    // F, the share of the light inside that the boundary reflects back
+uniform float u_interior_kept;         // what a rough boundary does not lose, on the way in and while light stays inside
 in vec2 v_interior; // thickness d in eye-relative units, and roundness: 0 a slab, 1 a ball
 
 // Of the light that is seen through the solid, the share by which it must be dimmed: no more than all of it leaves.
@@ -34,7 +35,7 @@ void add_interior(Interior inside, MaterialInputs m, inout Surface s) {
     vec3 through = m.diffuse_transmission * m.diffuse_transmission_color;
     inside.unscattered = vec3(0.0);
     leaving_light(inside, min(reflected, 0.999), own_diffuse, other_diffuse);
-    vec3 refracted = m.transmission * m.base_color.rgb;
+    vec3 refracted = u_interior_kept * m.transmission * m.base_color.rgb;
     vec3 diffused = (1.0 - m.transmission) * through * through / max(1.0 - reflected, 1e-3);
     own = refracted * own + diffused * own_diffuse;
     other = refracted * other + diffused * other_diffuse;

@@ -195,20 +195,35 @@ def test_only_scenes_with_scattering_solids_have_the_pass(renderer, radiance):
     assert "subsurface" in plan["passes"] and any("scattered inside of 1 solid" in line for line in plan["used"])
 
 
-def test_a_ball_of_wax_against_paths(context, radiance):
-    """Without the medium, nine tenths of its light are missing."""
-    material = filled(10.0, (0.8, 0.65, 0.5), perceptual_roughness=0.0)
+@pytest.mark.parametrize("perceptual_roughness", [0.0, 0.6])
+def test_a_ball_of_wax_against_paths(context, radiance, perceptual_roughness):
+    """Without the medium, nine tenths of its light are missing; a rough boundary whose facets scatter once loses a
+    fifth."""
+    settings = {"fresnel": "exact", "multiscatter": "off"}
+    material = filled(10.0, (0.8, 0.65, 0.5), perceptual_roughness=perceptual_roughness)
     model = ball(material)
     tracer = Tracer(context)
     try:
-        paths = tracer.render(model, CAMERA, Settings.of(mode="path", spp=24, bounces=255, fresnel="exact"), (16, 16))
+        paths = tracer.render(model, CAMERA, Settings.of(mode="path", spp=24, bounces=255, **settings), (16, 16))
     finally:
         tracer.release()
-    picture = radiance(model, CAMERA, (16, 16), fresnel="exact")
+    picture = radiance(model, CAMERA, (16, 16), **settings)
     inside = (slice(5, 11), slice(5, 11))
     assert np.abs(picture[inside].mean(axis=(0, 1)) / paths.linear[inside].mean(axis=(0, 1)) - 1)[:3].max() < 0.1
 
 
+
+def test_only_solids_full_of_a_dense_medium_keep_the_sky_from_others(radiance):
+    """A ball over a floor, seen from the side: of what is under it."""
+    def under(sigma_t: float) -> float:
+        floor = replace(plate(3), material=1)
+        lying = np.array([[1, 0, 0, 0], [0, 0, 1, -1.0], [0, -1, 0, 0], [0, 0, 0, 1.0]])
+        model = scene((sphere(segments=16), moved((0, 0, 0), 1.0)), (floor, lying), environment=constant(),
+                      materials=[filled(sigma_t), Material(metallic=0.0, specular=0.0)])
+        camera = Camera.look_at((0, 0.4, 8), (0, -1, 0.3), fov_y=0.1)
+        return float(radiance(model, camera, (8, 8), environment_shadows="16")[4, 4, 1])
+
+    assert under(20.0) < 0.6 * under(0.1)
 
 
 def test_the_thickness_of_solids_that_stand_still_is_kept(renderer, monkeypatch):

@@ -11,10 +11,14 @@ from __future__ import annotations
 
 from functools import lru_cache
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legval
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from .rough_boundary import RoughBoundary
 
 _NODES = 10
 """Gauss points on each side of the critical cosine. Twice as many change the albedo by less than 1e-4."""
@@ -48,17 +52,17 @@ def internal_reflectance(ior: float) -> float:
 
 
 @lru_cache(maxsize=256)
-def returned_light(albedo: float, g: float, ior: float) -> float:
+def returned_light(albedo: float, g: float, ior: float, rough: RoughBoundary | None = None) -> float:
     """The share, from 0 to 1, of uniform light that comes out of a half-space again, of what has entered it.
 
-    `albedo` is that of single scattering, in [0, 1]; `g` is the mean cosine of a Henyey-Greenstein phase function;
-    `ior` >= 1 is the index of the medium.
+    `albedo` is that of single scattering, in [0, 1], and below 1 behind a boundary that is `rough`; `g` is the mean
+    cosine of a Henyey-Greenstein phase function; `ior` >= 1 is the index of the medium, as in `rough`.
     """
     if albedo <= 0.0:
         return 0.0
     if albedo >= 1.0:
         return 1.0
-    mu, w = _cosines(ior)
+    mu, w = cosines(ior)
     forward, backward, peak = _phase(mu, w, g)
     depth = _FIRST_DEPTH * mu.min()
     reflect, transmit = _thin_layer(mu, w, albedo * (1.0 - peak) / (1.0 - albedo * peak), forward, backward, depth)
@@ -68,14 +72,18 @@ def returned_light(albedo: float, g: float, ior: float) -> float:
         reflect, transmit = (reflect + transmit @ between @ reflect @ transmit, transmit @ between @ transmit)
         if np.abs(transmit).max() < 1e-9:
             break
-    inside = fresnel(mu, 1.0 / ior)
-    entering = 1.0 - inside  # of radiance 1 outside, per ior^2
-    upward = np.linalg.solve(identity - reflect * inside, reflect @ entering)
+    if rough is None:
+        inside = fresnel(mu, 1.0 / ior)
+        back, leaving = np.diag(inside), 1.0 - inside
+    else:
+        back, leaving = rough.from_inside(mu, w)
+    entering = leaving  # of radiance 1 outside, per ior^2: the same, by reciprocity
+    upward = np.linalg.solve(identity - reflect @ back, reflect @ entering)
     flux = w * mu
-    return float(np.clip(flux @ ((1.0 - inside) * upward) / (flux @ entering), 0.0, 1.0))
+    return float(np.clip(flux @ (leaving * upward) / (flux @ entering), 0.0, 1.0))
 
 
-def _cosines(ior: float) -> tuple[Matrix, Matrix]:
+def cosines(ior: float) -> tuple[Matrix, Matrix]:
     """Gauss points and weights on (0, 1), in two parts that meet at the critical cosine, where the reflectance bends.
     """
     critical = np.sqrt(max(1.0 - 1.0 / (ior * ior), 0.0))

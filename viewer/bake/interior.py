@@ -9,15 +9,20 @@ entered that comes out is
 with F the reflectance of the boundary from inside. h is such that out(h k) is exact (viewer/bake/half_space.py). In
 other bodies k gets a factor (shaders/raster/interior.glsl). k is the exact rate at which light dies away deep inside
 (Case & Zweifel 1967): a artanh(k) / k = 1, in units of the reduced extinction, with the reduced albedo a.
+
+A rough boundary whose facets scatter once loses light, so that even from a white half-space, where x = 0, no more than
+a share of it comes out. What comes out of all bodies gets this factor.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 from ..scene.medium import Medium
 from .half_space import internal_reflectance, returned_light
+from .rough_boundary import RoughBoundary
 
 _WHITEST = 1.0 - 1e-7
 """Of single scattering. Whiter media have the h of this albedo, whose limit it is."""
@@ -28,39 +33,51 @@ RGB = tuple[float, float, float]
 @dataclass(frozen=True)
 class Interior:
     """`attenuation` k per unit of length, `extrapolation` h in units of length, `shape` s of Burley's profile per unit
-    of length, and the reduced albedo, RGB each. `trapped` is A."""
+    of length, and the reduced albedo, RGB each. `trapped` is A. `kept` is the share of light, of what the boundary does
+    not reflect, that a white half-space returns: 1 behind a smooth one."""
 
     attenuation: RGB
     extrapolation: RGB
     shape: RGB
     albedo: RGB
     trapped: float
+    kept: float
 
 
-def interior_of(medium: Medium, ior: float) -> Interior:
-    """The diffusion of light in `medium`, whose extinction is positive, behind a boundary of index `ior`.
+@lru_cache(maxsize=64)
+def interior_of(medium: Medium, ior: float, alpha: float = 0.0, masking: str = "smith") -> Interior:
+    """The diffusion of light in `medium`, whose extinction is positive, behind a boundary of index `ior`, whose facets
+    of roughness `alpha` scatter once, with this `masking`.
 
     The profile is R(r) = s (e^(-s r) + e^(-s r / 3)) / (8 pi r), of mean distance 2.5 / s, with the fit of s to the
     albedo of a boundary that reflects nothing (Christensen & Burley 2015, "Approximate Reflectance Profiles for
     Efficient Subsurface Scattering"). Light that the boundary sends back goes on: it enters 1 / (1 - albedo F) times
     and gets so much farther. Where g < 0 the profile is too wide.
     """
-    reflected = internal_reflectance(max(ior, 1.0))
+    ior = max(ior, 1.0)
+    boundary = RoughBoundary(ior, alpha, masking)
+    rough = boundary if boundary.is_rough else None
+    reflected, entering, white = internal_reflectance(ior), 1.0, 1.0
+    if rough is not None:
+        reflected, _ = rough.shares(is_outside=False)
+        missing, passed = rough.shares(is_outside=True)
+        near, nearer = (returned_light(1.0 - left, medium.g, ior, rough) for left in (4e-7, 1e-7))
+        entering, white = passed / (1.0 - missing), 2.0 * nearer - near  # what a medium keeps is as sqrt(1 - albedo)
     trapped = (1.0 + reflected) / (1.0 - reflected)
-    channels = [_channel(sigma_t, albedo, medium.g, max(ior, 1.0), trapped)
+    channels = [_channel(sigma_t, albedo, medium.g, ior, trapped, rough, white)
                 for sigma_t, albedo in zip(medium.sigma_t, medium.albedo, strict=True)]
     k, h, s, reduced_albedo = zip(*channels, strict=True)
-    return Interior(k, h, s, reduced_albedo, trapped)
+    return Interior(k, h, s, reduced_albedo, trapped, entering * white)
 
 
-def _channel(sigma_t: float, albedo: float, g: float, ior: float,
-             trapped: float) -> tuple[float, float, float, float]:
-    """k, h, s and the reduced albedo of one channel."""
+def _channel(sigma_t: float, albedo: float, g: float, ior: float, trapped: float, rough: RoughBoundary | None,
+             white: float) -> tuple[float, float, float, float]:
+    """k, h, s and the reduced albedo of one channel. `white` is the share that a white half-space returns."""
     sigma_t, whitest = max(sigma_t, 1e-30), min(albedo, _WHITEST)
     reduced = 1.0 - whitest * g  # extinction where what is scattered straight on counts as unscattered
     reduced_albedo = whitest * (1.0 - g) / reduced
     rate = decay_rate(reduced_albedo) * reduced
-    share, unbounded = returned_light(whitest, g, ior), returned_light(whitest, g, 1.0)
+    share, unbounded = returned_light(whitest, g, ior, rough) / white, returned_light(whitest, g, 1.0)
     x = (1.0 - share) / (1.0 + trapped * share)
     reflected = (trapped - 1.0) / (trapped + 1.0)
     s = (1.9 - unbounded + 3.5 * (unbounded - 0.8) ** 2) * (1.0 - unbounded * reflected) * reduced

@@ -95,5 +95,5 @@ def _hides_light(scene: Scene, settings: Settings) -> bool:
     """Whether anything stands before the environment that no light passes."""
     meshes = [scene.meshes[k] for k in {instance.mesh for instance in scene.instances}]
     return bool(scene.curves) or any(
-        mesh.topology == "triangles" and not (settings.mode == "pbr" and scene.materials[mesh.material].transmits)
+        mesh.topology == "triangles" and not (settings.mode == "pbr" and scene.materials[mesh.material].is_seen_through)
         for mesh in meshes)

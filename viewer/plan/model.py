@@ -73,6 +73,11 @@ class Draw:
     """Switches, those of maps among them, that are off because the program would sample too many textures."""
 
     @property
+    def hides_sky(self) -> bool:
+        """Whether the light of the environment does not pass it."""
+        return not self.transmits or not self.surface.is_seen_through
+
+    @property
     def uses_visibility(self) -> bool:
         """Whether the environment's light on it is multiplied by the visibility, which an earlier pass computes."""
         return self.program.get("VISIBILITY") == 1

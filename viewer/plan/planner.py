@@ -128,7 +128,7 @@ def plan_scene(
         ambient_occlusion=ambient_occlusion,
         estimates_indirect=environment_shadows > 0 and settings.indirect == "estimated",
         background=background,
-        ground=plan_ground(settings, common, any(draw.transmits == 0 for draw in kinds) or curves),
+        ground=plan_ground(settings, common, any(draw.hides_sky for draw in kinds) or curves),
         background_blur=settings.background_blur if background else 0.0,
         media=plan_media(scene, settings, common),
         curves=plan_curves(scene, settings, common),

@@ -62,7 +62,7 @@ class EnvironmentShadows:
         """Draw the maps, unless they show this scene already. `mean` gives that of a material's map."""
         if self._scene is not None and scene.has_surfaces_of(self._scene):
             return
-        draws = [d for d in plan.draws if not d.transmits]
+        draws = [d for d in plan.draws if d.hides_sky]
         lights = self._lights
         self._batches = []
         unit = max(lights.irradiance.max(), 1e-300)

@@ -56,7 +56,7 @@ class GroundPass:
         lights = replace(lights, directions=lights.directions[above], irradiance=lights.irradiance[above])
         self._atlas = Atlas(self._gl, max(len(above), 1), _TILE)
         tiles = directional_tiles(-lights.directions, scene, self._atlas.tile_size)
-        self._atlas.draw(scene, tiles, [draw for draw in plan.draws if not draw.transmits], self._casters)
+        self._atlas.draw(scene, tiles, [draw for draw in plan.draws if draw.hides_sky], self._casters)
         rows = _rows(scene, self._atlas, lights, [tile.matrix for tile in tiles])
         self._block = self._gl.buffer(rows.astype(np.float32))
 

@@ -27,7 +27,7 @@ class SkyShadows:
                  mean: Callable[[Texture, str], np.ndarray]) -> None:
         self._atlas = Atlas(gl, SKY_LIGHTS, _TILE)
         tiles = directional_tiles(-sky.directions, scene, self._atlas.tile_size)
-        self._atlas.draw(scene, tiles, [draw for draw in plan.draws if not draw.transmits], casters)
+        self._atlas.draw(scene, tiles, [draw for draw in plan.draws if draw.hides_sky], casters)
         rows = np.stack([(tile.matrix[:3] + np.eye(4)[3]) / 2 for tile in tiles])
         self.texture = self._atlas.texture
         self.texture.compare_func = ""
@@ -59,7 +59,7 @@ def _hidden_share(material: Material) -> float:
     if material.alpha_mode == "blend":
         return material.base_color[3]
     is_cut = material.alpha_mode == "mask" and material.base_color[3] < material.alpha_cutoff
-    return float(not (material.transmits or is_cut))
+    return float(not (material.is_seen_through or is_cut))
 
 
 def reflected(sky: ManyLights, reflectance: np.ndarray) -> np.ndarray:

@@ -301,7 +301,7 @@ class Surfaces:
         if VOLUME.is_on(material):
             set_uniform(program, "u_absorption", tuple(material.extinction * self.scene.radius))
         if draw.has_subsurface:
-            for name, value in interior_uniforms(material, self.scene.radius):
+            for name, value in interior_uniforms(draw, self.textures, self.scene.radius):
                 set_uniform(program, name, value)
         set_uniform(program, "u_shininess", material.shininess or 0.0)
         self._weave.bind(program, material.weave, UNIT_WEAVE)

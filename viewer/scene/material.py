@@ -311,6 +311,12 @@ class Material:
         return self.transmission > 0 and self.is_dielectric and self.ior >= 1
 
     @property
+    def is_seen_through(self) -> bool:
+        """Whether it transmits light that keeps its direction; not where a medium inside scatters nearly all of it."""
+        unscattered = np.exp(-self.extinction * self.thickness).mean() if self.medium.scatters else 1.0
+        return self.transmits and bool(unscattered > 0.05)
+
+    @property
     def transmits_diffusely(self) -> bool:
         """Whether its diffuse base lets light through to the other side."""
         return (self.diffuse_transmission > 0 and self.is_dielectric) or self.scatters_thinly
