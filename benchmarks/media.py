@@ -57,6 +57,7 @@ PHONG: tuple[Changes, ...] = ({"mode": "phong"},)
 INDIRECT: tuple[Changes, ...] = ({"subsurface": "slab"}, {"indirect": "baked"},
                                  {"indirect": "baked", "environment_shadows": "64", "antialias": "ssaa-4"})
 CLOUD, SMOKE, DEMO = "volumes/cloud.vdb", "volumes/smoke.vdb", "demo.glb"
+TILES = str(FOLDER.parent / "corpus" / "volumes" / "tiles.vdb")
 DENSE, FOG, THICK_FOG = {"volume_density": 2.0}, {"fog": 0.5}, {"fog": 2.0}
 OURS: tuple[tuple[str, str, float, Changes, tuple[Changes, ...]], ...] = (
     (CLOUD, "studio", 0.0, DENSE, (*STEPS, *PHONG)),
@@ -64,6 +65,8 @@ OURS: tuple[tuple[str, str, float, Changes, tuple[Changes, ...]], ...] = (
     (CLOUD, "none", 3.0, DENSE, ()),
     (CLOUD, "studio", 0.0, DENSE | {"volume_g": 0.99}, ()),
     (SMOKE, "studio", 0.0, {}, (*STEPS, *PHONG)),
+    (TILES, "none", 3.0, {}, STEPS[:1]),
+    (TILES, "studio", 0.0, {}, STEPS[:1]),
     (DEMO, "studio", 0.0, FOG, (*STEPS, *SHADOWED)),
     (DEMO, "studio", 6.0, FOG, SHADOWED[-1:]),
     (DEMO, "studio", 6.0, THICK_FOG, SHADOWED[-1:]),
@@ -99,6 +102,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--frames", type=int, default=5)
     parser.add_argument("--results", type=Path)
+    parser.add_argument("--only", default="", help="scenes whose names contain this, without the frames of 512 x 512")
     options = parser.parse_args()
     with open_context() as context:
         load = os.getloadavg()[0]
@@ -106,7 +110,7 @@ def main() -> None:
                  "By `python -m benchmarks.media`. Pictures have 128 x 128 pixels. The first six scenes are against "
                  "Mitsuba, those of `assets/` against", f"mode path with {SAMPLES} samples per pixel. `samples` are "
                  "those of the reference, and `floor` is the relMSE that its noise alone makes.",
-                 f"relMSE and mean are those of the whole picture; of `{CLOUD}` and `{SMOKE}` those of the pixels of "
+                 "relMSE and mean are those of the whole picture; of files of volumes those of the pixels of "
                  "which the", "volume hides at least a twentieth. `pixels` is their share. Times are of all threads "
                  "of the processor, the median of frames with", "everything prepared; `frames` is the time over that "
                  "of a plain frame, which is `msaa-4` with image-based light, without shadows of", "the environment "
@@ -114,32 +118,39 @@ def main() -> None:
                  "", "| scene | method | pixels | samples | relMSE | floor | mean / reference | ms | frames |",
                  "|---|---|---|---|---|---|---|---|---|"]
         renderer = Renderer(context)
-        for measured in _all(renderer):
+        for measured in _all(renderer, options.only):
             lines += _rows(renderer, measured, options.frames)
-        lines += ["", "With the default settings, by the clock and of all threads of the processor:", "",
-                  "| frame of 512 x 512 | moving camera, ms | of the processor | at rest, ms | of the processor |",
-                  "|---|---|---|---|---|", *_frames(renderer, options.frames), "", *GIVEN_UP, "",
-                  f"- load average {load:.0f} at the start and {os.getloadavg()[0]:.0f} at the end",
+        if not options.only:
+            lines += ["", "With the default settings, by the clock and of all threads of the processor:", "",
+                      "| frame of 512 x 512 | moving camera, ms | of the processor | at rest, ms | of the processor |",
+                      "|---|---|---|---|---|", *_frames(renderer, options.frames), "", *GIVEN_UP]
+        lines += ["", f"- load average {load:.0f} at the start and {os.getloadavg()[0]:.0f} at the end",
                   f"- renderer: {context.renderer}", *(f"- {name}: {what}" for name, what in here().items())]
     print("\n".join(lines))
     if options.results is not None:
         options.results.write_text("\n".join(lines) + "\n")
 
 
-def _all(renderer: Renderer) -> Iterator[Measured]:
+def _all(renderer: Renderer, only: str) -> Iterator[Measured]:
     for name in VOLUMES:
+        if only not in name:
+            continue
         scene, camera, settings, facts = load_case(name)
         reference = Image.open(FOLDER / name / "reference.exr").linear[..., :3].astype(np.float64)
         yield Measured(name, scene, camera, settings, (replace(scene, volumes=()), settings), reference,
                        _everywhere(reference), facts["spp"], facts["relmse_floor"],
                        (*STEPS, *SHADOWED * bool(scene.instances and scene.environment)))
     for name in SOLIDS:
+        if only not in name:
+            continue
         case = truth_cases.load_case(name)
         settings = Settings.of(**{key: value for key, value in case.settings.items() if key not in ignored("pbr")})
         yield Measured(name, case.scene, case.camera, settings, (case.scene, replace(settings, subsurface="off")),
                        case.reference, _everywhere(case.reference), case.spp, case.floor, INDIRECT)
     tracer = Tracer(renderer.context)
     for model, environment, lux, medium, methods in OURS:
+        if only not in model:
+            continue
         scene = viewer.load(REPOSITORY / "assets" / model, environment=environment.replace("furnace", "none"))
         scene = replace(scene, environment=FURNACE if environment == "furnace" else scene.environment,
                         lights=(*scene.lights, *[Light.from_angles(1.0, 0.7, lux)] * (lux > 0)))
@@ -151,7 +162,7 @@ def _all(renderer: Renderer) -> Iterator[Measured]:
         inside = Halves(first[counted], second[counted])
         light = {"environment": environment} if environment != "studio" else {}
         told = _told(medium | light | ({"sun of": f"{lux:g} lux"} if lux else {})) or "as it is"
-        yield Measured(f"{model}, {told}", scene, camera, settings,
+        yield Measured(f"{model if model != TILES else 'tiles.vdb of the corpus'}, {told}", scene, camera, settings,
                        (replace(scene, volumes=()), replace(settings, fog=0.0)), paths.mean, counted, SAMPLES,
                        inside.floor(inside.mean), methods)
 

@@ -147,6 +147,22 @@ float near_light(Ray ray, vec3 position, float from, float to, float at) {
     return (h2 + d * d) * theta / (h * max(b - a, 1e-20));
 }
 
+#if DENSE
+#include "raster/dense_light.glsl"
+
+uniform float u_volume_cell; // length of a cell of the grid; 0 where light is scattered once
+
+// Radiance that light of this irradiance E, the share `arriving` of which comes to p from the direction l, makes there
+// by being scattered more than once. The nearest face lies where the media hide least, at the end of `hidden`.
+vec3 light_below_face(vec3 irradiance, float arriving, vec3 p, vec3 l, vec3 hidden, Scattering medium) {
+    float share = beyond_grid(u_volume_cell * volumes_at(p));
+    float along = -log(max(arriving, 1e-30));
+    float mu = clamp(-dot(hidden, l) * inversesqrt(max(dot(hidden, hidden), 1e-20)), 0.05, 1.0);
+    vec3 phi;
+    for (int k = 0; k < 3; ++k) phi[k] = half_space_fluence(medium.albedo[k], medium.mean_cosine, mu, mu * along);
+    return share * (0.25 * INV_PI) * phi * irradiance;
+}
+#endif
 #endif
 
 // The source function: radiance that one optical depth of the medium adds, at the distance `at` of a step
@@ -168,8 +184,12 @@ vec3 source(Ray ray, float at, float from, float to, Scattering medium) {
         vec3 l;
         vec3 irradiance = punctual_irradiance(i, p, l);
         if (i >= DIRECTIONAL_COUNT) irradiance *= near_light(ray, u_lights[i].position.xyz, from, to, at);
-        float scattered = any_phase(medium.of_lights.a, -l, -ray.direction) * light_in_medium(i, p, l);
+        float arriving = light_in_medium(i, p, l);
+        float scattered = any_phase(medium.of_lights.a, -l, -ray.direction) * arriving;
         sum += medium.of_lights.rgb * irradiance * scattered;
+#if DENSE
+        sum += medium.albedo * light_below_face(irradiance, arriving, p, l, around.hidden.yzw, medium);
+#endif
     }
 #endif
     return sum + medium.emission;

@@ -5,6 +5,9 @@
 #if VOLUMES > 0
 #include "raster/volumes.glsl"
 #endif
+#if DENSE
+#include "raster/dense_light.glsl"
+#endif
 
 uniform vec4 u_sky_directions[SKY_LIGHTS]; // w: the share of the environment's light
 uniform vec4 u_sky_irradiance[SKY_LIGHTS]; // w: the share of the sphere
@@ -137,6 +140,9 @@ void main() {
         }
         float depth = media_depth(p, l, i < DIRECTIONAL_COUNT ? 1e18 : distance(u_lights[i].position.xyz, p));
         irradiance *= mean_transmittance(depth, depth_of_cell) * unshadowed_by_meshes(i, p);
+#if DENSE
+        irradiance *= 1.0 - beyond_grid(depth_of_cell); // in_scattered.glsl has it
+#endif
         fluence.rgb += irradiance;
         for (int axis = 0; axis < 3; ++axis) o_flux[axis].rgb -= irradiance * l[axis];
     }

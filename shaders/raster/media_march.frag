@@ -59,7 +59,7 @@ void march_fog(inout Path path, Ray ray, float from, float to, Scattering medium
 // llvmpipe runs both sides of a branch, but no loop that has no turns: loops take the place of branches here, so that
 // steps outside of volumes and in what of them is empty cost little.
 #if DENSE
-const float THICK = 1.0; // optical depth of a part
+const float THICK = 0.5; // optical depth of a part, and twice that behind what hides most
 const float MOST_PARTS = 16.0, SEARCH = 6.0;
 
 float extinction_on(Ray ray, int k, float at) {
@@ -84,7 +84,7 @@ void march_volumes(inout Path path, Ray ray, float from, float to, Scattering me
                 face = extinction_on(ray, k, middle) > least ? vec2(face.x, middle) : vec2(middle, face.y);
             }
             if (start < least) span.x = face.x;
-            parts = min(ceil(most * (span.y - span.x) / THICK), MOST_PARTS);
+            parts = min(ceil(most * (span.y - span.x) / (THICK * (1.0 + min(path.depth, 1.0)))), MOST_PARTS);
         }
         float width = (span.y - span.x) / max(parts, 1.0);
         for (float j = 0.0; j < parts && path.depth < DEEPEST; ++j) {

@@ -32,7 +32,7 @@ from ..settings import Settings
 from .depth import Depth
 from .environment import EnvironmentLight
 from .lights import pack_lights
-from .media_light import DEPTH_SIDE, Grid, MediaLight
+from .media_light import DEPTH_SIDE, SIDE, Grid, MediaLight
 from .media_slices import MediaSlices
 from .shadows import Casters, ShadowMaps
 from .sky_shadows import SkyShadows
@@ -45,7 +45,7 @@ _PIXELS = {"all": 1, "quarter": 2, "ninth": 3, "sixteenth": 4}
 """The side of the square of pixels that has a ray."""
 _GRID_MARGIN = 0.25
 """Of the grid about the volumes, in lengths of their box at each side: surfaces close by are in their light, too."""
-_NEAR = 1.5
+_NEAR = 3.0
 """How far, in cells of the grid of optical depths, dense volumes are looked at themselves towards a light."""
 
 
@@ -188,6 +188,7 @@ class MediaPass:
             values |= self._volumes.uniforms(frame) | {
                 "u_volume_extinction": extinction,
                 "u_volume_near": _NEAR * grids[1].length / DEPTH_SIDE,
+                "u_volume_cell": grids[1].length / SIDE * (settings.media_scattering == "multiple"),
                 **_scattering("volume", medium, settings),
                 "u_volume_emission": tuple(emission.tolist()),
             }
