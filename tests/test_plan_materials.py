@@ -106,6 +106,8 @@ def test_a_lobe_has_the_more_lookups_the_farther_it_is_stretched():
     assert lookups(perceptual_roughness=0.05, settings={"specular_aa": "on"}) == 2
     assert lookups(perceptual_roughness=0.05, metallic_roughness_texture=MAP) == 1
     assert lookups(perceptual_roughness=0.05, specular_glossiness_texture=MAP) == 2
+    assert lookups(perceptual_roughness=0.05, normal_texture=MAP) == 2  # rougher in smaller levels
+    assert lookups("COAT_LOOKUPS", clearcoat=1.0, clearcoat_normal_texture=MAP) == 2
     assert lookups(metallic=0.0, specular=0.0) == lookups(environment=None) == 0
     brushed = {"anisotropy_strength": 0.5}
     assert [lookups(perceptual_roughness=r, **brushed) for r in (0.7, 0.5, 0.3, 0.1)] == [4, 4, 8, 32]

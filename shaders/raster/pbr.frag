@@ -5,6 +5,9 @@
 #if SPECULAR_AA
 #include "bsdf/specular_aa.glsl"
 #endif
+#if NORMAL_MAP || CLEARCOAT_NORMAL_MAP
+#include "bsdf/normal_spread.glsl"
+#endif
 #if HAS_ENVIRONMENT
 #include "raster/environment.glsl"
 #endif
@@ -130,11 +133,15 @@ void main() {
     s.f0 = mix(s.f0, thin_walled_f0(s.f0), m.transmission);
     s.film_walls = m.transmission;
 #endif
+#if NORMAL_MAP && HAS_TANGENT
+    s.alpha = widened_alpha(s.alpha, normal_texel(), u_normal_scale);
+    s.alpha_t = widened_alpha(s.alpha_t, normal_texel(), u_normal_scale);
+#endif
 #if SPECULAR_AA
     s.alpha = alpha_antialiased(s.alpha, dFdx(p.n), dFdy(p.n));
     s.alpha_t = alpha_antialiased(s.alpha_t, dFdx(p.n), dFdy(p.n));
 #endif
-#if SPECULAR_AA || ANISOTROPIC
+#if SPECULAR_AA || ANISOTROPIC || NORMAL_MAP
     float perceptual_roughness = table_roughness(s);
 #else
     float perceptual_roughness = m.perceptual_roughness;
@@ -158,6 +165,9 @@ void main() {
 #if CLEARCOAT
     float coat_alpha = max(s.coat_alpha, MIN_PERCEPTUAL_ROUGHNESS * MIN_PERCEPTUAL_ROUGHNESS);
     vec3 n_coat = coat_normal(p.n_geometric);
+#if CLEARCOAT_NORMAL_MAP && HAS_TANGENT
+    coat_alpha = widened_alpha(coat_alpha, clearcoat_normal_texel(), u_clearcoat_normal_scale);
+#endif
 #if SPECULAR_AA
     coat_alpha = alpha_antialiased(coat_alpha, dFdx(n_coat), dFdy(n_coat));
 #endif

@@ -38,7 +38,7 @@ def scene():
 
 
 def test_all_come_once_with_all_their_levels(pixels):
-    keys = [(encoded(pixels[k:]), "RGB", k % 2 == 1) for k in range(9)]
+    keys = [(encoded(pixels[k:]), "RGB", "srgb" if k % 2 else "linear") for k in range(9)]
     results = dict(Decoder(keys).results())
     assert set(results) == set(keys)
     for k, key in enumerate(keys):
@@ -53,7 +53,7 @@ def test_nothing_to_decode():
 def test_no_more_than_a_few_are_held_at_once(pixels, monkeypatch):
     begun = []
     monkeypatch.setattr("viewer.scene.decoding.decode_levels", lambda *key: begun.append(key) or [pixels])
-    decoder = Decoder([(encoded(pixels), "RGB", False) for _ in range(9)])
+    decoder = Decoder([(encoded(pixels), "RGB", "linear") for _ in range(9)])
     wait_until(lambda: len(begun) >= 4)
     time.sleep(0.05)  # for more, if there were more
     assert len(begun) == 4
@@ -63,19 +63,19 @@ def test_no_more_than_a_few_are_held_at_once(pixels, monkeypatch):
 def test_an_error_is_raised_where_results_are_asked_for(pixels):
     broken = encoded(pixels, "broken.png")
 
-    def decode(image, channels, srgb):
+    def decode(image, channels, encoding):
         if image is broken:
             raise InputError(image.name, "", "cannot be decoded")
-        return decode_levels(image, channels, srgb)
+        return decode_levels(image, channels, encoding)
 
-    decoder = Decoder([(broken, "RGB", False), *((encoded(pixels), "RGB", False) for _ in range(6))], decode)
+    decoder = Decoder([(broken, "RGB", "linear"), *((encoded(pixels), "RGB", "linear") for _ in range(6))], decode)
     with pytest.raises(InputError, match="broken.png"):
         list(decoder.results())
 
 
 def test_cancelled_threads_end(pixels):
     before = threading.active_count()
-    decoder = Decoder([(encoded(pixels), "RGB", False) for _ in range(9)])
+    decoder = Decoder([(encoded(pixels), "RGB", "linear") for _ in range(9)])
     decoder.cancel()
     wait_until(lambda: threading.active_count() <= before)
 
@@ -98,9 +98,9 @@ def test_what_another_plan_read_is_kept(scene):
 
 def test_channels(pixels):
     image = encoded(pixels)
-    assert np.array_equal(decode_levels(image, "R", False)[0], pixels[..., :1])
-    assert np.array_equal(decode_levels(image, "RGB", True)[0], pixels[..., :3])
-    assert np.array_equal(decode_levels(image, "RGBA", True)[0], pixels)
+    assert np.array_equal(decode_levels(image, "R", "linear")[0], pixels[..., :1])
+    assert np.array_equal(decode_levels(image, "RGB", "srgb")[0], pixels[..., :3])
+    assert np.array_equal(decode_levels(image, "RGBA", "srgb")[0], pixels)
     grey = encoded(pixels[..., 0])
-    assert decode_levels(grey, "RGB", False)[0].shape[2] == 1
-    assert np.array_equal(decode_levels(grey, "RGB", True)[0], pixels[..., [0, 0, 0]])
+    assert decode_levels(grey, "RGB", "linear")[0].shape[2] == 1
+    assert np.array_equal(decode_levels(grey, "RGB", "srgb")[0], pixels[..., [0, 0, 0]])

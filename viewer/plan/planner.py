@@ -266,9 +266,9 @@ def lookups(material: Material, settings: Settings) -> int:
     if not material.reflects:
         return 0
     if not ANISOTROPY.is_on(material):
-        # Of glossiness a map makes less, so more of roughness.
-        most = material.perceptual_roughness if material.specular_glossiness_texture is None else 1.0
-        return _of_isotropic(most, settings)
+        # Of glossiness a map makes less, so more of roughness. Smaller levels of normal maps are rougher.
+        varies = material.specular_glossiness_texture is not None or material.normal_texture is not None
+        return _of_isotropic(1.0 if varies else material.perceptual_roughness, settings)
     if material.metallic_roughness_texture is not None:
         return 16
     alpha = material.perceptual_roughness**2
@@ -282,7 +282,7 @@ def _of_isotropic(perceptual_roughness: float, settings: Settings) -> int:
 
 
 def _pbr_switches(material: Material, settings: Settings, has_environment: bool) -> dict[str, int]:
-    coat = _of_isotropic(material.clearcoat_roughness, settings)
+    coat = _of_isotropic(material.clearcoat_roughness if material.clearcoat_normal_texture is None else 1.0, settings)
     return {
         "REFLECTS": int(material.reflects),
         "WOVEN": int(material.weave is not None),

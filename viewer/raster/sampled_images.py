@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from ..plan.model import Plan
 from ..plan.planner import plan_scene
 from ..scene.decoding import Decoder, Key
+from ..scene.parameter import Encoding
 from ..scene.scene import Scene
 from ..scene.schema import MAPS
 from ..scene.texture_image import TextureImage
@@ -21,11 +22,11 @@ def decode_ahead(scene: Scene, settings: Settings) -> Decoder:
 
 
 def channels_read(
-    plan: Plan, before: Mapping[tuple[TextureImage, bool], str]
-) -> dict[tuple[TextureImage, bool], str]:
+    plan: Plan, before: Mapping[tuple[TextureImage, Encoding], str]
+) -> dict[tuple[TextureImage, Encoding], str]:
     """The channels, R, RGB or RGBA, of each image that some map of this plan reads, or has read `before`.
 
-    An image that two maps share (occlusion and roughness) is stored once.
+    An image that two maps share (occlusion and roughness) is stored once for each encoding.
     """
     reads = {image: set(channels) for image, channels in before.items()}
     for draw in plan.draws:
@@ -33,13 +34,13 @@ def channels_read(
             opaque = name == "base_color" and draw.surface.alpha_mode == "opaque"
             image = MAPS[name].texture(draw.surface).image
             info = MAPS[name].info
-            reads.setdefault((image, info.srgb), set()).update("RGB" if opaque else info.channels)
-    return {image: "R" if letters == {"R"} else "RGBA" if "A" in letters else "RGB"
-            for image, letters in reads.items()}
+            reads.setdefault((image, info.encoding), set()).update("RGB" if opaque else info.channels)
+    return {read: "R" if letters == {"R"} else "RGBA" if "A" in letters else "RGB"
+            for read, letters in reads.items()}
 
 
-def sampled_images(plan: Plan, channels: Mapping[tuple[TextureImage, bool], str]) -> set[Key]:
+def sampled_images(plan: Plan, channels: Mapping[tuple[TextureImage, Encoding], str]) -> set[Key]:
     """The images that `plan` samples, with the channels that `channels_read` gives."""
-    images = {(MAPS[name].texture(draw.surface).image, MAPS[name].info.srgb)
+    images = {(MAPS[name].texture(draw.surface).image, MAPS[name].info.encoding)
               for draw in plan.draws for name in draw.maps}
-    return {(image, channels[image, srgb], srgb) for image, srgb in images}
+    return {(image, channels[image, encoding], encoding) for image, encoding in images}

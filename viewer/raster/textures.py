@@ -15,7 +15,7 @@ from ..plan.model import Plan
 from ..scene.color import srgb_to_linear
 from ..scene.decoding import Decoder, Key
 from ..scene.material import Sampler, Texture
-from ..scene.parameter import WHITE
+from ..scene.parameter import WHITE, Encoding
 from ..scene.schema import MAPS
 from ..scene.texture_image import TextureImage
 from .sampled_images import channels_read, sampled_images
@@ -42,7 +42,7 @@ class Textures:
         self._examples: dict[str, Key] = {}
         self._samplers: dict[Sampler, moderngl.Sampler] = {}
         self._decoders: list[Decoder] = []
-        self._channels: dict[tuple[TextureImage, bool], str] = {}
+        self._channels: dict[tuple[TextureImage, Encoding], str] = {}
         self._sizes: dict[Key, int] = {}
         self._means: dict[Key, np.ndarray] = {}
         self.seconds = 0.0
@@ -68,8 +68,8 @@ class Textures:
         self._release_unread()
         for draw in plan.draws:
             for name in draw.maps:
-                image, srgb = MAPS[name].texture(draw.surface).image, MAPS[name].info.srgb
-                self._examples.setdefault(name, (image, self._channels[image, srgb], srgb))
+                image, encoding = MAPS[name].texture(draw.surface).image, MAPS[name].info.encoding
+                self._examples.setdefault(name, (image, self._channels[image, encoding], encoding))
         known = set(self._textures).union(*(decoder.keys for decoder in self._decoders))
         self._decoders.append(Decoder(sampled_images(plan, self._channels) - known))
 
@@ -79,22 +79,22 @@ class Textures:
         while self._decoders:
             for key, levels in self._decoders.pop(0).results():
                 if key not in self._textures:  # the texture may exist already, from an earlier scene
-                    self._textures[key] = _upload(self._context, levels, key[2])
+                    self._textures[key] = _upload(self._context, levels, key[2] == "srgb")
                     self._sizes[key] = sum(level.nbytes for level in levels)
-                    self._means[key] = _mean(levels[-1], key[2])
+                    self._means[key] = _mean(levels[-1], key[2] == "srgb")
                 del levels
                 trim_heap()  # OpenGL has its own copy now
         self.seconds += time.perf_counter() - started
 
     def mean(self, texture: Texture, name: str) -> np.ndarray:
         """The mean of a map of a material, (3,) float64, linear. A prefetched plan must sample the map."""
-        srgb = MAPS[name].info.srgb
-        return self._means[texture.image, self._channels[texture.image, srgb], srgb]
+        encoding = MAPS[name].info.encoding
+        return self._means[texture.image, self._channels[texture.image, encoding], encoding]
 
     def bind(self, texture: Texture, name: str, unit: int) -> None:
         """Bind a map of a material to a texture unit, with its sampler. A prefetched plan must sample the map."""
-        srgb = MAPS[name].info.srgb
-        self._textures[texture.image, self._channels[texture.image, srgb], srgb].use(unit)
+        encoding = MAPS[name].info.encoding
+        self._textures[texture.image, self._channels[texture.image, encoding], encoding].use(unit)
         self._sampler(texture.sampler).use(unit)
 
     def bind_blank(self, name: str, unit: int) -> None:
@@ -127,9 +127,9 @@ class Textures:
 
     def _release_unread(self) -> None:
         """Release the textures that no map reads any more: their image or their set of channels is not in use."""
-        for image, channels, srgb in [key for key in self._textures if self._channels.get((key[0], key[2])) != key[1]]:
-            self._textures.pop((image, channels, srgb)).release()
-            del self._sizes[image, channels, srgb], self._means[image, channels, srgb]
+        for key in [key for key in self._textures if self._channels.get((key[0], key[2])) != key[1]]:
+            self._textures.pop(key).release()
+            del self._sizes[key], self._means[key]
 
     def _cancel(self) -> None:
         for decoder in self._decoders:

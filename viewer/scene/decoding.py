@@ -12,10 +12,12 @@ import numpy as np
 
 from ..scene.color import srgb_to_linear
 from ..scene.mip_levels import mip_levels
+from ..scene.normal_spread import with_spread
+from ..scene.parameter import Encoding
 from ..scene.texture_image import TextureImage
 
-Key = tuple[TextureImage, str, bool]
-"""An image, the channels to read (R, RGB or RGBA), and whether its colours are sRGB."""
+Key = tuple[TextureImage, str, Encoding]
+"""An image, the channels to read (R, RGB or RGBA), and what they are."""
 
 _THREADS = 2
 _MAX_PENDING = 4
@@ -69,13 +71,17 @@ class Decoder:
                 self._ready.put((key, error))
 
 
-def decode_levels(image: TextureImage, channels: str, srgb: bool) -> list[np.ndarray]:
+def decode_levels(image: TextureImage, channels: str, encoding: Encoding) -> list[np.ndarray]:
     """The mip levels of `image`, (H, W, C) each, with the fewest channels that contain `channels`.
 
-    They are uint8 (encoded as sRGB if `srgb`) or uint16. sRGB images with 16 bits are decoded to linear float16.
+    They are uint8 (encoded as sRGB if the image is) or uint16. sRGB images with 16 bits are decoded to linear float16.
+    Those of normals have a fourth channel for the spread of the normals (`with_spread`).
     """
-    pixels = _pixels(image, channels, srgb)
-    return mip_levels(pixels, srgb and pixels.dtype == np.uint8)
+    if encoding == "normal":
+        return with_spread(mip_levels(image.decode("RGB")))
+    is_srgb = encoding == "srgb"
+    pixels = _pixels(image, channels, is_srgb)
+    return mip_levels(pixels, is_srgb and pixels.dtype == np.uint8)
 
 
 def _pixels(image: TextureImage, channels: str, srgb: bool) -> np.ndarray:

@@ -139,7 +139,8 @@ class Material:
         has_effect=lambda m: m.metallic > 0 or (m.perceptual_roughness > 0 and m.has_interface))
     normal_texture: Texture | None = texture_map(
         "normalTexture", "shading normal in tangent space, +Y up", of=CORE, channels="RGB", models=_LIT,
-        neutral=(0.5, 0.5, 1.0, 1.0), has_effect=lambda m: m.normal_scale != 0, needs_tangents=True)
+        neutral=(0.5, 0.5, 1.0, 1.0), has_effect=lambda m: m.normal_scale != 0, needs_tangents=True,
+        is_normal=True)
     normal_scale: float = parameter(
         1.0, "normalTexture.scale", "scales the mapped normal's x and y", of=CORE, role="argument",
         switch="NORMAL_MAP")
@@ -286,7 +287,7 @@ class Material:
     clearcoat_normal_texture: Texture | None = texture_map(
         "clearcoatNormalTexture", "normal of the clear coat in tangent space, +Y up", of=CLEARCOAT, channels="RGB",
         neutral=(0.5, 0.5, 1.0, 1.0), has_effect=lambda m: m.clearcoat > 0 and m.clearcoat_normal_scale != 0,
-        needs_tangents=True)
+        needs_tangents=True, is_normal=True)
     clearcoat_normal_scale: float = parameter(
         1.0, "clearcoatNormalTexture.scale", "scales the x and y of the clear coat's mapped normal", of=CLEARCOAT,
         role="argument", switch="CLEARCOAT_NORMAL_MAP")

@@ -31,10 +31,15 @@ def _half(pixels: np.ndarray, srgb: bool) -> np.ndarray:
     if srgb and components == 4:
         return np.concatenate([_half(pixels[..., :3], True), _half(pixels[..., 3:], False)], axis=2)
     light = _tables()[0].take(pixels).astype(np.float32) / _FULL if srgb else pixels.astype(np.float32)
-    means = _means_of_columns(_means_of_columns(light).swapaxes(0, 1)).swapaxes(0, 1)
+    means = means_of_four(light)
     if srgb:
         return _tables()[1].take((means * (4 * _FULL) + 0.5).astype(np.uint16))
     return (np.rint(means) if pixels.dtype.kind == "u" else means).astype(pixels.dtype)
+
+
+def means_of_four(values: np.ndarray) -> np.ndarray:
+    """(H, W, C) floats at half the width and height, rounded down."""
+    return _means_of_columns(_means_of_columns(values).swapaxes(0, 1)).swapaxes(0, 1)
 
 
 def _half_of_even(pixels: np.ndarray, srgb: bool) -> np.ndarray:

@@ -14,6 +14,8 @@ from typing import Any, Literal
 RGBA = tuple[float, float, float, float]
 WHITE: RGBA = (1.0, 1.0, 1.0, 1.0)
 Role = Literal["input", "argument", "python"]
+Encoding = Literal["linear", "srgb", "normal"]
+"""What the numbers of an image are to a map: as they stand, sRGB, or normals, whose mip levels tell their spread."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,8 @@ class MapInfo:
     files) that read it. `path_traced` tells whether the path tracer reads it, too. With `needs_tangents` it is read in
     tangent space. `raw_channels` are the channels that multiply no parameter: hand-written GLSL reads them, as stored,
     from the member `<map>_texel` of `MaterialInputs`. If `is_applied`, the map multiplies no parameter either, but
-    apply_<map>(inout MaterialInputs, vec4 texel) of shaders/bsdf/<map>.glsl changes the inputs.
+    apply_<map>(inout MaterialInputs, vec4 texel) of shaders/bsdf/<map>.glsl changes the inputs. `is_normal` tells
+    whether its texels are normals.
     """
 
     feature: Feature
@@ -91,7 +94,12 @@ class MapInfo:
     needs_tangents: bool
     raw_channels: str
     is_applied: bool
+    is_normal: bool
     meaning: str
+
+    @property
+    def encoding(self) -> Encoding:
+        return "normal" if self.is_normal else "srgb" if self.srgb else "linear"
 
 
 def parameter(default: Any, key: str, meaning: str, *, of: Feature, low: float = -math.inf, high: float = math.inf,
@@ -107,11 +115,11 @@ def texture_map(key: str, meaning: str, *, of: Feature, channels: str, srgb: boo
                 neutral: RGBA = WHITE,
                 has_effect: Callable[[Any], bool] = lambda material: True, models: tuple[str, ...] = ("pbr",),
                 path_traced: bool = True, needs_tangents: bool = False, raw_channels: str = "",
-                is_applied: bool = False) -> Any:
+                is_applied: bool = False, is_normal: bool = False) -> Any:
     """A dataclass field that holds a texture map of the feature `of`, or None; see MapInfo.
 
     The field must be called `<map>_texture`.
     """
     info = MapInfo(of, key, channels, srgb, neutral, has_effect, models, path_traced, needs_tangents, raw_channels,
-                   is_applied, meaning)
+                   is_applied, is_normal, meaning)
     return field(default=None, metadata={"map": info})
