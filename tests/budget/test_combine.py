@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from right_pictures import RASTERS, truth
 
-from viewer.budget.combine import Samples, combined
+from viewer.budget.combine import Samples, judged
 from viewer.image.estimated_error import EstimatedError
 from viewer.image.neighbours import LARGEST
 from viewer.measure.compare.relmse import relmse
@@ -26,7 +26,7 @@ def test_what_is_told_is_true(each):
     what is told is neither too small nor too large."""
     right, inside, shares = truth(), [], []
     for seed, raster in enumerate(RASTERS.values()):
-        for told in combined(raster, samples(right, each, seed)).values():
+        for told in judged(raster, samples(right, each, seed)).values():
             true = relmse(told.picture, right)
             inside.append(told.low <= true <= told.high)
             shares.append(told.relmse / true)
@@ -36,23 +36,23 @@ def test_what_is_told_is_true(each):
 
 
 def test_more_samples_tell_it_more_surely():
-    few, many = (combined(RASTERS["too bright"], samples(truth(), each))["drawn"] for each in (2, 32))
+    few, many = (judged(RASTERS["too bright"], samples(truth(), each))["drawn"] for each in (2, 32))
     assert many.high - many.low < 0.4 * (few.high - few.low)
 
 
 def test_the_mixture_is_better_than_either_and_becomes_the_paths():
     right, raster = truth(), RASTERS["too dark in the shade"]
     for each in (1, 4):
-        told = {name: relmse(one.picture, right) for name, one in combined(raster, samples(right, each)).items()}
+        told = {name: relmse(one.picture, right) for name, one in judged(raster, samples(right, each)).items()}
         assert told["mixed"] < told["traced"]
     exact = np.stack([right] * 4)
-    told = combined(raster, Samples(exact, np.ones_like(exact[..., :1])))
+    told = judged(raster, Samples(exact, np.ones_like(exact[..., :1])))
     np.testing.assert_allclose(told["mixed"].picture, right, rtol=1e-4)
     assert told["mixed"].relmse < 1e-8 < told["drawn"].relmse
 
 
 def test_a_right_raster_is_told_to_be_the_best():
-    told = combined(truth(), samples(truth(), 2))
+    told = judged(truth(), samples(truth(), 2))
     assert min(told, key=lambda name: told[name].relmse) == "drawn" and told["drawn"].low == 0
 
 
@@ -84,15 +84,15 @@ def test_light_whose_square_does_not_fit_leaves_all_finite(bright):
     right[10:13, 10:13] = bright
     parts = samples(np.minimum(right, LARGEST), 4)
     total = np.where(right > LARGEST, np.float32(bright), parts.means)
-    told = combined(right, Samples(total, np.ones_like(total[..., :1])))
+    told = judged(right, Samples(total, np.ones_like(total[..., :1])))
     for one in told.values():
         assert np.isfinite(one.picture).all() and np.isfinite([one.relmse, one.low, one.high, one.trimmed]).all()
-    away = told["mixed"].picture[20:], combined(truth(), parts)["mixed"].picture[20:]
+    away = told["mixed"].picture[20:], judged(truth(), parts)["mixed"].picture[20:]
     np.testing.assert_allclose(*away, rtol=0.05)
 
 
 def test_what_statistics_say():
-    told = combined(truth(), samples(truth(), 2))["mixed"].to_json(1.5)
+    told = judged(truth(), samples(truth(), 2))["mixed"].to_json(1.5)
     assert list(told) == list(EstimatedError.__annotations__)
     assert (told["samples"], told["seconds"]) == (8, 1.5) and told.pop("brightness") is None and told.pop("notes") == []
     assert all(type(value) in (int, float) for value in told.values())

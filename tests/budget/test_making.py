@@ -129,16 +129,16 @@ def make(monkeypatch):
         linear.astype(np.float32), srgb))
 
     def made(machine: Machine, chooser: Chooser | None = None, wants_to_stop=lambda: False, **settings):
-        def combined(raster, samples):
+        def judged(raster, samples):
             machine.now += machine.combine * raster.shape[0] * raster.shape[1] / SIZE**2
             machine.now += machine.surprise if machine.samples else 0.0
             return real(raster, samples)
 
-        monkeypatch.setattr(making, "combined", combined)
+        monkeypatch.setattr(making, "judged", judged)
         chooser = chooser or Chooser(None, Raster(machine), Paths(machine), machine.clock)
         return chooser.make(shown, None, Settings(**settings), (SIZE, SIZE), wants_to_stop=wants_to_stop)
 
-    real = making.combined
+    real = making.judged
     return made
 
 

@@ -19,10 +19,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..estimate.neighbourhood import EPSILON, mixture, smooth
 from ..estimate.pairs import interval, squared_error, trimmed_mean
 from ..image.estimated_error import EstimatedError, estimated_error
-from ..image.neighbours import LARGEST, surroundings
+from ..image.neighbours import EPSILON, LARGEST, smooth, surroundings
+from ..trace.denoise.combine import combined
 
 _FEW = 8.0
 """Samples a pixel."""
@@ -68,11 +68,15 @@ class Samples:
         return mean, (self._count[kept] / count * (self.means[kept] - mean) ** 2).sum(axis=0) / (len(kept) - 1)
 
     def mixtures(self, raster: np.ndarray) -> np.ndarray:
-        """(4, H, W, 3), the k-th a mixture of the raster and paths that is made without group k: each is made of one
-        half of the groups, for the other half."""
-        halves = [0, 1], [2, 3]
-        with ThreadPoolExecutor(len(halves)) as pool:
-            return np.repeat(list(pool.map(lambda left: mixture(raster, *self.without(left)), halves)), 2, axis=0)
+        """(4, H, W, 3), the k-th a mixture of the raster and paths as that of `--denoise raster`, made without group k:
+        each is made of one half of the groups, for the other half."""
+        with ThreadPoolExecutor(2) as pool:
+            return np.repeat(list(pool.map(lambda known: self._mixture(raster, *known), ((2, 3), (0, 1)))), 2, axis=0)
+
+    def _mixture(self, raster: np.ndarray, first: int, second: int) -> np.ndarray:
+        samples = self.means[first], self.means[second]
+        share = self._count[first] / (self._count[first] + self._count[second])
+        return combined(samples, [(raster, raster)], share)
 
     def levels(self, best: np.ndarray, raster: np.ndarray) -> list[np.ndarray]:
         """What errors may be relative to, by the `best` picture there is.
@@ -100,7 +104,7 @@ class Samples:
         return Told(picture, relmse, low, high, trimmed, self.number)
 
 
-def combined(raster: np.ndarray, samples: Samples) -> dict[str, Told]:
+def judged(raster: np.ndarray, samples: Samples) -> dict[str, Told]:
     """The mixture of both, the raster's picture and the paths' samples, each with its error."""
     raster = np.minimum(raster, LARGEST)
     mixtures = samples.mixtures(raster)

@@ -21,7 +21,7 @@ from ..settings import MAX_SPP, Settings
 from ..trace.paths.run import Report
 from ..trace.tracer import Tracer
 from .choice import Choice
-from .combine import Samples, Told, combined
+from .combine import Samples, Told, judged
 from .pace import SURE, Pace, maps
 
 GROUPS = LEAST_GROUPS
@@ -146,7 +146,7 @@ class Making:
 
     def _combine(self, raster: np.ndarray, samples: Samples) -> dict[str, Told]:
         started = self._clock()
-        told = combined(raster, samples)
+        told = judged(raster, samples)
         self._pace.combine = (self._clock() - started) / (raster.shape[0] * raster.shape[1])
         return told
 

@@ -7,33 +7,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..image.neighbours import EPSILON, box, luminance, smooth, surroundings
+from ..image.neighbours import EPSILON, box, luminance, smooth
 
 _GUIDE_REACH = 3
 _SHARPNESS = 4.0
 """A neighbour whose radiance differs from that of a pixel by one part in _SHARPNESS counts 1/e."""
 _DARK = 0.05
 """Below this radiance, pixels are alike."""
-_ALIKE = 12
-"""About how many pixels an average of `guided` is of."""
-_CAUTION = 0.6
-"""The noise is known roughly in each neighbourhood. Less of it errs to the side of the paths, which have no bias."""
-_SPIKE, _FAINT = 4.0, 0.02
-"""A pixel so many times as bright as those around it, and as this radiance, is single."""
-
-
-def mixture(raster: np.ndarray, mean: np.ndarray, noise: np.ndarray) -> np.ndarray:
-    """The best picture that `raster` and the noisy `mean` of paths give together; without noise it is the latter.
-
-    `noise` is the variance of the mean. First the raster is corrected by what paths, averaged over alike pixels, differ
-    from it; then that is mixed with the raster, and what comes of it with the paths, by the least error (`pulled`).
-    Single bright pixels are left out of the average, which would spread them.
-    """
-    noise = _CAUTION * noise
-    calm = np.minimum(mean, _SPIKE * np.maximum(surroundings(mean), _FAINT))
-    corrected = raster + guided(calm - raster, raster)
-    base = pulled(raster, corrected, guided(noise, raster) / _ALIKE, mean)
-    return pulled(base, mean, noise, mean)
 
 
 def pulled(base: np.ndarray, other: np.ndarray, noise: np.ndarray, level: np.ndarray) -> np.ndarray:
