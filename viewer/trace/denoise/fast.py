@@ -115,8 +115,8 @@ def _denoised(whole: _Part, parts: list[_Part], filtered: list[np.ndarray], guid
         guides.insert(0, (light(clean, whole.emission),) * 2)
     share = parts[0].count / np.maximum(whole.count, 1)
     picture = combined(samples, guides, share)
-    if guide is None:
-        picture = with_lost_light(picture, light(whole.radiance, whole.emission))
+    kept = with_lost_light(picture, light(whole.radiance, whole.emission))
+    picture = np.where(whole.hits == 0, picture, kept)  # nothing is lost where nothing is hit
     return np.where(stays, whole.radiance, picture + whole.emission)
 
 
