@@ -7,8 +7,9 @@ import math
 from ..scene.scene import Scene
 from ..settings import Settings
 
-SURE, ALIKE, GUESSED = 1.1, 1.3, 1.5
-"""Times what was measured; what follows from frames of the same programs; and what follows from something else."""
+SURE, ALIKE, GUESSED = 1.1, 1.2, 1.5
+"""Times what was measured; what follows from frames of the same programs; and what follows from something else. A frame
+that was drawn before takes what it took: a budget counts as held up to 1.2 times."""
 SHADED = 2 / 3
 """Of a frame: a further point that is shaded in each pixel. Vertices are not shaded again."""
 LOOKUPS, LOOKUP = 3.3, 1 / 24
@@ -80,7 +81,7 @@ class Pace:
         alike = [drawn for drawn in self.frames if bool(maps(drawn)) == bool(count)] or list(self.frames)
         likely = min((self.frames[drawn] * work(settings) / work(drawn) for drawn in alike), default=math.inf)
         if settings in self.frames:  # what it compiled the first time is no part of it now
-            return min(SURE * self.frames[settings], ALIKE * likely) + SURE * drawing
+            return min(self.frames[settings], ALIKE * likely) + SURE * drawing
         compiling = self.first - self.textures if self.first is not None else UNKNOWN * likely
         compiling *= 1.0 if count and not any(map(maps, self.frames)) else RESOLVE
         return GUESSED * (likely + drawing + compiling)
