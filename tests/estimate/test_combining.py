@@ -103,10 +103,11 @@ def test_the_fit_has_the_texture_of_its_guide():
     np.testing.assert_allclose(_fitted(picture, guide)[4:-4, 4:-4], picture[4:-4, 4:-4], rtol=0.02)
 
 
-def film(right: np.ndarray, samples: int, context, seed: int = 3, bad: float | None = None) -> SimpleNamespace:
-    """A film in two parts, of a plane of white material; the upper rows show nothing."""
+def film(right: np.ndarray, samples: int, context, seed: int = 3, bad: float | None = None,
+         of: list[np.ndarray] | None = None) -> SimpleNamespace:
+    """A film in two parts, with the means `of` these, of a plane of white material; the upper rows show nothing."""
     parts = []
-    for half in halves(right, samples, seed):
+    for half in of or halves(right, samples, seed):
         count = np.full((SIZE, SIZE, 1), samples / 2, np.float32)
         hits = count * (np.arange(SIZE)[:, None, None] >= 8)
         if bad is not None:
@@ -143,6 +144,17 @@ def test_films(context):
     assert relmse(raster[:8, :, :3], right[:8]) < 0.5 * relmse(raw[:8, :, :3], right[:8])
     split.is_split = False
     np.testing.assert_allclose(read(denoiser.filter(split)), read(denoiser._wavelet.filter(split)))
+    denoiser.release()
+
+
+def test_rare_light_is_kept_beside_a_picture_that_lacks_it(context):
+    """Half of the light comes by one sample in fifty."""
+    right, denoiser, rng = truth(), make_denoiser(context, Programs(context), "fast"), np.random.default_rng(0)
+    rare = [(right * (0.5 + rng.binomial(32, 0.02, (SIZE, SIZE, 1)) / 1.28)).astype(np.float32) for _ in range(2)]
+    split = film(right, 64, context, of=rare)
+    kept = read(denoiser.filter(split, 0.5 * right))[8:, :, :3]
+    assert kept.mean() == pytest.approx(sum(rare)[8:].mean() / 2, rel=0.02)
+    assert relmse(kept, right[8:]) < 0.5 * relmse(sum(rare)[8:] / 2, right[8:])
     denoiser.release()
 
 
