@@ -13,11 +13,14 @@ vec3 light_on_fibre(int i, CurvePoint at, SeenFibre s, mat3 frame) {
 #if SHADOW_LAYERS > 0
     if (has_shadow(i)) {
         float seen = seen_by_light(i, at, l);
+        vec3 wi = l * frame, response = seen > 0.0 ? seen * fibre_response(s, wi) : vec3(0.0);
 #if HAIR_LIGHT
-        irradiance *= seen + (1.0 - seen) * light_through_fibres(i, at.position);
-#else
-        irradiance *= seen;
+        if (seen < 1.0) {
+            ThroughFibres t = light_through_fibres(i, at.position);
+            response += (1.0 - seen) * t.share * response_through_fibres(s, wi, t.crossed);
+        }
 #endif
+        return response * irradiance;
     }
 #endif
     return fibre_response(s, l * frame) * irradiance;

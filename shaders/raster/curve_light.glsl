@@ -49,9 +49,9 @@ const int STEPS_ABOUT = 8; // directions about the fibre
 // Light between fibres, on a grid (viewer/bake/hair_light.py): the mean radiance that they scatter; the Legendre
 // moments 1 to 4 of its inclination to the fibres, over its mean; and how much they hide in the direction d, a + b . d
 // with a in the first channel. Fibres hide another share in each channel: u_hair_exponents are the extinctions over
-// that of u_hair_hidden.
+// that of u_hair_hidden. Of what they take away, the share u_hair_kept does not go on almost straight through them.
 uniform sampler3D u_hair_scattered, u_hair_inclined, u_hair_hidden;
-uniform vec3 u_hair_exponents;
+uniform vec3 u_hair_exponents, u_hair_kept;
 uniform vec3 u_hair_low, u_hair_scale; // the grid's corner in eye-relative units, and 1 / its sides
 
 vec3 in_hair(vec3 position) {
@@ -60,23 +60,63 @@ vec3 in_hair(vec3 position) {
 
 #if LIGHT_COUNT > 0
 uniform sampler3D u_hair_depths; // optical depth to each light, one grid above the other along z
-uniform vec3 u_hair_kept;        // of what fibres take away, the share that does not go on almost straight through them
+uniform float u_hair_spread;     // variance of the angle by which a fibre turns light about it that goes through
 
-// The share of light i that comes through fibres almost straight on, beside what comes past them
-vec3 light_through_fibres(int i, vec3 position) {
+// Light that comes through the fibres which hide it almost straight on
+struct ThroughFibres {
+    vec3 share;    // of the light that meets at least one of them
+    float crossed; // how many it has gone through, in the mean
+};
+
+// Fibres on the way of light i are Poisson distributed about the depth d. Light that meets none has the share exp(-d),
+// and of all light exp(-d kept) comes. The number that this has gone through is Poisson distributed, too, about
+// x = d (1 - kept), and x / (1 - exp(-x)) of those that are not 0.
+ThroughFibres light_through_fibres(int i, vec3 position) {
     float margin = 0.5 * float(LIGHT_COUNT) / float(textureSize(u_hair_depths, 0).z);
     vec3 at = in_hair(position);
     at.z = (clamp(at.z, margin, 1.0 - margin) + float(i)) / float(LIGHT_COUNT);
-    float depth = textureLod(u_hair_depths, at, 0.0).r;
-    return exp(-depth * u_hair_kept) - exp(-depth);
+    float depth = max(textureLod(u_hair_depths, at, 0.0).r, 1e-4);
+    vec3 x = depth * (1.0 - u_hair_kept);
+    float mean = max(dot(x, vec3(1.0 / 3.0)), 1e-6);
+    vec3 share = exp(-depth * u_hair_kept) * one_minus_exp(x);
+    return ThroughFibres(share / one_minus_exp(depth), mean / one_minus_exp(mean));
+}
+
+// As fibre_response, for light that comes from wi through other fibres. Each has spread it as its lobe TT does, along
+// the fibre and about it, and has turned it by the tilt of its scales. This is global multiple scattering of Zinke et
+// al. 2008, "Dual Scattering Approximation for Fast Multiple Scattering in Hair". About the fibre two directions stand
+// for all, one standard deviation to either side.
+vec3 response_through_fibres(SeenFibre s, vec3 wi, float crossed) {
+    float tilt = crossed * s.fibre.tilt, off = min(sqrt(crossed * u_hair_spread), 0.5 * PI);
+    vec2 theta = complex_product(vec2(length(wi.yz), wi.x), vec2(cos(tilt), sin(tilt)));
+    theta.x = abs(theta.x);
+    vec4 variance = s.lobes.variance + crossed * s.lobes.variance.y, along;
+    for (int p = 0; p < 4; ++p) along[p] = longitudinal(theta, s.lobes.mean[p], variance[p]);
+    float phi = atan(abs(wi.y), wi.z), farther = phi + off;
+    mat3x4 lobes = far_lobes(s, abs(phi - off)) + far_lobes(s, min(farther, 2.0 * PI - farther));
+    return along * lobes * 0.5;
 }
 #endif
+#endif
+
+#if HAS_ENVIRONMENT
+// The level of the environment that stands for the light of one of several directions about the fibre, `step` apart: as
+// wide as M of the lobes that count there and as `step`. A level holds the environment under the highlight of GGX,
+// whose tails are long: light that is far from a narrow lobe must not reach it. So the level is that of which half the
+// light comes from as near as it does for a normal distribution of the variance s^2: from within s sqrt(2 ln 2) of the
+// middle, and of GGX from within 2 alpha, since the reflected direction turns by twice the angle of the half vector.
+float environment_lod(SeenFibre s, mat3x4 lobes, float step) {
+    vec4 share = lobes[0] + lobes[1] + lobes[2];
+    float along = dot(share, s.lobes.variance) / max(dot(share, vec4(1.0)), 1e-20);
+    float variance = 0.5 * (along + step * step / 12.0 * s.wo.z * s.wo.z);
+    const float HALF_LN_2 = 0.34657359;
+    return lod_of_roughness(min(sqrt(sqrt(HALF_LN_2 * variance)), 1.0));
+}
 #endif
 
 #if HAS_ENVIRONMENT || HAIR_LIGHT
 // Light from all around over all lobes: from directions on the cone where theta_i = -theta_o, about which they lie.
 struct LightAround {
-    float lod;      // of the environment, as wide as R along the fibre and as the distance of the directions about it
     vec3 scattered; // mean radiance of light from fibres
     vec4 hidden;
 };
@@ -90,11 +130,11 @@ vec3 hair_opacity(float opacity) {
 #endif
 }
 
-// `share` of the environment from d, and `inclined` of the light from fibres
-vec3 arriving_from(LightAround a, vec3 d, vec3 share, vec3 inclined) {
+// `share` of the environment from d, at the level `lod`, and `inclined` of the light from fibres
+vec3 arriving_from(LightAround a, vec3 d, float lod, vec3 share, vec3 inclined) {
     vec3 opacity = hair_opacity(a.hidden.x + dot(a.hidden.yzw, d)), radiance = vec3(0.0);
 #if HAS_ENVIRONMENT
-    radiance += share * environment_level(d, a.lod) * (1.0 - opacity);
+    radiance += share * environment_level(d, lod) * (1.0 - opacity);
 #endif
     return radiance + inclined * a.scattered * opacity / max(hair_opacity(a.hidden.x), vec3(1e-4));
 }
@@ -113,7 +153,7 @@ vec4 gathered_by_lobes(SeenFibre s, vec4 inclined) {
 }
 
 vec3 light_about_fibre(SeenFibre s, mat3 frame, vec3 position) {
-    LightAround a = LightAround(0.0, vec3(0.0), vec4(0.0));
+    LightAround a = LightAround(vec3(0.0), vec4(0.0));
     vec4 gathered = vec4(1.0);
 #if HAIR_LIGHT
     vec3 at = in_hair(position);
@@ -122,18 +162,19 @@ vec3 light_about_fibre(SeenFibre s, mat3 frame, vec3 position) {
     gathered = gathered_by_lobes(s, textureLod(u_hair_inclined, at, 0.0));
 #endif
     float step = 2.0 * PI / float(STEPS_ABOUT);
-#if HAS_ENVIRONMENT
-    float variance = 0.5 * (s.lobes.variance.x + step * step / 12.0 * s.wo.z * s.wo.z);
-    a.lod = lod_of_roughness(min(sqrt(sqrt(variance)), 1.0)); // a half vector turns by half the angle
-#endif
+    float lod = 0.0;
     vec3 radiance = vec3(0.0);
     for (int k = 0; k <= STEPS_ABOUT / 2; ++k) {
         float phi = float(k) * step;
         mat3x4 lobes = far_lobes(s, phi) * step;
         vec3 share = vec4(1.0) * lobes, inclined = gathered * lobes; // the integral of M is 1
         vec3 d = vec3(-s.wo.x, sin(phi) * s.wo.z, cos(phi) * s.wo.z);
-        radiance += arriving_from(a, frame * d, share, inclined);
-        if (k > 0 && 2 * k < STEPS_ABOUT) radiance += arriving_from(a, frame * vec3(d.x, -d.y, d.z), share, inclined);
+#if HAS_ENVIRONMENT
+        lod = environment_lod(s, lobes, step);
+#endif
+        radiance += arriving_from(a, frame * d, lod, share, inclined);
+        if (k == 0 || 2 * k == STEPS_ABOUT) continue;
+        radiance += arriving_from(a, frame * vec3(d.x, -d.y, d.z), lod, share, inclined);
     }
     return radiance;
 }

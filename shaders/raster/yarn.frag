@@ -49,6 +49,16 @@ vec3 own_share() {
 #endif
 
 #if HAS_ENVIRONMENT || HAIR_LIGHT
+// What a yarn's own fibres hide. Light that goes on almost straight through them is not hidden: the light between
+// fibres, which comes from where they hide others, was worked out without it.
+vec3 opacity_of_own(float depth) {
+#if HAIR_LIGHT
+    return 1.0 - exp(-u_hair_kept * depth);
+#else
+    return vec3(1.0 - exp(-depth));
+#endif
+}
+
 // Light from all around, from the cone onto which the fibre scatters: the environment past the yarn's own fibres and
 // others, and what these scatter where they hide it
 vec3 around_in_yarn(SeenFibre s, mat3 frame, Inside at, vec3 position) {
@@ -61,22 +71,18 @@ vec3 around_in_yarn(SeenFibre s, mat3 frame, Inside at, vec3 position) {
     const int STEPS = 8;
     float step = 2.0 * PI / float(STEPS);
     float way;
-#if HAS_ENVIRONMENT
-    float variance = 0.5 * (s.lobes.variance.x + step * step / 12.0 * s.wo.z * s.wo.z);
-    float lod = lod_of_roughness(min(sqrt(sqrt(variance)), 1.0));
-#endif
     vec3 radiance = vec3(0.0), own = own_share();
     for (int k = 0; k < STEPS; ++k) {
         float phi = (float(k) + 0.5) * step;
         vec3 d = frame * vec3(-s.wo.x, sin(phi) * s.wo.z, cos(phi) * s.wo.z);
-        float in_yarn = 1.0 - exp(-own_depth(at, d, way));
-        float opacity = max(in_yarn, clamp(hidden.x + dot(hidden.yzw, d), 0.0, 1.0));
-        vec3 share = vec4(step) * far_lobes(s, min(phi, 2.0 * PI - phi));
+        vec3 in_yarn = opacity_of_own(own_depth(at, d, way));
+        vec3 opacity = max(in_yarn, hair_opacity(hidden.x + dot(hidden.yzw, d)));
+        mat3x4 lobes = far_lobes(s, min(phi, 2.0 * PI - phi)) * step;
         vec3 arriving = hidden_light * (in_yarn * own + opacity - in_yarn);
 #if HAS_ENVIRONMENT
-        arriving += environment_level(d, lod) * (1.0 - opacity);
+        arriving += environment_level(d, environment_lod(s, lobes, step)) * (1.0 - opacity);
 #endif
-        radiance += share * arriving;
+        radiance += vec4(1.0) * lobes * arriving;
     }
     return radiance;
 }
@@ -100,18 +106,23 @@ vec3 radiance_of_fibre(CurvePoint point, Inside at, vec3 along, float h, float p
     for (int i = 0; i < LIGHT_COUNT; ++i) {
         vec3 l, irradiance = light_before_shadow(i, point, l);
         float way, depth = own_depth(at, l, way);
-        vec3 seen = vec3(exp(-depth));
+        float past = 1.0;
 #if SHADOW_LAYERS > 0
         if (has_shadow(i)) {
             bool is_point = i >= DIRECTIONAL_COUNT && i < DIRECTIONAL_COUNT + POINT_COUNT;
             vec3 outside = point.position + (way + 0.5) * v_yarn_radius * l;
-            seen *= shadow_visibility(int(u_lights[i].direction.w), is_point, outside, l, l, u_lights[i].position.xyz);
+            past = shadow_visibility(int(u_lights[i].direction.w), is_point, outside, l, l, u_lights[i].position.xyz);
         }
 #endif
+        float seen = exp(-depth) * past;
+        vec3 wi = l * c.axes, response = seen * fibre_response(s, wi);
 #if HAIR_LIGHT
-        seen += (1.0 - seen) * light_through_fibres(i, point.position);
+        // Through the yarn's own fibres, and through others where those hide the light
+        ThroughFibres t = light_through_fibres(i, point.position);
+        vec3 through = exp(-u_hair_kept * depth) * mix(t.share, vec3(1.0), past) - seen;
+        response += through * response_through_fibres(s, wi, t.crossed);
 #endif
-        radiance += fibre_response(s, l * c.axes) * irradiance * seen;
+        radiance += response * irradiance;
     }
 #endif
     return radiance;

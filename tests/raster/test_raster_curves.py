@@ -18,6 +18,7 @@ from viewer.scene.camera import Camera
 from viewer.scene.curves import Curves
 from viewer.scene.environment import Environment
 from viewer.scene.environment_presets import make_preset
+from viewer.scene.equirect import texel_directions, texel_solid_angles
 from viewer.scene.fibre import Fibre, sigma_a_of_color
 from viewer.scene.light import Light
 from viewer.scene.material import Material
@@ -120,6 +121,24 @@ def test_light_is_that_of_the_fibre_at_each_offset_or_their_mean(radiance, radiu
         h = (np.arange(400) + 0.5) / 200 - 1
         expected = 2 * np.mean([evaluate(m, k, wo, wi) for k in h], axis=0)
         np.testing.assert_allclose(columns[:, :3].sum(axis=0) / columns[:, 3].sum(), expected, rtol=0.05)
+
+
+def test_the_environment_does_not_reach_a_fibre_from_beside_the_cone_on_which_it_scatters(radiance):
+    """A strip of light behind a strand, 60 degrees off the plane across it, against an integral over the sphere. It
+    adds next to nothing: the lobes are narrow along the fibre."""
+    directions = texel_directions(32, 64)
+    off = np.degrees(np.arcsin(directions[..., 0]))
+    behind = directions[..., 2] < -0.2
+    sky = np.repeat((0.1 + 6.0 * (behind & (np.abs(off - 60) < 10)))[..., None], 3, axis=-1).astype(np.float32)
+    fibre = replace(ROUGH, beta_m=0.3, tilt=0.0)
+    model = shown(strand(0.03, (-3, 0, 0), (3, 0, 0), fibre=fibre), environment=Environment("strip", sky))
+    pixels = radiance(model, CAMERA, (64, 64), **ALONE, antialias="ssaa-16")[:, 20:44].sum(axis=(0, 1))
+    m = {"sigma_a": np.array(fibre.sigma_a), "beta_m": 0.3, "beta_n": fibre.beta_n, "tilt": 0.0, "eta": fibre.ior}
+    h = (np.arange(32) + 0.5)[:, None] / 16 - 1
+    wi = directions.reshape(-1, 3)
+    response = evaluate(m, h + 0 * wi[:, 0], np.broadcast_to(np.array([0.0, 0, 1]), (32, len(wi), 3)), wi).mean(axis=0)
+    light = sky.reshape(-1, 3) * np.repeat(texel_solid_angles(32, 64), 64)[:, None]
+    np.testing.assert_allclose(pixels[:3] / pixels[3], (response * light).sum(axis=0), rtol=0.2)
 
 
 def kajiya_kay(color: np.ndarray, f0: float, shininess: float, wo: np.ndarray, wi: np.ndarray) -> np.ndarray:

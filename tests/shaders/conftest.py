@@ -32,7 +32,8 @@ def evaluate(gl, tmp_path: Path):
     """
 
     def run(include: str, expression: str, inputs: np.ndarray, declarations: str = "",
-            defines: Mapping[str, float] | None = None, **uniforms: np.ndarray | moderngl.Texture) -> np.ndarray:
+            defines: Mapping[str, float] | None = None,
+            **uniforms: np.ndarray | moderngl.Texture | moderngl.Texture3D) -> np.ndarray:
         file = tmp_path / "evaluate.frag"
         file.write_text(f'#include "{include}.glsl"\n{declarations}\nuniform sampler2D inputs;\nout vec4 o;\n'
                         "void main() { vec4 i = texelFetch(inputs, ivec2(gl_FragCoord.xy), 0);"
@@ -44,7 +45,7 @@ def evaluate(gl, tmp_path: Path):
         if "inputs" in program:  # it is not where the expression has no use for it
             program["inputs"] = 0
         for name, value in uniforms.items():
-            if isinstance(value, moderngl.Texture):
+            if isinstance(value, moderngl.Texture | moderngl.Texture3D):
                 value.use(1)
                 program[name] = 1
             else:

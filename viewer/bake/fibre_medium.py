@@ -25,11 +25,15 @@ class FibreMedium:
     A fibre scatters light onto the cone about it that the light comes on, so that its inclination to parallel fibres
     lasts. `inclined` (3, ORDERS, ORDERS) takes the Legendre moments of the inclination of light to those of what the
     rest scatters of it.
+
+    What goes through a fibre (TT) is turned about it. `spread` is the variance of the angle, in radians squared: that
+    of a wrapped normal distribution with the same mean cosine.
     """
 
     kept: np.ndarray
     albedo: np.ndarray
     inclined: np.ndarray
+    spread: float
 
 
 def fibre_medium(fibre: Fibre) -> FibreMedium:
@@ -59,7 +63,9 @@ def fibre_medium(fibre: Fibre) -> FibreMedium:
     kept = 1 - scattered * straight
     inclined = np.einsum("pc,plm->clm", lobes / scattered, _inclined(fibre))
     rest = (inclined - straight[:, None, None] * np.eye(ORDERS)) / (1 - straight)[:, None, None]
-    return FibreMedium(kept, np.minimum(scattered * (1 - straight) / kept, 1), rest)
+    onwards = mean(np.broadcast_to(-np.cos(phi), turned.shape))[1].sum() / max(lobes[1].sum(), 1e-9)
+    spread = -2 * math.log(min(max(onwards, 0.05), 1.0))
+    return FibreMedium(kept, np.minimum(scattered * (1 - straight) / kept, 1), rest, spread)
 
 
 def _inclined(fibre: Fibre) -> np.ndarray:

@@ -47,6 +47,7 @@ class HairLight:
         self.medium, self.key = hair, light_key(plan, environment)
         light = hair.lit(plan.lights, environment.sky_lights(plan) if environment is not None else None)
         self._kept, self._exponents = tuple(hair.medium.kept.tolist()), tuple((hair.medium.kept / hair.kept).tolist())
+        self._spread = hair.medium.spread
         self._low, self._sides = hair.grid.low, hair.grid.cell * np.array(hair.grid.shape[::-1])
         scattered = np.pad(np.minimum(light.radiance, _MOST), ((0, 0),) * 3 + ((0, 1),))
         # The depths to all lights lie one above the other along z.
@@ -61,6 +62,7 @@ class HairLight:
             self._textures[k].use(UNIT_HAIR + k)
             units[name] = UNIT_HAIR + k
         return units | {"u_hair_kept": self._kept, "u_hair_exponents": self._exponents,
+                        "u_hair_spread": self._spread,
                         "u_hair_low": tuple(frame.position(self._low)), "u_hair_scale": tuple(frame.unit / self._sides)}
 
     def release(self) -> None:
