@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 from concurrent.futures import Future
 from itertools import permutations
 from pathlib import Path
@@ -11,8 +12,11 @@ from typing import Self
 import numpy as np
 import pytest
 from command_line import SCENES
+from PIL import Image as Pillow
 
+import viewer.batch.run
 from viewer.base.progress import Progress
+from viewer.base.signals import Stopped
 from viewer.batch.engines import WorkerLost
 from viewer.batch.sums import LEAST_SAMPLES, MOST_PARTS, Sums, parts_of
 from viewer.batch.work import Done, Worker
@@ -110,6 +114,29 @@ def test_a_film_in_parts_is_that_of_one_process_whoever_dies(run, folder, lose, 
     assert outcome.status == 0 and outcome.err.count("is tried again") == 1
     assert Path("shared.apng").read_bytes() == Path("alone.apng").read_bytes()
     assert json.loads((folder / "stats.json").read_text())["parts"] == 3
+
+
+@pytest.mark.parametrize("stop_at, left", [(4, 4), (1, 0)])
+def test_ctrl_c_leaves_the_film_up_to_the_first_frame_that_is_missing(run, folder, lose, monkeypatch, stop_at, left):
+    """The second part is lost, and would be tried again after the third."""
+    waits, real = [], viewer.batch.run.wait
+
+    def wait(*args, **options):
+        waits.append(args)
+        if len(waits) == stop_at:
+            raise Stopped(signal.SIGINT)
+        return real(*args, **options)
+
+    lose({4: 1})
+    monkeypatch.setattr(Losing, "room", 1)
+    monkeypatch.setattr("viewer.batch.run.wait", wait)
+    outcome = run("render", SCENES / "arm.glb", "--size", "24", "--turntable", "10", "--mode", "phong",
+                  "-o", "a.apng", "--jobs", "2", "--stats", "stats.json")
+    assert outcome.status == 130 and Path("a.apng").exists() == bool(left)
+    if left:
+        assert outcome.err.endswith("pbr-viewer: a.apng: stopped after 4 of 10 frames\n")
+        with Pillow.open("a.apng") as film:
+            assert film.n_frames == left == json.loads((folder / "stats.json").read_text())["frames"]
 
 
 @pytest.mark.parametrize("more", [("--denoise", "fast"), ("--error", "0.5"), ("--view", "front,top"), ("--resume",),

@@ -118,12 +118,16 @@ def make_engine(job: RenderJob, batch: Batch, has_several: bool, progress: Progr
 
 def do_parts(parts: Sequence[RenderTask], job: RenderJob, batch: Batch) -> Run:
     """Do the parts of one picture or film, each of which is tried again once where `batch` does not say how often.
-    Raises as `render_all`."""
+    The first signal to stop ends them, and the run's `stopped` is that then. Raises as `render_all`."""
     run = Run(job, replace(batch, retries=1 if batch.retries is None else batch.retries), None)
     with ExitStack() as stack:
         progress = stack.enter_context(Progress(len(parts), not job.options["quiet"]))
         attempts = [Attempt(number, part) for number, part in enumerate(parts)]
-        run.do(attempts, stack.enter_context(make_engine(job, batch, True, progress)), progress, are_parts=True)
+        engine = stack.enter_context(make_engine(job, batch, True, progress))
+        try:
+            run.do(attempts, engine, progress, are_parts=True)
+        except Stopped as stopped:
+            run.stopped = stopped.number
     return run
 
 

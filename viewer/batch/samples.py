@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from ..base.atomic import write_json
 from ..base.messages import say
+from ..base.signals import Stopped
 from ..image.image import Image
 from ..jobs.assemble import make_settings
 from ..jobs.directions import directions_of
@@ -42,6 +43,8 @@ def render_in_parts(task: RenderTask, job: RenderJob, batch: Batch) -> int:
     started, settings = perf_counter(), make_settings(job.options)
     parts = [replace(task, samples=part) for part in parts_of(settings.most_spp)]
     run = do_parts(parts, job, batch)
+    if run.stopped is not None:
+        raise Stopped(run.stopped)
     failed = [record for records in run.records.values() for record in records if "error" in record]
     record: dict[str, object] = failed[0] if failed else {"model": task.model, "output": str(task.output)}
     if not failed:
