@@ -152,16 +152,22 @@ def test_a_bomb_is_refused():
 
 
 def test_broken_data_does_no_harm():
-    """A sample of what 10,000 mutations of each mode were tried for."""
-    encoded = [(meshopt.encode_gltf_buffer(POSITIONS, "ATTRIBUTES", version), COUNT, 8, "ATTRIBUTES")
+    """A sample of what 10,000 mutations of each mode and each filter were tried for."""
+    encoded = [(meshopt.encode_gltf_buffer(POSITIONS, "ATTRIBUTES", version), COUNT, 8, "ATTRIBUTES", "NONE")
                for version in (0, 1)]
-    encoded += [(meshopt.encode_gltf_buffer(TRIANGLES.astype(np.uint32), mode), 90, 4, mode)
+    encoded += [(meshopt.encode_gltf_buffer(TRIANGLES.astype(np.uint32), mode), 90, 4, mode, "NONE")
                 for mode in ("TRIANGLES", "INDICES")]
+    filtered = {"OCTAHEDRAL": meshopt.encode_filter_oct(NORMALS, 8, 12),
+                "QUATERNION": meshopt.encode_filter_quat(NORMALS, 8, 16),
+                "EXPONENTIAL": meshopt.encode_filter_exp(NORMALS[:, :2], 20),
+                "COLOR": meshopt.encode_filter_color(np.abs(NORMALS), 8, 16)}
+    encoded += [(meshopt.encode_gltf_buffer(values, "ATTRIBUTES", 1), COUNT, 8, "ATTRIBUTES", name)
+                for name, values in filtered.items()]
     refused = 0
-    for data, count, stride, mode in encoded:
-        for broken in mutations(data, 100):
-            builder = Compressing()
-            view = builder.compressed(broken, count, stride, mode)
+    for data, count, stride, mode, name in encoded:
+        for broken in mutations(data, 100 if name == "NONE" else 25):
+            builder = Compressing(EXTENSIONS[1])
+            view = builder.compressed(broken, count, stride, mode, filter=name)
             try:
                 if mode == "ATTRIBUTES":
                     builder.draw(POSITION=builder.of_view(view, 5122, "VEC3"))
