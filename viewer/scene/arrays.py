@@ -9,6 +9,7 @@ import numpy as np
 
 from ..errors import UsageError
 
+_FEW = 64
 
 def scene_array(values: Any, name: str, dtype: type, *shape: int | None) -> np.ndarray:
     """`values` as a read-only array of `dtype` and `shape`, in which None is any length.
@@ -30,12 +31,20 @@ def scene_array(values: Any, name: str, dtype: type, *shape: int | None) -> np.n
             raise UsageError(f"{name} is {_found(array)}, not whole numbers {_words(shape, dtype)}")
         if array.size and (array.min() < 0 or array.max() > np.iinfo(dtype).max):
             raise UsageError(f"{name} {_found(array)}: {array.min()} to {array.max()} do not fit {np.dtype(dtype)}")
-    with np.errstate(over="ignore"):
-        result: np.ndarray = array.astype(dtype, order="C", copy=array.flags.writeable)
-    if result.dtype.kind == "f" and result.size and not (np.isfinite(result.min()) and np.isfinite(result.max())):
+    result = array
+    if array.dtype != dtype or array.flags.writeable or not array.flags.c_contiguous:
+        with np.errstate(over="ignore"):
+            result = array.astype(dtype, order="C", copy=array.flags.writeable)
+    if result.dtype.kind == "f" and not _is_finite(result):
         raise UsageError(f"{name} {_found(array)}: holds NaN or what is no finite {np.dtype(dtype)}")
     result.flags.writeable = False
     return result
+
+
+def _is_finite(array: np.ndarray) -> bool:
+    if array.size <= _FEW:  # such as the matrix of an instance, of which there may be a million
+        return all(map(isfinite, array.ravel().tolist()))
+    return bool(np.isfinite(array.min()) and np.isfinite(array.max()))
 
 
 def scene_numbers(values: Any, name: str, count: int) -> tuple[float, ...]:

@@ -214,6 +214,7 @@ class _Reader:
     def _instances(self, rig: Rig, hidden: np.ndarray) -> tuple[Instance, ...]:
         names = [node.string("name", "") for node in self.nodes.items]
         transforms = rig.transforms(self.nodes.world, hidden)
+        transforms.flags.writeable = False  # or each instance would have a copy
         return tuple(Instance(mesh, transform, names[node])
                      for mesh, transform, node in zip(self._drawn, transforms, self._placed_by, strict=True))
 
