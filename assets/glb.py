@@ -72,6 +72,13 @@ class Glb:
             self.json["scenes"][0]["nodes"].append(node)
         return node
 
+    def instances(self, mesh: int, translations: np.ndarray, rotations: np.ndarray, scales: np.ndarray) -> int:
+        """A node that draws a mesh many times: (N, 3), unit quaternions (N, 4), (N, 3)."""
+        placed = {"TRANSLATION": translations, "ROTATION": rotations, "SCALE": scales}
+        attributes = {name: self._accessor(values.astype("f4"), None) for name, values in placed.items()}
+        self.json["extensionsUsed"] = [*self.json.get("extensionsUsed", ()), "EXT_mesh_gpu_instancing"]
+        return self.node(mesh, extensions={"EXT_mesh_gpu_instancing": {"attributes": attributes}})
+
     def animation(self, name: str, *channels: tuple[int, str, list[float], np.ndarray]) -> None:
         """Each channel moves a node: its number, the path (such as "rotation"), the times, and a value for each."""
         samplers, listed = [], []

@@ -1,6 +1,7 @@
-"""How load time, memory and frames grow with triangles, materials, lights and textures: ours by both plans, and others.
+"""How load time, memory and frames grow with triangles, materials, lights, textures and instances: ours by both plans,
+and others.
 
-    python -m benchmarks.growth [--kinds triangles materials lights textures] [--most N] [--results DIR]
+    python -m benchmarks.growth [--kinds triangles materials lights textures instances] [--most N] [--results DIR]
     python -m benchmarks.growth --peers DIR --peer-scripts DIR --limit 20
 
 Each scene is a glTF file made for it, and each run a process of its own, so that the memory it tells is its own. All
@@ -23,7 +24,8 @@ from .process import Run, run
 from .programs import OURS, OURS_MULTISAMPLED, Program, ours, peers
 
 COUNTS = {"triangles": (1_000, 10_000, 100_000, 1_000_000, 5_000_000), "materials": (1, 10, 50, 200, 1_000),
-          "lights": (1, 10, 100, 1_000), "textures": (0, 1, 4, 16, 64)}
+          "lights": (1, 10, 100, 1_000), "textures": (0, 1, 4, 16, 64),
+          "instances": (1_000, 20_000, 200_000)}
 COLUMNS = {"count": "count:,", "program": "program", "load, s": "load_s:.2f", "to the first frame, s": "ready_s:.2f",
            "steady frame, ms": "frame_median_ms:.1f", "peak memory, MB": "rss_mb:.0f",
            "textures and buffers, MB": "gpu_mb:.0f", "programs": "programs", "": "error"}

@@ -1,4 +1,4 @@
-"""Scenes made for measuring growth: so many triangles, materials, lights or textures."""
+"""Scenes made for measuring growth: so many triangles, materials, lights, textures or instances."""
 
 from __future__ import annotations
 
@@ -69,6 +69,18 @@ def pictures(count: int) -> Glb:
     return glb
 
 
+def crowd(count: int) -> Glb:
+    """As many instances of one ball of 80 triangles, turned and stretched, in a cube."""
+    glb, rng = Glb(), np.random.default_rng(1)
+    side = int(np.ceil(count ** (1 / 3)))
+    places = np.stack(np.unravel_index(np.arange(count), (side,) * 3), axis=1) * 3 + rng.uniform(-0.5, 0.5, (count, 3))
+    turns = rng.normal(size=(count, 4))
+    turns /= np.linalg.norm(turns, axis=1, keepdims=True)
+    mesh = glb.mesh(_ball(80), glb.material((0.6, 0.5, 0.4)))
+    glb.instances(mesh, places, turns, rng.uniform(0.5, 1.2, (count, 3)))
+    return glb
+
+
 def _ball(triangles: int, bumps: float = 0.0) -> Shape:
     """About so many triangles, with normals and texture coordinates."""
     rows = max(int((triangles / 4) ** 0.5), 2)
@@ -92,5 +104,6 @@ def _place(k: int, count: int) -> list[float]:
 
 
 _MAKERS: dict[str, Callable[[int], Glb]] = {
-    "triangles": hills, "materials": kinds_of_materials, "lights": lamps, "textures": pictures}
+    "triangles": hills, "materials": kinds_of_materials, "lights": lamps, "textures": pictures,
+    "instances": crowd}
 KINDS = tuple(_MAKERS)

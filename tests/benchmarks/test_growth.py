@@ -26,6 +26,11 @@ def test_lights(tmp_path: Path) -> None:
         "spot", "point", "directional", "spot"]
 
 
+def test_instances(tmp_path: Path) -> None:
+    scene = load_scene(write("instances", 30, tmp_path))
+    assert len(scene.instances) == 30 and len(scene.meshes) == 1 and not scene.warnings
+
+
 def test_a_scene_that_is_there_is_not_made_again(tmp_path: Path) -> None:
     (tmp_path / "lights-7.glb").write_bytes(b"kept")
     assert write("lights", 7, tmp_path).read_bytes() == b"kept"
