@@ -14,6 +14,9 @@ uniform sampler2D u_dfg;
 uniform vec3 u_view_direction; // towards the eye
 #endif
 
+#if INSTANCED && OUT_IDS
+flat in vec2 v_instance;
+#endif
 #if HAS_MOTION
 in vec4 v_clip, v_next_clip; // clip space at this time and at the next
 #endif
@@ -66,7 +69,11 @@ void main() {
     o_normal = vec4(n, 0.0);
 #endif
 #if OUT_IDS
+#if INSTANCED
+    o_ids = vec4(v_instance, u_ids.zw);
+#else
     o_ids = u_ids;
+#endif
 #endif
 #if OUT_ALBEDO
     o_albedo = vec4(min(seen_albedo(m, n, n_coat, v), 1.0), 0.0);

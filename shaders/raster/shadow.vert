@@ -1,5 +1,10 @@
 // Depth of what casts a shadow, seen from the light.
+#if INSTANCED
+#include "raster/placement.glsl" // to scene units
+uniform mat4 u_to_light;
+#else
 uniform mat4 u_model_to_light;
+#endif
 #if PANE
 uniform mat4 u_model_to_unit;
 out vec3 v_position; // in scene units
@@ -19,7 +24,11 @@ out vec4 v_color;
 #endif
 
 void main() {
+#if INSTANCED
+    gl_Position = u_to_light * (model_matrix() * vec4(a_position, 1.0));
+#else
     gl_Position = u_model_to_light * vec4(a_position, 1.0);
+#endif
 #if PANE
     v_position = (u_model_to_unit * vec4(a_position, 1.0)).xyz;
 #endif

@@ -1,7 +1,6 @@
 // Takes a mesh to eye-relative space: world axes, the eye at the origin, the scene's radius as the unit
 // (viewer/scene/frame.py).
-uniform mat4 u_model;           // mesh to eye-relative space
-uniform mat3 u_normal_matrix;   // its inverse transpose, up to scale
+#include "raster/placement.glsl"
 uniform mat4 u_view_projection;
 
 in vec3 a_position;
@@ -44,14 +43,15 @@ uniform float u_point_size;
 #endif
 
 void transform_vertex() {
-    vec4 p = u_model * vec4(a_position, 1.0);
+    mat4 model = model_matrix();
+    vec4 p = model * vec4(a_position, 1.0);
     v_position = p.xyz;
     gl_Position = u_view_projection * p;
 #if HAS_NORMAL
-    v_normal = u_normal_matrix * a_normal;
+    v_normal = normal_matrix() * a_normal;
 #endif
 #if HAS_TANGENT
-    v_tangent = vec4(mat3(u_model) * a_tangent.xyz, a_tangent.w * u_handedness);
+    v_tangent = vec4(mat3(model) * a_tangent.xyz, a_tangent.w * u_handedness);
 #endif
 #if UV_SETS & 1
     v_uv0 = a_uv0;

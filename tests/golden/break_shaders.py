@@ -90,7 +90,7 @@ MUTATIONS = [
     Mutation("Lambert without 1/pi", "bsdf/lambert.glsl", "return albedo * INV_PI;", "return albedo;"),
     Mutation("Phong's exponent off by a factor of 4", "raster/phong.frag",
              "max(2.0 / (alpha * alpha) - 2.0, 0.0)", "max(0.5 / (alpha * alpha) - 2.0, 0.0)"),
-    Mutation("normals not turned with the mesh", "raster/surface_vertex.glsl", "u_normal_matrix * a_normal",
+    Mutation("normals not turned with the mesh", "raster/surface_vertex.glsl", "normal_matrix() * a_normal",
              "a_normal"),
     Mutation("glass does not refract", "raster/transmission.glsl", "exit += m.thickness * d;", "exit += 0.0 * d;"),
     Mutation("glass has no colour", "raster/pbr.frag", "throughput * entering_tint(m.base_color.rgb) *",

@@ -66,7 +66,9 @@ def used_lines(plan: Plan) -> tuple[str, ...]:
     lines = []
     if plan.draws:
         shared = any(draw.blank_maps for draw in plan.kinds) and not plan.is_everything
+        at_once = sum(len(draw.instances) for draw in plan.draws)
         lines.append(f"{_count(len(plan.draws), 'draw')} with {_count(len(plan.programs), 'program')}"
+                     + f", of {_count(at_once, 'instance')} at once" * bool(at_once)
                      + ", some shared to compile fewer" * shared)
     if plan.lights:
         kinds = Counter(light.kind for light in plan.lights)

@@ -10,6 +10,7 @@ from ..scene.schema import MAP_SWITCHES, MAPS, no_switches
 from ..settings import Settings
 from .bsdf_switches import bsdf_switches
 from .curves import has_colors
+from .instances import instances_of, placed
 from .model import Draw, Plan, Program
 from .planner import plan_scene
 from .sharing import attributes_of
@@ -43,8 +44,9 @@ def plan_layers(scene: Scene, settings: Settings, names: Collection[str], orthog
                       orthographic=orthographic)
     outputs = places(names) | {"HAS_UV": int("uv" in names), "HAS_MOTION": int("motion" in names)}
     alike = {draw.mesh: _layer_draw(draw, scene, outputs, orthographic) for draw in plan.kinds}
-    draws = tuple(replace(alike[draw.mesh], instance=draw.instance) for draw in plan.draws
-                  if settings.mode != "path" or scene.meshes[draw.mesh].topology == "triangles")
+    instances = {mesh: numbers for mesh, numbers in instances_of(scene).items()
+                 if settings.mode != "path" or scene.meshes[mesh].topology == "triangles"}
+    draws = placed(alike, instances)
     curves = plan.curves and replace(plan.curves, shade=tuple(Program.of("raster/curve_layers.frag", outputs | {
         **dict(plan.curves.depth.switches), "HAS_COLORS": int(has_colors(curves, settings)),
         "IS_ORTHOGRAPHIC": int(orthographic)}) for curves in scene.curves))
@@ -78,5 +80,7 @@ def _program(draw: Draw, scene: Scene, outputs: Mapping[str, int], orthographic:
     read = {switches[f"{name.upper()}_UV"] for name in MAPS if switches[f"{name.upper()}_MAP"]}
     read |= {uv} if has_uv else set()
     return Program.of(FRAGMENT, switches | dict(outputs) | {
+        # What moves has a place at the next time, too, which is more than there are attributes for.
+        "INSTANCED": draw.program["INSTANCED"] * (1 - outputs["HAS_MOTION"]),
         "IS_LIT": int(is_lit and outputs["OUT_ALBEDO"] > 0), "UV_SET": uv if has_uv else -1,
         "UV_SETS": sum(1 << k for k in read)})

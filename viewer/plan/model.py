@@ -50,7 +50,7 @@ class Program:
 
 @dataclass(frozen=True)
 class Draw:
-    """One instance with the material, program, maps and attributes that it is drawn with.
+    """One instance, or many of one mesh, with the material, program, maps and attributes that they are drawn with.
 
     `material` is the index of its material in the scene, and `surface` that material with maps of one colour folded
     into its factors. `maps` are the maps that its program samples. `blank_maps` are maps that a shared program samples
@@ -71,6 +71,8 @@ class Draw:
     """Whether lamps shine straight through, as shadow maps show it."""
     given_up: tuple[str, ...] = ()
     """Switches, those of maps among them, that are off because the program would sample too many textures."""
+    instances: tuple[int, ...] = ()
+    """All instances that one call draws, of which `instance` is the first; empty where it is the only one."""
 
     @property
     def hides_sky(self) -> bool:
@@ -156,10 +158,13 @@ class Plan:
 
     @cached_property
     def _counts(self) -> Counter[int]:
-        return Counter(draw.mesh for draw in self.draws)
+        counts: Counter[int] = Counter()
+        for draw in self.draws:
+            counts[draw.mesh] += len(draw.instances) or 1
+        return counts
 
     def count(self, draw: Draw) -> int:
-        """How many draws are like this one of `kinds`."""
+        """How many instances are drawn like this one of `kinds`."""
         return self._counts[draw.mesh]
 
     @property

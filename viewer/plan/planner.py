@@ -24,6 +24,7 @@ from .bsdf_switches import bsdf_switches
 from .curves import draws_curves, plan_curves
 from .explain import explain
 from .ground import plan_ground
+from .instances import instances_of, is_instanced, placed
 from .map_switches import ALPHA_MODES, map_switches
 from .media import has_media, media_switches, plan_media
 from .model import ALONE, NO_SUBSURFACE, SPREAD, THIN_WALLED, Draw, Plan, Program
@@ -56,7 +57,7 @@ def environment_use(scene: Scene, settings: Settings) -> tuple[bool, bool]:
         return True, True
     if scene.environment is None:
         return False, False
-    meshes = (scene.meshes[instance.mesh] for instance in scene.instances)
+    meshes = (scene.meshes[mesh] for mesh in instances_of(scene))
     lit = [material for mesh in meshes if is_lit(mesh, material := scene.materials[mesh.material])]
     shows = settings.mode == "pbr" and settings.lobes in ("all", "specular")
     curves = draws_curves(scene, settings)
@@ -80,7 +81,8 @@ def plan_scene(
                             half_target=half_target, orthographic=orthographic) if settings.show == "overdraw" else None
         return plan_view(scene, settings, shaded, samples=samples, half_target=half_target, orthographic=orthographic)
     scene = woven(scene, settings)
-    lit = [is_lit(scene.meshes[i.mesh], scene.materials[scene.meshes[i.mesh].material]) for i in scene.instances]
+    instances = instances_of(scene)
+    lit = [is_lit(scene.meshes[mesh], scene.materials[scene.meshes[mesh].material]) for mesh in instances]
     curves = draws_curves(scene, settings)
     shown_lights = _ordered_lights(lights) if any(lit) or curves or has_media(scene, settings) else ()
     layers, layer_count = _shadow_layers(shown_lights, settings, bool(scene.instances) or curves)
@@ -108,12 +110,11 @@ def plan_scene(
         **media_switches(scene, settings),
     }
     # Instances of a mesh are drawn alike, and there may be a hundred thousand of them.
-    meshes = dict.fromkeys(instance.mesh for instance in scene.instances)
-    kinds = [_draw(k, scene.meshes[k], scene.materials, settings, common) for k in meshes]
+    kinds = [_draw(k, scene.meshes[k], scene.materials, settings, common, len(numbers))
+             for k, numbers in instances.items()]
     if settings.plan == "needed":
         kinds = list(share_programs(kinds))
-    alike = dict(zip(meshes, kinds, strict=True))
-    draws = tuple(replace(alike[instance.mesh], instance=k) for k, instance in enumerate(scene.instances))
+    draws = placed(dict(zip(instances, kinds, strict=True)), instances)
     background = settings.background == "env" and scene.environment is not None
     plan = Plan(
         draws=draws,
@@ -175,9 +176,9 @@ def _environment_shadows(settings: Settings) -> int:
 
 
 def _draw(
-    mesh_index: int, mesh: Mesh, materials: Sequence[Material], settings: Settings, common: dict[str, int]
+    mesh_index: int, mesh: Mesh, materials: Sequence[Material], settings: Settings, common: dict[str, int], count: int
 ) -> Draw:
-    """How a mesh is drawn, as instance 0."""
+    """How a mesh of `count` instances is drawn, as instance 0."""
     material = materials[mesh.material]
     if settings.plan == "needed":
         material = without_constant_maps(material)
@@ -206,6 +207,7 @@ def _draw(
         **{name: common[name] for name in ("HALF_TARGET", "SAMPLES", "MEDIA")},
         "SUBSURFACE": subsurface(material, model, settings),
     }
+    switches["INSTANCED"] = int(is_instanced(count, material, switches))
     if switches["SUBSURFACE"]:  # what comes through a solid is a cosine lobe, as that of diffuse transmission is
         switches[DIFFUSE_TRANSMISSION.switch] = 1
     for name in MAPS:

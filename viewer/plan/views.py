@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import fields, replace
 
 from ..material.fold import without_constant_maps
@@ -13,6 +14,7 @@ from ..scene.schema import MAPS, no_switches
 from ..settings import VALUES, Settings
 from .curves import CurvePlan, plan_curves
 from .explain import used_lines
+from .instances import instances_of, is_instanced, placed
 from .map_switches import ALPHA_MODES, map_switches
 from .model import SOLID, THIN_WALLED, Draw, Plan, Program
 from .sharing import attributes_of
@@ -45,11 +47,9 @@ def plan_view(scene: Scene, settings: Settings, shaded: Plan | None, *, samples:
     settings = view_settings(settings)
     common = {"HALF_TARGET": int(half_target), "SAMPLES": samples, "MEDIA": 0, "INDIRECT": 0, "SUBSURFACE": 0,
               "IS_ORTHOGRAPHIC": int(orthographic), "SHOW": VALUES.index(settings.show)}
-    meshes = dict.fromkeys(instance.mesh for instance in scene.instances)
-    alike = {k: _draw(k, scene.meshes[k], scene, settings, common) for k in meshes}
-    draws = tuple(replace(alike[instance.mesh], instance=k) for k, instance in enumerate(scene.instances))
-    if shaded is not None:
-        draws = _in_order(draws, shaded)
+    instances = instances_of(scene)
+    alike = {k: _draw(k, scene.meshes[k], scene, settings, common, len(numbers)) for k, numbers in instances.items()}
+    draws = placed(alike, instances) if shaded is None else _in_order(alike, shaded)
     plan = Plan(
         draws=draws, counts=shaded is not None,
         lights=(), shadow_layers=(), shadow_layer_count=0, environment=False, reflections=False, ambient=False,
@@ -61,17 +61,20 @@ def plan_view(scene: Scene, settings: Settings, shaded: Plan | None, *, samples:
     return replace(plan, used=used_lines(plan), left_out=tuple(left_out))
 
 
-def _in_order(draws: tuple[Draw, ...], shaded: Plan) -> tuple[Draw, ...]:
-    """`draws` as the passes of `shaded` have them: opaque surfaces, solid and thin-walled glass, what blends."""
+def _in_order(alike: Mapping[int, Draw], shaded: Plan) -> tuple[Draw, ...]:
+    """Draws of instances as the passes of `shaded` have them: opaque surfaces, solid and thin-walled glass, what
+    blends. `alike` has one of each mesh."""
     order = {program: k for k, program in enumerate(shaded.programs)}
-    real = [replace(draw, alpha_mode=other.alpha_mode, transmits=other.transmits, surface=other.surface)
-            for draw, other in zip(draws, shaded.draws, strict=True)]
+    real = [replace(
+        draw := alike[other.mesh], instance=other.instance, instances=other.instances, alpha_mode=other.alpha_mode,
+        transmits=other.transmits, surface=other.surface, program=Program.of(draw.program.fragment, {
+            **dict(draw.program.switches), "INSTANCED": other.program["INSTANCED"]})) for other in shaded.draws]
     places = [(draw.alpha_mode == "blend", (0, SOLID, THIN_WALLED).index(draw.transmits), order[draw.program],
                draw.material) for draw in shaded.draws]
     return tuple(real[k] for k in sorted(range(len(real)), key=places.__getitem__))
 
 
-def _draw(mesh_index: int, mesh: Mesh, scene: Scene, settings: Settings, common: dict[str, int]) -> Draw:
+def _draw(mesh_index: int, mesh: Mesh, scene: Scene, settings: Settings, common: dict[str, int], count: int) -> Draw:
     material = supported(without_constant_maps(scene.materials[mesh.material]), mesh)
     material = material if settings.show == "overdraw" else _cut_out(material)
     wanted = set(_MAPS.get(settings.show, ())) | ({"base_color"} if material.alpha_mode == "mask" else set())
@@ -86,6 +89,7 @@ def _draw(mesh_index: int, mesh: Mesh, scene: Scene, settings: Settings, common:
         "HAS_NORMAL": int(mesh.normals is not None),
         "HAS_TANGENT": int("normal" in maps),
         "IS_POINTS": int(mesh.topology == "points"),
+        "INSTANCED": int(is_instanced(count, material, common)),
         "IS_FLAT": int(mesh.topology == "triangles"),
         "UV_SETS": sum(1 << uv_set for uv_set in {texture.uv_set for texture in textures.values()}) | int(needs_uv),
         SPECULAR_GLOSSINESS.switch: features.get(SPECULAR_GLOSSINESS.switch, 0),

@@ -9,7 +9,9 @@ import moderngl
 import numpy as np
 
 from ..scene.mesh import Mesh
+from ..scene.scene import Instance, Scene
 from ..scene.triangles import triangles_of
+from .instances import Content, InstanceBuffers, parts_of
 
 _FORMATS = {"a_position": "3f", "a_normal": "3f", "a_tangent": "4f", "a_color": "4f", "a_uv0": "2f", "a_uv1": "2f",
             "a_next": "3f"}
@@ -34,11 +36,13 @@ class MeshBuffers:
         self._sorted: moderngl.Buffer | None = None
         self.to_mesh = _to_mesh(mesh)
         self._next = mesh
+        self._parts: list[InstanceBuffers] = []
+        self._placed: tuple[tuple[Instance, ...], float, tuple[int, ...]] | None = None
 
     def move(self, mesh: Mesh) -> None:
         """Take the vertices of another mesh of the same layout. Only the arrays that differ are uploaded."""
         before = self._sources(self._mesh)
-        self._mesh, self.to_mesh = mesh, _to_mesh(mesh)
+        self._mesh, self.to_mesh, self._placed = mesh, _to_mesh(mesh), None
         after = self._sources(mesh)
         for name, buffer in self._buffers.items():
             if after[name] is not before[name]:
@@ -52,6 +56,32 @@ class MeshBuffers:
             if "a_next" in self._buffers:
                 self._buffers["a_next"].write(self._data("a_next"))
         return _to_mesh(mesh)
+
+    def instances(self, scene: Scene, numbers: tuple[int, ...]) -> list[InstanceBuffers]:
+        """The mesh's instances `numbers` in a scene, in parts that `draw_instances` can draw."""
+        held = self._placed
+        if held is None or held[0] is not scene.instances or held[1:] != (scene.radius, numbers):
+            self._place(scene, numbers)
+            self._placed = scene.instances, scene.radius, numbers
+        return self._parts
+
+    def _place(self, scene: Scene, numbers: tuple[int, ...]) -> None:
+        found = parts_of(scene, numbers, len(self._mesh.positions))
+        if [(part.hand, part.count) for part in self._parts] != [(hand, len(which)) for hand, which, _ in found]:
+            self.drop_arrays()
+            for part in self._parts:
+                part.release()
+            size = len(self._mesh.positions)
+            self._parts = [InstanceBuffers(self._gl, hand, len(which), size) for hand, which, _ in found]
+        for part, (_, which, normals) in zip(self._parts, found, strict=True):
+            part.place(scene, which, self.to_mesh, normals)
+
+    def draw_instances(self, program: moderngl.Program, part: InstanceBuffers, count: int) -> None:
+        """Draw `count` instances, those that `part` shows, with `program`."""
+        key = (program.glo, *part.key)
+        if key not in self._arrays:
+            self._arrays[key] = self._new_array(program, part.content(program), self._own_indices())
+        self._arrays[key].render(instances=count)
 
     def draw(self, program: moderngl.Program, order: np.ndarray | None = None,
              of_instance: Mapping[str, moderngl.Buffer] = MappingProxyType({})) -> None:
@@ -78,17 +108,20 @@ class MeshBuffers:
                of_instance: Mapping[str, moderngl.Buffer]) -> moderngl.VertexArray:
         key = (program.glo, is_sorted, *(buffer.glo for buffer in of_instance.values()))
         if key not in self._arrays:
-            names = [name for name in _FORMATS if name in program]
-            content = [(self._buffer(name), _FORMATS[name], name) for name in names]
-            content += [(buffer, _OF_INSTANCES[name], name) for name, buffer in of_instance.items() if name in program]
-            if is_sorted:
-                index = self._sorted
-            else:
-                index = None if self._mesh.indices is None else self._buffer("indices")
-            self._arrays[key] = self._gl.vertex_array(
-                program, content, index_buffer=index, mode=_PRIMITIVES[self._mesh.topology]
-            )
+            content: list[Content] = [(buffer, _OF_INSTANCES[name], name) for name, buffer in of_instance.items()
+                                      if name in program]
+            self._arrays[key] = self._new_array(program, content, self._sorted if is_sorted else self._own_indices())
         return self._arrays[key]
+
+    def _own_indices(self) -> moderngl.Buffer | None:
+        return None if self._mesh.indices is None else self._buffer("indices")
+
+    def _new_array(self, program: moderngl.Program, content: list[Content],
+                   indices: moderngl.Buffer | None) -> moderngl.VertexArray:
+        """A vertex array of the mesh's attributes that `program` reads, and of `content`."""
+        own: list[Content] = [(self._buffer(name), form, name) for name, form in _FORMATS.items() if name in program]
+        return self._gl.vertex_array(program, own + content, index_buffer=indices,
+                                     mode=_PRIMITIVES[self._mesh.topology])
 
     def _buffer(self, name: str) -> moderngl.Buffer:
         if name not in self._buffers:
@@ -122,9 +155,9 @@ class MeshBuffers:
 
     def release(self) -> None:
         self.drop_arrays()
-        for buffer in (*self._buffers.values(), self._sorted):
-            if buffer is not None:
-                buffer.release()
+        for thing in (*self._buffers.values(), self._sorted, *self._parts):
+            if thing is not None:
+                thing.release()
 
 
 def _to_mesh(mesh: Mesh) -> np.ndarray:

@@ -26,10 +26,10 @@ _KEPT = 2
 
 @dataclass(frozen=True)
 class Casters:
-    """How what casts shadows is drawn. `prepare_mesh` gets a mesh and the matrix from its own space to scene units
-    about the scene's centre. It returns what draws that mesh, until it is called for the next one, by the matrix from
-    the mesh's own space to clip space and the light's place in scene units. `draw_curves` draws all curves, by a matrix
-    from the world to clip space, into a tile of so many texels."""
+    """How what casts shadows is drawn. `prepare_mesh` gets instances of a mesh and the matrix from the world to scene
+    units about the scene's centre. It returns what draws them, until it is called for the next ones, by the matrix from
+    the world to clip space and the light's place in scene units. `draw_curves` draws all curves, by a matrix from the
+    world to clip space, into a tile of so many texels."""
 
     prepare_mesh: Callable[[Draw, np.ndarray], Callable[[np.ndarray, np.ndarray], None]]
     draw_curves: Callable[[np.ndarray, int], None]
@@ -82,11 +82,10 @@ class Atlas:
                  for k, tile in enumerate(tiles)]
         for draw in draws:  # the outer loop, since another mesh takes longer than another tile
             if scene.meshes[draw.mesh].topology == "triangles":
-                transform = scene.instances[draw.instance].transform
-                draw_mesh = casters.prepare_mesh(draw, to_center @ transform)
+                draw_mesh = casters.prepare_mesh(draw, to_center)
                 for (viewport, matrix), tile in zip(views, tiles, strict=True):
                     framebuffer.viewport = viewport
-                    draw_mesh(matrix @ transform, tile.place)
+                    draw_mesh(matrix, tile.place)
         for viewport, matrix in views:
             framebuffer.viewport = viewport
             casters.draw_curves(matrix, self.tile_size)

@@ -44,8 +44,10 @@ class SkyShadows:
 def mean_reflectance(scene: Scene, draws: Sequence[Draw], mean: Callable[[Texture, str], np.ndarray]) -> np.ndarray:
     """(3,) of the instances of triangles, weighted by the surfaces of their boxes and by how much light they hide.
     `mean` gives that of a map."""
-    sizes = np.ptp(scene.corners[[draw.instance for draw in draws]], axis=1)
-    weights = (sizes * np.roll(sizes, 1, axis=1)).sum(axis=1) * [_hidden_share(draw.surface) for draw in draws]
+    sizes = np.ptp(scene.corners, axis=1)
+    areas = (sizes * np.roll(sizes, 1, axis=1)).sum(axis=1)
+    weights = np.array([(areas[list(draw.instances)].sum() if draw.instances else areas[draw.instance])
+                        * _hidden_share(draw.surface) for draw in draws])
     colors = [np.array(draw.surface.base_color[:3], np.float64) for draw in draws]
     for color, draw in zip(colors, draws, strict=True):
         texture = draw.surface.base_color_texture

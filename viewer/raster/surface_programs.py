@@ -6,8 +6,8 @@ from ..plan.model import GATHERED, Draw, Program
 from ..scene.schema import MAP_SWITCHES, no_switches
 
 VERTEX, SHADOW_VERTEX = "raster/surface.vert", "raster/shadow.vert"
-_GBUFFER_SWITCHES = ("ALPHA_MODE", "DOUBLE_SIDED", "HALF_TARGET", "HAS_COLOR", "HAS_NORMAL", "IS_POINTS",
-                     "SAMPLES", "UV_SETS")
+_GBUFFER_SWITCHES = ("ALPHA_MODE", "DOUBLE_SIDED", "HALF_TARGET", "HAS_COLOR", "HAS_NORMAL", "INSTANCED",
+                     "IS_POINTS", "SAMPLES", "UV_SETS")
 
 
 def gbuffer_program(program: Program) -> Program:
@@ -38,7 +38,7 @@ def shadow_program(draw: Draw) -> Program:
                                                         for ending in MAP_SWITCHES]
     of_pane = dict.fromkeys(("PANE", "HAS_NORMAL", "HAS_TRANSMISSION"), int(draw.is_pane))
     switches = no_switches() | dict.fromkeys(("ALPHA_MODE", "HAS_COLOR"), 0) | of_pane | {
-        name: draw.program[name] for name in names}
+        name: draw.program[name] for name in ("INSTANCED", *names)}
     switches["UV_SETS"] = sum({1 << switches[f"{name.upper()}_UV"] for name in maps if switches[f"{name.upper()}_MAP"]})
     return Program.of("raster/shadow.frag", switches)
 

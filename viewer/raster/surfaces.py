@@ -24,6 +24,7 @@ from ..scene.scene import Scene
 from ..scene.schema import MAPS, Value
 from ..scene.transform import handedness, normal_matrix
 from .geometry import MeshBuffers
+from .instances import InstanceBuffers
 from .subsurface_uniforms import interior_uniforms
 from .surface_programs import (
     SHADOW_VERTEX,
@@ -62,7 +63,7 @@ class Surfaces:
     """
 
     def __init__(self, context: Context, programs: Programs) -> None:
-        self._gl, self._programs = context.gl, programs
+        self._gl, self._programs, self._is_software = context.gl, programs, context.is_software
         self.scene = Scene("nothing")
         self._meshes: dict[Mesh, MeshBuffers] = {}
         self._indirect: list[moderngl.Buffer] = []
@@ -154,7 +155,7 @@ class Surfaces:
 
     def draw_layers(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object], of_draw: OfDraw) -> None:
         """Draw what surfaces are, as numbers: shaders/raster/layers.frag. `plan` is one of viewer/plan/layers.py."""
-        draws = [replace(draw, alpha_mode="opaque") for draw in plan.draws if frame.visible[draw.instance]]
+        draws = [replace(draw, alpha_mode="opaque") for draw in plan.draws]
         self._draw_solid(draws, frame, plan, frame_uniforms, of_draw)
 
     def draw_opaque(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
@@ -170,7 +171,7 @@ class Surfaces:
 
     def _draw_solid(self, draws: list[Draw], frame: Frame, plan: Plan, frame_uniforms: dict[str, object],
                     of_draw: OfDraw | None = None) -> int:
-        draws = [d for d in draws if d.alpha_mode != "blend" and (plan.is_everything or frame.visible[d.instance])]
+        draws = [d for d in draws if d.alpha_mode != "blend" and (plan.is_everything or _is_visible(d, frame))]
         order = {program: k for k, program in enumerate(dict.fromkeys(d.program for d in draws))}
         draws.sort(key=lambda d: (order[d.program], d.material))
         self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
@@ -192,14 +193,14 @@ class Surfaces:
 
     def draw_counted(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> None:
         """Draw all surfaces in the order of `plan`, those that blend from back to front, and add what they write."""
-        solid = [d for d in plan.draws if d.alpha_mode != "blend" and frame.visible[d.instance]]
+        solid = [d for d in plan.draws if d.alpha_mode != "blend" and _is_visible(d, frame)]
         self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND | moderngl.PROGRAM_POINT_SIZE)
         self._draw(solid, frame, frame_uniforms)
         self._draw(self._back_to_front(plan, frame), frame, frame_uniforms, is_sorted=True)
 
     def _back_to_front(self, plan: Plan, frame: Frame) -> list[Draw]:
         """The draws that blend, farthest first."""
-        draws = [d for d in plan.draws if d.alpha_mode == "blend" and (plan.is_everything or frame.visible[d.instance])]
+        draws = [d for d in plan.draws if d.alpha_mode == "blend" and (plan.is_everything or _is_visible(d, frame))]
         forward, centers = frame.camera.forward, self.scene.corners.mean(axis=1)
         transforms = [instance.transform.ravel() for instance in self.scene.instances]
         draws.sort(key=lambda d: (-round(float(centers[d.instance] @ forward) / frame.unit, 6),
@@ -207,15 +208,15 @@ class Surfaces:
         return draws
 
     def prepare_depth(self, draw: Draw, to_unit: np.ndarray) -> Callable[[np.ndarray, np.ndarray], None]:
-        """Prepare to draw a mesh into shadow maps. `to_unit` takes the local space of its instance to scene units about
-        the scene's centre.
+        """Prepare to draw instances into shadow maps. `to_unit` takes the world to scene units about the scene's
+        centre.
 
-        What is returned draws it, until this is called again, by a matrix that takes that local space to clip space,
-        and the light, which has its place (4,) in scene units, or is as far as its direction (0 last).
+        What is returned draws them, until this is called again, by a matrix that takes the world to clip space, and the
+        light, which has its place (4,) in scene units, or is as far as its direction (0 last).
         """
         wanted = shadow_program(draw)
         program = self._programs.get(SHADOW_VERTEX, wanted.fragment, dict(wanted.switches))
-        mesh = self._mesh(draw.mesh)
+        mesh, scene = self._mesh(draw.mesh), self.scene
         if maps := shadow_maps_of(draw):
             for name, value in self._uniforms_of(draw.surface):
                 set_uniform(program, name, value)
@@ -223,11 +224,22 @@ class Surfaces:
             for name in maps:
                 if wanted[f"{name.upper()}_MAP"]:
                     self._bind_map(program, draw, name)
+        if draw.instances:
+            parts = [(part, part.show(scene.center)) for part in mesh.instances(scene, draw.instances)]
+            from_unit = np.linalg.inv(to_unit)
+
+            def draw_parts(matrix: np.ndarray, light: np.ndarray) -> None:
+                set_uniform(program, "u_to_light", matrix_uniform(matrix @ from_unit))
+                for part, count in parts:
+                    self._draw_part(program, mesh, part, count)
+
+            return draw_parts
+        transform = scene.instances[draw.instance].transform
         if draw.is_pane:
-            set_uniform(program, "u_model_to_unit", matrix_uniform(to_unit @ mesh.to_mesh))
+            set_uniform(program, "u_model_to_unit", matrix_uniform(to_unit @ transform @ mesh.to_mesh))
 
         def draw_depth(matrix: np.ndarray, light: np.ndarray) -> None:
-            set_uniform(program, "u_model_to_light", matrix_uniform(matrix @ mesh.to_mesh))
+            set_uniform(program, "u_model_to_light", matrix_uniform(matrix @ transform @ mesh.to_mesh))
             if draw.is_pane:
                 set_uniform(program, "u_light", tuple(light))
             mesh.draw(program)
@@ -261,29 +273,48 @@ class Surfaces:
                 self._set_material(program, draw)
             bound = wanted
             mesh = self._mesh(draw.mesh)
-            transform = scene.instances[draw.instance].transform
-            model = frame.model(transform @ mesh.to_mesh)
-            hand = handedness(transform)
-            set_uniform(program, "u_model", matrix_uniform(model))
-            set_uniform(program, "u_normal_matrix", matrix_uniform(normal_matrix(transform)))
-            set_uniform(program, "u_handedness", hand)
-            set_uniform(program, "u_instance", float(draw.instance + 1))
             for name, value in of_draw(draw, mesh).items() if of_draw is not None else ():
                 set_uniform(program, name, value)
-            if VOLUME.is_on(material):
-                set_uniform(program, "u_thickness", material.thickness * frame.scale(transform))
-            gl.front_face = "ccw" if hand > 0 else "cw"
             cull = not material.double_sided and scene.meshes[draw.mesh].topology == "triangles"
             (gl.enable if cull else gl.disable)(moderngl.CULL_FACE)
             if draw.alpha_mode == "mask":
                 gl.enable_direct(_SAMPLE_ALPHA_TO_COVERAGE)
                 gl.enable_direct(_SAMPLE_ALPHA_TO_ONE)
-            order = mesh.back_to_front(frame.model(transform), frame.camera.forward) if is_sorted else None
-            mesh.draw(program, order, self._of_instance(draw))
+            if draw.instances:
+                self._draw_instances(program, draw, mesh, frame)
+            else:
+                self._draw_instance(program, draw, mesh, frame, is_sorted)
             if draw.alpha_mode == "mask":
                 gl.disable_direct(_SAMPLE_ALPHA_TO_COVERAGE)
                 gl.disable_direct(_SAMPLE_ALPHA_TO_ONE)
         gl.front_face = "ccw"
+
+    def _draw_instance(self, program: moderngl.Program, draw: Draw, mesh: MeshBuffers, frame: Frame,
+                       is_sorted: bool) -> None:
+        transform = self.scene.instances[draw.instance].transform
+        set_uniform(program, "u_model", matrix_uniform(frame.model(transform @ mesh.to_mesh)))
+        set_uniform(program, "u_normal_matrix", matrix_uniform(normal_matrix(transform)))
+        set_uniform(program, "u_instance", float(draw.instance + 1))
+        if VOLUME.is_on(draw.surface):
+            set_uniform(program, "u_thickness", draw.surface.thickness * frame.scale(transform))
+        self._set_hand(program, handedness(transform))
+        order = mesh.back_to_front(frame.model(transform), frame.camera.forward) if is_sorted else None
+        mesh.draw(program, order, self._of_instance(draw))
+
+    def _draw_instances(self, program: moderngl.Program, draw: Draw, mesh: MeshBuffers, frame: Frame) -> None:
+        for part in mesh.instances(self.scene, draw.instances):
+            self._set_hand(program, part.hand)
+            self._draw_part(program, mesh, part, part.show(frame.camera.eye, frame.visible))
+
+    def _draw_part(self, program: moderngl.Program, mesh: MeshBuffers, part: InstanceBuffers, count: int) -> None:
+        if count:
+            mesh.draw_instances(program, part, count)
+        if self._is_software and part.is_large:  # it would hold the vertices of all parts until the frame ends
+            self._gl.finish()
+
+    def _set_hand(self, program: moderngl.Program, hand: float) -> None:
+        set_uniform(program, "u_handedness", hand)
+        self._gl.front_face = "ccw" if hand > 0 else "cw"
 
     def _of_instance(self, draw: Draw) -> dict[str, moderngl.Buffer]:
         """The attributes of the draw's program that belong to one instance's vertices."""
@@ -353,6 +384,11 @@ class Surfaces:
         self._weave.release()
         self.set_interiors({})
         self.textures.release()
+
+
+def _is_visible(draw: Draw, frame: Frame) -> bool:
+    """Whether it may be in the picture. Of many instances each is asked when they are drawn."""
+    return bool(draw.instances) or bool(frame.visible[draw.instance])
 
 
 def bind_blocks(program: moderngl.Program) -> None:
