@@ -10,6 +10,7 @@ from __future__ import annotations
 import glob
 import importlib.util
 import os
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -30,17 +31,24 @@ _LLVM = ("/usr/lib/*/libLLVM.so.2*", "/usr/lib/*/libLLVM.so.19*", "/usr/lib/llvm
 
 
 def is_installed() -> bool:
-    """Whether Mitsuba and an LLVM that it works with are there."""
-    return importlib.util.find_spec("mitsuba") is not None and bool(_llvm())
+    """Whether Mitsuba is there, and a GPU for its CUDA backend or an LLVM that it works with."""
+    return importlib.util.find_spec("mitsuba") is not None and (_has_cuda() or bool(_llvm()))
 
 
 def mitsuba() -> Any:
-    """The module, set to its LLVM variant."""
+    """The module, set to its CUDA variant where there is a GPU for it, since ours draws there too; else to LLVM's."""
     os.environ.setdefault("DRJIT_LIBLLVM_PATH", _llvm())
     import mitsuba as mi
 
-    mi.set_variant("llvm_ad_rgb")
+    mi.set_variant("cuda_ad_rgb" if _has_cuda() else "llvm_ad_rgb")
     return mi
+
+
+@cache
+def _has_cuda() -> bool:
+    import drjit
+
+    return bool(drjit.has_backend(drjit.JitBackend.CUDA))
 
 
 def convert(scene: Scene, camera: Camera, size: tuple[int, int], depth: int = DEPTH) -> Any:

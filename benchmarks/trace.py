@@ -1,4 +1,4 @@
-"""How fast the path tracer is, and beside it Mitsuba's LLVM backend in turn: `python -m benchmarks.trace`.
+"""How fast the path tracer is, and beside it Mitsuba in turn, by LLVM or CUDA: `python -m benchmarks.trace`.
 
 Rays and samples a second, error against time, and how the cost of a sample grows from a thousand triangles to a
 million. Each renderer's error is relMSE against its own long render, for their materials are not quite the same.
@@ -101,7 +101,7 @@ def mitsubas(scene: Scene, camera: Camera, size: tuple[int, int]) -> Renderer:
         picture = mitsuba_scene.render(theirs, spp, seed)
         return picture, time.perf_counter() - start, 0
 
-    return Renderer("Mitsuba", draw)
+    return Renderer(f"Mitsuba, {mitsuba_scene.mitsuba().variant()}", draw)
 
 
 def _growth(rows: list[dict[str, object]]) -> list[str]:
