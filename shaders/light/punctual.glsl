@@ -31,7 +31,9 @@ vec3 punctual_irradiance(int i, vec3 p, out vec3 l) {
     l = d * inversesqrt(max(d2, 1e-30));
     float attenuation = distance_attenuation(d2, light.position.w);
 #if LIGHT_COUNT > DIRECTIONAL_COUNT + POINT_COUNT
-    if (i >= DIRECTIONAL_COUNT + POINT_COUNT) attenuation *= angular_attenuation(-dot(l, light.direction.xyz), light.cone.xy);
+    if (i >= DIRECTIONAL_COUNT + POINT_COUNT) {
+        attenuation *= angular_attenuation(-l, light.direction.xyz, light.cone.xy);
+    }
 #endif
     return light.intensity.rgb * attenuation;
 #endif

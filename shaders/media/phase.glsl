@@ -2,13 +2,8 @@
 // light travels on. mu is the cosine between the directions of travel before and after: 1 is straight on, -1 is back.
 // g is the mean of mu, |g| <= 0.99.
 #include "bsdf/constants.glsl"
+#include "sample/one_minus_cosine.glsl"
 #include "sample/orthonormal_basis.glsl"
-
-// 1 - mu of two unit vectors. The dot product would lose the digits of small angles, where a forward peak is.
-float one_minus_cosine(vec3 a, vec3 b) {
-    vec3 difference = a - b;
-    return 0.5 * dot(difference, difference);
-}
 
 // (1 - g^2) / (4 pi (1 + g^2 - 2 g mu)^(3/2)) for g >= 0 and x = 1 - mu. The denominator is written as
 // (1 - g)^2 + 2 g x, two terms of one sign, which keeps the digits of the peak.

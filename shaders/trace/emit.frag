@@ -84,7 +84,7 @@ Path emit(vec4 u, vec2 u_disk) {
         p.origin += orthonormal_basis(p.direction) * vec3(r * cos(phi), r * sin(phi), 0.0);
 #endif
         p.pdf = light.w; // 1 / range^2, until the photon meets the first surface
-        p.throughput *= angular_attenuation(dot(p.direction, axis.xyz), vec2(intensity.w, axis.w));
+        p.throughput *= angular_attenuation(p.direction, axis.xyz, vec2(intensity.w, axis.w));
     }
     p.throughput /= aimed(k, is_far, p.origin, p.direction);
     p.radiance = p.shadow_origin = p.shadow_vector = p.contribution = vec3(0.0);

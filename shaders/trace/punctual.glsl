@@ -27,7 +27,7 @@ vec3 punctual_irradiance(int i, vec3 p, vec2 u, out vec3 l, out float distance) 
     distance = sqrt(d2);
     l = d * inversesqrt(max(d2, 1e-30));
     vec3 irradiance = intensity.rgb * distance_attenuation(d2, position.w)
-                    * angular_attenuation(-dot(l, axis.xyz), vec2(intensity.w, axis.w));
+                    * angular_attenuation(-l, axis.xyz, vec2(intensity.w, axis.w));
 #if LIGHT_RADIUS
     // A sphere of radiance I / (pi r^2), sampled uniformly by solid angle. A surface that faces the sample has the
     // irradiance I / (pi r^2) omega, omega = 2 pi (1 - cos theta_max), sin theta_max = r / d (PBRT, 6.2.4).

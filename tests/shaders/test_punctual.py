@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from viewer.scene.light import Light
+
 DEFINES = {"LIGHT_COUNT": 3, "DIRECTIONAL_COUNT": 1, "POINT_COUNT": 1}
 
 
@@ -22,19 +24,20 @@ def test_inverse_square_and_its_window(evaluate):
     assert np.isfinite(touching).all()
 
 
-def test_cone(evaluate):
-    """clamp((cos - cos_outer) / (cos_inner - cos_outer))^2: 1 within the inner cone, 0 without the outer."""
-    from viewer.raster.lights import spot_cone
-    from viewer.scene.light import Light
-
-    inner, outer = 0.3, 0.5
-    scale, offset = spot_cone(Light("spot", inner_cone=inner, outer_cone=outer))
-    angle = np.linspace(0, 1, 400)
-    inputs = np.stack([np.cos(angle), 0 * angle + scale, 0 * angle + offset, angle], axis=-1)
-    found = evaluate("light/punctual", "vec4(angular_attenuation(i.x, i.yz))", inputs, defines=DEFINES)[:, 0]
-    expected = np.clip((np.cos(angle) - np.cos(outer)) / (np.cos(inner) - np.cos(outer)), 0, 1) ** 2
-    assert np.abs(found - expected).max() < 1e-4
-    assert (found[angle < inner - 1e-3] == 1).all() and (found[angle > outer + 1e-3] == 0).all()
+@pytest.mark.parametrize(("inner", "outer"), [(0.3, 0.5), (0.0, np.pi / 2), (0.5, 0.5), (1e-3, 2e-3), (1e-5, 1.1e-5)])
+def test_cone(evaluate, inner, outer):
+    """clamp((cos - cos_outer) / (cos_inner - cos_outer))^2: 1 within the inner cone, 0 without the outer, also where
+    the cosines are 1 in float32."""
+    scale, offset = Light("spot", inner_cone=inner, outer_cone=outer).cone
+    angle = np.float32(np.linspace(0, 2 * outer, 400)).astype(np.float64)
+    inputs = np.stack([np.sin(angle), np.cos(angle), 0 * angle + scale, 0 * angle + offset], axis=-1)
+    call = "vec4(angular_attenuation(vec3(i.x, 0.0, i.y), vec3(0.0, 0.0, 1.0), i.zw))"
+    found = evaluate("light/punctual", call, inputs, defines=DEFINES)[:, 0]
+    versine = 2 * np.sin(angle / 2) ** 2
+    low, high = (2 * np.sin(edge / 2) ** 2 for edge in (inner, outer))
+    expected = np.clip((high - versine) / max(high - low, min(1e-4, 1e-3 * high)), 0, 1) ** 2
+    assert np.abs(found - expected).max() < 1e-4 if inner < outer else (found != expected).sum() <= 1
+    assert (found[angle < 0.99 * inner] == 1).all() and (found[angle > 1.01 * outer] == 0).all()
 
 
 @pytest.mark.parametrize("shininess", [0.0, 1.0, 10.0, 100.0, 1e4])

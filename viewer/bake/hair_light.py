@@ -146,7 +146,7 @@ def _irradiance(light: Light, points: np.ndarray) -> np.ndarray:
     if light.range:
         irradiance *= np.clip(1 - (distance / light.range)**4, 0, 1)
     if light.kind == "spot":
-        outer = math.cos(light.outer_cone)
-        cosine = -(way @ np.asarray(light.direction)) / distance
-        irradiance *= np.clip((cosine - outer) / max(1e-4, math.cos(light.inner_cone) - outer), 0, 1)**2
+        scale, offset = light.cone
+        apart = way / distance[:, None] + np.asarray(light.direction)
+        irradiance *= np.clip(offset - scale * 0.5 * (apart**2).sum(axis=1), 0, 1)**2
     return irradiance

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ..plan.model import Plan
 from ..scene.frame import Frame
-from ..scene.light import Light
 
 
 def pack_lights(plan: Plan, frame: Frame) -> np.ndarray:
@@ -24,12 +21,5 @@ def pack_lights(plan: Plan, frame: Frame) -> np.ndarray:
         scale = light.intensity if light.kind == "directional" else light.intensity / frame.unit / frame.unit
         row[2, :3] = np.multiply(light.color, scale)
         row[2, 3] = light.angular_radius**2
-        row[3, :2] = spot_cone(light)
+        row[3, :2] = light.cone
     return np.clip(rows, -3e38, 3e38).astype(np.float32)
-
-
-def spot_cone(light: Light) -> tuple[float, float]:
-    """Scale and offset of the angular attenuation, as KHR_lights_punctual gives them."""
-    cos_outer = math.cos(light.outer_cone)
-    scale = 1.0 / max(1e-4, math.cos(light.inner_cone) - cos_outer)
-    return scale, -cos_outer * scale

@@ -73,7 +73,7 @@ def light_bounds(lamps: LightColumns, radius: float, geometry: TraceGeometry, em
 
 
 def _of_lamps(lamps: LightColumns, radius: float) -> LightBounds:
-    spread = np.where(lamps.is_spot, np.arccos(np.clip(lamps.cosines[:, 1], -1, 1)), np.pi)
+    spread = np.where(lamps.is_spot, lamps.angles[:, 1], np.pi)
     return LightBounds(lamps.position, lamps.position, np.full(len(lamps), radius), lamps.intensity @ LUMINANCE,
                        _unit(lamps.direction), spread, lamps.reach,
                        np.where(lamps.is_spot, LIGHT_LAMP | LIGHT_NARROW, LIGHT_LAMP))

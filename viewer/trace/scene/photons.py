@@ -176,7 +176,7 @@ def photon_pairs(lit: Sequence[Light], scene: Scene, targets: Targets, radius: f
     to_center = np.where(distance[..., None] > 1e-30, towards / np.maximum(distance, 1e-30)[..., None], (0, 1, 0))
     height = np.minimum(_height_of_sphere(distance, targets.radius + radius),
                         _height_of_corners(targets.corners - position[:, None, None], to_center, radius))
-    cone = np.broadcast_to((1 - columns.cosines[:, 1])[:, None], height.shape)
+    cone = np.broadcast_to((2 * np.sin(columns.angles[:, 1] / 2) ** 2)[:, None], height.shape)
     axis = np.where((cone < height)[..., None], direction[:, None], to_center)
     height = np.minimum(cone, height).astype(np.float32)
     from_axis = targets.corners - targets.center[:, None]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scene.color import LUMINANCE
-from ...scene.light import Light
+from ...scene.light import Light, spot_falloff
 from ...scene.scene import Scene
 
 _BRIGHTEST = 1e300  # so that sums of them stay finite
@@ -28,8 +28,8 @@ class LightColumns:
     position: NDArray[np.float64]
     direction: NDArray[np.float64]
     intensity: NDArray[np.float64]
-    cosines: NDArray[np.float64]
-    """Of the cone's inner and outer angles, (N, 2)."""
+    angles: NDArray[np.float64]
+    """Half angles of the inner and the outer cone in radians, (N, 2); pi where there is none."""
     reach: NDArray[np.float64]
 
     @classmethod
@@ -41,7 +41,7 @@ class LightColumns:
             intensity = np.minimum(np.where(is_far[:, None], intensity, intensity / unit / unit), _BRIGHTEST)
         angles = [(light.inner_cone, light.outer_cone) if light.kind == "spot" else (np.pi, np.pi) for light in lights]
         return cls(is_far, is_spot, (_rows([light.position for light in lights], 3) - scene.center) / unit,
-                   _rows([light.direction for light in lights], 3), intensity, np.cos(_rows(angles, 2)),
+                   _rows([light.direction for light in lights], 3), intensity, _rows(angles, 2),
                    np.array([light.range or np.inf for light in lights], np.float64) / unit)
 
     def __len__(self) -> int:
@@ -57,7 +57,7 @@ class LightColumns:
         # Seen from a distance d, the sphere has the solid angle pi / d^2. For a light within it, all directions count.
         # A spot light fills a cone.
         seen = 4 * np.pi / np.maximum(1, 4 * distance**2)
-        cone = np.maximum(2 * np.pi * (1 - self.cosines.mean(axis=1)), 1e-6)
+        cone = 4 * np.pi * (np.sin(self.angles / 2) ** 2).mean(axis=1)  # 1 - cos = 2 sin^2 of the half
         angle = np.where(self.is_far, np.pi, np.where(distance - 1 < self.reach, np.minimum(seen, cone), 0))
         return self.intensity @ LUMINANCE * angle
 
@@ -65,15 +65,14 @@ class LightColumns:
     def texels(self) -> NDArray[np.float32]:
         """(3 N, 4): three texels for each light, as shaders/trace/punctual.glsl reads them."""
         is_far = self.is_far[:, None]
-        # KHR_lights_punctual: clamp(cos * scale + offset). Lights without a cone have 0 and 1.
-        scale = 1 / np.maximum(1e-4, self.cosines[:, 0] - self.cosines[:, 1])
+        scale, offset = spot_falloff(*self.angles.T)
         texels = np.zeros((len(self), 3, 4))
         texels[:, 0, :3] = np.where(is_far, -self.direction, self.position)
         texels[:, 0, 3] = np.where(self.is_far, -1.0, self.reach**-2.0)
         texels[:, 1, :3] = self.intensity
-        texels[:, 1, 3] = np.where(self.is_spot, scale, 0.0)
+        texels[:, 1, 3] = np.where(self.is_spot, scale, 0.0)  # others shine all around
         texels[:, 2, :3] = self.direction
-        texels[:, 2, 3] = np.where(self.is_spot, -self.cosines[:, 1] * scale, 1.0)
+        texels[:, 2, 3] = np.where(self.is_spot, offset, 1.0)
         return np.clip(texels, -3e38, 3e38).astype(np.float32).reshape(-1, 4)
 
 
