@@ -22,8 +22,7 @@ vec3 surface_environment_transmitted(Surface s, SurfaceView v) {
 
 // The probability that a sample of the diffuse part leaves on the other side
 float below_probability(Surface s, SurfaceView v) {
-    float below = luminance(surface_transmitted(s, v));
-    return below > 0.0 ? below / (below + luminance(multiple_albedo(s, v))) : 0.0;
+    return share_of(luminance(surface_transmitted(s, v)), luminance(multiple_albedo(s, v)));
 }
 
 // base_eval_pdf for wi.z < 0; p_diffuse is the probability of the diffuse part.

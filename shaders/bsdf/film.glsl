@@ -64,7 +64,8 @@ FilmAt film_at(Film film, float mu) {
     FilmAt at;
     at.mu = clamp(mu, 1e-6, 1.0);
     float n2 = film.ior * film.ior;
-    float g = sqrt((film.ior - 1.0) * (film.ior + 1.0) + at.mu * at.mu); // n cos(angle in the film)
+    // n cos(angle in the film). That of index 1 is mu to the bit, also where sqrt is not exact.
+    float g = film.ior == 1.0 ? at.mu : sqrt((film.ior - 1.0) * (film.ior + 1.0) + at.mu * at.mu);
     vec2 far = vec2(g, n2 * at.mu), near = vec2(at.mu, g);
     at.r12 = (near - far) / (near + far);
     at.entering = 4.0 * near * far / ((near + far) * (near + far));

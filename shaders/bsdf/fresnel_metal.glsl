@@ -28,6 +28,7 @@ vec3 f_f82_tint_mean(vec3 f0, vec3 tint) {
 // Born & Wolf 1999, section 14.2. All terms are sums of squares, so nothing cancels. The smaller one of a^2 and b^2 is
 // computed from a^2 b^2 = eta^2 k^2.
 float f_conductor(float mu, float eta, float k) {
+    if (eta == 1.0 && k == 0.0) return 0.0; // no interface; below, a would be mu only where sqrt is exact
     k = min(k, 1e4); // keeps k^2 within float32; there 1 - F is only 4 eta 1e-8
     float s2 = 1.0 - mu * mu;
     float t = (eta - 1.0) * (eta + 1.0) + mu * mu - k * k; // eta^2 - s2 would cancel at eta = 1
@@ -39,7 +40,6 @@ float f_conductor(float mu, float eta, float k) {
     float b2 = t > 0.0 ? small : large;
     float near_s = (a - mu) * (a - mu) + b2, far_s = (a + mu) * (a + mu) + b2;
     float near_p = (a * mu - s2) * (a * mu - s2) + b2 * mu * mu, far_p = (a * mu + s2) * (a * mu + s2) + b2 * mu * mu;
-    if (far_s <= 0.0) return 0.0; // grazing angle with eta = 1, k = 0: no interface
     float F_s = near_s / far_s;
     return 0.5 * (F_s + F_s * (far_p > 0.0 ? near_p / far_p : 1.0));
 }

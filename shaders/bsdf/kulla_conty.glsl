@@ -6,6 +6,7 @@
 #include "bsdf/multiscatter.glsl"
 #include "sample/hemisphere.glsl"
 #include "sample/luminance.glsl"
+#include "sample/share_of.glsl"
 
 float ggx_white_albedo(sampler2D dfg, float NoV, float perceptual_roughness) {
     vec2 ab = dfg_albedo(dfg, NoV, perceptual_roughness);
@@ -36,7 +37,7 @@ vec3 kulla_conty_albedo(vec2 alpha, vec3 F_mean, float NoV, sampler2D dfg) {
 float kulla_conty_probability(vec2 alpha, vec3 F_mean, vec3 wo, sampler2D dfg) {
     float diffuse = luminance(kulla_conty_albedo(alpha, F_mean, wo.z, dfg));
     float facets = luminance(F_mean) * ggx_white_albedo(dfg, wo.z, mean_perceptual_roughness(alpha));
-    return diffuse > 0.0 ? diffuse / (diffuse + facets) : 0.0;
+    return share_of(diffuse, facets);
 }
 
 // The density of compensated_direction: facets and diffuse part together

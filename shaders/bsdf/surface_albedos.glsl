@@ -1,5 +1,6 @@
 // The albedos of the parts of surface.glsl, which includes this file, and the probabilities of sampling them.
 #include "sample/luminance.glsl"
+#include "sample/share_of.glsl"
 
 // The albedo of single scattering by the facets
 vec3 single_albedo(Surface s, SurfaceView v) {
@@ -32,7 +33,7 @@ vec3 diffuse_part_albedo(Surface s, SurfaceView v) {
 
 float facet_probability(Surface s, SurfaceView v) {
     float single = luminance(single_albedo(s, v)), diffuse = luminance(diffuse_part_albedo(s, v));
-    return diffuse > 0.0 ? single / (single + diffuse) : 1.0;
+    return diffuse > 0.0 ? share_of(single, diffuse) : 1.0;
 }
 
 vec3 base_albedo(Surface s, SurfaceView v) {
@@ -46,6 +47,6 @@ vec3 base_albedo(Surface s, SurfaceView v) {
 #if SHEEN
 float sheen_probability(Surface s, SurfaceView v) {
     float sheen = luminance(v.sheen.albedo);
-    return sheen > 0.0 ? sheen / luminance(base_albedo(s, v)) : 0.0;
+    return sheen > 0.0 ? min(sheen / luminance(base_albedo(s, v)), 1.0) : 0.0;
 }
 #endif

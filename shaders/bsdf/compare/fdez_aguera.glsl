@@ -18,7 +18,7 @@ vec3 fdez_aguera_eval(Ggx m, vec3 wo, vec3 wi, sampler2D dfg) {
 
 float fdez_aguera_diffuse_probability(Ggx m, float NoV, sampler2D dfg) {
     float diffuse = luminance(fdez_aguera_multiple(m, NoV, dfg));
-    return diffuse > 0.0 ? diffuse / (diffuse + luminance(ggx_albedo(m, NoV, dfg))) : 0.0;
+    return share_of(diffuse, luminance(ggx_albedo(m, NoV, dfg)));
 }
 
 float fdez_aguera_pdf(Ggx m, vec3 wo, vec3 wi, sampler2D dfg) {

@@ -8,6 +8,7 @@
 #include "bsdf/layer/dielectric.glsl"
 #include "light/dfg.glsl"
 #include "sample/orthonormal_basis.glsl"
+#include "sample/share_of.glsl"
 
 const float COAT_IOR = 1.5, COAT_F0 = 0.04;
 
@@ -57,7 +58,7 @@ vec3 coat_albedo(Coat c) {
 
 float coat_probability(Coat c, float albedo_below) {
     float albedo = coat_albedo(c).x;
-    return albedo > 0.0 ? albedo / (albedo + c.throughput * albedo_below) : 0.0;
+    return share_of(albedo, c.throughput * albedo_below);
 }
 
 // rgb: f |cos|, w: the pdf, of the coat and of what lies below, whose own are `below`

@@ -35,7 +35,7 @@ vec3 woven_diffuse(Woven m, WovenView v, vec3 wo, vec3 wi, sampler2D table) {
 
 // Of samples of the diffuse light
 float woven_share_through(WovenView v) {
-    return luminance(v.through) / max(luminance(v.diffuse), 1e-20);
+    return min(luminance(v.through) / max(luminance(v.diffuse), 1e-20), 1.0);
 }
 
 // xyz: f |cos|, w: the pdf, both without what goes straight on
