@@ -1,6 +1,7 @@
 // The environment's radiance, and directions sampled by it with the table of viewer/trace/scene/environment.py.
 // HAS_ENVIRONMENT, ENVIRONMENT_ROTATED
 #if HAS_ENVIRONMENT
+#include "light/bilinear.glsl"
 #include "trace/equirect.glsl"
 
 uniform sampler2D u_environment;
@@ -25,7 +26,7 @@ vec3 turn_environment(vec3 d, float sense) {
 
 vec3 environment_radiance(vec3 d) {
     vec2 uv = precise_equirect_uv(turn_environment(d, 1.0));
-    return textureLod(u_environment, uv, 0.0).rgb * u_environment_intensity;
+    return bilinear(u_environment, uv) * u_environment_intensity;
 }
 
 // Density by solid angle with which sample_light chooses the direction d
