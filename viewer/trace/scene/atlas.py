@@ -24,11 +24,10 @@ Page = tuple[int, int, int, int]
 MAX_TEXELS = 1 << 27
 """Most texels of an atlas. With eight bytes a texel that is 1 GiB, the most that drivers allow for one texture."""
 
-_Format = Literal["srgb", "light", "data", "deep"]
-"""Colours as 8-bit sRGB or as linear half floats; data of 8 bits or of 16."""
+_Format = Literal["light", "data", "deep"]
+"""Colours as linear half floats; data of 8 bits or of 16."""
 
-_SRGB8_ALPHA8 = 0x8C43
-_TEXTURES = {"srgb": ("f1", _SRGB8_ALPHA8), "light": ("f2", None), "data": ("f1", None), "deep": ("nu2", None)}
+_DTYPES: dict[_Format, str] = {"light": "f2", "data": "f1", "deep": "nu2"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,16 +56,15 @@ class Atlas:
         self.layout = layout_atlas(images, context.gl.info["GL_MAX_TEXTURE_SIZE"])
         is_deep = any(image.bits == 16 for image in self.layout.pages)
         if is_srgb:
-            # Mesa's software rasterizer decodes sRGB by a polynomial with an error of up to 0.7 %.
-            self._format: _Format = "light" if is_deep or context.is_software else "srgb"
+            # Linear half floats: texture units decode sRGB with an error of up to 0.5 % (NVIDIA) or 0.7 % (llvmpipe).
+            self._format: _Format = "light"
         else:
             self._format = "deep" if is_deep else "data"
         self._decoder = Decoder(self.layout.halvings.items(), partial(_decode_page, format=self._format))
 
     def upload(self) -> moderngl.Texture:
         """The texture; row 0 of each page is the top of the image. Raises InputError for an image that is broken."""
-        dtype, internal = _TEXTURES[self._format]
-        texture = self._context.gl.texture(self.layout.size, 4, dtype=dtype, internal_format=internal)
+        texture = self._context.gl.texture(self.layout.size, 4, dtype=_DTYPES[self._format])
         texture.filter = moderngl.NEAREST, moderngl.NEAREST
         for key, pixels in self._decoder.results():
             texture.write(pixels, viewport=self.layout.pages[key[0]])
@@ -145,7 +143,7 @@ def _lowest_y(skyline: list[tuple[int, int, int]], x: int, width: int) -> int:
 def _decode_page(image: TextureImage, halvings: int, format: _Format) -> np.ndarray:
     """The pixels of a page, (H, W, 4), in the format of the atlas."""
     pixels = image.decode()
-    is_color, full = format in ("srgb", "light"), np.iinfo(pixels.dtype).max
+    is_color, full = format == "light", np.iinfo(pixels.dtype).max
     count = pixels.shape[2]
     page = np.full((*pixels.shape[:2], 4), full, pixels.dtype)
     page[..., :3] = pixels[..., :3] if count >= 3 else pixels[..., :1]
@@ -153,10 +151,10 @@ def _decode_page(image: TextureImage, halvings: int, format: _Format) -> np.ndar
         page[..., 3] = pixels[..., -1]
     if format == "deep" and full == 255:
         page = page.astype(np.uint16) * 257
-    if format == "light" and full == 65535:  # linear before it is halved
+    if is_color and full == 65535:  # linear before it is halved
         page = _linear(page)
     page = mip_levels(page, is_color and page.dtype == np.uint8)[halvings] if halvings else page
-    return _linear(page) if format == "light" and page.dtype == np.uint8 else page
+    return _linear(page) if is_color and page.dtype == np.uint8 else page
 
 
 def _linear(page: np.ndarray) -> np.ndarray:
