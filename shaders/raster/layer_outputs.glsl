@@ -13,7 +13,7 @@ layout(location = OUT_ALBEDO) out vec4 o_albedo;
 layout(location = OUT_UV) out vec4 o_uv; // texture coordinates; motion in pixels, to the right and down
 #endif
 #if HAS_MOTION
-uniform vec2 u_half_picture;    // half of the picture in pixels
+uniform vec2 u_half_picture; // half of the picture in pixels
 uniform float u_moves;       // 0 where camera and surface stand still: no rounding shows there
 
 // From clip space at this time to that at the next. 0 for what is behind the camera then.

@@ -20,6 +20,28 @@ flat in vec2 v_instance;
 #if HAS_MOTION
 in vec4 v_clip, v_next_clip; // clip space at this time and at the next
 #endif
+uniform mat3 u_pixel_rays; // Frame.pixel_rays
+
+// Where the ray through the pixel's centre meets the plane of the triangle. GPUs round the corners of a triangle to
+// 1/256 of a pixel, and interpolate between these: what they give is in the plane, and a little beside the ray.
+vec3 at_center(vec3 p, vec3 normal) {
+    vec3 ray = u_pixel_rays * vec3(gl_FragCoord.xy, 1.0);
+#if IS_ORTHOGRAPHIC
+    float across = dot(normal, u_view_direction);
+    return across == 0.0 ? p : ray + u_view_direction * (dot(normal, p - ray) / across);
+#else
+    float across = dot(normal, ray);
+    return across == 0.0 ? p : ray * (dot(normal, p) / across);
+#endif
+}
+
+// What is interpolated changes over the plane in proportion to the way in it, which is x of the step dx to the next
+// pixel and y of the step dy.
+vec2 steps_to(vec3 way, vec3 dx, vec3 dy) {
+    vec3 normal = cross(dx, dy);
+    return clamp(vec2(dot(cross(way, dy), normal), dot(cross(dx, way), normal)) / max(dot(normal, normal), 1e-37), -1.0, 1.0);
+}
+#define AT_CENTER(value) ((value) + off.x * dFdx(value) + off.y * dFdy(value))
 
 #if OUT_ALBEDO
 // As layers.frag of the path tracer has it: light that is emitted counts, too, and glass is white.
@@ -52,10 +74,12 @@ void main() {
 #else
     vec3 v = -normalize(v_position);
 #endif
-    vec3 face = cross(dFdx(v_position), dFdy(v_position)); // 0 on lines and points
+    vec3 dx = dFdx(v_position), dy = dFdy(v_position), face = cross(dx, dy); // 0 on lines and points
     face *= sign(dot(face, v)) / max(length(face), 1e-30);
+    vec2 off = face == vec3(0.0) ? vec2(0.0) : steps_to(at_center(v_position, face) - v_position, dx, dy);
 #if HAS_NORMAL
-    vec3 front = geometric_normal(), n = bend_normal(shading_normal(front), face == vec3(0.0) ? front : face, v);
+    vec3 front = geometric_normal(), own = shading_normal(front);
+    vec3 n = bend_normal(normalize(AT_CENTER(own)), face == vec3(0.0) ? front : face, v);
 #if CLEARCOAT
     vec3 n_coat = coat_normal(front);
 #else
@@ -64,7 +88,7 @@ void main() {
 #else
     vec3 n = face, n_coat = face;
 #endif
-    o_color = vec4(v_position, 1.0); // w = 0 marks an empty pixel
+    o_color = vec4(AT_CENTER(v_position), 1.0); // w = 0 marks an empty pixel
 #if OUT_NORMAL
     o_normal = vec4(n, 0.0);
 #endif
@@ -80,12 +104,12 @@ void main() {
 #endif
 #if OUT_UV
 #if UV_SET >= 0
-    o_uv = vec4(mesh_uv(UV_SET), 0.0, 0.0);
+    o_uv = vec4(AT_CENTER(mesh_uv(UV_SET)), 0.0, 0.0);
 #else
     o_uv = vec4(0.0);
 #endif
 #if HAS_MOTION
-    o_uv.zw = motion(v_clip, v_next_clip);
+    o_uv.zw = motion(AT_CENTER(v_clip), AT_CENTER(v_next_clip));
 #endif
 #endif
 #if ALPHA_MODE == 2

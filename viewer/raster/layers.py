@@ -80,7 +80,9 @@ class LayerPass:
                                     lambda: GBuffer(self._gl, self._depth, frame.size, count))
         following = following or (scene, frame.camera)
         motion = _Motion(frame, Frame(*following, frame.size, frame.is_depth_reversed))
-        uniforms = self._uniforms.of_view(frame) | (motion.uniforms() if "motion" in names else {})
+        uniforms = self._uniforms.of_view(frame) | {"u_pixel_rays": matrix_uniform(frame.pixel_rays)}
+        if "motion" in names:
+            uniforms |= motion.uniforms()
         if "albedo" in names:
             uniforms |= self._uniforms.of_dfg(settings, looks_up=False)
 

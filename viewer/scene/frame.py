@@ -67,6 +67,16 @@ class Frame:
         return (np.asarray(point, np.float64) - self.camera.eye) / self.unit
 
     @cached_property
+    def pixel_rays(self) -> np.ndarray:
+        """Takes (x, y, 1), in pixels from the lower left corner, to the direction of the ray there in eye-relative space;
+        for an orthographic camera to a point of the ray, whose direction is the camera's. (3, 3) float64."""
+        clip, (width, height) = self.view_projection, self.size
+        if self.camera.height is None:
+            return np.linalg.inv(clip[[0, 1, 3], :3]) @ [[2 / width, 0, -1], [0, 2 / height, -1], [0, 0, 1]]
+        across = [[2 / width, 0, -1 - clip[0, 3]], [0, 2 / height, -1 - clip[1, 3]], [0, 0, 0]]
+        return np.linalg.inv([*clip[:2, :3], self.camera.forward]) @ across
+
+    @cached_property
     def view_projection(self) -> np.ndarray:
         """Eye-relative space to clip space, (4, 4) float64. Near and far planes enclose the scene."""
         near, far = self.depth_range
