@@ -134,6 +134,9 @@ Path read_path(ivec2 texel, uvec4 hit) {
     else if (medium.y < 0.0) p.travelled = -medium.y;
 #endif
     p.eta2 = abs(p.eta2);
+    // Without a surface ahead the path is outside of all solids. Rounding can take a collision beyond a solid's surface,
+    // and a path from there would collide without end.
+    if (p.reach < 0.0) p.medium = 0;
     p.shadow_medium = p.medium;
 #elif HAS_PANES
     p.travelled = medium.y;

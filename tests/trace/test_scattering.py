@@ -70,6 +70,12 @@ def test_a_slab_in_light_from_above(tracer, tau, color, g):
         assert both.mean.mean() == pytest.approx(expected, rel=0.02)
 
 
+def test_a_path_that_no_surface_lies_ahead_of_is_out_of_the_medium(tracer):
+    """A sheet is the solid of no inside. Behind it there is no end of a white medium: paths would collide for ever."""
+    model = scene(plate(), materials=[fog(4.0, 1.0)], environment=constant())
+    assert picture(tracer, model, FRONT, (8, 8), spp=4)[..., :3] == pytest.approx(1, abs=1e-6)
+
+
 def test_discrete_ordinates_keep_all_light():
     for tau in (0.01, 1.0, 30.0):
         assert slab_radiance(tau, 1.0, 0.7, 1.0, 1.0) == pytest.approx((1, 1), abs=1e-6)
