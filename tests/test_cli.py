@@ -107,7 +107,7 @@ def test_options_change_what_they_are_named_for(run, folder):
     (["render", "a.glb", "-o", "a.exr", "--mode", "path", "--aov", "depth,z"],
      "there is no layer 'z'; choose from albedo, normal"),
     (["info", "a.glb", "--set", "colour=red"], "there is no setting 'colour'; choose from ndf, masking"),
-    (["render", str(MODEL), "-o", "a.png", "--size", "20000x20000"], "a picture of 20000x20000: this OpenGL draws"),
+    (["render", str(MODEL), "-o", "a.png", "--size", "40000x40000"], "a picture of 40000x40000: this OpenGL draws"),
 ])
 def test_wrong_usage_is_status_2_and_one_line(run, folder, arguments, words):
     outcome = run(*arguments)

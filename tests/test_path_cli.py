@@ -92,19 +92,19 @@ def interrupting(monkeypatch, before: int, times: int = 1):
 def test_ctrl_c_writes_the_picture_so_far_and_says_how_far_it_came(run, folder, monkeypatch):
     handlers = signal.getsignal(signal.SIGINT)
     interrupting(monkeypatch, before=1)
-    outcome = run("render", MODEL, SCENES / "unlit.glb", "-o", folder, *PATH, "--spp", "500", "--stats", "s.json")
+    outcome = run("render", MODEL, SCENES / "unlit.glb", "-o", folder, *PATH, "--spp", "65536", "--stats", "s.json")
     assert outcome.status == 130 and names(folder) == ["manifest.jsonl", "s.json", "spheres.png"]
-    line = r"spheres\.png: stopped after [0-9.]+ of 500 samples a pixel(, estimated error [0-9.]+)?, .* rays by .*"
+    line = r"spheres\.png: stopped after [0-9.]+ of 65536 samples a pixel(, estimated error [0-9.]+)?, .* rays by .*"
     assert re.fullmatch(f".*{line}", outcome.error)
     [stats] = json.loads((folder / "s.json").read_text())
-    assert stats["stopped"] is True and 1 <= stats["spp"] < 500
+    assert stats["stopped"] is True and 1 <= stats["spp"] < 65536
     assert Image.open("spheres.png").size == (24, 24) and signal.getsignal(signal.SIGINT) is handlers
 
 
 @pytest.mark.parametrize("before, times", [(0, 1), (1, 2)])
 def test_ctrl_c_before_there_is_a_picture_or_twice_leaves_nothing(run, folder, monkeypatch, before, times):
     interrupting(monkeypatch, before, times)
-    outcome = run("render", MODEL, "-o", "a.png", *PATH, "--spp", "500")
+    outcome = run("render", MODEL, "-o", "a.png", *PATH, "--spp", "65536")
     assert (outcome.status, outcome.error) == (130, "interrupted") and names(folder) == []
 
 

@@ -4,5 +4,5 @@ vec3 srgb_from_linear(vec3 c) {
     c = clamp(c, 0.0, 1.0);
     vec3 low = 12.92 * c;
     vec3 high = 1.055 * pow(max(c, 1e-8), vec3(1.0 / 2.4)) - 0.055;
-    return mix(high, low, vec3(lessThanEqual(c, vec3(0.0031308))));
+    return mix(high, low, lessThanEqual(c, vec3(0.0031308)));
 }

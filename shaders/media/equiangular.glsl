@@ -10,6 +10,12 @@ float angle_of(float y, float x) {
     return ratio * (1.0 - r2 * (1.0 / 3.0 - r2 * (0.2 - r2 / 7.0)));
 }
 
+// sin(x); that of some GPUs has an absolute error of 1e-7, all digits of a small angle.
+float sine_of(float x) {
+    float x2 = x * x;
+    return abs(x) < 0.1 ? x * (1.0 - x2 * (1.0 / 6.0 - x2 * (1.0 / 120.0 - x2 / 5040.0))) : sin(x);
+}
+
 struct Equiangular {
     float closest; // distance from the light to the line of the ray, D
     float start;   // of the ray, from its point that is closest to the light, a
@@ -32,8 +38,8 @@ Equiangular equiangular(vec3 origin, vec3 direction, float limit, vec3 light) {
 //   D (tan(theta + x) - tan(theta)) = (D^2 + a^2) sin x / (D cos x - a sin x)
 float equiangular_sample(Equiangular e, float limit, float u) {
     float x = u * e.angle;
-    float below = e.closest * cos(x) - e.start * sin(x);
-    return below > 0.0 ? min((e.closest * e.closest + e.start * e.start) * sin(x) / below, limit) : limit;
+    float sine = sine_of(x), below = e.closest * cos(x) - e.start * sine;
+    return below > 0.0 ? min((e.closest * e.closest + e.start * e.start) * sine / below, limit) : limit;
 }
 
 float equiangular_pdf(Equiangular e, float distance) {

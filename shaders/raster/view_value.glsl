@@ -6,7 +6,7 @@ const vec3 HAS_NONE = vec3(0.5); // the code of what does not have the quantity
 
 vec3 linear_from_code(vec3 code) {
     vec3 high = pow((code + 0.055) / 1.055, vec3(2.4));
-    return mix(high, code / 12.92, vec3(lessThanEqual(code, vec3(0.04045))));
+    return mix(high, code / 12.92, lessThanEqual(code, vec3(0.04045)));
 }
 
 vec3 code_of_normal(vec3 n) {

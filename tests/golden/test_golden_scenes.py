@@ -54,7 +54,8 @@ def check(renderer: Renderer, golden, mode: str, case: Case) -> None:
     renderer.context.make_current()
     picture = renderer.display(scene, camera, case.with_mode(mode), SIZE)
     assert renderer.context.gl.error == "GL_NO_ERROR"
-    golden(picture, f"{case.name}-{mode}")
+    # The goldens are llvmpipe's; a graphics card has other pixels along the edges of masks and triangles.
+    golden(picture, f"{case.name}-{mode}", **({} if renderer.context.is_software else {"flip": 0.008}))
 
 
 @pytest.mark.parametrize(("mode", "case"), PICTURES, ids=lambda value: getattr(value, "name", value))

@@ -71,7 +71,7 @@ WRONG_FORMULAS = [
              "float k = 1.0 + NoH * NoH * (alpha * alpha - 1.0);\n    return alpha * alpha / (PI * k * k);",
              values("d_ggx")),
     WrongFormula("sRGB by pow 2.2", "display/srgb.glsl",
-             "return mix(high, low, vec3(lessThanEqual(c, vec3(0.0031308))));", "return pow(c, vec3(1.0 / 2.2));",
+             "return mix(high, low, lessThanEqual(c, vec3(0.0031308)));", "return pow(c, vec3(1.0 / 2.2));",
                  values("srgb_from_linear")),
     WrongFormula("transmission with the reflection's G2", "bsdf/lobe/dielectric.glsl",
              "float g2 = g2_transmission_ggx(lambda_ggx_local(wo, a), lambda_ggx_local(wi, a));",

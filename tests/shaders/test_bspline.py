@@ -5,6 +5,7 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 import pytest
+from contexts import is_software
 from splines import bspline
 
 
@@ -20,6 +21,7 @@ def test_it_is_the_cubic_b_spline_through_the_texels(gl, evaluate, size):
     texture.filter, texture.repeat_y = (moderngl.LINEAR, moderngl.LINEAR), False
     found = evaluate("light/bspline", "vec4(bspline(map, i.xy), 0.0)", uv, "uniform sampler2D map;", map=texture)[:, :3]
     expected = bspline(texels, uv[:, :2].astype(np.float32).astype(np.float64))
-    assert np.abs(found - expected).max() < 1e-5 * 1e4 and found.min() >= 0
+    bound, among_small = (1e-5, 1e-3) if is_software() else (2**-9, 1e4 * 2**-13)  # float32, or a texture unit's 8 bits
+    assert np.abs(found - expected).max() < bound * 1e4 and found.min() >= 0
     small = expected.max(axis=1) < 1
-    assert small.sum() > 100 and np.abs(found - expected)[small].max() < 1e-3  # float32 of 1e4
+    assert small.sum() > 100 and np.abs(found - expected)[small].max() < among_small

@@ -5,6 +5,7 @@ from __future__ import annotations
 import fibre_twin as twin
 import numpy as np
 import pytest
+from contexts import is_software
 
 from viewer import call_glsl
 from viewer.measure.check.chi_squared import critical_value, statistic
@@ -119,8 +120,9 @@ def test_azimuthal_integrates_to_1_and_is_sampled_by_its_inverse(beta_n):
         expected = np.clip(2 * s * np.arctanh((2 * np.longdouble(u) - 1) * t), -np.pi, np.pi)
     gap = (found - expected + np.pi) % (2 * np.pi) - np.pi  # -pi and pi are one angle
     beyond = np.abs(u - 0.5) > 0.49  # where float32 has few numbers before 0 and 1
-    assert np.abs(gap[~beyond]).max() < 1e-6 * max(s, 1)
-    assert np.abs(gap).max() < 1e-6 * max(s, 1) + (np.pi if s < 0.03 else 0)
+    bound = (1e-6 if is_software() else 5e-6) * max(s, 1)
+    assert np.abs(gap[~beyond]).max() < bound
+    assert np.abs(gap).max() < bound + (np.pi if s < 0.03 else 0)
 
 
 @pytest.mark.parametrize("eta", [1.0, 1.0001, 1.55, 3.0])

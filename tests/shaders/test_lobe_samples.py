@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import standard_twins
 import twins
+from contexts import is_software
 
 from viewer.measure.check.chi_squared import critical_value, statistic
 from viewer.measure.check.half_vector import Directions, bin_counts, bin_integrals, binned_grid
@@ -302,4 +303,5 @@ def test_against_float64(lobe, alpha):
                              wi.astype(float)) for share in (0.0, 1.0))
         assert (error / np.maximum(all_light, 1e-3)).max() < 4e-2 + 3e-7 / alpha  # most over what reflects as a metal
     else:  # float32 directions tilt h by 1e-7, of alpha
-        assert (error / np.maximum(expected, 1e-3)).max() < 1e-5 + (3e-7 / alpha if alpha else 0)
+        bound = 1e-5 if is_software() else 2e-5
+        assert (error / np.maximum(expected, 1e-3)).max() < bound + (3e-7 / alpha if alpha else 0)

@@ -68,8 +68,8 @@ class Frame:
 
     @cached_property
     def pixel_rays(self) -> np.ndarray:
-        """Takes (x, y, 1), in pixels from the lower left corner, to the direction of the ray there in eye-relative space;
-        for an orthographic camera to a point of the ray, whose direction is the camera's. (3, 3) float64."""
+        """Takes (x, y, 1), in pixels from the lower left corner, to the direction of the ray there in eye-relative
+        space; for an orthographic camera to a point of the ray, whose direction is the camera's. (3, 3) float64."""
         clip, (width, height) = self.view_projection, self.size
         if self.camera.height is None:
             return np.linalg.inv(clip[[0, 1, 3], :3]) @ [[2 / width, 0, -1], [0, 2 / height, -1], [0, 0, 1]]

@@ -72,8 +72,9 @@ class Light:
 
 
 def spot_falloff(inner: ArrayLike, outer: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Scale s and offset o of the attenuation clamp(o - s (1 - cos))^2 at an angle from a spot's axis; half angles of its
-    cones in radians, of any shape.
+    """Scale s and offset o of the attenuation clamp(o - s (1 - cos))^2 at an angle from a spot's axis.
+
+    `inner` and `outer` are half angles of its cones in radians, of any shape.
 
     It is ((cos - cos_outer) / (cos_inner - cos_outer))^2 (KHR_lights_punctual, "Inner and Outer Cone Angles"). 1 - cos
     keeps the digits of narrow cones, where cosines have none. The edge of a cone is no sharper than a step of 1e-4 in

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from contexts import is_software
 
 from benchmarks.approximations import curves, dfg, floats, fresnel, irradiance, light, prefilter, split_sum
 from viewer.bake.dfg import directional_albedo
@@ -98,9 +99,10 @@ def test_its_reference_is_the_albedo_where_light_is_1(monkeypatch):
 
 def test_formats(rms):
     found = rms(floats.storage_piece())
-    assert found["half, 16 bits a channel"] < 1.1 * found["float, 32 bits a channel"] < 2e-3
+    most = 1.1 if is_software() else 1.5
+    assert found["half, 16 bits a channel"] < most * found["float, 32 bits a channel"] < 2e-3
     assert found["shared exponent, 9 + 5 bits"] < 2e-3
-    assert 5e-3 < found["small floats, 11, 11 and 10 bits"] < 2e-2
+    assert (5e-3 if is_software() else 2e-3) < found["small floats, 11, 11 and 10 bits"] < 2e-2
 
 
 def test_what_is_seen_between_texels():
