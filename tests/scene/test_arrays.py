@@ -93,6 +93,7 @@ def test_integer_indices_draw_the_same_picture():
     (lambda: viewer.Light("point", intensity=math.nan), r"Light\.intensity is nan"),
     (lambda: viewer.Light("point", (1, 1)), r"Light\.color is \(2,\)"),
     (lambda: viewer.Light("point", position=(1, math.inf, 1)), r"Light\.position .*holds NaN"),
+    (lambda: viewer.Light("spot", direction=(0, 0, 0)), r"Light\.direction is 0, 0, 0"),
     (lambda: Environment("e", np.zeros((4, 8))), r"Environment\.source is \(4, 8\)"),
     (lambda: Environment("e", np.full((4, 8, 3), -1.0)), r"Environment\.source .*below 0"),
 ])
@@ -147,3 +148,8 @@ def test_a_scene_is_told_in_a_line():
     assert repr(shown) == "<Scene 'square': 1 meshes, 1 materials, 1 instances, environment 'furnace'>"
     assert repr(shown.meshes[0]) == "<Mesh 'square': triangles, 4 positions, indices, normals>"
     assert repr(viewer.Scene("none")) == "<Scene 'none': empty, environment None>"
+
+
+def test_a_light_shines_along_a_direction_of_any_length():
+    assert viewer.Light("spot", direction=(0, 3, -4)).direction == pytest.approx((0, 0.6, -0.8))
+    assert viewer.Light("spot", direction=(0, 1, 0)).direction == (0, 1, 0)
