@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from command_line import SCENES, names
 
 import viewer
 from viewer.image.image import Image
+from viewer.jobs.views import camera_frames
 from viewer.scene.camera import Camera
 from viewer.scene.camera_file import CameraFrame, read_camera_file, write_cameras
 
@@ -39,6 +41,18 @@ def test_each_view_has_a_picture_and_a_frame(run, folder):
     assert run("render", BALLS, "-o", "{view}.png", *QUICK).status == 0
     assert run("render", BALLS, "-o", "one.png", "--view", "left", *QUICK).status == 0
     assert {"left.png", "view.png", "one.png"} <= set(names(folder))
+
+
+def test_the_file_of_cameras_is_read_once_for_all_models_and_again_when_it_changes(folder, monkeypatch):
+    read = []
+    monkeypatch.setattr("viewer.jobs.views.read_camera_file", lambda path, size: read.append(path) or ((), ()))
+    options = {"cameras": "in.json", "size": (24, 16)}
+    for text in ("{}", "{}", "{ }"):
+        Path("in.json").write_text(text)
+        os.utime("in.json", ns=(len(text), len(text)))
+        for _ in range(3):
+            camera_frames(options)
+    assert len(read) == 2
 
 
 def test_pictures_through_written_cameras_are_the_same(run, folder):

@@ -39,6 +39,16 @@ def test_intrinsics_stand_at_the_top_or_in_a_frame(folder):
     np.testing.assert_array_equal(own.camera.pose, ROWS)
 
 
+def test_frames_with_intrinsics_of_their_own_leave_others_theirs(folder):
+    own = frame(fl_x=250.0, w=320, k1=0.1)
+    found, warnings = read(folder, LENS | {"frames": [own, frame(), own, frame(camera_model="ORTHOPHOTO"), frame()]})
+    assert [each.size[0] for each in found] == [320, 640, 320, 640, 640]
+    assert [each.camera.height is None for each in found] == [True, True, True, False, True]
+    assert found[1].camera.intrinsics((640, 480)) == found[4].camera.intrinsics((640, 480))
+    assert found[0].camera.intrinsics((320, 480)) == pytest.approx((250, 510, 300, 250.5), rel=1e-14)
+    assert len(warnings) == 1 and "k1:" in warnings[0]
+
+
 def test_an_angle_is_that_of_the_width_and_pixels_are_square(folder):
     """As the files of the first NeRF data sets have it, which say no size."""
     (only,), _ = read(folder, {"camera_angle_x": 0.6, "frames": [frame(file_path="./train/r_0")]})
@@ -99,6 +109,7 @@ def posed(row: int, column: int, value: object) -> dict[str, object]:
     (posed(3, 3, 0.01), r"transform_matrix\[3\]: is \[0.0, 0.0, 0.0, 0.01"),
     (posed(0, 0, 0), "transform_matrix: is singular"),
     (posed(0, 0, -1), "transform_matrix: mirrors"),
+    (LENS | {"frames": [frame(), *posed(0, 0, -1)["frames"]]}, r"frames\[1\].transform_matrix: mirrors"),
     (posed(0, 0, 2), "transform_matrix: is no rotation"),
     ({"frames": [frame()]}, r"frames\[0\]: neither fl_x nor camera_angle_x"),
     ({"fl_x": 3.0, "frames": [frame()]}, r"frames\[0\].fl_x: is in pixels of a picture of w x h"),

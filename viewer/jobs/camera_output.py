@@ -8,10 +8,11 @@ from typing import Any
 
 from ..base.messages import say
 from ..errors import UsageError
-from ..scene.camera_file import read_camera_file, write_frames
+from ..scene.camera_file import write_frames
 from ..scene.upright import up_matrix
 from .film import is_film
 from .outputs import model_names
+from .views import camera_frames
 
 Record = Mapping[str, object]
 
@@ -56,6 +57,6 @@ def warn_of_cameras(options: Mapping[str, Any]) -> None:
     """Say once, and not for each model, what of --cameras is not drawn. Raises InputError for a file that cannot be
     used."""
     if options["cameras"] is not None:
-        _, warnings = read_camera_file(options["cameras"], options["size"])
+        _, warnings = camera_frames(dict(options))
         for line in () if options["quiet"] else warnings:
             say(f"warning: {line}")

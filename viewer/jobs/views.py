@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 from ..scene.camera import Camera
-from ..scene.camera_file import read_camera_file
+from ..scene.camera_file import CameraFrame, read_camera_file
 from ..scene.scene import Scene
 from .assemble import make_camera
 from .directions import directions_of
@@ -24,11 +26,28 @@ class View:
     title: str = ""
 
 
+def camera_frames(options: dict[str, Any]) -> tuple[tuple[CameraFrame, ...], tuple[str, ...]]:
+    """What `read_camera_file` makes of the file of --cameras, which is read again only if it has changed: all models
+    have the same, and there may be many thousand frames. Raises InputError."""
+    path = options["cameras"]
+    try:
+        stat = os.stat(path)
+    except (OSError, ValueError):
+        return read_camera_file(path, options["size"])  # which says what is wrong
+    return _read_once(path, options["size"], (stat.st_dev, stat.st_ino, stat.st_mtime_ns, stat.st_size))
+
+
+@lru_cache(maxsize=1)
+def _read_once(path: str, size: tuple[int, int],
+               stamp: tuple[int, ...]) -> tuple[tuple[CameraFrame, ...], tuple[str, ...]]:
+    return read_camera_file(path, size)
+
+
 def views_of(model: str, scene: Scene, options: dict[str, Any]) -> tuple[View, ...]:
     """The views that the options ask for. Raises as `make_camera`, and InputError for a file of cameras."""
     size = options["size"]
     if options["cameras"] is not None:
-        frames, _ = read_camera_file(options["cameras"], size)
+        frames, _ = camera_frames(options)
         return tuple(View(frame.camera.name, frame.camera, size if options["has_size"] else frame.size,
                           frame.camera.name) for frame in frames)
     if options["turntable"] is not None:

@@ -19,11 +19,11 @@ import os
 import re
 import warnings
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -76,16 +76,22 @@ def read_camera_file(path: str | PathLike[str],
     elements = top.array("frames")
     if not elements:
         raise top.error("is empty: there are no cameras", "frames")
-    frames: list[CameraFrame] = []
-    distorted: list[str] = []
     names = [_label(element.string("file_path", "")) for element in elements]
     often = Counter(map(str.casefold, names))  # some file systems take "a" and "A" for one name
-    for k, element in enumerate(elements):
+    shared = {key: top.value[key] for key in _INTRINSICS if key in top.value}
+    of_all: _Lens | None = None  # of frames without intrinsics of their own
+    frames: list[CameraFrame] = []
+    distorted: list[str] = []
+    for k, (element, pose) in enumerate(zip(elements, _poses(elements), strict=True)):
         name = names[k] if names[k] and often[names[k].casefold()] == 1 else f"{k:0{len(str(len(elements) - 1))}}"
-        shared = {key: top.value[key] for key in _INTRINSICS if key in top.value}
-        intrinsics = Element(top.document, shared | element.value, element.place)
-        frames.append(_frame(intrinsics, name, size))
-        distorted += [key for key in _DISTORTION if intrinsics.number(key, 0.0)]
+        if of_all is None or not element.value.keys().isdisjoint(_INTRINSICS):
+            lens = _lens(Element(top.document, shared | element.value, element.place), size)
+            distorted += lens.distorted
+        else:
+            lens = of_all
+        if element.value.keys().isdisjoint(_INTRINSICS):
+            of_all = lens
+        frames.append(CameraFrame(Camera(pose, name=name, **lens.camera), lens.size, *_files(element)))
     if len({frame.camera.name for frame in frames}) < len(frames):  # a picture's name may be another's number
         frames = [replace(frame, camera=replace(frame.camera, name=f"{k:0{len(str(len(frames) - 1))}}"))
                   for k, frame in enumerate(frames)]
@@ -103,14 +109,22 @@ def _label(file_path: str) -> str:
     return short.decode(errors="ignore").strip("._")
 
 
-def _frame(element: Element, name: str, size: tuple[int, int]) -> CameraFrame:
+class _Lens(NamedTuple):
+    """The intrinsics of a frame: arguments of `Camera`, (width, height) in pixels, and the keys that distort."""
+
+    camera: dict[str, Any]
+    size: tuple[int, int]
+    distorted: list[str]
+
+
+def _lens(element: Element, size: tuple[int, int]) -> _Lens:
     model = element.string("camera_model", "OPENCV")
     if model not in (*_PERSPECTIVE, _ORTHOGRAPHIC):
         raise element.error(f"{model[:40]!r} is not drawn, only {', '.join((*_PERSPECTIVE, _ORTHOGRAPHIC))}",
                             "camera_model")
     if element.value.get(_FISHEYE):
         raise element.error("fisheye lenses are not drawn", _FISHEYE)
-    pose, has_size = _pose(element), "w" in element and "h" in element
+    has_size = "w" in element and "h" in element
     if has_size:
         size = _side(element, "w"), _side(element, "h")
     width, height = size
@@ -131,10 +145,16 @@ def _frame(element: Element, name: str, size: tuple[int, int]) -> CameraFrame:
     seen = height / fy if is_flat else 2 * math.atan(height / (2 * fy))
     if not (0 < seen < (math.inf if is_flat else math.pi) and 1 / MAX_PIXEL_ASPECT <= fy / fx <= MAX_PIXEL_ASPECT):
         raise element.error(f"no picture of {width}x{height} has focal lengths of {fx:g} and {fy:g} pixels")
-    lens: dict[str, Any] = {"height" if is_flat else "fov_y": seen}
-    camera = Camera(pose, name=name, principal=principal, pixel_aspect=fy / fx, **lens)
-    folder, files = element.document.path.parent, (element.string(key, "") for key in _FILES)
-    return CameraFrame(camera, size, *(folder / file if file else None for file in files))
+    camera = {"principal": principal, "pixel_aspect": fy / fx, "height" if is_flat else "fov_y": seen}
+    return _Lens(camera, size, [key for key in _DISTORTION if element.number(key, 0.0)])
+
+
+def _files(element: Element) -> Iterator[Path | None]:
+    """Of the picture and of its depth."""
+    folder = element.document.path.parent
+    for key in _FILES:
+        file = element.string(key, "")
+        yield folder / file if file else None
 
 
 def _side(element: Element, key: str) -> int:
@@ -165,9 +185,31 @@ def _focal_length(element: Element, key: str, side: int) -> float:
     return side / (2 * math.tan(angle / 2) or math.ulp(0.0))
 
 
-def _pose(element: Element) -> np.ndarray:
-    """The pose of a frame, (4, 4). A scale of the camera, which no picture shows, is dropped."""
+def _poses(elements: Sequence[Element]) -> np.ndarray:
+    """The poses of frames, (N, 4, 4). A scale of a camera, which no picture shows, is dropped."""
     key = "transform_matrix"
+    poses = np.array([_matrix(element, key) for element in elements], np.float64)
+
+    def check(is_wrong: np.ndarray, problem: Callable[[int], str], place: str = key) -> None:
+        for k in np.flatnonzero(is_wrong)[:1]:
+            raise elements[k].error(problem(k), place)
+
+    is_odd = (poses[:, 3] != (0, 0, 0, 1)).any(axis=1)
+    check(is_odd, lambda k: f"is {poses[k, 3].tolist()}, not 0, 0, 0, 1", f"{key}[3]")
+    linear = poses[:, :3, :3]
+    left, scales, right = np.linalg.svd(linear)
+    check(~(scales[:, 2] > 1e-6 * scales[:, 0]), lambda k: "is singular: a camera is turned and moved, not flattened")
+    check(np.linalg.det(linear) < 0, lambda k: "mirrors (its determinant is negative): a camera is turned and moved")
+    rotations, scale = left @ right, scales.mean(axis=1)  # the nearest rotations
+    off = np.abs(linear / scale[:, None, None] - rotations).max(axis=(1, 2))
+    check(off > _NOT_RIGID, lambda k: f"is no rotation with a translation: it is {off[k]:.2g} off")
+    is_rounded = (off > _ROUNDING) | (np.abs(scale - 1) > _ROUNDING)
+    poses[is_rounded, :3, :3] = rotations[is_rounded]
+    return poses
+
+
+def _matrix(element: Element, key: str) -> list[list[float]]:
+    """Four rows of four numbers."""
     rows = element.value.get(key)
     if rows is None:
         raise element.error("is missing", key)
@@ -177,22 +219,7 @@ def _pose(element: Element) -> np.ndarray:
         for j, value in enumerate(row):
             if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) < MAX_EXTENT:
                 raise element.error(f"must be a number below {MAX_EXTENT:g}", f"{key}[{k}][{j}]")
-    pose = np.array(rows, np.float64)
-    if pose[3].tolist() != [0, 0, 0, 1]:
-        raise element.error(f"is {pose[3].tolist()}, not 0, 0, 0, 1", f"{key}[3]")
-    linear = pose[:3, :3]
-    left, scales, right = np.linalg.svd(linear)
-    if not scales[2] > 1e-6 * scales[0]:
-        raise element.error("is singular: a camera is turned and moved, not flattened", key)
-    if np.linalg.det(linear) < 0:
-        raise element.error("mirrors (its determinant is negative): a camera is turned and moved", key)
-    rotation = left @ right  # the nearest one
-    off = np.abs(linear / scales.mean() - rotation).max()
-    if off > _NOT_RIGID:
-        raise element.error(f"is no rotation with a translation: it is {off:.2g} off", key)
-    if off > _ROUNDING or abs(scales.mean() - 1) > _ROUNDING:
-        pose[:3, :3] = rotation
-    return pose
+    return rows
 
 
 def read_cameras(path: str | PathLike[str], size: tuple[int, int] = (1280, 720)) -> tuple[CameraFrame, ...]:
