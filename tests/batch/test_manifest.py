@@ -143,13 +143,16 @@ def test_a_key_follows_all_that_a_picture_is_made_from(folder):
     (folder / "o.mtl").write_text("newmtl a\nmap_Kd -s 1 1 1 map.png\n")
     (folder / "c.dae").write_text("<image><init_from>a&amp;b.png</init_from></image>"
                                   "<image><init_from>\n <ref>./c%201.png</ref></init_from></image>")
-    for name in ("part 1.bin", "map.png", "a&b.png", "c 1.png", "studio.hdr", "weave.json"):
+    (folder / "p.ply").write_bytes(b"ply\r\nformat ascii 1.0\r\ncomment TextureFile sub\\p 1.png\r\nend_header\n"
+                                   b"comment TextureFile map.png\n")
+    (folder / "sub").mkdir()
+    for name in ("part 1.bin", "map.png", "a&b.png", "c 1.png", "sub/p 1.png", "studio.hdr", "weave.json"):
         (folder / name).write_bytes(b"0")
     options = {"size": (8, 8), "env": "studio.hdr", "assignments": ("weave=weave.json,Cloth",), "quiet": False}
 
     def keys(**changed: object) -> list[str]:
         made = Keys(RenderJob(options | changed))
-        return [made.of("m.gltf", "m.png"), made.of("o.obj", "o.png"), made.of("c.dae", "c.png")]
+        return [made.of(name, "a.png") for name in ("m.gltf", "o.obj", "c.dae", "p.ply")]
 
     first = keys()
     assert keys() == first == keys(quiet=True), "and nothing else"
@@ -157,11 +160,11 @@ def test_a_key_follows_all_that_a_picture_is_made_from(folder):
     for change in ({"size": (8, 9)}, {"assignments": ()}):
         assert not seen & {*keys(**change)}
     for name, changed in (("part 1.bin", 0), ("map.png", 1), ("o.mtl", 1), ("m.gltf", 0), ("a&b.png", 2),
-                          ("c 1.png", 2)):
+                          ("c 1.png", 2), ("sub/p 1.png", 3), ("p.ply", 3)):
         before = keys()
         with (folder / name).open("a") as file:
             file.write(" ")
-        assert [old != new for old, new in zip(before, keys())] == [changed == k for k in range(3)], name
+        assert [old != new for old, new in zip(before, keys())] == [changed == k for k in range(4)], name
     for name in ("studio.hdr", "weave.json"):
         before = keys()
         (folder / name).write_bytes(b"1")

@@ -20,6 +20,7 @@ _NOT_SEEN = frozenset(("quiet", "verbose", "no_cache", "backend", "error_map", "
 """Options that change no pixel, or only where they are computed."""
 _LIBRARY = re.compile(rb"^\s*mtllib\s+(.+?)\s*$", re.MULTILINE)
 _COLLADA_IMAGE = re.compile(rb"<(?:\w+:)?init_from\s*>\s*(?:<(?:\w+:)?ref\s*>\s*)?([^<]+?)\s*</")
+_PLY_IMAGE = re.compile(rb"^\s*comment\s+texturefile\s+(.+?)\s*$", re.MULTILINE | re.IGNORECASE)
 _MAP = re.compile(rb"^\s*(?:map_\w+|bump|norm)\s(?:.*\s)?(\S+)\s*$", re.MULTILINE | re.IGNORECASE)
 
 
@@ -70,8 +71,8 @@ def _is_file(path: Path) -> bool:
 
 
 def _referred(model: Path) -> Iterator[Path]:
-    """The files that a glTF file, an OBJ or a COLLADA file names and that are in its folder. Of a broken one there are
-    none."""
+    """The files that a glTF file, an OBJ, a PLY or a COLLADA file names and that are in its folder. Of a broken one
+    there are none."""
     try:
         if model.suffix.lower() in (".gltf", ".glb"):
             root = read_container(model, read_file(model))[0]
@@ -82,6 +83,9 @@ def _referred(model: Path) -> Iterator[Path]:
             for library in _inside(model, map(_text, _LIBRARY.findall(read_file(model)))):
                 yield library
                 yield from _inside(model, map(_text, _MAP.findall(read_file(library))))
+        elif model.suffix.lower() == ".ply":
+            header = read_file(model).partition(b"end_header")[0]
+            yield from _inside(model, map(_text, _PLY_IMAGE.findall(header)))
         elif model.suffix.lower() == ".dae":
             yield from _inside(model, (unescape(_text(name)) for name in _COLLADA_IMAGE.findall(read_file(model))))
     except (InputError, TypeError):
