@@ -47,8 +47,7 @@ SCATTER_MAPS = {"scatter_strength", "multiscatter_color"}
     ({"anisotropy_strength": 0.0}, set(MAPS) - {"anisotropy"}),
     ({"diffuse_roughness": 0.0}, set(MAPS) - {"diffuse_roughness"}),
     ({"sheen_color": (0.0, 0.0, 0.0)}, {name for name in MAPS if "sheen" not in name}),
-    ({"sheen_roughness": 0.0, "transmission": 0.0},
-     set(MAPS) - {"sheen_color", "sheen_roughness", "transmission"}),
+    ({"sheen_roughness": 0.0}, set(MAPS) - {"sheen_color", "sheen_roughness"}),
     ({"iridescence": 0.0}, {name for name in MAPS if "iridescence" not in name}),
     ({"iridescence_ior": 1.0}, {name for name in MAPS if "iridescence" not in name}),
     ({"iridescence_thickness_minimum": 400.0}, set(MAPS) - {"iridescence_thickness"}),
@@ -67,8 +66,6 @@ def test_maps_that_change_no_pixel_are_not_sampled(change, sampled, monkeypatch)
                     **{f"{name}_texture": MAP for name in MAPS})
     material = replace(full, **change)
     found = plan(scene(material, environment=ENVIRONMENT))
-    if material.transmits:
-        sampled = sampled - {"sheen_color", "sheen_roughness"}
     if not material.scatters_thinly:
         sampled = sampled - SCATTER_MAPS
     assert set(found.draws[0].maps) == sampled

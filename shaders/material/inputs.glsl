@@ -19,7 +19,7 @@ struct MaterialInputs {
     float anisotropy_strength;      // stretches highlights along the tangent
     float anisotropy_rotation;      // rotates the direction of stretching, counter-clockwise
     float diffuse_roughness;        // roughness of the diffuse base, 0 for Lambert's
-    vec3 sheen_color;               // colour of the sheen of fibres; where light is transmitted there is none
+    vec3 sheen_color;               // colour of the sheen of fibres
     float sheen_roughness;          // square root of the alpha of the fibres; 0: no sheen
     float iridescence;              // weight of a thin film, at whose faces light interferes
     float iridescence_ior;          // index of refraction of the film

@@ -183,6 +183,9 @@ void main() {
     transmitted *= dimmed;
 #endif
     TRANSMITTANCE throughput = surface_throughput(s, view) * m.transmission;
+#if SHEEN
+    transmitted *= view.sheen.throughput;
+#endif
     radiance += throughput * entering_tint(m.base_color.rgb) * transmitted * float(SHOW_SPECULAR);
     s.base_color *= 1.0 - m.transmission; // the rest is scattered diffusely
 #if DIFFUSE_TRANSMISSION

@@ -49,6 +49,17 @@ def test_layers_vanish_together(radiance, layers):
     assert np.abs(picture[..., :3] - 1).max() < 1e-4
 
 
+@pytest.mark.parametrize("glass", [
+    {"transmission": 1.0}, {"transmission": 0.5, "metallic": 0.3, "perceptual_roughness": 0.4},
+    {"transmission": 0.7, "thickness": 1.0, "clearcoat": 1.0}], ids=lambda glass: "-".join(glass))
+@pytest.mark.parametrize("lobe", ["charlie", "zeltner"])
+def test_glass_below_fibres_vanishes(radiance, glass, lobe):
+    """What the fibres reflect, they take from what the glass transmits."""
+    white = {"metallic": 0.0, "perceptual_roughness": 0.1, "sheen_color": (1, 1, 1), "sheen_roughness": 0.4}
+    picture = radiance(ball(**white | glass), CAMERA, SIZE, sheen=lobe)
+    assert np.abs(picture[..., :3] - 1).max() < 0.003
+
+
 @pytest.mark.parametrize("roughness", [0.3, 0.5, 0.75, 1.0])
 def test_without_compensation_a_white_metal_loses_what_scatters_twice(radiance, roughness):
     """8 % at alpha 0.25, 31 % at 0.5 and 69 % at 1 where it is seen along the normal."""

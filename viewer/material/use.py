@@ -6,7 +6,7 @@ from collections.abc import Collection
 from dataclasses import replace
 from typing import Any
 
-from ..scene.material import ANISOTROPY, Material
+from ..scene.material import ANISOTROPY, SHEEN, Material
 from ..scene.mesh import Mesh
 from ..scene.schema import MAPS, PARAMETERS, SWITCHED, multiplied_by
 from ..scene.texture_image import TextureImage
@@ -61,12 +61,12 @@ def may_be_pane(material: Material, maps: Collection[str]) -> bool:
     """Whether light goes straight on through any point of a surface with these `maps`, which are not decoded: a thin
     wall of glass that may be as smooth as a mirror.
 
-    A clear coat counts as rough: it is another interface.
+    A clear coat and fibres count as rough: neither is in what a pane transmits.
     """
     is_thin = material.transmits and not material.unlit and material.thickness <= 0 and material.weave is None
     is_smooth = material.perceptual_roughness**2 < DELTA_ALPHA or "metallic_roughness" in maps
-    return is_thin and is_smooth and not ANISOTROPY.is_on(material) and material.clearcoat == 0 \
-        and material.dispersion == 0
+    is_bare = material.clearcoat == 0 and not SHEEN.is_on(material)
+    return is_thin and is_smooth and is_bare and not ANISOTROPY.is_on(material) and material.dispersion == 0
 
 
 def texture_bytes(image: TextureImage) -> float:

@@ -103,7 +103,7 @@ SPECULAR_GLOSSINESS = Feature(
 
 SHEEN = Feature(
     "sheen", "KHR_materials_sheen", switch="SHEEN",
-    is_on=lambda m: any(m.sheen_color) and m.sheen_roughness > 0 and not m.transmits)
+    is_on=lambda m: any(m.sheen_color) and m.sheen_roughness > 0)
 
 IRIDESCENCE = Feature(
     "iridescence", "KHR_materials_iridescence", switch="IRIDESCENT", is_on=lambda m: m.has_film)
@@ -246,7 +246,7 @@ class Material:
         "diffuseRoughnessTexture", "roughness of the diffuse base", of=DIFFUSE_ROUGHNESS, channels="R",
         has_effect=lambda m: m.diffuse_roughness > 0 and m.is_dielectric)
     sheen_color: RGB = parameter(
-        (0.0, 0.0, 0.0), "sheenColorFactor", "colour of the sheen of fibres; where light is transmitted there is none",
+        (0.0, 0.0, 0.0), "sheenColorFactor", "colour of the sheen of fibres",
         of=SHEEN, low=0.0, high=1.0, times="sheen_color.RGB")
     sheen_color_texture: Texture | None = texture_map(
         "sheenColorTexture", "colour of the sheen", of=SHEEN, channels="RGB", srgb=True, has_effect=SHEEN.is_on)

@@ -13,7 +13,7 @@ import numpy as np
 
 from ...material.pack import COLOR_ROLES, DATA_ROLES, record
 from ...material.use import may_be_pane, used_maps
-from ...scene.material import Material, Sampler, Texture
+from ...scene.material import SHEEN, Material, Sampler, Texture
 from ...scene.medium import VACUUM, Medium
 from ...scene.mesh import Mesh
 from ...scene.schema import MAPS
@@ -108,7 +108,8 @@ def _is_index_matched(material: Material, maps: list[str], mesh: Mesh) -> bool:
     """Whether a surface that transmits light changes nothing but the medium."""
     changes_nothing = {"transmission": 1.0, "ior": 1.0, "metallic": 0.0, "clearcoat": 0.0, "alpha_mode": "opaque",
                        "emissive": (0.0, 0.0, 0.0), "base_color": (1.0, 1.0, 1.0, material.base_color[3])}
-    return (material.thickness > 0 and mesh.colors is None and not {"base_color", "transmission"} & set(maps)
+    return (material.thickness > 0 and not SHEEN.is_on(material) and mesh.colors is None
+            and not {"base_color", "transmission"} & set(maps)
             and all(getattr(material, name) == value for name, value in changes_nothing.items()))
 
 
