@@ -1,5 +1,7 @@
 """How near our pictures come to those of other engines: python -m benchmarks.fidelity [--pictures DIR] [--only NAME].
 
+`--versions path everything` draws and scores these again, and keeps what the results have of the others.
+
 The scenarios are those of the corpus, and so is the scorer, `score_fidelity.py`: mean FLIP over interior pixels,
 against the two path tracers of a scenario that agree best. Each version of ours is scored twice: as it is, and encoded
 as the reference is. Two path tracers encode by pow(1 / 2.2) where we and all other engines do as sRGB says.
@@ -35,6 +37,7 @@ VERSIONS: dict[str, dict[str, Any]] = {
     "64 lights": {"environment_shadows": "64"},
     "everything": {"environment_shadows": "64", "indirect": "baked", "reflections": "traced", "refraction": "traced"},
     "path": {"mode": "path", "spp": 64},
+    "path, denoised": {"mode": "path", "spp": 8, "denoise": "oidn"},
 }
 SCALE = {"path": 1 / 3}
 """Of the size that the scenario names; the scorer reduces to a third of it. Others have `DEFAULT_SCALE`."""
@@ -55,6 +58,8 @@ class Scenario:
     pictures: dict[str, Picture]
     references: tuple[str, ...]
     floor: float
+    third: float | None
+    """The distance of the nearest other path tracer."""
 
     @property
     def name(self) -> str:
@@ -64,12 +69,14 @@ class Scenario:
 def main() -> None:
     options = _parse()
     scorer = _scorer()
+    kept = {row["scenario"]: row for row in json.loads((options.results / "fidelity.json").read_text())["rows"]
+            } if options.versions else {}
     rows: list[dict[str, Any]] = []
     loads: list[float] = []
     with machine.until_stopped():
         for scenario in _agreed(scorer, options.only):
             for without_lights in (False, True) if scenario.name in LIGHTLESS else (False,):
-                rows.append(_row(scorer, scenario, options, without_lights))
+                rows.append(_row(scorer, scenario, options, without_lights, kept))
                 loads.append(round(os.getloadavg()[0], 1))
                 print(json.dumps(rows[-1]), flush=True)
     with open_context() as context:
@@ -104,16 +111,25 @@ def _agreed(scorer: ModuleType, only: str) -> Iterator[Scenario]:
             # An engine whose picture is hardly opaque shares too few pixels with them for a distance.
             pictures = {e: p for e, p in pictures.items()
                         if all(scorer.distance(pictures[r], p)[0] is not None for r in pair)}
-            yield Scenario(facts, pictures, tuple(pair), floor)
+            thirds = [statistics.fmean(scorer.distance(pictures[r], pictures[e])[0] for r in pair)
+                      for e in traced if e in pictures and e not in pair]
+            yield Scenario(facts, pictures, tuple(pair), floor, min(thirds, default=None))
 
 
-def _row(scorer: ModuleType, scenario: Scenario, options: argparse.Namespace, without_lights: bool) -> dict[str, Any]:
+def _row(scorer: ModuleType, scenario: Scenario, options: argparse.Namespace, without_lights: bool,
+         kept: dict[str, dict[str, Any]]) -> dict[str, Any]:
     label = scenario.name.removeprefix("khronos-") + ", without the file's lights" * without_lights
+    own = [_score(scorer, scenario, _srgb_coded(scenario.pictures[e]) if e in POWER_CODED else scenario.pictures[e])
+           for e in scenario.references]
     row: dict[str, Any] = {"scenario": label, "references": scenario.references, "floor": scenario.floor,
+                           "third": scenario.third, "own": min(score["plain"] for score in own),
                            "engines": {e: statistics.fmean(_distance(scorer, scenario, r, scenario.pictures[e])
                                                            for r in scenario.references)
                                        for e in scorer.REAL_TIME if e in scenario.pictures}}
     for version in LIGHTLESS[scenario.name] if without_lights else VERSIONS:
+        if options.versions and version not in options.versions:
+            row |= {version: kept[label][version]} if version in kept[label] else {}
+            continue
         file = options.pictures / version / f"{scenario.name}{'-lightless' * without_lights}.png"
         if not file.is_file():
             if options.kept:
@@ -159,20 +175,33 @@ def _power_coded(picture: Picture) -> Picture:
     return (np.clip(linear, 0, 1) ** (1 / 2.2)).astype(np.float32), alpha
 
 
+def _srgb_coded(picture: Picture) -> Picture:
+    """The inverse of `_power_coded`."""
+    rgb, alpha = picture
+    linear = np.clip(rgb, 0, 1) ** 2.2
+    coded = np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1 / 2.4) - 0.055)
+    return coded.astype(np.float32), alpha
+
+
 def _page(scorer: ModuleType, rows: list[dict[str, Any]]) -> list[str]:
     return ["# Fidelity: our pictures and other engines'", "",
             "Mean FLIP over interior pixels against the two path tracers that agree best; less is better. A number in",
             "brackets is of the same picture, encoded as each reference is. The rank is that of our default among four",
-            "real-time engines, the best of which would be 1 and the last 5.", "", *_table(scorer, rows), ""]
+            "real-time engines, the best of which would be 1 and the last 5. *A reference's own* is what a renderer",
+            "would score that agrees with the better of both references in all but the encoding, sRGB. *Third*",
+            "is the nearest path tracer that is not a reference. Other engines drew at the scenario's size, we at half",
+            "of it, and paths that are not denoised at a third. All are reduced to a third of it.", "",
+            *_table(scorer, rows), ""]
 
 
 def _table(scorer: ModuleType, rows: list[dict[str, Any]]) -> list[str]:
-    head = ["scenario", "references differ by", "rank", *VERSIONS, *scorer.REAL_TIME]
+    head = ["scenario", "references differ by", "a reference's own", "third", "rank", *VERSIONS, *scorer.REAL_TIME]
     lines = [head, ["---"] * len(head)]
     for row in rows:
         engines = row["engines"]
         rank = 1 + sum(score < row["default"]["plain"] for score in engines.values())
-        lines.append([row["scenario"], f"{row['floor']:.3f}", str(rank), *(_cell(row, v) for v in VERSIONS),
+        lines.append([row["scenario"], f"{row['floor']:.3f}", f"{row['own']:.3f}",
+                      f"{row['third']:.3f}" if row["third"] else "", str(rank), *(_cell(row, v) for v in VERSIONS),
                       *(f"{engines[e]:.3f}" if e in engines else "" for e in scorer.REAL_TIME)])
     full = [row for row in rows if len(row["engines"]) == len(scorer.REAL_TIME) and "without" not in row["scenario"]]
     complete = [row for row in full if VERSIONS.keys() <= row.keys()]
@@ -180,7 +209,10 @@ def _table(scorer: ModuleType, rows: list[dict[str, Any]]) -> list[str]:
     for label, group in groups.items():
         if group:
             engines = (f"{statistics.fmean(row['engines'][e] for row in group):.3f}" for e in scorer.REAL_TIME)
-            lines.append([f"{label} ({len(group)})", f"{statistics.fmean(row['floor'] for row in group):.3f}", "",
+            bounds = (f"{statistics.fmean(row[key] for row in group):.3f}" for key in ("floor", "own"))
+            thirds = [row["third"] for row in group if row["third"]]
+            lines.append([f"{label} ({len(group)})", *bounds,
+                          f"{statistics.fmean(thirds):.3f} ({len(thirds)})" if thirds else "", "",
                           *(_mean(group, version) for version in VERSIONS), *engines])
     return ["| " + " | ".join(line) + " |" for line in lines]
 
@@ -202,6 +234,8 @@ def _parse() -> argparse.Namespace:
     parser.add_argument("--only", default="", metavar="NAME", help="scenarios whose name has this in it")
     parser.add_argument("--pictures", type=Path, default=Path("fidelity-pictures"), metavar="DIR",
                         help="keep pictures there, and take those that are")
+    parser.add_argument("--versions", nargs="+", choices=VERSIONS, metavar="VERSION",
+                        help="draw and score these, and keep what the results have of the others")
     parser.add_argument("--kept", action="store_true", help="draw none; score those that are in --pictures")
     parser.add_argument("--results", type=Path, default=shot.REPOSITORY / "benchmarks/results")
     return parser.parse_args()

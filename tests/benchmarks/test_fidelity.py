@@ -14,7 +14,8 @@ SCORER = SimpleNamespace(REAL_TIME=["one", "other"])
 
 def row(name: str, default: float, one: float, other: float, **more: float) -> dict[str, object]:
     versions = {"default": default} | more
-    return {"scenario": name, "floor": 0.05, "engines": {"one": one, "other": other}} | {
+    bounds = {"floor": 0.05, "own": 0.03, "third": 0.12 if more else None}
+    return {"scenario": name, **bounds, "engines": {"one": one, "other": other}} | {
         version: {"plain": score, "alike": score / 2} for version, score in versions.items()}
 
 
@@ -26,6 +27,7 @@ def test_power_coding_is_of_the_same_light() -> None:
     rgb = np.array([[[0.5, 0.02, 1.0]]], np.float32)
     coded, _ = fidelity._power_coded((rgb, np.ones((1, 1), np.float32)))
     assert coded[0, 0] == pytest.approx([0.214041**(1 / 2.2), (0.02 / 12.92)**(1 / 2.2), 1.0], abs=1e-5)
+    assert fidelity._srgb_coded((coded, np.ones((1, 1))))[0] == pytest.approx(rgb, abs=1e-5)
 
 
 def test_ranks_and_means_are_those_of_the_scores(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -38,4 +40,5 @@ def test_ranks_and_means_are_those_of_the_scores(monkeypatch: pytest.MonkeyPatch
     mean, of_all_versions = map(cells, lines[3:])
     assert mean[0] == "mean (2)" and mean[at("default")] == "0.1500 (0.0750)" and mean[at("one")] == "0.150"
     assert mean[at("path")] == ""  # one scenario lacks it
+    assert mean[at("a reference's own")] == "0.030" and mean[at("third")] == "0.120 (1)"
     assert of_all_versions[0].endswith("(1)") and of_all_versions[at("path")] == "0.1000 (0.0500)"
