@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,16 +29,25 @@ from .summary import Spread
 from .trace_scenes import HILLS, scenes
 
 COLUMNS = {"scene": "scene", "triangles": "triangles:,", "by": "by", "first picture, s": "first:.2f", "spp": "spp:.0f",
-           "s, median": "median:.3f", "p10": "p10:.3f", "p90": "p90:.3f", "relMSE": "relmse:.2e",
-           "Msample/s": "mega_samples:.2f", "Mray/s": "mega_rays:.2f"}
+           "s, median": "median:.3f", "p10": "p10:.3f", "p90": "p90:.3f", "processor s": "processor:.3f",
+           "relMSE": "relmse:.2e", "Msample/s": "mega_samples:.2f", "Mray/s": "mega_rays:.2f"}
+
+
+class Drawn(NamedTuple):
+    """A picture, the seconds it took by the clock and of all processors, and its rays (0: not known)."""
+
+    picture: np.ndarray
+    seconds: float
+    processor: float
+    rays: int
 
 
 @dataclass(frozen=True)
 class Renderer:
-    """`draw(spp, seed)` gives a picture, the seconds it took and its rays (0: not known)."""
+    """`draw(spp, seed)` draws a picture."""
 
     name: str
-    draw: Callable[[int, int], tuple[np.ndarray, float, int]]
+    draw: Callable[[int, int], Drawn]
 
 
 def main() -> None:
@@ -49,7 +59,8 @@ def main() -> None:
             if not options.only or any(part in name for part in options.only.split(",")):
                 rows += _scene(tracer, name, scene, camera, options)
         facts = tracing.conditions(tracer) | {"size": f"{options.size}x{options.size}"}
-    text = ["# Path tracing: speed, and error against time", "", *tracing.table(rows, COLUMNS), "", *_growth(rows)]
+    text = ["# Path tracing: speed, and error against time", "", *tracing.table(rows, COLUMNS), "", *_against(rows), "",
+            *_growth(rows)]
     tracing.keep("trace", facts, rows, text, options.results)
 
 
@@ -65,18 +76,20 @@ def _scene(tracer: Tracer, name: str, scene: Scene, camera: Camera, options: arg
         start = time.perf_counter()
         renderer.draw(1, 0)
         first[renderer.name] = time.perf_counter() - start
-        references[renderer.name] = Halves(*(renderer.draw(options.reference_spp // 2, 100 + k)[0] for k in (0, 1)))
+        references[renderer.name] = Halves(*(renderer.draw(options.reference_spp // 2, 100 + k).picture
+                                             for k in (0, 1)))
     for spp in options.spp:
-        drawn: dict[str, list[tuple[np.ndarray, float, int]]] = {renderer.name: [] for renderer in renderers}
+        drawn: dict[str, list[Drawn]] = {renderer.name: [] for renderer in renderers}
         for seed in range(options.rounds):
             for renderer in renderers:
                 drawn[renderer.name].append(renderer.draw(spp, 1 + seed))
         for renderer in renderers:
-            pictures, seconds, rays = zip(*drawn[renderer.name])
+            pictures, seconds, processor, rays = zip(*drawn[renderer.name])
             reference, spread = references[renderer.name], Spread.of(seconds)
             rows.append({
                 "scene": name, "triangles": scene.triangle_count, "by": renderer.name, "first": first[renderer.name],
                 "spp": spp, "median": spread.median, "p10": spread.p10, "p90": spread.p90, "n": spread.n,
+                "processor": statistics.median(processor),
                 "relmse": statistics.median(relmse(picture, reference.mean) for picture in pictures),
                 "reference_floor": reference.floor(reference.mean),
                 "mega_samples": size[0] * size[1] * spp / spread.median / 1e6,
@@ -85,10 +98,10 @@ def _scene(tracer: Tracer, name: str, scene: Scene, camera: Camera, options: arg
 
 
 def ours(tracer: Tracer, scene: Scene, camera: Camera, size: tuple[int, int]) -> Renderer:
-    def draw(spp: int, seed: int) -> tuple[np.ndarray, float, int]:
-        start = time.perf_counter()
+    def draw(spp: int, seed: int) -> Drawn:
+        start, processor = time.perf_counter(), time.process_time()
         shot = tracing.shoot(tracer, scene, camera, Settings.of(mode="path", spp=spp, seed=seed), size)
-        return shot.pixels, time.perf_counter() - start, shot.rays
+        return Drawn(shot.pixels, time.perf_counter() - start, time.process_time() - processor, shot.rays)
 
     return Renderer("pbr-viewer", draw)
 
@@ -96,12 +109,27 @@ def ours(tracer: Tracer, scene: Scene, camera: Camera, size: tuple[int, int]) ->
 def mitsubas(scene: Scene, camera: Camera, size: tuple[int, int]) -> Renderer:
     theirs = mitsuba_scene.convert(scene, camera, size)
 
-    def draw(spp: int, seed: int) -> tuple[np.ndarray, float, int]:
-        start = time.perf_counter()
+    def draw(spp: int, seed: int) -> Drawn:
+        start, processor = time.perf_counter(), time.process_time()
         picture = mitsuba_scene.render(theirs, spp, seed)
-        return picture, time.perf_counter() - start, 0
+        return Drawn(picture, time.perf_counter() - start, time.process_time() - processor, 0)
 
     return Renderer(f"Mitsuba, {mitsuba_scene.mitsuba().variant()}", draw)
+
+
+def _against(rows: list[dict[str, object]]) -> list[str]:
+    """Our time over Mitsuba's at equal samples, and at equal error: error times time, since relMSE falls as 1 / time.
+    Of the largest sample count of each scene, by the clock and by the time of all processors."""
+    last = {(str(row["scene"]), str(row["by"])): row for row in rows}
+    lines = ["| scene | equal samples, clock | processor | equal error, clock | processor |", "|---|---|---|---|---|"]
+    for scene in dict.fromkeys(scene for scene, _ in last):
+        us, them = last[scene, "pbr-viewer"], last.get((scene, "Mitsuba"))
+        if them is not None:
+            error = float(us["relmse"]) / float(them["relmse"])
+            times = [float(us[key]) / float(them[key]) for key in ("median", "processor")]
+            cells = (f"{value:.2f}" for value in (*times, *(error * t for t in times)))
+            lines.append(f"| {scene} | " + " | ".join(cells) + " |")
+    return lines if len(lines) > 2 else []
 
 
 def _growth(rows: list[dict[str, object]]) -> list[str]:

@@ -13,20 +13,28 @@ from viewer.scene.material import Material
 from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Instance, Scene
 
+from . import truth_cases
 from .shot import REPOSITORY
 
 _CORPUS = REPOSITORY.parent / "shared" / "corpus" / "models"
-MODELS = {"DamagedHelmet": "DamagedHelmet/DamagedHelmet.gltf", "FlightHelmet": "FlightHelmet/FlightHelmet.gltf"}
+MODELS = {"DamagedHelmet": "DamagedHelmet/DamagedHelmet.gltf", "FlightHelmet": "FlightHelmet/FlightHelmet.gltf",
+          "MetalRoughSpheres": "MetalRoughSpheresNoTextures/MetalRoughSpheresNoTextures.glb"}
+SOLVED = "cornell-box", "glass-smooth"
+"""Those of `truth_cases`."""
 HILLS = (1_000, 32_000, 1_000_000)
 
 
 def scenes() -> dict[str, tuple[Scene, Camera]]:
-    """Hills of each triangle count, and those of the models that are there, framed under the studio."""
+    """Hills of each triangle count, those of the models that are there, framed under the studio, and solved scenes."""
     found = {f"hills {count:,}": hills(count) for count in HILLS}
     for name, path in MODELS.items():
         if (_CORPUS / path).is_file():
             scene = viewer.load(_CORPUS / path)
             found[name] = scene, Camera.framing(scene.center, scene.radius, 1.0)
+    for name in SOLVED:
+        if (truth_cases.FOLDER / name).is_dir():
+            case = truth_cases.load_case(name)
+            found[name] = case.scene, case.camera
     return found
 
 
