@@ -201,9 +201,10 @@ class Settings:
         "while the camera moves and the CPU renders")
     media_scattering: Literal["single", "multiple"] = _option(
         "multiple", "fog and volumes: light scattered once by them, or also more often, by a diffusion equation")
-    antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8", "ssaa-4", "ssaa-9", "ssaa-16"] = _option(
-        "auto", "samples per pixel, which are shaded once (msaa) or each (ssaa); auto: msaa-4, but none while the "
-        "camera moves and the CPU renders, and ssaa-4 where it renders curves")
+    antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8", "deferred-4", "ssaa-4", "ssaa-9", "ssaa-16"] = (
+        _option("auto", "samples per pixel, which are shaded once for each triangle (msaa), for at most two surfaces "
+                "(deferred), or each (ssaa); auto: msaa-4, and where the CPU renders deferred-4, but none while the "
+                "camera moves, and ssaa-4 for curves"))
     plan: Literal["needed", "everything"] = _option(
         "needed", "everything: compile and upload also what is not needed, for the same picture; shows what is saved")
     sampling: Literal["mis", "bsdf", "lights"] = _option(
@@ -322,7 +323,15 @@ class Settings:
         """Samples per pixel (MSAA) on a software or hardware device, for a still picture or a moving camera."""
         if self.antialias == "auto":
             return 1 if is_software and not is_still else 4
-        return int(self.antialias[5:]) if self.antialias.startswith("msaa") else 1
+        return int(self.antialias.rpartition("-")[2]) if self.antialias.startswith(("msaa", "deferred")) else 1
+
+    def defers(self, is_software: bool, is_still: bool) -> bool:
+        """Whether opaque surfaces are shaded after all triangles are drawn; of a moving picture or not, as `samples`.
+
+        A graphics card multisamples at little cost. What a CPU shades anew for each triangle costs it about as much as
+        the first time.
+        """
+        return self.antialias == "deferred-4" or (self.antialias == "auto" and is_software and is_still)
 
     def media_rays_and_steps(self, is_software: bool, is_still: bool) -> tuple[str, int]:
         """The pixels that have a ray through fog and volumes, and its steps, as `samples` has those of a pixel."""

@@ -81,8 +81,8 @@ uniform float u_multiscatter_anisotropy;
 uniform sampler2D u_base_color_map;
 uniform mat3x2 u_base_color_transform;
 vec4 base_color_texel() {
-    return texture(u_base_color_map, map_uv(BASE_COLOR_UV, BASE_COLOR_TRANSFORM,
-        u_base_color_transform, BASE_COLOR_MIRROR));
+    return map_texel(u_base_color_map, BASE_COLOR_UV, BASE_COLOR_TRANSFORM,
+        u_base_color_transform, BASE_COLOR_MIRROR);
 }
 #endif
 
@@ -90,8 +90,8 @@ vec4 base_color_texel() {
 uniform sampler2D u_metallic_roughness_map;
 uniform mat3x2 u_metallic_roughness_transform;
 vec4 metallic_roughness_texel() {
-    return texture(u_metallic_roughness_map, map_uv(METALLIC_ROUGHNESS_UV, METALLIC_ROUGHNESS_TRANSFORM,
-        u_metallic_roughness_transform, METALLIC_ROUGHNESS_MIRROR));
+    return map_texel(u_metallic_roughness_map, METALLIC_ROUGHNESS_UV, METALLIC_ROUGHNESS_TRANSFORM,
+        u_metallic_roughness_transform, METALLIC_ROUGHNESS_MIRROR);
 }
 #endif
 
@@ -99,8 +99,8 @@ vec4 metallic_roughness_texel() {
 uniform sampler2D u_normal_map;
 uniform mat3x2 u_normal_transform;
 vec4 normal_texel() {
-    return texture(u_normal_map, map_uv(NORMAL_UV, NORMAL_TRANSFORM,
-        u_normal_transform, NORMAL_MIRROR));
+    return map_texel(u_normal_map, NORMAL_UV, NORMAL_TRANSFORM,
+        u_normal_transform, NORMAL_MIRROR);
 }
 #endif
 
@@ -108,8 +108,8 @@ vec4 normal_texel() {
 uniform sampler2D u_occlusion_map;
 uniform mat3x2 u_occlusion_transform;
 vec4 occlusion_texel() {
-    return texture(u_occlusion_map, map_uv(OCCLUSION_UV, OCCLUSION_TRANSFORM,
-        u_occlusion_transform, OCCLUSION_MIRROR));
+    return map_texel(u_occlusion_map, OCCLUSION_UV, OCCLUSION_TRANSFORM,
+        u_occlusion_transform, OCCLUSION_MIRROR);
 }
 #endif
 
@@ -117,8 +117,8 @@ vec4 occlusion_texel() {
 uniform sampler2D u_emissive_map;
 uniform mat3x2 u_emissive_transform;
 vec4 emissive_texel() {
-    return texture(u_emissive_map, map_uv(EMISSIVE_UV, EMISSIVE_TRANSFORM,
-        u_emissive_transform, EMISSIVE_MIRROR));
+    return map_texel(u_emissive_map, EMISSIVE_UV, EMISSIVE_TRANSFORM,
+        u_emissive_transform, EMISSIVE_MIRROR);
 }
 #endif
 
@@ -126,8 +126,8 @@ vec4 emissive_texel() {
 uniform sampler2D u_specular_map;
 uniform mat3x2 u_specular_transform;
 vec4 specular_texel() {
-    return texture(u_specular_map, map_uv(SPECULAR_UV, SPECULAR_TRANSFORM,
-        u_specular_transform, SPECULAR_MIRROR));
+    return map_texel(u_specular_map, SPECULAR_UV, SPECULAR_TRANSFORM,
+        u_specular_transform, SPECULAR_MIRROR);
 }
 #endif
 
@@ -135,8 +135,8 @@ vec4 specular_texel() {
 uniform sampler2D u_specular_color_map;
 uniform mat3x2 u_specular_color_transform;
 vec4 specular_color_texel() {
-    return texture(u_specular_color_map, map_uv(SPECULAR_COLOR_UV, SPECULAR_COLOR_TRANSFORM,
-        u_specular_color_transform, SPECULAR_COLOR_MIRROR));
+    return map_texel(u_specular_color_map, SPECULAR_COLOR_UV, SPECULAR_COLOR_TRANSFORM,
+        u_specular_color_transform, SPECULAR_COLOR_MIRROR);
 }
 #endif
 
@@ -144,8 +144,8 @@ vec4 specular_color_texel() {
 uniform sampler2D u_specular_glossiness_map;
 uniform mat3x2 u_specular_glossiness_transform;
 vec4 specular_glossiness_texel() {
-    return texture(u_specular_glossiness_map, map_uv(SPECULAR_GLOSSINESS_UV, SPECULAR_GLOSSINESS_TRANSFORM,
-        u_specular_glossiness_transform, SPECULAR_GLOSSINESS_MIRROR));
+    return map_texel(u_specular_glossiness_map, SPECULAR_GLOSSINESS_UV, SPECULAR_GLOSSINESS_TRANSFORM,
+        u_specular_glossiness_transform, SPECULAR_GLOSSINESS_MIRROR);
 }
 #endif
 
@@ -153,8 +153,8 @@ vec4 specular_glossiness_texel() {
 uniform sampler2D u_transmission_map;
 uniform mat3x2 u_transmission_transform;
 vec4 transmission_texel() {
-    return texture(u_transmission_map, map_uv(TRANSMISSION_UV, TRANSMISSION_TRANSFORM,
-        u_transmission_transform, TRANSMISSION_MIRROR));
+    return map_texel(u_transmission_map, TRANSMISSION_UV, TRANSMISSION_TRANSFORM,
+        u_transmission_transform, TRANSMISSION_MIRROR);
 }
 #endif
 
@@ -162,8 +162,8 @@ vec4 transmission_texel() {
 uniform sampler2D u_thickness_map;
 uniform mat3x2 u_thickness_transform;
 vec4 thickness_texel() {
-    return texture(u_thickness_map, map_uv(THICKNESS_UV, THICKNESS_TRANSFORM,
-        u_thickness_transform, THICKNESS_MIRROR));
+    return map_texel(u_thickness_map, THICKNESS_UV, THICKNESS_TRANSFORM,
+        u_thickness_transform, THICKNESS_MIRROR);
 }
 #endif
 
@@ -171,8 +171,8 @@ vec4 thickness_texel() {
 uniform sampler2D u_diffuse_transmission_map;
 uniform mat3x2 u_diffuse_transmission_transform;
 vec4 diffuse_transmission_texel() {
-    return texture(u_diffuse_transmission_map, map_uv(DIFFUSE_TRANSMISSION_UV, DIFFUSE_TRANSMISSION_TRANSFORM,
-        u_diffuse_transmission_transform, DIFFUSE_TRANSMISSION_MIRROR));
+    return map_texel(u_diffuse_transmission_map, DIFFUSE_TRANSMISSION_UV, DIFFUSE_TRANSMISSION_TRANSFORM,
+        u_diffuse_transmission_transform, DIFFUSE_TRANSMISSION_MIRROR);
 }
 #endif
 
@@ -180,8 +180,8 @@ vec4 diffuse_transmission_texel() {
 uniform sampler2D u_diffuse_transmission_color_map;
 uniform mat3x2 u_diffuse_transmission_color_transform;
 vec4 diffuse_transmission_color_texel() {
-    return texture(u_diffuse_transmission_color_map, map_uv(DIFFUSE_TRANSMISSION_COLOR_UV, DIFFUSE_TRANSMISSION_COLOR_TRANSFORM,
-        u_diffuse_transmission_color_transform, DIFFUSE_TRANSMISSION_COLOR_MIRROR));
+    return map_texel(u_diffuse_transmission_color_map, DIFFUSE_TRANSMISSION_COLOR_UV, DIFFUSE_TRANSMISSION_COLOR_TRANSFORM,
+        u_diffuse_transmission_color_transform, DIFFUSE_TRANSMISSION_COLOR_MIRROR);
 }
 #endif
 
@@ -189,8 +189,8 @@ vec4 diffuse_transmission_color_texel() {
 uniform sampler2D u_scatter_strength_map;
 uniform mat3x2 u_scatter_strength_transform;
 vec4 scatter_strength_texel() {
-    return texture(u_scatter_strength_map, map_uv(SCATTER_STRENGTH_UV, SCATTER_STRENGTH_TRANSFORM,
-        u_scatter_strength_transform, SCATTER_STRENGTH_MIRROR));
+    return map_texel(u_scatter_strength_map, SCATTER_STRENGTH_UV, SCATTER_STRENGTH_TRANSFORM,
+        u_scatter_strength_transform, SCATTER_STRENGTH_MIRROR);
 }
 #endif
 
@@ -198,8 +198,8 @@ vec4 scatter_strength_texel() {
 uniform sampler2D u_multiscatter_color_map;
 uniform mat3x2 u_multiscatter_color_transform;
 vec4 multiscatter_color_texel() {
-    return texture(u_multiscatter_color_map, map_uv(MULTISCATTER_COLOR_UV, MULTISCATTER_COLOR_TRANSFORM,
-        u_multiscatter_color_transform, MULTISCATTER_COLOR_MIRROR));
+    return map_texel(u_multiscatter_color_map, MULTISCATTER_COLOR_UV, MULTISCATTER_COLOR_TRANSFORM,
+        u_multiscatter_color_transform, MULTISCATTER_COLOR_MIRROR);
 }
 #endif
 
@@ -207,8 +207,8 @@ vec4 multiscatter_color_texel() {
 uniform sampler2D u_anisotropy_map;
 uniform mat3x2 u_anisotropy_transform;
 vec4 anisotropy_texel() {
-    return texture(u_anisotropy_map, map_uv(ANISOTROPY_UV, ANISOTROPY_TRANSFORM,
-        u_anisotropy_transform, ANISOTROPY_MIRROR));
+    return map_texel(u_anisotropy_map, ANISOTROPY_UV, ANISOTROPY_TRANSFORM,
+        u_anisotropy_transform, ANISOTROPY_MIRROR);
 }
 #endif
 
@@ -216,8 +216,8 @@ vec4 anisotropy_texel() {
 uniform sampler2D u_diffuse_roughness_map;
 uniform mat3x2 u_diffuse_roughness_transform;
 vec4 diffuse_roughness_texel() {
-    return texture(u_diffuse_roughness_map, map_uv(DIFFUSE_ROUGHNESS_UV, DIFFUSE_ROUGHNESS_TRANSFORM,
-        u_diffuse_roughness_transform, DIFFUSE_ROUGHNESS_MIRROR));
+    return map_texel(u_diffuse_roughness_map, DIFFUSE_ROUGHNESS_UV, DIFFUSE_ROUGHNESS_TRANSFORM,
+        u_diffuse_roughness_transform, DIFFUSE_ROUGHNESS_MIRROR);
 }
 #endif
 
@@ -225,8 +225,8 @@ vec4 diffuse_roughness_texel() {
 uniform sampler2D u_sheen_color_map;
 uniform mat3x2 u_sheen_color_transform;
 vec4 sheen_color_texel() {
-    return texture(u_sheen_color_map, map_uv(SHEEN_COLOR_UV, SHEEN_COLOR_TRANSFORM,
-        u_sheen_color_transform, SHEEN_COLOR_MIRROR));
+    return map_texel(u_sheen_color_map, SHEEN_COLOR_UV, SHEEN_COLOR_TRANSFORM,
+        u_sheen_color_transform, SHEEN_COLOR_MIRROR);
 }
 #endif
 
@@ -234,8 +234,8 @@ vec4 sheen_color_texel() {
 uniform sampler2D u_sheen_roughness_map;
 uniform mat3x2 u_sheen_roughness_transform;
 vec4 sheen_roughness_texel() {
-    return texture(u_sheen_roughness_map, map_uv(SHEEN_ROUGHNESS_UV, SHEEN_ROUGHNESS_TRANSFORM,
-        u_sheen_roughness_transform, SHEEN_ROUGHNESS_MIRROR));
+    return map_texel(u_sheen_roughness_map, SHEEN_ROUGHNESS_UV, SHEEN_ROUGHNESS_TRANSFORM,
+        u_sheen_roughness_transform, SHEEN_ROUGHNESS_MIRROR);
 }
 #endif
 
@@ -243,8 +243,8 @@ vec4 sheen_roughness_texel() {
 uniform sampler2D u_iridescence_map;
 uniform mat3x2 u_iridescence_transform;
 vec4 iridescence_texel() {
-    return texture(u_iridescence_map, map_uv(IRIDESCENCE_UV, IRIDESCENCE_TRANSFORM,
-        u_iridescence_transform, IRIDESCENCE_MIRROR));
+    return map_texel(u_iridescence_map, IRIDESCENCE_UV, IRIDESCENCE_TRANSFORM,
+        u_iridescence_transform, IRIDESCENCE_MIRROR);
 }
 #endif
 
@@ -252,8 +252,8 @@ vec4 iridescence_texel() {
 uniform sampler2D u_iridescence_thickness_map;
 uniform mat3x2 u_iridescence_thickness_transform;
 vec4 iridescence_thickness_texel() {
-    return texture(u_iridescence_thickness_map, map_uv(IRIDESCENCE_THICKNESS_UV, IRIDESCENCE_THICKNESS_TRANSFORM,
-        u_iridescence_thickness_transform, IRIDESCENCE_THICKNESS_MIRROR));
+    return map_texel(u_iridescence_thickness_map, IRIDESCENCE_THICKNESS_UV, IRIDESCENCE_THICKNESS_TRANSFORM,
+        u_iridescence_thickness_transform, IRIDESCENCE_THICKNESS_MIRROR);
 }
 #endif
 
@@ -261,8 +261,8 @@ vec4 iridescence_thickness_texel() {
 uniform sampler2D u_clearcoat_map;
 uniform mat3x2 u_clearcoat_transform;
 vec4 clearcoat_texel() {
-    return texture(u_clearcoat_map, map_uv(CLEARCOAT_UV, CLEARCOAT_TRANSFORM,
-        u_clearcoat_transform, CLEARCOAT_MIRROR));
+    return map_texel(u_clearcoat_map, CLEARCOAT_UV, CLEARCOAT_TRANSFORM,
+        u_clearcoat_transform, CLEARCOAT_MIRROR);
 }
 #endif
 
@@ -270,8 +270,8 @@ vec4 clearcoat_texel() {
 uniform sampler2D u_clearcoat_roughness_map;
 uniform mat3x2 u_clearcoat_roughness_transform;
 vec4 clearcoat_roughness_texel() {
-    return texture(u_clearcoat_roughness_map, map_uv(CLEARCOAT_ROUGHNESS_UV, CLEARCOAT_ROUGHNESS_TRANSFORM,
-        u_clearcoat_roughness_transform, CLEARCOAT_ROUGHNESS_MIRROR));
+    return map_texel(u_clearcoat_roughness_map, CLEARCOAT_ROUGHNESS_UV, CLEARCOAT_ROUGHNESS_TRANSFORM,
+        u_clearcoat_roughness_transform, CLEARCOAT_ROUGHNESS_MIRROR);
 }
 #endif
 
@@ -279,8 +279,8 @@ vec4 clearcoat_roughness_texel() {
 uniform sampler2D u_clearcoat_normal_map;
 uniform mat3x2 u_clearcoat_normal_transform;
 vec4 clearcoat_normal_texel() {
-    return texture(u_clearcoat_normal_map, map_uv(CLEARCOAT_NORMAL_UV, CLEARCOAT_NORMAL_TRANSFORM,
-        u_clearcoat_normal_transform, CLEARCOAT_NORMAL_MIRROR));
+    return map_texel(u_clearcoat_normal_map, CLEARCOAT_NORMAL_UV, CLEARCOAT_NORMAL_TRANSFORM,
+        u_clearcoat_normal_transform, CLEARCOAT_NORMAL_MIRROR);
 }
 #endif
 

@@ -3,6 +3,7 @@
 // near each sample lies to the point's tangent plane, and where samples have normals, by how near these are to the point's.
 // Kopf et al. 2007, "Joint Bilateral Upsampling"
 #include "sample/octahedron.glsl"
+#include "raster/varying.glsl"
 uniform vec2 u_drawn_size; // of the picture, in shaded points
 
 // `sample_position` has w = 0 where the G-buffer is empty. `footprint`: length of a pixel on the surface.
@@ -24,7 +25,11 @@ vec4 joint_bilateral_fetch(sampler2D values, sampler2D positions, vec3 position,
     ivec2 pixel = ivec2(at), last = textureSize(values, 0) - 1;
     vec2 off = at - vec2(pixel) - 0.5;
     ivec2 side = ivec2(off.x < 0.0 ? -1 : 1, off.y < 0.0 ? -1 : 1);
+#if DEFERRED
+    float footprint = deferred_footprint / scale.x;
+#else
     float footprint = (length(dFdx(position)) + length(dFdy(position))) / scale.x;
+#endif
     vec4 sum = vec4(0.0);
     float weights = 0.0;
     // First the four nearest samples, bilinearly. If most of their weight is lost (they lie on other surfaces), we add

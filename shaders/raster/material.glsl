@@ -1,10 +1,11 @@
 // The material at a fragment, its coverage by alpha, and the output of the fragment.
+#include "raster/varying.glsl"
 #include "material/uniforms.glsl"
 #if MEDIA
 #include "raster/in_media.glsl"
 #endif
 
-in vec3 v_position; // relative to the eye
+VARYING vec3 v_position; // relative to the eye
 
 layout(location = 0) out vec4 o_color; // radiance with associated alpha
 

@@ -1,7 +1,8 @@
 // The geometric normal and the shading normal of a fragment, both on the eye's side of the surface.
-in vec3 v_normal;
+#include "raster/varying.glsl"
+VARYING vec3 v_normal;
 #if HAS_TANGENT
-in vec4 v_tangent;
+VARYING vec4 v_tangent;
 
 // Zero where the model matrix flattens the tangent
 vec3 mesh_tangent() {
@@ -15,7 +16,7 @@ vec3 mesh_tangent() {
 vec3 geometric_normal() {
     vec3 n = normalize(v_normal);
 #if DOUBLE_SIDED
-    if (!gl_FrontFacing) n = -n;
+    if (!IS_FRONT) n = -n;
 #endif
     return n;
 }
@@ -31,7 +32,7 @@ vec3 mapped_normal(vec3 texel, float scale) {
     vec3 b = cross(front, t) * v_tangent.w;
     vec3 mapped = normalize(texel.x * t + texel.y * b + texel.z * front);
 #if DOUBLE_SIDED
-    if (!gl_FrontFacing) mapped = -mapped;
+    if (!IS_FRONT) mapped = -mapped;
 #endif
     return mapped;
 }

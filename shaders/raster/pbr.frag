@@ -2,6 +2,9 @@
 #include "raster/material.glsl"
 #include "bsdf/surface_of.glsl"
 #include "raster/normal.glsl"
+#if DEFERRED
+#include "raster/deferred.glsl"
+#endif
 #if SPECULAR_AA
 #include "bsdf/specular_aa.glsl"
 #endif
@@ -93,6 +96,9 @@ vec3 crossed_solid(Surface s, vec3 a, out vec3 own) {
 #endif
 
 void main() {
+#if DEFERRED
+    find_surface();
+#endif
     MaterialInputs m = read_inputs();
     float covered = coverage(m.base_color.a);
 #if !REFLECTS
@@ -138,8 +144,8 @@ void main() {
     s.alpha_t = widened_alpha(s.alpha_t, normal_texel(), u_normal_scale);
 #endif
 #if SPECULAR_AA
-    s.alpha = alpha_antialiased(s.alpha, dFdx(p.n), dFdy(p.n));
-    s.alpha_t = alpha_antialiased(s.alpha_t, dFdx(p.n), dFdy(p.n));
+    s.alpha = alpha_antialiased(s.alpha, D_DX(p.n), D_DY(p.n));
+    s.alpha_t = alpha_antialiased(s.alpha_t, D_DX(p.n), D_DY(p.n));
 #endif
 #if SPECULAR_AA || ANISOTROPIC || NORMAL_MAP
     float perceptual_roughness = table_roughness(s);
@@ -169,7 +175,7 @@ void main() {
     coat_alpha = widened_alpha(coat_alpha, clearcoat_normal_texel(), u_clearcoat_normal_scale);
 #endif
 #if SPECULAR_AA
-    coat_alpha = alpha_antialiased(coat_alpha, dFdx(n_coat), dFdy(n_coat));
+    coat_alpha = alpha_antialiased(coat_alpha, D_DX(n_coat), D_DY(n_coat));
 #endif
     view.coat = make_coat(s.coat, coat_alpha, n_coat, clamp(dot(n_coat, p.v), 1e-4, 1.0), u_dfg);
 #endif

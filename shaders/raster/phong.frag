@@ -3,6 +3,9 @@
 // k_d = base colour (1 - metalness), k_s = base colour for metal, f0 otherwise; k_a is the ambient irradiance / pi.
 #include "raster/material.glsl"
 #include "raster/normal.glsl"
+#if DEFERRED
+#include "raster/deferred.glsl"
+#endif
 #include "bsdf/fresnel.glsl"
 #include "bsdf/lambert.glsl"
 #include "bsdf/phong.glsl"
@@ -27,6 +30,9 @@ uniform float u_shininess;
 #endif
 
 void main() {
+#if DEFERRED
+    find_surface();
+#endif
     MaterialInputs m = read_inputs();
     float covered = coverage(m.base_color.a);
     vec3 n_geometric = geometric_normal();

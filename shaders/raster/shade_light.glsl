@@ -46,9 +46,9 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
     vec3 between = p.v + l;
     vec3 h = between * inversesqrt(max(dot(between, between), 1e-30));
 #if SUNS
-    vec3 slopes_x = dFdx(h - p.n), slopes_y = dFdy(h - p.n); // derivatives are undefined after a fragment returns
+    vec3 slopes_x = D_DX(h - p.n), slopes_y = D_DY(h - p.n); // derivatives are undefined after a fragment returns
 #if CLEARCOAT
-    vec3 coat_x = dFdx(h - view.coat.n), coat_y = dFdy(h - view.coat.n);
+    vec3 coat_x = D_DX(h - view.coat.n), coat_y = D_DY(h - view.coat.n);
 #endif
 #endif
 #if DIFFUSE_TRANSMISSION

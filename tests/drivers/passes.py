@@ -15,9 +15,12 @@ from viewer.trace.rays.bvh4 import LEAF_SHIFT
 from viewer.trace.rays.intersect import SHADOW_REACH
 
 _FULLSCREEN = "display/fullscreen.vert"
-_OVER_PICTURES: dict[str, dict[str, tuple[int, ...]]] = {
+_OVER_PICTURES: dict[str, dict[str, tuple[float, ...]]] = {
     "display/display.frag": {"TONEMAP": (0, 1, 2, 3), "DITHER": (0, 1)},
     "raster/resolve.frag": {"SAMPLES": (1, 4, 8), "SUPERSAMPLING": (1, 2)},
+    "raster/choose.frag": {"OBJECTS": (1 << 20,), "FAR": (0, 1), "SAMPLES": (2, 4, 8), "BACKGROUND": (0, 1)},
+    "raster/choose_second.frag": {"OBJECTS": (1 << 20,), "FAR": (0, 1), "SAMPLES": (2, 4, 8), "NOTHING": (0.5,)},
+    "raster/resolve_second.frag": {"SAMPLES": (2, 4, 8)}, "raster/resolve_deferred.frag": {"SAMPLES": (2, 4, 8)},
     "raster/background.frag": {"HALF_TARGET": (0, 1), "SMOOTH": (0, 1), "MEDIA": (0, 1)},
     "raster/media_sky.frag": {"HALF_TARGET": (0, 1)},
     "raster/backdrop.frag": {"LEVEL": (0, 1)},
@@ -53,7 +56,7 @@ def passes() -> list[Sources]:
         programs += [_program("trace/film/sky.vert", "trace/film/sky.frag", defines),
                      _program("trace/blocks.vert", "trace/begin_sums.frag", defines),
                      _program(_FULLSCREEN, "trace/sky.frag", defines | {"HAS_ENVIRONMENT": int(background > 0)})]
-    programs += [_program(f"raster/{name}.vert", f"raster/{name}.frag", {}) for name in ("line", "grid")]
+    programs += [_program(f"raster/{name}.vert", f"raster/{name}.frag", {}) for name in ("line", "grid", "triangles")]
     return [*programs, _program("app/gui.vert", "app/gui.frag", {})]
 
 

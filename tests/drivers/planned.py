@@ -15,7 +15,14 @@ from viewer.plan.layers import VERTEX as LAYER_VERTEX
 from viewer.plan.layers import plan_layers
 from viewer.plan.planner import plan_scene
 from viewer.raster.curves import ALL, BESIDE
-from viewer.raster.surface_programs import SHADOW_VERTEX, VERTEX, gbuffer_program, path_program, shadow_program
+from viewer.raster.surface_programs import (
+    SHADOW_VERTEX,
+    VERTEX,
+    gbuffer_program,
+    path_program,
+    shadow_program,
+    vertex_of,
+)
 from viewer.scene.environment import Environment
 from viewer.scene.light import Light
 from viewer.scene.scene import Scene
@@ -35,6 +42,7 @@ def raster_keys(scene: Scene, settings: Settings, *, half: bool = True, orthogra
     """Of the surfaces, with those of their shadows, their G-buffer and the paths that begin at them."""
     lights = (*scene.lights, SUN) if scene.environment is not None else scene.lights
     plan = plan_scene(scene, settings, lights, samples=settings.samples(is_software=False, is_still=True),
+                      deferred=settings.defers(is_software=False, is_still=True),
                       half_target=half, orthographic=orthographic)
     if plan.ground is not None:
         yield "display/fullscreen.vert", plan.ground.fragment, plan.ground.switches
@@ -47,7 +55,8 @@ def raster_keys(scene: Scene, settings: Settings, *, half: bool = True, orthogra
                 switches = dict(program.switches) | {"ROUND": part}
                 yield CURVE_VERTEX, program.fragment, tuple(sorted(switches.items()))
     for draw in plan.draws:
-        yield VERTEX, draw.program.fragment, draw.program.switches
+        yield (vertex_of(draw.program.fragment, dict(draw.program.switches)), draw.program.fragment,
+               draw.program.switches)
         if plan.shadow_layer_count or plan.environment_shadows:
             shadow = shadow_program(draw)
             yield SHADOW_VERTEX, shadow.fragment, shadow.switches

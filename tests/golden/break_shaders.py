@@ -50,7 +50,7 @@ MUTATIONS = [
     Mutation("normal map's green flipped", "raster/normal.glsl", "texel.y * b", "-texel.y * b"),
     Mutation("normal map's red flipped", "raster/normal.glsl", "texel.x * t", "-texel.x * t"),
     Mutation("back faces keep their normal", "raster/normal.glsl",
-             "if (!gl_FrontFacing) n = -n;", "if (!gl_FrontFacing) n = n;"),
+             "if (!IS_FRONT) n = -n;", "if (!gl_FrontFacing) n = n;"),
     Mutation("environment mirrored", "light/equirect.glsl", "vec2(0.5 + turns(d.z, d.x)", "vec2(0.5 - turns(d.z, d.x)"),
     Mutation("environment upside down", "light/equirect.glsl", "return y < 0.0 ? 1.0 - c : c;",
              "return y < 0.0 ? c : 1.0 - c;"),

@@ -154,7 +154,8 @@ def _plan(scene: Scene, settings: Settings) -> Plan | TracePlan:
     suns = bake_environment(scene.environment, settings.ndf, levels=is_reflected).suns \
         if is_lit and scene.environment is not None else ()
     plan = plan_scene(scene, settings, [*scene.lights, *suns], half_target=True, orthographic=False,
-                      samples=settings.samples(is_software=False, is_still=True))
+                      samples=settings.samples(is_software=False, is_still=True),
+                      deferred=settings.defers(is_software=False, is_still=True))
     if settings.mode == "pbr" and settings.caustics == "photons":
         from ..raster.caustics import plan_lines
 

@@ -46,8 +46,8 @@ def _uniforms() -> str:
         name, macro = source.name, source.name.upper()
         lines += ["", f"#if {macro}_MAP", f"uniform sampler2D u_{name}_map;", f"uniform mat3x2 u_{name}_transform;",
                   f"vec4 {name}_texel() {{",
-                  f"    return texture(u_{name}_map, map_uv({macro}_UV, {macro}_TRANSFORM,",
-                  f"        u_{name}_transform, {macro}_MIRROR));", "}", "#endif"]
+                  f"    return map_texel(u_{name}_map, {macro}_UV, {macro}_TRANSFORM,",
+                  f"        u_{name}_transform, {macro}_MIRROR);", "}", "#endif"]
     lines += ["", "MaterialInputs read_inputs() {", "    MaterialInputs m = DEFAULT_INPUTS;"]
     lines += _guarded([p for p in shown if p.info.role == "input"], "    m.{name} = u_{name};")
     for source in MAPS.values():

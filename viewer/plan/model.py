@@ -105,6 +105,11 @@ class Draw:
         return self.program.get("SUBSURFACE") == SPREAD
 
     @property
+    def is_deferred(self) -> bool:
+        """Whether it is shaded once its triangles and all others are drawn."""
+        return self.program.get("DEFERRED") == 1
+
+    @property
     def is_in_gbuffer(self) -> bool:
         """Whether a pass needs its position and normal before the surfaces are shaded."""
         return self.uses_visibility or self.traces_reflections
@@ -176,6 +181,18 @@ class Plan:
         return self.is_everything or any(draw.alpha_mode == "blend" for draw in self.kinds)
 
     @property
+    def has_deferred(self) -> bool:
+        """Whether some surfaces are shaded once all triangles are drawn."""
+        return any(draw.is_deferred for draw in self.kinds)
+
+    @property
+    def is_all_deferred(self) -> bool:
+        """Whether nothing is drawn but such surfaces, and perhaps a background."""
+        others = (self.curves, self.ground, None if self.background else self.media)
+        return (self.has_deferred and all(draw.is_deferred for draw in self.kinds) and others == (None, None, None)
+                and not (self.wireframe or self.grid or self.counts))
+
+    @property
     def has_visibility(self) -> bool:
         """Whether a pass computes the visibility of the environment before the surfaces are shaded."""
         return any(draw.uses_visibility for draw in self.kinds)
@@ -225,7 +242,9 @@ class Plan:
         passes += ["reflections"] * self.has_traced_reflections
         passes += ["media"] * (self.media is not None)
         passes += ["subsurface"] * self.spreads_subsurface
-        passes += ["surfaces"] * bool(self.draws) + ["curves"] * (self.curves is not None)
+        passes += ["deferred surfaces"] * self.has_deferred
+        passes += ["surfaces"] * (not self.is_all_deferred and bool(self.draws))
+        passes += ["curves"] * (self.curves is not None)
         passes += ["solid transmission"] if self.has_solid_transmission else []
         passes += ["background"] if self.background else []
         passes += ["ground"] * (self.ground is not None)

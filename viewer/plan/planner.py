@@ -22,6 +22,7 @@ from ..scene.woven import woven
 from ..settings import Settings
 from .bsdf_switches import bsdf_switches
 from .curves import draws_curves, plan_curves
+from .deferral import can_defer, is_worth_deferring
 from .explain import explain
 from .ground import plan_ground
 from .instances import instances_of, is_instanced, placed
@@ -66,13 +67,15 @@ def environment_use(scene: Scene, settings: Settings) -> tuple[bool, bool]:
 
 
 def plan_scene(
-    scene: Scene, settings: Settings, lights: Sequence[Light], *, samples: int, half_target: bool, orthographic: bool
+    scene: Scene, settings: Settings, lights: Sequence[Light], *, samples: int, half_target: bool, orthographic: bool,
+    deferred: bool = False,
 ) -> Plan:
     """The plan for rasterising `scene` with `settings`.
 
     `lights` are all lights, including the suns extracted from the environment. `samples` is the number of samples per
     pixel of the render target (MSAA), and `half_target` tells whether it stores half floats. `orthographic` tells
-    whether the camera is orthographic. Raises UsageError for mode path, which the raster cannot draw.
+    whether the camera is orthographic, and `deferred` whether a multisampled picture may shade surfaces after all
+    triangles are drawn (viewer/raster/deferred.py). Raises UsageError for mode path, which the raster cannot draw.
     """
     if settings.mode == "path":
         raise UsageError("the raster cannot draw mode path")
@@ -96,6 +99,7 @@ def plan_scene(
         "INDIRECT": int(_has_indirect(scene, settings)),
         "HALF_TARGET": int(half_target),
         "SAMPLES": samples,
+        "DEFERRED": int(deferred and samples > 1 and settings.plan == "needed" and is_worth_deferring(scene)),
         "IS_ORTHOGRAPHIC": int(orthographic),
         "LIGHT_COUNT": len(shown_lights),
         "DIRECTIONAL_COUNT": sum(light.kind == "directional" for light in shown_lights),
@@ -204,7 +208,7 @@ def _draw(
                            or any(MAPS[name].info.needs_tangents for name in maps)),
         "INDIRECT": common["INDIRECT"] * lit,
         **features,
-        **{name: common[name] for name in ("HALF_TARGET", "SAMPLES", "MEDIA")},
+        **{name: common[name] for name in ("HALF_TARGET", "SAMPLES", "MEDIA", "DEFERRED")},
         "SUBSURFACE": subsurface(material, model, settings),
     }
     switches["INSTANCED"] = int(is_instanced(count, material, switches))
@@ -219,6 +223,7 @@ def _draw(
         else:
             switches |= _phong_switches(material, settings)
     wanted, switches = switches, within_limit(switches)
+    wanted["DEFERRED"] = switches["DEFERRED"] = int(common["DEFERRED"] and can_defer(mesh, material, switches))
     maps = tuple(name for name in maps if switches[f"{name.upper()}_MAP"])
     program = Program.of(f"raster/{model}.frag", switches)
     transmits = features["HAS_TRANSMISSION"] * (1 + features["IS_SOLID"])

@@ -67,15 +67,34 @@ class Depth:
         self._gl.depth_func = self._nearer
 
     @contextmanager
+    def only_at(self, depth: float) -> Iterator[None]:
+        """Restrict a full-screen triangle to the pixels in which this depth is stored, within `test()`."""
+        with self._at(depth, "=="):
+            yield
+
+    @contextmanager
+    def except_at(self, depth: float) -> Iterator[None]:
+        """Restrict a full-screen triangle to the pixels in which another depth is stored."""
+        with self._at(depth, "!="):
+            yield
+
+    @contextmanager
+    def all(self) -> Iterator[None]:
+        """Let all pixels store their depth, within `test()`."""
+        self._gl.depth_func = "1"
+        yield
+        self._gl.depth_func = self._nearer
+
+    @contextmanager
     def on_surfaces(self) -> Iterator[None]:
         """Restrict a full-screen triangle to the pixels that have a surface, within `test()`."""
-        with self._at_far_plane("<" if self.is_reversed else ">"):
+        with self._at(self.far, "<" if self.is_reversed else ">"):
             yield
 
     @contextmanager
     def behind_surfaces(self) -> Iterator[None]:
         """Restrict a full-screen triangle to the pixels that have none, within `test()`."""
-        with self._at_far_plane(">=" if self.is_reversed else "<="):
+        with self._at(self.far, ">=" if self.is_reversed else "<="):
             yield
 
     @contextmanager
@@ -89,8 +108,8 @@ class Depth:
         self._gl.disable_direct(_DEPTH_CLAMP)
 
     @contextmanager
-    def _at_far_plane(self, compare: str) -> Iterator[None]:
-        self._set_range(self.far, self.far)
+    def _at(self, depth: float, compare: str) -> Iterator[None]:
+        self._set_range(depth, depth)
         self._gl.depth_func = compare
         yield
         self._gl.depth_func = self._nearer

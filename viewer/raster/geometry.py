@@ -8,6 +8,8 @@ from types import MappingProxyType
 import moderngl
 import numpy as np
 
+from ..gpu.buffer_texture import BufferTexture
+from ..gpu.context import Context
 from ..scene.mesh import Mesh
 from ..scene.scene import Instance, Scene
 from ..scene.triangles import triangles_of
@@ -29,11 +31,12 @@ class MeshBuffers:
     its digits in float32 arithmetic; `to_mesh` is the translation back.
     """
 
-    def __init__(self, gl: moderngl.Context, mesh: Mesh) -> None:
-        self._gl, self._mesh = gl, mesh
+    def __init__(self, context: Context, mesh: Mesh) -> None:
+        self._context, self._gl, self._mesh = context, context.gl, mesh
         self._buffers: dict[str, moderngl.Buffer] = {}
         self._arrays: dict[tuple[int, ...], moderngl.VertexArray] = {}
         self._sorted: moderngl.Buffer | None = None
+        self._texels: BufferTexture | None = None
         self.to_mesh = _to_mesh(mesh)
         self._next = mesh
         self._parts: list[InstanceBuffers] = []
@@ -47,6 +50,7 @@ class MeshBuffers:
         for name, buffer in self._buffers.items():
             if after[name] is not before[name]:
                 buffer.write(self._data(name))
+        self._drop_texels()
 
     def follow(self, mesh: Mesh) -> np.ndarray:
         """Let a_next have the positions of a mesh of the same layout, about the middle of its box. Returns the
@@ -82,6 +86,24 @@ class MeshBuffers:
         if key not in self._arrays:
             self._arrays[key] = self._new_array(program, part.content(program), self._own_indices())
         self._arrays[key].render(instances=count)
+
+    @property
+    def triangles_and_vertices(self) -> BufferTexture:
+        """A texel for each triangle, with the numbers of its vertices, and four for each vertex: position about the
+        middle, normal, tangent, and the second texture coordinates. The first are in w of position and normal."""
+        if self._texels is None:
+            triangles, count = triangles_of(self._mesh), len(self._mesh.positions)
+            texels = np.zeros((len(triangles) + 4 * count, 4), np.float32)
+            texels[:len(triangles), :3] = triangles
+            vertices = texels[len(triangles):].reshape(count, 4, 4)
+            vertices[:, 0, :3] = self._data("a_position")
+            if self._mesh.normals is not None:
+                vertices[:, 1, :3] = self._mesh.normals
+            vertices[:, 2] = self._data("a_tangent")
+            vertices[:, :2, 3] = self._data("a_uv0")
+            vertices[:, 3, :2] = self._data("a_uv1")
+            self._texels = BufferTexture(self._context, texels)
+        return self._texels
 
     def draw(self, program: moderngl.Program, order: np.ndarray | None = None,
              of_instance: Mapping[str, moderngl.Buffer] = MappingProxyType({})) -> None:
@@ -147,6 +169,11 @@ class MeshBuffers:
             array = np.full((len(mesh.positions), len(_BLANK[name])), _BLANK[name], np.float32)
         return np.ascontiguousarray(array)
 
+    def _drop_texels(self) -> None:
+        if self._texels is not None:
+            self._texels.release()
+            self._texels = None
+
     def drop_arrays(self) -> None:
         """Release the vertex arrays, for when the programs have changed."""
         for array in self._arrays.values():
@@ -155,6 +182,7 @@ class MeshBuffers:
 
     def release(self) -> None:
         self.drop_arrays()
+        self._drop_texels()
         for thing in (*self._buffers.values(), self._sorted, *self._parts):
             if thing is not None:
                 thing.release()

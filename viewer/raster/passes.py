@@ -14,6 +14,7 @@ from ..scene.scene import Scene
 from ..settings import Settings
 from .baked_vertices import BakedVertices
 from .curves import CurvePass
+from .deferred import DeferredSurfaces
 from .depth import Depth
 from .frame_uniforms import FrameUniforms
 from .gbuffer import GBuffer
@@ -60,6 +61,7 @@ class Passes:
         self._vertices = BakedVertices(context, programs, prepared.surfaces, watch)
         self._ground = GroundPass(context, programs, depth, self._casters)
         self.layers = LayerPass(gl, depth, prepared, self.curves, self._uniforms, watch)
+        self._deferred = DeferredSurfaces(context, programs, depth, prepared.surfaces)
         self._generation = prepared.generation
 
     def prepare(self, scene: Scene, settings: Settings, plan: Plan) -> None:
@@ -107,8 +109,10 @@ class Passes:
             if plan.counts:
                 self._count(plan, frame, target, settings, uniforms)
                 return
-            target.framebuffer.use()
-            target.framebuffer.clear(depth=self._depth.far)  # alpha 0: the display pass adds the background colour
+            target.behind = None
+            if not plan.is_all_deferred:
+                target.framebuffer.use()
+                target.framebuffer.clear(depth=self._depth.far)  # alpha 0: the display pass adds the background colour
             self._draw_surfaces(plan, frame, target, settings, uniforms, media)
 
     def _draw_before_surfaces(self, plan: Plan, frame: Frame, pixels: Frame,
@@ -140,6 +144,17 @@ class Passes:
                        media: dict[str, object]) -> None:
         """Draw what is seen, each pass over what those before have left in `target`."""
         surfaces, drawing = self._prepared.surfaces, self._watch.drawing
+        if plan.has_deferred:
+            with drawing("deferred surfaces"):
+                target.behind = layers = self._deferred.draw(frame, plan, target, uniforms)
+            if plan.is_all_deferred:
+                if plan.background:
+                    with drawing("background"):
+                        for framebuffer in layers.shaded:
+                            framebuffer.use()
+                            self._draw_background(frame, target, plan, media)
+                return
+            target.framebuffer.use()
         with drawing("surfaces"):
             surfaces.draw_opaque(frame, plan, uniforms)
         if plan.curves is not None:
@@ -155,7 +170,7 @@ class Passes:
                 surfaces.draw_transmissive(SOLID, frame, plan, uniforms)
         if plan.background:
             with drawing("background"):
-                self._prepared.environment.draw_background(self._programs, self._depth, frame, target.half, plan, media)
+                self._draw_background(frame, target, plan, media)
         elif plan.media is not None:
             with drawing("media behind which nothing stands"):
                 self._media.draw_sky(self._depth, media, target.half)
@@ -177,6 +192,9 @@ class Passes:
                 self._wireframe.draw(frame, target)
         if plan.grid:
             self._grid.draw_axes(frame, target, settings)
+
+    def _draw_background(self, frame: Frame, target: Target, plan: Plan, media: dict[str, object]) -> None:
+        self._prepared.environment.draw_background(self._programs, self._depth, frame, target.half, plan, media)
 
     def _count(self, plan: Plan, frame: Frame, target: Target, settings: Settings, uniforms: dict[str, object]) -> None:
         """Draw how many fragments there are in each pixel."""
@@ -209,5 +227,5 @@ class Passes:
 
     def release(self) -> None:
         free(self._gl, self._backdrop, self._visibility, self.reflections, self.refraction, self._media,
-             self._subsurface, *self._gbuffers.values(), self._overdraw, self._wireframe, self._grid, self.curves,
-             self._shadows, self._uniforms, self.layers, self._ground)
+             self._subsurface, self._deferred, *self._gbuffers.values(), self._overdraw, self._wireframe, self._grid,
+             self.curves, self._shadows, self._uniforms, self.layers, self._ground)

@@ -52,7 +52,7 @@ class Prepared:
         """Whether this is the scene of the last frame, perhaps under other lights."""
         return self.surfaces.scene.has_surfaces_of(scene)
 
-    def prepare(self, scene: Scene, settings: Settings, target: Target, orthographic: bool) -> Plan:
+    def prepare(self, scene: Scene, settings: Settings, target: Target, orthographic: bool, deferred: bool) -> Plan:
         """Upload the scene and compile its programs, unless an earlier frame has left them. Returns the plan."""
         with self._watch.preparing("environment"):
             self._prepare_environment(scene, settings)
@@ -60,7 +60,8 @@ class Prepared:
         background = settings.background if settings.background == "env" else "none"
         shading = replace(settings, exposure=0.0, tonemap="none", background=background)
         shape = scene if settings.indirect == "baked" else None  # which is left out of what is convex
-        key = (scene.layout, scene.lights, scene.environment, shape, shading, target.samples, target.half, orthographic)
+        key = (scene.layout, scene.lights, scene.environment, shape, shading, target.samples, target.half, orthographic,
+               deferred)
         return next((plan for k, plan in self._plans if k == key), None) or self._make_plan(scene, key)
 
     def _prepare_environment(self, scene: Scene, settings: Settings) -> None:
@@ -89,13 +90,13 @@ class Prepared:
         self.surfaces.scene = scene
 
     def _make_plan(self, scene: Scene, key: tuple[Any, ...]) -> Plan:
-        settings, samples, half, orthographic = key[-4:]
+        settings, samples, half, orthographic, deferred = key[-5:]
         is_lit, is_reflected = environment_use(scene, settings)
         if is_lit:
             with self._watch.preparing("environment"):
                 self.environment.bake(is_reflected or (settings.mode == "pbr" and has_media(scene, settings)))
         plan = plan_scene(scene, settings, self._lights(scene, settings), samples=samples, half_target=half,
-                          orthographic=orthographic)
+                          orthographic=orthographic, deferred=deferred)
         self.surfaces.textures.prefetch(plan)
         with self._watch.preparing("compile and upload"):
             self.surfaces.prepare(plan)

@@ -2,12 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+from ..plan.layers import FRAGMENT as LAYER_FRAGMENT
+from ..plan.layers import VERTEX as LAYER_VERTEX
 from ..plan.model import GATHERED, Draw, Program
 from ..scene.schema import MAP_SWITCHES, no_switches
 
 VERTEX, SHADOW_VERTEX = "raster/surface.vert", "raster/shadow.vert"
+FULLSCREEN = "display/fullscreen.vert"
+TRIANGLES = Program("raster/triangles.frag", ())
 _GBUFFER_SWITCHES = ("ALPHA_MODE", "DOUBLE_SIDED", "HALF_TARGET", "HAS_COLOR", "HAS_NORMAL", "INSTANCED",
                      "IS_POINTS", "SAMPLES", "UV_SETS")
+
+
+def vertex_of(fragment: str, switches: Mapping[str, int]) -> str:
+    """The vertex shader that goes with the fragment shader of a surface."""
+    if fragment == LAYER_FRAGMENT:
+        return LAYER_VERTEX
+    if fragment == TRIANGLES.fragment:
+        return "raster/triangles.vert"
+    return FULLSCREEN if switches.get("DEFERRED") else VERTEX
 
 
 def gbuffer_program(program: Program) -> Program:

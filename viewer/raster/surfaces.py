@@ -13,8 +13,6 @@ from ..gpu.context import Context
 from ..gpu.programs import Programs, matrix_uniform, set_uniform
 from ..material.pack import uniforms
 from ..material.weave import WeaveBinding
-from ..plan.layers import FRAGMENT as LAYER_FRAGMENT
-from ..plan.layers import VERTEX as LAYER_VERTEX
 from ..plan.model import Draw, Plan
 from ..scene.decoding import Decoder
 from ..scene.frame import Frame
@@ -28,12 +26,13 @@ from .instances import InstanceBuffers
 from .subsurface_uniforms import interior_uniforms
 from .surface_programs import (
     SHADOW_VERTEX,
-    VERTEX,
+    TRIANGLES,
     gathering_program,
     gbuffer_program,
     path_program,
     shadow_maps_of,
     shadow_program,
+    vertex_of,
 )
 from .textures import Textures
 
@@ -45,12 +44,15 @@ if TYPE_CHECKING:
 (UNIT_DFG, UNIT_PREFILTERED, UNIT_IRRADIANCE, UNIT_SHADOW, UNIT_BACKGROUND, UNIT_RADIANCE, UNIT_VISIBILITY,
  UNIT_REFLECTED, UNIT_RAY_POSITIONS, UNIT_REFRACTED, UNIT_MIRRORED, UNIT_PATH_POSITIONS, UNIT_MEDIA,
  UNIT_MEDIA_LIGHT, UNIT_VOLUME_DEPTH) = range(16, 31)
-UNIT_SUBSURFACE, UNIT_SUBSURFACE_POSITIONS, UNIT_WEAVE = range(32, 35)  # moderngl makes textures with the last of 32
+(UNIT_SUBSURFACE, UNIT_SUBSURFACE_POSITIONS, UNIT_WEAVE, UNIT_CHOSEN,
+ UNIT_GEOMETRY) = range(32, 37)  # moderngl makes textures with the last of 32
 # Of the passes of media, which have no maps
 UNIT_DENSITIES, UNIT_SKY_IN_FOG, UNIT_SKY_IN_VOLUMES, UNIT_SKY_SHADOWS = range(4)
 
 OfDraw = Callable[[Draw, MeshBuffers], Mapping[str, object]]
 """Further uniforms of a draw."""
+Show = Callable[[Draw, MeshBuffers, moderngl.Program], object]
+"""Draws in the place of a mesh."""
 
 _SAMPLE_ALPHA_TO_COVERAGE, _SAMPLE_ALPHA_TO_ONE = 0x809E, 0x809F
 
@@ -63,7 +65,8 @@ class Surfaces:
     """
 
     def __init__(self, context: Context, programs: Programs) -> None:
-        self._gl, self._programs, self._is_software = context.gl, programs, context.is_software
+        self._context, self._gl, self._programs = context, context.gl, programs
+        self._is_software = context.is_software
         self.scene = Scene("nothing")
         self._meshes: dict[Mesh, MeshBuffers] = {}
         self._indirect: list[moderngl.Buffer] = []
@@ -160,7 +163,18 @@ class Surfaces:
 
     def draw_opaque(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
         """Draw the surfaces that neither blend nor transmit light. Returns how many instances were drawn."""
-        return self._draw_solid([d for d in plan.draws if not d.transmits], frame, plan, frame_uniforms)
+        draws = [d for d in plan.draws if not d.transmits and not d.is_deferred]
+        return self._draw_solid(draws, frame, plan, frame_uniforms)
+
+    def draw_triangles(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object], of_draw: OfDraw) -> None:
+        """Draw the numbers of the triangles of deferred surfaces: shaders/raster/triangles.frag."""
+        draws = [replace(d, program=TRIANGLES, maps=(), blank_maps=()) for d in plan.draws if d.is_deferred]
+        self._draw_solid(draws, frame, plan, frame_uniforms, of_draw)
+
+    def draw_deferred(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object], of_draw: OfDraw,
+                      show: Show) -> None:
+        """Let `show` draw what shows deferred surfaces, with their programs and materials."""
+        self._draw_solid([d for d in plan.draws if d.is_deferred], frame, plan, frame_uniforms, of_draw, show)
 
     def draw_transmissive(self, kind: int, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
         """Draw the THIN_WALLED or SOLID surfaces (`kind`) that do not blend. Returns how many instances were drawn.
@@ -170,12 +184,12 @@ class Surfaces:
         return self._draw_solid([d for d in plan.draws if d.transmits == kind], frame, plan, frame_uniforms)
 
     def _draw_solid(self, draws: list[Draw], frame: Frame, plan: Plan, frame_uniforms: dict[str, object],
-                    of_draw: OfDraw | None = None) -> int:
+                    of_draw: OfDraw | None = None, show: Show | None = None) -> int:
         draws = [d for d in draws if d.alpha_mode != "blend" and (plan.is_everything or _is_visible(d, frame))]
         order = {program: k for k, program in enumerate(dict.fromkeys(d.program for d in draws))}
         draws.sort(key=lambda d: (order[d.program], d.material))
         self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
-        self._draw(draws, frame, frame_uniforms, of_draw=of_draw)
+        self._draw(draws, frame, frame_uniforms, of_draw=of_draw, show=show)
         return len(draws)
 
     def draw_blended(self, frame: Frame, plan: Plan, frame_uniforms: dict[str, object]) -> int:
@@ -257,7 +271,7 @@ class Surfaces:
 
     def _draw(
         self, draws: list[Draw], frame: Frame, frame_uniforms: dict[str, object], is_sorted: bool = False,
-        of_draw: OfDraw | None = None,
+        of_draw: OfDraw | None = None, show: Show | None = None,
     ) -> None:
         bound: tuple[object, ...] = (None,)
         scene, gl = self.scene, self._gl
@@ -283,14 +297,14 @@ class Surfaces:
             if draw.instances:
                 self._draw_instances(program, draw, mesh, frame)
             else:
-                self._draw_instance(program, draw, mesh, frame, is_sorted)
+                self._draw_instance(program, draw, mesh, frame, is_sorted, show)
             if draw.alpha_mode == "mask":
                 gl.disable_direct(_SAMPLE_ALPHA_TO_COVERAGE)
                 gl.disable_direct(_SAMPLE_ALPHA_TO_ONE)
         gl.front_face = "ccw"
 
     def _draw_instance(self, program: moderngl.Program, draw: Draw, mesh: MeshBuffers, frame: Frame,
-                       is_sorted: bool) -> None:
+                       is_sorted: bool, show: Show | None = None) -> None:
         transform = self.scene.instances[draw.instance].transform
         set_uniform(program, "u_model", matrix_uniform(frame.model(transform @ mesh.to_mesh)))
         set_uniform(program, "u_normal_matrix", matrix_uniform(normal_matrix(transform)))
@@ -298,6 +312,10 @@ class Surfaces:
         if VOLUME.is_on(draw.surface):
             set_uniform(program, "u_thickness", draw.surface.thickness * frame.scale(transform))
         self._set_hand(program, handedness(transform))
+        if show is not None:
+            self._gl.disable(moderngl.CULL_FACE)
+            show(draw, mesh, program)
+            return
         order = mesh.back_to_front(frame.model(transform), frame.camera.forward) if is_sorted else None
         mesh.draw(program, order, self._of_instance(draw))
 
@@ -318,7 +336,7 @@ class Surfaces:
 
     def _of_instance(self, draw: Draw) -> dict[str, moderngl.Buffer]:
         """The attributes of the draw's program that belong to one instance's vertices."""
-        found = {"a_indirect": self._indirect[draw.instance]} if draw.program["INDIRECT"] else {}
+        found = {"a_indirect": self._indirect[draw.instance]} if draw.program.get("INDIRECT") else {}
         if draw.has_subsurface:
             found["a_interior"] = self._interiors[draw.instance]
             if draw.program["INDIRECT"]:
@@ -359,12 +377,12 @@ class Surfaces:
             set_uniform(program, f"u_{name}_transform", transform.matrix().T.astype(np.float32).tobytes())
 
     def _program(self, fragment: str, switches: dict[str, int]) -> moderngl.Program:
-        return self._programs.get(LAYER_VERTEX if fragment == LAYER_FRAGMENT else VERTEX, fragment, switches)
+        return self._programs.get(vertex_of(fragment, switches), fragment, switches)
 
     def _mesh(self, index: int) -> MeshBuffers:
         mesh = self.scene.meshes[index]
         if mesh not in self._meshes:
-            self._meshes[mesh] = MeshBuffers(self._gl, mesh)
+            self._meshes[mesh] = MeshBuffers(self._context, mesh)
         return self._meshes[mesh]
 
     def _drop_arrays(self) -> None:

@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import moderngl
 
 from ..errors import UsageError
 from ..gpu.fullscreen import fullscreen
 from ..gpu.programs import Programs, set_uniform
 from .depth import Depth
+
+
+class Behind(Protocol):
+    """What lies behind the samples of a frame, where they are transparent."""
+
+    def resolve(self, programs: Programs, unit: int) -> None:
+        """As `Target.resolve`, with the samples' texture in `unit`."""
 
 
 class Target:
@@ -27,6 +36,10 @@ class Target:
             limit //= supersampling
             raise UsageError(f"a picture of {size[0]}x{size[1]}: this OpenGL draws from 1x1 to {limit}x{limit}")
         self._gl = gl
+        self.part: tuple[int, int, int, int] | None = None
+        """What is drawn (`set_part`)."""
+        self.behind: Behind | None = None
+        """What this frame has besides."""
         try:
             self._make(depth)
         except moderngl.Error as error:
@@ -38,22 +51,23 @@ class Target:
         dtype = "f2" if self.half else "f4"
         self.radiance = gl.texture(size, 4, dtype=dtype)
         self.radiance.filter = (moderngl.NEAREST, moderngl.NEAREST)
-        self._resolved = gl.framebuffer([self.radiance])
+        self.resolved = gl.framebuffer([self.radiance])
         if samples > 1 or drawn != size:
             self._color = gl.texture(drawn, 4, samples=samples if samples > 1 else 0, dtype=dtype)
-            self._depth = depth.renderbuffer(drawn, samples if samples > 1 else 0)
-            self.framebuffer = gl.framebuffer([self._color], self._depth)
+            self.depth = depth.renderbuffer(drawn, samples if samples > 1 else 0)
+            self.framebuffer = gl.framebuffer([self._color], self.depth)
         else:
             self._color = None
-            self._depth = depth.renderbuffer(size)
-            self.framebuffer = gl.framebuffer([self.radiance], self._depth)
+            self.depth = depth.renderbuffer(size)
+            self.framebuffer = gl.framebuffer([self.radiance], self.depth)
 
     def fits(self, size: tuple[int, int], samples: int, half: bool, supersampling: int = 1) -> bool:
         return (self.size, self.samples, self.half, self.supersampling) == (size, samples, half, supersampling)
 
     def set_part(self, part: tuple[int, int, int, int] | None) -> None:
         """The part (x, y, width, height) that is cleared, drawn and resolved; None is all."""
-        self._resolved.scissor = part
+        self.resolved.scissor = part
+        self.part = part
         self.framebuffer.scissor = part and tuple(number * self.supersampling for number in part)
 
     def resolve(self, programs: Programs, unit: int) -> None:
@@ -63,19 +77,22 @@ class Target:
         """
         if self._color is None:
             return
+        self._color.use(unit)
+        if self.behind is not None:
+            self.behind.resolve(programs, unit)
+            return
         program = programs.get("display/fullscreen.vert", "raster/resolve.frag", {
             "SAMPLES": self.samples, "SUPERSAMPLING": self.supersampling})
-        self._resolved.use()
+        self.resolved.use()
         self._gl.enable_only(moderngl.NOTHING)
-        self._color.use(unit)
         set_uniform(program, "u_samples", unit)
         fullscreen(self._gl, program).render(vertices=3)
 
     def read(self) -> bytes:
         """The resolved radiance, rows from the bottom up, RGBA in the target's precision."""
-        return self._resolved.read(components=4, dtype="f2" if self.half else "f4")
+        return self.resolved.read(components=4, dtype="f2" if self.half else "f4")
 
     def release(self) -> None:
-        for thing in (self.framebuffer, self._resolved, self._color, self._depth, self.radiance):
+        for thing in (self.framebuffer, self.resolved, self._color, self.depth, self.radiance):
             if thing is not None:
                 thing.release()

@@ -1,0 +1,143 @@
+"""Surfaces that are shaded after all triangles are drawn: OpenGL's multisampling, but of at most two a pixel."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from shapes import constant, facing_floor, lopsided, moved, orthographic, plate, scene, sphere
+
+from viewer.raster.deferred import _planes, pixel_box
+from viewer.scene.camera import Camera
+from viewer.scene.frame import Frame
+from viewer.scene.light import Light
+from viewer.scene.material import Material
+from viewer.scene.mesh import Mesh
+from viewer.settings import Settings
+
+SIZE = (40, 32)
+SMOOTH = Material(metallic=1.0, perceptual_roughness=0.3, base_color=(0.9, 0.5, 0.2, 1))
+ROUGH = Material(metallic=0.0, perceptual_roughness=0.8, base_color=(0.2, 0.4, 0.8, 1))
+SUN = Light("directional", intensity=2.0, direction=(-0.3, -1, -0.4), angular_radius=0.01)
+CAMERA = Camera.look_at((1.8, 1.6, 3.2), (0, 0, 0), fov_y=0.8)
+
+
+def still_life():
+    """Smooth and creased surfaces before each other, one of them mirrored."""
+    return scene((sphere(0, 24), moved((-0.5, 0.2, 0))), (sphere(1, 16), moved((0.7, 0.1, 0.3), (-0.6, 0.6, 0.6))),
+                 (plate(1), facing_floor(1.5, -0.6)), materials=(SMOOTH, ROUGH), lights=(SUN,), environment=lopsided())
+
+
+def drawn(renderer, model, camera, antialias: str, **settings: object) -> np.ndarray:
+    """Linear radiance (H, W, 4)."""
+    renderer.draw(model, camera, Settings.of(**{"antialias": antialias} | settings), SIZE, half=False)
+    return renderer.read_radiance()
+
+
+@pytest.mark.parametrize("settings", [{}, {"background": "none"}, {"mode": "phong"}, {"grid": "on"},
+                                      {"environment_shadows": "16"}], ids=str)
+def test_it_is_the_picture_of_multisampling(renderer, settings):
+    model = still_life()
+    pictures = []
+    for antialias in ("deferred-4", "msaa-4", "none"):
+        drawn(renderer, model, CAMERA, antialias, **settings)
+        pictures.append(renderer.read_display(Settings.of(**settings)).astype(float))
+    deferred, multisampled, none = pictures
+    error, jagged = (np.abs(picture - multisampled)[..., :3].mean() for picture in (deferred, none))
+    assert 0 < error < 0.2 * jagged, (error, jagged)
+    assert np.array_equal(deferred[..., 3], multisampled[..., 3])  # what is covered is not chosen
+
+
+def test_only_what_may_be_is_deferred(renderer):
+    glass = replace(ROUGH, transmission=1.0)
+    cut, blended = replace(ROUGH, alpha_mode="mask"), replace(ROUGH, alpha_mode="blend", base_color=(1, 1, 1, 0.5))
+    model = scene(*((sphere(k, 16), moved((k - 1.5, 0, 0), 0.6)) for k in range(4)),
+                  materials=(SMOOTH, glass, cut, blended), environment=constant())
+    deferred = drawn(renderer, model, CAMERA, "deferred-4")
+    assert [draw.is_deferred for draw in renderer.plan.draws] == [True, False, False, False]
+    assert not renderer.plan.is_all_deferred
+    multisampled = drawn(renderer, model, CAMERA, "msaa-4")
+    assert not renderer.plan.has_deferred
+    np.testing.assert_allclose(deferred, multisampled, atol=0.02)
+    drawn(renderer, still_life(), CAMERA, "deferred-4")
+    assert renderer.plan.is_all_deferred
+    drawn(renderer, still_life(), CAMERA, "deferred-4", plan="everything")
+    assert not renderer.plan.has_deferred
+
+
+def test_a_crease_is_two_surfaces_and_a_bend_is_one(renderer):
+    """Two halves of a roof, each lit by itself. Where they meet at a small angle one of them stands for both."""
+    white = Material(metallic=0.0, perceptual_roughness=1.0, specular=0.0, double_sided=True)
+    camera = orthographic(0.0, 0.0, 2.0)
+
+    def roof(slope: float):
+        positions = np.float32([[-1, -1, -slope], [0.013, -1, 0], [0.013, 1, 0], [-1, 1, -slope],
+                                [1, -1, -slope], [1, 1, -slope]])
+        sides = [np.float32(positions[k]) for k in ([0, 1, 2, 3], [1, 4, 5, 2])]
+        normals = [np.cross(side[1] - side[0], side[2] - side[0]) for side in sides]
+        mesh = Mesh("roof", np.concatenate(sides), 0, indices=np.uint32([0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7]),
+                    normals=np.float32([n / np.linalg.norm(n) for n in normals for _ in range(4)]))
+        light = Light("directional", intensity=1.0, direction=(1, 0, -0.2))
+        return scene(mesh, materials=(white,), lights=(light,))
+
+    for slope, middle in ((2.0, 0.5), (0.05, None)):
+        line = drawn(renderer, roof(slope), camera, "deferred-4", background="none", shadows="off")[SIZE[1] // 2, :, 0]
+        msaa = drawn(renderer, roof(slope), camera, "msaa-4", background="none", shadows="off")[SIZE[1] // 2, :, 0]
+        assert np.abs(line - msaa).max() < (1e-4 if middle else 0.6 * np.ptp(msaa))
+        at = SIZE[0] // 2
+        mixed = (line[at - 2:at + 2] - line[at + 4]) / (line[at - 4] - line[at + 4])
+        between = (mixed > 0.1) & (mixed < 0.9)
+        assert between.any() == (middle is not None)
+
+
+def test_parts_and_poses(renderer):
+    """A part is that of the whole picture, the rest stays, and what moves is drawn where it is."""
+    model, other = still_life(), scene((sphere(0, 24), moved((0.4, 0, 0))), materials=(SMOOTH,),
+                                       environment=lopsided())
+    settings = Settings.of(antialias="deferred-4")
+    whole = {}
+    for shown in (model, other):
+        renderer.draw(shown, CAMERA, settings, SIZE)
+        whole[shown] = renderer.read_display(settings)
+    renderer.draw(model, CAMERA, settings, SIZE)
+    renderer.draw(other, CAMERA, settings, SIZE, part=(0, 0, 20, 32))
+    both = renderer.read_display(settings)
+    assert np.array_equal(both[:, :20], whole[other][:, :20]) and np.array_equal(both[:, 20:], whole[model][:, 20:])
+    mesh = model.meshes[0]
+    grown = replace(model, meshes=(replace(mesh, positions=mesh.positions * 1.3), *model.meshes[1:]))
+    renderer.draw(model, CAMERA, settings, SIZE)
+    after = drawn(renderer, grown, CAMERA, "deferred-4")
+    renderer.draw(other, CAMERA, settings, SIZE)
+    assert np.array_equal(after, drawn(renderer, grown, CAMERA, "deferred-4"))
+
+
+def test_frames_before_and_after_are_as_ever(renderer):
+    """It leaves no state behind that others do not expect, as those that draw shadow maps and G-buffers."""
+    model, settings = still_life(), {"environment_shadows": "16", "background": "none"}
+    before = drawn(renderer, model, CAMERA, "none", **settings)
+    drawn(renderer, still_life(), CAMERA, "deferred-4", background="none")
+    assert np.array_equal(drawn(renderer, still_life(), CAMERA, "none", **settings), before)
+
+
+def test_planes_and_boxes():
+    model = still_life()
+    mesh, matrix = model.meshes[1], model.instances[1].transform
+    triangles = mesh.indices.reshape(-1, 3)
+    planes = _planes(mesh.positions, triangles, matrix, model, 3).astype(np.float64)
+    points = (mesh.positions @ matrix[:3, :3].T + matrix[:3, 3] - model.center) / model.radius
+    corners = points[triangles]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    sized = area > 1e-9  # not those at the poles, which have none
+    np.testing.assert_allclose(np.linalg.norm(planes[sized, :3], axis=1), 3, rtol=1e-6)
+    off = (points[triangles] * planes[:, None, :3]).sum(axis=2) + planes[:, None, 3]
+    assert np.abs(off[sized]).max() < 1e-5
+    frame = Frame(model, CAMERA, SIZE)
+    x, y, width, height = pixel_box(frame, 1, (0, 0, *SIZE))
+    clip = np.concatenate([(points * model.radius + model.center - CAMERA.eye) / frame.unit,
+                           np.ones((len(points), 1))], axis=1) @ frame.view_projection.T
+    pixels = (clip[:, :2] / clip[:, 3:] + 1) / 2 * SIZE
+    assert (pixels >= (x, y)).all() and (pixels <= (x + width, y + height)).all() and width * height < 0.5 * 40 * 32
+    assert pixel_box(frame, 1, (0, 0, 1, 1))[2:] == (0, 0)
+    within = Camera.look_at((0.7, 0.1, 0.3), (0, 0, 0), fov_y=0.8)
+    assert pixel_box(Frame(model, within, SIZE), 1, (3, 4, 20, 9)) == (3, 4, 20, 9)

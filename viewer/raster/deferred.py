@@ -1,0 +1,274 @@
+"""Opaque surfaces of a multisampled target, shaded over the screen and not triangle by triangle.
+
+A pixel in which several triangles meet is shaded for each of them by OpenGL's multisampling. A software rasteriser also
+shades every block of pixels that a triangle touches as a whole, so that small triangles cost it many times their area.
+Here all triangles are drawn first, with the number of the visible one in each sample. Then one or two surfaces are
+chosen in each pixel (shaders/raster/choose.frag), and what each object shows is shaded at once
+(shaders/raster/deferred.glsl). `Target.resolve` lays it behind what other passes draw into the samples.
+
+Burns and Hunt 2013, "The Visibility Buffer: A Cache-Friendly Approach to Deferred Shading".
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from collections.abc import Mapping, Sequence
+
+import moderngl
+import numpy as np
+
+from ..base.reusable import Reusable
+from ..gpu.buffer_texture import BufferTexture
+from ..gpu.context import Context
+from ..gpu.fullscreen import fullscreen
+from ..gpu.programs import Programs, matrix_uniform, set_uniform
+from ..plan.model import Draw, Plan
+from ..scene.frame import Frame
+from ..scene.scene import Scene
+from ..scene.triangles import triangles_of
+from .depth import Depth
+from .gbuffer import nearest_texture
+from .geometry import MeshBuffers
+from .surface_programs import FULLSCREEN
+from .surfaces import UNIT_CHOSEN, UNIT_GEOMETRY, UNIT_RADIANCE, Surfaces
+from .target import Target
+
+_OBJECTS = 1 << 20
+"""Objects have numbers below, which are stored as depths: number / _OBJECTS is exact."""
+_NOTHING = 0.5
+"""The depth where no surface is the second one: neither an object's nor the background's."""
+_COLOR, _DEPTH = 0x1800, 0x1801  # of glClearBuffer
+_SRC1_COLOR = 0x88F9
+
+
+class DeferredSurfaces:
+    """The pass that draws the surfaces that `Draw.is_deferred` names."""
+
+    def __init__(self, context: Context, programs: Programs, depth: Depth, surfaces: Surfaces) -> None:
+        self._context, self._programs, self._depth, self._surfaces = context, programs, depth, surfaces
+        self._layers: Reusable[Layers] = Reusable()
+        self._triangles: Reusable[Triangles] = Reusable()
+
+    def draw(self, frame: Frame, plan: Plan, target: Target, uniforms: dict[str, object]) -> Layers:
+        """Draw them into the depth of `target`, within `Depth.test()`, and return their radiance in pixels. If the plan
+        has nothing else but a background, that depth is cleared here, and the background belongs to the layers."""
+        draws = [draw for draw in plan.draws if draw.is_deferred]
+        layers = self._layers.get(lambda held: held.fits(target, plan.is_all_deferred),
+                                  lambda: Layers(self._context, self._depth, target, plan.is_all_deferred))
+        layers.has_background = plan.is_all_deferred and plan.background
+        triangles = self._triangles.get(lambda held: held.fits(frame.scene, draws),
+                                        lambda: Triangles(self._context, frame.scene, draws))
+        layers.clear()
+        self._draw_triangles(frame, plan, layers, triangles, uniforms)
+        part = target.part or (0, 0, *frame.size)
+        boxes = {draw.instance: pixel_box(frame, draw.instance, part) for draw in draws if frame.visible[draw.instance]}
+        self._choose(frame, layers, triangles, _union(list(boxes.values())))
+        for number in range(2):
+            self._shade(number, frame, plan, layers, triangles, boxes, uniforms)
+        for framebuffer in layers.shaded:
+            framebuffer.scissor = target.part
+        self._context.gl.clear_samplers()
+        return layers
+
+    def _draw_triangles(self, frame: Frame, plan: Plan, layers: Layers, triangles: Triangles,
+                        uniforms: dict[str, object]) -> None:
+        layers.numbers.use()
+        self._surfaces.draw_triangles(
+            frame, plan, uniforms, lambda draw, mesh: {"u_first_triangle": triangles.first[draw.instance]})
+
+    def _choose(self, frame: Frame, layers: Layers, triangles: Triangles, box: tuple[int, int, int, int]) -> None:
+        gl, camera = self._context.gl, frame.camera
+        across = 0.0 if camera.height is None else camera.height / frame.unit / frame.size[1]
+        values = {"u_triangle_samples": UNIT_RADIANCE, "u_chosen": UNIT_CHOSEN,
+                  "u_ray": matrix_uniform(frame.ray), "u_ray_origin": matrix_uniform(frame.ray_origin),
+                  "u_eye": tuple(-frame.position(frame.scene.center)), "u_pixel": (across, frame.pixel_angle)}
+        layers.numbers.color_attachments[0].use(UNIT_RADIANCE)
+        gl.enable_only(moderngl.DEPTH_TEST)
+        switches = {"OBJECTS": float(_OBJECTS), "FAR": self._depth.far, "SAMPLES": layers.samples}
+        with self._depth.all():
+            for fragment, defines, framebuffer in (
+                    ("raster/choose.frag", switches | {"BACKGROUND": int(layers.has_background)},
+                     layers.choosing),
+                    ("raster/choose_second.frag", switches | {"NOTHING": _NOTHING}, layers.second)):
+                program = self._programs.get(FULLSCREEN, fragment, defines)
+                framebuffer.scissor = box
+                framebuffer.use()
+                for name, value in values.items():
+                    set_uniform(program, name, value)
+                triangles.planes.bind(program, "u_planes", UNIT_GEOMETRY)
+                fullscreen(gl, program).render(vertices=3)
+                layers.choosing.color_attachments[0].use(UNIT_CHOSEN)
+
+    def _shade(self, number: int, frame: Frame, plan: Plan, layers: Layers, triangles: Triangles,
+               boxes: Mapping[int, tuple[int, int, int, int]], uniforms: dict[str, object]) -> None:
+        """Shade the first (`number` 0) or the second surface of each pixel."""
+        framebuffer, (width, height) = layers.shaded[number], frame.size
+        to_ndc = np.array([[2 / width, 0, -1], [0, 2 / height, -1], [0, 0, 1]])
+        values = uniforms | {
+            "u_layer": number, "u_chosen": UNIT_CHOSEN,
+            "u_pixel_ray": matrix_uniform(frame.ray @ to_ndc),
+            "u_pixel_origin": matrix_uniform(frame.ray_origin @ to_ndc)}
+
+        def of_draw(draw: Draw, mesh: MeshBuffers) -> dict[str, object]:
+            return {"u_first_triangle": triangles.first[draw.instance],
+                    "u_triangles": frame.scene.meshes[draw.mesh].triangle_count}
+
+        def show(draw: Draw, mesh: MeshBuffers, program: moderngl.Program) -> None:
+            mesh.triangles_and_vertices.bind(program, "u_geometry", UNIT_GEOMETRY)
+            framebuffer.scissor = boxes[draw.instance]
+            with self._depth.only_at(triangles.numbers[draw.instance] / _OBJECTS):
+                fullscreen(self._context.gl, program).render(vertices=3)
+
+        framebuffer.use()
+        self._surfaces.draw_deferred(frame, plan, values, of_draw, show)
+
+    def release(self) -> None:
+        self._layers.release()
+        self._triangles.release()
+
+
+class Layers:
+    """The triangles of the samples of a target, the surfaces chosen in its pixels, and the radiance of these.
+
+    `is_all`: nothing but a background is drawn besides. The first surfaces are then shaded in their place in the
+    picture, and only pixels with a second one are resolved.
+    """
+
+    def __init__(self, context: Context, depth: Depth, target: Target, is_all: bool) -> None:
+        self._gl, self._depth, self._target, self._is_all = context.gl, depth, target, is_all
+        self.samples = target.samples
+        self._clear_color, self._clear_depth = (
+            context.function(f"glClearBuffer{kind}", ctypes.c_int, ctypes.c_int, ctypes.c_void_p)
+            for kind in ("uiv", "fv"))
+        gl, size, dtype = context.gl, target.drawn_size, "f2" if target.half else "f4"
+        self.numbers = gl.framebuffer([gl.texture(size, 1, samples=target.samples, dtype="u4")], target.depth)
+        chosen = gl.texture(size, 2, dtype="u4")
+        chosen.filter = moderngl.NEAREST, moderngl.NEAREST
+        self._depths = depth.renderbuffer(size), depth.renderbuffer(size)
+        self.choosing = gl.framebuffer([chosen], self._depths[0])
+        self.second = gl.framebuffer((), self._depths[1])
+        self._radiance = [nearest_texture(gl, size, dtype) for _ in range(1 if is_all else 2)]
+        first = target.radiance if is_all else self._radiance[1]
+        self.shaded = [gl.framebuffer([first], self._depths[0]), gl.framebuffer([self._radiance[0]], self._depths[1])]
+        self._mixed = gl.framebuffer([target.radiance], self._depths[1])
+        for framebuffer in (*self.shaded, self._mixed):
+            framebuffer.depth_mask = False
+        self.has_background = False
+        """Whether the background is the first or the second surface of pixels."""
+
+    def fits(self, target: Target, is_all: bool) -> bool:
+        return self._target is target and self._is_all == is_all
+
+    def clear(self) -> None:
+        """Clear the part that the target has, or all; with `is_all` also its depth."""
+        chosen = ((1 << self.samples) - 1) << 24 if self.has_background else 0
+        for framebuffer, color, depth in ((self.numbers, 0, self._depth.far if self._is_all else None),
+                                          (self.choosing, chosen, self._depth.far), (self.second, None, _NOTHING)):
+            framebuffer.scissor = self._target.part
+            framebuffer.use()
+            if color is not None:
+                self._clear_color(_COLOR, 0, (ctypes.c_uint32 * 4)(color, 0, 0, 0))
+            if depth is not None:
+                self._clear_depth(_DEPTH, 0, (ctypes.c_float * 1)(depth))
+        if self._is_all and not self.has_background:
+            self._target.resolved.clear()
+
+    def resolve(self, programs: Programs, unit: int) -> None:
+        """As `Behind.resolve`."""
+        fragment = "raster/resolve_second.frag" if self._is_all else "raster/resolve_deferred.frag"
+        program = programs.get(FULLSCREEN, fragment, {"SAMPLES": self.samples})
+        framebuffer = self._mixed if self._is_all else self._target.resolved
+        framebuffer.scissor = self._target.part
+        framebuffer.use()
+        set_uniform(program, "u_samples", unit)
+        textures = {"u_chosen": self.choosing, "u_second": self.shaded[1], "u_first": self.shaded[0]}
+        for place, (name, source) in enumerate(textures.items()):
+            if name in program:
+                source.color_attachments[0].use(place)
+                set_uniform(program, name, place)
+        if self._is_all:
+            self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
+            self._gl.blend_func = moderngl.ONE, _SRC1_COLOR
+            with self._depth.test(), self._depth.except_at(_NOTHING):
+                fullscreen(self._gl, program).render(vertices=3)
+            # OpenGL draws nothing into several textures while a second source is set, and Mesa not even unblended.
+            self._gl.blend_func = moderngl.ONE, moderngl.ZERO
+        else:
+            self._gl.enable_only(moderngl.NOTHING)
+            fullscreen(self._gl, program).render(vertices=3)
+
+    def release(self) -> None:
+        self._gl.screen.use()
+        colors = [*self.numbers.color_attachments, *self.choosing.color_attachments, *self._radiance]
+        for thing in (self.numbers, self.choosing, self.second, *self.shaded, self._mixed, *colors, *self._depths):
+            thing.release()
+
+
+class Triangles:
+    """The numbers of all triangles of a scene that are deferred, and their planes."""
+
+    def __init__(self, context: Context, scene: Scene, draws: list[Draw]) -> None:
+        self._key = _key(scene, draws)
+        self.first: dict[int, int] = {}
+        """The number of the first triangle of each instance, from 1."""
+        self.numbers = {draw.instance: k for k, draw in enumerate(draws, start=1)}
+        """The number of each instance."""
+        planes, count = [], 0
+        for draw in draws:
+            mesh = scene.meshes[draw.mesh]
+            matrix = scene.instances[draw.instance].transform
+            self.first[draw.instance] = count + 1
+            count += mesh.triangle_count
+            planes.append(_planes(mesh.positions, triangles_of(mesh), matrix, scene, self.numbers[draw.instance]))
+        self.planes = BufferTexture(context, np.concatenate(planes))
+
+    def fits(self, scene: Scene, draws: list[Draw]) -> bool:
+        return self._key == _key(scene, draws)
+
+    def release(self) -> None:
+        self.planes.release()
+
+
+def _key(scene: Scene, draws: list[Draw]) -> tuple[object, ...]:
+    """What the planes follow from. Meshes are compared by identity."""
+    placed = [(draw.instance, scene.meshes[draw.mesh], scene.instances[draw.instance].transform.tobytes())
+              for draw in draws]
+    return *placed, *scene.center.tolist(), scene.radius
+
+
+def _planes(positions: np.ndarray, triangles: np.ndarray, matrix: np.ndarray, scene: Scene,
+            number: int) -> np.ndarray:
+    """n and d of n p + d = 0 for each triangle, (T, 4) float32. p is about the scene's centre, in its radius.
+
+    |n| is `number`. Those of a mirrored mesh have their normals turned, which are only compared with one another.
+    """
+    to_scene = (matrix[:3, :3] / scene.radius).T
+    middle = (matrix[:3, 3] - scene.center) / scene.radius
+    corners = positions.astype(np.float64)[triangles] @ to_scene + middle
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals *= number / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    return np.concatenate([normals, -(normals * corners[:, 0]).sum(axis=1, keepdims=True)], axis=1).astype(np.float32)
+
+
+def pixel_box(frame: Frame, instance: int, part: tuple[int, int, int, int]) -> tuple[int, int, int, int]:
+    """The rectangle of pixels (x, y, width, height) that an instance may touch, within `part` of the picture."""
+    x, y, width, height = part
+    corners = (frame.scene.corners[instance] - frame.camera.eye) / frame.unit
+    clip = np.concatenate([corners, np.ones((8, 1))], axis=1) @ frame.view_projection.T
+    if (clip[:, 3] <= 1e-6).any():  # reaches behind the eye
+        return part
+    pixels = (clip[:, :2] / clip[:, 3:] + 1) / 2 * frame.size
+    low = np.maximum(pixels.min(axis=0) - 1, (x, y))
+    high = np.minimum(pixels.max(axis=0) + 1, (x + width, y + height))
+    left, bottom = math.floor(low[0]), math.floor(low[1])
+    return left, bottom, max(math.ceil(high[0]) - left, 0), max(math.ceil(high[1]) - bottom, 0)
+
+
+def _union(boxes: Sequence[tuple[int, int, int, int]]) -> tuple[int, int, int, int]:
+    """The rectangle about all that are not empty."""
+    corners = np.array([(x, y, x + width, y + height) for x, y, width, height in boxes if width and height])
+    if not len(corners):
+        return 0, 0, 0, 0
+    (left, bottom), (right, top) = corners[:, :2].min(axis=0).tolist(), corners[:, 2:].max(axis=0).tolist()
+    return left, bottom, right - left, top - bottom
