@@ -193,6 +193,9 @@ def test_samples_by_device():
     assert [Settings().samples(*device) for device in devices] == [4, 1, 4, 4]
     assert Settings(antialias="msaa-8").samples(True, False) == 8
     assert Settings(antialias="none").samples(False, True) == 1
+    assert Settings(antialias="deferred-4").samples(False, False) == 4
+    assert [Settings().defers(*device) for device in devices] == [True, False, False, False]
+    assert Settings(antialias="deferred-4").defers(False, False) and not Settings(antialias="msaa-4").defers(True, True)
 
 
 def test_rays_and_steps_in_media_by_device():
