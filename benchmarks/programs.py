@@ -9,7 +9,7 @@ from pathlib import Path
 from . import shot
 
 OURS = "pbr-viewer"
-OURS_MULTISAMPLED = "pbr-viewer-msaa-4"
+OURS_MULTISAMPLED = "pbr-viewer-deferred-4"
 """Frames of ours with four samples a pixel, as some of the others have; kept pictures have them anyway."""
 OURS_EVERYTHING = "pbr-viewer-everything"
 """Ours by the plan that leaves nothing out."""
@@ -48,7 +48,7 @@ def ours() -> list[Program]:
     script = (sys.executable, "-m", "benchmarks.ours")
     return [
         Program(OURS, script, folder=shot.REPOSITORY, render_options=()),
-        Program(OURS_MULTISAMPLED, script, ("--antialias", "msaa-4"), folder=shot.REPOSITORY, render_options=()),
+        Program(OURS_MULTISAMPLED, script, ("--antialias", "deferred-4"), folder=shot.REPOSITORY, render_options=()),
         Program(OURS_EVERYTHING, script, ("--plan", "everything"), folder=shot.REPOSITORY,
                 render_options=("--set", "plan=everything")),
     ]

@@ -51,7 +51,6 @@ void main() {
         }
     }
 #if BACKGROUND
-    same = covered == 0u ? all : same;
     covered = all;
 #endif
     o_chosen = uvec2(first | same << 24, second | (covered & ~same) << 24);

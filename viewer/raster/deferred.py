@@ -162,13 +162,12 @@ class Layers:
 
     def clear(self) -> None:
         """Clear the part that the target has, or all; with `is_all` also its depth."""
-        chosen = ((1 << self.samples) - 1) << 24 if self.has_background else 0
-        for framebuffer, color, depth in ((self.numbers, 0, self._depth.far if self._is_all else None),
-                                          (self.choosing, chosen, self._depth.far), (self.second, None, _NOTHING)):
+        for framebuffer, depth in ((self.numbers, self._depth.far if self._is_all else None),
+                                   (self.choosing, self._depth.far), (self.second, _NOTHING)):
             framebuffer.scissor = self._target.part
             framebuffer.use()
-            if color is not None:
-                self._clear_color(_COLOR, 0, (ctypes.c_uint32 * 4)(color, 0, 0, 0))
+            if framebuffer is not self.second:  # which has no colours
+                self._clear_color(_COLOR, 0, (ctypes.c_uint32 * 4)())
             if depth is not None:
                 self._clear_depth(_DEPTH, 0, (ctypes.c_float * 1)(depth))
         if self._is_all and not self.has_background:
