@@ -157,7 +157,7 @@ def test_places_are_rounded_last(context):
         moved[:, :3, 3] += offset
         model = scene(*[(SPIKE, place) for place in moved])
         model = replace(model, meshes=(SPIKE,), instances=tuple(replace(i, mesh=0) for i in model.instances))
-        buffers = MeshBuffers(context.gl, SPIKE)
+        buffers = MeshBuffers(context, SPIKE)
         [part, *_] = buffers.instances(model, tuple(range(COUNT)))
         assert part.show(EYES["all"] + offset) == part.count
         read.append(np.frombuffer(part._buffers[1].read(), np.float32).copy())
