@@ -12,11 +12,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from needs import needs
+from PIL import Image as Pillow
 from waiting import PATIENCE_S
 
 import viewer
 from viewer.base.resources import resource_folder
 from viewer.image.image import Image
+from viewer.interact import pace
 from viewer.interact.keys import KEYS
 from viewer.interact.model_files import ModelFiles
 from viewer.measure.compare.difference import compare
@@ -308,6 +310,29 @@ def test_an_idle_window_draws_nothing(open_window, scene, monkeypatch):
     for _ in range(3):
         hands.window.step(timeout=0.05)
     assert not drawn
+
+
+def test_a_picture_that_moves_too_slowly_has_fewer_pixels_until_it_rests(open_window, scene, monkeypatch):
+    hands = open_window(scene)
+    window = hands.window
+    monkeypatch.setattr(pace, "FRAME_SECONDS", 1e6)  # whatever the load, no frame takes too long
+    window.do("view_front")
+    hands.settle()
+    at_rest = hands.screen()
+    monkeypatch.setattr(pace, "FRAME_SECONDS", 1e-6)  # every frame takes too long,
+    monkeypatch.setattr(pace, "STILL_SECONDS", 1e6)  # and follows the last one fast enough
+    window.do("view_right")  # tells how slow it is
+    assert hands.screen().shape == at_rest.shape and window.picture.size == SIZE
+    window.do("view_front")
+    moving = hands.screen()
+    assert window.picture.size == (round(SIZE[0] / 8**0.5), round(SIZE[1] / 8**0.5))
+    assert not window.picture.is_refined and window.picture.seconds_until_work > 1
+    enlarged = Pillow.fromarray(window.picture.shown()).resize(SIZE, Pillow.Resampling.BILINEAR)
+    assert np.abs(moving - np.asarray(enlarged, int)).max() <= 2
+    assert SAME < flip(moving, at_rest) < 5 * OTHER
+    monkeypatch.setattr(pace, "STILL_SECONDS", 0.1)
+    hands.settle()
+    assert window.picture.size == SIZE and np.array_equal(hands.screen(), at_rest)
 
 
 def test_a_picture_at_rest_is_refined_where_software_draws(open_window, scene):

@@ -232,7 +232,7 @@ def test_a_drag_turns_the_model_as_in_the_window(server, guest):
 
 
 def test_a_picture_that_moves_too_slowly_is_smaller_until_it_rests(server, guest, monkeypatch):
-    monkeypatch.setattr("viewer.web.pace.FRAME_SECONDS", 1e-6)
+    monkeypatch.setattr("viewer.interact.pace.FRAME_SECONDS", 1e-6)
     for dx in (10, 20):  # the first tells how slow it is
         guest.drag(dx, 0)
         sizes = guest.sizes_until_rest()

@@ -155,6 +155,7 @@ class ViewerWindow:
         screen.viewport = (0, 0, *glfw.get_framebuffer_size(self.window))
         self._gui.draw(screen)
         self.context.gl.finish()
+        self.picture.was_shown()
         if is_new:
             glfw.set_window_title(self.window, _title(self.state.scene))
             self.readings.frame_ms.append((time.perf_counter() - start) * 1e3)

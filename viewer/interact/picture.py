@@ -13,6 +13,7 @@ import numpy as np
 
 from ..errors import ViewerError
 from ..estimate.mixture import draw_guide
+from ..image.enlarged import Enlarged
 from ..image.image import Image
 from ..plan.legend import legend
 from ..plan.media import has_media
@@ -22,6 +23,7 @@ from ..scene.camera import Camera
 from ..settings import Background, Settings
 from .convergence import SLICE_SECONDS, Convergence
 from .orbit import OrbitController
+from .pace import FrameSize
 from .rest_error import RestError
 from .state import Part, ViewState, free_path
 
@@ -39,26 +41,39 @@ class Picture:
         self.paths = Convergence(renderer.context, renderer.programs, state, self._draw_guide)
         self.error = RestError(renderer.context, renderer.programs, self.paths.tracer)
         self._prepares_error = False
-        self._size = 0, 0
+        self._enlarged = Enlarged(renderer.context.gl, renderer.programs)
+        self._frame = FrameSize()
         self._drawn: tuple[object, ...] | None = None
+        self._drawn_from: tuple[object, ...] | None = None
+        """The camera of the picture, and its scene."""
         self._drawn_at = 0.0
         self._drawn_as: tuple[object, ...] = ()
         self._good: dict[str, dict[str, object]] | None = None
 
     @property
+    def size(self) -> tuple[int, int]:
+        """In pixels: while the picture moves, perhaps less than what it is shown at."""
+        return self._frame.size
+
+    @property
     def is_refined(self) -> bool:
-        """Whether the picture has the quality of a still picture, its samples, and its rays and steps in media. In mode
-        path it needs no more, since the path-traced picture soon replaces it."""
-        return self._drawn_as == self._as_drawn(still=True) or self._state.modes == ("path",)
+        """Whether the picture has the quality of a still picture, its size, its samples, and its rays and steps in
+        media. In mode path its size is enough, since the path-traced picture soon replaces it."""
+        is_path = self._state.modes == ("path",)
+        return self._frame.is_whole and (is_path or self._drawn_as == self._as_drawn(still=True))
 
     @property
     def wants_refinement(self) -> bool:
         """Whether it shall be refined now: it is not, and it has been at rest long enough."""
+        if not self._frame.is_whole:
+            return self._frame.seconds_until_still <= 0
         return not self.is_refined and time.monotonic() - self._drawn_at > REST_SECONDS
 
     @property
     def seconds_until_work(self) -> float:
         """The seconds until there is something to do without user input; infinite if there is nothing."""
+        if not self._frame.is_whole:
+            return max(self._frame.seconds_until_still, 0.0)
         measures = self._state.tells_error and self._state.has_error and not self.error.is_done
         waits = REST_SECONDS if not self.is_refined else 0.0 if measures or self._lacks_photons else math.inf
         return min(self.paths.seconds_until_work, waits)
@@ -79,13 +94,15 @@ class Picture:
         """What the plan of the current picture has left out, in lines."""
         return self.paths.left_out or (self._renderer.plan.left_out if self._renderer.plan else ())
 
-    def update(self, size: tuple[int, int]) -> bool:
-        """Draw the picture at `size` pixels if something has changed. Returns whether it has.
+    def update(self, whole: tuple[int, int]) -> bool:
+        """Draw the picture if something has changed: at `whole` pixels, or fewer while it moves, if frames take too
+        long. Returns whether it has.
 
         If it cannot be drawn, the last state that could be drawn is restored, with a message. If there is none, the
         error is raised.
         """
         state, camera = self._state, self._orbit.camera
+        size = self._frame.begin(whole, self._moves(camera))
         settings = state.on_screen()
         # The display pass composites a background colour.
         background: Background = "env" if settings.background == "env" else "none"
@@ -94,25 +111,39 @@ class Picture:
         wanted = (state.scene, state.shots(shading, size), state.quality, *camera.key, size,
                   self._renderer.programs.generation)
         self.paths.follow(camera, size)
-        still = wanted == self._drawn and self.wants_refinement
+        still = wanted == self._drawn and self._frame.is_whole and self.wants_refinement
         if wanted == self._drawn and not still:
             return False
         try:
             self._draw(settings, size, still)
         except (ViewerError, moderngl.Error, MemoryError) as error:
             self._go_back(error)
-            return self.update(size)
+            return self.update(whole)
+        self._drawn_from = state.scene, *camera.key
         self._drawn, self._drawn_at, self._drawn_as = wanted, time.monotonic(), self._as_drawn(still)
-        self._size = size
         self._forget_error()
         self._good = {"state": state.shown(), "orbit": dict(vars(self._orbit))}
         return True
 
+    def _moves(self, camera: Camera) -> bool:
+        """Whether the next picture follows the last one in a movement. A new scene does not, which takes long once."""
+        if self._drawn_from is None:
+            return False
+        scene, *key = self._drawn_from
+        return self._state.playback.is_playing or (scene is self._state.scene and tuple(key) != camera.key)
+
+    def was_shown(self) -> None:
+        """All the work is done that shows what `update` has drawn."""
+        self._frame.shown()
+
     def converge(self) -> bool:
         """Continue path tracing for a slice of time. Returns whether there is something new to show.
 
-        If the scene cannot be traced, mode pbr is shown instead, with a message.
+        A picture with fewer pixels is not traced, since a whole one soon replaces it. If the scene cannot be traced,
+        mode pbr is shown instead, with a message.
         """
+        if not self._frame.is_whole:
+            return False
         try:
             return self.paths.step() or self._add_photons() or self._measure()
         except (ViewerError, moderngl.Error, MemoryError) as error:
@@ -158,7 +189,7 @@ class Picture:
             self._prepares_error = True
             return True
         if not self.error.is_begun:
-            self.error.begin(self._renderer.read_radiance(), state.scene, self._orbit.camera, state.at_rest, self._size)
+            self.error.begin(self._renderer.read_radiance(), state.scene, self._orbit.camera, state.at_rest, self.size)
             return True
         return self.error.step()
 
@@ -169,16 +200,24 @@ class Picture:
         return had
 
     def present(self, framebuffer: moderngl.Framebuffer) -> None:
+        """Show it over all of the viewport of `framebuffer`."""
+        if framebuffer.viewport[2:] != self.size:
+            self._enlarged.draw(self.size, self._present_as_drawn, framebuffer)
+        else:
+            self._present_as_drawn(framebuffer)
+
+    def _present_as_drawn(self, framebuffer: moderngl.Framebuffer) -> None:
         if self._state.shows_error and self.error.has_map:
             self.error.present(framebuffer)
         else:
             self._present(self._state.on_screen(), framebuffer)
 
-    def shown(self, size: tuple[int, int]) -> np.ndarray:
-        """What `present` shows at `size` pixels, the size of the last `update`: (H, W, 3) uint8, row 0 at the top."""
-        return self._read(self.present, size)[..., :3]
+    def shown(self) -> np.ndarray:
+        """What `present` shows at `size` pixels: (H, W, 3) uint8, row 0 at the top."""
+        return self._read(self.present, self.size)[..., :3]
 
     def release(self) -> None:
+        self._enlarged.release()
         self.error.release()
         self.paths.release()
 
@@ -240,7 +279,7 @@ class Picture:
         """Of each shot the samples of a pixel, rays and steps where there are media, whether there are photons, and
         what qualities differ in."""
         device, scene, result = (self._renderer.context.is_software, still), self._state.scene, []
-        for shot, part in self._shots(self._state.settings, self._size, still):
+        for shot, part in self._shots(self._state.settings, self.size, still):
             media = shot.media_rays_and_steps(*device) if has_media(scene, shot) else ()
             values = tuple(getattr(shot, name) for name in sorted(DETERMINED - {"antialias"}))
             has_photons = still and part is None and shot.mode == "pbr" and shot.caustics == "photons"

@@ -24,13 +24,9 @@ from ..scene.camera import Camera
 from ..scene.scene import Scene
 from ..settings import Settings
 from .messages import Message
-from .pace import Pace
 
 REST_SECONDS = 0.3
 """A picture that has not changed for so long, and needs no refinement, is at rest."""
-STILL_SECONDS = 0.1
-"""A picture that has not moved for so long is drawn at its whole size. The events of a mouse that moves follow each
-other faster."""
 _JPEG = {"format": "JPEG", "quality": 88, "subsampling": 0}
 _PNG = {"format": "PNG", "compress_level": 1}
 _IN_BROWSER = {"help", "screenshot"}
@@ -63,20 +59,16 @@ class RemoteView:
             self.actions.follow(camera)
         self.version = 0
         """The number of the picture that `encoded` gives; it grows with each new one."""
-        self._changed_at = self._turned_at = -math.inf
+        self._changed_at = -math.inf
         self._renderer: Renderer | None = None
         self._picture: Picture | None = None
         self._sizes: dict[Hashable, tuple[int, int]] = {}
         self._pointers: dict[Hashable, Pointer] = {}
         self._shown_sizes: dict[Hashable, tuple[int, int]] = {}
         self._has_input = True
+        self._is_frame = False
+        """Whether the last step has drawn the picture anew."""
         self._moved_at = time.monotonic()
-        self._pace = Pace()
-        self._drawn_size = most
-        self._drawn_from: tuple[object, ...] | None = None
-        """The camera of the picture."""
-        self._began_at: float | None = None
-        """When the frame that is not yet encoded began, if it moves."""
         self._pixels: tuple[int, np.ndarray] | None = None
         self._encoded: dict[bool, tuple[int, bytes]] = {}
 
@@ -97,7 +89,7 @@ class RemoteView:
             self._picture.release()
             self._renderer.release()
             self._renderer.context.release()
-        self._picture = self._renderer = self._pixels = self._drawn_from = None
+        self._picture = self._renderer = self._pixels = None
         self._has_input = True
 
     @property
@@ -106,13 +98,12 @@ class RemoteView:
         if self._picture is None or self._has_input or self.orbit.velocity.any() or self.state.playback.is_playing:
             return 0.0
         forgets = self.state.expires - time.monotonic() if self.state.message else math.inf
-        whole = math.inf if self._drawn_size == self.size else self._turned_at + STILL_SECONDS - time.monotonic()
-        return max(min(self._picture.seconds_until_work, forgets, whole), 0.0)
+        return max(min(self._picture.seconds_until_work, forgets), 0.0)
 
     @property
     def seconds_until_rest(self) -> float:
         """When the picture is at rest, if nothing changes it; 0 once it is."""
-        if self._picture is None or not self._picture.is_refined or self._drawn_size != self.size:
+        if self._picture is None or not self._picture.is_refined or self._picture.size != self.size:
             return REST_SECONDS
         return max(self._changed_at + REST_SECONDS - time.monotonic(), 0.0)
 
@@ -150,14 +141,10 @@ class RemoteView:
         passed, self._moved_at = now - self._moved_at, now
         is_moving = self.orbit.coast(min(passed, 0.1)) | self.state.play(passed)
         has_input, self._has_input = self._has_input, False
-        size = self._size_now(is_moving, now)
-        wants_whole = self._drawn_size != size == self.size
-        wants_frame = has_input or is_moving or wants_whole or self._picture.wants_refinement
-        is_new = wants_frame and self._picture.update(size)
-        if wants_frame:
-            self._drawn_size, self._drawn_from = size, self.orbit.camera.key
-        traces = size == self.size  # a smaller picture is soon replaced
-        if (traces and self._picture.converge()) or is_new or has_input or self.state.forget_message():
+        wants_frame = has_input or is_moving or self._picture.wants_refinement
+        is_new = wants_frame and self._picture.update(self.size)
+        self._is_frame = is_new
+        if self._picture.converge() or is_new or has_input or self.state.forget_message():
             self.version += 1
             self._changed_at = time.monotonic()
 
@@ -180,10 +167,8 @@ class RemoteView:
             Pillow.fromarray(self._shown()).save(file, **(_PNG if lossless else _JPEG))  # type: ignore[arg-type]
             content = file.getvalue()
             self._encoded[lossless] = self.version, content
-            if self._began_at is not None:
-                self._turned_at = time.monotonic()
-                self._pace.took(self._turned_at - self._began_at)
-                self._began_at = None
+            if self._is_frame and self._picture is not None:
+                self._picture.was_shown()
         return content
 
     def words(self) -> dict[str, object]:
@@ -212,15 +197,8 @@ class RemoteView:
         assert self._picture is not None and self._renderer is not None
         if self._pixels is None or self._pixels[0] != self.version:
             self._renderer.context.make_current()
-            self._pixels = self.version, self._picture.shown(self._drawn_size)
+            self._pixels = self.version, self._picture.shown()
         return self._pixels[1]
-
-    def _size_now(self, is_moving: bool, now: float) -> tuple[int, int]:
-        """The size of the picture that `step` draws: a smaller one while it moves, if a larger one takes too long."""
-        self._began_at = None
-        if self._drawn_from is not None and (is_moving or self.orbit.camera.key != self._drawn_from):
-            self._turned_at = self._began_at = now
-        return self._pace.size(self.size) if now < self._turned_at + STILL_SECONDS else self.size
 
     @property
     def _aspect(self) -> float:
