@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -20,7 +21,44 @@ def test_a_wrong_name_is_an_attribute_error():
         viewer.lode  # noqa: B018
 
 
-def test_importing_it_imports_nothing_heavy():
-    code = "import sys, viewer; print({'numpy', 'PIL', 'moderngl'} & set(sys.modules))"
-    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert shown.stdout.strip() == "set()"
+HEAVY = {"DracoPy", "OpenImageIO", "PIL", "asyncio", "click", "dataclasses", "flip_evaluator", "glfw", "imgui_bundle",
+         "inspect", "moderngl", "numpy", "platformdirs", "pyrr", "rich", "trimesh"}
+OF_PICTURES = HEAVY - {"PIL", "click", "dataclasses", "inspect", "moderngl", "numpy", "platformdirs"}
+
+
+def imported_by(code: str, home: Path) -> set[str]:
+    """The modules in a process that runs `code` and may end by `SystemExit`."""
+    code = f"import sys\ntry:\n    {code}\nexcept SystemExit: pass\nprint(*sys.modules, sep=chr(10), file=sys.stderr)"
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=home)
+    return set(shown.stderr.splitlines())
+
+
+def test_importing_it_imports_nothing_heavy(tmp_path):
+    found = imported_by("import viewer", tmp_path)
+    assert "viewer" in found and HEAVY & found == set()
+
+
+def test_the_list_of_commands_imports_click_and_no_command(tmp_path):
+    found = imported_by("from viewer import cli; cli.main(['--help'])", tmp_path)
+    assert (HEAVY - {"click", "inspect"}) & found == set()  # click imports inspect
+    assert {name for name in found if name.startswith("viewer.")} == {
+        "viewer.base", "viewer.base.heap", "viewer.base.messages", "viewer.base.signals", "viewer.cli",
+        "viewer.commands", "viewer.commands.lazy", "viewer.commands.output", "viewer.errors"}
+
+
+def test_the_help_of_a_command_imports_what_its_options_need(tmp_path):
+    found = imported_by("from viewer import cli; cli.main(['render', '--help'])", tmp_path)
+    assert (HEAVY - {"click", "inspect", "dataclasses"}) & found == set()
+    assert {name for name in found if name.startswith("viewer.commands.")} == {
+        "viewer.commands.lazy", "viewer.commands.output", "viewer.commands.pictures"}
+
+
+def test_a_plain_picture_imports_nothing_that_other_pictures_need(tmp_path):
+    model = Path(__file__).parents[1] / "assets" / "scenes" / "spheres.glb"
+    found = imported_by(f"from viewer import cli; cli.main(['render', {str(model)!r}, '-o', 'a.png', '--size', '8'])",
+                        tmp_path)
+    assert (tmp_path / "a.png").exists() and "viewer.raster.renderer" in found
+    others = {"importlib.metadata", "multiprocessing", "numpy.random", "numpy.testing", "ssl",
+              "urllib.request", "viewer.batch.keys", "viewer.batch.processes", "xml.sax"}
+    assert (OF_PICTURES | others) & found == set()
+    assert [name for name in found if name.startswith("viewer.trace")] == []

@@ -6,8 +6,6 @@ import json
 import os
 import re
 import signal
-import subprocess
-import sys
 
 import numpy as np
 import OpenImageIO as oiio
@@ -133,14 +131,6 @@ def test_the_python_api_shares_a_context_with_the_raster():
 def test_the_python_api_refuses_what_does_nothing(arguments, words):
     with pytest.raises(UsageError, match=words):
         viewer.render(viewer.load(MODEL), size=(8, 8), **arguments)
-
-
-def test_a_raster_picture_imports_nothing_of_the_tracer(folder):
-    code = ("import sys, viewer; from viewer import cli\n"
-            f"try: cli.main(['render', {str(MODEL)!r}, '-o', 'a.png', '--size', '8'])\n"
-            "except SystemExit: print([name for name in sys.modules if name.startswith('viewer.trace')])")
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == "[]\n"
 
 
 def test_samples_that_are_left_out_are_told(run, folder):

@@ -16,11 +16,8 @@ import click
 from .base.heap import share_one_heap
 from .base.messages import say_error
 from .base.signals import Stopped, stoppable
-from .commands.browser import page, serve
-from .commands.machine import cache, doctor
-from .commands.measurements import check, diff, report
+from .commands.lazy import LazyCommands, command_list
 from .commands.output import print_text
-from .commands.pictures import info, render, view
 from .errors import UsageError, ViewerError
 
 
@@ -39,6 +36,11 @@ class _Commands(click.Group):
             args = ["view", *args]
         return super().parse_args(ctx, args)
 
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the commands without importing them, as click would."""
+        with formatter.section("Commands"):
+            formatter.write_dl(command_list())
+
 
 def _names_model(text: str) -> bool:
     """Whether it is a file or a folder, or ends like a model, so that a missing one is told as such."""
@@ -47,7 +49,8 @@ def _names_model(text: str) -> bool:
     return os.path.exists(text) or os.path.splitext(text)[1].lower() in MODEL_ENDINGS
 
 
-@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.group(cls=_Commands, commands=LazyCommands(),
+             context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
 @click.option("--version", is_flag=True, expose_value=False, is_eager=True, callback=_print_version,
               help="Show the version and exit.")
 def cli() -> None:
@@ -58,10 +61,6 @@ def cli() -> None:
     Exit status: 0 success; 1 the input is bad or the output cannot be written; 2 wrong usage; 3 no OpenGL context. An
     error is reported in one line on stderr.
     """
-
-
-for command in (view, render, page, serve, info, check, report, diff, doctor, cache):
-    cli.add_command(command)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -14,7 +14,6 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss, legval
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
@@ -45,7 +44,7 @@ def fresnel(mu: Matrix, eta: float) -> Matrix:
 def internal_reflectance(ior: float) -> float:
     """The share of light from inside that a smooth boundary reflects back in, where radiance is the same in all
     directions: 1 - (1 - F) / ior^2, with F the mean for light from outside."""
-    x, w = leggauss(256)
+    x, w = np.polynomial.legendre.leggauss(256)
     mu = 0.5 * (x + 1.0)
     entering = 1.0 - float((w * mu) @ fresnel(mu, ior))
     return 1.0 - entering / (ior * ior)
@@ -88,7 +87,7 @@ def cosines(ior: float) -> tuple[Matrix, Matrix]:
     """
     critical = np.sqrt(max(1.0 - 1.0 / (ior * ior), 0.0))
     ends = [0.0, critical, 1.0] if critical > 0.0 else [0.0, 1.0]
-    x, w = leggauss(_NODES)
+    x, w = np.polynomial.legendre.leggauss(_NODES)
     parts = [(a + 0.5 * (b - a) * (x + 1.0), 0.5 * (b - a) * w) for a, b in pairwise(ends)]
     return np.concatenate([mu for mu, _ in parts]), np.concatenate([weight for _, weight in parts])
 
@@ -99,7 +98,7 @@ def _phase(mu: Matrix, w: Matrix, g: float) -> tuple[Matrix, Matrix, float]:
     order = np.arange(len(mu))
     peak = g ** len(mu)
     moments = (2.0 * order + 1.0) * (g ** order.astype(float) - peak) / (1.0 - peak)
-    values = np.array([legval(mu, row) for row in np.eye(len(mu))])
+    values = np.array([np.polynomial.legendre.legval(mu, row) for row in np.eye(len(mu))])
     forward = np.einsum("l,li,lj->ij", moments, values, values)
     backward = np.einsum("l,li,lj->ij", moments * (-1.0) ** order, values, values)
     total = 0.5 * w @ (forward + backward)

@@ -10,6 +10,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,11 +24,13 @@ from ..jobs.camera_output import write_camera_files
 from ..jobs.model_renderer import Record
 from ..jobs.render_job import RenderJob, RenderTask
 from .engines import ClusterLost, Engine, Here, WorkerLost
-from .keys import Keys
 from .manifest import Line, Manifest
 from .options import LOCAL
 from .sums import Sums
 from .work import Done, Worker
+
+if TYPE_CHECKING:
+    from .keys import Keys
 
 
 @dataclass(frozen=True)
@@ -138,7 +141,11 @@ class Run:
     def __init__(self, job: RenderJob, batch: Batch, manifest: Manifest | None) -> None:
         self._batch, self._manifest, self._is_quiet = batch, manifest, bool(job.options["quiet"])
         self._retries = (manifest is not None) if batch.retries is None else batch.retries
-        self._keys = None if manifest is None else Keys(job)
+        self._keys: Keys | None = None
+        if manifest is not None:
+            from .keys import Keys  # imports readers of XML and of packages' metadata, and through them urllib and ssl
+
+            self._keys = Keys(job)
         self.records: dict[int, tuple[Record, ...]] = {}
         self.known: dict[int, tuple[Record, ...]] = {}
         self.stopped: int | None = None

@@ -38,7 +38,7 @@ class _Frames(click.ParamType):
         return "N[xM]"
 
 
-@click.command(short_help="Write a page on which a model turns.")
+@click.command()
 @click.argument("model")
 @click.option("-o", "--output", required=True, metavar="FILE.html", help="The page, one file that needs no other.")
 @click.option("--frames", type=_Frames(), default="36", show_default=True,
@@ -78,8 +78,7 @@ def page(model: str, output: str, **options: Any) -> None:
         write_page(model, Path(output), scene, settings, quality, options)
 
 
-@click.command(short_help="Show a model in a browser, drawn here.",
-               context_settings={"default_map": {"denoise": "fast"}})
+@click.command(context_settings={"default_map": {"denoise": "fast"}})
 @click.argument("model")
 @click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS",
               help="The address of this machine to listen at. By default only this machine can connect; 0.0.0.0 opens "

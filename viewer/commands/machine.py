@@ -10,7 +10,7 @@ from ..jobs.options import JSON_OPTION
 from .output import print_text, write_or_print_json
 
 
-@click.command(short_help="Show which OpenGL contexts work here.")
+@click.command()
 @JSON_OPTION
 def doctor(json_file: str | None) -> None:
     """Show which OpenGL contexts work here, and how to fix those that do not. Exit status 3: none works."""
@@ -24,7 +24,7 @@ def doctor(json_file: str | None) -> None:
     sys.exit(exit_status(findings))
 
 
-@click.command(short_help="Show or clear the cache on disk.")
+@click.command()
 @click.option("--clear", is_flag=True, help="Delete all entries of the cache.")
 def cache(clear: bool) -> None:
     """Show the folder and size of the cache, which holds prepared environments.

@@ -25,7 +25,7 @@ from ..jobs.options import (
 from .output import print_facts, warn, write_or_print_json
 
 
-@click.command(short_help="Check the shaders: energy conservation and float32 precision.")
+@click.command()
 @click.argument("what", type=click.Choice(["energy", "stability", "all"]), default="all")
 @click.argument("model", required=False)
 @click.option("--shader", metavar="FILE", help="Check a lobe of your own GLSL file.")
@@ -84,7 +84,7 @@ def check(what: str, model: str | None, shader: str | None, lobe: str | None, js
     sys.exit(exit_status(checks))
 
 
-@click.command(short_help="Measure error against time, by every method there is.")
+@click.command()
 @click.argument("models", metavar="MODEL...", nargs=-1, required=True)
 @click.option("-o", "--output", required=True, metavar="DIR",
               help="Folder for index.html, report.json, the charts and all measurements; made if it is missing.")
@@ -121,7 +121,7 @@ def report(models: tuple[str, ...], output: str, limit: float, backend: str, **o
     sys.exit(job.run(models, load, lambda model, scene: make_camera(model, scene, options)))
 
 
-@click.command(short_help="Compare two pictures.")
+@click.command()
 @click.argument("a")
 @click.argument("b")
 @JSON_OPTION

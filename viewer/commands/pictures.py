@@ -32,7 +32,7 @@ from ..jobs.options import (
 from .output import print_facts, print_text, warn, write_or_print_json
 
 
-@click.command(short_help="Open a model in a window.", context_settings={"default_map": {"denoise": "fast"}})
+@click.command(context_settings={"default_map": {"denoise": "fast"}})
 @click.argument("model")
 @click.option("--watch", is_flag=True, help="Load the model again when its file changes, or a file that it refers to.")
 @click.option("--fullscreen", is_flag=True, help="Begin on the whole screen; F11 leaves it.")
@@ -109,7 +109,7 @@ class _Render(click.Command):
         return super().parse_args(ctx, args)
 
 
-@click.command(short_help="Render pictures of models, without a screen.", cls=_Render)
+@click.command(cls=_Render)
 @click.argument("models", metavar="MODEL...", nargs=-1, required=True)
 @click.option("-o", "--output", required=True, metavar="OUT",
               help="The picture: .png .jpg .webp (as displayed), .exr or .npz (linear light, and the layers of --aov). "
@@ -205,7 +205,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     sys.exit(status)
 
 
-@click.command(short_help="Show what is in a model and how it will be rendered.")
+@click.command()
 @click.argument("model", required=False)
 @JSON_OPTION
 @click.option("--settings", "list_settings", is_flag=True, help="List what --set takes.")
