@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+from threading import Event, Timer
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from curve_twins import closeness, depth, entry
 from needs import needs
 from stand_ins import Geometry, mesh, trace
 from strands import strands
+from waiting import PATIENCE_S
 
 from viewer.errors import UsageError
 from viewer.gpu.context import Context
@@ -84,6 +89,34 @@ def test_threads_share_rays_and_leave_none_out(curves: TraceCurves, monkeypatch:
     for found, expected in zip(embree.intersect(o, d, np.inf), alone, strict=True):
         np.testing.assert_array_equal(found, expected)
     assert 0.2 < (alone[0] >= 0).mean() < 0.9
+
+
+@needs("embree")
+def test_no_thread_traces_on_after_an_interruption(curves: TraceCurves, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The scene may be released then. The first packet stops as Ctrl-C does, while another thread is in the second."""
+    from viewer.trace.rays import embree_curves
+
+    embree, is_inside, may_leave, left = embree_curves.EmbreeCurves(curves), Event(), Event(), []
+
+    def intersect(_valid: int, _scene: int, packet: int, _context: None) -> None:
+        if packet == words.ctypes.data:
+            assert is_inside.wait(PATIENCE_S)
+            Timer(0.05, may_leave.set).start()
+            raise KeyboardInterrupt
+        is_inside.set()
+        assert may_leave.wait(PATIENCE_S)
+        left.append(packet)
+
+    words = np.zeros((6, embree_curves._WORDS, embree_curves._WIDTH), np.float32)
+    monkeypatch.setattr(embree_curves, "_TASK", 1)
+    with ThreadPoolExecutor(2) as threads:
+        monkeypatch.setattr(embree_curves, "_threads", lambda: threads)
+        monkeypatch.setattr(embree, "_library", SimpleNamespace(rtcIntersect16=intersect))
+        with pytest.raises(KeyboardInterrupt):
+            embree._trace(words)
+        assert may_leave.is_set() and left
+        after = len(left)
+    assert len(left) == after
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -15,7 +15,7 @@ from __future__ import annotations
 import ctypes
 import os
 import weakref
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -192,7 +192,6 @@ class EmbreeCurves:
         found = _take(bits, _PRIMITIVE, 1, count)[:, 0].view(np.int32)
         return found, t, normal, (_take(bits, _GEOMETRY, 1, count)[:, 0] == 1) & (found >= 0)
 
-
     def _trace(self, words: NDArray[np.float32]) -> None:
         """Trace packets (N, _WORDS, _WIDTH), and write to them what Embree finds."""
         intersect, valid, scene = self._library.rtcIntersect16, self._valid.ctypes.data, self._scene
@@ -205,8 +204,15 @@ class EmbreeCurves:
 
         if len(words) <= _TASK:
             trace(0)
-        else:
-            list(_threads().map(trace, range(0, len(words), _TASK)))
+            return
+        tasks = [_threads().submit(trace, first) for first in range(0, len(words), _TASK)]
+        try:
+            for task in tasks:
+                task.result()
+        finally:  # after Ctrl-C, too, whoever catches it may release the scene, and no thread may read it then
+            for task in tasks:
+                task.cancel()
+            wait(tasks)
 
 
 @dataclass(frozen=True, eq=False)
