@@ -26,6 +26,7 @@ from viewer.scene.camera import Camera
 from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.settings import Settings
+from viewer.trace.paths.film import Film
 from viewer.trace.tracer import Tracer
 
 MODEL = SCENES / "spheres.glb"
@@ -81,6 +82,23 @@ def test_rounds_fill_the_groups_one_after_the_other_and_time_ends_them(context, 
     assert measure_error(tracer, np.zeros((8, 8, 4), np.float32), ball, camera, Settings(), (8, 8), 9.0,
                          lambda: True) is None
     assert LEAST_GROUPS >= 3  # the jackknife leaves one out, and needs pairs of the others
+    tracer.release()
+
+
+def test_a_pixel_whose_samples_are_all_bad_is_black(context, ball, monkeypatch):
+    """And not NaN, which the error of the whole picture would be then."""
+    tracer, read_sums = Tracer(context), Film.read_sums
+
+    def without_one(film):
+        first, second = (part.copy() for part in read_sums(film))
+        first[3, 4] = second[3, 4] = 0
+        return first, second
+
+    monkeypatch.setattr(Film, "read_sums", without_one)
+    paths = PathGroups.of_raster(tracer, ball, ball.framing_camera(1.0), Settings(), (8, 8))
+    while paths.pictures < 16:
+        paths.step(math.inf)
+    assert np.isfinite(paths.groups).all() and not paths.groups[:, 3, 4].any() and paths.groups.any()
     tracer.release()
 
 

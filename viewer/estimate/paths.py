@@ -171,6 +171,8 @@ class PathGroups:
             group = (self._begun - 1) % len(self.total)
             self.total[group] += np.concatenate([total[..., :3], squares[..., 3:]], axis=-1)
             self.count[group] += total[..., 3:]
+            if self._render.is_done:  # a pixel whose samples are all bad is black, as in pictures of mode path
+                np.maximum(self.count[group], 1, out=self.count[group])
             self.lost_share += (self._render.lost_share - self.lost_share) / self._begun  # the mean of all
             for name in self._stats:
                 self._stats[name] += self._render.stats()[name]
