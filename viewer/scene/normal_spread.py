@@ -15,7 +15,7 @@ import numpy as np
 
 from .mip_levels import means_of_four
 
-_BAND = 64  # rows per step, so that intermediate arrays stay in the processor's cache
+_BAND = 1 << 17  # texels per step, so that intermediate arrays stay in the processor's cache
 
 
 def with_spread(levels: list[np.ndarray]) -> list[np.ndarray]:
@@ -25,45 +25,76 @@ def with_spread(levels: list[np.ndarray]) -> list[np.ndarray]:
     1 for unit normals. A texture without the channel reads as 1, no spread.
     """
     full = np.iinfo(levels[0].dtype).max
-    with_alpha = [_joined(levels[0], full)]
-    covariance: list[np.ndarray] = []
-    for larger, smaller in pairwise(levels):
-        among = [part * np.float32(4 / full**2) for part in _covariance(larger)]
-        covariance = [means_of_four(part) + rest for part, rest in zip(covariance, among, strict=True)
-                      ] if covariance else among
-        xx, yy, xy = (part[..., 0] for part in covariance)
-        spread = np.sqrt(2 * np.sqrt(np.maximum(xx * yy - xy * xy, 0)))
-        with_alpha.append(_joined(smaller, np.rint((1 - np.minimum(spread, 1)) * full)))
+    with_alpha = [np.empty((*level.shape[:2], 4), level.dtype) for level in levels]
+    for rows in _bands(levels[0]):
+        _join(with_alpha[0][rows], levels[0][rows], full)
+    before: np.ndarray | None = None
+    for (larger, smaller), out in zip(pairwise(levels), with_alpha[1:], strict=True):
+        covariance = np.empty((3, *smaller.shape[:2]), np.float32)
+        for rows in _bands(larger):
+            half = slice(rows.start // 2, max(rows.stop // 2, 1))
+            here = covariance[:, half]
+            _among(larger[rows], np.float32(4 / full**2), here)
+            if before is not None:
+                here += _means(before[:, rows])
+            xx, yy, xy = here
+            spread = np.sqrt(2 * np.sqrt(np.maximum(xx * yy - xy * xy, 0)))
+            _join(out[half], smaller[half], np.rint((1 - np.minimum(spread, 1)) * full))
+        before = covariance
     return with_alpha
 
 
-def _covariance(level: np.ndarray) -> list[np.ndarray]:
-    """The covariances xx, yy and xy of the texels that each texel of the next level stands for, (H, W, 1) each."""
+def _bands(level: np.ndarray) -> list[slice]:
+    """All rows, an even number at a time; those of odd sides, whose texels are not means of four, all at once."""
     height, width = level.shape[:2]
-    if height % 2 or width % 2:
-        x, y = (level[..., k:k + 1].astype(np.float32) for k in (0, 1))
-        mean_x, mean_y = means_of_four(x), means_of_four(y)
-        return [means_of_four(x * x) - mean_x * mean_x, means_of_four(y * y) - mean_y * mean_y,
-                means_of_four(x * y) - mean_x * mean_y]
-    bands = []
-    for top in range(0, height, _BAND):
-        (a, b, c), (d, e, f) = (_differences(level[top:top + _BAND, :, k].astype(np.float32)) for k in (0, 1))
-        bands.append((a * a + b * b + c * c, d * d + e * e + f * f, a * d + b * e + c * f))
-    return [np.concatenate(parts)[..., None] for parts in zip(*bands, strict=True)]
+    step = max(_BAND // width // 2 * 2, 2) if _is_even(level) else height
+    return [slice(top, min(top + step, height)) for top in range(0, height, step)]
 
 
-def _differences(plane: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of each four texels of (H, W): three numbers, the sum of whose squares is the variance (Haar's wavelets)."""
-    sums, differences = plane[0::2] + plane[1::2], plane[0::2] - plane[1::2]
-    sums *= np.float32(0.25)
-    differences *= np.float32(0.25)
-    left, right = differences[:, 0::2], differences[:, 1::2]
-    return sums[:, 0::2] - sums[:, 1::2], left + right, left - right
+def _is_even(level: np.ndarray) -> bool:
+    return level.shape[0] % 2 == level.shape[1] % 2 == 0
 
 
-def _joined(level: np.ndarray, alpha: np.ndarray | int) -> np.ndarray:
-    joined = np.empty((*level.shape[:2], 4), level.dtype)
+def _among(level: np.ndarray, scale: np.float32, out: np.ndarray) -> None:
+    """The covariances xx, yy and xy of the texels that each texel of the next level stands for, times `scale`."""
+    if _is_even(level):
+        _among_four(level, out)
+        out *= scale / 16
+        return
+    x, y = np.moveaxis(level[..., :2], 2, 0).astype(np.float32)
+    xx, yy, xy, x, y = _means(np.stack([x * x, y * y, x * y, x, y]))
+    out[:] = xx - x * x, yy - y * y, xy - x * y
+    out *= scale
+
+
+def _among_four(level: np.ndarray, out: np.ndarray) -> None:
+    """16 times the covariances of each four texels: of three numbers each (Haar's wavelets), products are summed.
+
+    numpy is several times slower if it takes every second element, so two neighbours are read as one number.
+    """
+    bits = 8 * level.dtype.itemsize
+    pairs = np.stack([level[..., 0], level[..., 1]]).view(f"u{bits // 4}")
+    low, high = (part.view(f"i{bits // 4}") for part in (pairs & np.iinfo(level.dtype).max, pairs >> bits))
+    sums, differences = low + high, low - high
+    haar = np.empty((3, 2, *out.shape[1:]), np.float32)
+    haar[0] = sums[:, 0::2] - sums[:, 1::2]
+    haar[1] = differences[:, 0::2] + differences[:, 1::2]
+    haar[2] = differences[:, 0::2] - differences[:, 1::2]
+    for product, i, j in zip(out, (0, 1, 0), (0, 1, 1), strict=True):
+        np.multiply(haar[0, i], haar[0, j], out=product)
+        product += haar[1, i] * haar[1, j]
+        product += haar[2, i] * haar[2, j]
+
+
+def _means(planes: np.ndarray) -> np.ndarray:
+    """(K, H, W) float32 at half the height and width, rounded down."""
+    if planes.shape[1] % 2 or planes.shape[2] % 2:
+        return np.moveaxis(means_of_four(np.moveaxis(planes, 0, 2)), 2, 0)
+    pairs = planes[..., 0::2] + planes[..., 1::2]
+    return (pairs[:, 0::2] + pairs[:, 1::2]) / 4
+
+
+def _join(out: np.ndarray, level: np.ndarray, alpha: np.ndarray | int) -> None:
     for k in range(3):  # numpy is several times slower if the last axis is short
-        joined[..., k] = level[..., k]
-    joined[..., 3] = alpha
-    return joined
+        out[..., k] = level[..., k]
+    out[..., 3] = alpha
