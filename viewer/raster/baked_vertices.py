@@ -7,16 +7,16 @@ from ..gpu.programs import Programs
 from ..plan.model import Plan
 from ..scene.scene import Scene
 from ..settings import Settings
+from .baked_attributes import BakedAttributes
 from .interiors import Interiors
 from .stopwatch import Stopwatch
-from .surfaces import Surfaces
 
 
 class BakedVertices:
-    """Gives the surfaces what is baked at their vertices."""
+    """Gives surfaces, as `attributes`, what is baked at their vertices."""
 
-    def __init__(self, context: Context, programs: Programs, surfaces: Surfaces, watch: Stopwatch) -> None:
-        self._context, self._programs, self._surfaces, self._watch = context, programs, surfaces, watch
+    def __init__(self, context: Context, programs: Programs, attributes: BakedAttributes, watch: Stopwatch) -> None:
+        self._context, self._programs, self._attributes, self._watch = context, programs, attributes, watch
         self._interiors = Interiors(context)
         self._measured: Scene | None = None
         self._lit_by: tuple[object, ...] | None = None
@@ -35,20 +35,20 @@ class BakedVertices:
         solids = _scattering_solids(plan)
         thickness = self._interiors.take(scene, solids)
         if thickness is not None:
-            self._surfaces.set_interiors(thickness)
+            self._attributes.set_interiors(thickness)
         self._measured = scene if solids else None
 
     def _bake_light(self, scene: Scene, settings: Settings, plan: Plan) -> None:
         """Bake indirect light, anew under other lights."""
         key = (scene.lights, scene.environment, settings.ndf, settings.masking, settings.fresnel, settings.multiscatter,
                plan.has_subsurface)
-        if self._lit_by != key or not self._surfaces.has_indirect:
+        if self._lit_by != key or not self._attributes.has_indirect:
             from ..trace.chords import light_behind
             from ..trace.vertex_light import bake_incoming
 
             light = bake_incoming(self._context, scene, settings, programs=self._programs)
             solids = _scattering_solids(plan)
-            self._surfaces.light_vertices(light, light_behind(self._context, scene, solids, light) if solids else {})
+            self._attributes.light_vertices(light, light_behind(self._context, scene, solids, light) if solids else {})
             self._lit_by = key
 
 

@@ -31,8 +31,9 @@ from .depth import Depth
 from .gbuffer import nearest_texture
 from .geometry import MeshBuffers
 from .surface_programs import FULLSCREEN
-from .surfaces import UNIT_CHOSEN, UNIT_GEOMETRY, UNIT_RADIANCE, Surfaces
+from .surfaces import Surfaces
 from .target import Target
+from .units import UNIT_CHOSEN, UNIT_GEOMETRY, UNIT_RADIANCE
 
 _OBJECTS = 1 << 20
 """Objects have numbers below, which are stored as depths: number / _OBJECTS is exact."""

@@ -27,7 +27,7 @@ from ..scene.medium import Medium
 from ..scene.mip_levels import mip_levels
 from ..settings import Settings
 from .depth import Depth
-from .surfaces import UNIT_BACKGROUND, UNIT_IRRADIANCE, UNIT_PREFILTERED, UNIT_SKY_IN_FOG, UNIT_SKY_IN_VOLUMES
+from .units import UNIT_BACKGROUND, UNIT_IRRADIANCE, UNIT_PREFILTERED, UNIT_SKY_IN_FOG, UNIT_SKY_IN_VOLUMES
 
 _CONSTANT = np.ones((128, 256, 3), np.float32)
 """A level of radiance 1 from everywhere, with its margins."""

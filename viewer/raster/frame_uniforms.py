@@ -16,7 +16,7 @@ from ..settings import Settings
 from .lights import pack_lights
 from .prepared import Prepared
 from .shadows import KeptShadowMaps
-from .surfaces import UNIT_DFG, UNIT_RADIANCE, UNIT_SHADOW
+from .units import UNIT_DFG, UNIT_RADIANCE, UNIT_SHADOW
 
 
 class FrameUniforms:

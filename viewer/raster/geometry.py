@@ -85,7 +85,10 @@ class MeshBuffers:
         key = (program.glo, *part.key)
         if key not in self._arrays:
             self._arrays[key] = self._new_array(program, part.content(program), self._own_indices())
-        self._arrays[key].render(instances=count)
+        if count:
+            self._arrays[key].render(instances=count)
+        if self._context.is_software and part.is_large:  # it would hold the vertices of all parts until the frame ends
+            self._gl.finish()
 
     @property
     def triangles_and_vertices(self) -> BufferTexture:

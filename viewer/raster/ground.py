@@ -21,7 +21,8 @@ from ..scene.scene import Scene
 from .depth import Depth
 from .environment import EnvironmentLight
 from .shadows import Atlas, Casters, directional_tiles
-from .surfaces import UNIT_BACKGROUND, bind_blocks
+from .surfaces import bind_blocks
+from .units import UNIT_BACKGROUND
 
 _SAMPLES = 160
 """Lights that stand for the whole environment. Those below the horizon do not light the ground."""

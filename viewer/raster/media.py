@@ -36,7 +36,7 @@ from .media_light import DEPTH_SIDE, SIDE, Grid, MediaLight
 from .media_slices import MediaSlices
 from .shadows import Casters, ShadowMaps
 from .sky_shadows import SkyShadows
-from .surfaces import UNIT_MEDIA, UNIT_MEDIA_LIGHT, UNIT_SHADOW, UNIT_SKY_SHADOWS, UNIT_VOLUME_DEPTH
+from .units import UNIT_MEDIA, UNIT_MEDIA_LIGHT, UNIT_SHADOW, UNIT_SKY_SHADOWS, UNIT_VOLUME_DEPTH
 from .volume_textures import VolumeTextures
 
 _KEPT = 2

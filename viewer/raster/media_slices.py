@@ -14,7 +14,7 @@ from ..plan.media import SLICE_COUNT, SLICES
 from ..plan.model import Program
 from ..scene.frame import Frame
 from .gbuffer import nearest_texture
-from .surfaces import UNIT_RADIANCE
+from .units import UNIT_RADIANCE
 
 _FRAMEBUFFER, _COLOR_ATTACHMENT = 0x8D40, 0x8CE0
 

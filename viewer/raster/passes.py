@@ -27,11 +27,12 @@ from .prepared import Prepared
 from .shadows import Casters, KeptShadowMaps
 from .stopwatch import Stopwatch
 from .subsurface import SubsurfacePass
-from .surfaces import UNIT_RADIANCE
+from .surface_casters import SurfaceCasters
 from .target import Target
 from .traced.reflections import TracedReflections
 from .traced.refraction import TracedRefraction
 from .transmission import Backdrop
+from .units import UNIT_RADIANCE
 from .visibility import MOST_POINTS, VisibilityPass
 from .wireframe import Wireframe
 
@@ -45,7 +46,7 @@ class Passes:
         self._context, self._gl, self._programs, self._depth = context, gl, programs, depth
         self._prepared, self._watch = prepared, watch
         self.curves = CurvePass(context, programs, depth)
-        self._casters = Casters(prepared.surfaces.prepare_depth, self.curves.draw_depth)
+        self._casters = Casters(SurfaceCasters(programs, prepared.surfaces).prepare, self.curves.draw_depth)
         self._shadows = KeptShadowMaps(gl, self._casters)
         self._uniforms = FrameUniforms(gl, prepared, self._shadows)
         self._gbuffers: dict[tuple[int, int], GBuffer] = {}
@@ -58,7 +59,7 @@ class Passes:
         self._overdraw = Overdraw(context, programs, depth)
         self._wireframe = Wireframe(context, programs)
         self._grid = GridPass(context, programs, depth)
-        self._vertices = BakedVertices(context, programs, prepared.surfaces, watch)
+        self._vertices = BakedVertices(context, programs, prepared.surfaces.baked, watch)
         self._ground = GroundPass(context, programs, depth, self._casters)
         self.layers = LayerPass(gl, depth, prepared, self.curves, self._uniforms, watch)
         self._deferred = DeferredSurfaces(context, programs, depth, prepared.surfaces)

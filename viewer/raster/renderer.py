@@ -31,8 +31,8 @@ from .layers import Following
 from .passes import Passes
 from .prepared import Prepared
 from .stopwatch import Stopwatch
-from .surfaces import UNIT_RADIANCE
 from .target import Target
+from .units import UNIT_RADIANCE
 
 
 class Renderer:

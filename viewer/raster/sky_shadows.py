@@ -14,7 +14,7 @@ from ..scene.color import LUMINANCE
 from ..scene.material import Material, Texture
 from ..scene.scene import Scene
 from .shadows import Atlas, Casters, directional_tiles
-from .surfaces import UNIT_SKY_SHADOWS
+from .units import UNIT_SKY_SHADOWS
 
 _TILE = 256
 

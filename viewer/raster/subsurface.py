@@ -13,7 +13,7 @@ from ..gpu.programs import Programs, matrix_uniform, set_uniform
 from ..scene.frame import Frame
 from .depth import Depth
 from .gbuffer import nearest_texture
-from .surfaces import UNIT_SUBSURFACE, UNIT_SUBSURFACE_POSITIONS
+from .units import UNIT_SUBSURFACE, UNIT_SUBSURFACE_POSITIONS
 
 POINTS, MOVING_POINTS = 48, 18
 """How many points of the disk around each pixel are read: a third of them by the profile of each channel. The second

@@ -20,7 +20,7 @@ from .environment import EnvironmentLight
 from .environment_shadows import EnvironmentShadows
 from .gbuffer import UNIT_NORMALS, GBuffer, nearest_texture
 from .shadows import Casters
-from .surfaces import UNIT_BACKGROUND, UNIT_VISIBILITY
+from .units import UNIT_BACKGROUND, UNIT_VISIBILITY
 
 MOST_POINTS = 1 << 17
 """Shadows of the environment are found at so many points of a picture, each of which takes as many lookups as there are

@@ -10,7 +10,7 @@ import numpy as np
 from ..gpu.programs import matrix_uniform
 from ..scene.frame import Frame
 from ..scene.volume import Volume
-from .surfaces import UNIT_DENSITIES
+from .units import UNIT_DENSITIES
 
 _LEAST_LIMIT = 256
 """GL_MAX_3D_TEXTURE_SIZE is at least so much in OpenGL 3.3."""

@@ -15,7 +15,7 @@ from ...scene.frame import Frame
 from ...scene.scene import Scene
 from ...settings import Settings
 from ..gbuffer import UNIT_NORMALS, GBuffer, nearest_texture
-from ..surfaces import UNIT_RAY_POSITIONS, UNIT_REFLECTED
+from ..units import UNIT_RAY_POSITIONS, UNIT_REFLECTED
 
 if TYPE_CHECKING:
     from .reflected_surfaces import ReflectedSurfaces

@@ -18,7 +18,7 @@ from ...scene.frame import Frame
 from ...scene.scene import Scene
 from ..depth import Depth
 from ..gbuffer import nearest_texture
-from ..surfaces import UNIT_MIRRORED, UNIT_PATH_POSITIONS, UNIT_REFRACTED
+from ..units import UNIT_MIRRORED, UNIT_PATH_POSITIONS, UNIT_REFRACTED
 
 if TYPE_CHECKING:
     from .refracting_surfaces import RefractingSurfaces

@@ -1,0 +1,73 @@
+"""A material as the uniforms and textures of a program."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import moderngl
+import numpy as np
+
+from ..gpu.programs import set_uniform
+from ..material.pack import uniforms
+from ..material.weave import WeaveBinding
+from ..plan.model import Draw
+from ..scene.material import VOLUME, Material, UVTransform
+from ..scene.schema import MAPS, Value
+from .subsurface_uniforms import interior_uniforms
+from .textures import Textures
+from .units import UNIT_WEAVE
+
+
+class MaterialUniforms:
+    """Sets them. The uniforms of materials are kept as long as the plan does not change."""
+
+    def __init__(self, gl: moderngl.Context, textures: Textures) -> None:
+        self._textures = textures
+        self._weave = WeaveBinding(gl)
+        self._uniforms: dict[int, tuple[Material, list[tuple[str, Value]]]] = {}
+
+    def clear(self) -> None:
+        """Forget the uniforms of materials, for another plan."""
+        self._uniforms.clear()
+
+    def set(self, program: moderngl.Program, draw: Draw, radius: float) -> None:
+        """Set all of the draw's material. `radius` is that of the scene."""
+        material = draw.surface
+        self._set_parameters(program, material)
+        if VOLUME.is_on(material):
+            set_uniform(program, "u_absorption", tuple(material.extinction * radius))
+        if draw.has_subsurface:
+            for name, value in interior_uniforms(draw, self._textures, radius):
+                set_uniform(program, name, value)
+        set_uniform(program, "u_shininess", material.shininess or 0.0)
+        self._weave.bind(program, material.weave, UNIT_WEAVE)
+        for name in (*draw.maps, *draw.blank_maps):
+            self._bind_map(program, draw, name)
+
+    def set_maps(self, program: moderngl.Program, draw: Draw, names: Iterable[str]) -> None:
+        """Set the parameters of the draw's material, and of its maps only `names`."""
+        self._set_parameters(program, draw.surface)
+        for name in names:
+            self._bind_map(program, draw, name)
+
+    def _set_parameters(self, program: moderngl.Program, material: Material) -> None:
+        cached = self._uniforms.get(id(material))
+        if cached is None or cached[0] is not material:
+            cached = self._uniforms[id(material)] = material, list(uniforms(material))
+        for name, value in cached[1]:
+            set_uniform(program, name, value)
+
+    def _bind_map(self, program: moderngl.Program, draw: Draw, name: str) -> None:
+        unit = (*draw.maps, *draw.blank_maps).index(name)
+        texture = MAPS[name].texture(draw.surface) if name in draw.maps else None
+        if texture is None:
+            self._textures.bind_blank(name, unit)
+        else:
+            self._textures.bind(texture, name, unit)
+        set_uniform(program, f"u_{name}_map", unit)
+        if draw.program[f"{name.upper()}_TRANSFORM"]:
+            transform = (texture and texture.transform) or UVTransform()
+            set_uniform(program, f"u_{name}_transform", transform.matrix().T.astype(np.float32).tobytes())
+
+    def release(self) -> None:
+        self._weave.release()
