@@ -2,8 +2,8 @@
 //
 // Neighbouring triangles of a smooth surface look alike, and one of them stands for all. Which of them are alike their
 // planes tell, where they meet the ray through the middle of the pixel: those of one object whose normals are less than
-// acos(0.9) apart, and whose points on the ray are less than a quarter of a pixel from the other's plane. Of a pixel with
-// more than two surfaces, which is rare, all other samples are shaded as the second one.
+// acos(0.9) apart, and whose points on the ray are less than a quarter of a pixel from the other's plane. Of a pixel
+// with more than two surfaces, which is rare, all other samples are shaded as the second one.
 #include "raster/planes.glsl"
 
 uniform usampler2DMS u_triangle_samples;  // number of the triangle, from 1; 0: none
@@ -12,8 +12,8 @@ uniform vec3 u_eye;               // from the scene's centre
 uniform vec2 u_pixel;             // size of a pixel: x + y times the distance
 
 in vec2 v_ndc;
-// The first and the second triangle, 0 for the background, and in the bits from 24 on the samples of each. BACKGROUND: it
-// is one of these, too.
+// The first and the second triangle, 0 for the background, and in the bits from 24 on the samples of each. BACKGROUND:
+// it is one of these, too.
 layout(location = 0) out uvec2 o_chosen;
 
 // `o`: where the ray through the pixel's middle starts; `d`: its direction, 1 along the camera's axis.

@@ -1,7 +1,7 @@
 // Reads, at the point being shaded, a buffer that an earlier pass has filled at one point a pixel (or more, under
 // supersampling). The nearest of its samples may lie on another surface, so the bilinear weights are multiplied by how
-// near each sample lies to the point's tangent plane, and where samples have normals, by how near these are to the point's.
-// Kopf et al. 2007, "Joint Bilateral Upsampling"
+// near each sample lies to the point's tangent plane, and where samples have normals, by how near these are to the
+// point's. Kopf et al. 2007, "Joint Bilateral Upsampling"
 #include "sample/octahedron.glsl"
 #include "raster/varying.glsl"
 uniform vec2 u_drawn_size; // of the picture, in shaded points

@@ -1,5 +1,5 @@
-// What the surface is that a pixel shows at its centre, as numbers (docs/layers.md). OUT_NORMAL, OUT_IDS, OUT_ALBEDO and
-// OUT_UV are the places of the outputs that are wanted; 0: not wanted.
+// What the surface is that a pixel shows at its centre, as numbers (docs/layers.md). OUT_NORMAL, OUT_IDS, OUT_ALBEDO
+// and OUT_UV are the places of the outputs that are wanted; 0: not wanted.
 #include "raster/material.glsl"
 #if OUT_ALBEDO && IS_LIT
 #include "bsdf/surface_of.glsl"
@@ -39,7 +39,8 @@ vec3 at_center(vec3 p, vec3 normal) {
 // pixel and y of the step dy.
 vec2 steps_to(vec3 way, vec3 dx, vec3 dy) {
     vec3 normal = cross(dx, dy);
-    return clamp(vec2(dot(cross(way, dy), normal), dot(cross(dx, way), normal)) / max(dot(normal, normal), 1e-37), -1.0, 1.0);
+    vec2 steps = vec2(dot(cross(way, dy), normal), dot(cross(dx, way), normal)) / max(dot(normal, normal), 1e-37);
+    return clamp(steps, -1.0, 1.0);
 }
 #define AT_CENTER(value) ((value) + off.x * dFdx(value) + off.y * dFdy(value))
 

@@ -1,5 +1,5 @@
-// The planes of triangles, by their numbers from 1: n and d of n p + d = 0 about the scene's centre. |n| is the number of
-// the triangle's object.
+// The planes of triangles, by their numbers from 1: n and d of n p + d = 0 about the scene's centre. |n| is the number
+// of the triangle's object.
 uniform samplerBuffer u_planes;
 
 vec4 plane_of(uint triangle) {

@@ -1,4 +1,5 @@
-// Averages the samples of a pixel as resolve.frag does, over surfaces that were shaded over the screen and lie behind them.
+// Averages the samples of a pixel as resolve.frag does, over surfaces that were shaded over the screen and lie behind
+// them.
 uniform usampler2D u_chosen; // raster/choose.frag
 uniform sampler2D u_first, u_second; // radiance of the first and of the second surface
 uniform sampler2DMS u_samples;

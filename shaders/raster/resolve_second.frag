@@ -1,5 +1,5 @@
-// Where a pixel shows a second surface, or the first covers some samples alone, their mean: what is blended with the first
-// surface, and the part that this has.
+// Where a pixel shows a second surface, or the first covers some samples alone, their mean: what is blended with the
+// first surface, and the part that this has.
 uniform usampler2D u_chosen; // raster/choose.frag
 uniform sampler2D u_second;  // radiance of the second surface
 

@@ -1,7 +1,7 @@
-// The light of the medium, where the surface reflects or transmits light into it (KHR_materials_transmission), or its base
-// lets it through (KHR_materials_diffuse_transmission), which has no direction that it keeps.
-// SUBSURFACE: 1 puts it into the base of the surface, beside what that reflects itself; 2 leaves the latter out, for a
-// pass that spreads the light over the surface; 3 reads what that pass has found.
+// The light of the medium, where the surface reflects or transmits light into it (KHR_materials_transmission), or its
+// base lets it through (KHR_materials_diffuse_transmission), which has no direction that it keeps. SUBSURFACE: 1 puts
+// it into the base of the surface, beside what that reflects itself; 2 leaves the latter out, for a pass that spreads
+// the light over the surface; 3 reads what that pass has found.
 #include "raster/interior.glsl"
 
 uniform vec3 u_interior_attenuation;   // k, per eye-relative unit

@@ -1,5 +1,5 @@
-// What is interpolated over triangles. Where surfaces are drawn it comes from the vertex shader. DEFERRED: they are shaded
-// over the screen, and raster/deferred.glsl finds it.
+// What is interpolated over triangles. Where surfaces are drawn it comes from the vertex shader. DEFERRED: they are
+// shaded over the screen, and raster/deferred.glsl finds it.
 #ifndef DEFERRED
 #define DEFERRED 0
 #endif

@@ -1,5 +1,6 @@
 // What views of values have in common: docs/views.md. SHOW: 0 base colour, 1 shading normal, 2 normal of the triangle,
-// 3 roughness, 4 metalness, 5 texture coordinates, 6 depth, 7 count of fragments; the order of VALUES in viewer/settings.py.
+// 3 roughness, 4 metalness, 5 texture coordinates, 6 depth, 7 count of fragments; the order of VALUES in
+// viewer/settings.py.
 //
 // The display pass encodes as sRGB, so a value that is shown as value * 255 is decoded here.
 const vec3 HAS_NONE = vec3(0.5); // the code of what does not have the quantity
