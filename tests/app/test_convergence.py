@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -75,6 +76,20 @@ def hand(_hand, scene, monkeypatch) -> Hand:
     vars(_hand.state).update(vars(ViewState(scene, PLAIN)))
     _hand.camera, _hand.size = Camera.framing(scene.center, scene.radius, SIZE[0] / SIZE[1]), SIZE
     return _hand
+
+
+def test_input_waits_for_few_paths_where_software_draws(hand, context, scene):
+    """A step is at least a round of the wavefronts, whatever the time it is given."""
+    hand.state.settings = replace(PLAIN, spp=1000)
+    hand.follow()
+    hand.until(lambda: hand.paths._path_render is not None)
+    tracer = Tracer(context)
+    alone = tracer.begin(scene, hand.camera, hand.state.settings, SIZE)
+    inside, batch = (sum(math.prod(traced.wavefront.size) for traced in render._wavefronts)
+                     for render in (hand.paths._path_render, alone))
+    alone.release()
+    tracer.release()
+    assert inside == (batch / 4 if context.is_software else batch)
 
 
 @pytest.mark.parametrize("denoise", ["off", "fast", "raster"])

@@ -208,7 +208,8 @@ class Convergence:
         camera, size = self._view
         settings = replace(self._settings(), denoise=self._begun_for)
         self._guide = self._draw_guide(camera, settings, size)
-        self._path_render = tracer.begin(self._state.scene, camera, settings, size, guide=self._guide)
+        self._path_render = tracer.begin(self._state.scene, camera, settings, size, guide=self._guide,
+                                         is_interactive=True)
         self._updated, self._update_at, self._update_cost = (0.0, ""), 0.0, 0.0
 
     @property

@@ -114,7 +114,8 @@ class Tracer:
             path_render.release()
 
     def begin(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
-              layers: Collection[str] = (), every: int = 1, guide: NDArray | None = None, first: int = 0) -> PathRender:
+              layers: Collection[str] = (), every: int = 1, guide: NDArray | None = None, first: int = 0,
+              is_interactive: bool = False) -> PathRender:
         """A progressive render that has no samples yet. Its samples are numbered from `first` on, so that the sums of
         several are those of one picture.
 
@@ -122,13 +123,15 @@ class Tracer:
         `layers` are names of `viewer.trace.paths.layers.TRACED_LAYERS`. `denoise="raster"` needs a `guide`: what the
         raster draws of the same, linear radiance (H, W, 3) (`viewer.estimate.mixture.draw_guide`). Raises UsageError
         for a size that this OpenGL cannot draw, a denoiser that is not installed or without its guide, InputError for a
-        scene that does not fit. The render can be continued until another scene is begun.
+        scene that does not fit. The render can be continued until another scene is begun. `is_interactive` is for views
+        that handle input between two steps: they take less time, with slightly fewer rays a second.
         """
         if settings.denoise == "raster" and guide is None:
             raise UsageError("denoise raster is for pictures of render: here the raster draws nothing")
         scene = self._with_curves(scene, settings)
         return self._begin(scene, settings, (size[0] // every, size[1] // every), layers,
-                           view=_View.of(scene, camera, size, every), guide=guide, first=first)
+                           view=_View.of(scene, camera, size, every), guide=guide, first=first,
+                           is_interactive=is_interactive)
 
     def begin_photons(self, scene: Scene, camera: Camera, settings: Settings,
                       size: tuple[int, int]) -> PhotonRender | None:
@@ -157,7 +160,7 @@ class Tracer:
 
     def _begin(self, scene: Scene, settings: Settings, size: tuple[int, int], layers: Collection[str],
                rays: SurfaceRays | None = None, view: _View | None = None, guide: NDArray | None = None,
-               first: int = 0) -> PathRender:
+               first: int = 0, is_interactive: bool = False) -> PathRender:
         """The rays begin at `rays` or at the camera of `view`."""
         setup = self._set_up(scene, settings, size, layers, rays, view)
         plan = setup.plan
@@ -175,7 +178,7 @@ class Tracer:
         passes = Passes(self.context, self.programs, plan, bind, setup.uniforms)
         photons = self._photon_passes(setup, lamps_pass_panes=True) if plan.photons else None
         return PathRender(passes, setup.traced.intersector, plan, film, Schedule(film, settings, first), settings,
-                          self._display, layers, setup.denoiser, photons, guide, sky)
+                          self._display, layers, setup.denoiser, photons, guide, sky, is_interactive)
 
     def _set_up(self, scene: Scene, settings: Settings, size: tuple[int, int], layers: Collection[str],
                 rays: SurfaceRays | None = None, view: _View | None = None) -> _SetUp:

@@ -45,7 +45,7 @@ class PathRender:
     def __init__(self, passes: Passes, intersector: Intersector, plan: TracePlan, film: Film, schedule: Schedule,
                  settings: Settings, display: DisplayPass, layers: Collection[str],
                  denoiser: Denoiser | None, photon_passes: PhotonPasses | None = None,
-                 guide: np.ndarray | None = None, sky: Sky | None = None) -> None:
+                 guide: np.ndarray | None = None, sky: Sky | None = None, is_interactive: bool = False) -> None:
         self.plan = plan
         self.film = film
         self.settings = settings
@@ -56,7 +56,7 @@ class PathRender:
         self._passes, self._intersector, self._schedule, self._display = passes, intersector, schedule, display
         self._expected_samples = 0
         context = passes.context
-        maker = WavefrontMaker(context, plan, math.prod(film.tiles) * settings.most_spp)
+        maker = WavefrontMaker(context, plan, math.prod(film.tiles) * settings.most_spp, is_interactive)
         self._check_interval = maker.check_interval
         self._wavefronts = [TracedWavefront(maker.make("layers" in plan.programs)) for _ in range(2)]
         self._photons: PhotonRender | None = None
