@@ -139,14 +139,15 @@ def test_a_key_follows_all_that_a_picture_is_made_from(folder):
     gltf = {"asset": {"version": "2.0"}, "buffers": [{"uri": "part%201.bin", "byteLength": 1}],
             "images": [{"uri": "data:,x"}, {"uri": "../outside.png"}]}
     (folder / "m.gltf").write_text(json.dumps(gltf))
-    (folder / "o.obj").write_text("mtllib o.mtl\nv 0 0 0\n")
+    (folder / "o.obj").write_text("mtllib o.mtl \"other one.mtl\"\nv 0 0 0\n")
     (folder / "o.mtl").write_text("newmtl a\nmap_Kd -s 1 1 1 map.png\n")
+    (folder / "other one.mtl").write_text("newmtl b\nmap_Kd -o 1 a map.png # of wood\n")
     (folder / "c.dae").write_text("<image><init_from>a&amp;b.png</init_from></image>"
                                   "<image><init_from>\n <ref>./c%201.png</ref></init_from></image>")
     (folder / "p.ply").write_bytes(b"ply\r\nformat ascii 1.0\r\ncomment TextureFile sub\\p 1.png\r\nend_header\n"
                                    b"comment TextureFile map.png\n")
     (folder / "sub").mkdir()
-    for name in ("part 1.bin", "map.png", "a&b.png", "c 1.png", "sub/p 1.png", "studio.hdr", "weave.json"):
+    for name in ("part 1.bin", "map.png", "a&b.png", "c 1.png", "sub/p 1.png", "a map.png", "studio.hdr", "weave.json"):
         (folder / name).write_bytes(b"0")
     options = {"size": (8, 8), "env": "studio.hdr", "assignments": ("weave=weave.json,Cloth",), "quiet": False}
 
@@ -159,8 +160,8 @@ def test_a_key_follows_all_that_a_picture_is_made_from(folder):
     seen = {*first}
     for change in ({"size": (8, 9)}, {"assignments": ()}):
         assert not seen & {*keys(**change)}
-    for name, changed in (("part 1.bin", 0), ("map.png", 1), ("o.mtl", 1), ("m.gltf", 0), ("a&b.png", 2),
-                          ("c 1.png", 2), ("sub/p 1.png", 3), ("p.ply", 3)):
+    for name, changed in (("part 1.bin", 0), ("map.png", 1), ("o.mtl", 1), ("other one.mtl", 1), ("a map.png", 1),
+                          ("m.gltf", 0), ("a&b.png", 2), ("c 1.png", 2), ("sub/p 1.png", 3), ("p.ply", 3)):
         before = keys()
         with (folder / name).open("a") as file:
             file.write(" ")

@@ -15,13 +15,12 @@ from ..errors import InputError
 from ..jobs.render_job import RenderJob
 from ..scene.files import path_inside, read_file
 from ..scene.gltf.container import read_container
+from ..scene.mtl import files_named
 
 _NOT_SEEN = frozenset(("quiet", "verbose", "no_cache", "backend", "error_map", "write_cameras"))
 """Options that change no pixel, or only where they are computed."""
-_LIBRARY = re.compile(rb"^\s*mtllib\s+(.+?)\s*$", re.MULTILINE)
 _COLLADA_IMAGE = re.compile(rb"<(?:\w+:)?init_from\s*>\s*(?:<(?:\w+:)?ref\s*>\s*)?([^<]+?)\s*</")
 _PLY_IMAGE = re.compile(rb"^\s*comment\s+texturefile\s+(.+?)\s*$", re.MULTILINE | re.IGNORECASE)
-_MAP = re.compile(rb"^\s*(?:map_\w+|bump|norm)\s(?:.*\s)?(\S+)\s*$", re.MULTILINE | re.IGNORECASE)
 
 
 class Keys:
@@ -80,9 +79,7 @@ def _referred(model: Path) -> Iterator[Path]:
             names = [part["uri"] for part in parts if isinstance(part, dict) and isinstance(part.get("uri"), str)]
             yield from _inside(model, [name for name in names if not name.startswith("data:")])
         elif model.suffix.lower() == ".obj":
-            for library in _inside(model, map(_text, _LIBRARY.findall(read_file(model)))):
-                yield library
-                yield from _inside(model, map(_text, _MAP.findall(read_file(library))))
+            yield from files_named(model, read_file(model))
         elif model.suffix.lower() == ".ply":
             header = read_file(model).partition(b"end_header")[0]
             yield from _inside(model, map(_text, _PLY_IMAGE.findall(header)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -31,6 +32,9 @@ _OPTIONS = {"-blendu": 1, "-blendv": 1, "-boost": 1, "-mm": 2, "-texres": 1, "-c
 _IGNORED = {"map_ks", "map_ns", "map_d", "map_ps", "map_pc", "disp", "decal", "refl", "ps", "pc", "aniso"}
 """Statements that change a surface and are not supported."""
 _ZEROS = ("0", "0.0", "0.000000")
+_MAPS = {"map_kd", "map_ke", "map_pr", "map_pm", "norm", "map_bump", "bump"}
+"""Statements that name an image which is read."""
+_LIBRARY = re.compile(rb"^ *mtllib +(.+?) *$", re.MULTILINE)
 
 
 class MaterialLibrary:
@@ -42,17 +46,13 @@ class MaterialLibrary:
         self._images: dict[tuple[Path, RGBA], TextureImage] = {}
 
     def add_all(self, names: str) -> None:
-        """Read the MTL files that one statement names: a file whose name holds spaces, or several files."""
-        try:
-            self._find(names)
-            self._add(names)
-        except InputError:
-            for name in _file_names(names):
-                self._add(name)
+        """Read the MTL files that one statement names."""
+        for name in _libraries(self._model, names):
+            self._add(name)
 
     def _add(self, name: str) -> None:
         try:
-            text = decoded(plain_text(read_file(self._find(name))))
+            text = decoded(plain_text(read_file(_find(self._model, name))))
         except InputError as error:
             self._warnings.append(f"mtllib: {error.problem}; its materials are left out")
             return
@@ -61,17 +61,6 @@ class MaterialLibrary:
         self.materials = {block["newmtl"]: self._material(block) for block in blocks} | self.materials
         ignored = {key for block in blocks for key in block if key in _IGNORED and block[key].split()[0] not in _ZEROS}
         self._warnings += [f"{name[:80]}: {key} is not supported; it is left out" for key in sorted(ignored)]
-
-    def _find(self, name: str) -> Path:
-        """The file of that name in the model's folder. Quotes around it, and a comment behind it, are none of it."""
-        plain = name.strip().strip('"').replace("\\", "/")
-        try:
-            return path_inside(self._model, plain, "")
-        except InputError:
-            bare = plain.split(" #")[0].strip().strip('"')
-            if bare == plain:
-                raise
-            return path_inside(self._model, bare, "")
 
     def _material(self, block: dict[str, str]) -> Material:
         """The material of one `newmtl` block.
@@ -145,7 +134,7 @@ class MaterialLibrary:
             return None, 1.0
         name, options = _split_options(block[key])
         try:
-            path = self._find(name)
+            path = _find(self._model, name)
             neutral = MAPS["normal"].info.neutral if key in ("norm", "map_bump", "bump") else WHITE
             if (path, neutral) not in self._images:
                 self._images[path, neutral] = open_texture_image(read_file(path), str(path), MESH_FORMATS, neutral)
@@ -220,9 +209,44 @@ def _band(image: TextureImage, statement: str, size: tuple[int, int]) -> Image.I
     return band if band.size == size else band.resize(size)
 
 
-def _file_names(names: str) -> list[str]:
-    """The names in a statement of several files, where one with spaces stands in quotes."""
-    return [quoted or word for quoted, word in re.findall(r'"([^"]*)"|(\S+)', names.split(" #")[0])]
+def files_named(model: Path, text: bytes) -> Iterator[Path]:
+    """The MTL files that the text of an OBJ file names, and the images that these name, as far as they are there."""
+    for names in _LIBRARY.findall(plain_text(text)):
+        for library in _found(model, _libraries(model, decoded(names))):
+            yield library
+            blocks = _blocks(decoded(plain_text(read_file(library))))
+            yield from _found(model, [_split_options(value)[0] for block in blocks for key, value in block.items()
+                                      if key in _MAPS])
+
+
+def _found(model: Path, names: list[str]) -> Iterator[Path]:
+    for name in names:
+        try:
+            yield _find(model, name)
+        except InputError:
+            continue
+
+
+def _libraries(model: Path, names: str) -> list[str]:
+    """The MTL files that one statement names: a file whose name holds spaces, or several files, of which one with
+    spaces stands in quotes."""
+    try:
+        _find(model, names)
+    except InputError:
+        return [quoted or word for quoted, word in re.findall(r'"([^"]*)"|(\S+)', names.split(" #")[0])]
+    return [names]
+
+
+def _find(model: Path, name: str) -> Path:
+    """The file of that name in the model's folder. Quotes around it, and a comment behind it, are none of it."""
+    plain = name.strip().strip('"').replace("\\", "/")
+    try:
+        return path_inside(model, plain, "")
+    except InputError:
+        bare = plain.split(" #")[0].strip().strip('"')
+        if bare == plain:
+            raise
+        return path_inside(model, bare, "")
 
 
 def without_textures(material: Material) -> Material:
