@@ -15,6 +15,7 @@ from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Scene
 from viewer.settings import Settings
 from viewer.trace import tracer as tracer_module
+from viewer.trace.paths import coverage as coverage_module
 from viewer.trace.paths.camera_rays import projection
 from viewer.trace.paths.coverage import coverage
 from viewer.trace.paths.sky import MOST_POINTS, points_of
@@ -92,6 +93,22 @@ def test_a_scene_of_a_micron_and_one_of_a_thousand_kilometres(unit):
     camera = Camera.look_at(place + unit * eye, place, fov_y=0.8)
     assert expected is not None and 0.1 < expected.mean() < 0.9
     np.testing.assert_array_equal(coverage(trace_geometry(other), other, camera, SIZE), expected)
+
+
+@pytest.mark.parametrize("chunk, most", [(1 << 20, 2), (1000, 40)])
+def test_many_instances_are_counted_together(monkeypatch, chunk, most):
+    """Each count goes over the whole picture, which took milliseconds for each instance."""
+    rng, ball = np.random.default_rng(5), sphere(segments=8)
+    places = [moved(place, 0.2) for place in rng.normal(0, 0.5, (60, 3))]
+    parts = [scene((ball, place)) for place in places]
+    model = replace(parts[0], instances=tuple(replace(part.instances[0]) for part in parts))
+    geometry, calls, bincount = trace_geometry(model), [], np.bincount
+    alone = [coverage(replace(geometry, instances=[instance]), model, VIEW, SIZE) for instance in geometry.instances]
+    monkeypatch.setattr(coverage_module, "_CHUNK", chunk)
+    monkeypatch.setattr(np, "bincount", lambda *given, **named: calls.append(1) or bincount(*given, **named))
+    found = coverage(geometry, model, VIEW, SIZE)
+    np.testing.assert_array_equal(found, np.any(alone, axis=0))
+    assert 2 <= len(calls) <= most and 0.1 < found.mean() < 0.9
 
 
 def test_where_nothing_is_known_all_is_traced():

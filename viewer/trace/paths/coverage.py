@@ -57,11 +57,17 @@ def coverage(geometry: TraceGeometry, scene: Scene, camera: Camera, size: tuple[
 
 
 class _Spans:
-    """Collects rectangles of pixels by the differences at their corners, which are summed up at the end."""
+    """Collects rectangles of pixels by the differences at their corners, which are summed up at the end.
+
+    Corners are counted many at a time, since that goes over the whole picture: there may be thousands of instances.
+    """
 
     def __init__(self, size: tuple[int, int]) -> None:
         self._size, self._small = np.array(size), max(size) * _SMALL
         self._differences = np.zeros((size[1] + 1) * (size[0] + 1), np.int64)
+        self._corners: dict[int, list[NDArray[np.int64]]] = {1: [], -1: []}
+        """By their differences, those that are not counted yet."""
+        self._waiting = 0
 
     def add(self, points: NDArray[np.float64], triangles: NDArray[np.uint32], margin: float) -> None:
         """Add triangles, (N, 3), of points, (V, 2), in pixels, widened by `margin`."""
@@ -110,10 +116,22 @@ class _Spans:
         x0, x1 = (np.clip(x, 0, self._size[0] - 1).astype(np.int64) for x in (x0, x1))
         y0, y1 = (np.clip(y, 0, self._size[1] - 1).astype(np.int64) * (self._size[0] + 1) for y in (y0, y1))
         x1, y1 = x1 + 1, y1 + self._size[0] + 1
-        for sign, corners in ((1, (y0 + x0, y1 + x1)), (-1, (y0 + x1, y1 + x0))):
-            self._differences += sign * np.bincount(np.concatenate(corners), minlength=len(self._differences))
+        self._corners[1] += y0 + x0, y1 + x1
+        self._corners[-1] += y0 + x1, y1 + x0
+        self._waiting += len(x0)
+        if self._waiting > _CHUNK:
+            self._count()
+
+    def _count(self) -> None:
+        for difference, corners in self._corners.items():
+            if corners:
+                counts = np.bincount(np.concatenate(corners), minlength=len(self._differences))
+                self._differences += difference * counts
+                corners.clear()
+        self._waiting = 0
 
     def covered(self) -> NDArray[np.bool_]:
         """Whether each pixel is in any of them, (H, W)."""
+        self._count()
         table = self._differences.reshape(self._size[1] + 1, self._size[0] + 1)
         return table.cumsum(axis=0).cumsum(axis=1)[:-1, :-1] > 0
