@@ -48,10 +48,10 @@ def main() -> None:
             model = _ball(roughness, strength, options.env)
             reference = viewer.render(model, (SIZE, SIZE), _camera(), mode="path", spp=options.spp, bounces=1,
                                       background="none").linear
-            planned = PLANNED(model.materials[0])
+            planned = PLANNED(model.materials[0], Settings())
             row: dict[str, object] = {"roughness": roughness, "strength": strength, "planned": planned}
             for lobes in LOBES:
-                planner.lookups = lambda material, lobes=lobes: lobes
+                planner.lookups = lambda material, settings, lobes=lobes: lobes
                 renderer = Renderer(context)
                 row[f"relmse_{lobes}"] = _relmse(_picture(renderer, model, "ssaa-4"), reference)
                 row[f"ms_{lobes}"] = _milliseconds(renderer, model)

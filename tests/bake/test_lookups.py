@@ -10,7 +10,7 @@ from viewer.bake.irradiance import cosine_spectrum
 from viewer.bake.lobe_samples import lobe_samples
 from viewer.bake.lookups import fit_lookups
 from viewer.bake.prefilter import LEVELS, level_of_roughness, level_spectrum
-from viewer.plan.planner import NARROW_ROUGHNESS
+from viewer.plan.lookups import NARROW_ROUGHNESS
 
 DEGREE = 120
 VIEWS = [(NoV, roughness) for NoV in (0.1, 0.3, 0.6, 0.9) for roughness in (0.2, 0.35, 0.5, 0.7, 1.0)]

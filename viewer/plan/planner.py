@@ -14,7 +14,7 @@ from ..material.fold import without_constant_maps
 from ..material.use import feature_switches, may_be_pane, metalness, supported, used_maps
 from ..scene.convex import is_convex
 from ..scene.light import Light
-from ..scene.material import ANISOTROPY, CLEARCOAT, DIFFUSE_TRANSMISSION, Material
+from ..scene.material import ANISOTROPY, DIFFUSE_TRANSMISSION, Material
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.schema import MAPS, SWITCHED
@@ -26,6 +26,7 @@ from .deferral import can_defer, is_worth_deferring
 from .explain import explain
 from .ground import plan_ground
 from .instances import instances_of, is_instanced, placed
+from .lookups import coat_lookups, lookups
 from .map_switches import ALPHA_MODES, map_switches
 from .media import has_media, media_switches, plan_media
 from .model import ALONE, NO_SUBSURFACE, SPREAD, THIN_WALLED, Draw, Plan, Program
@@ -39,8 +40,6 @@ MAX_SHADOW_LAYERS = 24
 TRACED_ROUGHNESS = 1.0
 """Surfaces of this perceptual roughness or more trace no reflections: traced_share() in
 shaders/raster/traced_reflection.glsl is 0 there."""
-NARROW_ROUGHNESS = 0.06
-"""Up to this perceptual roughness one lookup is the whole lobe: _NARROW_COLUMNS in viewer/bake/lookups.py."""
 
 
 def is_lit(mesh: Mesh, material: Material) -> bool:
@@ -263,40 +262,14 @@ def _can_trace_reflections(material: Material) -> bool:
     return material.has_interface and not is_rough and not ANISOTROPY.is_on(material)
 
 
-def lookups(material: Material, settings: Settings) -> int:
-    """The number of isotropic lobes that stand for the lobe of the base under an environment.
-
-    An anisotropic lobe has 2 alpha_t / alpha, rounded up to a power of 2. docs/choices.md has the error of each number.
-    If a map varies the roughness, the ratio is not known and the number is 16. An isotropic lobe has 2, or 1 if it is
-    narrow everywhere.
-    """
-    if not material.reflects:
-        return 0
-    if not ANISOTROPY.is_on(material):
-        # Of glossiness a map makes less, so more of roughness. Smaller levels of normal maps are rougher.
-        varies = material.specular_glossiness_texture is not None or material.normal_texture is not None
-        return _of_isotropic(1.0 if varies else material.perceptual_roughness, settings)
-    if material.metallic_roughness_texture is not None:
-        return 16
-    alpha = material.perceptual_roughness**2
-    alpha_t = alpha + (1 - alpha) * material.anisotropy_strength**2
-    return next((count for count in (4, 8, 16) if 2 * alpha_t <= count * alpha), 32)
-
-
-def _of_isotropic(perceptual_roughness: float, settings: Settings) -> int:
-    """1 or 2, by the largest roughness that there may be. Specular antialiasing widens the lobe."""
-    return 1 if perceptual_roughness <= NARROW_ROUGHNESS and settings.specular_aa == "off" else 2
-
-
 def _pbr_switches(material: Material, settings: Settings, has_environment: bool) -> dict[str, int]:
-    coat = _of_isotropic(material.clearcoat_roughness if material.clearcoat_normal_texture is None else 1.0, settings)
     return {
         "REFLECTS": int(material.reflects),
         "WOVEN": int(material.weave is not None),
         "METALNESS": metalness(material),
         **bsdf_switches(settings),
         "LOOKUPS": has_environment * lookups(material, settings),
-        "COAT_LOOKUPS": has_environment * CLEARCOAT.is_on(material) * coat,
+        "COAT_LOOKUPS": has_environment * coat_lookups(material, settings),
         "SPECULAR_AA": int(settings.specular_aa == "on"),
         "TRACED_REFRACTION": int(settings.refraction == "traced" and settings.lobes in ("all", "specular")
                                  and material.transmits and material.thickness > 0),
