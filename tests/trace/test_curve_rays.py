@@ -92,6 +92,19 @@ def test_threads_share_rays_and_leave_none_out(curves: TraceCurves, monkeypatch:
 
 
 @needs("embree")
+@pytest.mark.parametrize("given, threads", [("3", 3), ("0", 1), ("", 7), ("many", 7)])
+def test_processes_share_the_cores(monkeypatch: pytest.MonkeyPatch, given: str, threads: int) -> None:
+    from viewer.trace.rays import embree_curves
+
+    asked: list[int] = []
+    monkeypatch.setenv("LP_NUM_THREADS", given)
+    monkeypatch.setattr(embree_curves.os, "cpu_count", lambda: 7)
+    monkeypatch.setattr(embree_curves, "ThreadPoolExecutor", lambda count, _name: asked.append(count))
+    embree_curves._threads.__wrapped__()
+    assert asked == [threads]
+
+
+@needs("embree")
 def test_no_thread_traces_on_after_an_interruption(curves: TraceCurves, monkeypatch: pytest.MonkeyPatch) -> None:
     """The scene may be released then. The first packet stops as Ctrl-C does, while another thread is in the second."""
     from viewer.trace.rays import embree_curves

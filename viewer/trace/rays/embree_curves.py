@@ -89,7 +89,9 @@ def embree_with_curves() -> tuple[ctypes.CDLL, int]:
 
 @cache
 def _threads() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(os.cpu_count() or 1, "rays")
+    """As many as Mesa's software renderer is given, which is less than the cores where --jobs shares them."""
+    given = os.environ.get("LP_NUM_THREADS", "")
+    return ThreadPoolExecutor(max(int(given), 1) if given.isdecimal() else os.cpu_count() or 1, "rays")
 
 
 _POINTER = ctypes.c_void_p
