@@ -20,19 +20,14 @@ flat in vec2 v_instance;
 #if HAS_MOTION
 in vec4 v_clip, v_next_clip; // clip space at this time and at the next
 #endif
-uniform mat3 u_pixel_rays; // Frame.pixel_rays
+uniform mat3 u_pixel_ray, u_pixel_origin; // (x, y, 1), in pixels, to a ray's direction and start
 
 // Where the ray through the pixel's centre meets the plane of the triangle. GPUs round the corners of a triangle to
 // 1/256 of a pixel, and interpolate between these: what they give is in the plane, and a little beside the ray.
 vec3 at_center(vec3 p, vec3 normal) {
-    vec3 ray = u_pixel_rays * vec3(gl_FragCoord.xy, 1.0);
-#if IS_ORTHOGRAPHIC
-    float across = dot(normal, u_view_direction);
-    return across == 0.0 ? p : ray + u_view_direction * (dot(normal, p - ray) / across);
-#else
-    float across = dot(normal, ray);
-    return across == 0.0 ? p : ray * (dot(normal, p) / across);
-#endif
+    vec3 pixel = vec3(gl_FragCoord.xy, 1.0), o = u_pixel_origin * pixel, d = u_pixel_ray * pixel;
+    float across = dot(normal, d);
+    return across == 0.0 ? p : o + d * (dot(normal, p - o) / across);
 }
 
 // What is interpolated changes over the plane in proportion to the way in it, which is x of the step dx to the next

@@ -152,4 +152,5 @@ def test_a_scene_is_told_in_a_line():
 
 def test_a_light_shines_along_a_direction_of_any_length():
     assert viewer.Light("spot", direction=(0, 3, -4)).direction == pytest.approx((0, 0.6, -0.8))
+    assert viewer.Light("spot", direction=(1e308, 0, -1e308)).direction == pytest.approx((0.5**0.5, 0, -(0.5**0.5)))
     assert viewer.Light("spot", direction=(0, 1, 0)).direction == (0, 1, 0)

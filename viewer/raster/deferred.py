@@ -104,12 +104,11 @@ class DeferredSurfaces:
     def _shade(self, number: int, frame: Frame, plan: Plan, layers: Layers, triangles: Triangles,
                boxes: Mapping[int, tuple[int, int, int, int]], uniforms: dict[str, object]) -> None:
         """Shade the first (`number` 0) or the second surface of each pixel."""
-        framebuffer, (width, height) = layers.shaded[number], frame.size
-        to_ndc = np.array([[2 / width, 0, -1], [0, 2 / height, -1], [0, 0, 1]])
+        framebuffer = layers.shaded[number]
         values = uniforms | {
             "u_layer": number, "u_chosen": UNIT_CHOSEN,
-            "u_pixel_ray": matrix_uniform(frame.ray @ to_ndc),
-            "u_pixel_origin": matrix_uniform(frame.ray_origin @ to_ndc)}
+            "u_pixel_ray": matrix_uniform(frame.ray @ frame.to_ndc),
+            "u_pixel_origin": matrix_uniform(frame.ray_origin @ frame.to_ndc)}
 
         def of_draw(draw: Draw, mesh: MeshBuffers) -> dict[str, object]:
             return {"u_first_triangle": triangles.first[draw.instance],

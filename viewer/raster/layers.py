@@ -80,7 +80,8 @@ class LayerPass:
                                     lambda: GBuffer(self._gl, self._depth, frame.size, count))
         following = following or (scene, frame.camera)
         motion = _Motion(frame, Frame(*following, frame.size, frame.is_depth_reversed))
-        uniforms = self._uniforms.of_view(frame) | {"u_pixel_rays": matrix_uniform(frame.pixel_rays)}
+        uniforms = self._uniforms.of_view(frame) | {"u_pixel_ray": matrix_uniform(frame.ray @ frame.to_ndc),
+                                                    "u_pixel_origin": matrix_uniform(frame.ray_origin @ frame.to_ndc)}
         if "motion" in names:
             uniforms |= motion.uniforms()
         if "albedo" in names:

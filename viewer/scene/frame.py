@@ -67,16 +67,6 @@ class Frame:
         return (np.asarray(point, np.float64) - self.camera.eye) / self.unit
 
     @cached_property
-    def pixel_rays(self) -> np.ndarray:
-        """Takes (x, y, 1), in pixels from the lower left corner, to the direction of the ray there in eye-relative
-        space; for an orthographic camera to a point of the ray, whose direction is the camera's. (3, 3) float64."""
-        clip, (width, height) = self.view_projection, self.size
-        if self.camera.height is None:
-            return np.linalg.inv(clip[[0, 1, 3], :3]) @ [[2 / width, 0, -1], [0, 2 / height, -1], [0, 0, 1]]
-        across = [[2 / width, 0, -1 - clip[0, 3]], [0, 2 / height, -1 - clip[1, 3]], [0, 0, 0]]
-        return np.linalg.inv([*clip[:2, :3], self.camera.forward]) @ across
-
-    @cached_property
     def view_projection(self) -> np.ndarray:
         """Eye-relative space to clip space, (4, 4) float64. Near and far planes enclose the scene."""
         near, far = self.depth_range
@@ -118,6 +108,13 @@ class Frame:
         w = clip[..., 3:]
         low = -w * (1, 1, not self.is_depth_reversed)
         return ~((clip[..., :3] < low).all(axis=1).any(axis=1) | (clip[..., :3] > w).all(axis=1).any(axis=1))
+
+    @property
+    def to_ndc(self) -> np.ndarray:
+        """The (3, 3) float64 matrix from (x, y, 1), in pixels from the lower left corner, to normalised device
+        coordinates."""
+        width, height = self.size
+        return np.array([[2 / width, 0, -1], [0, 2 / height, -1], [0, 0, 1]])
 
     @cached_property
     def ray(self) -> np.ndarray:

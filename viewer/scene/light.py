@@ -49,11 +49,12 @@ class Light:
         for name in ("intensity", "inner_cone", "outer_cone", "angular_radius"):
             if not math.isfinite(getattr(self, name)):
                 raise UsageError(f"Light.{name} is {getattr(self, name)}, not a finite number")
-        length = math.hypot(*self.direction)
-        if length == 0:
+        largest = max(map(abs, self.direction))
+        if largest == 0:
             raise UsageError("Light.direction is 0, 0, 0, which points nowhere")
-        if abs(length - 1) > 1e-6:
-            object.__setattr__(self, "direction", tuple(number / length for number in self.direction))
+        if abs(math.hypot(*self.direction) - 1) > 1e-6:
+            scaled = tuple(number / largest for number in self.direction)  # whose squares do not overflow
+            object.__setattr__(self, "direction", tuple(number / math.hypot(*scaled) for number in scaled))
 
     @property
     def cone(self) -> tuple[float, float]:
