@@ -195,6 +195,7 @@ def test_samples_by_device():
     assert Settings(antialias="none").samples(False, True) == 1
     assert Settings(antialias="deferred-4").samples(False, False) == 4
     assert [Settings().defers(*device) for device in devices] == [True, False, False, False]
+    assert not Settings().defers(True, True, (511, 512)) and Settings(antialias="deferred-4").defers(True, True, (8, 8))
     assert Settings(antialias="deferred-4").defers(False, False) and not Settings(antialias="msaa-4").defers(True, True)
 
 

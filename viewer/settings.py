@@ -36,6 +36,8 @@ LAYERS = (*SURFACE_LAYERS, *PATH_LAYERS)
 MAX_EXPOSURE = 64.0
 """In EV. 2**64 times the largest half float still fits in a float32."""
 DEFAULT_SPP = 64
+LEAST_DEFERRED = (512, 512)
+"""The least picture of which antialias=auto defers shading."""
 TELL_ERROR_S = 5.0
 """Seconds of path tracing for the error of a picture of the raster."""
 MAX_SPP = 1 << 16
@@ -203,8 +205,8 @@ class Settings:
         "multiple", "fog and volumes: light scattered once by them, or also more often, by a diffusion equation")
     antialias: Literal["auto", "none", "msaa-2", "msaa-4", "msaa-8", "deferred-4", "ssaa-4", "ssaa-9", "ssaa-16"] = (
         _option("auto", "samples per pixel, which are shaded once for each triangle (msaa), for at most two surfaces "
-                "(deferred), or each (ssaa); auto: msaa-4, and where the CPU renders deferred-4, but none while the "
-                "camera moves, and ssaa-4 for curves"))
+                "(deferred), or each (ssaa); auto: msaa-4, and where the CPU renders deferred-4 from 512x512 pixels "
+                "on, but none while the camera moves, and ssaa-4 for curves"))
     plan: Literal["needed", "everything"] = _option(
         "needed", "everything: compile and upload also what is not needed, for the same picture; shows what is saved")
     sampling: Literal["mis", "bsdf", "lights"] = _option(
@@ -325,13 +327,15 @@ class Settings:
             return 1 if is_software and not is_still else 4
         return int(self.antialias.rpartition("-")[2]) if self.antialias.startswith(("msaa", "deferred")) else 1
 
-    def defers(self, is_software: bool, is_still: bool) -> bool:
+    def defers(self, is_software: bool, is_still: bool, size: tuple[int, int] = LEAST_DEFERRED) -> bool:
         """Whether opaque surfaces are shaded after all triangles are drawn; of a moving picture or not, as `samples`.
 
         A graphics card multisamples at little cost. What a CPU shades anew for each triangle costs it about as much as
-        the first time.
+        the first time. In smaller pictures more than two surfaces often meet in a pixel: the mean FLIP to multisampling
+        would be above 0.005.
         """
-        return self.antialias == "deferred-4" or (self.antialias == "auto" and is_software and is_still)
+        is_large = size[0] * size[1] >= LEAST_DEFERRED[0] * LEAST_DEFERRED[1]
+        return self.antialias == "deferred-4" or (self.antialias == "auto" and is_software and is_still and is_large)
 
     def media_rays_and_steps(self, is_software: bool, is_still: bool) -> tuple[str, int]:
         """The pixels that have a ray through fog and volumes, and its steps, as `samples` has those of a pixel."""

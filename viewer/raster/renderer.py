@@ -165,7 +165,7 @@ class Renderer:
             settings = replace(settings, antialias="ssaa-4")
         samples = settings.samples(self.context.is_software, still)
         target = self._sized_target(size, samples, half, settings.supersampling)
-        deferred = settings.defers(self.context.is_software, still)
+        deferred = settings.defers(self.context.is_software, still, size)
         plan = self.plan = self._prepared.prepare(scene, settings, target, camera.height is not None, deferred)
         self._passes.prepare(scene, settings, plan)
         target.set_part(part)
