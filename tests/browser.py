@@ -143,8 +143,8 @@ class Browser:
                       modifiers=8)
 
     def shot(self, file: Path) -> None:
-        """A picture of the whole page."""
-        data = self._ask("Page.captureScreenshot", captureBeyondViewport=True)["data"]
+        """A picture of what is seen of the page. One of the whole page would resize it for a moment."""
+        data = self._ask("Page.captureScreenshot")["data"]
         file.write_bytes(base64.b64decode(data))
 
     def _ask(self, method: str, **parameters: Any) -> dict[str, Any]:

@@ -22,6 +22,7 @@ function startView(root, config, send) {
   }
   const keys = new Set(config.keys), fingers = new Map();
   let words = {}, pinch = null, moved = null, wheel = null, frame = 0;
+  let held = null;  // where the picture was when a drag began: another client may give it another shape meanwhile
 
   // Where the picture is in the element, in its pixels: all of its height or all of its width.
   function place() {
@@ -31,9 +32,13 @@ function startView(root, config, send) {
     return { left: (width - size[0]) / 2, top: (height - size[1]) / 2, width: size[0], height: size[1] };
   }
   function at(event) {
-    const box = root.getBoundingClientRect(), inside = place();
+    const box = root.getBoundingClientRect(), inside = held ?? place();
     return { x: event.clientX - box.left - inside.left, y: event.clientY - box.top - inside.top,
              width: Math.max(inside.width, 1), height: Math.max(inside.height, 1) };
+  }
+  function hold(where) {
+    held = where;
+    root.classList.toggle("held", Boolean(held));
   }
   function write() {
     const box = place(), isSplit = typeof words.split === "number" && canvas.width > 0;
@@ -81,7 +86,7 @@ function startView(root, config, send) {
         }
         if (fingers.size > 1) return;
       }
-      root.classList.add("held");
+      hold(place());
       send({ kind: "press", ...at(event), is_left: event.button === 0, shift: event.shiftKey });
     },
     pointermove(event) {
@@ -93,7 +98,7 @@ function startView(root, config, send) {
       } else if (fingers.size < 2) {
         moved = at(event);
         const over = typeof words.split === "number" && Math.abs(moved.x - words.split * moved.width) <= 6;
-        root.classList.toggle("on-split", over && !root.classList.contains("held"));
+        root.classList.toggle("on-split", over && !held);
         if (event.buttons) soon();
       }
     },
@@ -101,12 +106,12 @@ function startView(root, config, send) {
       const wasPinch = fingers.size > 1;
       flush();
       fingers.delete(event.pointerId);
-      root.classList.remove("held");
       if (!wasPinch) send({ kind: "release", ...at(event), is_left: event.button === 0, shift: event.shiftKey });
+      hold(null);
     },
     pointercancel(event) {
       fingers.delete(event.pointerId);
-      root.classList.remove("held");
+      hold(null);
       send({ kind: "cancel" });
     },
     wheel(event) {

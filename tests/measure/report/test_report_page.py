@@ -137,9 +137,8 @@ def test_the_wipe_shows_the_picture_on_its_left_and_the_reference_on_its_right(p
         page.press(where)
         left, top, width, height = (round(number) for number in page.place("#wipe"))
         page.shot(tmp_path / "page.png")
-        scroll = round(page.value("scrollY"))
         picture = np.asarray(Pillow.open(tmp_path / "page.png").convert("RGB"), float)
-        return picture[top + scroll + 9:top + scroll + height - 9, left + 9:left + width - 9]
+        return picture[top + 9:top + height - 9, left + 9:left + width - 9]
 
     page.click("#points tr[data-point='0'] td")  # the fastest: far from the reference
     page.value("document.querySelector('#slider').focus()")
