@@ -49,7 +49,8 @@ class Sampled:
         self.switches = {"HAS_ENVIRONMENT": 1, "ENVIRONMENT_ROTATED": int(angle != 0)}
 
     def bind(self, program) -> None:
-        self.table.bind(program)
+        self.table.use_textures()
+        self.table.set_uniforms(program)
         set_uniform(program, "u_environment_share", 1.0)
 
     def run(self, body: str, inputs: np.ndarray) -> np.ndarray:

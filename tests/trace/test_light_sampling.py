@@ -61,7 +61,8 @@ class Lit:
     def run(self, body: str, inputs: np.ndarray) -> np.ndarray:
         def bind(program) -> None:
             self.data.bind(program)
-            self.lights.bind(program)
+            self.lights.use_textures()
+            self.lights.set_uniforms(program)
         switches = self.data.switches | self.lights.switches | bsdf_switches(Settings())
         return evaluate(self.context, self.folder, "trace/lights.glsl", body, inputs.astype(np.float32), 2, switches,
                         bind)

@@ -78,7 +78,8 @@ class Shown:
 
         def bind(program):
             texture.use(UNIT_SCENE)
-            grids.bind(program)
+            grids.use_textures()
+            grids.set_uniforms(program)
             set_uniform(program, "u_scene", UNIT_SCENE)
             set_uniform(program, "u_volumes", 5)
 

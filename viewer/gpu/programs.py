@@ -23,6 +23,7 @@ class Programs:
     def __init__(self, context: Context) -> None:
         self._context = context
         self._programs: dict[Key, moderngl.Program] = {}
+        self._owners: dict[moderngl.Program, object] = {}
         self.generation = 0
         """The number of reloads so far. Vertex arrays that were made for a program are invalid after a reload."""
 
@@ -31,6 +32,12 @@ class Programs:
         if key not in self._programs:
             self._programs[key] = self._compile(key)
         return self._programs[key]
+
+    def claim(self, program: moderngl.Program, owner: object) -> bool:
+        """Whether another than `owner` claimed the program last, so that its uniforms have to be set anew."""
+        is_new = self._owners.get(program) is not owner
+        self._owners[program] = owner
+        return is_new
 
     def __len__(self) -> int:
         return len(self._programs)
@@ -60,6 +67,7 @@ class Programs:
                 program.extra.release()
             program.release()
         self._programs = {}
+        self._owners = {}
 
     def _compile(self, key: Key) -> moderngl.Program:
         vertex, fragment, switches = key

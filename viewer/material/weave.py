@@ -37,6 +37,11 @@ class WeaveBinding:
         for name, value in _uniforms(weave):
             set_uniform(program, name, value)
 
+    def use(self, unit: int) -> None:
+        """Bind the table of the last picture to a texture unit again."""
+        if self._held is not None:
+            self._held[1].use(unit)
+
     def release(self) -> None:
         if self._held is not None:
             self._held[1].release()

@@ -14,7 +14,7 @@ from ..bake.dfg import dfg_albedos
 from ..errors import UsageError
 from ..gpu.context import Context
 from ..gpu.float_texture import float_texture
-from ..gpu.programs import Programs, set_uniform
+from ..gpu.programs import Programs
 from ..image.display import DisplayPass
 from ..image.image import Image
 from ..scene.camera import Camera
@@ -35,7 +35,8 @@ from .paths.photon_render import PhotonRender
 from .paths.photon_sums import PhotonSums
 from .paths.run import run
 from .paths.schedule import Schedule
-from .paths.sky import Sky, points_of
+from .paths.sky import UNIT_SKY, Sky, points_of
+from .paths.surface_rays import UNITS as RAY_UNITS
 from .paths.surface_rays import SurfaceRays
 from .paths.wavefront import UNIT_BLOCKS
 from .paths.wavefront_maker import WavefrontMaker
@@ -66,12 +67,12 @@ class _View:
 
 @dataclass(frozen=True)
 class _SetUp:
-    """What a picture needs before its passes: `bind` binds the scene to a program, `uniforms` are the picture's, and
+    """What a picture needs before its passes: `use_textures` binds all its textures, `uniforms` are the picture's, and
     `covered` and `sky_points` those of its `Sky`, if it has one."""
 
     traced: TracedScene
     plan: TracePlan
-    bind: Callable[[moderngl.Program], None]
+    use_textures: Callable[[], None]
     uniforms: Mapping[str, object]
     denoiser: Denoiser | None
     has_layers: bool
@@ -166,16 +167,16 @@ class Tracer:
         plan = setup.plan
         film = Film(self.context.gl, self.programs, size, setup.has_layers, bool(plan.photons),
                     has_parts=settings.denoise in ("fast", "raster"))
-        sky = None
+        sky, use_textures = None, setup.use_textures
         if setup.covered is not None:
             sky = Sky(self.context, setup.covered, setup.sky_points, bool(plan.programs["sky"]["BACKGROUND"]))
 
-        def bind(program: moderngl.Program) -> None:
-            setup.bind(program)
-            if sky is not None:
-                sky.bind(program)
+            def use_textures() -> None:
+                setup.use_textures()
+                sky.texture.use(UNIT_SKY)
 
-        passes = Passes(self.context, self.programs, plan, bind, setup.uniforms)
+        passes = Passes(self.context, self.programs, plan, use_textures, setup.traced.set_uniforms,
+                        {**setup.uniforms, "u_sky": UNIT_SKY})
         photons = self._photon_passes(setup, lamps_pass_panes=True) if plan.photons else None
         return PathRender(passes, setup.traced.intersector, plan, film, Schedule(film, settings, first), settings,
                           self._display, layers, setup.denoiser, photons, guide, sky, is_interactive)
@@ -198,22 +199,23 @@ class Tracer:
             **(view.uniforms if view is not None else {}),
             **traced.media_uniforms(view.eye if view is not None else None),
             "u_size": size, "u_seed": settings.seed, "u_bounces": settings.bounces, "u_clamp": settings.clamp or 3e38,
+            "u_dfg": UNIT_DFG, **RAY_UNITS,
         }
         dfg = self._dfg_texture(settings)
 
-        def bind(program: moderngl.Program) -> None:
-            traced.bind(program)
+        def use_textures() -> None:
+            traced.use_textures()
             dfg.use(UNIT_DFG)
-            set_uniform(program, "u_dfg", UNIT_DFG)
             if rays is not None:
-                rays.bind(program)
+                rays.use_textures()
 
         points = points_of(traced.background_rows, angle)
-        return _SetUp(traced, plan, bind, uniforms, denoiser, has_layers, covered, points)
+        return _SetUp(traced, plan, use_textures, uniforms, denoiser, has_layers, covered, points)
 
     def _photon_passes(self, setup: _SetUp, lamps_pass_panes: bool) -> PhotonPasses:
         uniforms = {**setup.uniforms, "u_lamps_pass_panes": lamps_pass_panes}
-        return PhotonPasses(self.context, self.programs, setup.plan, setup.bind, uniforms)
+        return PhotonPasses(self.context, self.programs, setup.plan, setup.use_textures, setup.traced.set_uniforms,
+                            uniforms)
 
     def holds(self, scene: Scene) -> bool:
         """Whether the last picture was of this scene; its lights may differ."""

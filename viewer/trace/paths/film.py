@@ -15,7 +15,7 @@ from ...gpu.programs import Programs, set_uniform
 from ..defines import shader_defines
 from ..layout import TILE
 from .photon_sums import PhotonSums
-from .sky import Sky
+from .sky import UNIT_SKY, Sky
 from .wavefront import LAYERS, SECOND, SUMS, UNIT_BLOCKS, Sums, Wavefront, Work
 
 _SAMPLERS = "u_sum", "u_squares"
@@ -79,7 +79,8 @@ class Film:
         self._sums.framebuffer.use()
         self._gl.enable_only(moderngl.BLEND)
         self._gl.blend_func = moderngl.ONE, moderngl.ONE
-        sky.bind(program)
+        sky.texture.use(UNIT_SKY)
+        set_uniform(program, "u_sky", UNIT_SKY)
         set_uniform(program, "u_size", self.size)
         items = self._gl.buffer(np.asarray(work, np.int32))
         array = self._gl.vertex_array(program, [(items, "4i4/i", "a_work")])

@@ -43,16 +43,17 @@ def vertex_shader(name: str) -> str:
 
 
 class Passes:
-    """`bind` binds the textures of the scene and sets its uniforms in a program.
+    """`use_textures` binds the textures of the scene to their units, and `set_uniforms` sets its uniforms in a program.
 
-    `uniforms` are those of the picture.
+    `uniforms` are those of the picture. None of them changes, so that a program keeps them from pass to pass.
     """
 
-    def __init__(self, context: Context, programs: Programs, plan: TracePlan,
-                 bind: Callable[[moderngl.Program], None], uniforms: Mapping[str, object]) -> None:
+    def __init__(self, context: Context, programs: Programs, plan: TracePlan, use_textures: Callable[[], None],
+                 set_uniforms: Callable[[moderngl.Program], None], uniforms: Mapping[str, object]) -> None:
         self.context = context
         self._gl = context.gl
-        self._bind = bind
+        self._use_textures, self._set_uniforms = use_textures, set_uniforms
+        self._claim, self._key = programs.claim, object()
         self._uniforms = {**uniforms, **UNITS}
         self._layers = tuple(name for name in ("layers", "fibre layers", "medium layers") if name in plan.programs)
         self._shading = (*plan.surfaces, *plan.media)
@@ -63,6 +64,7 @@ class Passes:
 
     def draw_sky(self, sky: Sky) -> None:
         """Resolve the pixels that no triangle can touch."""
+        self._use_textures()
         sky.framebuffer.use()
         self._gl.enable_only(moderngl.NOTHING)
         sky.mask.use(0)
@@ -71,6 +73,7 @@ class Passes:
     def begin(self, wavefront: Wavefront, blocks: np.ndarray) -> None:
         """Begin the first paths of blocks that have new work, and their sums, which are 0 where paths begin."""
         self._gl.enable_only(moderngl.NOTHING)
+        self._use_textures()
         wavefront.bind_blocks()
         first = "begin sums" if "begin sums" in self._programs else "zero"
         for name, sums in ((first, wavefront.sums), ("zero", wavefront.layers)):
@@ -101,7 +104,8 @@ class Passes:
         self._advance(wavefront)
 
     def _bind_wavefront(self, wavefront: Wavefront) -> None:
-        """Bind the present state, and follow its rays through volumes."""
+        """Bind the scene and the present state, and follow its rays through volumes."""
+        self._use_textures()
         wavefront.bind()
         if wavefront.tracked is not None:
             wavefront.tracked.use()
@@ -142,7 +146,9 @@ class Passes:
 
     def _program(self, name: str, **uniforms: object) -> moderngl.Program:
         program = self._programs[name]
-        self._bind(program)
-        for uniform, value in (self._uniforms | uniforms).items():
+        if self._claim(program, self._key):
+            self._set_uniforms(program)
+            uniforms = {**self._uniforms, **uniforms}
+        for uniform, value in uniforms.items():
             set_uniform(program, uniform, value)
         return program

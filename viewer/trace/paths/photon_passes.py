@@ -19,13 +19,14 @@ from .wavefront import Sums, Wavefront
 class PhotonPasses(Passes):
     """As `Passes`, with the programs `plan.photons`. Paths begin at lights, and their shadow rays go to the camera."""
 
-    def __init__(self, context: Context, programs: Programs, plan: TracePlan,
-                 bind: Callable[[moderngl.Program], None], uniforms: Mapping[str, object]) -> None:
-        super().__init__(context, programs, replace(plan, programs=plan.photons), bind, uniforms)
+    def __init__(self, context: Context, programs: Programs, plan: TracePlan, use_textures: Callable[[], None],
+                 set_uniforms: Callable[[moderngl.Program], None], uniforms: Mapping[str, object]) -> None:
+        super().__init__(context, programs, replace(plan, programs=plan.photons), use_textures, set_uniforms, uniforms)
 
     def begin(self, wavefront: Wavefront, blocks: np.ndarray) -> None:
         """Begin the first photons of blocks that have new work."""
         self._gl.enable_only(moderngl.NOTHING)
+        self._use_textures()
         wavefront.bind_blocks()
         wavefront.present.use()
         wavefront.draw_blocks(self._program("begin", u_grid=wavefront.grid), blocks)

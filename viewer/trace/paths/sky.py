@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 
-import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
 from ...gpu.context import Context
 from ...gpu.float_target import float_target
-from ...gpu.programs import set_uniform
 from ..layout import TILE
 
 UNIT_SKY = 23  # beyond that of viewer/trace/scene/traced_scene.py
@@ -40,12 +38,6 @@ class Sky:
         padded = np.pad(covered, ((0, -height % TILE), (0, -width % TILE)))
         tiles = padded.reshape(padded.shape[0] // TILE, TILE, -1, TILE)
         self.is_bare: NDArray[np.bool_] = np.logical_not(tiles.any(axis=(1, 3)))
-
-    def bind(self, program: moderngl.Program) -> None:
-        """Bind the texture to a program that looks it up; others do not use it."""
-        if "u_sky" in program:
-            self.texture.use(UNIT_SKY)
-            set_uniform(program, "u_sky", UNIT_SKY)
 
     def release(self) -> None:
         for thing in (self.framebuffer, self.texture, self.mask):

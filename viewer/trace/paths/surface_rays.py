@@ -5,12 +5,10 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 
-from ...gpu.programs import set_uniform
-
 FROM_SURFACE, TO_SURFACE = 1, 2
 """Kinds of rays: from the surface into its hemisphere; or to the surface, from just above it."""
 _WIDTH = 1024
-_UNITS = {"u_ray_point": 16, "u_ray_normal": 17, "u_ray_normal_geometric": 18}
+UNITS = {"u_ray_point": 16, "u_ray_normal": 17, "u_ray_normal_geometric": 18}
 """Texture units behind all those that a scene binds."""
 
 
@@ -26,19 +24,17 @@ class SurfaceRays:
         self.kind, self.count = kind, len(points)
         self.size = min(len(points), _WIDTH), -(-len(points) // _WIDTH)
         self._textures = {}
-        for name, rows in zip(_UNITS, (points, normals, geometric_normals), strict=True):
+        for name, rows in zip(UNITS, (points, normals, geometric_normals), strict=True):
             texels = np.zeros((self.size[0] * self.size[1], 4), np.float32)
             texels[:len(rows), :3], texels[:len(rows), 3] = rows, 1.0
             texture = gl.texture(self.size, 4, texels, dtype="f4")
             texture.filter = moderngl.NEAREST, moderngl.NEAREST
             self._textures[name] = texture
 
-    def bind(self, program: moderngl.Program) -> None:
-        """Bind the list to a program that begins paths; other programs do not use it."""
+    def use_textures(self) -> None:
+        """Bind the list to its units."""
         for name, texture in self._textures.items():
-            if name in program:
-                texture.use(_UNITS[name])
-                set_uniform(program, name, _UNITS[name])
+            texture.use(UNITS[name])
 
     def rows(self, pixels: np.ndarray) -> np.ndarray:
         """The pixel of each ray, (N, C), from a picture (H, W, C) whose row 0 is at the bottom."""

@@ -15,7 +15,7 @@ from ...scene.environment import Environment
 from ...scene.equirect import texel_solid_angles
 from .alias import alias_table
 
-UNIT_ENVIRONMENT, UNIT_ENVIRONMENT_TABLE, UNIT_BACKGROUND = 11, 10, 15
+UNITS = {"u_environment": 11, "u_environment_table": 10, "u_background": 15}
 """Texture units, below and above those of viewer/trace/scene/scene_data.py."""
 MAX_CELLS = 2048, 1024
 """Most columns and rows of a table, 32 MiB. The cells of a larger map are blocks of its texels.
@@ -109,12 +109,14 @@ class EnvironmentTable:
         """Rows of the map that camera rays see."""
         return self._blurred.height
 
-    def bind(self, program: moderngl.Program) -> None:
-        """Bind the textures and set all uniforms except the share of light samples."""
-        for unit, name, texture in ((UNIT_ENVIRONMENT, "u_environment", self._map),
-                                    (UNIT_ENVIRONMENT_TABLE, "u_environment_table", self._table),
-                                    (UNIT_BACKGROUND, "u_background", self._blurred)):
+    def use_textures(self) -> None:
+        """Bind the textures to their units."""
+        for unit, texture in zip(UNITS.values(), (self._map, self._table, self._blurred), strict=True):
             texture.use(unit)
+
+    def set_uniforms(self, program: moderngl.Program) -> None:
+        """Set all uniforms except the share of light samples."""
+        for name, unit in UNITS.items():
             set_uniform(program, name, unit)
         angle = self.environment.rotation
         set_uniform(program, "u_environment_cell", self._cell)

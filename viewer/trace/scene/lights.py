@@ -152,12 +152,17 @@ class SceneLights:
         """Rows of the map that camera rays see; 0 if there is none."""
         return 0 if self._environment is None else self._environment.background_rows
 
-    def bind(self, program: moderngl.Program) -> None:
-        """Bind the textures and set all uniforms except the first texels of the sections."""
+    def use_textures(self) -> None:
+        """Bind the textures to their units."""
+        if self._environment is not None:
+            self._environment.use_textures()
+
+    def set_uniforms(self, program: moderngl.Program) -> None:
+        """Set all uniforms except the first texels of the sections."""
         for name, value in self._uniforms.items():
             set_uniform(program, name, value)
         if self._environment is not None:
-            self._environment.bind(program)
+            self._environment.set_uniforms(program)
 
     def release(self) -> None:
         if self._environment is not None:

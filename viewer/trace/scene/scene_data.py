@@ -66,11 +66,19 @@ class SceneData:
 
     def bind(self, program: moderngl.Program) -> None:
         """Bind the textures and set the uniforms of the scene buffer, the atlases and the sections."""
-        # A missing atlas gets its unit, too: samplers of two types must not share a unit.
-        for name, unit in (("u_color_atlas", UNIT_COLOR_ATLAS), ("u_data_atlas", UNIT_DATA_ATLAS)):
-            set_uniform(program, name, unit)
-        for name, (unit, texture) in self._textures.items():
+        self.use_textures()
+        self.set_uniforms(program)
+
+    def use_textures(self) -> None:
+        """Bind the textures to their units."""
+        for unit, texture in self._textures.values():
             texture.use(unit)
+
+    def set_uniforms(self, program: moderngl.Program) -> None:
+        """Set the uniforms of the scene buffer, the atlases and the sections."""
+        # A missing atlas gets its unit, too: samplers of two types must not share a unit.
+        for name, unit in (("u_color_atlas", UNIT_COLOR_ATLAS), ("u_data_atlas", UNIT_DATA_ATLAS),
+                           ("u_scene", UNIT_SCENE)):
             set_uniform(program, name, unit)
         set_uniform(program, "u_shows_specular", self._shows_specular)
         for name, offset in self._uploaded.uniforms().items():

@@ -137,16 +137,24 @@ class TracedScene:
         """About the size of the scene's textures on the GPU."""
         return self._data.texture_bytes + (self._grids.texture_bytes if self._grids is not None else 0)
 
-    def bind(self, program: moderngl.Program) -> None:
-        """Bind the textures and set the uniforms that do not depend on the picture."""
-        self._data.bind(program)
-        self._lights.bind(program)
+    def use_textures(self) -> None:
+        """Bind the textures to their units."""
+        self._data.use_textures()
+        self._lights.use_textures()
+        self._weave.use(UNIT_WEAVE)
+        if self._grids is not None:
+            self._grids.use_textures()
+
+    def set_uniforms(self, program: moderngl.Program) -> None:
+        """Set the uniforms that do not depend on the picture."""
+        self._data.set_uniforms(program)
+        self._lights.set_uniforms(program)
         for name, value in self.photons.uniforms.items():
             set_uniform(program, name, value)
         woven = (m.material.weave for m in self.geometry.materials if m.material.weave is not None)
         self._weave.bind(program, next(woven, None), UNIT_WEAVE)
         if self._grids is not None:
-            self._grids.bind(program)
+            self._grids.set_uniforms(program)
 
     def release(self) -> None:
         self._data.release()

@@ -116,10 +116,12 @@ class VolumeGrids:
             row[7, :3] = np.array(emitted, np.float32).view(np.uint32)
         return out.reshape(-1, 4)
 
-    def bind(self, program: moderngl.Program) -> None:
-        """Bind the texture and set the uniforms of shaders/media/grid.glsl but that of the section."""
-        if "u_voxels" in program:
-            self.texture.use(UNIT_VOXELS)
+    def use_textures(self) -> None:
+        """Bind the texture to its unit."""
+        self.texture.use(UNIT_VOXELS)
+
+    def set_uniforms(self, program: moderngl.Program) -> None:
+        """Set the uniforms of shaders/media/grid.glsl but that of the section."""
         for name, value in {"u_voxels": UNIT_VOXELS, "u_voxel_shift": self.voxel_shift,
                             "u_volume_count": len(self._volumes)}.items():
             set_uniform(program, name, value)
