@@ -5,6 +5,9 @@
 #if VOLUMES > 0
 #include "raster/volumes.glsl"
 #endif
+#if SKY_SHADOWS
+#include "raster/past_meshes.glsl"
+#endif
 #if HAS_ENVIRONMENT
 #include "raster/environment.glsl"
 
@@ -26,35 +29,6 @@ Sky scattered_sky(sampler2D map, vec3 direction) {
         maps[k] = u_sky_intensity * textureLod(map, vec2(uv.x, 0.25 * (uv.y + float(k))), 0.0).rgb;
     return Sky(maps[0], mat3(maps[1], maps[2], maps[3]));
 }
-
-#if SKY_SHADOWS
-#if FOG
-uniform vec4 u_scene_grid; // about the meshes: finer than that about the fog
-#endif
-
-// What meshes change of the light around a point. xyzw: the opacity of media and meshes before the environment, as
-// a + b . direction; and what is left of the light that media scatter, where they are in the way of it
-vec4 hidden_by_all(vec3 p, out float left) {
-    vec3 uvw;
-    int grid = 0;
-#if VOLUMES > 0
-    uvw = in_grid(u_volume_grid, p);
-    if (is_inside(uvw)) grid = FOG;
-#if FOG
-    else
-#endif
-#endif
-#if FOG
-    {
-        uvw = in_grid(u_scene_grid, p);
-        if (is_inside(uvw)) grid = GRIDS;
-        else uvw = in_grid(u_fog_grid, p);
-    }
-#endif
-    left = part_of_cubes(u_media_light, uvw, 3 * GRIDS + 2 * grid + 1).g;
-    return part_of_cubes(u_media_light, uvw, 3 * GRIDS + 2 * grid);
-}
-#endif
 
 // The same where media hide a + b . w of it. As no point gets more than all of the light, what a fit has too much is
 // cut.

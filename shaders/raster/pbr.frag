@@ -214,6 +214,8 @@ void main() {
 #endif
 #if VISIBILITY
     vec4 visible = visibility(v_position, p.n_geometric, p.n);
+#elif SKY_SHADOWS
+    vec4 visible = visible_past_meshes(p, mean_alpha(s));
 #else
     const vec4 visible = vec4(1.0);
 #endif

@@ -20,6 +20,22 @@ void light_through_media(vec3 n, vec3 d, inout mat2x3 specular, inout vec3 mean_
 }
 #endif
 
+#if SKY_SHADOWS
+#include "raster/past_meshes.glsl"
+
+// What other surfaces leave of the light around, as raster/visibility.glsl has it, from what fog knows of it. The cell
+// of the surface itself is full of it, so half a cell away is looked up.
+vec4 visible_past_meshes(Point p, float alpha) {
+    vec3 mean = p.n * (2.0 / 3.0); // of the cosine lobe
+    vec3 place = v_position + 0.5 / (u_scene_grid.w * float(textureSize(u_media_light, 0).x)) * p.n_geometric;
+    float left;
+    vec4 hidden = hidden_by_all(place, left);
+    float seen = 1.0 - clamp(hidden.x + dot(hidden.yzw, mean), 0.0, 1.0);
+    float visible = min(seen / max(light_around(place, mean).sky, 1e-6), 1.0);
+    return vec4(vec3(visible), specular_occlusion(p.NoV, visible, alpha));
+}
+#endif
+
 #if HAS_ENVIRONMENT && REFLECTS
 // mix(h, mirror direction, t) for a facet with the normal h
 vec3 reflected_direction(Point p, vec3 h, float t) {
@@ -78,7 +94,7 @@ void meet_other_surfaces(float NoV, float alpha, float occlusion, vec4 visible, 
     around *= occlusion;
     light *= specular_occlusion(NoV, occlusion, alpha);
 #endif
-#if VISIBILITY
+#if VISIBILITY || SKY_SHADOWS
     around *= visible.rgb;
     light *= visible.a;
 #endif

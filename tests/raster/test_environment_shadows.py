@@ -188,3 +188,16 @@ def test_estimated_light_makes_a_white_corner_in_uniform_light_invisible(radianc
     assert np.abs(floor - expected).max() < 0.02
     black = replace(white, materials=(replace(WHITE, base_color=(0, 0, 0, 1), double_sided=True),) * 2)
     assert not radiance(black, VIEW, SIZE, environment_shadows="64", indirect="estimated")[..., :3].any()
+
+
+def test_fog_knows_roughly_what_a_wall_hides(radiance):
+    """Without shadow maps of the environment, surfaces in fog see what hides it from the fog, but for what is near.
+    Thin fog changes nothing else."""
+    wall = (plate(1), moved((0, 0.5, 0)) @ moved((0, 0, 0), (1.5, 0.5, 1.0)))
+    model = scene((plate(0, half=1.5), facing_floor()), wall, materials=[WHITE, BLACK], environment=constant())
+    bare, found, exact = (radiance(model, VIEW, SIZE, **settings)[..., 0] for settings in (
+        {}, {"fog": 1e-6}, {"environment_shadows": "256"}))
+    beside = (np.abs(seen_plane(VIEW, SIZE, (0, 1, 0))[..., 2]) > 0.15) & (bare > 0.9)
+    assert np.abs(bare - 1)[beside].max() < 0.01 and exact[beside].min() < 0.7
+    assert np.sqrt(np.mean((found - exact)[beside] ** 2)) < 0.6 * np.sqrt(np.mean((bare - exact)[beside] ** 2))
+    assert np.corrcoef(found[beside], exact[beside])[0, 1] > 0.9

@@ -10,6 +10,8 @@ from fog_truth import optical_depth, rays, single_scattering
 from images import image_of, noise
 from shapes import WHITE, constant, moved, orthographic, plate, scene, sphere
 
+from viewer.bake.many_lights import uniform_lights
+from viewer.raster.media_light import MediaLight
 from viewer.scene.camera import Camera
 from viewer.scene.color import srgb_to_linear
 from viewer.scene.fog import REACH, fog_of
@@ -200,3 +202,19 @@ def test_meshes_send_light_by_the_means_of_their_textures(radiance):
         for kind in kinds)
     assert textured == pytest.approx(plain, rel=1e-3)
     assert plain[..., 2].mean() < 0.99 * plain[..., 0].mean()
+
+
+@pytest.mark.parametrize("albedo", [1.0, 0.0])
+def test_light_arrives_in_the_middle_of_fog_from_more_sides(radiance, monkeypatch, albedo):
+    """White fog in uniform light changes nothing, and black fog of this optical depth leaves a share of it."""
+    baked, bake = [], MediaLight.bake
+    monkeypatch.setattr(MediaLight, "bake", lambda light, *how: (bake(light, *how), baked.append(light)))
+    model = scene(sphere(segments=8), environment=constant())
+    sigma = 0.25 / model.radius
+    radiance(model, perspective(3.0), FEW, fog=sigma, fog_albedo=(albedo,) * 3)
+    sky = uniform_lights(64, (1.0, 2.0, 3.0))
+    [light] = baked
+    found = light.arriving(sky).irradiance / sky.solid_angles[:, None]
+    share = np.exp(-sigma * fog_of(model, Settings.of(fog=sigma)).radius)
+    assert found == pytest.approx(np.broadcast_to(share * np.array([1, 2, 3]) + (1 - share) * albedo, found.shape),
+                                  rel=0.03)

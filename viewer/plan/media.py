@@ -74,7 +74,7 @@ def plan_media(scene: Scene, settings: Settings, common: Mapping[str, int]) -> M
              "ENVIRONMENT_ROTATED")
     lights = {name: common[name] for name in names}
     lit = switches | lights | {"SHADOW_PATTERN": 0, "REFLECTS": 0}
-    lit["SKY_SHADOWS"] = int(common["HAS_ENVIRONMENT"] and _hides_light(scene, settings))
+    lit["SKY_SHADOWS"] = int(common["HAS_ENVIRONMENT"] and hides_light(scene, settings))
     extinction = travelled(volume_medium(settings), settings).sigma_t[0]
     lit["DENSE"] = int(any(extinction * volume.greatest_depth > DENSE for volume in scene.volumes[:MAX_VOLUMES]))
     has_depth = switches["VOLUMES"] and common["LIGHT_COUNT"]
@@ -91,7 +91,7 @@ def travelled(medium: Medium, settings: Settings) -> Medium:
     return without_peak(medium) if settings.media_scattering == "multiple" else medium
 
 
-def _hides_light(scene: Scene, settings: Settings) -> bool:
+def hides_light(scene: Scene, settings: Settings) -> bool:
     """Whether anything stands before the environment that no light passes."""
     meshes = [scene.meshes[k] for k in {instance.mesh for instance in scene.instances}]
     return bool(scene.curves) or any(

@@ -28,7 +28,7 @@ from .ground import plan_ground
 from .instances import instances_of, is_instanced, placed
 from .lookups import coat_lookups, lookups
 from .map_switches import ALPHA_MODES, map_switches
-from .media import has_media, media_switches, plan_media
+from .media import has_media, hides_light, media_switches, plan_media
 from .model import ALONE, NO_SUBSURFACE, SPREAD, THIN_WALLED, Draw, Plan, Program
 from .samplers import within_limit
 from .sharing import attributes_of, include_everything, share_programs
@@ -111,6 +111,7 @@ def plan_scene(
         "ENVIRONMENT_ROTATED": int(scene.environment is not None and scene.environment.rotation != 0),
         "SHOW_EMISSION": int(settings.lobes == "all"),
         **media_switches(scene, settings),
+        "SKY_SHADOWS": int(environment and settings.fog > 0 and hides_light(scene, settings)),
     }
     # Instances of a mesh are drawn alike, and there may be a hundred thousand of them.
     kinds = [_draw(k, scene.meshes[k], scene.materials, settings, common, len(numbers))
@@ -189,6 +190,8 @@ def _draw(
     lit = is_lit(mesh, material)
     if material.alpha_mode == "blend" or material.transmits:
         common = common | {"VISIBILITY": 0, "TRACED_REFLECTION": 0}  # the G-buffer holds the opaque surface behind
+    if common["VISIBILITY"]:
+        common = common | {"SKY_SHADOWS": 0}
     if not _can_trace_reflections(material):
         common = common | {"TRACED_REFLECTION": 0}
     model = settings.mode if lit else "unlit"

@@ -2,7 +2,8 @@
 
 The light itself still comes from the filtered environment; the ratio of shadowed to unshadowed light of the samples
 multiplies it (Heitz, Hill & McGuire 2018, "Combining Analytic Direct Illumination and Stochastic Shadows"). So
-unoccluded surfaces have no noise, and with more samples the picture converges to direct light.
+unoccluded surfaces have no noise, and with more samples the picture converges to direct light. In fog, light comes from
+more sides: the ratio is that of what arrives in the middle of the scene.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from ..scene.material import Texture
 from ..scene.scene import Scene
 from .environment import EnvironmentLight
 from .gbuffer import UNIT_NORMALS
+from .media_light import MediaLight
 from .shadows import Atlas, Casters, directional_tiles
 from .sky_shadows import mean_reflectance, reflected
 
@@ -56,19 +58,32 @@ class EnvironmentShadows:
             self.release()
             self._atlases = [Atlas(gl, count, tile_size) for count in counts]
         self._batches: list[tuple[Atlas, np.ndarray, np.ndarray]] = []
+        self._reflectance = np.zeros(3)
         self._scene: Scene | None = None
+        self._fog: MediaLight | None = None
 
-    def show(self, scene: Scene, plan: Plan, mean: Callable[[Texture, str], np.ndarray]) -> None:
-        """Draw the maps, unless they show this scene already. `mean` gives that of a material's map."""
-        if self._scene is not None and scene.has_surfaces_of(self._scene):
+    def show(self, scene: Scene, plan: Plan, fog: MediaLight | None,
+             mean: Callable[[Texture, str], np.ndarray]) -> None:
+        """Draw the maps, unless they show this scene already. `fog` is the light in it, None without fog, and `mean`
+        gives that of a material's map."""
+        is_shown = self._scene is not None and scene.has_surfaces_of(self._scene)
+        if is_shown and fog is self._fog:
             return
+        if not is_shown:
+            self._draw(scene, plan)
+            self._reflectance = mean_reflectance(scene, plan.draws, mean) if self._estimates else np.zeros(3)
+        lights = self._lights if fog is None else fog.arriving(self._environment.sky_lights(plan, self._count))
+        unit = max(lights.irradiance.max(), 1e-300)
+        instead = reflected(lights, self._reflectance)[:, :3] if self._estimates else np.zeros((self._count, 3))
+        for k, (_, _, rows) in enumerate(self._batches):
+            part = slice(k * BATCH, (k + 1) * BATCH)
+            rows[:, 4, :3], rows[:, 5, :3] = lights.irradiance[part] / unit, instead[part] / unit
+        self._scene, self._fog = scene, fog
+
+    def _draw(self, scene: Scene, plan: Plan) -> None:
         draws = [d for d in plan.draws if d.hides_sky]
         lights = self._lights
         self._batches = []
-        unit = max(lights.irradiance.max(), 1e-300)
-        instead = np.zeros((self._count, 3))
-        if self._estimates:
-            instead = reflected(lights, mean_reflectance(scene, plan.draws, mean))[:, :3]
         for first, atlas in zip(range(0, self._count, BATCH), self._atlases, strict=True):
             part = slice(first, first + BATCH)
             tiles = directional_tiles(-lights.directions[part], scene, atlas.tile_size)
@@ -76,10 +91,7 @@ class EnvironmentShadows:
             matrices = np.stack([_to_atlas(atlas, k) @ tile.matrix for k, tile in enumerate(tiles)])
             rows = np.zeros((len(tiles), 6, 4))
             rows[:, 3, :3], rows[:, 3, 3] = lights.directions[part], [tile.texel for tile in tiles]
-            rows[:, 4, :3] = lights.irradiance[part] / unit
-            rows[:, 5, :3] = instead[part] / unit
             self._batches.append((atlas, matrices, rows))
-        self._scene = scene
 
     def forget_scene(self) -> None:
         """Let `show` draw the maps again, for meshes or programs that have changed."""

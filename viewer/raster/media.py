@@ -103,6 +103,10 @@ class MediaPass:
             if thing is not None:
                 thing.release()
 
+    def light_in_fog(self, plan: Plan) -> MediaLight | None:
+        """The light that was prepared last, if there is fog all around the scene."""
+        return self._lights[0][1] if plan.media is not None and plan.media.has_fog else None
+
     def _drop_lights(self, count: int) -> None:
         """All but the `count` that were used last."""
         for _, light in self._lights[count:]:

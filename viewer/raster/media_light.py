@@ -9,7 +9,7 @@ towards each light.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import moderngl
 import numpy as np
@@ -51,6 +51,7 @@ class MediaLight:
     def __init__(self, gl: moderngl.Context, parts: int, lights: int) -> None:
         self._gl = gl
         self.texture = _cubes(gl, SIDE, parts)
+        self._middle = np.zeros((3, 4))
         self.depths = _cubes(gl, DEPTH_SIDE, -(-lights // 4)) if lights else None
 
     def bake(self, programs: Programs, plan: MediaPlan, grids: Sequence[Grid], around_meshes: Sequence[Grid],
@@ -81,6 +82,17 @@ class MediaLight:
             drawn = self._draw(programs, plan.bake, outputs, SIDE, uniforms, grid)
             past_meshes += [drawn[7], drawn[3]]
         self.texture.write(np.stack([*layers, *past_meshes]))
+        middle = slice(SIDE // 2 - 1, SIDE // 2 + 1)
+        self._middle = np.stack(layers[:3])[:, middle, middle, middle].mean(axis=(1, 2, 3), dtype=np.float64)
+
+    def arriving(self, sky: ManyLights) -> ManyLights:
+        """The environment's light `sky` as it arrives in the middle of the first grid, with what media scatter there
+        from the directions around each light."""
+        scattered, hidden, opacity = self._middle
+        basis = np.concatenate([np.ones((len(sky.directions), 1)), sky.directions], axis=1)
+        transmittance = 1 - np.clip(basis @ hidden, 0, 1)
+        from_there = np.maximum(basis @ opacity, 0) / max(opacity[0], 1e-20) * sky.solid_angles
+        return replace(sky, irradiance=sky.irradiance * transmittance[:, None] + from_there[:, None] * scattered[:3])
 
     def _draw(self, programs: Programs, planned: Program, outputs: int, side: int, uniforms: dict[str, object],
               grid: Grid) -> list[np.ndarray]:

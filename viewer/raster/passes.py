@@ -83,7 +83,7 @@ class Passes:
                 self._media.prepare(scene, settings, plan, environment, self._shadows.of(plan), self._casters, mean)
         if plan.environment_shadows and plan.has_visibility:
             with self._watch.preparing("environment shadows"):
-                self._visibility.prepare(scene, plan, environment, self._casters, mean)
+                self._visibility.prepare(scene, plan, environment, self._media.light_in_fog(plan), self._casters, mean)
         if plan.ground is not None:
             with self._watch.preparing("ground"):
                 self._ground.prepare(scene, plan, environment)

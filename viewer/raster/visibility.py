@@ -19,6 +19,7 @@ from ..scene.scene import Scene
 from .environment import EnvironmentLight
 from .environment_shadows import EnvironmentShadows
 from .gbuffer import UNIT_NORMALS, GBuffer, nearest_texture
+from .media_light import MediaLight
 from .shadows import Casters
 from .units import UNIT_BACKGROUND, UNIT_VISIBILITY
 
@@ -35,12 +36,13 @@ class VisibilityPass:
         self._targets: Reusable[_Targets] = Reusable()
         self._shadows: EnvironmentShadows | None = None
 
-    def prepare(self, scene: Scene, plan: Plan, environment: EnvironmentLight, casters: Casters,
+    def prepare(self, scene: Scene, plan: Plan, environment: EnvironmentLight, fog: MediaLight | None, casters: Casters,
                 mean: Callable[[Texture, str], np.ndarray]) -> None:
-        """Draw the shadow maps that `plan` needs, unless they are there. `mean` gives that of a material's map."""
+        """Draw the shadow maps that `plan` needs, unless they are there. `fog` is the light in it, and `mean` gives
+        that of a material's map."""
         if self._shadows is None or not self._shadows.holds(environment, plan):
             self._shadows = EnvironmentShadows(self._gl, environment, plan, casters, before=self._shadows)
-        self._shadows.show(scene, plan, mean)
+        self._shadows.show(scene, plan, fog, mean)
 
     def forget_scene(self, plan: Plan) -> None:
         """Let the shadow maps be drawn again, for meshes or programs that have changed. Their memory is kept if the
