@@ -9,13 +9,13 @@
 #include "bsdf/fresnel.glsl"
 #include "sample/luminance.glsl"
 in vec3 v_position;
-uniform vec4 u_light; // where it is, in scene units; w = 0: its direction
+uniform vec4 u_light; // where it is, in scene units; w = 0: its direction; all 0: panes stop it
 
 // As pane_transmittance in trace/pane.glsl, for a wall without a film whose specular has no colour; flat, as its
 // triangles are
 float passed(MaterialInputs m) {
     float alpha = m.perceptual_roughness * m.perceptual_roughness;
-    if (is_delta(vec2(alpha))) {
+    if (is_delta(vec2(alpha)) && u_light != vec4(0.0)) {
         vec3 n = cross(dFdx(v_position), dFdy(v_position)), l = u_light.xyz - u_light.w * v_position;
         float mu = abs(dot(n, l)) / max(length(n) * length(l), 1e-30);
         float R = m.specular * f_dielectric(min(mu, 1.0), m.ior);

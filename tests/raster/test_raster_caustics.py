@@ -13,6 +13,7 @@ from viewer.jobs.info import describe_scene
 from viewer.plan.warnings import sample_warnings
 from viewer.raster.caustics import photon_settings
 from viewer.scene.camera import Camera
+from viewer.scene.environment import Environment
 from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.settings import Settings
@@ -28,8 +29,8 @@ PHOTONS = Settings(caustics="photons", photons=8, antialias="none")
 SIZE = (24, 16)
 
 
-def floor_below(*meshes, material: Material = GLASS, lights=(LAMP,)):
-    return scene((plate(0, half=3.0), facing_floor()), *meshes, materials=[GREY, material], lights=lights)
+def floor_below(*meshes, material: Material = GLASS, lights=(LAMP,), **changes):
+    return scene((plate(0, half=3.0), facing_floor()), *meshes, materials=[GREY, material], lights=lights, **changes)
 
 
 def ball(material: Material = GLASS, **changes):
@@ -81,6 +82,41 @@ def test_nothing_is_missing_or_counted_twice_below_glass_that_does_not_refract(r
     assert light_of(renderer, pane, replace(PHOTONS, photons=256)).mean() == pytest.approx(expected.mean(), rel=0.01)
     clear = light_of(renderer, pane, replace(PHOTONS, caustics="off"))
     np.testing.assert_allclose(clear, expected, rtol=0.02, atol=1e-3 * expected.max())
+
+
+PANE = replace(GLASS, base_color=(0.9, 0.6, 0.3, 1.0), ior=1.0, thickness=0.0, double_sided=True)
+SUN = Light("directional", intensity=3.0, direction=(0.28, -0.96, 0.0))
+
+
+def below_pane(material: Material = PANE, **changes):
+    return floor_below((plate(1, half=3.0), facing_floor(y=1.0)), material=material, **changes)
+
+
+@pytest.fixture(scope="module")
+def sunny() -> Environment:
+    """Whose sun the raster takes out of it as a light."""
+    radiance = np.full((256, 512, 3), 0.05, np.float32)
+    radiance[32:34, 240:243] = 4000.0
+    return Environment("sunny", radiance)
+
+
+def test_a_directional_light_through_a_pane_against_its_closed_form(renderer):
+    """Photons bring it in the pane's colour: albedo / pi times the irradiance of a slanting sun."""
+    found = light_of(renderer, below_pane(lights=(SUN,)), replace(PHOTONS, photons=256))[SIZE[1] // 2:]
+    expected = 0.5 / np.pi * 3.0 * 0.96 * np.array(PANE.base_color[:3])
+    assert found.mean(axis=(0, 1)) == pytest.approx(expected, rel=0.01)
+
+
+def test_photons_take_nothing_from_suns_of_the_environment(renderer, sunny):
+    """No photon brings their light, so that shadow maps let it through panes as without photons: to the bit if there is
+    no lamp, and beside a lamp as the sum of both."""
+    alone, with_lamp = (below_pane(lights=lights, environment=sunny) for lights in ((), (SUN,)))
+    sky = light_of(renderer, alone)
+    assert np.array_equal(sky, light_of(renderer, alone, replace(PHOTONS, caustics="off")))
+    assert sky[SIZE[1] // 2:].mean() > 0.1  # most of it is the sun's
+    both = light_of(renderer, with_lamp)
+    lamp = light_of(renderer, below_pane(lights=(SUN,)))
+    assert both == pytest.approx(sky + lamp, rel=0.01)
 
 
 def test_why_there_are_no_photons_is_told(renderer):

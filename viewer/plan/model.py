@@ -151,6 +151,8 @@ class Plan:
     """Whether the edges of triangles are drawn over the picture."""
     grid: bool = False
     """Whether a grid on the ground and the axes of the world are drawn."""
+    photons: bool = False
+    """Whether it is photons that bring the light of the scene's lamps through panes, in its colour."""
     used: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
     saved: Mapping[str, float] = field(default_factory=dict)

@@ -89,6 +89,9 @@ def plan_scene(
     shown_lights = _ordered_lights(lights) if any(lit) or curves or has_media(scene, settings) else ()
     layers, layer_count = _shadow_layers(shown_lights, settings, bool(scene.instances) or curves)
     environment, reflections = environment_use(scene, settings)
+    photons = settings.caustics == "photons" and settings.mode == "pbr"
+    has_open_panes = any(is_clear(material, settings) for material in scene.materials) and not (
+        photons and all(light in scene.lights for light in shown_lights))
     environment_shadows = _environment_shadows(settings) if environment and scene.environment is not None else 0
     ambient_occlusion = (settings.ambient_occlusion != "off" and settings.mode == "pbr" and environment
                          and scene.environment is not None and not environment_shadows)
@@ -105,8 +108,8 @@ def plan_scene(
         "POINT_COUNT": sum(light.kind == "point" for light in shown_lights),
         "SUNS": int(any(light.angular_radius > 0 for light in shown_lights)),
         "SHADOW_LAYERS": layer_count,
-        "SHADOW_PATTERN": int(layer_count > 0 and any(material.alpha_mode == "blend" or is_clear(material, settings)
-                                                      for material in scene.materials)),
+        "SHADOW_PATTERN": int(layer_count > 0 and (has_open_panes or any(material.alpha_mode == "blend"
+                                                                         for material in scene.materials))),
         "HAS_ENVIRONMENT": int(environment),
         "ENVIRONMENT_ROTATED": int(scene.environment is not None and scene.environment.rotation != 0),
         "SHOW_EMISSION": int(settings.lobes == "all"),
@@ -139,6 +142,7 @@ def plan_scene(
         curves=plan_curves(scene, settings, common),
         wireframe=settings.show == "wireframe",
         grid=settings.grid == "on",
+        photons=photons,
     )
     if settings.plan == "everything":
         plan = include_everything(plan, scene)
@@ -235,9 +239,9 @@ def _draw(
 
 
 def is_clear(material: Material, settings: Settings) -> bool:
-    """Whether shadow maps let lamps shine through it. Photons bring the light through panes themselves, coloured."""
+    """Whether shadow maps let lights shine through it, but lamps whose light photons bring (`Plan.photons`)."""
     maps = () if material.metallic_roughness_texture is None else ("metallic_roughness",)
-    is_glass = settings.mode == "pbr" and settings.lobes in ("all", "specular") and settings.caustics == "off"
+    is_glass = settings.mode == "pbr" and settings.lobes in ("all", "specular")
     return is_glass and may_be_pane(material, maps)
 
 

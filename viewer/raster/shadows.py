@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import moderngl
 import numpy as np
@@ -41,7 +41,7 @@ _FACES = ((0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0), (2, 1.0), (2, -1.0))  # axis
 @dataclass(frozen=True, eq=False)
 class Tile:
     """A light's view: `matrix` takes scene units about the scene's centre to clip space. There is the light at `place`,
-    (4,), whose last is 1, or 0 for a direction."""
+    (4,), whose last is 1, or 0 for a direction; all are 0 where panes stop it."""
 
     matrix: np.ndarray
     place: np.ndarray
@@ -121,8 +121,12 @@ class ShadowMaps:
         """Draw the maps, unless they show this scene, and these lights, already."""
         if self._scene is not None and scene.has_surfaces_of(self._scene) and plan.lights == self._lights:
             return
-        self._tiles = [tile for light, layer in zip(plan.lights, plan.shadow_layers, strict=True) if layer >= 0
-                       for tile in light_tiles(light, scene, self.tile_size)]
+        self._tiles = []
+        for light, layer in zip(plan.lights, plan.shadow_layers, strict=True):
+            if layer >= 0:
+                tiles = light_tiles(light, scene, self.tile_size)
+                is_stopped = plan.photons and light in scene.lights
+                self._tiles += [replace(tile, place=np.zeros(4)) for tile in tiles] if is_stopped else tiles
         self._atlas.draw(scene, self._tiles, plan.draws, self._casters)
         self._scene, self._lights = scene, plan.lights
 
@@ -173,7 +177,8 @@ class KeptShadowMaps:
 
 
 def _key(plan: Plan) -> tuple[object, ...]:
-    return tuple(light.kind for light in plan.lights), plan.shadow_layers, any(draw.is_pane for draw in plan.kinds)
+    has_panes = any(draw.is_pane for draw in plan.kinds)
+    return tuple(light.kind for light in plan.lights), plan.shadow_layers, has_panes, has_panes and plan.photons
 
 
 def directional_tiles(directions: np.ndarray, scene: Scene, size: int) -> list[Tile]:

@@ -25,7 +25,7 @@ class SurfaceCasters:
         centre.
 
         What is returned draws them, until this is called again, by a matrix that takes the world to clip space, and the
-        light, which has its place (4,) in scene units, or is as far as its direction (0 last).
+        light, which has its place (4,) in scene units, or is as far as its direction (0 last); 0 where panes stop it.
         """
         wanted = shadow_program(draw)
         program = self._programs.get(SHADOW_VERTEX, wanted.fragment, dict(wanted.switches))
