@@ -2,7 +2,8 @@
 
 The scenes of benchmarks.tell_error and of assets/noise are path traced with 4, 16 and 64 samples a pixel. relMSE over
 all pixels, against a reference of independent pictures and other seeds, of the samples, of what `fast` and `raster`
-make of the same samples, and of the raster's picture alone, as shares of that of the samples.
+make of the same samples, and of the raster's picture alone, as shares of that of the samples; and how much light is
+left.
 """
 
 from __future__ import annotations
@@ -51,9 +52,11 @@ def _measure(renderer: Renderer, tracer: Tracer, name: str, options: argparse.Na
             made[method] = tracer.render(scene, camera, settings, size, guide=guide)
         errors = {method: _relmse(tracing.radiance(image), reference) for method, image in made.items()}
         raw, most = errors["off"]
+        light = float(made["off"].linear[..., :3].mean())
         yield {"scene": name, "samples": samples, "raw": raw, **{
             method: errors[method][0] / raw for method in METHODS}, **{
-            f"{method}, most": errors[method][1] / most for method in METHODS}}
+            f"{method}, most": errors[method][1] / most for method in METHODS}, **{
+            f"{method}, light": float(made[method].linear[..., :3].mean()) / light for method in METHODS[1:]}}
 
 
 def _relmse(picture: np.ndarray, reference: np.ndarray) -> tuple[float, float]:
@@ -76,7 +79,8 @@ def _page(rows: list[Row]) -> list[str]:
                "worst": "worst:.2f", "of": "where", "median, without the worst pixels": "most:.2f"}
     each = {"scene": "scene", "samples": "samples", "relMSE of the samples": "raw:.2e",
             **{method: f"{method}:.2f" for method in METHODS},
-            **{f"{method}, without the worst pixels": f"{method}, most:.2f" for method in METHODS[1:]}}
+            **{f"{method}, without the worst pixels": f"{method}, most:.2f" for method in METHODS[1:]},
+            **{f"{method}, mean radiance over that of the samples": f"{method}, light:.2f" for method in METHODS[1:]}}
     return ["# What denoising leaves of the relMSE of the samples", "",
             f"Without the worst pixels: {TRIMMED:.0%} of them are left out of both. In scenes with lamps most of the "
             "error is in a few pixels, which one sample has made bright.", "",

@@ -60,6 +60,18 @@ def test_a_small_lamp_in_a_mirror_stays_where_it_is():
     assert mixed.max() < 1
 
 
+@pytest.mark.parametrize("samples", [4, 64])
+def test_rare_light_of_a_lamp_does_not_come_back_in_the_dark_beside_it(samples):
+    """One sample in a hundred has half of the light. What the mixture lacks of the bright rows is given back there."""
+    rng, right = np.random.default_rng(0), DARK / 2
+    right[20:22] = 50
+    first, second = ((right * (0.5 + rng.binomial(samples // 2, 0.01, (SIZE, SIZE, 1)) / (0.01 * samples))).astype(
+        np.float32) for _ in range(2))
+    mixed = combined((first, second), [(right / 2, right / 2)])
+    assert relmse(mixed, right) < 0.3 * relmse((first + second) / 2, right)
+    assert np.delete(mixed, (20, 21), axis=0).max() < 0.5
+
+
 def test_a_single_bright_sample_is_no_lamp():
     """One that only one half has met is taken for noise, and is not spread."""
     first, second = (half.copy() for half in halves(DARK, 16))

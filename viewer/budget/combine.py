@@ -22,7 +22,7 @@ import numpy as np
 from ..estimate.pairs import interval, squared_error, trimmed_mean
 from ..image.estimated_error import EstimatedError, estimated_error
 from ..image.neighbours import EPSILON, LARGEST, smooth, surroundings
-from ..trace.denoise.combine import combined, with_lost_light
+from ..trace.denoise.combine import combined
 
 _FEW = 8.0
 """Samples a pixel."""
@@ -57,8 +57,8 @@ class Samples:
         self._total, self._count = np.minimum(total[..., :3], LARGEST * count), count
         self.means = self._total / count
         self.mean = self._total.sum(axis=0) / count.sum(axis=0)
-        self._is_empty = (total[..., 3:] == 0).all(axis=0) if total.shape[-1] > 3 else np.False_
-        """Where no sample has met anything, (H, W, 1), if alpha is known."""
+        self._shows = (total[..., 3:] != 0).any(axis=0) if total.shape[-1] > 3 else True
+        """Where a sample has met anything, (H, W, 1), if alpha is known."""
         self.number = float(count.sum(axis=0).mean())
         """Of samples a pixel."""
 
@@ -78,9 +78,7 @@ class Samples:
     def _mixture(self, raster: np.ndarray, first: int, second: int) -> np.ndarray:
         samples = self.means[first], self.means[second]
         share = self._count[first] / (self._count[first] + self._count[second])
-        picture = combined(samples, [(raster, raster)], share)
-        kept = with_lost_light(picture, share * samples[0] + (1 - share) * samples[1])
-        return np.where(self._is_empty, picture, kept)
+        return combined(samples, [(raster, raster)], share, self._shows)
 
     def levels(self, best: np.ndarray, raster: np.ndarray) -> list[np.ndarray]:
         """What errors may be relative to, by the `best` picture there is.

@@ -15,6 +15,9 @@ What a neighbourhood tells has noise, too. Where steps are mostly noise, a is th
 
 From the picture with the most bias to the samples themselves, one after the other is mixed in in this way. With more
 samples, a of the last step becomes 1 wherever the others are wrong: the picture becomes that of the samples.
+
+Bright samples are rarer than dark ones, and where they are a is smaller, so that a little light is lost. What both
+halves have lost comes back at the end: what only one has is noise.
 """
 
 from __future__ import annotations
@@ -23,11 +26,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...image.neighbours import EPSILON, REACH, box, luminance, smooth, surroundings
+from ...image.neighbours import EPSILON, box, luminance, smooth, surroundings
 
 RADIUS = 1
 """Of the squares in which samples are fitted, in pixels."""
-_DOUBT = 0.5
+_REACH = 3
+"""a is measured by means over (2 _REACH + 1)^2 pixels."""
+_DOUBT = 0.35
 """Standard deviations by which a gain is taken for less, so that noise is not followed; times the share of noise in
 what a step would change, for without noise nothing is to be doubted."""
 _SLOPE = 2.0
@@ -36,38 +41,49 @@ _RIDGE = 1e-3
 """Of the squared level, added to the variance of the guide: less than this is no texture."""
 _SPIKE, _FAINT = 10.0, 0.02
 """Fits leave out what of a pixel is more than so many times as bright as those around it, and as this radiance."""
-_SPREAD = 1, 2
-"""Steps of the splines that spread lost light: 6 pixels to each side."""
+_SPREAD = 1, 2, 4
+"""Steps of the splines that spread lost light: 14 pixels to each side."""
+_BLACK = 1e-6
+"""Radiance below which light is not given back."""
 
 Halves = tuple[np.ndarray, np.ndarray]
 """The same picture of each half of the samples, (H, W, 3) float32."""
 
 
-def combined(samples: Halves, guides: Sequence[Halves], share: np.ndarray | float = 0.5) -> np.ndarray:
+def combined(samples: Halves, guides: Sequence[Halves], share: np.ndarray | float = 0.5,
+             gets_light: np.ndarray | bool = True) -> np.ndarray:
     """The picture of both halves, (H, W, 3) float32, by `samples`, which have no bias, and by `guides` with less noise,
     from the most bias to the least.
 
     Each picture of a pair is made of its own half of the samples alone, or of none. `share` is that of the first half
-    in the number of samples, a number or (H, W, 1). All values are finite, and those of guides not negative.
+    in the number of samples, a number or (H, W, 1), and `gets_light` says where lost light may come back. All values
+    are finite, and those of guides not negative.
     """
     fit = _fitted(_calm(samples[0]), guides[0][0]), _fitted(_calm(samples[1]), guides[0][1])
     scale = _scale(share * samples[0] + (1 - share) * samples[1])
     best = guides[0]
     for other in (*guides[1:], fit, samples):
         best = _mixed(best, other, samples, share, scale)
-    return share * best[0] + (1 - share) * best[1]
+    picture = np.maximum(share * best[0] + (1 - share) * best[1], 0)
+    return picture * np.maximum(1 + np.where(gets_light, _lost(picture, best, samples), 0), 0)
 
 
-def with_lost_light(picture: np.ndarray, samples: np.ndarray) -> np.ndarray:
-    """`picture`, (H, W, 3), with about the mean of `samples`, from which it was made.
+def _lost(picture: np.ndarray, best: Halves, samples: Halves) -> np.ndarray:
+    """The light that both of `best` have less than the samples, as a part of `picture`.
 
-    Bright samples are rarer than dark ones, and where they are the weights are smaller, so that a little light is lost.
-    What is lost is spread over the neighbourhood, but for single bright pixels.
+    What a pixel has lost is spread over those around it in proportion to their light, so that what is dark stays dark;
+    but for single bright pixels.
     """
-    lost = _calm(samples) - picture
+    around = np.maximum(_spread(picture), _BLACK)
+    first, second = (_spread((_calm(half) - np.minimum(mixed, _most(half))) / around)
+                     for half, mixed in zip(samples, best, strict=True))
+    return np.where(first * second > 0, np.sign(first) * np.minimum(np.abs(first), np.abs(second)), 0)
+
+
+def _spread(picture: np.ndarray) -> np.ndarray:
     for step in _SPREAD:
-        lost = smooth(lost, step)
-    return np.maximum(picture + lost, 0)
+        picture = smooth(picture, step)
+    return picture
 
 
 def _mixed(base: Halves, other: Halves, truth: Halves, share: np.ndarray | float, scale: np.ndarray) -> Halves:
@@ -80,9 +96,9 @@ def _mixed(base: Halves, other: Halves, truth: Halves, share: np.ndarray | float
     each, size, noise = ((scale * error).mean(axis=-1, keepdims=True, dtype=np.float64)
                          for error in (gain, share * first**2 + (1 - share) * second**2, noise))
     gains, size, noise = _around(each), np.maximum(_around(size), 1e-12), _around(noise)
-    deviation = np.sqrt(np.maximum(_around(each**2) - gains**2, 0)) / (2 * REACH + 1)
+    deviation = np.sqrt(np.maximum(_around(each**2) - gains**2, 0)) / (2 * _REACH + 1)
     doubt = _DOUBT * np.minimum(2 * noise / size, 1) * deviation
-    a = np.clip((gains - doubt) / np.maximum(size - noise, 1e-12), 0, 1).astype(np.float32)
+    a = smooth(np.clip((gains - doubt) / np.maximum(size - noise, 1e-12), 0, 1).astype(np.float32), 1)
     return base[0] + a * first, base[1] + a * second
 
 
@@ -108,7 +124,11 @@ def _fitted(picture: np.ndarray, guide: np.ndarray) -> np.ndarray:
 
 def _calm(picture: np.ndarray) -> np.ndarray:
     """Without what makes a pixel far brighter than those around it: a fit would spread it."""
-    return np.minimum(picture, _SPIKE * np.maximum(surroundings(picture), _FAINT))
+    return np.minimum(picture, _most(picture))
+
+
+def _most(picture: np.ndarray) -> np.ndarray:
+    return _SPIKE * np.maximum(surroundings(picture), _FAINT)
 
 
 def _scale(picture: np.ndarray) -> np.ndarray:
@@ -120,4 +140,4 @@ def _scale(picture: np.ndarray) -> np.ndarray:
 
 def _around(errors: np.ndarray) -> np.ndarray:
     """Means over the neighbourhoods in which a is measured."""
-    return box(smooth(errors, 1))
+    return box(smooth(errors, 1), _REACH)

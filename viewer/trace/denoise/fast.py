@@ -12,7 +12,7 @@ import numpy as np
 from ...gpu.context import Context
 from ...gpu.programs import Programs
 from ...image.neighbours import LARGEST
-from .combine import combined, with_lost_light
+from .combine import combined
 from .denoiser import NoisyFilm, SplitFilm
 from .wavelet import Wavelet
 
@@ -114,9 +114,7 @@ def _denoised(whole: _Part, parts: list[_Part], filtered: list[np.ndarray], guid
         clean = np.where(np.abs(guide) < LARGEST, guide, 0)
         guides.insert(0, (light(clean, whole.emission),) * 2)
     share = parts[0].count / np.maximum(whole.count, 1)
-    picture = combined(samples, guides, share)
-    kept = with_lost_light(picture, light(whole.radiance, whole.emission))
-    picture = np.where(whole.hits == 0, picture, kept)  # nothing is lost where nothing is hit
+    picture = combined(samples, guides, share, whole.hits > 0)  # nothing is lost where nothing is hit
     return np.where(stays, whole.radiance, picture + whole.emission)
 
 
