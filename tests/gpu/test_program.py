@@ -101,6 +101,23 @@ def test_mistakes(write: Write, files: dict[str, str], message: str) -> None:
         assemble("a.vert", {"KNOWN": 1})
 
 
+def test_shaders_are_put_together_anew_when_a_file_changes(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = write({"a.vert": '#include "f.glsl"\n#if SOME\n#endif\n', "f.glsl": "float one;\n"})
+    assert "float one;" in assemble("a.vert", {"SOME": 1}).text
+    with monkeypatch.context() as patched:
+        patched.setattr(viewer.gpu.source, "_read", lambda file: pytest.fail(f"{file} is read again"))
+        assert "#define SOME 2\n" in assemble("a.vert", {"SOME": 2}).text
+    with pytest.raises(ShaderError, match="no switch SOME"):
+        assemble("a.vert")
+    other = folder / "other.glsl"
+    other.write_text("float two;\n")
+    other.replace(folder / "f.glsl")  # as editors do
+    assert "float two;" in assemble("a.vert", {"SOME": 1}).text
+    (folder / "f.glsl").unlink()
+    with pytest.raises(ShaderError, match=r"f\.glsl"):
+        assemble("a.vert", {"SOME": 1})
+
+
 def test_nested_too_deep(write: Write) -> None:
     write({f"{n}.glsl": f'#include "{n + 1}.glsl"\n' for n in range(40)})
     with pytest.raises(ShaderError, match=r"shaders/31\.glsl: #include is nested more than 32 deep"):

@@ -10,6 +10,7 @@ is an error, so that a misspelt one is noticed.
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Mapping
 from contextlib import suppress
@@ -63,14 +64,12 @@ def assemble(path: str | Path, defines: Mapping[str, float] | None = None, versi
     """
     defines = defines or {}
     file = _find(path)
-    assembly = _Assembly()
-    assembly.emit(f"#version {version} core", file, 1)
-    for name, value in defines.items():
-        assembly.emit(f"#define {name} {value + 0}", file, 1)  # + 0 turns True and False into numbers
-    assembly.add(file, [], conditional=False)
-    assembly.lines[0] = f"#version {max(version, assembly.version)} core"
+    assembly = _assembled(file)
     assembly.check_switches(defines)
-    return ProgramSource("\n".join(assembly.lines) + "\n", list(assembly.files), assembly.origins)
+    switches = [f"#define {name} {value + 0}" for name, value in defines.items()]  # + 0 turns True into a number
+    header = [f"#version {max(version, assembly.version)} core", *switches]
+    return ProgramSource("\n".join([*header, *assembly.lines]) + "\n", list(assembly.files),
+                         [(file, 1)] * len(header) + assembly.origins)
 
 
 def source_files(*paths: str | Path) -> list[Path]:
@@ -89,12 +88,14 @@ def display_name(file: Path) -> str:
 
 
 class _File(NamedTuple):
-    """A file of a program: its guard, its name for messages, whether it is in the shaders folder, and its blocks."""
+    """A file of a program: its guard, its name for messages, whether it is in the shaders folder, its blocks, and its
+    `_state` before it was read."""
 
     guard: str
     shown: str
     is_ours: bool
     blocks: list[_Block]
+    state: tuple[int, ...]
 
 
 @dataclass
@@ -125,9 +126,10 @@ class _Assembly:
             raise ShaderError(f"{display_name(chain[-1])}: #include is nested more than {_MAX_DEPTH} deep")
         if file not in self.files:
             is_ours = file.is_relative_to(self.shaders)
-            blocks = _parsed(file, _read(file))
-            self.files[file] = _File(f"INCLUDED_{len(self.files)}", display_name(file), is_ours, blocks)
-        guard, shown, is_ours, blocks = self.files[file]
+            state = _state(file)
+            self.files[file] = _File(f"INCLUDED_{len(self.files)}", display_name(file), is_ours,
+                                     _parsed(file, _read(file)), state)
+        guard, shown, is_ours, blocks, _ = self.files[file]
         # A copy inside an #if may be skipped by the preprocessor, so a later copy is needed too. The guard makes the
         # first copy that is compiled the only one.
         self.emit(f"#ifndef {guard}", file, 1)
@@ -183,6 +185,31 @@ class _Assembly:
         for name, place in self.used.items():
             if name not in defines and name not in self.defined and not _PREDEFINED.fullmatch(name):
                 raise ShaderError(f"{place}: no switch {name} is defined for this program")
+
+
+_assemblies: dict[Path, _Assembly] = {}
+"""Of shaders of ours."""
+
+
+def _assembled(file: Path) -> _Assembly:
+    """The shader without a header. Programs that differ in their switches share it, until one of its files changes. A
+    user's own shader is put together each time: a new file may take the place of one that it includes."""
+    kept = _assemblies.get(file)
+    if kept is not None and all(_state(path) == included.state for path, included in kept.files.items()):
+        return kept
+    assembly = _Assembly()
+    assembly.add(file, [], conditional=False)
+    if assembly.files[file].is_ours:
+        _assemblies[file] = assembly
+    return assembly
+
+
+def _state(file: Path) -> tuple[int, ...]:
+    """Another one when the file has changed."""
+    with suppress(OSError):
+        state = os.stat(file)
+        return state.st_ino, state.st_size, state.st_mtime_ns
+    return ()
 
 
 def _find(path: str | Path) -> Path:
