@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from itertools import pairwise
 
@@ -278,6 +279,37 @@ def test_light_behind_glass_and_in_mirrors_is_measured(tracer):
     assert 0.05 < share(with_mirror, along) < 0.8
     black = replace(mirror, base_color=(0.0, 0.0, 0.0, 1.0))
     assert share(replace(with_mirror, materials=(*model.materials, black)), along) < 0.03
+
+
+STANDING = np.array([[0, 0, 1, -0.4], [0, 1, 0, 0.4], [-1, 0, 0, 0.1], [0, 0, 0, 1.0]])
+MIRROR = replace(WHITE, metallic=1.0, perceptual_roughness=0.0, specular=0.5)
+BLACK = replace(WHITE, base_color=(0.0, 0.0, 0.0, 1.0))
+
+
+@pytest.mark.parametrize(("shape", "place", "smooth", "camera"), [
+    (plate, STANDING, MIRROR, Camera.look_at((0.8, 0.8, 0.5), (-0.4, 0.3, 0.1), fov_y=np.radians(40))),
+    (sphere, moved(BELOW.eye + 0.45 * BELOW.forward + np.array([0.12, 0, 0]), 0.2), replace(GLASS, ior=1.0), BELOW),
+], ids=("mirror", "glass"))
+def test_the_told_share_is_that_of_the_picture(tracer, shape, place, smooth, camera):
+    """A slab of index 1 makes all light of a lamp that of photons. Without it paths find it, also in a mirror and
+    through a ball of index 1, and what is gone where these are black is what photons do not bring."""
+    sun = Light("directional", intensity=3.0, direction=unit(0.1, -1, 0))
+
+    def beside(model: Scene, material: Material) -> Scene:
+        made = replace(shape(), material=len(model.materials))
+        return replace(model, meshes=(*model.meshes, made), materials=(*model.materials, material),
+                       instances=(*model.instances, Instance(len(model.meshes), place)))
+
+    bare = scene((plate(0, half=3.0), facing_floor()), materials=[GREY], lights=(sun,))
+    whole = bare if shape is sphere else beside(bare, smooth)  # paths do not find what is behind solid glass
+    light, left = (picture(tracer, model, camera, (24, 16), spp=16)[..., :3].mean()
+                   for model in (whole, beside(bare, BLACK)))
+    photons = tracer.begin_photons(beside(slab(sun, 1.0), smooth), camera, Settings(mode="path", caustics="photons"),
+                                   (24, 16))
+    photons.step(math.inf, 1 << 18)
+    assert photons.lost_share == pytest.approx(1 - left / light, abs=0.1)
+    assert photons.lost_share > 0.2
+    photons.release()
 
 
 @pytest.mark.parametrize(("intersector", "fog"), (("embree", 0.0), ("embree", 0.05), ("bvh", 0.0), ("bvh", 0.05)))

@@ -13,7 +13,7 @@ NEAR = 4.0
 """If the eye is at most this far from the centre, in tracer units, rays start at the eye."""
 INFINITE = 1e30
 INFINITE_EYE = 1e3
-EYE_BALL = 0.1
+EYE_BALL = 0.05
 """Radius of a ball about the eye, over the distance of the eye or the radius of the scene if that is larger."""
 
 
