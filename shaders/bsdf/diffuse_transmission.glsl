@@ -28,6 +28,6 @@ float below_probability(Surface s, SurfaceView v) {
 // base_eval_pdf for wi.z < 0; p_diffuse is the probability of the diffuse part.
 vec4 transmission_eval_pdf(Surface s, SurfaceView v, vec3 wo, vec3 wi, float p_diffuse, sampler2D dfg) {
     if (wo.z <= 0.0) return vec4(0.0);
-    vec3 f = surface_transmission(s, v, dfg_albedo(dfg, -wi.z, v.perceptual_roughness));
+    vec3 f = surface_transmission(s, v, facet_albedo(s, vec3(wi.xy, -wi.z), v.perceptual_roughness, dfg));
     return vec4(f * -wi.z, p_diffuse * below_probability(s, v) * pdf_cosine_hemisphere(-wi));
 }

@@ -5,7 +5,9 @@
 #if ANISOTROPIC
 #include "bsdf/ggx_masking.glsl"
 #include "bsdf/visible_normal.glsl"
+#include "light/stretched_dfg.glsl"
 #endif
+#include "light/dfg.glsl"
 
 struct Surface {
     vec3 base_color;
@@ -70,6 +72,24 @@ bool is_mirror(Surface s) {
 // The perceptual roughness with which the DFG table is read
 float table_roughness(Surface s) {
     return is_mirror(s) ? 0.0 : sqrt(mean_alpha(s));
+}
+
+// (a, b) of the split sum for a direction above the surface. Only a stretched lobe looks at x and y, in the local frame.
+vec2 facet_albedo(Surface s, vec3 w, float perceptual_roughness, sampler2D dfg) {
+#if ANISOTROPIC
+    return stretched_albedo(dfg, both_alphas(s), w);
+#else
+    return dfg_albedo(dfg, w.z, perceptual_roughness);
+#endif
+}
+
+// Their means over the hemisphere
+vec2 facet_mean(Surface s, float perceptual_roughness, sampler2D dfg) {
+#if ANISOTROPIC
+    return stretched_mean(dfg, both_alphas(s));
+#else
+    return dfg_mean(dfg, perceptual_roughness);
+#endif
 }
 
 float facet_d(Surface s, Angles a) {

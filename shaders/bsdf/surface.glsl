@@ -20,7 +20,6 @@
 #if SHEEN
 #include "bsdf/layer/sheen.glsl"
 #endif
-#include "light/dfg.glsl"
 #include "sample/luminance.glsl"
 
 #include "bsdf/surface_view.glsl"
@@ -62,7 +61,8 @@ TRANSMITTANCE surface_throughput(Surface s, SurfaceView v) {
 // n_coat is the normal of the coat, in the local frame.
 SurfaceView surface_view(Surface s, vec3 wo, vec3 n_coat, sampler2D dfg) {
     float roughness = table_roughness(s);
-    SurfaceView v = view_surface(s, wo.z, roughness, dfg_albedo(dfg, wo.z, roughness), dfg_mean(dfg, roughness));
+    vec2 seen = facet_albedo(s, wo, roughness, dfg);
+    SurfaceView v = view_surface(s, wo.z, roughness, seen, facet_mean(s, roughness, dfg));
 #if SHEEN
     v.sheen = sheen_of(s, v, dfg);
 #endif
@@ -89,7 +89,7 @@ vec4 base_eval_pdf(Surface s, SurfaceView v, vec3 wo, vec3 wi, sampler2D dfg) {
         dv = facet_d(s, a) * facet_v(s, a);
         facets = pdf_facet_reflection(s, wo, normalize(wo + wi));
     }
-    vec3 f = surface_response(s, v, a, dv, dfg_albedo(dfg, wi.z, v.perceptual_roughness));
+    vec3 f = surface_response(s, v, a, dv, facet_albedo(s, wi, v.perceptual_roughness, dfg));
     float diffuse = pdf_diffuse(s, wo, wi);
 #if DIFFUSE_TRANSMISSION
     diffuse *= 1.0 - below_probability(s, v);
@@ -172,8 +172,10 @@ BsdfSample surface_sample(Surface m, vec3 wo, vec3 u, sampler2D dfg) {
     return surface_sample(m, surface_view(m, wo, SURFACE_NORMAL, dfg), wo, u, dfg);
 }
 
+// That of a stretched lobe depends on the azimuth: the one between both axes stands for all.
 vec3 surface_albedo(Surface m, float NoV, sampler2D dfg) {
-    SurfaceView v = surface_view(m, vec3(sqrt(max(1.0 - NoV * NoV, 0.0)), 0.0, NoV), SURFACE_NORMAL, dfg);
+    float x = sqrt(0.5 * max(1.0 - NoV * NoV, 0.0));
+    SurfaceView v = surface_view(m, vec3(x, x, NoV), SURFACE_NORMAL, dfg);
     vec3 albedo = base_albedo(m, v);
 #if CLEARCOAT
     albedo = coat_over(v.coat, coat_albedo(v.coat), albedo);

@@ -154,7 +154,11 @@ void main() {
 #endif
 
 #if REFLECTS
+#if ANISOTROPIC
+    vec4 dfg = vec4(facet_albedo(s, p.v * p.frame, perceptual_roughness, u_dfg), facet_mean(s, perceptual_roughness, u_dfg));
+#else
     vec4 dfg = dfg_albedo_and_mean(u_dfg, p.NoV, perceptual_roughness);
+#endif
     SurfaceView view = view_surface(s, p.NoV, perceptual_roughness, dfg.xy, dfg.zw);
 #else
     SurfaceView view = view_surface(s, p.NoV, perceptual_roughness, vec2(0.0), vec2(0.0));

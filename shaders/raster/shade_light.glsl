@@ -16,6 +16,17 @@ float light_visibility(int i, vec3 position, vec3 n, vec3 l) {
     return arriving;
 }
 
+// (a, b) of the split sum for light from l, on either side of the surface; NoL is that of its own side.
+vec2 light_albedo(Point p, Surface s, vec3 l, float NoL, float perceptual_roughness) {
+#if !REFLECTS
+    return vec2(0.0);
+#elif ANISOTROPIC
+    return facet_albedo(s, vec3((l * p.frame).xy, NoL), perceptual_roughness, u_dfg);
+#else
+    return facet_albedo(s, vec3(0.0, 0.0, NoL), perceptual_roughness, u_dfg);
+#endif
+}
+
 #if DIFFUSE_TRANSMISSION
 // Light that a surface lets through from behind. Its far side is `behind` away, so that a solid does not shadow itself.
 vec3 light_from_behind(int i, Point p, Surface s, SurfaceView view, vec3 l, vec3 irradiance) {
@@ -26,11 +37,7 @@ vec3 light_from_behind(int i, Point p, Surface s, SurfaceView view, vec3 l, vec3
     irradiance *= light_visibility(i, v_position - p.behind * p.n_geometric, -p.n_geometric, l);
 #endif
     float NoL = -dot(p.n, l);
-#if REFLECTS
-    vec2 dfg = dfg_albedo(u_dfg, NoL, view.perceptual_roughness);
-#else
-    const vec2 dfg = vec2(0.0);
-#endif
+    vec2 dfg = light_albedo(p, s, l, NoL, view.perceptual_roughness);
     vec3 radiance = (1.0 - p.returned) * surface_transmission(s, view, dfg) * irradiance * NoL;
 #if CLEARCOAT
     radiance *= view.coat.throughput;
@@ -74,11 +81,7 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
     float radius2 = u_lights[i].intensity.w;
     if (radius2 > 0.0) d = min(d, max_sun_d(mean_alpha(s), radius2, a.VoH, slopes_x, slopes_y));
 #endif
-#if REFLECTS
-    vec2 dfg = dfg_albedo(u_dfg, NoL, view.perceptual_roughness);
-#else
-    const vec2 dfg = vec2(0.0);
-#endif
+    vec2 dfg = light_albedo(p, s, l, NoL, view.perceptual_roughness);
     vec3 radiance = surface_response(s, view, a, d * facet_v(s, a), dfg) * irradiance * NoL;
 #if DIFFUSE_TRANSMISSION
     radiance += p.returned * surface_transmission(s, view, dfg) * irradiance * NoL;

@@ -139,7 +139,47 @@ def ggx_mean_albedo(alpha: float, f0=1.0, f90=1.0) -> float:
 
 def kulla_conty(alpha: float, mean, NoV, NoL):
     """Kulla & Conty 2017, isotropic; `mean` (..., 3) is the hemispherical mean of F."""
-    E_mean = ggx_mean_albedo(alpha)
+    return compensation(mean, ggx_mean_albedo(alpha), ggx_albedo(NoV, alpha), ggx_albedo(NoL, alpha))
+
+
+def compensation(mean, E_mean, E_o, E_i):
+    """The same for given albedos."""
     scale = mean**2 * E_mean / (1 - mean * (1 - E_mean))
-    lost = (1 - ggx_albedo(NoV, alpha)) * (1 - ggx_albedo(NoL, alpha))
-    return scale * (lost / (np.pi * (1 - E_mean)))[..., None]
+    return scale * ((1 - E_o) * (1 - E_i) / (np.pi * (1 - E_mean)))[..., None]
+
+
+def stretched_albedo(w, alphas: tuple[float, float], f0=1.0, f90=1.0):
+    """Directional albedo of an anisotropic lobe for directions w (..., 3), by Heitz 2018's visible normals."""
+    found = np.array([_stretched_albedos(*map(float, direction), *alphas) for direction in w.reshape(-1, 3)])
+    white, grazing = found.T.reshape(2, *w.shape[:-1])
+    return f0 * (white - grazing) + f90 * grazing
+
+
+@cache
+def _stretched_albedos(x: float, y: float, z: float, alpha_x: float, alpha_y: float):
+    """As `_ggx_albedos`. Listing 1 of Heitz 2018, with T1 in the plane of x and y."""
+    alphas, wo = np.array([alpha_x, alpha_y]), np.array([x, y, z])
+    v = unit(wo * [alpha_x, alpha_y, 1])
+    first = unit(np.array([-v[1], v[0], 0])) if np.hypot(x, y) > 0 else np.array([1.0, 0, 0])
+    t1, across, side = _disk()
+    s = (1 + v[2]) / 2
+    t2 = (1 - s) * side + s * across
+    t3 = np.sqrt(np.maximum(1 - t1**2 - t2**2, 0))
+    h = np.outer(t1, first) + np.outer(t2, np.cross(v, first)) + np.outer(t3, v)
+    h = unit(np.column_stack([h[:, :2] * alphas, np.maximum(h[:, 2], 1e-9)]))
+    VoH = h @ wo
+    wi = 2 * VoH[:, None] * h - wo
+    wi, VoH = wi[wi[:, 2] > 1e-12], np.clip(VoH[wi[:, 2] > 1e-12], 0, 1)
+    lambda_o, lambda_i = ggx_lambda(wo, alphas), ggx_lambda(wi, alphas)
+    share = (1 + lambda_o) / (1 + lambda_o + lambda_i) / len(t1)
+    return share.sum(), (share * (1 - VoH) ** 5).sum()
+
+
+@cache
+def stretched_mean_albedo(alphas: tuple[float, float], f0=1.0, f90=1.0) -> float:
+    """2 int E mu dmu, and the mean over azimuths."""
+    x, weight = np.polynomial.legendre.leggauss(12)
+    mu, phi = (x + 1) / 2, (np.arange(8) + 0.5) / 8 * np.pi / 2
+    s = np.sqrt(1 - mu**2)[:, None]
+    w = np.stack([s * np.cos(phi), s * np.sin(phi), mu[:, None] + 0 * phi], axis=-1)
+    return float(weight * mu @ stretched_albedo(w, alphas, f0, f90).mean(axis=1))

@@ -7,12 +7,15 @@ from functools import lru_cache
 import numpy as np
 import thin_film
 from microfacet_twins import (
+    compensation,
     ggx_albedo,
     ggx_mean_albedo,
     ggx_reflection,
     hemispherical_mean,
     kulla_conty,
     schlick,
+    stretched_albedo,
+    stretched_mean_albedo,
     visible_normals,
 )
 from sheen_twins import charlie_albedos, charlie_lobe, zeltner_albedo, zeltner_lobe
@@ -25,10 +28,10 @@ def standard(m, wo, wi):
 
 
 def standard_anisotropic(m, wo, wi):
-    """The same with facets stretched along x; what they scatter more than once is that of their mean alpha."""
+    """The same with facets stretched along x, whose albedo depends on the azimuth."""
     (alpha_t,) = np.unique(m["alpha_t"])
     alphas = np.stack([m["alpha_t"], m["alpha"]], axis=-1)
-    return _layers(m, alphas, float(np.sqrt(alpha_t * one_alpha(m))), wo, wi)
+    return _layers(m, alphas, (float(alpha_t), one_alpha(m)), wo, wi)
 
 
 def standard_rough(m, wo, wi):
@@ -152,11 +155,17 @@ def standard_coated(m, wo, wi):
 
 
 def _layers(m, alphas, alpha, wo, wi, base=None, film=None):
-    """`alphas` are those of D V, (..., 2); `alpha` that of the albedo, for all; `base` that is not Lambert's; `film` as
-    `film_over`."""
+    """`alphas` are those of D V, (..., 2); `alpha` that of the albedo, for all, or both; `base` that is not Lambert's;
+    `film` as `film_over`."""
     dv, VoH = ggx_reflection(alphas, wo, wi)
-    f0, f90, NoV, NoL = m["f0"], m["f90"][..., None], wo[..., 2], wi[..., 2]
-    E_mean = ggx_mean_albedo(alpha)
+    f0, f90, NoV = m["f0"], m["f90"][..., None], wo[..., 2]
+    mean_albedo = stretched_mean_albedo if isinstance(alpha, tuple) else ggx_mean_albedo
+    E_mean = mean_albedo(alpha)
+
+    def albedo(w, *f):
+        return stretched_albedo(w, alpha, *f) if isinstance(alpha, tuple) else ggx_albedo(w[..., 2], alpha, *f)
+
+    E_o, E_i = albedo(wo), albedo(wi)
 
     def multiple(mean):
         return mean**2 * E_mean / (1 - mean * (1 - E_mean))
@@ -166,7 +175,7 @@ def _layers(m, alphas, alpha, wo, wi, base=None, film=None):
         if film:
             F, mean = film(F, VoH, ior), hemispherical_mean(
                 lambda mu: film(schlick(f0, f90, mu * np.ones(len(f0))), mu * np.ones(len(f0)), ior), 16)
-        return F * dv[..., None] + kulla_conty(alpha, mean, NoV, NoL), mean
+        return F * dv[..., None] + compensation(mean, E_mean, E_o, E_i), mean
 
     def through(white, grazing):
         """1 less all that is reflected, of the brightest channel; `white` at F = 1, `grazing` at f0 = 0, f90 = 1."""
@@ -174,8 +183,8 @@ def _layers(m, alphas, alpha, wo, wi, base=None, film=None):
         lost = multiple(f0 + (f90 - f0) / 21) * (1 - white)
         return 1 - (f0 * (white - grazing) + f90 * grazing + lost).max(axis=-1, keepdims=True)
 
-    o, i = (through(ggx_albedo(mu, alpha), ggx_albedo(mu, alpha, 0.0, 1.0)) for mu in (NoV, NoL))
-    mean = through(ggx_mean_albedo(alpha), ggx_mean_albedo(alpha, 0.0, 1.0))
+    o, i = (through(E, albedo(w, 0.0, 1.0)) for E, w in ((E_o, wo), (E_i, wi)))
+    mean = through(E_mean, mean_albedo(alpha, 0.0, 1.0))
     base = m["base_color"] / np.pi if base is None else base
     ior = np.where(f0.max(axis=-1) > 0.35, 0, m["ior"])
     dielectric_, mean_film = interface(f0, f90, ior)

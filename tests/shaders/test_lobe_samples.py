@@ -292,6 +292,8 @@ def test_against_float64(lobe, alpha):
     elif is_compensated:  # 1 - E of a smooth interface towards grazing is where the table is least exact
         near_mirror = lobe.file == "surface" and alpha == 0.01
         limit = (1.5e-2 if "coat_alpha" in m else 8e-3) if near_mirror else 1.5e-3
+        if lobe.defines.get("ANISOTROPIC"):  # the twin has the albedo of both alphas, of which the table has E to 3e-3
+            limit = max(limit, 6e-3)
         limit = 2e-2 if "sheen_roughness" in m else limit  # the albedo of fibres is a fit
         limit = 4e-2 if "film_walls" in m else limit  # the albedo below a film is a mean over six normals
         assert (error / np.maximum(expected, 0.1)).max() < limit

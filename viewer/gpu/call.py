@@ -18,6 +18,7 @@ from ..base.expect import expect, expect_path
 from ..base.resources import resource_folder
 from ..errors import UsageError
 from .context import Context, current_context, open_context
+from .float_texture import float_texture
 from .glsl_types import Function, Parameter, Sampler, find_functions
 from .marshal import broadcast_shape, from_words, to_words
 from .program import compile_sources
@@ -48,7 +49,7 @@ def call_glsl(
     (3,) for a vec3, (rows, columns) for a matrix. The axes before that broadcast against one another. A plain number
     is used for all components. A struct takes a dict of its members, or an array with all their components on its last
     axis. int, uint and bool are passed exactly. A sampler2D takes a picture (H, W) or (H, W, 1 to 4), which is filtered
-    linearly and clamped at its edges; row 0 is at texture coordinate 0.
+    linearly and clamped at its edges; row 0 is at texture coordinate 0. A list of pictures has its mip levels.
 
     Returns the result with the same leading axes as float32, int32, uint32 or bool; a struct is returned as a dict. For
     a function with out parameters it returns a dict of those, and "return" is the function's return value.
@@ -272,16 +273,13 @@ def _current(context: Context | None) -> Iterator[Context]:
 
 
 def _bind(gl: moderngl.Context, program: moderngl.Program, unit: int, parameter: Parameter, picture: Any) -> None:
-    pixels = np.asarray(picture, np.float32)
-    if pixels.ndim == 2:
-        pixels = pixels[..., None]
-    if pixels.ndim != 3 or not 1 <= pixels.shape[2] <= 4 or not pixels.size:
+    pictures = picture if isinstance(picture, list) and np.ndim(picture[0]) >= 2 else [picture]
+    levels = [pixels[..., None] if pixels.ndim == 2 else pixels
+              for pixels in (np.asarray(level, np.float32) for level in pictures)]
+    if any(pixels.ndim != 3 or not 1 <= pixels.shape[2] <= 4 or not pixels.size for pixels in levels):
         raise UsageError(f"{parameter.name}: sampler2D takes a picture (H, W) or (H, W, 1 to 4), "
-                         f"not an array of shape {np.shape(picture)}")
+                         f"not an array of shape {np.shape(pictures[0])}")
     if f"call_{parameter.name}" in program:
-        height, width, channels = pixels.shape
-        texture = gl.texture((width, height), channels, np.ascontiguousarray(pixels), dtype="f4")
-        texture.filter = moderngl.LINEAR, moderngl.LINEAR
-        texture.repeat_x = texture.repeat_y = False
+        texture = float_texture(gl, *levels)
         texture.use(unit)
         program[f"call_{parameter.name}"] = unit

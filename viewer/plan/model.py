@@ -175,6 +175,11 @@ class Plan:
         return self._counts[draw.mesh]
 
     @property
+    def stretches(self) -> bool:
+        """Whether anisotropy stretches the highlights of any surface."""
+        return any(program.get("ANISOTROPIC") for program in self.programs)
+
+    @property
     def programs(self) -> tuple[Program, ...]:
         return tuple(dict.fromkeys(draw.program for draw in self.kinds))
 

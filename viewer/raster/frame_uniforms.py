@@ -6,6 +6,7 @@ import moderngl
 import numpy as np
 
 from ..bake.dfg import dfg_albedos, dfg_table
+from ..bake.stretched import stretched_levels
 from ..gpu.float_texture import float_texture
 from ..gpu.free import free
 from ..gpu.programs import matrix_uniform
@@ -25,7 +26,7 @@ class FrameUniforms:
     def __init__(self, gl: moderngl.Context, prepared: Prepared, shadows: KeptShadowMaps) -> None:
         self._gl, self._prepared, self._shadows = gl, prepared, shadows
         self._blocks: list[moderngl.Buffer] = []
-        self._dfg: dict[tuple[str, str, bool], moderngl.Texture] = {}
+        self._dfg: dict[tuple[str, str, bool, bool], moderngl.Texture] = {}
 
     def fill(self, plan: Plan, frame: Frame, settings: Settings) -> dict[str, object]:
         """The uniforms that all surfaces share; fills the uniform blocks and binds the shared textures."""
@@ -37,7 +38,7 @@ class FrameUniforms:
         if self._prepared.environment is not None:
             values |= self._prepared.environment.uniforms(plan)
         if plan.dfg:
-            values |= self.of_dfg(settings, plan.reflections)
+            values |= self.of_dfg(settings, plan.reflections, plan.stretches)
         if plan.is_everything:  # the programs of opaque surfaces have code for glass, too
             self._prepared.surfaces.textures.bind_blank("base_color", UNIT_RADIANCE)
             values["u_backdrop"] = UNIT_RADIANCE
@@ -63,13 +64,14 @@ class FrameUniforms:
             "u_point_size": max(1.0, frame.size[1] / 200),
         }
 
-    def of_dfg(self, settings: Settings, looks_up: bool) -> dict[str, object]:
+    def of_dfg(self, settings: Settings, looks_up: bool, stretches: bool) -> dict[str, object]:
         """That of the DFG table, which it binds: with the lookups of an environment if there is one that is
-        reflected."""
-        key = (settings.ndf, settings.masking, looks_up)
+        reflected, and with the albedos of stretched lobes if there are any."""
+        key = (settings.ndf, settings.masking, looks_up, stretches)
         if key not in self._dfg:
             table = (dfg_table if looks_up else dfg_albedos)(settings.ndf, settings.masking)
-            self._dfg[key] = float_texture(self._gl, table)
+            levels = stretched_levels(settings.masking) if stretches else ()
+            self._dfg[key] = float_texture(self._gl, table, *levels)
         self._dfg[key].use(UNIT_DFG)
         return {"u_dfg": UNIT_DFG}
 

@@ -85,7 +85,7 @@ class LayerPass:
         if "motion" in names:
             uniforms |= motion.uniforms()
         if "albedo" in names:
-            uniforms |= self._uniforms.of_dfg(settings, looks_up=False)
+            uniforms |= self._uniforms.of_dfg(settings, looks_up=False, stretches=plan.stretches)
 
         def of_draw(draw: Draw, mesh: MeshBuffers) -> dict[str, object]:
             ids = {"u_ids": halves(draw.instance + 1, draw.material + 1)}

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bake.dfg import dfg_albedos
+from ..bake.stretched import stretched_levels
 from ..errors import UsageError
 from ..gpu.context import Context
 from ..gpu.float_texture import float_texture
@@ -96,7 +97,7 @@ class Tracer:
         self._intersector = intersector
         self._display = DisplayPass(context.gl, self.programs)
         self._scene: TracedScene | None = None
-        self._dfg: dict[tuple[str, str], moderngl.Texture] = {}
+        self._dfg: dict[tuple[str, str, bool], moderngl.Texture] = {}
         self._denoisers: dict[str, Denoiser] = {}
         self._shown: tuple[Scene, Scene] | None = None
 
@@ -201,7 +202,7 @@ class Tracer:
             "u_size": size, "u_seed": settings.seed, "u_bounces": settings.bounces, "u_clamp": settings.clamp or 3e38,
             "u_dfg": UNIT_DFG, **RAY_UNITS,
         }
-        dfg = self._dfg_texture(settings)
+        dfg = self._dfg_texture(settings, any(program.get("ANISOTROPIC") for program in plan.programs.values()))
 
         def use_textures() -> None:
             traced.use_textures()
@@ -263,10 +264,11 @@ class Tracer:
         self._scene = TracedScene(self.context, scene, settings, self._intersector)
         return self._scene
 
-    def _dfg_texture(self, settings: Settings) -> moderngl.Texture:
-        key = settings.ndf, settings.masking
+    def _dfg_texture(self, settings: Settings, stretches: bool) -> moderngl.Texture:
+        key = settings.ndf, settings.masking, stretches
         if key not in self._dfg:
-            self._dfg[key] = float_texture(self.context.gl, dfg_albedos(*key))
+            levels = stretched_levels(settings.masking) if stretches else ()
+            self._dfg[key] = float_texture(self.context.gl, dfg_albedos(*key[:2]), *levels)
         return self._dfg[key]
 
     def release(self) -> None:

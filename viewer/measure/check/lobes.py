@@ -107,8 +107,10 @@ class Lobe:
     def _call(self, function: str, m: Mapping[str, Any], context: Context | None, **arrays: Any) -> Any:
         if self.table:
             from ...bake.dfg import dfg_albedos
+            from ...bake.stretched import stretched_levels
 
-            arrays["dfg"] = dfg_albedos(*self.table)
+            levels = stretched_levels(self.table[1]) if self.defines.get("ANISOTROPIC") else ()
+            arrays["dfg"] = [dfg_albedos(*self.table), *levels]
         return call_glsl(f"bsdf/{self.file}.glsl", f"{self.prefix}_{function}", m={**self.unused, **m}, **arrays,
                          defines=self.defines, context=context)
 
