@@ -29,7 +29,7 @@ uniform float u_volume_near; // how far volumes are looked at themselves: the co
 // The optical depth of the volumes up to the distance `reach`, in parts that are the shorter the nearer they are.
 // Simpson's rule has no error in the mean where the extinction is linear up to a face, and 0 behind.
 float near_depth(vec3 p, vec3 l, float reach) {
-    const float PARTS = 4.0;
+    const float PARTS = 2.0;
     float depth = 0.0, start = volumes_at(p);
     for (float k = 0.0; k < PARTS; ++k) {
         vec2 part = reach / (PARTS * PARTS) * vec2(k * k, (k + 1.0) * (k + 1.0));

@@ -59,7 +59,7 @@ void march_fog(inout Path path, Ray ray, float from, float to, Scattering medium
 // llvmpipe runs both sides of a branch, but no loop that has no turns: loops take the place of branches here, so that
 // steps outside of volumes and in what of them is empty cost little.
 #if DENSE
-const float THICK = 0.5; // optical depth of a part, and twice that behind what hides most
+const float THICK = 0.5; // optical depth of a part, and more behind what hides most
 const float MOST_PARTS = 16.0, SEARCH = 6.0;
 
 float extinction_on(Ray ray, int k, float at) {
@@ -68,15 +68,18 @@ float extinction_on(Ray ray, int k, float at) {
 
 // A step in volumes that may be thick. It begins where the volume does, which is searched, and is taken in parts, along
 // each of which the extinction is taken for linear. So what is seen of a face does not depend on where steps end. The
-// mean collision of a part is where as much optical depth lies before it as before one of a homogeneous step.
+// mean collision of a part is where as much optical depth lies before it as before one of a homogeneous step. Parts are
+// as long as they may be if the extinction rises from where they start to the most in a voxel, and the last one is the
+// rest.
 void march_volumes(inout Path path, Ray ray, float from, float to, Scattering medium) {
     for (int k = 0; k < VOLUMES; ++k) {
         vec2 span = vec2(max(ray.volumes[k].x, from), min(ray.volumes[k].y, to));
-        float start = 0.0, parts = 0.0;
+        float start = 0.0, most = 0.0, rise = 0.0;
         for (bool is_seen = span.x < span.y && path.depth < DEEPEST; is_seen; is_seen = false) {
             float middle = 0.5 * (span.x + span.y), inside = extinction_on(ray, k, middle);
             start = extinction_on(ray, k, span.x);
-            float most = max(max(start, inside), extinction_on(ray, k, span.y)), least = 1e-3 * most;
+            most = max(max(start, inside), extinction_on(ray, k, span.y));
+            float least = 1e-3 * most;
             vec2 face = inside > least ? vec2(span.x, middle) : vec2(middle, span.y);
             float turns = start < least ? SEARCH : 0.0;
             for (float turn = 0.0; turn < turns; ++turn) {
@@ -84,17 +87,22 @@ void march_volumes(inout Path path, Ray ray, float from, float to, Scattering me
                 face = extinction_on(ray, k, middle) > least ? vec2(face.x, middle) : vec2(middle, face.y);
             }
             if (start < least) span.x = face.x;
-            parts = min(ceil(most * (span.y - span.x) / (THICK * (1.0 + min(path.depth, 1.0)))), MOST_PARTS);
+            vec3 voxels = abs(mat3(u_volume_box[k]) * ray.direction) / (2.0 * u_volume_margin[k]);
+            rise = most * max(voxels.x, max(voxels.y, voxels.z));
         }
-        float width = (span.y - span.x) / max(parts, 1.0);
-        for (float j = 0.0; j < parts && path.depth < DEEPEST; ++j) {
-            vec2 part = span.x + width * vec2(j, j + 1.0);
+        float parts = most > 0.0 ? MOST_PARTS : 0.0;
+        for (float j = 0.0; j < parts && span.x < span.y && path.depth < DEEPEST; ++j) {
+            float thick = THICK * (1.0 + path.depth); // start at + rise at^2 / 2 = thick
+            float width = 2.0 * thick / (start + sqrt(start * start + 2.0 * rise * thick));
+            vec2 part = vec2(span.x, j + 1.0 < parts ? min(span.x + width, span.y) : span.y);
+            width = part.y - part.x;
             float end = extinction_on(ray, k, part.y), depth = 0.5 * (start + end) * width;
             // width (start at + (end - start) at^2 / 2) = depth before the mean collision
-            float q = 2.0 * depth * mean_collision(depth) / width;
+            float q = 2.0 * depth * mean_collision(depth) / max(width, 1e-30);
             float at = q / max(start + sqrt(max(start * start + (end - start) * q, 0.0)), 1e-30);
             add_step(path, ray, part.x, part.y, depth, min(at, 1.0), medium);
             start = end;
+            span.x = part.y;
         }
     }
 }
