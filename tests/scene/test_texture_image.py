@@ -80,6 +80,25 @@ def test_bombs_are_refused_by_their_header():
         open_texture_image(png(1 << 30, 1 << 30, 8, 0, b"\0\0"), "bomb.png")
 
 
+@pytest.mark.parametrize("kind", ["AVIF", "WEBP"])
+@pytest.mark.parametrize("width", [4096, 16383])
+def test_formats_whose_decoders_take_more_memory_have_fewer_texels(kind, width):
+    """Of a few bytes 16383 x 8192 texels would take more than a gigabyte."""
+    data = encoded(Image.new("RGB", (8, 8)), kind, **({"lossless": True} if kind == "WEBP" else {}))
+    if kind == "AVIF":
+        place = data.index(b"ispe") + 8
+        data = data[:place] + struct.pack(">II", width, 8192) + data[place + 8:]
+    else:
+        place = data.index(b"VP8L") + 9
+        (head,) = struct.unpack_from("<I", data, place)
+        data = data[:place] + struct.pack("<I", head >> 28 << 28 | 8191 << 14 | width - 1) + data[place + 4:]
+    if width == 4096:
+        assert open_texture_image(data, "x").width == width
+    else:
+        with pytest.raises(InputError, match=r"x: has 16383 x 8192 texels; the limit is 16384 per side and 67108864"):
+            open_texture_image(data, "x")
+
+
 @pytest.mark.parametrize("bits", [8, 16])
 def test_truncated_data_is_the_neutral_colour_and_a_line(bits, capfd):
     noise = np.random.default_rng(2).integers(0, 256, (8, 8 * 3 * bits // 8), dtype=np.uint8)

@@ -19,6 +19,8 @@ from .parameter import RGBA, WHITE
 
 MAX_SIDE = 1 << 14
 MAX_PIXELS = 1 << 27
+_FEWER_PIXELS = {"AVIF": 1 << 26, "WEBP": 1 << 26}
+"""Of formats whose decoders take 10 and 16 bytes a texel, where others take 7."""
 GLTF_FORMATS = ("PNG", "JPEG", "WEBP", "AVIF", ktx2.FORMAT)
 MESH_FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "GIF", "TGA", "TIFF")
 """The image formats that materials of other mesh formats than glTF may use."""
@@ -93,8 +95,8 @@ def open_texture_image(data: Buffer, name: str, formats: tuple[str, ...] = GLTF_
                        neutral: RGBA = WHITE) -> TextureImage:
     """Check the header of an encoded image without decoding it. `neutral` is as in TextureImage.
 
-    Raises InputError if the image has none of `formats`, or more than MAX_SIDE texels per side or MAX_PIXELS in all. A
-    file of a few kilobytes can declare gigabytes of pixels.
+    Raises InputError if the image has none of `formats`, or more than MAX_SIDE texels per side or MAX_PIXELS in all, or
+    half of these as AVIF and WebP. A file of a few bytes can declare gigabytes of pixels.
     """
     if ktx2.FORMAT in formats and bytes(data[:12]) == ktx2.IDENTIFIER:
         if not ktx2.is_installed():
@@ -111,9 +113,9 @@ def open_texture_image(data: Buffer, name: str, formats: tuple[str, ...] = GLTF_
         with _as_input_error(name), Image.open(io.BytesIO(data), formats=pillow) as image:
             width, height, kind, mode = *image.size, str(image.format), image.mode
             has_alpha = image.has_transparency_data
-    if min(width, height) < 1 or max(width, height) > MAX_SIDE or width * height > MAX_PIXELS:
-        raise InputError(name, "", f"has {width} x {height} texels; the limit is {MAX_SIDE} per side and {MAX_PIXELS} "
-                                   "in all")
+    most = _FEWER_PIXELS.get(kind, MAX_PIXELS)
+    if min(width, height) < 1 or max(width, height) > MAX_SIDE or width * height > most:
+        raise InputError(name, "", f"has {width} x {height} texels; the limit is {MAX_SIDE} per side and {most} in all")
     # Byte 24 of a PNG is the bit depth in IHDR, which always comes first.
     bits = 16 if kind == "PNG" and data[24] == 16 else 8
     return TextureImage(name, data, width, height, kind, bits, mode[0] in "1LIF" and mode != "LAB", has_alpha,
