@@ -60,15 +60,14 @@ class DeferredSurfaces:
         layers.has_background = plan.is_all_deferred and plan.background
         triangles = self._triangles.get(lambda held: held.fits(frame.scene, draws),
                                         lambda: Triangles(self._context, frame.scene, draws))
-        layers.clear()
-        self._draw_triangles(frame, plan, layers, triangles, uniforms)
         part = target.part or (0, 0, *frame.size)
         boxes = {draw.instance: pixel_box(frame, draw.instance, part) for draw in draws if frame.visible[draw.instance]}
-        self._choose(frame, layers, triangles, _union(list(boxes.values())))
+        layers.clear(_union(list(boxes.values())))
+        self._draw_triangles(frame, plan, layers, triangles, uniforms)
+        self._choose(frame, layers, triangles)
         for number in range(2):
             self._shade(number, frame, plan, layers, triangles, boxes, uniforms)
-        for framebuffer in layers.shaded:
-            framebuffer.scissor = target.part
+        layers.shaded[0].scissor, layers.shaded[1].scissor = target.part, layers.box
         self._context.gl.clear_samplers()
         return layers
 
@@ -78,7 +77,7 @@ class DeferredSurfaces:
         self._surfaces.draw_triangles(
             frame, plan, uniforms, lambda draw, mesh: {"u_first_triangle": triangles.first[draw.instance]})
 
-    def _choose(self, frame: Frame, layers: Layers, triangles: Triangles, box: tuple[int, int, int, int]) -> None:
+    def _choose(self, frame: Frame, layers: Layers, triangles: Triangles) -> None:
         gl, camera = self._context.gl, frame.camera
         across = 0.0 if camera.height is None else camera.height / frame.unit / frame.size[1]
         values = {"u_triangle_samples": UNIT_RADIANCE, "u_chosen": UNIT_CHOSEN,
@@ -93,7 +92,7 @@ class DeferredSurfaces:
                      layers.choosing),
                     ("raster/choose_second.frag", switches | {"NOTHING": _NOTHING}, layers.second)):
                 program = self._programs.get(FULLSCREEN, fragment, defines)
-                framebuffer.scissor = box
+                framebuffer.scissor = layers.box
                 framebuffer.use()
                 for name, value in values.items():
                     set_uniform(program, name, value)
@@ -154,23 +153,27 @@ class Layers:
         self._mixed = gl.framebuffer([target.radiance], self._depths[1])
         for framebuffer in (*self.shaded, self._mixed):
             framebuffer.depth_mask = False
+        self.box = 0, 0, 0, 0
+        """The rectangle of pixels (x, y, width, height) outside of which there is no object."""
         self.has_background = False
         """Whether the background is the first or the second surface of pixels."""
 
     def fits(self, target: Target, is_all: bool) -> bool:
         return self._target is target and self._is_all == is_all
 
-    def clear(self) -> None:
-        """Clear the part that the target has, or all; with `is_all` also its depth."""
-        for framebuffer, depth in ((self.numbers, self._depth.far if self._is_all else None),
-                                   (self.choosing, self._depth.far), (self.second, _NOTHING)):
-            framebuffer.scissor = self._target.part
+    def clear(self, box: tuple[int, int, int, int]) -> None:
+        """Clear what the frame reads, if all objects are in this box; with `is_all` also the target's depth there."""
+        self.box = box
+        far = (ctypes.c_float * 1)(self._depth.far)
+        self.choosing.scissor, self.numbers.scissor = self._target.part, box
+        for framebuffer, color, depth in ((self.choosing, not self._is_all, True), (self.numbers, True, self._is_all)):
             framebuffer.use()
-            if framebuffer is not self.second:  # which has no colours
+            if color:
                 self._clear_color(_COLOR, 0, (ctypes.c_uint32 * 4)())
-            if depth is not None:
-                self._clear_depth(_DEPTH, 0, (ctypes.c_float * 1)(depth))
+            if depth:
+                self._clear_depth(_DEPTH, 0, far)
         if self._is_all and not self.has_background:
+            self._target.resolved.use()
             self._target.resolved.clear()
 
     def resolve(self, programs: Programs, unit: int) -> None:
@@ -178,7 +181,7 @@ class Layers:
         fragment = "raster/resolve_second.frag" if self._is_all else "raster/resolve_deferred.frag"
         program = programs.get(FULLSCREEN, fragment, {"SAMPLES": self.samples})
         framebuffer = self._mixed if self._is_all else self._target.resolved
-        framebuffer.scissor = self._target.part
+        framebuffer.scissor = self.box if self._is_all else self._target.part
         framebuffer.use()
         set_uniform(program, "u_samples", unit)
         textures = {"u_chosen": self.choosing, "u_second": self.shaded[1], "u_first": self.shaded[0]}
