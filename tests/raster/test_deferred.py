@@ -56,14 +56,36 @@ def test_only_what_may_be_is_deferred(renderer):
                   materials=(SMOOTH, glass, cut, blended), environment=constant())
     deferred = drawn(renderer, model, CAMERA, "deferred-4")
     assert [draw.is_deferred for draw in renderer.plan.draws] == [True, False, False, False]
-    assert not renderer.plan.is_all_deferred
+    assert not renderer.plan.is_over_layers
     multisampled = drawn(renderer, model, CAMERA, "msaa-4")
     assert not renderer.plan.has_deferred
     np.testing.assert_allclose(deferred, multisampled, atol=0.02)
     drawn(renderer, still_life(), CAMERA, "deferred-4")
-    assert renderer.plan.is_all_deferred
+    assert renderer.plan.is_over_layers and not renderer.plan.has_surfaces
     drawn(renderer, still_life(), CAMERA, "deferred-4", plan="everything")
     assert not renderer.plan.has_deferred
+
+
+@pytest.mark.parametrize("background", ["env", "none"])
+def test_what_is_drawn_over_them(renderer, background):
+    """Behind surfaces that blend or are cut, background and deferred surfaces are mixed at one sample a pixel."""
+    cut = replace(ROUGH, alpha_mode="mask", base_color=(0.9, 0.1, 0.1, 1))
+    blended = replace(ROUGH, alpha_mode="blend", base_color=(0.1, 0.9, 0.1, 0.4))
+    model = scene((sphere(0, 16), moved((0.2, 0, -0.8))), (sphere(1, 16), moved((0.5, 0.3, 0.6), 0.4)),
+                  (sphere(2, 16), moved((-0.6, 0, 0.5), 0.7)), materials=(SMOOTH, cut, blended), environment=lopsided())
+    for part in (None, (3, 5, 21, 17)):  # of another picture's target, too
+        pictures = []
+        for antialias in ("msaa-4", "none", "deferred-4"):
+            settings = Settings.of(antialias=antialias, background=background)
+            renderer.draw(model, CAMERA, settings, SIZE, half=False)
+            renderer.draw(model, Camera.look_at((1.7, 1.7, 3.2), (0, 0, 0), fov_y=0.8), settings, SIZE, half=False,
+                          part=part)
+            pictures.append(renderer.read_radiance())
+        assert renderer.plan.is_over_layers and renderer.plan.has_surfaces
+        msaa, none, deferred = pictures
+        error, jagged = (np.abs(picture - msaa).mean() for picture in (deferred, none))
+        assert error < 0.2 * jagged, (error, jagged)
+        np.testing.assert_allclose(np.median(np.abs(deferred - msaa)), 0, atol=1e-6)
 
 
 def test_a_crease_is_two_surfaces_and_a_bend_is_one(renderer):

@@ -193,10 +193,17 @@ class Plan:
         return any(draw.is_deferred for draw in self.kinds)
 
     @property
-    def is_all_deferred(self) -> bool:
-        """Whether nothing is drawn but such surfaces, and perhaps a background."""
+    def has_surfaces(self) -> bool:
+        """Whether there are other surfaces."""
+        return any(not draw.is_deferred for draw in self.kinds)
+
+    @property
+    def is_over_layers(self) -> bool:
+        """Whether the background can be drawn once a pixel, too, behind all surfaces that are not deferred. So it is
+        where no surface looks at the picture behind it, and all that is drawn is within the boxes of meshes."""
         others = (self.curves, self.ground, None if self.background else self.media)
-        return (self.has_deferred and all(draw.is_deferred for draw in self.kinds) and others == (None, None, None)
+        are_known = not any(draw.transmits or draw.program.get("IS_POINTS") for draw in self.kinds)
+        return (self.has_deferred and are_known and others == (None, None, None)
                 and not (self.wireframe or self.grid or self.counts))
 
     @property
@@ -250,7 +257,7 @@ class Plan:
         passes += ["media"] * (self.media is not None)
         passes += ["subsurface"] * self.spreads_subsurface
         passes += ["deferred surfaces"] * self.has_deferred
-        passes += ["surfaces"] * (not self.is_all_deferred and bool(self.draws))
+        passes += ["surfaces"] * self.has_surfaces
         passes += ["curves"] * (self.curves is not None)
         passes += ["solid transmission"] if self.has_solid_transmission else []
         passes += ["background"] if self.background else []

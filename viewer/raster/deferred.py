@@ -52,17 +52,21 @@ class DeferredSurfaces:
         self._triangles: Reusable[Triangles] = Reusable()
 
     def draw(self, frame: Frame, plan: Plan, target: Target, uniforms: dict[str, object]) -> Layers:
-        """Draw them into the depth of `target`, within `Depth.test()`, and return their radiance in pixels. If the plan
-        has nothing else but a background, that depth is cleared here, and the background belongs to the layers."""
+        """Draw them into the depth of `target`, within `Depth.test()`, and return their radiance in pixels. With
+        `Plan.is_over_layers` the target is cleared here, where something is drawn, and the background belongs to the
+        layers."""
         draws = [draw for draw in plan.draws if draw.is_deferred]
-        layers = self._layers.get(lambda held: held.fits(target, plan.is_all_deferred),
-                                  lambda: Layers(self._context, self._depth, target, plan.is_all_deferred))
-        layers.has_background = plan.is_all_deferred and plan.background
+        layers = self._layers.get(lambda held: held.fits(target, plan.is_over_layers),
+                                  lambda: Layers(self._context, self._depth, target, plan.is_over_layers))
+        layers.has_background = plan.is_over_layers and plan.background
         triangles = self._triangles.get(lambda held: held.fits(frame.scene, draws),
                                         lambda: Triangles(self._context, frame.scene, draws))
         part = target.part or (0, 0, *frame.size)
         boxes = {draw.instance: pixel_box(frame, draw.instance, part) for draw in draws if frame.visible[draw.instance]}
-        layers.clear(_union(list(boxes.values())))
+        others = [instance for draw in plan.draws if not draw.is_deferred
+                  for instance in draw.instances or (draw.instance,) if frame.visible[instance]]
+        over = _union([pixel_box(frame, instance, part) for instance in others])
+        layers.clear(_union([*boxes.values(), over]), over)
         self._draw_triangles(frame, plan, layers, triangles, uniforms)
         self._choose(frame, layers, triangles)
         for number in range(2):
@@ -130,14 +134,14 @@ class DeferredSurfaces:
 class Layers:
     """The triangles of the samples of a target, the surfaces chosen in its pixels, and the radiance of these.
 
-    `is_all`: nothing but a background is drawn besides. The first surfaces are then shaded in their place in the
-    picture, and only pixels with a second one are resolved.
+    `in_place` is `Plan.is_over_layers`. The first surfaces are then shaded in their place in the picture, and only
+    pixels with a second one, or near what is drawn over them, are resolved.
     """
 
-    def __init__(self, context: Context, depth: Depth, target: Target, is_all: bool) -> None:
-        self._gl, self._depth, self._target, self._is_all = context.gl, depth, target, is_all
+    def __init__(self, context: Context, depth: Depth, target: Target, in_place: bool) -> None:
+        self._gl, self._depth, self._target, self._in_place = context.gl, depth, target, in_place
         self.samples = target.samples
-        self._clear_color, self._clear_depth = (
+        self._clear_integers, self._clear_floats = (
             context.function(f"glClearBuffer{kind}", ctypes.c_int, ctypes.c_int, ctypes.c_void_p)
             for kind in ("uiv", "fv"))
         gl, size, dtype = context.gl, target.drawn_size, "f2" if target.half else "f4"
@@ -147,41 +151,66 @@ class Layers:
         self._depths = depth.renderbuffer(size), depth.renderbuffer(size)
         self.choosing = gl.framebuffer([chosen], self._depths[0])
         self.second = gl.framebuffer((), self._depths[1])
-        self._radiance = [nearest_texture(gl, size, dtype) for _ in range(1 if is_all else 2)]
-        first = target.radiance if is_all else self._radiance[1]
+        self._radiance = [nearest_texture(gl, size, dtype) for _ in range(1 if in_place else 2)]
+        first = target.radiance if in_place else self._radiance[1]
         self.shaded = [gl.framebuffer([first], self._depths[0]), gl.framebuffer([self._radiance[0]], self._depths[1])]
         self._mixed = gl.framebuffer([target.radiance], self._depths[1])
         for framebuffer in (*self.shaded, self._mixed):
             framebuffer.depth_mask = False
         self.box = 0, 0, 0, 0
         """The rectangle of pixels (x, y, width, height) outside of which there is no object."""
+        self.over = 0, 0, 0, 0
+        """The one outside of which nothing is drawn over them."""
         self.has_background = False
         """Whether the background is the first or the second surface of pixels."""
 
-    def fits(self, target: Target, is_all: bool) -> bool:
-        return self._target is target and self._is_all == is_all
+    def fits(self, target: Target, in_place: bool) -> bool:
+        return self._target is target and self._in_place == in_place
 
-    def clear(self, box: tuple[int, int, int, int]) -> None:
-        """Clear what the frame reads, if all objects are in this box; with `is_all` also the target's depth there."""
-        self.box = box
-        far = (ctypes.c_float * 1)(self._depth.far)
+    def clear(self, box: tuple[int, int, int, int], over: tuple[int, int, int, int]) -> None:
+        """Clear what the frame reads, with `in_place` also the target, for a frame of this `box` and `over`."""
+        self.box, self.over, in_place = box, over, self._in_place
         self.choosing.scissor, self.numbers.scissor = self._target.part, box
-        for framebuffer, color, depth in ((self.choosing, not self._is_all, True), (self.numbers, True, self._is_all)):
-            framebuffer.use()
-            if color:
-                self._clear_color(_COLOR, 0, (ctypes.c_uint32 * 4)())
-            if depth:
-                self._clear_depth(_DEPTH, 0, far)
-        if self._is_all and not self.has_background:
+        if in_place and not self.has_background:
             self._target.resolved.use()
             self._target.resolved.clear()
+        if in_place and over[2]:
+            self._target.framebuffer.scissor = over
+            self._target.framebuffer.use()
+            self._clear_floats(_COLOR, 0, (ctypes.c_float * 4)())
+        for framebuffer, color, depth in ((self.choosing, not in_place, True), (self.numbers, True, in_place)):
+            framebuffer.use()
+            if color:
+                self._clear_integers(_COLOR, 0, (ctypes.c_uint32 * 4)())
+            if depth:
+                self._clear_floats(_DEPTH, 0, (ctypes.c_float * 1)(self._depth.far))
 
     def resolve(self, programs: Programs, unit: int) -> None:
         """As `Behind.resolve`."""
-        fragment = "raster/resolve_second.frag" if self._is_all else "raster/resolve_deferred.frag"
-        program = programs.get(FULLSCREEN, fragment, {"SAMPLES": self.samples})
-        framebuffer = self._mixed if self._is_all else self._target.resolved
-        framebuffer.scissor = self.box if self._is_all else self._target.part
+        if not self._in_place:
+            self._gl.enable_only(moderngl.NOTHING)
+            program = programs.get(FULLSCREEN, "raster/resolve_deferred.frag", {"SAMPLES": self.samples})
+            self._resolve(program, unit, self._target.resolved, self._target.part)
+            return
+        self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
+        self._gl.blend_func = moderngl.ONE, _SRC1_COLOR
+        second = "raster/resolve_second.frag"
+        with self._depth.test():
+            if self.over[2]:  # all pixels there, which are then marked as resolved
+                self._mixed.depth_mask = True
+                with self._depth.except_at(_NOTHING), self._depth.all():
+                    self._resolve(programs.get(FULLSCREEN, second, {"SAMPLES": self.samples, "OVER": 1}), unit,
+                                  self._mixed, self.over)
+                self._mixed.depth_mask = False
+            with self._depth.except_at(_NOTHING):
+                self._resolve(programs.get(FULLSCREEN, second, {"SAMPLES": self.samples, "OVER": 0}), unit,
+                              self._mixed, self.box)
+        # OpenGL draws nothing into several textures while a second source is set, and Mesa not even unblended.
+        self._gl.blend_func = moderngl.ONE, moderngl.ZERO
+
+    def _resolve(self, program: moderngl.Program, unit: int, framebuffer: moderngl.Framebuffer,
+                 box: tuple[int, int, int, int] | None) -> None:
+        framebuffer.scissor = box
         framebuffer.use()
         set_uniform(program, "u_samples", unit)
         textures = {"u_chosen": self.choosing, "u_second": self.shaded[1], "u_first": self.shaded[0]}
@@ -189,16 +218,7 @@ class Layers:
             if name in program:
                 source.color_attachments[0].use(place)
                 set_uniform(program, name, place)
-        if self._is_all:
-            self._gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
-            self._gl.blend_func = moderngl.ONE, _SRC1_COLOR
-            with self._depth.test(), self._depth.except_at(_NOTHING):
-                fullscreen(self._gl, program).render(vertices=3)
-            # OpenGL draws nothing into several textures while a second source is set, and Mesa not even unblended.
-            self._gl.blend_func = moderngl.ONE, moderngl.ZERO
-        else:
-            self._gl.enable_only(moderngl.NOTHING)
-            fullscreen(self._gl, program).render(vertices=3)
+        fullscreen(self._gl, program).render(vertices=3)
 
     def release(self) -> None:
         self._gl.screen.use()

@@ -111,7 +111,7 @@ class Passes:
                 self._count(plan, frame, target, settings, uniforms)
                 return
             target.behind = None
-            if not plan.is_all_deferred:
+            if not plan.is_over_layers:
                 target.framebuffer.use()
                 target.framebuffer.clear(depth=self._depth.far)  # alpha 0: the display pass adds the background colour
             self._draw_surfaces(plan, frame, target, settings, uniforms, media)
@@ -148,16 +148,15 @@ class Passes:
         if plan.has_deferred:
             with drawing("deferred surfaces"):
                 target.behind = layers = self._deferred.draw(frame, plan, target, uniforms)
-            if plan.is_all_deferred:
-                if plan.background:
-                    with drawing("background"):
-                        for framebuffer in layers.shaded:
-                            framebuffer.use()
-                            self._draw_background(frame, target, plan, media)
-                return
+            if layers.has_background:
+                with drawing("background"):
+                    for framebuffer in layers.shaded:
+                        framebuffer.use()
+                        self._draw_background(frame, target, plan, media)
             target.framebuffer.use()
-        with drawing("surfaces"):
-            surfaces.draw_opaque(frame, plan, uniforms)
+        if plan.has_surfaces:
+            with drawing("surfaces"):
+                surfaces.draw_opaque(frame, plan, uniforms)
         if plan.curves is not None:
             with drawing("curves"):
                 self.curves.draw(frame, settings, plan, target.samples, uniforms)
@@ -170,8 +169,9 @@ class Passes:
                     target.framebuffer.use()
                 surfaces.draw_transmissive(SOLID, frame, plan, uniforms)
         if plan.background:
-            with drawing("background"):
-                self._draw_background(frame, target, plan, media)
+            if not plan.is_over_layers:
+                with drawing("background"):
+                    self._draw_background(frame, target, plan, media)
         elif plan.media is not None:
             with drawing("media behind which nothing stands"):
                 self._media.draw_sky(self._depth, media, target.half)
