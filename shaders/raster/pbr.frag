@@ -46,6 +46,9 @@ uniform sampler2D u_dfg;
 uniform vec3 u_absorption; // extinction coefficient sigma_t, per eye-relative unit
 #endif
 
+// Lamps are seen through solids that scatter light, where they are thin.
+#define SEES_LAMPS_THROUGH (SUBSURFACE != 0 && SUBSURFACE != 2 && HAS_TRANSMISSION)
+
 // The normals of the surface, and the direction v to the eye
 struct Point {
     vec3 n, n_geometric, v;
@@ -53,6 +56,10 @@ struct Point {
 #if DIFFUSE_TRANSMISSION
     float behind;  // distance to the other side, 0 if thin-walled
     vec3 returned; // share of the light that the diffuse transmission brings from this side, 0 if thin-walled
+#if SEES_LAMPS_THROUGH
+    vec3 clear;        // share of the light from behind that passes the medium of the solid unscattered
+    float clear_alpha; // roughness of both boundaries together, as that of a reflected lobe
+#endif
 #endif
 #if ANISOTROPIC
     mat3 frame; // tangent, bitangent, n
@@ -116,6 +123,9 @@ void main() {
     p.v = p.n;
 #endif
     p.NoV = clamp(dot(p.n, p.v), 1e-4, 1.0);
+#if SUBSURFACE
+    m.thickness = way_through();
+#endif
 #if ANISOTROPIC
     p.frame = anisotropy_frame(m, p.n);
 #endif
@@ -193,6 +203,13 @@ void main() {
     transmitted *= dimmed;
 #endif
     TRANSMITTANCE throughput = surface_throughput(s, view) * m.transmission;
+#if SEES_LAMPS_THROUGH
+    // Each boundary turns light by (ior - 1) times the slope of its facets; a mirror does by twice the slope.
+    p.clear = throughput * entering_tint(m.base_color.rgb) * inside.unscattered
+        * (float(SHOW_SPECULAR) * (1.0 - clamp(v_interior.y, 0.0, 1.0))); // a ball is a lens
+    float clear_alpha = sqrt(0.5) * (m.ior - 1.0) * mean_alpha(s);
+    p.clear_alpha = max(clear_alpha, MIN_PERCEPTUAL_ROUGHNESS * MIN_PERCEPTUAL_ROUGHNESS);
+#endif
 #if SHEEN
     transmitted *= view.sheen.throughput;
 #endif

@@ -39,6 +39,13 @@ vec3 light_from_behind(int i, Point p, Surface s, SurfaceView view, vec3 l, vec3
     float NoL = -dot(p.n, l);
     vec2 dfg = light_albedo(p, s, l, NoL, view.perceptual_roughness);
     vec3 radiance = (1.0 - p.returned) * surface_transmission(s, view, dfg) * irradiance * NoL;
+#if SEES_LAMPS_THROUGH
+    // A slab lets light go straight on. What both of its boundaries make of it is the mirror image of a reflected lobe.
+    vec3 up = l + 2.0 * NoL * p.n, h = normalize(p.v + up), nxh = cross(p.n, h);
+    float NoH = dot(p.n, h);
+    radiance += p.clear * d_microfacet(NoH, dot(nxh, nxh), p.clear_alpha)
+        * v_microfacet(p.NoV, NoL, NoH, dot(p.v, h), p.clear_alpha) * irradiance * NoL;
+#endif
 #if CLEARCOAT
     radiance *= view.coat.throughput;
 #endif

@@ -11,6 +11,11 @@ uniform float u_interior_reflected;    // F, the share of the light inside that 
 uniform float u_interior_kept;         // what a rough boundary does not lose, on the way in and while light stays inside
 in vec2 v_interior; // thickness d in eye-relative units, and roundness: 0 a slab, 1 a ball
 
+// The way straight through the solid: d in a slab, and the diameter 3 d of a ball
+float way_through() {
+    return v_interior.x * mix(1.0, 3.0, clamp(v_interior.y, 0.0, 1.0));
+}
+
 // Of the light that is seen through the solid, the share by which it must be dimmed: no more than all of it leaves.
 Interior interior_at(MaterialInputs m, out vec3 dimmed) {
     vec3 unscattered = exp(-u_absorption * m.thickness);

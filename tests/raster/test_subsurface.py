@@ -154,12 +154,25 @@ def test_a_moving_camera_spreads_the_same_light(renderer):
 
 
 def test_light_comes_through_a_thin_sheet_and_not_through_a_thick_one(radiance):
+    """Scattered, as it is seen beside the way straight through."""
     light = Light("directional", intensity=3.0, direction=(0, 0, 1))
     seen = [radiance(scene(box((1, 1, half)), materials=[filled(10.0, (0.9,) * 3)], lights=(light,)),
-                     Camera.look_at((0, 0, 6), (0, 0, 0), fov_y=0.2), (8, 8), background="none")[4, 4, 0]
-            for half in (0.02, 0.1, 1.0)]
+                     Camera.look_at((5, 0, 5), (0, 0, 0), fov_y=0.2), (8, 8), background="none")[4, 4, 0]
+            for half in (0.1, 0.3, 1.0)]
     assert seen[0] > 1.3 * seen[1] > 4 * seen[2]
     assert seen[0] < 3.0 / np.pi
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.14])
+def test_a_lamp_is_seen_through_a_thin_sheet(radiance, context, angle):
+    """Blurred by both of its rough faces, as in mode path. What is scattered inside is a tenth of it or less."""
+    light = Light("directional", intensity=3.0, direction=(math.sin(angle), 0, math.cos(angle)))
+    sheet = replace(filled(10.0, (0.5,) * 3), perceptual_roughness=0.5)
+    model = scene(box((1, 1, 0.02)), materials=[sheet], lights=(light,))
+    camera, settings = Camera.look_at((0, 0, 6), (0, 0, 0), fov_y=0.1), {"background": "none", "multiscatter": "off"}
+    found = radiance(model, camera, (8, 8), **settings)[..., :3].mean()
+    paths = Tracer(context).render(model, camera, Settings.of(mode="path", spp=128, **settings), (8, 8)).linear[..., :3]
+    assert found == pytest.approx(paths.mean(), rel=0.25)
 
 
 @pytest.mark.parametrize("unit", [1e-6, 1e6])
