@@ -1,11 +1,10 @@
-// The scene buffer: all arrays of the scene in one texture, SCENE_WIDTH texels a row, four times 32 bits each
-// (viewer/trace/scene/scene_buffer.py). The texture has unsigned integers, since a float texture need not keep the bits
-// of a NaN.
-uniform usampler2D u_scene;
+// The scene buffer: all arrays of the scene in one buffer, whose texels have four times 32 bits
+// (viewer/trace/scene/scene_buffer.py). They are unsigned integers, since a float texture need not keep the bits of a
+// NaN.
+uniform usamplerBuffer u_scene;
 
 uvec4 scene_uint4(int i) {
-    uvec2 place = uvec2(uint(i) % uint(SCENE_WIDTH), uint(i) / uint(SCENE_WIDTH)); // faster than with signs
-    return texelFetch(u_scene, ivec2(place), 0);
+    return texelFetch(u_scene, i);
 }
 
 vec4 scene_float4(int i) {

@@ -12,6 +12,7 @@ import pytest
 from harness import evaluate
 from images import image_of, noise
 
+from viewer.gpu.buffer_texture import BufferTexture
 from viewer.gpu.programs import set_uniform
 from viewer.scene.color import srgb_to_linear
 from viewer.scene.material import Sampler, Texture, UVTransform
@@ -187,12 +188,12 @@ SAMPLERS = [Sampler(s, t, mag) for s, t, mag in
             itertools.product(("repeat", "clamp", "mirror"), ("repeat", "clamp", "mirror"), ("linear", "nearest"))]
 
 
-def binder(table: moderngl.Texture, atlas: moderngl.Texture) -> Callable[[moderngl.Program], None]:
+def binder(table: BufferTexture, atlas: moderngl.Texture) -> Callable[[moderngl.Program], None]:
     """A function that binds a scene buffer, whose first section is the maps, and the atlas with their images."""
     def bind(program: moderngl.Program) -> None:
-        for unit, (name, bound) in enumerate({"u_scene": table, "u_data_atlas": atlas}.items()):
-            bound.use(unit)
-            set_uniform(program, name, unit)
+        table.bind(program, "u_scene", 0)
+        atlas.use(1)
+        set_uniform(program, "u_data_atlas", 1)
         set_uniform(program, "u_maps", 0)
     return bind
 
@@ -209,7 +210,7 @@ def test_filters_and_wraps_are_opengls(context, tmp_path, size):
                for sampler in SAMPLERS for uv_set, moved in ((0, None), (1, transform))]
     buffer = SceneBufferBuilder()
     buffer.add("maps", np.concatenate([map_texels(record, 1, atlas.layout.pages[image]) for record in records]))
-    bind = binder(buffer.texture(context.gl), texture)
+    bind = binder(buffer.texture(context), texture)
     random = np.random.default_rng(4)
     # Multiples of 1/64 are exact. The filter `nearest` is then tested away from the edges of texels only.
     uv = (random.integers(-200, 200, (len(records), 60, 4)) + 0.37) / 64
@@ -239,7 +240,7 @@ def test_coordinates_at_and_beyond_all_edges_stay_on_the_page(context, tmp_path)
     texture = atlas.upload()
     buffer = SceneBufferBuilder()
     buffer.add("maps", np.concatenate([map_texels(Texture(white, s), 0, atlas.layout.pages[white]) for s in SAMPLERS]))
-    bind = binder(buffer.texture(context.gl), texture)
+    bind = binder(buffer.texture(context), texture)
     tiny = np.float32(1e-45)
     above, below = np.nextafter(np.float32(1), np.float32([2, 0]))
     edges = np.float32([0, -0.0, 1, above, below, tiny, -tiny, -1e-9, 2, -1, 1e6, -1e6, 1e30, -1e30, np.inf, -np.inf,

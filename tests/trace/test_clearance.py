@@ -10,10 +10,10 @@ from harness import evaluate
 from shapes import WHITE, constant, moved, orthographic, plate, scene, sphere
 from test_scattering import box, fog
 
+from viewer.gpu.buffer_texture import BufferTexture
 from viewer.gpu.programs import set_uniform
-from viewer.gpu.row_texture import row_texture
 from viewer.settings import Settings
-from viewer.trace.layout import CLEARANCE_STEPS, SCENE_WIDTH
+from viewer.trace.layout import CLEARANCE_STEPS
 from viewer.trace.scene import clearance, encode
 from viewer.trace.scene.clearance import clearance_texels, has_clearance
 from viewer.trace.scene.geometry import trace_geometry
@@ -73,11 +73,10 @@ def test_ways_are_clear_up_to_the_surface(context, tmp_path, wax):
     rows = np.concatenate([0.1 * radius * directions, np.zeros((64, 1)), directions, ways[:, None]], axis=1)
     rows[:8, :3] *= 30
 
-    texture = row_texture(context.gl, texels, AssertionError(), SCENE_WIDTH)
+    texture = BufferTexture(context, texels)
 
     def bind(program):
-        texture.use(0)
-        set_uniform(program, "u_scene", 0)
+        texture.bind(program, "u_scene", 0)
         set_uniform(program, "u_clearance", 0)
 
     found = evaluate(context, tmp_path, "media/clearance.glsl", "o0 = vec4(is_clear(f0.xyz, f1.xyz, f1.w));",

@@ -74,13 +74,12 @@ class Shown:
         buffer = SceneBufferBuilder()
         buffer.add("other", np.zeros((5, 4), np.uint32))
         buffer.add("volumes", grids.records(self.scene, Medium((self.extinction,) * 3)))
-        texture = buffer.texture(self.context.gl)
+        texture = buffer.texture(self.context)
 
         def bind(program):
-            texture.use(UNIT_SCENE)
             grids.use_textures()
             grids.set_uniforms(program)
-            set_uniform(program, "u_scene", UNIT_SCENE)
+            texture.bind(program, "u_scene", UNIT_SCENE)
             set_uniform(program, "u_volumes", 5)
 
         found = evaluate(self.context, self.folder, "media/tracking.glsl", body, rows, outputs, bind=bind)

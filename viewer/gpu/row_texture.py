@@ -11,19 +11,16 @@ _WIDTH = 4096
 _DTYPES = {"uint8": "f1", "float16": "f2", "float32": "f4", "int32": "i4", "uint32": "u4"}
 
 
-def row_texture(
-    gl: moderngl.Context, texels: np.ndarray, too_many: ViewerError, width: int | None = None
-) -> moderngl.Texture:
+def row_texture(gl: moderngl.Context, texels: np.ndarray, too_many: ViewerError) -> moderngl.Texture:
     """A texture that holds (N, C) `texels` row by row: texel i is at (i % width, i / width).
 
-    `width` is the number of texels per row. None means 4096, or more if `texels` need it. Shaders read uint8 as [0, 1].
-    Raises the exception `too_many` if the texels exceed OpenGL's maximum texture size.
+    A row has 4096 texels, or more if `texels` need it. Shaders read uint8 as [0, 1]. Raises the exception `too_many` if
+    the texels exceed OpenGL's maximum texture size.
     """
     limit = gl.info["GL_MAX_TEXTURE_SIZE"]
-    if width is None:
-        width = min(_WIDTH, limit)
-        while len(texels) > width * limit and width < limit:
-            width *= 2
+    width = min(_WIDTH, limit)
+    while len(texels) > width * limit and width < limit:
+        width *= 2
     height = max(-(-len(texels) // width), 1)
     if height > limit:
         raise too_many

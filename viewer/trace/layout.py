@@ -47,8 +47,6 @@ MOST_STEPS = 8000
 """A path that has so many collisions in media, and would go on, is left out of the picture and counted. The counter of
 shaders/trace/state.glsl holds a few more."""
 
-SCENE_WIDTH = 4096
-"""Texels in a row of the scene buffer."""
 INSTANCE_TEXELS = 5
 """Texels of an instance in the scene buffer.
 

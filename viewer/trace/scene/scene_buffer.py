@@ -1,16 +1,15 @@
-"""The scene buffer: all arrays of a scene that the tracer's shaders read, in one texture.
+"""The scene buffer: all arrays of a scene that the tracer's shaders read, in one buffer texture.
 
 shaders/trace/scene_buffer.glsl reads it.
 """
 
 from __future__ import annotations
 
-import moderngl
 import numpy as np
 
 from ...errors import InputError
-from ...gpu.row_texture import row_texture
-from ..layout import SCENE_WIDTH
+from ...gpu.buffer_texture import BufferTexture, most_texels
+from ...gpu.context import Context
 
 
 class SceneBufferBuilder:
@@ -45,10 +44,10 @@ class SceneBufferBuilder:
         """The first texel of each section, by the name of its uniform."""
         return {f"u_{name}": offset for name, offset in self.offsets.items()}
 
-    def texture(self, gl: moderngl.Context, scene_name: str = "") -> moderngl.Texture:
-        """All sections as an RGBA32UI texture. Raises InputError if a texture of this OpenGL cannot hold them."""
-        texels = np.concatenate([np.zeros((0, 4), np.uint32), *self._sections])
-        most = SCENE_WIDTH * gl.info["GL_MAX_TEXTURE_SIZE"]
-        return row_texture(gl, texels, InputError(
-            scene_name, "", f"too many triangles to trace here: {self.count} texels of data, and a texture holds {most}"
-        ), SCENE_WIDTH)
+    def texture(self, context: Context, scene_name: str = "") -> BufferTexture:
+        """All sections. Raises InputError if a buffer texture of this OpenGL cannot hold them."""
+        most = most_texels(context)
+        if self.count > most:
+            raise InputError(scene_name, "", f"too many triangles to trace here: {self.count} texels of data, and a "
+                                             f"buffer holds {most}")
+        return BufferTexture(context, np.concatenate(self._sections) if self.count else np.zeros((1, 4), np.uint32))

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import moderngl
 
+from ...gpu.buffer_texture import BufferTexture
 from ...gpu.context import Context
 from ...gpu.programs import set_uniform
 from ...scene.scene import Scene
@@ -31,6 +32,7 @@ class SceneData:
         self.warnings = [line for atlas in (self._color, self._data) if atlas for line in atlas.layout.warnings]
         self.take(scene, geometry)
         self._uploaded = self.buffer
+        self._sections: BufferTexture | None = None
         self._textures: dict[str, tuple[int, moderngl.Texture]] = {}
 
     def fits(self, scene: Scene, geometry: TraceGeometry) -> bool:
@@ -52,9 +54,10 @@ class SceneData:
         A second call replaces the scene buffer; the atlases stay. Raises InputError for an image that is broken.
         """
         self._uploaded = buffer or self.buffer
-        if "u_scene" in self._textures:
-            self._textures.pop("u_scene")[1].release()
-        self._textures["u_scene"] = UNIT_SCENE, self._uploaded.texture(self._context.gl, self._name)
+        if self._sections is not None:
+            self._sections.release()
+            self._sections = None  # in case that the next one fails
+        self._sections = self._uploaded.texture(self._context, self._name)
         for name, unit, atlas in (("u_color_atlas", UNIT_COLOR_ATLAS, self._color),
                                   ("u_data_atlas", UNIT_DATA_ATLAS, self._data)):
             if atlas and name not in self._textures:
@@ -71,15 +74,18 @@ class SceneData:
 
     def use_textures(self) -> None:
         """Bind the textures to their units."""
+        assert self._sections is not None
+        self._sections.use(UNIT_SCENE)
         for unit, texture in self._textures.values():
             texture.use(unit)
 
     def set_uniforms(self, program: moderngl.Program) -> None:
         """Set the uniforms of the scene buffer, the atlases and the sections."""
         # A missing atlas gets its unit, too: samplers of two types must not share a unit.
-        for name, unit in (("u_color_atlas", UNIT_COLOR_ATLAS), ("u_data_atlas", UNIT_DATA_ATLAS),
-                           ("u_scene", UNIT_SCENE)):
+        for name, unit in (("u_color_atlas", UNIT_COLOR_ATLAS), ("u_data_atlas", UNIT_DATA_ATLAS)):
             set_uniform(program, name, unit)
+        assert self._sections is not None
+        self._sections.set_sampler(program, "u_scene", UNIT_SCENE)
         set_uniform(program, "u_shows_specular", self._shows_specular)
         for name, offset in self._uploaded.uniforms().items():
             set_uniform(program, name, offset)
@@ -88,12 +94,14 @@ class SceneData:
     def texture_bytes(self) -> int:
         """Size of the textures on the GPU."""
         textures = [texture for _, texture in self._textures.values()]
-        return sum(t.width * t.height * t.components * int(t.dtype[1]) for t in textures)
+        return 16 * self._uploaded.count + sum(t.width * t.height * t.components * int(t.dtype[1]) for t in textures)
 
     def release(self) -> None:
         for atlas in (self._color, self._data):
             if atlas:
                 atlas.cancel()
+        if self._sections is not None:
+            self._sections.release()
         for _, texture in self._textures.values():
             texture.release()
 
