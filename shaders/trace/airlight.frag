@@ -24,7 +24,7 @@ float airlight_sample(Medium m, vec3 chances, float way, float u) {
 }
 
 void main() {
-    ivec2 texel = ivec2(gl_FragCoord.xy);
+    ivec2 texel = source_of(ivec2(gl_FragCoord.xy));
     Path p = read_path(texel, uvec4(0u));
     int medium = innermost(p.medium);
     Medium m = medium_of(medium);

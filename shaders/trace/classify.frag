@@ -1,6 +1,6 @@
 // Writes the class of each path as a depth value. The later passes then shade only the paths of their class, by a depth
 // test for equality. `discard` would give the same pictures, but software OpenGL runs a discarded fragment to its end.
-// FIRST_HITS: write only the class of paths whose camera ray hit a surface or a curve, or met neither and collides in a
+// FIRST_HITS: write, in the home of each path, only the class of paths whose camera ray hit a surface or a curve, or met neither and collides in a
 // medium; all others count as idle.
 #include "trace/path_class.glsl"
 #include "trace/state.glsl"
@@ -29,8 +29,12 @@ int class_in_medium(ivec2 texel, int path_class) {
 #endif
 
 void main() {
-    ivec2 texel = ivec2(gl_FragCoord.xy);
-    float status = floor(texelFetch(u_origin, texel, 0).w);
+    #if FIRST_HITS
+    ivec2 texel = place_of(ivec2(gl_FragCoord.xy));
+#else
+    ivec2 texel = source_of(ivec2(gl_FragCoord.xy));
+#endif
+    float status = texel.y < 0 ? float(IDLE) : floor(texelFetch(u_origin, texel, 0).w);
     int kind = hit_kind(texelFetch(u_hit, texel, 0));
     int path_class = CLASS_SHADE + kind;
     if (status == IDLE) path_class = CLASS_IDLE;

@@ -6,7 +6,7 @@
 #include "trace/fibre_hit.glsl"
 
 void main() {
-    ivec2 texel = ivec2(gl_FragCoord.xy);
+    ivec2 texel = source_of(ivec2(gl_FragCoord.xy));
     uvec4 hit = texelFetch(u_hit, texel, 0);
     Path p = read_path(texel, hit);
 #if PHOTONS

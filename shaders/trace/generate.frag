@@ -20,15 +20,16 @@ uniform float u_camera_eta2; // the square of the index there
 #endif
 
 void main() {
-    ivec2 texel = ivec2(gl_FragCoord.xy);
-#if BEGINS
-    ivec4 block = texelFetch(u_blocks, texel / TILE, 0);
-    bool is_inside = all(lessThan(block.xy * TILE + texel % TILE, u_size));
+    #if BEGINS
+    ivec2 texel = ivec2(gl_FragCoord.xy), home = home_of(texel);
+    ivec4 block = texelFetch(u_blocks, home / TILE, 0);
+    bool is_inside = all(lessThan(block.xy * TILE + home % TILE, u_size));
 #if HAS_SKY
-    is_inside = is_inside && texelFetch(u_sky, block.xy * TILE + texel % TILE, 0).a == 0.0;
+    is_inside = is_inside && texelFetch(u_sky, block.xy * TILE + home % TILE, 0).a == 0.0;
 #endif
     int left = is_inside ? block.w : 0;
 #else
+    ivec2 texel = source_of(ivec2(gl_FragCoord.xy));
     int left = unpack_left(texelFetch(u_radiance, texel, 0).w);
 #endif
     if (left == 0) {

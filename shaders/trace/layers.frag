@@ -8,7 +8,7 @@ layout(location = 1) out vec4 o_normal; // world axes, towards the camera's side
 layout(location = 2) out vec4 o_emission;
 
 void main() {
-    ivec2 texel = ivec2(gl_FragCoord.xy);
+    ivec2 texel = place_of(ivec2(gl_FragCoord.xy));
     uvec4 hit = texelFetch(u_hit, texel, 0);
     Path p = read_path(texel, hit);
     vec3 wo = -p.direction;

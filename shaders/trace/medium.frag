@@ -43,7 +43,7 @@ bool scatter_in(inout Path p, Medium m, vec3 u) {
 }
 
 void main() {
-    ivec2 texel = ivec2(gl_FragCoord.xy);
+    ivec2 texel = source_of(ivec2(gl_FragCoord.xy));
     Path p = read_path(texel, uvec4(0u));
     Sample s = path_sample(texel, p.left);
     Medium m = medium_of(innermost(p.medium));

@@ -12,7 +12,7 @@ layout(location = 1) out vec4 o_normal; // 0, distance along the ray in world un
 layout(location = 2) out vec4 o_emission;
 
 void main() {
-    ivec2 texel = ivec2(gl_FragCoord.xy);
+    ivec2 texel = place_of(ivec2(gl_FragCoord.xy));
     Path p = read_path(texel, uvec4(0u));
     Medium m = medium_of(innermost(p.medium));
     float way = scatters(m) ? flight_of(p, m, vertex_numbers(path_sample(texel, p.left), p, FLIGHT_GROUP).x) : 3e38;

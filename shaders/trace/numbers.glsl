@@ -9,10 +9,11 @@ struct Sample {
     uint index;
 };
 
-// The sample that the path in `texel` works on, after which `left` samples remain.
+// The sample that the path in `texel` of the present state works on, after which `left` samples remain.
 Sample path_sample(ivec2 texel, int left) {
-    ivec4 block = texelFetch(u_blocks, texel / TILE, 0);
-    return Sample(block.xy * TILE + texel % TILE, uint(block.z + block.w - 1 - left));
+    ivec2 home = home_of(texel);
+    ivec4 block = texelFetch(u_blocks, home / TILE, 0);
+    return Sample(block.xy * TILE + home % TILE, uint(block.z + block.w - 1 - left));
 }
 
 vec4 sample_numbers(Sample s, uint group) {

@@ -62,7 +62,7 @@ void pass_pane(Path p, Interaction i, vec3 arriving, vec3 weight) {
 #include "trace/photon_surface.glsl"
 #else
 void main() {
-    ivec2 texel = ivec2(gl_FragCoord.xy);
+    ivec2 texel = source_of(ivec2(gl_FragCoord.xy));
     uvec4 hit = texelFetch(u_hit, texel, 0);
     Path p = read_path(texel, hit);
     Sample s = path_sample(texel, p.left);

@@ -1,5 +1,6 @@
 // The state of a wavefront's paths, one texel of each texture for each path, and how it is packed.
 // viewer/trace/paths/wavefront.py makes the textures.
+#include "trace/arrangement.glsl"
 #include "trace/hit.glsl"
 #if HAS_LIGHT_TREE
 #include "trace/facing.glsl"

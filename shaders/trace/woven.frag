@@ -32,7 +32,7 @@ void weave_directions(Triangle tri, mat3 frame, out vec2 du, out vec2 dv) {
 }
 
 Bsdf bsdf_at(Interaction i, SurfaceMaterial m, vec3 wo, vec3 n_coat) {
-    Triangle tri = find_triangle(unpack_hit(texelFetch(u_hit, ivec2(gl_FragCoord.xy), 0)));
+    Triangle tri = find_triangle(unpack_hit(texelFetch(u_hit, source_of(ivec2(gl_FragCoord.xy)), 0)));
     vec2 du, dv;
     weave_directions(tri, shading_frame(i, m.inputs), du, dv);
     Bsdf b;

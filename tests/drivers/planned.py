@@ -83,7 +83,8 @@ def path_keys(scene: Scene, settings: Settings) -> Iterator[Key]:
     """Of the passes over wavefronts of paths and photons, all but intersection."""
     plan = plan_without_device(scene, settings)
     for name, program in (*plan.programs.items(), *plan.photons.items()):
-        yield vertex_shader(name), program.fragment, tuple(shader_defines(dict(program.switches)).items())
+        defines = shader_defines(dict(program.switches))
+        yield vertex_shader(name, plan.is_sorted), program.fragment, tuple(defines.items())
 
 
 def keys(scene: Scene, settings: Settings) -> Iterator[Key]:

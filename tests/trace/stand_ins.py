@@ -77,7 +77,7 @@ def make_wavefront(gl: moderngl.Context, size: tuple[int, int]) -> SimpleNamespa
     wavefront = SimpleNamespace(**textures, hit=gl.texture(size, 4, dtype="u4"))
     for texture in vars(wavefront).values():
         texture.filter = moderngl.NEAREST, moderngl.NEAREST
-    wavefront.along, wavefront.sees_backs = None, False
+    wavefront.along, wavefront.rows, wavefront.sees_backs = None, size[1], False
     return wavefront
 
 

@@ -146,7 +146,7 @@ class _Rays:
         self.shadow_origin = self.shadow_vector = self.medium = _texture(gl, size, np.zeros((0, 4)))
         self.hit = gl.texture(size, 4, dtype="u4")
         self.hit.filter = moderngl.NEAREST, moderngl.NEAREST
-        self.along, self.sees_backs = None, False
+        self.along, self.rows, self.sees_backs = None, size[1], False
 
     def read_hits(self) -> NDArray[np.uint32]:
         return np.frombuffer(self.hit.read(), np.uint32).reshape(-1, 4)[:self._count]

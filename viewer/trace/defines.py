@@ -37,7 +37,8 @@ def shader_defines(switches: Mapping[str, int] | None = None) -> dict[str, float
     """The defines of a program of shaders/trace: its own `switches`, and the shared numbers."""
     switches = switches or {}
     far = {"FAR": 2 * layout.MEDIA_REACH if switches.get("HAS_SCATTERING") else layout.FAR}
-    return {**_CONSTANTS, **far, **layout.vertex_layout(switches), **layout.medium_layout(switches), **switches}
+    return {**_CONSTANTS, **far, **layout.vertex_layout(switches), **layout.medium_layout(switches),
+            "SORTED": 0, **switches}
 
 
 def surface_defines(switches: Mapping[str, int]) -> dict[str, float]:

@@ -62,6 +62,11 @@ class TracePlan:
         return bool(self.programs["generate"]["HAS_TRANSMISSION"])
 
     @property
+    def is_sorted(self) -> bool:
+        """Whether paths of one class lie side by side."""
+        return bool(dict(self.programs["classify"].switches)["SORTED"])
+
+    @property
     def missing(self) -> tuple[str, ...]:
         """The lines of `left_out` about what the picture lacks, and not about code that it does not need."""
         return tuple(line for line in self.left_out if any(words in line for words in _MISSING))
@@ -90,13 +95,14 @@ def plan_trace(
     scene: Scene, settings: Settings, geometry: TraceGeometry, switches: Mapping[str, int], *, intersector: str,
     has_layers: bool, left_out: Sequence[str] = (), rays: int = 0,
     is_background_smooth: bool = False, photons: Photons | None = None, has_sky: bool = False,
+    is_sorted: bool = False,
 ) -> TracePlan:
     """The plan for `scene` under `settings`.
 
     `switches` are those of the scene's data and lights, `left_out` their lines for the user. `rays` is the kind of rays
     in shaders/trace/surface_ray.glsl, 0 for camera rays. `is_background_smooth` says whether these see the environment
     by B-splines (shaders/trace/background.glsl). `photons` says what photons are aimed at. `has_sky` says that there
-    are pixels which no triangle can touch.
+    are pixels which no triangle can touch, `is_sorted` that paths are sorted (viewer/trace/paths/arrangement.py).
     """
     sampling = setting_choices()["sampling"].index(settings.sampling)
     switches = dict(switches) | bsdf_switches(settings) | {"SAMPLING": sampling}
@@ -107,7 +113,7 @@ def plan_trace(
     switches["HAS_LIGHTS"] = int(any(switches[name] for name in ("HAS_ENVIRONMENT", "HAS_PUNCTUAL", "HAS_EMITTERS")))
     switches["BACKGROUND"] = (1 + is_background_smooth) * (settings.background == "env" and switches["HAS_ENVIRONMENT"])
     switches["CLAMP"] = int(settings.clamp > 0)
-    switches["PHOTONS"] = 0
+    switches |= {"PHOTONS": 0, "SORTED": int(is_sorted)}
     kinds = {instance.kind for instance in geometry.instances}
     if settings.plan == "everything":
         kinds = {kind for kind in KINDS if kind is not FIBRE and (kind is not BOUNDARY or geometry.scatters)}
@@ -115,7 +121,7 @@ def plan_trace(
         switches |= dict.fromkeys((*_NEUTRAL, *emitters), 1)
     kinds |= {FIBRE} if geometry.curves is not None else set()
     state = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_NESTED",
-                                               "HAS_GRIDS", "HAS_FOG", "HAS_LIGHT_TREE", DISPERSION.switch)}
+                                               "HAS_GRIDS", "HAS_FOG", "HAS_LIGHT_TREE", DISPERSION.switch, "SORTED")}
     first = state | {"RAYS": rays}
     sky_names = ("HAS_ENVIRONMENT", "ENVIRONMENT_ROTATED", "BACKGROUND", "CLAMP", "SAMPLING", "HAS_VOLUME")
     sky = {name: switches[name] for name in sky_names}
@@ -134,7 +140,7 @@ def plan_trace(
            for kind in KINDS if kind in kinds},
         **{name: Program.of(f"trace/{name}.frag", switches) for name, switch in _MEDIA.items() if switches[switch]},
         "idle": Program.of("trace/idle.frag", {}),
-        "alive": Program.of("trace/alive.frag", state),
+        **({} if is_sorted else {"alive": Program.of("trace/alive.frag", state)}),
     }
     if has_layers:
         programs |= {"classify first hits": Program.of("trace/classify.frag", classes | {"FIRST_HITS": 1}),
@@ -154,7 +160,8 @@ def plan_trace(
 def _photon_programs(programs: Mapping[str, Program], switches: Mapping[str, int], classes: Mapping[str, int],
                      ) -> dict[str, Program]:
     """The programs for paths from lights: those of `programs` that change, and the same ones for the rest."""
-    light = {"PHOTONS": 1, "HAS_CLEARANCE": 0}  # photons are connected at every collision
+    light = {"PHOTONS": 1, "HAS_CLEARANCE": 0, "SORTED": 0}  # photons are connected at every collision
+    switches, classes = {**switches, "SORTED": 0}, {**classes, "SORTED": 0}
     first = {name: switches[name] for name in ("HAS_TRANSMISSION", "HAS_SCATTERING", "HAS_PANES", "HAS_NESTED",
                                                "HAS_GRIDS", "HAS_FOG", "HAS_LIGHT_TREE", DISPERSION.switch,
                                                "LIGHT_RADIUS")}
@@ -162,13 +169,13 @@ def _photon_programs(programs: Mapping[str, Program], switches: Mapping[str, int
                for name, program in programs.items() if name in {kind.name for kind in KINDS} | {"medium"}}
     return {
         "begin": Program.of("trace/emit.frag", first | {"BEGINS": 1}),
-        **({"track": programs["track"]} if "track" in programs else {}),
-        "classify": Program.of("trace/classify.frag", dict(classes) | {"FIRST_HITS": 0, "HAS_AIRLIGHT": 0}),
+        **({"track": Program.of("trace/track.frag", classes)} if "track" in programs else {}),
+        "classify": Program.of("trace/classify.frag", classes | {"FIRST_HITS": 0, "HAS_AIRLIGHT": 0}),
         "generate": Program.of("trace/emit.frag", first | {"BEGINS": 0}),
         **shading,
         "idle": programs["idle"],
-        "alive": programs["alive"],
-        "splat": Program.of("trace/splat.frag", dict(classes)),
+        "alive": programs.get("alive", Program.of("trace/alive.frag", classes)),
+        "splat": Program.of("trace/splat.frag", classes),
         "weigh": Program.of("trace/weigh.frag", switches),
     }
 

@@ -70,7 +70,7 @@ class _Rays:
     def __init__(self, gl: moderngl.Context, gbuffer: GBuffer) -> None:
         self._gl, self.gbuffer = gl, gbuffer
         self.origin, self.direction, self.shadow_vector = (nearest_texture(gl, gbuffer.size, "f4") for _ in range(3))
-        self.shadow_origin, self.sees_backs = self.shadow_vector, False
+        self.shadow_origin, self.rows, self.sees_backs = self.shadow_vector, gbuffer.size[1], False
         self.hit = nearest_texture(gl, gbuffer.size, "u4")
         self.hit_radiance, self.environment, self.reflected = (
             nearest_texture(gl, gbuffer.size, "f2") for _ in range(3))

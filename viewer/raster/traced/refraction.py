@@ -102,7 +102,7 @@ class _Paths:
     def __init__(self, gl: moderngl.Context, depth: Depth, size: tuple[int, int]) -> None:
         self._gl, self._depth, self.size = gl, depth, size
         self.positions, self.shadow_vector = (nearest_texture(gl, size, "f4") for _ in range(2))
-        self.shadow_origin, self.sees_backs = self.shadow_vector, False
+        self.shadow_origin, self.rows, self.sees_backs = self.shadow_vector, size[1], False
         self.hit = nearest_texture(gl, size, "u4")
         self._buffer = depth.renderbuffer(size)
         self._rays = [[nearest_texture(gl, size, "f4") for _ in _STATE[:-1]] for _ in range(2)]

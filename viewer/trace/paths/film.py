@@ -14,6 +14,7 @@ from ...gpu.over_picture import draw_over
 from ...gpu.programs import Programs, set_uniform
 from ..defines import shader_defines
 from ..layout import TILE
+from .gathered import Gathered
 from .photon_sums import PhotonSums
 from .sky import UNIT_SKY, Sky
 from .wavefront import LAYERS, SECOND, SUMS, UNIT_BLOCKS, Sums, Wavefront, Work
@@ -63,6 +64,8 @@ class Film:
         """Add the sums of these blocks of the wavefront to their tiles, in this order."""
         self._added += 1
         self._resolve(wavefront, blocks, wavefront.sums, self._sums)
+        if wavefront.gathered is not None:
+            self._resolve(wavefront, blocks, wavefront.gathered, self._sums)
         if self._layers is not None and wavefront.layers is not None:
             self._resolve(wavefront, blocks, wavefront.layers, self._layers)
         if self.parts:
@@ -130,7 +133,7 @@ class Film:
         program = self._programs.get("display/fullscreen.vert", f"trace/film/{name}.frag", shader_defines())
         draw_over(self._gl, program, target, sources, uniforms=uniforms)
 
-    def _resolve(self, wavefront: Wavefront, blocks: np.ndarray, source: Sums, target: Sums) -> None:
+    def _resolve(self, wavefront: Wavefront, blocks: np.ndarray, source: Sums | Gathered, target: Sums) -> None:
         program = self._programs.get("trace/film/resolve.vert", "trace/film/resolve.frag",
                                      shader_defines({"COUNT": len(source.textures)}))
         target.framebuffer.use()

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 
 import moderngl
 import numpy as np
+from numpy.typing import NDArray
 
 from ...gpu.context import Context
 from ...gpu.fullscreen import fullscreen
@@ -20,6 +21,7 @@ from ..layout import (
     CLASS_IDLE,
     CLASS_MEDIUM,
     CLASS_SHADE,
+    IDLE,
 )
 from ..plan import TracePlan
 from .sky import Sky
@@ -33,11 +35,13 @@ _CLASSES = {"idle": CLASS_IDLE, "finish": CLASS_ENDED, "generate": CLASS_ENDED, 
 _OVER_BLOCKS = ("begin", "zero", "begin sums")
 
 
-def vertex_shader(name: str) -> str:
-    """The vertex shader of the pass `name`."""
+def vertex_shader(name: str, is_sorted: bool = False) -> str:
+    """The vertex shader of the pass `name`, of a wavefront that is sorted or not."""
     if name in ("splat", "weigh"):
         return f"trace/{name}.vert"
     if name in ("alive", "track", "sky"):
+        return "display/fullscreen.vert"
+    if name == "begin" and is_sorted:
         return "display/fullscreen.vert"
     return "trace/blocks.vert" if name in _OVER_BLOCKS else "trace/path_class.vert"
 
@@ -59,7 +63,7 @@ class Passes:
         self._shading = (*plan.surfaces, *plan.media)
         self._programs = {}
         for name, program in plan.programs.items():
-            self._programs[name] = programs.get(vertex_shader(name), program.fragment,
+            self._programs[name] = programs.get(vertex_shader(name, plan.is_sorted), program.fragment,
                                                 shader_defines(dict(program.switches)))
 
     def draw_sky(self, sky: Sky) -> None:
@@ -81,10 +85,17 @@ class Passes:
                 sums.framebuffer.use()
                 wavefront.draw_blocks(self._program(name, u_grid=wavefront.grid), blocks)
         wavefront.present.use()
-        wavefront.draw_blocks(self._program("begin", u_grid=wavefront.grid), blocks)
+        if wavefront.arrangement is None:
+            wavefront.draw_blocks(self._program("begin", u_grid=wavefront.grid), blocks)
+        else:
+            wavefront.arrangement.bind()
+            row, rows = wavefront.begun_rows
+            wavefront.present.scissor = 0, row, wavefront.size[0], rows
+            wavefront.present.use()
+            self._draw("begin")
 
-    def shade(self, wavefront: Wavefront) -> None:
-        """Compute the next state of the wavefront from its hits.
+    def shade(self, wavefront: Wavefront, classes: NDArray[np.uint8] | None = None) -> None:
+        """Compute the next state of the wavefront from its hits; a sorted one needs `classes` (`Answer.classes`).
 
         No pass reads what another pass has drawn, except the depth, so that a driver need not wait between them.
         """
@@ -92,13 +103,17 @@ class Passes:
         self._bind_wavefront(wavefront)
         gl.blend_func = moderngl.ONE, moderngl.ONE
         if wavefront.layers is not None:
+            wavefront.classes.scissor = 0, 0, *wavefront.size  # of all homes
             self._classify(wavefront, "classify first hits")
             wavefront.layers.framebuffer.use()
             gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
             for name in self._layers:
                 self._draw(name)
+        if wavefront.arrangement is not None and classes is not None:
+            wavefront.sort(classes)
         self._classify(wavefront, "classify")
-        wavefront.sums.framebuffer.use()
+        finished = wavefront.sums.framebuffer if wavefront.gathered is None else wavefront.gathered.finished
+        finished.use()
         gl.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
         self._draw("finish")
         self._advance(wavefront)
@@ -127,6 +142,8 @@ class Passes:
 
     def find_alive(self, wavefront: Wavefront) -> np.ndarray:
         """Whether any path of a block is not idle, (blocks,) bool. Waits for the device."""
+        if wavefront.arrangement is not None:
+            return wavefront.arrangement.alive(wavefront.read_status() != IDLE)
         wavefront.bind()
         wavefront.alive.use()
         self._gl.enable_only(moderngl.NOTHING)

@@ -58,7 +58,8 @@ class PathRender:
         context = passes.context
         maker = WavefrontMaker(context, plan, math.prod(film.tiles) * settings.most_spp, is_interactive)
         self._check_interval = maker.check_interval
-        self._wavefronts = [TracedWavefront(maker.make("layers" in plan.programs)) for _ in range(2)]
+        self._wavefronts = [TracedWavefront(maker.make("layers" in plan.programs, is_sorted=plan.is_sorted))
+                            for _ in range(2)]
         self._photons: PhotonRender | None = None
         if photon_passes is not None and film.photon_sums is not None:
             self._photons = PhotonRender(photon_passes, intersector, film.photon_sums, maker)
@@ -152,8 +153,8 @@ class PathRender:
         rays = self._intersector.fetch(first.wavefront) if first.is_busy else None
         if second.answer is not None:
             self._intersector.store(second.wavefront, second.answer)
+            self._passes.shade(second.wavefront, second.answer.classes)
             second.answer = None
-            self._passes.shade(second.wavefront)
             second.iterations += 1
             self._flush()
         if rays is not None:
@@ -164,15 +165,17 @@ class PathRender:
     def _refill(self, wavefront: Wavefront) -> None:
         """Add blocks that are done to the film, and give new work to blocks that have none."""
         if wavefront.is_busy.any():
+            if wavefront.gathered is not None:
+                wavefront.gathered.take()
             done = np.flatnonzero(wavefront.is_busy & ~self._passes.find_alive(wavefront))
             self._collect(wavefront, done)
         if self._schedule.done:
             return
-        free = np.flatnonzero(~wavefront.is_busy)
+        room, free = wavefront.room, np.flatnonzero(~wavefront.is_busy)
         wanted: list[Work] = []
         for _ in range(REFILLS):
             is_last = not wanted and not any(traced.is_busy for traced in self._wavefronts)
-            missing = len(free) - len(wanted)
+            missing = room - len(wanted)
             work = self._schedule.next(missing, is_last) if missing else []
             if not work:
                 break
@@ -195,6 +198,8 @@ class PathRender:
     def _collect(self, wavefront: Wavefront, blocks: np.ndarray) -> None:
         if not len(blocks):
             return
+        if wavefront.gathered is not None:
+            wavefront.gathered.show(blocks)
         self.film.add(wavefront, blocks)
         wavefront.is_busy[blocks] = False
         self._count(wavefront.work[blocks])

@@ -7,11 +7,15 @@ from typing import NamedTuple
 
 import moderngl
 import numpy as np
+from numpy.typing import NDArray
 
 from ...gpu.context import Context
 from ...gpu.float_depth import float_depth_renderbuffer
 from ...gpu.float_target import float_target
 from ..layout import TILE
+from .arrangement import UNITS as ARRANGED
+from .arrangement import Arrangement
+from .gathered import Gathered
 
 STATE = ("origin", "direction", "shadow_origin", "shadow_vector", "throughput", "radiance", "medium")
 """The textures of a state, in the order of their units and attachments. shaders/trace/state.glsl describes them.
@@ -21,7 +25,7 @@ SUMS, LAYERS = 2, 3
 UNIT_HIT, UNIT_BLOCKS = len(STATE), len(STATE) + 1
 UNIT_ALONG, UNIT_FLIGHT = 19, 20  # beyond those of viewer/trace/paths/surface_rays.py
 UNITS = {f"u_{name}": unit for unit, name in enumerate(STATE)} | {
-    "u_hit": UNIT_HIT, "u_blocks": UNIT_BLOCKS, "u_along": UNIT_ALONG, "u_flight": UNIT_FLIGHT}
+    "u_hit": UNIT_HIT, "u_blocks": UNIT_BLOCKS, "u_along": UNIT_ALONG, "u_flight": UNIT_FLIGHT} | ARRANGED
 """Uniforms of shaders/trace/state.glsl and the texture units of `Wavefront.bind`."""
 
 
@@ -61,6 +65,7 @@ class Wavefront:
     and write `next`, and `swap` makes that the present one. An intersector writes `hit` and, with `has_along`, `along`
     (viewer/trace/rays/intersect.py). `classes` has the class of each path as a depth value, and `alive` says
     for each block, in one texel, whether any of its paths is not idle.
+    With `is_sorted` an `arrangement` says where the paths lie; else each lies in the texel of its block and pixel.
     `work`, (blocks, 4) int32, has the work items of the blocks, as in `Work`. `is_busy`, (blocks,), says which of them
     may not be done yet.
     """
@@ -74,10 +79,12 @@ class Wavefront:
     medium: moderngl.Texture
 
     def __init__(self, context: Context, columns: int, rows: int, has_medium: bool, has_layers: bool,
-                 has_along: bool = False, has_grids: bool = False, sees_backs: bool = False) -> None:
+                 has_along: bool = False, has_grids: bool = False, sees_backs: bool = False,
+                 is_sorted: bool = False) -> None:
         gl = self._gl = context.gl
         self.grid = columns, rows
         self.sees_backs = sees_backs
+        self.arrangement = Arrangement(gl, self.grid, has_layers) if is_sorted else None
         self.size = columns * TILE, rows * TILE
         depth = float_depth_renderbuffer(context, self.size)
         self.classes = gl.framebuffer(depth_attachment=depth)
@@ -87,7 +94,8 @@ class Wavefront:
         for target in (*self._targets, *self._origins):
             target.depth_mask = False
         self._present = 0
-        self.present.clear()
+        for target in self._targets:
+            target.clear()
         self.hit = gl.texture(self.size, 4, dtype="u4")
         self.along = float_target(gl, self.size) if has_along else None
         self._along_volumes = [float_target(gl, self.size) for _ in range(2)] if has_grids else []
@@ -100,6 +108,11 @@ class Wavefront:
         self.alive = gl.framebuffer([gl.texture(self.grid, 1)])
         self.sums = Sums(gl, self.size, SUMS, depth)
         self.layers = Sums(gl, self.size, LAYERS, depth) if has_layers else None
+        self.gathered: Gathered | None = None
+        if self.arrangement is not None:
+            self.gathered = Gathered(gl, self.arrangement, self.size, SUMS, depth)
+        self.begun_rows = 0, 0
+        """The first row, and the number of rows, of a sorted wavefront that have the paths of work assigned last."""
         self.work = np.zeros((columns * rows, 4), np.int32)
         self.is_busy = np.zeros(columns * rows, bool)
 
@@ -123,12 +136,45 @@ class Wavefront:
         """The framebuffer of only the origins of the next state, which hold the status."""
         return self._origins[1 - self._present]
 
+    def sort(self, classes: NDArray[np.uint8]) -> None:
+        """Arrange the next state by classes (`viewer.trace.rays.intersect.Answer`), and draw of it only the rows whose
+        paths are not idle."""
+        assert self.arrangement is not None and self.gathered is not None
+        self.arrangement.sort(classes)
+        self.gathered.begin()
+        area = 0, 0, self.size[0], self.arrangement.next_rows
+        for target in (self.classes, self.next, self.next_origin, self.gathered.finished):
+            target.scissor = area
+
     def swap(self) -> None:
         """Make the next state the present one."""
         self._present = 1 - self._present
+        if self.arrangement is not None:
+            self.arrangement.advance()
+
+    @property
+    def room(self) -> int:
+        """How many blocks can be given work."""
+        free = int(np.count_nonzero(~self.is_busy))
+        return free if self.arrangement is None else min(free, self.arrangement.room)
+
+    @property
+    def rows(self) -> int:
+        """The number of rows whose paths may not be idle: all after them are."""
+        return self.size[1] if self.arrangement is None else self.arrangement.rows
+
+    def read_status(self) -> NDArray[np.float32]:
+        """The status of the paths in these rows. Waits for the device."""
+        rows = self.rows
+        texels = np.empty((rows * self.size[0], 4), np.float32)
+        if rows:
+            self.present.read_into(texels, viewport=(0, 0, self.size[0], rows), components=4, dtype="f4")
+        return np.floor(texels[:, 3])
 
     def assign(self, blocks: np.ndarray, work: Sequence[Work]) -> None:
         """Give a work item to each of the blocks with these numbers."""
+        if self.arrangement is not None:
+            self.begun_rows = self.arrangement.begin(blocks)
         self.work[blocks] = np.asarray(work, np.int32).reshape(-1, 4)
         self.is_busy[blocks] = True
         self._work_items.write(self.work)
@@ -140,6 +186,8 @@ class Wavefront:
         self.hit.use(UNIT_HIT)
         if self.along is not None:
             self.along.use(UNIT_ALONG)
+        if self.arrangement is not None:
+            self.arrangement.bind()
         self.bind_blocks()
 
     def bind_tracked(self) -> None:
@@ -161,7 +209,7 @@ class Wavefront:
     def release(self) -> None:
         for thing in (*self._targets, *self._origins, *self._states[0], *self._states[1], self.classes.depth_attachment,
                       self.classes, self.hit, self.along, self.tracked, *self._along_volumes,
-                      self._work_items, *self._arrays.values(), self._block_numbers,
+                      self._work_items, *self._arrays.values(), self._block_numbers, self.arrangement, self.gathered,
                       *self.alive.color_attachments, self.alive, self.sums, self.layers):
             if thing is not None:
                 thing.release()

@@ -32,6 +32,7 @@ class BvhIntersector:
     """
 
     name = "bvh"
+    tells_classes = False
 
     def __init__(self, context: Context, geometry: TraceGeometry, surfaces: Surfaces | None = None) -> None:
         self._context, self._gl = context, context.gl

@@ -17,10 +17,10 @@ from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
 
 from ...gpu.context import Context
-from ..layout import FREE, IDLE, IN_FLIGHT, INSTANCE_MASK, MISS
+from ..layout import FREE, IDLE, IN_FLIGHT, INSTANCE_MASK, KIND_SHIFT, MISS, NO_KIND
 from .embree_curves import EmbreeCurves
 from .flatten import flatten
-from .intersect import SHADOW_REACH, Answer, Surfaces, WavefrontTextures
+from .intersect import CLASS_OF_IDLE, SHADOW_REACH, Answer, Surfaces, WavefrontTextures
 from .see_through import MAX_LAYERS, SeeThrough
 from .shadow_media import ShadowMedia, instances_of, is_boundary, offset_origin
 
@@ -36,7 +36,7 @@ is the same."""
 class Rays:
     """The rays of a wavefront in memory, (paths, 4) float32 each, as the textures have them.
 
-    `medium` is read only in scenes with scattering. `sees_backs` is that of the wavefront.
+    `medium` is read only in scenes with scattering. The first `count` are traced. `sees_backs` is the wavefront's.
     """
 
     origin: NDArray[np.float32]
@@ -44,11 +44,20 @@ class Rays:
     shadow_origin: NDArray[np.float32]
     shadow_vector: NDArray[np.float32]
     medium: NDArray[np.float32]
+    count: int = 0
     sees_backs: bool = False
+
+    def first(self) -> Rays:
+        """Those that are traced."""
+        count = self.count
+        return Rays(self.origin[:count], self.direction[:count], self.shadow_origin[:count], self.shadow_vector[:count],
+                    self.medium[:count], count, self.sees_backs)
 
 
 class EmbreeIntersector:
     """An `Intersector`, see viewer/trace/rays/intersect.py."""
+
+    tells_classes = True
 
     def __init__(self, context: Context, geometry: TraceGeometry, surfaces: Surfaces | None = None) -> None:
         self.name = "embree " + ".".join(embreex.__version__.split(".")[:2])
@@ -71,7 +80,7 @@ class EmbreeIntersector:
         if self._rays is None or len(self._rays.origin) != count:
             self._rays = Rays(*np.empty((5, count, 4), np.float32))
         rays = self._rays
-        rays.sees_backs = wavefront.sees_backs
+        rays.count, rays.sees_backs = wavefront.rows * wavefront.origin.width, wavefront.sees_backs
         wavefront.origin.read_into(rays.origin)
         wavefront.direction.read_into(rays.direction)
         wavefront.shadow_origin.read_into(rays.shadow_origin)
@@ -81,7 +90,8 @@ class EmbreeIntersector:
         return rays
 
     def trace(self, rays: Rays) -> Answer:
-        hits = np.zeros((len(rays.origin), 4), np.uint32)
+        rays = rays.first()
+        hits = np.zeros((rays.count, 4), np.uint32)
         hits[:, 0] = MISS
         status = rays.origin[:, 3]
         in_flight = np.flatnonzero((status >= IN_FLIGHT) & (status < IN_FLIGHT + 1))
@@ -91,6 +101,7 @@ class EmbreeIntersector:
         reach = np.where(found["primID"] >= 0, found["tfar"], np.float32(np.inf))
         if self._curves is not None:
             self._curves.overwrite(hits, in_flight, origins, directions, reach)
+        classes = self._classes(rays, hits)
         vector = rays.shadow_vector
         shadowed = np.flatnonzero((status != IDLE) & ((vector[:, 0] != 0) | (vector[:, 1] != 0) | (vector[:, 2] != 0)))
         if self._media is not None or self._has_panes:
@@ -104,16 +115,27 @@ class EmbreeIntersector:
                 nesting = np.where(is_same, medium[:, 0], medium[:, 1]).astype(np.int64)
             along[shadowed, :3] = self._transmittance(
                 _rows(rays.shadow_origin, shadowed), _rows(vector, shadowed), nesting, rays.sees_backs)
-            return Answer(int(np.count_nonzero(status)), len(in_flight) + len(shadowed), hits, along)
+            return Answer(int(np.count_nonzero(status)), len(in_flight) + len(shadowed), hits, along,
+                          classes)
         free = np.zeros(len(hits), np.uint32)
         free[shadowed] = self._free(_rows(rays.shadow_origin, shadowed), _rows(vector, shadowed), rays.sees_backs)
         hits[:, 0] |= free * np.uint32(FREE)
-        return Answer(int(np.count_nonzero(status)), len(in_flight) + len(shadowed), hits)
+        return Answer(int(np.count_nonzero(status)), len(in_flight) + len(shadowed), hits, None, classes)
+
+    def _classes(self, rays: Rays, hits: NDArray[np.uint32]) -> NDArray[np.uint8]:
+        """As `Answer.classes`, of hits whose shadow rays are not written yet."""
+        classes = (hits[:, 0] >> KIND_SHIFT).astype(np.uint8)
+        if self._media is not None:
+            classes += np.uint8(NO_KIND + 1) * ((rays.medium[:, 0] > 0) & (classes != NO_KIND))
+        classes[rays.origin[:, 3] == IDLE] = CLASS_OF_IDLE
+        return classes
 
     def store(self, wavefront: WavefrontTextures, answer: Answer) -> None:
-        wavefront.hit.write(answer.hits)
+        width = wavefront.hit.width
+        area = 0, 0, width, len(answer.hits) // width
+        wavefront.hit.write(answer.hits, viewport=area)
         if answer.along is not None:
-            wavefront.along.write(answer.along)
+            wavefront.along.write(answer.along, viewport=area)
 
     def move(self, geometry: TraceGeometry) -> None:
         """embreex can neither refit a tree nor exchange a mesh: if anything moved, Embree builds a new one of all

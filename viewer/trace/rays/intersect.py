@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 SHADOW_REACH = 1 - 1e-5
 """The part of its vector that a shadow ray tests. It ends before the light, whose own triangle must not occlude it."""
 
+CLASS_OF_IDLE = 255
+"""Of idle paths in `Answer.classes`."""
+
 EMBREE_TRIANGLES = 20_000_000
 """Embree copies the triangles of every instance, at about 120 bytes each. Above this number the BVH is used."""
 
@@ -47,6 +50,10 @@ class WavefrontTextures(Protocol):
     sees_backs: bool
     """Whether shadow rays go to the camera, and so pass single-sided surfaces if they come to the front."""
 
+    @property
+    def rows(self) -> int:
+        """The number of rows whose paths may not be idle: all after them are."""
+
 
 @dataclass
 class Answer:
@@ -58,9 +65,12 @@ class Answer:
     alive: int | None
     rays: int | None
     hits: Any = None
-    """(paths, 4) uint32 for the hit texture, if they are not on the device already."""
+    """(paths, 4) uint32 for the first rows of the hit texture, if they are not on the device already."""
     along: Any = None
     """(paths, 4) float32 for the texture `along`, likewise."""
+    classes: Any = None
+    """(paths,) uint8, of an intersector that tells them: equal where paths are probably shaded by the same pass,
+    NO_KIND of those that have ended or whose ray meets nothing, CLASS_OF_IDLE of idle ones."""
 
 
 class Surfaces(Protocol):
@@ -76,6 +86,7 @@ class Intersector(Protocol):
     `rays = fetch(a)`, `store(b, ...)`, shade b, flush, `trace(rays)`. The rays are valid until the next fetch."""
 
     name: str
+    tells_classes: bool
 
     def fetch(self, wavefront: WavefrontTextures) -> Any:
         """The rays of the wavefront's present state. Waits for the device if it has to read them."""

@@ -1,0 +1,122 @@
+"""Where the paths of a wavefront lie, so that those of one class lie side by side.
+
+A CPU shades eight neighbouring texels at once, and takes as long for one of them as for all. Paths of different classes
+lie mixed after a few bounces. So each shading writes the next state in the order of classes, which are known where
+Embree has traced the rays in memory.
+"""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from ..layout import NO_KIND, TILE
+from ..rays.intersect import CLASS_OF_IDLE
+
+UNITS = {"u_source": 24, "u_home": 25, "u_place": 26}
+"""Texture units, beyond that of viewer/trace/paths/sky.py."""
+
+
+class Arrangement:
+    """Of a wavefront of `grid` (columns, rows) blocks of TILE x TILE paths.
+
+    A path keeps its home: the texel of its block and pixel, where its sums are. Its place in the present state is
+    another texel. Texels are numbered row by row. `rows` is the number of rows of the present state whose paths may not
+    be idle: those after them are. shaders/trace/arrangement.glsl reads the textures: `u_home` has for each texel of
+    these rows the home of its path, `u_source` for each texel of the next state the place in the present one from which
+    its path comes, and `u_place`, with `finds_places`, for each home the place of its path, or -1.
+    """
+
+    def __init__(self, gl: moderngl.Context, grid: tuple[int, int], finds_places: bool) -> None:
+        columns, rows = grid
+        self._size = columns * TILE, rows * TILE
+        numbers = np.arange(self._size[0] * self._size[1], dtype=np.int32)
+        x, y = numbers % self._size[0], numbers // self._size[0]
+        self._texels = y << 16 | x  # as the shader reads them
+        self._block = y // TILE * columns + x // TILE  # of each home
+        self.homes_of = np.argsort(self._block, kind="stable").reshape(columns * rows, TILE * TILE)
+        """(blocks, TILE^2), the homes of each block."""
+        self._textures = {name: gl.texture(self._size, 1, dtype="i4") for name in UNITS}
+        for texture in self._textures.values():
+            texture.filter = moderngl.NEAREST, moderngl.NEAREST
+        self._home, self._finds_places = numbers, finds_places
+        self._next: NDArray[np.int32] = numbers[:0]
+        self._used = self.rows = self.next_rows = 0
+        self.ended_rows = 0, 0
+        """The first row, and the number of rows, of the next state that have all paths which have ended."""
+
+    def homes(self, row: int, rows: int) -> NDArray[np.int32]:
+        """The homes of the paths in so many rows of the present state."""
+        return self._home[row * self._size[0]:(row + rows) * self._size[0]]
+
+    def sort(self, classes: NDArray[np.uint8]) -> None:
+        """Let the next state have the present paths of the first rows, one for each of `classes`
+        (`viewer.trace.rays.intersect.Answer`), in the order of their classes."""
+        counts = np.bincount(classes, minlength=CLASS_OF_IDLE + 1)
+        order = np.argsort(classes, kind="stable")
+        self._write("u_source", self._texels[order])
+        self._next = self._home[order]
+        self.next_rows = self._row_after(len(order) - int(counts[CLASS_OF_IDLE]))
+        first, last = np.cumsum(counts)[[NO_KIND - 1, NO_KIND]].tolist()
+        row = first // self._size[0]
+        self.ended_rows = row, self._row_after(last) - row if last > first else 0
+
+    def advance(self) -> None:
+        """The next state has become the present one."""
+        self._home[:len(self._next)] = self._next
+        self.rows = self.next_rows
+        self._show()
+
+    def _show(self) -> None:
+        homes = self.homes(0, self.rows)
+        self._write("u_home", self._texels[homes])
+        if self._finds_places:
+            place = np.full_like(self._home, -1)
+            place[homes] = self._texels[:len(homes)]
+            self._write("u_place", place)
+
+    def _write(self, name: str, texels: NDArray[np.int32]) -> None:
+        """Write the first rows of a texture."""
+        if len(texels):
+            self._textures[name].write(texels, viewport=(0, 0, self._size[0], len(texels) // self._size[0]))
+
+    def alive(self, is_alive: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Which blocks have paths that are not idle, (blocks,), for all paths of `rows`."""
+        (texels,) = np.nonzero(is_alive)
+        self._used = int(texels[-1]) + 1 if len(texels) else 0
+        found = np.zeros(len(self.homes_of), bool)
+        found[self._block[self._home[texels]]] = True
+        return found
+
+    @property
+    def room(self) -> int:
+        """How many blocks whose paths are idle can begin behind those that were `alive`."""
+        return (len(self._home) - self._row_after(self._used) * self._size[0]) // TILE**2
+
+    def _row_after(self, texels: int) -> int:
+        return -(-texels // self._size[0])
+
+    def begin(self, blocks: NDArray[np.intp]) -> tuple[int, int]:
+        """Give places in whole rows to the paths of blocks that have none; returns the first row and their number."""
+        row, count = self._row_after(self._used), len(blocks) * TILE**2
+        first, rows = row * self._size[0], self._row_after(count)
+        home, begun = self._home, np.zeros(len(self._home), bool)
+        begun[self.homes_of[blocks]] = True
+        elsewhere = np.flatnonzero(begun[home])
+        elsewhere = elsewhere[(elsewhere < first) | (elsewhere >= first + count)]
+        there = home[first:first + count]
+        home[elsewhere] = there[~begun[there]]
+        home[first:first + count] = self.homes_of[blocks].ravel()
+        self.rows = max(self.rows, row + rows)
+        self._show()
+        return row, rows
+
+    def bind(self) -> None:
+        """Bind the textures to their units."""
+        for name, texture in self._textures.items():
+            texture.use(UNITS[name])
+
+    def release(self) -> None:
+        for texture in self._textures.values():
+            texture.release()
