@@ -120,7 +120,7 @@ def mitsubas(scene: Scene, camera: Camera, size: tuple[int, int]) -> Renderer:
 def _against(rows: list[dict[str, object]]) -> list[str]:
     """Our time over Mitsuba's at equal samples, and at equal error: error times time, since relMSE falls as 1 / time.
     Of the largest sample count of each scene, by the clock and by the time of all processors."""
-    last = {(str(row["scene"]), str(row["by"])): row for row in rows}
+    last = {(str(row["scene"]), str(row["by"]).split(",")[0]): row for row in rows}
     lines = ["| scene | equal samples, clock | processor | equal error, clock | processor |", "|---|---|---|---|---|"]
     for scene in dict.fromkeys(scene for scene, _ in last):
         us, them = last[scene, "pbr-viewer"], last.get((scene, "Mitsuba"))
