@@ -4,7 +4,9 @@ A pixel that covers many texels sees all their normals: a rough surface, though 
 Baker 2010, "LEAN mapping", give such a surface a distribution whose covariance is that of the texels' slopes; with
 alpha^2 = 2 sigma^2 (Walter et al. 2007) it is added to alpha^2. One number is kept of it, 2 sqrt(det): what an
 isotropic lobe gains that is as dense along the normal as the lobe with all of the covariance. Grooves, whose
-determinant is 0, would need a lobe that is stretched.
+determinant is 0, would need a lobe that is stretched. The texels of each level are rounded: a number between two codes
+has a variance of up to a quarter of a step squared, in each direction. It is taken off, or the product of steep grooves
+and that were rough.
 """
 
 from __future__ import annotations
@@ -21,20 +23,22 @@ _BAND = 1 << 17  # texels per step, so that intermediate arrays stay in the proc
 def with_spread(levels: list[np.ndarray]) -> list[np.ndarray]:
     """The mip levels of a normal map, (H, W, 3) uint8 or uint16, with a fourth channel: 1 - spread.
 
-    spread = sqrt(2 sqrt(det(covariance of x and y))), with x and y in [-1, 1]. It is 0 in the first level, and at most
-    1 for unit normals. A texture without the channel reads as 1, no spread.
+    spread = sqrt(2 sqrt(det(covariance of x and y, less that of rounding))), with x and y in [-1, 1]. It is 0 in the
+    first level, and at most 1 for unit normals. A texture without the channel reads as 1, no spread.
     """
     full = np.iinfo(levels[0].dtype).max
     with_alpha = [np.empty((*level.shape[:2], 4), level.dtype) for level in levels]
     for rows in _bands(levels[0]):
         _join(with_alpha[0][rows], levels[0][rows], full)
     before: np.ndarray | None = None
+    rounded = np.float32(1 / full**2)  # the quarter, of steps of 2 / full
     for (larger, smaller), out in zip(pairwise(levels), with_alpha[1:], strict=True):
         covariance = np.empty((3, *smaller.shape[:2]), np.float32)
         for rows in _bands(larger):
             half = slice(rows.start // 2, max(rows.stop // 2, 1))
             here = covariance[:, half]
             _among(larger[rows], np.float32(4 / full**2), here)
+            np.maximum(here[:2] - rounded, 0, out=here[:2])
             if before is not None:
                 here += _means(before[:, rows])
             xx, yy, xy = here
