@@ -25,9 +25,9 @@ def test_traced_rays_take_scattering_for_absorption(context: Context, effect: st
     absorbing = replace(model, materials=(replace(wax, scatter_color=(0.0, 0.0, 0.0)), mirror))
     renderer = Renderer(context)
     settings = Settings.of(subsurface="off", **{effect: "traced"})
+    # The light that reflections see is baked at vertices, by paths that do know scattering, and so is another.
     pictures = [renderer.render(shown, orthographic(0.4, 0.3, height=3.0), settings, (32, 32)).linear
-                for shown in (model, absorbing)]
+                for shown in (model, absorbing)[: 1 if effect == "reflections" else 2]]
     renderer.release()
     assert np.isfinite(pictures).all() and np.ptp(pictures[0][..., :3]) > 0.05
-    # The light that reflections see is baked at vertices, by paths that do know scattering.
-    assert np.array_equal(*pictures) or effect == "reflections"
+    assert np.array_equal(pictures[0], pictures[-1])
