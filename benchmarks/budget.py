@@ -11,7 +11,9 @@ The errors are against a path-traced reference at the smaller size, relative, of
 rung of the raster that takes no longer than the budget; and of paths alone in that time, as they are and filtered.
 `lost` is how many times the error of the best of those it is. None is known better than the reference's own noise.
 `--only ready` leaves the other kinds out. FILE.md gets the tables; Ctrl-C ends it with what there is. All ten models
-should take about 35 minutes on two quiet cores.
+should take about 35 minutes on two quiet cores. A part of it that says most, of all ten, should take ten:
+
+    python -m benchmarks.budget --sizes 128 --budgets 0.3,1,3 --only ready --processor --json FILE
 
 On a busy machine others' work makes budgets fail. With `--processor` all clocks, also those by which budgets are held,
 count the processor time of the process, of all its threads together.

@@ -2,8 +2,8 @@
 
 The scenes of benchmarks.tell_error and of assets/noise are path traced with 4, 16 and 64 samples a pixel. relMSE over
 all pixels, against a reference of independent pictures and other seeds, of the samples, of what `fast` and `raster`
-make of the same samples, and of the raster's picture alone, as shares of that of the samples; and how much light is
-left.
+make of as many, which are other ones since each half has its own random numbers, and of the raster's picture alone, as
+shares of that of the samples; and how much light is left. Where single samples make most of the error, chance decides.
 """
 
 from __future__ import annotations
