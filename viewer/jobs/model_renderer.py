@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 from ..base.atomic import made_folders
+from ..base.memory import memory_mb
 from ..base.messages import say
 from ..base.progress import Progress
 from ..base.signals import postponed
@@ -256,19 +256,9 @@ class ModelRenderer:
             "triangles": scene.triangle_count,
             "device": context.renderer, "opengl": context.version, "backend": context.backend,
             "wall_s": seconds, **maker.stats, "warnings": list(scene.all_warnings),
-            "memory": {"peak_rss_mb": peak_memory_mb(), "textures_mb": maker.texture_bytes / 1e6},
+            "memory": memory_mb() | {"textures_mb": maker.texture_bytes / 1e6},
         }
 
 
 def _words(error: ViewerError | MemoryError) -> str:
     return "out of memory" if isinstance(error, MemoryError) else str(error)
-
-
-def peak_memory_mb() -> float | None:
-    """The peak memory of this process in MB, or None if the system does not report it."""
-    try:
-        import resource
-    except ImportError:  # Windows
-        return None
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak / (1 << 20 if sys.platform == "darwin" else 1 << 10)
