@@ -12,11 +12,11 @@ Models of the corpus from 3 kB to 8 MB, evenly by their order in size. There are
   the environment and four samples a pixel, as `batch_peers.py` has of the others), with `--jobs 2`, and by the loops of
   other programs, whose virtual environments are in DIR. A rate counts the pictures that were made, from the start of
   the process to its end.
-- `memory`: the largest resident set of one process that makes so many small pictures.
+- `memory`: the resident set of one process that makes so many small pictures.
 
 In each round those that are compared take turns, beginning with another one each time. The clock runs from the start of
-a command to its end. "Idle" is the share of the cores' time in which the command does not use them; on a machine where
-others work it is theirs.
+a command to its end; stderr tells every ten seconds how far it is. Ctrl-C keeps what was measured. "Idle" is the share
+of the cores' time in which the command does not use them; on a machine where others work it is theirs.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import random
 import resource
 import statistics
 import subprocess
@@ -99,9 +100,10 @@ def render(models: list[Path], way: tuple[str, ...], folder: Path, size: int, vi
                *more]
     seen: list[float] = []  # when each model was done
 
-    def watch() -> None:
+    def watch() -> int:
         done = _lines(out / "manifest.jsonl")
         seen.extend([time.perf_counter()] * (len({line["model"] for line in done}) - len(seen)))
+        return len(seen)
 
     found = _measured(command, named, watch)
     lines = _lines(out / "manifest.jsonl")
@@ -118,21 +120,28 @@ def other(models: list[Path], loop: str, python: Path, folder: Path, size: int) 
     environment = shot.default_environment()
     command = [str(python), str(Path(__file__).with_name("batch_peers.py")), loop, str(named), str(size), str(out),
                str(told), environment]
-    found = _measured(command, named, lambda: None)
+    found = _measured(command, named, lambda: len(_lines(told)))
     errors = [line["error"] for line in _lines(told)]
     return found | {"s_a_model": None, "pictures": errors.count(None), "failed": len(models) - errors.count(None)}
 
 
-def _measured(command: list[str], given: Path, watch: Callable[[], None]) -> dict[str, object]:
+def _measured(command: list[str], given: Path, watch: Callable[[], int]) -> dict[str, object]:
     """What a command takes that reads the file `given`: seconds, those of all its processes on the processor, the share
-    of the cores that was idle or had other work, and the load when it began."""
-    load, before, started = os.getloadavg()[0], _processor_s(), time.perf_counter()
+    of the cores that was idle or had other work, and the load when it began. `watch` tells how many models are done."""
+    load, before, started, told = os.getloadavg()[0], _processor_s(), time.perf_counter(), 0.0
     with given.open() as names:
         process = subprocess.Popen(command, stdin=names, cwd=REPOSITORY, stdout=subprocess.DEVNULL,
                                    stderr=subprocess.DEVNULL)
-        while process.poll() is None:
-            watch()
-            time.sleep(0.02)
+        try:
+            while process.poll() is None:
+                models, passed = watch(), time.perf_counter() - started
+                if passed > told + 10:
+                    told = passed
+                    print(f"{models} models in {passed:.0f} s", file=sys.stderr, flush=True)
+                time.sleep(0.02)
+        finally:
+            process.terminate()  # if this one is being stopped
+            process.wait()
     wall, processor = time.perf_counter() - started, _processor_s() - before
     return {"wall_s": wall, "processor_s": processor, "idle": 1 - processor / (wall * len(os.sched_getaffinity(0))),
             "load": load}
@@ -157,18 +166,20 @@ def _lines(manifest: Path) -> list[dict[str, str]]:
 
 
 def grown(models: list[Path], folder: Path, options: argparse.Namespace) -> dict[str, object]:
-    """The memory of one process over many pictures of the same models."""
-    stats = folder / "stats.json"
+    """The memory of one process over many pictures of the same models, in another order each time."""
+    stats, order = folder / "stats.json", random.Random(1)
     links = []
     for number in range(-(-options.pictures // len(models))):
-        for k, model in enumerate(models):
+        for k, model in enumerate(order.sample(models, len(models))):
             place = folder / f"links-{number}-{k}"
             place.symlink_to(model.parent, target_is_directory=True)
             links.append(place / model.name)
     render(links, (), folder, 64, 1, "--stats", str(stats))
-    peaks = [record["memory"]["peak_rss_mb"] for record in json.loads(stats.read_text()) if "memory" in record]
-    return {"way": "memory", "peak_rss_mb": {count: peaks[count - 1] for count in (10, 50, 100, 200, 500, 1000)
-                                             if count <= len(peaks)} | {len(peaks): peaks[-1]}}
+    found = [record["memory"] for record in json.loads(stats.read_text()) if "memory" in record]
+    hundreds = [found[first:first + 100] for first in range(0, len(found), 100)]
+    return {"way": "memory", "hundreds": [
+        {"pictures": 100 * k + len(each), "mean_rss_mb": statistics.mean(memory["rss_mb"] for memory in each),
+         "peak_rss_mb": each[-1]["peak_rss_mb"]} for k, each in enumerate(hundreds)]}
 
 
 def table(rows: list[dict[str, object]]) -> list[str]:
@@ -214,11 +225,12 @@ def _median(rows: list[dict[str, object]], key: str) -> float:
 
 
 def memory_table(memory: dict[str, object]) -> list[str]:
-    peaks = memory.get("peak_rss_mb")
-    if not isinstance(peaks, dict):
+    hundreds = memory.get("hundreds")
+    if not isinstance(hundreds, list):
         return []
-    return ["| pictures by one process | largest resident set so far, MB |", "|---|---|",
-            *(f"| {count} | {peak:.0f} |" for count, peak in peaks.items())]
+    return ["| pictures by one process | resident set, mean after each of the last 100, MB | the largest so far, MB |",
+            "|---|---|---|",
+            *(f"| {row['pictures']} | {row['mean_rss_mb']:.0f} | {row['peak_rss_mb']:.0f} |" for row in hundreds)]
 
 
 def _parse() -> argparse.Namespace:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
+import signal
 import subprocess
 import sys
 import time
@@ -11,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from viewer.base.signals import Stopped, stoppable
+from viewer.base.signals import Stopped
 
 from . import shot
 from .process import Run
@@ -22,11 +23,19 @@ from .summary import Rounds
 @contextmanager
 def until_stopped() -> Iterator[None]:
     """Ctrl-C, or `timeout`, ends the block and no more: what was measured by then can be told."""
+    def stop(number: int, frame: object) -> None:
+        signal.signal(number, signal.SIG_IGN)
+        raise Stopped(number)
+
+    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
-        with stoppable():
-            yield
-    except Stopped as stop:
-        print(f"{stop}: what was measured by then is kept", file=sys.stderr)
+        yield
+    except Stopped as stopped:
+        time.sleep(0.1)  # `timeout` sends the signal twice, to the process and to its group
+        print(f"{stopped}: what was measured by then is kept", file=sys.stderr)
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def by_processor_time() -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import subprocess
 import tempfile
 import time
@@ -21,9 +22,10 @@ def run(command: Sequence[str], picture: Path, size: tuple[int, int], home: Path
         timeout: float = 300.0, more: Mapping[str, str] | None = None) -> Run:
     """Runs `command` in `folder`, with `home` for HOME and the XDG folders and no other settings of this user.
 
-    `more` are further variables of its environment. Returns wall_s, rss_mb (the largest resident set of the process),
-    load (of the machine, one minute), and what the program printed as its last line of JSON; or `error`, also where the
-    picture is missing or blank.
+    `more` are further variables of its environment. Returns wall_s, processor_s (of all its threads and of the
+    processes that it has waited for), rss_mb (the largest resident set of the process), load (of the machine, one
+    minute), and what the program printed as its last line of JSON; or `error`, also where the picture is missing or
+    blank.
     """
     picture.unlink(missing_ok=True)
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
@@ -31,13 +33,13 @@ def run(command: Sequence[str], picture: Path, size: tuple[int, int], home: Path
         process = subprocess.Popen(command, stdout=out, stderr=err, env=_environment(home) | dict(more or {}),
                                    cwd=folder)
         try:
-            status, peak_kb = _wait(process, start + timeout)
+            status, usage, peak_kb = _wait(process, start + timeout)
         finally:
             if process.returncode is None:  # this one is being stopped
                 process.kill()
                 process.wait()
         wall = time.perf_counter() - start
-        if peak_kb is None:
+        if usage is None:
             return {"error": f"over {timeout:g} s"}
         if status:
             return {"error": f"status {status}: {' | '.join(_tail(err, 3))}"}
@@ -46,8 +48,8 @@ def run(command: Sequence[str], picture: Path, size: tuple[int, int], home: Path
             return {"error": problem}
         said = [line for line in _tail(out, 20) if line.startswith("{")]
     reported = json.loads(said[-1]) if said else {}
-    return {**reported, "wall_s": round(wall, 4), "rss_mb": round(peak_kb / 1024, 1),
-            "load": round(os.getloadavg()[0], 2)}
+    return {**reported, "wall_s": round(wall, 4), "processor_s": round(usage.ru_utime + usage.ru_stime, 4),
+            "rss_mb": round(peak_kb / 1024, 1), "load": round(os.getloadavg()[0], 2)}
 
 
 def _environment(home: Path) -> dict[str, str]:
@@ -56,19 +58,19 @@ def _environment(home: Path) -> dict[str, str]:
     return {**kept, **folders, "HOME": str(home), "TMPDIR": str(home), "XDG_RUNTIME_DIR": str(home)}
 
 
-def _wait(process: subprocess.Popen, deadline: float) -> tuple[int, int | None]:
-    """(exit status, peak resident set in KiB); the peak is None where the process had to be killed."""
+def _wait(process: subprocess.Popen, deadline: float) -> tuple[int, resource.struct_rusage | None, int]:
+    """(exit status, what it used, peak resident set in KiB); None where the process had to be killed."""
     peak = 0
     while True:
         peak = high_water_mark(process.pid) or peak
         pid, status, usage = os.wait4(process.pid, os.WNOHANG)
         if pid:
             process.returncode = os.waitstatus_to_exitcode(status)
-            return process.returncode, peak or usage.ru_maxrss
+            return process.returncode, usage, peak or usage.ru_maxrss
         if time.perf_counter() > deadline:
             process.kill()
             process.wait()
-            return process.returncode, None
+            return process.returncode, None, peak
         time.sleep(_POLL)
 
 

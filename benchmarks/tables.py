@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import statistics
+
 from .programs import OURS
 from .summary import TARGETS, Rounds, Spread, judge, values
 
@@ -9,22 +12,24 @@ _UNITS = {"wall_s": ("s", 2), "frame_median_ms": ("ms", 1), "rss_mb": ("MB", 0)}
 
 
 def phase_table(phase: str, rounds: Rounds, image_based: set[str]) -> str:
-    """One row a program: time and peak memory, median (p10 to p90, n), and the ratio of medians to ours."""
+    """One row a program: time and peak memory, median (p10 to p90, n), and the ratio of medians to ours; and what it
+    takes of processors, which is less disturbed by what else runs."""
     key = "frame_median_ms" if phase.startswith("frame") else "wall_s"
     unit, digits = _UNITS[key]
-    lines = [f"### {phase}", "", f"| program | {unit}: median (p10 to p90, n) | of ours | peak memory, MB | light |",
-             "|---|---|---|---|---|"]
+    lines = [f"### {phase}", "", f"| program | {unit}: median (p10 to p90, n) | of ours | s of processors | "
+             "peak memory, MB | light |", "|---|---|---|---|---|---|"]
     base = values(rounds.get(OURS, []), key)
     for name, runs in rounds.items():
         times, memory = values(runs, key), values(runs, "rss_mb")
         if not times:
-            lines.append(f"| {name} | {f'failed: {_errors(runs)}' if runs else 'not run'} | | | |")
+            lines.append(f"| {name} | {f'failed: {_errors(runs)}' if runs else 'not run'} | | | | |")
             continue
         spread = Spread.of(times)
         factor = f"x{spread.median / Spread.of(base).median:.2f}" if base else ""
+        used = statistics.median(values(runs, "processor_s") or [math.nan])
         light = "image-based" if name in image_based else "punctual only"
         lines.append(f"| {name} | {spread.median:.{digits}f} ({spread.p10:.{digits}f} to {spread.p90:.{digits}f}, "
-                     f"{spread.n}) | {factor} | {max(memory):.0f} | {light} |")
+                     f"{spread.n}) | {factor} | {used:.2f} | {max(memory):.0f} | {light} |")
     return "\n".join(lines)
 
 

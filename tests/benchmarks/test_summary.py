@@ -13,7 +13,7 @@ WARM = Target("warm", "wall_s", 0.5, "f3d")
 
 
 def runs(*seconds: float) -> list[dict[str, object]]:
-    return [{"wall_s": s, "rss_mb": 100 * s} for s in seconds]
+    return [{"wall_s": s, "processor_s": 2 * s, "rss_mb": 100 * s} for s in seconds]
 
 
 def test_spread_of_eleven_values_has_their_second_and_tenth() -> None:
@@ -57,8 +57,8 @@ def test_no_verdict_without_a_rival() -> None:
 def test_the_tables_show_failures_and_verdicts() -> None:
     rounds = {OURS: runs(1, 1), "f3d-egl": runs(4, 4), "pygfx": [{"error": "status 1: a | b"}] * 2}
     table = phase_table("warm", rounds, {OURS, "f3d-egl"})
-    assert "| pygfx | failed: status 1: a / b | | | |" in table
-    assert "| f3d-egl | 4.00 (4.00 to 4.00, 2) | x4.00 | 400 | image-based |" in table
+    assert "| pygfx | failed: status 1: a / b | | | | |" in table
+    assert "| f3d-egl | 4.00 (4.00 to 4.00, 2) | x4.00 | 8.00 | 400 | image-based |" in table
     assert "| warm, time | f3d-egl | 0.25 (0.25 to 0.25, 2) | 0.5 | yes |" in target_table({"warm": rounds}, {OURS})
 
 
