@@ -124,6 +124,13 @@ def test_a_folder_has_a_sheet_of_each_model(run, folder):
     assert [line["out"] for line in lines] == ["spheres.png", "unlit.png"]
 
 
+def test_stats_of_a_sheet_of_views_are_those_of_one_picture(run, folder):
+    assert run("render", BALLS, "-o", "a.png", "--sheet", "2x1", "--stats", "a.json", *QUICK).status == 0
+    stats = json.loads((folder / "a.json").read_text())
+    assert stats["output"] == "a.png" and stats["views"] == 2
+    assert stats["size"] == list(Image.open(folder / "a.png").size) == list(sheet_size(2, 2, SIZE))
+
+
 @pytest.mark.parametrize(("arguments", "words"), [
     ((BALLS, UNLIT, "-o", "a.png", "--sheet", "1x1"), "--sheet 1x1: 2 models need at least 1x2"),
     ((BALLS, UNLIT, "-o", "a.exr", "--sheet", "2x1"), "-o a.exr: a sheet is a picture as displayed"),
@@ -134,7 +141,7 @@ def test_a_folder_has_a_sheet_of_each_model(run, folder):
     ((BALLS, "-o", "a.gif", "--sheet", "2x1"), "-o a.gif: a sheet is a picture as displayed"),
     ((BALLS, "-o", "a.png", "--sheet", "2x1", "--eye", "1,2,3"), "--eye and a sheet of views"),
     ((BALLS, "-o", "a.png", "--sheet", "2x1", "--write-cameras", "a.json"), "--write-cameras and --sheet cannot be"),
-    ((BALLS, "-o", "a.png", "--sheet", "2x1", "--stats", "a.json"), "--stats and --sheet cannot be used together"),
+    ((BALLS, UNLIT, "-o", "a.png", "--sheet", "2x1", "--stats", "a.json"), "--stats and a sheet of several models"),
     ((BALLS, "-o", "a.png", "--sheet", "2"), "'2' is not COLSxROWS, such as 4x2"),
     ((BALLS, "-o", "a.png", "--sheet", "999x999"), "more than 134217728; --size makes them smaller"),
 ])

@@ -148,7 +148,7 @@ class ModelRenderer:
         return record | ({"error": failure} if failure else {})
 
     def _sheet(self, task: RenderTask, scene: Scene, start: float, progress: Progress) -> Record:
-        """As `_picture`, of all views in one."""
+        """As `_picture`, of all views in one; the plan and the times of preparing are those of the last view."""
         path, loaded, known = task.picture(), time.perf_counter(), scene.all_warnings
         views, cells = sheet_views(task.model, scene, self._job.options), []
         for number, view in enumerate(views):
@@ -159,11 +159,13 @@ class ModelRenderer:
                 break
         self._warn_after(task.model, scene, known, [])
         rendered = time.perf_counter()
-        labelled_sheet(cells, self._job.options["sheet"][0], self._job.options["size"]).save(path)
+        sheet = labelled_sheet(cells, self._job.options["sheet"][0], self._job.options["size"])
+        sheet.save(path)
         saved = time.perf_counter()
         seconds = {"load": loaded - start, "render": rendered - loaded, "save": saved - rendered,
                    "total": saved - start}
-        return self._done(task.model, path, scene, seconds, f"{len(cells)} of {len(views)} views")
+        record = self._done(task.model, path, scene, seconds, f"{len(cells)} of {len(views)} views")
+        return record | {"size": list(sheet.size), "views": len(cells)}
 
     def _film(self, task: RenderTask, scene: Scene, film: Film, start: float, progress: Progress) -> Record:
         """As `_picture`."""

@@ -30,16 +30,17 @@ def is_contact_sheet(models: Sequence[str], output: str, options: dict[str, Any]
 def check_sheet(models: Sequence[str], output: str, options: dict[str, Any], stats: str | None, resume: bool) -> None:
     """Raises UsageError for what does not go with --sheet, and for more models or views than it has places."""
     columns, rows = options["sheet"]
-    given = [name.replace("_", "-") for name in _ALONE if options[name]] + ["stats"] * (stats is not None)
+    given = [name.replace("_", "-") for name in _ALONE if options[name]]
     if given:
         raise UsageError(f"--{given[0]} and --sheet cannot be used together")
     count = len(directions_of(options))
     if is_contact_sheet(models, output, options):
         if Path(output).suffix.lower() not in WRITABLE or _is_no_picture(Path(output), options):
             raise UsageError(f"-o {output}: a sheet is a picture as displayed: .png, .jpg or .webp")
-        if resume:
-            raise UsageError("--resume and a sheet of several models cannot be used together; pictures in a folder can "
-                             "be resumed")
+        for name, is_given in (("resume", resume), ("stats", stats is not None)):
+            if is_given:
+                raise UsageError(f"--{name} and a sheet of several models cannot be used together; it can with "
+                                 "pictures in a folder")
         if count > 1 or options["cameras"] is not None:
             raise UsageError(f"-o {output}: a sheet of several models has one view of each; -o {Path(output).stem}/ "
                              "makes a sheet for each model")
