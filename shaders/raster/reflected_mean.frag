@@ -9,6 +9,10 @@
 
 const float HIT_DISTANCE = 0.25; // assumed, in units of the scene's radius: reflected surfaces are mostly farther away
 
+// Of the environment's light, rays see at most so much more than their number says. A single ray that leaves a fold
+// towards a lamp would else stand for nearly all of it: a white speck in each pixel that has such a ray.
+const float MOST = 2.0;
+
 uniform sampler2D u_positions;
 uniform sampler2D u_normals;
 uniform sampler2D u_hit_radiance, u_environment; // of each ray: reflected_light.frag
@@ -21,6 +25,7 @@ void main() {
     vec3 n = from_octahedron(texelFetch(u_normals, pixel, 0).xy);
     float alpha = here.w * here.w;
     vec3 radiance = vec3(0.0), environment = vec3(0.0);
+    float open = 0.0; // weight of the rays that see the environment
     for (int k = 0; k < 25; ++k) {
         ivec2 away = ivec2(k % 5, k / 5) - 2, tap = clamp(pixel + away, ivec2(0), last);
         vec4 there = texelFetch(u_positions, tap, 0);
@@ -32,7 +37,10 @@ void main() {
                            - 10.0 * abs(there.w - here.w));
         weight *= (abs(away.x) == 2 ? 0.5 : 1.0) * (abs(away.y) == 2 ? 0.5 : 1.0);
         radiance += weight * texelFetch(u_hit_radiance, tap, 0).rgb;
-        environment += weight * vec3(texelFetch(u_environment, tap, 0).rg, 1.0);
+        vec2 luminance = texelFetch(u_environment, tap, 0).rg;
+        environment += weight * vec3(luminance, 1.0);
+        open += weight * float(luminance.g > 0.0);
     }
-    o_reflected = vec4(radiance / environment.z, environment.x > 0.0 ? 1.0 - environment.y / environment.x : 0.0);
+    float seen = environment.x > 0.0 ? min(environment.y / environment.x, MOST * open / environment.z) : 1.0;
+    o_reflected = vec4(radiance / environment.z, 1.0 - seen);
 }
