@@ -1,7 +1,7 @@
 // Radiance of a woven cloth in pbr.frag, which includes this file. The cloth is filtered: where a pixel covers more
 // than a tenth of a yarn, the mean over several places in it. Where it covers the whole draft, these are places of the
 // draft, the same for all pixels, so that nothing flickers; light is neither lost nor gained, since every place keeps
-// it.
+// it. Under supersampling the points that are shaded in a pixel share these places.
 #if ALPHA_MODE == 2
 #define WEAVE_HAS_GAPS 1
 #else
@@ -11,18 +11,24 @@
 #include "sample/lattice.glsl"
 
 const int WEAVE_PLACES = 32;
+const int WEAVE_SHARES = SHADED_SIDE > 1 ? 4 : 1; // of the places; a shaded point has one of them
+const int WEAVE_SHARE = WEAVE_PLACES / WEAVE_SHARES;
 const int WEAVE_LOOKUPS = 8; // of mirrored light, for one place; each of several has one
 
 uniform vec3 u_weave_places[WEAVE_PLACES]; // of the whole draft, in units of cells, each with its weight
 
-// The place k of WEAVE_PLACES in a pixel, and its weight. `x` and `y` are the sides of the pixel in texture
-// coordinates.
+// The place k of WEAVE_SHARE about a shaded point, and its weight. `x` and `y` are the sides of what it stands for in
+// texture coordinates: of a pixel, or of a part of it. Places of the draft come in pairs of warp and weft.
 vec3 weave_place(int k, vec2 uv, vec2 x, vec2 y) {
+    ivec2 point = ivec2(gl_FragCoord.xy) % SHADED_SIDE;
+    int share = (point.x + SHADED_SIDE * point.y) % WEAVE_SHARES;
     vec2 extent = (abs(x) + abs(y)) * u_weave_density / vec2(u_weave_size);
     float whole = smoothstep(0.5, 1.0, max(extent.x, extent.y));
-    if (hammersley(uint(k / 2), uint(WEAVE_PLACES / 2)).y < whole) // pairs of warp and weft
-        return vec3(u_weave_places[k].xy / u_weave_density, u_weave_places[k].z);
-    vec2 at = hammersley(uint(k), uint(WEAVE_PLACES)) - 0.5;
+    if (hammersley(uint(k / 2), uint(WEAVE_SHARE / 2)).y < whole) {
+        vec3 place = u_weave_places[2 * (WEAVE_SHARES * (k / 2) + share) + k % 2];
+        return vec3(place.xy / u_weave_density, place.z);
+    }
+    vec2 at = fract(hammersley(uint(k), uint(WEAVE_SHARE)) + float(share) / float(WEAVE_PLACES)) - 0.5;
     return vec3(uv + at.x * x + at.y * y, 1.0);
 }
 
@@ -67,7 +73,7 @@ vec3 shade_woven(Point p, float occlusion, vec4 visible, inout float covered) {
         deep[k] = woven_deep(yarn.rgb, yarn.a, other.rgb, other.a, wo.z);
     }
     vec2 cells = (abs(x) + abs(y)) * u_weave_density;
-    int places = max(cells.x, cells.y) > 0.1 ? WEAVE_PLACES : 1;
+    int places = max(cells.x, cells.y) > 0.1 ? WEAVE_SHARE : 1;
     int lookups = places > 1 ? 1 : WEAVE_LOOKUPS;
     vec3 radiance = vec3(0.0);
     vec3 mirrored = vec3(0.0), weights = vec3(0.0), due = vec3(0.0); // of the environment; of its samples; from the table

@@ -82,6 +82,15 @@ def test_far_cloth_neither_flickers_nor_changes_its_brightness(radiance, weave):
     assert mean == pytest.approx(found.mean(), rel=0.05)
 
 
+def test_the_points_of_a_pixel_share_the_places_of_a_far_draft(radiance, weave):
+    """So that supersampling shows the very mean that one point with all places does."""
+    model = scene(plate(), lights=(SUN,))
+    far = weave({"color": [0.7, 0.7, 0.7], "bend": 50, "width": 1}, density=800.0, color=[0.05, 0.05, 0.05])
+    one, shared = (radiance(model, orthographic(0.5, 0.6, 1.0), SIZE, weave=far, antialias=antialias)[..., 0]
+                   for antialias in ("none", "ssaa-4"))
+    assert np.abs(shared / one - 1).max() < 2e-3
+
+
 def test_fibres_shine_in_the_plane_across_them(radiance, weave):
     """Seen along the normal, under a light that is moved across the yarns above, and along them."""
     yarn = {"color": [0, 0, 0], "specular": [0.5, 0.5, 0.5], "roughness": 0.1, "bend": 0, "twist": 0, "width": 1}

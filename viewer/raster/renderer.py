@@ -160,9 +160,12 @@ class Renderer:
         self.context.make_current()
         given, settings = scene, view_settings(settings)
         scene = _shown(scene, settings)
-        if still and settings.antialias == "auto" and self.context.is_software and draws_curves(scene, settings):
-            # Mesa shades hidden fragments of a multisampled target to their end, and strips have many of them.
-            settings = replace(settings, antialias="ssaa-4")
+        if still and settings.antialias == "auto" and self.context.is_software:
+            # Mesa shades hidden fragments of a multisampled target to their end, and strips have many of them. Of woven
+            # cloth it shades all places in a pixel for each triangle there; under supersampling points share them.
+            is_woven = settings.mode == "pbr" and any(material.weave is not None for material in scene.materials)
+            if draws_curves(scene, settings) or is_woven:
+                settings = replace(settings, antialias="ssaa-4")
         samples = settings.samples(self.context.is_software, still)
         target = self._sized_target(size, samples, half, settings.supersampling)
         deferred = settings.defers(self.context.is_software, still, size)
