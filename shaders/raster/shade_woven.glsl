@@ -22,7 +22,7 @@ uniform vec3 u_weave_places[WEAVE_PLACES]; // of the whole draft, in units of ce
 vec3 weave_place(int k, vec2 uv, vec2 x, vec2 y) {
     ivec2 point = ivec2(gl_FragCoord.xy) % SHADED_SIDE;
     int share = (point.x + SHADED_SIDE * point.y) % WEAVE_SHARES;
-    vec2 extent = (abs(x) + abs(y)) * u_weave_density / vec2(u_weave_size);
+    vec2 extent = (abs(x) + abs(y)) * u_weave_density / vec2(u_weave_size) * float(SHADED_SIDE); // of the pixel
     float whole = smoothstep(0.5, 1.0, max(extent.x, extent.y));
     if (hammersley(uint(k / 2), uint(WEAVE_SHARE / 2)).y < whole) {
         vec3 place = u_weave_places[2 * (WEAVE_SHARES * (k / 2) + share) + k % 2];
