@@ -17,8 +17,8 @@ No parameter is fitted. Those of the BSDF follow from the fibres:
 | through | random walks through a layer of that thickness of parallel white fibres, in diffuse light |
 
 `--frames` draws assets/scenes/cloth.glb instead, in the studio, in mode pbr: processor time of a frame without a weave
-and with each, one after the other in turn. Where the CPU renders, antialias=auto means ssaa-4 for woven cloth, and msaa-4
-for others.
+and with each, one after the other in turn. Where the CPU renders, antialias=auto means ssaa-4 for woven cloth, and
+msaa-4 for others.
 """
 
 from __future__ import annotations

@@ -273,7 +273,7 @@ def _pbr_switches(material: Material, settings: Settings, has_environment: bool)
     return {
         "REFLECTS": int(material.reflects),
         "WOVEN": int(material.weave is not None),
-        "SHADED_SIDE": 0 if material.weave is None else settings.supersampling,
+        **({} if material.weave is None else {"SHADED_SIDE": settings.supersampling}),
         "METALNESS": metalness(material),
         **bsdf_switches(settings),
         "LOOKUPS": has_environment * lookups(material, settings),
