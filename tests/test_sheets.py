@@ -125,9 +125,10 @@ def test_a_folder_has_a_sheet_of_each_model(run, folder):
 
 
 def test_stats_of_a_sheet_of_views_are_those_of_one_picture(run, folder):
-    assert run("render", BALLS, "-o", "a.png", "--sheet", "2x1", "--stats", "a.json", *QUICK).status == 0
+    options = ("--sheet", "2x1", "--stats", "a.json", "--quality", "standard")
+    assert run("render", UNLIT, "-o", "a.png", *options, *QUICK).status == 0
     stats = json.loads((folder / "a.json").read_text())
-    assert stats["output"] == "a.png" and stats["views"] == 2
+    assert stats["output"] == "a.png" and stats["views"] == 2 and stats["plan"]["quality"] == "standard"
     assert stats["size"] == list(Image.open(folder / "a.png").size) == list(sheet_size(2, 2, SIZE))
 
 

@@ -151,6 +151,7 @@ class ModelRenderer:
         """As `_picture`, of all views in one; the plan and the times of preparing are those of the last view."""
         path, loaded, known = task.picture(), time.perf_counter(), scene.all_warnings
         views, cells = sheet_views(task.model, scene, self._job.options), []
+        self._choose_quality(scene, self._job.options["size"])  # that of each view
         for number, view in enumerate(views):
             progress.part(number / len(views), f"{path.name}: view {number + 1} of {len(views)}")
             self._request.size = view.size
