@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import SCENES, names
+from needs import needs
 from PIL import ImageFont
 
 from viewer.base.atomic import temporary_folder
@@ -22,6 +25,19 @@ from viewer.image.sheet import label_height, labelled_sheet, sheet_size
 BALLS, UNLIT = SCENES / "spheres.glb", SCENES / "unlit.glb"
 SIZE = (40, 24)
 QUICK = ("--size", "40x24", "--set", "antialias=none", "-q")
+KILLED = """
+import os, signal, viewer.__main__
+replace = os.replace
+
+def replace_or_die(source, target):
+    if str(target).endswith("unlit.png"):
+        os.kill(os.getpid(), signal.SIGKILL)
+    replace(source, target)
+
+os.replace = replace_or_die
+viewer.__main__.main()
+"""
+"""The command line, in a process that is killed when it has written the second picture but not named it yet."""
 
 
 def cell(sheet: Image, number: int, columns: int) -> np.ndarray:
@@ -102,6 +118,41 @@ def test_what_a_contact_sheet_that_was_killed_has_left_is_removed_by_the_next(ru
     assert names(folder) == ["all.png"]
 
 
+@needs("posix")
+@pytest.mark.parametrize("output", ["all.png", "out/"])  # a contact sheet, and a sheet of the views of each model
+def test_after_kill_9_resume_makes_what_is_missing(run, folder, output):
+    command = ("render", BALLS, UNLIT, SCENES / "emissive.glb", "--sheet", "3x1", *QUICK[:-1])
+    killed = subprocess.run([sys.executable, "-c", KILLED, *map(str, command), "-o", output, "--resume"], check=False)
+    assert killed.returncode == -signal.SIGKILL and not Path("all.png").exists()
+    pictures = folder / output if output == "out/" else folder / "all.png.parts"
+    assert len(names(pictures)) == 3  # the first, the manifest, and the second under a temporary name
+    (pictures / "spheres.png").touch()
+    touched = (pictures / "spheres.png").stat().st_mtime_ns
+    outcome = run(*command, "-o", output, "--resume")
+    assert (outcome.status, outcome.err) == (0, "1 of 3 models are done already\n")
+    assert names(pictures) == ["emissive.png", "manifest.jsonl", "spheres.png", "unlit.png"]
+    assert (pictures / "spheres.png").stat().st_mtime_ns == touched
+    at_once = "once.png" if output == "all.png" else "once/"
+    assert run(*command, "-o", at_once, "-q").status == 0
+    made = [""] if output == "all.png" else ["spheres.png", "unlit.png", "emissive.png"]
+    for name in made:
+        np.testing.assert_array_equal(Image.open(output + name).srgb, Image.open(at_once + name).srgb)
+    assert run(*command, "-o", output, "--resume").err == "3 of 3 models are done already\n"
+
+
+def test_a_contact_sheet_to_resume_shows_no_older_picture_of_a_model_that_fails_now(run, folder):
+    shutil.copy(UNLIT, "model.glb")
+    command = ("render", BALLS, "model.glb", "-o", "all.png", "--sheet", "2x1", *QUICK, "--resume")
+    assert run(*command).status == 0
+    good = Image.open("all.png").srgb
+    (folder / "model.glb").write_bytes(b"glTF")
+    assert run(*command).status == 1
+    assert (cell(Image.open("all.png"), 1, 2) == (225, 225, 225, 255)).all()
+    shutil.copy(UNLIT, "model.glb")
+    assert run(*command).status == 0
+    np.testing.assert_array_equal(Image.open("all.png").srgb, good)
+
+
 @pytest.mark.parametrize("label", ["Ünïcödé", "кириллица", "ελληνικά"])
 def test_letters_beyond_ascii_are_no_boxes(label):
     font = font_for(label, 12)
@@ -132,16 +183,31 @@ def test_stats_of_a_sheet_of_views_are_those_of_one_picture(run, folder):
     assert stats["size"] == list(Image.open(folder / "a.png").size) == list(sheet_size(2, 2, SIZE))
 
 
+def test_cameras_of_a_sheet_are_those_of_its_views(run, folder):
+    """They make its pictures again, also where `--resume` has made none. They name no picture: each is but a part."""
+    command = ("render", BALLS, "-o", "a.png", "--sheet", "2x2", "--write-cameras", "a.json", *QUICK, "--resume")
+    assert run(*command).status == 0
+    first = Path("a.json").read_text()
+    assert all("file_path" not in frame for frame in json.loads(first)["frames"])
+    (folder / "a.json").unlink()
+    assert run(*command).status == 0 and Path("a.json").read_text() == first
+    assert run("render", BALLS, "-o", "again/{view}.png", "--cameras", "a.json", *QUICK[2:]).status == 0
+    for k in range(4):
+        np.testing.assert_array_equal(cell(Image.open("a.png"), k, 2), Image.open(f"again/{k}.png").srgb)
+
+
 @pytest.mark.parametrize(("arguments", "words"), [
     ((BALLS, UNLIT, "-o", "a.png", "--sheet", "1x1"), "--sheet 1x1: 2 models need at least 1x2"),
     ((BALLS, UNLIT, "-o", "a.exr", "--sheet", "2x1"), "-o a.exr: a sheet is a picture as displayed"),
-    ((BALLS, UNLIT, "-o", "a.png", "--sheet", "2x1", "--resume"), "--resume and a sheet of several models"),
     ((BALLS, UNLIT, "-o", "a.png", "--sheet", "2x1", "--view", "top,left"), "a sheet of several models has one view"),
     ((BALLS, "-o", "a.png", "--sheet", "1x1", "--view", "top,left"), "--sheet 1x1: 2 views need at least 1x2"),
     ((BALLS, "-o", "a.exr", "--sheet", "2x1"), "-o a.exr: a sheet is a picture as displayed"),
     ((BALLS, "-o", "a.gif", "--sheet", "2x1"), "-o a.gif: a sheet is a picture as displayed"),
     ((BALLS, "-o", "a.png", "--sheet", "2x1", "--eye", "1,2,3"), "--eye and a sheet of views"),
-    ((BALLS, "-o", "a.png", "--sheet", "2x1", "--write-cameras", "a.json"), "--write-cameras and --sheet cannot be"),
+    ((BALLS, "-o", "a.png", "--sheet", "2x1", "--aov", "depth"), "--aov and --sheet cannot be used together"),
+    ((BALLS, "-o", "a.png", "--sheet", "2x1", "--tell-error"), "--tell-error and --sheet cannot be used together"),
+    ((BALLS, UNLIT, "-o", "a.png", "--sheet", "2x1", "--write-cameras", "a.json"),
+     "--write-cameras and a sheet of several models cannot be used together; it can with pictures in a folder"),
     ((BALLS, UNLIT, "-o", "a.png", "--sheet", "2x1", "--stats", "a.json"), "--stats and a sheet of several models"),
     ((BALLS, "-o", "a.png", "--sheet", "2"), "'2' is not COLSxROWS, such as 4x2"),
     ((BALLS, "-o", "a.png", "--sheet", "999x999"), "more than 134217728; --size makes them smaller"),

@@ -126,7 +126,7 @@ LINE = {"model": "m.glb", "out": "m.png", "key": "k", "status": "done", "error":
 @pytest.mark.parametrize("text", ["{}\n", "[1, 2]\n", "text\n", '{"image": "a.png", "caption": "a cat"}\n',
                                   "[" * 9999 + "\n", *(json.dumps(LINE | changed) + "\n" for changed in (
                                       {"out": 2}, {"key": {}}, {"status": "new"}, {"seconds": float("inf")},
-                                      {"seconds": "1"}, {"camera": 5}, {"error": [1]}))],
+                                      {"seconds": "1"}, {"cameras": 5}, {"cameras": [5]}, {"error": [1]}))],
                          ids=lambda text: text[:60])
 def test_the_file_of_another_program_is_left_alone(folder, text):
     (folder / MANIFEST).write_text(text)

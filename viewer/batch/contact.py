@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
-from ..base.atomic import remove_leftovers, temporary_folder
+from ..base.atomic import made_folders, remove_leftovers, temporary_folder
 from ..image.image import Image
 from ..image.sheet import labelled_sheet
 from ..jobs.outputs import model_names
 from ..jobs.render_job import RenderJob, RenderTask
+from .manifest import Manifest
 from .run import Batch, render_all
 
 
@@ -17,14 +20,26 @@ def render_contact_sheet(models: Sequence[str], output: Path, columns: int, job:
     """Make the pictures of all models, and write them as one with their names. Returns the exit status.
 
     The place of a model that cannot be rendered stays empty. The pictures lie in a folder beside `output` until then,
-    where workers on other machines can write them. Raises as `render_all`.
+    where workers on other machines can write them, and to `resume` for good, with their manifest. Raises as
+    `render_all`.
     """
     remove_leftovers(output.parent)
-    with temporary_folder(output.parent) as folder:
+    with _kept_folder(output) if batch.resume else temporary_folder(output.parent) as folder:
         names = model_names(models)
         files = [folder / f"{name}.png" for name in names]
-        status = render_all([RenderTask(*each) for each in zip(models, files, strict=True)], job, batch)
-        cells = [(name if file.exists() else f"{name}: not rendered", Image.open(file).srgb if file.exists() else None)
-                 for name, file in zip(names, files, strict=True)]
+        tasks = [RenderTask(*each) for each in zip(models, files, strict=True)]
+        status = render_all(tasks, job, replace(batch, folder=folder if batch.resume else None))
+        with Manifest(folder) as manifest:
+            failed = manifest.failed()  # of which there may be older pictures
+        pictures = [Image.open(file).srgb if file.exists() and file not in failed else None for file in files]
+        cells = [(name if picture is not None else f"{name}: not rendered", picture)
+                 for name, picture in zip(names, pictures, strict=True)]
         labelled_sheet(cells, columns, job.options["size"]).save(output)
     return status
+
+
+@contextmanager
+def _kept_folder(output: Path) -> Iterator[Path]:
+    folder = output.with_name(f"{output.name}.parts")
+    with made_folders(folder):
+        yield folder

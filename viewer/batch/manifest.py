@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from math import isfinite
 from pathlib import Path
 from typing import Any, Literal, Self
@@ -23,7 +23,7 @@ MANIFEST = "manifest.jsonl"
 class Line:
     """`out` is the picture's file, relative to the manifest's folder; `key` is of `viewer.batch.keys`. `error` is None
     for a picture that is done. `seconds` is the time of loading, rendering and saving, and `worker` says where.
-    `camera` is that of `viewer.scene.camera_file.camera_facts`, if cameras are written."""
+    `cameras` are those of `viewer.scene.camera_file.camera_facts`, if cameras are written: one, or a sheet's."""
 
     model: str
     out: str
@@ -32,7 +32,7 @@ class Line:
     error: str | None
     seconds: float | None
     worker: str
-    camera: dict[str, Any] | None = None
+    cameras: list[dict[str, Any]] = field(default_factory=list)
 
 
 class Manifest:
@@ -154,6 +154,10 @@ class Manifest:
         lines = list(self._by_key.get(key, {}).values())
         return [line for line in lines if line.out != self.out(task.picture())] or lines
 
+    def failed(self) -> list[Path]:
+        """The files of the pictures that were not made the last time."""
+        return [self.file_of(line) for line in self._lines.values() if line.status == "failed"]
+
     def file_of(self, line: Line) -> Path:
         """The file of its picture."""
         return self._folder / line.out
@@ -163,11 +167,12 @@ def _checked(line: Line) -> Line:
     """Raises ValueError or TypeError for a line of another form than that of `Line`."""
     texts = (line.model, line.out, line.key, line.worker, line.error or "")
     if not (all(isinstance(text, str) for text in texts) and line.status in ("done", "failed")
-            and isfinite(line.seconds or 0) and isinstance(line.camera or {}, dict)):
+            and isfinite(line.seconds or 0)
+            and isinstance(line.cameras, list) and all(isinstance(camera, dict) for camera in line.cameras)):
         raise ValueError
     return line
 
 
 def _text(lines: Iterable[Line]) -> bytes:
-    shown = ({key: value for key, value in asdict(line).items() if key != "camera" or value} for line in lines)
+    shown = ({key: value for key, value in asdict(line).items() if key != "cameras" or value} for line in lines)
     return "".join(json.dumps(line, allow_nan=False) + "\n" for line in shown).encode()

@@ -162,10 +162,10 @@ class Run:
         if not manifest.is_done(task, key):
             return False
         lines = manifest.lines_of(task, key)
-        if self._batch.cameras and any(line.camera is None for line in lines):
+        if self._batch.cameras and not all(line.cameras for line in lines):
             return False
-        self.known[number] = tuple({"model": task.model, "output": str(manifest.file_of(line)), "camera": line.camera}
-                                   for line in lines if line.camera is not None)
+        self.known[number] = tuple({"model": task.model, "output": str(manifest.file_of(line)), "cameras": line.cameras}
+                                   for line in lines if line.cameras)
         return True
 
     def _key(self, task: RenderTask) -> str:
@@ -238,7 +238,7 @@ class Run:
                 error = "stopped early"
             out, times = manifest.out(Path(str(record["output"]))), record.get("wall_s")
             seconds = round(times["total"], 3) if isinstance(times, dict) else None
-            camera = record.get("camera")
+            cameras = record.get("cameras")
             yield Line(task.model, out, key, "done" if error is None else "failed",
                        None if error is None else str(error), seconds, done.worker,
-                       camera if isinstance(camera, dict) else None)
+                       cameras if isinstance(cameras, list) else [])

@@ -170,7 +170,7 @@ def render(models: tuple[str, ...], output: str, backend: str, stats: str | None
     if options["sheet"] is not None:
         if not _is_given("size"):
             options["size"] = CELL
-        check_sheet(found, output, options, stats, chosen["resume"])
+        check_sheet(found, output, options, stats)
         if is_contact_sheet(found, output, options):
             columns, _ = options["sheet"]
             job = RenderJob(options | {"sheet": None}, chooses)

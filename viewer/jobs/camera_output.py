@@ -40,13 +40,15 @@ def camera_files(models: Sequence[str], output: str | None, paths: Sequence[Path
 
 
 def write_camera_files(files: Mapping[str, Path], records: Sequence[Record], options: Mapping[str, Any]) -> None:
-    """Write the cameras that the records of pictures tell of, to the files of their models. Raises OutputError."""
+    """Write the cameras that the records of pictures tell of, to the files of their models. A view of a sheet has no
+    picture of its own that could be named. Raises OutputError."""
     frames: dict[Path, list[Any]] = {file: [] for file in files.values()}
     for record in records:
-        if "camera" in record:
-            picture = Path(str(record["output"]))
+        cameras = record.get("cameras")
+        if isinstance(cameras, list):
+            picture = Path(str(record["output"])) if options["sheet"] is None else None
             depth = picture if "depth" in options["aov"] else None
-            frames[files[str(record["model"])]].append((record["camera"], picture, depth))
+            frames[files[str(record["model"])]] += [(camera, picture, depth) for camera in cameras]
     turn = None if options["up"] == "y" else up_matrix(options["up"])
     for file, found in frames.items():
         if found:

@@ -144,7 +144,7 @@ class ModelRenderer:
                    **({} if told == saved else {"tell_error": told - saved}), "total": told - start}
         record = self._done(task.model, path, scene, seconds, maker.summary)
         if self._job.options["write_cameras"] is not None:
-            record["camera"] = camera_facts(view.camera, view.size)
+            record["cameras"] = [camera_facts(view.camera, view.size)]
         return record | ({"error": failure} if failure else {})
 
     def _sheet(self, task: RenderTask, scene: Scene, start: float, progress: Progress) -> Record:
@@ -166,6 +166,8 @@ class ModelRenderer:
         seconds = {"load": loaded - start, "render": rendered - loaded, "save": saved - rendered,
                    "total": saved - start}
         record = self._done(task.model, path, scene, seconds, f"{len(cells)} of {len(views)} views")
+        if self._job.options["write_cameras"] is not None:
+            record["cameras"] = [camera_facts(view.camera, view.size) for view in views[:len(cells)]]
         return record | {"size": list(sheet.size), "views": len(cells)}
 
     def _film(self, task: RenderTask, scene: Scene, film: Film, start: float, progress: Progress) -> Record:

@@ -17,7 +17,7 @@ from .views import View, views_of
 
 CELL = (320, 320)
 """The size of each picture of a sheet, unless there is a --size."""
-_ALONE = ("aov", "tell_error", "error_map", "write_cameras", "turntable", "fps")
+_ALONE = ("aov", "tell_error", "error_map", "turntable", "fps")
 _SIDES = {0: "front", 90: "right", 180: "back", 270: "left"}
 
 
@@ -27,7 +27,7 @@ def is_contact_sheet(models: Sequence[str], output: str, options: dict[str, Any]
     return options["sheet"] is not None and len(models) > 1 and is_one
 
 
-def check_sheet(models: Sequence[str], output: str, options: dict[str, Any], stats: str | None, resume: bool) -> None:
+def check_sheet(models: Sequence[str], output: str, options: dict[str, Any], stats: str | None) -> None:
     """Raises UsageError for what does not go with --sheet, and for more models or views than it has places."""
     columns, rows = options["sheet"]
     given = [name.replace("_", "-") for name in _ALONE if options[name]]
@@ -37,8 +37,8 @@ def check_sheet(models: Sequence[str], output: str, options: dict[str, Any], sta
     if is_contact_sheet(models, output, options):
         if Path(output).suffix.lower() not in WRITABLE or _is_no_picture(Path(output), options):
             raise UsageError(f"-o {output}: a sheet is a picture as displayed: .png, .jpg or .webp")
-        for name, is_given in (("resume", resume), ("stats", stats is not None)):
-            if is_given:
+        for name, file in (("write-cameras", options["write_cameras"]), ("stats", stats)):
+            if file is not None:
                 raise UsageError(f"--{name} and a sheet of several models cannot be used together; it can with "
                                  "pictures in a folder")
         if count > 1 or options["cameras"] is not None:
