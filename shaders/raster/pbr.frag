@@ -165,7 +165,8 @@ void main() {
 
 #if REFLECTS
 #if ANISOTROPIC
-    vec4 dfg = vec4(facet_albedo(s, p.v * p.frame, perceptual_roughness, u_dfg), facet_mean(s, perceptual_roughness, u_dfg));
+    vec2 seen = facet_albedo(s, p.v * p.frame, perceptual_roughness, u_dfg);
+    vec4 dfg = vec4(seen, facet_mean(s, perceptual_roughness, u_dfg));
 #else
     vec4 dfg = dfg_albedo_and_mean(u_dfg, p.NoV, perceptual_roughness);
 #endif

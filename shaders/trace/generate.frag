@@ -20,7 +20,7 @@ uniform float u_camera_eta2; // the square of the index there
 #endif
 
 void main() {
-    #if BEGINS
+#if BEGINS
     ivec2 texel = ivec2(gl_FragCoord.xy), home = home_of(texel);
     ivec4 block = texelFetch(u_blocks, home / TILE, 0);
     bool is_inside = all(lessThan(block.xy * TILE + home % TILE, u_size));

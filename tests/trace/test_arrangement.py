@@ -75,3 +75,17 @@ def test_pictures_are_those_of_paths_that_never_move(context, monkeypatch, layer
         path_render.release()
         tracer.release()
     assert all(np.array_equal(a, b, equal_nan=True) for a, b in zip(*pictures, strict=True))
+
+
+def test_a_graphics_card_with_embree_keeps_all_samples(context, monkeypatch):
+    """Its wavefronts are larger, and their blocks are looked at more seldom; so paths are not sorted there."""
+    scene = viewer.load(resource_folder("assets") / "scenes" / "glass.glb", environment=None)
+    scene = scene.relit(environment=lopsided(), lights=scene.lights)
+    camera = Camera.framing(scene.center, scene.radius, 1.0)
+    monkeypatch.setattr(context, "renderer", "a graphics card")
+    tracer = Tracer(context, intersector="embree")
+    path_render = tracer.begin(scene, camera, Settings.of(mode="path", spp=200, error=0.05), (40, 24))
+    run(path_render, 0.0)
+    assert path_render.bad_samples == 0
+    path_render.release()
+    tracer.release()

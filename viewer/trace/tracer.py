@@ -195,7 +195,8 @@ class Tracer:
         plan = plan_trace(scene, settings, traced.geometry, traced.switches, intersector=traced.intersector.name,
                           has_layers=has_layers, left_out=traced.left_out, rays=rays.kind if rays else 0,
                           is_background_smooth=traced.is_background_smooth(angle), photons=traced.photons,
-                          has_sky=covered is not None, is_sorted=traced.intersector.tells_classes)
+                          has_sky=covered is not None,
+                          is_sorted=self.context.is_software and traced.intersector.tells_classes)
         uniforms = {
             **(view.uniforms if view is not None else {}),
             **traced.media_uniforms(view.eye if view is not None else None),

@@ -1,8 +1,8 @@
 """Where the paths of a wavefront lie, so that those of one class lie side by side.
 
 A CPU shades eight neighbouring texels at once, and takes as long for one of them as for all. Paths of different classes
-lie mixed after a few bounces. So each shading writes the next state in the order of classes, which are known where
-Embree has traced the rays in memory.
+lie mixed after a few bounces. So on a CPU each shading writes the next state in the order of classes, which are known
+where Embree has traced the rays in memory.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ UNITS = {"u_source": 24, "u_home": 25, "u_place": 26}
 
 
 class Arrangement:
-    """Of a wavefront of `grid` (columns, rows) blocks of TILE x TILE paths.
+    """Of a wavefront of `grid` (columns, rows) blocks of TILE x TILE paths. The columns divide TILE, so that the paths
+    of a block fill whole rows: those that begin are drawn by rows.
 
     A path keeps its home: the texel of its block and pixel, where its sums are. Its place in the present state is
     another texel. Texels are numbered row by row. `rows` is the number of rows of the present state whose paths may not
@@ -30,6 +31,7 @@ class Arrangement:
 
     def __init__(self, gl: moderngl.Context, grid: tuple[int, int], finds_places: bool) -> None:
         columns, rows = grid
+        assert TILE % columns == 0
         self._size = columns * TILE, rows * TILE
         numbers = np.arange(self._size[0] * self._size[1], dtype=np.int32)
         x, y = numbers % self._size[0], numbers // self._size[0]
@@ -100,7 +102,7 @@ class Arrangement:
     def begin(self, blocks: NDArray[np.intp]) -> tuple[int, int]:
         """Give places in whole rows to the paths of blocks that have none; returns the first row and their number."""
         row, count = self._row_after(self._used), len(blocks) * TILE**2
-        first, rows = row * self._size[0], self._row_after(count)
+        first, rows = row * self._size[0], count // self._size[0]
         home, begun = self._home, np.zeros(len(self._home), bool)
         begun[self.homes_of[blocks]] = True
         elsewhere = np.flatnonzero(begun[home])

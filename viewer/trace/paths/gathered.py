@@ -26,7 +26,8 @@ class Gathered:
         self._rows = 0, 0
 
     def begin(self) -> None:
-        """Clear `finished`, where the next state has paths that have ended."""
+        """Clear `finished`, where the next state has paths that have ended. What was drawn before has been taken."""
+        assert not self._rows[1]
         row, rows = self._rows = self._arrangement.ended_rows
         if rows:
             self.finished.clear(viewport=(0, row, self._size[0], rows))
