@@ -13,10 +13,13 @@ table of three dimensions is enough for what the guess lacks of a and b of the s
     (a, b) = isotropic(along, NoV) + E_0(along, across, NoV) + s E_1(along, across, NoV),
     s = rho^2 (1 - c + c rho^2),    c = min(1.3 across^2 (1 - NoV), 1)
 
-Against the quadrature a + b is right within 0.004 for all alphas from 0.002 to 1 and all views
-(tests/bake/test_stretched.py). The albedo is integrated over visible normals in the cap of Dupuy & Benyoub 2023
-("Sampling Visible GGX Normals with Spherical Caps"), whose slopes are correlated by the Cholesky factor of their
-covariance (Heitz 2014, "Understanding the Masking-Shadowing Function", section 5.4).
+With Smith masking a + b is right within 0.004, against the quadrature, for alphas from 0.002 to 1 and views from one
+degree above the surface (tests/shaders/test_stretched_dfg.py). Without masking the isotropic albedo has no bound, and
+that of stretched lobes between the nodes of the table may be far off near the horizon.
+
+The albedo is integrated over visible normals in the cap of Dupuy & Benyoub 2023 ("Sampling Visible GGX Normals with
+Spherical Caps"), whose slopes are correlated by the Cholesky factor of their covariance (Heitz 2014, "Understanding the
+Masking-Shadowing Function", section 5.4).
 """
 
 from __future__ import annotations
