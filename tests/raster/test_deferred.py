@@ -66,6 +66,14 @@ def test_only_what_may_be_is_deferred(renderer):
     assert not renderer.plan.has_deferred
 
 
+def test_where_buffers_of_texels_are_small_it_multisamples(renderer, monkeypatch):
+    """OpenGL 3.3 grants 65536."""
+    monkeypatch.setattr("viewer.raster.renderer.most_texels", lambda context: 1 << 16)
+    few = drawn(renderer, still_life(), CAMERA, "deferred-4")
+    assert not renderer.plan.has_deferred
+    assert np.array_equal(few, drawn(renderer, still_life(), CAMERA, "msaa-4"))
+
+
 @pytest.mark.parametrize("background", ["env", "none"])
 def test_what_is_drawn_over_them(renderer, background):
     """Behind surfaces that blend or are cut, background and deferred surfaces are mixed at one sample a pixel."""

@@ -13,6 +13,8 @@ MOST_VERTICES = 1 << 20
 """In one mesh: its vertices and triangles are texels, and indices of vertices are floats there."""
 _MOST_OBJECTS, _MOST_TRIANGLES = 64, (1 << 24) - 1
 """In one picture: each object takes a pass over the pixels that it may touch, and a triangle's number has 24 bits."""
+MOST_TEXELS = max(5 * MOST_VERTICES, _MOST_TRIANGLES)
+"""Of a buffer: a mesh has one for each triangle and four for each vertex, a picture one for each triangle."""
 _NEEDS_VERTICES = ("HAS_COLOR", "INDIRECT", "SUBSURFACE", "WOVEN", "INSTANCED")
 """Switches of what vertices have beside their normals, tangents and texture coordinates, of what needs derivatives that
 a pixel cannot tell alone, and of meshes that stand in many places. Colours of vertices may change where triangles join

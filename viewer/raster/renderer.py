@@ -9,12 +9,14 @@ from dataclasses import replace
 import moderngl
 import numpy as np
 
+from ..gpu.buffer_texture import most_texels
 from ..gpu.context import Context
 from ..gpu.free import free
 from ..gpu.programs import Programs
 from ..image.display import DisplayPass
 from ..image.image import Image
 from ..plan.curves import draws_curves
+from ..plan.deferral import MOST_TEXELS
 from ..plan.legend import legend
 from ..plan.model import Plan
 from ..plan.views import view_settings
@@ -168,7 +170,8 @@ class Renderer:
                 settings = replace(settings, antialias="ssaa-4")
         samples = settings.samples(self.context.is_software, still)
         target = self._sized_target(size, samples, half, settings.supersampling)
-        deferred = settings.defers(self.context.is_software, still, size)
+        deferred = (settings.defers(self.context.is_software, still, size)
+                    and most_texels(self.context) >= MOST_TEXELS)
         plan = self.plan = self._prepared.prepare(scene, settings, target, camera.height is not None, deferred)
         self._passes.prepare(scene, settings, plan)
         target.set_part(part)
