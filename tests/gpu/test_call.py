@@ -111,8 +111,9 @@ def test_arguments_that_make_no_difference(own):
 
 def test_picture(own):
     uv = np.stack([np.linspace(0, 1, 5), np.full(5, 0.5)], axis=-1)
-    found = call_glsl(own, "texel", picture=np.array([[0.0, 1.0]]), uv=uv, defines=FLAG)
-    assert np.allclose(found, [0, 0, 0.5, 1, 1], atol=2e-3)
+    for picture in (np.array([[0.0, 1.0]]), [[[0.0, 9.0], [1.0, 9.0]]], (np.array([[0.0, 1.0]]), np.array([[7.0]]))):
+        found = call_glsl(own, "texel", picture=picture, uv=uv, defines=FLAG)
+        assert np.allclose(found, [0, 0, 0.5, 1, 1], atol=2e-3)
 
 
 def test_switches(own):
@@ -162,6 +163,9 @@ def test_relative_path(own, monkeypatch):
     ("both", {"inner": [1, 2, 3], "v": 0, "m": np.zeros((3, 2)), "ok": 1, "z": 2**31}, r"z: int takes whole numbers"),
     ("both", {"inner": [1, 2, 3], "v": 0, "m": np.zeros((3, 2)), "ok": 1, "z": 0.5}, r"z: int takes whole numbers"),
     ("texel", {"picture": 1, "uv": 0}, r"picture: sampler2D takes a picture"),
+    ("texel", {"picture": (), "uv": 0}, r"picture: sampler2D takes a picture"),
+    ("texel", {"picture": (np.zeros((4, 4)), np.zeros((3, 2))), "uv": 0},
+     r"picture: the mip level after one of shape \(4, 4, 1\) has \(2, 2, 1\), not \(3, 2, 1\)"),
 ])
 def test_wrong_argument_is_named(own, function, arrays, message):
     with pytest.raises(UsageError, match=message):

@@ -13,7 +13,7 @@ ALBEDOS, MEANS = stretched_levels("smith")
 
 
 def read(function: str, **arrays: np.ndarray) -> np.ndarray:
-    return call_glsl("light/stretched_dfg.glsl", function, table=[dfg_albedos("ggx", "smith"), ALBEDOS, MEANS],
+    return call_glsl("light/stretched_dfg.glsl", function, table=(dfg_albedos("ggx", "smith"), ALBEDOS, MEANS),
                      **arrays)
 
 

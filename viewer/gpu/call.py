@@ -7,6 +7,7 @@ import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -49,7 +50,8 @@ def call_glsl(
     (3,) for a vec3, (rows, columns) for a matrix. The axes before that broadcast against one another. A plain number
     is used for all components. A struct takes a dict of its members, or an array with all their components on its last
     axis. int, uint and bool are passed exactly. A sampler2D takes a picture (H, W) or (H, W, 1 to 4), which is filtered
-    linearly and clamped at its edges; row 0 is at texture coordinate 0. A list of pictures has its mip levels.
+    linearly and clamped at its edges; row 0 is at texture coordinate 0. A tuple of arrays has its mip levels,
+    each half as large as the one before.
 
     Returns the result with the same leading axes as float32, int32, uint32 or bool; a struct is returned as a dict. For
     a function with out parameters it returns a dict of those, and "return" is the function's return value.
@@ -273,12 +275,17 @@ def _current(context: Context | None) -> Iterator[Context]:
 
 
 def _bind(gl: moderngl.Context, program: moderngl.Program, unit: int, parameter: Parameter, picture: Any) -> None:
-    pictures = picture if isinstance(picture, list) and np.ndim(picture[0]) >= 2 else [picture]
-    levels = [pixels[..., None] if pixels.ndim == 2 else pixels
-              for pixels in (np.asarray(level, np.float32) for level in pictures)]
-    if any(pixels.ndim != 3 or not 1 <= pixels.shape[2] <= 4 or not pixels.size for pixels in levels):
-        raise UsageError(f"{parameter.name}: sampler2D takes a picture (H, W) or (H, W, 1 to 4), "
-                         f"not an array of shape {np.shape(pictures[0])}")
+    are_levels = isinstance(picture, tuple) and picture and all(isinstance(level, np.ndarray) for level in picture)
+    levels = [np.asarray(level, np.float32) for level in (picture if are_levels else (picture,))]
+    for pixels in levels:
+        if pixels.ndim not in (2, 3) or not pixels.size or (pixels.ndim == 3 and pixels.shape[2] > 4):
+            raise UsageError(f"{parameter.name}: sampler2D takes a picture (H, W) or (H, W, 1 to 4), "
+                             f"not an array of shape {pixels.shape}")
+    levels = [pixels if pixels.ndim == 3 else pixels[..., None] for pixels in levels]
+    for before, after in pairwise(pixels.shape for pixels in levels):
+        half = max(before[0] // 2, 1), max(before[1] // 2, 1), before[2]
+        if after != half:
+            raise UsageError(f"{parameter.name}: the mip level after one of shape {before} has {half}, not {after}")
     if f"call_{parameter.name}" in program:
         texture = float_texture(gl, *levels)
         texture.use(unit)

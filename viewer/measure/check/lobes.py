@@ -110,7 +110,7 @@ class Lobe:
             from ...bake.stretched import stretched_levels
 
             levels = stretched_levels(self.table[1]) if self.defines.get("ANISOTROPIC") else ()
-            arrays["dfg"] = [dfg_albedos(*self.table), *levels]
+            arrays["dfg"] = dfg_albedos(*self.table), *levels
         return call_glsl(f"bsdf/{self.file}.glsl", f"{self.prefix}_{function}", m={**self.unused, **m}, **arrays,
                          defines=self.defines, context=context)
 
