@@ -122,6 +122,12 @@ def test_a_mesh_of_trimesh_has_sharp_edges_and_its_colours():
     assert cloud.meshes[0].topology == "points" and cloud.meshes[0].colors.tolist() == [[0, 0, 1, 1]] * 2
 
 
+def test_the_arrays_of_a_mesh_of_trimesh_are_arrays():
+    box = trimesh.creation.box()
+    made = viewer.scene(box.vertices, box.faces, uvs=box.vertices[:, :2], environment=None)  # of trimesh's own class
+    np.testing.assert_array_equal(world(made), box.triangles)
+
+
 def test_a_scene_of_trimesh_places_and_mirrors_its_meshes():
     box, mirror = trimesh.creation.box(), np.diag([-1.0, 1, 1, 1])
     mirror[:3, 3] = 5, 0, 0

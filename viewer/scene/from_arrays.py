@@ -50,7 +50,8 @@ def make_scene(vertices: Any, faces: ArrayLike | None = None, *, normals: ArrayL
         expect_path(environment, "environment")
     given = {"faces": faces, "normals": normals, "uvs": uvs, "colors": colors}
     warnings: list[str] = []
-    if any(kind.__module__.partition(".")[0] == "trimesh" for kind in type(vertices).__mro__):
+    if not isinstance(vertices, np.ndarray) and any(kind.__module__.partition(".")[0] == "trimesh"
+                                                    for kind in type(vertices).__mro__):
         from .from_trimesh import meshes_of
 
         extra = [key for key, value in given.items() if value is not None]
