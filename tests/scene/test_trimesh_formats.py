@@ -55,6 +55,13 @@ def test_a_triangle(tmp_path, name):
 
 
 @needs("formats")
+def test_errors_of_code_are_not_told_as_such(tmp_path):
+    (tmp_path / "a.dae").write_text("<COLLADA/>")
+    with pytest.raises(InputError, match=r"a\.dae: cannot be read as DAE: it is broken$"):
+        load_scene(tmp_path / "a.dae")
+
+
+@needs("formats")
 def test_no_other_file_is_read_and_nothing_vast_unpacked(tmp_path, monkeypatch):
     (tmp_path / "number").write_text("5")
     entity = f'<!DOCTYPE x [<!ENTITY e SYSTEM "{(tmp_path / "number").as_uri()}">]>'

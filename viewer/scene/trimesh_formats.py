@@ -142,7 +142,8 @@ def _as_input_error(path: Path, kind: str) -> Iterator[None]:
     except InputError:
         raise
     except Exception as error:  # for a broken file trimesh's readers raise exceptions of any type
-        text = str(error) or type(error).__name__
+        is_of_code = isinstance(error, (AttributeError, LookupError, TypeError))  # whose words are about no file
+        text = "it is broken" if is_of_code else str(error) or type(error).__name__
         raise InputError(path, "", f"cannot be read as {kind.upper()}: {text[:200]}") from error
     finally:
         log.setLevel(level)
