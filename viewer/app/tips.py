@@ -7,11 +7,15 @@ from ..settings import setting_meanings
 MEASURED = {
     "environment_shadows": ("environment's shadows", 0.28, 7.8), "indirect": ("light between surfaces", 0.17, 2.4),
     "ambient_occlusion": ("ambient occlusion", 0.65, 2.1), "reflections": ("traced reflections", 0.96, 1.7),
-    "refraction": ("traced refraction", 0.51, 2.9),
+    "refraction": ("traced refraction", 0.51, 2.9), "antialias": ("image-based light, SSAA 4", 0.81, 1.0),
+    "multiscatter": ("image-based light, MSAA 4, multiscatter off", 1.0, 0.9),
+    "fresnel": ("image-based light, MSAA 4, fresnel exact", 1.0, 1.0),
+    "specular_aa": ("image-based light, MSAA 4, specular-aa on", 1.0, 1.0),
+    "shadows": ("image-based light, MSAA 4, shadows off", 1.14, 0.7), "Phong": ("Phong", 3.28, 0.8),
 }
-"""Of some settings the family of methods in benchmarks/results/reach.json that has them, and for its best points the
-error (relMSE) and the time of a frame, as shares of those of image-based light alone: medians over the models that have
-it. A test works them out anew."""
+"""Of some settings, and of a label, the method in benchmarks/results/reach.json that has it, or their family, and
+for its best points the error (relMSE) and the time of a frame, as multiples of those of image-based light alone:
+medians over the models that have it. A test works them out anew."""
 
 TIPS = {
     "PBR": "Physically based shading, in real time.",
@@ -51,12 +55,12 @@ TIPS = {
 
 def tip_of(label: str, setting: str = "") -> str:
     """The tooltip of an entry; "" for rows that only tell something."""
-    if not setting:
-        return TIPS.get(label, "")
-    meaning = setting_meanings()[setting]
-    text = f"{meaning[:1].upper()}{meaning[1:]}.\n--set {setting.replace('_', '-')}"
-    if setting in MEASURED:
-        _, error, times = MEASURED[setting]
-        text += (f"\nMeasured (benchmarks/results/reach.md, llvmpipe): {error:g} of the error of image-based light "
-                 f"alone, at {times:g} times its time.")
+    text = TIPS.get(label, "")
+    if setting:
+        meaning = setting_meanings()[setting]
+        text = f"{meaning[:1].upper()}{meaning[1:]}.\n--set {setting.replace('_', '-')}"
+    if (setting or label) in MEASURED:
+        method, error, times = MEASURED[setting or label]
+        text += (f"\nMeasured (benchmarks/results/reach.md, llvmpipe), {method}: {error:g} times the error of "
+                 f"image-based light alone, in {times:g} times its time.")
     return text
