@@ -17,7 +17,9 @@ def lines_left(path: str, switches: Mapping[str, int]) -> list[str]:
     lines = []
 
     def holds(condition: str) -> bool:
-        condition = _WORD.sub(lambda word: values[word[0]], condition).replace("&&", " and ").replace("||", " or ")
+        while _WORD.search(condition):  # what a name stands for may have names, too
+            condition = _WORD.sub(lambda word: f"({values[word[0]]})", condition)
+        condition = condition.replace("&&", " and ").replace("||", " or ")
         return bool(eval(re.sub(r"!(?!=)", " not ", condition)))
 
     for line in assemble(path, switches).text.splitlines():

@@ -351,6 +351,7 @@ def test_in_a_browser(server, tmp_path, caplog, capfd):
         page.touch((150, 100), (160, 100), (200, 100))
         wait_until(lambda: has_turned(math.pi / 2))
         page._mouse("mousePressed", (150, 100), 1)
+        wait_until(lambda: any(pointer.is_dragging for pointer in server.view._pointers.values()))
         other = Guest(server, (64, 64))  # in the middle of a drag the picture gets another shape
         page.wait("(c => c.width === c.height)(document.querySelector('canvas'))")
         page._mouse("mouseMoved", (200, 100), 1)
