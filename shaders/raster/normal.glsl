@@ -22,15 +22,19 @@ vec3 geometric_normal() {
 }
 
 #if (NORMAL_MAP || CLEARCOAT_NORMAL_MAP) && HAS_TANGENT
-// The normal of a texel of a normal map. Tangent space as in MikkTSpace: bitangent = w cross(n, t), without
-// orthogonalisation of the interpolated vectors.
+// Tangent space as in MikkTSpace: bitangent = w cross(n, t), without orthogonalisation of the interpolated vectors.
+mat3 map_axes() {
+    vec3 t = mesh_tangent();
+    vec3 front = normalize(v_normal);
+    return mat3(t, cross(front, t) * v_tangent.w, front);
+}
+
+// The normal of a texel of a normal map
 vec3 mapped_normal(vec3 texel, float scale) {
     texel = texel * (255.0 / 127.5) - 1.0;
     texel.xy *= scale;
-    vec3 t = mesh_tangent();
-    vec3 front = normalize(v_normal);
-    vec3 b = cross(front, t) * v_tangent.w;
-    vec3 mapped = normalize(texel.x * t + texel.y * b + texel.z * front);
+    mat3 axes = map_axes();
+    vec3 mapped = normalize(texel.x * axes[0] + texel.y * axes[1] + texel.z * axes[2]);
 #if DOUBLE_SIDED
     if (!IS_FRONT) mapped = -mapped;
 #endif

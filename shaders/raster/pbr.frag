@@ -11,6 +11,14 @@
 #if NORMAL_MAP || CLEARCOAT_NORMAL_MAP
 #include "bsdf/normal_spread.glsl"
 #endif
+#if GROOVED
+#include "bsdf/grooves.glsl"
+uniform sampler2D u_normal_root; // of the covariance of the map's normals
+
+vec3 normal_root() {
+    return map_texel(u_normal_root, NORMAL_UV, NORMAL_TRANSFORM, u_normal_transform, NORMAL_MIRROR).xyz;
+}
+#endif
 #if HAS_ENVIRONMENT
 #include "raster/environment.glsl"
 #endif
@@ -63,6 +71,9 @@ struct Point {
 #endif
 #if ANISOTROPIC
     mat3 frame; // tangent, bitangent, n
+#endif
+#if GROOVED
+    float unhidden; // what the lobe would reflect without masking, as a multiple of what it does
 #endif
 };
 
@@ -149,7 +160,7 @@ void main() {
     s.f0 = mix(s.f0, thin_walled_f0(s.f0), m.transmission);
     s.film_walls = m.transmission;
 #endif
-#if NORMAL_MAP && HAS_TANGENT
+#if NORMAL_MAP && HAS_TANGENT && !GROOVED
     s.alpha = widened_alpha(s.alpha, normal_texel(), u_normal_scale);
     s.alpha_t = widened_alpha(s.alpha_t, normal_texel(), u_normal_scale);
 #endif
@@ -177,6 +188,17 @@ void main() {
 
 #if SHEEN
     view.sheen = sheen_of(s, view, u_dfg);
+#endif
+
+#if GROOVED
+    // Texels do not hide each other as facets do: what they reflect together is what each of them would.
+    vec2 alphas = both_alphas(s);
+    stretch_lobe(alphas, p.frame, normal_texel().xyz, normal_root(), u_normal_scale, map_axes());
+    s.alpha_t = alphas.x;
+    s.alpha = alphas.y;
+    view.perceptual_roughness = table_roughness(s);
+    vec2 hiding = facet_albedo(s, p.v * p.frame, view.perceptual_roughness, u_dfg);
+    p.unhidden = clamp((dfg.x + dfg.y) / max(hiding.x + hiding.y, 1e-3), 1.0, 2.0);
 #endif
 
     vec3 radiance = vec3(0.0);

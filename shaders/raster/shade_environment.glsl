@@ -125,7 +125,12 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
     vec3 mean_light = vec3(0.0);
 #if HAS_ENVIRONMENT
     mean_light = environment_irradiance_over_pi(p.n);
-#if ANISOTROPIC && REFLECTS
+#if GROOVED && REFLECTS
+    vec2 alpha = both_alphas(s);
+    bool is_stretched = alpha.x > 1.2 * alpha.y;
+    specular = is_stretched ? stretched_light(p, s, mean_light)
+        : reflected_light(p, p.n, p.NoV, view.perceptual_roughness, 2, mean_light);
+#elif ANISOTROPIC && REFLECTS
     specular = stretched_light(p, s, mean_light);
 #elif REFLECTS
     specular = reflected_light(p, p.n, p.NoV, view.perceptual_roughness, LOOKUPS, mean_light);
@@ -147,6 +152,9 @@ vec3 shade_environment(Point p, Surface s, SurfaceView view, float occlusion, ve
 #if TRACED_REFLECTION
     vec4 hit = traced_reflection(v_position, p.n_geometric); // rgb: radiance, a: fraction of rays that hit
     float traced = traced_share(view.perceptual_roughness);
+#if GROOVED
+    traced *= s.alpha / s.alpha_t; // one ray cannot stand for a stretched lobe
+#endif
     for (int k = 0; k < 2; ++k) specular[k] = mix(specular[k], (1.0 - hit.a) * unoccluded[k] + hit.rgb, traced);
 #endif
 #if TRACED_REFRACTION && !ANISOTROPIC // one ray cannot stand for a stretched lobe

@@ -84,6 +84,9 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
     Angles a = Angles(p.NoV, NoL, clamp(dot(p.n, h), 0.0, 1.0), clamp(dot(p.v, h), 0.0, 1.0), dot(nxh, nxh));
 #endif
     float d = facet_d(s, a);
+#if GROOVED
+    d *= p.unhidden;
+#endif
 #if SUNS
     float radius2 = u_lights[i].intensity.w;
     if (radius2 > 0.0) d = min(d, max_sun_d(mean_alpha(s), radius2, a.VoH, slopes_x, slopes_y));

@@ -6,7 +6,7 @@ fragment file with switches. It contains only what the mesh, its material, the l
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from ..errors import UsageError
@@ -18,6 +18,7 @@ from ..scene.material import ANISOTROPY, DIFFUSE_TRANSMISSION, Material
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from ..scene.schema import MAPS, SWITCHED
+from ..scene.texture_image import TextureImage
 from ..scene.woven import woven
 from ..settings import Settings
 from .bsdf_switches import bsdf_switches
@@ -26,11 +27,11 @@ from .deferral import can_defer, is_worth_deferring
 from .explain import explain
 from .ground import plan_ground
 from .instances import instances_of, is_instanced, placed
-from .lookups import coat_lookups, lookups
+from .lookups import GROOVE_LOOKUPS, coat_lookups, lookups
 from .map_switches import ALPHA_MODES, map_switches
 from .media import has_media, hides_light, media_switches, plan_media
 from .model import ALONE, NO_SUBSURFACE, SPREAD, THIN_WALLED, Draw, Plan, Program
-from .samplers import within_limit
+from .samplers import MAX_SAMPLERS, sampler_count, within_limit
 from .sharing import attributes_of, include_everything, share_programs
 from .views import plan_view
 
@@ -67,14 +68,15 @@ def environment_use(scene: Scene, settings: Settings) -> tuple[bool, bool]:
 
 def plan_scene(
     scene: Scene, settings: Settings, lights: Sequence[Light], *, samples: int, half_target: bool, orthographic: bool,
-    deferred: bool = False,
+    deferred: bool = False, grooved: Collection[TextureImage] = (),
 ) -> Plan:
     """The plan for rasterising `scene` with `settings`.
 
     `lights` are all lights, including the suns extracted from the environment. `samples` is the number of samples per
     pixel of the render target (MSAA), and `half_target` tells whether it stores half floats. `orthographic` tells
     whether the camera is orthographic, and `deferred` whether a multisampled picture may shade surfaces after all
-    triangles are drawn (viewer/raster/deferred.py). Raises UsageError for mode path, which the raster cannot draw.
+    triangles are drawn (viewer/raster/deferred.py). `grooved` are the normal maps that are known to have grooves, which
+    stretch lobes (viewer/scene/normal_spread.py). Raises UsageError for mode path, which the raster cannot draw.
     """
     if settings.mode == "path":
         raise UsageError("the raster cannot draw mode path")
@@ -117,7 +119,7 @@ def plan_scene(
         "SKY_SHADOWS": int(environment and settings.fog > 0 and hides_light(scene, settings)),
     }
     # Instances of a mesh are drawn alike, and there may be a hundred thousand of them.
-    kinds = [_draw(k, scene.meshes[k], scene.materials, settings, common, len(numbers))
+    kinds = [_draw(k, scene.meshes[k], scene.materials, settings, common, len(numbers), grooved)
              for k, numbers in instances.items()]
     if settings.plan == "needed":
         kinds = list(share_programs(kinds))
@@ -184,7 +186,8 @@ def _environment_shadows(settings: Settings) -> int:
 
 
 def _draw(
-    mesh_index: int, mesh: Mesh, materials: Sequence[Material], settings: Settings, common: dict[str, int], count: int
+    mesh_index: int, mesh: Mesh, materials: Sequence[Material], settings: Settings, common: dict[str, int], count: int,
+    grooved: Collection[TextureImage],
 ) -> Draw:
     """How a mesh of `count` instances is drawn, as instance 0."""
     material = materials[mesh.material]
@@ -231,6 +234,9 @@ def _draw(
     wanted, switches = switches, within_limit(switches)
     wanted["DEFERRED"] = switches["DEFERRED"] = int(common["DEFERRED"] and can_defer(mesh, material, switches))
     maps = tuple(name for name in maps if switches[f"{name.upper()}_MAP"])
+    if model == "pbr" and "normal" in maps and textures["normal"].image in grooved \
+            and material.reflects and settings.ndf == "ggx":
+        switches = _with_grooves(switches)
     program = Program.of(f"raster/{model}.frag", switches)
     transmits = features["HAS_TRANSMISSION"] * (1 + features["IS_SOLID"])
     return Draw(0, mesh_index, mesh.material, material, program, maps, attributes_of(switches), material.alpha_mode,
@@ -272,6 +278,7 @@ def _can_trace_reflections(material: Material) -> bool:
 def _pbr_switches(material: Material, settings: Settings, has_environment: bool) -> dict[str, int]:
     return {
         "REFLECTS": int(material.reflects),
+        "GROOVED": 0,
         "WOVEN": int(material.weave is not None),
         **({} if material.weave is None else {"SHADED_SIDE": settings.supersampling}),
         "METALNESS": metalness(material),
@@ -282,6 +289,14 @@ def _pbr_switches(material: Material, settings: Settings, has_environment: bool)
         "TRACED_REFRACTION": int(settings.refraction == "traced" and settings.lobes in ("all", "specular")
                                  and material.transmits and material.thickness > 0),
     }
+
+
+def _with_grooves(switches: dict[str, int]) -> dict[str, int]:
+    """The switches of a surface whose normal map has grooves, if there is a sampler left for how they spread."""
+    stretched = switches | {"GROOVED": 1, ANISOTROPY.switch: 1}
+    if switches["LOOKUPS"]:
+        stretched["LOOKUPS"] = max(GROOVE_LOOKUPS, switches["LOOKUPS"])
+    return stretched if sampler_count(stretched) <= MAX_SAMPLERS else switches
 
 
 def _phong_switches(material: Material, settings: Settings) -> dict[str, int]:

@@ -22,7 +22,7 @@ def sampler_count(switches: Mapping[str, int]) -> int:
     tables = on["REFLECTS"] + is_pbr * on["HAS_ENVIRONMENT"] * (1 + on["REFLECTS"]) + on["SHADOW_LAYERS"]
     passes = on["HAS_TRANSMISSION"] + 2 * on["VISIBILITY"] + 2 * on["TRACED_REFLECTION"] + 3 * on["TRACED_REFRACTION"]
     passes += 2 * (switches.get("SUBSURFACE") == SPREAD)
-    tables += on["WOVEN"]
+    tables += on["WOVEN"] + switches.get("GROOVED", 0)
     passes += 2 * switches.get("DEFERRED", 0)
     passes += on["MEDIA"] * (1 + is_lit) + on["VOLUMES"] * on["LIGHT_COUNT"]
     return sum(switches[f"{name.upper()}_MAP"] for name in MAPS) + tables + passes

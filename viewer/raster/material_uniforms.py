@@ -15,7 +15,7 @@ from ..scene.material import VOLUME, Material, UVTransform
 from ..scene.schema import MAPS, Value
 from .subsurface_uniforms import interior_uniforms
 from .textures import Textures
-from .units import UNIT_WEAVE
+from .units import UNIT_NORMAL_ROOT, UNIT_WEAVE
 
 
 class MaterialUniforms:
@@ -43,6 +43,9 @@ class MaterialUniforms:
         self._weave.bind(program, material.weave, UNIT_WEAVE)
         for name in (*draw.maps, *draw.blank_maps):
             self._bind_map(program, draw, name)
+        if draw.program.get("GROOVED"):
+            self._textures.bind_root(MAPS["normal"].texture(draw.surface), UNIT_NORMAL_ROOT)
+            set_uniform(program, "u_normal_root", UNIT_NORMAL_ROOT)
 
     def set_maps(self, program: moderngl.Program, draw: Draw, names: Iterable[str]) -> None:
         """Set the parameters of the draw's material, and of its maps only `names`."""

@@ -17,6 +17,7 @@ from ..scene.decoding import Decoder
 from ..scene.environment import Environment
 from ..scene.light import Light
 from ..scene.scene import Scene
+from ..scene.texture_image import TextureImage
 from ..settings import Settings
 from .environment import EnvironmentLight
 from .stopwatch import Stopwatch
@@ -95,11 +96,15 @@ class Prepared:
         if is_lit:
             with self._watch.preparing("environment"):
                 self.environment.bake(is_reflected or (settings.mode == "pbr" and has_media(scene, settings)))
-        plan = plan_scene(scene, settings, self._lights(scene, settings), samples=samples, half_target=half,
-                          orthographic=orthographic, deferred=deferred)
-        self.surfaces.textures.prefetch(plan)
-        with self._watch.preparing("compile and upload"):
-            self.surfaces.prepare(plan)
+        lights, textures = self._lights(scene, settings), self.surfaces.textures
+        known: frozenset[TextureImage] | None = None
+        while known != textures.grooved:  # which maps have grooves is known when they are decoded
+            known = textures.grooved
+            plan = plan_scene(scene, settings, lights, samples=samples, half_target=half, orthographic=orthographic,
+                              deferred=deferred, grooved=known)
+            textures.prefetch(plan)
+            with self._watch.preparing("compile and upload"):
+                self.surfaces.prepare(plan)
         self._plans = [(key, plan), *self._plans][:_KEPT]
         return plan
 

@@ -45,6 +45,8 @@ class Textures:
         self._channels: dict[tuple[TextureImage, Encoding], str] = {}
         self._sizes: dict[Key, int] = {}
         self._means: dict[Key, np.ndarray] = {}
+        self._normal_maps: set[TextureImage] = set()
+        self._roots: dict[TextureImage, moderngl.Texture] = {}
         self.seconds = 0.0
         """Spent in `upload`, with waiting for decoders."""
 
@@ -53,6 +55,11 @@ class Textures:
         """About how many bytes the textures take, with their mipmaps."""
         return sum(self._sizes.values())
 
+    @property
+    def grooved(self) -> frozenset[TextureImage]:
+        """The normal maps of bases, of those uploaded, that are full of grooves (viewer/scene/normal_spread.py)."""
+        return frozenset(self._roots)
+
     def keep(self, images: set[TextureImage], ahead: Decoder | None = None) -> None:
         """Release the textures of all images except `images`. `ahead` is a decoder that has already started with some
         of the new ones."""
@@ -60,6 +67,7 @@ class Textures:
         self._decoders = [ahead] if ahead is not None else []
         self._channels = {key: letters for key, letters in self._channels.items() if key[0] in images}
         self._examples = {name: key for name, key in self._examples.items() if key[0] in images}
+        self._normal_maps &= images
         self._release_unread()
 
     def prefetch(self, plan: Plan) -> None:
@@ -69,6 +77,8 @@ class Textures:
         for draw in plan.draws:
             for name in draw.maps:
                 image, encoding = MAPS[name].texture(draw.surface).image, MAPS[name].info.encoding
+                if name == "normal":
+                    self._normal_maps.add(image)
                 self._examples.setdefault(name, (image, self._channels[image, encoding], encoding))
         known = set(self._textures).union(*(decoder.keys for decoder in self._decoders))
         self._decoders.append(Decoder(sampled_images(plan, self._channels) - known))
@@ -79,6 +89,9 @@ class Textures:
         while self._decoders:
             for key, levels in self._decoders.pop(0).results():
                 if key not in self._textures:  # the texture may exist already, from an earlier scene
+                    if levels[0].shape[2] > 4 and key[0] in self._normal_maps:
+                        self._roots[key[0]] = mipmapped_texture(self._context, [level[..., 4:] for level in levels])
+                    levels = [level[..., :4] for level in levels]
                     self._textures[key] = _upload(self._context, levels, key[2] == "srgb")
                     self._sizes[key] = sum(level.nbytes for level in levels)
                     self._means[key] = _mean(levels[-1], key[2] == "srgb")
@@ -95,6 +108,11 @@ class Textures:
         """Bind a map of a material to a texture unit, with its sampler. A prefetched plan must sample the map."""
         encoding = MAPS[name].info.encoding
         self._textures[texture.image, self._channels[texture.image, encoding], encoding].use(unit)
+        self._sampler(texture.sampler).use(unit)
+
+    def bind_root(self, texture: Texture, unit: int) -> None:
+        """Bind the square root of the covariance of a normal map that is among `grooved`."""
+        self._roots[texture.image].use(unit)
         self._sampler(texture.sampler).use(unit)
 
     def bind_blank(self, name: str, unit: int) -> None:
@@ -130,6 +148,8 @@ class Textures:
         for key in [key for key in self._textures if self._channels.get((key[0], key[2])) != key[1]]:
             self._textures.pop(key).release()
             del self._sizes[key], self._means[key]
+            if key[2] == "normal" and key[0] in self._roots:
+                self._roots.pop(key[0]).release()
 
     def _cancel(self) -> None:
         for decoder in self._decoders:
@@ -137,7 +157,8 @@ class Textures:
 
     def release(self) -> None:
         self._cancel()
-        for thing in (*self._textures.values(), *self._blanks.values(), *self._samplers.values()):
+        textures = *self._textures.values(), *self._roots.values(), *self._blanks.values()
+        for thing in (*textures, *self._samplers.values()):
             thing.release()
 
 

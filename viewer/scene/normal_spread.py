@@ -4,9 +4,9 @@ A pixel that covers many texels sees all their normals: a rough surface, though 
 Baker 2010, "LEAN mapping", give such a surface a distribution whose covariance is that of the texels' slopes; with
 alpha^2 = 2 sigma^2 (Walter et al. 2007) it is added to alpha^2. One number is kept of it, 2 sqrt(det): what an
 isotropic lobe gains that is as dense along the normal as the lobe with all of the covariance. Grooves, whose
-determinant is 0, would need a lobe that is stretched. The texels of each level are rounded: a number between two codes
-has a variance of up to a quarter of a step squared, in each direction. It is taken off, or the product of steep grooves
-and that were rough.
+determinant is 0, need a lobe that is stretched, and maps that are full of them keep all of the covariance. The texels
+of each level are rounded: a number between two codes has a variance of up to a quarter of a step squared, in each
+direction. It is taken off, or the product of steep grooves and that were rough.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import numpy as np
 from .mip_levels import means_of_four
 
 _BAND = 1 << 17  # texels per step, so that intermediate arrays stay in the processor's cache
+_GROOVED_LEVEL, _FEW_TEXELS = 3, 16
 
 
 def with_spread(levels: list[np.ndarray]) -> list[np.ndarray]:
@@ -25,12 +26,16 @@ def with_spread(levels: list[np.ndarray]) -> list[np.ndarray]:
 
     spread = sqrt(2 sqrt(det(covariance of x and y, less that of rounding))), with x and y in [-1, 1]. It is 0 in the
     first level, and at most 1 for unit normals. A texture without the channel reads as 1, no spread.
+
+    Maps full of grooves have three more channels: the elements xx, yy and xy of the symmetric square root of that
+    covariance, the last as 128 / 255 + xy.
     """
     full = np.iinfo(levels[0].dtype).max
     with_alpha = [np.empty((*level.shape[:2], 4), level.dtype) for level in levels]
     for rows in _bands(levels[0]):
         _join(with_alpha[0][rows], levels[0][rows], full)
     before: np.ndarray | None = None
+    covariances: list[np.ndarray] = []
     rounded = np.float32(1 / full**2)  # the quarter, of steps of 2 / full
     for (larger, smaller), out in zip(pairwise(levels), with_alpha[1:], strict=True):
         covariance = np.empty((3, *smaller.shape[:2]), np.float32)
@@ -45,7 +50,35 @@ def with_spread(levels: list[np.ndarray]) -> list[np.ndarray]:
             spread = np.sqrt(2 * np.sqrt(np.maximum(xx * yy - xy * xy, 0)))
             _join(out[half], smaller[half], np.rint((1 - np.minimum(spread, 1)) * full))
         before = covariance
+        covariances.append(covariance)
+    if len(covariances) >= _GROOVED_LEVEL and _are_grooves(covariances[_GROOVED_LEVEL - 1]):
+        covariances.insert(0, np.zeros((3, *levels[0].shape[:2]), np.float32))
+        return [np.concatenate([level, _root(covariance, full).astype(level.dtype)], axis=2)
+                for level, covariance in zip(with_alpha, covariances, strict=True)]
     return with_alpha
+
+
+def _are_grooves(covariance: np.ndarray) -> bool:
+    """Whether half of the texels widen a lobe to an alpha above 0.3 in one direction, and to a third of it across.
+
+    A map of which the level has few texels is a mere swatch, and chance makes grooves in it.
+    """
+    xx, yy, xy = covariance
+    mean, half = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
+    are_grooves = (2 * (mean + half) > 0.3**2) & (9 * (mean - half) < mean + half)
+    return xx.size >= _FEW_TEXELS and bool(are_grooves.mean() > 0.5)
+
+
+def _root(covariance: np.ndarray, full: int) -> np.ndarray:
+    """The symmetric square root of (3, H, W) covariances, as (H, W, 3) codes of texels.
+
+    By Cayley and Hamilton sqrt(C) = (C + sqrt(det C) I) / sqrt(trace C + 2 sqrt(det C)).
+    """
+    xx, yy, xy = covariance
+    det = np.sqrt(np.maximum(xx * yy - xy * xy, 0))
+    scale = full / np.sqrt(np.maximum(xx + yy + 2 * det, 1e-12))
+    codes = np.stack([(xx + det) * scale, (yy + det) * scale, xy * scale + 128 * (full // 255)], axis=2)
+    return np.clip(np.rint(codes), 0, full)
 
 
 def _bands(level: np.ndarray) -> list[slice]:
