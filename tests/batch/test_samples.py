@@ -22,6 +22,7 @@ from viewer.batch.sums import LEAST_SAMPLES, MOST_PARTS, Sums, parts_of
 from viewer.batch.work import Done, Worker
 from viewer.image.image import Image
 from viewer.jobs.render_job import RenderJob, RenderTask
+from viewer.trace.paths.part import Part
 
 PATH = ("render", SCENES / "spheres.glb", "--size", "20x12", "--mode", "path", "--spp", "48", "--background", "none")
 
@@ -68,15 +69,16 @@ def test_parts_are_all_samples_once(samples):
     assert len(parts) <= MOST_PARTS and (len(parts) == 1 or min(map(len, parts)) >= LEAST_SAMPLES)
 
 
-def test_the_sum_does_not_depend_on_the_order_in_which_parts_come():
-    parts = np.random.default_rng(3).lognormal(0, 9, (4, 2, 3, 5, 4)).astype(np.float32)
-    totals = []
-    for order in permutations(range(4)):
+def test_the_sums_do_not_depend_on_the_order_in_which_parts_come():
+    parts = np.random.default_rng(3).lognormal(0, 9, (5, 2, 3, 5, 4)).astype(np.float32)
+    found = []
+    for order in permutations(range(5)):
         sums = Sums()
         for number in order:
-            sums.add(number, parts[number])
-        totals.append(sums.total)
-    assert all(np.array_equal(total, totals[0]) for total in totals) and totals[0].dtype == np.float64
+            sums.add(number, Part(parts[number], 10**number, 0.5))
+        assert [half.rays for half in sums.halves] == [10101, 1010] and sums.halves[1].seconds == 1
+        found.append(np.stack([half.sums for half in sums.halves]))
+    assert all(np.array_equal(halves, found[0]) for halves in found) and found[0].dtype == np.float64
 
 
 def test_a_picture_in_parts_is_the_same_whoever_dies_and_that_of_one_process_but_for_rounding(run, folder, lose):
@@ -92,7 +94,34 @@ def test_a_picture_in_parts_is_the_same_whoever_dies_and_that_of_one_process_but
     np.testing.assert_allclose(second.linear, first.linear, rtol=1e-5, atol=1e-6)
     assert (first.linear[..., 3] == 0).any() and first.linear[..., :3].std() > 0.05
     stats = json.loads((folder / "stats.json").read_text())
-    assert (stats["spp"], stats["parts"], stats["size"]) == (48, 3, [20, 12])
+    assert (stats["spp"], stats["parts"], stats["size"], stats["bad_samples"]) == (48, 3, [20, 12], 0)
+    assert stats["rays"] > 48 * 20 * 12 and stats["trace_s"] > 0
+
+
+def test_layers_and_the_shadow_on_the_ground_are_those_of_one_process(run, folder, lose):
+    command = [*PATH[:-1], "#ffffff", "--ground", "shadow", "--aov", "albedo,normal,depth,variance,samples"]
+    assert run(*command, "-o", "alone.npz").status == 0
+    lose({16: 1})
+    assert run(*command, "-o", "shared.npz", "--jobs", "2").status == 0
+    alone, shared = (np.load(f"{name}.npz") for name in ("alone", "shared"))
+    assert alone.files == shared.files and (alone["samples"] == 48).all() and np.ptp(alone["rgba"]) > 0.5
+    for name in alone.files:
+        np.testing.assert_allclose(shared[name], alone[name], rtol=1e-4, atol=1e-5, err_msg=name)
+
+
+def test_a_picture_in_parts_is_denoised_as_a_whole(run, folder, lose):
+    """The denoiser compares halves of the samples, which are others than those of one process."""
+    command = [*PATH, "--denoise", "fast"]
+    assert run(*PATH, "--spp", "512", "-o", "truth.exr").status == 0
+    assert run(*command, "-o", "alone.exr").status == 0
+    for name, lost in (("shared", {}), ("lossy", {0: 1, 32: 1})):
+        lose(lost)
+        assert run(*command, "-o", f"{name}.exr", "--jobs", "2", "--stats", f"{name}.json").status == 0
+    truth, alone, shared, lossy = (Image.open(f"{name}.exr").linear for name in ("truth", "alone", "shared", "lossy"))
+    assert np.array_equal(shared, lossy)
+    assert json.loads((folder / "shared.json").read_text())["denoised"] == "fast"
+    ours, theirs = (np.mean((picture - truth) ** 2) for picture in (shared, alone))
+    assert ours < 1.25 * theirs
 
 
 def test_a_part_that_is_lost_for_good_fails_the_picture(run, folder, lose):
@@ -139,12 +168,13 @@ def test_ctrl_c_leaves_the_film_up_to_the_first_frame_that_is_missing(run, folde
             assert film.n_frames == left == json.loads((folder / "stats.json").read_text())["frames"]
 
 
-@pytest.mark.parametrize("more", [("--denoise", "fast"), ("--error", "0.5"), ("--view", "front,top"), ("--resume",),
-                                  ("--ground", "shadow")])
-def test_what_needs_all_samples_is_not_in_parts(run, folder, monkeypatch, more):
+@pytest.mark.parametrize("more, why", [(("--error", "0.5"), "--error"), (("--time-budget", "1"), "--time-budget"),
+                                       (("--view", "front,top"), "several views"), (("--resume",), "--resume"),
+                                       (("--set", "caustics=photons"), "caustics=photons")])
+def test_what_needs_all_samples_is_not_in_parts(run, folder, monkeypatch, more, why):
     asked = []
     monkeypatch.setattr("viewer.batch.samples.render_in_parts", lambda *_: asked.append("parts") or 0)
     monkeypatch.setattr("viewer.batch.run.render_all", lambda *_: asked.append("whole") or 0)
-    for extra in ((), more):
-        assert run(*PATH, "-o", "a.png", "--jobs", "2", *extra).status == 0
-    assert asked == ["parts", "whole"]
+    told = [run(*PATH, "-o", "a.png", "--jobs", "2", *extra).err for extra in ((), more, (*more, "-q"))]
+    assert asked == ["parts", "whole", "whole"]
+    assert told == ["", f"{PATH[1]}: with {why} one worker makes the picture: its samples are not shared\n", ""]

@@ -209,8 +209,8 @@ class Run:
             return
         self.stopped = done.stopped
         self.records[attempt.number] = done.records
-        if done.sums is not None:
-            self.sums.add(attempt.number, done.sums)
+        if done.part is not None:
+            self.sums.add(attempt.number, done.part)
         if done.frames is not None:
             self.frames[attempt.number] = done.frames
         if self._manifest is not None:

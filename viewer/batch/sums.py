@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-import numpy as np
+from ..trace.paths.part import Part
 
 MOST_PARTS = 32
 LEAST_SAMPLES = 16
@@ -19,17 +19,21 @@ def parts_of(samples: int) -> list[range]:
 
 
 class Sums:
-    """`total` is the sum in float64 of what was added, in the order of the numbers from 0 on. So it is the same to the
-    last bit whatever the order in which parts come."""
+    """`halves` are the sums in float64 of the parts with even numbers and of those with odd ones, which denoisers
+    compare, each in the order of the numbers. So they are the same to the last bit whatever the order in which parts
+    come."""
 
     def __init__(self) -> None:
-        self.total: np.ndarray | None = None
+        self.halves: list[Part] = []
         self._next = 0
-        self._early: dict[int, np.ndarray] = {}
+        self._early: dict[int, Part] = {}
 
-    def add(self, number: int, sums: np.ndarray) -> None:
-        self._early[number] = sums
+    def add(self, number: int, part: Part) -> None:
+        self._early[number] = part
         while self._next in self._early:
-            part = self._early.pop(self._next).astype(np.float64)
-            self.total = part if self.total is None else self.total + part
+            following = self._early.pop(self._next)
+            if self._next < 2:
+                self.halves.append(following)
+            else:
+                self.halves[self._next % 2] += following
             self._next += 1

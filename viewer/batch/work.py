@@ -7,6 +7,7 @@ import platform
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,12 +17,15 @@ from ..jobs.model_renderer import Record
 from ..jobs.part_renderer import PartRenderer
 from ..jobs.render_job import RenderJob, RenderTask
 
+if TYPE_CHECKING:
+    from ..trace.paths.part import Part
+
 
 @dataclass(frozen=True)
 class Done:
     """What has become of a task: what `--stats` tells of each picture, the lines for the user that were not told yet,
     and the number of the signal that ended it early. `may_pass` says that another try may do what this one could not.
-    `sums` are those of a task with samples, and `frames` those of a task with frames.
+    `part` is that of a task with samples, and `frames` those of a task with frames.
     """
 
     records: tuple[Record, ...]
@@ -29,7 +33,7 @@ class Done:
     lines: tuple[str, ...] = ()
     stopped: int | None = None
     may_pass: bool = False
-    sums: np.ndarray | None = None
+    part: Part | None = None
     frames: np.ndarray | None = None
 
 
@@ -49,11 +53,11 @@ class Worker:
             self._folders.add(folder)
             remove_leftovers(folder)
         self._lines.clear()
-        renderer, sums, frames = self.renderer, None, None
+        renderer, part, frames = self.renderer, None, None
         if task.samples is not None:
-            found, sums = renderer.sums(task)
+            found, part = renderer.part(task)
         elif task.frames is not None:
             found, frames = renderer.frames(task)
         else:
             found = renderer.render(task, progress)
-        return Done(tuple(found), self._name, tuple(self._lines), renderer.stopped, renderer.may_pass, sums, frames)
+        return Done(tuple(found), self._name, tuple(self._lines), renderer.stopped, renderer.may_pass, part, frames)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from ..raster.renderer import Renderer
+    from ..trace.paths.part import Part
     from ..trace.tracer import Tracer
 
 
@@ -98,6 +100,8 @@ class PathMaker(PictureMaker):
         super().__init__(request)
         self._tracer: Tracer | None = None
         self._renderer: Renderer | None = None
+        self.given: Sequence[Part] = ()
+        """Samples that others have traced, which `make` takes instead of tracing them."""
 
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
         """As `PictureMaker.make`. The first signal to stop ends the picture early, with the samples so far."""
@@ -122,7 +126,10 @@ class PathMaker(PictureMaker):
 
         try:
             with postponed() as stop_request:
-                run(path_render, started, report, wants_to_stop=lambda: stop_request.number is not None)
+                if self.given:
+                    path_render.take(self.given)
+                else:
+                    run(path_render, started, report, wants_to_stop=lambda: stop_request.number is not None)
             self.stopped = _stop_signal(stop_request, path_render.samples)
             image = with_ground(self._tracer, path_render.image(), scene, camera, request.settings)
             if request.layers:
@@ -135,22 +142,26 @@ class PathMaker(PictureMaker):
             path_render.release()
         return image
 
-    def sums(self, scene: Scene, camera: Camera, samples: range) -> np.ndarray:
-        """What `viewer.trace.paths.film.Film.read_sums` reads after these samples of each pixel, (2, H, W, 4) float32.
-        Raises as `make`, and Stopped."""
-        import numpy as np
-
+    def part(self, scene: Scene, camera: Camera, samples: range) -> Part:
+        """These samples of each pixel of the picture, from which `make` makes it where they are `given`. A denoiser
+        filters it then, which needs the layers of first hits. Raises as `make`, and Stopped."""
+        from ..estimate.layers import traced_layers
+        from ..trace.ground import above_ground
+        from ..trace.paths.part import Part
         from ..trace.paths.run import run
         from ..trace.tracer import Tracer
 
         request = self._request
         if self._tracer is None:
             self._tracer = Tracer(request.open(), use_cache=request.use_cache)
-        settings = replace(request.settings, spp=len(samples))
-        path_render = self._tracer.begin(scene, camera, settings, request.size, first=samples.start)
+        settings = replace(above_ground(request.settings), spp=len(samples), denoise="off")
+        layers = traced_layers(request.layers, scene, settings)
+        if request.settings.denoise != "off":
+            layers = *layers, "albedo"
+        path_render = self._tracer.begin(scene, camera, settings, request.size, layers, first=samples.start)
         try:
             run(path_render, time.perf_counter())
-            return np.stack(path_render.film.read_sums())
+            return Part(path_render.film.read(), path_render.rays, path_render.seconds)
         finally:
             path_render.release()
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..base.messages import say
 from ..base.progress import Progress
-from ..plan.warnings import camera_warnings
 from ..scene.scene import Scene
 from .assemble import make_scene
 from .film import Film, make_film
@@ -17,6 +17,9 @@ from .makers import PathMaker
 from .model_renderer import ModelRenderer, Record
 from .render_job import RenderJob, RenderTask
 from .views import View, views_of
+
+if TYPE_CHECKING:
+    from ..trace.paths.part import Part
 
 
 class PartRenderer(ModelRenderer):
@@ -27,8 +30,9 @@ class PartRenderer(ModelRenderer):
         self._scene: tuple[str, Scene, View] | None = None
         self._film_of: tuple[str, Scene, Film] | None = None
 
-    def sums(self, task: RenderTask) -> tuple[list[Record], np.ndarray | None]:
-        """As `render`, for a task with samples: its record, and the sums of `PathMaker.sums`. Nothing is written."""
+    def part(self, task: RenderTask) -> tuple[list[Record], Part | None]:
+        """As `render`, for a task with samples: its record, and what was traced. Nothing is written; `whole` tells the
+        warnings."""
         self.may_pass = False
         records: list[Record] = []
         assert isinstance(self._maker, PathMaker) and task.samples is not None
@@ -37,14 +41,16 @@ class PartRenderer(ModelRenderer):
                 scene = make_scene(task.model, self._environment, self._job.options)
                 self._scene = task.model, scene, views_of(task.model, scene, self._job.options)[0]
             _, scene, view = self._scene
-            if task.samples.start == 0:
-                self._warn(task.model, scene)
-                of_camera = camera_warnings(scene, self._settings, view.camera)
-                self._warn_after(task.model, scene, scene.all_warnings, of_camera)
             self._request.size = view.size
-            sums = self._maker.sums(scene, view.camera, task.samples)
-            return [{"model": task.model, "output": str(task.picture())}], sums
+            part = self._maker.part(scene, view.camera, task.samples)
+            return [{"model": task.model, "output": str(task.picture())}], part
         return records, None
+
+    def whole(self, task: RenderTask, halves: Sequence[Part]) -> list[Record]:
+        """As `render`, for a picture whose samples have been traced in parts: the sums of `halves` are all of them."""
+        assert isinstance(self._maker, PathMaker)
+        self._maker.given = halves
+        return self.render(task, Progress(1, enabled=False))
 
     def frames(self, task: RenderTask) -> tuple[list[Record], np.ndarray | None]:
         """As `render`, for a task with frames: its record, and the displayed frames, (n, H, W, 4) uint8. Nothing is

@@ -181,6 +181,16 @@ class Film:
         assert self._layers is not None
         return tuple(_read(self._layers.framebuffer, attachment)[::-1] for attachment in range(LAYERS))
 
+    def read(self) -> np.ndarray:
+        """All these, (2, H, W, 4) float32, or (5, H, W, 4) for a film with layers."""
+        return np.stack([*self.read_sums(), *(self.read_layers() if self._layers is not None else ())])
+
+    def take(self, sums: np.ndarray) -> None:
+        """Take sums as `read` has them, instead of what the film has."""
+        textures = [*self._sums.textures, *(self._layers.textures if self._layers is not None else ())]
+        for texture, pixels in zip(textures, sums, strict=True):
+            texture.write(np.ascontiguousarray(pixels[::-1], np.float32))
+
     def release(self) -> None:
         for thing in (self._sums, self._layers, self.photon_sums, self._with_photons, self._developed, self._estimated,
                       self.radiance, self._tile_errors, *self.parts):

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from typing import TYPE_CHECKING
 
 import moderngl
@@ -22,6 +22,7 @@ from ..plan import TracePlan
 from ..rays.intersect import Intersector
 from .film import Film, relative_error
 from .layers import read_layers
+from .part import Part
 from .photon_render import PhotonRender
 from .schedule import Schedule
 from .sky import Sky
@@ -133,6 +134,15 @@ class PathRender:
             if time.perf_counter() - start >= seconds:
                 break
         self.seconds += time.perf_counter() - start
+
+    def take(self, halves: Sequence[Part]) -> None:
+        """Take the samples of `halves` instead of tracing them. Those of each are one part of a film that has parts."""
+        self._passes.context.make_current()
+        self.film.take(sum((half.sums for half in halves[1:]), halves[0].sums))
+        for film, half in zip(self.film.parts, halves, strict=False):
+            film.take(half.sums)
+        self._expected_samples = self.settings.most_spp * math.prod(self.film.size)
+        self.rays, self.seconds = sum(half.rays for half in halves), sum(half.seconds for half in halves)
 
     def _trace_photons(self, photons: PhotonRender) -> None:
         before = photons.rays, self.film.photons
