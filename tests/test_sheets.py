@@ -153,6 +153,18 @@ def test_a_contact_sheet_to_resume_shows_no_older_picture_of_a_model_that_fails_
     np.testing.assert_array_equal(Image.open("all.png").srgb, good)
 
 
+def test_a_kept_picture_of_a_contact_sheet_that_is_broken_is_made_again(run, folder):
+    command = ("render", BALLS, UNLIT, "-o", "all.png", "--sheet", "2x1", *QUICK[:-1], "--resume")
+    assert run(*command).status == 0
+    good, kept = Image.open("all.png").srgb, folder / "all.png.parts" / "unlit.png"
+    other = Image.from_srgb(np.zeros((2, 3, 4), np.uint8))
+    for spoil in (lambda: kept.write_bytes(kept.read_bytes()[:90]), lambda: other.save(kept)):
+        spoil()
+        outcome = run(*command)
+        assert (outcome.status, outcome.err) == (0, "1 of 2 models are done already\n")
+        np.testing.assert_array_equal(Image.open("all.png").srgb, good)
+
+
 @pytest.mark.parametrize("label", ["Ünïcödé", "кириллица", "ελληνικά"])
 def test_letters_beyond_ascii_are_no_boxes(label):
     font = font_for(label, 12)

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..base.atomic import made_folders, remove_leftovers, temporary_folder
+from ..errors import InputError
 from ..image.image import Image
 from ..image.sheet import labelled_sheet
 from ..jobs.outputs import model_names
@@ -20,13 +21,14 @@ def render_contact_sheet(models: Sequence[str], output: Path, columns: int, job:
     """Make the pictures of all models, and write them as one with their names. Returns the exit status.
 
     The place of a model that cannot be rendered stays empty. The pictures lie in a folder beside `output` until then,
-    where workers on other machines can write them, and to `resume` for good, with their manifest. Raises as
-    `render_all`.
+    where workers on other machines can write them, and to `resume` for good, with their manifest; one that is broken
+    then, or of another size, is made again. Raises as `render_all`.
     """
     remove_leftovers(output.parent)
     with _kept_folder(output) if batch.resume else temporary_folder(output.parent) as folder:
         names = model_names(models)
         files = [folder / f"{name}.png" for name in names]
+        _remove_broken(files, job.options["size"])
         tasks = [RenderTask(*each) for each in zip(models, files, strict=True)]
         status = render_all(tasks, job, replace(batch, folder=folder if batch.resume else None))
         with Manifest(folder) as manifest:
@@ -36,6 +38,18 @@ def render_contact_sheet(models: Sequence[str], output: Path, columns: int, job:
                  for name, picture in zip(names, pictures, strict=True)]
         labelled_sheet(cells, columns, job.options["size"]).save(output)
     return status
+
+
+def _remove_broken(files: Sequence[Path], size: tuple[int, int]) -> None:
+    for file in files:
+        if not file.is_file():
+            continue
+        try:
+            is_whole = Image.open(file).size == size
+        except InputError:
+            is_whole = False
+        if not is_whole:
+            file.unlink()
 
 
 @contextmanager
