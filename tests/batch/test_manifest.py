@@ -60,6 +60,16 @@ def test_two_commands_in_one_folder_lose_no_line(folder):
     assert {entry["out"] for entry in lines(folder)} == {"a.png", "b.png", "c.png", "d.png"}
 
 
+@needs("posix")
+def test_a_manifest_that_vanishes_is_not_begun_anew(folder):
+    with Manifest(folder) as manifest:
+        manifest.add([line("a.png")])
+        (folder / MANIFEST).unlink()
+        with pytest.raises(OutputError, match="was removed while pictures were made; --resume makes what is missing"):
+            manifest.add([line("b.png")])
+    assert names(folder) == []
+
+
 def test_only_whole_pictures_of_the_same_key_are_done(folder):
     with Manifest(folder) as manifest:
         manifest.add([line("m.png")])

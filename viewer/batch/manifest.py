@@ -58,8 +58,11 @@ class Manifest:
 
     def _opened(self) -> int:
         """The file, which the first line makes. It is opened again where another command has put a shorter one in its
-        place: what is added to the old one would be lost."""
+        place: what is added to the old one would be lost. Raises OutputError where it is gone, and perhaps pictures
+        with it."""
         if self._file is not None and not self._is_in_place():
+            if not self.path.exists():
+                raise OutputError(f"{self.path}: was removed while pictures were made; --resume makes what is missing")
             os.close(self._file)
             self._file, self._size = None, -1  # its lines are the other command's
         if self._file is None:
