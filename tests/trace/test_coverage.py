@@ -14,10 +14,9 @@ from viewer.scene.environment import Environment
 from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Scene
 from viewer.settings import Settings
-from viewer.trace import tracer as tracer_module
 from viewer.trace.paths import coverage as coverage_module
 from viewer.trace.paths.camera_rays import projection
-from viewer.trace.paths.coverage import coverage
+from viewer.trace.paths.coverage import LastCoverage, coverage
 from viewer.trace.paths.sky import MOST_POINTS, points_of
 from viewer.trace.scene.geometry import trace_geometry
 
@@ -111,6 +110,18 @@ def test_many_instances_are_counted_together(monkeypatch, chunk, most):
     assert 2 <= len(calls) <= most and 0.1 < found.mean() < 0.9
 
 
+def test_the_last_answer_is_kept_until_something_else_is_asked(monkeypatch):
+    model, calls = soup(), []
+    geometry, other = trace_geometry(model), Camera.look_at((0.0, 2.0, 6.0), (0, 0, 0), fov_y=0.6)
+    monkeypatch.setattr(coverage_module, "coverage", lambda *asked: calls.append(asked) or coverage(*asked))
+    last = LastCoverage()
+    asked = (geometry, model, VIEW, SIZE), (geometry, model, other, SIZE), (geometry, model, other, SIZE, 2)
+    for each in asked:
+        for _ in range(2):
+            np.testing.assert_array_equal(last(*each), coverage(*each))
+    assert calls == [(*each, 1)[:5] for each in asked]
+
+
 def test_where_nothing_is_known_all_is_traced():
     """A triangle behind the eye, one at the eye, and a picture that triangles fill."""
     behind = scene(plate(), (plate(), moved((0, 0, 9))))
@@ -130,7 +141,7 @@ def test_pixels_with_triangles_are_bit_identical_and_the_others_exact(tracer, mo
     covered = coverage(trace_geometry(model), model, VIEW, SIZE)[::-1]
     assert 0.1 < covered.mean() < 0.5
     resolved = picture(tracer, model, VIEW, SIZE, spp=2, background=background)
-    monkeypatch.setattr(tracer_module, "coverage", lambda *_: None)
+    monkeypatch.setattr(tracer, "_coverage", lambda *_: None)
     traced = picture(tracer, model, VIEW, SIZE, spp=2, background=background)
     np.testing.assert_array_equal(resolved[covered], traced[covered])
     many = picture(tracer, Scene("empty", environment=model.environment), VIEW, SIZE, spp=256)[~covered]

@@ -26,7 +26,7 @@ from ..scene.yarn.spun import spun
 from ..settings import MAX_SPP, Settings
 from .denoise.denoiser import Denoiser, make_denoiser
 from .paths.camera_rays import camera_uniforms
-from .paths.coverage import coverage
+from .paths.coverage import LastCoverage
 from .paths.film import Film
 from .paths.layers import FIRST_HIT_LAYERS
 from .paths.passes import Passes
@@ -42,7 +42,6 @@ from .paths.surface_rays import SurfaceRays
 from .paths.wavefront import UNIT_BLOCKS
 from .paths.wavefront_maker import WavefrontMaker
 from .plan import TracePlan, plan_trace
-from .scene.geometry import TraceGeometry
 from .scene.photons import Photons
 from .scene.traced_scene import TracedScene
 
@@ -51,19 +50,19 @@ UNIT_DFG = UNIT_BLOCKS + 1
 
 @dataclass(frozen=True)
 class _View:
-    """Camera rays: their uniforms, the angle of a pixel, the place of a perspective camera in tracer space, and which
-    pixels may show some geometry."""
+    """Camera rays: their uniforms, the angle of a pixel, the place of a perspective camera in tracer space, and what
+    `coverage` needs to know, or None if all pixels are traced."""
 
     uniforms: Mapping[str, object]
     pixel_angle: float
     eye: NDArray | None
-    coverage: Callable[[TraceGeometry], NDArray[np.bool_] | None] | None
+    seen: tuple[Scene, Camera, tuple[int, int], int] | None
 
     @classmethod
     def of(cls, scene: Scene, camera: Camera, size: tuple[int, int], every: int = 1) -> _View:
         return cls(camera_uniforms(scene, camera, size, every), Frame(scene, camera, size).pixel_angle,
                    (camera.eye - scene.center) / scene.radius if camera.height is None else None,
-                   lambda geometry: coverage(geometry, scene, camera, size, every))
+                   (scene, camera, size, every))
 
 
 @dataclass(frozen=True)
@@ -100,6 +99,7 @@ class Tracer:
         self._dfg: dict[tuple[str, str, bool], moderngl.Texture] = {}
         self._denoisers: dict[str, Denoiser] = {}
         self._shown: tuple[Scene, Scene] | None = None
+        self._coverage = LastCoverage()
 
     def render(self, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
                layers: Collection[str] = (), guide: NDArray | None = None, started: float | None = None) -> Image:
@@ -141,7 +141,7 @@ class Tracer:
         why. They have all light of lamps that comes through smooth glass, also that which in mode path shadow rays
         bring straight through panes. Raises as `begin`."""
         scene = self._with_curves(scene, settings)
-        view = replace(_View.of(scene, camera, size), coverage=None)
+        view = replace(_View.of(scene, camera, size), seen=None)
         setup = self._set_up(scene, settings, size, (), view=view)
         plan, traced = setup.plan, setup.traced
         if not plan.photons:
@@ -191,7 +191,7 @@ class Tracer:
         traced = self._prepare(scene, settings)
         has_layers = bool(FIRST_HIT_LAYERS & set(layers)) or denoiser is not None or traced.is_everything
         angle = view.pixel_angle if view is not None else 0.0
-        covered = view.coverage(traced.geometry) if view is not None and view.coverage is not None else None
+        covered = self._coverage(traced.geometry, *view.seen) if view is not None and view.seen is not None else None
         plan = plan_trace(scene, settings, traced.geometry, traced.switches, intersector=traced.intersector.name,
                           has_layers=has_layers, left_out=traced.left_out, rays=rays.kind if rays else 0,
                           is_background_smooth=traced.is_background_smooth(angle), photons=traced.photons,

@@ -56,6 +56,21 @@ def coverage(geometry: TraceGeometry, scene: Scene, camera: Camera, size: tuple[
     return None if covered.all() else covered
 
 
+class LastCoverage:
+    """`coverage`, which keeps its last answer: a picture in many parts asks for it again for each of them."""
+
+    def __init__(self) -> None:
+        self._asked: tuple[object, ...] | None = None
+        self._answer: NDArray[np.bool_] | None = None
+
+    def __call__(self, geometry: TraceGeometry, scene: Scene, camera: Camera, size: tuple[int, int],
+                 every: int = 1) -> NDArray[np.bool_] | None:
+        asked = geometry, scene, camera, size, every  # the first three are equal only to themselves
+        if asked != self._asked:
+            self._asked, self._answer = asked, coverage(geometry, scene, camera, size, every)
+        return self._answer
+
+
 class _Spans:
     """Collects rectangles of pixels by the differences at their corners, which are summed up at the end.
 
