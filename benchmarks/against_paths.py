@@ -67,12 +67,10 @@ def load(name: str) -> tuple[Scene, Camera]:
     return scene, scene.framing_camera(1.0)
 
 
-def reference_of(tracer: Tracer, scene: Scene, camera: Camera, settings: Settings,
-                 options: argparse.Namespace) -> np.ndarray:
-    """Independent pictures of seeds of their own, (REFERENCES, H, W, 3)."""
-    settings = replace(settings, spp=options.reference_spp)
-    return np.stack([tracing.shoot(tracer, scene, camera, replace(settings, seed=_SEED + k), (options.size,) * 2).pixels
-                     for k in range(REFERENCES)])
+def reference_of(tracer: Tracer, scene: Scene, camera: Camera, settings: Settings, size: int, spp: int) -> np.ndarray:
+    """Independent square pictures of `spp` samples a pixel and seeds of their own, (REFERENCES, size, size, 3)."""
+    several = [replace(settings, spp=spp, seed=_SEED + k) for k in range(REFERENCES)]
+    return np.stack([tracing.shoot(tracer, scene, camera, one, (size, size)).pixels for one in several])
 
 
 def relative_errors(picture: np.ndarray, reference: np.ndarray) -> np.ndarray:

@@ -7,9 +7,10 @@ budget is tried by a command in a process of its own (`first`: the scene has to 
 size: the driver's cache of shaders is empty, too), and by the Python API on a scene that was drawn before (`ready`).
 A budget counts if the first picture of the raster, the plainest, was ready in it.
 
-The errors are against a path-traced reference at the smaller size, relative, of all pixels: of what came out; of each
-rung of the raster that takes no longer than the budget; and of paths alone in that time, as they are and filtered.
-`lost` is how many times the error of the best of those it is. None is known better than the reference's own noise.
+The errors are against independent path-traced references at the smaller size, relative, of all pixels: of what came
+out; of each rung of the raster that ten seconds have made ready and that takes no longer than the budget; and of paths
+alone in that time, as they are and filtered. `lost` is how many times the error of the best of those it is. On average
+the references' noise adds nothing.
 `--only ready` leaves the other kinds out. FILE.md gets the tables; Ctrl-C ends it with what there is. All ten models
 should take about 35 minutes on two quiet cores. A part of it that says most, of all ten, should take ten:
 
@@ -38,12 +39,12 @@ import numpy as np
 
 import viewer
 from viewer.api import shared_renderer, shared_tracer
-from viewer.measure.compare.relmse import EPSILON
 from viewer.measure.report.ladder import climb
 from viewer.scene.scene import Scene
 from viewer.settings import Settings
 
-from . import corpus
+from . import corpus, tracing
+from .against_paths import REFERENCES, reference_of, relative_errors
 from .machine import by_processor_time, here, until_stopped
 from .shot import default_model
 from .tables import conditions
@@ -53,8 +54,9 @@ MODELS = ("DamagedHelmet", "GlamVelvetSofa", "GlassVaseFlowers", "Fox", "MetalRo
 BUDGETS = "0.05,0.1,0.3,1,3,10"
 KINDS = {"ready": "scene ready", "first": "first picture of a process", "new": "likewise, the driver's cache empty"}
 HELD = 1.2
-REFERENCE_SPP = 128
-_SEED = 1 << 24
+REFERENCE_SPP = 64
+LEAST = 1e-3
+"""Error below which none is told: what is left of the references' noise may be more."""
 
 Row = dict[str, Any]
 
@@ -69,8 +71,8 @@ def main() -> None:
         present = [name for name in MODELS if corpus.present((name.partition(":")[0],))]
         for name in options.models or present or [default_model()]:
             _measure(name, options, rows)
-    about |= {"load after": round(os.getloadavg()[0], 1), "reference": f"{options.spp} samples a pixel",
-              "seconds": seconds}
+    about |= {"load after": round(os.getloadavg()[0], 1), "seconds": seconds,
+              "reference": f"{REFERENCES} times {options.spp} samples a pixel"}
     report = "\n\n".join([table(rows), errors(rows), conditions(about)])
     print(report)
     if options.json:
@@ -86,31 +88,31 @@ def _measure(name: str, options: argparse.Namespace, rows: list[Row]) -> None:
     smallest = min(options.sizes)
     for size in options.sizes:
         single = _Single(scene, size, options.spp) if size == smallest else None
-        _warm(scene, size)
+        ready = _warm(scene, size)
         for kind in options.only or (KINDS if size == smallest else ("ready", "first")):
             for budget in options.budgets:
                 row = {"model": Path(model).stem, "size": size, "kind": kind, "budget": budget,
                        "load": round(os.getloadavg()[0], 1)}
-                row |= _ready(scene, size, budget, single) if kind == "ready" else _first(
+                row |= _ready(scene, size, budget, single, ready) if kind == "ready" else _first(
                     model, environment or "studio", size, budget, kind == "new", options.processor)
                 rows.append(row)
                 print(_line(row), flush=True)
 
 
-def _warm(scene: Scene, size: int) -> None:
-    """Let all be compiled and known that a scene in use has."""
-    viewer.render(scene, (size, size), time_budget=10.0)
-    for seconds in (3.0, 0.3, 0.1):
-        viewer.render(scene, (size, size), time_budget=seconds)
+def _warm(scene: Scene, size: int) -> set[str]:
+    """Let all be compiled and known that a scene in use has. Returns the rungs of the raster that are ready then."""
+    made = [viewer.render(scene, (size, size), time_budget=seconds) for seconds in (10.0, 3.0, 0.3, 0.1)]
+    rungs: list[dict[str, Any]] = [rung for image in made for rung in image.stats["choice"]["candidates"]]  # type: ignore
+    return {rung["method"] for rung in rungs if rung["seconds"] is not None}
 
 
 class _Single:
-    """A reference, and the errors and times of the single methods."""
+    """References, and the errors and times of the single methods."""
 
     def __init__(self, scene: Scene, size: int, spp: int) -> None:
         self._scene, self._size = scene, (size, size)
-        image = viewer.render(scene, self._size, mode="path", spp=spp, seed=_SEED)
-        self._linear, self._variance = image.linear[..., :3].astype(float), image.stats["estimated_error"]["relmse"]
+        camera, settings = scene.framing_camera(1.0), Settings(mode="path")
+        self._reference = reference_of(shared_tracer(), scene, camera, settings, size, spp)
         self._rungs: dict[str, tuple[float, float]] = {}
         for title, settings in climb(scene, Settings()):
             changed = {name: value for name, value in vars(settings).items() if value != getattr(Settings(), name)}
@@ -122,12 +124,13 @@ class _Single:
             self._rungs[title] = min(seconds), self.error(picture)
 
     def error(self, image: viewer.Image) -> float:
-        squared = (image.linear[..., :3] - self._linear) ** 2 / (self._linear**2 + EPSILON)
-        return math.sqrt(max(float(np.nan_to_num(squared).mean()) - self._variance, self._variance))
+        squared = relative_errors(np.nan_to_num(tracing.radiance(image)), self._reference)
+        return math.sqrt(max(float(squared.mean()), LEAST**2))
 
-    def within(self, budget: float) -> dict[str, float]:
-        """The errors of all that there is time for."""
-        found = {title: error for title, (seconds, error) in self._rungs.items() if seconds <= budget}
+    def within(self, budget: float, ready: set[str]) -> dict[str, float]:
+        """The errors of all that there is time for, of the rungs that are ready."""
+        found = {title: error for title, (seconds, error) in self._rungs.items()
+                 if title in ready and seconds <= budget}
         for denoise in ("off", "fast"):
             started = time.perf_counter()
             image = viewer.render(self._scene, self._size, mode="path", time_budget=budget, denoise=denoise)
@@ -151,13 +154,13 @@ def _first(model: str, environment: str, size: int, budget: float, is_new: bool,
         return _facts(json.loads(stats.read_text())["choice"], budget)
 
 
-def _ready(scene: Scene, size: int, budget: float, single: _Single | None) -> Row:
+def _ready(scene: Scene, size: int, budget: float, single: _Single | None, ready: set[str]) -> Row:
     image = viewer.render(scene, (size, size), time_budget=budget)
     choice: dict[str, Any] = image.stats["choice"]  # type: ignore[assignment]
     row = _facts(choice, budget)
     if single is None:
         return row
-    others = single.within(budget)
+    others = single.within(budget, ready)
     row |= {"error": single.error(image), "told": [choice[name] for name in ("error", "error_low", "error_high")],
             "errors": others}
     return row | ({"lost": row["error"] / min(others.values())} if others else {})
@@ -223,7 +226,7 @@ def _parse() -> argparse.Namespace:
     parser.add_argument("--sizes", type=several(int), default="256,512")
     parser.add_argument("--budgets", type=several(float), default=BUDGETS)
     parser.add_argument("--only", type=several(str), metavar="KIND,...", help=f"of {', '.join(KINDS)}")
-    parser.add_argument("--spp", type=int, default=REFERENCE_SPP, help="of the reference")
+    parser.add_argument("--spp", type=int, default=REFERENCE_SPP, help="of each reference (64)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="keep every run there, and the tables beside it")
     parser.add_argument("--processor", action="store_true", help="seconds are those of processor time")
     return parser.parse_args()

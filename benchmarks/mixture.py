@@ -2,8 +2,9 @@
 
 The scenes of benchmarks.tell_error and of assets/noise are path traced with 4, 16 and 64 samples a pixel. relMSE over
 all pixels, against a reference of independent pictures and other seeds, of the samples, of what `fast` and `raster`
-make of as many, which are other ones since each half has its own random numbers, and of the raster's picture alone, as
-shares of that of the samples; and how much light is left. Where single samples make most of the error, chance decides.
+make of them, and of the raster's picture alone, as shares of that of the samples; and how much of their light is left.
+A picture of `off` has other samples: its share is what it costs that each half has its own random numbers. Where single
+samples make most of the error, chance decides about that share.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from viewer.estimate.mixture import draw_guide, raster_settings
 from viewer.estimate.pairs import TRIMMED
 from viewer.raster.renderer import Renderer
 from viewer.settings import Settings
+from viewer.trace.paths.path_render import PathRender
 from viewer.trace.tracer import Tracer
 
 from . import corpus, tracing
@@ -27,7 +29,7 @@ from .against_paths import ENVIRONMENTS, MODELS, Row, compare, load, present, re
 LAMPS = ("LightsPunctualLamp:none", "noise/reflections", "noise/indirect", "noise/small-lights", "noise/many-lights",
          "noise/caustics")
 SAMPLES = (4, 16, 64)
-METHODS = ("raster alone", "fast", "raster")
+METHODS = ("raster alone", "off", "fast", "raster")
 
 
 def main() -> None:
@@ -42,21 +44,30 @@ def _scenes() -> list[str]:
 def _measure(renderer: Renderer, tracer: Tracer, name: str, options: argparse.Namespace) -> Iterator[Row]:
     scene, camera = load(name)
     size, plain = (options.size, options.size), Settings(mode="path")
-    reference = reference_of(tracer, scene, camera, plain, options)
+    reference = reference_of(tracer, scene, camera, plain, options.size, options.reference_spp)
     alone = renderer.render(scene, camera, raster_settings(plain), size)
     for samples in SAMPLES:
-        made = {"raster alone": alone}
-        for method in ("off", *METHODS[1:]):
+        made = {"raster alone": tracing.radiance(alone)}
+        for method in METHODS[1:]:
             settings = replace(plain, spp=samples, denoise=method)
             guide = draw_guide(renderer, scene, camera, settings, size)
-            made[method] = tracer.render(scene, camera, settings, size, guide=guide)
-        errors = {method: _relmse(tracing.radiance(image), reference) for method, image in made.items()}
-        raw, most = errors["off"]
-        light = float(made["off"].linear[..., :3].mean())
-        yield {"scene": name, "samples": samples, "raw": raw, **{
-            method: errors[method][0] / raw for method in METHODS}, **{
-            f"{method}, most": errors[method][1] / most for method in METHODS}, **{
-            f"{method}, light": float(made[method].linear[..., :3].mean()) / light for method in METHODS[1:]}}
+            # The halves of `fast` and `raster` have the same random numbers, so `raw` of the last is that of both.
+            made[method], raw = _made(tracer.begin(scene, camera, settings, size, guide=guide))
+        errors = {method: _relmse(picture, reference) for method, picture in (made | {"raw": raw}).items()}
+        yield {"scene": name, "samples": samples, "raw": errors["raw"][0], **{
+            method: errors[method][0] / errors["raw"][0] for method in METHODS}, **{
+            f"{method}, most": errors[method][1] / errors["raw"][1] for method in METHODS}, **{
+            f"{method}, light": float(made[method].mean() / raw.mean()) for method in METHODS[1:]}}
+
+
+def _made(path_render: PathRender) -> tuple[np.ndarray, np.ndarray]:
+    """The finished picture, and its samples as they are."""
+    try:
+        while not path_render.is_done:
+            path_render.step(tracing.SLICE)
+        return tracing.radiance(path_render.image()), path_render.read_radiance()[..., :3].astype(np.float64)
+    finally:
+        path_render.release()
 
 
 def _relmse(picture: np.ndarray, reference: np.ndarray) -> tuple[float, float]:

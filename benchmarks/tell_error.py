@@ -50,7 +50,7 @@ def _scenes() -> list[str]:
 def _measure(renderer: Renderer, tracer: Tracer, name: str, options: argparse.Namespace) -> Iterator[Row]:
     scene, camera = load(name)
     size = options.size, options.size
-    reference = reference_of(tracer, scene, camera, path_settings(Settings()), options)
+    reference = reference_of(tracer, scene, camera, path_settings(Settings()), options.size, options.reference_spp)
     pictures = {title: renderer.render(scene, camera, Settings.of(**changes), size).linear[..., :3]
                 for title, changes in PICTURES.items()}
     paths = PathGroups.of_raster(tracer, scene, camera, Settings(), size)
