@@ -94,7 +94,7 @@ def _page(rows: list[Row]) -> list[str]:
             **{f"{method}, mean radiance over that of the samples": f"{method}, light:.2f" for method in METHODS[1:]}}
     return ["# What denoising leaves of the relMSE of the samples", "",
             f"Without the worst pixels: {TRIMMED:.0%} of them are left out of both. In scenes with lamps most of the "
-            "error is in a few pixels, which one sample has made bright.", "",
+            "error is in a few pixels, which one sample has made bright. `off` has other samples, not in halves.", "",
             *tracing.table(summary, columns), "", *tracing.table(rows, each)]
 
 

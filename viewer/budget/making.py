@@ -68,7 +68,7 @@ class Making:
         told = None
         try:
             if self._may_trace() and not self._wants_to_stop():
-                told = self._along(groups, traced is not None)
+                told = self._with_paths(groups, traced is not None)
             if told is None:
                 self._climb(False)
         finally:
@@ -150,8 +150,9 @@ class Making:
         self._pace.combine = (self._clock() - started) / (raster.shape[0] * raster.shape[1])
         return told
 
-    def _along(self, groups: PathGroups, mixes: bool) -> dict[str, Told] | None:
-        """Trace to the end of the time, or to the target; None if there was not enough time."""
+    def _with_paths(self, groups: PathGroups, mixes: bool) -> dict[str, Told] | None:
+        """Trace to the end of the time, or to the target; None if there was not enough time. Without `mixes` paths only
+        tell the error of the raster's picture, and no target is reached past the last rung."""
         target, look = self._choice.target, float(GROUPS)
         while True:
             self._trace(groups, math.inf if target is None else look)
@@ -161,8 +162,8 @@ class Making:
             told = self._combine(self._radiance[..., :3], Samples(groups.total, groups.count))
             told = told if mixes else {"drawn": told["drawn"]}
             best = min(told.values(), key=lambda one: one.relmse)
-            is_out = not mixes and self._rung + 1 == len(self._rungs) and best.low > (target or 0.0) ** 2
-            if target is None or best.high <= target**2 or is_out or self._is_over(groups):
+            is_hopeless = not mixes and self._rung + 1 == len(self._rungs) and best.low > (target or 0.0) ** 2
+            if target is None or best.high <= target**2 or is_hopeless or self._is_over(groups):
                 return told
             look = groups.samples * min(max(best.high / target**2, LEAST_GROWTH), MOST_GROWTH)
             self._climb(mixes)
