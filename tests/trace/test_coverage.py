@@ -1,4 +1,4 @@
-"""Pixels that no triangle can touch are found, resolved once and never traced; all others are as they were."""
+"""Pixels that no geometry can touch are found, resolved once and never traced; all others are as they were."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from pictures import picture
 from shapes import WHITE, constant, moved, orthographic, plate, scene, sphere
+from strands import strands
 
 from viewer.scene.camera import Camera
 from viewer.scene.environment import Environment
@@ -15,9 +16,11 @@ from viewer.scene.mesh import Mesh
 from viewer.scene.scene import Scene
 from viewer.settings import Settings
 from viewer.trace.paths import coverage as coverage_module
+from viewer.trace.paths import curve_runs as runs_module
 from viewer.trace.paths.camera_rays import projection
 from viewer.trace.paths.coverage import LastCoverage, coverage
 from viewer.trace.paths.sky import MOST_POINTS, points_of
+from viewer.trace.scene.curves import trace_curves
 from viewer.trace.scene.geometry import trace_geometry
 
 SIZE = (60, 44)
@@ -73,6 +76,27 @@ def test_no_triangle_is_in_a_pixel_that_is_not_covered(camera):
     padded = np.pad(seen, 3)
     near = np.any([padded[y:y + SIZE[1], x:x + SIZE[0]] for y in range(7) for x in range(7)], axis=0)
     assert not (found & ~near).any() and 0.2 < found.mean() < 0.9
+
+
+@pytest.mark.parametrize("runs", [1 << 18, 20])
+@pytest.mark.parametrize("camera", [VIEW, orthographic(0.5, 0.4, height=3.0)], ids=["perspective", "orthographic"])
+def test_no_curve_is_in_a_pixel_that_is_not_covered(monkeypatch, runs, camera):
+    """Each segment with a box of its own, or several with one. Points on the spheres that touch a segment from within
+    are looked for."""
+    monkeypatch.setattr(runs_module, "_RUNS", runs)
+    model = Scene("strands", curves=strands())
+    geometry, rng = trace_geometry(model, curves=trace_curves(model)), np.random.default_rng(4)
+    found = coverage(geometry, model, camera, SIZE)
+    first = geometry.curves.first.astype(int)
+    a, b = (geometry.curves.points[rows][:, None] for rows in (first, first + 1))
+    center = a + rng.random((1, 500, 1)) * (b - a)
+    out = rng.normal(size=(len(first), 500, 3))
+    points = center[..., :3] + center[..., 3:] * out / np.linalg.norm(out, axis=-1, keepdims=True)
+    matrix, offset, _ = projection(model, camera, SIZE)
+    x, y, w = (points.reshape(-1, 3) @ matrix.T + offset).T
+    cells = np.floor(np.stack([(x / w + 1) * SIZE[0] / 2, (y / w + 1) * SIZE[1] / 2], axis=1)).astype(int)
+    cells = cells[((cells >= 0) & (cells < SIZE)).all(axis=1)]
+    assert found is not None and found[cells[:, 1], cells[:, 0]].all() and found.mean() < 0.95
 
 
 def test_each_few_pixels_are_those_of_the_whole_picture():

@@ -102,7 +102,7 @@ def plan_trace(
     `switches` are those of the scene's data and lights, `left_out` their lines for the user. `rays` is the kind of rays
     in shaders/trace/surface_ray.glsl, 0 for camera rays. `is_background_smooth` says whether these see the environment
     by B-splines (shaders/trace/background.glsl). `photons` says what photons are aimed at. `has_sky` says that there
-    are pixels which no triangle can touch, `is_sorted` that paths are sorted (viewer/trace/paths/arrangement.py).
+    are pixels which no geometry can touch, `is_sorted` that paths are sorted (viewer/trace/paths/arrangement.py).
     """
     sampling = setting_choices()["sampling"].index(settings.sampling)
     switches = dict(switches) | bsdf_switches(settings) | {"SAMPLING": sampling}
@@ -237,8 +237,8 @@ def _left_out(
         most = geometry.nesting.most
         lines.append(f"{DEEP_GLASS}{geometry.depth} deep, and a path carries {most} of them: inside of more, "
                      "its light is bent wrongly or lost")
-    if geometry.curves is not None or geometry.has_grids or geometry.fog is not None:
-        lines.append("resolving pixels once that nothing can be seen in: curves, volumes or fog may be anywhere")
+    if geometry.has_grids or geometry.fog is not None:
+        lines.append("resolving pixels once that nothing can be seen in: volumes or fog may be anywhere")
     if not has_layers:
         lines.append("the pass for layers (albedo, normal): nobody asked for them")
     if not switches["CLAMP"]:

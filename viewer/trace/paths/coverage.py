@@ -1,4 +1,4 @@
-"""Which pixels of a picture camera rays can meet triangles in: conservative, so that the others need not be traced."""
+"""Which pixels of a picture camera rays can meet geometry in: conservative, so that the others need not be traced."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ...scene.camera import Camera
 from ...scene.scene import Scene
 from .camera_rays import projection
+from .curve_runs import curve_runs
 
 if TYPE_CHECKING:
     from ..scene.geometry import TraceGeometry
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 MOST_TRIANGLES = 2_000_000
 """More would take longer here than many pictures gain."""
 NEAREST = 1e-3
-"""Least distance from the eye along the view, in tracer units, at which triangles are projected."""
+"""Least distance from the eye along the view, in tracer units, at which geometry is projected."""
 ERROR = 4e-6
 """How far, in tracer units, the float32 rays of the tracer may be from where a pixel is."""
 _SMALL = 1 / 64
@@ -27,31 +28,31 @@ _CHUNK = 1 << 20
 
 def coverage(geometry: TraceGeometry, scene: Scene, camera: Camera, size: tuple[int, int],
              every: int = 1) -> NDArray[np.bool_] | None:
-    """Whether any triangle may be seen in each pixel, (H, W), row 0 at the bottom; `size` and `every` are as for
-    `camera_uniforms`. None if that is not known, or is true of all pixels.
+    """Whether any triangle or curve may be seen in each pixel, (H, W), row 0 at the bottom; `size` and `every` are as
+    for `camera_uniforms`. None if that is not known, or is true of all pixels.
 
     A pixel is as wide as its box filter, and at least one pixel more on each side. Nothing is known of scenes with
-    curves, volumes or fog, and where triangles come close to the eye or are behind it.
+    volumes or fog, and where geometry comes close to the eye or is behind it.
     """
-    if (geometry.curves is not None or geometry.has_grids or geometry.fog is not None
-            or geometry.triangle_count > MOST_TRIANGLES):
+    if geometry.has_grids or geometry.fog is not None or geometry.triangle_count > MOST_TRIANGLES:
         return None
-    project, offset, unit = projection(scene, camera, size)
-    half = np.array(size) / 2
-    spans = _Spans(size)
+    view, spans = _View(scene, camera, size), _Spans(size)
     for instance in geometry.instances:
         mesh = geometry.meshes[instance.mesh]
         if not len(mesh.triangles):
             continue
-        points = mesh.positions @ instance.transform[:, :3].T + instance.transform[:, 3]
-        x, y, w = (points @ project.T + offset).T
-        nearest = float(w.min())
-        if not nearest * unit >= NEAREST:
+        seen = view.pixels(mesh.positions @ instance.transform[:, :3].T + instance.transform[:, 3])
+        if seen is None:
             return None
-        pixels = np.stack([x / w + 1, y / w + 1], axis=1) * half
-        margin = 1 + ERROR * float(np.linalg.norm(project[:2], axis=1).max() * half.max()) / nearest
         for first in range(0, len(mesh.triangles), _CHUNK):
-            spans.add(pixels, mesh.triangles[first:first + _CHUNK], margin)
+            spans.add(seen[0], mesh.triangles[first:first + _CHUNK], seen[1])
+    if geometry.curves is not None:
+        corners = curve_runs(geometry.curves)
+        seen = view.pixels(corners.reshape(-1, 3))
+        if seen is None:
+            return None
+        pixels, margin = seen[0].reshape(-1, 8, 2), seen[1]
+        spans.add_boxes(np.floor(pixels.min(axis=1) - margin), np.floor(pixels.max(axis=1) + margin))
     covered = spans.covered()[every // 2::every, every // 2::every][:size[1] // every, :size[0] // every]
     return None if covered.all() else covered
 
@@ -69,6 +70,23 @@ class LastCoverage:
         if asked != self._asked:
             self._asked, self._answer = asked, coverage(geometry, scene, camera, size, every)
         return self._answer
+
+
+class _View:
+    """Projects points of tracer space to pixels."""
+
+    def __init__(self, scene: Scene, camera: Camera, size: tuple[int, int]) -> None:
+        self._matrix, self._offset, self._unit = projection(scene, camera, size)
+        self._half = np.array(size) / 2
+
+    def pixels(self, points: NDArray[np.floating]) -> tuple[NDArray[np.float64], float] | None:
+        """Where they are seen, (N, 2), and the margin of what they bound; None if any is too close to the eye."""
+        x, y, w = (points @ self._matrix.T + self._offset).T
+        nearest = float(w.min())
+        if not nearest * self._unit >= NEAREST:
+            return None
+        farthest_off = ERROR * float(np.linalg.norm(self._matrix[:2], axis=1).max() * self._half.max()) / nearest
+        return np.stack([x / w + 1, y / w + 1], axis=1) * self._half, 1 + farthest_off
 
 
 class _Spans:
@@ -98,6 +116,13 @@ class _Spans:
         large = points[triangles[is_seen & ~is_small]]
         for part in np.array_split(large, max(len(large) * int(self._size[1]) // (_CHUNK), 1)):
             self._add_rows(part, margin)
+
+    def add_boxes(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> None:
+        """Add rectangles between pixels, (N, 2) each, which belong to them; those outside of the picture are left out.
+        """
+        is_seen = ((high >= 0) & (low < self._size)).all(axis=1)
+        (x0, y0), (x1, y1) = low[is_seen].T, high[is_seen].T
+        self._add_boxes(x0, y0, x1, y1)
 
     def _add_rows(self, corners: NDArray[np.float64], margin: float) -> None:
         """Add the pixels of each row between the triangle's ends in it."""

@@ -75,7 +75,7 @@ class Film:
                     part.add(wavefront, own)
 
     def add_sky(self, sky: Sky, work: Sequence[Work]) -> None:
-        """Add the samples of work items whose tiles no triangle can touch."""
+        """Add the samples of work items whose tiles no geometry can touch."""
         self._added += 1
         defines = shader_defines({"BACKGROUND": int(sky.is_seen)})
         program = self._programs.get("trace/film/sky.vert", "trace/film/sky.frag", defines)

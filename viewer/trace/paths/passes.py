@@ -67,7 +67,7 @@ class Passes:
                                                 shader_defines(dict(program.switches)))
 
     def draw_sky(self, sky: Sky) -> None:
-        """Resolve the pixels that no triangle can touch."""
+        """Resolve the pixels that no geometry can touch."""
         self._use_textures()
         sky.framebuffer.use()
         self._gl.enable_only(moderngl.NOTHING)

@@ -1,4 +1,4 @@
-"""What pixels that no triangle can touch show of the environment. They are resolved once and never traced."""
+"""What pixels that no geometry can touch show of the environment. They are resolved once and never traced."""
 
 from __future__ import annotations
 
