@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from concurrent.futures import ThreadPoolExecutor
 from threading import Event, Timer
 from types import SimpleNamespace
@@ -106,13 +107,15 @@ def test_processes_share_the_cores(monkeypatch: pytest.MonkeyPatch, given: str, 
 
 @needs("embree")
 def test_no_thread_traces_on_after_an_interruption(curves: TraceCurves, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The scene may be released then. The first packet stops as Ctrl-C does, while another thread is in the second."""
+    """The scene may be released then. The first call of Embree stops as Ctrl-C does, while another thread is in the
+    second."""
     from viewer.trace.rays import embree_curves
 
     embree, is_inside, may_leave, left = embree_curves.EmbreeCurves(curves), Event(), Event(), []
+    calls = itertools.count()
 
     def intersect(_valid: int, _scene: int, packet: int, _context: None) -> None:
-        if packet == words.ctypes.data:
+        if not next(calls):
             assert is_inside.wait(PATIENCE_S)
             Timer(0.05, may_leave.set).start()
             raise KeyboardInterrupt
@@ -120,13 +123,12 @@ def test_no_thread_traces_on_after_an_interruption(curves: TraceCurves, monkeypa
         assert may_leave.wait(PATIENCE_S)
         left.append(packet)
 
-    words = np.zeros((6, embree_curves._WORDS, embree_curves._WIDTH), np.float32)
     monkeypatch.setattr(embree_curves, "_TASK", 1)
     with ThreadPoolExecutor(2) as threads:
         monkeypatch.setattr(embree_curves, "_threads", lambda: threads)
         monkeypatch.setattr(embree, "_library", SimpleNamespace(rtcIntersect16=intersect))
         with pytest.raises(KeyboardInterrupt):
-            embree._trace(words)
+            embree.intersect(*rays(6), np.inf)
         assert may_leave.is_set() and left
         after = len(left)
     assert len(left) == after

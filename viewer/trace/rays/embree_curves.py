@@ -1,7 +1,8 @@
 """Traces rays with Embree's round linear curves.
 
 embreex has no curves. So we call the Embree that it brings along, in packets of 16 rays, by Embree's own C interface.
-Several threads do so at once, since Python lets others run while Embree traces. No other Python binding has curves.
+Several threads do so at once, since Python lets others run while Embree traces. Each takes rays that begin near each
+other, so that what Embree reads of the tree for one is in the cache for the next. No other Python binding has curves.
 Where the library cannot be found, `EmbreeCurves` raises ImportError, and the BVH in a shader traces everything.
 
 Embree may be built so that it reports where rays leave a curve, too. Such hits are passed.
@@ -15,6 +16,7 @@ from __future__ import annotations
 import ctypes
 import os
 import weakref
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from functools import cache
@@ -47,8 +49,10 @@ _EVEN = 2e-3
 """The slope of a segment's radius up to which Embree may miss it."""
 _STEP = 1e-6
 """Step behind the back of a curve, in tracer units."""
-_TASK = 64
-"""Packets that a thread traces before it takes others: some milliseconds."""
+_TASK = 2048
+"""Rays that a thread traces before it takes others: some milliseconds."""
+_SPREAD = np.array([sum((k >> bit & 1) << 3 * bit for bit in range(5)) for k in range(32)], np.uint16)
+"""Numbers of five bits with two zeros after each."""
 _MAX_BACKS = 256
 """A ray that has left so many curves hits nothing."""
 
@@ -140,9 +144,22 @@ class EmbreeCurves:
 
         Origins and directions are (N, 3).
         """
-        count = len(origins)
-        segment, far = np.full(count, -1, np.int64), np.empty(count, np.float32)
+        segment, far = np.empty(len(origins), np.int64), np.empty(len(origins), np.float32)
         far[:] = reach
+        order = _along_curve(origins)
+
+        def trace(begin: int) -> None:
+            rays = order[begin:begin + _TASK]
+            segment[rays], far[rays] = self._entered(origins[rays], directions[rays], far[rays])
+
+        _in_threads(trace, range(0, len(order), _TASK))
+        return segment, far
+
+    def _entered(self, origins: NDArray, directions: NDArray, far: NDArray
+                 ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+        """As `intersect`, of a few rays that are to be traced one after the other."""
+        count = len(origins)
+        segment = np.full(count, -1, np.int64)
         near, pending = np.zeros(count, np.float32), np.arange(count)
         for _ in range(_MAX_BACKS):
             if not len(pending):
@@ -198,23 +215,30 @@ class EmbreeCurves:
         """Trace packets (N, _WORDS, _WIDTH), and write to them what Embree finds."""
         intersect, valid, scene = self._library.rtcIntersect16, self._valid.ctypes.data, self._scene
         begin, size = words.ctypes.data, words[0].nbytes
+        for packet in range(begin, begin + len(words) * size, size):
+            intersect(valid, scene, packet, None)
 
-        def trace(first: int) -> None:
-            last = min(first + _TASK, len(words))
-            for packet in range(begin + first * size, begin + last * size, size):
-                intersect(valid, scene, packet, None)
 
-        if len(words) <= _TASK:
-            trace(0)
-            return
-        tasks = [_threads().submit(trace, first) for first in range(0, len(words), _TASK)]
-        try:
-            for task in tasks:
-                task.result()
-        finally:  # after Ctrl-C, too, whoever catches it may release the scene, and no thread may read it then
-            for task in tasks:
-                task.cancel()
-            wait(tasks)
+def _along_curve(origins: NDArray[np.float32]) -> NDArray[np.intp]:
+    """The order of points (N, 3) along a Morton curve through 32 x 32 x 32 cells about the scene, (N,)."""
+    x, y, z = _SPREAD[np.fmin(np.fmax(16 * origins + 16, 0), 31).astype(np.uint8)].T
+    return np.argsort(x | y << 1 | z << 2, kind="stable")
+
+
+def _in_threads(trace: Callable[[int], None], begins: Sequence[int]) -> None:
+    """Call `trace` for each of `begins`."""
+    if len(begins) < 2:
+        for begin in begins:
+            trace(begin)
+        return
+    tasks = [_threads().submit(trace, begin) for begin in begins]
+    try:
+        for task in tasks:
+            task.result()
+    finally:  # after Ctrl-C, too, whoever catches it may release the scene, and no thread may read it then
+        for task in tasks:
+            task.cancel()
+        wait(tasks)
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,20 +252,21 @@ class _Ends:
 
 def _ends(curves: TraceCurves, has_left: NDArray[np.bool_], has_right: NDArray[np.bool_]) -> _Ends:
     """The ends of segments that Embree may miss."""
-    first = curves.first.astype(np.int64)
+    (left,), (right,) = np.nonzero(~has_left), np.nonzero(~has_right)
+    segment, is_right = np.concatenate([left, right]), np.repeat([0, 1], [len(left), len(right)])
+    first = curves.first[segment].astype(np.int64)
     way = curves.points[first + 1] - curves.points[first]
     is_even = np.abs(way[:, 3]) <= _EVEN * np.linalg.norm(way[:, :3], axis=1)
-    (left,), (right,) = np.nonzero(is_even & ~has_left), np.nonzero(is_even & ~has_right)
-    spheres = np.concatenate([curves.points[first[left]], curves.points[first[right] + 1]])
-    return _Ends(np.ascontiguousarray(spheres), np.concatenate([left, right]),
-                 np.concatenate([-way[left, :3], way[right, :3]]))
+    outwards = np.where(is_right[:, None], way[:, :3], -way[:, :3])
+    return _Ends(curves.points[first + is_right][is_even], segment[is_even], outwards[is_even])
 
 
 def _with_length(points: NDArray[np.float32], rows: NDArray[np.int64]
                  ) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
     """The points, and the row of each segment's first. Embree shows no segment without length, which is a sphere: such
     segments have points of their own, a thousandth of the radius apart."""
-    (short,) = np.nonzero((points[rows, :3] == points[rows + 1, :3]).all(axis=1))
+    is_same = points[1:, :3] == points[:-1, :3]
+    (short,) = np.nonzero((is_same[:, 0] & is_same[:, 1] & is_same[:, 2])[rows])
     if not len(short):
         return np.ascontiguousarray(points), rows.astype(np.uint32)
     spheres = np.repeat(points[rows[short]], 2, axis=0)
