@@ -49,35 +49,46 @@ def segments(curves: Curves, error: float = 0.05, longest: float = math.inf) -> 
     the cubic, unless that takes more than MAX_PIECES of them for one cubic. With `longest`, none is much longer than so
     many of these radii. Raises UsageError if there are more than MAX_SEGMENTS.
     """
-    if not error > 0 or not longest > 0:
-        raise UsageError(f"error={error}, longest={longest}: both must be above 0")
-    spans = curves.spans
-    if (total := int(spans.sum())) > MAX_SEGMENTS:
-        raise _too_many(curves, total)
-    stacked = _stacked(curves)
-    if curves.kind == "linear" and longest == math.inf:
-        first = np.arange(total) + np.repeat(curves.offsets[:-1] - (np.cumsum(spans) - spans), spans)
-        strand = np.repeat(np.arange(len(spans), dtype=np.int32), spans)
-        begin, end = stacked[first], stacked[_wrapped(curves, first + 1, strand)]
-        counts = spans
-    else:
-        begin, end, counts = _flattened(curves, stacked, error, longest)
-        strand = np.repeat(np.arange(len(spans), dtype=np.int32), counts)
-    both = np.stack([begin, end], axis=1)
-    np.maximum(both[..., 3:], 0.0, out=both[..., 3:])  # Catmull-Rom splines overshoot
+    corners, counts = polylines(curves, error, longest)
+    strand = np.repeat(np.arange(len(counts), dtype=np.int32), counts)
+    first = np.arange(len(strand)) + strand
+    both = np.stack([corners[first], corners[first + 1]], axis=1)
     colors = np.ascontiguousarray(both[..., 4:]) if curves.colors is not None else None
     ends = np.ascontiguousarray(both[..., :4])
     return Segments(ends, strand, _along(ends, counts), colors)
+
+
+def polylines(curves: Curves, error: float = 0.05, longest: float = math.inf) -> tuple[np.ndarray, np.ndarray]:
+    """The points between which `segments` run, (n, 4 or 7) float32: x, y, z, the radius and the colour if there is one;
+    and the number of segments of each strand, (strands,), which has one point more. A closed strand ends with its first
+    point. Raises as `segments`."""
+    if not error > 0 or not longest > 0:
+        raise UsageError(f"error={error}, longest={longest}: both must be above 0")
+    if (total := int(curves.spans.sum())) > MAX_SEGMENTS:
+        raise _too_many(curves, total)
+    stacked = _stacked(curves)
+    if curves.kind == "linear" and longest == math.inf:
+        if not curves.closed.any():
+            return stacked, curves.spans
+        begin, last, counts = stacked[_starts(curves)], stacked[curves.offsets[1:] - 1], curves.spans
+    else:
+        begin, last, counts = _flattened(curves, stacked, error, longest)
+    np.maximum(begin[:, 3:], 0.0, out=begin[:, 3:])  # Catmull-Rom splines overshoot
+    np.maximum(last[:, 3:], 0.0, out=last[:, 3:])
+    root = np.cumsum(counts) - counts
+    last[curves.closed] = begin[root[curves.closed]]
+    return np.insert(begin, root + counts, last, axis=0), counts
 
 
 def _too_many(curves: Curves, count: int) -> UsageError:
     return UsageError(f"curves {curves.name!r}: {count:,} segments are too many; at most {MAX_SEGMENTS:,} are drawn")
 
 
-def _wrapped(curves: Curves, points: np.ndarray, strand: np.ndarray) -> np.ndarray:
-    """`points`, indices that may lie behind the last of their closed strand, within it."""
-    over = points >= curves.offsets[strand + 1]
-    return np.where(over, points - curves.lengths[strand], points)
+def _starts(curves: Curves) -> np.ndarray:
+    """The points at which straight segments begin."""
+    strand, number, _ = _spans(curves)
+    starts: np.ndarray = curves.offsets[strand] + number
+    return starts
 
 
 def segment_count(curves: Curves, error: float = 0.05, longest: float = math.inf) -> int:
@@ -122,7 +133,8 @@ def _pieces(curves: Curves, stacked: np.ndarray, error: float, longest: float) -
 
 def _flattened(curves: Curves, stacked: np.ndarray, error: float,
                longest: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Both ends of the pieces of all cubics, (m, columns) float32 each, and the pieces of each strand, (strands,)."""
+    """Where the pieces of all cubics begin, (m, columns) float32, where the last of each strand ends, (strands,
+    columns), and the pieces of each strand, (strands,)."""
     spans = curves.spans
     strand, number, blocks = _spans(curves)
     pieces = _pieces(curves, stacked, error, longest)
@@ -144,11 +156,7 @@ def _flattened(curves: Curves, stacked: np.ndarray, error: float,
             begin[done:done + len(t)] = c[:, 0] + t * (c[:, 1] + t * (c[:, 2] + t * c[:, 3]))
             done += len(t)
     counts = np.bincount(strand, weights=pieces, minlength=len(spans)).astype(np.int64)
-    end = np.roll(begin, -1, axis=0)
-    final, opened = np.cumsum(counts) - 1, ~curves.closed
-    end[final[opened]] = last[np.cumsum(spans)[opened] - 1]
-    end[final[curves.closed]] = begin[(np.cumsum(counts) - counts)[curves.closed]]
-    return begin, end, counts
+    return begin, last[np.cumsum(spans) - 1], counts
 
 
 def _cubics(curves: Curves, stacked: np.ndarray, strand: np.ndarray,

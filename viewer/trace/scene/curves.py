@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scene.curve_segments import Segments, segments
+from ...scene.curve_segments import polylines
 from ...scene.curves import Curves
 from ...scene.fibre import Fibre, gives_color, hair_fibre, sigma_a_of_color
 from ...scene.scene import Scene
@@ -71,43 +71,41 @@ def trace_curves(scene: Scene, before: tuple[Scene, TraceCurves | None] | None =
     if before is not None and before[0].curves == scene.curves and before[0].radius == scene.radius and bool(
             (before[0].center == scene.center).all()):
         return before[1]
-    kept = [(source, piece) for source in scene.curves if len(piece := segments(source))]
+    kept = [(source, *polylines(source)) for source in scene.curves if source.spans.any()]
     if not kept:
         return None
-    has_colors = any(piece.colors is not None for _, piece in kept)
-    points, first, codes, colors, strands, begin = [], [], [], [], 0, 0
-    for number, (_, piece) in enumerate(kept):
-        rows, begins, ends = _rows(piece)
-        count = len(piece) + 3 * len(begins)
-        points.append(_points(scene, piece, rows, begins, ends))
-        first.append((begin + rows).astype(np.uint32))
-        codes.append(np.full(len(piece), FIBRE.number << KIND_SHIFT | number, np.uint32))
+    has_colors = any(source.colors is not None for source, _, _ in kept)
+    points, first, codes, colors, begin = [], [], [], [], 0
+    for number, (source, corners, counts) in enumerate(kept):
+        # A row before and one after the corners of each strand, whose segments begin at all its corners but the last
+        strand = np.repeat(np.arange(len(counts)), counts + 1)
+        rows = np.arange(len(strand)) + 2 * strand + 1
+        points.append(_points(scene, corners, counts, rows))
+        segment = np.repeat(np.arange(len(counts)), counts)
+        first.append((begin + np.arange(len(segment)) + 3 * segment + 1).astype(np.uint32))
+        codes.append(np.full(len(segment), FIBRE.number << KIND_SHIFT | number, np.uint32))
         if has_colors:
-            colors.append(np.full((count, 3), -1, np.float32))
-            if piece.colors is not None:
-                colors[-1][rows], colors[-1][rows + 1] = piece.colors[:, 0], piece.colors[:, 1]
-        begin, strands = begin + count, strands + len(begins)
+            colors.append(np.full((len(points[-1]), 3), -1, np.float32))
+            if source.colors is not None:
+                colors[-1][rows] = corners[:, 4:]
+        begin += len(points[-1])
     return TraceCurves(np.concatenate(points), np.concatenate(first), np.concatenate(codes),
-                       np.concatenate(colors) if has_colors else None, tuple(source for source, _ in kept), strands)
+                       np.concatenate(colors) if has_colors else None, tuple(source for source, _, _ in kept),
+                       sum(len(counts) for _, _, counts in kept))
 
 
-def _rows(piece: Segments) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """The row of each segment's end at the root, and the first and last segment of each strand."""
-    is_first = np.r_[True, piece.strand[1:] != piece.strand[:-1]]
-    begins = np.flatnonzero(is_first)
-    ends = np.append(begins[1:], len(is_first)) - 1
-    return np.arange(len(is_first)) + 3 * np.cumsum(is_first) - 2, begins, ends
-
-
-def _points(scene: Scene, piece: Segments, rows: NDArray, begins: NDArray, ends: NDArray) -> NDArray[np.float32]:
-    points = np.zeros((len(piece) + 3 * len(begins), 4), np.float32)
+def _points(scene: Scene, corners: NDArray[np.float32], counts: NDArray[np.int64], rows: NDArray[np.int64]
+            ) -> NDArray[np.float32]:
+    """The rows of strands of so many segments; `rows` are those of their corners."""
+    points = np.zeros((len(corners) + 2 * len(counts), 4), np.float32)
     points[:, 3] = NO_NEIGHBOUR
-    for side in (0, 1):
-        points[rows + side, :3] = (piece.ends[:, side, :3] - scene.center) / scene.radius
-        points[rows + side, 3] = piece.ends[:, side, 3] / scene.radius
-    is_closed = (piece.ends[ends, 1] == piece.ends[begins, 0]).all(axis=1) & (ends > begins + 1)
-    begins, ends = begins[is_closed], ends[is_closed]
-    points[rows[begins] - 1], points[rows[ends] + 2] = points[rows[ends]], points[rows[begins] + 1]
+    points[rows, :3] = (corners[:, :3] - scene.center) / scene.radius
+    points[rows, 3] = corners[:, 3] / scene.radius
+    last = np.cumsum(counts + 1) - 1
+    root = last - counts
+    is_closed = (corners[last, :4] == corners[root, :4]).all(axis=1) & (counts > 2)
+    root, last = rows[root[is_closed]], rows[last[is_closed]]
+    points[root - 1], points[last + 1] = points[last - 1], points[root + 1]
     return points
 
 
