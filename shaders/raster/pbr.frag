@@ -54,8 +54,10 @@ uniform sampler2D u_dfg;
 uniform vec3 u_absorption; // extinction coefficient sigma_t, per eye-relative unit
 #endif
 
-// Lamps are seen through solids that scatter light, where they are thin.
-#define SEES_LAMPS_THROUGH (SUBSURFACE != 0 && SUBSURFACE != 2 && HAS_TRANSMISSION)
+#include "raster/sees_lamps_through.glsl"
+#if SEES_LAMPS_THROUGH
+in vec3 v_other_side; // its normal, outwards, not normalised
+#endif
 
 // The normals of the surface, and the direction v to the eye
 struct Point {
@@ -67,6 +69,7 @@ struct Point {
 #if SEES_LAMPS_THROUGH
     vec3 clear;        // share of the light from behind that passes the medium of the solid unscattered
     float clear_alpha; // roughness of both boundaries together, as that of a reflected lobe
+    vec3 bent;         // what lies straight behind, less what is seen there
 #endif
 #endif
 #if ANISOTROPIC
@@ -227,11 +230,15 @@ void main() {
 #endif
     TRANSMITTANCE throughput = surface_throughput(s, view) * m.transmission;
 #if SEES_LAMPS_THROUGH
-    // Each boundary turns light by (ior - 1) times the slope of its facets; a mirror does by twice the slope.
+    // Each boundary turns light by (ior - 1) times the slope of its facets; a mirror does by twice the slope. The slopes
+    // of both together have the peak 1 / (3 pi alpha^2), as facets of sqrt(3) alpha do, and the tail of sqrt(2) alpha.
     p.clear = throughput * entering_tint(m.base_color.rgb) * inside.unscattered
-        * (float(SHOW_SPECULAR) * (1.0 - clamp(v_interior.y, 0.0, 1.0))); // a ball is a lens
-    float clear_alpha = sqrt(0.5) * (m.ior - 1.0) * mean_alpha(s);
+        * float(SHOW_SPECULAR);
+    float clear_alpha = 0.5 * sqrt(3.0) * (m.ior - 1.0) * mean_alpha(s);
     p.clear_alpha = max(clear_alpha, MIN_PERCEPTUAL_ROUGHNESS * MIN_PERCEPTUAL_ROUGHNESS);
+    vec3 leaving = refract(refract(-p.v, p.n, 1.0 / m.ior), -normalize(v_other_side), m.ior);
+    p.bent = -p.v - leaving;
+    p.clear *= dot(leaving, leaving); // 0: all is reflected inside
 #endif
 #if SHEEN
     transmitted *= view.sheen.throughput;

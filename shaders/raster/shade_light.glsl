@@ -40,11 +40,16 @@ vec3 light_from_behind(int i, Point p, Surface s, SurfaceView view, vec3 l, vec3
     vec2 dfg = light_albedo(p, s, l, NoL, view.perceptual_roughness);
     vec3 radiance = (1.0 - p.returned) * surface_transmission(s, view, dfg) * irradiance * NoL;
 #if SEES_LAMPS_THROUGH
-    // A slab lets light go straight on. What both of its boundaries make of it is the mirror image of a reflected lobe.
+    // A wedge bends light, a slab lets it go straight on. What both boundaries make of it then is the mirror image of a
+    // reflected lobe.
+    l = normalize(l + p.bent);
+    NoL = max(-dot(p.n, l), 0.0);
     vec3 up = l + 2.0 * NoL * p.n, h = normalize(p.v + up), nxh = cross(p.n, h);
     float NoH = dot(p.n, h);
-    radiance += p.clear * d_microfacet(NoH, dot(nxh, nxh), p.clear_alpha)
-        * v_microfacet(p.NoV, NoL, NoH, dot(p.v, h), p.clear_alpha) * irradiance * NoL;
+    float sine2 = dot(nxh, nxh), alpha2 = p.clear_alpha * p.clear_alpha;
+    float alpha = p.clear_alpha * sqrt(1.0 - sine2 / (3.0 * (sine2 + NoH * NoH * alpha2)));
+    radiance += p.clear * d_microfacet(NoH, sine2, alpha) * v_microfacet(p.NoV, NoL, NoH, dot(p.v, h), alpha)
+        * irradiance * NoL;
 #endif
 #if CLEARCOAT
     radiance *= view.coat.throughput;

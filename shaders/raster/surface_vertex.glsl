@@ -1,6 +1,7 @@
 // Takes a mesh to eye-relative space: world axes, the eye at the origin, the scene's radius as the unit
 // (viewer/scene/frame.py).
 #include "raster/placement.glsl"
+#include "raster/sees_lamps_through.glsl"
 uniform mat4 u_view_projection;
 
 in vec3 a_position;
@@ -33,6 +34,10 @@ out vec4 v_indirect;
 #if SUBSURFACE
 in vec2 a_interior;
 out vec2 v_interior;
+#if SEES_LAMPS_THROUGH
+in vec3 a_other_side;
+out vec3 v_other_side;
+#endif
 #if INDIRECT
 in vec4 a_behind;
 out vec4 v_behind;
@@ -67,6 +72,9 @@ void transform_vertex() {
 #endif
 #if SUBSURFACE
     v_interior = a_interior;
+#if SEES_LAMPS_THROUGH
+    v_other_side = normal_matrix() * a_other_side;
+#endif
 #if INDIRECT
     v_behind = a_behind;
 #endif

@@ -112,7 +112,7 @@ def test_slabs_and_balls_have_the_limits_of_thin_and_thick(gl, albedo, g):
 def test_thickness_of_a_slab_and_a_ball(context):
     model = scene((box((1, 1, 0.05)), moved((0, 0, 0))), (sphere(segments=48), moved((4, 0, 0), 0.5)),
                   materials=[SOLID])
-    slab, round_ = (thickness_at_vertices(context, model, [0, 1])[k] * [model.radius, 1] for k in (0, 1))
+    slab, round_ = (thickness_at_vertices(context, model, [0, 1])[k][:, :2] * [model.radius, 1] for k in (0, 1))
     assert np.abs(round_[:, 0] - 1 / 3).max() < 0.02 and round_[:, 1].min() > 0.9
     front = slab[8:]  # the last faces are those of +-z
     assert np.median(front[-8:, 0]) < 0.12 and front[-8:, 1].max() < 0.35
@@ -278,7 +278,7 @@ def test_solids_that_touch_have_to_move_as_one(monkeypatch):
 
     counted = []
     monkeypatch.setattr(chords, "thickness_at_vertices",
-                        lambda *given: counted.append(given) or {k: np.ones((1, 2), np.float32) for k in (0, 1)})
+                        lambda *given: counted.append(given) or {k: np.ones((1, 5), np.float32) for k in (0, 1)})
     for first, second, is_kept in ((pair(3.0), pair(4.0), True), (pair(3.0), pair(1.2), False),
                                    (pair(1.2), pair(3.0), False), (pair(1.2), pair(1.2, 0.7), True)):
         interiors = Interiors(None)

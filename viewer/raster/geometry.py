@@ -17,7 +17,9 @@ from .instances import Content, InstanceBuffers, parts_of
 
 _FORMATS = {"a_position": "3f", "a_normal": "3f", "a_tangent": "4f", "a_color": "4f", "a_uv0": "2f", "a_uv1": "2f",
             "a_next": "3f"}
-_OF_INSTANCES = {"a_indirect": "4f", "a_interior": "2f", "a_behind": "4f"}
+_OF_INSTANCES = {"a_indirect": {"a_indirect": 4}, "a_interior": {"a_interior": 2, "a_other_side": 3},
+                 "a_behind": {"a_behind": 4}}
+"""The attributes in each buffer, and their numbers of floats."""
 # Values of attributes that a shared program reads and a mesh lacks: they change nothing.
 _BLANK = {"a_tangent": (0.577, 0.577, 0.577, 1.0), "a_color": (1.0, 1.0, 1.0, 1.0), "a_uv0": (0.0, 0.0),
           "a_uv1": (0.0, 0.0)}
@@ -133,8 +135,8 @@ class MeshBuffers:
                of_instance: Mapping[str, moderngl.Buffer]) -> moderngl.VertexArray:
         key = (program.glo, is_sorted, *(buffer.glo for buffer in of_instance.values()))
         if key not in self._arrays:
-            content: list[Content] = [(buffer, _OF_INSTANCES[name], name) for name, buffer in of_instance.items()
-                                      if name in program]
+            content: list[Content] = [_of_buffer(program, buffer, _OF_INSTANCES[name])
+                                      for name, buffer in of_instance.items() if name in program]
             self._arrays[key] = self._new_array(program, content, self._sorted if is_sorted else self._own_indices())
         return self._arrays[key]
 
@@ -189,6 +191,12 @@ class MeshBuffers:
         for thing in (*self._buffers.values(), self._sorted, *self._parts):
             if thing is not None:
                 thing.release()
+
+
+def _of_buffer(program: moderngl.Program, buffer: moderngl.Buffer, floats: Mapping[str, int]) -> Content:
+    """What `program` reads of a buffer with these attributes of so many floats."""
+    forms = " ".join(f"{count}f" if name in program else f"{4 * count}x" for name, count in floats.items())
+    return buffer, forms, *(name for name in floats if name in program)
 
 
 def _to_mesh(mesh: Mesh) -> np.ndarray:

@@ -1,4 +1,5 @@
-"""How thick solids are behind the vertices of their surfaces, from the lengths of chords: rays through the inside."""
+"""How thick solids are behind the vertices of their surfaces, and how their other side is inclined, from chords: rays
+through the inside."""
 
 from __future__ import annotations
 
@@ -21,25 +22,49 @@ from .vertex_light import VertexLight
 _RAYS = 1 << 18
 _POINT_RAYS = 16
 _WIDTH = 1024
+_LEAST_REFRACTED = 0.7
+"""Cosine to the normal, inside, of the flattest light that a boundary of index 1.4 lets in."""
 _LONGEST = 2.0
 """The diameter of the scene, in tracer units: the length of a chord that meets no surface."""
 
 
 def thickness_at_vertices(context: Context, scene: Scene, instances: Sequence[int],
                           rays: int = _RAYS) -> dict[int, NDArray[np.float32]]:
-    """Thickness and roundness of the solids `instances` behind their vertices, (V, 2) float32 for each.
+    """Thickness and roundness of the solids `instances` behind their vertices, and the normal of their other side,
+    (V, 5) float32 for each.
 
     The thickness is half of the mean length of chords, with a density of directions in proportion to the cosine, in
     radii of the scene. It is the distance to the other side of a slab, and 2/3 of the radius of a ball; the mean over
     the surface is twice the volume over the area of any body (Cauchy). The roundness is 0 for a slab and 1 for a ball:
     with chords c at cosines mu, mean(c mu) / mean(c) is 1/2 for a slab and 3/4 for a ball.
+
+    The normal is the mean of those to which refracted light goes. It points outwards, has the space of the mesh, and is
+    0 where there is no other side.
     """
     chords = _Chords(context, scene, instances, rays)
     means = np.stack([chords.lengths.mean(axis=1), (chords.lengths * chords.cosines).mean(axis=1)], axis=1)
     values = fit(chords.surfaces, chords.points, np.concatenate([means, np.zeros_like(means)], axis=1))
     length, along = values[:, 0], values[:, 1]
     roundness = np.clip(4.0 * along / np.maximum(length, 1e-30) - 2.0, 0.0, 1.0)
-    return chords.of_instances(np.stack([0.5 * length, roundness], axis=1))
+    # Values that are fitted must not be negative, nor differ more than fourfold.
+    normals = fit(chords.surfaces, chords.points, 2.0 + _normals_behind(chords)) - 2.0
+    found = chords.of_instances(np.column_stack([0.5 * length, roundness, normals]))
+    for number, of_vertices in found.items():
+        of_vertices[:, 2:] = unit(of_vertices[:, 2:] @ scene.instances[number].transform[:3, :3])
+    return found
+
+
+def _normals_behind(chords: _Chords) -> NDArray[np.float64]:
+    """Of each point, (N, 3)."""
+    normals = np.zeros((len(chords.points.triangle), 3))
+    is_refracted = chords.cosines > _LEAST_REFRACTED
+    for number, (rows, corners, weights) in chords.exits.items():
+        point, direction = np.divmod(rows, chords.each)
+        of_vertices = chords.surfaces.normals[chords.surfaces.first_vertices[number] + corners]
+        found = np.einsum("nk,nkc->nc", weights, of_vertices) * is_refracted[direction, None]
+        for axis in range(3):
+            normals[:, axis] += np.bincount(point, found[:, axis], len(normals))
+    return unit(normals)
 
 
 def light_behind(context: Context, scene: Scene, instances: Sequence[int], light: VertexLight,
