@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ctypes
+import gc
 import io
+import weakref
 from collections import Counter
 from dataclasses import replace
 from itertools import pairwise
@@ -53,6 +55,22 @@ def test_two_renders_are_identical(renderer, shots):
             settings = replace(SETTINGS, mode=mode)
             a, b = (renderer.render(model, camera, settings, SIZE) for _ in range(2))
             assert np.array_equal(a.linear, b.linear) and np.array_equal(a.srgb, b.srgb)
+
+
+def test_a_renderer_that_forgets_frees_the_scene_and_draws_it_again_alike(renderer):
+    """Before the next model is loaded: memory never holds two."""
+    path, camera = resource_folder("assets") / "scenes" / "textures.glb", orthographic()
+    model = viewer.load(path, environment=None)
+    first = renderer.render(model, camera, SETTINGS, SIZE).linear
+    mesh = weakref.ref(model.meshes[0])
+    assert renderer.texture_bytes > 0
+    del model
+    assert mesh() is not None
+    renderer.forget()
+    gc.collect()
+    assert mesh() is None and renderer.texture_bytes == 0 and renderer.context.gl.error == "GL_NO_ERROR"
+    np.testing.assert_array_equal(renderer.render(viewer.load(path, environment=None), camera, SETTINGS, SIZE).linear,
+                                  first)
 
 
 def test_a_scene_looks_the_same_after_all_the_others(renderer, shots):

@@ -9,7 +9,7 @@ _ARENA_MAX = -8  # M_ARENA_MAX of glibc's malloc.h
 
 
 def share_one_heap() -> None:
-    """Make all threads allocate from one heap, if the C library is glibc. Call it before a second thread starts.
+    """Make all threads allocate from one heap, if the C library is glibc. Call it before the threads start that shall.
 
     By default glibc gives each thread a heap of its own, and no thread can use the free memory in another's heap. Two
     threads decode images and a third uploads them, so this costs 30 MB at the peak and the time to allocate them.

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..base.atomic import remove_leftovers
+from ..base.heap import share_one_heap
 from ..base.progress import Progress
 from ..jobs.model_renderer import Record
 from ..jobs.part_renderer import PartRenderer
@@ -41,6 +42,7 @@ class Worker:
     """Does tasks of a job in this process. `tell` gets the lines for the user; without it they are in `Done`."""
 
     def __init__(self, job: RenderJob, tell: Callable[[str], None] | None = None) -> None:
+        share_one_heap()
         self._lines: list[str] = []
         self.renderer = PartRenderer(job, tell or self._lines.append)
         self._name = f"{platform.node()}:{os.getpid()}"

@@ -71,6 +71,11 @@ class RasterMaker(PictureMaker):
         self.texture_bytes = renderer.texture_bytes
         return image
 
+    def forget(self) -> None:
+        """As `PictureMaker.forget`."""
+        if self._renderer is not None:
+            self._renderer.forget()
+
     def tell_error(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> None:
         """Find out the `error` of the picture that was made last, which is in its file by now.
 

@@ -88,6 +88,7 @@ class ModelRenderer:
         raises Stopped. Raises ContextError and UsageError, which concern all models.
         """
         self.may_pass = False
+        self._maker.forget()
         progress.step(f"{Path(task.model).name}: loading")
         start = time.perf_counter()
         records: list[Record] = []

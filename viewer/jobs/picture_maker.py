@@ -68,6 +68,9 @@ class PictureMaker(ABC):
         self.error: RasterError | None = None
         """The error of the last picture, where `RasterMaker.tell_error` has told it."""
 
+    def forget(self) -> None:  # noqa: B027  most keep little of a scene
+        """Free what only the last scene needs, before another one is loaded."""
+
     @abstractmethod
     def make(self, scene: Scene, camera: Camera, path: Path, progress: Progress) -> Image:
         """Make the picture for the file `path`, which is not written here. `progress` shows the model already.

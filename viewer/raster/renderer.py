@@ -9,6 +9,7 @@ from dataclasses import replace
 import moderngl
 import numpy as np
 
+from ..base.heap import trim_heap
 from ..gpu.buffer_texture import most_texels
 from ..gpu.context import Context
 from ..gpu.free import free
@@ -68,6 +69,13 @@ class Renderer:
     def expect(self, ahead: Decoder) -> None:
         """Take a decoder, from `decode_ahead`, that has begun with the images of the next scene."""
         self._prepared.expect(ahead)
+
+    def forget(self) -> None:
+        """Free what only the last scene needs, before another one is loaded, so that memory never holds both."""
+        self.context.make_current()
+        self.plan = None
+        self._prepared.take(Scene("nothing"))
+        trim_heap()
 
     def holds(self, scene: Scene) -> bool:
         """Whether the last frame showed this scene, perhaps under other lights."""
