@@ -14,6 +14,7 @@ from fakes import FakeWorker
 from needs import needs
 from waiting import wait_until
 
+from viewer.base.cores import core_count
 from viewer.batch.engines import WorkerLost
 from viewer.batch.processes import Processes, how_it_ended
 from viewer.batch.work import Done
@@ -45,6 +46,13 @@ def test_a_process_that_dies_fails_its_own_task_alone(out):
     assert how_it_ended(3) == "the process that rendered it has ended (exit status 3)"
     assert [name for name in names(out) if not name.startswith(".")] == ["a.png", "b.png", "wait.png"]
     assert all((out / name).read_text() == "whole" for name in ("a.png", "b.png", "wait.png"))
+
+
+@needs("linux")
+def test_cores_are_those_that_a_container_leaves(monkeypatch):
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: {3, 5, 7})
+    monkeypatch.setattr("os.cpu_count", lambda: 64)
+    assert core_count() == 3
 
 
 def test_what_concerns_all_models_arrives_as_it_is_and_the_end_gives_up_what_is_in_progress(out):

@@ -15,6 +15,7 @@ from contextlib import ExitStack, chdir, suppress
 from functools import partial
 from typing import Any, Self
 
+from ..base.cores import core_count
 from ..base.messages import say
 from ..base.progress import Progress
 from ..errors import InputError, OutputError, UsageError, ViewerError
@@ -82,9 +83,9 @@ def _connected(address: str, scheduler_file: str | None, count: int | None, stac
             address = _address_in(scheduler_file)
         if address != LOCAL:
             return Client(address, timeout=_CONNECT_S)
-        count = count or os.cpu_count() or 1
+        count = count or core_count()
         stack.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": 0}))  # --retries counts them
-        threads = str(max((os.cpu_count() or 1) // count, 1))
+        threads = str(max(core_count() // count, 1))
         cluster = LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None, host="127.0.0.1",
                                silence_logs=logging.CRITICAL, env={"LP_NUM_THREADS": threads}, preload=[__name__])
         return Client(stack.enter_context(cluster), timeout=_CONNECT_S)

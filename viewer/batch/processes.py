@@ -16,6 +16,7 @@ from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection, wait
 from typing import NoReturn, Self
 
+from ..base.cores import core_count
 from ..base.progress import Progress
 from ..base.signals import Stopped
 from ..errors import ViewerError
@@ -128,7 +129,7 @@ def _serve(connection: Connection, make_worker: Callable[[], Doer], count: int) 
         signal.signal(signal.SIGTERM, _stop)  # whatever it is doing: nobody waits for part of a picture
         threading.Thread(target=_end_with_parent, daemon=True).start()
         # Mesa's software renderer would start as many threads as there are cores in each process.
-        os.environ.setdefault("LP_NUM_THREADS", str(max((os.cpu_count() or 1) // count, 1)))
+        os.environ.setdefault("LP_NUM_THREADS", str(max(core_count() // count, 1)))
         worker, nowhere = None, Progress(1, enabled=False)
         with suppress(EOFError, OSError):
             while True:

@@ -27,6 +27,8 @@ import embreex
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.cores import core_count
+
 if TYPE_CHECKING:
     from ..scene.curves import TraceCurves
 
@@ -95,7 +97,7 @@ def embree_with_curves() -> tuple[ctypes.CDLL, int]:
 def _threads() -> ThreadPoolExecutor:
     """As many as Mesa's software renderer is given, which is less than the cores where --jobs shares them."""
     given = os.environ.get("LP_NUM_THREADS", "")
-    return ThreadPoolExecutor(max(int(given), 1) if given.isdecimal() else os.cpu_count() or 1, "rays")
+    return ThreadPoolExecutor(max(int(given), 1) if given.isdecimal() else core_count(), "rays")
 
 
 _POINTER = ctypes.c_void_p
