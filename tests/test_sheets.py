@@ -165,6 +165,13 @@ def test_a_kept_picture_of_a_contact_sheet_that_is_broken_is_made_again(run, fol
         np.testing.assert_array_equal(Image.open("all.png").srgb, good)
 
 
+def test_a_long_label_keeps_both_ends():
+    blank = np.zeros((24, 60, 4), np.uint8)
+    names_of_cells = ("Mesh_PrimitiveMode_01", "Mesh_PrimitiveMode_02", "Nesh_PrimitiveMode_02")
+    first, second, third = (labelled_sheet([(name, blank)], 1, (60, 24)).srgb for name in names_of_cells)
+    assert (first != second).any() and (second != third).any()
+
+
 @pytest.mark.parametrize("label", ["Ünïcödé", "кириллица", "ελληνικά"])
 def test_letters_beyond_ascii_are_no_boxes(label):
     font = font_for(label, 12)

@@ -22,7 +22,7 @@ def labelled_sheet(cells: Sequence[tuple[str, np.ndarray | None]], columns: int,
     """The pictures of `cells`, (H, W, 4) uint8 as displayed, in rows of `columns`, each in the middle of a cell for
     pictures of `size` (width, height). None is a picture that is missing.
 
-    A label that is too long is cut, with an ellipsis. Raises UsageError for a sheet of more than MAX_PIXELS.
+    A label that is too long has an ellipsis in its middle. Raises UsageError for a sheet of more than MAX_PIXELS.
     """
     strip = label_height(size)
     width, height = sheet_size(len(cells), columns, size)
@@ -59,9 +59,9 @@ def sheet_size(count: int, columns: int, size: tuple[int, int]) -> tuple[int, in
 
 
 def _cut(label: str, font: Font, width: int) -> str:
-    """The label, or as much of its start as fits, with an ellipsis."""
-    if font.getlength(label) <= width:
-        return label
-    while label and font.getlength(label + "…") > width:
-        label = label[:-1]
-    return label + "…"
+    """The label, or as much of both ends as fits, with an ellipsis between them: alike names differ at the end, too."""
+    shown, kept = label, len(label)
+    while kept and font.getlength(shown) > width:
+        kept -= 1
+        shown = f"{label[:(kept + 1) // 2]}…{label[len(label) - kept // 2:]}"
+    return shown
