@@ -67,6 +67,9 @@ def test_models_are_files_folders_patterns_and_a_list(folder, monkeypatch):
     for text in (b"b.glb\r\n\nde\xe9p[x].glb\n", b"b.glb\0de\xe9p[x].glb\0"):
         monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(text)))
         assert find_models(["-"]) == ["b.glb", os.fsdecode(b"de\xe9p[x].glb")]
+    (folder / "linked").symlink_to("deep", target_is_directory=True)
+    (folder / "deep/back").symlink_to("..", target_is_directory=True)  # never ends
+    assert [Path(model).as_posix() for model in find_models(["."])] == [*everything, "linked/er/c.obj"]
     (folder / "empty").mkdir()
     for argument in ("-", "[x].glb", "empty"):
         monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(b" \n")))
