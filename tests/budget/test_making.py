@@ -90,11 +90,11 @@ class Paths:
     def holds(self, shown) -> bool:
         return self._machine.is_traced
 
-    def begin(self, shown, camera, settings, size, layers=(), every=1):
+    def begin(self, shown, camera, settings, size, layers=(), every=1, first=0):
         machine = self._machine
         machine.now += 0 if machine.is_traced else machine.prepare
         machine.is_traced = True
-        noise = np.random.default_rng(settings.seed).exponential(size=(settings.spp, SIZE, SIZE, 1))
+        noise = np.random.default_rng((settings.seed, first)).exponential(size=(settings.spp, SIZE, SIZE, 1))
         total = (truth() * noise).sum(axis=0)
         done = SimpleNamespace(steps=0)
 

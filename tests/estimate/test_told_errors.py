@@ -17,6 +17,7 @@ from shapes import WHITE, facing_floor, moved, plate, scene, sphere
 import viewer
 from viewer.errors import UsageError
 from viewer.estimate.measure import error_notes, measure_error
+from viewer.estimate.paths import _SEED as SEED_STEP
 from viewer.estimate.paths import LEAST_GROUPS, PathGroups, is_over, path_settings
 from viewer.estimate.raster_error import raster_error
 from viewer.image.image import Image
@@ -82,6 +83,20 @@ def test_rounds_fill_the_groups_one_after_the_other_and_time_ends_them(context, 
     assert measure_error(tracer, np.zeros((8, 8, 4), np.float32), ball, camera, Settings(), (8, 8), 9.0,
                          lambda: True) is None
     assert LEAST_GROUPS >= 3  # the jackknife leaves one out, and needs pairs of the others
+    tracer.release()
+
+
+def test_the_pictures_of_a_group_are_parts_of_one(context, ball):
+    """Of one sequence of random numbers, and not of as many as there are pictures."""
+    camera, tracer, size = ball.framing_camera(1.0), Tracer(context), (8, 8)
+    settings = replace(path_settings(Settings()), seed=3)
+    paths = PathGroups(tracer, ball, camera, settings, size, 2)
+    while paths.samples < 8:
+        paths.step(math.inf)
+    assert paths.pictures == 6
+    for group, seed in enumerate((3 + SEED_STEP, 3 + 2 * SEED_STEP)):
+        whole = tracer.render(ball, camera, replace(settings, spp=4, seed=seed & 0xFFFFFFFF), size)
+        np.testing.assert_allclose(paths.groups[group], whole.linear[..., :3], rtol=1e-5)
     tracer.release()
 
 
@@ -209,10 +224,10 @@ def test_a_failure_of_the_path_tracer_keeps_the_picture(run, folder, monkeypatch
     """And of another picture, told before, nothing is told again."""
     begin, models = Tracer.begin, [SCENES / "emissive.glb", MODEL]
 
-    def without_spheres(tracer, scene, *arguments):
+    def without_spheres(tracer, scene, *arguments, **named):
         if (folder / "out/spheres.png").exists():
             raise UsageError("the scene does not fit")
-        return begin(tracer, scene, *arguments)
+        return begin(tracer, scene, *arguments, **named)
 
     monkeypatch.setattr(Tracer, "begin", without_spheres)
     outcome = run("render", *models, "-o", "out/", *TELL, "--error-map", "out/{name}-map.png", "--stats", "s.json")

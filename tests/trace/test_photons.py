@@ -245,6 +245,18 @@ def test_no_two_photons_have_the_same_numbers():
     assert len(used) > 4 * SEQUENCE
 
 
+def test_samples_that_are_numbered_on_come_with_other_photons(tracer):
+    """Below the slab all light is that of photons."""
+    settings, parts = Settings.of(mode="path", spp=2, caustics="photons"), []
+    for first in (0, 2):
+        path_render = tracer.begin(slab(POINT, 1.5), BELOW, settings, (12, 8), first=first)
+        while not path_render.is_done:
+            path_render.step(1.0)
+        parts.append(path_render.read_radiance()[..., :3])
+        path_render.release()
+    assert parts[0].mean() > 0.01 and np.abs(parts[0] - parts[1]).mean() > 0.05 * parts[0].mean()
+
+
 def test_why_there_are_no_photons_is_told(tracer):
     rough = replace(slab(POINT, 1.5), materials=(GREY, GREY))
     for model, told in ((slab(POINT, 1.5), "ended before the first photons"), (rough, "no surface is smooth"),

@@ -53,8 +53,9 @@ class PathGroups:
     """Sums of samples in `groups` groups, which have nothing in common.
 
     `step` traces on. A round gives each group a picture of as many samples, at most as many as it had, so that what is
-    there may be used at any time once it `is_enough`. `settings` are those of mode path. Each `every`-th pixel of a row
-    and of a column is traced. `is_masked`: what `shows_model` needs is found, too.
+    there may be used at any time once it `is_enough`. The pictures of a group share one sequence of random numbers, as
+    that has less noise than several. `settings` are those of mode path. Each `every`-th pixel of a row and of a column
+    is traced. `is_masked`: what `shows_model` needs is found, too.
     """
 
     def __init__(self, tracer: Tracer, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int],
@@ -81,6 +82,8 @@ class PathGroups:
         self._stats: dict[str, Any] = {"samples": 0, "bad_samples": 0, "rays": 0, "trace_s": 0.0}
         self._render: PathRender | None = None
         self._begun, self._spp, self._spent = 0, 0, 0.0
+        self._numbered = [0] * groups
+        """The samples a pixel of each group that were begun."""
 
     @classmethod
     def of_raster(cls, tracer: Tracer, scene: Scene, camera: Camera, settings: Settings, size: tuple[int, int]) -> Self:
@@ -156,11 +159,14 @@ class PathGroups:
             self.pictures, self.each, self._spent = self.pictures + 1, self._spent / self._spp, 0.0
 
     def _begin(self) -> PathRender:
+        group = self._begun % len(self.total)
+        first = self._numbered[group]
         self._begun += 1
-        seed = self._settings.seed + _SEED * self._begun & 0xFFFFFFFF
+        self._numbered[group] += self._spp
+        seed = self._settings.seed + _SEED * (group + 1) & 0xFFFFFFFF
         settings = replace(self._settings, seed=seed, spp=self._spp, time_budget=None, error=None)
         layers = ("distance",) if self._is_masked and self.pictures < len(self.total) else ()
-        render = self._tracer.begin(self._scene, self._camera, settings, self._size, layers, self.every)
+        render = self._tracer.begin(self._scene, self._camera, settings, self._size, layers, self.every, first=first)
         self.missing = render.plan.missing
         return render
 

@@ -180,7 +180,7 @@ class Tracer:
                         {**setup.uniforms, "u_sky": UNIT_SKY})
         photons = self._photon_passes(setup, lamps_pass_panes=True) if plan.photons else None
         return PathRender(passes, setup.traced.intersector, plan, film, Schedule(film, settings, first), settings,
-                          self._display, layers, setup.denoiser, photons, guide, sky, is_interactive)
+                          self._display, layers, setup.denoiser, photons, guide, sky, is_interactive, first)
 
     def _set_up(self, scene: Scene, settings: Settings, size: tuple[int, int], layers: Collection[str],
                 rays: SurfaceRays | None = None, view: _View | None = None) -> _SetUp:

@@ -46,7 +46,8 @@ class PathRender:
     def __init__(self, passes: Passes, intersector: Intersector, plan: TracePlan, film: Film, schedule: Schedule,
                  settings: Settings, display: DisplayPass, layers: Collection[str],
                  denoiser: Denoiser | None, photon_passes: PhotonPasses | None = None,
-                 guide: np.ndarray | None = None, sky: Sky | None = None, is_interactive: bool = False) -> None:
+                 guide: np.ndarray | None = None, sky: Sky | None = None, is_interactive: bool = False,
+                 first: int = 0) -> None:
         self.plan = plan
         self.film = film
         self.settings = settings
@@ -63,7 +64,7 @@ class PathRender:
                             for _ in range(2)]
         self._photons: PhotonRender | None = None
         if photon_passes is not None and film.photon_sums is not None:
-            self._photons = PhotonRender(photon_passes, intersector, film.photon_sums, maker)
+            self._photons = PhotonRender(photon_passes, intersector, film.photon_sums, maker, first)
         self._flush: Callable[[], None] = context.function("glFlush")
         self._sky = sky
         if sky is not None:

@@ -28,10 +28,11 @@ WEIGHED = 1 << 18
 
 
 class PhotonRender:
-    """Two wavefronts of photons take turns, as in `viewer.trace.paths.path_render.PathRender`."""
+    """Two wavefronts of photons take turns, as in `viewer.trace.paths.path_render.PathRender`. Those for samples that
+    are numbered from `first` on are others than those for the samples before."""
 
-    def __init__(self, passes: PhotonPasses, intersector: Intersector, sums: PhotonSums,
-                 maker: WavefrontMaker) -> None:
+    def __init__(self, passes: PhotonPasses, intersector: Intersector, sums: PhotonSums, maker: WavefrontMaker,
+                 first: int = 0) -> None:
         self.rays = 0
         self._passes, self._intersector, self.sums = passes, intersector, sums
         self._check_interval = maker.check_interval
@@ -40,7 +41,7 @@ class PhotonRender:
         self._splats = Sums(passes.context.gl, sums.size, SUMS)
         self._flush: Callable[[], None] = passes.context.function("glFlush")
         self._round = 0
-        self._numbers = Numbers()
+        self._numbers = Numbers(first)
 
     @property
     def _block_count(self) -> int:
@@ -123,10 +124,13 @@ class PhotonRender:
 
 
 class Numbers:
-    """Hands out random numbers: each work item has those of `each` photons of a texel, which no other has."""
+    """Hands out random numbers: each work item has those of `each` photons of a texel, which no other has.
 
-    def __init__(self) -> None:
-        self._sequence = self._first = 0
+    The first ones are of this `sequence`. One is enough for a photon in each of 16 million pixels.
+    """
+
+    def __init__(self, sequence: int = 0) -> None:
+        self._sequence, self._first = sequence, 0
 
     def next(self, each: int) -> Work:
         """All of one sequence: if it has less than `each` left, they are not used."""
