@@ -180,8 +180,9 @@ class PathGroups:
             if self._render.is_done:  # a pixel whose samples are all bad is black, as in pictures of mode path
                 np.maximum(self.count[group], 1, out=self.count[group])
             self.lost_share += (self._render.lost_share - self.lost_share) / self._begun  # the mean of all
+            stats = self._render.stats()
             for name in self._stats:
-                self._stats[name] += self._render.stats()[name]
+                self._stats[name] += stats[name]
             self.release()
 
     def release(self) -> None:
