@@ -49,40 +49,60 @@ vec3 own_share() {
 #endif
 
 #if HAS_ENVIRONMENT || HAIR_LIGHT
-// What a yarn's own fibres hide. Light that goes on almost straight through them is not hidden: the light between
-// fibres, which comes from where they hide others, was worked out without it.
-vec3 opacity_of_own(float depth) {
+const int STEPS = 8; // directions about the fibre
+
+struct YarnLight {
+    vec3 scattered; // radiance of light from fibres where they hide the sky
+    vec3 across;    // as in LightAround
+    vec4 hidden;    // by all fibres
+    vec3 own;
+};
+
+// From d, for `share` of the environment at the level `lod`. The yarn's own fibres may hide more than the grid knows
+// of. Light that goes on almost straight through fibres is not hidden: the light between them, which comes from where
+// they hide others, was worked out without it.
+vec3 arriving_in_yarn(YarnLight a, Inside at, vec3 d, float lod) {
+    float way, depth = own_depth(at, d, way);
+    vec3 arriving = vec3(0.0);
 #if HAIR_LIGHT
-    return 1.0 - exp(-u_hair_kept * depth);
+    float clear = clamp(1.0 - a.hidden.x - dot(a.hidden.yzw, d), 1e-6, 1.0); // past others; hidden to the mean of kept
+    float all = max(depth, -log(clear) * u_hair_exponents.x / u_hair_kept.x);
+    vec3 opacity = 1.0 - exp(-u_hair_kept * all);
+#if HAS_COLORS
+    arriving = a.scattered * (opacity + (a.own - 1.0) * (1.0 - exp(-u_hair_kept * depth)));
 #else
-    return vec3(1.0 - exp(-depth));
+    arriving = a.scattered * opacity;
 #endif
+    arriving *= max(1.0 + dot(a.across, d), 0.0);
+#else
+    vec3 opacity = vec3(1.0 - exp(-depth));
+#endif
+#if HAS_ENVIRONMENT
+    arriving += environment_level(d, lod) * (1.0 - opacity);
+#endif
+    return arriving;
 }
 
 // Light from all around, from the cone onto which the fibre scatters: the environment past the yarn's own fibres and
 // others, and what these scatter where they hide it
 vec3 around_in_yarn(SeenFibre s, mat3 frame, Inside at, vec3 position) {
-    vec3 hidden_light = vec3(0.0);
-    vec4 hidden = vec4(0.0);
+    YarnLight a = YarnLight(vec3(0.0), vec3(0.0), vec4(0.0), own_share());
 #if HAIR_LIGHT
-    hidden = textureLod(u_hair_hidden, in_hair(position), 0.0);
-    hidden_light = textureLod(u_hair_scattered, in_hair(position), 0.0).rgb / max(hidden.x, 1e-3);
+    a.hidden = textureLod(u_hair_hidden, in_hair(position), 0.0);
+    a.across = textureLod(u_hair_across, in_hair(position), 0.0).xyz;
+    a.scattered = textureLod(u_hair_scattered, in_hair(position), 0.0).rgb / max(a.hidden.x, 1e-3);
 #endif
-    const int STEPS = 8;
-    float step = 2.0 * PI / float(STEPS);
-    float way;
-    vec3 radiance = vec3(0.0), own = own_share();
-    for (int k = 0; k < STEPS; ++k) {
+    float step = 2.0 * PI / float(STEPS), lod = 0.0;
+    vec3 radiance = vec3(0.0);
+    for (int k = 0; k < STEPS / 2; ++k) {
         float phi = (float(k) + 0.5) * step;
-        vec3 d = frame * vec3(-s.wo.x, sin(phi) * s.wo.z, cos(phi) * s.wo.z);
-        vec3 in_yarn = opacity_of_own(own_depth(at, d, way));
-        vec3 opacity = max(in_yarn, hair_opacity(hidden.x + dot(hidden.yzw, d)));
-        mat3x4 lobes = far_lobes(s, min(phi, 2.0 * PI - phi)) * step;
-        vec3 arriving = hidden_light * (in_yarn * own + opacity - in_yarn);
+        mat3x4 lobes = far_lobes(s, phi) * step; // of the directions on both sides
+        vec3 along = -s.wo.x * frame[0] + cos(phi) * s.wo.z * frame[2], aside = sin(phi) * s.wo.z * frame[1];
 #if HAS_ENVIRONMENT
-        arriving += environment_level(d, environment_lod(s, lobes, step)) * (1.0 - opacity);
+        lod = environment_lod(s, lobes, step);
 #endif
-        radiance += vec4(1.0) * lobes * arriving;
+        radiance += vec4(1.0) * lobes
+            * (arriving_in_yarn(a, at, along + aside, lod) + arriving_in_yarn(a, at, along - aside, lod));
     }
     return radiance;
 }
@@ -115,7 +135,7 @@ vec3 radiance_of_fibre(CurvePoint point, Inside at, vec3 along, float h, float p
         }
 #endif
         float seen = exp(-depth) * past;
-        vec3 wi = l * c.axes, response = seen * fibre_response(s, wi);
+        vec3 wi = l * c.axes, response = seen > 0.0 ? seen * fibre_response(s, wi) : vec3(0.0);
 #if HAIR_LIGHT
         // Through the yarn's own fibres, and through others where those hide the light
         ThroughFibres t = light_through_fibres(i, point.position);

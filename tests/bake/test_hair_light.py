@@ -117,6 +117,7 @@ def test_white_fibres_in_a_furnace_scatter_what_they_hide(grid, white):
     np.testing.assert_allclose(light.radiance[inside], np.tile(white.hidden[inside][:, :1], 3), atol=2e-3)
     assert white.hidden[inside][:, 0].max() > 0.6 and white.hidden[..., 0].min() >= 0
     assert np.abs(light.inclined[inside]).max() < 0.02  # from all sides alike
+    assert np.abs(light.across[inside]).max() < 0.05
 
 
 def test_the_upper_side_hides_what_is_below(grid, white):
@@ -149,6 +150,16 @@ def test_light_keeps_its_inclination_between_parallel_fibres(grid, brown):
     inside = grid.density > np.quantile(grid.density[grid.density > 0], 0.5)
     down, across, up = (radiance_at(light, inside, s).mean() for s in (0.7, 0.0, -0.7))
     assert down > 1.5 and across < 0.75 * down and up < 0.3 * down
+
+
+def test_light_between_fibres_comes_from_where_they_are_lit(grid, white):
+    """Across the fibres, which stand: light along them is in the moments of their inclination."""
+    sun = Light("directional", direction=(-0.8, -0.6, 0))
+    across = white.lit((sun,), None).across[grid.density > np.quantile(grid.density[grid.density > 0], 0.5)]
+    assert across[:, 0].mean() > 0.2 and (across[:, 0] > 0).mean() > 0.8
+    assert np.abs(across[:, 1:].mean(axis=0)).max() < 0.1
+    axis = np.moveaxis(grid.moments()[0], 0, -1)[grid.density > np.quantile(grid.density[grid.density > 0], 0.5)]
+    np.testing.assert_allclose((across * axis).sum(axis=1), 0, atol=1e-5)
 
 
 def test_the_medium_of_fibres():

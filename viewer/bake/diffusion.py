@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 MAX_ITERATIONS, TOLERANCE = 300, 1e-3
 MOST_CORRECTED = 1e3
@@ -60,13 +61,17 @@ def scattered_light(extinction: np.ndarray, unscattered: np.ndarray, flux: np.nd
         _before(source, axis)[...] -= face
         _after(source, axis)[...] += face
     phi = solve(sigma_t, albedos, _reduced(sigma_t, albedos, g), source)
-    origin = _origin(phi, _flux(phi, 1.5 * _reduced(sigma_t, albedos, g), carried), scale) * hidden[..., None]
+    flow = [part * scale for part in diffuse_flux(phi, 1.5 * _reduced(sigma_t, albedos, g), carried)]
+    lit, furnace = (origin_of((phi * scale)[channels], [part[channels] for part in flow])
+                    for channels in (slice(3), slice(3, 4)))
+    origin = (lit - furnace) * hidden[..., None]
     correction = np.minimum(hidden / np.maximum(phi[3] * scale[3], 1e-30), MOST_CORRECTED)
     fluence = np.maximum(phi[:3] * scale[:3] * correction, 0)
     return Scattered(np.ascontiguousarray(np.moveaxis(fluence, 0, -1), np.float32), origin.astype(np.float32))
 
 
-def _flux(phi: np.ndarray, resistance: np.ndarray, carried: Sequence[np.ndarray]) -> list[np.ndarray]:
+def diffuse_flux(phi: np.ndarray, resistance: np.ndarray,
+                 carried: Sequence[ArrayLike] = (0.0, 0.0, 0.0)) -> list[np.ndarray]:
     """-D grad phi + 3 D g sigma_s F_0 along x, y and z at the centres, as means of the faces."""
     result = []
     for forward, axis in zip(carried, _AXES, strict=True):
@@ -79,15 +84,12 @@ def _flux(phi: np.ndarray, resistance: np.ndarray, carried: Sequence[np.ndarray]
     return result
 
 
-def _origin(phi: np.ndarray, flux: Sequence[np.ndarray], scale: np.ndarray) -> np.ndarray:
+def origin_of(phi: np.ndarray, flux: Sequence[np.ndarray]) -> np.ndarray:
     """Diffuse light of flux J has the radiance (phi - 3 J . d) / 4 pi from the direction d. -3 J / phi of all channels
-    together, less that of the furnace, each no more than at a surface (Marshak's)."""
-    ratios = []
-    for channels in (slice(3), slice(3, 4)):
-        total = np.maximum((phi[channels] * scale[channels]).sum(axis=0), 1e-30)
-        along = np.stack([(part[channels] * scale[channels]).sum(axis=0) / total for part in flux], axis=-1)
-        ratios.append(np.clip(-3 * along, -1.5, 1.5))
-    return ratios[0] - ratios[1]
+    together, (n, n, n, 3), no more than at a surface (Marshak's)."""
+    total = np.maximum(phi.sum(axis=0), 1e-30)
+    along = np.stack([part.sum(axis=0) / total for part in flux], axis=-1)
+    return np.clip(-3 * along, -1.5, 1.5)
 
 
 def _reduced(sigma_t: np.ndarray, albedos: np.ndarray, g: float) -> np.ndarray:

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 
 from ..scene.fibre import Fibre
 from ..scene.light import Light
-from .diffusion import MOST_CORRECTED, solve, thinned
+from .diffusion import MOST_CORRECTED, diffuse_flux, origin_of, solve, thinned
 from .fibre_grid import MEAN_SINE, FibreGrid
 from .fibre_medium import ORDERS, fibre_medium
 from .many_lights import ManyLights, uniform_lights
@@ -36,11 +36,14 @@ class HairLight:
     """Light that fibres have scattered, on the grid.
 
     `radiance` (nz, ny, nx, 3) is its mean over all directions. `inclined` (nz, ny, nx, 4) has its moments phi_1 to
-    phi_4 over phi_0, in the mean of the channels. `depths` has the optical depth (nz, ny, nx) to each light.
+    phi_4 over phi_0, in the mean of the channels. Its radiance from a direction d is greater by 1 + v . d than light
+    from where fibres hide the outside would be, with v `across` (nz, ny, nx, 3), at a right angle to the fibres.
+    `depths` has the optical depth (nz, ny, nx) to each light.
     """
 
     radiance: np.ndarray
     inclined: np.ndarray
+    across: np.ndarray
     depths: list[np.ndarray]
 
 
@@ -71,6 +74,7 @@ class HairMedium:
         self._open[1:] = around[1:, 1] / np.maximum(around[0, 1], 1e-30)
         white = self._diffused(around[:1], np.ones_like(around[:1]))[0]
         # In a medium that absorbs nothing, under radiance 1 from everywhere, all radiance is 1 (diffusion.py).
+        self._white_across = self._across(white)
         self._correction = np.minimum(mean_hidden / np.maximum(white, 1e-30), MOST_CORRECTED)
 
     def lit(self, lights: Iterable[Light], sky: ManyLights | None) -> HairLight:
@@ -95,7 +99,8 @@ class HairMedium:
         phi = self._lit(around)
         radiance = np.maximum(phi[0] * self._correction, 0) / np.float32(4 * math.pi)
         inclined = np.clip(phi[1:].sum(axis=1) / np.maximum(phi[0].sum(axis=0), 1e-30), -1, 1)
-        return HairLight(np.moveaxis(radiance, 0, -1), np.moveaxis(inclined, 0, -1), depths)
+        return HairLight(np.moveaxis(radiance, 0, -1), np.moveaxis(inclined, 0, -1),
+                         self._across(phi[0]) - self._white_across, depths)
 
     def _add(self, light: np.ndarray, arriving: np.ndarray, direction: np.ndarray) -> None:
         """Add light that no fibre has scattered, `arriving` (3, nz, ny, nx) from `direction`, (3,) or (3, nz, ny, nx),
@@ -105,6 +110,13 @@ class HairMedium:
         arriving = arriving * (self.grid.extinction(d) / np.maximum(self._extinction, 1e-30))
         legendre = np.polynomial.legendre.legvander(sum(self._axis[k] * d[k] for k in range(3)), ORDERS - 1)
         light += arriving * (np.moveaxis(legendre, -1, 0) * self._order - self._open).astype(np.float32)[:, None]
+
+    def _across(self, fluence: np.ndarray) -> np.ndarray:
+        """Where light of this fluence (3, nz, ny, nx) comes from across the fibres (`origin_of`)."""
+        depth = self._extinction * _channels(self.medium.kept)
+        found = origin_of(fluence, diffuse_flux(fluence, 1.5 * self._reduced(depth)))
+        axis = np.moveaxis(self._axis, 0, -1)
+        return found - axis * (axis * found).sum(axis=-1, keepdims=True)
 
     def _passed(self, depth: np.ndarray) -> np.ndarray:
         return np.exp(-_channels(self.medium.kept) * depth)
@@ -125,10 +137,13 @@ class HairMedium:
         depth = self._extinction * _channels(self.medium.kept)
         shape = (-1, *self.grid.shape)
         sigma_t = np.broadcast_to(thinned(depth), given.shape).reshape(shape)
-        reduced = sigma_t + np.float32(1 / min(self.grid.shape))  # a mean free path is no longer than the grid
         scale = max(float(np.abs(given).max()), 1e-30)
-        phi = solve(sigma_t, albedos.reshape(shape), reduced, (depth * (given / np.float32(scale))).reshape(shape))
+        source = (depth * (given / np.float32(scale))).reshape(shape)
+        phi = solve(sigma_t, albedos.reshape(shape), self._reduced(sigma_t), source)
         return phi.reshape(given.shape) * np.float32(scale)
+
+    def _reduced(self, depth: np.ndarray) -> np.ndarray:
+        return depth + np.float32(1 / min(self.grid.shape))  # a mean free path is no longer than the grid
 
 
 def _channels(values: ArrayLike) -> np.ndarray:

@@ -49,18 +49,19 @@ class HairLight:
         self._kept, self._exponents = tuple(hair.medium.kept.tolist()), tuple((hair.medium.kept / hair.kept).tolist())
         self._spread = hair.medium.spread
         self._low, self._sides = hair.grid.low, hair.grid.cell * np.array(hair.grid.shape[::-1])
-        scattered = np.pad(np.minimum(light.radiance, _MOST), ((0, 0),) * 3 + ((0, 1),))
+        scattered, across = (np.pad(values, ((0, 0),) * 3 + ((0, 1),))
+                             for values in (np.minimum(light.radiance, _MOST), light.across))
         # The depths to all lights lie one above the other along z.
         depths = np.concatenate(light.depths)[..., None] if light.depths else np.zeros((1, 1, 1, 1))
         self._textures = [_texture(gl, values) for values in (
-            scattered, light.inclined, hair.hidden, np.minimum(depths, _MOST))]
+            scattered, light.inclined, across, hair.hidden, np.minimum(depths, _MOST))]
 
     def bind(self, frame: Frame) -> dict[str, object]:
         """The uniforms of shaders/raster/curve_light.glsl; binds the textures."""
         units = {}
-        for k, name in enumerate(("u_hair_scattered", "u_hair_inclined", "u_hair_hidden", "u_hair_depths")):
+        for k, name in enumerate(("scattered", "inclined", "across", "hidden", "depths")):
             self._textures[k].use(UNIT_HAIR + k)
-            units[name] = UNIT_HAIR + k
+            units[f"u_hair_{name}"] = UNIT_HAIR + k
         return units | {"u_hair_kept": self._kept, "u_hair_exponents": self._exponents,
                         "u_hair_spread": self._spread,
                         "u_hair_low": tuple(frame.position(self._low)), "u_hair_scale": tuple(frame.unit / self._sides)}

@@ -24,7 +24,7 @@ _CHUNK = 48
 """Points of a yarn that are shown or left out together, at one level."""
 _COLUMNS = 3
 """Pairs of vertices across a strip. All strips are narrow."""
-UNIT_AXIS, UNIT_COLORS, UNIT_FIBRES = 0, 1, 7
+UNIT_AXIS, UNIT_COLORS, UNIT_FIBRES = 0, 1, 8
 
 
 @dataclass(frozen=True)
