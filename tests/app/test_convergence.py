@@ -237,6 +237,14 @@ def test_a_time_budget_ends_it(hand):
     assert hand.paths.is_done and 0.2 <= hand.paths._path_render.seconds < 10 and hand.paths.picture is not None
 
 
+def test_a_time_budget_waits_for_a_sample_of_every_pixel(hand, monkeypatch):
+    """As in `render`. Before, what was there was shown as done, and the rest of it black."""
+    monkeypatch.setattr(convergence, "SLICE_SECONDS", 0.0)
+    hand.state.settings = replace(PLAIN, spp=None, time_budget=1e-3)
+    hand.rest()
+    assert hand.paths.is_done and hand.paths._path_render.is_whole and hand.paths.progress.samples >= 1
+
+
 def test_progress_in_words():
     assert str(Progress(3.25, 7.4, 9_000_000, 0.0312)) == (
         "3.2 samples a pixel, 7 s, error 3.1 %, 1.2 million rays/s")

@@ -93,11 +93,13 @@ class Convergence:
 
     @property
     def is_done(self) -> bool:
-        """Whether the picture is finished: no more samples will be added."""
+        """Whether the picture is finished: no more samples will be added. A time budget does not end it before it is
+        whole."""
         if self._path_render is None:
             return False
         budget = self._settings().time_budget
-        return self._path_render.is_done or (budget is not None and self._path_render.seconds >= budget)
+        is_over = budget is not None and self._path_render.seconds >= budget
+        return self._path_render.is_done or (is_over and self._path_render.is_whole)
 
     @property
     def left_out(self) -> tuple[str, ...]:
