@@ -55,7 +55,7 @@ uniform vec3 u_absorption; // extinction coefficient sigma_t, per eye-relative u
 #endif
 
 #include "raster/sees_lamps_through.glsl"
-#if SEES_LAMPS_THROUGH
+#if SUBSURFACE && SEES_LAMPS_THROUGH
 in vec3 v_other_side; // its normal, outwards, not normalised
 #endif
 
@@ -63,14 +63,16 @@ in vec3 v_other_side; // its normal, outwards, not normalised
 struct Point {
     vec3 n, n_geometric, v;
     float NoV;
-#if DIFFUSE_TRANSMISSION
+#if DIFFUSE_TRANSMISSION || SEES_LAMPS_THROUGH
     float behind;  // distance to the other side, 0 if thin-walled
+#endif
+#if DIFFUSE_TRANSMISSION
     vec3 returned; // share of the light that the diffuse transmission brings from this side, 0 if thin-walled
+#endif
 #if SEES_LAMPS_THROUGH
-    vec3 clear;        // share of the light from behind that passes the medium of the solid unscattered
+    vec3 clear;        // share of the light from behind that passes without being scattered inside
     float clear_alpha; // roughness of both boundaries together, as that of a reflected lobe
     vec3 bent;         // what lies straight behind, less what is seen there
-#endif
 #endif
 #if ANISOTROPIC
     mat3 frame; // tangent, bitangent, n
@@ -91,6 +93,9 @@ struct Point {
 #endif
 #if HAS_TRANSMISSION
 #include "raster/transmission.glsl"
+#endif
+#if SEES_LAMPS_THROUGH
+#include "raster/see_lamps.glsl"
 #endif
 #if SUBSURFACE == 3
 #include "raster/joint_bilateral.glsl"
@@ -149,11 +154,13 @@ void main() {
 #endif
     m.perceptual_roughness = clamp(m.perceptual_roughness, MIN_PERCEPTUAL_ROUGHNESS, 1.0);
     Surface s = surface_of(m);
-#if DIFFUSE_TRANSMISSION
+#if DIFFUSE_TRANSMISSION || SEES_LAMPS_THROUGH
     p.behind = m.thickness;
 #if SUBSURFACE
     p.behind = 3.3 * v_interior.x; // a tenth more than the diameter of a ball
 #endif
+#endif
+#if DIFFUSE_TRANSMISSION
     p.returned = vec3(0.0);
 #if IS_SOLID && !SUBSURFACE
     s.diffuse_transmission_color *= crossed_solid(s, exp(-u_absorption * m.thickness), p.returned);
@@ -230,15 +237,10 @@ void main() {
 #endif
     TRANSMITTANCE throughput = surface_throughput(s, view) * m.transmission;
 #if SEES_LAMPS_THROUGH
-    // Each boundary turns light by (ior - 1) times the slope of its facets; a mirror does by twice the slope. The slopes
-    // of both together have the peak 1 / (3 pi alpha^2), as facets of sqrt(3) alpha do, and the tail of sqrt(2) alpha.
-    p.clear = throughput * entering_tint(m.base_color.rgb) * inside.unscattered
-        * float(SHOW_SPECULAR);
-    float clear_alpha = 0.5 * sqrt(3.0) * (m.ior - 1.0) * mean_alpha(s);
-    p.clear_alpha = max(clear_alpha, MIN_PERCEPTUAL_ROUGHNESS * MIN_PERCEPTUAL_ROUGHNESS);
-    vec3 leaving = refract(refract(-p.v, p.n, 1.0 / m.ior), -normalize(v_other_side), m.ior);
-    p.bent = -p.v - leaving;
-    p.clear *= dot(leaving, leaving); // 0: all is reflected inside
+    see_lamps(m, s, throughput, p);
+#if SUBSURFACE
+    p.clear *= inside.unscattered;
+#endif
 #endif
 #if SHEEN
     transmitted *= view.sheen.throughput;

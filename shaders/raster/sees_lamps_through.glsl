@@ -1,2 +1,2 @@
-// Lamps are seen through solids that scatter light, where they are thin.
-#define SEES_LAMPS_THROUGH (SUBSURFACE != 0 && SUBSURFACE != 2 && HAS_TRANSMISSION && LIGHT_COUNT > 0)
+// Lamps are seen through rough glass, and through solids that scatter light where they are thin.
+#define SEES_LAMPS_THROUGH (HAS_TRANSMISSION && LIGHT_COUNT > 0 && ((SUBSURFACE == 0 && ROUGH_GLASS) || SUBSURFACE & 1))

@@ -27,7 +27,7 @@ vec2 light_albedo(Point p, Surface s, vec3 l, float NoL, float perceptual_roughn
 #endif
 }
 
-#if DIFFUSE_TRANSMISSION
+#if DIFFUSE_TRANSMISSION || SEES_LAMPS_THROUGH
 // Light that a surface lets through from behind. Its far side is `behind` away, so that a solid does not shadow itself.
 vec3 light_from_behind(int i, Point p, Surface s, SurfaceView view, vec3 l, vec3 irradiance) {
 #if SUBSURFACE
@@ -37,8 +37,11 @@ vec3 light_from_behind(int i, Point p, Surface s, SurfaceView view, vec3 l, vec3
     irradiance *= light_visibility(i, v_position - p.behind * p.n_geometric, -p.n_geometric, l);
 #endif
     float NoL = -dot(p.n, l);
+    vec3 radiance = vec3(0.0);
+#if DIFFUSE_TRANSMISSION
     vec2 dfg = light_albedo(p, s, l, NoL, view.perceptual_roughness);
-    vec3 radiance = (1.0 - p.returned) * surface_transmission(s, view, dfg) * irradiance * NoL;
+    radiance = (1.0 - p.returned) * surface_transmission(s, view, dfg) * irradiance * NoL;
+#endif
 #if SEES_LAMPS_THROUGH
     // A wedge bends light, a slab lets it go straight on. What both boundaries make of it then is the mirror image of a
     // reflected lobe.
@@ -47,7 +50,10 @@ vec3 light_from_behind(int i, Point p, Surface s, SurfaceView view, vec3 l, vec3
     vec3 up = l + 2.0 * NoL * p.n, h = normalize(p.v + up), nxh = cross(p.n, h);
     float NoH = dot(p.n, h);
     float sine2 = dot(nxh, nxh), alpha2 = p.clear_alpha * p.clear_alpha;
-    float alpha = p.clear_alpha * sqrt(1.0 - sine2 / (3.0 * (sine2 + NoH * NoH * alpha2)));
+    float alpha = p.clear_alpha;
+#if IS_SOLID
+    alpha *= sqrt(1.0 - sine2 / (3.0 * (sine2 + NoH * NoH * alpha2)));
+#endif
     radiance += p.clear * d_microfacet(NoH, sine2, alpha) * v_microfacet(p.NoV, NoL, NoH, dot(p.v, h), alpha)
         * irradiance * NoL;
 #endif
@@ -70,7 +76,7 @@ vec3 shade_light(int i, Point p, Surface s, SurfaceView view) {
     vec3 coat_x = D_DX(h - view.coat.n), coat_y = D_DY(h - view.coat.n);
 #endif
 #endif
-#if DIFFUSE_TRANSMISSION
+#if DIFFUSE_TRANSMISSION || SEES_LAMPS_THROUGH
     if (NoL < 0.0) return light_from_behind(i, p, s, view, l, irradiance);
 #endif
 #if CLEARCOAT

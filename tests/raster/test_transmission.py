@@ -15,6 +15,7 @@ from viewer.scene.light import Light
 from viewer.scene.material import Material
 from viewer.scene.scene import Scene
 from viewer.settings import Settings
+from viewer.trace.tracer import Tracer
 
 SIZE = (48, 48)
 FRONT = orthographic(height=0.5)
@@ -125,6 +126,21 @@ def test_a_wall_shows_a_body_behind_it(renderer):
     model = scene((plate(0), moved((0, 0, -1))), plate(1), materials=[body, GLASS])
     back = 2 * R / (1 + R)
     assert middle(renderer, model)[:3] == pytest.approx(np.array([4, 1, 0.5]) * (1 - back), abs=5e-3)
+
+
+@pytest.mark.parametrize("glass", [
+    replace(GLASS, perceptual_roughness=0.4, double_sided=True),
+    replace(GLASS, perceptual_roughness=0.5, thickness=0.1, base_color=(0.8, 0.4, 0.2, 1))], ids=["wall", "slab"])
+@pytest.mark.parametrize("angle", [0.1, 0.6])
+def test_a_lamp_is_seen_through_rough_glass(renderer, context, glass, angle):
+    """Blurred, as in mode path. A slab of it does not keep the sun from itself."""
+    sun = Light("directional", intensity=3.0, direction=(np.sin(angle), -0.1, np.cos(angle)))
+    back = plate(), moved((0, 0, -0.1)) @ np.diag([-1.0, 1.0, -1.0, 1.0])
+    sides = [plate(), back] if glass.thickness > 0 else [plate()]
+    model, camera = scene(*sides, materials=[glass], lights=(sun,)), Camera.look_at((0, 0, 4), (0, 0, 0), fov_y=0.2)
+    found = middle(renderer, model, camera, background="none")[:3]
+    paths = Tracer(context).render(model, camera, Settings.of(mode="path", spp=512, background="none"), (8, 8)).linear
+    assert found == pytest.approx(paths[..., :3].mean(axis=(0, 1)), rel=0.1)
 
 
 def test_half_of_each(renderer):

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from ..errors import UsageError
 from ..material.fold import without_constant_maps
-from ..material.use import feature_switches, may_be_pane, metalness, supported, used_maps
+from ..material.use import DELTA_ALPHA, feature_switches, may_be_pane, metalness, supported, used_maps
 from ..scene.convex import is_convex
 from ..scene.light import Light
 from ..scene.material import ANISOTROPY, DIFFUSE_TRANSMISSION, Material
@@ -282,6 +282,7 @@ def _pbr_switches(material: Material, settings: Settings, has_environment: bool)
         "WOVEN": int(material.weave is not None),
         **({} if material.weave is None else {"SHADED_SIDE": settings.supersampling}),
         "METALNESS": metalness(material),
+        "ROUGH_GLASS": int(material.transmits and material.perceptual_roughness**2 >= DELTA_ALPHA),
         **bsdf_switches(settings),
         "LOOKUPS": has_environment * lookups(material, settings),
         "COAT_LOOKUPS": has_environment * coat_lookups(material, settings),

@@ -46,8 +46,8 @@ def _maps(fragment: str) -> list[str]:
     return [name.upper() for name, m in MAPS.items() if _model(fragment) in m.info.models]
 
 
-def sees_lamps_through(switches: Mapping[str, int]) -> bool:
-    """Whether lamps are seen through a solid that scatters light, as SEES_LAMPS_THROUGH of shaders/raster/pbr.frag."""
+def _sees_lamps_through(switches: Mapping[str, int]) -> bool:
+    """Whether lamps are seen through a solid that scatters light (shaders/raster/sees_lamps_through.glsl)."""
     return bool(switches["SUBSURFACE"] not in (NO_SUBSURFACE, GATHERED) and switches["HAS_TRANSMISSION"]
                 and switches["LIGHT_COUNT"])
 
@@ -56,7 +56,7 @@ def attributes_of(switches: Mapping[str, int]) -> tuple[str, ...]:
     """The vertex attributes that a program with these switches reads."""
     names = {"a_normal": switches["HAS_NORMAL"], "a_tangent": switches["HAS_TANGENT"], "a_color": switches["HAS_COLOR"],
              "a_indirect": switches["INDIRECT"], "a_interior": switches["SUBSURFACE"],
-             "a_other_side": sees_lamps_through(switches),
+             "a_other_side": _sees_lamps_through(switches),
              "a_behind": switches["SUBSURFACE"] and switches["INDIRECT"],
              "a_uv0": switches["UV_SETS"] & 1, "a_uv1": switches["UV_SETS"] & 2}
     return ("a_position", *(name for name, is_read in names.items() if is_read))
