@@ -3,6 +3,9 @@
 #include "bsdf/bsdf.glsl"
 #include "bsdf/fresnel.glsl"
 #include "bsdf/anisotropy.glsl"
+#if HAS_ROUGH_GLASS && MULTISCATTER
+#include "light/rough_glass.glsl"
+#endif
 #if HAS_SOLID_GLASS
 #include "bsdf/lobe/dielectric.glsl"
 #endif
@@ -63,8 +66,22 @@ vec3 interface_tint(Glass g, vec3 wo, vec3 wi) {
 #endif
 }
 
-vec3 glass_tint(Glass g, vec3 wo, vec3 wi) {
-    return interface_tint(g, wo, wi) * (wi.z < 0.0 ? g.tint : vec3(1.0)) * float(SHOW_SPECULAR);
+// What the facets do not show of light that meets more than one of them. Those of a thin wall scatter all light.
+float scattered_again(Glass g, vec3 wo, vec3 wi, sampler2D dfg) {
+#if HAS_ROUGH_GLASS && MULTISCATTER
+    if (is_delta(g.alpha)) return 1.0;
+    float alpha = min(sqrt(g.alpha.x * g.alpha.y), 1.0), f0 = g.is_thin ? 1.0 : f0_from_eta(g.eta);
+    bool is_inside = !g.is_thin && g.eta < 1.0, is_crossing = !g.is_thin && wi.z < 0.0;
+    return exp(rough_glass_factor(dfg, wo.z, alpha, f0, is_inside)
+               + rough_glass_factor(dfg, wi.z, alpha, f0, is_inside != is_crossing));
+#else
+    return 1.0;
+#endif
+}
+
+vec3 glass_tint(Glass g, vec3 wo, vec3 wi, sampler2D dfg) {
+    return interface_tint(g, wo, wi) * (wi.z < 0.0 ? g.tint : vec3(1.0)) * float(SHOW_SPECULAR)
+        * scattered_again(g, wo, wi, dfg);
 }
 
 #if HAS_SOLID_GLASS
@@ -103,7 +120,7 @@ vec4 glass_eval_pdf(Glass g, vec3 wo, vec3 wi, sampler2D dfg) {
         f = vec4(thin_dielectric_eval(lobe, wo, wi, dfg), thin_dielectric_pdf(lobe, wo, wi, dfg));
     }
 #endif
-    return f * vec4(glass_tint(g, wo, wi), 1.0);
+    return f * vec4(glass_tint(g, wo, wi, dfg), 1.0);
 }
 
 BsdfSample glass_sample(Glass g, vec3 wo, vec3 u, sampler2D dfg) {
@@ -114,6 +131,6 @@ BsdfSample glass_sample(Glass g, vec3 wo, vec3 u, sampler2D dfg) {
 #if HAS_THIN_GLASS
     if (g.is_thin) s = thin_dielectric_sample(thin_lobe(g), wo, u, dfg);
 #endif
-    s.weight *= glass_tint(g, wo, s.wi);
+    s.weight *= glass_tint(g, wo, s.wi, dfg);
     return s;
 }

@@ -43,6 +43,8 @@ MUTATIONS = [
              "return i.medium;"),
     Mutation("glass tints twice", "bsdf/glass.glsl", "g.tint = sqrt(max(m.base_color.rgb, vec3(0.0)));",
              "g.tint = m.base_color.rgb;"),
+    Mutation("rough glass loses what meets a second facet", "bsdf/glass.glsl",
+             "if (is_delta(g.alpha)) return 1.0;", "return 1.0;"),
     Mutation("thin glass reflects at one face", "bsdf/lobe/thin_dielectric.glsl", "return 2.0 * R / (1.0 + R);",
              "return R;"),
     Mutation("what alpha leaves open is solid to paths", "trace/bounce.glsl", "if (u >= m.coverage) return true;", ""),

@@ -112,11 +112,21 @@ def test_a_mixture_is_the_sum_of_its_parts(tracer, thickness):
     assert whole == pytest.approx(0.3 * metal + 0.7 * (0.4 * glass + 0.6 * opaque), rel=0.01)
 
 
+@pytest.mark.parametrize("thickness", [0.0, 1.0])
+def test_rough_glass_is_lossless(tracer, thickness):
+    """A tenth of the light and more is lost by facets that scatter once."""
+    glass = replace(GLASS, perceptual_roughness=0.5, thickness=thickness, double_sided=True)
+    model = scene(sphere(segments=48), materials=[glass], environment=constant())
+    found, lossy = (mean(tracer, model, multiscatter=multiscatter, bounces=64) for multiscatter in ("on", "off"))
+    assert found == pytest.approx(1.0, abs=0.03)
+    assert lossy.max() < 0.95
+
+
 def test_lights_and_lobes_agree(tracer):
     """Rough glass in front of a small bright patch, which both BSDF samples and light samples find."""
     model = scene(plate(half=4.0), materials=[replace(GLASS, perceptual_roughness=0.6, double_sided=True)],
                   environment=lit(behind=True))
-    both = halves(tracer, model, FRONT, (16, 16), spp=256)
+    both = halves(tracer, model, FRONT, (16, 16), spp=256, multiscatter="off")
     # By quadrature over the environment's texels, T' D V cos
     from viewer.measure.check.lobes import LOBES
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bake.dfg import dfg_albedos
+from ..bake.rough_glass import with_rough_glass
 from ..bake.stretched import stretched_levels
 from ..errors import UsageError
 from ..gpu.context import Context
@@ -96,7 +97,7 @@ class Tracer:
         self._intersector = intersector
         self._display = DisplayPass(context.gl, self.programs)
         self._scene: TracedScene | None = None
-        self._dfg: dict[tuple[str, str, bool], moderngl.Texture] = {}
+        self._dfg: dict[tuple[str, str, bool, bool], moderngl.Texture] = {}
         self._denoisers: dict[str, Denoiser] = {}
         self._shown: tuple[Scene, Scene] | None = None
         self._coverage = LastCoverage()
@@ -203,7 +204,7 @@ class Tracer:
             "u_size": size, "u_seed": settings.seed, "u_bounces": settings.bounces, "u_clamp": settings.clamp or 3e38,
             "u_dfg": UNIT_DFG, **RAY_UNITS,
         }
-        dfg = self._dfg_texture(settings, any(program.get("ANISOTROPIC") for program in plan.programs.values()))
+        dfg = self._dfg_texture(settings, plan)
 
         def use_textures() -> None:
             traced.use_textures()
@@ -265,11 +266,16 @@ class Tracer:
         self._scene = TracedScene(self.context, scene, settings, self._intersector)
         return self._scene
 
-    def _dfg_texture(self, settings: Settings, stretches: bool) -> moderngl.Texture:
-        key = settings.ndf, settings.masking, stretches
+    def _dfg_texture(self, settings: Settings, plan: TracePlan) -> moderngl.Texture:
+        programs = plan.programs.values()
+        stretches = any(program.get("ANISOTROPIC") for program in programs)
+        roughens = any(program.get("HAS_ROUGH_GLASS") and program.get("MULTISCATTER") for program in programs)
+        key = settings.ndf, settings.masking, stretches, roughens
         if key not in self._dfg:
+            table = dfg_albedos(*key[:2])
             levels = stretched_levels(settings.masking) if stretches else ()
-            self._dfg[key] = float_texture(self.context.gl, dfg_albedos(*key[:2]), *levels)
+            self._dfg[key] = float_texture(
+                self.context.gl, with_rough_glass(table, settings.masking) if roughens else table, *levels)
         return self._dfg[key]
 
     def release(self) -> None:

@@ -10,12 +10,13 @@ from .materials import TraceMaterial
 
 
 def glass_switches(materials: Iterable[TraceMaterial]) -> dict[str, int]:
-    """Switches for solid glass, for thin glass, for a mixture with an opaque part, and for a modified specular
-    interface."""
+    """Switches for solid glass, for thin glass, for rough glass, for a mixture with an opaque part, and for a modified
+    specular interface."""
     glass = [m for m in materials if m.transmits and not m.is_boundary]
     return {
         "HAS_SOLID_GLASS": int(any(not m.is_thin for m in glass)),
         "HAS_THIN_GLASS": int(any(m.is_thin for m in glass)),
+        "HAS_ROUGH_GLASS": int(any(m.material.perceptual_roughness > 0 for m in glass)),
         "HAS_PARTLY_GLASS": int(any(_is_partly_glass(m) for m in glass)),
         "HAS_SPECULAR_GLASS": int(any(_has_own_interface(m) for m in glass)),
     }
