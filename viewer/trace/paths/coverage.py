@@ -81,7 +81,7 @@ class _View:
 
     def pixels(self, points: NDArray[np.floating]) -> tuple[NDArray[np.float64], float] | None:
         """Where they are seen, (N, 2), and the margin of what they bound; None if any is too close to the eye."""
-        x, y, w = (points @ self._matrix.T + self._offset).T
+        x, y, w = self._matrix @ points.T + self._offset[:, None]
         nearest = float(w.min())
         if not nearest * self._unit >= NEAREST:
             return None

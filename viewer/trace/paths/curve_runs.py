@@ -10,19 +10,21 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from ..scene.curves import TraceCurves
 
-_RUNS = 1 << 18
+_RUNS = 1 << 16
 """About the most runs into which strands are cut; each strand has one at least."""
 _CORNERS = np.array([[(k >> axis) & 1 for axis in range(3)] for k in range(8)], bool)
 
 
 def curve_runs(curves: TraceCurves) -> NDArray[np.float64]:
     """The corners of boxes that hold all segments with their radii, (boxes, 8, 3), in tracer space."""
-    first = curves.first.astype(np.int64)
-    count, number = len(first), np.arange(len(first))
-    is_root = np.r_[True, first[1:] != first[:-1] + 1]
-    in_strand = number - np.maximum.accumulate(np.where(is_root, number, 0))
-    begins = np.flatnonzero(in_strand % -(-count // _RUNS) == 0)
-    rows = np.stack([first[begins], first[np.append(begins[1:], count) - 1] + 2], axis=1)  # of points, and one after
+    first = curves.first
+    roots = np.append(0, np.flatnonzero(np.diff(first) != 1) + 1)
+    counts = np.diff(np.append(roots, len(first)))
+    most = -(-len(first) // _RUNS)  # segments of a run
+    runs = -(-counts // most)
+    begins = np.repeat(roots, runs) + most * (np.arange(runs.sum()) - np.repeat(np.cumsum(runs) - runs, runs))
+    ends = np.append(begins[1:], len(first)) - 1
+    rows = np.stack([first[begins], first[ends] + 2], axis=1).astype(np.int64)  # of points, and one after
     low, high = (bound.reduceat(curves.points, rows.ravel())[::2].astype(np.float64)
                  for bound in (np.minimum, np.maximum))
     radius = high[:, 3:]

@@ -51,7 +51,7 @@ _EVEN = 2e-3
 """The slope of a segment's radius up to which Embree may miss it."""
 _STEP = 1e-6
 """Step behind the back of a curve, in tracer units."""
-_TASK = 2048
+_TASK = 1024
 """Rays that a thread traces before it takes others: some milliseconds."""
 _SPREAD = np.array([sum((k >> bit & 1) << 3 * bit for bit in range(5)) for k in range(32)], np.uint16)
 """Numbers of five bits with two zeros after each."""
