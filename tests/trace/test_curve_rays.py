@@ -99,7 +99,7 @@ def test_processes_share_the_cores(monkeypatch: pytest.MonkeyPatch, given: str, 
 
     asked: list[int] = []
     monkeypatch.setenv("LP_NUM_THREADS", given)
-    monkeypatch.setattr(embree_curves.os, "cpu_count", lambda: 7)
+    monkeypatch.setattr(embree_curves, "core_count", lambda: 7)
     monkeypatch.setattr(embree_curves, "ThreadPoolExecutor", lambda count, _name: asked.append(count))
     embree_curves._threads.__wrapped__()
     assert asked == [threads]
