@@ -33,9 +33,9 @@ class Arrangement:
         columns, rows = grid
         assert TILE % columns == 0
         self._size = columns * TILE, rows * TILE
-        numbers = np.arange(self._size[0] * self._size[1], dtype=np.int32)
+        numbers = np.arange(self._size[0] * self._size[1])
         x, y = numbers % self._size[0], numbers // self._size[0]
-        self._texels = y << 16 | x  # as the shader reads them
+        self._texels = (y << 16 | x).astype(np.int32)  # as the shader reads them
         self._block = y // TILE * columns + x // TILE  # of each home
         self.homes_of = np.argsort(self._block, kind="stable").reshape(columns * rows, TILE * TILE)
         """(blocks, TILE^2), the homes of each block."""
@@ -43,12 +43,12 @@ class Arrangement:
         for texture in self._textures.values():
             texture.filter = moderngl.NEAREST, moderngl.NEAREST
         self._home, self._finds_places = numbers, finds_places
-        self._next: NDArray[np.int32] = numbers[:0]
+        self._next: NDArray[np.intp] = numbers[:0]
         self._used = self.rows = self.next_rows = 0
         self.ended_rows = 0, 0
         """The first row, and the number of rows, of the next state that have all paths which have ended."""
 
-    def homes(self, row: int, rows: int) -> NDArray[np.int32]:
+    def homes(self, row: int, rows: int) -> NDArray[np.intp]:
         """The homes of the paths in so many rows of the present state."""
         return self._home[row * self._size[0]:(row + rows) * self._size[0]]
 
@@ -74,7 +74,7 @@ class Arrangement:
         homes = self.homes(0, self.rows)
         self._write("u_home", self._texels[homes])
         if self._finds_places:
-            place = np.full_like(self._home, -1)
+            place = np.full_like(self._texels, -1)
             place[homes] = self._texels[:len(homes)]
             self._write("u_place", place)
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...gpu.float_target import float_target
+from ..texels import put_texels
 from .arrangement import Arrangement
 
 
@@ -40,12 +41,11 @@ class Gathered:
         homes = self._arrangement.homes(row, rows)
         texels = np.empty((len(homes), 4), np.float32)
         area = 0, row, self._size[0], rows
-        ended = None
         for k, sums in enumerate(self._sums):
             self.finished.read_into(texels, viewport=area, components=4, attachment=k, dtype="f4")
-            if ended is None:
-                ended = np.flatnonzero(texels[:, 3])  # the first has the number of samples there
-            sums[homes[ended]] += texels[ended]
+            added = sums.take(homes, axis=0)
+            added += texels
+            put_texels(sums, homes, added)
         self._rows = 0, 0
 
     def show(self, blocks: NDArray[np.intp]) -> None:

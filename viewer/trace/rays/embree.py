@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from ...gpu.context import Context
 from ..layout import FREE, IDLE, IN_FLIGHT, INSTANCE_MASK, KIND_SHIFT, MISS, NO_KIND
+from ..texels import put_texels
 from .embree_curves import EmbreeCurves
 from .flatten import flatten
 from .intersect import CLASS_OF_IDLE, SHADOW_REACH, Answer, Surfaces, WavefrontTextures
@@ -297,9 +298,10 @@ class _Triangles:
 
     def write_hits(self, found: dict[str, NDArray], hits: NDArray[np.uint32], texels: NDArray[np.intp]) -> None:
         """Write to rows `texels` of `hits`, (paths, 4), what the hit texture has of what was found."""
-        hits.view(np.uint64)[texels, 0] = self._pairs.take(found["primID"], mode="wrap")  # -1 takes the last
-        hits[texels, 2] = found["u"].view(np.uint32)
-        hits[texels, 3] = found["v"].view(np.uint32)
+        rows = np.empty((len(texels), 4), np.uint32)
+        rows.view(np.uint64)[:, 0] = self._pairs.take(found["primID"], mode="wrap")  # -1 takes the last
+        rows[:, 2], rows[:, 3] = found["u"].view(np.uint32), found["v"].view(np.uint32)
+        put_texels(hits, texels, rows)
 
 
 def _rows(texels: NDArray[np.float32], rows: NDArray[np.intp]) -> NDArray[np.float32]:
