@@ -44,6 +44,8 @@ SCALE = {"path": 1 / 3}
 DEFAULT_SCALE = 0.5
 POWER_CODED = ("blender-cycles", "vray")
 """Path tracers whose pictures are encoded by pow(1 / 2.2)."""
+LIGHT_OF = "path, denoised"
+"""The version whose light that of other engines is a multiple of."""
 LIGHTLESS = {"khronos-GlamVelvetSofa": ("default", "path")}
 """Scenarios whose references leave out the lights of the file, and the versions that are also drawn without them."""
 
@@ -128,7 +130,8 @@ def _row(scorer: ModuleType, scenario: Scenario, options: argparse.Namespace, wi
                                        for e in scorer.REAL_TIME if e in scenario.pictures}}
     for version in LIGHTLESS[scenario.name] if without_lights else VERSIONS:
         if options.versions and version not in options.versions:
-            row |= {version: kept[label][version]} if version in kept[label] else {}
+            names = (version, "light") if version == LIGHT_OF else (version,)
+            row |= {name: kept[label][name] for name in names if name in kept[label]}
             continue
         file = options.pictures / version / f"{scenario.name}{'-lightless' * without_lights}.png"
         if not file.is_file():
@@ -137,6 +140,8 @@ def _row(scorer: ModuleType, scenario: Scenario, options: argparse.Namespace, wi
             _draw(scenario, version, file, without_lights)
         ours = scorer.load(file, tuple(scenario.facts["golden_size"]))
         row[version] = _score(scorer, scenario, ours)
+        if version == LIGHT_OF:
+            row["light"] = _light(scenario, ours)
     return row
 
 
@@ -183,6 +188,39 @@ def _srgb_coded(picture: Picture) -> Picture:
     return coded.astype(np.float32), alpha
 
 
+def _light(scenario: Scenario, ours: Picture) -> dict[str, float]:
+    """How much light each engine's picture has: the median over opaque pixels, as a multiple of that of ours."""
+    own = _radiance(ours)
+    found = {}
+    for engine, picture in scenario.pictures.items():
+        light = _radiance(_srgb_coded(picture) if engine in POWER_CODED else picture)
+        opaque = (picture[1] > 0.998) & (ours[1] > 0.998)
+        found[engine] = float(np.median(light[opaque] / np.maximum(own[opaque], 1e-4)))
+    return found
+
+
+def _radiance(picture: Picture) -> np.ndarray:
+    """The sum of red, green and blue before the tone curve of the scenarios, of an sRGB picture: ACES, as
+    shaders/display/display.frag has it, solved for its argument."""
+    rgb = picture[0].astype(np.float64)
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    y = np.clip(linear @ np.linalg.inv(_FROM_ODT).T, 1e-5, 0.98)
+    a, b, c = 1 - 0.983729 * y, 0.0245786 - 0.4329510 * y, -0.000090537 - 0.238081 * y
+    return ((-b + np.sqrt(b * b - 4 * a * c)) / (2 * a) @ np.linalg.inv(_TO_RRT).T * 0.6).sum(axis=2)
+
+
+_TO_RRT = np.array([[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]])
+_FROM_ODT = np.array([[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]])
+
+
+def _light_table(scorer: ModuleType, rows: list[dict[str, Any]]) -> list[str]:
+    engines = [*scorer.PATH_TRACED, *scorer.REAL_TIME]
+    lines = [["scenario", *engines], ["---"] * (len(engines) + 1)]
+    lines += [[row["scenario"], *(f"{row['light'][e]:.2f}" if e in row["light"] else "" for e in engines)]
+              for row in rows if "light" in row]
+    return ["| " + " | ".join(line) + " |" for line in lines]
+
+
 def _page(scorer: ModuleType, rows: list[dict[str, Any]]) -> list[str]:
     return ["# Fidelity: our pictures and other engines'", "",
             "Mean FLIP over interior pixels against the two path tracers that agree best; less is better. A number in",
@@ -191,7 +229,10 @@ def _page(scorer: ModuleType, rows: list[dict[str, Any]]) -> list[str]:
             "would score that agrees with the better of both references in all but the encoding, sRGB. *Third*",
             "is the nearest path tracer that is not a reference. Other engines drew at the scenario's size, we at half",
             "of it, and paths that are not denoised at a third. All are reduced to a third of it.", "",
-            *_table(scorer, rows), ""]
+            *_table(scorer, rows), "",
+            "How much light the pictures of the engines have, before the tone curve: the median over opaque pixels, as",
+            "a multiple of that of *path, denoised*.", "",
+            *_light_table(scorer, rows), ""]
 
 
 def _table(scorer: ModuleType, rows: list[dict[str, Any]]) -> list[str]:

@@ -30,6 +30,16 @@ def test_power_coding_is_of_the_same_light() -> None:
     assert fidelity._srgb_coded((coded, np.ones((1, 1))))[0] == pytest.approx(rgb, abs=1e-5)
 
 
+def test_light_is_that_before_the_tone_curve():
+    light = np.array([[[0.4, 0.02, 0.01], [0.2, 0.3, 0.5]]], np.float64)
+    x = light / 0.6 @ fidelity._TO_RRT.T
+    y = (x * (x + 0.0245786) - 0.000090537) / (x * (0.983729 * x + 0.4329510) + 0.238081)
+    shown = np.clip(y @ fidelity._FROM_ODT.T, 0, 1)
+    rgb = np.where(shown <= 0.0031308, 12.92 * shown, 1.055 * shown ** (1 / 2.4) - 0.055).astype(np.float32)
+    assert fidelity._radiance((rgb, np.ones((1, 2)))) == pytest.approx(light.sum(axis=2), rel=1e-4)
+
+
+
 def test_ranks_and_means_are_those_of_the_scores(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(fidelity, "VERSIONS", {"default": {}, "path": {}})
     rows = [row("a", 0.2, 0.1, 0.3, path=0.1), row("b", 0.1, 0.2, 0.3),
